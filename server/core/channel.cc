@@ -1,0 +1,76 @@
+#include "server/core/channel.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <numbers>
+
+namespace driftwise {
+namespace {
+
+bool is_symbol(std::string_view text) {
+  if (text.empty() || !std::isalpha(static_cast<unsigned char>(text.front()))) return false;
+  return std::ranges::all_of(
+      text, [](unsigned char c) { return std::isalnum(c) || c == '_'; });
+}
+
+bool all_digits(std::string_view text) {
+  return !text.empty() &&
+         std::ranges::all_of(text, [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
+}  // namespace
+
+const std::vector<std::string>& known_units() {
+  static const std::vector<std::string> units = {"m",  "mm", "um", "nm",  "rad", "deg", "arcsec", "degC",
+                                                 "K",  "N",  "Pa", "hPa", "pct", "V",   "s",      "1"};
+  return units;
+}
+
+Result<Channel> parse_channel(std::string_view name) {
+  const std::size_t cut = name.rfind('_');
+  if (cut != std::string_view::npos) {
+    const std::string_view symbol = name.substr(0, cut);
+    const std::string_view unit = name.substr(cut + 1);
+    const auto& units = known_units();
+    if (is_symbol(symbol) && std::ranges::find(units, unit) != units.end())
+      return Channel{std::string(symbol), std::string(unit)};
+  }
+  std::string allowed;
+  for (const auto& unit : known_units()) allowed += (allowed.empty() ? "" : " ") + unit;
+  return fail(ErrorCode::invalid_argument, "BAD_CHANNEL",
+              "'" + std::string(name) + "' is no channel: expected <name>_<unit> such as t07_degC, unit one of " +
+                  allowed);
+}
+
+bool is_length(std::string_view unit) {
+  return unit == "m" || unit == "mm" || unit == "um" || unit == "nm";
+}
+
+bool is_angle(std::string_view unit) { return unit == "rad" || unit == "deg" || unit == "arcsec"; }
+
+SummaryUnit summary_unit(std::string_view unit) {
+  if (unit == "m") return {"nm", 1e9};
+  if (unit == "mm") return {"nm", 1e6};
+  if (unit == "um") return {"nm", 1e3};
+  if (unit == "nm") return {"nm", 1.0};
+  if (unit == "rad") return {"arcsec", 180.0 * 3600.0 / std::numbers::pi};
+  if (unit == "deg") return {"arcsec", 3600.0};
+  return {std::string(unit), 1.0};
+}
+
+bool is_motor_symbol(std::string_view symbol) {
+  return symbol.size() >= 2 && symbol.front() == 'q' && all_digits(symbol.substr(1));
+}
+
+bool is_pose_symbol(std::string_view symbol) {
+  static constexpr std::array<std::string_view, 6> pose = {"x", "y", "z", "rx", "ry", "rz"};
+  return std::ranges::find(pose, symbol) != pose.end();
+}
+
+bool is_structure_temperature(const Channel& channel) {
+  return channel.unit == "degC" && channel.symbol.size() >= 2 && channel.symbol.front() == 't' &&
+         all_digits(std::string_view(channel.symbol).substr(1));
+}
+
+}  // namespace driftwise

@@ -1,0 +1,46 @@
+#pragma once
+// A table made of runs, or imported: one row per accepted point, in time order.
+// Stored by columns; every column has one value per row, kMissing where nothing was measured.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "server/core/channel.h"
+#include "server/core/reading.h"
+
+namespace driftwise {
+
+enum class PointSet : std::uint8_t { calibration, validation };
+
+struct DatasetColumn {
+  Channel channel;
+  std::vector<double> values;
+};
+
+struct Dataset {
+  std::vector<std::pair<std::string, std::string>> metadata;  // the leading "# key: value" lines, in order
+  std::size_t rows = 0;
+
+  // Empty when the file has no such column (all calibration; untimed; ...), else one entry per row.
+  std::vector<double> time_s;
+  std::vector<PointSet> set;
+  std::vector<std::int64_t> line;
+  std::vector<std::uint8_t> zero;
+  std::vector<double> dwell_s;
+  std::vector<std::int64_t> run;
+  std::vector<std::int64_t> datum;
+
+  std::vector<DatasetColumn> columns;  // the channels, in file order
+
+  const DatasetColumn* find(std::string_view symbol) const {
+    for (const auto& column : columns)
+      if (column.channel.symbol == symbol) return &column;
+    return nullptr;
+  }
+  PointSet set_of(std::size_t row) const { return set.empty() ? PointSet::calibration : set[row]; }
+};
+
+}  // namespace driftwise

@@ -1,0 +1,77 @@
+#pragma once
+// What the daemon asks of a database. Calls block; each object belongs to one thread: the application keeps
+// the writing store on its writer thread and opens a second, read-only one for queries.
+// Errors: resource_exhausted (full disk; nothing was written, the call may be repeated), data_loss (damaged file),
+// not_found, failed_precondition (schema newer than this program), internal.
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/core/dataset.h"
+#include "server/core/records.h"
+#include "server/core/result.h"
+
+namespace driftwise {
+
+class RunStore {
+ public:
+  virtual ~RunStore() = default;
+  virtual Result<RunRecord> create_run(const NewRun& run) = 0;
+  virtual Result<void> change_run(RunId run, const RunChange& change) = 0;
+  virtual Result<DatumId> open_datum(const DatumRecord& datum) = 0;
+  // Durable (WAL, synchronous FULL) when it returns; all of it or nothing.
+  virtual Result<std::optional<PointId>> commit(const PointCommit& commit) = 0;
+
+  virtual Result<RunRecord> run(RunId run) = 0;
+  virtual Result<std::vector<RunRecord>> runs(int limit, std::int64_t before_id /* 0: newest */) = 0;
+  virtual Result<std::optional<RunRecord>> unfinished_run() = 0;  // running, paused, waiting: to go on with after a restart
+  virtual Result<std::vector<PointRecord>> points(RunId run, std::int64_t after_id, int limit) = 0;
+  virtual Result<std::vector<AttemptRecord>> attempts(RunId run) = 0;  // without their readings
+  virtual Result<std::vector<DatumRecord>> data(RunId run) = 0;        // datums, oldest first
+  // Accepted points of the runs, in time order, as the dataset CSV has them.
+  virtual Result<Dataset> dataset(std::span<const RunId> runs) = 0;
+};
+
+class ReadingStore {
+ public:
+  virtual ~ReadingStore() = default;
+  virtual Result<void> append(std::span<const Reading> readings, std::span<const MoveRecord> moves) = 0;
+  // In time order, start in [from, to); device empty: all.
+  virtual Result<std::vector<Reading>> readings(const std::string& device, CellTime from, CellTime to, int limit) = 0;
+  virtual Result<std::vector<MoveRecord>> moves(CellTime from, CellTime to) = 0;
+};
+
+class ModelStore {
+ public:
+  virtual ~ModelStore() = default;
+  virtual Result<ModelId> add_model(const ModelRecord& model) = 0;  // its id is ignored; same hash again: same id
+  virtual Result<ModelRecord> model(ModelId id) = 0;
+  virtual Result<std::vector<ModelRecord>> models() = 0;
+  virtual Result<void> add_promotion(const PromotionRecord& promotion) = 0;
+  virtual Result<std::vector<PromotionRecord>> promotions() = 0;  // oldest first; the last one serves
+};
+
+class EventStore {
+ public:
+  virtual ~EventStore() = default;
+  virtual Result<EventId> add_event(const EventRecord& event) = 0;
+  virtual Result<std::vector<EventRecord>> events(EventId after, int limit) = 0;
+};
+
+// One database. The four views share its transactions and its thread.
+class Store {
+ public:
+  virtual ~Store() = default;
+  virtual RunStore& runs() = 0;
+  virtual ReadingStore& readings() = 0;
+  virtual ModelStore& models() = 0;
+  virtual EventStore& events() = 0;
+};
+
+using OpenStore = std::function<Result<std::unique_ptr<Store>>(const std::string& path, bool read_only)>;
+
+}  // namespace driftwise

@@ -1,0 +1,45 @@
+#include "server/core/channel.h"
+
+#include <gtest/gtest.h>
+
+namespace driftwise {
+namespace {
+
+TEST(ParseChannel, SplitsAtTheLastUnderscore) {
+  const auto channel = parse_channel("x_std_nm");
+  ASSERT_TRUE(channel);
+  EXPECT_EQ(channel->symbol, "x_std");
+  EXPECT_EQ(channel->unit, "nm");
+  EXPECT_EQ(channel->name(), "x_std_nm");
+}
+
+class BadChannel : public testing::TestWithParam<const char*> {};
+TEST_P(BadChannel, IsRefusedByName) {
+  const auto channel = parse_channel(GetParam());
+  ASSERT_FALSE(channel);
+  EXPECT_EQ(channel.error().code, ErrorCode::invalid_argument);
+  EXPECT_EQ(channel.error().reason, "BAD_CHANNEL");
+  EXPECT_NE(channel.error().message.find("'" + std::string(GetParam()) + "'"), std::string::npos);
+}
+INSTANTIATE_TEST_SUITE_P(Table, BadChannel,
+                         testing::Values("", "x", "_mm", "x_", "x_furlong", "7x_mm", "a b_mm", "x_MM"));
+
+TEST(ChannelKinds, AreToldByTheirNames) {
+  EXPECT_TRUE(is_motor_symbol("q12"));
+  EXPECT_FALSE(is_motor_symbol("q"));
+  EXPECT_TRUE(is_pose_symbol("rz"));
+  EXPECT_FALSE(is_pose_symbol("r"));
+  EXPECT_TRUE(is_structure_temperature({"t07", "degC"}));
+  EXPECT_FALSE(is_structure_temperature({"t07", "V"}));
+  EXPECT_FALSE(is_structure_temperature({"air", "degC"}));
+}
+
+TEST(SummaryUnit, GivesLengthsInNanometresAndAnglesInArcseconds) {
+  EXPECT_DOUBLE_EQ(summary_unit("mm").factor, 1e6);
+  EXPECT_EQ(summary_unit("um").unit, "nm");
+  EXPECT_DOUBLE_EQ(summary_unit("deg").factor, 3600.0);
+  EXPECT_EQ(summary_unit("degC").unit, "degC");
+}
+
+}  // namespace
+}  // namespace driftwise
