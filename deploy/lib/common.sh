@@ -1,0 +1,56 @@
+# Shared by deploy/*.sh: say what is done, install what is missing, build. Sourced, not run.
+
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+started=$(date +%s)
+
+say() { printf '\n== %s  (%d s)\n' "$*" "$(($(date +%s) - started))"; }
+die() { printf '\nfailed: %s\n' "$*" >&2; exit 1; }
+
+as_root() {
+  if [ "$(id -u)" = 0 ]; then "$@"; return; fi
+  command -v sudo >/dev/null || die "packages are missing and this is not root: run it as root, or install sudo and try again"
+  sudo "$@"
+}
+
+# install_missing build [test] [check]: what deploy/packages.txt lists for these uses and dpkg does not have yet.
+install_missing() {
+  command -v apt-get >/dev/null || die "this script installs Debian 12 packages and found no apt-get: install what deploy/packages.txt lists by hand"
+  local missing=() name use
+  while read -r name use _; do
+    case "$name" in ''|'#'*) continue ;; esac
+    [[ " $* " == *" $use "* ]] || continue
+    dpkg-query -W -f '${db:Status-Status}' "$name" 2>/dev/null | grep -qx installed || missing+=("$name")
+  done < "$root/deploy/packages.txt"
+  if [ ${#missing[@]} = 0 ]; then echo "all packages are there"; return; fi
+  echo "installing: ${missing[*]}"
+  local log; log=$(mktemp)
+  as_root apt-get update -qq >"$log" 2>&1 || { cat "$log" >&2; die "apt-get update failed: is a Debian 12 package source configured and reachable?"; }
+  # --no-remove: Boost 1.81 and Debian's Boost 1.74 development files exclude one another, and removing is not ours to decide.
+  as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-remove --no-install-recommends "${missing[@]}" >"$log" 2>&1 || {
+    tail -n 20 "$log" >&2
+    die "apt-get could not install them without removing something. Boost 1.74 (libboost-dev) and what needs it exclude libboost1.81-dev: remove it yourself, or use a fresh Debian 12"
+  }
+  rm -f "$log"
+}
+
+# configure_and_build PRESET [cmake -D options] -- [targets]: quiet while it works, the compiler's words when it fails.
+configure_and_build() {
+  local preset=$1; shift
+  local options=()
+  while [ $# -gt 0 ] && [ "$1" != -- ]; do options+=("$1"); shift; done
+  [ $# -gt 0 ] && shift
+  cd "$root"
+  cmake --preset "$preset" "${options[@]}" >"/tmp/driftwise-configure.$$" 2>&1 || {
+    tail -n 30 "/tmp/driftwise-configure.$$" >&2
+    die "cmake could not configure: the lines above say what is missing"
+  }
+  rm -f "/tmp/driftwise-configure.$$"
+  local targets=()
+  [ $# -gt 0 ] && targets=(--target "$@")
+  if [ -t 1 ]; then
+    cmake --build --preset "$preset" "${targets[@]}"
+  else  # one line in twenty is enough for a log
+    cmake --build --preset "$preset" "${targets[@]}" 2>&1 | awk '!/^\[[0-9]+\/[0-9]+\]/ || NR % 20 == 1 { print; fflush() }'
+  fi || die "the build failed: the compiler's message is above"
+}

@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds, runs the tests. Safe to repeat. Usage: deploy/test.sh [ctest options]
+source "$(dirname "$0")/lib/common.sh"
+
+say "packages"
+install_missing build test
+say "build (preset dev)"
+configure_and_build dev
+say "tests"
+cd "$root"
+ctest --preset dev -j "$(nproc)" --no-tests=error "$@" || die "tests failed: the list is above; one again: ctest --preset dev -R NAME"
+say "all tests passed; the build is in build/dev"

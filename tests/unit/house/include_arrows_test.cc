@@ -1,0 +1,151 @@
+// The arrows of docs/architecture.md, kept true by reading every #include of the tree.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kRoot = DRIFTWISE_SOURCE_DIR;
+
+// The room a path belongs to: the longest of these prefixes.
+const std::vector<std::string> kRooms = {
+    "server/core", "server/core/ports", "server/effects", "server/correction", "server/calibration",
+    "server/simulation", "server/diagnosis", "server/compensation", "server/formats", "server/application",
+    "server/rpc", "server/web", "server/main.cc", "drivers/transport", "drivers/pi_gcs", "drivers/keithley_2701",
+    "drivers/interferometer_adapter", "drivers/watlow_ez_zone", "drivers/simulated", "drivers/simulated/plant",
+    "drivers/simulated/emulators", "storage", "clients/cli", "clients/cpp", "driftwise/v1"};
+
+const std::set<std::string> kMathematics = {"server/core",        "server/effects",    "server/correction",
+                                            "server/calibration", "server/simulation", "server/diagnosis",
+                                            "server/compensation"};
+
+std::set<std::string> with(std::set<std::string> base, const std::set<std::string>& more) {
+  base.insert(more.begin(), more.end());
+  return base;
+}
+
+const std::set<std::string> kDomain = with(kMathematics, {"server/formats"});
+const std::set<std::string> kDriver = {"server/core", "server/core/ports", "drivers/transport"};
+
+// What each room may include besides itself.
+const std::map<std::string, std::set<std::string>> kArrows = {
+    {"server/core", {}},
+    {"server/core/ports", {"server/core"}},
+    {"server/effects", {"server/core"}},
+    {"server/correction", {"server/core", "server/effects"}},
+    {"server/calibration", {"server/core", "server/effects"}},
+    {"server/simulation", {"server/core", "server/effects", "server/calibration"}},
+    {"server/diagnosis",
+     {"server/core", "server/effects", "server/correction", "server/calibration", "server/simulation"}},
+    {"server/compensation", {"server/core", "server/effects", "server/calibration", "server/correction"}},
+    {"server/formats", kMathematics},
+    {"server/application", with(kDomain, {"server/core/ports"})},
+    {"server/rpc", with(kDomain, {"server/core/ports", "server/application", "driftwise/v1"})},
+    {"server/web", with(kDomain, {"server/core/ports", "server/application", "driftwise/v1"})},
+    {"server/main.cc", std::set<std::string>(kRooms.begin(), kRooms.end())},
+    {"drivers/transport", {"server/core", "server/core/ports"}},
+    {"drivers/pi_gcs", kDriver},
+    {"drivers/keithley_2701", kDriver},
+    {"drivers/interferometer_adapter", kDriver},
+    {"drivers/watlow_ez_zone", kDriver},
+    {"drivers/simulated/plant", {}},
+    {"drivers/simulated/emulators", {"drivers/simulated/plant"}},
+    {"drivers/simulated", {"drivers/simulated/plant", "drivers/simulated/emulators"}},
+    {"storage", {"server/core", "server/core/ports"}},
+    {"clients/cli", with(kDomain, {"driftwise/v1", "clients/cpp"})},
+    {"clients/cpp", {"driftwise/v1"}},
+};
+
+std::string room_of(const std::string& path) {
+  std::string best;
+  for (const auto& room : kRooms)
+    if (path.starts_with(room) && (path.size() == room.size() || path[room.size()] == '/') && room.size() > best.size())
+      best = room;
+  return best;
+}
+
+struct Include {
+  std::string file, included;
+  int line;
+  bool quoted;
+};
+
+std::vector<Include> includes_of_the_tree() {
+  std::vector<Include> found;
+  static const std::regex pattern(R"(^\s*#\s*include\s*([<"])([^>"]+)[>"])");
+  for (const std::string top : {"server", "drivers", "storage", "clients"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(kRoot / top)) {
+      const auto extension = entry.path().extension();
+      if (extension != ".h" && extension != ".cc") continue;
+      std::ifstream file(entry.path());
+      std::string text;
+      for (int line = 1; std::getline(file, text); ++line) {
+        std::smatch match;
+        if (std::regex_search(text, match, pattern))
+          found.push_back({fs::relative(entry.path(), kRoot).string(), match[2], line, match[1] == "\""});
+      }
+    }
+  }
+  return found;
+}
+
+TEST(IncludeArrows, PointOneWay) {
+  const auto includes = includes_of_the_tree();
+  ASSERT_GT(includes.size(), 100U) << "the tree was not found at " << kRoot;
+  for (const auto& include : includes) {
+    const std::string from = room_of(include.file), to = room_of(include.included);
+    if (to.empty() || from == to) continue;
+    const auto arrows = kArrows.find(from);
+    ASSERT_NE(arrows, kArrows.end()) << include.file << " stands in no room this test knows: add it here and to docs/architecture.md";
+    EXPECT_TRUE(arrows->second.contains(to))
+        << include.file << ":" << include.line << " includes " << include.included << ", but " << from << " may not know " << to;
+  }
+}
+
+TEST(IncludeArrows, MathematicsDoNoInputOrOutputAndStartNoThread) {
+  static const std::set<std::string> forbidden = {"thread", "mutex", "fstream", "iostream", "filesystem", "sqlite3.h",
+                                                  "future", "condition_variable"};
+  for (const auto& include : includes_of_the_tree()) {
+    if (!kMathematics.contains(room_of(include.file))) continue;
+    EXPECT_FALSE(forbidden.contains(include.included) || include.included.starts_with("boost/asio") ||
+                 include.included.starts_with("grpcpp/"))
+        << include.file << ":" << include.line << " includes " << include.included;
+  }
+}
+
+TEST(IncludeArrows, OnlyTheAdaptersKnowGrpc) {
+  for (const auto& include : includes_of_the_tree()) {
+    if (!include.included.starts_with("grpc")) continue;
+    const std::string room = room_of(include.file);
+    EXPECT_TRUE(room == "server/rpc" || room == "server/web" || room == "server/main.cc" || room.starts_with("clients/"))
+        << include.file << ":" << include.line << " includes " << include.included;
+  }
+}
+
+TEST(IncludeArrows, QuotedIncludesStartAtTheTop) {
+  for (const auto& include : includes_of_the_tree()) {
+    if (!include.quoted) continue;
+    EXPECT_NE(include.included.find('/'), std::string::npos) << include.file << ":" << include.line << " includes " << include.included;
+  }
+}
+
+TEST(TopLevel, HoldsTheHouseAndTheUsualSingleFiles) {
+  static const std::set<std::string> known = {"CMakeLists.txt", "proto",   "server",       "clients",   "drivers", "storage",
+                                              "tests",          "deploy",  "README.md",    "docs",      "LICENSE", "CHANGELOG.md",
+                                              "CMakePresets.json", "build", "out"};
+  for (const auto& entry : fs::directory_iterator(kRoot)) {
+    const std::string name = entry.path().filename().string();
+    EXPECT_TRUE(name.starts_with(".") || known.contains(name)) << name << " does not belong at the top level";
+  }
+}
+
+}  // namespace
