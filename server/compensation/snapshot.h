@@ -1,0 +1,94 @@
+#pragma once
+// A snapshot: the model partially evaluated at the present slow conditions.
+//
+// A model's terms are products of fast factors (pose, force: known only when a target is asked for)
+// and slow ones (temperatures, pressure, effects with memory: the same for every target of the next
+// seconds). With S the matrix that holds the present slow value of term k in the column of its fast
+// product, q = c' (S b) with b the fast basis 1, x, x^2, ..., F. The snapshot holds S'c and S'C S
+// (C the coefficients' covariance): a target then costs one short dot product and its variance one
+// small quadratic form b' V b.
+//
+// Built by SnapshotBuilder, published on a SnapshotBoard, immutable afterwards: any thread may read
+// it.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/core/cell_description.h"
+#include "server/core/cell_time.h"
+#include "server/core/channel.h"
+#include "server/core/ids.h"
+#include "server/core/units.h"
+
+namespace driftwise::compensation {
+
+// What a request states. Pose lengths in mm, rotations in arcsec, force in N.
+enum class Variable : std::uint8_t { x, y, z, rx, ry, rz, force };
+constexpr std::size_t kVariables = 7;
+constexpr std::size_t kMaxOutputs = 16;
+constexpr std::size_t kMaxBasis = 128;  // poly(x, y, z, rx, ry, 3) has 56 products, with force 84
+constexpr std::size_t kMaxInputs = 64;  // a bit each in Target
+constexpr std::uint32_t bit(Variable variable) { return 1u << static_cast<unsigned>(variable); }
+std::optional<Variable> variable_from(std::string_view symbol);
+Channel channel_of(Variable variable);  // in the request's unit: x_mm, rx_arcsec, force_N
+
+enum class UncertaintySource : std::uint8_t {
+  fit,            // covariance of the coefficients
+  residual,       // what the fit left: rmse of the calibration
+  temperatures,   // each slow input's uncertainty through the model's sensitivity to it
+  scale,          // declared uncertainty of the motor's scale
+  extrapolation,  // outside the fitted domain; only in a Budget
+};
+constexpr std::size_t kUncertaintySources = 5;
+std::string_view to_string(UncertaintySource source);
+
+struct Snapshot {
+  ModelId model;
+  CellTime built_at, valid_until;
+
+  // The basis: b[0] = 1, b[k + 1] = b[products[k].base] * value[products[k].variable], base <= k.
+  struct Product {
+    std::uint16_t base = 0;
+    std::uint8_t variable = 0;
+  };
+  std::vector<Product> products;
+  std::size_t basis_size() const { return products.size() + 1; }
+  std::uint32_t needed = 0;  // bit per Variable
+  std::array<double, kVariables>
+      column_per_unit{};  // value in the model's column = this * value in the request's unit
+
+  struct UncertaintyLine {
+    UncertaintySource source = UncertaintySource::fit;
+    std::vector<double>
+        variance_nm2;  // packed lower triangle (row by row) over the basis, or 1 entry: constant
+  };
+  struct Output {
+    Channel channel;                      // q1_mm: results are in mm whatever the model's column
+    std::vector<double> coefficients_mm;  // one per basis entry
+    std::vector<double> variance_nm2;     // sum of the lines, packed; off-diagonal entries doubled
+    std::vector<UncertaintyLine> lines;
+  };
+  std::vector<Output> outputs;  // empty: no model serves
+
+  // What the model depends on, with the domain it was fitted in.
+  struct Input {
+    Channel channel;
+    std::optional<Variable> variable;  // a fast one; none: slow
+    double min = 0, max = 0;  // of the domain, in the request's unit (fast) or the column's (slow)
+    double value = 0, u = 0;  // slow: what was folded in, and its standard uncertainty
+    CellTime at;              // slow: when it was measured
+  };
+  std::vector<Input> inputs;
+  // Of the slow inputs, worked out once: a bit per input.
+  std::uint64_t outside = 0, stale = 0, missing = 0;
+  double slow_excess = 0;  // see extrapolation_factor in target.cc
+  bool anchored = true;
+  bool refuse_stale = false, refuse_outside_domain = false;
+};
+
+}  // namespace driftwise::compensation

@@ -1,0 +1,89 @@
+#pragma once
+// A target: motor coordinates for a wanted pose under the present conditions, with uncertainty and
+// flags.
+//
+// compute_target is a pure function of (snapshot, request): no clock, lock, allocation or
+// exception, any thread. The inverse geometric model is a direct formula, so nothing iterates.
+// Cost: docs/target-line.md, tests/bench.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "server/compensation/snapshot.h"
+
+namespace driftwise::compensation {
+
+struct TargetRequest {
+  std::array<double, kVariables> value{};  // by Variable: mm, arcsec, N
+  std::uint32_t given = 0;                 // bit per Variable: which of them the caller stated
+  bool with_uncertainty = true;
+  CellTime now;  // utc_ns 0: the snapshot's age is not looked at
+
+  void set(Variable variable, double v) {
+    value[static_cast<std::size_t>(variable)] = v;
+    given |= bit(variable);
+  }
+};
+
+enum TargetFlag : std::uint32_t {
+  kOutsideDomain =
+      1u << 0,  // a pose, force or temperature the model was not fitted for: see outside
+  kStaleTemperature = 1u << 1,  // older than the cell's [serving] max_age_s: see stale
+  kMissingTemperature =
+      1u << 2,  // never read: the middle of the fitted range stands in for it, see missing
+  kExpiredSnapshot =
+      1u << 3,  // nobody rebuilt the snapshot in time: request.now is past valid_until
+  kUnanchoredDatum =
+      1u << 4,  // the present datum is not known: the constant is that of the model's own datum
+};
+
+enum class Refusal : std::uint8_t {
+  none,
+  no_model,            // nothing is promoted
+  missing_coordinate,  // the model needs a coordinate or a force that the request lacks: see
+                       // missing
+  not_finite,          // the request holds NaN or an infinity: see missing
+  outside_domain,      // [serving] refuse_outside_domain
+  stale,               // [serving] refuse_stale: stale, missing or expired
+};
+
+struct Target {
+  std::size_t outputs = 0;  // how many entries below are meant, in order of Snapshot::outputs
+  std::array<double, kMaxOutputs> q_mm{};
+  std::array<double, kMaxOutputs> u_nm{};  // standard uncertainty; NaN when it was not asked for
+  std::uint32_t flags = 0;                 // TargetFlag
+  std::uint64_t outside = 0, stale = 0, missing = 0;  // a bit per entry of Snapshot::inputs
+  Refusal refusal = Refusal::none;  // with one, q_mm is NaN: there is nothing to move to
+  CellTime valid_until;
+
+  double expanded_nm(std::size_t i) const { return 2.0 * u_nm[i]; }     // k = 2
+  double u90_nm(std::size_t i) const { return kSigmaToU90 * u_nm[i]; }  // 1.645 u
+};
+
+Target compute_target(const Snapshot& snapshot, const TargetRequest& request) noexcept;
+
+// One line of the uncertainty budget of one output at one pose.
+struct BudgetLine {
+  UncertaintySource source;
+  double u_nm = 0;
+};
+struct Budget {
+  std::size_t lines = 0;
+  std::array<BudgetLine, kUncertaintySources> line;
+  double u_nm = 0;  // the root of the sum of squares: equals Target::u_nm
+};
+Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request,
+                      std::size_t output) noexcept;
+
+// "OUTSIDE_DOMAIN(x_mm),STALE_TEMPERATURE(t07_degC)", "" when there is none. For the edges: it
+// allocates.
+std::string describe_flags(const Snapshot& snapshot, const Target& target);
+
+// The refusal as the error a client sees: NO_MODEL, MISSING_COORDINATE, NOT_FINITE, OUTSIDE_DOMAIN,
+// STALE.
+Error refusal_error(const Snapshot& snapshot, const Target& target);
+
+}  // namespace driftwise::compensation
