@@ -1,8 +1,8 @@
 #pragma once
 // The daemon as one object: what clients can ask of a cell. rpc/ and web/ translate and call; nothing else.
 //
-// Thread: everything on the executor's thread (co_spawn onto executor()), except snapshots(), which any thread
-// may read. Lifetime: start() once, then shut_down() once; the destructor expects the executor to have stopped.
+// Thread: everything on the executor's thread (co_spawn onto executor()), except snapshots() and now(), which any
+// thread may read. Lifetime: start() once, then shut_down() once; the destructor expects the executor to have stopped.
 // Whatever changes something takes a Caller and leaves an event.
 
 #include <functional>
@@ -98,6 +98,7 @@ class Cell {
   virtual ~Cell() = default;
 
   virtual asio::any_io_executor executor() const = 0;
+  virtual CellTime now() const = 0;  // any thread, as snapshots(): a target's age is looked at where it is answered
   // Starts the recorder and, where a run was under way when the daemon ended, its continuation.
   virtual void start() = 0;
   virtual Awaitable<void> shut_down() = 0;
