@@ -1,0 +1,216 @@
+#include "server/formats/csv_text.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+
+#include "server/core/reading.h"
+#include "server/formats/text.h"
+
+namespace driftwise::formats {
+namespace {
+
+constexpr std::string_view kBlank = " \t";
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(kBlank);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
+}
+
+bool is_blank(char c) { return c == ' ' || c == '\t'; }
+
+// Takes one line off the front, without its end (LF or CRLF).
+std::string_view take_line(std::string_view& text) {
+  const auto end = text.find('\n');
+  std::string_view line = text.substr(0, end);
+  text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  return line;
+}
+
+tl::unexpected<Error> bad(std::string reason, const std::string& file_name, std::size_t line,
+                          const std::string& sentence) {
+  return fail(ErrorCode::invalid_argument, std::move(reason), at_line(file_name, line) + sentence);
+}
+
+std::pair<std::string, std::string> metadata_from(std::string_view line) {
+  const std::string_view body = trimmed(line.substr(1));
+  const auto colon = body.find(':');
+  if (colon == std::string_view::npos) return {"", std::string(body)};
+  return {std::string(trimmed(body.substr(0, colon))),
+          std::string(trimmed(body.substr(colon + 1)))};
+}
+
+}  // namespace
+
+Result<CsvHeader> read_csv_header(std::string_view text, const std::string& file_name) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
+    return bad("NOT_TEXT", file_name, 1,
+               "found UTF-16 text, expected UTF-8 or plain ASCII: save the file as UTF-8");
+  CsvHeader header;
+  std::string_view line;
+  do {
+    if (text.empty())
+      return header.line == 0
+                 ? bad("EMPTY_FILE", file_name, 1,
+                       "the file is empty, expected a header row such as time_s,q1_mm,x_mm")
+                 : bad("NO_HEADER", file_name, header.line,
+                       "found no header row before the end of the file, expected names such as "
+                       "time_s,q1_mm,x_mm");
+    line = take_line(text);
+    ++header.line;
+    if (line.starts_with('#')) header.metadata.push_back(metadata_from(line));
+  } while (line.empty() || line.starts_with('#'));
+
+  if (line.find('\0') != std::string_view::npos)
+    return bad("NOT_TEXT", file_name, header.line,
+               "found a zero byte in the header row, expected text");
+  for (std::string_view rest = line;
+       !rest.empty() || header.names.empty() || line.ends_with(',');) {
+    const auto comma = rest.find(',');
+    const std::string_view name = trimmed(rest.substr(0, comma));
+    const std::size_t number = header.names.size() + 1;
+    if (name.find('"') != std::string_view::npos)
+      return bad("QUOTED_FIELD", file_name, header.line,
+                 "column " + std::to_string(number) + ": found " + shown(name) +
+                     ", expected a name without quotes");
+    if (name.empty())
+      return bad("NO_HEADER", file_name, header.line,
+                 "column " + std::to_string(number) + " has no name");
+    if (name.find(';') != std::string_view::npos)
+      return bad(
+          "NO_HEADER", file_name, header.line,
+          "found " + shown(name) + ": fields are separated by commas and decimals by points");
+    const auto twin = std::ranges::find(header.names, name);
+    if (twin != header.names.end())
+      return bad("DUPLICATE_COLUMN", file_name, header.line,
+                 "columns " + std::to_string(twin - header.names.begin() + 1) + " and " +
+                     std::to_string(number) + " are both named " + shown(name));
+    header.names.emplace_back(name);
+    if (comma == std::string_view::npos) break;
+    rest.remove_prefix(comma + 1);
+  }
+  header.rows = text;
+  header.row_bound = static_cast<std::size_t>(std::ranges::count(text, '\n')) + 1;
+  return header;
+}
+
+CsvRows::CsvRows(const CsvHeader& header, const std::string& file_name)
+    : at_(header.rows.data()),
+      end_(header.rows.data() + header.rows.size()),
+      line_(header.line),
+      names_(header.names),
+      file_name_(file_name) {}
+
+bool CsvRows::next_row() {
+  if (failed_) return false;
+  for (;;) {
+    if (in_row_) {  // step over the end of the line just read
+      if (at_ != end_ && *at_ == '\r') ++at_;
+      if (at_ != end_) ++at_;
+      in_row_ = false;
+    }
+    if (at_ == end_) return false;
+    ++line_;
+    in_row_ = true;
+    row_ = at_;
+    column_ = 0;
+    if (*at_ != '\n' && !(*at_ == '\r' && at_ + 1 != end_ && at_[1] == '\n')) return true;
+  }
+}
+
+bool CsvRows::number(double& value) {
+  field_ = at_;
+  while (at_ != end_ && is_blank(*at_)) ++at_;
+  if (at_ == end_ || *at_ == ',' || *at_ == '\n' || *at_ == '\r') {
+    value = kMissing;
+    return finish_field(at_, "a number or nothing", "BAD_NUMBER");
+  }
+  const auto [after, code] = std::from_chars(at_, end_, value);
+  if (code != std::errc{} || !std::isfinite(value))
+    return refuse("BAD_NUMBER", "a finite number such as -1.5e-3, or nothing");
+  return finish_field(after, "a finite number such as -1.5e-3, or nothing", "BAD_NUMBER");
+}
+
+bool CsvRows::integer(std::int64_t& value) {
+  field_ = at_;
+  while (at_ != end_ && is_blank(*at_)) ++at_;
+  const auto [after, code] = std::from_chars(at_, end_, value);
+  if (code != std::errc{}) return refuse("BAD_INTEGER", "a whole number");
+  return finish_field(after, "a whole number", "BAD_INTEGER");
+}
+
+bool CsvRows::flag(bool& value) {
+  std::int64_t number = 0;
+  field_ = at_;
+  while (at_ != end_ && is_blank(*at_)) ++at_;
+  const auto [after, code] = std::from_chars(at_, end_, number);
+  if (code != std::errc{} || (number != 0 && number != 1)) return refuse("BAD_FLAG", "0 or 1");
+  value = number == 1;
+  return finish_field(after, "0 or 1", "BAD_FLAG");
+}
+
+bool CsvRows::set_is_validation(bool& value) {
+  field_ = at_;
+  while (at_ != end_ && is_blank(*at_)) ++at_;
+  const std::string_view rest(at_, static_cast<std::size_t>(end_ - at_));
+  value = rest.starts_with("validation");
+  if (!value && !rest.starts_with("calibration"))
+    return refuse("BAD_SET", "calibration or validation");
+  return finish_field(at_ + (value ? 10 : 11), "calibration or validation", "BAD_SET");
+}
+
+bool CsvRows::finish_field(const char* after, const char* expected, const char* reason) {
+  at_ = after;
+  while (at_ != end_ && is_blank(*at_)) ++at_;
+  const bool last = column_ + 1 == names_.size();
+  if (at_ != end_ && *at_ == ',') {
+    if (last) return refuse("RAGGED_ROW", nullptr);
+    ++at_;
+  } else if (at_ == end_ || *at_ == '\n' || (*at_ == '\r' && (at_ + 1 == end_ || at_[1] == '\n'))) {
+    if (!last) return refuse("RAGGED_ROW", nullptr);
+  } else {
+    return refuse(reason, expected);
+  }
+  ++column_;
+  return true;
+}
+
+// The slow path: everything about the row is looked up again from its start.
+bool CsvRows::refuse(const char* reason, const char* expected) {
+  failed_ = true;
+  if (expected == nullptr) {
+    const auto fields = std::ranges::count(row(), ',') + 1;
+    error_ = problem(reason, names_.size(),
+                     "found " + std::to_string(fields) + " fields, expected " +
+                         std::to_string(names_.size()) + " as in the header row");
+  } else if (const auto text = field(); text.find('"') != std::string_view::npos) {
+    error_ = problem("QUOTED_FIELD", column_, "found " + shown(text) + ", expected no quotes");
+  } else {
+    error_ = problem(reason, column_,
+                     "found " + (text.empty() ? std::string("nothing") : shown(text)) +
+                         ", expected " + expected);
+  }
+  return false;
+}
+
+std::string_view CsvRows::row() const {
+  std::string_view rest(row_, static_cast<std::size_t>(end_ - row_));
+  return take_line(rest);
+}
+
+std::string_view CsvRows::field() const {
+  const std::string_view rest(field_, static_cast<std::size_t>(end_ - field_));
+  return trimmed(rest.substr(0, rest.find_first_of(",\r\n")));
+}
+
+Error CsvRows::problem(std::string reason, std::size_t column, const std::string& sentence) const {
+  const std::string place = column < names_.size() ? "column " + names_[column] + ": " : "";
+  return {ErrorCode::invalid_argument, std::move(reason),
+          at_line(file_name_, line_) + place + sentence};
+}
+
+}  // namespace driftwise::formats

@@ -1,0 +1,65 @@
+#pragma once
+// The comma-separated text that datasets and trajectories share: a header, then rows that are read
+// field by field in one pass straight from the text, without copies. What is a column's meaning is
+// the caller's business.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "server/core/result.h"
+
+namespace driftwise::formats {
+
+struct CsvHeader {
+  // Leading '#' lines: "# key: value"; a line without a colon has an empty key and is its value.
+  std::vector<std::pair<std::string, std::string>> metadata;
+  std::vector<std::string> names;
+  std::size_t line = 0;       // of the header row, from 1
+  std::string_view rows;      // the text after the header row
+  std::size_t row_bound = 0;  // no more rows than this
+};
+
+// Errors: EMPTY_FILE, NO_HEADER, NOT_TEXT, QUOTED_FIELD, DUPLICATE_COLUMN; an empty name is
+// NO_HEADER's too.
+Result<CsvHeader> read_csv_header(std::string_view text, const std::string& file_name);
+
+// Walks over the rows. Each field is asked for once, in order, by the function of its kind; false
+// means that error() says what is wrong, with file:line and the column's name, and the walk is
+// over.
+class CsvRows {
+ public:
+  CsvRows(const CsvHeader& header, const std::string& file_name);
+
+  bool next_row();             // false at the end of the text, or after an error; skips empty lines
+  bool number(double& value);  // an empty field is kMissing
+  bool integer(std::int64_t& value);
+  bool flag(bool& value);               // 0 or 1
+  bool set_is_validation(bool& value);  // calibration or validation
+  bool failed() const { return failed_; }
+  Error error() const { return error_; }
+  std::size_t line() const { return line_; }
+  // A problem that the caller found in the field just read, or in the row.
+  Error problem(std::string reason, std::size_t column, const std::string& sentence) const;
+
+ private:
+  bool finish_field(const char* after, const char* expected, const char* reason);
+  bool refuse(const char* reason, const char* expected);
+  std::string_view field() const;
+  std::string_view row() const;
+
+  const char* at_;
+  const char* end_;
+  const char* field_ = nullptr;  // where the present field starts
+  const char* row_ = nullptr;
+  std::size_t line_;
+  std::size_t column_ = 0;
+  const std::vector<std::string>& names_;
+  const std::string& file_name_;
+  bool in_row_ = false, failed_ = false;
+  Error error_{};
+};
+
+}  // namespace driftwise::formats

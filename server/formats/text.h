@@ -1,0 +1,32 @@
+#pragma once
+// Small pieces that every text format of this room shares.
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace driftwise::formats {
+
+// Shortest digits that read back as the same double; nothing for NaN and the infinities (an empty
+// field).
+void append_number(std::string& out, double value);
+void append_number(std::string& out, std::int64_t value);
+std::string number_text(double value);
+
+// Found text as a message shows it: in quotes, unprintable bytes as \xHH, cut after 40 characters.
+std::string shown(std::string_view text);
+
+// "drift.csv:7: "
+std::string at_line(std::string_view file_name, std::size_t line);
+
+// The known word nearest to the found one, when it is near enough to be meant; "" otherwise.
+std::string nearest_word(std::string_view found, const std::vector<std::string_view>& known);
+
+// Identifies a text (cell file, dataset, model): FNV-1a, 64 bit, as 16 hex digits. It tells
+// versions apart and is no protection against somebody who forges them. Source: draft-eastlake-fnv,
+// offset basis and prime for 64 bits.
+std::string content_hash(std::string_view text);
+
+}  // namespace driftwise::formats
