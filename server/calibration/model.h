@@ -20,6 +20,7 @@ struct TermReport {            // one per offered term, the constant first
   double coefficient = 0, standard_error = 0, t = 0, p = 1;  // an outside term: as if it alone were added
   double vif = 0;                              // in terms only
   double contribution_rms = 0, contribution_max = 0;  // over the calibration rows about its mean, column unit
+  std::string note;            // "" or why it could not be tried: "cannot be told apart from x^2"
 };
 
 struct SelectionStep {
@@ -39,6 +40,8 @@ struct Accuracy {              // of one output, column unit; U90 = 1.645 sigma
   double lag1_autocorrelation = 0, effective_rows = 0;
   std::optional<double> pure_error;            // from repeated poses
   std::optional<double> lack_of_fit_f, lack_of_fit_p;
+  double condition_index = 0;  // of the terms in, columns at unit length (Belsley); above 30: look-alikes
+  std::optional<double> model_f, model_p;  // all terms in against the constant alone
 };
 
 struct OutputModel {

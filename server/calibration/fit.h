@@ -1,0 +1,59 @@
+#pragma once
+// Fits a model to a dataset: the only path from data to coefficients, for the daemon and the
+// command line alike. The same dataset and options give the same model to the last bit, whatever
+// the executor.
+//
+// How: rows with every needed value -> columns in centred, scaled coordinates -> one Householder QR
+// of [1 | X | Y] shared by all outputs -> stepwise selection on the small triangle -> coefficients
+// expanded back to the raw columns in extended precision -> statistics, held-out accuracy,
+// warnings. NUMERICS.md sections 1 and 2.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "server/calibration/model.h"
+#include "server/core/dataset.h"
+#include "server/core/result.h"
+#include "server/effects/term.h"
+
+namespace driftwise::calibration {
+
+// Runs job(0) ... job(count - 1), in any order and on any threads, and returns when all are done.
+// Empty: one after the other, here.
+using Executor =
+    std::function<void(std::size_t count, const std::function<void(std::size_t)>& job)>;
+
+enum class Select { stepwise, all };
+
+// What a formula says about one dataset: server/formats/formula makes it.
+struct Candidates {
+  std::string formula;               // canonical, for the record
+  std::vector<std::string> outputs;  // symbols: "q1"
+  std::vector<effects::Term> terms;  // without the constant, each once; their order breaks ties
+  bool constant = true;              // false: "- 1", only with Select::all
+};
+
+struct FitOptions {
+  Candidates candidates;
+  Select select = Select::stepwise;
+  double p_enter = 0.05, p_remove = 0.10;  // strict; p_remove >= p_enter
+  std::vector<effects::Term>
+      forced;  // in from the start and never removed; added to the candidates if missing
+  std::vector<effects::Term> excluded;        // candidates left out
+  std::vector<std::string> exclude_channels;  // symbols: every candidate that reads one is left out
+  std::string weight_symbol;    // a channel whose values weight the rows (1/variance); "": all 1
+  std::int64_t first_rows = 0;  // calibrate on the first n rows of the dataset only; 0: all
+  int blocks = 10;              // held out in turn for u90_blocks; below 2: not done
+  double block_gap = 0.25;      // of a block's rows, left out of the training on either side of it
+  Lineage lineage;  // runs, source, hash, parent: passed on; the row counts are filled in
+  Executor executor;
+};
+
+// Errors, invalid_argument: BAD_OPTIONS (thresholds, "- 1" with stepwise), UNKNOWN_CHANNEL,
+// NO_OUTPUT, UNTIMED (an effect with memory needs time_s), BAD_VALUE (an infinity, with its row and
+// column; a weight below 0), TOO_MANY_TERMS; failed_precondition: TOO_FEW_ROWS, RANK_DEFICIENT
+// (Select::all; names every term concerned and what it equals).
+Result<Model> fit(const Dataset& dataset, const FitOptions& options);
+
+}  // namespace driftwise::calibration

@@ -1,0 +1,57 @@
+#pragma once
+// Effects: mechanisms with a notation, bounds and, where they need it, memory. One file pair per
+// mechanism; the list of all of them is registry.cc.
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/core/result.h"
+#include "server/effects/term.h"
+
+namespace driftwise::effects {
+
+// The memory of one effect: a fold over a stream of time-stamped values.
+class EffectState {
+ public:
+  virtual ~EffectState() = default;
+  virtual std::unique_ptr<EffectState> clone() const = 0;
+
+  // time_s: seconds, not before the previous call's; inputs: the value of each symbol of the call,
+  // in its order. Result: the effect's output at time_s. A missing input (NaN) gives NaN and leaves
+  // the memory as it was, so the next step spans the gap. The first value starts the memory in
+  // equilibrium with it.
+  virtual double step(double time_s, std::span<const double> inputs) = 0;
+};
+
+struct ParameterKind {
+  std::string name;  // "tau"
+  std::string unit;  // "s": what the canonical notation uses; "" for a plain number
+  double min = 0, max = 0;
+};
+
+struct EffectKind {
+  std::string name;          // "rate", as written in a formula
+  std::string catalogue_id;  // "thermal_rate"
+  int symbol_count = 1;      // channels it observes
+  std::vector<ParameterKind> parameters;
+  std::string
+      output_unit;  // after the channel's own unit: "K/h"; "" for the unit of the channel itself
+  std::string sentence;  // what a person reads in --help
+  std::unique_ptr<EffectState> (*make)(std::span<const Quantity> parameters) = nullptr;
+};
+
+std::span<const EffectKind> effect_kinds();
+const EffectKind* find_effect(std::string_view name);
+
+// Counts, units and bounds. Parameters may come in another unit of the same kind ("5 min"): the
+// call returned has them in the kind's own. Errors: invalid_argument UNKNOWN_EFFECT (names the
+// known ones), BAD_EFFECT (what was expected).
+Result<Call> checked(const Call& call);
+
+// "rate(t, tau s)": how it is written, for messages.
+std::string usage(const EffectKind& kind);
+
+}  // namespace driftwise::effects

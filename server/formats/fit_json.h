@@ -1,0 +1,23 @@
+#pragma once
+// What `driftwise fit` prints: JSON for programs (schema driftwise.fit.v1, DESIGN.md section 4) and
+// a page for people.
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "server/calibration/model.h"
+
+namespace driftwise::formats {
+
+// Coefficients in the units of the columns; summaries in nm (lengths), arcsec (angles) or the
+// output's own unit, which is named in each key. Numbers are written so that they read back
+// exactly.
+nlohmann::ordered_json fit_json(const calibration::Model& model);
+
+struct FitTableOptions {
+  bool history = false;  // step by step
+  bool all = true;       // the terms left out as well
+};
+std::string fit_table(const calibration::Model& model, const FitTableOptions& options = {});
+
+}  // namespace driftwise::formats
