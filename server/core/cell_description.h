@@ -87,6 +87,7 @@ struct CellDescription {
   std::string database;        // path; the parser makes it absolute, relative to the cell file
   std::string listen = "127.0.0.1:50051";       // gRPC; port 0 picks a free one
   std::string target_line = "";                 // text target service, "host:port"; empty: off
+  std::string http = "";                        // /healthz and /metrics, "host:port"; empty: off
   ClockDescription clock;
   std::vector<DeviceDescription> devices;
   RunRules run;
