@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "server/core/cell_description.h"
 #include "server/core/ports/awaitable.h"
@@ -31,6 +32,8 @@ class Device {
   virtual ~Device() = default;
   virtual const DeviceDescription& description() const = 0;
   virtual DeviceHealth health() const = 0;
+  // The last few exchanges as text, oldest first: what was on the wire, for people.
+  virtual std::vector<std::string> recent_exchanges() const { return {}; }
   // Connects, identifies and sets the device up; does nothing when that has been done.
   virtual Awaitable<Result<void>> prepare() = 0;
   virtual void close() = 0;

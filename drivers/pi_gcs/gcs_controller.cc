@@ -1,0 +1,247 @@
+#include "drivers/pi_gcs/gcs_controller.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "drivers/pi_gcs/gcs_codec.h"
+
+namespace driftwise::gcs {
+namespace {
+
+constexpr int kMaxErrorReads = 12;
+
+transport::LinkSettings link_settings(const DeviceDescription& device,
+                                      const std::string& identity) {
+  transport::LinkSettings out;
+  out.device = device.id;
+  out.address = device.address;
+  out.framing = transport::gcs_reply;
+  out.resync_request = "*IDN?\n";
+  out.is_resync_reply = [&identity](std::string_view reply) {
+    return !identity.empty() && reply == identity;
+  };
+  return out;
+}
+
+std::vector<std::string> axis_names(const DeviceDescription& device) {
+  std::vector<std::string> out;
+  for (const auto& axis : device.axes) out.push_back(axis.device_axis);
+  return out;
+}
+
+}  // namespace
+
+GcsController::GcsController(DeviceDescription device, Options options,
+                             const transport::Address& address, asio::any_io_executor executor,
+                             Clock& clock)
+    : device_(std::move(device)),
+      options_(std::move(options)),
+      clock_(clock),
+      link_(executor, clock, link_settings(device_, identity_),
+            transport::make_stream(executor, address, options_.serial)),
+      turn_(executor),
+      axes_(axis_names(device_)),
+      trap_(nanoseconds_from_s(options_.start_delay_s)),
+      timeout_(nanoseconds_from_s(device_.timeout_s)) {}
+
+tl::unexpected<Error> GcsController::stopped() const {
+  return fail(ErrorCode::aborted, "STOPPED",
+              "device '" + device_.id + "' at " + device_.address + ": stopped");
+}
+
+GcsController::Text GcsController::ask(std::string query) {
+  return link_.ask(std::move(query), timeout_);
+}
+
+Awaitable<Result<std::vector<std::string>>> GcsController::ask_all(
+    std::vector<std::string> queries) {
+  std::vector<std::string> replies;
+  if (!options_.pipelining) {
+    for (auto& query : queries) {
+      auto reply = co_await ask(std::move(query));
+      if (!reply) co_return tl::unexpected(reply.error());
+      replies.push_back(std::move(*reply));
+    }
+    co_return replies;
+  }
+  std::string message;
+  for (const auto& query : queries) message += query;
+  const auto joined =
+      co_await link_.ask(std::move(message), timeout_, static_cast<int>(queries.size()));
+  if (!joined) co_return tl::unexpected(joined.error());
+  for (std::string_view rest = *joined; !rest.empty();) {
+    const std::size_t length = transport::gcs_reply(rest);
+    replies.emplace_back(rest.substr(0, length));
+    rest.remove_prefix(std::min(length, rest.size()));
+  }
+  co_return replies;
+}
+
+Awaitable<Result<int>> GcsController::take_error_number() {
+  const auto reply = co_await ask("ERR?\n");
+  if (!reply) co_return tl::unexpected(reply.error());
+  co_return checked(parse_error_number(*reply));
+}
+
+Awaitable<Result<void>> GcsController::command(std::string text) {
+  const auto reply = co_await ask(text + "ERR?\n");
+  if (!reply) co_return tl::unexpected(reply.error());
+  const auto number = checked(parse_error_number(*reply));
+  if (!number) co_return tl::unexpected(number.error());
+  if (*number == 0) co_return Result<void>{};
+  if (*number == 5) referenced_ = false;
+  co_return link_.wrong_reply(refusal(*number, text.substr(0, text.find('\n'))));
+}
+
+Awaitable<Result<void>> GcsController::refresh_referenced() {
+  if (options_.referenced_by == "memory") co_return Result<void>{};
+  if (options_.referenced_by == "status") {
+    const auto reply = co_await ask(std::string(1, kStatusByte));
+    if (!reply) co_return tl::unexpected(reply.error());
+    const auto word = checked(parse_hex(*reply));
+    if (!word) co_return tl::unexpected(word.error());
+    referenced_ = (*word & kStatusReferenced) != 0;
+    co_return Result<void>{};
+  }
+  const auto reply = co_await ask("FRF?\n");
+  if (!reply) co_return tl::unexpected(reply.error());
+  const auto flags = checked(parse_axis_flags(*reply, axes_));
+  if (!flags) co_return tl::unexpected(flags.error());
+  referenced_ = std::all_of(flags->begin(), flags->end(), [](bool flag) { return flag; });
+  co_return Result<void>{};
+}
+
+Awaitable<Result<MotionState>> GcsController::read_state() {
+  const CellTime asked = clock_.now().utc;
+  // The position comes last: read before "on target" it would still be the position of a moving
+  // axis.
+  std::vector<std::string> queries{std::string(1, kMovingByte), "ONT?\n", "POS?\n"};
+  const auto replies = co_await ask_all(std::move(queries));
+  if (!replies) co_return tl::unexpected(replies.error());
+  const auto mask = checked(parse_hex((*replies)[0]));
+  if (!mask) co_return tl::unexpected(mask.error());
+  const auto on_target = checked(parse_axis_flags((*replies)[1], axes_));
+  if (!on_target) co_return tl::unexpected(on_target.error());
+  auto positions = checked(parse_axis_values((*replies)[2], axes_));
+  if (!positions) co_return tl::unexpected(positions.error());
+  MotionState state;
+  state.at = clock_.now().utc;
+  state.q_mm = std::move(*positions);
+  state.moving = trap_.under_way(*mask != 0, asked);
+  state.referenced = referenced_;
+  state.on_target = !state.moving && std::all_of(on_target->begin(), on_target->end(),
+                                                 [](bool flag) { return flag; });
+  co_return state;
+}
+
+Awaitable<Result<MotionState>> GcsController::look(std::int64_t stops_seen, bool also_referenced) {
+  const auto turn = co_await turn_.take();
+  if (auto ready = co_await get_ready(stops_seen); !ready) co_return tl::unexpected(ready.error());
+  if (also_referenced) {
+    if (auto known = co_await refresh_referenced(); !known) co_return tl::unexpected(known.error());
+  }
+  co_return co_await read_state();
+}
+
+Awaitable<Result<MotionState>> GcsController::state() { return look(stops_, false); }
+
+Result<void> GcsController::check_soft_limits(std::span<const double> q_mm) const {
+  if (q_mm.size() != axes_.size()) {
+    return fail(ErrorCode::invalid_argument, "WRONG_COUNT",
+                "device '" + device_.id + "': a move of " + std::to_string(q_mm.size()) +
+                    " axes, expected " + std::to_string(axes_.size()));
+  }
+  for (std::size_t i = 0; i < q_mm.size(); ++i) {
+    const auto& axis = device_.axes[i];
+    if (q_mm[i] >= axis.min_mm && q_mm[i] <= axis.max_mm) continue;  // false for NaN too
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "%.9g mm asked of %s, soft limits are %.9g .. %.9g mm; nothing was sent", q_mm[i],
+                  axis.channel.name().c_str(), axis.min_mm, axis.max_mm);
+    return fail(ErrorCode::out_of_range, "SOFT_LIMIT", "device '" + device_.id + "': " + text);
+  }
+  return {};
+}
+
+Awaitable<Result<void>> GcsController::start_move(std::span<const double> q_mm) {
+  if (auto inside = check_soft_limits(q_mm); !inside) co_return inside;
+  const std::string text =
+      encode_move(axes_, q_mm);  // now: the span may not outlive the first wait
+  const std::int64_t stops_seen = stops_;
+  const auto turn = co_await turn_.take();
+  if (auto ready = co_await get_ready(stops_seen); !ready) co_return ready;
+  // Armed before it is sent: a move whose answer got lost may have started all the same.
+  trap_.commanded(clock_.now().utc);
+  auto accepted = co_await command(text);
+  if (accepted) trap_.commanded(clock_.now().utc);
+  co_return accepted;
+}
+
+Awaitable<Result<void>> GcsController::start_referencing(std::int64_t stops_seen) {
+  const auto turn = co_await turn_.take();
+  if (auto ready = co_await get_ready(stops_seen); !ready) co_return ready;
+  referenced_ = false;
+  if (auto on = co_await command(encode_switch("SVO", axes_, 1)); !on) co_return on;
+  trap_.commanded(clock_.now().utc);
+  auto accepted = co_await command(encode_command(options_.reference, axes_));
+  if (accepted) trap_.commanded(clock_.now().utc);
+  co_return accepted;
+}
+
+Awaitable<Result<void>> GcsController::home() {
+  constexpr double kProgressMm = 1e-5;  // ten nanometres: above the noise of a scale at rest
+  const std::int64_t stops_seen = stops_;
+  if (auto started = co_await start_referencing(stops_seen); !started) co_return started;
+  CellTime last_progress = clock_.now().utc;
+  std::vector<double> last_mm(axes_.size(), 1e300);
+  for (;;) {
+    co_await clock_.sleep_for(nanoseconds_from_s(options_.home_poll_s));
+    const auto now = co_await look(stops_seen, true);
+    if (!now) co_return tl::unexpected(now.error());
+    const bool done = options_.referenced_by == "memory" ? now->on_target : now->referenced;
+    if (!now->moving && done) break;
+    for (std::size_t i = 0; i < last_mm.size(); ++i) {
+      if (std::abs(now->q_mm[i] - last_mm[i]) <= kProgressMm) continue;
+      last_mm[i] = now->q_mm[i];
+      last_progress = now->at;
+    }
+    if (now->at - last_progress > nanoseconds_from_s(options_.home_stall_s)) {
+      co_return fail(
+          ErrorCode::deadline_exceeded, "HOMING_STALLED",
+          "device '" + device_.id + "' at " + device_.address + ": " + options_.reference +
+              " accepted, but nothing has moved for " + std::to_string(options_.home_stall_s) +
+              " s and the axes are not referenced; look at the reference switch and the servo");
+    }
+  }
+  referenced_ = true;
+  co_return Result<void>{};
+}
+
+Awaitable<Result<void>> GcsController::stop() {
+  ++stops_;
+  link_.interrupt(std::string_view(&kStopByte, 1), "STOPPED");
+  const bool sent = link_.connected();
+  const auto turn = co_await turn_.take();
+  trap_.disarm();
+  if (!sent || !link_.connected()) {
+    if (auto up = co_await link_.connect(timeout_); !up) co_return up;
+    link_.interrupt(std::string_view(&kStopByte, 1), "STOPPED");
+  }
+  if (link_.generation() != set_up_generation_)
+    co_return co_await set_up();  // reads the error number too
+  // 0x18 leaves error 10 behind; ours is the only command that may still have failed before it.
+  for (int i = 0; i < kMaxErrorReads; ++i) {
+    const auto number = co_await take_error_number();
+    if (!number) co_return tl::unexpected(number.error());
+    if (*number == 0) break;
+  }
+  co_return Result<void>{};
+}
+
+void GcsController::close() {
+  ++stops_;
+  link_.close();
+}
+
+}  // namespace driftwise::gcs

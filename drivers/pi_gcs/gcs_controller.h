@@ -1,0 +1,74 @@
+#pragma once
+// The loop behind MotionController for one GCS 2.0 controller. Use make_pi_gcs (pi_gcs.h).
+//
+// Every call takes its turn on the line. stop() does not wait: it writes 0x18 at once, ends the
+// call under way with aborted (STOPPED) and then takes its turn to bring the line back in step and
+// to clear error 10; calls that were waiting end with aborted too. A setter is followed by ERR? in
+// the same message, so its verdict costs one round trip.
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "drivers/pi_gcs/gcs_options.h"
+#include "drivers/pi_gcs/start_trap.h"
+#include "drivers/transport/link.h"
+#include "drivers/transport/turn.h"
+#include "server/core/ports/motion_controller.h"
+
+namespace driftwise::gcs {
+
+class GcsController final : public MotionController {
+ public:
+  GcsController(DeviceDescription device, Options options, const transport::Address& address,
+                asio::any_io_executor executor, Clock& clock);
+
+  const DeviceDescription& description() const override { return device_; }
+  DeviceHealth health() const override { return link_.health(); }
+  std::vector<std::string> recent_exchanges() const override { return link_.log().lines(); }
+  Awaitable<Result<void>> prepare() override;
+  void close() override;
+  Awaitable<Result<MotionState>> state() override;
+  Awaitable<Result<void>> home() override;
+  Awaitable<Result<void>> start_move(std::span<const double> q_mm) override;
+  Awaitable<Result<void>> stop() override;
+
+ private:
+  using Text = Awaitable<Result<std::string>>;
+  // Below: the caller holds the turn.
+  Awaitable<Result<void>> get_ready(std::int64_t stops_seen);
+  Awaitable<Result<void>> set_up();
+  Awaitable<Result<void>> check_travel();
+  Awaitable<Result<void>> command(std::string text);  // setter + ERR?
+  Awaitable<Result<int>> take_error_number();
+  Text ask(std::string query);
+  Awaitable<Result<std::vector<std::string>>> ask_all(std::vector<std::string> queries);
+  Awaitable<Result<void>> refresh_referenced();
+  Awaitable<Result<MotionState>> read_state();
+
+  Awaitable<Result<void>> start_referencing(std::int64_t stops_seen);
+  Awaitable<Result<MotionState>> look(std::int64_t stops_seen, bool also_referenced);
+  Result<void> check_soft_limits(std::span<const double> q_mm) const;
+  template <class T>
+  Result<T> checked(Result<T> parsed) {  // adds the exchange to a codec's error
+    if (parsed) return parsed;
+    link_.lose_step();
+    return link_.wrong_reply(parsed.error());
+  }
+  tl::unexpected<Error> stopped() const;
+
+  DeviceDescription device_;
+  Options options_;
+  Clock& clock_;
+  std::string identity_;  // what *IDN? answered: brings the line back in step
+  transport::Link link_;
+  transport::Turn turn_;
+  std::vector<std::string> axes_;
+  StartTrap trap_;
+  Nanoseconds timeout_;
+  std::int64_t set_up_generation_ = 0;  // of the link, for which the device is set up
+  std::int64_t stops_ = 0;              // a call that sees this change has been stopped
+  bool referenced_ = false;
+};
+
+}  // namespace driftwise::gcs

@@ -1,0 +1,100 @@
+// How a controller is found and made ready after every new connection.
+
+#include <algorithm>
+#include <cstdio>
+
+#include "drivers/pi_gcs/gcs_codec.h"
+#include "drivers/pi_gcs/gcs_controller.h"
+
+namespace driftwise::gcs {
+
+Awaitable<Result<void>> GcsController::prepare() {
+  const std::int64_t stops_seen = stops_;
+  const auto turn = co_await turn_.take();
+  co_return co_await get_ready(stops_seen);
+}
+
+Awaitable<Result<void>> GcsController::get_ready(std::int64_t stops_seen) {
+  if (stops_seen != stops_) co_return stopped();
+  if (auto up = co_await link_.connect(timeout_); !up) co_return up;
+  if (link_.generation() == set_up_generation_) co_return Result<void>{};
+  auto done = co_await set_up();
+  if (!done && link_.connected() && done.error().code != ErrorCode::aborted)
+    link_.drop(done.error().message);
+  co_return done;
+}
+
+Awaitable<Result<void>> GcsController::set_up() {
+  identity_.clear();
+  referenced_ = false;
+  trap_.disarm();
+  // After a stop the line is out of step and the identity not known yet: start over rather than
+  // guess.
+  if (!link_.in_step()) {
+    link_.drop("out of step before it was set up");
+    if (auto up = co_await link_.connect(timeout_); !up) co_return up;
+  }
+  const auto identity = co_await ask("*IDN?\n");
+  if (!identity) co_return tl::unexpected(identity.error());
+  identity_ = transport::without_line_ends(*identity);
+  link_.set_identity(identity_);
+  if (auto old = co_await take_error_number(); !old)
+    co_return tl::unexpected(old.error());  // of whoever was here before
+
+  const auto names_text = co_await ask("SAI?\n");
+  if (!names_text) co_return tl::unexpected(names_text.error());
+  const auto names = checked(parse_axis_names(*names_text));
+  if (!names) co_return tl::unexpected(names.error());
+  for (const auto& axis : axes_) {
+    if (std::find(names->begin(), names->end(), axis) == names->end())
+      co_return link_.refused("UNKNOWN_AXIS", "the controller has no axis '" + axis +
+                                                  "': correct device_axis in the cell file");
+  }
+  if (options_.travel_query) {
+    if (auto inside = co_await check_travel(); !inside) co_return inside;
+  }
+  if (auto on = co_await command(encode_switch("SVO", axes_, 1)); !on) co_return on;
+  if (options_.velocity_mm_s > 0) {
+    char value[40];
+    std::snprintf(value, sizeof value, " %.9g", options_.velocity_mm_s);
+    std::string text = options_.velocity_command;
+    if (text == "VLS") {
+      text += value;
+    } else {
+      for (const auto& axis : axes_) text += " " + axis + value;
+    }
+    if (auto set = co_await command(text + "\n"); !set) co_return set;
+  }
+  if (auto known = co_await refresh_referenced(); !known) co_return known;
+  set_up_generation_ = link_.generation();
+  co_return Result<void>{};
+}
+
+// The soft limits are ours, the travel is the controller's: ours must lie inside.
+Awaitable<Result<void>> GcsController::check_travel() {
+  std::vector<std::string> queries{"TMN?\n", "TMX?\n"};
+  const auto replies = co_await ask_all(std::move(queries));
+  if (!replies) {
+    Error error = replies.error();
+    if (error.code == ErrorCode::deadline_exceeded)
+      error.message += "; if it knows no TMN?, set travel_query = \"off\"";
+    co_return tl::unexpected(error);
+  }
+  const auto low = checked(parse_axis_values((*replies)[0], axes_));
+  if (!low) co_return tl::unexpected(low.error());
+  const auto high = checked(parse_axis_values((*replies)[1], axes_));
+  if (!high) co_return tl::unexpected(high.error());
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const auto& axis = device_.axes[i];
+    if (axis.min_mm >= (*low)[i] && axis.max_mm <= (*high)[i]) continue;
+    char text[200];
+    std::snprintf(
+        text, sizeof text,
+        "soft limits of %s are %.9g .. %.9g mm, the controller travels %.9g .. %.9g mm only",
+        axis.channel.name().c_str(), axis.min_mm, axis.max_mm, (*low)[i], (*high)[i]);
+    co_return link_.refused("LIMITS_BEYOND_TRAVEL", text);
+  }
+  co_return Result<void>{};
+}
+
+}  // namespace driftwise::gcs
