@@ -1,0 +1,16 @@
+#pragma once
+// Who calls, from a call's metadata and peer. The name is typed by the client and unverified until
+// roles exist.
+
+#include <grpcpp/server_context.h>
+
+#include "server/application/cell.h"
+
+namespace driftwise::rpc {
+
+// Metadata "driftwise-operator" (ASCII) or "driftwise-operator-bin" (any UTF-8): the first 64
+// characters, control characters as '?'. Without either: "unknown". The peer as gRPC prints it:
+// "ipv4:127.0.0.1:5020".
+application::Caller caller_of(const grpc::CallbackServerContext& context);
+
+}  // namespace driftwise::rpc

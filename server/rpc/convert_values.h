@@ -1,0 +1,41 @@
+#pragma once
+// Times, channel values and readings: domain -> proto, and the requests' numbers -> domain with
+// their checks.
+
+#include <google/protobuf/duration.pb.h>
+#include <google/protobuf/repeated_field.h>
+#include <google/protobuf/timestamp.pb.h>
+
+#include <string>
+#include <vector>
+
+#include "driftwise/v1/values.pb.h"
+#include "server/core/reading.h"
+#include "server/core/result.h"
+
+namespace driftwise::rpc {
+
+google::protobuf::Timestamp timestamp_from(CellTime time);
+google::protobuf::Duration duration_from(Nanoseconds duration);
+google::protobuf::Duration duration_from_s(double seconds);  // not finite or beyond 1e9 s: 0
+
+// Errors: invalid_argument, BAD_DURATION, naming the field: negative, malformed, or longer than a
+// year.
+Result<Nanoseconds> nanoseconds_from(const google::protobuf::Duration& duration, const char* field);
+
+// The text with every byte that is no part of valid UTF-8 as '?': a proto string must hold nothing
+// else, and messages quote what devices and files really sent.
+std::string utf8_from(std::string text);
+
+void set_value(v1::ChannelValue& out, const std::string& channel,
+               double value);  // kMissing leaves it absent
+void add_values(const std::vector<ChannelValue>& values,
+                google::protobuf::RepeatedPtrField<v1::ChannelValue>& out);
+v1::Reading reading_from(const Reading& reading);
+
+// Named values of a request. Errors: invalid_argument; TOO_MANY_VALUES (more than 64), BAD_CHANNEL,
+// MISSING_VALUE, NOT_FINITE, DUPLICATE_CHANNEL, each naming the field and the channel.
+Result<std::vector<ChannelValue>> values_from(
+    const google::protobuf::RepeatedPtrField<v1::ChannelValue>& values, const char* field);
+
+}  // namespace driftwise::rpc

@@ -1,0 +1,29 @@
+#include "server/rpc/export_model.h"
+
+#include "server/formats/model_json.h"
+#if __has_include("server/formats/model_c.h")
+#include "server/formats/model_c.h"
+#endif
+
+namespace driftwise::rpc {
+
+Result<v1::ExportModelResponse> export_model(const ModelRecord& record,
+                                             v1::ExportModelRequest::Format format) {
+  if (format != v1::ExportModelRequest::FORMAT_JSON && format != v1::ExportModelRequest::FORMAT_C)
+    return fail(ErrorCode::invalid_argument, "BAD_FORMAT",
+                "format: expected FORMAT_JSON or FORMAT_C");
+  const std::string id = std::to_string(record.id.value);
+  const auto model = formats::read_model_json(record.json);
+  if (!model)
+    return fail(ErrorCode::data_loss, "DAMAGED_MODEL",
+                "model " + id + " in the database cannot be read: " + model.error().message);
+  v1::ExportModelResponse out;
+  if (format == v1::ExportModelRequest::FORMAT_JSON) {
+    out.set_text(formats::write_model_json(*model, 2) + "\n");
+    out.set_file_name("model_" + id + ".json");
+    return out;
+  }
+  return fail(ErrorCode::internal, "TODO", "to come");
+}
+
+}  // namespace driftwise::rpc

@@ -1,0 +1,140 @@
+#include "driftwise/v1/model_service.grpc.pb.h"
+#include "server/rpc/caller.h"
+#include "server/rpc/convert_model.h"
+#include "server/rpc/convert_values.h"
+#include "server/rpc/export_model.h"
+#include "server/rpc/fit_request.h"
+#include "server/rpc/request_checks.h"
+#include "server/rpc/services.h"
+#include "server/rpc/unary.h"
+
+namespace driftwise::rpc {
+namespace {
+
+using Context = grpc::CallbackServerContext;
+using Reactor = grpc::ServerUnaryReactor;
+
+class ModelService final : public v1::ModelService::CallbackService {
+ public:
+  explicit ModelService(application::Cell& cell) : cell_(cell) {}
+
+  Reactor* GetModel(Context* context, const v1::GetModelRequest* request,
+                    v1::GetModelResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      auto model = co_await whole_model(request->model_id());
+      co_return put(std::move(model), *response->mutable_model());
+    });
+  }
+
+  Reactor* ListModels(Context* context, const v1::ListModelsRequest*,
+                      v1::ListModelsResponse* response) override {
+    return answer(cell_, context, [this, response]() -> Awaitable<Result<void>> {
+      const auto records = co_await cell_.models();
+      if (!records) co_return tl::unexpected(records.error());
+      const auto serving = cell_.status().serving;
+      for (const auto& record : *records)
+        if (auto good =
+                put(model_from(record, serving, ModelDetail::summary), *response->add_models());
+            !good)
+          co_return good;
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ListPromotions(Context* context, const v1::ListPromotionsRequest*,
+                          v1::ListPromotionsResponse* response) override {
+    return answer(cell_, context, [this, response]() -> Awaitable<Result<void>> {
+      const auto promotions = co_await cell_.promotions();
+      if (!promotions) co_return tl::unexpected(promotions.error());
+      for (const auto& promotion : *promotions)
+        *response->add_promotions() = promotion_from(promotion);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* CreateFit(Context* context, const v1::CreateFitRequest* request,
+                     v1::CreateFitResponse* response) override {
+    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      auto fit = fit_request_from(*request);
+      if (!fit) co_return tl::unexpected(fit.error());
+      co_return put(whole(co_await cell_.fit(caller_of(*context), std::move(*fit))),
+                    *response->mutable_model());
+    });
+  }
+
+  Reactor* CompareModels(Context* context, const v1::CompareModelsRequest* request,
+                         v1::CompareModelsResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (request->model_ids_size() < 2 || request->model_ids_size() > 16)
+        co_return fail(ErrorCode::invalid_argument, "BAD_MODEL_COUNT",
+                       "model_ids: found " + std::to_string(request->model_ids_size()) +
+                           " models, expected 2 to 16");
+      std::vector<v1::Model> models;
+      for (const std::int64_t id : request->model_ids()) {
+        auto model = co_await whole_model(id);
+        if (!model) co_return tl::unexpected(model.error());
+        models.push_back(std::move(*model));
+      }
+      *response = comparison_of(models);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* PromoteModel(Context* context, const v1::PromoteModelRequest* request,
+                        v1::PromoteModelResponse* response) override {
+    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->model_id(), "model_id"); !good) co_return good;
+      co_return put(
+          whole(co_await cell_.promote(caller_of(*context), ModelId{request->model_id()})),
+          *response->mutable_model());
+    });
+  }
+
+  Reactor* RollBackModel(Context* context, const v1::RollBackModelRequest*,
+                         v1::RollBackModelResponse* response) override {
+    return answer(cell_, context, [this, context, response]() -> Awaitable<Result<void>> {
+      const auto record = co_await cell_.roll_back(caller_of(*context));
+      if (!record) co_return tl::unexpected(record.error());
+      if (!*record) co_return Result<void>{};
+      co_return put(whole(**record), *response->mutable_model());
+    });
+  }
+
+  Reactor* ExportModel(Context* context, const v1::ExportModelRequest* request,
+                       v1::ExportModelResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->model_id(), "model_id"); !good) co_return good;
+      const auto record = co_await cell_.model(ModelId{request->model_id()});
+      if (!record) co_return tl::unexpected(record.error());
+      co_return put(export_model(*record, request->format()), *response);
+    });
+  }
+
+ private:
+  Result<v1::Model> whole(const Result<ModelRecord>& record) const {
+    if (!record) return tl::unexpected(record.error());
+    return model_from(*record, cell_.status().serving, ModelDetail::whole);
+  }
+
+  Awaitable<Result<v1::Model>> whole_model(std::int64_t id) {
+    if (auto good = check_id(id, "model_id"); !good) co_return tl::unexpected(good.error());
+    co_return whole(co_await cell_.model(ModelId{id}));
+  }
+
+  template <class Message>
+  static Result<void> put(Result<Message> found, Message& out) {
+    if (!found) return tl::unexpected(found.error());
+    out = std::move(*found);
+    return {};
+  }
+
+  application::Cell& cell_;
+};
+
+}  // namespace
+
+std::unique_ptr<grpc::Service> make_model_service(application::Cell& cell) {
+  return std::make_unique<ModelService>(cell);
+}
+
+}  // namespace driftwise::rpc

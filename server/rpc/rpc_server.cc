@@ -1,0 +1,111 @@
+#include "server/rpc/rpc_server.h"
+
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/resource_quota.h>
+#include <grpcpp/security/server_credentials.h>
+#include <grpcpp/server_builder.h>
+
+#include <charconv>
+#include <chrono>
+
+#include "server/rpc/services.h"
+
+namespace driftwise::rpc {
+namespace {
+
+constexpr int kMostReceiveBytes = 33 * 1024 * 1024;
+constexpr int kMostSendBytes = 64 * 1024 * 1024;
+constexpr const char* kServiceNames[] = {"",
+                                         "driftwise.v1.CellService",
+                                         "driftwise.v1.RunService",
+                                         "driftwise.v1.DataService",
+                                         "driftwise.v1.ModelService",
+                                         "driftwise.v1.TargetService"};
+
+struct Address {
+  std::string host;
+  int port = 0;
+};
+
+Result<Address> parse(const std::string& listen) {
+  const auto colon = listen.rfind(':');
+  Address out;
+  if (colon != std::string::npos) {
+    out.host = listen.substr(0, colon);
+    const char* first = listen.data() + colon + 1;
+    const char* last = listen.data() + listen.size();
+    const auto [end, bad] = std::from_chars(first, last, out.port);
+    if (bad == std::errc{} && end == last && out.port >= 0 && out.port <= 65535 &&
+        !out.host.empty())
+      return out;
+  }
+  return fail(ErrorCode::invalid_argument, "BAD_ADDRESS",
+              "listen: found '" + listen + "', expected host:port, for example 127.0.0.1:50051");
+}
+
+}  // namespace
+
+Result<std::unique_ptr<RpcServer>> RpcServer::open(application::Cell& cell,
+                                                   const std::string& listen,
+                                                   std::vector<grpc::Service*> further) {
+  const auto address = parse(listen);
+  if (!address) return tl::unexpected(address.error());
+  DeviceDescription probe;  // the one rule of what loopback means
+  probe.address = listen;
+  if (!probe.on_loopback())
+    return fail(
+        ErrorCode::invalid_argument, "NOT_LOOPBACK",
+        "listen: " + listen +
+            " can be reached from outside this computer; use 127.0.0.1 (and ssh -L from afar)");
+
+  std::unique_ptr<RpcServer> out(new RpcServer);
+  out->services_.push_back(make_cell_service(cell));
+  out->services_.push_back(make_run_service(cell));
+  out->services_.push_back(make_data_service(cell));
+  out->services_.push_back(make_model_service(cell));
+  out->services_.push_back(make_target_service(cell));
+
+  grpc::EnableDefaultHealthCheckService(true);
+  static const bool reflected = (grpc::reflection::InitProtoReflectionServerBuilderPlugin(), true);
+  static_cast<void>(reflected);
+  grpc::ServerBuilder builder;
+  int port = 0;
+  builder.AddListeningPort(listen, grpc::InsecureServerCredentials(), &port);
+  builder.SetMaxReceiveMessageSize(kMostReceiveBytes);
+  builder.SetMaxSendMessageSize(kMostSendBytes);
+  builder.AddChannelArgument(GRPC_ARG_MAX_METADATA_SIZE, 16 * 1024);
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT,
+                             0);  // two daemons on one port would share its calls
+  for (const auto& service : out->services_) builder.RegisterService(service.get());
+  for (grpc::Service* service : further) builder.RegisterService(service);
+  out->server_ = builder.BuildAndStart();
+  if (!out->server_ || port == 0)
+    return fail(ErrorCode::unavailable, "ADDRESS_IN_USE",
+                "cannot listen on " + listen +
+                    ": is another driftwised running? Stop it, or change [cell] listen");
+  out->address_ = address->host + ":" + std::to_string(port);
+  out->ready(false);
+  return out;
+}
+
+RpcServer::~RpcServer() { shut_down(std::chrono::milliseconds(0)); }
+
+void RpcServer::ready(bool is_ready) {
+  auto* health = server_->GetHealthCheckService();
+  for (const char* name : kServiceNames) health->SetServingStatus(name, is_ready);
+}
+
+void RpcServer::shut_down(std::chrono::milliseconds grace) {
+  if (!server_) return;
+  server_->GetHealthCheckService()->Shutdown();
+  server_->Shutdown(std::chrono::system_clock::now() + grace);
+  server_->Wait();
+  server_.reset();
+}
+
+std::shared_ptr<grpc::Channel> RpcServer::in_process_channel() {
+  return server_->InProcessChannel({});
+}
+
+}  // namespace driftwise::rpc

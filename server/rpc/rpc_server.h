@@ -1,0 +1,49 @@
+#pragma once
+// The gRPC door of the daemon: the five services, health and reflection on one loopback address.
+//
+// Health is NOT_SERVING for "" and for each service until ready(true). Limits: a request of at most
+// 33 MiB (a dataset of 32 MiB and its envelope), an answer of at most 64 MiB (10 000 points are
+// about 4 MiB); metadata of 16 KiB. A call's deadline is the client's; without one it waits. The
+// callbacks run on gRPC's own threads and never block.
+//
+// Thread: made, used and destroyed on one thread that is not the cell's executor; shut_down()
+// blocks until every call has ended, so the cell's executor must still be running then. The cell
+// outlives it.
+
+#include <grpcpp/server.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/application/cell.h"
+
+namespace driftwise::rpc {
+
+class RpcServer {
+ public:
+  // listen: "127.0.0.1:50051"; port 0 picks a free one. further: services beside ours, for the
+  // in-process gateway of the web and for benchmarks; borrowed. Errors: invalid_argument
+  // NOT_LOOPBACK (only loopback, until TLS and roles are configured), BAD_ADDRESS; unavailable,
+  // ADDRESS_IN_USE.
+  static Result<std::unique_ptr<RpcServer>> open(application::Cell& cell, const std::string& listen,
+                                                 std::vector<grpc::Service*> further = {});
+  ~RpcServer();
+
+  std::string address() const { return address_; }  // with the port chosen: "127.0.0.1:40200"
+  void ready(bool is_ready);
+  // Unary calls under way may finish within the grace; streams are ended at once after it.
+  // Idempotent.
+  void shut_down(std::chrono::milliseconds grace);
+
+  // For the gRPC-Web gateway: a channel without a socket.
+  std::shared_ptr<grpc::Channel> in_process_channel();
+
+ private:
+  RpcServer() = default;
+  std::vector<std::unique_ptr<grpc::Service>> services_;  // outlive the server
+  std::unique_ptr<grpc::Server> server_;
+  std::string address_;
+};
+
+}  // namespace driftwise::rpc

@@ -1,0 +1,169 @@
+#include "driftwise/v1/run_service.grpc.pb.h"
+#include "server/rpc/caller.h"
+#include "server/rpc/convert_run.h"
+#include "server/rpc/convert_values.h"
+#include "server/rpc/create_run_request.h"
+#include "server/rpc/request_checks.h"
+#include "server/rpc/services.h"
+#include "server/rpc/unary.h"
+#include "server/rpc/watch_sources.h"
+
+namespace driftwise::rpc {
+namespace {
+
+using Context = grpc::CallbackServerContext;
+using Reactor = grpc::ServerUnaryReactor;
+
+class RunService final : public v1::RunService::CallbackService {
+ public:
+  explicit RunService(application::Cell& cell) : cell_(cell) {}
+
+  Reactor* GetRun(Context* context, const v1::GetRunRequest* request,
+                  v1::GetRunResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
+      const auto run = co_await cell_.run(RunId{request->run_id()});
+      if (!run) co_return tl::unexpected(run.error());
+      *response->mutable_run() = run_from(*run);
+      response->set_trajectory_text(utf8_from(run->trajectory_text));
+      response->set_rules_json(run->rules_json);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ListRuns(Context* context, const v1::ListRunsRequest* request,
+                    v1::ListRunsResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_cursor(request->before_run_id(), "before_run_id"); !good)
+        co_return good;
+      const auto limit = limit_from(request->limit(), 50, 1000);
+      if (!limit) co_return tl::unexpected(limit.error());
+      const auto runs = co_await cell_.runs(*limit, request->before_run_id());
+      if (!runs) co_return tl::unexpected(runs.error());
+      for (const auto& run : *runs) *response->add_runs() = run_from(run);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ListPoints(Context* context, const v1::ListPointsRequest* request,
+                      v1::ListPointsResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
+      if (auto good = check_cursor(request->after_point_id(), "after_point_id"); !good)
+        co_return good;
+      const auto limit = limit_from(request->limit(), 1000, 10000);
+      if (!limit) co_return tl::unexpected(limit.error());
+      const auto points =
+          co_await cell_.points(RunId{request->run_id()}, request->after_point_id(), *limit);
+      if (!points) co_return tl::unexpected(points.error());
+      for (const auto& point : *points) *response->add_points() = point_from(point);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ListAttempts(Context* context, const v1::ListAttemptsRequest* request,
+                        v1::ListAttemptsResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
+      const auto attempts = co_await cell_.attempts(RunId{request->run_id()});
+      if (!attempts) co_return tl::unexpected(attempts.error());
+      for (const auto& attempt : *attempts) *response->add_attempts() = attempt_from(attempt);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ListDatums(Context* context, const v1::ListDatumsRequest* request,
+                      v1::ListDatumsResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
+      const auto datums = co_await cell_.data(RunId{request->run_id()});
+      if (!datums) co_return tl::unexpected(datums.error());
+      for (const auto& datum : *datums) *response->add_datums() = datum_from(datum);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* CheckTrajectory(Context* context, const v1::CheckTrajectoryRequest* request,
+                           v1::CheckTrajectoryResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (auto good =
+              check_size(request->trajectory_text(), kMostTrajectoryBytes, "trajectory_text");
+          !good)
+        co_return good;
+      const auto check = cell_.check_trajectory(request->trajectory_text());
+      if (!check) co_return tl::unexpected(check.error());
+      *response = check_response_from(*check);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* CreateRun(Context* context, const v1::CreateRunRequest* request,
+                     v1::CreateRunResponse* response) override {
+    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      auto asked = create_run_from(*request, cell_.description().run);
+      if (!asked) co_return tl::unexpected(asked.error());
+      const auto run = co_await cell_.create_run(caller_of(*context), std::move(*asked));
+      if (!run) co_return tl::unexpected(run.error());
+      *response->mutable_run() = run_from(*run);
+      co_return Result<void>{};
+    });
+  }
+
+  grpc::ServerWriteReactor<v1::WatchRunResponse>* WatchRun(
+      Context*, const v1::WatchRunRequest* request) override {
+    std::optional<RunId> run;
+    if (request->has_run_id()) {
+      if (auto good = check_id(request->run_id(), "run_id"); !good)
+        return refuse_stream<v1::WatchRunResponse>(good.error());
+      run = RunId{request->run_id()};
+    }
+    return Stream<v1::WatchRunResponse>::open(cell_.executor(), watch_run(cell_, run));
+  }
+
+  Reactor* PauseRun(Context* context, const v1::PauseRunRequest* request,
+                    v1::PauseRunResponse* response) override {
+    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
+      const auto run = co_await cell_.pause_run(caller_of(*context), RunId{request->run_id()});
+      if (!run) co_return tl::unexpected(run.error());
+      *response->mutable_run() = run_from(*run);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ResumeRun(Context* context, const v1::ResumeRunRequest* request,
+                     v1::ResumeRunResponse* response) override {
+    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
+      const auto run = co_await cell_.resume_run(caller_of(*context), RunId{request->run_id()});
+      if (!run) co_return tl::unexpected(run.error());
+      *response->mutable_run() = run_from(*run);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* AbortRun(Context* context, const v1::AbortRunRequest* request,
+                    v1::AbortRunResponse* response) override {
+    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
+      if (auto good = check_size(request->reason(), kMostNameBytes, "reason"); !good)
+        co_return good;
+      const auto run = co_await cell_.abort_run(caller_of(*context), RunId{request->run_id()},
+                                                request->reason());
+      if (!run) co_return tl::unexpected(run.error());
+      *response->mutable_run() = run_from(*run);
+      co_return Result<void>{};
+    });
+  }
+
+ private:
+  application::Cell& cell_;
+};
+
+}  // namespace
+
+std::unique_ptr<grpc::Service> make_run_service(application::Cell& cell) {
+  return std::make_unique<RunService>(cell);
+}
+
+}  // namespace driftwise::rpc

@@ -1,0 +1,19 @@
+#pragma once
+// The five services of driftwise.v1 over one cell. Each borrows the cell, which outlives the
+// server.
+
+#include <grpcpp/impl/service_type.h>
+
+#include <memory>
+
+#include "server/application/cell.h"
+
+namespace driftwise::rpc {
+
+std::unique_ptr<grpc::Service> make_cell_service(application::Cell& cell);
+std::unique_ptr<grpc::Service> make_run_service(application::Cell& cell);
+std::unique_ptr<grpc::Service> make_data_service(application::Cell& cell);
+std::unique_ptr<grpc::Service> make_model_service(application::Cell& cell);
+std::unique_ptr<grpc::Service> make_target_service(application::Cell& cell);
+
+}  // namespace driftwise::rpc

@@ -1,0 +1,54 @@
+// Unary targets are answered on gRPC's own thread: no hop to the executor, no lock.
+
+#include "driftwise/v1/target_service.grpc.pb.h"
+#include "server/rpc/convert_target.h"
+#include "server/rpc/convert_values.h"
+#include "server/rpc/services.h"
+#include "server/rpc/unary.h"
+#include "server/rpc/watch_sources.h"
+
+namespace driftwise::rpc {
+namespace {
+
+class TargetService final : public v1::TargetService::CallbackService {
+ public:
+  explicit TargetService(application::Cell& cell) : cell_(cell) {}
+
+  grpc::ServerUnaryReactor* ComputeTarget(grpc::CallbackServerContext* context,
+                                          const v1::ComputeTargetRequest* request,
+                                          v1::ComputeTargetResponse* response) override {
+    return answer_now(context, compute(*request, *response));
+  }
+
+  grpc::ServerWriteReactor<v1::WatchTargetsResponse>* WatchTargets(
+      grpc::CallbackServerContext*, const v1::WatchTargetsRequest* request) override {
+    const auto pose = pose_from(request->pose(), CellTime{});
+    if (!pose) return refuse_stream<v1::WatchTargetsResponse>(pose.error());
+    const auto interval =
+        nanoseconds_from(request->min_interval_duration(), "min_interval_duration");
+    if (!interval) return refuse_stream<v1::WatchTargetsResponse>(interval.error());
+    return Stream<v1::WatchTargetsResponse>::open(cell_.executor(),
+                                                  watch_targets(cell_, *pose, *interval));
+  }
+
+ private:
+  Result<void> compute(const v1::ComputeTargetRequest& request,
+                       v1::ComputeTargetResponse& response) const {
+    const auto pose = pose_from(request.pose(), cell_.now());
+    if (!pose) return tl::unexpected(pose.error());
+    static const compensation::Snapshot nothing;  // its refusal says that no model serves
+    const auto snapshot = cell_.snapshots().read();
+    return answer_target(snapshot ? *snapshot : nothing, *pose, request.with_budget(),
+                         *response.mutable_target());
+  }
+
+  application::Cell& cell_;
+};
+
+}  // namespace
+
+std::unique_ptr<grpc::Service> make_target_service(application::Cell& cell) {
+  return std::make_unique<TargetService>(cell);
+}
+
+}  // namespace driftwise::rpc
