@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "server/calibration/model.h"
+#include "server/compensation/basis_plan.h"
+#include "server/compensation/slow_state.h"
 #include "server/compensation/snapshot.h"
 #include "server/core/cell_description.h"
 #include "server/core/reading.h"
@@ -20,21 +22,23 @@ class SnapshotBuilder {
  public:
   // The cell gives the serving rules, the thermometers' uncertainties (u_k) and the scales'
   // (u_scale_nm). Errors, failed_precondition: NOT_A_MOTOR_MODEL (an output that is no motor
-  // coordinate in a length unit), TERM_NOT_SERVABLE (an effect that this build cannot follow, or
-  // one that reads the wanted pose), MODEL_TOO_LARGE (kMaxBasis, kMaxInputs, kMaxOutputs).
+  // coordinate in a length unit), TERM_NOT_SERVABLE (a term that reads a motor coordinate, an
+  // effect that reads the wanted pose), NO_DOMAIN (a channel without its fitted range),
+  // MODEL_TOO_LARGE (kMaxBasis, kMaxInputs, kMaxOutputs).
   static Result<SnapshotBuilder> create(calibration::Model model, ModelId id,
                                         const CellDescription& cell);
 
   // In time order. Channels that the model does not use are passed over; kMissing values change
   // nothing, so that the last good one grows old.
-  void observe(const Reading& reading);
-  void observe(std::span<const ChannelValue> values, CellTime at);
+  void observe(const Reading& reading) { observe(reading.values, reading.middle()); }
+  void observe(std::span<const ChannelValue> values, CellTime at) { slow_.observe(values, at); }
 
-  // The zero of the present datum: motor coordinates read back (and force, where it is measured) at
-  // pose 0, with every temperature at that instant. From here on q = q_zero + f(pose, now) - f(0,
-  // then), coefficients' covariance included, so that the constant of the model's own datum drops
-  // out. Without it targets stay in the model's datum. Errors: failed_precondition,
-  // INCOMPLETE_DATUM, naming the channel that is not among the values.
+  // The zero of the present datum: motor coordinates read back (and force, where the model has it)
+  // at pose 0, with every temperature at that instant. From here on q = q_zero + f(pose, now) -
+  // f(0, then), coefficients' covariance included, so that the constant of the model's own datum
+  // drops out. Effects with memory count as they stand when this is called. Without it targets stay
+  // in the model's datum and are flagged. Errors: failed_precondition, INCOMPLETE_DATUM, naming the
+  // channel that is not among the values; nothing changes.
   Result<void> anchor(std::span<const ChannelValue> values);
   // The present datum is the model's own: nothing to shift.
   void keep_model_datum();
@@ -45,8 +49,53 @@ class SnapshotBuilder {
   const calibration::Model& model() const { return model_; }
 
  private:
+  struct Term {             // of one output, as served
+    std::size_t basis = 0;  // its fast product
+    SlowProduct slow;
+    double coefficient = 0;  // column unit
+  };
+  struct Output {
+    Channel channel;         // q1_mm
+    double mm_per_unit = 1;  // of the model's column
+    std::vector<Term> terms;
+    Eigen::MatrixXd covariance;  // of the terms, column units
+    double rmse = 0, u_scale_nm = 0;
+  };
+  struct SlowInput {
+    double min = 0, max = 0, u = 0;
+  };  // one per channel of slow_
+  struct FastInput {
+    Variable variable;
+    double min = 0, max = 0;
+  };              // request's unit
+  struct Datum {  // of one output, at the zero
+    double q_mm = 0;
+    std::vector<double> term_values;  // of every term: f(0, then) = sum of coefficient * value
+    std::vector<std::vector<double>> term_slopes;  // [slow channel][term]: by that channel
+  };
+  struct Conditions {  // the slow side at the instant of building
+    std::vector<double> channels, calls, u_systematic, u_independent;
+  };
+
   SnapshotBuilder() = default;
+  Result<void> add_output(const calibration::OutputModel& output);
+  Result<Term> split(const effects::Term& term);
+  Result<void> add_fast_input(const Channel& channel, const calibration::ChannelRange& range);
+  const calibration::ChannelRange* domain_of(const std::string& symbol) const;
+  Conditions look_at_inputs(CellTime now, Snapshot& snapshot) const;
+  Snapshot::Output fold(std::size_t output, const Conditions& conditions) const;
+
   calibration::Model model_;
+  ModelId id_;
+  ServingRules rules_;
+  BasisPlan basis_;
+  SlowState slow_;
+  std::vector<Output> outputs_;
+  std::vector<FastInput> fast_inputs_;
+  std::array<double, kVariables> column_per_unit_{};
+  std::vector<SlowInput> slow_inputs_;
+  std::vector<Datum> datum_;  // one per output when anchored
+  bool anchored_ = false;
 };
 
 }  // namespace driftwise::compensation

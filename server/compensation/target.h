@@ -34,7 +34,7 @@ enum TargetFlag : std::uint32_t {
   kStaleTemperature = 1u << 1,  // older than the cell's [serving] max_age_s: see stale
   kMissingTemperature =
       1u << 2,  // never read: the middle of the fitted range stands in for it, see missing
-  kExpiredSnapshot =
+  kExpiredConditions =
       1u << 3,  // nobody rebuilt the snapshot in time: request.now is past valid_until
   kUnanchoredDatum =
       1u << 4,  // the present datum is not known: the constant is that of the model's own datum

@@ -1,9 +1,15 @@
 #include "server/core/cell_description.h"
 
+#include <string_view>
+
 namespace driftwise {
 
 bool DeviceDescription::on_loopback() const {
-  return address.starts_with("127.") || address.starts_with("localhost:") || address.starts_with("[::1]:");
+  if (address.starts_with("localhost:") || address.starts_with("[::1]:")) return true;
+  // 127.0.0.0/8 in numbers only: 127.example.org is somebody else's machine.
+  const auto host = std::string_view(address).substr(0, address.rfind(':'));
+  return host.starts_with("127.") &&
+         host.find_first_not_of("0123456789.") == std::string_view::npos;
 }
 
 std::vector<Channel> CellDescription::motor_channels() const {

@@ -1,0 +1,95 @@
+#include "server/compensation/slow_state.h"
+
+#include <algorithm>
+
+namespace driftwise::compensation {
+
+std::size_t SlowState::add_channel(const Channel& channel) {
+  if (const auto known = find(channel.symbol)) return *known;
+  channels_.push_back(channel);
+  names_.push_back(channel.name());
+  latest_.emplace_back();
+  return channels_.size() - 1;
+}
+
+std::optional<std::size_t> SlowState::find(const std::string& symbol) const {
+  const auto found = std::ranges::find(channels_, symbol, &Channel::symbol);
+  if (found == channels_.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - channels_.begin());
+}
+
+Result<std::size_t> SlowState::add_call(const effects::Call& call) {
+  for (std::size_t i = 0; i < calls_.size(); ++i)
+    if (calls_[i].call == call) return i;
+  auto evaluator = effects::TermEvaluator::create({effects::Term{{call}}}, call.symbols);
+  if (!evaluator) return tl::unexpected(evaluator.error());
+  Tracker tracker{call, std::move(*evaluator), {}, kMissing};
+  for (const auto& symbol : call.symbols) tracker.channels.push_back(find(symbol).value());
+  calls_.push_back(std::move(tracker));
+  return calls_.size() - 1;
+}
+
+void SlowState::observe(std::span<const ChannelValue> values, CellTime at) {
+  std::vector<bool> fresh(channels_.size(), false);
+  for (const auto& [name, value] : values) {
+    if (is_missing(value)) continue;
+    const auto found = std::ranges::find(names_, name);
+    if (found == names_.end()) continue;
+    const auto index = static_cast<std::size_t>(found - names_.begin());
+    if (at < latest_[index].at) continue;  // a late reading must not turn time back
+    latest_[index] = {value, at};
+    fresh[index] = true;
+  }
+  for (auto& tracker : calls_) {
+    if (!std::ranges::any_of(tracker.channels, [&](std::size_t i) { return fresh[i]; })) continue;
+    std::vector<double> inputs;
+    for (const std::size_t i : tracker.channels) inputs.push_back(latest_[i].value);
+    if (!origin_) origin_ = at;
+    double output = kMissing;
+    tracker.evaluator.step(seconds_from(at - *origin_), inputs, std::span(&output, 1));
+    if (!is_missing(output)) tracker.output = output;
+  }
+}
+
+std::vector<double> SlowState::call_values(std::span<const double> channels_instead) const {
+  std::vector<double> out;
+  for (const auto& tracker : calls_) {
+    double value = tracker.output;
+    if (is_missing(value) && !channels_instead.empty()) {
+      effects::TermEvaluator fresh = tracker.evaluator;
+      std::vector<double> inputs;
+      for (const std::size_t i : tracker.channels) inputs.push_back(channels_instead[i]);
+      fresh.step(0.0, inputs, std::span(&value, 1));
+    }
+    out.push_back(value);
+  }
+  return out;
+}
+
+double value_of(const SlowProduct& product, std::span<const double> channels,
+                std::span<const double> calls) {
+  double value = 1.0;
+  for (const auto& factor : product.powers)
+    value *= effects::power(channels[factor.index], factor.exponent);
+  for (const std::size_t call : product.calls) value *= calls[call];
+  return value;
+}
+
+double derivative_of(const SlowProduct& product, std::size_t channel,
+                     std::span<const double> channels, std::span<const double> calls) {
+  double value = 0.0;
+  bool found = false;
+  for (const auto& factor : product.powers) {
+    if (factor.index != channel) continue;
+    found = true;
+    value = factor.exponent;
+    if (factor.exponent > 1) value *= effects::power(channels[channel], factor.exponent - 1);
+  }
+  if (!found) return 0.0;
+  for (const auto& factor : product.powers)
+    if (factor.index != channel) value *= effects::power(channels[factor.index], factor.exponent);
+  for (const std::size_t call : product.calls) value *= calls[call];
+  return value;
+}
+
+}  // namespace driftwise::compensation

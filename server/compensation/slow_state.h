@@ -1,0 +1,78 @@
+#pragma once
+// The slow side of a model: the last good value of every channel it reads that no request states,
+// and the effects with memory that observe them. Advanced by observed readings only.
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/core/cell_time.h"
+#include "server/core/channel.h"
+#include "server/core/reading.h"
+#include "server/core/result.h"
+#include "server/effects/term_evaluator.h"
+
+namespace driftwise::compensation {
+
+// The slow part of one term: a product of channels' powers and effects' outputs; empty: 1.
+struct SlowProduct {
+  struct Factor {
+    std::size_t index = 0;
+    int exponent = 1;
+  };
+  std::vector<Factor> powers;      // index: of a channel
+  std::vector<std::size_t> calls;  // index: of an effect
+};
+
+class SlowState {
+ public:
+  struct Latest {
+    double value = kMissing;
+    CellTime at;
+  };
+
+  // The channel's index, added when it is new.
+  std::size_t add_channel(const Channel& channel);
+  // The effect's index, added when it is new; its symbols must be channels. Errors: those of
+  // TermEvaluator::create.
+  Result<std::size_t> add_call(const effects::Call& call);
+
+  // channel: full name. Unknown channels and kMissing values change nothing.
+  void observe(std::span<const ChannelValue> values, CellTime at);
+
+  const std::vector<Channel>& channels() const { return channels_; }
+  const std::vector<Latest>& latest() const { return latest_; }
+  std::optional<std::size_t> find(const std::string& symbol) const;
+  // Each effect's present output. One that saw nothing yet: in equilibrium with these channel
+  // values (one per channel), NaN when none are given.
+  std::vector<double> call_values(std::span<const double> channels_instead = {}) const;
+  const std::vector<std::size_t>& channels_of_call(std::size_t call) const {
+    return calls_[call].channels;
+  }
+
+ private:
+  struct Tracker {
+    effects::Call call;
+    effects::TermEvaluator
+        evaluator;  // of this one effect, stepped when one of its channels has news
+    std::vector<std::size_t> channels;
+    double output = kMissing;
+  };
+  std::vector<Channel> channels_;
+  std::vector<std::string> names_;
+  std::vector<Latest> latest_;
+  std::vector<Tracker> calls_;
+  std::optional<CellTime>
+      origin_;  // effects count seconds from here: small numbers keep their digits
+};
+
+double value_of(const SlowProduct& product, std::span<const double> channels,
+                std::span<const double> calls);
+// By one channel; effects with memory count as constants: their response to an error of their
+// sensor is not followed.
+double derivative_of(const SlowProduct& product, std::size_t channel,
+                     std::span<const double> channels, std::span<const double> calls);
+
+}  // namespace driftwise::compensation

@@ -1,0 +1,272 @@
+#include "server/compensation/snapshot_builder.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/effects/term_order.h"
+
+namespace driftwise::compensation {
+namespace {
+
+tl::unexpected<Error> not_servable(const std::string& reason, const std::string& message) {
+  return fail(ErrorCode::failed_precondition, reason, message);
+}
+
+// The fitted range is that of measured poses and temperatures, so a wanted 4 mm may stand a few
+// nanometres outside a measured 3.9999 mm: half a percent of the range is still called inside.
+constexpr double kDomainSlack = 0.005;
+calibration::ChannelRange widened(calibration::ChannelRange range) {
+  const double slack = kDomainSlack * (range.max - range.min);
+  return {range.channel, range.min - slack, range.max + slack};
+}
+
+}  // namespace
+
+Result<SnapshotBuilder> SnapshotBuilder::create(calibration::Model model, ModelId id,
+                                                const CellDescription& cell) {
+  SnapshotBuilder made;
+  made.model_ = std::move(model);
+  made.id_ = id;
+  made.rules_ = cell.serving;
+  made.column_per_unit_.fill(1.0);
+  for (const auto& output : made.model_.outputs)
+    if (auto added = made.add_output(output); !added) return tl::unexpected(added.error());
+
+  for (const auto& channel : made.slow_.channels()) {
+    const auto range = widened(*made.domain_of(channel.symbol));
+    made.slow_inputs_.push_back({range.min, range.max, 0.0});
+    for (const auto& device : cell.devices)
+      for (const auto& probe : device.probes)
+        if (probe.channel == channel) made.slow_inputs_.back().u = probe.u_k;
+  }
+  for (auto& output : made.outputs_)
+    if (const auto* axis = cell.find_axis(output.channel.name()))
+      output.u_scale_nm = axis->u_scale_nm;
+  if (made.outputs_.empty() || made.outputs_.size() > kMaxOutputs ||
+      made.basis_.size() > kMaxBasis ||
+      made.fast_inputs_.size() + made.slow_inputs_.size() > kMaxInputs)
+    return not_servable(
+        "MODEL_TOO_LARGE",
+        "the model has " + std::to_string(made.outputs_.size()) + " outputs, " +
+            std::to_string(made.basis_.size()) + " products of pose and force and " +
+            std::to_string(made.fast_inputs_.size() + made.slow_inputs_.size()) + " inputs; 1 to " +
+            std::to_string(kMaxOutputs) + ", " + std::to_string(kMaxBasis) + " and " +
+            std::to_string(kMaxInputs) + " can be served");
+  return made;
+}
+
+const calibration::ChannelRange* SnapshotBuilder::domain_of(const std::string& symbol) const {
+  for (const auto& range : model_.domain)
+    if (range.channel.symbol == symbol) return &range;
+  return nullptr;
+}
+
+Result<void> SnapshotBuilder::add_output(const calibration::OutputModel& from) {
+  if (!is_motor_symbol(from.channel.symbol) || !is_length(from.channel.unit))
+    return not_servable("NOT_A_MOTOR_MODEL",
+                        "the model gives " + from.channel.name() +
+                            ", expected motor coordinates such as q1_mm: it cannot serve targets");
+  Output output;
+  output.channel = {from.channel.symbol, "mm"};
+  output.mm_per_unit = mm_from_nm(summary_unit(from.channel.unit).factor);
+  output.rmse = from.accuracy.rmse;
+  std::vector<Eigen::Index> kept;
+  for (std::size_t k = 0; k < from.terms.size(); ++k) {
+    if (effects::datum_of(from.terms[k])) continue;  // the constants of other data: never served
+    auto term = split(from.terms[k]);
+    if (!term) return tl::unexpected(term.error());
+    term->coefficient = from.coefficients[static_cast<Eigen::Index>(k)];
+    output.terms.push_back(std::move(*term));
+    kept.push_back(static_cast<Eigen::Index>(k));
+  }
+  output.covariance = from.covariance(kept, kept);
+  outputs_.push_back(std::move(output));
+  return {};
+}
+
+Result<SnapshotBuilder::Term> SnapshotBuilder::split(const effects::Term& term) {
+  const auto in_term = [&](const std::string& what) {
+    return "term " + effects::notation(term) + " " + what;
+  };
+  Term out;
+  Exponents exponents{};
+  for (const auto& symbol : effects::symbols_of(term)) {
+    const auto* range = domain_of(symbol);
+    if (!range)
+      return not_servable(
+          "NO_DOMAIN",
+          in_term("reads " + symbol +
+                  ", and the model does not say the range it was fitted in: fit it again"));
+    if (const auto variable = variable_from(symbol)) {
+      if (auto added = add_fast_input(channel_of(*variable), *range); !added)
+        return tl::unexpected(added.error());
+    } else {
+      slow_.add_channel(range->channel);
+    }
+  }
+  for (const auto& factor : term.factors) {
+    if (const auto* power = std::get_if<effects::Power>(&factor)) {
+      if (is_motor_symbol(power->symbol))
+        return not_servable("TERM_NOT_SERVABLE",
+                            in_term("reads the motor coordinate " + power->symbol +
+                                    ", which is what a target asks for"));
+      if (const auto variable = variable_from(power->symbol))
+        exponents[static_cast<std::size_t>(*variable)] += power->exponent;
+      else
+        out.slow.powers.push_back({*slow_.find(power->symbol), power->exponent});
+      continue;
+    }
+    const auto& call = std::get<effects::Call>(factor);
+    for (const auto& symbol : call.symbols)
+      if (variable_from(symbol))
+        return not_servable("TERM_NOT_SERVABLE",
+                            in_term("follows " + symbol + " over time: a wanted pose has no past"));
+    const auto index = slow_.add_call(call);
+    if (!index) return tl::unexpected(index.error());
+    out.slow.calls.push_back(*index);
+  }
+  out.basis = basis_.index_of(exponents);
+  return out;
+}
+
+Result<void> SnapshotBuilder::add_fast_input(const Channel& channel,
+                                             const calibration::ChannelRange& range) {
+  const Variable variable = *variable_from(channel.symbol);
+  if (std::ranges::find(fast_inputs_, variable, &FastInput::variable) != fast_inputs_.end())
+    return {};
+  const auto asked = summary_unit(channel.unit), column = summary_unit(range.channel.unit);
+  if (asked.unit != column.unit)
+    return not_servable("TERM_NOT_SERVABLE", "the model has " + range.channel.name() +
+                                                 ", expected the unit of " + channel.name() +
+                                                 " or one of its kind");
+  const double column_per_unit =
+      range.channel.unit == channel.unit ? 1.0 : asked.factor / column.factor;
+  column_per_unit_[static_cast<std::size_t>(variable)] = column_per_unit;
+  const auto wide = widened(range);
+  fast_inputs_.push_back({variable, wide.min / column_per_unit, wide.max / column_per_unit});
+  return {};
+}
+
+Result<void> SnapshotBuilder::anchor(std::span<const ChannelValue> values) {
+  const auto find = [&](const std::string& name) {
+    for (const auto& value : values)
+      if (value.channel == name && !is_missing(value.value)) return std::optional(value.value);
+    return std::optional<double>();
+  };
+  const auto incomplete = [](const std::string& name) {
+    return fail(
+        ErrorCode::failed_precondition, "INCOMPLETE_DATUM",
+        "the zero of this datum has no " + name +
+            ", which the model needs to be carried over to it: zero again with every sensor alive");
+  };
+  std::vector<double> channels;
+  for (const auto& channel : slow_.channels()) {
+    const auto value = find(channel.name());
+    if (!value) return incomplete(channel.name());
+    channels.push_back(*value);
+  }
+  const auto calls = slow_.call_values();
+  for (std::size_t i = 0; i < calls.size(); ++i)
+    if (is_missing(calls[i]))
+      return incomplete("history of " + slow_.channels()[slow_.channels_of_call(i).front()].name());
+  std::array<double, kVariables> pose{};  // zeroed here, so all 0 but the force
+  if (basis_.needed() & bit(Variable::force)) {
+    const auto force = find(channel_of(Variable::force).name());
+    if (!force) return incomplete(channel_of(Variable::force).name());
+    pose[static_cast<std::size_t>(Variable::force)] =
+        *force * column_per_unit_[static_cast<std::size_t>(Variable::force)];
+  }
+  std::vector<double> basis;
+  basis_.evaluate(pose, basis);
+
+  std::vector<Datum> data;
+  for (const auto& output : outputs_) {
+    Datum datum;
+    const auto q_mm = find(output.channel.name());
+    if (!q_mm) return incomplete(output.channel.name());
+    datum.q_mm = *q_mm;
+    for (const auto& term : output.terms)
+      datum.term_values.push_back(basis[term.basis] * value_of(term.slow, channels, calls));
+    for (std::size_t j = 0; j < channels.size(); ++j) {
+      auto& slopes = datum.term_slopes.emplace_back();
+      for (const auto& term : output.terms)
+        slopes.push_back(basis[term.basis] * derivative_of(term.slow, j, channels, calls));
+    }
+    data.push_back(std::move(datum));
+  }
+  datum_ = std::move(data);
+  anchored_ = true;
+  return {};
+}
+
+void SnapshotBuilder::keep_model_datum() {
+  datum_.clear();
+  anchored_ = true;
+}
+
+Snapshot SnapshotBuilder::build(CellTime now) const {
+  Snapshot snapshot;
+  snapshot.model = id_;
+  snapshot.built_at = now;
+  // Twice the period: who asks just before a rebuild still has a whole period to use the answer.
+  snapshot.valid_until = now + nanoseconds_from_s(2 * rules_.rebuild_period_s);
+  snapshot.products = basis_.products();
+  snapshot.needed = basis_.needed();
+  snapshot.column_per_unit = column_per_unit_;
+  snapshot.anchored = anchored_;
+  snapshot.refuse_stale = rules_.refuse_stale;
+  snapshot.refuse_outside_domain = rules_.refuse_outside_domain;
+  const Conditions conditions = look_at_inputs(now, snapshot);
+  for (std::size_t i = 0; i < outputs_.size(); ++i) snapshot.outputs.push_back(fold(i, conditions));
+  return snapshot;
+}
+
+// Fills inputs, their bits and valid_until. A channel that was never read is replaced by the middle
+// of its fitted range with the standard uncertainty of a rectangular distribution over it
+// (GUM 4.3.7); a stale one keeps its value and gets that uncertainty on top.
+SnapshotBuilder::Conditions SnapshotBuilder::look_at_inputs(CellTime now,
+                                                            Snapshot& snapshot) const {
+  Conditions conditions;
+  for (const auto& fast : fast_inputs_)
+    snapshot.inputs.push_back({.channel = channel_of(fast.variable),
+                               .variable = fast.variable,
+                               .min = fast.min,
+                               .max = fast.max,
+                               .at = {}});
+  const Nanoseconds max_age = nanoseconds_from_s(rules_.max_age_s);
+  for (std::size_t j = 0; j < slow_inputs_.size(); ++j) {
+    const auto& range = slow_inputs_[j];
+    const auto& latest = slow_.latest()[j];
+    const std::uint64_t mark = std::uint64_t{1} << snapshot.inputs.size();
+    const double u_range = (range.max - range.min) / std::sqrt(12.0);
+    const bool missing = is_missing(latest.value);
+    const bool stale = !missing && now - latest.at > max_age;
+    const double value = missing ? 0.5 * (range.min + range.max) : latest.value;
+    const double u_independent = missing || stale ? u_range : 0.0;
+    if (missing) snapshot.missing |= mark;
+    if (stale) snapshot.stale |= mark;
+    if (!missing && !stale)
+      snapshot.valid_until = std::min(snapshot.valid_until, latest.at + max_age);
+    if (value < range.min || value > range.max) {
+      snapshot.outside |= mark;
+      const double half_width = 0.5 * (range.max - range.min);
+      const double beyond = std::max(range.min - value, value - range.max);
+      snapshot.slow_excess =
+          std::max(snapshot.slow_excess, half_width > 0 ? beyond / half_width : 1.0);
+    }
+    snapshot.inputs.push_back({.channel = slow_.channels()[j],
+                               .variable = {},
+                               .min = range.min,
+                               .max = range.max,
+                               .value = value,
+                               .u = std::hypot(range.u, u_independent),
+                               .at = latest.at});
+    conditions.channels.push_back(value);
+    conditions.u_systematic.push_back(range.u);
+    conditions.u_independent.push_back(u_independent);
+  }
+  conditions.calls = slow_.call_values(conditions.channels);
+  return conditions;
+}
+
+}  // namespace driftwise::compensation

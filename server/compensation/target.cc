@@ -1,0 +1,211 @@
+#include "server/compensation/target.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace driftwise::compensation {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+// How far a value lies outside [min, max], in half widths of it; 0 inside.
+double excess(const Snapshot::Input& input, double value) {
+  const double beyond = std::max(input.min - value, value - input.max);
+  if (!(beyond > 0)) return 0;
+  const double half_width = 0.5 * (input.max - input.min);
+  return half_width > 0 ? beyond / half_width : 1.0;
+}
+
+// Outside the domain nothing measured says how wrong the model is. By convention the uncertainty
+// grows with the square of the distance from the domain's centre: the factor is (1 + d)^2, d the
+// largest excess over all inputs in half widths: 1 at the edge, 4 at twice the range.
+double extrapolation_factor(double largest_excess) {
+  return (1.0 + largest_excess) * (1.0 + largest_excess);
+}
+
+struct Basis {
+  std::array<double, kMaxBasis> b;
+};
+
+// Column values of the request and the products made of them.
+void fill_basis(const Snapshot& snapshot, const TargetRequest& request, Basis& basis) {
+  std::array<double, kVariables> column;
+  for (std::size_t v = 0; v < kVariables; ++v)
+    column[v] = request.value[v] * snapshot.column_per_unit[v];
+  basis.b[0] = 1.0;
+  for (std::size_t k = 0; k < snapshot.products.size(); ++k)
+    basis.b[k + 1] = basis.b[snapshot.products[k].base] * column[snapshot.products[k].variable];
+}
+
+// b' V b from the packed lower triangle with doubled off-diagonal entries, or a constant.
+double variance(const std::vector<double>& packed, std::size_t size, const Basis& basis) {
+  if (packed.size() == 1) return packed[0];
+  double sum = 0;
+  const double* row = packed.data();
+  for (std::size_t i = 0; i < size; ++i) {
+    double dot = 0;
+    for (std::size_t j = 0; j <= i; ++j) dot += row[j] * basis.b[j];
+    sum += dot * basis.b[i];
+    row += i + 1;
+  }
+  return sum;
+}
+
+Target refused(Target target, Refusal refusal) {
+  target.refusal = refusal;
+  target.q_mm.fill(kNan);
+  target.u_nm.fill(kNan);
+  return target;
+}
+
+// The fast inputs stand first. Sets the outside bits, and returns the largest excess of all inputs.
+double look_at_domain(const Snapshot& snapshot, const TargetRequest& request, Target& target) {
+  double largest = snapshot.slow_excess;
+  target.outside = snapshot.outside;
+  for (std::size_t i = 0; i < snapshot.inputs.size() && snapshot.inputs[i].variable; ++i) {
+    const double out = excess(
+        snapshot.inputs[i], request.value[static_cast<std::size_t>(*snapshot.inputs[i].variable)]);
+    if (out > 0) target.outside |= std::uint64_t{1} << i;
+    largest = std::max(largest, out);
+  }
+  return largest;
+}
+
+// What cannot be computed at all.
+Refusal look_at_request(const Snapshot& snapshot, const TargetRequest& request, Target& target) {
+  if (snapshot.outputs.empty()) return Refusal::no_model;
+  Refusal refusal = Refusal::none;
+  for (std::size_t i = 0; i < snapshot.inputs.size() && snapshot.inputs[i].variable; ++i) {
+    const Variable variable = *snapshot.inputs[i].variable;
+    const bool given = (request.given & bit(variable)) != 0;
+    if (given && std::isfinite(request.value[static_cast<std::size_t>(variable)])) continue;
+    if (refusal == Refusal::none)
+      refusal = given ? Refusal::not_finite : Refusal::missing_coordinate;
+    target.missing |= std::uint64_t{1} << i;
+  }
+  return refusal;
+}
+
+void set_flags(const Snapshot& snapshot, const TargetRequest& request, Target& target) {
+  target.stale = snapshot.stale;
+  target.missing = snapshot.missing;
+  if (target.outside) target.flags |= kOutsideDomain;
+  if (target.stale) target.flags |= kStaleTemperature;
+  if (target.missing) target.flags |= kMissingTemperature;
+  if (!snapshot.anchored) target.flags |= kUnanchoredDatum;
+  if (request.now > snapshot.valid_until) target.flags |= kExpiredConditions;
+}
+
+std::string names(const Snapshot& snapshot, std::uint64_t bits) {
+  std::string out;
+  for (std::size_t i = 0; i < snapshot.inputs.size(); ++i)
+    if (bits >> i & 1) out += (out.empty() ? "" : " ") + snapshot.inputs[i].channel.name();
+  return out;
+}
+
+}  // namespace
+
+Target compute_target(const Snapshot& snapshot, const TargetRequest& request) noexcept {
+  Target target;
+  target.outputs = snapshot.outputs.size();
+  target.valid_until = snapshot.valid_until;
+  if (const Refusal refusal = look_at_request(snapshot, request, target); refusal != Refusal::none)
+    return refused(target, refusal);
+  const double largest_excess = look_at_domain(snapshot, request, target);
+  set_flags(snapshot, request, target);
+  if (snapshot.refuse_outside_domain && target.outside)
+    return refused(target, Refusal::outside_domain);
+  if (snapshot.refuse_stale &&
+      (target.flags & (kStaleTemperature | kMissingTemperature | kExpiredConditions)))
+    return refused(target, Refusal::stale);
+
+  Basis basis;
+  fill_basis(snapshot, request, basis);
+  const std::size_t size = snapshot.basis_size();
+  for (std::size_t i = 0; i < target.outputs; ++i) {
+    const auto& output = snapshot.outputs[i];
+    double q_mm = 0;
+    for (std::size_t k = 0; k < size; ++k) q_mm += output.coefficients_mm[k] * basis.b[k];
+    target.q_mm[i] = q_mm;
+    target.u_nm[i] = request.with_uncertainty
+                         ? std::sqrt(std::max(0.0, variance(output.variance_nm2, size, basis))) *
+                               extrapolation_factor(largest_excess)
+                         : kNan;
+  }
+  return target;
+}
+
+Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request,
+                      std::size_t output) noexcept {
+  Budget budget;
+  Target target;
+  if (output >= snapshot.outputs.size() ||
+      look_at_request(snapshot, request, target) != Refusal::none) {
+    budget.u_nm = kNan;
+    return budget;
+  }
+  const double factor = extrapolation_factor(look_at_domain(snapshot, request, target));
+  Basis basis;
+  fill_basis(snapshot, request, basis);
+  double sum = 0;
+  for (const auto& line : snapshot.outputs[output].lines) {
+    const double nm2 = std::max(0.0, variance(line.variance_nm2, snapshot.basis_size(), basis));
+    budget.line[budget.lines++] = {line.source, std::sqrt(nm2)};
+    sum += nm2;
+  }
+  if (factor > 1)
+    budget.line[budget.lines++] = {UncertaintySource::extrapolation,
+                                   std::sqrt(sum * (factor * factor - 1))};
+  budget.u_nm = std::sqrt(sum) * factor;
+  return budget;
+}
+
+std::string describe_flags(const Snapshot& snapshot, const Target& target) {
+  std::string out;
+  const auto add = [&](const char* name, std::uint64_t bits) {
+    out += (out.empty() ? "" : ",") + std::string(name);
+    if (bits) out += "(" + names(snapshot, bits) + ")";
+  };
+  if (target.flags & kOutsideDomain) add("OUTSIDE_DOMAIN", target.outside);
+  if (target.flags & kStaleTemperature) add("STALE_TEMPERATURE", target.stale);
+  if (target.flags & kMissingTemperature) add("MISSING_TEMPERATURE", target.missing);
+  if (target.flags & kExpiredConditions) add("EXPIRED_CONDITIONS", 0);
+  if (target.flags & kUnanchoredDatum) add("UNANCHORED_DATUM", 0);
+  return out;
+}
+
+Error refusal_error(const Snapshot& snapshot, const Target& target) {
+  switch (target.refusal) {
+    case Refusal::none:
+      break;
+    case Refusal::no_model:
+      return {ErrorCode::failed_precondition, "NO_MODEL",
+              "no model serves: fit one and promote it"};
+    case Refusal::missing_coordinate:
+      return {ErrorCode::invalid_argument, "MISSING_COORDINATE",
+              "the request lacks " + names(snapshot, target.missing) +
+                  ", which the model needs: state it, 0 included"};
+    case Refusal::not_finite:
+      return {ErrorCode::invalid_argument, "NOT_FINITE",
+              "found no finite number for " + names(snapshot, target.missing) +
+                  ": state it in the unit of its name"};
+    case Refusal::outside_domain:
+      return {ErrorCode::out_of_range, "OUTSIDE_DOMAIN",
+              names(snapshot, target.outside) +
+                  " outside what the model was fitted on, and this cell refuses such targets "
+                  "([serving] refuse_outside_domain)"};
+    case Refusal::stale: {
+      const std::string who = names(snapshot, target.stale | target.missing);
+      return {
+          ErrorCode::failed_precondition, "STALE",
+          (who.empty() ? std::string("the conditions were not looked at in time")
+                       : who + " too old or never read") +
+              ", and this cell refuses such targets ([serving] refuse_stale): look at the scanner"};
+    }
+  }
+  return {ErrorCode::internal, "NOT_REFUSED",
+          "asked for the refusal of a target that was not refused"};
+}
+
+}  // namespace driftwise::compensation

@@ -1,0 +1,80 @@
+#pragma once
+// Reads one TOML table key by key and remembers the first problem of the whole file, so that a
+// parser reads like the list of its keys. Every message: file:line, the place and key, what was
+// found, what was expected.
+
+#include <toml++/toml.h>
+
+#include <cstdint>
+#include <initializer_list>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/core/cell_time.h"
+#include "server/core/channel.h"
+#include "server/core/result.h"
+
+namespace driftwise::formats {
+
+// Shared by all tables of one file.
+struct TomlProblem {
+  std::string file_name;
+  std::optional<Error> first;
+
+  bool any() const { return first.has_value(); }
+  void add(ErrorCode code, const char* reason, const toml::source_region& where,
+           const std::string& sentence);
+};
+
+enum class Need { required, optional };
+
+struct Range {
+  double min = -std::numeric_limits<double>::max(), max = std::numeric_limits<double>::max();
+  bool above_min = false;  // min itself is not allowed
+};
+
+class TomlReader {
+ public:
+  // place: "device 2, probe 3", "run"; empty for the top level.
+  TomlReader(const toml::table& table, std::string place, TomlProblem& problem);
+
+  // Each leaves its argument as it is when an optional key is absent or something was wrong.
+  void text(const char* key, std::string& value, Need need = Need::optional);
+  void choice(const char* key, std::string& value, std::initializer_list<std::string_view> allowed,
+              Need need);
+  void number(const char* key, double& value, Range range = {}, Need need = Need::optional);
+  void integer(const char* key, int& value, int min, int max, Need need = Need::optional);
+  void truth(const char* key, bool& value);
+  void time(const char* key,
+            CellTime& value);  // "2011-07-22T08:00:00Z" as a string or a TOML date-time
+  void channel(const char* key, Channel& value, Need need);
+  void strings(const char* key,
+               std::map<std::string, std::string>& values);  // a table of plain values, as text
+
+  // The tables behind a key: one for [key], each of them for [[key]].
+  const toml::table* table(const char* key);
+  std::vector<const toml::table*> tables(const char* key);
+
+  // Every key that nobody asked for is unknown: UNKNOWN_KEY with the nearest known one.
+  void finish();
+
+  // A problem at this key's value (or at the table when the key is absent).
+  void refuse(const char* key, const char* reason, const std::string& sentence,
+              ErrorCode code = ErrorCode::invalid_argument);
+  std::size_t line() const { return table_.source().begin.line; }
+
+ private:
+  const toml::node* find(const char* key, Need need);
+  void wrong_type(const char* key, const toml::node& node, const char* expected);
+
+  const toml::table& table_;
+  std::string place_;
+  TomlProblem& problem_;
+  std::vector<std::string_view> known_;
+};
+
+}  // namespace driftwise::formats
