@@ -1,18 +1,19 @@
 #pragma once
-// The daemon as one object: what clients can ask of a cell. rpc/ and web/ translate and call; nothing else.
+// The daemon as one object: what clients can ask of a cell. rpc/ and web/ translate and call;
+// nothing else.
 //
-// Thread: everything on the executor's thread (co_spawn onto executor()), except snapshots() and now(), which any
-// thread may read. Lifetime: start() once, then shut_down() once; the destructor expects the executor to have stopped.
-// Whatever changes something takes a Caller and leaves an event.
+// Thread: everything on the executor's thread (co_spawn onto executor()), except snapshots() and
+// now(), which any thread may read. Lifetime: start() once, then shut_down() once; the destructor
+// expects the executor to have stopped. Whatever changes something takes a Caller and leaves an
+// event.
 
+#include <boost/asio/any_io_executor.hpp>
 #include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <boost/asio/any_io_executor.hpp>
 
 #include "server/calibration/model.h"
 #include "server/compensation/snapshot_board.h"
@@ -25,26 +26,42 @@
 
 namespace driftwise::application {
 
-struct Caller { std::string name, peer; };   // "ada", "ipv4:127.0.0.1:5020": as stated, unverified until roles exist
+struct Caller {
+  std::string name, peer;
+};  // "ada", "ipv4:127.0.0.1:5020": as stated, unverified until roles exist
 
-struct Devices {                             // owned here, made by main
+struct Devices {  // owned here, made by main
   std::unique_ptr<MotionController> controller;
   std::vector<std::unique_ptr<Instrument>> interferometers;
   std::vector<std::unique_ptr<Instrument>> scanners;
   std::vector<std::unique_ptr<Stabiliser>> stabilisers;
 };
 
-struct LatestValue { Channel channel; double value = kMissing; CellTime at; double age_s = 0; bool stale = true; std::string device; };
-struct DeviceStatus { DeviceDescription description; DeviceHealth health; };
-struct Lease { std::string token, holder, peer; CellTime until; };
+struct LatestValue {
+  Channel channel;
+  double value = kMissing;
+  CellTime at;
+  double age_s = 0;
+  bool stale = true;
+  std::string device;
+};
+struct DeviceStatus {
+  DeviceDescription description;
+  DeviceHealth health;
+};
+struct Lease {
+  std::string token, holder, peer;
+  CellTime until;
+};
 
-struct RunProgress {                         // one line of a watch
+struct RunProgress {  // one line of a watch
   RunRecord run;
-  std::string phase;                         // "checking", "homing", "moving", "settling", "reading", "waiting for the stabiliser", ...
+  std::string phase;  // "checking", "homing", "moving", "settling", "reading", "waiting for the
+                      // stabiliser", ...
   std::int64_t row = 0, line = 0;
   double last_spread_nm = kMissing, last_closure_nm = kMissing;
-  CellTime estimated_end;                    // utc_ns 0: unknown
-  std::int64_t sequence = 0;                 // grows with every change
+  CellTime estimated_end;     // utc_ns 0: unknown
+  std::int64_t sequence = 0;  // grows with every change
 };
 
 struct CellStatus {
@@ -53,36 +70,36 @@ struct CellStatus {
   double speed = 1;
   std::vector<DeviceStatus> devices;
   std::vector<LatestValue> values;
-  std::optional<RunProgress> run;            // the one under way
-  std::optional<Lease> lease;                // its token blanked
+  std::optional<RunProgress> run;  // the one under way
+  std::optional<Lease> lease;      // its token blanked
   std::optional<ModelId> serving;
-  std::vector<std::string> attention;        // sentences: what a person should look at
+  std::vector<std::string> attention;  // sentences: what a person should look at
 };
 
 struct CreateRun {
   std::string name, trajectory_name, trajectory_text, request_id;
   std::string lease_token;
   std::optional<RunRules> rules;
-  bool compensate = false;                   // x_mm trajectories: move to the serving model's targets
-  std::optional<ModelId> compensate_with;    // this model instead of the serving one
+  bool compensate = false;                 // x_mm trajectories: move to the serving model's targets
+  std::optional<ModelId> compensate_with;  // this model instead of the serving one
 };
 
 struct TrajectoryCheck {
   Trajectory trajectory;
   std::int64_t calibration = 0, validation = 0, zeros = 0, lines = 0;
-  double estimated_s = 0;                    // cell seconds
-  std::vector<std::string> warnings;         // problems are errors: the check fails
+  double estimated_s = 0;             // cell seconds
+  std::vector<std::string> warnings;  // problems are errors: the check fails
 };
 
 struct FitRequest {
   std::vector<RunId> runs;
-  std::string csv;                           // instead of runs: a dataset as text
+  std::string csv;  // instead of runs: a dataset as text
   std::string formula;
   std::string select = "stepwise";
   double p_enter = 0.05, p_remove = 0.10;
   std::string name, note;
-  std::vector<std::string> exclude_channels; // "t01": candidates left out
-  std::int64_t first_rows = 0;               // fit only the first n rows; 0: all
+  std::vector<std::string> exclude_channels;  // "t01": candidates left out
+  std::int64_t first_rows = 0;                // fit only the first n rows; 0: all
 };
 
 class Cell {
@@ -98,7 +115,8 @@ class Cell {
   virtual ~Cell() = default;
 
   virtual asio::any_io_executor executor() const = 0;
-  virtual CellTime now() const = 0;  // any thread, as snapshots(): a target's age is looked at where it is answered
+  virtual CellTime now()
+      const = 0;  // any thread, as snapshots(): a target's age is looked at where it is answered
   // Starts the recorder and, where a run was under way when the daemon ended, its continuation.
   virtual void start() = 0;
   virtual Awaitable<void> shut_down() = 0;
@@ -106,7 +124,8 @@ class Cell {
   virtual CellStatus status() const = 0;
   virtual const CellDescription& description() const = 0;
 
-  virtual Result<Lease> take_lease(const Caller& caller, Nanoseconds duration, const std::string& token /* renews */) = 0;
+  virtual Result<Lease> take_lease(const Caller& caller, Nanoseconds duration,
+                                   const std::string& token /* renews */) = 0;
   virtual Result<void> give_up_lease(const Caller& caller, const std::string& token) = 0;
 
   virtual Result<TrajectoryCheck> check_trajectory(const std::string& text) const = 0;
@@ -114,12 +133,16 @@ class Cell {
   virtual Awaitable<Result<RunRecord>> pause_run(Caller caller, RunId run) = 0;
   virtual Awaitable<Result<RunRecord>> resume_run(Caller caller, RunId run) = 0;
   virtual Awaitable<Result<RunRecord>> abort_run(Caller caller, RunId run, std::string why) = 0;
-  virtual Awaitable<Result<void>> stop_all(Caller caller) = 0;    // needs no lease; a run under way is aborted
+  virtual Awaitable<Result<void>> stop_all(
+      Caller caller) = 0;  // needs no lease; a run under way is aborted
   virtual Awaitable<Result<void>> home(Caller caller, std::string lease_token) = 0;
-  virtual Awaitable<Result<void>> move_to(Caller caller, std::string lease_token, std::vector<double> q_mm) = 0;
-  virtual Awaitable<Result<void>> set_stabiliser(Caller caller, std::string lease_token, std::string device, double degc) = 0;
+  virtual Awaitable<Result<void>> move_to(Caller caller, std::string lease_token,
+                                          std::vector<double> q_mm) = 0;
+  virtual Awaitable<Result<void>> set_stabiliser(Caller caller, std::string lease_token,
+                                                 std::string device, double degc) = 0;
 
-  // Calls back on the executor's thread with every change until the returned handle is destroyed. At once with the present state.
+  // Calls back on the executor's thread with every change until the returned handle is destroyed.
+  // At once with the present state.
   using Watch = std::shared_ptr<void>;
   virtual Watch watch_progress(std::function<void(const RunProgress&)> on_change) = 0;
   virtual Watch watch_events(std::function<void(const EventRecord&)> on_event) = 0;
@@ -129,18 +152,22 @@ class Cell {
   // Queries run on the reader's thread and come back.
   virtual Awaitable<Result<std::vector<RunRecord>>> runs(int limit, std::int64_t before_id) = 0;
   virtual Awaitable<Result<RunRecord>> run(RunId run) = 0;
-  virtual Awaitable<Result<std::vector<PointRecord>>> points(RunId run, std::int64_t after_id, int limit) = 0;
+  virtual Awaitable<Result<std::vector<PointRecord>>> points(RunId run, std::int64_t after_id,
+                                                             int limit) = 0;
   virtual Awaitable<Result<std::vector<AttemptRecord>>> attempts(RunId run) = 0;
   virtual Awaitable<Result<std::vector<DatumRecord>>> data(RunId run) = 0;
   virtual Awaitable<Result<std::vector<EventRecord>>> events(EventId after, int limit) = 0;
-  virtual Awaitable<Result<std::string>> export_dataset(std::vector<RunId> runs) = 0;         // CSV text
-  virtual Awaitable<Result<RunRecord>> import_dataset(Caller caller, std::string name, std::string csv) = 0;  // becomes a run, done
+  virtual Awaitable<Result<std::string>> export_dataset(std::vector<RunId> runs) = 0;  // CSV text
+  virtual Awaitable<Result<RunRecord>> import_dataset(Caller caller, std::string name,
+                                                      std::string csv) = 0;  // becomes a run, done
 
-  virtual Awaitable<Result<ModelRecord>> fit(Caller caller, FitRequest request) = 0;          // on the worker pool
+  virtual Awaitable<Result<ModelRecord>> fit(Caller caller,
+                                             FitRequest request) = 0;  // on the worker pool
   virtual Awaitable<Result<std::vector<ModelRecord>>> models() = 0;
   virtual Awaitable<Result<ModelRecord>> model(ModelId id) = 0;
   virtual Awaitable<Result<ModelRecord>> promote(Caller caller, ModelId id) = 0;
-  virtual Awaitable<Result<std::optional<ModelRecord>>> roll_back(Caller caller) = 0;         // to the one that served before
+  virtual Awaitable<Result<std::optional<ModelRecord>>> roll_back(
+      Caller caller) = 0;  // to the one that served before
   virtual Awaitable<Result<std::vector<PromotionRecord>>> promotions() = 0;
 
   // What serves now. Readers take no lock.

@@ -1,6 +1,7 @@
 #pragma once
-// A model: an immutable fit result. motor coordinate = sum over terms of coefficient * term(raw channel values),
-// in the units of the columns. What compensation, exports and comparisons start from.
+// A model: an immutable fit result. motor coordinate = sum over terms of coefficient * term(raw
+// channel values), in the units of the columns. What compensation, exports and comparisons start
+// from.
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -14,63 +15,69 @@
 
 namespace driftwise::calibration {
 
-struct TermReport {            // one per offered term, the constant first
+struct TermReport {  // one per offered term, the constant first
   effects::Term term;
   bool in = false;
-  double coefficient = 0, standard_error = 0, t = 0, p = 1;  // an outside term: as if it alone were added
-  double vif = 0;                              // in terms only
-  double contribution_rms = 0, contribution_max = 0;  // over the calibration rows about its mean, column unit
-  std::string note;            // "" or why it could not be tried: "cannot be told apart from x^2"
+  double coefficient = 0, standard_error = 0, t = 0,
+         p = 1;    // an outside term: as if it alone were added
+  double vif = 0;  // in terms only
+  double contribution_rms = 0,
+         contribution_max = 0;  // over the calibration rows about its mean, column unit
+  std::string note;             // "" or why it could not be tried: "cannot be told apart from x^2"
 };
 
 struct SelectionStep {
   int step = 0;
-  std::string action;          // "start", "enter", "remove"
+  std::string action;  // "start", "enter", "remove"
   effects::Term term;
   double p = 1, rmse = 0;
   int dof = 0;
 };
 
-struct Accuracy {              // of one output, column unit; U90 = 1.645 sigma
-  double rmse = 0;             // residual standard deviation, sqrt(RSS / dof)
-  double u90_calibration = 0;  // 1.645 * sd of the calibration residuals
-  std::optional<double> u90_validation;        // on the rows marked validation
-  std::optional<double> u90_blocks;            // held out by contiguous blocks of time
+struct Accuracy {                        // of one output, column unit; U90 = 1.645 sigma
+  double rmse = 0;                       // residual standard deviation, sqrt(RSS / dof)
+  double u90_calibration = 0;            // 1.645 * sd of the calibration residuals
+  std::optional<double> u90_validation;  // on the rows marked validation
+  std::optional<double> u90_blocks;      // held out by contiguous blocks of time
   std::optional<double> u90_blocks_low, u90_blocks_high;  // its 90 % interval over the blocks
   double lag1_autocorrelation = 0, effective_rows = 0;
-  std::optional<double> pure_error;            // from repeated poses
+  std::optional<double> pure_error;  // from repeated poses
   std::optional<double> lack_of_fit_f, lack_of_fit_p;
-  double condition_index = 0;  // of the terms in, columns at unit length (Belsley); above 30: look-alikes
+  double condition_index =
+      0;  // of the terms in, columns at unit length (Belsley); above 30: look-alikes
   std::optional<double> model_f, model_p;  // all terms in against the constant alone
 };
 
 struct OutputModel {
-  Channel channel;                     // q1_mm
-  std::vector<effects::Term> terms;    // those in; the constant first where there is one
-  Eigen::VectorXd coefficients;        // same order
-  Eigen::MatrixXd covariance;          // of the coefficients, same order, column units
+  Channel channel;                   // q1_mm
+  std::vector<effects::Term> terms;  // those in; the constant first where there is one
+  Eigen::VectorXd coefficients;      // same order
+  Eigen::MatrixXd covariance;        // of the coefficients, same order, column units
   int dof = 0;
   Accuracy accuracy;
   std::vector<TermReport> report;
   std::vector<SelectionStep> history;
 };
 
-struct ChannelRange { Channel channel; double min = 0, max = 0; };
+struct ChannelRange {
+  Channel channel;
+  double min = 0, max = 0;
+};
 
 struct Lineage {
-  std::vector<RunId> runs;             // empty: a file
-  std::string source;                  // file name, or "runs 3, 4"
+  std::vector<RunId> runs;  // empty: a file
+  std::string source;       // file name, or "runs 3, 4"
   std::string dataset_hash;
   std::int64_t rows_calibration = 0, rows_validation = 0, rows_dropped = 0;
   std::optional<ModelId> parent;
 };
 
 struct Model {
-  std::string formula;                 // canonical
-  std::string select = "stepwise";     // or "all"
+  std::string formula;              // canonical
+  std::string select = "stepwise";  // or "all"
   double p_enter = 0.05, p_remove = 0.10;
   std::vector<OutputModel> outputs;
-  std::vector<ChannelRange> domain;    // of every channel used by a term, over the calibration rows
+  std::vector<ChannelRange> domain;  // of every channel used by a term, over the calibration rows
   Lineage lineage;
   std::vector<std::string> warnings;
   double fit_us = 0;

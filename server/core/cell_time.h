@@ -1,6 +1,7 @@
 #pragma once
-// Cell time: the time in which the cell lives. At speed 1 it is UTC; a simulated cell may run faster, and
-// then every dwell, scan, control loop and age runs in cell time while I/O time-outs stay in wall time.
+// Cell time: the time in which the cell lives. At speed 1 it is UTC; a simulated cell may run
+// faster, and then every dwell, scan, control loop and age runs in cell time while I/O time-outs
+// stay in wall time.
 
 #include <chrono>
 #include <cstdint>

@@ -10,8 +10,7 @@ namespace {
 
 bool is_symbol(std::string_view text) {
   if (text.empty() || !std::isalpha(static_cast<unsigned char>(text.front()))) return false;
-  return std::ranges::all_of(
-      text, [](unsigned char c) { return std::isalnum(c) || c == '_'; });
+  return std::ranges::all_of(text, [](unsigned char c) { return std::isalnum(c) || c == '_'; });
 }
 
 bool all_digits(std::string_view text) {
@@ -22,8 +21,9 @@ bool all_digits(std::string_view text) {
 }  // namespace
 
 const std::vector<std::string>& known_units() {
-  static const std::vector<std::string> units = {"m",  "mm", "um", "nm",  "rad", "deg", "arcsec", "degC",
-                                                 "K",  "N",  "Pa", "hPa", "pct", "V",   "s",      "1"};
+  static const std::vector<std::string> units = {"m",      "mm",   "um", "nm", "rad", "deg",
+                                                 "arcsec", "degC", "K",  "N",  "Pa",  "hPa",
+                                                 "pct",    "V",    "s",  "1"};
   return units;
 }
 
@@ -39,7 +39,8 @@ Result<Channel> parse_channel(std::string_view name) {
   std::string allowed;
   for (const auto& unit : known_units()) allowed += (allowed.empty() ? "" : " ") + unit;
   return fail(ErrorCode::invalid_argument, "BAD_CHANNEL",
-              "'" + std::string(name) + "' is no channel: expected <name>_<unit> such as t07_degC, unit one of " +
+              "'" + std::string(name) +
+                  "' is no channel: expected <name>_<unit> such as t07_degC, unit one of " +
                   allowed);
 }
 

@@ -18,8 +18,8 @@ struct Channel {
   bool operator==(const Channel&) const = default;
 };
 
-// Splits at the last '_' and checks the unit against units(). A symbol is a letter, then letters, digits, '_'.
-// Errors: invalid_argument, reason BAD_CHANNEL, naming the text and the units allowed.
+// Splits at the last '_' and checks the unit against units(). A symbol is a letter, then letters,
+// digits, '_'. Errors: invalid_argument, reason BAD_CHANNEL, naming the text and the units allowed.
 Result<Channel> parse_channel(std::string_view name);
 
 // m mm um nm rad deg arcsec degC K N Pa hPa pct V s 1

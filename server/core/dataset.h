@@ -21,7 +21,8 @@ struct DatasetColumn {
 };
 
 struct Dataset {
-  std::vector<std::pair<std::string, std::string>> metadata;  // the leading "# key: value" lines, in order
+  std::vector<std::pair<std::string, std::string>>
+      metadata;  // the leading "# key: value" lines, in order
   std::size_t rows = 0;
 
   // Empty when the file has no such column (all calibration; untimed; ...), else one entry per row.

@@ -6,11 +6,29 @@
 
 namespace driftwise {
 
-struct RunId { std::int64_t value = 0; auto operator<=>(const RunId&) const = default; };
-struct DatumId { std::int64_t value = 0; auto operator<=>(const DatumId&) const = default; };
-struct PointId { std::int64_t value = 0; auto operator<=>(const PointId&) const = default; };
-struct AttemptId { std::int64_t value = 0; auto operator<=>(const AttemptId&) const = default; };
-struct ModelId { std::int64_t value = 0; auto operator<=>(const ModelId&) const = default; };
-struct EventId { std::int64_t value = 0; auto operator<=>(const EventId&) const = default; };
+struct RunId {
+  std::int64_t value = 0;
+  auto operator<=>(const RunId&) const = default;
+};
+struct DatumId {
+  std::int64_t value = 0;
+  auto operator<=>(const DatumId&) const = default;
+};
+struct PointId {
+  std::int64_t value = 0;
+  auto operator<=>(const PointId&) const = default;
+};
+struct AttemptId {
+  std::int64_t value = 0;
+  auto operator<=>(const AttemptId&) const = default;
+};
+struct ModelId {
+  std::int64_t value = 0;
+  auto operator<=>(const ModelId&) const = default;
+};
+struct EventId {
+  std::int64_t value = 0;
+  auto operator<=>(const EventId&) const = default;
+};
 
 }  // namespace driftwise

@@ -11,7 +11,8 @@
 
 namespace driftwise {
 
-constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();  // a channel that gave no value
+constexpr double kMissing =
+    std::numeric_limits<double>::quiet_NaN();  // a channel that gave no value
 inline bool is_missing(double value) { return std::isnan(value); }
 
 struct ChannelValue {

@@ -10,7 +10,9 @@ constexpr std::array<std::string_view, 6> kVerdicts = {"accepted", "reread",   "
                                                        "requeued", "given_up", "interrupted"};
 }  // namespace
 
-std::string_view to_string(RunState state) { return kRunStates.at(static_cast<std::size_t>(state)); }
+std::string_view to_string(RunState state) {
+  return kRunStates.at(static_cast<std::size_t>(state));
+}
 
 std::optional<RunState> run_state_from(std::string_view text) {
   for (std::size_t i = 0; i < kRunStates.size(); ++i)
@@ -18,6 +20,8 @@ std::optional<RunState> run_state_from(std::string_view text) {
   return std::nullopt;
 }
 
-std::string_view to_string(Verdict verdict) { return kVerdicts.at(static_cast<std::size_t>(verdict)); }
+std::string_view to_string(Verdict verdict) {
+  return kVerdicts.at(static_cast<std::size_t>(verdict));
+}
 
 }  // namespace driftwise

@@ -20,9 +20,14 @@ constexpr bool is_over(RunState s) {
 std::string_view to_string(RunState state);
 std::optional<RunState> run_state_from(std::string_view text);
 
-// Where a run stands in its trajectory. Rows before next_row are decided (accepted or given up) unless they
-// stand in requeued; those are visited again, in this order, at the end of the line they belong to.
-struct Requeued { std::int64_t row = 0; int count = 1; bool operator==(const Requeued&) const = default; };
+// Where a run stands in its trajectory. Rows before next_row are decided (accepted or given up)
+// unless they stand in requeued; those are visited again, in this order, at the end of the line
+// they belong to.
+struct Requeued {
+  std::int64_t row = 0;
+  int count = 1;
+  bool operator==(const Requeued&) const = default;
+};
 struct Place {
   std::int64_t next_row = 0;
   std::vector<Requeued> requeued;
@@ -33,10 +38,10 @@ struct NewRun {
   std::string name;
   std::string trajectory_name, trajectory_text;  // as given: the run's record is complete by itself
   std::int64_t rows = 0;
-  std::string rules_json;    // RunRules as used
+  std::string rules_json;  // RunRules as used
   std::string config_hash, config_text;
   std::string operator_name;
-  std::string request_id;    // empty: none. The same id again answers with the first run
+  std::string request_id;  // empty: none. The same id again answers with the first run
   Stamp created;
 };
 
@@ -46,14 +51,14 @@ struct RunRecord {
   std::int64_t rows = 0;
   std::string rules_json, config_hash, operator_name, request_id;
   RunState state = RunState::queued;
-  std::string reason;        // why it is in this state: "paused by ada", "E-stop: ..."
+  std::string reason;                // why it is in this state: "paused by ada", "E-stop: ..."
   CellTime created, started, ended;  // utc_ns 0: not yet
   Place place;
   std::int64_t accepted = 0, given_up = 0, attempts = 0, restarts = 0;
-  double max_lag_s = 0;      // largest lag in cell seconds
+  double max_lag_s = 0;  // largest lag in cell seconds
 };
 
-struct RunChange {           // what is set is changed
+struct RunChange {  // what is set is changed
   std::optional<RunState> state;
   std::optional<std::string> reason;
   std::optional<CellTime> started, ended;
@@ -66,8 +71,8 @@ struct DatumRecord {
   DatumId id;
   std::optional<RunId> run;
   Stamp opened;
-  std::string reason;                 // "start", "restart after a kill", "beam lost", "operator"
-  std::vector<ChannelValue> values;   // zero readings (q, x) before zeroing and every temperature
+  std::string reason;                // "start", "restart after a kill", "beam lost", "operator"
+  std::vector<ChannelValue> values;  // zero readings (q, x) before zeroing and every temperature
 };
 
 enum class Verdict : std::uint8_t { accepted, reread, reapproach, requeued, given_up, interrupted };
@@ -76,9 +81,9 @@ std::string_view to_string(Verdict verdict);
 // One try at a point, kept whatever came of it.
 struct AttemptRecord {
   std::int64_t row = 0;
-  int number = 1;             // counts this row's attempts within the run, from 1
+  int number = 1;  // counts this row's attempts within the run, from 1
   Verdict verdict = Verdict::accepted;
-  std::string reason;         // empty when accepted: "spread 7.3 nm of 4 readings, limit 5 nm"
+  std::string reason;  // empty when accepted: "spread 7.3 nm of 4 readings, limit 5 nm"
   Stamp started, ended;
   double spread_nm = kMissing;
   std::vector<Reading> readings;  // those it consists of (interferometers, readback)
@@ -92,13 +97,18 @@ struct PointRecord {
   PointSet set = PointSet::calibration;
   std::int64_t line = 0;
   bool zero = false;
-  Stamp measured;             // middle of its readings
-  double dwell_s = 0;         // between the end of the move and the measurement
-  std::vector<double> commanded_mm;   // motor coordinates, in order of the axes
-  std::vector<ChannelValue> values;   // joined: means of the readings, x_std_nm, temperatures, ...
+  Stamp measured;                    // middle of its readings
+  double dwell_s = 0;                // between the end of the move and the measurement
+  std::vector<double> commanded_mm;  // motor coordinates, in order of the axes
+  std::vector<ChannelValue> values;  // joined: means of the readings, x_std_nm, temperatures, ...
 };
 
-struct MoveRecord { std::optional<RunId> run; Stamp at; std::vector<double> from_mm, to_mm; std::string cause; };
+struct MoveRecord {
+  std::optional<RunId> run;
+  Stamp at;
+  std::vector<double> from_mm, to_mm;
+  std::string cause;
+};
 
 // Everything that one accepted (or given up) point changes, in one transaction.
 struct PointCommit {
@@ -107,7 +117,7 @@ struct PointCommit {
   std::optional<PointRecord> point;     // none when the row was given up or queued again
   std::vector<Reading> slow_readings;   // the recorder's, waiting to be stored
   std::vector<MoveRecord> moves;
-  Place place;                          // where the run stands after this
+  Place place;  // where the run stands after this
 };
 
 struct EventRecord {
@@ -123,13 +133,18 @@ struct EventRecord {
 struct ModelRecord {
   ModelId id;
   std::string name;
-  std::string json;    // driftwise.model.v1: the model whole
-  std::string hash;    // of the json
+  std::string json;  // driftwise.model.v1: the model whole
+  std::string hash;  // of the json
   std::optional<ModelId> parent;
   CellTime created;
   std::string created_by, note;
 };
 
-struct PromotionRecord { std::optional<ModelId> model; CellTime at; std::string by; std::string action; };  // promote | rollback
+struct PromotionRecord {
+  std::optional<ModelId> model;
+  CellTime at;
+  std::string by;
+  std::string action;
+};  // promote | rollback
 
 }  // namespace driftwise

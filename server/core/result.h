@@ -21,11 +21,11 @@ enum class ErrorCode {
   data_loss,            // what was stored or received is damaged
   permission_denied,    // somebody else holds the lease
   cancelled,
-  internal,             // a bug of ours
+  internal,  // a bug of ours
 };
 
-// reason: for programs, UPPER_SNAKE_CASE and stable ("RANK_DEFICIENT"). message: for people; says what
-// was asked, what was found, where, and what to do.
+// reason: for programs, UPPER_SNAKE_CASE and stable ("RANK_DEFICIENT"). message: for people; says
+// what was asked, what was found, where, and what to do.
 struct Error {
   ErrorCode code;
   std::string reason;

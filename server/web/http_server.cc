@@ -49,7 +49,8 @@ Response answer(const http::request<http::string_body>& request, const applicati
 }
 
 // owner: alive as long as the server is; a connection that outlives it ends at its next request.
-Awaitable<void> serve(tcp::socket socket, const application::Cell& cell, std::weak_ptr<void> owner) {
+Awaitable<void> serve(tcp::socket socket, const application::Cell& cell,
+                      std::weak_ptr<void> owner) {
   beast::tcp_stream stream(std::move(socket));
   beast::flat_buffer buffer(kMaxHeaderBytes + kMaxBodyBytes);
   while (true) {
@@ -58,7 +59,8 @@ Awaitable<void> serve(tcp::socket socket, const application::Cell& cell, std::we
     parser.header_limit(kMaxHeaderBytes);
     parser.body_limit(kMaxBodyBytes);
     stream.expires_after(kIdleLimit);
-    co_await http::async_read(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, code));
+    co_await http::async_read(stream, buffer, parser,
+                              asio::redirect_error(asio::use_awaitable, code));
     if (code || owner.expired()) co_return;
     Response response = answer(parser.get(), cell);
     co_await http::async_write(stream, response, asio::redirect_error(asio::use_awaitable, code));
@@ -66,10 +68,12 @@ Awaitable<void> serve(tcp::socket socket, const application::Cell& cell, std::we
   }
 }
 
-Awaitable<void> accept_all(tcp::acceptor& acceptor, const application::Cell& cell, std::weak_ptr<void> owner) {
+Awaitable<void> accept_all(tcp::acceptor& acceptor, const application::Cell& cell,
+                           std::weak_ptr<void> owner) {
   while (!owner.expired()) {
     boost::system::error_code code;
-    tcp::socket socket = co_await acceptor.async_accept(asio::redirect_error(asio::use_awaitable, code));
+    tcp::socket socket =
+        co_await acceptor.async_accept(asio::redirect_error(asio::use_awaitable, code));
     if (code == asio::error::operation_aborted || owner.expired()) co_return;
     if (code) continue;
     asio::co_spawn(socket.get_executor(), serve(std::move(socket), cell, owner), asio::detached);
@@ -78,7 +82,8 @@ Awaitable<void> accept_all(tcp::acceptor& acceptor, const application::Cell& cel
 
 class BeastHttpServer final : public HttpServer {
  public:
-  BeastHttpServer(tcp::acceptor acceptor, const application::Cell& cell) : acceptor_(std::move(acceptor)) {
+  BeastHttpServer(tcp::acceptor acceptor, const application::Cell& cell)
+      : acceptor_(std::move(acceptor)) {
     asio::co_spawn(acceptor_.get_executor(), accept_all(acceptor_, cell, alive_), asio::detached);
   }
   std::uint16_t port() const override { return acceptor_.local_endpoint().port(); }
@@ -92,18 +97,24 @@ Result<tcp::endpoint> parse_loopback(const std::string& address) {
   const std::size_t cut = address.rfind(':');
   boost::system::error_code code;
   unsigned port = 65536;
-  if (cut != std::string::npos) std::from_chars(address.data() + cut + 1, address.data() + address.size(), port);
+  if (cut != std::string::npos)
+    std::from_chars(address.data() + cut + 1, address.data() + address.size(), port);
   const std::string host = cut == std::string::npos ? "" : address.substr(0, cut);
-  const auto ip = asio::ip::make_address(host == "localhost" ? "127.0.0.1" : host == "[::1]" ? "::1" : host, code);
+  const auto ip = asio::ip::make_address(host == "localhost" ? "127.0.0.1"
+                                         : host == "[::1]"   ? "::1"
+                                                             : host,
+                                         code);
   if (code || port > 65535 || !ip.is_loopback())
     return fail(ErrorCode::invalid_argument, "BAD_ADDRESS",
-                "http address '" + address + "': expected a loopback address and port such as 127.0.0.1:8080");
+                "http address '" + address +
+                    "': expected a loopback address and port such as 127.0.0.1:8080");
   return tcp::endpoint(ip, static_cast<std::uint16_t>(port));
 }
 
 }  // namespace
 
-Result<std::unique_ptr<HttpServer>> HttpServer::open(asio::any_io_executor executor, const std::string& address,
+Result<std::unique_ptr<HttpServer>> HttpServer::open(asio::any_io_executor executor,
+                                                     const std::string& address,
                                                      const application::Cell& cell) {
   const auto endpoint = parse_loopback(address);
   if (!endpoint) return tl::unexpected(endpoint.error());
@@ -115,7 +126,8 @@ Result<std::unique_ptr<HttpServer>> HttpServer::open(asio::any_io_executor execu
   if (!code) acceptor.listen(asio::socket_base::max_listen_connections, code);
   if (code)
     return fail(ErrorCode::unavailable, "CANNOT_LISTEN",
-                "http address '" + address + "': " + code.message() + "; choose another port in [cell] http");
+                "http address '" + address + "': " + code.message() +
+                    "; choose another port in [cell] http");
   return std::make_unique<BeastHttpServer>(std::move(acceptor), cell);
 }
 

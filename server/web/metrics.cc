@@ -44,11 +44,13 @@ void devices(Text& text, const application::CellStatus& status) {
                 device.health.link == LinkState::connected ? 1 : 0);
   text.family("driftwise_device_errors_total", "counter", "Exchanges that failed.");
   for (const auto& device : status.devices)
-    text.sample("driftwise_device_errors_total", fmt::format("device=\"{}\"", label(device.description.id)),
+    text.sample("driftwise_device_errors_total",
+                fmt::format("device=\"{}\"", label(device.description.id)),
                 static_cast<double>(device.health.errors));
   text.family("driftwise_device_latency_seconds", "gauge", "Wall time of the last exchange.");
   for (const auto& device : status.devices)
-    text.sample("driftwise_device_latency_seconds", fmt::format("device=\"{}\"", label(device.description.id)),
+    text.sample("driftwise_device_latency_seconds",
+                fmt::format("device=\"{}\"", label(device.description.id)),
                 device.health.last_latency_s);
 }
 
@@ -57,22 +59,27 @@ void values(Text& text, const application::CellStatus& status) {
   for (const auto& value : status.values)
     if (!is_missing(value.value))
       text.sample("driftwise_channel",
-                  fmt::format("channel=\"{}\",unit=\"{}\"", label(value.channel.symbol), label(value.channel.unit)),
+                  fmt::format("channel=\"{}\",unit=\"{}\"", label(value.channel.symbol),
+                              label(value.channel.unit)),
                   value.value);
-  text.family("driftwise_channel_age_seconds", "gauge", "Cell seconds since the channel was measured.");
+  text.family("driftwise_channel_age_seconds", "gauge",
+              "Cell seconds since the channel was measured.");
   for (const auto& value : status.values)
-    text.sample("driftwise_channel_age_seconds", fmt::format("channel=\"{}\"", label(value.channel.symbol)), value.age_s);
+    text.sample("driftwise_channel_age_seconds",
+                fmt::format("channel=\"{}\"", label(value.channel.symbol)), value.age_s);
 }
 
 void run(Text& text, const application::RunProgress& progress) {
   const std::string id = fmt::format("run=\"{}\"", progress.run.id.value);
   text.family("driftwise_run_state", "gauge", "1 for the state the run is in.");
-  text.sample("driftwise_run_state", fmt::format("{},state=\"{}\"", id, to_string(progress.run.state)), 1);
+  text.sample("driftwise_run_state",
+              fmt::format("{},state=\"{}\"", id, to_string(progress.run.state)), 1);
   text.family("driftwise_run_rows", "gauge", "Rows of the trajectory.");
   text.sample("driftwise_run_rows", id, static_cast<double>(progress.run.rows));
   text.family("driftwise_run_points_accepted", "gauge", "Points on disk.");
   text.sample("driftwise_run_points_accepted", id, static_cast<double>(progress.run.accepted));
-  text.family("driftwise_run_points_given_up", "gauge", "Rows that failed the gate within all budgets.");
+  text.family("driftwise_run_points_given_up", "gauge",
+              "Rows that failed the gate within all budgets.");
   text.sample("driftwise_run_points_given_up", id, static_cast<double>(progress.run.given_up));
   text.family("driftwise_run_lag_max_seconds", "gauge", "Largest lag, cell seconds.");
   text.sample("driftwise_run_lag_max_seconds", id, progress.run.max_lag_s);
@@ -83,7 +90,9 @@ void run(Text& text, const application::RunProgress& progress) {
 std::string metrics_text(const application::CellStatus& status) {
   Text text;
   text.family("driftwise_info", "gauge", "Version and cell.");
-  text.sample("driftwise_info", fmt::format("version=\"{}\",cell=\"{}\"", label(status.version), label(status.name)), 1);
+  text.sample("driftwise_info",
+              fmt::format("version=\"{}\",cell=\"{}\"", label(status.version), label(status.name)),
+              1);
   text.family("driftwise_attention", "gauge", "Sentences that ask for a person.");
   text.sample("driftwise_attention", "", static_cast<double>(status.attention.size()));
   devices(text, status);

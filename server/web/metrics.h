@@ -7,8 +7,8 @@
 
 namespace driftwise::web {
 
-// One sample per channel, device and run figure; names carry units as Prometheus wants them (suffix _total for counters).
-// Labels are escaped. Missing values are left out. Pure.
+// One sample per channel, device and run figure; names carry units as Prometheus wants them (suffix
+// _total for counters). Labels are escaped. Missing values are left out. Pure.
 std::string metrics_text(const application::CellStatus& status);
 
 }  // namespace driftwise::web

@@ -1,5 +1,6 @@
-// Runs a fuzz harness without libFuzzer: every corpus file as it is, then seeded mutations of them and random bytes.
-// Bounded by count, so the same inputs run everywhere: this keeps the harness honest in builds without clang.
+// Runs a fuzz harness without libFuzzer: every corpus file as it is, then seeded mutations of them
+// and random bytes. Bounded by count, so the same inputs run everywhere: this keeps the harness
+// honest in builds without clang.
 
 #include <cstdint>
 #include <cstdio>
@@ -20,10 +21,19 @@ Bytes mutate(Bytes bytes, std::mt19937& random) {
   for (unsigned i = 0; i < changes; ++i) {
     const std::size_t at = bytes.empty() ? 0 : random() % bytes.size();
     switch (random() % 4) {
-      case 0: bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(at), static_cast<std::uint8_t>(random())); break;
-      case 1: if (!bytes.empty()) bytes.erase(bytes.begin() + static_cast<std::ptrdiff_t>(at)); break;
-      case 2: if (!bytes.empty()) bytes[at] = static_cast<std::uint8_t>(random()); break;
-      default: if (!bytes.empty()) bytes.resize(at); break;
+      case 0:
+        bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(at),
+                     static_cast<std::uint8_t>(random()));
+        break;
+      case 1:
+        if (!bytes.empty()) bytes.erase(bytes.begin() + static_cast<std::ptrdiff_t>(at));
+        break;
+      case 2:
+        if (!bytes.empty()) bytes[at] = static_cast<std::uint8_t>(random());
+        break;
+      default:
+        if (!bytes.empty()) bytes.resize(at);
+        break;
     }
   }
   return bytes;

@@ -21,10 +21,11 @@ namespace driftwise::tests {
 
 using Clock = std::chrono::steady_clock;
 
-Process::Process(const std::vector<std::string>& arguments, const std::vector<std::string>& environment,
-                 const std::string& stderr_file) {
+Process::Process(const std::vector<std::string>& arguments,
+                 const std::vector<std::string>& environment, const std::string& stderr_file) {
   int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("pipe: " + std::string(std::strerror(errno)));
+  if (pipe2(ends, O_CLOEXEC) != 0)
+    throw std::runtime_error("pipe: " + std::string(std::strerror(errno)));
   std::vector<char*> argv;
   for (const auto& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
@@ -86,7 +87,8 @@ std::optional<std::string> Process::read_line(std::chrono::milliseconds limit) {
       buffer_.erase(0, end + 1);
       return line;
     }
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now()).count();
+    const auto left =
+        std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now()).count();
     if (left <= 0) return std::nullopt;
     pollfd wait_for{out_, POLLIN, 0};
     if (poll(&wait_for, 1, static_cast<int>(left)) <= 0) continue;
@@ -100,7 +102,8 @@ std::optional<std::string> Process::read_line(std::chrono::milliseconds limit) {
 std::string Process::read_to_end(std::chrono::milliseconds limit) {
   const auto until = Clock::now() + limit;
   while (true) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now()).count();
+    const auto left =
+        std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now()).count();
     pollfd wait_for{out_, POLLIN, 0};
     if (left <= 0 || poll(&wait_for, 1, static_cast<int>(left)) <= 0) break;
     char bytes[65536];
@@ -142,7 +145,8 @@ Finished run_process(const std::vector<std::string>& arguments, std::chrono::mil
 
 TemporaryFolder::TemporaryFolder() {
   std::string pattern = (std::filesystem::temp_directory_path() / "driftwise-XXXXXX").string();
-  if (!mkdtemp(pattern.data())) throw std::runtime_error("mkdtemp " + pattern + ": " + std::strerror(errno));
+  if (!mkdtemp(pattern.data()))
+    throw std::runtime_error("mkdtemp " + pattern + ": " + std::strerror(errno));
   path_ = pattern;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-// A child process for tests: started, listened to, ended by its pid. Never left behind: the destructor kills it.
+// A child process for tests: started, listened to, ended by its pid. Never left behind: the
+// destructor kills it.
 
 #include <sys/types.h>
 
@@ -12,9 +13,11 @@ namespace driftwise::tests {
 
 class Process {
  public:
-  // arguments[0] is the program's path. environment: "NAME=value", added to ours. Standard output is ours to read, standard error goes
-  // to the file (appended), or where ours goes when it is empty. Throws std::runtime_error when it cannot be started.
-  explicit Process(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {},
+  // arguments[0] is the program's path. environment: "NAME=value", added to ours. Standard output
+  // is ours to read, standard error goes to the file (appended), or where ours goes when it is
+  // empty. Throws std::runtime_error when it cannot be started.
+  explicit Process(const std::vector<std::string>& arguments,
+                   const std::vector<std::string>& environment = {},
                    const std::string& stderr_file = {});
   Process(Process&& other) noexcept;
   Process& operator=(Process&& other) noexcept;
@@ -37,10 +40,15 @@ class Process {
   std::optional<int> ended_;
 };
 
-struct Finished { int code = -1; std::string out; };
+struct Finished {
+  int code = -1;
+  std::string out;
+};
 // Runs to the end, for at most the limit (then it is killed and code is -1).
-Finished run_process(const std::vector<std::string>& arguments, std::chrono::milliseconds limit = std::chrono::seconds(60),
-                     const std::vector<std::string>& environment = {}, const std::string& stderr_file = {});
+Finished run_process(const std::vector<std::string>& arguments,
+                     std::chrono::milliseconds limit = std::chrono::seconds(60),
+                     const std::vector<std::string>& environment = {},
+                     const std::string& stderr_file = {});
 
 // A folder of its own under the system's temporary folder, removed at the end.
 class TemporaryFolder {

@@ -1,10 +1,11 @@
 #pragma once
 // What the emulated devices can ask of the simulated cell's physics. One implementation per robot.
 //
-// No code is shared with server/ or with the drivers' codecs. Time is cell UTC in nanoseconds; every call that takes a
-// time first integrates the plant up to it, and time never runs back (an earlier instant is answered as "now").
-// One thread. Deterministic: the same seed and the same sequence of calls give the same numbers, and the
-// room's weather and the thermal network depend on the seed and the time only, never on who asks when.
+// No code is shared with server/ or with the drivers' codecs. Time is cell UTC in nanoseconds;
+// every call that takes a time first integrates the plant up to it, and time never runs back (an
+// earlier instant is answered as "now"). One thread. Deterministic: the same seed and the same
+// sequence of calls give the same numbers, and the room's weather and the thermal network depend on
+// the seed and the time only, never on who asks when.
 
 #include <cstdint>
 #include <string>
@@ -15,16 +16,16 @@ namespace driftwise::simulated {
 using TimeNs = std::int64_t;
 
 struct AxisState {
-  double q_mm = 0;           // what the scale reads now (quantised, with its noise)
+  double q_mm = 0;  // what the scale reads now (quantised, with its noise)
   double commanded_mm = 0;
-  bool moving = false;       // the profile is under way
-  bool on_target = false;    // within the window of the target since the window time
+  bool moving = false;     // the profile is under way
+  bool on_target = false;  // within the window of the target since the window time
   bool referenced = false;
   bool referencing = false;
   bool servo = true;
 };
 
-struct LengthReading {       // an average over n samples, as the interferometer's electronics gives it
+struct LengthReading {  // an average over n samples, as the interferometer's electronics gives it
   double mean_nm = 0, std_nm = 0;
   double air_degc = 0, air_age_s = 0;
   double level_pct = 0;
@@ -48,7 +49,8 @@ class Plant {
   virtual AxisState axis(int index, TimeNs now) = 0;
   virtual double axis_min_mm(int index) const = 0;  // hard travel of the controller
   virtual double axis_max_mm(int index) const = 0;
-  virtual void start_move(int index, double target_mm, TimeNs now) = 0;  // the caller has checked the range
+  virtual void start_move(int index, double target_mm,
+                          TimeNs now) = 0;  // the caller has checked the range
   virtual void set_velocity(int index, double mm_per_s, TimeNs now) = 0;
   virtual void set_servo(int index, bool on, TimeNs now) = 0;
   virtual void start_reference(int index, TimeNs now) = 0;  // takes its time; see axis()
@@ -69,9 +71,11 @@ class Plant {
   virtual StabiliserState stabiliser(int index, TimeNs now) = 0;
   virtual void set_set_point_degc(int index, double degc, TimeNs now) = 0;
   enum class StabiliserMode { automatic, manual, off };
-  virtual void set_stabiliser_mode(int index, StabiliserMode mode, double manual_pct, TimeNs now) = 0;
+  virtual void set_stabiliser_mode(int index, StabiliserMode mode, double manual_pct,
+                                   TimeNs now) = 0;
   // Heat and cool proportional bands in kelvin, integral and derivative times in seconds (0: off).
-  virtual void set_stabiliser_tuning(int index, double heat_band_k, double cool_band_k, double ti_s, double td_s, TimeNs now) = 0;
+  virtual void set_stabiliser_tuning(int index, double heat_band_k, double cool_band_k, double ti_s,
+                                     double td_s, TimeNs now) = 0;
 };
 
 }  // namespace driftwise::simulated

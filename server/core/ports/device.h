@@ -15,18 +15,19 @@ enum class LinkState { disconnected, connecting, connected, failed };
 
 struct DeviceHealth {
   LinkState link = LinkState::disconnected;
-  std::string identity;       // what the device says it is
+  std::string identity;  // what the device says it is
   std::int64_t exchanges = 0, errors = 0, reconnects = 0;
   double last_latency_s = 0;  // wall seconds of the last exchange
   std::string last_error;     // empty: none since connecting
   CellTime last_good;         // utc_ns 0: never
 };
 
-// What every device behind a port can do. All calls on the executor's thread; at most one call that talks to
-// the device is under way at a time (the caller queues; MotionController::stop is the exception).
-// A call reconnects by itself, with back-off; it fails with unavailable while the device is away,
-// deadline_exceeded after a time-out, data_loss for bytes that make no sense, failed_precondition for the
-// device's own refusal. Messages name device, address, what was sent and what came back.
+// What every device behind a port can do. All calls on the executor's thread; at most one call that
+// talks to the device is under way at a time (the caller queues; MotionController::stop is the
+// exception). A call reconnects by itself, with back-off; it fails with unavailable while the
+// device is away, deadline_exceeded after a time-out, data_loss for bytes that make no sense,
+// failed_precondition for the device's own refusal. Messages name device, address, what was sent
+// and what came back.
 class Device {
  public:
   virtual ~Device() = default;

@@ -8,21 +8,23 @@
 namespace driftwise {
 
 struct MotionState {
-  CellTime at;                 // when the controller answered
-  std::vector<double> q_mm;    // as read back from the scales, one per axis of the description
+  CellTime at;               // when the controller answered
+  std::vector<double> q_mm;  // as read back from the scales, one per axis of the description
   bool moving = false, referenced = false, on_target = false;
 };
 
 class MotionController : public Device {
  public:
   virtual Awaitable<Result<MotionState>> state() = 0;
-  // References all axes and returns when that is done (or failed): bounded by progress, not by a fixed time.
+  // References all axes and returns when that is done (or failed): bounded by progress, not by a
+  // fixed time.
   virtual Awaitable<Result<void>> home() = 0;
   // Starts a move of all axes in one command and returns when the controller has accepted it.
-  // Errors: out_of_range (soft limits, checked here again; nothing is sent), failed_precondition (not
-  // referenced, servo off), aborted (stopped).
+  // Errors: out_of_range (soft limits, checked here again; nothing is sent), failed_precondition
+  // (not referenced, servo off), aborted (stopped).
   virtual Awaitable<Result<void>> start_move(std::span<const double> q_mm) = 0;
-  // Halts all axes now. May be called while another call is under way, which then fails with aborted.
+  // Halts all axes now. May be called while another call is under way, which then fails with
+  // aborted.
   virtual Awaitable<Result<void>> stop() = 0;
 };
 

@@ -1,8 +1,9 @@
 #pragma once
-// What the daemon asks of a database. Calls block; each object belongs to one thread: the application keeps
-// the writing store on its writer thread and opens a second, read-only one for queries.
-// Errors: resource_exhausted (full disk; nothing was written, the call may be repeated), data_loss (damaged file),
-// not_found, failed_precondition (schema newer than this program), internal.
+// What the daemon asks of a database. Calls block; each object belongs to one thread: the
+// application keeps the writing store on its writer thread and opens a second, read-only one for
+// queries. Errors: resource_exhausted (full disk; nothing was written, the call may be repeated),
+// data_loss (damaged file), not_found, failed_precondition (schema newer than this program),
+// internal.
 
 #include <functional>
 #include <memory>
@@ -23,36 +24,52 @@ class RunStore {
   virtual Result<RunRecord> create_run(const NewRun& run) = 0;
   virtual Result<void> change_run(RunId run, const RunChange& change) = 0;
   virtual Result<DatumId> open_datum(const DatumRecord& datum) = 0;
-  // Durable (WAL, synchronous FULL) when it returns; all of it or nothing.
+  // Durable (WAL, synchronous FULL) when it returns; all of it or nothing. A row that has its
+  // point, or an attempt that is stored, is refused with already_exists, ALREADY_STORED: what a
+  // repeat meets whose first try got through.
   virtual Result<std::optional<PointId>> commit(const PointCommit& commit) = 0;
 
   virtual Result<RunRecord> run(RunId run) = 0;
-  virtual Result<std::vector<RunRecord>> runs(int limit, std::int64_t before_id /* 0: newest */) = 0;
-  virtual Result<std::optional<RunRecord>> unfinished_run() = 0;  // running, paused, waiting: to go on with after a restart
+  virtual Result<std::vector<RunRecord>> runs(int limit,
+                                              std::int64_t before_id /* 0: newest */) = 0;
+  virtual Result<std::optional<RunRecord>>
+  unfinished_run() = 0;  // running, paused, waiting: to go on with after a restart
   virtual Result<std::vector<PointRecord>> points(RunId run, std::int64_t after_id, int limit) = 0;
   virtual Result<std::vector<AttemptRecord>> attempts(RunId run) = 0;  // without their readings
   virtual Result<std::vector<DatumRecord>> data(RunId run) = 0;        // datums, oldest first
-  // Accepted points of the runs, in time order, as the dataset CSV has them.
+  // A dataset that was measured elsewhere becomes a run, done, in one transaction. The file's own
+  // run and datum numbers, columns, order and metadata are kept: dataset() of this run alone gives
+  // it back exactly. Errors: invalid_argument BAD_CHANNEL, BAD_DATASET (columns of unequal length).
+  virtual Result<RunRecord> import_dataset(const NewRun& run, const Dataset& dataset) = 0;
+  // Accepted points of the runs, in time order, as the dataset CSV has them. time_s starts at the
+  // first point; an imported run has no instants of its own and follows after the measured ones.
+  // Columns: q, q_cmd, pose, _std_, structure temperatures, others. run and datum are given where
+  // there is more than one of them. metadata: that of the file when it is one imported run, else
+  // none.
   virtual Result<Dataset> dataset(std::span<const RunId> runs) = 0;
 };
 
 class ReadingStore {
  public:
   virtual ~ReadingStore() = default;
-  virtual Result<void> append(std::span<const Reading> readings, std::span<const MoveRecord> moves) = 0;
+  virtual Result<void> append(std::span<const Reading> readings,
+                              std::span<const MoveRecord> moves) = 0;
   // In time order, start in [from, to); device empty: all.
-  virtual Result<std::vector<Reading>> readings(const std::string& device, CellTime from, CellTime to, int limit) = 0;
+  virtual Result<std::vector<Reading>> readings(const std::string& device, CellTime from,
+                                                CellTime to, int limit) = 0;
   virtual Result<std::vector<MoveRecord>> moves(CellTime from, CellTime to) = 0;
 };
 
 class ModelStore {
  public:
   virtual ~ModelStore() = default;
-  virtual Result<ModelId> add_model(const ModelRecord& model) = 0;  // its id is ignored; same hash again: same id
+  virtual Result<ModelId> add_model(
+      const ModelRecord& model) = 0;  // its id is ignored; same hash again: same id
   virtual Result<ModelRecord> model(ModelId id) = 0;
   virtual Result<std::vector<ModelRecord>> models() = 0;
   virtual Result<void> add_promotion(const PromotionRecord& promotion) = 0;
-  virtual Result<std::vector<PromotionRecord>> promotions() = 0;  // oldest first; the last one serves
+  virtual Result<std::vector<PromotionRecord>>
+  promotions() = 0;  // oldest first; the last one serves
 };
 
 class EventStore {
@@ -70,8 +87,13 @@ class Store {
   virtual ReadingStore& readings() = 0;
   virtual ModelStore& models() = 0;
   virtual EventStore& events() = 0;
+  // Housekeeping that must not delay a point (SQLite: a checkpoint of the log): call it on the
+  // store's thread when there is time, between points; it does nothing when there is nothing to do.
+  // An error costs no data.
+  virtual Result<void> idle() { return {}; }
 };
 
-using OpenStore = std::function<Result<std::unique_ptr<Store>>(const std::string& path, bool read_only)>;
+using OpenStore =
+    std::function<Result<std::unique_ptr<Store>>(const std::string& path, bool read_only)>;
 
 }  // namespace driftwise

@@ -22,7 +22,8 @@ TEST_P(BadChannel, IsRefusedByName) {
   EXPECT_NE(channel.error().message.find("'" + std::string(GetParam()) + "'"), std::string::npos);
 }
 INSTANTIATE_TEST_SUITE_P(Table, BadChannel,
-                         testing::Values("", "x", "_mm", "x_", "x_furlong", "7x_mm", "a b_mm", "x_MM"));
+                         testing::Values("", "x", "_mm", "x_", "x_furlong", "7x_mm", "a b_mm",
+                                         "x_MM"));
 
 TEST(ChannelKinds, AreToldByTheirNames) {
   EXPECT_TRUE(is_motor_symbol("q12"));

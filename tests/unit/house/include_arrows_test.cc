@@ -17,16 +17,35 @@ namespace fs = std::filesystem;
 const fs::path kRoot = DRIFTWISE_SOURCE_DIR;
 
 // The room a path belongs to: the longest of these prefixes.
-const std::vector<std::string> kRooms = {
-    "server/core", "server/core/ports", "server/effects", "server/correction", "server/calibration",
-    "server/simulation", "server/diagnosis", "server/compensation", "server/formats", "server/application",
-    "server/rpc", "server/web", "server/main.cc", "drivers/transport", "drivers/pi_gcs", "drivers/keithley_2701",
-    "drivers/interferometer_adapter", "drivers/watlow_ez_zone", "drivers/simulated", "drivers/simulated/plant",
-    "drivers/simulated/emulators", "storage", "clients/cli", "clients/cpp", "driftwise/v1"};
+const std::vector<std::string> kRooms = {"server/core",
+                                         "server/core/ports",
+                                         "server/effects",
+                                         "server/correction",
+                                         "server/calibration",
+                                         "server/simulation",
+                                         "server/diagnosis",
+                                         "server/compensation",
+                                         "server/formats",
+                                         "server/application",
+                                         "server/rpc",
+                                         "server/web",
+                                         "server/main.cc",
+                                         "drivers/transport",
+                                         "drivers/pi_gcs",
+                                         "drivers/keithley_2701",
+                                         "drivers/interferometer_adapter",
+                                         "drivers/watlow_ez_zone",
+                                         "drivers/simulated",
+                                         "drivers/simulated/plant",
+                                         "drivers/simulated/emulators",
+                                         "storage",
+                                         "clients/cli",
+                                         "clients/cpp",
+                                         "driftwise/v1"};
 
-const std::set<std::string> kMathematics = {"server/core",        "server/effects",    "server/correction",
-                                            "server/calibration", "server/simulation", "server/diagnosis",
-                                            "server/compensation"};
+const std::set<std::string> kMathematics = {
+    "server/core",       "server/effects",   "server/correction",  "server/calibration",
+    "server/simulation", "server/diagnosis", "server/compensation"};
 
 std::set<std::string> with(std::set<std::string> base, const std::set<std::string>& more) {
   base.insert(more.begin(), more.end());
@@ -45,8 +64,10 @@ const std::map<std::string, std::set<std::string>> kArrows = {
     {"server/calibration", {"server/core", "server/effects"}},
     {"server/simulation", {"server/core", "server/effects", "server/calibration"}},
     {"server/diagnosis",
-     {"server/core", "server/effects", "server/correction", "server/calibration", "server/simulation"}},
-    {"server/compensation", {"server/core", "server/effects", "server/calibration", "server/correction"}},
+     {"server/core", "server/effects", "server/correction", "server/calibration",
+      "server/simulation"}},
+    {"server/compensation",
+     {"server/core", "server/effects", "server/calibration", "server/correction"}},
     {"server/formats", kMathematics},
     {"server/application", with(kDomain, {"server/core/ports"})},
     {"server/rpc", with(kDomain, {"server/core/ports", "server/application", "driftwise/v1"})},
@@ -68,7 +89,8 @@ const std::map<std::string, std::set<std::string>> kArrows = {
 std::string room_of(const std::string& path) {
   std::string best;
   for (const auto& room : kRooms)
-    if (path.starts_with(room) && (path.size() == room.size() || path[room.size()] == '/') && room.size() > best.size())
+    if (path.starts_with(room) && (path.size() == room.size() || path[room.size()] == '/') &&
+        room.size() > best.size())
       best = room;
   return best;
 }
@@ -91,7 +113,8 @@ std::vector<Include> includes_of_the_tree() {
       for (int line = 1; std::getline(file, text); ++line) {
         std::smatch match;
         if (std::regex_search(text, match, pattern))
-          found.push_back({fs::relative(entry.path(), kRoot).string(), match[2], line, match[1] == "\""});
+          found.push_back(
+              {fs::relative(entry.path(), kRoot).string(), match[2], line, match[1] == "\""});
       }
     }
   }
@@ -105,18 +128,23 @@ TEST(IncludeArrows, PointOneWay) {
     const std::string from = room_of(include.file), to = room_of(include.included);
     if (to.empty() || from == to) continue;
     const auto arrows = kArrows.find(from);
-    ASSERT_NE(arrows, kArrows.end()) << include.file << " stands in no room this test knows: add it here and to docs/architecture.md";
+    ASSERT_NE(arrows, kArrows.end())
+        << include.file
+        << " stands in no room this test knows: add it here and to docs/architecture.md";
     EXPECT_TRUE(arrows->second.contains(to))
-        << include.file << ":" << include.line << " includes " << include.included << ", but " << from << " may not know " << to;
+        << include.file << ":" << include.line << " includes " << include.included << ", but "
+        << from << " may not know " << to;
   }
 }
 
 TEST(IncludeArrows, MathematicsDoNoInputOrOutputAndStartNoThread) {
-  static const std::set<std::string> forbidden = {"thread", "mutex", "fstream", "iostream", "filesystem", "sqlite3.h",
-                                                  "future", "condition_variable"};
+  static const std::set<std::string> forbidden = {
+      "thread",     "mutex",     "fstream", "iostream",
+      "filesystem", "sqlite3.h", "future",  "condition_variable"};
   for (const auto& include : includes_of_the_tree()) {
     if (!kMathematics.contains(room_of(include.file))) continue;
-    EXPECT_FALSE(forbidden.contains(include.included) || include.included.starts_with("boost/asio") ||
+    EXPECT_FALSE(forbidden.contains(include.included) ||
+                 include.included.starts_with("boost/asio") ||
                  include.included.starts_with("grpcpp/"))
         << include.file << ":" << include.line << " includes " << include.included;
   }
@@ -126,7 +154,8 @@ TEST(IncludeArrows, OnlyTheAdaptersKnowGrpc) {
   for (const auto& include : includes_of_the_tree()) {
     if (!include.included.starts_with("grpc")) continue;
     const std::string room = room_of(include.file);
-    EXPECT_TRUE(room == "server/rpc" || room == "server/web" || room == "server/main.cc" || room.starts_with("clients/"))
+    EXPECT_TRUE(room == "server/rpc" || room == "server/web" || room == "server/main.cc" ||
+                room.starts_with("clients/"))
         << include.file << ":" << include.line << " includes " << include.included;
   }
 }
@@ -134,17 +163,21 @@ TEST(IncludeArrows, OnlyTheAdaptersKnowGrpc) {
 TEST(IncludeArrows, QuotedIncludesStartAtTheTop) {
   for (const auto& include : includes_of_the_tree()) {
     if (!include.quoted) continue;
-    EXPECT_NE(include.included.find('/'), std::string::npos) << include.file << ":" << include.line << " includes " << include.included;
+    EXPECT_NE(include.included.find('/'), std::string::npos)
+        << include.file << ":" << include.line << " includes " << include.included;
   }
 }
 
 TEST(TopLevel, HoldsTheHouseAndTheUsualSingleFiles) {
-  static const std::set<std::string> known = {"CMakeLists.txt", "proto",   "server",       "clients",   "drivers", "storage",
-                                              "tests",          "deploy",  "README.md",    "docs",      "LICENSE", "CHANGELOG.md",
-                                              "CMakePresets.json", "build", "out"};
+  static const std::set<std::string> known = {
+      "CMakeLists.txt",    "proto",   "server",  "clients",
+      "drivers",           "storage", "tests",   "deploy",
+      "README.md",         "docs",    "LICENSE", "CHANGELOG.md",
+      "CMakePresets.json", "build",   "out"};
   for (const auto& entry : fs::directory_iterator(kRoot)) {
     const std::string name = entry.path().filename().string();
-    EXPECT_TRUE(name.starts_with(".") || known.contains(name)) << name << " does not belong at the top level";
+    EXPECT_TRUE(name.starts_with(".") || known.contains(name))
+        << name << " does not belong at the top level";
   }
 }
 

@@ -17,7 +17,8 @@ application::CellStatus status_with_one_of_each() {
   device.health.link = LinkState::connected;
   device.health.errors = 3;
   status.devices.push_back(device);
-  status.values.push_back({.channel = {"t07", "degC"}, .value = 20.5, .age_s = 2.0, .device = "scanner"});
+  status.values.push_back(
+      {.channel = {"t07", "degC"}, .value = 20.5, .age_s = 2.0, .device = "scanner"});
   status.values.push_back({.channel = {"t08", "degC"}, .device = "scanner"});
   application::RunProgress progress;
   progress.run.id = {7};
@@ -30,7 +31,8 @@ application::CellStatus status_with_one_of_each() {
 
 TEST(MetricsText, NamesDevicesChannelsAndTheRun) {
   const std::string text = metrics_text(status_with_one_of_each());
-  EXPECT_THAT(text, HasSubstr("driftwise_info{version=\"0.1.0\",cell=\"a \\\"quoted\\\" cell\"} 1\n"));
+  EXPECT_THAT(text,
+              HasSubstr("driftwise_info{version=\"0.1.0\",cell=\"a \\\"quoted\\\" cell\"} 1\n"));
   EXPECT_THAT(text, HasSubstr("driftwise_device_up{device=\"laser-x\"} 1\n"));
   EXPECT_THAT(text, HasSubstr("driftwise_device_errors_total{device=\"laser-x\"} 3\n"));
   EXPECT_THAT(text, HasSubstr("driftwise_channel{channel=\"t07\",unit=\"degC\"} 20.5\n"));
@@ -39,7 +41,8 @@ TEST(MetricsText, NamesDevicesChannelsAndTheRun) {
 }
 
 TEST(MetricsText, LeavesMissingValuesOut) {
-  EXPECT_THAT(metrics_text(status_with_one_of_each()), Not(HasSubstr("driftwise_channel{channel=\"t08\"")));
+  EXPECT_THAT(metrics_text(status_with_one_of_each()),
+              Not(HasSubstr("driftwise_channel{channel=\"t08\"")));
 }
 
 }  // namespace

@@ -1,0 +1,116 @@
+#include "server/diagnosis/discrepancy.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <span>
+
+#include "server/core/units.h"
+#include "server/effects/term_evaluator.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+// R^2 of y on 1, v, v^2 over rows where both have a value; 0 when v does not vary there.
+double marginal_share(const std::vector<double>& variable, const std::vector<double>& y) {
+  std::vector<std::size_t> rows;
+  double low = INFINITY, high = -INFINITY;
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    if (!std::isfinite(y[i]) || !std::isfinite(variable[i])) continue;
+    rows.push_back(i);
+    low = std::min(low, variable[i]);
+    high = std::max(high, variable[i]);
+  }
+  if (rows.size() < 4 || !(high > low)) return 0;
+  Eigen::MatrixXd columns(static_cast<Eigen::Index>(rows.size()), 3);
+  Eigen::VectorXd values(columns.rows());
+  for (Eigen::Index i = 0; i < columns.rows(); ++i) {
+    const std::size_t row = rows[static_cast<std::size_t>(i)];
+    const double u = (2 * variable[row] - low - high) /
+                     (high - low);  // scaled: v^2 beside v stays well conditioned
+    columns.row(i) << 1, u, u * u;
+    values[i] = y[row];
+  }
+  const double total = (values.array() - values.mean()).square().sum();
+  if (total <= 0) return 0;
+  const Eigen::VectorXd rest = values - columns * columns.colPivHouseholderQr().solve(values);
+  return std::clamp(1 - rest.squaredNorm() / total, 0.0, 1.0);
+}
+
+void summarise(OutputDiscrepancy& out) {
+  double sum = 0, count = 0;
+  for (const double v : out.values)
+    if (std::isfinite(v)) sum += v, count += 1;
+  out.mean = sum / count;
+  double square = 0, neighbours = 0;
+  for (std::size_t i = 0; i < out.values.size(); ++i) {
+    if (!std::isfinite(out.values[i])) continue;
+    square += (out.values[i] - out.mean) * (out.values[i] - out.mean);
+    if (i > 0 && std::isfinite(out.values[i - 1]))
+      neighbours += (out.values[i] - out.mean) * (out.values[i - 1] - out.mean);
+  }
+  out.u90 = kSigmaToU90 * std::sqrt(square / (count - 1));
+  out.lag1_autocorrelation = square > 0 ? neighbours / square : 0;
+}
+
+}  // namespace
+
+Result<std::vector<OutputDiscrepancy>> discrepancy(const calibration::Model& model,
+                                                   const Dataset& dataset) {
+  std::vector<std::string> symbols;
+  std::vector<std::span<const double>> values;
+  for (const auto& column : dataset.columns) {
+    symbols.push_back(column.channel.symbol);
+    values.emplace_back(column.values);
+  }
+  std::vector<double> datum_ordinal;  // 1, 2, ... in order of appearance: what datum(k) terms read
+  if (!dataset.datum.empty()) {
+    std::map<std::int64_t, double> seen;
+    for (const auto id : dataset.datum)
+      datum_ordinal.push_back(seen.emplace(id, static_cast<double>(seen.size() + 1)).first->second);
+    symbols.emplace_back("datum");
+    values.emplace_back(datum_ordinal);
+  }
+  std::vector<double> time_s = dataset.time_s;
+  if (time_s.empty())
+    for (std::size_t i = 0; i < dataset.rows; ++i) time_s.push_back(static_cast<double>(i));
+
+  std::vector<OutputDiscrepancy> outputs;
+  for (const auto& output : model.outputs) {
+    const DatasetColumn* measured = dataset.find(output.channel.symbol);
+    if (!measured)
+      return fail(ErrorCode::invalid_argument, "UNKNOWN_CHANNEL",
+                  "the dataset has no column " + output.channel.name());
+    auto evaluator = effects::TermEvaluator::create(output.terms, symbols);
+    if (!evaluator) return tl::unexpected(evaluator.error());
+    const Eigen::VectorXd predicted =
+        evaluator->block(time_s, values, dataset.rows) * output.coefficients;
+    OutputDiscrepancy out;
+    out.channel = output.channel;
+    const SummaryUnit unit = summary_unit(output.channel.unit);
+    out.unit = unit.unit;
+    std::size_t complete = 0;
+    for (std::size_t i = 0; i < dataset.rows; ++i) {
+      out.values.push_back((measured->values[i] - predicted[static_cast<Eigen::Index>(i)]) *
+                           unit.factor);
+      complete += std::isfinite(out.values.back()) ? 1 : 0;
+    }
+    if (complete < 4)
+      return fail(ErrorCode::invalid_argument, "TOO_FEW_ROWS",
+                  "only " + std::to_string(complete) + " rows have every channel that " +
+                      output.channel.name() + " needs: at least 4 are wanted");
+    summarise(out);
+    for (const auto& column : dataset.columns)
+      if (column.channel.symbol != output.channel.symbol)
+        out.explained_by.push_back(
+            {column.channel.symbol, marginal_share(column.values, out.values)});
+    if (!dataset.time_s.empty())
+      out.explained_by.push_back({"time", marginal_share(dataset.time_s, out.values)});
+    std::ranges::stable_sort(out.explained_by, std::ranges::greater{}, &Share::share);
+    outputs.push_back(std::move(out));
+  }
+  return outputs;
+}
+
+}  // namespace driftwise::diagnosis

@@ -1,0 +1,104 @@
+#include "tests/faults/acknowledged_points.h"
+
+#include <google/protobuf/text_format.h>
+#include <sqlite3.h>
+
+#include <stdexcept>
+
+#include "driftwise/v1/run_service.grpc.pb.h"
+
+namespace driftwise::tests {
+namespace {
+
+std::string text_of(const v1::Point& point) {
+  google::protobuf::TextFormat::Printer printer;
+  std::string text;
+  printer.PrintToString(point, &text);
+  return text;
+}
+
+std::string query_one(const std::string& database, const char* sql) {
+  sqlite3* db = nullptr;
+  if (sqlite3_open_v2(database.c_str(), &db, SQLITE_OPEN_READONLY, nullptr) != SQLITE_OK)
+    throw std::runtime_error("cannot open " + database);
+  sqlite3_busy_timeout(db, 5000);
+  sqlite3_stmt* statement = nullptr;
+  std::string answer;
+  if (sqlite3_prepare_v2(db, sql, -1, &statement, nullptr) == SQLITE_OK &&
+      sqlite3_step(statement) == SQLITE_ROW)
+    answer = reinterpret_cast<const char*>(sqlite3_column_text(statement, 0));
+  else
+    answer = std::string("error: ") + sqlite3_errmsg(db);
+  sqlite3_finalize(statement);
+  sqlite3_close(db);
+  return answer;
+}
+
+}  // namespace
+
+PointWatcher::PointWatcher(std::shared_ptr<grpc::Channel> channel, std::int64_t run_id)
+    : channel_(std::move(channel)), run_id_(run_id), thread_([this] { watch(); }) {}
+
+PointWatcher::~PointWatcher() { join(); }
+
+void PointWatcher::join() {
+  if (thread_.joinable()) thread_.join();
+}
+
+void PointWatcher::watch() {
+  grpc::ClientContext context;
+  v1::WatchRunRequest request;
+  request.set_run_id(run_id_);
+  const auto reader = v1::RunService::NewStub(channel_)->WatchRun(&context, request);
+  v1::WatchRunResponse response;
+  while (reader->Read(&response)) {
+    const auto accepted = response.progress().run().accepted_count();
+    if (accepted > acknowledged_) {
+      acknowledged_ = accepted;
+      fetch();
+    }
+  }
+  reader->Finish();
+}
+
+void PointWatcher::fetch() {
+  grpc::ClientContext context;
+  v1::ListPointsRequest request;
+  request.set_run_id(run_id_);
+  request.set_after_point_id(last_point_id_);
+  request.set_limit(10000);
+  v1::ListPointsResponse response;
+  if (!v1::RunService::NewStub(channel_)->ListPoints(&context, request, &response).ok()) return;
+  for (const auto& point : response.points()) {
+    seen_[point.row()] = {point.id(), point.row(), text_of(point)};
+    last_point_id_ = point.id();
+  }
+}
+
+std::map<std::int64_t, SeenPoint> points_by_row(const std::shared_ptr<grpc::Channel>& channel,
+                                                std::int64_t run_id) {
+  std::map<std::int64_t, SeenPoint> points;
+  grpc::ClientContext context;
+  v1::ListPointsRequest request;
+  request.set_run_id(run_id);
+  request.set_limit(10000);
+  v1::ListPointsResponse response;
+  const auto status = v1::RunService::NewStub(channel)->ListPoints(&context, request, &response);
+  if (!status.ok()) throw std::runtime_error("ListPoints: " + status.error_message());
+  for (const auto& point : response.points())
+    if (!points.emplace(point.row(), SeenPoint{point.id(), point.row(), text_of(point)}).second)
+      throw std::runtime_error("row " + std::to_string(point.row()) + " is there twice");
+  return points;
+}
+
+std::string integrity_of(const std::string& database) {
+  return query_one(database, "PRAGMA integrity_check");
+}
+
+std::int64_t doubled_points_in(const std::string& database) {
+  return std::stoll(query_one(database,
+                              "SELECT count(*) FROM (SELECT 1 FROM point WHERE verdict = "
+                              "'accepted' GROUP BY run_id, row HAVING count(*) > 1)"));
+}
+
+}  // namespace driftwise::tests
