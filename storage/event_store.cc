@@ -1,0 +1,40 @@
+#include "storage/event_store.h"
+
+namespace driftwise::storage {
+
+Result<EventId> SqliteEventStore::add_event(const EventRecord& event) {
+  return session_.write([&] {
+    Query(session_.db,
+          "INSERT INTO event (at_ns, at_monotonic_ns, who, peer, what, detail, run_id) VALUES (?, "
+          "?, ?, ?, ?, ?, ?)")
+        .bind(event.at.utc.utc_ns, event.at.monotonic_ns, event.who, event.from, event.what,
+              event.detail, event.run ? std::optional(event.run->value) : std::nullopt)
+        .run();
+    return EventId{session_.db.last_row_id()};
+  });
+}
+
+Result<std::vector<EventRecord>> SqliteEventStore::events(EventId after, int limit) {
+  return session_.read([&] {
+    Query query(
+        session_.db,
+        "SELECT event_id, at_ns, at_monotonic_ns, who, peer, what, detail, run_id FROM event "
+        "WHERE event_id > ? ORDER BY event_id LIMIT ?");
+    query.bind(after.value, limit > 0 ? limit : -1);
+    std::vector<EventRecord> events;
+    while (query.row()) {
+      EventRecord event{{query.integer(0)},
+                        {{query.integer(1)}, query.integer(2)},
+                        query.text(3),
+                        query.text(4),
+                        query.text(5),
+                        query.text(6),
+                        {}};
+      if (const auto run = query.optional_integer(7)) event.run = RunId{*run};
+      events.push_back(std::move(event));
+    }
+    return events;
+  });
+}
+
+}  // namespace driftwise::storage

@@ -1,0 +1,80 @@
+#include "storage/model_store.h"
+
+namespace driftwise::storage {
+namespace {
+
+ModelRecord model_from(const Query& row) {
+  ModelRecord model{{row.integer(0)}, row.text(1), row.text(2), row.text(3), {},
+                    {row.integer(5)}, row.text(6), row.text(7)};
+  if (const auto parent = row.optional_integer(4)) model.parent = ModelId{*parent};
+  return model;
+}
+
+std::optional<std::int64_t> number(const std::optional<ModelId>& id) {
+  return id ? std::optional(id->value) : std::nullopt;
+}
+
+}  // namespace
+
+Result<ModelId> SqliteModelStore::add_model(const ModelRecord& model) {
+  return session_.write([&] {
+    Query same(session_.db, "SELECT model_id FROM model WHERE hash = ?");
+    if (same.bind(model.hash).row()) return ModelId{same.integer(0)};
+    Query(session_.db,
+          "INSERT INTO model (name, json, hash, parent_id, created_ns, created_by, note) VALUES "
+          "(?, ?, ?, ?, ?, ?, ?)")
+        .bind(model.name, model.json, model.hash, number(model.parent), model.created.utc_ns,
+              model.created_by, model.note)
+        .run();
+    return ModelId{session_.db.last_row_id()};
+  });
+}
+
+Result<ModelRecord> SqliteModelStore::model(ModelId id) {
+  return session_.read([&] {
+    Query query(session_.db,
+                "SELECT model_id, name, json, hash, parent_id, created_ns, created_by, note FROM "
+                "model WHERE model_id = ?");
+    if (!query.bind(id.value).row())
+      throw_failure(ErrorCode::not_found, "NO_SUCH_MODEL",
+                    "there is no model " + std::to_string(id.value) + " in database " +
+                        session_.db.path() + ": 'driftwise model list' shows those there are");
+    return model_from(query);
+  });
+}
+
+Result<std::vector<ModelRecord>> SqliteModelStore::models() {
+  return session_.read([&] {
+    Query query(session_.db,
+                "SELECT model_id, name, json, hash, parent_id, created_ns, created_by, note FROM "
+                "model ORDER BY model_id");
+    std::vector<ModelRecord> models;
+    while (query.row()) models.push_back(model_from(query));
+    return models;
+  });
+}
+
+Result<void> SqliteModelStore::add_promotion(const PromotionRecord& promotion) {
+  return session_.write([&] {
+    Query(session_.db,
+          "INSERT INTO promotion (model_id, at_ns, by_whom, action) VALUES (?, ?, ?, ?)")
+        .bind(number(promotion.model), promotion.at.utc_ns, promotion.by, promotion.action)
+        .run();
+  });
+}
+
+Result<std::vector<PromotionRecord>> SqliteModelStore::promotions() {
+  return session_.read([&] {
+    Query query(session_.db,
+                "SELECT model_id, at_ns, by_whom, action FROM promotion ORDER BY promotion_id");
+    std::vector<PromotionRecord> promotions;
+    while (query.row()) {
+      PromotionRecord promotion{{}, {query.integer(1)}, query.text(2), query.text(3)};
+      if (const auto model = query.optional_integer(0)) promotion.model = ModelId{*model};
+      promotions.push_back(std::move(promotion));
+    }
+    return promotions;
+  });
+}
+
+}  // namespace driftwise::storage

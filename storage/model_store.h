@@ -1,0 +1,21 @@
+#pragma once
+
+#include "server/core/ports/store.h"
+#include "storage/session.h"
+
+namespace driftwise::storage {
+
+class SqliteModelStore final : public ModelStore {
+ public:
+  explicit SqliteModelStore(Session& session) : session_(session) {}
+  Result<ModelId> add_model(const ModelRecord& model) override;
+  Result<ModelRecord> model(ModelId id) override;
+  Result<std::vector<ModelRecord>> models() override;
+  Result<void> add_promotion(const PromotionRecord& promotion) override;
+  Result<std::vector<PromotionRecord>> promotions() override;
+
+ private:
+  Session& session_;
+};
+
+}  // namespace driftwise::storage

@@ -1,0 +1,17 @@
+#pragma once
+// Rows of reading, reading_value and move. Inside the caller's write transaction; throws
+// StorageFailure.
+
+#include <optional>
+#include <span>
+
+#include "server/core/records.h"
+#include "storage/session.h"
+
+namespace driftwise::storage {
+
+void insert_readings(Session& session, std::span<const Reading> readings,
+                     std::optional<std::int64_t> attempt_id);
+void insert_moves(Session& session, std::span<const MoveRecord> moves);
+
+}  // namespace driftwise::storage

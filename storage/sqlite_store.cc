@@ -1,0 +1,110 @@
+#include "storage/sqlite_store.h"
+
+#include "storage/event_store.h"
+#include "storage/model_store.h"
+#include "storage/reading_store.h"
+#include "storage/run_store.h"
+#include "storage/schema.h"
+#include "storage/session.h"
+
+namespace driftwise::storage {
+namespace {
+
+// Figures behind these settings: docs/decisions/0003-readings-in-the-database.md.
+constexpr int kBusyTimeoutMs =
+    2000;  // a person's sqlite3 shell may hold the write lock for a moment
+constexpr int kForcedCheckpointFactor = 16;  // a log that nobody checkpoints stays below 64 MB
+constexpr const char* kCommonPragmas =
+    "PRAGMA foreign_keys = ON; PRAGMA trusted_schema = OFF; PRAGMA temp_store = MEMORY;";
+// FULL: a commit is on the disk when it returns. The log keeps its size, so that a commit writes
+// into room it has.
+constexpr const char* kWriterPragmas =
+    "PRAGMA synchronous = FULL; PRAGMA cache_size = -4000; PRAGMA journal_size_limit = 67108864;";
+
+class SqliteStore final : public Store {
+ public:
+  SqliteStore(LockFile lock, const std::string& path, bool read_only, const SqliteOptions& options)
+      : session_(std::move(lock), path,
+                 read_only ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE,
+                 options.vfs, read_only),
+        checkpoint_pages_(options.checkpoint_pages),
+        runs_(session_),
+        readings_(session_),
+        models_(session_),
+        events_(session_) {
+    Database& db = session_.db;
+    sqlite3_busy_timeout(db.handle(), kBusyTimeoutMs);
+    db.execute(kCommonPragmas);
+    if (read_only) {
+      db.execute("PRAGMA query_only = ON");
+      require_present_schema(db);
+      return;
+    }
+    refuse_foreign_or_newer(db);
+    db.execute("PRAGMA journal_mode = WAL");
+    db.execute(kWriterPragmas);
+    // The log is emptied in idle(), between points, and not by the commit that happens to fill it.
+    sqlite3_wal_hook(db.handle(), &SqliteStore::committed, this);
+    migrate(db);
+  }
+
+  RunStore& runs() override { return runs_; }
+  ReadingStore& readings() override { return readings_; }
+  ModelStore& models() override { return models_; }
+  EventStore& events() override { return events_; }
+
+  Result<void> idle() override {
+    return answered([this] {
+      if (log_pages_ >= checkpoint_pages_) checkpoint();
+    });
+  }
+
+ private:
+  static int committed(void* self, sqlite3*, const char*, int log_pages) {
+    auto& store = *static_cast<SqliteStore*>(self);
+    store.log_pages_ = log_pages;
+    // The commit is durable already: a checkpoint that fails here is repeated later and must not
+    // fail it.
+    if (log_pages >= store.checkpoint_pages_ * kForcedCheckpointFactor)
+      (void)store.try_checkpoint();
+    return SQLITE_OK;
+  }
+
+  // PASSIVE: waits for no reader; what a reader still needs stays in the log until the next time.
+  int try_checkpoint() {
+    const int code = sqlite3_wal_checkpoint_v2(session_.db.handle(), nullptr,
+                                               SQLITE_CHECKPOINT_PASSIVE, nullptr, nullptr);
+    if (code == SQLITE_OK) log_pages_ = 0;
+    return code;
+  }
+  void checkpoint() {
+    const int code = try_checkpoint();
+    if (code != SQLITE_OK && code != SQLITE_BUSY)
+      session_.db.fail_now("moving the log into the database");
+  }
+
+  Session session_;
+  int checkpoint_pages_;
+  int log_pages_ = 0;
+  SqliteRunStore runs_;
+  SqliteReadingStore readings_;
+  SqliteModelStore models_;
+  SqliteEventStore events_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Store>> open_sqlite_store(const std::string& path, bool read_only) {
+  return open_sqlite_store(path, read_only, SqliteOptions{});
+}
+
+Result<std::unique_ptr<Store>> open_sqlite_store(const std::string& path, bool read_only,
+                                                 const SqliteOptions& options) {
+  return answered([&]() -> std::unique_ptr<Store> {
+    const bool needs_lock = !read_only && path != ":memory:";
+    return std::make_unique<SqliteStore>(needs_lock ? LockFile(path) : LockFile(), path, read_only,
+                                         options);
+  });
+}
+
+}  // namespace driftwise::storage
