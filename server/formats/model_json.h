@@ -14,6 +14,10 @@ namespace driftwise::formats {
 // indent < 0: one line. The same model gives the same text: its hash identifies it.
 std::string write_model_json(const calibration::Model& model, int indent = -1);
 
+// Identifies what was fitted: the hash of the text without fit_us, so that the same fit elsewhere
+// has the same one.
+std::string model_hash(const calibration::Model& model);
+
 // Errors, invalid_argument: JSON_SYNTAX (with line and column), BAD_MODEL naming the place
 // ("outputs[0].covariance"), what was found and what was expected. Sizes are checked against one
 // another; every number must be finite.

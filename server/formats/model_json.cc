@@ -1,0 +1,280 @@
+#include "server/formats/model_json.h"
+
+#include "server/formats/json_place.h"
+#include "server/formats/text.h"
+
+namespace driftwise::formats {
+namespace {
+
+using calibration::Accuracy;
+using calibration::Lineage;
+using calibration::Model;
+using calibration::OutputModel;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kSchema = "driftwise.model.v1";
+
+// --- terms ---
+
+Json factors_json(const effects::Term& term) {
+  Json out = Json::array();
+  for (const auto& factor : term.factors) {
+    if (const auto* power = std::get_if<effects::Power>(&factor)) {
+      out.push_back({{"symbol", power->symbol}, {"exponent", power->exponent}});
+      continue;
+    }
+    const auto& call = std::get<effects::Call>(factor);
+    Json parameters = Json::array();
+    for (const auto& parameter : call.parameters)
+      parameters.push_back({{"value", parameter.value}, {"unit", parameter.unit}});
+    out.push_back({{"effect", call.effect},
+                   {"symbols", call.symbols},
+                   {"parameters", std::move(parameters)}});
+  }
+  return out;
+}
+
+Json term_json(const effects::Term& term) {
+  return {{"term", effects::notation(term)}, {"factors", factors_json(term)}};
+}
+
+effects::Term read_term(const JsonPlace& from) {
+  effects::Term term;
+  const auto factors = from["factors"];
+  for (std::size_t i = 0; i < factors.size(); ++i) {
+    const auto factor = factors[i];
+    if (!factor.has("effect")) {
+      term.factors.push_back(effects::Power{factor["symbol"].text(),
+                                            static_cast<int>(factor["exponent"].integer(1, 64))});
+      continue;
+    }
+    effects::Call call{factor["effect"].text(), {}, {}};
+    const auto symbols = factor["symbols"], parameters = factor["parameters"];
+    for (std::size_t k = 0; k < symbols.size(); ++k) call.symbols.push_back(symbols[k].text());
+    for (std::size_t k = 0; k < parameters.size(); ++k)
+      call.parameters.push_back({parameters[k]["value"].finite(), parameters[k]["unit"].text()});
+    term.factors.push_back(std::move(call));
+  }
+  return term;
+}
+
+// --- accuracy ---
+
+// The optional figures by name: written when they are there.
+template <class A, class Visit>
+void each_optional(A& accuracy, Visit visit) {
+  visit("u90_validation", accuracy.u90_validation);
+  visit("u90_blocks", accuracy.u90_blocks);
+  visit("u90_blocks_low", accuracy.u90_blocks_low);
+  visit("u90_blocks_high", accuracy.u90_blocks_high);
+  visit("pure_error", accuracy.pure_error);
+  visit("lack_of_fit_f", accuracy.lack_of_fit_f);
+  visit("lack_of_fit_p", accuracy.lack_of_fit_p);
+}
+template <class A, class Visit>
+void each_figure(A& accuracy, Visit visit) {
+  visit("rmse", accuracy.rmse);
+  visit("u90_calibration", accuracy.u90_calibration);
+  visit("lag1_autocorrelation", accuracy.lag1_autocorrelation);
+  visit("effective_rows", accuracy.effective_rows);
+}
+
+Json accuracy_json(const Accuracy& accuracy) {
+  Json out = Json::object();
+  each_figure(accuracy, [&](const char* key, double value) { out[key] = json_number(value); });
+  each_optional(accuracy, [&](const char* key, const std::optional<double>& value) {
+    if (value) out[key] = json_number(*value);
+  });
+  return out;
+}
+
+Accuracy read_accuracy(const JsonPlace& from) {
+  Accuracy accuracy;
+  each_figure(accuracy, [&](const char* key, double& value) { value = from[key].number(); });
+  each_optional(accuracy, [&](const char* key, std::optional<double>& value) {
+    if (from.has(key)) value = from[key].number();
+  });
+  return accuracy;
+}
+
+// --- report and history ---
+
+template <class R, class Visit>
+void each_statistic(R& row, Visit visit) {
+  visit("coefficient", row.coefficient);
+  visit("standard_error", row.standard_error);
+  visit("t", row.t);
+  visit("p", row.p);
+  visit("vif", row.vif);
+  visit("contribution_rms", row.contribution_rms);
+  visit("contribution_max", row.contribution_max);
+}
+
+Json report_json(const calibration::TermReport& row) {
+  Json out = term_json(row.term);
+  out["in"] = row.in;
+  each_statistic(row, [&](const char* key, double value) { out[key] = json_number(value); });
+  return out;
+}
+
+calibration::TermReport read_report(const JsonPlace& from) {
+  calibration::TermReport row;
+  row.term = read_term(from);
+  row.in = from["in"].truth();
+  each_statistic(row, [&](const char* key, double& value) { value = from[key].number(); });
+  return row;
+}
+
+Json step_json(const calibration::SelectionStep& step) {
+  Json out = term_json(step.term);
+  out.update({{"step", step.step},
+              {"action", step.action},
+              {"p", json_number(step.p)},
+              {"rmse", json_number(step.rmse)},
+              {"dof", step.dof}});
+  return out;
+}
+
+calibration::SelectionStep read_step(const JsonPlace& from) {
+  return {.step = static_cast<int>(from["step"].integer(0, INT32_MAX)),
+          .action = from["action"].text(),
+          .term = read_term(from),
+          .p = from["p"].number(),
+          .rmse = from["rmse"].number(),
+          .dof = static_cast<int>(from["dof"].integer(INT32_MIN, INT32_MAX))};
+}
+
+// --- outputs ---
+
+Json output_json(const OutputModel& output) {
+  Json terms = Json::array(), covariance = Json::array(), report = Json::array(),
+       history = Json::array();
+  for (std::size_t k = 0; k < output.terms.size(); ++k) {
+    Json term = term_json(output.terms[k]);
+    term["coefficient"] = output.coefficients[static_cast<Eigen::Index>(k)];
+    terms.push_back(std::move(term));
+  }
+  for (Eigen::Index i = 0; i < output.covariance.rows(); ++i) {
+    Json row = Json::array();
+    for (Eigen::Index j = 0; j < output.covariance.cols(); ++j)
+      row.push_back(output.covariance(i, j));
+    covariance.push_back(std::move(row));
+  }
+  for (const auto& row : output.report) report.push_back(report_json(row));
+  for (const auto& step : output.history) history.push_back(step_json(step));
+  return {{"channel", output.channel.name()},
+          {"dof", output.dof},
+          {"accuracy", accuracy_json(output.accuracy)},
+          {"terms", std::move(terms)},
+          {"covariance", std::move(covariance)},
+          {"report", std::move(report)},
+          {"history", std::move(history)}};
+}
+
+OutputModel read_output(const JsonPlace& from) {
+  OutputModel output;
+  output.channel = from["channel"].channel();
+  output.dof = static_cast<int>(from["dof"].integer(INT32_MIN, INT32_MAX));
+  output.accuracy = read_accuracy(from["accuracy"]);
+  const auto terms = from["terms"], covariance = from["covariance"], report = from["report"],
+             history = from["history"];
+  const std::size_t count = terms.size();
+  if (covariance.size() != count) covariance.refuse(std::to_string(count) + " rows, one per term");
+  for (std::size_t i = 0; i < count;
+       ++i)  // before room is made: the text itself then bounds the memory
+    if (covariance[i].size() != count)
+      covariance[i].refuse(std::to_string(count) + " numbers, one per term");
+  output.coefficients.resize(static_cast<Eigen::Index>(count));
+  output.covariance.resize(static_cast<Eigen::Index>(count), static_cast<Eigen::Index>(count));
+  for (std::size_t i = 0; i < count; ++i) {
+    output.terms.push_back(read_term(terms[i]));
+    output.coefficients[static_cast<Eigen::Index>(i)] = terms[i]["coefficient"].finite();
+    for (std::size_t j = 0; j < count; ++j)
+      output.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+          covariance[i][j].finite();
+  }
+  for (std::size_t i = 0; i < report.size(); ++i) output.report.push_back(read_report(report[i]));
+  for (std::size_t i = 0; i < history.size(); ++i) output.history.push_back(read_step(history[i]));
+  return output;
+}
+
+// --- the whole ---
+
+Json lineage_json(const Lineage& lineage) {
+  Json runs = Json::array();
+  for (const auto run : lineage.runs) runs.push_back(run.value);
+  Json out = {{"runs", std::move(runs)},
+              {"source", lineage.source},
+              {"dataset_hash", lineage.dataset_hash},
+              {"rows_calibration", lineage.rows_calibration},
+              {"rows_validation", lineage.rows_validation},
+              {"rows_dropped", lineage.rows_dropped}};
+  if (lineage.parent) out["parent"] = lineage.parent->value;
+  return out;
+}
+
+Lineage read_lineage(const JsonPlace& from) {
+  Lineage lineage;
+  const auto runs = from["runs"];
+  for (std::size_t i = 0; i < runs.size(); ++i) lineage.runs.push_back({runs[i].integer()});
+  lineage.source = from["source"].text();
+  lineage.dataset_hash = from["dataset_hash"].text();
+  lineage.rows_calibration = from["rows_calibration"].integer(0);
+  lineage.rows_validation = from["rows_validation"].integer(0);
+  lineage.rows_dropped = from["rows_dropped"].integer(0);
+  if (from.has("parent")) lineage.parent = ModelId{from["parent"].integer()};
+  return lineage;
+}
+
+Model read_whole(const JsonPlace& from) {
+  if (from["schema"].text() != kSchema) from["schema"].refuse(std::string("'") + kSchema + "'");
+  Model model;
+  model.formula = from["formula"].text();
+  model.select = from["select"].text();
+  model.p_enter = from["p_enter"].finite();
+  model.p_remove = from["p_remove"].finite();
+  model.lineage = read_lineage(from["lineage"]);
+  const auto outputs = from["outputs"], domain = from["domain"], warnings = from["warnings"];
+  for (std::size_t i = 0; i < outputs.size(); ++i) model.outputs.push_back(read_output(outputs[i]));
+  for (std::size_t i = 0; i < domain.size(); ++i)
+    model.domain.push_back(
+        {domain[i]["channel"].channel(), domain[i]["min"].finite(), domain[i]["max"].finite()});
+  for (std::size_t i = 0; i < warnings.size(); ++i) model.warnings.push_back(warnings[i].text());
+  model.fit_us = from["fit_us"].finite();
+  return model;
+}
+
+}  // namespace
+
+std::string write_model_json(const Model& model, int indent) {
+  Json outputs = Json::array(), domain = Json::array();
+  for (const auto& output : model.outputs) outputs.push_back(output_json(output));
+  for (const auto& range : model.domain)
+    domain.push_back({{"channel", range.channel.name()}, {"min", range.min}, {"max", range.max}});
+  const Json out = {{"schema", kSchema},           {"formula", model.formula},
+                    {"select", model.select},      {"p_enter", model.p_enter},
+                    {"p_remove", model.p_remove},  {"outputs", std::move(outputs)},
+                    {"domain", std::move(domain)}, {"lineage", lineage_json(model.lineage)},
+                    {"warnings", model.warnings},  {"fit_us", model.fit_us}};
+  return out.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string model_hash(const Model& model) {
+  Model untimed = model;
+  untimed.fit_us = 0;
+  return content_hash(write_model_json(untimed));
+}
+
+Result<Model> read_model_json(std::string_view text) {
+  const auto json = parse_json(text);
+  if (!json) return tl::unexpected(json.error());
+  try {
+    return read_whole(JsonPlace(*json, ""));
+  } catch (const JsonProblem& problem) {
+    return fail(ErrorCode::invalid_argument, "BAD_MODEL",
+                (problem.place.empty() ? std::string("the text") : problem.place) + ": found " +
+                    problem.found + ", expected " + problem.expected);
+  }
+}
+
+}  // namespace driftwise::formats
