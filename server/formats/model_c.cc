@@ -4,6 +4,7 @@
 #include <cctype>
 
 #include "server/compensation/snapshot.h"
+#include "server/core/reading.h"
 #include "server/effects/term_evaluator.h"
 #include "server/effects/term_order.h"
 #include "server/formats/text.h"
