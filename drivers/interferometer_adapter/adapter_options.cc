@@ -1,0 +1,27 @@
+#include "drivers/interferometer_adapter/adapter_options.h"
+
+#include "drivers/transport/options.h"
+
+namespace driftwise::adapter {
+
+Result<Options> read_options(const DeviceDescription& device) {
+  transport::OptionReader reader(device);
+  Options out;
+  out.channel = reader.integer("channel", out.channel, 1, 16);
+  out.samples = std::stoi(
+      reader.choice("samples", std::to_string(out.samples), {"2048", "4096", "8192", "16384"}));
+  out.sample_rate_hz = reader.number("sample_rate_hz", out.sample_rate_hz, 1, 1e9);
+  out.dead_path_mm = reader.number("dead_path_mm", out.dead_path_mm, 0, 1e5);
+  out.max_air_age_s = reader.number("max_air_age_s", out.max_air_age_s, 0, 1e6);
+  out.max_clock_offset_s = reader.number("max_clock_offset_s", out.max_clock_offset_s, 0.001, 1e9);
+  out.air_channel = reader.text("air_channel", out.air_channel);
+  out.level_channel = reader.text("level_channel", out.level_channel);
+  if (auto good = reader.finish(); !good) return tl::unexpected(good.error());
+  for (const auto& name : {out.air_channel, out.level_channel}) {
+    if (name.empty()) continue;
+    if (const auto channel = parse_channel(name); !channel) return tl::unexpected(channel.error());
+  }
+  return out;
+}
+
+}  // namespace driftwise::adapter

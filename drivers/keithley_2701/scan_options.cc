@@ -1,0 +1,22 @@
+#include "drivers/keithley_2701/scan_options.h"
+
+namespace driftwise::keithley {
+
+Result<Options> read_options(const DeviceDescription& device, bool on_serial_line) {
+  transport::OptionReader reader(device);
+  Options out;
+  const std::string end =
+      reader.choice("terminator", on_serial_line ? "cr" : "lf", {"lf", "cr", "crlf"});
+  out.send_end = end == "lf" ? "\n" : end == "cr" ? "\r" : "\r\n";
+  out.nplc = reader.number("nplc", out.nplc, 0.01, 50);
+  out.mains_hz = reader.number("mains_hz", out.mains_hz, 50, 60);
+  out.range_ohm = reader.number("range_ohm", out.range_ohm, 100, 1e6);
+  out.offset_compensation = reader.on_off("offset_compensation", out.offset_compensation);
+  out.relay_s = reader.number("relay_s", out.relay_s, 0, 10);
+  out.require_card = reader.on_off("require_card", out.require_card);
+  out.serial = transport::read_serial_settings(reader, out.serial);
+  if (auto good = reader.finish(); !good) return tl::unexpected(good.error());
+  return out;
+}
+
+}  // namespace driftwise::keithley

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+
+#include "drivers/transport/address.h"
+#include "server/core/cell_description.h"
+#include "server/core/result.h"
+
+namespace driftwise::keithley {
+
+struct Options {
+  std::string send_end;  // terminator = lf | cr | crlf; default lf on TCP, cr on a serial line
+  double nplc = 5;       // integration time in periods of the mains
+  double mains_hz = 50;
+  double range_ohm = 1000;  // the 1 kohm range reads to 1200 ohm = 51.5 degC of a pt1000
+  bool offset_compensation = true;
+  double relay_s = 0.02;     // per channel, for the time-out only
+  bool require_card = true;  // *OPT? must name a card: without one four-wire scanning is impossible
+  transport::SerialSettings serial{.baud = 4800, .xon_xoff = true};  // the factory's
+};
+
+// Errors: invalid_argument, BAD_OPTION.
+Result<Options> read_options(const DeviceDescription& device, bool on_serial_line);
+
+}  // namespace driftwise::keithley

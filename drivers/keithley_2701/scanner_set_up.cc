@@ -1,0 +1,117 @@
+// The scanner's set-up: after every new connection, and checked by what the scanner says about it.
+
+#include <cstdio>
+
+#include "drivers/keithley_2701/scanner.h"
+
+namespace driftwise::keithley {
+namespace {
+
+constexpr int kMaxErrorReads = 12;  // the queue holds ten, and an overflow entry
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", value);
+  return text;
+}
+
+}  // namespace
+
+Awaitable<Result<void>> Scanner::get_ready() {
+  if (auto up = co_await link_.connect(timeout_); !up) co_return up;
+  if (link_.generation() == set_up_generation_) co_return Result<void>{};
+  auto done = co_await set_up();
+  if (!done && link_.connected()) link_.drop(done.error().message);
+  co_return done;
+}
+
+Awaitable<Result<void>> Scanner::set_up() {
+  identity_.clear();
+  layout_.reset();
+  anchor_.forget();
+  // A serial line keeps half a command of whoever was here before: break it off and end it.
+  if (auto sent = co_await link_.tell("\x03" + options_.send_end, timeout_); !sent) co_return sent;
+  const auto identity = co_await ask("*IDN?");
+  if (!identity) co_return tl::unexpected(identity.error());
+  identity_ = transport::without_line_ends(*identity);
+  if (identity_.find("MODEL 27") == std::string::npos)
+    co_return nonsense({ErrorCode::failed_precondition, "WRONG_DEVICE",
+                        "expected a KEITHLEY MODEL 2700, 2701 or 2750"});
+
+  // *RST and *CLS are slow; *OPC? says when they are over. The scan's time-out is long enough for
+  // them.
+  for (const char* command : {"*RST", "*CLS"}) {
+    if (auto sent = co_await tell(command); !sent) co_return sent;
+  }
+  const auto complete = co_await link_.ask("*OPC?" + options_.send_end, scan_timeout_);
+  if (!complete) co_return tl::unexpected(complete.error());
+  if (transport::without_line_ends(*complete) != "1")
+    co_return nonsense({ErrorCode::data_loss, "BAD_REPLY", "expected 1"});
+
+  const auto cards = co_await ask("*OPT?");
+  if (!cards) co_return tl::unexpected(cards.error());
+  const std::string card_text(transport::without_line_ends(*cards));
+  if (options_.require_card && card_text.find("77") == std::string::npos)
+    co_return link_.refused(
+        "NO_CARD", "no scanner card in any slot: four-wire scanning needs one (7700, 7708, ...)");
+  link_.set_identity(identity_ + " [" + card_text + "]");
+
+  if (auto done = co_await configure(); !done) co_return done;
+  if (auto same = co_await compare_scan_list(); !same) co_return same;
+  if (auto clean = co_await drain_errors(); !clean) co_return clean;
+  set_up_generation_ = link_.generation();
+  co_return Result<void>{};
+}
+
+Awaitable<Result<void>> Scanner::configure() {
+  const std::string list = encode_channel_list(scanned_);
+  const std::vector<std::string> commands{
+      "TRAC:CLE",
+      "INIT:CONT OFF",  // with it on, SAMP:COUN above 1 is refused
+      "FORM:ELEM READ,CHAN,TST",
+      "TRIG:SOUR IMM",
+      "TRIG:COUN 1",  // later scans would overwrite earlier ones
+      "TRIG:DEL 0",
+      "ROUT:SCAN:LSEL NONE",  // before the list may change
+      "FUNC 'FRES'," + list,  // never RES: one ohm of lead is 0.26 K
+      "FRES:RANG " + number(options_.range_ohm) + "," + list,
+      "FRES:OCOM " + std::string(options_.offset_compensation ? "ON" : "OFF") + "," + list,
+      "FRES:NPLC " + number(options_.nplc) + "," + list,
+      "SAMP:COUN " + std::to_string(scanned_.size()),
+      "ROUT:SCAN " + list,  // after FUNC, which may have shrunk it silently
+      "ROUT:SCAN:TSO IMM",
+      "ROUT:SCAN:LSEL INT",
+  };
+  for (const auto& command : commands) {
+    if (auto sent = co_await tell(command); !sent) co_return sent;
+  }
+  co_return Result<void>{};
+}
+
+Awaitable<Result<void>> Scanner::compare_scan_list() {
+  const auto reply = co_await ask("ROUT:SCAN?");
+  if (!reply) co_return tl::unexpected(reply.error());
+  const auto list = parse_channel_list(*reply);
+  if (!list) co_return nonsense(list.error());
+  if (*list == scanned_) co_return Result<void>{};
+  co_return link_.refused(
+      "SCAN_LIST", "asked to scan " + encode_channel_list(scanned_) +
+                       ": an input is missing, or it is one of the pair of a four-wire channel "
+                       "(a 20-channel card scans 101..110 in four-wire)");
+}
+
+Awaitable<Result<void>> Scanner::drain_errors() {
+  std::string found;
+  for (int i = 0; i < kMaxErrorReads; ++i) {
+    const auto reply = co_await ask("SYST:ERR?");
+    if (!reply) co_return tl::unexpected(reply.error());
+    const auto error = parse_device_error(*reply);
+    if (!error) co_return nonsense(error.error());
+    if (error->number == 0) break;
+    found += (found.empty() ? "" : "; ") + std::to_string(error->number) + " " + error->text;
+  }
+  if (found.empty()) co_return Result<void>{};
+  co_return link_.refused("SET_UP", "the scanner refused a part of its set-up: " + found);
+}
+
+}  // namespace driftwise::keithley
