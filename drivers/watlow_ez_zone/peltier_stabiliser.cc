@@ -1,0 +1,122 @@
+#include "drivers/watlow_ez_zone/peltier_stabiliser.h"
+
+#include <boost/asio/co_spawn.hpp>
+
+#include "drivers/transport/link.h"
+
+namespace driftwise::watlow {
+namespace {
+
+template <class Job>
+auto as_coroutine(Job job) -> Awaitable<decltype(job())> {
+  co_return job();
+}
+
+}  // namespace
+
+PeltierStabiliser::PeltierStabiliser(DeviceDescription device, Options options,
+                                     transport::Address address, asio::any_io_executor executor,
+                                     Clock& clock)
+    : device_(std::move(device)),
+      clock_(clock),
+      symbol_(symbol_from_id(device_.id)),
+      turn_(executor),
+      pause_(executor),
+      back_off_(transport::seed_from(device_.id + device_.address), {}),
+      controller_(
+          {device_.id, device_.address, std::move(address), options.serial, options.unit_id},
+          options) {}
+
+PeltierStabiliser::~PeltierStabiliser() { pool_.join(); }
+
+Awaitable<Result<void>> PeltierStabiliser::wait_out_back_off(std::chrono::nanoseconds limit) {
+  const auto wait = not_before_ - std::chrono::steady_clock::now();
+  if (wait <= wait.zero()) co_return Result<void>{};
+  pause_.expires_after(std::min<std::chrono::steady_clock::duration>(wait, limit));
+  (void)co_await pause_.async_wait(asio::as_tuple(asio::use_awaitable));
+  if (wait <= limit) co_return Result<void>{};
+  co_return fail(
+      ErrorCode::unavailable, "LINK_DOWN",
+      "device '" + device_.id + "' at " + device_.address +
+          ": not connected, waiting before the next attempt; last error: " + health_.last_error);
+}
+
+template <class Job>
+auto PeltierStabiliser::run(Job job)
+    -> Awaitable<decltype(job(std::declval<TemperatureController&>(),
+                              std::chrono::nanoseconds()))> {
+  const auto turn = co_await turn_.take();
+  const auto timeout =
+      clock_.wall_from(nanoseconds_from_s(device_.timeout_s), transport::kShortestTimeout);
+  if (auto ready = co_await wait_out_back_off(timeout); !ready)
+    co_return tl::unexpected(ready.error());
+  closed_ = false;
+  if (health_.link != LinkState::connected) health_.link = LinkState::connecting;
+  auto work = [this, job, timeout] {
+    auto result = job(controller_, timeout);
+    ModbusMaster& line = controller_.line();
+    return std::pair(std::move(result),
+                     LineReport{line.figures(), line.log().lines(), line.connected()});
+  };
+  auto [result, report] = co_await asio::co_spawn(
+      pool_.get_executor(), as_coroutine(std::move(work)), asio::use_awaitable);
+  note(result ? nullptr : &result.error(), std::move(report));
+  co_return std::move(result);
+}
+
+void PeltierStabiliser::note(const Error* error, LineReport report) {
+  health_.exchanges = report.figures.exchanges;
+  health_.errors = report.figures.errors;
+  health_.last_latency_s = report.figures.last_latency_s;
+  recent_ = std::move(report.recent);
+  if (error == nullptr) {
+    if (health_.link != LinkState::connected && connections_++ > 0) ++health_.reconnects;
+    health_.identity = "Watlow EZ-ZONE PM register map";
+    health_.last_good = clock_.now().utc;
+    back_off_.after_success();
+  } else {
+    health_.last_error = error->message;
+    if (!report.connected)
+      not_before_ = std::chrono::steady_clock::now() + back_off_.after_failure();
+  }
+  health_.link = closed_            ? LinkState::disconnected
+                 : report.connected ? LinkState::connected
+                                    : LinkState::failed;
+}
+
+Awaitable<Result<void>> PeltierStabiliser::prepare() {
+  co_return co_await run(
+      [](TemperatureController& controller, auto timeout) { return controller.prepare(timeout); });
+}
+
+Awaitable<Result<void>> PeltierStabiliser::set_point(double degc) {
+  co_return co_await run([degc](TemperatureController& controller, auto timeout) {
+    return controller.set_point(degc, timeout);
+  });
+}
+
+Awaitable<Result<Reading>> PeltierStabiliser::read() {
+  const CellTime asked = clock_.now().utc;
+  const auto state = co_await run(
+      [](TemperatureController& controller, auto timeout) { return controller.read(timeout); });
+  if (!state) co_return tl::unexpected(state.error());
+  Reading out;
+  out.device = device_.id;
+  out.start = asked;
+  out.end = clock_.now().utc;
+  out.sequence = ++sequence_;
+  out.values.push_back({symbol_ + "_degC", state->process_degc});
+  out.values.push_back({symbol_ + "_set_degC", state->set_point_degc});
+  out.values.push_back({symbol_ + "_power_pct", state->power_pct});
+  co_return out;
+}
+
+void PeltierStabiliser::close() {
+  closed_ = true;
+  pause_.cancel();
+  health_.link = LinkState::disconnected;
+  // On the line's own thread, behind the job that may be under way.
+  asio::post(pool_, [this] { controller_.line().disconnect(); });
+}
+
+}  // namespace driftwise::watlow

@@ -1,0 +1,19 @@
+#include "drivers/watlow_ez_zone/watlow_options.h"
+
+namespace driftwise::watlow {
+
+Result<Options> read_options(const DeviceDescription& device) {
+  transport::OptionReader reader(device);
+  Options out;
+  out.unit_id = reader.integer("unit_id", out.unit_id, 1, 247);
+  out.zone = reader.integer("zone", out.zone, 1, 12);
+  if (reader.choice("word_order", "low_first", {"low_first", "high_first"}) == "high_first")
+    out.word_order = WordOrder::high_first;
+  if (reader.choice("unit", "F", {"F", "C"}) == "C") out.unit = Unit::celsius;
+  out.check_unit = reader.on_off("check_unit", out.check_unit);
+  out.serial = transport::read_serial_settings(reader, out.serial);
+  if (auto good = reader.finish(); !good) return tl::unexpected(good.error());
+  return out;
+}
+
+}  // namespace driftwise::watlow
