@@ -48,6 +48,8 @@ struct FitOptions {
   double block_gap = 0.25;      // of a block's rows, left out of the training on either side of it
   Lineage lineage;  // runs, source, hash, parent: passed on; the row counts are filled in
   Executor executor;
+  std::function<double()> stopwatch_us;  // for Model::fit_us (triangle, selection, solution);
+                                         // empty: 0. No clock is read here
 };
 
 // Errors, invalid_argument: BAD_OPTIONS (thresholds, "- 1" with stepwise), UNKNOWN_CHANNEL,

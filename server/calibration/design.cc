@@ -1,0 +1,269 @@
+#include "server/calibration/design.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <map>
+
+#include "server/calibration/candidate_terms.h"
+#include "server/effects/term_evaluator.h"
+#include "server/effects/term_order.h"
+
+namespace driftwise::calibration {
+namespace {
+
+using effects::Term;
+
+// The variables of a design as columns over all rows of the dataset.
+struct Variables {
+  std::vector<Variable> named;
+  std::vector<std::span<const double>> values;
+  std::vector<char> indicator;
+  std::deque<std::vector<double>>
+      storage;  // of effects and datum constants: what those values point into
+};
+
+std::string row_text(const Dataset& dataset, std::size_t row) {
+  std::string text = "row " + std::to_string(row + 1);
+  if (!dataset.time_s.empty())
+    text += " (time_s " + effects::number_text(dataset.time_s[row]) + ")";
+  return text;
+}
+
+Result<std::span<const double>> channel_values(const Dataset& dataset, const std::string& symbol,
+                                               const std::string& why) {
+  const DatasetColumn* column = dataset.find(symbol);
+  if (column != nullptr) return std::span<const double>(column->values);
+  std::string known;
+  for (const auto& one : dataset.columns) known += (known.empty() ? "" : " ") + one.channel.symbol;
+  return fail(ErrorCode::invalid_argument, "UNKNOWN_CHANNEL",
+              why + " needs channel '" + symbol + "', the data have: " + known);
+}
+
+std::vector<double> datum_column(const std::vector<double>& ordinals, int ordinal) {
+  std::vector<double> column(ordinals.size());
+  std::ranges::transform(ordinals, column.begin(),
+                         [ordinal](double one) { return one == ordinal ? 1.0 : 0.0; });
+  return column;
+}
+
+// One effect over the whole stream of rows, so that its memory sees every reading, used in the fit
+// or not.
+Result<std::vector<double>> effect_column(const Dataset& dataset, const effects::Call& call,
+                                          const std::string& name) {
+  std::vector<std::span<const double>> inputs;
+  for (const auto& symbol : call.symbols) {
+    auto values = channel_values(dataset, symbol, name);
+    if (!values) return tl::unexpected(values.error());
+    inputs.push_back(*values);
+  }
+  if (dataset.time_s.empty())
+    return fail(ErrorCode::invalid_argument, "UNTIMED",
+                name + " needs to know when each row was measured: the data have no time_s column");
+  auto evaluator = effects::TermEvaluator::create({Term{{call}}}, call.symbols);
+  if (!evaluator) return tl::unexpected(evaluator.error());
+  const Eigen::MatrixXd column = evaluator->block(dataset.time_s, inputs, dataset.rows);
+  return std::vector<double>(column.data(), column.data() + column.size());
+}
+
+struct Columns {
+  Variables variables;
+  std::vector<Monomial> monomials;  // one per term
+};
+
+Result<Columns> collect_columns(const Dataset& dataset, const std::vector<Term>& terms,
+                                const std::vector<double>& ordinals) {
+  Columns columns;
+  auto& variables = columns.variables;
+  std::map<std::string, int> index_of;
+  for (const auto& term : terms) {
+    std::map<int, int> exponents;
+    for (const auto& factor : term.factors) {
+      effects::Factor single = factor;
+      int exponent = 1;
+      if (auto* power = std::get_if<effects::Power>(&single)) {
+        exponent = power->exponent;
+        power->exponent = 1;
+      }
+      const std::string name = effects::notation(single);
+      auto known = index_of.find(name);
+      if (known == index_of.end()) {
+        known = index_of.emplace(name, static_cast<int>(variables.named.size())).first;
+        const auto ordinal = effects::datum_of(Term{{single}});
+        variables.indicator.push_back(ordinal.has_value() ? 1 : 0);
+        variables.named.push_back({name, 0, 0, 0, 1});
+        if (ordinal) {
+          variables.storage.push_back(datum_column(ordinals, *ordinal));
+          variables.values.emplace_back(variables.storage.back());
+        } else if (const auto* call = std::get_if<effects::Call>(&single)) {
+          auto column = effect_column(dataset, *call, name);
+          if (!column) return tl::unexpected(column.error());
+          variables.storage.push_back(std::move(*column));
+          variables.values.emplace_back(variables.storage.back());
+        } else {
+          auto values = channel_values(dataset, name, "term " + effects::notation(term));
+          if (!values) return tl::unexpected(values.error());
+          variables.values.push_back(*values);
+        }
+      }
+      exponents[known->second] += exponent;
+    }
+    columns.monomials.emplace_back(exponents.begin(), exponents.end());
+  }
+  return columns;
+}
+
+enum class RowState { complete, missing };
+
+Result<RowState> row_state(
+    const Dataset& dataset,
+    const std::vector<std::pair<std::string, std::span<const double>>>& needed, std::size_t row) {
+  RowState state = RowState::complete;
+  for (const auto& [name, values] : needed) {
+    if (std::isnan(values[row])) state = RowState::missing;
+    if (std::isinf(values[row]))
+      return fail(ErrorCode::invalid_argument, "BAD_VALUE",
+                  row_text(dataset, row) + ": " + name +
+                      " is infinite; expected a number, or an empty field");
+  }
+  return state;
+}
+
+void fill_matrix(Design& design, const Variables& variables,
+                 const std::vector<std::span<const double>>& outputs,
+                 std::span<const double> weights) {
+  const auto n = static_cast<Eigen::Index>(design.rows.size());
+  const Eigen::Index m = design.monomials();
+  design.matrix.resize(n, m + static_cast<Eigen::Index>(outputs.size()));
+  const auto scaled = [&](int variable, Eigen::Index row) {
+    const auto v = static_cast<std::size_t>(variable);
+    const auto& how = design.variables[v];
+    return (variables.values[v][design.rows[static_cast<std::size_t>(row)]] - how.mid) / how.half;
+  };
+  design.matrix.col(0).setOnes();
+  std::map<Monomial, Eigen::Index> known;
+  for (Eigen::Index j = 1; j < m; ++j) {
+    const auto& monomial = design.basis.monomials[static_cast<std::size_t>(j)];
+    // A monomial is its parent (one factor less) times one variable; parents come first where they
+    // are there at all.
+    Monomial parent = monomial;
+    const int last = parent.back().first;
+    if (--parent.back().second == 0) parent.pop_back();
+    const auto at = known.find(parent);
+    auto column = design.matrix.col(j);
+    if (at != known.end() || parent.empty()) {
+      const Eigen::Index from = parent.empty() ? 0 : at->second;
+      for (Eigen::Index row = 0; row < n; ++row)
+        column[row] = design.matrix(row, from) * scaled(last, row);
+    } else {
+      column.setOnes();
+      for (const auto& [variable, exponent] : monomial)
+        for (Eigen::Index row = 0; row < n; ++row)
+          column[row] *= effects::power(scaled(variable, row), exponent);
+    }
+    known.emplace(monomial, j);
+  }
+  for (std::size_t o = 0; o < outputs.size(); ++o)
+    for (Eigen::Index row = 0; row < n; ++row)
+      design.matrix(row, m + static_cast<Eigen::Index>(o)) =
+          outputs[o][design.rows[static_cast<std::size_t>(row)]];
+  if (weights.empty()) return;
+  for (Eigen::Index row = 0; row < n; ++row)
+    design.matrix.row(row) *= std::sqrt(weights[design.rows[static_cast<std::size_t>(row)]]);
+}
+
+}  // namespace
+
+std::vector<double> datum_ordinals(const Dataset& dataset) {
+  std::vector<double> ordinals(dataset.rows, 1.0);
+  std::map<std::pair<std::int64_t, std::int64_t>, double> seen;
+  for (std::size_t row = 0; row < dataset.rows; ++row) {
+    const std::pair<std::int64_t, std::int64_t> id = {
+        dataset.run.empty() ? 0 : dataset.run[row], dataset.datum.empty() ? 0 : dataset.datum[row]};
+    ordinals[row] = seen.try_emplace(id, static_cast<double>(seen.size()) + 1).first->second;
+  }
+  return ordinals;
+}
+
+Result<Design> make_design(const Dataset& dataset, const FitOptions& options) {
+  Design design;
+  design.constant = options.candidates.constant;
+  const std::vector<double> ordinals = datum_ordinals(dataset);
+  const auto calibrates = [&](std::size_t row) {
+    return dataset.set_of(row) == PointSet::calibration &&
+           (options.first_rows <= 0 || row < static_cast<std::size_t>(options.first_rows));
+  };
+  std::vector<std::span<const double>> outputs;
+  std::vector<std::pair<std::string, std::span<const double>>> needed;
+  for (const auto& symbol : options.candidates.outputs) {
+    auto values = channel_values(dataset, symbol, "the left side");
+    if (!values) return tl::unexpected(values.error());
+    design.outputs.push_back(dataset.find(symbol)->channel);
+    outputs.push_back(*values);
+    needed.emplace_back(symbol, *values);
+  }
+  if (outputs.empty())
+    return fail(ErrorCode::invalid_argument, "NO_OUTPUT",
+                "nothing stands on the left of the formula");
+  std::span<const double> weights;
+  if (!options.weight_symbol.empty()) {
+    auto values = channel_values(dataset, options.weight_symbol, "the weights");
+    if (!values) return tl::unexpected(values.error());
+    weights = *values;
+    design.weighted = true;
+    needed.emplace_back(options.weight_symbol, weights);
+  }
+
+  std::vector<int> datums;
+  for (std::size_t row = 0; row < dataset.rows; ++row)
+    if (calibrates(row)) datums.push_back(static_cast<int>(ordinals[row]));
+  std::ranges::sort(datums);
+  datums.erase(std::unique(datums.begin(), datums.end()), datums.end());
+
+  OfferedTerms offered = offered_terms(options, datums);
+  design.terms = std::move(offered.terms);
+  design.always = std::move(offered.always);
+  auto columns = collect_columns(dataset, design.terms, ordinals);
+  if (!columns) return tl::unexpected(columns.error());
+  auto& variables = columns->variables;
+  for (std::size_t v = 0; v < variables.named.size(); ++v)
+    needed.emplace_back(variables.named[v].name, variables.values[v]);
+
+  for (std::size_t row = 0; row < dataset.rows; ++row) {
+    const bool calibration = calibrates(row);
+    if (!calibration && dataset.set_of(row) == PointSet::calibration)
+      continue;  // beyond first_rows
+    const auto state = row_state(dataset, needed, row);
+    if (!state) return tl::unexpected(state.error());
+    if (!weights.empty() && weights[row] < 0)
+      return fail(ErrorCode::invalid_argument, "BAD_VALUE",
+                  row_text(dataset, row) + ": weight " + options.weight_symbol + " is " +
+                      effects::number_text(weights[row]) + "; expected 0 or more");
+    if (*state == RowState::missing) {
+      ++design.dropped;
+    } else if (!calibration) {
+      ++design.validation;
+    } else if (weights.empty() || weights[row] > 0) {
+      design.rows.push_back(row);
+      design.datum.push_back(static_cast<int>(ordinals[row]));
+    }
+  }
+
+  design.variables = std::move(variables.named);
+  for (std::size_t v = 0; v < design.variables.size(); ++v) {
+    auto& variable = design.variables[v];
+    for (std::size_t i = 0; i < design.rows.size(); ++i) {
+      const double value = variables.values[v][design.rows[i]];
+      variable.min = i == 0 ? value : std::min(variable.min, value);
+      variable.max = i == 0 ? value : std::max(variable.max, value);
+    }
+    centre(variable, variables.indicator[v] != 0);
+  }
+  auto basis = make_basis(design.variables, columns->monomials);
+  if (!basis) return tl::unexpected(basis.error());
+  design.basis = std::move(*basis);
+  fill_matrix(design, variables, outputs, weights);
+  return design;
+}
+
+}  // namespace driftwise::calibration

@@ -1,0 +1,268 @@
+#include "server/calibration/fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "server/calibration/design.h"
+#include "server/calibration/held_out.h"
+#include "server/calibration/predict.h"
+#include "server/calibration/rank.h"
+#include "server/calibration/report.h"
+#include "server/calibration/residual_statistics.h"
+#include "server/calibration/row_qr.h"
+#include "server/calibration/tail.h"
+#include "server/core/units.h"
+#include "server/effects/term_order.h"
+
+namespace driftwise::calibration {
+namespace {
+
+using Eigen::Index;
+
+Result<void> check_options(const FitOptions& options) {
+  const auto bad = [](std::string why) {
+    return fail(ErrorCode::invalid_argument, "BAD_OPTIONS", std::move(why));
+  };
+  const auto probability = [](double p) { return p > 0 && p < 1; };
+  if (!probability(options.p_enter) || !probability(options.p_remove))
+    return bad("p_enter is " + effects::number_text(options.p_enter) + " and p_remove " +
+               effects::number_text(options.p_remove) + ": both must lie between 0 and 1");
+  if (options.p_remove < options.p_enter)
+    return bad("p_remove " + effects::number_text(options.p_remove) + " is below p_enter " +
+               effects::number_text(options.p_enter) +
+               ": a term would enter and leave for ever; raise p_remove");
+  if (!options.candidates.constant && options.select == Select::stepwise)
+    return bad("the constant is always in a stepwise fit: use \"- 1\" only with select all");
+  return {};
+}
+
+Result<void> check_rows(const Design& design, const FitOptions& options) {
+  const auto rows = static_cast<std::int64_t>(design.rows.size());
+  const auto certain = std::ranges::count(design.always, 1);
+  const auto needed = options.select == Select::all
+                          ? static_cast<std::int64_t>(design.terms.size()) + 1
+                          : certain + 2;
+  if (rows >= needed) return {};
+  return fail(ErrorCode::failed_precondition, "TOO_FEW_ROWS",
+              std::to_string(rows) + " complete calibration rows (" +
+                  std::to_string(design.dropped) + " dropped for missing values), at least " +
+                  std::to_string(needed) + " are needed for " +
+                  std::to_string(options.select == Select::all
+                                     ? static_cast<std::int64_t>(design.terms.size())
+                                     : certain) +
+                  " terms: measure more, or offer fewer terms");
+}
+
+// Every term concerned and what it equals, by letting the terms in one by one.
+tl::unexpected<Error> rank_error(const Design& design, const Triangle& triangle,
+                                 const std::vector<int>& deficient) {
+  const Eigen::VectorXd norms = triangle.columns.colwise().norm();
+  OrthogonalSet set(triangle.columns, triangle.outputs.col(0), triangle.beyond[0], triangle.rows,
+                    norms);
+  for (int j = 0; j < static_cast<int>(design.terms.size()); ++j)
+    if (std::ranges::find(deficient, j) == deficient.end() && !set.collinear(j)) set.enter(j);
+  std::string sentences;
+  for (const int j : deficient)
+    sentences += (sentences.empty() ? "" : "; ") + collinear_sentence(design, set, j);
+  return fail(ErrorCode::failed_precondition, "RANK_DEFICIENT",
+              sentences + ": leave these terms out, or measure where they differ");
+}
+
+struct Fitted {
+  Selection selection;
+  Solution solution;
+};
+
+Result<std::vector<Fitted>> select_and_solve(const Design& design, const Triangle& triangle,
+                                             const FitOptions& options) {
+  const SelectionRule rule{options.select == Select::stepwise, options.p_enter, options.p_remove};
+  std::vector<Fitted> fitted;
+  for (Index o = 0; o < static_cast<Index>(design.outputs.size()); ++o) {
+    if (!rule.stepwise && o == 0) {
+      std::vector<int> every(design.terms.size());
+      for (std::size_t j = 0; j < every.size(); ++j) every[j] = static_cast<int>(j);
+      const Solution trial = solve(triangle, design.basis, every, o);
+      if (!trial.deficient.empty()) return rank_error(design, triangle, trial.deficient);
+    }
+    Selection selection = select(triangle, design.basis, design.always, o, rule);
+    for (const int column : selection.unestimable)
+      if (!effects::datum_of(design.terms[static_cast<std::size_t>(column)]))
+        return rank_error(design, triangle, {column});
+    Solution solution = solve(triangle, design.basis, selection.set.order(), o);
+    if (!solution.deficient.empty()) return rank_error(design, triangle, solution.deficient);
+    if (!solution.coefficients.allFinite())
+      return fail(ErrorCode::invalid_argument, "BAD_VALUE",
+                  "the coefficients of " + design.outputs[static_cast<std::size_t>(o)].symbol +
+                      " leave the range of double precision: use other units");
+    fitted.push_back({std::move(selection), std::move(solution)});
+  }
+  return fitted;
+}
+
+// The largest departure of each term from its mean over the calibration rows.
+void add_largest_contributions(const Design& design, const Dataset& dataset, OutputModel& model) {
+  const auto columns = raw_columns(dataset, model.terms);
+  if (!columns) return;
+  Index in = 0;
+  for (auto& report : model.report) {
+    if (!report.in) continue;
+    const auto column = columns->col(in++);
+    if (report.term.is_constant()) continue;
+    double low = HUGE_VAL, high = -HUGE_VAL, mean = 0;
+    for (const std::size_t row : design.rows) {
+      const double value = column[static_cast<Index>(row)];
+      low = std::min(low, value);
+      high = std::max(high, value);
+      mean += value / static_cast<double>(design.rows.size());
+    }
+    report.contribution_max = std::abs(report.coefficient) * std::max(high - mean, mean - low);
+  }
+}
+
+Eigen::VectorXd values_at(const Eigen::VectorXd& all, const std::vector<std::size_t>& rows) {
+  Eigen::VectorXd some(static_cast<Index>(rows.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    some[static_cast<Index>(i)] = all[static_cast<Index>(rows[i])];
+  return some;
+}
+
+// Rows marked validation whose datum has a constant in the model.
+std::vector<std::size_t> validation_rows(const Design& design, const Dataset& dataset,
+                                         const Eigen::VectorXd& errors, std::int64_t& no_datum) {
+  const std::set<int> known(design.datum.begin(), design.datum.end());
+  const auto ordinals = datum_ordinals(dataset);
+  std::vector<std::size_t> rows;
+  no_datum = 0;
+  for (std::size_t row = 0; row < dataset.rows; ++row) {
+    if (dataset.set_of(row) != PointSet::validation || std::isnan(errors[static_cast<Index>(row)]))
+      continue;
+    if (design.constant && !known.contains(static_cast<int>(ordinals[row])))
+      ++no_datum;
+    else
+      rows.push_back(row);
+  }
+  return rows;
+}
+
+void add_accuracy(const Design& design, const Eigen::VectorXd& residuals, const Solution& solution,
+                  Index output, Accuracy& accuracy) {
+  accuracy.u90_calibration = kSigmaToU90 * standard_deviation(residuals);
+  accuracy.lag1_autocorrelation = lag1_autocorrelation(residuals);
+  accuracy.effective_rows = effective_rows(residuals.size(), accuracy.lag1_autocorrelation);
+  const auto pure = pure_error(design, output, residuals);
+  if (!pure) return;
+  accuracy.pure_error = pure->sd;
+  if (!pure->exact || !(pure->sd > 0) || solution.dof <= pure->dof) return;
+  const double pure_squares = pure->sd * pure->sd * pure->dof;
+  const int dof = solution.dof - pure->dof;
+  accuracy.lack_of_fit_f = std::max(0.0, solution.rss - pure_squares) / dof / (pure->sd * pure->sd);
+  accuracy.lack_of_fit_p = f_upper_p(*accuracy.lack_of_fit_f, dof, pure->dof);
+}
+
+std::vector<ChannelRange> domain_of(const Design& design, const Dataset& dataset,
+                                    const std::vector<OutputModel>& outputs) {
+  std::vector<std::string> symbols;
+  for (const auto& output : outputs)
+    for (const auto& term : output.terms)
+      for (const auto& symbol : effects::symbols_of(term))
+        if (std::ranges::find(symbols, symbol) == symbols.end()) symbols.push_back(symbol);
+  std::vector<ChannelRange> domain;
+  for (const auto& column : dataset.columns) {
+    if (std::ranges::find(symbols, column.channel.symbol) == symbols.end()) continue;
+    ChannelRange range{column.channel, HUGE_VAL, -HUGE_VAL};
+    for (const std::size_t row : design.rows) {
+      range.min = std::min(range.min, column.values[row]);
+      range.max = std::max(range.max, column.values[row]);
+    }
+    domain.push_back(range);
+  }
+  return domain;
+}
+
+void general_warnings(const Design& design, const FitOptions& options, std::int64_t no_datum,
+                      Model& model) {
+  auto& warnings = model.warnings;
+  if (design.dropped > 0)
+    warnings.push_back(std::to_string(design.dropped) + " rows dropped for missing values");
+  if (no_datum > 0)
+    warnings.push_back(
+        std::to_string(no_datum) +
+        " validation rows left out: their datum has no calibration rows to take its constant from");
+  for (int j = 0; j < static_cast<int>(design.terms.size()); ++j) {
+    if (design.terms[static_cast<std::size_t>(j)].is_constant()) continue;
+    const std::string sentence = constant_sentence(design, j);
+    if (!sentence.empty()) warnings.push_back(sentence + ": its coefficient means little");
+  }
+  if (options.select == Select::stepwise)
+    warnings.push_back(
+        "p-values after selection are not error probabilities: trust the held-out figures");
+}
+
+}  // namespace
+
+Result<Model> fit(const Dataset& dataset, const FitOptions& options) {
+  if (auto checked = check_options(options); !checked) return tl::unexpected(checked.error());
+  auto prepared = make_design(dataset, options);
+  if (!prepared) return tl::unexpected(prepared.error());
+  const Design& design = *prepared;
+  if (auto enough = check_rows(design, options); !enough) return tl::unexpected(enough.error());
+
+  const double start_us = options.stopwatch_us ? options.stopwatch_us() : 0;
+  const Triangle triangle = make_triangle(row_qr(design.matrix, options.executor), design.basis,
+                                          static_cast<Index>(design.outputs.size()),
+                                          static_cast<std::int64_t>(design.rows.size()));
+  auto fitted = select_and_solve(design, triangle, options);
+  if (!fitted) return tl::unexpected(fitted.error());
+  const double took_us = options.stopwatch_us ? options.stopwatch_us() - start_us : 0;
+
+  Model model;
+  model.formula = options.candidates.formula;
+  model.select = options.select == Select::stepwise ? "stepwise" : "all";
+  model.p_enter = options.p_enter;
+  model.p_remove = options.p_remove;
+  model.fit_us = took_us;
+  model.lineage = options.lineage;
+  model.lineage.rows_calibration = static_cast<std::int64_t>(design.rows.size());
+  model.lineage.rows_validation = design.validation;
+  model.lineage.rows_dropped = design.dropped;
+
+  const SelectionRule rule{options.select == Select::stepwise, options.p_enter, options.p_remove};
+  const auto held_out =
+      held_out_by_blocks(design, rule, options.blocks, options.block_gap, options.executor);
+  std::int64_t no_datum = 0;
+  std::vector<std::string> warnings;
+  for (std::size_t o = 0; o < fitted->size(); ++o) {
+    const auto& [selection, solution] = (*fitted)[o];
+    OutputModel output =
+        describe_output(design, triangle, selection, solution, static_cast<Index>(o));
+    add_largest_contributions(design, dataset, output);
+    const auto predicted = predict(dataset, output);
+    if (!predicted) return tl::unexpected(predicted.error());
+    const auto& measured = dataset.find(output.channel.symbol)->values;
+    const Eigen::VectorXd errors =
+        Eigen::Map<const Eigen::VectorXd>(measured.data(), static_cast<Index>(measured.size())) -
+        *predicted;
+    add_accuracy(design, values_at(errors, design.rows), solution, static_cast<Index>(o),
+                 output.accuracy);
+    const auto validation = validation_rows(design, dataset, errors, no_datum);
+    if (validation.size() >= 2)
+      output.accuracy.u90_validation =
+          kSigmaToU90 * standard_deviation(values_at(errors, validation));
+    if (held_out[o]) {
+      output.accuracy.u90_blocks = held_out[o]->u90;
+      output.accuracy.u90_blocks_low = held_out[o]->low;
+      output.accuracy.u90_blocks_high = held_out[o]->high;
+    }
+    for (auto& sentence : output_warnings(design, triangle, selection, output))
+      warnings.push_back(std::move(sentence));
+    model.outputs.push_back(std::move(output));
+  }
+  model.domain = domain_of(design, dataset, model.outputs);
+  general_warnings(design, options, no_datum, model);
+  model.warnings.insert(model.warnings.end(), warnings.begin(), warnings.end());
+  return model;
+}
+
+}  // namespace driftwise::calibration
