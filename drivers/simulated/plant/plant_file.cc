@@ -1,0 +1,89 @@
+#include "drivers/simulated/plant/plant_file.h"
+
+#include <fstream>
+#include <sstream>
+
+#include "drivers/simulated/plant/make_plant.h"
+#include "drivers/simulated/plant/plant_fields.h"
+#include "drivers/simulated/plant/plant_sections.h"
+
+namespace driftwise::simulated {
+namespace {
+
+// A value is TOML (0.5, "steel", [1, 2]); bare words are taken as strings, since shells eat the
+// quotes.
+void apply_override(toml::table& root, const std::string& text) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) {
+    throw PlantFileError("override: found '" + text + "', expected section.key=value");
+  }
+  const std::string value = text.substr(equals + 1);
+  toml::table parsed;
+  try {
+    parsed = toml::parse("v = " + value);
+  } catch (const toml::parse_error&) {
+    parsed.insert_or_assign("v", value);
+  }
+  // Copied through a fresh table so that the value carries no line number of the file.
+  toml::table* table = &root;
+  std::string_view path(text.data(), equals);
+  while (true) {
+    const auto dot = path.find('.');
+    const std::string_view key = path.substr(0, dot);
+    if (dot == std::string_view::npos) {
+      if (!table->contains(key)) {
+        throw PlantFileError("override: " + text.substr(0, equals) +
+                             ": the plant file has no such key");
+      }
+      const toml::node& node = *parsed.get("v");
+      if (const auto* string = node.as_string()) {
+        table->insert_or_assign(key, string->get());
+      } else if (const auto* whole = node.as_integer()) {
+        table->insert_or_assign(key, whole->get());
+      } else if (const auto* number = node.as_floating_point()) {
+        table->insert_or_assign(key, number->get());
+      } else if (const auto* list = node.as_array()) {
+        table->insert_or_assign(key, *list);
+      } else {
+        throw PlantFileError("override: found '" + text + "', expected a number, string or list");
+      }
+      return;
+    }
+    toml::node* next = table->get(key);
+    if (next == nullptr || !next->is_table()) {
+      throw PlantFileError("override: " + text.substr(0, equals) +
+                           ": the plant file has no table '" + std::string(key) + "'");
+    }
+    table = next->as_table();
+    path.remove_prefix(dot + 1);
+  }
+}
+
+}  // namespace
+
+PlantParameters parse_plant_file(std::string_view text, const std::string& name,
+                                 std::span<const std::string> overrides) {
+  toml::table root;
+  try {
+    root = toml::parse(text, name);
+  } catch (const toml::parse_error& error) {
+    throw PlantFileError(name + ":" + std::to_string(error.source().begin.line) +
+                         ": not TOML: " + std::string(error.description()));
+  }
+  for (const auto& override_text : overrides) apply_override(root, override_text);
+  return plant_sections(Fields(name, "", root));
+}
+
+PlantParameters read_plant_file(const std::filesystem::path& file,
+                                std::span<const std::string> overrides) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  if (in) text << in.rdbuf();
+  if (!in) {
+    throw PlantFileError(file.string() + ": cannot be read, expected a plant file such as " +
+                         "deploy/cells/linear-axis/plant.toml");
+  }
+  return parse_plant_file(text.str(), file.string(), overrides);
+}
+
+}  // namespace driftwise::simulated
