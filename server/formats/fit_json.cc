@@ -1,0 +1,98 @@
+#include "server/formats/fit_json.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "server/effects/term_order.h"
+
+namespace driftwise::formats {
+namespace {
+
+using nlohmann::ordered_json;
+
+// JSON has no infinity and no NaN: null says "no number".
+ordered_json number(double value) {
+  return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
+}
+
+void put(ordered_json& json, const std::string& key, const std::optional<double>& value,
+         double factor = 1) {
+  if (value) json[key] = number(*value * factor);
+}
+
+ordered_json term_json(const calibration::TermReport& report, const SummaryUnit& summary) {
+  ordered_json json;
+  json["term"] = effects::notation(report.term);
+  json["in"] = report.in;
+  json["coefficient"] = number(report.coefficient);
+  json["standard_error"] = number(report.standard_error);
+  json["t"] = number(report.t);
+  json["p"] = number(report.p);
+  if (report.in && !report.term.is_constant()) {
+    json["vif"] = number(report.vif);
+    json["contribution_rms_" + summary.unit] = number(report.contribution_rms * summary.factor);
+    json["contribution_max_" + summary.unit] = number(report.contribution_max * summary.factor);
+  }
+  if (!report.note.empty()) json["note"] = report.note;
+  return json;
+}
+
+ordered_json output_json(const calibration::OutputModel& output) {
+  const SummaryUnit summary = summary_unit(output.channel.unit);
+  const auto key = [&summary](const std::string& name) { return name + "_" + summary.unit; };
+  const auto& accuracy = output.accuracy;
+  ordered_json json;
+  json["unit"] = output.channel.unit;
+  json["dof"] = output.dof;
+  json[key("rmse")] = number(accuracy.rmse * summary.factor);
+  json[key("u90_calibration")] = number(accuracy.u90_calibration * summary.factor);
+  put(json, key("u90_validation"), accuracy.u90_validation, summary.factor);
+  put(json, key("u90_blocks"), accuracy.u90_blocks, summary.factor);
+  if (accuracy.u90_blocks_low && accuracy.u90_blocks_high)
+    json[key("u90_blocks_ci90")] = {number(*accuracy.u90_blocks_low * summary.factor),
+                                    number(*accuracy.u90_blocks_high * summary.factor)};
+  json["lag1_autocorrelation"] = number(accuracy.lag1_autocorrelation);
+  json["effective_rows"] = number(accuracy.effective_rows);
+  put(json, key("pure_error"), accuracy.pure_error, summary.factor);
+  put(json, "lack_of_fit_f", accuracy.lack_of_fit_f);
+  put(json, "lack_of_fit_p", accuracy.lack_of_fit_p);
+  json["condition_index"] = number(accuracy.condition_index);
+  put(json, "model_f", accuracy.model_f);
+  put(json, "model_p", accuracy.model_p);
+  json["terms"] = ordered_json::array();
+  for (const auto& report : output.report) json["terms"].push_back(term_json(report, summary));
+  json["history"] = ordered_json::array();
+  for (const auto& step : output.history)
+    json["history"].push_back({{"step", step.step},
+                               {"action", step.action},
+                               {"term", effects::notation(step.term)},
+                               {"p", number(step.p)},
+                               {key("rmse"), number(step.rmse * summary.factor)},
+                               {"dof", step.dof}});
+  return json;
+}
+
+}  // namespace
+
+ordered_json fit_json(const calibration::Model& model) {
+  ordered_json json;
+  json["schema"] = "driftwise.fit.v1";
+  json["formula"] = model.formula;
+  json["select"] = model.select;
+  json["p_enter"] = model.p_enter;
+  json["p_remove"] = model.p_remove;
+  json["rows"] = {{"calibration", model.lineage.rows_calibration},
+                  {"validation", model.lineage.rows_validation},
+                  {"dropped", model.lineage.rows_dropped}};
+  json["outputs"] = ordered_json::object();
+  for (const auto& output : model.outputs)
+    json["outputs"][output.channel.symbol] = output_json(output);
+  json["domain"] = ordered_json::object();
+  for (const auto& range : model.domain)
+    json["domain"][range.channel.name()] = {range.min, range.max};
+  json["fit_us"] = number(model.fit_us);
+  json["warnings"] = model.warnings;
+  return json;
+}
+
+}  // namespace driftwise::formats
