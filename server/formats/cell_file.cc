@@ -201,10 +201,10 @@ void read_device(TomlReader&& reader, const std::string& place, DeviceDescriptio
   if (problem.any()) return;  // without a kind the rest cannot be judged
 
   if (out.kind == "pi-gcs") {
-    for (const auto* table : reader.tables("axis"))
-      read_axis(
-          TomlReader(*table, place + ", axis " + std::to_string(out.axes.size() + 1), problem),
-          out.axes.emplace_back(), taken);
+    for (const auto* table : reader.tables("axis")) {
+      const std::string axis = place + ", axis " + std::to_string(out.axes.size() + 1);
+      read_axis(TomlReader(*table, axis, problem), out.axes.emplace_back(), taken);
+    }
     if (out.axes.empty())
       reader.refuse("axis", "MISSING_KEY", "found nothing, expected at least one [[device.axis]]");
   } else if (out.kind == "keithley-2701") {

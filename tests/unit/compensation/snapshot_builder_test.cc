@@ -1,0 +1,181 @@
+#include "server/compensation/snapshot_builder.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "server/compensation/target.h"
+#include "tests/unit/compensation/models.h"
+
+namespace driftwise::compensation {
+namespace {
+
+constexpr CellTime kNow{1'300'000'000'000'000'000};
+
+SnapshotBuilder builder_of(const calibration::Model& model,
+                           const CellDescription& cell = axis_cell()) {
+  auto made = SnapshotBuilder::create(model, ModelId{1}, cell);
+  EXPECT_TRUE(made) << made.error().message;
+  return std::move(*made);
+}
+
+Target target_at(const SnapshotBuilder& builder, double x_mm, CellTime now = kNow) {
+  TargetRequest request;
+  request.set(Variable::x, x_mm);
+  return compute_target(builder.build(now), request);
+}
+
+void observe(SnapshotBuilder& builder, double t07_degc, CellTime at = kNow) {
+  const ChannelValue value{"t07_degC", t07_degc};
+  builder.observe(std::span(&value, 1), at);
+}
+
+TEST(SnapshotBuilder, CarriesTheModelToTheZeroOfAnotherDatum) {
+  auto builder = builder_of(axis_model());
+  const std::vector<ChannelValue> zero = {{"q1_mm", 0.0125}, {"t07_degC", 20.5}};
+  ASSERT_TRUE(builder.anchor(zero));
+  observe(builder, 20.5);
+  EXPECT_NEAR(target_at(builder, 0).q_mm[0], 0.0125, 1e-15);  // at the zero itself, by definition
+  observe(builder, 21.5);
+  EXPECT_NEAR(target_at(builder, 2).q_mm[0],
+              0.0125 + 2 * 2 + 0.5 * 4 + 1e-3 * (21.5 - 20.5) + 2e-4 * 2 * 21.5, 1e-14);
+  EXPECT_EQ(target_at(builder, 2).flags, 0u);
+}
+
+// Oracle: a' C a with a = terms(pose, now) - terms(0, then), and the thermometer's own error in the
+// difference only.
+TEST(SnapshotBuilder, GivesAnAnchoredTargetTheUncertaintyOfTheDifference) {
+  const auto model = axis_model();
+  auto builder = builder_of(model);
+  ASSERT_TRUE(builder.anchor(std::vector<ChannelValue>{{"q1_mm", 0.0}, {"t07_degC", 20.5}}));
+  observe(builder, 21.5);
+  const double x = 2, t = 21.5;
+  Eigen::VectorXd a(5);
+  a << 0, x, x * x, t - 20.5, x * t;
+  const double fit_nm = 1e6 * std::sqrt(a.dot(model.outputs[0].covariance * a));
+  const double temperature_nm = 1e6 * 2e-4 * x * 0.002;  // the slope 1e-3 is the same then and now
+  EXPECT_NEAR(
+      target_at(builder, x).u_nm[0],
+      std::sqrt(fit_nm * fit_nm + temperature_nm * temperature_nm + 2 * 8.0 * 8.0 + 3.0 * 3.0),
+      1e-6);
+}
+
+TEST(SnapshotBuilder, FlagsADatumThatIsNotKnown) {
+  auto builder = builder_of(axis_model());
+  observe(builder, 21);
+  EXPECT_EQ(target_at(builder, 0).flags, static_cast<std::uint32_t>(kUnanchoredDatum));
+}
+
+TEST(SnapshotBuilder, NamesWhatADatumLacksAndStaysAsItWas) {
+  auto builder = builder_of(axis_model());
+  observe(builder, 21);
+  const auto anchored =
+      builder.anchor(std::vector<ChannelValue>{{"q1_mm", 0.0}, {"t07_degC", kMissing}});
+  ASSERT_FALSE(anchored);
+  EXPECT_EQ(anchored.error().reason, "INCOMPLETE_DATUM");
+  EXPECT_NE(anchored.error().message.find("t07_degC"), std::string::npos);
+  EXPECT_EQ(target_at(builder, 0).flags, static_cast<std::uint32_t>(kUnanchoredDatum));
+}
+
+TEST(SnapshotBuilder, NeverServesTheConstantOfAnotherDatum) {
+  auto model = axis_model();
+  auto& q1 = model.outputs[0];
+  q1.terms.push_back({{effects::Call{"datum", {}, {{2, ""}}}}});
+  q1.coefficients.conservativeResize(6);
+  q1.coefficients[5] = 1e6;
+  q1.covariance.conservativeResizeLike(Eigen::MatrixXd::Identity(6, 6));
+  auto with = builder_of(model), without = builder_of(axis_model());
+  observe(with, 21), observe(without, 21);
+  EXPECT_EQ(target_at(with, 1).q_mm[0], target_at(without, 1).q_mm[0]);
+  EXPECT_EQ(target_at(with, 1).u_nm[0], target_at(without, 1).u_nm[0]);
+}
+
+// Powers and products over several variables, against the terms multiplied out one by one.
+TEST(SnapshotBuilder, FoldsAnyProductOfPoseForceAndTemperatures) {
+  calibration::Model model;
+  calibration::OutputModel q2;
+  q2.channel = {"q2", "um"};
+  q2.terms = {term({}),
+              term({power("x", 3)}),
+              term({power("x"), power("y", 2), power("rz")}),
+              term({power("force", 2), power("t05")}),
+              term({power("t05", 2), power("pressure")}),
+              term({power("x"), power("t05", 3)})};
+  q2.coefficients = Eigen::VectorXd::LinSpaced(6, -1.0, 2.0);
+  q2.covariance = Eigen::MatrixXd::Zero(6, 6);
+  model.outputs = {q2};
+  model.domain = {{{"x", "um"}, -9e3, 9e3}, {{"y", "mm"}, -9, 9},    {{"rz", "arcsec"}, -9, 9},
+                  {{"force", "N"}, 0, 9},   {{"t05", "degC"}, 0, 9}, {{"pressure", "hPa"}, 0, 9}};
+  auto builder = builder_of(model);
+  builder.keep_model_datum();
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform(0.1, 2.0);
+  for (int i = 0; i < 50; ++i) {
+    const double x = uniform(random), y = uniform(random), rz = uniform(random),
+                 f = uniform(random), t = uniform(random), p = uniform(random);
+    const std::vector<ChannelValue> values = {{"t05_degC", t}, {"pressure_hPa", p}, {"other_V", 1}};
+    builder.observe(values, kNow);
+    TargetRequest request;
+    request.set(Variable::x, x), request.set(Variable::y, y), request.set(Variable::rz, rz),
+        request.set(Variable::force, f);
+    const double x_um = 1e3 * x;
+    const auto& c = q2.coefficients;
+    const double q_um = c[0] + c[1] * x_um * x_um * x_um + c[2] * x_um * y * y * rz +
+                        c[3] * f * f * t + c[4] * t * t * p + c[5] * x_um * t * t * t;
+    const auto target = compute_target(builder.build(kNow), request);
+    EXPECT_EQ(target.flags, 0u);
+    EXPECT_NEAR(target.q_mm[0], 1e-3 * q_um, 1e-12 * std::abs(q_um));
+  }
+}
+
+TEST(SnapshotBuilder, FollowsAnEffectWithMemoryThroughObservedReadingsOnly) {
+  auto model = axis_model();
+  model.outputs[0].terms[3] = {{effects::Call{"lag", {"t07"}, {{600, "s"}}}}};
+  auto builder = builder_of(model);
+  builder.keep_model_datum();
+  const auto lagged = [&](CellTime now) {
+    return (target_at(builder, 0, now).q_mm[0] - 1.0) / 1e-3;
+  };
+  observe(builder, 20);
+  EXPECT_NEAR(lagged(kNow), 20, 1e-9);
+  observe(builder, 21, kNow + std::chrono::seconds(1));
+  const auto later = kNow + std::chrono::seconds(601);
+  observe(builder, 21, later);
+  EXPECT_NEAR(lagged(later), 21 - std::exp(-1.0), 2e-3);  // one time constant after a step of 1 K
+  const double once = lagged(later);
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(lagged(later), once);  // asking advances nothing
+}
+
+TEST(SnapshotBuilder, IgnoresAReadingThatArrivesLate) {
+  auto builder = builder_of(axis_model());
+  observe(builder, 21);
+  const double q = target_at(builder, 0).q_mm[0];
+  observe(builder, 25, kNow - std::chrono::seconds(1));
+  EXPECT_EQ(target_at(builder, 0).q_mm[0], q);
+}
+
+TEST(SnapshotBuilder, RefusesModelsThatCannotServeTargets) {
+  const auto reason = [](const calibration::Model& model) {
+    const auto made = SnapshotBuilder::create(model, ModelId{1}, axis_cell());
+    return made ? std::string("served") : made.error().reason;
+  };
+  auto model = axis_model();
+  model.outputs[0].channel = {"x", "mm"};
+  EXPECT_EQ(reason(model), "NOT_A_MOTOR_MODEL");
+  model = axis_model();
+  model.outputs[0].terms[3] = term({power("q2")});
+  model.domain.push_back({{"q2", "mm"}, 0, 1});
+  EXPECT_EQ(reason(model), "TERM_NOT_SERVABLE");
+  model = axis_model();
+  model.outputs[0].terms[3] = {{effects::Call{"lag", {"x"}, {{600, "s"}}}}};
+  EXPECT_EQ(reason(model), "TERM_NOT_SERVABLE");
+  model = axis_model();
+  model.domain.pop_back();
+  EXPECT_EQ(reason(model), "NO_DOMAIN");
+  model.outputs.clear();
+  EXPECT_EQ(reason(model), "MODEL_TOO_LARGE");
+}
+
+}  // namespace
+}  // namespace driftwise::compensation

@@ -1,0 +1,195 @@
+#include "server/compensation/target.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "server/compensation/snapshot_builder.h"
+#include "tests/unit/compensation/models.h"
+
+namespace driftwise::compensation {
+namespace {
+
+constexpr CellTime kNow{1'300'000'000'000'000'000};
+
+class ServedAxis : public testing::Test {
+ protected:
+  void serve(calibration::Model model, CellDescription cell) {
+    auto made = SnapshotBuilder::create(std::move(model), ModelId{3}, cell);
+    ASSERT_TRUE(made) << made.error().message;
+    builder = std::make_unique<SnapshotBuilder>(std::move(*made));
+    builder->keep_model_datum();
+  }
+  void read_t07(double degc, CellTime at = kNow) {
+    const ChannelValue value{"t07_degC", degc};
+    builder->observe(std::span(&value, 1), at);
+  }
+  Target at_x(double x_mm) {
+    TargetRequest request;
+    request.set(Variable::x, x_mm);
+    return compute_target(builder->build(kNow), request);
+  }
+  std::unique_ptr<SnapshotBuilder> builder;
+};
+
+TEST_F(ServedAxis, GivesTheModelsValueAtTheObservedTemperature) {
+  serve(axis_model(), axis_cell());
+  read_t07(21.25);
+  const double x = 1.5;
+  const auto target = at_x(x);
+  ASSERT_EQ(target.refusal, Refusal::none);
+  EXPECT_EQ(target.flags, 0u);
+  ASSERT_EQ(target.outputs, 1u);
+  EXPECT_NEAR(target.q_mm[0], 1 + 2 * x + 0.5 * x * x + 1e-3 * 21.25 + 2e-4 * x * 21.25, 1e-14);
+}
+
+// The oracle is the unfolded law of propagation: a' C a with a the raw terms, and (dq/dT u)^2,
+// rmse^2, scale^2.
+TEST_F(ServedAxis, GivesTheUncertaintyOfTheUnfoldedModel) {
+  const auto model = axis_model();
+  serve(model, axis_cell());
+  read_t07(21.25);
+  const double x = -2.75, t = 21.25;
+  Eigen::VectorXd a(5);
+  a << 1, x, x * x, t, x * t;
+  const double fit_nm = 1e6 * std::sqrt(a.dot(model.outputs[0].covariance * a));
+  const double temperature_nm = 1e6 * std::abs(1e-3 + 2e-4 * x) * 0.002;
+  const auto target = at_x(x);
+  EXPECT_NEAR(target.u_nm[0],
+              std::sqrt(fit_nm * fit_nm + temperature_nm * temperature_nm + 8.0 * 8.0 + 3.0 * 3.0),
+              1e-6);
+  EXPECT_DOUBLE_EQ(target.expanded_nm(0), 2 * target.u_nm[0]);
+  EXPECT_DOUBLE_EQ(target.u90_nm(0), 1.645 * target.u_nm[0]);
+
+  TargetRequest request;
+  request.set(Variable::x, x);
+  const auto budget = compute_budget(builder->build(kNow), request, 0);
+  EXPECT_NEAR(budget.u_nm, target.u_nm[0], 1e-9);
+  const auto line = [&](UncertaintySource source) {
+    for (std::size_t i = 0; i < budget.lines; ++i)
+      if (budget.line[i].source == source) return budget.line[i].u_nm;
+    return std::nan("");
+  };
+  EXPECT_NEAR(line(UncertaintySource::fit), fit_nm, 1e-6);
+  EXPECT_NEAR(line(UncertaintySource::temperatures), temperature_nm, 1e-6);
+  EXPECT_NEAR(line(UncertaintySource::residual), 8.0, 1e-9);
+  EXPECT_NEAR(line(UncertaintySource::scale), 3.0, 1e-9);
+}
+
+TEST_F(ServedAxis, NeedsNoUncertaintyToGiveTheSameCoordinate) {
+  serve(axis_model(), axis_cell());
+  read_t07(21);
+  TargetRequest request;
+  request.set(Variable::x, 1);
+  request.with_uncertainty = false;
+  const auto target = compute_target(builder->build(kNow), request);
+  EXPECT_EQ(target.q_mm[0], at_x(1).q_mm[0]);
+  EXPECT_TRUE(std::isnan(target.u_nm[0]));
+}
+
+TEST_F(ServedAxis, FlagsAPoseOutsideTheDomainAndTrustsItLess) {
+  serve(axis_model(), axis_cell());
+  read_t07(21);
+  const auto inside = at_x(4), outside = at_x(8);
+  EXPECT_EQ(inside.flags, 0u);
+  EXPECT_TRUE(outside.flags & kOutsideDomain);
+  EXPECT_EQ(describe_flags(builder->build(kNow), outside), "OUTSIDE_DOMAIN(x_mm)");
+  EXPECT_GT(outside.u_nm[0],
+            3.9 * inside.u_nm[0]);  // a range further out: the documented factor is near 4
+  double last = 0;
+  for (double x = 4; x < 12; x += 0.25) {
+    EXPECT_GE(at_x(x).u_nm[0], last) << x;
+    last = at_x(x).u_nm[0];
+  }
+}
+
+TEST_F(ServedAxis, CallsAWantedPoseInsideThatIsNanometresBeyondTheMeasuredOnes) {
+  serve(axis_model(), axis_cell());
+  read_t07(21);
+  EXPECT_EQ(at_x(4.00002).flags, 0u);
+}
+
+TEST_F(ServedAxis, FlagsATemperatureOutsideTheDomain) {
+  serve(axis_model(), axis_cell());
+  read_t07(23);
+  const auto target = at_x(0);
+  EXPECT_EQ(describe_flags(builder->build(kNow), target), "OUTSIDE_DOMAIN(t07_degC)");
+}
+
+TEST_F(ServedAxis, FlagsAStaleThermometerAndKeepsItsLastValue) {
+  serve(axis_model(), axis_cell());
+  read_t07(21, kNow - std::chrono::seconds(61));
+  const auto target = at_x(1);
+  EXPECT_EQ(target.flags, static_cast<std::uint32_t>(kStaleTemperature));
+  EXPECT_EQ(describe_flags(builder->build(kNow), target), "STALE_TEMPERATURE(t07_degC)");
+  EXPECT_NEAR(target.q_mm[0], 1 + 2 + 0.5 + 1e-3 * 21 + 2e-4 * 21, 1e-14);
+  EXPECT_GT(target.u_nm[0], 600.0);  // 2 K of range / sqrt(12), times 1200 nm/K
+}
+
+TEST_F(ServedAxis, ServesTheMiddleOfTheRangeForAThermometerNeverRead) {
+  serve(axis_model(), axis_cell());
+  read_t07(kMissing);
+  const auto target = at_x(0);
+  EXPECT_EQ(describe_flags(builder->build(kNow), target), "MISSING_TEMPERATURE(t07_degC)");
+  EXPECT_NEAR(target.q_mm[0], 1 + 1e-3 * 21, 1e-14);
+}
+
+TEST_F(ServedAxis, RefusesWhatTheCellSaysShallBeRefused) {
+  auto cell = axis_cell();
+  cell.serving.refuse_stale = cell.serving.refuse_outside_domain = true;
+  serve(axis_model(), cell);
+  auto target = at_x(0);
+  EXPECT_EQ(target.refusal, Refusal::stale);
+  EXPECT_TRUE(std::isnan(target.q_mm[0]));
+  EXPECT_EQ(refusal_error(builder->build(kNow), target).reason, "STALE");
+  EXPECT_NE(refusal_error(builder->build(kNow), target).message.find("t07_degC"),
+            std::string::npos);
+  read_t07(21);
+  EXPECT_EQ(at_x(0).refusal, Refusal::none);
+  target = at_x(9);
+  EXPECT_EQ(target.refusal, Refusal::outside_domain);
+  EXPECT_EQ(refusal_error(builder->build(kNow), target).code, ErrorCode::out_of_range);
+}
+
+TEST_F(ServedAxis, RefusesARequestWithoutItsCoordinate) {
+  serve(axis_model(), axis_cell());
+  read_t07(21);
+  const auto snapshot = builder->build(kNow);
+  TargetRequest request;
+  request.set(Variable::y, 1);
+  auto target = compute_target(snapshot, request);
+  EXPECT_EQ(target.refusal, Refusal::missing_coordinate);
+  EXPECT_NE(refusal_error(snapshot, target).message.find("x_mm"), std::string::npos);
+  request.set(Variable::x, std::numeric_limits<double>::infinity());
+  target = compute_target(snapshot, request);
+  EXPECT_EQ(target.refusal, Refusal::not_finite);
+}
+
+TEST(ComputeTarget, RefusesWithoutAModel) {
+  const Snapshot nothing;
+  const auto target = compute_target(nothing, {});
+  EXPECT_EQ(target.refusal, Refusal::no_model);
+  EXPECT_EQ(refusal_error(nothing, target).reason, "NO_MODEL");
+}
+
+TEST_F(ServedAxis, IsValidUntilTheNextRebuildOrAThermometerGrowsStale) {
+  serve(axis_model(), axis_cell());
+  read_t07(21);
+  EXPECT_EQ(at_x(0).valid_until, kNow + std::chrono::seconds(10));
+  serve(axis_model(), axis_cell());
+  read_t07(21, kNow - std::chrono::seconds(56));
+  EXPECT_EQ(at_x(0).valid_until, kNow + std::chrono::seconds(4));
+}
+
+TEST_F(ServedAxis, FlagsASnapshotThatNobodyRebuilt) {
+  serve(axis_model(), axis_cell());
+  read_t07(21);
+  TargetRequest request;
+  request.set(Variable::x, 0);
+  request.now = kNow + std::chrono::seconds(11);
+  EXPECT_EQ(compute_target(builder->build(kNow), request).flags,
+            static_cast<std::uint32_t>(kExpiredConditions));
+}
+
+}  // namespace
+}  // namespace driftwise::compensation

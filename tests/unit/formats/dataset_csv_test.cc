@@ -1,0 +1,179 @@
+#include "server/formats/dataset_csv.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+
+namespace driftwise::formats {
+namespace {
+
+constexpr const char* kFile = "drift.csv";
+
+TEST(ReadDatasetCsv, ReadsTheTableOfTheDesign) {
+  const auto data = read_dataset_csv(
+      "# driftwise-dataset: 1\n# cell: micro-nano\n"
+      "time_s,set,line,zero,dwell_s,q1_mm,x_mm,t04_degC,pressure_hPa\n"
+      "12.53,calibration,0,1,9.1,0,0.000131442,20.5,\n"
+      "40,validation,1,0,,-4.0000001,-4,20.6,1013.25\n",
+      kFile);
+  ASSERT_TRUE(data) << data.error().message;
+  EXPECT_EQ(data->rows, 2u);
+  EXPECT_EQ(data->metadata[1], (std::pair<std::string, std::string>{"cell", "micro-nano"}));
+  EXPECT_EQ(data->time_s, (std::vector<double>{12.53, 40}));
+  EXPECT_EQ(data->set_of(1), PointSet::validation);
+  EXPECT_EQ(data->line[1], 1);
+  EXPECT_EQ(data->zero[0], 1);
+  EXPECT_TRUE(is_missing(data->dwell_s[1]));
+  ASSERT_EQ(data->columns.size(), 4u);
+  EXPECT_EQ(data->find("x")->values[0], 0.000131442);
+  EXPECT_TRUE(is_missing(data->find("pressure")->values[0]));
+  EXPECT_EQ(data->find("pressure")->channel.unit, "hPa");
+}
+
+TEST(ReadDatasetCsv, TakesRowsWithoutTimeAndSetAsUntimedCalibration) {
+  const auto data = read_dataset_csv("q1_mm,x_mm\n1,2\n3,4", kFile);
+  ASSERT_TRUE(data) << data.error().message;
+  EXPECT_TRUE(data->time_s.empty());
+  EXPECT_EQ(data->set_of(1), PointSet::calibration);
+  EXPECT_EQ(data->find("x")->values, (std::vector<double>{2, 4}));
+}
+
+TEST(ReadDatasetCsv, AcceptsByteOrderMarkCarriageReturnsBlanksAndEmptyLines) {
+  const auto data =
+      read_dataset_csv("\xEF\xBB\xBF# a: b\r\n\r\ntime_s , x_mm\r\n 1 ,\t2 \r\n\r\n2,3\r\n", kFile);
+  ASSERT_TRUE(data) << data.error().message;
+  EXPECT_EQ(data->rows, 2u);
+  EXPECT_EQ(data->columns[0].values, (std::vector<double>{2, 3}));
+}
+
+struct Case {
+  const char* name;
+  const char* text;
+  const char* reason;
+  const char* says;
+};
+class BadDataset : public testing::TestWithParam<Case> {};
+TEST_P(BadDataset, IsRefusedWithFileLineFieldFoundAndExpected) {
+  const auto data = read_dataset_csv(GetParam().text, kFile);
+  ASSERT_FALSE(data);
+  EXPECT_EQ(data.error().code, ErrorCode::invalid_argument);
+  EXPECT_EQ(data.error().reason, GetParam().reason);
+  EXPECT_TRUE(data.error().message.find(GetParam().says) != std::string::npos)
+      << data.error().message;
+}
+INSTANTIATE_TEST_SUITE_P(
+    Table, BadDataset,
+    testing::Values(
+        Case{"Empty", "", "EMPTY_FILE", "drift.csv:1: the file is empty"},
+        Case{"OnlyMetadata", "# a: b\n", "NO_HEADER", "drift.csv:1: found no header row"},
+        Case{"NoRows", "# a: b\nx_mm\n", "NO_ROWS",
+             "drift.csv:2: found a header row and nothing after it"},
+        Case{"NoUnit", "time_s,x\n1,2\n", "BAD_CHANNEL",
+             "drift.csv:1: column 2: 'x' is no channel"},
+        Case{"UnknownUnit", "x_furlong\n1\n", "BAD_CHANNEL", "column 1: 'x_furlong'"},
+        Case{"Twins", "x_mm,q1_mm,x_mm\n1,2,3\n", "DUPLICATE_COLUMN",
+             "columns 1 and 3 are both named 'x_mm'"},
+        Case{"NoName", "x_mm,,q1_mm\n1,2,3\n", "NO_HEADER", "column 2 has no name"},
+        Case{"TrailingComma", "x_mm,\n1,\n", "NO_HEADER", "column 2 has no name"},
+        Case{"Semicolons", "x_mm;q1_mm\n1;2\n", "NO_HEADER", "separated by commas"},
+        Case{"TimeRunsBack", "time_s,x_mm\n2,0\n1,0\n", "TIME_NOT_INCREASING",
+             "drift.csv:3: column time_s: found 1 after 2"},
+        Case{"TimeStands", "time_s,x_mm\n2,0\n2,0\n", "TIME_NOT_INCREASING", "found 2 after 2"},
+        Case{"TimeMissing", "time_s,x_mm\n,0\n", "BAD_NUMBER",
+             "drift.csv:2: column time_s: found nothing, expected seconds"},
+        Case{"OtherSet", "set,x_mm\ntraining,0\n", "BAD_SET",
+             "drift.csv:2: column set: found 'training', expected calibration or validation"},
+        Case{"LongSet", "set,x_mm\ncalibrations,0\n", "BAD_SET", "found 'calibrations'"},
+        Case{"ShortRow", "x_mm,q1_mm\n1,2\n3\n", "RAGGED_ROW",
+             "drift.csv:3: found 1 fields, expected 2"},
+        Case{"LongRow", "x_mm,q1_mm\n1,2,3\n", "RAGGED_ROW",
+             "drift.csv:2: found 3 fields, expected 2"},
+        Case{"Word", "x_mm,q1_mm\n1,abc\n", "BAD_NUMBER",
+             "drift.csv:2: column q1_mm: found 'abc', expected a finite number"},
+        Case{"Tail", "x_mm\n1.5mm\n", "BAD_NUMBER", "found '1.5mm'"},
+        Case{"DecimalComma", "x_mm\n1,5\n", "RAGGED_ROW", "found 2 fields, expected 1"},
+        Case{"Nan", "x_mm\nnan\n", "BAD_NUMBER", "found 'nan'"},
+        Case{"MinusInf", "x_mm\n-inf\n", "BAD_NUMBER", "found '-inf'"},
+        Case{"TooLarge", "x_mm\n1e999\n", "BAD_NUMBER", "found '1e999'"},
+        Case{"Quotes", "x_mm\n\"1\"\n", "QUOTED_FIELD", "drift.csv:2: column x_mm: found '\"1\"'"},
+        Case{"QuotedHeader", "\"x_mm\"\n1\n", "QUOTED_FIELD", "drift.csv:1"},
+        Case{"ZeroFlag", "zero,x_mm\n2,1\n", "BAD_FLAG", "column zero: found '2', expected 0 or 1"},
+        Case{"Line", "line,x_mm\n1.5,1\n", "BAD_INTEGER",
+             "column line: found '1.5', expected a whole number"},
+        Case{"NoLine", "line,x_mm\n,1\n", "BAD_INTEGER", "column line: found nothing"},
+        Case{"Version", "# driftwise-dataset: 2\nx_mm\n1\n", "UNSUPPORTED_VERSION",
+             "found driftwise-dataset '2', expected version 1"},
+        Case{"Utf16", "\xFF\xFEx", "NOT_TEXT", "UTF-16"}),
+    [](const auto& row) { return std::string(row.param.name); });
+
+TEST(ReadDatasetCsv, ShowsUnprintableBytesByTheirCodes) {
+  const auto data = read_dataset_csv("x_mm\n\x01\n", kFile);
+  ASSERT_FALSE(data);
+  EXPECT_TRUE(data.error().message.find("'\\x01'") != std::string::npos) << data.error().message;
+}
+
+std::uint64_t bits(double value) {
+  std::uint64_t out;
+  std::memcpy(&out, &value, sizeof out);
+  return out;
+}
+
+// The property the format promises, over doubles of every size: not a tolerance, the same bits.
+TEST(DatasetCsv, ReadsBackEveryNumberBitForBit) {
+  std::mt19937_64 random(20110722);
+  Dataset data;
+  data.rows = 2000;
+  data.columns = {{{"x", "mm"}, {}}, {{"t07", "degC"}, {}}};
+  for (std::size_t i = 0; i < data.rows; ++i) {
+    double wild;
+    const std::uint64_t raw = random();
+    std::memcpy(&wild, &raw, sizeof wild);
+    data.columns[0].values.push_back(std::isfinite(wild) ? wild : -0.0);
+    data.columns[1].values.push_back(
+        i % 7 ? 20.0 + 1e-9 * static_cast<double>(random() % 1000000000) : kMissing);
+    data.time_s.push_back(static_cast<double>(i) / 3.0);
+    data.set.push_back(i % 3 ? PointSet::calibration : PointSet::validation);
+    data.line.push_back(static_cast<std::int64_t>(i / 19));
+    data.zero.push_back(i % 19 == 0);
+    data.dwell_s.push_back(i % 5 ? 2.5 : kMissing);
+    data.run.push_back(3);
+    data.datum.push_back(static_cast<std::int64_t>(i / 900));
+  }
+  data.columns[0].values[0] = std::numeric_limits<double>::denorm_min();
+  data.columns[0].values[1] = std::numeric_limits<double>::max();
+  data.metadata = {
+      {"cell", "linear-axis"}, {"", "a remark without a key"}, {"seen", "10:30:00 by ada"}};
+
+  const std::string text = write_dataset_csv(data);
+  const auto back = read_dataset_csv(text, kFile);
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(back->rows, data.rows);
+  EXPECT_EQ(back->time_s, data.time_s);
+  EXPECT_EQ(back->set, data.set);
+  EXPECT_EQ(back->line, data.line);
+  EXPECT_EQ(back->zero, data.zero);
+  EXPECT_EQ(back->run, data.run);
+  EXPECT_EQ(back->datum, data.datum);
+  for (std::size_t c = 0; c < data.columns.size(); ++c)
+    for (std::size_t i = 0; i < data.rows; ++i) {
+      const double was = data.columns[c].values[i], is = back->columns[c].values[i];
+      ASSERT_TRUE(is_missing(was) ? is_missing(is) : bits(was) == bits(is)) << "row " << i;
+    }
+  EXPECT_EQ(write_dataset_csv(*back), text);  // and so the text is reproduced too, remarks included
+}
+
+TEST(DatasetCsv, KeepsAMissingValueInAFileOfOneColumn) {
+  Dataset data;
+  data.rows = 3;
+  data.columns = {{{"x", "mm"}, {1.0, kMissing, 3.0}}};
+  const auto back = read_dataset_csv(write_dataset_csv(data), kFile);
+  ASSERT_TRUE(back) << back.error().message;
+  ASSERT_EQ(back->rows, 3u);
+  EXPECT_TRUE(is_missing(back->columns[0].values[1]));
+}
+
+}  // namespace
+}  // namespace driftwise::formats

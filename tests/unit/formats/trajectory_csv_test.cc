@@ -1,0 +1,99 @@
+#include "server/formats/trajectory_csv.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+
+namespace driftwise::formats {
+namespace {
+
+TEST(ReadTrajectoryCsv, ReadsCoordinatesSetsLinesAndZeros) {
+  const auto trajectory = read_trajectory_csv(
+      "# driftwise-trajectory: "
+      "1\nq1_mm,set,line,zero,force_N,dwell_s\n0,calibration,0,1,,\n1.5,validation,0,0,50,2.5\n",
+      "plan.csv");
+  ASSERT_TRUE(trajectory) << trajectory.error().message;
+  ASSERT_EQ(trajectory->points.size(), 2u);
+  EXPECT_EQ(trajectory->coordinates, (std::vector<Channel>{{"q1", "mm"}}));
+  EXPECT_TRUE(trajectory->points[0].zero);
+  EXPECT_FALSE(trajectory->points[0].force_n);
+  EXPECT_EQ(trajectory->points[1].target_mm, (std::vector<double>{1.5}));
+  EXPECT_EQ(trajectory->points[1].set, PointSet::validation);
+  EXPECT_EQ(trajectory->points[1].force_n, 50.0);
+  EXPECT_EQ(trajectory->points[1].dwell_s, 2.5);
+}
+
+TEST(ReadTrajectoryCsv, TakesOneLineOfCalibrationWhenNothingElseIsSaid) {
+  const auto trajectory = read_trajectory_csv("x_mm,y_mm\n1,2\n3,4\n", "plan.csv");
+  ASSERT_TRUE(trajectory) << trajectory.error().message;
+  EXPECT_EQ(trajectory->coordinates[1].symbol, "y");
+  EXPECT_EQ(trajectory->points[1].target_mm, (std::vector<double>{3, 4}));
+  EXPECT_EQ(trajectory->points[1].line, 0);
+  EXPECT_EQ(trajectory->points[1].set, PointSet::calibration);
+}
+
+struct Case {
+  const char* name;
+  const char* text;
+  const char* reason;
+  const char* says;
+};
+class BadTrajectory : public testing::TestWithParam<Case> {};
+TEST_P(BadTrajectory, IsRefusedWithFileLineFieldFoundAndExpected) {
+  const auto trajectory = read_trajectory_csv(GetParam().text, "plan.csv");
+  ASSERT_FALSE(trajectory);
+  EXPECT_EQ(trajectory.error().code, ErrorCode::invalid_argument);
+  EXPECT_EQ(trajectory.error().reason, GetParam().reason);
+  EXPECT_TRUE(trajectory.error().message.find(GetParam().says) != std::string::npos)
+      << trajectory.error().message;
+}
+INSTANTIATE_TEST_SUITE_P(
+    Table, BadTrajectory,
+    testing::Values(
+        Case{"Empty", "", "EMPTY_FILE", "plan.csv:1: "},
+        Case{"NoRows", "q1_mm\n", "NO_ROWS", "plan.csv:1: "},
+        Case{"NoCoordinates", "set,line\ncalibration,0\n", "NO_COORDINATES", "expected q1_mm"},
+        Case{"Mixed", "q1_mm,x_mm\n0,0\n", "MIXED_COORDINATES", "found q1_mm and x_mm"},
+        Case{"Unknown", "q1_mm,sett\n0,calibration\n", "UNKNOWN_COLUMN",
+             "plan.csv:1: column 2: found 'sett'"},
+        Case{"OtherUnit", "q1_um\n0\n", "UNKNOWN_COLUMN", "found 'q1_um'"},
+        Case{"Hole", "q1_mm,line\n,0\n", "MISSING_COORDINATE",
+             "plan.csv:2: column q1_mm: found nothing"},
+        Case{"LineBack", "q1_mm,line\n0,1\n0,0\n", "LINE_DECREASES",
+             "plan.csv:3: column line: found 0 after 1"},
+        Case{"ZeroElsewhere", "q1_mm,zero\n0.5,1\n", "ZERO_NOT_AT_ZERO", "plan.csv:2: column zero"},
+        Case{"NegativeDwell", "q1_mm,dwell_s\n0,-1\n", "BAD_DWELL",
+             "found -1, expected 0 s or more"},
+        Case{"BadSet", "q1_mm,set\n0,test\n", "BAD_SET", "found 'test'"},
+        Case{"Infinity", "q1_mm\ninf\n", "BAD_NUMBER", "found 'inf'"}),
+    [](const auto& row) { return std::string(row.param.name); });
+
+TEST(TrajectoryCsv, ReadsBackWhatItWrites) {
+  Trajectory trajectory;
+  trajectory.coordinates = {{"q1", "mm"}, {"q2", "mm"}};
+  trajectory.points = {{.target_mm = {0, 0}, .zero = true, .force_n = {}, .dwell_s = {}},
+                       {.target_mm = {1.0 / 3.0, -2.5},
+                        .set = PointSet::validation,
+                        .line = 4,
+                        .force_n = 0.5,
+                        .dwell_s = {}}};
+  const auto back = read_trajectory_csv(write_trajectory_csv(trajectory), "plan.csv");
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(back->points[1].target_mm, trajectory.points[1].target_mm);
+  EXPECT_EQ(back->points[1].line, 4);
+  EXPECT_EQ(back->points[1].force_n, 0.5);
+  EXPECT_FALSE(back->points[0].force_n);
+  EXPECT_TRUE(back->points[0].zero);
+}
+
+TEST(TrajectoryCsv, ReadsThePublishedPlan) {
+  std::ifstream file(DRIFTWISE_SOURCE_DIR "/deploy/cells/linear-axis/trajectories/published.csv");
+  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  const auto plan = read_trajectory_csv(text, "published.csv");
+  ASSERT_TRUE(plan) << plan.error().message;
+  EXPECT_EQ(plan->points.size(), 1008u);  // the study: 18 positions, 56 times
+}
+
+}  // namespace
+}  // namespace driftwise::formats
