@@ -110,6 +110,9 @@ class Cell {
     std::unique_ptr<Clock> clock;
     OpenStore open_store;
     std::string version;
+    // Where the writing store, the queries and the fits run: at most one thread each at a time. Empty: threads of the
+    // cell's own. A test hands in its one executor and has everything in order.
+    asio::any_io_executor storage_thread = {}, query_thread = {}, worker_thread = {};
   };
   static Result<std::unique_ptr<Cell>> open(asio::any_io_executor executor, Parts parts);
   virtual ~Cell() = default;

@@ -1,0 +1,41 @@
+#pragma once
+// The run under way, as values: what the engine's parts share about it.
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "server/application/datum_opening.h"
+#include "server/application/pace.h"
+#include "server/application/run_control.h"
+#include "server/application/run_plan.h"
+#include "server/application/workbench.h"
+#include "server/core/trajectory.h"
+
+namespace driftwise::application {
+
+struct ActiveRun {
+  ActiveRun(const asio::any_io_executor& executor, Workbench& bench, RunRecord r, RunPlan p,
+            Trajectory t)
+      : record(std::move(r)),
+        plan(std::move(p)),
+        trajectory(std::move(t)),
+        control(executor),
+        scope{bench, control, plan.rules, record.id, {}, {}, {}},
+        pace(guessed_point_s(plan.rules)) {}
+  ActiveRun(const ActiveRun&) = delete;
+
+  RunRecord record;
+  RunPlan plan;
+  Trajectory trajectory;
+  RunControl control;
+  RunScope scope;
+  Pace pace;
+  bool continued = false;                 // was under way when the daemon ended
+  std::optional<DatumRecord> datum;       // the present one
+  std::vector<ZeroObservation> closures;  // of the present datum
+  std::map<std::int64_t, int> attempts_of_row;
+  RunProgress progress;
+};
+
+}  // namespace driftwise::application

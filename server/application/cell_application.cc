@@ -1,0 +1,237 @@
+#include "server/application/cell_application.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "server/application/run_state_store.h"
+#include "server/application/spawn.h"
+#include "server/formats/trajectory_csv.h"
+
+namespace driftwise::application {
+
+Result<std::unique_ptr<Cell>> Cell::open(asio::any_io_executor executor, Parts parts) {
+  auto writing = parts.open_store(parts.description.database, false);
+  if (!writing) return tl::unexpected(writing.error());
+  auto reading = parts.open_store(parts.description.database, true);
+  if (!reading) return tl::unexpected(reading.error());
+  return std::make_unique<CellApplication>(executor, std::move(parts), std::move(*writing),
+                                           std::move(*reading));
+}
+
+CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
+                                 std::unique_ptr<Store> writing, std::unique_ptr<Store> reading)
+    : executor_(executor),
+      description_(std::move(parts.description)),
+      clock_(std::move(parts.clock)),
+      version_(std::move(parts.version)),
+      storage_thread_(parts.storage_thread),
+      query_thread_(parts.query_thread),
+      worker_thread_(parts.worker_thread),
+      writer_(storage_thread_.executor(), std::move(writing)),
+      reader_(query_thread_.executor(), std::move(reading)),
+      events_(executor, *clock_, writer_),
+      bench_(executor, std::move(parts.devices),
+             [this](const DeviceDescription& device, const Error* error) {
+               if (error)
+                 events_.record_own("device.lost", error->message);
+               else
+                 events_.record_own("device.back", fmt::format("{} at {} answers again", device.id,
+                                                               device.address));
+             }),
+      lag_(*clock_),
+      tasks_(executor),
+      recorder_(executor, *clock_, bench_, writer_, events_, lag_, tasks_),
+      workbench_{description_, *clock_, bench_, recorder_, writer_, events_, lag_},
+      serving_(executor, description_, *clock_, recorder_, reader_, events_, tasks_),
+      engine_(
+          executor, workbench_,
+          {[this](const ActiveRun& run, const TrajectoryPoint& row) -> Result<std::vector<double>> {
+             if (!run.plan.compensate) return row.target_mm;
+             return serving_.targets(run.trajectory.coordinates, row, run.plan.compensate_with);
+           },
+           [this](const DatumRecord& datum) { serving_.anchor(datum); }},
+          tasks_),
+      creating_(executor) {}
+
+CellApplication::~CellApplication() {
+  // Nothing of ours may run on a thread of its own while members go.
+  storage_thread_.join();
+  query_thread_.join();
+  worker_thread_.join();
+}
+
+void CellApplication::start() {
+  recorder_.start();
+  serving_.start();
+  tasks_.begin();
+  spawn(executor_, start_up());
+}
+
+Awaitable<void> CellApplication::start_up() {
+  events_.record_own("daemon.started",
+                     fmt::format("driftwised {} on cell '{}'", version_, description_.name));
+  const auto tell = [this](const char* what, const Result<void>& result) {
+    if (!result)
+      events_.record_own("daemon.trouble", fmt::format("{}: {}", what, result.error().message));
+  };
+  tell("finding the present datum", co_await restore_datum());
+  tell("serving the promoted model", co_await restore_model());
+  tell("going on with the run", co_await go_on_with_run());
+  started_up_ = true;
+  tasks_.end();
+}
+
+Awaitable<Result<void>> CellApplication::restore_datum() {
+  constexpr int kLook = 50;
+  auto datum = co_await reader_.call([](Store& store) -> Result<std::optional<DatumRecord>> {
+    auto runs = store.runs().runs(kLook, 0);
+    if (!runs) return tl::unexpected(runs.error());
+    for (const auto& run : *runs) {
+      if (run.reason == "imported") continue;
+      auto data = store.runs().data(run.id);
+      if (!data) return tl::unexpected(data.error());
+      if (!data->empty()) return data->back();
+    }
+    return std::nullopt;
+  });
+  if (!datum) co_return tl::unexpected(datum.error());
+  if (*datum) serving_.anchor(**datum);
+  co_return Result<void>{};
+}
+
+Awaitable<Result<void>> CellApplication::restore_model() {
+  auto history = co_await promotions();
+  if (!history) co_return tl::unexpected(history.error());
+  if (history->empty() || !history->back().model) co_return Result<void>{};
+  auto record = co_await model(*history->back().model);
+  if (!record) co_return tl::unexpected(record.error());
+  co_return co_await serving_.serve(std::move(*record));
+}
+
+Awaitable<Result<void>> CellApplication::go_on_with_run() {
+  auto unfinished = co_await reader_.call([](Store& store) -> Result<std::optional<RunRecord>> {
+    auto run = store.runs().unfinished_run();
+    if (!run || *run) return run;
+    auto newest = store.runs().runs(1, 0);  // created, and killed before it began
+    if (!newest) return tl::unexpected(newest.error());
+    if (!newest->empty() && newest->front().state == RunState::queued) return newest->front();
+    return std::nullopt;
+  });
+  if (!unfinished) co_return tl::unexpected(unfinished.error());
+  if (!*unfinished) co_return Result<void>{};
+  auto record = std::move(**unfinished);
+  auto trajectory = formats::read_trajectory_csv(record.trajectory_text, record.trajectory_name);
+  if (!trajectory) co_return tl::unexpected(trajectory.error());
+  auto plan = read_run_plan(record.rules_json);
+  if (!plan) co_return tl::unexpected(plan.error());
+  if (auto ok = co_await follow_for(*plan); !ok) co_return ok;
+  std::optional<RunEngine::Before> before;
+  if (record.state != RunState::queued) {
+    auto found = co_await what_was_before(record);
+    if (!found) co_return tl::unexpected(found.error());
+    before = std::move(*found);
+  }
+  engine_.begin(std::move(record), std::move(*plan), std::move(*trajectory), std::move(before));
+  co_return Result<void>{};
+}
+
+Awaitable<Result<RunEngine::Before>> CellApplication::what_was_before(const RunRecord& run) {
+  co_return co_await reader_.call([run](Store& store) -> Result<RunEngine::Before> {
+    constexpr int kPage = 1000;
+    RunEngine::Before before;
+    before.killed = run.reason != kShutDownReason && run.state != RunState::paused;
+    auto attempts = store.runs().attempts(run.id);
+    if (!attempts) return tl::unexpected(attempts.error());
+    before.attempts = std::move(*attempts);
+    auto data = store.runs().data(run.id);
+    if (!data) return tl::unexpected(data.error());
+    before.data = std::move(*data);
+    for (std::int64_t after = 0;;) {
+      auto page = store.runs().points(run.id, after, kPage);
+      if (!page) return tl::unexpected(page.error());
+      if (page->empty()) break;
+      after = page->back().id.value;
+      for (auto& point : *page)
+        if (point.zero) before.zeros.push_back(std::move(point));
+    }
+    return before;
+  });
+}
+
+Awaitable<void> CellApplication::shut_down() {
+  constexpr auto kPatience =
+      std::chrono::seconds(2);  // wall: then whatever is still talking is cut off
+  events_.record_own("daemon.stopping", "the daemon was asked to end");
+  if (auto* control = engine_.control()) control->shut_down();
+  if (by_hand_) by_hand_->shut_down();
+  recorder_.shut_down();
+  serving_.shut_down();
+  asio::steady_timer cut_off(executor_, kPatience);
+  cut_off.async_wait([this](const boost::system::error_code& error) {
+    if (!error) bench_.close_all();
+  });
+  co_await tasks_.all_ended();
+  cut_off.cancel();
+  events_.shut_down();
+  if (auto ok = co_await writer_.flush(); !ok)
+    spdlog::error("the last readings are not stored: {}", ok.error().message);
+  co_await events_.written();
+  bench_.close_all();
+}
+
+CellStatus CellApplication::status() const {
+  CellStatus status;
+  status.name = description_.name;
+  status.version = version_;
+  status.config_hash = description_.hash;
+  status.now = clock_->now();
+  status.speed = clock_->speed();
+  status.devices = bench_.status();
+  for (const auto& latest : recorder_.history().latest()) {
+    auto channel = parse_channel(latest.channel);
+    if (!channel) continue;
+    const auto* device = description_.find_device(latest.device);
+    const bool never = latest.at.utc_ns == 0;
+    const double age_s = never ? 0 : seconds_from(status.now.utc - latest.at);
+    status.values.push_back({*channel, latest.value, latest.at, age_s,
+                             never || !device || age_s > device->max_age_s, latest.device});
+  }
+  if (engine_.busy()) status.run = engine_.progress();
+  status.lease = leases_.present(status.now.utc);
+  status.serving = serving_.model();
+  status.attention = attention();
+  return status;
+}
+
+std::vector<std::string> CellApplication::attention() const {
+  std::vector<std::string> sentences;
+  for (const auto& id : bench_.lost())
+    sentences.push_back(fmt::format("device {} does not answer", id));
+  if (const auto* run = engine_.record(); run && run->state == RunState::waiting)
+    sentences.push_back(fmt::format("run {} waits: {}", run->id.value, run->reason));
+  if (!serving_.trouble().empty()) sentences.push_back(serving_.trouble());
+  if (writer_.dropped() > 0)
+    sentences.push_back(
+        fmt::format("{} slow readings were dropped: nothing could be written", writer_.dropped()));
+  return sentences;
+}
+
+CellApplication::Watch CellApplication::watch_progress(
+    std::function<void(const RunProgress&)> on_change) {
+  if (engine_.progress()) on_change(*engine_.progress());
+  return engine_.watchers().add(std::move(on_change));
+}
+CellApplication::Watch CellApplication::watch_events(
+    std::function<void(const EventRecord&)> on_event) {
+  return events_.watchers().add(std::move(on_event));
+}
+CellApplication::Watch CellApplication::watch_readings(
+    std::function<void(const Reading&)> on_reading) {
+  return recorder_.watchers().add(std::move(on_reading));
+}
+CellApplication::Watch CellApplication::watch_snapshots(std::function<void()> on_rebuilt) {
+  on_rebuilt();
+  return serving_.watchers().add(std::move(on_rebuilt));
+}
+
+}  // namespace driftwise::application

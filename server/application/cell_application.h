@@ -1,0 +1,134 @@
+#pragma once
+// The Cell: puts the parts together and answers clients. What is more than a few lines lives in a
+// part of its own.
+
+#include <boost/asio/thread_pool.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/application/cell.h"
+#include "server/application/device_bench.h"
+#include "server/application/event_log.h"
+#include "server/application/lease_book.h"
+#include "server/application/recorder.h"
+#include "server/application/run_engine.h"
+#include "server/application/serving.h"
+#include "server/application/store_reader.h"
+#include "server/application/store_writer.h"
+#include "server/application/workbench.h"
+
+namespace driftwise::application {
+
+// One thread of its own, or an executor that was handed in.
+class Thread {
+ public:
+  explicit Thread(asio::any_io_executor given) : given_(std::move(given)) {
+    if (!given_) own_.emplace(1);
+  }
+  asio::any_io_executor executor() {
+    return own_ ? asio::any_io_executor(own_->get_executor()) : given_;
+  }
+  void join() {
+    if (own_) own_->join();
+  }
+
+ private:
+  asio::any_io_executor given_;
+  std::optional<asio::thread_pool> own_;
+};
+
+class CellApplication final : public Cell {
+ public:
+  CellApplication(asio::any_io_executor executor, Parts parts, std::unique_ptr<Store> writing,
+                  std::unique_ptr<Store> reading);
+  ~CellApplication() override;
+
+  asio::any_io_executor executor() const override { return executor_; }
+  CellTime now() const override { return clock_->now().utc; }
+  void start() override;
+  Awaitable<void> shut_down() override;
+  CellStatus status() const override;
+  const CellDescription& description() const override { return description_; }
+
+  Result<Lease> take_lease(const Caller& caller, Nanoseconds duration,
+                           const std::string& token) override;
+  Result<void> give_up_lease(const Caller& caller, const std::string& token) override;
+
+  Result<TrajectoryCheck> check_trajectory(const std::string& text) const override;
+  Awaitable<Result<RunRecord>> create_run(Caller caller, CreateRun request) override;
+  Awaitable<Result<RunRecord>> pause_run(Caller caller, RunId run) override;
+  Awaitable<Result<RunRecord>> resume_run(Caller caller, RunId run) override;
+  Awaitable<Result<RunRecord>> abort_run(Caller caller, RunId run, std::string why) override;
+  Awaitable<Result<void>> stop_all(Caller caller) override;
+  Awaitable<Result<void>> home(Caller caller, std::string lease_token) override;
+  Awaitable<Result<void>> move_to(Caller caller, std::string lease_token,
+                                  std::vector<double> q_mm) override;
+  Awaitable<Result<void>> set_stabiliser(Caller caller, std::string lease_token, std::string device,
+                                         double degc) override;
+
+  Watch watch_progress(std::function<void(const RunProgress&)> on_change) override;
+  Watch watch_events(std::function<void(const EventRecord&)> on_event) override;
+  Watch watch_readings(std::function<void(const Reading&)> on_reading) override;
+  Watch watch_snapshots(std::function<void()> on_rebuilt) override;
+
+  Awaitable<Result<std::vector<RunRecord>>> runs(int limit, std::int64_t before_id) override;
+  Awaitable<Result<RunRecord>> run(RunId run) override;
+  Awaitable<Result<std::vector<PointRecord>>> points(RunId run, std::int64_t after_id,
+                                                     int limit) override;
+  Awaitable<Result<std::vector<AttemptRecord>>> attempts(RunId run) override;
+  Awaitable<Result<std::vector<DatumRecord>>> data(RunId run) override;
+  Awaitable<Result<std::vector<EventRecord>>> events(EventId after, int limit) override;
+  Awaitable<Result<std::string>> export_dataset(std::vector<RunId> runs) override;
+  Awaitable<Result<RunRecord>> import_dataset(Caller caller, std::string name,
+                                              std::string csv) override;
+
+  Awaitable<Result<ModelRecord>> fit(Caller caller, FitRequest request) override;
+  Awaitable<Result<std::vector<ModelRecord>>> models() override;
+  Awaitable<Result<ModelRecord>> model(ModelId id) override;
+  Awaitable<Result<ModelRecord>> promote(Caller caller, ModelId id) override;
+  Awaitable<Result<std::optional<ModelRecord>>> roll_back(Caller caller) override;
+  Awaitable<Result<std::vector<PromotionRecord>>> promotions() override;
+  const compensation::SnapshotBoard& snapshots() const override { return serving_.board(); }
+
+ private:
+  class ByHand;
+  Awaitable<void> start_up();
+  Awaitable<Result<void>> restore_datum();
+  Awaitable<Result<void>> restore_model();
+  Awaitable<Result<void>> go_on_with_run();
+  Awaitable<Result<RunEngine::Before>> what_was_before(const RunRecord& run);
+  Awaitable<Result<void>> follow_for(const RunPlan& plan);
+  Awaitable<Result<RunRecord>> start_run(Caller caller, CreateRun request, RunPlan plan,
+                                         Trajectory trajectory);
+  Result<RunControl*> control_of(RunId run, const char* verb);
+  Awaitable<Result<RunRecord>> steer(Caller caller, RunId run, const char* verb, std::string detail,
+                                     std::function<void(RunControl&)> act);
+  Result<void> may_move(const std::string& lease_token) const;
+  Awaitable<Result<void>> put_in_service(Caller caller, std::optional<ModelRecord> next,
+                                         std::string action);
+  std::vector<std::string> attention() const;
+
+  asio::any_io_executor executor_;
+  CellDescription description_;
+  std::unique_ptr<Clock> clock_;
+  std::string version_;
+  Thread storage_thread_, query_thread_, worker_thread_;
+  StoreWriter writer_;
+  StoreReader reader_;
+  EventLog events_;
+  DeviceBench bench_;
+  LagMeter lag_;
+  TaskCount tasks_;
+  Recorder recorder_;
+  Workbench workbench_;
+  Serving serving_;
+  RunEngine engine_;
+  LeaseBook leases_;
+  Turn creating_;                      // one create_run at a time
+  std::optional<RunControl> by_hand_;  // set while somebody homes or moves without a run
+  bool started_up_ = false;
+};
+
+}  // namespace driftwise::application

@@ -1,0 +1,162 @@
+// Models: fit, promote, roll back.
+
+#include <fmt/format.h>
+
+#include "server/application/cell_application.h"
+#include "server/application/crash_point.h"
+#include "server/formats/dataset_csv.h"
+#include "server/formats/formula.h"
+#include "server/formats/model_json.h"
+#include "server/formats/text.h"
+
+namespace driftwise::application {
+namespace {
+
+// From data and wishes to the record of a model; nothing here touches the cell: it runs on the
+// worker's thread.
+Result<ModelRecord> fit_record(const Dataset& dataset, const FitRequest& request,
+                               const std::string& source) {
+  calibration::FitOptions options;
+  if (request.select == "all")
+    options.select = calibration::Select::all;
+  else if (request.select != "stepwise")
+    return fail(ErrorCode::invalid_argument, "BAD_OPTIONS",
+                fmt::format("select = '{}', expected 'stepwise' or 'all'", request.select));
+  options.p_enter = request.p_enter;
+  options.p_remove = request.p_remove;
+  options.exclude_channels = request.exclude_channels;
+  options.first_rows = request.first_rows;
+  options.lineage.runs = request.runs;
+  options.lineage.source = source;
+  options.lineage.dataset_hash = formats::content_hash(formats::write_dataset_csv(dataset));
+  auto model = formats::fit_formula(dataset, request.formula, std::move(options));
+  if (!model) return tl::unexpected(model.error());
+  ModelRecord record;
+  record.name = request.name.empty() ? model->formula : request.name;
+  record.note = request.note;
+  record.json = formats::write_model_json(*model);
+  record.hash = formats::model_hash(*model);
+  record.parent = model->lineage.parent;
+  return record;
+}
+
+std::string source_of(const FitRequest& request) {
+  if (request.runs.empty()) return "dataset";
+  std::string text = request.runs.size() == 1 ? "run " : "runs ";
+  for (std::size_t i = 0; i < request.runs.size(); ++i)
+    text += (i == 0 ? "" : ", ") + std::to_string(request.runs[i].value);
+  return text;
+}
+
+// Which model served before each promotion, oldest first; the last is the one that serves now.
+std::vector<ModelId> served_in_order(const std::vector<PromotionRecord>& history) {
+  std::vector<ModelId> stack;
+  for (const auto& step : history) {
+    if (step.action == "rollback") {
+      if (!stack.empty()) stack.pop_back();
+    } else if (step.model) {
+      stack.push_back(*step.model);
+    }
+  }
+  return stack;
+}
+
+}  // namespace
+
+Awaitable<Result<ModelRecord>> CellApplication::fit(Caller caller, FitRequest request) {
+  if (request.runs.empty() == request.csv.empty())
+    co_return fail(ErrorCode::invalid_argument, "NO_DATA",
+                   "a fit needs runs or a dataset, one of the two");
+  auto dataset = request.csv.empty()
+                     ? co_await reader_.call([runs = request.runs](Store& store) {
+                         return store.runs().dataset(runs);
+                       })
+                     : co_await run_on(worker_thread_.executor(), [csv = request.csv] {
+                         return formats::read_dataset_csv(csv, "dataset");
+                       });
+  if (!dataset) co_return tl::unexpected(dataset.error());
+  auto record = co_await run_on(worker_thread_.executor(), [data = std::move(*dataset), request] {
+    return fit_record(data, request, source_of(request));
+  });
+  if (!record) co_return record;
+  record->created = clock_->now().utc;
+  record->created_by = caller.name;
+  auto id = co_await writer_.call([fresh = *record](Store& store) {
+    crash_point("before_model_commit");
+    auto stored = store.models().add_model(fresh);
+    if (stored) crash_point("after_model_commit");
+    return stored;
+  });
+  if (!id) co_return tl::unexpected(id.error());
+  events_.record(caller, "model.fitted",
+                 fmt::format("{} fitted model {}: {}", caller.name, id->value, request.formula));
+  co_return co_await model(*id);  // the same fit again is the same model: its first record stands
+}
+
+Awaitable<Result<std::vector<ModelRecord>>> CellApplication::models() {
+  co_return co_await reader_.call([](Store& store) { return store.models().models(); });
+}
+
+Awaitable<Result<ModelRecord>> CellApplication::model(ModelId id) {
+  co_return co_await reader_.call([=](Store& store) { return store.models().model(id); });
+}
+
+Awaitable<Result<std::vector<PromotionRecord>>> CellApplication::promotions() {
+  co_return co_await reader_.call([](Store& store) { return store.models().promotions(); });
+}
+
+Awaitable<Result<void>> CellApplication::put_in_service(Caller caller,
+                                                        std::optional<ModelRecord> next,
+                                                        std::string action) {
+  std::optional<ModelRecord> previous;
+  if (const auto serving = serving_.model())
+    if (auto record = co_await model(*serving)) previous = std::move(*record);
+  // First see that it can serve, then write it down: what stands in the record is what serves.
+  if (auto ok = co_await serving_.serve(next); !ok) co_return ok;
+  PromotionRecord promotion{next ? std::optional(next->id) : std::nullopt, clock_->now().utc,
+                            caller.name, action};
+  auto stored = co_await writer_.call([promotion](Store& store) {
+    crash_point("before_promotion_commit");
+    auto result = store.models().add_promotion(promotion);
+    if (result) crash_point("after_promotion_commit");
+    return result;
+  });
+  if (!stored) {
+    static_cast<void>(co_await serving_.serve(previous));
+    co_return stored;
+  }
+  events_.record(
+      caller, "model." + action,
+      next ? fmt::format("model {} '{}' serves, by {}", next->id.value, next->name, caller.name)
+           : fmt::format("no model serves, by {}", caller.name));
+  co_return Result<void>{};
+}
+
+Awaitable<Result<ModelRecord>> CellApplication::promote(Caller caller, ModelId id) {
+  auto record = co_await model(id);
+  if (!record) co_return record;
+  if (auto ok = co_await put_in_service(std::move(caller), *record, "promote"); !ok)
+    co_return tl::unexpected(ok.error());
+  co_return record;
+}
+
+Awaitable<Result<std::optional<ModelRecord>>> CellApplication::roll_back(Caller caller) {
+  auto history = co_await promotions();
+  if (!history) co_return tl::unexpected(history.error());
+  auto stack = served_in_order(*history);
+  if (stack.empty())
+    co_return fail(ErrorCode::failed_precondition, "NOTHING_TO_ROLL_BACK",
+                   "no model serves: there is none to take back");
+  stack.pop_back();
+  std::optional<ModelRecord> previous;
+  if (!stack.empty()) {
+    auto record = co_await model(stack.back());
+    if (!record) co_return tl::unexpected(record.error());
+    previous = std::move(*record);
+  }
+  if (auto ok = co_await put_in_service(std::move(caller), previous, "rollback"); !ok)
+    co_return tl::unexpected(ok.error());
+  co_return previous;
+}
+
+}  // namespace driftwise::application

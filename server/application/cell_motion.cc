@@ -1,0 +1,116 @@
+// Who may move, and moving by hand.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "server/application/cell_application.h"
+#include "server/application/motion.h"
+
+namespace driftwise::application {
+
+Result<Lease> CellApplication::take_lease(const Caller& caller, Nanoseconds duration,
+                                          const std::string& token) {
+  auto lease = leases_.take(caller, duration, token, clock_->now().utc);
+  if (lease && token.empty())
+    events_.record(caller, "lease.taken",
+                   fmt::format("{} may move until {}", caller.name, to_iso8601(lease->until)));
+  return lease;
+}
+
+Result<void> CellApplication::give_up_lease(const Caller& caller, const std::string& token) {
+  auto done = leases_.give_up(token, clock_->now().utc);
+  if (done)
+    events_.record(caller, "lease.given_up", fmt::format("{} gave the lease up", caller.name));
+  return done;
+}
+
+Result<void> CellApplication::may_move(const std::string& lease_token) const {
+  if (auto ok = leases_.check(lease_token, clock_->now().utc); !ok) return ok;
+  if (const auto* run = engine_.record())
+    return fail(ErrorCode::failed_precondition, "RUN_UNDER_WAY",
+                fmt::format("run {} '{}' is {}: abort it, or wait until it is over", run->id.value,
+                            run->name, to_string(run->state)));
+  if (by_hand_)
+    return fail(ErrorCode::failed_precondition, "MOVING",
+                "a movement by hand is under way: wait for its end, or stop it");
+  return {};
+}
+
+// A movement without a run: stop_all and shut_down reach it through by_hand_.
+class CellApplication::ByHand {
+ public:
+  explicit ByHand(CellApplication& cell) : cell_(cell) {
+    cell_.by_hand_.emplace(cell_.executor_);
+    cell_.tasks_.begin();
+  }
+  ~ByHand() {
+    cell_.by_hand_.reset();
+    cell_.tasks_.end();
+  }
+  ByHand(const ByHand&) = delete;
+  RunScope scope() {
+    return {cell_.workbench_,
+            *cell_.by_hand_,
+            cell_.description_.run,
+            std::nullopt,
+            [](const std::string&) {},
+            {},
+            {}};
+  }
+
+ private:
+  CellApplication& cell_;
+};
+
+Awaitable<Result<void>> CellApplication::stop_all(Caller caller) {
+  events_.record(caller, "stop", fmt::format("{} stopped everything", caller.name));
+  const auto why = fmt::format("stopped by {}", caller.name);
+  if (auto* control = engine_.control()) control->abort(why);
+  if (by_hand_) by_hand_->abort(why);
+  co_return co_await bench_.stop();
+}
+
+Awaitable<Result<void>> CellApplication::home(Caller caller, std::string lease_token) {
+  if (auto ok = may_move(lease_token); !ok) co_return ok;
+  ByHand hand(*this);
+  events_.record(caller, "axes.home", fmt::format("{} references the axes", caller.name));
+  co_return co_await bench_.home();
+}
+
+Awaitable<Result<void>> CellApplication::move_to(Caller caller, std::string lease_token,
+                                                 std::vector<double> q_mm) {
+  if (auto ok = may_move(lease_token); !ok) co_return ok;
+  if (auto ok = check_soft_limits(description_, q_mm); !ok) co_return ok;
+  ByHand hand(*this);
+  events_.record(caller, "axes.move",
+                 fmt::format("{} moves to {} mm", caller.name, fmt::join(q_mm, ", ")));
+  auto scope = hand.scope();
+  const auto arrival = co_await go_to(scope, std::move(q_mm), "by hand: " + caller.name);
+  if (!arrival) co_return tl::unexpected(arrival.error());
+  if (arrival->trouble != Trouble::none)
+    co_return fail(ErrorCode::deadline_exceeded, "NOT_SETTLED", arrival->sentence);
+  co_return Result<void>{};
+}
+
+Awaitable<Result<void>> CellApplication::set_stabiliser(Caller caller, std::string lease_token,
+                                                        std::string device, double degc) {
+  constexpr double kColdest_degC = 5, kHottest_degC = 60;  // of a room and its people
+  if (auto ok = leases_.check(lease_token, clock_->now().utc); !ok) co_return ok;
+  if (!(degc >= kColdest_degC && degc <= kHottest_degC))
+    co_return fail(ErrorCode::invalid_argument, "SET_POINT",
+                   fmt::format("{} degC was asked for, expected {:g} to {:g}", degc, kColdest_degC,
+                               kHottest_degC));
+  for (std::size_t i = 0; i < bench_.stabilisers(); ++i) {
+    if (bench_.stabiliser_description(i).id != device) continue;
+    auto set = co_await bench_.set_stabiliser(i, degc);
+    if (set)
+      events_.record(caller, "stabiliser.set",
+                     fmt::format("{} set {} to {:g} degC", caller.name, device, degc));
+    co_return set;
+  }
+  co_return fail(ErrorCode::not_found, "NO_STABILISER",
+                 fmt::format("the cell has no stabiliser '{}'", device));
+}
+
+}  // namespace driftwise::application

@@ -1,0 +1,151 @@
+// Runs: begin, steer, look at.
+
+#include <fmt/format.h>
+
+#include "server/application/cell_application.h"
+#include "server/application/crash_point.h"
+#include "server/application/trajectory_check.h"
+
+namespace driftwise::application {
+
+Result<TrajectoryCheck> CellApplication::check_trajectory(const std::string& text) const {
+  return check_trajectory_text(description_, "trajectory", text);
+}
+
+Awaitable<Result<RunRecord>> CellApplication::create_run(Caller caller, CreateRun request) {
+  const auto turn = co_await creating_.take();
+  // A repeated request gets the first one's answer, whatever has become of the lease since.
+  if (const auto* run = engine_.record();
+      run && !request.request_id.empty() && run->request_id == request.request_id)
+    co_return *run;
+  if (auto ok = may_move(request.lease_token); !ok) co_return tl::unexpected(ok.error());
+  RunPlan plan{request.rules.value_or(description_.run),
+               request.compensate || request.compensate_with, request.compensate_with};
+  if (auto ok = check_rules(plan.rules); !ok) co_return tl::unexpected(ok.error());
+  const auto name =
+      request.trajectory_name.empty() ? std::string("trajectory") : request.trajectory_name;
+  auto check = check_trajectory_text(description_, name, request.trajectory_text);
+  if (!check) co_return tl::unexpected(check.error());
+  const bool is_pose = is_pose_symbol(check->trajectory.coordinates.front().symbol);
+  if (plan.compensate && !is_pose)
+    co_return fail(ErrorCode::invalid_argument, "NOTHING_TO_COMPENSATE",
+                   fmt::format("{}: column {}: compensation needs wanted poses (x_mm ...), these "
+                               "are motor coordinates",
+                               name, check->trajectory.coordinates.front().name()));
+  if (plan.compensate && !plan.compensate_with && !serving_.model())
+    co_return fail(ErrorCode::failed_precondition, "NO_MODEL",
+                   "no model serves: promote one, or run without compensation");
+  if (auto ok = co_await follow_for(plan); !ok) co_return tl::unexpected(ok.error());
+  co_return co_await start_run(std::move(caller), std::move(request), std::move(plan),
+                               std::move(check->trajectory));
+}
+
+Awaitable<Result<void>> CellApplication::follow_for(const RunPlan& plan) {
+  if (!plan.compensate_with) co_return Result<void>{};
+  auto record = co_await model(*plan.compensate_with);
+  if (!record) co_return tl::unexpected(record.error());
+  co_return co_await serving_.follow(std::move(*record));
+}
+
+Awaitable<Result<RunRecord>> CellApplication::start_run(Caller caller, CreateRun request,
+                                                        RunPlan plan, Trajectory trajectory) {
+  NewRun fresh;
+  fresh.name = request.name.empty() ? request.trajectory_name : request.name;
+  fresh.trajectory_name = request.trajectory_name;
+  fresh.trajectory_text = request.trajectory_text;
+  fresh.rows = static_cast<std::int64_t>(trajectory.points.size());
+  fresh.rules_json = write_run_plan(plan);
+  fresh.config_hash = description_.hash;
+  fresh.config_text = description_.text;
+  fresh.operator_name = caller.name;
+  fresh.request_id = request.request_id;
+  fresh.created = clock_->now();
+  auto stored = co_await writer_.call([fresh](Store& store) {
+    crash_point("before_run_create_commit");
+    auto record = store.runs().create_run(fresh);
+    if (record) crash_point("after_run_create_commit");
+    return record;
+  });
+  if (!stored) co_return stored;
+  const bool is_repeat = stored->created != fresh.created.utc || stored->state != RunState::queued;
+  if (is_repeat) co_return stored;
+  events_.record(caller, "run.created",
+                 fmt::format("{} created run {} '{}': {} rows", caller.name, stored->id.value,
+                             stored->name, stored->rows),
+                 stored->id);
+  engine_.begin(*stored, std::move(plan), std::move(trajectory), std::nullopt);
+  co_return *engine_.record();
+}
+
+Result<RunControl*> CellApplication::control_of(RunId run, const char* verb) {
+  const auto* record = engine_.record();
+  if (record && record->id == run) return engine_.control();
+  return fail(ErrorCode::failed_precondition, "RUN_NOT_UNDER_WAY",
+              fmt::format("run {} cannot {}: {}", run.value, verb,
+                          record ? fmt::format("run {} is the one under way", record->id.value)
+                                 : "no run is under way"));
+}
+
+Awaitable<Result<RunRecord>> CellApplication::steer(Caller caller, RunId id, const char* verb,
+                                                    std::string detail,
+                                                    std::function<void(RunControl&)> act) {
+  if (auto known = co_await run(id); !known) co_return known;
+  auto control = control_of(id, verb);
+  if (!control) co_return tl::unexpected(control.error());
+  events_.record(caller, fmt::format("run.{}", verb), std::move(detail), id);
+  act(**control);
+  co_return *engine_.record();
+}
+
+Awaitable<Result<RunRecord>> CellApplication::pause_run(Caller caller, RunId run) {
+  auto why = fmt::format("paused by {}", caller.name);
+  co_return co_await steer(caller, run, "pause", why,
+                           [why](RunControl& control) { control.hold(why); });
+}
+
+Awaitable<Result<RunRecord>> CellApplication::resume_run(Caller caller, RunId run) {
+  auto why = fmt::format("resumed by {}", caller.name);
+  co_return co_await steer(caller, run, "resume", why,
+                           [](RunControl& control) { control.resume(); });
+}
+
+Awaitable<Result<RunRecord>> CellApplication::abort_run(Caller caller, RunId run, std::string why) {
+  auto reason = why.empty() ? fmt::format("aborted by {}", caller.name)
+                            : fmt::format("aborted by {}: {}", caller.name, why);
+  auto record = co_await steer(caller, run, "abort", reason,
+                               [reason](RunControl& control) { control.abort(reason); });
+  if (record) static_cast<void>(co_await bench_.stop());
+  co_return record;
+}
+
+Awaitable<Result<std::vector<RunRecord>>> CellApplication::runs(int limit, std::int64_t before_id) {
+  co_return co_await reader_.call(
+      [=](Store& store) { return store.runs().runs(limit, before_id); });
+}
+
+Awaitable<Result<RunRecord>> CellApplication::run(RunId run) {
+  if (const auto* record = engine_.record(); record && record->id == run) co_return *record;
+  co_return co_await reader_.call([=](Store& store) { return store.runs().run(run); });
+}
+
+Awaitable<Result<std::vector<PointRecord>>> CellApplication::points(RunId run,
+                                                                    std::int64_t after_id,
+                                                                    int limit) {
+  co_return co_await reader_.call(
+      [=](Store& store) { return store.runs().points(run, after_id, limit); });
+}
+
+Awaitable<Result<std::vector<AttemptRecord>>> CellApplication::attempts(RunId run) {
+  co_return co_await reader_.call([=](Store& store) { return store.runs().attempts(run); });
+}
+
+Awaitable<Result<std::vector<DatumRecord>>> CellApplication::data(RunId run) {
+  co_return co_await reader_.call([=](Store& store) { return store.runs().data(run); });
+}
+
+Awaitable<Result<std::vector<EventRecord>>> CellApplication::events(EventId after, int limit) {
+  co_return co_await reader_.call(
+      [=](Store& store) { return store.events().events(after, limit); });
+}
+
+}  // namespace driftwise::application

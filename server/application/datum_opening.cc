@@ -1,0 +1,147 @@
+#include "server/application/datum_opening.h"
+
+#include <fmt/format.h>
+
+#include "server/application/crash_point.h"
+#include "server/application/joining.h"
+#include "server/application/motion.h"
+#include "server/application/sampling.h"
+#include "server/application/start_checks.h"
+#include "server/core/units.h"
+
+namespace driftwise::application {
+namespace {
+
+Awaitable<Result<void>> stand_at_zero(RunScope& scope, const std::string& reason) {
+  const std::vector<double> zero_mm(scope.bench.description.motor_channels().size(), 0.0);
+  auto arrival = co_await go_to(scope, zero_mm, "zero: " + reason);
+  for (int again = 0;
+       arrival && arrival->trouble != Trouble::none && again < scope.rules.max_reapproaches;
+       ++again)
+    arrival = co_await go_to(scope, zero_mm, "zero: " + reason);
+  if (!arrival) co_return tl::unexpected(arrival.error());
+  if (arrival->trouble != Trouble::none)
+    co_return fail(ErrorCode::failed_precondition, "ZERO_NOT_REACHED",
+                   "at the zero: " + arrival->sentence);
+  co_return Result<void>{};
+}
+
+void add_means(std::vector<ChannelValue>& values, const CellDescription& description,
+               const Sampling& sampling) {
+  const auto channels = description.motor_channels();
+  for (std::size_t i = 0; i < channels.size(); ++i)
+    values.push_back({channels[i].name(), sampling.q_mm[i]});
+  for (const auto& mean : sampling.means) values.push_back(mean);
+}
+
+// Where the scale stands when the instrument reads 0: the readings after the zeroing are 0 within
+// their noise, and with one axis and one length that remainder is taken out.
+void add_zero_of_scale(std::vector<ChannelValue>& values, const CellDescription& description,
+                       const Sampling& new_zero) {
+  const auto motors = description.motor_channels();
+  const auto lengths = description.length_channels();
+  for (std::size_t i = 0; i < motors.size(); ++i) {
+    double q_mm = new_zero.q_mm[i];
+    if (motors.size() == 1 && lengths.size() == 1)
+      if (const double* x_mm = find_value(new_zero.means, lengths.front().name())) q_mm -= *x_mm;
+    values.push_back({motors[i].name(), q_mm});
+  }
+}
+
+// old_zero: what the instrument read at the zero just before it was zeroed.
+void compare(const CellDescription& description, const DatumOpening& opening,
+             const Sampling& old_zero, DatumRecord& datum, EventLog& events) {
+  if (!opening.before) return;
+  std::vector<ChannelValue> values;
+  add_means(values, description, old_zero);
+  const auto found = closure_nm(description, *opening.before, values);
+  if (!found) return;
+  const auto warming = warming_since(description, *opening.before, datum.values);
+  const ZeroComparison comparison{predict_zero_shift(opening.closures, warming), *found};
+  datum.values.push_back({"zero_predicted_nm", comparison.predicted.shift_nm});
+  datum.values.push_back({"zero_found_nm", *found});
+  datum.values.push_back({"zero_difference_nm", comparison.difference_nm()});
+  events.record_own(comparison.surprising() ? "zero.surprising" : "zero.compared",
+                    comparison.sentence(), datum.run);
+}
+
+}  // namespace
+
+const double* find_value(const std::vector<ChannelValue>& values, const std::string& channel) {
+  for (const auto& value : values)
+    if (value.channel == channel) return &value.value;
+  return nullptr;
+}
+
+std::vector<double> warming_since(const CellDescription& description, const DatumRecord& datum,
+                                  const std::vector<ChannelValue>& values) {
+  std::vector<double> warming;
+  for (const auto& channel : description.temperature_channels()) {
+    const double* then = find_value(datum.values, channel.name());
+    const double* now = find_value(values, channel.name());
+    warming.push_back(then && now ? *now - *then : 0.0);
+  }
+  return warming;
+}
+
+std::optional<double> closure_nm(const CellDescription& description, const DatumRecord& datum,
+                                 const std::vector<ChannelValue>& values) {
+  const auto lengths = description.length_channels();
+  const auto motors = description.motor_channels();
+  if (lengths.empty() || motors.empty()) return std::nullopt;
+  const double* x_mm = find_value(values, lengths.front().name());
+  const double* q_mm = find_value(values, motors.front().name());
+  const double* q_zero_mm = find_value(datum.values, motors.front().name());
+  if (!x_mm || !q_mm || !q_zero_mm) return std::nullopt;
+  return nm_from_mm(*x_mm - (*q_mm - *q_zero_mm));
+}
+
+Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening) {
+  auto& bench = scope.bench;
+  if (auto ok = co_await make_homed(scope, opening.home); !ok) co_return tl::unexpected(ok.error());
+  if (auto ok = co_await stand_at_zero(scope, opening.reason); !ok)
+    co_return tl::unexpected(ok.error());
+  if (auto ok = co_await check_stabilisers(scope); !ok) co_return tl::unexpected(ok.error());
+
+  // A lost beam fails here with BEAM_LOST: then there is no old zero to compare with, and zeroing
+  // brings it back.
+  auto old_zero = co_await take_readings(scope, scope.rules.readings_per_point);
+  const bool beam_was_lost = !old_zero && old_zero.error().reason == "BEAM_LOST";
+  if (!old_zero && !beam_was_lost) co_return tl::unexpected(old_zero.error());
+  if (opening.check_drift && !beam_was_lost)
+    if (auto ok = co_await check_drift(scope); !ok) co_return tl::unexpected(ok.error());
+
+  scope.phase("zeroing");
+  if (!beam_was_lost) {  // again, as close to the zeroing as can be
+    old_zero = co_await take_readings(scope, scope.rules.readings_per_point);
+    if (!old_zero) co_return tl::unexpected(old_zero.error());
+  }
+  for (std::size_t i = 0; i < bench.devices.interferometers(); ++i)
+    if (auto ok = co_await bench.devices.zero_interferometer(i); !ok)
+      co_return tl::unexpected(ok.error());
+  auto new_zero = co_await take_readings(scope, scope.rules.readings_per_point);
+  if (!new_zero) co_return tl::unexpected(new_zero.error());
+
+  DatumRecord datum{{}, scope.run, new_zero->measured, opening.reason, {}};
+  add_zero_of_scale(datum.values, bench.description, *new_zero);
+  if (old_zero)
+    datum.values.insert(datum.values.end(), old_zero->means.begin(), old_zero->means.end());
+  auto slow = co_await join_when_scanned(scope, datum.opened.utc);
+  if (!slow) co_return tl::unexpected(slow.error());
+  datum.values.insert(datum.values.end(), slow->begin(), slow->end());
+  if (old_zero) compare(bench.description, opening, *old_zero, datum, bench.events);
+
+  auto id = co_await bench.writer.call([datum](Store& store) {
+    crash_point("before_datum_commit");
+    auto stored = store.runs().open_datum(datum);
+    if (stored) crash_point("after_datum_commit");
+    return stored;
+  });
+  if (!id) co_return tl::unexpected(id.error());
+  datum.id = *id;
+  bench.events.record_own("datum.opened",
+                          fmt::format("datum {}: {}", datum.id.value, opening.reason), scope.run);
+  co_return datum;
+}
+
+}  // namespace driftwise::application

@@ -1,0 +1,72 @@
+#pragma once
+// The cell's devices, each asked by one at a time, and each watched: lost once, back once.
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/application/cell.h"
+#include "server/application/signal.h"
+
+namespace driftwise::application {
+
+class DeviceBench {
+ public:
+  // on_change: called when a device stops answering (with the error) and when it answers again
+  // (nullptr).
+  using OnChange = std::function<void(const DeviceDescription&, const Error*)>;
+  DeviceBench(asio::any_io_executor executor, Devices devices, OnChange on_change);
+  ~DeviceBench();
+
+  Awaitable<Result<MotionState>> motion_state();
+  Awaitable<Result<void>> home();
+  Awaitable<Result<void>> start_move(std::vector<double> q_mm);
+  Awaitable<Result<void>> stop();  // takes no turn: it interrupts whatever the controller is doing
+
+  std::size_t interferometers() const { return interferometers_.size(); }
+  std::size_t scanners() const { return scanners_.size(); }
+  std::size_t stabilisers() const { return stabilisers_.size(); }
+  Awaitable<Result<Reading>> read_interferometer(std::size_t i);
+  Awaitable<Result<void>> zero_interferometer(std::size_t i);
+  Awaitable<Result<Reading>> read_scanner(std::size_t i);
+  Awaitable<Result<Reading>> read_stabiliser(std::size_t i);
+  Awaitable<Result<void>> set_stabiliser(std::size_t i, double degc);
+
+  const DeviceDescription& controller_description() const;
+  const DeviceDescription& interferometer_description(std::size_t i) const;
+  const DeviceDescription& scanner_description(std::size_t i) const;
+  const DeviceDescription& stabiliser_description(std::size_t i) const;
+
+  // Connects what is not connected. The first error ends it.
+  Awaitable<Result<void>> prepare_for_run();
+  std::vector<DeviceStatus> status() const;
+  std::vector<std::string> lost() const;  // ids of the devices that do not answer
+  void close_all();
+
+ private:
+  template <class Port>
+  struct Seat {
+    Seat(const asio::any_io_executor& executor, std::unique_ptr<Port> d)
+        : device(std::move(d)), turn(executor) {}
+    std::unique_ptr<Port> device;
+    Turn turn;
+    int failures = 0;
+    bool lost = false;
+  };
+  template <class Port, class Call>
+  auto ask(Seat<Port>& seat, Call call) -> std::invoke_result_t<Call, Port&>;
+  template <class Port, class R>
+  void note(Seat<Port>& seat, const R& result);
+
+  OnChange on_change_;
+  std::unique_ptr<Seat<MotionController>> controller_;
+  std::vector<std::unique_ptr<Seat<Instrument>>> interferometers_, scanners_;
+  std::vector<std::unique_ptr<Seat<Stabiliser>>> stabilisers_;
+};
+
+// True for what a device that is away does to a call; false for a refusal, which asking again does
+// not change.
+bool is_device_loss(const Error& error);
+
+}  // namespace driftwise::application

@@ -1,0 +1,40 @@
+#pragma once
+// Who may move the robot: one client at a time, for a limited time, by a token that only it knows.
+// Pure but for the random token; the caller states the time.
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "server/core/cell_time.h"
+#include "server/core/result.h"
+
+namespace driftwise::application {
+
+struct Caller;
+struct Lease;
+
+class LeaseBook {
+ public:
+  LeaseBook();
+  ~LeaseBook();
+
+  // Without a token: a new lease, when nobody holds one or the last has run out. With the holder's
+  // token: renewed. duration: 1 s to 1 h of cell time. Errors: permission_denied LEASE_HELD (who,
+  // until when, what to do), LEASE_UNKNOWN (a token that is not the present one);
+  //   invalid_argument LEASE_DURATION.
+  Result<Lease> take(const Caller& caller, Nanoseconds duration, const std::string& token,
+                     CellTime now);
+  // Errors: permission_denied LEASE_UNKNOWN.
+  Result<void> give_up(const std::string& token, CellTime now);
+  // Errors: permission_denied LEASE_REQUIRED (no token), LEASE_HELD, LEASE_EXPIRED, LEASE_UNKNOWN.
+  Result<void> check(const std::string& token, CellTime now) const;
+
+  std::optional<Lease> present(CellTime now) const;  // its token blanked; none when it has run out
+
+ private:
+  struct Entry;
+  std::unique_ptr<Entry> entry_;
+};
+
+}  // namespace driftwise::application

@@ -1,0 +1,112 @@
+#include "server/application/recorder.h"
+
+#include <fmt/format.h>
+
+#include "server/application/spawn.h"
+
+namespace driftwise::application {
+
+Recorder::Recorder(asio::any_io_executor executor, Clock& clock, DeviceBench& bench,
+                   StoreWriter& writer, EventLog& events, LagMeter& lag, TaskCount& tasks)
+    : executor_(executor),
+      clock_(clock),
+      bench_(bench),
+      writer_(writer),
+      events_(events),
+      lag_(lag),
+      tasks_(tasks),
+      ended_(executor),
+      arrived_(executor) {}
+
+void Recorder::start() {
+  const auto begin = [this](Kind kind, std::size_t i, double period_s) {
+    if (period_s <= 0) return;
+    tasks_.begin();
+    spawn(executor_, read_for_ever(kind, i));
+  };
+  for (std::size_t i = 0; i < bench_.scanners(); ++i)
+    begin(Kind::scanner, i, bench_.scanner_description(i).period_s);
+  for (std::size_t i = 0; i < bench_.stabilisers(); ++i)
+    begin(Kind::stabiliser, i, bench_.stabiliser_description(i).period_s);
+  for (std::size_t i = 0; i < bench_.interferometers(); ++i)
+    begin(Kind::interferometer, i, bench_.interferometer_description(i).period_s);
+  tasks_.begin();
+  spawn(executor_, flush_for_ever());
+}
+
+void Recorder::shut_down() {
+  ending_ = true;
+  ended_.raise();
+}
+
+void Recorder::observe(const Reading& reading) {
+  history_.add(reading);
+  watchers_.publish(reading);
+  arrived_.raise();
+}
+
+Awaitable<void> Recorder::next_reading_until(CellTime instant) {
+  co_await sleep_unless(clock_, instant, arrived_);
+}
+
+Awaitable<Result<Reading>> Recorder::read(Kind kind, std::size_t i) {
+  switch (kind) {
+    case Kind::scanner:
+      return bench_.read_scanner(i);
+    case Kind::stabiliser:
+      return bench_.read_stabiliser(i);
+    case Kind::interferometer:
+      break;
+  }
+  return bench_.read_interferometer(i);
+}
+
+Awaitable<void> Recorder::read_for_ever(Kind kind, std::size_t i) {
+  const auto& description = kind == Kind::scanner      ? bench_.scanner_description(i)
+                            : kind == Kind::stabiliser ? bench_.stabiliser_description(i)
+                                                       : bench_.interferometer_description(i);
+  const auto period = nanoseconds_from_s(description.period_s);
+  auto due = clock_.now().utc;
+  while (!ending_) {
+    if (kind != Kind::interferometer || !lent_) {
+      if (auto reading = co_await read(
+              kind, i)) {  // what fails is told by the bench, and tried again next period
+        observe(*reading);
+        writer_.add(std::move(*reading));
+      }
+    }
+    // A late reading does not make the next ones come in a burst: periods that have passed are left
+    // out.
+    const auto now = clock_.now().utc;
+    due = due + period;
+    if (due <= now) due = now + (period - (now - due) % period);
+    if (!ending_) co_await lag_.sleep_unless(due, ended_);
+  }
+  tasks_.end();
+}
+
+Awaitable<void> Recorder::flush_for_ever() {
+  constexpr auto kEvery = std::chrono::seconds(5);
+  std::int64_t before_gap = 0;
+  bool dropping = false;
+  while (!ending_) {
+    co_await sleep_unless(clock_, clock_.now().utc + kEvery, ended_);
+    const auto stored = co_await writer_.flush();
+    if (!dropping && writer_.dropped() > before_gap) {
+      dropping = true;
+      events_.record_own(
+          "recorder.dropping",
+          fmt::format("nothing can be written and {} readings wait: newer ones are dropped",
+                      writer_.gathered()));
+    } else if (dropping && stored) {
+      dropping = false;
+      events_.record_own("recorder.dropped",
+                         fmt::format("{} readings were dropped while nothing could be written",
+                                     writer_.dropped() - before_gap));
+      before_gap = writer_.dropped();
+    }
+  }
+  tasks_.end();
+}
+
+}  // namespace driftwise::application

@@ -1,0 +1,58 @@
+#pragma once
+// What people want of the run under way. Set by commands, looked at by the engine between two
+// steps.
+
+#include <string>
+
+#include "server/application/signal.h"
+#include "server/core/result.h"
+
+namespace driftwise::application {
+
+class RunControl {
+ public:
+  explicit RunControl(const asio::any_io_executor& executor) : changed_(executor) {}
+
+  // The run holds after the present point (or where it waits) until resume(). why: "paused by ada".
+  void hold(std::string why) {
+    held_ = true;
+    hold_reason_ = std::move(why);
+    changed_.raise();
+  }
+  void resume() {
+    held_ = false;
+    changed_.raise();
+  }
+  void abort(std::string why) {
+    if (aborted_) return;
+    aborted_ = true;
+    abort_reason_ = std::move(why);
+    changed_.raise();
+  }
+  // The daemon ends: the run keeps its state and goes on with the next start.
+  void shut_down() {
+    shutting_down_ = true;
+    changed_.raise();
+  }
+
+  bool held() const { return held_; }
+  bool aborted() const { return aborted_; }
+  bool shutting_down() const { return shutting_down_; }
+  const std::string& hold_reason() const { return hold_reason_; }
+  // Errors: aborted RUN_ABORTED, cancelled SHUTTING_DOWN. A hold is no error: the engine asks
+  // held() after a point.
+  Result<void> check() const {
+    if (shutting_down_)
+      return fail(ErrorCode::cancelled, "SHUTTING_DOWN", "the daemon is shutting down");
+    if (aborted_) return fail(ErrorCode::aborted, "RUN_ABORTED", abort_reason_);
+    return {};
+  }
+  Signal& changed() { return changed_; }
+
+ private:
+  bool held_ = false, aborted_ = false, shutting_down_ = false;
+  std::string hold_reason_, abort_reason_;
+  Signal changed_;
+};
+
+}  // namespace driftwise::application

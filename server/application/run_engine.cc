@@ -1,0 +1,270 @@
+#include "server/application/run_engine.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <boost/asio/post.hpp>
+#include <cmath>
+
+#include "server/application/joining.h"
+#include "server/application/motion.h"
+#include "server/application/recovery.h"
+#include "server/application/run_state_store.h"
+#include "server/application/sampling.h"
+#include "server/application/spawn.h"
+#include "server/application/start_checks.h"
+#include "server/application/trouble.h"
+
+namespace driftwise::application {
+
+RunEngine::RunEngine(asio::any_io_executor executor, Workbench& bench, Hooks hooks,
+                     TaskCount& tasks)
+    : executor_(executor), bench_(bench), hooks_(std::move(hooks)), tasks_(tasks) {}
+
+RunEngine::~RunEngine() = default;
+
+void RunEngine::begin(RunRecord record, RunPlan plan, Trajectory trajectory,
+                      std::optional<Before> before) {
+  run_ = std::make_unique<ActiveRun>(executor_, bench_, std::move(record), std::move(plan),
+                                     std::move(trajectory));
+  before_ = std::move(before);
+  auto& run = *run_;
+  run.continued = before_.has_value();
+  run.scope.phase = [this](std::string phase) {
+    run_->progress.phase = std::move(phase);
+    publish();
+  };
+  run.scope.enter_waiting = [this](std::string why) {
+    return change(*run_, RunState::waiting, std::move(why));
+  };
+  run.scope.leave_waiting = [this] { return change(*run_, RunState::running, ""); };
+  tasks_.begin();
+  spawn(executor_, execute());
+}
+
+Awaitable<void> RunEngine::execute() {
+  auto& run = *run_;
+  bench_.lag.start_again();
+  bench_.recorder.lend_interferometers(true);
+  Result<void> outcome = co_await take_up(run);
+  if (outcome) outcome = co_await carry_out(run);
+  co_await finish(run, outcome);
+  bench_.recorder.lend_interferometers(false);
+  // Whoever was told that the run is over may begin the next one at once.
+  const auto ended = std::move(run_);
+  publishing_ = false;
+  watchers_.publish(*last_progress_);
+  tasks_.end();
+}
+
+// Makes the run's record say that it runs, and what became of it while the daemon was away.
+Awaitable<Result<void>> RunEngine::take_up(ActiveRun& run) {
+  wanted_datum_ = DatumOpening{"start", false, true, {}, {}};
+  if (!before_) {
+    run.record.started = bench_.clock.now().utc;
+    bench_.events.record_own(
+        "run.started",
+        fmt::format("run {} '{}': {} rows", run.record.id.value, run.record.name, run.record.rows),
+        run.record.id);
+    co_return co_await change(run, RunState::running, "");
+  }
+  for (const auto& attempt : before_->attempts) {
+    auto& number = run.attempts_of_row[attempt.row];
+    number = std::max(number, attempt.number);
+  }
+  const std::string what = before_->killed ? "restart after a kill" : "restart";
+  wanted_datum_ = continue_from(bench_.description, what, *this->before_);
+  ++run.record.restarts;
+  bench_.events.record_own("run.restarted",
+                           fmt::format("{}: goes on with row {}", what, run.record.place.next_row),
+                           run.record.id);
+  if (before_->killed)
+    if (auto ok = co_await record_interruption(run); !ok) co_return ok;
+  const bool was_paused = run.record.state == RunState::paused;
+  if (was_paused) run.control.hold(run.record.reason);
+  co_return co_await change(run, was_paused ? RunState::paused : RunState::running,
+                            was_paused ? run.record.reason : "");
+}
+
+Awaitable<Result<void>> RunEngine::carry_out(ActiveRun& run) {
+  int troubles_in_a_row = 0;
+  while (true) {
+    const auto attempts_before = run.record.accepted + run.record.given_up;
+    Result<void> outcome = co_await walk(run);
+    if (outcome) co_return outcome;
+    troubles_in_a_row =
+        run.record.accepted + run.record.given_up > attempts_before ? 1 : troubles_in_a_row + 1;
+    // What a device says about being stopped matters less than who wanted it.
+    if (auto ok = run.control.check(); !ok) co_return ok;
+    if (auto ok = co_await overcome(run, outcome.error(), troubles_in_a_row); !ok) co_return ok;
+  }
+}
+
+Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
+  if (run.control.held())
+    if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
+  if (wanted_datum_)
+    if (auto ok = co_await new_datum(run); !ok) co_return ok;
+  while (const auto visit = next_visit(run.trajectory, run.record.place)) {
+    if (auto ok = run.control.check(); !ok) co_return ok;
+    if (run.control.held())
+      if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
+    const auto& row = run.trajectory.points[static_cast<std::size_t>(visit->row)];
+    run.progress.row = visit->row;
+    run.progress.line = row.line;
+    const auto begin = bench_.clock.now().utc;
+    auto result = co_await visit_row(run, *visit, hooks_.command_for);
+    if (!result) co_return tl::unexpected(result.error());
+    run.pace.add(seconds_from(bench_.clock.now().utc - begin));
+    if (result->point && row.zero) note_closure(run, result->point->values, row.line);
+    publish();
+    if (return_to_zero_is_due(run.trajectory, run.record.place, visit->row))
+      if (auto ok = co_await return_to_zero(run, row.line); !ok) co_return ok;
+  }
+  co_return Result<void>{};
+}
+
+Awaitable<Result<void>> RunEngine::prepare(ActiveRun& run) {
+  run.scope.phase("checking");
+  if (auto ok = co_await bench_.devices.prepare_for_run(); !ok) co_return ok;
+  co_return co_await check_thermometers(run.scope);
+}
+
+Awaitable<Result<void>> RunEngine::new_datum(ActiveRun& run) {
+  if (auto ok = co_await prepare(run); !ok) co_return ok;
+  auto datum = co_await open_datum(run.scope, *wanted_datum_);
+  if (!datum) co_return tl::unexpected(datum.error());
+  run.datum = std::move(*datum);
+  run.closures.clear();
+  wanted_datum_.reset();
+  hooks_.datum_opened(*run.datum);
+  co_return Result<void>{};
+}
+
+Awaitable<Result<void>> RunEngine::return_to_zero(ActiveRun& run, std::int64_t line) {
+  const std::vector<double> zero_mm(bench_.description.motor_channels().size(), 0.0);
+  auto arrival = co_await go_to(run.scope, zero_mm, fmt::format("zero after line {}", line));
+  if (!arrival) co_return tl::unexpected(arrival.error());
+  auto sampling = co_await take_readings(run.scope, run.plan.rules.readings_per_point);
+  if (!sampling) co_return tl::unexpected(sampling.error());
+  for (auto& reading : sampling->readings) bench_.writer.add(std::move(reading));
+  auto slow = co_await join_when_scanned(run.scope, sampling->measured.utc);
+  if (!slow) co_return tl::unexpected(slow.error());
+  auto values = std::move(*slow);
+  const auto motors = bench_.description.motor_channels();
+  for (std::size_t i = 0; i < motors.size(); ++i)
+    values.push_back({motors[i].name(), sampling->q_mm[i]});
+  values.insert(values.end(), sampling->means.begin(), sampling->means.end());
+  note_closure(run, values, line);
+  co_return Result<void>{};
+}
+
+void RunEngine::note_closure(ActiveRun& run, const std::vector<ChannelValue>& values,
+                             std::int64_t line) {
+  const auto closure = closure_nm(bench_.description, *run.datum, values);
+  if (!closure) return;
+  run.progress.last_closure_nm = *closure;
+  run.closures.push_back({warming_since(bench_.description, *run.datum, values), *closure});
+  bench_.events.record_own(
+      "run.closure",
+      fmt::format("line {}: back at zero {:+.1f} nm from where datum {} had it", line, *closure,
+                  run.datum->id.value),
+      run.record.id);
+}
+
+Awaitable<Result<void>> RunEngine::overcome(ActiveRun& run, const Error& error,
+                                            int troubles_in_a_row) {
+  constexpr int kPatience = 5;
+  auto remedy = remedy_for(error);
+  if (remedy == Remedy::leave || remedy == Remedy::abort || remedy == Remedy::fail)
+    co_return tl::unexpected(error);
+  run.scope.phase("waiting");
+  static_cast<void>(
+      co_await bench_.devices.stop());  // an axis that cannot be reached stands by its own watchdog
+  bench_.events.record_own("run.trouble", error.message, run.record.id);
+  if (troubles_in_a_row >= kPatience && remedy == Remedy::wait_for_device && !is_device_loss(error))
+    remedy = Remedy::hold;
+  if (remedy == Remedy::hold) {
+    run.control.hold(error.message);
+    if (auto ok = co_await hold(run, RunState::waiting); !ok) co_return ok;
+  } else if (auto ok = co_await change(run, RunState::waiting, error.message); !ok) {
+    co_return ok;
+  }
+  const auto recovery = co_await wait_for_devices(run.scope);
+  if (!recovery) co_return tl::unexpected(recovery.error());
+  const bool beam_lost = recovery->beam_lost || remedy == Remedy::new_datum;
+  if (beam_lost || recovery->reference_lost)
+    wanted_datum_ =
+        DatumOpening{beam_lost ? "beam lost" : "reference lost", recovery->reference_lost, false,
+                     beam_lost ? std::nullopt : run.datum, run.closures};
+  co_return co_await change(run, RunState::running, "");
+}
+
+Awaitable<Result<void>> RunEngine::hold(ActiveRun& run, RunState state) {
+  if (auto ok = co_await change(run, state, run.control.hold_reason()); !ok) co_return ok;
+  run.scope.phase(state == RunState::paused ? "paused" : "waiting for a person");
+  while (run.control.held()) {
+    if (auto ok = run.control.check(); !ok) co_return ok;
+    co_await run.control.changed().wait();
+  }
+  if (auto ok = run.control.check(); !ok) co_return ok;
+  co_return co_await change(run, RunState::running, "");
+}
+
+Awaitable<Result<void>> RunEngine::change(ActiveRun& run, RunState state, std::string reason) {
+  run.record.state = state;
+  run.record.reason = std::move(reason);
+  run.record.max_lag_s = std::max(run.record.max_lag_s, bench_.lag.largest_s());
+  publish();
+  co_return co_await store_state(run);
+}
+
+Awaitable<void> RunEngine::finish(ActiveRun& run, const Result<void>& outcome) {
+  const auto remedy = outcome ? Remedy::abort : remedy_for(outcome.error());
+  if (!outcome && remedy == Remedy::leave) {
+    static_cast<void>(co_await bench_.devices.stop());
+    const auto state = run.record.state == RunState::paused ? RunState::paused : RunState::waiting;
+    const auto reason =
+        state == RunState::paused ? run.record.reason : std::string(kShutDownReason);
+    static_cast<void>(co_await change(run, state, reason));
+    run.progress.phase = "ended with the daemon";
+    publish();
+    co_return;
+  }
+  if (!outcome) static_cast<void>(co_await bench_.devices.stop());
+  run.record.ended = bench_.clock.now().utc;
+  const auto state = outcome                   ? RunState::done
+                     : remedy == Remedy::abort ? RunState::aborted
+                                               : RunState::failed;
+  auto stored = co_await change(run, state, outcome ? "" : outcome.error().message);
+  if (!stored)
+    spdlog::error("the end of run {} is not stored: {}", run.record.id.value,
+                  stored.error().message);
+  bench_.events.record_own(
+      fmt::format("run.{}", to_string(state)),
+      outcome ? fmt::format("{} points accepted, {} given up, largest lag {:.2f} s",
+                            run.record.accepted, run.record.given_up, run.record.max_lag_s)
+              : outcome.error().message,
+      run.record.id);
+  run.progress.phase = std::string(to_string(state));
+  publish();
+}
+
+void RunEngine::publish() {
+  auto& run = *run_;
+  run.progress.run = run.record;
+  run.progress.sequence = ++sequence_;
+  run.progress.estimated_end =
+      is_over(run.record.state)
+          ? run.record.ended
+          : run.pace.estimated_end(bench_.clock.now().utc,
+                                   visits_left(run.trajectory, run.record.place));
+  last_progress_ = run.progress;
+  // Several changes in one turn of the executor are told once, with the latest state.
+  if (std::exchange(publishing_, true)) return;
+  asio::post(executor_, [this] {
+    if (std::exchange(publishing_, false)) watchers_.publish(*last_progress_);
+  });
+}
+
+}  // namespace driftwise::application

@@ -1,0 +1,70 @@
+#pragma once
+// Executes one run at a time: checks, datum, points, returns to zero; waits out what devices, disk
+// and people do to it; and goes on with a run that was under way when the daemon ended. Executor's
+// thread.
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "server/application/active_run.h"
+#include "server/application/point_visit.h"
+#include "server/application/watch_list.h"
+
+namespace driftwise::application {
+
+class RunEngine {
+ public:
+  struct Hooks {
+    CommandFor command_for;                                // where a row is moved to
+    std::function<void(const DatumRecord&)> datum_opened;  // serving anchors to it
+  };
+  RunEngine(asio::any_io_executor executor, Workbench& bench, Hooks hooks, TaskCount& tasks);
+  ~RunEngine();
+
+  // What is known of a run that is gone on with, read from the store beforehand.
+  struct Before {
+    std::vector<AttemptRecord> attempts;
+    std::vector<PointRecord> zeros;  // its accepted returns to zero
+    std::vector<DatumRecord> data;
+    bool killed = true;  // false: the daemon ended in good order
+  };
+  // The run must not be over, and none may be under way. Returns at once.
+  void begin(RunRecord record, RunPlan plan, Trajectory trajectory, std::optional<Before> before);
+
+  bool busy() const { return run_ != nullptr; }
+  RunControl* control() { return run_ ? &run_->control : nullptr; }
+  const RunRecord* record() const { return run_ ? &run_->record : nullptr; }
+  // The run under way, else the last one that ended.
+  const std::optional<RunProgress>& progress() const { return last_progress_; }
+  WatchList<RunProgress>& watchers() { return watchers_; }
+
+ private:
+  Awaitable<void> execute();
+  Awaitable<Result<void>> carry_out(ActiveRun& run);
+  Awaitable<Result<void>> prepare(ActiveRun& run);
+  Awaitable<Result<void>> walk(ActiveRun& run);
+  Awaitable<Result<void>> overcome(ActiveRun& run, const Error& error, int troubles_in_a_row);
+  Awaitable<Result<void>> hold(ActiveRun& run, RunState state);
+  Awaitable<Result<void>> new_datum(ActiveRun& run);
+  Awaitable<Result<void>> return_to_zero(ActiveRun& run, std::int64_t line);
+  Awaitable<Result<void>> change(ActiveRun& run, RunState state, std::string reason);
+  Awaitable<void> finish(ActiveRun& run, const Result<void>& outcome);
+  Awaitable<Result<void>> take_up(ActiveRun& run);
+  void note_closure(ActiveRun& run, const std::vector<ChannelValue>& values, std::int64_t line);
+  void publish();
+
+  asio::any_io_executor executor_;
+  Workbench& bench_;
+  Hooks hooks_;
+  TaskCount& tasks_;
+  std::unique_ptr<ActiveRun> run_;
+  std::optional<DatumOpening> wanted_datum_;  // to be opened before the next point
+  std::optional<Before> before_;
+  std::optional<RunProgress> last_progress_;
+  std::int64_t sequence_ = 0;
+  bool publishing_ = false;
+  WatchList<RunProgress> watchers_;
+};
+
+}  // namespace driftwise::application

@@ -1,0 +1,173 @@
+#include "server/application/serving.h"
+
+#include <fmt/format.h>
+
+#include "server/application/spawn.h"
+#include "server/compensation/target.h"
+#include "server/formats/model_json.h"
+
+namespace driftwise::application {
+namespace {
+
+constexpr auto kMemory = std::chrono::hours(6);  // longer than any lag the catalogue fits
+constexpr int kMemoryReadings = 50'000;
+constexpr auto kShortestRebuild = std::chrono::milliseconds(500);
+
+}  // namespace
+
+Serving::Serving(asio::any_io_executor executor, const CellDescription& description, Clock& clock,
+                 Recorder& recorder, StoreReader& reader, EventLog& events, TaskCount& tasks)
+    : executor_(executor),
+      description_(description),
+      clock_(clock),
+      recorder_(recorder),
+      reader_(reader),
+      events_(events),
+      tasks_(tasks),
+      ended_(executor) {}
+
+void Serving::start() {
+  watch_ = recorder_.watchers().add([this](const Reading& reading) { observe(reading); });
+  tasks_.begin();
+  spawn(executor_, rebuild_for_ever());
+}
+
+void Serving::shut_down() {
+  ending_ = true;
+  ended_.raise();
+}
+
+Awaitable<Result<Serving::Followed>> Serving::load(ModelRecord record) {
+  auto model = formats::read_model_json(record.json);
+  if (!model) co_return tl::unexpected(model.error());
+  const auto runs = model->lineage.runs;
+  auto builder = compensation::SnapshotBuilder::create(std::move(*model), record.id, description_);
+  if (!builder) co_return tl::unexpected(builder.error());
+  Followed followed{std::move(*builder), std::nullopt};
+  if (!runs.empty()) {
+    const auto data = co_await reader_.call(
+        [run = runs.front()](Store& store) { return store.runs().data(run); });
+    if (data && !data->empty()) followed.own_datum = data->front().id;
+  }
+  const auto now = clock_.now().utc;
+  const auto stored = co_await reader_.call([now](Store& store) {
+    return store.readings().readings("", now - kMemory, now, kMemoryReadings);
+  });
+  if (stored)
+    for (const auto& reading : *stored) followed.builder.observe(reading);
+  // What has not reached the disk yet.
+  for (const auto& latest : recorder_.history().latest()) {
+    const ChannelValue value{latest.channel, latest.value};
+    if (!is_missing(latest.value)) followed.builder.observe({&value, 1}, latest.at);
+  }
+  co_return followed;
+}
+
+Awaitable<Result<void>> Serving::serve(std::optional<ModelRecord> model) {
+  if (model) {
+    auto loaded = co_await load(*model);
+    if (!loaded) co_return tl::unexpected(loaded.error());
+    const auto [entry, _] = followed_.insert_or_assign(model->id, std::move(*loaded));
+    set_anchor(entry->second);
+    serving_ = model->id;
+  } else {
+    serving_.reset();
+  }
+  rebuild();
+  co_return Result<void>{};
+}
+
+Awaitable<Result<void>> Serving::follow(ModelRecord model) {
+  if (followed_.contains(model.id)) co_return Result<void>{};
+  auto loaded = co_await load(model);
+  if (!loaded) co_return tl::unexpected(loaded.error());
+  const auto [entry, _] = followed_.insert_or_assign(model.id, std::move(*loaded));
+  set_anchor(entry->second);
+  co_return Result<void>{};
+}
+
+void Serving::anchor(const DatumRecord& datum) {
+  datum_ = datum;
+  for (auto& [id, followed] : followed_) set_anchor(followed);
+  rebuild();
+}
+
+void Serving::set_anchor(Followed& followed) {
+  trouble_.clear();
+  if (!datum_) return;
+  if (followed.own_datum == datum_->id) {
+    followed.builder.keep_model_datum();
+    return;
+  }
+  if (const auto ok = followed.builder.anchor(datum_->values); !ok) {
+    trouble_ = fmt::format("datum {} does not anchor the served model: {}", datum_->id.value,
+                           ok.error().message);
+    events_.record_own("serving.unanchored", trouble_);
+  }
+}
+
+void Serving::observe(const Reading& reading) {
+  for (auto& [id, followed] : followed_) followed.builder.observe(reading);
+  if (!serving_ || clock_.now().utc - built_at_ < kShortestRebuild) return;
+  const auto& domain = followed_.at(*serving_).builder.model().domain;
+  for (const auto& range : domain)
+    if (!is_pose_symbol(range.channel.symbol) && reading.find(range.channel.name())) {
+      rebuild();
+      return;
+    }
+}
+
+void Serving::rebuild() {
+  built_at_ = clock_.now().utc;
+  const bool published = board_.publish(serving_ ? followed_.at(*serving_).builder.build(built_at_)
+                                                 : compensation::Snapshot{});
+  if (published) watchers_.publish();
+}
+
+Awaitable<void> Serving::rebuild_for_ever() {
+  const auto period = nanoseconds_from_s(std::max(0.1, description_.serving.rebuild_period_s));
+  while (!ending_) {
+    if (serving_) rebuild();
+    co_await sleep_unless(clock_, clock_.now().utc + period, ended_);
+  }
+  tasks_.end();
+}
+
+Result<std::vector<double>> Serving::targets(const std::vector<Channel>& coordinates,
+                                             const TrajectoryPoint& point,
+                                             std::optional<ModelId> model) const {
+  if (!model) model = serving_;
+  if (!model)
+    return fail(ErrorCode::failed_precondition, "NO_MODEL",
+                "no model serves: promote one, or run without compensation");
+  const auto found = followed_.find(*model);
+  if (found == followed_.end())
+    return fail(ErrorCode::not_found, "MODEL_NOT_FOLLOWED",
+                fmt::format("model {} is not loaded", model->value));
+  const auto now = clock_.now().utc;
+  const auto snapshot = found->second.builder.build(now);
+  compensation::TargetRequest request;
+  request.now = now;
+  request.with_uncertainty = false;
+  for (std::size_t i = 0; i < coordinates.size(); ++i)
+    if (const auto variable = compensation::variable_from(coordinates[i].symbol))
+      request.set(*variable, point.target_mm[i]);
+  if (point.force_n) request.set(compensation::Variable::force, *point.force_n);
+  const auto target = compensation::compute_target(snapshot, request);
+  if (target.refusal != compensation::Refusal::none)
+    return tl::unexpected(compensation::refusal_error(snapshot, target));
+  std::vector<double> q_mm;
+  for (const auto& axis : description_.motor_channels()) {
+    std::size_t output = 0;
+    while (output < target.outputs && snapshot.outputs[output].channel.symbol != axis.symbol)
+      ++output;
+    if (output == target.outputs)
+      return fail(ErrorCode::failed_precondition, "NOT_ALL_AXES",
+                  fmt::format("model {} gives no {}: fit all motor coordinates", model->value,
+                              axis.name()));
+    q_mm.push_back(target.q_mm[output]);
+  }
+  return q_mm;
+}
+
+}  // namespace driftwise::application

@@ -1,0 +1,98 @@
+#pragma once
+// The few waiting tools of the executor's thread: a signal, a turn, a place to count tasks, a hop
+// to another thread. Everything here belongs to one thread and needs no mutex.
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/as_tuple.hpp>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/this_coro.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <type_traits>
+#include <utility>
+
+#include "server/core/ports/awaitable.h"
+#include "server/core/ports/clock.h"
+
+namespace driftwise::application {
+
+// Whoever waits resumes at the next raise(). Nothing is remembered: look at your condition first,
+// then wait.
+class Signal {
+ public:
+  explicit Signal(const asio::any_io_executor& executor)
+      : timer_(executor, asio::steady_timer::time_point::max()) {}
+  void raise() { timer_.cancel(); }
+  // Also resumes when the waiting coroutine is cancelled.
+  Awaitable<void> wait() { co_await timer_.async_wait(asio::as_tuple(asio::use_awaitable)); }
+
+ private:
+  asio::steady_timer timer_;
+};
+
+// Sleeps until the instant or until the signal is raised, whichever comes first.
+Awaitable<void> sleep_unless(Clock& clock, CellTime instant, Signal& signal);
+
+// One at a time: a device answers one question before it hears the next. First come, first served
+// among those that wait when it becomes free.
+class Turn {
+ public:
+  explicit Turn(const asio::any_io_executor& executor) : free_(executor) {}
+
+  class Held {
+   public:
+    explicit Held(Turn* turn) : turn_(turn) {}
+    Held(Held&& other) noexcept : turn_(std::exchange(other.turn_, nullptr)) {}
+    Held& operator=(Held&&) = delete;
+    ~Held() {
+      if (turn_) turn_->release();
+    }
+
+   private:
+    Turn* turn_;
+  };
+
+  Awaitable<Held> take() {
+    while (taken_) co_await free_.wait();
+    taken_ = true;
+    co_return Held(this);
+  }
+  bool taken() const { return taken_; }
+
+ private:
+  void release() {
+    taken_ = false;
+    free_.raise();
+  }
+  bool taken_ = false;
+  Signal free_;
+};
+
+// How many coroutines of the cell are alive: shut_down() waits until there are none.
+class TaskCount {
+ public:
+  explicit TaskCount(const asio::any_io_executor& executor) : ended_(executor) {}
+  void begin() { ++count_; }
+  void end() {
+    if (--count_ == 0) ended_.raise();
+  }
+  Awaitable<void> all_ended() {
+    while (count_ > 0) co_await ended_.wait();
+  }
+  int count() const { return count_; }
+
+ private:
+  int count_ = 0;
+  Signal ended_;
+};
+
+// Runs a plain function on another thread's executor and comes back with its result. The function
+// owns what it uses. An exception comes back as an exception.
+template <class Function>
+Awaitable<std::invoke_result_t<Function&>> run_on(asio::any_io_executor where, Function function) {
+  using R = std::invoke_result_t<Function&>;
+  constexpr auto body = [](Function f) -> Awaitable<R> { co_return f(); };  // captures nothing
+  co_return co_await asio::co_spawn(where, body(std::move(function)), asio::use_awaitable);
+}
+
+}  // namespace driftwise::application

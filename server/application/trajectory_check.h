@@ -1,0 +1,18 @@
+#pragma once
+// A trajectory against the cell: limits of every row, plausibility, duration. Pure.
+
+#include <string>
+
+#include "server/application/cell.h"
+
+namespace driftwise::application {
+
+// text: the trajectory CSV; name: stands in front of messages.
+// Errors, invalid_argument: those of read_trajectory_csv; WRONG_COORDINATES (not those of this
+// cell); out_of_range: SOFT_LIMIT, naming row, field, value and limit, and how many more rows are
+// outside. Warnings: rows visited at once again, no validation rows, no return to zero, forces
+// without an actuator.
+Result<TrajectoryCheck> check_trajectory_text(const CellDescription& description,
+                                              const std::string& name, const std::string& text);
+
+}  // namespace driftwise::application

@@ -1,0 +1,52 @@
+#pragma once
+// What the parts of the engine work with. References into the Cell, which outlives every run.
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "server/application/device_bench.h"
+#include "server/application/event_log.h"
+#include "server/application/lag_meter.h"
+#include "server/application/recorder.h"
+#include "server/application/run_control.h"
+#include "server/application/store_writer.h"
+
+namespace driftwise::application {
+
+struct Workbench {
+  const CellDescription& description;
+  Clock& clock;
+  DeviceBench& devices;
+  Recorder& recorder;
+  StoreWriter& writer;
+  EventLog& events;
+  LagMeter& lag;
+};
+
+// One run's view of it.
+struct RunScope {
+  Workbench& bench;
+  RunControl& control;
+  RunRules rules;
+  std::optional<RunId> run;                // none: a movement by hand
+  std::function<void(std::string)> phase;  // shown to watchers: "moving"
+  std::function<Awaitable<Result<void>>(std::string)>
+      enter_waiting;  // state waiting, with the reason, on record
+  std::function<Awaitable<Result<void>>()> leave_waiting;  // ... and running again
+
+  // Until the instant, or earlier with an error when the run is aborted or the daemon ends.
+  Awaitable<Result<void>> sleep_until(CellTime instant) {
+    while (bench.clock.now().utc < instant) {
+      if (auto ok = control.check(); !ok) co_return ok;
+      co_await bench.lag.sleep_unless(instant, control.changed());
+    }
+    co_return control.check();
+  }
+  Awaitable<Result<void>> sleep_s(double seconds) {
+    return sleep_until(bench.clock.now().utc + nanoseconds_from_s(seconds));
+  }
+};
+
+}  // namespace driftwise::application
