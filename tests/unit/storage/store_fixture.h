@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <string>
 
+#include "storage/database.h"
 #include "storage/sqlite_store.h"
 
 namespace driftwise::storage {
