@@ -1,0 +1,103 @@
+#include "drivers/simulated/emulators/fault_desk.h"
+
+#include "drivers/simulated/emulators/text.h"
+
+namespace driftwise::simulated {
+namespace {
+
+constexpr std::string_view kHelp =
+    "fault drop|mute|garble|slow|disturb <device> [<n> s] | fault break-beam | fault "
+    "open-probe|mend-probe "
+    "<input> | fault clear [<device>] | truth? | time? | help";
+constexpr double kUsualShock_nm = 60;
+
+std::string wrong(const std::string& what) { return "ERR " + what; }
+
+// The number before the unit: "<n> s" anywhere in the words.
+std::optional<double> quantity(const std::vector<std::string_view>& words, std::string_view unit) {
+  for (std::size_t i = 1; i < words.size(); ++i)
+    if (words[i] == unit) return parse_number(words[i - 1]);
+  return std::nullopt;
+}
+
+}  // namespace
+
+void FaultDesk::receive(Session session, std::string_view bytes, TimeNs now) {
+  const auto found = input_.find(session);
+  if (found == input_.end()) return;
+  for (const char c : bytes) {
+    auto line = found->second.push(c);
+    if (!line) continue;
+    if (line->text.ends_with('\r')) line->text.pop_back();
+    if (line->overrun)
+      send(session, "ERR line too long\n", now);
+    else if (!trim(line->text).empty())
+      send(session, answer(line->text, now) + "\n", now);
+  }
+}
+
+std::string FaultDesk::answer(std::string_view line, TimeNs now) {
+  const auto words = split_blanks(line);
+  if (words.empty()) return wrong("empty line");
+  if (words[0] == "help") return "OK " + std::string(kHelp);
+  if (words[0] == "time?") return "OK " + std::to_string(now);
+  if (words[0] == "truth?")
+    return hooks_.truth_json ? "OK " + hooks_.truth_json(now) : wrong("this cell cannot do that");
+  if (words[0] == "fault" && words.size() >= 2) return fault(words, now);
+  return wrong("found '" + std::string(line.substr(0, 80)) + "', expected " + std::string(kHelp));
+}
+
+std::string FaultDesk::fault(const std::vector<std::string_view>& words, TimeNs now) {
+  const std::string_view verb = words[1];
+  const std::string unable = wrong("this cell cannot do that");
+  if (verb == "break-beam") {
+    if (!hooks_.break_beam) return unable;
+    hooks_.break_beam(now);
+    return "OK";
+  }
+  if (verb == "open-probe" || verb == "mend-probe") {
+    const auto input = words.size() == 3 ? parse_integer(words[2]) : std::nullopt;
+    if (!input) return wrong("expected fault " + std::string(verb) + " <input>, such as 103");
+    if (!hooks_.open_probe) return unable;
+    return hooks_.open_probe(*input, verb == "open-probe") ? "OK" : wrong("no probe on this input");
+  }
+  if (verb == "clear" && words.size() == 2) {
+    for (std::size_t i = 0; i < bench_.size(); ++i) bench_.faults(i) = Faults{};
+    return "OK";
+  }
+  const auto device = words.size() >= 3 ? bench_.find(std::string(words[2])) : std::nullopt;
+  if (!device) {
+    std::string ids;
+    for (std::size_t i = 0; i < bench_.size(); ++i) ids += " " + bench_.id(i);
+    return wrong("expected fault " + std::string(verb) + " <device>, one of" + ids);
+  }
+  Faults& faults = bench_.faults(*device);
+  const auto seconds = quantity(words, "s");
+  if (seconds && (*seconds < 0 || *seconds > 1e7)) return wrong("seconds out of range");
+  const TimeNs span = nanoseconds_from(seconds.value_or(0));
+  if (verb == "drop") {
+    if (!hooks_.drop) return unable;
+    hooks_.drop(*device, seconds.value_or(0));
+  } else if (verb == "garble") {
+    if (seconds)
+      faults.garble_until = now + span;
+    else
+      faults.garble_next = 1;
+  } else if (verb == "clear") {
+    faults = Faults{};
+  } else if (!seconds) {
+    return wrong("expected fault " + std::string(verb) + " <device> <n> s");
+  } else if (verb == "mute") {
+    faults.mute_until = now + span;
+  } else if (verb == "slow") {
+    faults.slow_ns = span;
+  } else if (verb == "disturb") {
+    if (!hooks_.disturb) return unable;
+    hooks_.disturb(now, now + span, quantity(words, "nm").value_or(kUsualShock_nm));
+  } else {
+    return wrong("no fault '" + std::string(verb) + "'; there are " + std::string(kHelp));
+  }
+  return "OK";
+}
+
+}  // namespace driftwise::simulated

@@ -1,0 +1,209 @@
+// driftwise-cellsim: a simulated measuring cell that speaks its instruments' real wire protocols on
+// loopback ports.
+
+#include <signal.h>
+#include <sys/prctl.h>
+
+#include <CLI/CLI.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "drivers/simulated/emulators/cell_server.h"
+#include "drivers/simulated/emulators/text.h"
+#include "drivers/simulated/plant/make_plant.h"
+
+namespace driftwise::simulated {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr int kExitUsage = 2, kExitBadInput = 3;
+
+constexpr const char* kExamples = R"(Examples:
+  # the demo's cell, 200 times as fast as life, in a folder of its own
+  driftwise-cellsim --plant deploy/cells/linear-axis/plant.toml \
+      --cell deploy/cells/linear-axis/cell.toml --instantiate /tmp/cell --speed 200
+  driftwised --cell /tmp/cell/cell.toml
+
+  # another controller model, no chopping of replies, quiet room
+  driftwise-cellsim ... --set emulator.pi.ini=false --set wire.chop=false --set room.wander_w=0
+
+  # every switch of every device
+  driftwise-cellsim --switches
+
+A line READY {"axis":"127.0.0.1:40123",...} on standard output says that it serves. SIGTERM or SIGINT ends it.
+Without --instantiate it serves at the addresses that stand in the cell file, at the cell file's own speed.
+What goes wrong on purpose is told to the port "control" (a line "help" lists it); see docs/emulators.md.)";
+
+struct Arguments {
+  fs::path plant, cell, instance;
+  double speed = 0;  // 0: the cell file's
+  std::uint64_t seed = 1;
+  std::vector<std::string> settings;
+};
+
+void print_switches() {
+  const auto print = [](std::string_view section, const std::vector<SwitchDescription>& all) {
+    for (const auto& one : all)
+      std::printf("%.*s.%.*s = %.*s  (%.*s) %.*s\n", static_cast<int>(section.size()),
+                  section.data(), static_cast<int>(one.name.size()), one.name.data(),
+                  static_cast<int>(one.default_value.size()), one.default_value.data(),
+                  static_cast<int>(one.tag.size()), one.tag.data(),
+                  static_cast<int>(one.meaning.size()), one.meaning.data());
+  };
+  for (const auto& kind : emulator_kinds())
+    print("emulator." + std::string(kind.section), *kind.switches);
+  print("wire", wire_switches());
+}
+
+std::string truth_json(LinearAxisPlant& plant, TimeNs now) {
+  const Truth truth = plant.truth(now);
+  nlohmann::ordered_json json{{"time_ns", truth.time},
+                              {"commanded_nm", truth.commanded_nm},
+                              {"q_scale_nm", truth.q_scale_nm},
+                              {"end_effector_nm", truth.end_effector_nm},
+                              {"interferometer_true_nm", truth.interferometer_true_nm},
+                              {"robot_drift_nm", truth.robot_drift_nm},
+                              {"device_drift_nm", truth.device_drift_nm},
+                              {"air_error_nm", truth.air_error_nm},
+                              {"geometry_nm", truth.geometry_nm},
+                              {"air_degC", truth.air_degc},
+                              {"room_degC", truth.room_degc},
+                              {"pressure_hPa", truth.pressure_hpa}};
+  const auto names = plant.node_names();
+  for (std::size_t i = 0; i < names.size() && i < truth.node_degc.size(); ++i)
+    json[names[i] + "_degC"] = truth.node_degc[i];
+  return json.dump();
+}
+
+FaultHooks hooks_of(LinearAxisPlant& plant, TimeNs epoch) {
+  FaultHooks hooks;
+  hooks.break_beam = [&plant](TimeNs now) { plant.break_beam(now); };
+  hooks.open_probe = [&plant](int input, bool open) {
+    if (!plant.has_probe(input)) return false;
+    plant.set_probe_open(input, open, 0);
+    return true;
+  };
+  hooks.disturb = [&plant, epoch](TimeNs from, TimeNs until, double amplitude_nm) {
+    const double from_s = seconds_between(epoch, from), until_s = seconds_between(epoch, until);
+    // 2.7 Hz and its like: neither averaged away within one reading nor equal from one to the next.
+    plant.add_disturbance(
+        DisturbancePlace::interferometer_nm, [=](const DisturbanceContext& context) {
+          if (context.time_s < from_s || context.time_s >= until_s) return 0.0;
+          const double t = context.time_s - from_s;
+          return amplitude_nm * (std::sin(2.3 * t) + 0.7 * std::sin(0.83 * t * t));
+        });
+  };
+  hooks.truth_json = [&plant](TimeNs now) { return truth_json(plant, now); };
+  return hooks;
+}
+
+void write_file(const fs::path& file, const std::string& text) {
+  std::ofstream out(file, std::ios::binary | std::ios::trunc);
+  out << text << std::flush;
+  if (!out) throw SetupError(file.string() + ": cannot be written");
+}
+
+int run(Arguments arguments) {
+  const CellOutline outline = read_cell_outline(arguments.cell);
+  const EmulatorOptions options(arguments.plant, arguments.settings, outline.devices);
+  const bool instance = !arguments.instance.empty();
+  const double speed = arguments.speed > 0 ? arguments.speed : outline.speed;
+  const TimeNs epoch = outline.epoch.value_or(SimClock::wall_now());
+
+  // The controller's delay before a motion is the emulator's (emulator.pi.start_delay_s): not
+  // twice.
+  std::vector<std::string> settings{"axis.start_delay_s=0"};
+  settings.insert(settings.end(), arguments.settings.begin(), arguments.settings.end());
+  const auto plant = make_plant(arguments.plant,
+                                {.seed = arguments.seed, .overrides = settings, .epoch_ns = epoch});
+
+  if (instance) {
+    fs::create_directories(arguments.instance);
+    plant->attach_truth_log(
+        std::make_unique<TruthLog>(arguments.instance / "truth.csv", plant->node_names()));
+  }
+  // The clock starts last: at high speed the plant's warm-up would be minutes of cell time.
+  const fs::path folder =
+      instance ? arguments.instance : fs::absolute(arguments.cell).parent_path();
+  const std::string clock_name = !outline.clock_file.empty() ? outline.clock_file : "clock.state";
+  std::unique_ptr<SimClock> clock;
+  if (instance || speed != 1 || !outline.clock_file.empty())
+    clock = std::make_unique<SimClock>(folder / clock_name, epoch, speed);
+  else
+    clock = std::make_unique<SimClock>();
+
+  boost::asio::io_context io(1);
+  CellServer server(io, *plant, *clock, outline, options, hooks_of(*plant, epoch),
+                    {.free_ports = instance, .seed = arguments.seed});
+  if (instance) {
+    CellChanges changes{.addresses = server.addresses(),
+                        .epoch = utc_text(epoch),
+                        .clock_file = clock_name,
+                        .speed = speed};
+    write_file(arguments.instance / "cell.toml", instance_text(outline, changes));
+  }
+  nlohmann::ordered_json ready;
+  for (const auto& [id, address] : server.addresses()) ready[id] = address;
+  std::cout << "READY " << ready.dump() << std::endl;
+
+  boost::asio::signal_set signals(io, SIGTERM, SIGINT);
+  signals.async_wait([&](boost::system::error_code, int) {
+    server.stop();
+    io.stop();
+  });
+  server.start();
+  io.run();
+  return 0;
+}
+
+}  // namespace
+}  // namespace driftwise::simulated
+
+int main(int argc, char** argv) {
+  using namespace driftwise::simulated;
+  Arguments arguments;
+  bool switches = false;
+  CLI::App app{
+      "A simulated measuring cell: robot, controller, instruments and room in one process, on "
+      "loopback ports."};
+  app.footer(kExamples);
+  app.add_option("--plant", arguments.plant, "plant file: the physics, and [emulator.*] switches");
+  app.add_option("--cell", arguments.cell, "cell file: which devices there are");
+  app.add_option(
+      "--instantiate", arguments.instance,
+      "folder for a cell of its own: cell.toml with the real addresses, clock.state, truth.csv");
+  app.add_option("--speed", arguments.speed, "cell seconds per second (default: the cell file's)")
+      ->check(CLI::Range(1e-3, 1e5));
+  app.add_option("--seed", arguments.seed, "of weather, noise and chopping (default 1)");
+  app.add_option("--set", arguments.settings,
+                 "section.key=value over the plant file; may be repeated")
+      ->allow_extra_args(false);
+  app.add_flag("--switches", switches, "list the devices' switches with default and meaning");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kExitUsage;
+  }
+  if (switches) {
+    print_switches();
+    return 0;
+  }
+  if (arguments.plant.empty() || arguments.cell.empty()) {
+    std::cerr << "driftwise-cellsim: --plant and --cell are needed; --help shows examples\n";
+    return kExitUsage;
+  }
+  // Wake-ups to the microsecond: at speed 200 the usual 50 us are 10 ms of cell time.
+  ::prctl(PR_SET_TIMERSLACK, 1, 0, 0, 0);
+  ::signal(SIGPIPE, SIG_IGN);
+  try {
+    return run(std::move(arguments));
+  } catch (const std::exception& error) {
+    std::cerr << "driftwise-cellsim: " << error.what() << "\n";
+    return kExitBadInput;
+  }
+}
