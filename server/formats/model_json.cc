@@ -14,6 +14,22 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kSchema = "driftwise.model.v1";
 
+// A member that is added to a model and forgotten here would be lost on disk: then these do not
+// compile.
+[[maybe_unused]] void every_member_is_written(const Model& model, const OutputModel& output,
+                                              const Accuracy& accuracy,
+                                              const calibration::TermReport& report,
+                                              const calibration::SelectionStep& step,
+                                              const Lineage& lineage) {
+  [[maybe_unused]] const auto& [m1, m2, m3, m4, m5, m6, m7, m8, m9] = model;
+  [[maybe_unused]] const auto& [o1, o2, o3, o4, o5, o6, o7, o8] = output;
+  [[maybe_unused]] const auto& [a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11, a12, a13, a14] =
+      accuracy;
+  [[maybe_unused]] const auto& [r1, r2, r3, r4, r5, r6, r7, r8, r9, r10] = report;
+  [[maybe_unused]] const auto& [s1, s2, s3, s4, s5, s6] = step;
+  [[maybe_unused]] const auto& [l1, l2, l3, l4, l5, l6, l7] = lineage;
+}
+
 // --- terms ---
 
 Json factors_json(const effects::Term& term) {
@@ -70,6 +86,8 @@ void each_optional(A& accuracy, Visit visit) {
   visit("pure_error", accuracy.pure_error);
   visit("lack_of_fit_f", accuracy.lack_of_fit_f);
   visit("lack_of_fit_p", accuracy.lack_of_fit_p);
+  visit("model_f", accuracy.model_f);
+  visit("model_p", accuracy.model_p);
 }
 template <class A, class Visit>
 void each_figure(A& accuracy, Visit visit) {
@@ -77,6 +95,7 @@ void each_figure(A& accuracy, Visit visit) {
   visit("u90_calibration", accuracy.u90_calibration);
   visit("lag1_autocorrelation", accuracy.lag1_autocorrelation);
   visit("effective_rows", accuracy.effective_rows);
+  visit("condition_index", accuracy.condition_index);
 }
 
 Json accuracy_json(const Accuracy& accuracy) {
@@ -113,6 +132,7 @@ void each_statistic(R& row, Visit visit) {
 Json report_json(const calibration::TermReport& row) {
   Json out = term_json(row.term);
   out["in"] = row.in;
+  out["note"] = row.note;
   each_statistic(row, [&](const char* key, double value) { out[key] = json_number(value); });
   return out;
 }
@@ -121,6 +141,7 @@ calibration::TermReport read_report(const JsonPlace& from) {
   calibration::TermReport row;
   row.term = read_term(from);
   row.in = from["in"].truth();
+  row.note = from["note"].text();
   each_statistic(row, [&](const char* key, double& value) { value = from[key].number(); });
   return row;
 }

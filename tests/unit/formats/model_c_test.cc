@@ -1,0 +1,124 @@
+#include "server/formats/model_c.h"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <random>
+
+#include "server/formats/text.h"
+#include "tests/unit/compensation/models.h"
+
+namespace driftwise::formats {
+namespace {
+
+using compensation::axis_model;
+using compensation::power;
+using compensation::term;
+
+// A folder of its own, gone with the test.
+class CompiledModel : public testing::Test {
+ protected:
+  CompiledModel()
+      : folder_(testing::TempDir() + "model_c_" + std::to_string(::getpid()) + "_" +
+                testing::UnitTest::GetInstance()->current_test_info()->name()) {
+    std::filesystem::create_directories(folder_);
+  }
+  ~CompiledModel() override { std::filesystem::remove_all(folder_); }
+
+  // The compiler's exit code; strict, so that a controller's own compiler has nothing to say
+  // either.
+  int compile(const std::string& source, const std::string& flags) {
+    std::ofstream(folder_ + "/model.c") << source;
+    return run("cc -std=c99 -pedantic -Wall -Wextra -Werror -O2 " + flags + " -o " + folder_ +
+               "/model " + folder_ + "/model.c");
+  }
+  int run_model() { return run(folder_ + "/model > " + folder_ + "/out.txt"); }
+  std::string output() {
+    std::ifstream file(folder_ + "/out.txt");
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  }
+  static int run(const std::string& command) {
+    const int status =
+        std::system(command.c_str());  // NOLINT(cert-env33-c): the compiler is what is tested
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+  std::string folder_;
+};
+
+TEST_F(CompiledModel, PassesItsOwnVectorsToTheLastBit) {
+  auto model = axis_model();
+  model.outputs.push_back(model.outputs[0]);
+  model.outputs[1].channel = {"q2", "mm"};
+  model.outputs[1].terms[4] = term({power("y"), power("x", 3), power("force", 2)});
+  model.domain.push_back({{"y", "mm"}, -1, 1});
+  model.domain.push_back({{"force", "N"}, 0, 300});
+  const auto source = write_model_c(model, "axis");
+  ASSERT_TRUE(source) << source.error().message;
+  ASSERT_EQ(compile(*source, "-DDRIFTWISE_MODEL_SELF_TEST"), 0);
+  EXPECT_EQ(run_model(), 0) << output();
+  EXPECT_EQ(output(), "0 of 48 values differ\n");
+}
+
+TEST_F(CompiledModel, CompilesWithoutTheSelfTestAndWithoutInputs) {
+  calibration::Model constant = axis_model();
+  auto& q1 = constant.outputs[0];
+  q1.terms.resize(1);
+  q1.coefficients.conservativeResize(1);
+  constant.domain.clear();
+  ASSERT_EQ(compile(*write_model_c(axis_model(), "axis"), "-c"), 0);
+  ASSERT_EQ(compile(*write_model_c(constant, "constant"), "-c"), 0);
+}
+
+// A harness of our own around the exported function: values the vectors do not hold, and the domain
+// bits.
+TEST_F(CompiledModel, AgreesWithTheFormulaAndFlagsTheDomain) {
+  std::string source = *write_model_c(axis_model(), "axis");
+  source +=
+      "#include <stdio.h>\nint main(void) {\n  const double pose[1] = {-3.7}, t[1] = {20.7}, "
+      "far[1] = {9.0}, cold[1] = {-5.0};\n"
+      "  double q[1];\n  int a = driftwise_model_axis(pose, t, q);\n  printf(\"%.17g %d\", q[0], "
+      "a);\n"
+      "  a = driftwise_model_axis(far, t, q);\n  printf(\" %d\", a);\n  a = "
+      "driftwise_model_axis(far, cold, q);\n  printf(\" %d\\n\", a);\n  return 0;\n}\n";
+  ASSERT_EQ(compile(source, ""), 0);
+  ASSERT_EQ(run_model(), 0);
+  double q = 0;
+  int inside = -1, x_out = -1, both_out = -1;
+  ASSERT_EQ(std::sscanf(output().c_str(), "%lf %d %d %d", &q, &inside, &x_out, &both_out), 4);
+  const double x = -3.7, t = 20.7;
+  EXPECT_DOUBLE_EQ(q, 1.0 + 2.0 * x + 0.5 * (x * x) + 1e-3 * t + 2e-4 * (x * t));
+  EXPECT_EQ(inside, 0);
+  EXPECT_EQ(x_out, 1);
+  EXPECT_EQ(both_out, 3);
+}
+
+TEST(WriteModelC, RefusesANameThatIsNoIdentifier) {
+  for (const char* name : {"", "a b", "a;b", "ä"})
+    EXPECT_EQ(write_model_c(axis_model(), name).error().reason, "BAD_NAME") << name;
+}
+
+TEST(WriteModelC, RefusesATermWithMemoryByName) {
+  auto model = axis_model();
+  model.outputs[0].terms[3] = {{effects::Call{"lag", {"t07"}, {{600, "s"}}}}};
+  const auto source = write_model_c(model, "axis");
+  ASSERT_FALSE(source);
+  EXPECT_EQ(source.error().reason, "NOT_EXPORTABLE");
+  EXPECT_NE(source.error().message.find("lag(t07, 600 s)"), std::string::npos)
+      << source.error().message;
+}
+
+TEST_F(CompiledModel, IsNotBrokenByWhatStandsInItsComments) {
+  auto model = axis_model();
+  model.formula = "q1 ~ x */ int main(void) { return 7; } /*\\\nx";
+  model.lineage.source = "a\nb */ #error no";
+  EXPECT_EQ(compile(*write_model_c(model, "axis"), "-c"), 0);
+}
+
+}  // namespace
+}  // namespace driftwise::formats

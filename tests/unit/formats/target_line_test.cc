@@ -1,0 +1,107 @@
+#include "server/formats/target_line.h"
+
+#include <gtest/gtest.h>
+
+#include "server/compensation/snapshot_builder.h"
+#include "tests/unit/compensation/models.h"
+
+namespace driftwise::formats {
+namespace {
+
+using compensation::Variable;
+
+TEST(ParseTargetLine, ReadsPoseForceAndTheWishForUncertainty) {
+  const auto request = parse_target_line("TARGET  force_N=-2.5e1\tx_mm=1.5 rz_arcsec=0 u=1 ");
+  ASSERT_TRUE(request) << request.error().message;
+  EXPECT_EQ(request->value[static_cast<std::size_t>(Variable::x)], 1.5);
+  EXPECT_EQ(request->value[static_cast<std::size_t>(Variable::force)], -25);
+  EXPECT_EQ(request->given, bit(Variable::x) | bit(Variable::rz) | bit(Variable::force));
+  EXPECT_TRUE(request->with_uncertainty);
+  EXPECT_FALSE(parse_target_line("TARGET x_mm=1")->with_uncertainty);
+}
+
+struct Case {
+  const char* name;
+  const char* line;
+  const char* reason;
+  const char* says;
+};
+class BadTargetLine : public testing::TestWithParam<Case> {};
+TEST_P(BadTargetLine, IsRefusedWithFoundAndExpected) {
+  const auto request = parse_target_line(GetParam().line);
+  ASSERT_FALSE(request);
+  EXPECT_EQ(request.error().reason, GetParam().reason);
+  EXPECT_TRUE(request.error().message.find(GetParam().says) != std::string::npos)
+      << request.error().message;
+}
+INSTANTIATE_TEST_SUITE_P(
+    Table, BadTargetLine,
+    testing::Values(
+        Case{"Nothing", "", "UNKNOWN_VERB", "found nothing, expected TARGET"},
+        Case{"Verb", "target x_mm=1", "UNKNOWN_VERB", "found 'target'"},
+        Case{"Http", "GET / HTTP/1.1", "UNKNOWN_VERB", "found 'GET'"},
+        Case{"NoEquals", "TARGET x_mm", "BAD_WORD", "found 'x_mm', expected name=value"},
+        Case{"Name", "TARGET w_mm=1", "UNKNOWN_NAME", "found 'w_mm'"},
+        Case{"Unit", "TARGET x_um=1", "UNKNOWN_NAME", "expected x_mm"},
+        Case{"Twice", "TARGET x_mm=1 x_mm=1", "DUPLICATE_NAME", "'x_mm' twice"},
+        Case{"Text", "TARGET x_mm=one", "BAD_NUMBER", "x_mm: found 'one'"},
+        Case{"Empty", "TARGET x_mm=", "BAD_NUMBER", "x_mm: found ''"},
+        Case{"Nan", "TARGET x_mm=nan", "BAD_NUMBER", "found 'nan'"},
+        Case{"Huge", "TARGET x_mm=1e400", "BAD_NUMBER", "found '1e400'"},
+        Case{"Comma", "TARGET x_mm=1,5", "BAD_NUMBER", "found '1,5'"},
+        Case{"Flag", "TARGET x_mm=1 u=yes", "BAD_FLAG", "u: found 'yes', expected 0 or 1"}),
+    [](const auto& row) { return std::string(row.param.name); });
+
+TEST(ParseTargetLine, RefusesALineBeyondTheLimit) {
+  EXPECT_EQ(parse_target_line("TARGET " + std::string(kMaxTargetLine, ' ')).error().reason,
+            "LINE_TOO_LONG");
+}
+
+class TargetAnswer : public testing::Test {
+ protected:
+  TargetAnswer()
+      : builder_(std::move(*compensation::SnapshotBuilder::create(
+            compensation::axis_model(), ModelId{3}, compensation::axis_cell()))) {
+    builder_.keep_model_datum();
+    const ChannelValue t07{"t07_degC", 21};
+    builder_.observe(std::span(&t07, 1), now_);
+  }
+  std::string answer(const std::string& line) {
+    const auto snapshot = builder_.build(now_);
+    std::string out;
+    const auto request = *parse_target_line(line);
+    append_target_answer(out, snapshot, compute_target(snapshot, request),
+                         request.with_uncertainty);
+    return out;
+  }
+  CellTime now_ = *parse_iso8601("2026-11-21T08:04:54Z");
+  compensation::SnapshotBuilder builder_;
+};
+
+TEST_F(TargetAnswer, GivesCoordinateUncertaintyValidityModelAndFlags) {
+  // 1 + 2 + 0.5 + 0.021 + 0.0042; the uncertainty is checked in target_test.cc
+  const auto text = answer("TARGET x_mm=1 u=1");
+  EXPECT_TRUE(text.starts_with("OK q1_mm=3.5252 u90_nm=")) << text;
+  EXPECT_TRUE(text.ends_with(" valid_until=2026-11-21T08:05:04Z model=3 flags=-\n")) << text;
+  EXPECT_EQ(answer("TARGET x_mm=1"),
+            "OK q1_mm=3.5252 valid_until=2026-11-21T08:05:04Z model=3 flags=-\n");
+}
+
+TEST_F(TargetAnswer, NamesTheChannelOfAFlag) {
+  EXPECT_TRUE(answer("TARGET x_mm=9").ends_with("flags=OUTSIDE_DOMAIN(x_mm)\n"));
+}
+
+TEST_F(TargetAnswer, SaysWhatIsMissingInOneLine) {
+  EXPECT_EQ(answer("TARGET y_mm=1"),
+            "ERR MISSING_COORDINATE the request lacks x_mm, which the model needs: state it, 0 "
+            "included\n");
+}
+
+TEST(ErrorAnswer, StaysOneLineWhateverTheMessageHolds) {
+  std::string out;
+  append_error_answer(out, {ErrorCode::internal, "BUG", "two\nlines\r"});
+  EXPECT_EQ(out, "ERR BUG two lines \n");
+}
+
+}  // namespace
+}  // namespace driftwise::formats
