@@ -68,7 +68,7 @@ Result<std::vector<double>> parse_axis_values(std::string_view reply,
   for_each_line(reply, [&](std::string_view line) {
     const std::size_t equals = line.find('=');
     double value = 0;
-    if (equals == std::string_view::npos || !read_number(line.substr(equals + 1), value)) {
+    if (equals == std::string_view::npos || !read_number(trimmed(line.substr(equals + 1)), value)) {
       problem = "expected <axis>=<number> on every line";
       return false;
     }

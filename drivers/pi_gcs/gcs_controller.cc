@@ -54,28 +54,27 @@ GcsController::Text GcsController::ask(std::string query) {
   return link_.ask(std::move(query), timeout_);
 }
 
-Awaitable<Result<std::vector<std::string>>> GcsController::ask_all(
-    std::vector<std::string> queries) {
-  std::vector<std::string> replies;
-  if (!options_.pipelining) {
-    for (auto& query : queries) {
-      auto reply = co_await ask(std::move(query));
-      if (!reply) co_return tl::unexpected(reply.error());
-      replies.push_back(std::move(*reply));
-    }
-    co_return replies;
-  }
+Awaitable<Result<GcsController::Fetched>> GcsController::fetch(std::vector<std::string> queries) {
+  Fetched replies;
+  if (!options_.pipelining) co_return replies;
   std::string message;
   for (const auto& query : queries) message += query;
   const auto joined =
       co_await link_.ask(std::move(message), timeout_, static_cast<int>(queries.size()));
   if (!joined) co_return tl::unexpected(joined.error());
   for (std::string_view rest = *joined; !rest.empty();) {
-    const std::size_t length = transport::gcs_reply(rest);
+    const std::size_t length = std::min(transport::gcs_reply(rest), rest.size());
     replies.emplace_back(rest.substr(0, length));
-    rest.remove_prefix(std::min(length, rest.size()));
+    rest.remove_prefix(length);
   }
   co_return replies;
+}
+
+GcsController::Text GcsController::next(Fetched& fetched, std::string query) {
+  if (fetched.empty()) co_return co_await ask(std::move(query));
+  std::string reply = std::move(fetched.front());
+  fetched.pop_front();
+  co_return reply;
 }
 
 Awaitable<Result<int>> GcsController::take_error_number() {
@@ -116,14 +115,21 @@ Awaitable<Result<MotionState>> GcsController::read_state() {
   const CellTime asked = clock_.now().utc;
   // The position comes last: read before "on target" it would still be the position of a moving
   // axis.
-  std::vector<std::string> queries{std::string(1, kMovingByte), "ONT?\n", "POS?\n"};
-  const auto replies = co_await ask_all(std::move(queries));
-  if (!replies) co_return tl::unexpected(replies.error());
-  const auto mask = checked(parse_hex((*replies)[0]));
+  const std::string moving_query(1, kMovingByte);
+  std::vector<std::string> queries{moving_query, "ONT?\n", "POS?\n"};
+  auto fetched = co_await fetch(std::move(queries));
+  if (!fetched) co_return tl::unexpected(fetched.error());
+  const auto mask_text = co_await next(*fetched, moving_query);
+  if (!mask_text) co_return tl::unexpected(mask_text.error());
+  const auto mask = checked(parse_hex(*mask_text));
   if (!mask) co_return tl::unexpected(mask.error());
-  const auto on_target = checked(parse_axis_flags((*replies)[1], axes_));
+  const auto on_target_text = co_await next(*fetched, "ONT?\n");
+  if (!on_target_text) co_return tl::unexpected(on_target_text.error());
+  const auto on_target = checked(parse_axis_flags(*on_target_text, axes_));
   if (!on_target) co_return tl::unexpected(on_target.error());
-  auto positions = checked(parse_axis_values((*replies)[2], axes_));
+  const auto position_text = co_await next(*fetched, "POS?\n");
+  if (!position_text) co_return tl::unexpected(position_text.error());
+  auto positions = checked(parse_axis_values(*position_text, axes_));
   if (!positions) co_return tl::unexpected(positions.error());
   MotionState state;
   state.at = clock_.now().utc;
@@ -226,7 +232,7 @@ Awaitable<Result<void>> GcsController::stop() {
   trap_.disarm();
   if (!sent || !link_.connected()) {
     if (auto up = co_await link_.connect(timeout_); !up) co_return up;
-    link_.interrupt(std::string_view(&kStopByte, 1), "STOPPED");
+    if (auto told = co_await link_.tell(std::string(1, kStopByte), timeout_); !told) co_return told;
   }
   if (link_.generation() != set_up_generation_)
     co_return co_await set_up();  // reads the error number too

@@ -6,6 +6,7 @@
 // to clear error 10; calls that were waiting end with aborted too. A setter is followed by ERR? in
 // the same message, so its verdict costs one round trip.
 
+#include <deque>
 #include <span>
 #include <string>
 #include <vector>
@@ -42,7 +43,9 @@ class GcsController final : public MotionController {
   Awaitable<Result<void>> command(std::string text);  // setter + ERR?
   Awaitable<Result<int>> take_error_number();
   Text ask(std::string query);
-  Awaitable<Result<std::vector<std::string>>> ask_all(std::vector<std::string> queries);
+  using Fetched = std::deque<std::string>;
+  Awaitable<Result<Fetched>> fetch(std::vector<std::string> queries);  // empty without pipelining
+  Text next(Fetched& fetched, std::string query);  // ... and then asked one by one
   Awaitable<Result<void>> refresh_referenced();
   Awaitable<Result<MotionState>> read_state();
 

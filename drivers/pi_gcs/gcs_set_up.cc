@@ -73,16 +73,20 @@ Awaitable<Result<void>> GcsController::set_up() {
 // The soft limits are ours, the travel is the controller's: ours must lie inside.
 Awaitable<Result<void>> GcsController::check_travel() {
   std::vector<std::string> queries{"TMN?\n", "TMX?\n"};
-  const auto replies = co_await ask_all(std::move(queries));
-  if (!replies) {
-    Error error = replies.error();
+  auto fetched = co_await fetch(std::move(queries));
+  Result<std::string> low_text, high_text;
+  if (fetched) low_text = co_await next(*fetched, "TMN?\n");
+  if (!fetched || !low_text) {
+    Error error = fetched ? low_text.error() : fetched.error();
     if (error.code == ErrorCode::deadline_exceeded)
       error.message += "; if it knows no TMN?, set travel_query = \"off\"";
     co_return tl::unexpected(error);
   }
-  const auto low = checked(parse_axis_values((*replies)[0], axes_));
+  const auto low = checked(parse_axis_values(*low_text, axes_));
   if (!low) co_return tl::unexpected(low.error());
-  const auto high = checked(parse_axis_values((*replies)[1], axes_));
+  high_text = co_await next(*fetched, "TMX?\n");
+  if (!high_text) co_return tl::unexpected(high_text.error());
+  const auto high = checked(parse_axis_values(*high_text, axes_));
   if (!high) co_return tl::unexpected(high.error());
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const auto& axis = device_.axes[i];
