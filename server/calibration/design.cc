@@ -167,9 +167,15 @@ void fill_matrix(Design& design, const Variables& variables,
     for (Eigen::Index row = 0; row < n; ++row)
       design.matrix(row, m + static_cast<Eigen::Index>(o)) =
           outputs[o][design.rows[static_cast<std::size_t>(row)]];
-  if (weights.empty()) return;
-  for (Eigen::Index row = 0; row < n; ++row)
-    design.matrix.row(row) *= std::sqrt(weights[design.rows[static_cast<std::size_t>(row)]]);
+  Eigen::VectorXd weight = Eigen::VectorXd::Ones(n);
+  if (!weights.empty())
+    for (Eigen::Index row = 0; row < n; ++row)
+      weight[row] = weights[design.rows[static_cast<std::size_t>(row)]];
+  design.means = design.matrix.transpose() * (weight / weight.sum());
+  design.means[0] = 0;
+  for (Eigen::Index j = 1; j < design.matrix.cols(); ++j)
+    design.matrix.col(j).array() -= design.means[j];
+  if (!weights.empty()) design.matrix.array().colwise() *= weight.array().sqrt();
 }
 
 }  // namespace

@@ -24,6 +24,8 @@ struct Design {
   Basis basis;                    // expansions: one per term
   std::vector<std::size_t> rows;  // of the dataset: complete calibration rows, in order
   Eigen::MatrixXd matrix;  // rows x (monomials + outputs), each row times the root of its weight
+  Eigen::VectorXd means;  // of the columns of matrix, which stand about them (the constant's is 0):
+                          // y of 60 000 +- 3 000 would otherwise cost a digit
   bool weighted = false;
   std::vector<int> datum;       // per row: ordinal of its datum, from 1
   std::int64_t dropped = 0;     // calibration and validation rows with a missing value

@@ -210,8 +210,8 @@ Result<Model> fit(const Dataset& dataset, const FitOptions& options) {
   if (auto enough = check_rows(design, options); !enough) return tl::unexpected(enough.error());
 
   const double start_us = options.stopwatch_us ? options.stopwatch_us() : 0;
-  const Triangle triangle = make_triangle(row_qr(design.matrix, options.executor), design.basis,
-                                          static_cast<Index>(design.outputs.size()),
+  const Triangle triangle = make_triangle(row_qr(design.matrix, options.executor), design.means,
+                                          design.basis, static_cast<Index>(design.outputs.size()),
                                           static_cast<std::int64_t>(design.rows.size()));
   auto fitted = select_and_solve(design, triangle, options);
   if (!fitted) return tl::unexpected(fitted.error());

@@ -57,7 +57,8 @@ BlockErrors judge(const Design& design, const SelectionRule& rule,
   }
   const auto outputs = static_cast<Index>(design.outputs.size());
   const Index m = design.monomials();
-  const Triangle triangle = make_triangle(join_triangles(parts), design.basis, outputs, rows);
+  const Triangle triangle =
+      make_triangle(join_triangles(parts), design.means, design.basis, outputs, rows);
   const Block& block = cuts[held];
   const Index count = block.end - block.begin;
   BlockErrors errors;
@@ -74,11 +75,13 @@ BlockErrors judge(const Design& design, const SelectionRule& rule,
     }
     const Solution solution = solve(triangle, design.basis, columns, o);
     if (!solution.deficient.empty() || solution.dof < 1) continue;
+    // The matrix stands about its means, times the root of the weight, which is its first column.
+    const double shift = design.means[m + o] - design.means.head(m).dot(solution.monomials);
+    const auto ones = design.matrix.col(0).segment(block.begin, count);
     Eigen::VectorXd residuals = design.matrix.block(block.begin, m + o, count, 1) -
-                                design.matrix.block(block.begin, 0, count, m) * solution.monomials;
-    if (design.weighted)
-      residuals.array() /=
-          design.matrix.col(0).segment(block.begin, count).array();  // root of the weight
+                                design.matrix.block(block.begin, 0, count, m) * solution.monomials +
+                                shift * ones;
+    if (design.weighted) residuals.array() /= ones.array();
     if (design.constant) {
       std::map<int, std::pair<double, int>> untrained;
       for (Index row = 0; row < count; ++row) {

@@ -4,8 +4,11 @@
 
 namespace driftwise::calibration {
 
-Triangle make_triangle(const Eigen::MatrixXd& joint, const Basis& basis, Eigen::Index outputs,
-                       std::int64_t rows) {
+Triangle make_triangle(Eigen::MatrixXd joint, const Eigen::VectorXd& means, const Basis& basis,
+                       Eigen::Index outputs, std::int64_t rows) {
+  // [1 | M] = [1 | M - mean] S with S = 1 but for its first row; the constant's column has one
+  // entry.
+  if (joint.rows() > 0) joint.row(0) += joint(0, 0) * means.transpose();
   const auto m = static_cast<Eigen::Index>(basis.monomials.size());
   const Eigen::Index r = std::min(joint.rows(), m);
   Triangle triangle;

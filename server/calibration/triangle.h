@@ -2,6 +2,7 @@
 // What selection and the final solution need of the data: a small triangle instead of all rows.
 
 #include <Eigen/Core>
+#include <cstdint>
 
 #include "server/calibration/basis.h"
 
@@ -15,8 +16,9 @@ struct Triangle {
   std::int64_t rows = 0;      // of data, with weight above 0
 };
 
-// joint: R of [1 | U | Y], (monomials + outputs) columns.
-Triangle make_triangle(const Eigen::MatrixXd& joint, const Basis& basis, Eigen::Index outputs,
-                       std::int64_t rows);
+// joint: R of [1 | U | Y] about their means, (monomials + outputs) columns; means: what was taken
+// off each column (the constant's is 0), put back here.
+Triangle make_triangle(Eigen::MatrixXd joint, const Eigen::VectorXd& means, const Basis& basis,
+                       Eigen::Index outputs, std::int64_t rows);
 
 }  // namespace driftwise::calibration
