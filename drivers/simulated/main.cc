@@ -7,7 +7,6 @@
 #include <CLI/CLI.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -46,14 +45,20 @@ struct Arguments {
   std::vector<std::string> settings;
 };
 
-void print_switches() {
-  const auto print = [](std::string_view section, const std::vector<SwitchDescription>& all) {
-    for (const auto& one : all)
-      std::printf("%.*s.%.*s = %.*s  (%.*s) %.*s\n", static_cast<int>(section.size()),
-                  section.data(), static_cast<int>(one.name.size()), one.name.data(),
-                  static_cast<int>(one.default_value.size()), one.default_value.data(),
-                  static_cast<int>(one.tag.size()), one.tag.data(),
-                  static_cast<int>(one.meaning.size()), one.meaning.data());
+void print_switches(bool markdown) {
+  const auto print = [markdown](std::string_view section,
+                                const std::vector<SwitchDescription>& all) {
+    if (markdown)
+      std::cout << "\n### `[" << section
+                << "]`\n\n| switch | meaning | default | tag |\n|---|---|---|---|\n";
+    for (const auto& one : all) {
+      if (markdown)
+        std::cout << "| `" << one.name << "` | " << one.meaning << " | `" << one.default_value
+                  << "` | " << one.tag << " |\n";
+      else
+        std::cout << section << "." << one.name << " = " << one.default_value << "  (" << one.tag
+                  << ") " << one.meaning << "\n";
+    }
   };
   for (const auto& kind : emulator_kinds())
     print("emulator." + std::string(kind.section), *kind.switches);
@@ -167,7 +172,7 @@ int run(Arguments arguments) {
 int main(int argc, char** argv) {
   using namespace driftwise::simulated;
   Arguments arguments;
-  bool switches = false;
+  bool switches = false, markdown = false;
   CLI::App app{
       "A simulated measuring cell: robot, controller, instruments and room in one process, on "
       "loopback ports."};
@@ -184,13 +189,14 @@ int main(int argc, char** argv) {
                  "section.key=value over the plant file; may be repeated")
       ->allow_extra_args(false);
   app.add_flag("--switches", switches, "list the devices' switches with default and meaning");
+  app.add_flag("--markdown", markdown, "with --switches: as the tables of docs/emulators.md");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kExitUsage;
   }
   if (switches) {
-    print_switches();
+    print_switches(markdown);
     return 0;
   }
   if (arguments.plant.empty() || arguments.cell.empty()) {

@@ -30,7 +30,7 @@ const std::vector<SwitchDescription>& InterferometerEmulator::switches() {
   static const std::vector<SwitchDescription> kAll{
       {"identity", "SIOS SP-2000 SP2000-0471", "own", "maker, model and serial of IDN?"},
       {"channels", "1", "own", "channels of this adapter; further ones are the plant's next"},
-      {"samples", "4096", "own", "AVG after power-on: 2048 | 4096 | 8192 | 16384"},
+      {"samples", "4096", "own", "AVG after power-on: 2048 or 4096 or 8192 or 16384"},
       {"latency_s", "0.001", "own", "from a request (or the end of a measurement) to its reply"},
       {"unstable_is_error", "true", "own",
        "MEAS? with an unstable laser answers ERR 6; false: OK without status bit 0x0010"},

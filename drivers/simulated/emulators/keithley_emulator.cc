@@ -23,7 +23,7 @@ const std::vector<SwitchDescription>& KeithleyEmulator::switches() {
   static const std::vector<SwitchDescription> kAll{
       {"identity", "KEITHLEY INSTRUMENTS INC.,MODEL 2701,1192345,A12 /A02 ", "M",
        "answer to *IDN?"},
-      {"slot1", "7700", "M", "card in slot 1: 7700 (20 channels) | 7708 (40) | NONE"},
+      {"slot1", "7700", "M", "card in slot 1: 7700 (20 channels) or 7708 (40) or NONE"},
       {"slot2", "NONE", "M", "card in slot 2"},
       {"mains_hz", "50", "M", "mains frequency: what one NPLC lasts"},
       {"relay_s", "0.03", "U", "time of a relay per scanned channel"},
@@ -32,7 +32,7 @@ const std::vector<SwitchDescription>& KeithleyEmulator::switches() {
       {"interrupt", "true", "U",
        "a message during a waiting query interrupts it (-410); false: it waits its turn"},
       {"scan_order", "ascending", "U",
-       "order of readings on the wire: ascending | typed (as in ROUT:SCAN)"},
+       "order of readings on the wire: ascending or typed (as in ROUT:SCAN)"},
       {"parameter_needs_function", "true", "U",
        "RANG, NPLC .. with a channel list give -221 unless the channel has that function"},
       {"pairing_error", "-221", "U",
@@ -43,7 +43,7 @@ const std::vector<SwitchDescription>& KeithleyEmulator::switches() {
       {"lead_ohm", "1.0", "own", "resistance of the leads, which a two-wire function adds"},
       {"message_limit", "2048", "U", "bytes of a message; more give -363"},
       {"serial", "false", "own", "also serve a pseudo-terminal (printed in READY): RS-232, CR"},
-      {"serial_terminator", "\\r", "D", "end of a reply on RS-232: \\r | \\r\\n | \\n | \\n\\r"},
+      {"serial_terminator", "\\r", "D", "end of a reply on RS-232: \\r or \\r\\n or \\n or \\n\\r"},
       {"serial_baud", "19200", "M", "RS-232 replies take 10 bits per byte; 0: no time"},
       {"max_clients", "1", "U", "TCP connections at a time; one more is closed at once"},
   };

@@ -42,7 +42,7 @@ const std::vector<SwitchDescription>& WatlowRegisters::switches() {
       {"min_set_degC", "0", "own", "below it a set point is refused with exception 3"},
       {"max_set_degC", "80", "own", "above it a set point is refused with exception 3"},
       {"tuning_at_start", "keep", "own",
-       "keep: the plant's own tuning until a band or time is written | factory: bands 2 K, Ti 180 "
+       "keep: the plant's own tuning until a band or time is written or factory: bands 2 K, Ti 180 "
        "s"},
       {"read_limit", "125", "M", "registers per read; more give exception 3"},
       {"latency_s", "0.01", "own", "from the end of a request to its reply"},

@@ -1,0 +1,327 @@
+// The devices together: one time, one plant, faults; the clock; the files; the control port.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <fstream>
+
+#include "drivers/simulated/emulators/cell_outline.h"
+#include "drivers/simulated/emulators/device_bench.h"
+#include "drivers/simulated/emulators/emulator_options.h"
+#include "drivers/simulated/emulators/fault_desk.h"
+#include "drivers/simulated/emulators/interferometer_emulator.h"
+#include "drivers/simulated/emulators/pi_gcs_emulator.h"
+#include "drivers/simulated/emulators/sim_clock.h"
+#include "tests/unit/emulators/conversation.h"
+#include "tests/unit/emulators/test_plant.h"
+
+namespace driftwise::simulated {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+// An emulator that answers "<seconds>" after so many seconds, to see the order of time.
+class Echo : public Emulator {
+ public:
+  void open(Session, Link, TimeNs) override {}
+  void close(Session, TimeNs) override {}
+  void receive(Session session, std::string_view bytes, TimeNs now) override {
+    const std::string text(bytes);
+    timeline_.at(now + nanoseconds_from(std::stod(text)),
+                 [this, session, text](TimeNs due) { send(session, text, due); });
+  }
+};
+
+struct Bench {
+  Bench()
+      : bench(plant),
+        a(bench.add("a", std::make_unique<Echo>())),
+        b(bench.add("b", std::make_unique<Echo>())) {
+    bench.set_deliver([this](std::size_t device, Session, std::string bytes) {
+      said += (said.empty() ? "" : " ") + bench.id(device) + bytes;
+    });
+  }
+  std::string until(double seconds) {
+    bench.run_until(kStart + nanoseconds_from(seconds));
+    return std::exchange(said, {});
+  }
+  TestPlant plant;
+  DeviceBench bench;
+  std::size_t a, b;
+  std::string said;
+};
+
+TEST(DeviceBench, RunsAllDevicesInTheOrderOfTime) {
+  Bench bench;
+  bench.bench.receive(bench.a, 1, "3", kStart);
+  bench.bench.receive(bench.b, 1, "1", kStart);
+  bench.bench.receive(bench.a, 1, "2", kStart);
+  EXPECT_EQ(bench.until(10), "b1 a2 a3");
+  EXPECT_EQ(bench.plant.latest, kStart + 10 * kSecondNs) << "and the plant is brought along";
+}
+
+TEST(DeviceBench, WhatWasDueComesBeforeWhatArrives) {
+  Bench bench;
+  bench.bench.receive(bench.a, 1, "1", kStart);
+  bench.bench.receive(bench.b, 1, "0", kStart + 5 * kSecondNs);
+  EXPECT_EQ(bench.until(5), "a1 b0");
+}
+
+TEST(DeviceBench, AMuteDeviceNeitherHearsNorSpeaks) {
+  Bench bench;
+  bench.bench.receive(bench.a, 1, "1", kStart);
+  bench.bench.faults(bench.a).mute_until = kStart + 3 * kSecondNs;
+  bench.bench.receive(bench.a, 1, "0", kStart + kSecondNs);
+  bench.bench.receive(bench.a, 1, "9", kStart + 4 * kSecondNs);
+  EXPECT_EQ(bench.until(20), "a9");
+}
+
+TEST(DeviceBench, ASlowDeviceAnswersLater) {
+  Bench bench;
+  bench.bench.faults(bench.a).slow_ns = 2 * kSecondNs;
+  bench.bench.receive(bench.a, 1, "1", kStart);
+  bench.bench.receive(bench.b, 1, "2", kStart);
+  EXPECT_EQ(bench.until(2.9), "b2");
+  EXPECT_EQ(bench.until(3), "a1");
+}
+
+TEST(Faults, GarblingChangesBytesButNotTheEnd) {
+  Faults faults;
+  const std::string line = "OK ch=1 n=4096 mean_nm=12.5\n";
+  const std::string damaged = faults.garbled(line);
+  EXPECT_NE(damaged, line);
+  EXPECT_TRUE(damaged.ends_with('\n'));
+  EXPECT_EQ(Faults().garbled(line), damaged) << "the same damage every time";
+}
+
+TEST(FaultDesk, SetsFaultsAndSaysWhatItDoesNotKnow) {
+  Bench bench;
+  bool broken = false;
+  FaultHooks hooks;
+  hooks.break_beam = [&](TimeNs) { broken = true; };
+  hooks.open_probe = [](int input, bool) { return input == 103; };
+  FaultDesk desk(bench.bench, hooks);
+  EXPECT_EQ(desk.answer("fault mute a 3 s", kStart), "OK");
+  EXPECT_TRUE(bench.bench.faults(bench.a).mute(kStart + 2 * kSecondNs));
+  EXPECT_EQ(desk.answer("fault slow b 2 s", kStart), "OK");
+  EXPECT_EQ(bench.bench.faults(bench.b).slow_ns, 2 * kSecondNs);
+  EXPECT_EQ(desk.answer("fault clear b", kStart), "OK");
+  EXPECT_EQ(bench.bench.faults(bench.b).slow_ns, 0);
+  EXPECT_EQ(desk.answer("fault garble a", kStart), "OK");
+  EXPECT_EQ(bench.bench.faults(bench.a).garble_next, 1);
+  EXPECT_EQ(desk.answer("fault break-beam", kStart), "OK");
+  EXPECT_TRUE(broken);
+  EXPECT_EQ(desk.answer("fault open-probe 103", kStart), "OK");
+  EXPECT_THAT(desk.answer("fault open-probe 9", kStart), StartsWith("ERR "));
+  EXPECT_THAT(desk.answer("fault mute c 3 s", kStart), HasSubstr("one of a b"));
+  EXPECT_THAT(desk.answer("fault mute a", kStart), HasSubstr("<n> s"));
+  EXPECT_THAT(desk.answer("fault boil a 3 s", kStart), HasSubstr("no fault 'boil'"));
+  EXPECT_THAT(desk.answer("truth?", kStart), StartsWith("ERR "));
+  EXPECT_THAT(desk.answer("hello", kStart), StartsWith("ERR found 'hello'"));
+}
+
+struct Folder {
+  Folder() {
+    std::string name = (fs::temp_directory_path() / "driftwise-emulators-XXXXXX").string();
+    path = ::mkdtemp(name.data());
+  }
+  ~Folder() { fs::remove_all(path); }
+  fs::path write(const char* name, const std::string& text) const {
+    std::ofstream(path / name) << text;
+    return path / name;
+  }
+  fs::path path;
+};
+
+TEST(SimClock, RunsFromTheEpochAtItsSpeed) {
+  Folder folder;
+  SimClock clock(folder.path / "clock.state", kStart, 200);
+  const TimeNs wall = SimClock::wall_now();
+  const TimeNs cell = clock.now();
+  EXPECT_GE(cell, kStart);
+  EXPECT_LT(cell, kStart + 200 * 60 * kSecondNs);
+  EXPECT_GE(SimClock::wall_now(), wall);
+  EXPECT_EQ(clock.speed(), 200);
+  EXPECT_LE(clock.wall_until(cell + 200 * kSecondNs), std::chrono::seconds(1));
+  EXPECT_EQ(fs::file_size(folder.path / "clock.state"), 40u);
+}
+
+TEST(SimClock, FollowsWhoeverChangesTheSpeed) {
+  Folder folder;
+  const fs::path file = folder.path / "clock.state";
+  SimClock clock(file, kStart, 200);
+  const TimeNs target = clock.now() + 1000 * kSecondNs;
+  std::fstream out(file, std::ios::in | std::ios::out | std::ios::binary);
+  const double slower = 0.5;
+  out.seekp(32).write(reinterpret_cast<const char*>(&slower), 8).flush();
+  EXPECT_EQ(clock.speed(), 0.5);
+  EXPECT_GT(clock.wall_until(target), std::chrono::seconds(1000));
+}
+
+TEST(SimClock, NeverRunsBack) {
+  Folder folder;
+  const fs::path file = folder.path / "clock.state";
+  SimClock clock(file, kStart, 1);
+  const TimeNs before = clock.now();
+  std::fstream out(file, std::ios::in | std::ios::out | std::ios::binary);
+  const TimeNs earlier = kStart - 1000 * kSecondNs;
+  out.seekp(24).write(reinterpret_cast<const char*>(&earlier), 8).flush();
+  EXPECT_EQ(clock.now(), before);
+}
+
+TEST(SimClock, RefusesAFileThatIsNoClock) {
+  Folder folder;
+  EXPECT_THROW(SimClock(folder.write("short", "DWCLOCK1"), 0, 1), SetupError);
+  EXPECT_THROW(SimClock(folder.write("other", std::string(40, 'x')), 0, 1), SetupError);
+  EXPECT_THROW(SimClock(folder.write("stopped", "DWCLOCK1" + std::string(32, '\0')), 0, 1),
+               SetupError);
+  EXPECT_THROW(SimClock("/no/such/folder/clock", 0, 1), SetupError);
+}
+
+constexpr const char* kCell = R"(# a comment that stays
+[cell]
+name = "test"      # and this one
+listen = "127.0.0.1:50051"
+
+[clock]
+speed = 2          # faster
+
+[[device]]
+id = "axis"
+kind = "pi-gcs"
+address = "127.0.0.1:50000"   # here
+[[device.axis]]
+channel = "q1_mm"
+
+[[device]]
+address = '127.0.0.1:1394'
+id = "thermo"
+kind = "keithley-2701"
+)";
+
+TEST(CellOutline, ReadsDevicesAndClock) {
+  Folder folder;
+  const CellOutline outline = read_cell_outline(folder.write("cell.toml", kCell));
+  ASSERT_EQ(outline.devices.size(), 2u);
+  EXPECT_EQ(outline.devices[1].id, "thermo");
+  EXPECT_EQ(outline.speed, 2);
+  EXPECT_FALSE(outline.epoch.has_value());
+}
+
+TEST(CellOutline, AnInstanceKeepsEverythingElse) {
+  Folder folder;
+  const CellOutline outline = read_cell_outline(folder.write("cell.toml", kCell));
+  const std::string text =
+      instance_text(outline, {.addresses = {{"thermo", "127.0.0.1:7"}, {"axis", "127.0.0.1:8"}},
+                              .epoch = "2026-11-21T08:00:00Z",
+                              .clock_file = "clock.state",
+                              .speed = 200});
+  EXPECT_EQ(text, R"(# a comment that stays
+[cell]
+target_line = "127.0.0.1:0"
+name = "test"      # and this one
+listen = "127.0.0.1:0"
+
+[clock]
+epoch = "2026-11-21T08:00:00Z"
+file = "clock.state"
+speed = 200          # faster
+
+[[device]]
+id = "axis"
+kind = "pi-gcs"
+address = "127.0.0.1:8"   # here
+[[device.axis]]
+channel = "q1_mm"
+
+[[device]]
+address = "127.0.0.1:7"
+id = "thermo"
+kind = "keithley-2701"
+)");
+}
+
+TEST(CellOutline, NamesFileLineAndField) {
+  Folder folder;
+  const auto message = [&](const std::string& text) {
+    try {
+      read_cell_outline(folder.write("bad.toml", text));
+    } catch (const SetupError& error) {
+      return std::string(error.what());
+    }
+    return std::string("nothing");
+  };
+  EXPECT_THAT(message("[cell\n"), HasSubstr("bad.toml:1: not TOML"));
+  EXPECT_THAT(message("[cell]\n"), HasSubstr("expected at least one [[device]]"));
+  EXPECT_THAT(message("[[device]]\nid = 3\n"), HasSubstr("bad.toml:2: device id"));
+  EXPECT_THAT(message("[[device]]\nid = \"a\"\nkind = \"x\"\n"), HasSubstr("device 'a' address"));
+  EXPECT_THAT(
+      message(std::string(kCell) + "[[device]]\nid = \"axis\"\nkind = \"x\"\naddress = \"\"\n"),
+      HasSubstr("stands twice"));
+  std::string monday = kCell;
+  monday.insert(monday.find("speed"), "epoch = \"monday\"\n");
+  EXPECT_THAT(message(monday), HasSubstr("bad.toml:7: clock epoch: found 'monday'"));
+}
+
+TEST(CellOutline, TimesReadBack) {
+  EXPECT_EQ(parse_utc("2026-11-21T08:00:00.25Z"), 1795248000'250000000);
+  EXPECT_EQ(utc_text(1795248000'250000000), "2026-11-21T08:00:00.25Z");
+  EXPECT_EQ(utc_text(parse_utc("2011-07-22T00:00:00Z")), "2011-07-22T00:00:00Z");
+  EXPECT_THROW(parse_utc("2011-07-22T00:00:00"), SetupError);
+}
+
+TEST(EmulatorOptions, CommandLineBeatsFileAndDeviceBeatsKind) {
+  Folder folder;
+  const auto plant =
+      folder.write("plant.toml",
+                   "[plant]\nkind = \"x\"\n[emulator.pi]\nini = false\nlatency_s = 0.5\n"
+                   "[emulator.left]\nlatency_s = 0.25\n[wire]\nchop = false\n");
+  std::vector<std::string> settings{"room.wander_w=0", "emulator.pi.ini=true", "wire.pause_us=7"};
+  const EmulatorOptions options(plant, settings, {{"left", "pi-gcs", ""}, {"right", "pi-gcs", ""}});
+  EXPECT_EQ(settings, std::vector<std::string>{"room.wander_w=0"})
+      << "the plant's settings are left";
+  EXPECT_TRUE(options.of("left").flag("ini"));
+  EXPECT_EQ(options.of("left").number("latency_s", 0, 1), 0.25);
+  EXPECT_EQ(options.of("right").number("latency_s", 0, 1), 0.5);
+  EXPECT_FALSE(options.wire(1).chop);
+  EXPECT_EQ(options.wire(1).pause, std::chrono::microseconds(7));
+}
+
+TEST(EmulatorOptions, NamesWhatItDoesNotKnow) {
+  Folder folder;
+  const auto message = [&](const std::string& text, std::vector<std::string> settings) {
+    try {
+      EmulatorOptions(folder.write("plant.toml", text), settings, {{"axis", "pi-gcs", ""}});
+    } catch (const SetupError& error) {
+      return std::string(error.what());
+    }
+    return std::string("nothing");
+  };
+  EXPECT_THAT(message("[emulator.pi]\nfoo = 1\n", {}), HasSubstr("plant.toml:2: emulator.pi.foo"));
+  EXPECT_THAT(message("[emulator.zeiss]\nfoo = 1\n", {}),
+              HasSubstr("there is no emulator 'zeiss'"));
+  EXPECT_THAT(message("", {"emulator.axis.foo=1"}), HasSubstr("--set emulator.axis.foo=1"));
+  EXPECT_THAT(message("", {"emulator.axis"}), HasSubstr("expected emulator."));
+  EXPECT_THAT(message("[emulator.pi\n", {}), HasSubstr("not TOML"));
+}
+
+TEST(EmulatorDocs, ListEverySwitch) {
+  std::ifstream in(DRIFTWISE_SOURCE_DIR "/docs/emulators.md");
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  const auto check = [&](const std::vector<SwitchDescription>& all, std::string_view section) {
+    for (const auto& one : all)
+      EXPECT_THAT(text,
+                  HasSubstr("| `" + std::string(one.name) + "` | " + std::string(one.meaning)))
+          << section
+          << ": regenerate docs/emulators.md from driftwise-cellsim --switches --markdown";
+  };
+  for (const auto& kind : emulator_kinds()) check(*kind.switches, kind.section);
+  check(wire_switches(), "wire");
+}
+
+}  // namespace
+}  // namespace driftwise::simulated
