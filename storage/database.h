@@ -4,6 +4,7 @@
 
 #include <sqlite3.h>
 
+#include <concepts>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -96,6 +97,9 @@ class Query {
     bind_one(position, std::string_view(value));
   }
   void bind_one(int position, const char* value) { bind_one(position, std::string_view(value)); }
+  template <class Id>
+  requires std::same_as<decltype(Id::value), std::int64_t>  // RunId and its like
+  void bind_one(int position, Id id) { bind_one(position, id.value); }
   void bind_one(int position, std::nullopt_t) { check(sqlite3_bind_null(statement_, position)); }
   template <class T>
   void bind_one(int position, const std::optional<T>& value) {

@@ -8,7 +8,7 @@ Result<EventId> SqliteEventStore::add_event(const EventRecord& event) {
           "INSERT INTO event (at_ns, at_monotonic_ns, who, peer, what, detail, run_id) VALUES (?, "
           "?, ?, ?, ?, ?, ?)")
         .bind(event.at.utc.utc_ns, event.at.monotonic_ns, event.who, event.from, event.what,
-              event.detail, event.run ? std::optional(event.run->value) : std::nullopt)
+              event.detail, event.run)
         .run();
     return EventId{session_.db.last_row_id()};
   });

@@ -10,10 +10,6 @@ ModelRecord model_from(const Query& row) {
   return model;
 }
 
-std::optional<std::int64_t> number(const std::optional<ModelId>& id) {
-  return id ? std::optional(id->value) : std::nullopt;
-}
-
 }  // namespace
 
 Result<ModelId> SqliteModelStore::add_model(const ModelRecord& model) {
@@ -23,7 +19,7 @@ Result<ModelId> SqliteModelStore::add_model(const ModelRecord& model) {
     Query(session_.db,
           "INSERT INTO model (name, json, hash, parent_id, created_ns, created_by, note) VALUES "
           "(?, ?, ?, ?, ?, ?, ?)")
-        .bind(model.name, model.json, model.hash, number(model.parent), model.created.utc_ns,
+        .bind(model.name, model.json, model.hash, model.parent, model.created.utc_ns,
               model.created_by, model.note)
         .run();
     return ModelId{session_.db.last_row_id()};
@@ -58,7 +54,7 @@ Result<void> SqliteModelStore::add_promotion(const PromotionRecord& promotion) {
   return session_.write([&] {
     Query(session_.db,
           "INSERT INTO promotion (model_id, at_ns, by_whom, action) VALUES (?, ?, ?, ?)")
-        .bind(number(promotion.model), promotion.at.utc_ns, promotion.by, promotion.action)
+        .bind(promotion.model, promotion.at.utc_ns, promotion.by, promotion.action)
         .run();
   });
 }

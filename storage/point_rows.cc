@@ -40,8 +40,7 @@ DatumId insert_datum(Session& session, const DatumRecord& datum,
   Query(session.db,
         "INSERT INTO datum (run_id, opened_ns, opened_monotonic_ns, reason, file_datum) VALUES (?, "
         "?, ?, ?, ?)")
-      .bind(datum.run ? std::optional(datum.run->value) : std::nullopt, datum.opened.utc.utc_ns,
-            datum.opened.monotonic_ns, datum.reason, file_datum)
+      .bind(datum.run, datum.opened.utc.utc_ns, datum.opened.monotonic_ns, datum.reason, file_datum)
       .run();
   const DatumId id{session.db.last_row_id()};
   Query value_row(

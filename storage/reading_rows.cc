@@ -37,14 +37,13 @@ void insert_moves(Session& session, std::span<const MoveRecord> moves) {
     next.bind(move.at.utc.utc_ns).row();
     const std::int64_t ordinal = next.integer(0);
     next.restart();
-    const auto run = move.run ? std::optional(move.run->value) : std::nullopt;
     const std::size_t axes = std::max(move.from_mm.size(), move.to_mm.size());
     for (std::size_t axis = axes == 0 ? 0 : 1; axis <= axes; ++axis) {
       const auto at = [axis](const std::vector<double>& mm) {
         return axis >= 1 && axis <= mm.size() ? std::optional(mm[axis - 1]) : std::nullopt;
       };
       row.bind(move.at.utc.utc_ns, ordinal, static_cast<std::int64_t>(axis), move.at.monotonic_ns,
-               run, at(move.from_mm), at(move.to_mm), move.cause)
+               move.run, at(move.from_mm), at(move.to_mm), move.cause)
           .run();
     }
   }

@@ -79,7 +79,7 @@ CREATE INDEX datum_run ON datum (run_id);
 CREATE TABLE datum_value (  -- readings before the zeroing, and every temperature at that instant
   datum_id INTEGER NOT NULL REFERENCES datum (datum_id),
   channel_id INTEGER NOT NULL REFERENCES channel (channel_id),
-  value ANY,
+  value ANY CHECK (typeof(value) IN ('real', 'null')),
   PRIMARY KEY (datum_id, channel_id)
 ) STRICT, WITHOUT ROWID;
 
@@ -103,7 +103,7 @@ CREATE UNIQUE INDEX point_place ON point (run_id, trajectory_row);  -- a row is 
 CREATE TABLE point_value (  -- joined values: means of the readings, temperatures at that time, commanded coordinates
   point_id INTEGER NOT NULL REFERENCES point (point_id),
   channel_id INTEGER NOT NULL,
-  value ANY,
+  value ANY CHECK (typeof(value) IN ('real', 'null')),
   PRIMARY KEY (point_id, channel_id)
 ) STRICT, WITHOUT ROWID;
 
@@ -156,7 +156,7 @@ CREATE INDEX reading_time ON reading (device_id, start_ns);
 CREATE TABLE reading_value (
   reading_id INTEGER NOT NULL,
   channel_id INTEGER NOT NULL,
-  value ANY,  -- NULL: the channel gave no value
+  value ANY CHECK (typeof(value) IN ('real', 'null')),  -- NULL: the channel gave no value
   PRIMARY KEY (reading_id, channel_id)
 ) STRICT, WITHOUT ROWID;
 

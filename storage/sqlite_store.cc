@@ -11,8 +11,6 @@ namespace driftwise::storage {
 namespace {
 
 // Figures behind these settings: docs/decisions/0003-readings-in-the-database.md.
-constexpr int kBusyTimeoutMs =
-    2000;  // a person's sqlite3 shell may hold the write lock for a moment
 constexpr int kForcedCheckpointFactor = 16;  // a log that nobody checkpoints stays below 64 MB
 constexpr const char* kCommonPragmas =
     "PRAGMA foreign_keys = ON; PRAGMA trusted_schema = OFF; PRAGMA temp_store = MEMORY;";
@@ -33,7 +31,7 @@ class SqliteStore final : public Store {
         models_(session_),
         events_(session_) {
     Database& db = session_.db;
-    sqlite3_busy_timeout(db.handle(), kBusyTimeoutMs);
+    sqlite3_busy_timeout(db.handle(), options.busy_timeout_ms);
     db.execute(kCommonPragmas);
     if (read_only) {
       db.execute("PRAGMA query_only = ON");

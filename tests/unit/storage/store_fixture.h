@@ -17,7 +17,11 @@ namespace driftwise::storage {
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "driftwise-store-XXXXXX").string();
+    // In memory where the system has such a folder: what a sync does is the business of
+    // tests/faults.
+    const std::filesystem::path parent =
+        std::filesystem::exists("/dev/shm") ? "/dev/shm" : std::filesystem::temp_directory_path();
+    std::string name = (parent / "driftwise-store-XXXXXX").string();
     path_ = mkdtemp(name.data());
   }
   ~TemporaryFolder() {
