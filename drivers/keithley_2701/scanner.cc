@@ -95,7 +95,7 @@ Result<Reading> Scanner::reading_from(const std::string& reply, CellTime asked) 
   Reading out;
   out.device = device_.id;
   out.start = std::max(anchor_.cell_time(first->time_s) - nanoseconds_from_s(channel_s()), asked);
-  out.end = anchor_.cell_time(last->time_s);
+  out.end = std::clamp(anchor_.cell_time(last->time_s), out.start, std::max(out.start, answered));
   out.sequence = ++sequence_;
   for (const auto& probe : device_.probes) {
     const auto found = std::find_if(scan->begin(), scan->end(),

@@ -1,0 +1,162 @@
+#include "drivers/keithley_2701/keithley_2701.h"
+#include "drivers/keithley_2701/platinum_resistance.h"
+#include "tests/unit/drivers/driver_fixture.h"
+
+namespace driftwise {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::AllOf;
+using testing::HasSubstr;
+using tests::expect;
+using tests::hang_up;
+using tests::Script;
+using tests::send;
+
+constexpr const char* kIdentity = "KEITHLEY INSTRUMENTS INC.,MODEL 2701,1234567,A09  /A02\n";
+
+class ScannerLoop : public tests::DriverFixture {
+ protected:
+  // At 60 x a scan's time-out (3 s and more) is soon over.
+  ScannerLoop() { clock = tests::WallClock(60); }
+
+  DeviceDescription scanner(std::map<std::string, std::string> options = {}) {
+    auto out = device("scanner", "keithley-2701");
+    out.timeout_s = 1;
+    out.probes.push_back({{"t01", "degC"}, 101, 1000.0, 3.9083e-3, -5.775e-7, "", "robot", 0});
+    out.probes.push_back({{"t02", "degC"}, 102, 999.9, 3.9083e-3, -5.775e-7, "", "robot", 0});
+    out.options = std::move(options);
+    return out;
+  }
+  Instrument& make(const DeviceDescription& description) {
+    auto made = drivers::make_keithley_2701(description, context.get_executor(), clock);
+    EXPECT_TRUE(made) << made.error().message;
+    instrument = std::move(*made);
+    return *instrument;
+  }
+  static Script set_up(std::string end = "\n", const char* list = "(@101,102)\n",
+                       std::vector<const char*> errors = {}) {
+    Script out{expect("\x03" + end), expect("*IDN?" + end), send(kIdentity),
+               expect("*RST" + end), expect("*CLS" + end),  expect("*OPC?" + end),
+               send("1\n"),          expect("*OPT?" + end), send("7708,NONE\n")};
+    for (const char* command :
+         {"TRAC:CLE", "INIT:CONT OFF", "FORM:ELEM READ,CHAN,TST", "TRIG:SOUR IMM", "TRIG:COUN 1",
+          "TRIG:DEL 0", "ROUT:SCAN:LSEL NONE", "FUNC 'FRES',(@101,102)",
+          "FRES:RANG 1000,(@101,102)", "FRES:OCOM ON,(@101,102)", "FRES:NPLC 5,(@101,102)",
+          "SAMP:COUN 2", "ROUT:SCAN (@101,102)", "ROUT:SCAN:TSO IMM", "ROUT:SCAN:LSEL INT"})
+      out.push_back(expect(command + end));
+    out.push_back(expect("ROUT:SCAN?" + end));
+    out.push_back(send(list));
+    errors.push_back("0,\"No error\"\n");
+    for (const char* error : errors) {
+      out.push_back(expect("SYST:ERR?" + end));
+      out.push_back(send(error));
+    }
+    return out;
+  }
+  static Script plus(Script a, const Script& b) {
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+  }
+  std::unique_ptr<Instrument> instrument;
+};
+
+TEST_F(ScannerLoop, TurnsOhmsIntoTemperaturesWithEachProbesOwnConstants) {
+  peer.on_connection(plus(set_up(), {expect("READ?\n"), send("+1.07793E+03,+101,"),
+                                     send("+1.000E+01,+9.9E37,+102,+1.005E+01\n")}));
+  make(scanner());
+  const auto reading = run(instrument->read());
+  ASSERT_TRUE(reading) << reading.error().message;
+  ASSERT_EQ(reading->values.size(), 2u);
+  EXPECT_NEAR(*reading->find("t01_degC"), platinum::degc_from_ohm(1077.93, {}), 1e-12);
+  EXPECT_NEAR(*reading->find("t01_degC"), 20.0, 0.02);
+  EXPECT_TRUE(is_missing(*reading->find("t02_degC"))) << "an open probe is missing, no error";
+  EXPECT_LT(reading->start, reading->end);
+  EXPECT_LE(reading->end, clock.now().utc);
+}
+
+TEST_F(ScannerLoop, FollowsTheOrderOfTheWire) {
+  peer.on_connection(plus(set_up(), {expect("READ?\n"), send("1078,0.5,102,1077,0.1,101\n"),
+                                     expect("READ?\n"), send("1088,1.5,102,1087,1.1,101\n"),
+                                     expect("READ?\n"), send("1077,101,2.1,1078,102,2.5\n")}));
+  make(scanner());
+  EXPECT_NEAR(*run(instrument->read())->find("t01_degC"), platinum::degc_from_ohm(1077, {}), 1e-12);
+  const auto second = run(instrument->read());
+  EXPECT_NEAR(*second->find("t01_degC"), platinum::degc_from_ohm(1087, {}), 1e-12);
+  EXPECT_EQ(second->sequence, 2);
+  EXPECT_EQ(run(instrument->read()).error().reason, "WRONG_CHANNEL")
+      << "the order does not change by itself";
+}
+
+TEST_F(ScannerLoop, SendsTheConfiguredTerminator) {
+  peer.on_connection(set_up("\r\n"));
+  EXPECT_TRUE(run(make(scanner({{"terminator", "crlf"}})).prepare()));
+  EXPECT_EQ(instrument->health().identity,
+            "KEITHLEY INSTRUMENTS INC.,MODEL 2701,1234567,A09  /A02 [7708,NONE]");
+}
+
+TEST_F(ScannerLoop, NoticesThatTheScanListShrank) {
+  auto script = set_up("\n", "(@101)\n");
+  script.erase(script.end() - 2, script.end());
+  peer.on_connection(script);
+  const auto done = run(make(scanner()).prepare());
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().reason, "SCAN_LIST");
+  EXPECT_THAT(done.error().message, AllOf(HasSubstr("(@101,102)"), HasSubstr("\"(@101)\\n\"")));
+}
+
+TEST_F(ScannerLoop, NamesEveryErrorOfTheSetUp) {
+  peer.on_connection(
+      set_up("\n", "(@101:102)\n",
+             {"-221,\"Settings conflict\"\n", "-222,\"Parameter data out of range\"\n"}));
+  const auto done = run(make(scanner()).prepare());
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().reason, "SET_UP");
+  EXPECT_THAT(done.error().message, AllOf(HasSubstr("-221 Settings conflict"), HasSubstr("-222")));
+}
+
+TEST_F(ScannerLoop, ReadsAQueueThatNeverEndsTwelveTimes) {
+  const std::vector<const char*> errors(11, "-350,\"Queue overflow\"\n");
+  auto script = set_up("\n", "(@101,102)\n", errors);
+  script.back() = send("-350,\"Queue overflow\"\n");
+  peer.on_connection(script);
+  EXPECT_EQ(run(make(scanner()).prepare()).error().reason, "SET_UP");
+  EXPECT_TRUE(peer.finished());
+}
+
+TEST_F(ScannerLoop, RefusesAnotherDevice) {
+  peer.on_connection({expect("\x03\n"), expect("*IDN?\n"), send("ACME,DMM6500,1,1\n")});
+  const auto done = run(make(scanner()).prepare());
+  EXPECT_EQ(done.error().reason, "WRONG_DEVICE");
+  EXPECT_THAT(done.error().message, HasSubstr("ACME"));
+}
+
+TEST_F(ScannerLoop, ClearsTheDeviceAfterATimeoutAndKeepsItsSetUp) {
+  peer.on_connection(
+      plus(set_up(), {expect("READ?\n"), send("1077,101,"), expect("\x03*CLS\n*IDN?\n"),
+                      send("0.1,1078,102,0.5\n"), send(kIdentity), expect("READ?\n"),
+                      send("1090,101,1.1,1078,102,1.5\n")}));
+  make(scanner());
+  const auto late = run(instrument->read());
+  ASSERT_FALSE(late);
+  EXPECT_EQ(late.error().code, ErrorCode::deadline_exceeded);
+  const auto next = run(instrument->read());
+  ASSERT_TRUE(next) << next.error().message;
+  EXPECT_NEAR(*next->find("t01_degC"), platinum::degc_from_ohm(1090, {}), 1e-12)
+      << "not the late scan";
+}
+
+TEST_F(ScannerLoop, HasNoZero) { EXPECT_EQ(run(make(scanner()).zero()).error().reason, "NO_ZERO"); }
+
+TEST_F(ScannerLoop, RefusesProbesThatCannotBe) {
+  auto twice = scanner();
+  twice.probes[1].input = 101;
+  EXPECT_EQ(drivers::make_keithley_2701(twice, context.get_executor(), clock).error().reason,
+            "BAD_PROBES");
+  twice.probes.clear();
+  EXPECT_EQ(drivers::make_keithley_2701(twice, context.get_executor(), clock).error().reason,
+            "BAD_PROBES");
+}
+
+}  // namespace
+}  // namespace driftwise
