@@ -71,7 +71,8 @@ PlantParameters parse_plant_file(std::string_view text, const std::string& name,
                          ": not TOML: " + std::string(error.description()));
   }
   for (const auto& override_text : overrides) apply_override(root, override_text);
-  // Switches of the emulated devices share the file; drivers/simulated/emulators reads and checks them.
+  // Switches of the emulated devices share the file; drivers/simulated/emulators reads and checks
+  // them.
   root.erase("emulator");
   root.erase("wire");
   return plant_sections(Fields(name, "", root));
