@@ -12,7 +12,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace driftwise;
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
   if (const auto list = keithley::parse_channel_list(bytes); list && !list->empty()) {
-    if (keithley::parse_channel_list(keithley::encode_channel_list(*list)) != list) std::abort();
+    const auto again = keithley::parse_channel_list(keithley::encode_channel_list(*list));
+    if (!again || *again != *list) std::abort();
   }
   (void)keithley::parse_device_error(bytes);
   static const std::vector<int> kScanned{101, 102};
