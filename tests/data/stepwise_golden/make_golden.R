@@ -18,7 +18,7 @@ fmt <- function(v) formatC(v, digits = 17, format = "g")
 snap <- function(v, bits = 20) round(v * 2^bits) / 2^bits
 
 stepwise <- function(d, p, enter, remove, weighted) {
-  w <- if (weighted) d$w else rep(1, nrow(d))
+  w <- if (weighted) d$weight else rep(1, nrow(d))
   full <- as.formula(paste("y ~", paste0("x", 1:p, collapse = "+")))
   inside <- integer(0); path <- character(0); close <- FALSE
   near <- function(pv, at) !is.na(pv) && abs(pv - at) < 1e-6 * at
@@ -66,7 +66,7 @@ make <- function(kind, n, p) {
   y <- drop(x %*% b) + sd * rnorm(n)
   y <- if (kind == "tiny") round(y * 2^50) / 2^50 else snap(y, 30)
   d <- as.data.frame(x); names(d) <- paste0("x", 1:p); d$y <- y
-  d$w <- snap(exp(rnorm(n)), 16) + 2^-16
+  d$weight <- snap(exp(rnorm(n)), 16) + 2^-16
   d
 }
 
@@ -83,7 +83,7 @@ while (count < 300) {
   if (r$close || any(is.na(coef(r$fit))) || s$sigma < 1e-13) next
   count <- count + 1
   cat("problem", count, kind, n, p, thresholds, as.integer(weighted), "\n")
-  for (i in 1:n) cat(fmt(c(d$y[i], unlist(d[i, 1:p]), if (weighted) d$w[i])), "\n")
+  for (i in 1:n) cat(fmt(c(d$y[i], unlist(d[i, 1:p]), if (weighted) d$weight[i])), "\n")
   cat("path", r$path, "\n")
   cat("rmse", fmt(s$sigma), r$fit$df.residual, "\n")
   one <- function(fit, name, state) {

@@ -38,7 +38,7 @@ inline Dataset dataset_of(const std::vector<Row>& rows) {
   return data;
 }
 
-inline Dataset dataset_of(std::vector<std::pair<Channel, std::vector<double>>> columns) {
+inline Dataset columns_of(std::vector<std::pair<Channel, std::vector<double>>> columns) {
   Dataset data;
   for (auto& [channel, values] : columns) {
     data.rows = values.size();

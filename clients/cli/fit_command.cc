@@ -1,0 +1,159 @@
+#include "clients/cli/fit_command.h"
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+
+#include "server/calibration/offer.h"
+#include "server/effects/term_order.h"
+#include "server/formats/dataset_csv.h"
+#include "server/formats/fit_json.h"
+#include "server/formats/formula.h"
+
+namespace driftwise::cli {
+namespace {
+
+Failure failure_of(const Error& error) {
+  return {ExitCode::bad_input, std::string(to_string(error.code)), error.reason, error.message};
+}
+
+template <class T>
+T value_or_throw(Result<T> result) {
+  if (!result) throw failure_of(result.error());
+  return std::move(*result);
+}
+
+std::vector<effects::Term> terms_of(const std::vector<std::string>& texts) {
+  std::vector<effects::Term> terms;
+  for (const auto& text : texts) terms.push_back(value_or_throw(formats::parse_term(text)));
+  return terms;
+}
+
+std::string joined(const std::vector<effects::Term>& terms) {
+  std::string text;
+  for (const auto& term : terms) text += (text.empty() ? "" : ", ") + effects::notation(term);
+  return text;
+}
+
+double change(const std::optional<double>& before, const std::optional<double>& after,
+              double factor) {
+  return before && after ? (*after - *before) * factor : std::nan("");
+}
+
+nlohmann::ordered_json offers_json(const std::vector<calibration::OfferResult>& offers,
+                                   const Dataset& data) {
+  auto list = nlohmann::ordered_json::array();
+  for (const auto& offer : offers) {
+    const SummaryUnit summary = summary_unit(data.find(offer.output)->channel.unit);
+    nlohmann::ordered_json one{
+        {"offer", offer.name}, {"output", offer.output}, {"best_p", offer.best_p}};
+    for (const auto* key : {"taken", "left"}) one[key] = nlohmann::ordered_json::array();
+    for (const auto& term : offer.taken) one["taken"].push_back(effects::notation(term));
+    for (const auto& term : offer.left) one["left"].push_back(effects::notation(term));
+    const auto put = [&](const std::string& key, const std::optional<double>& value) {
+      if (value) one[key + "_" + summary.unit] = *value * summary.factor;
+    };
+    put("u90_validation_before", offer.u90_validation_before);
+    put("u90_validation_after", offer.u90_validation_after);
+    put("u90_validation_forced", offer.u90_validation_forced);
+    put("u90_blocks_before", offer.u90_blocks_before);
+    put("u90_blocks_after", offer.u90_blocks_after);
+    list.push_back(std::move(one));
+  }
+  return list;
+}
+
+void print_offers(std::ostream& out, const std::vector<calibration::OfferResult>& offers,
+                  const Dataset& data) {
+  out << "\nWhat more terms would add to the held-out U90\n";
+  for (const auto& offer : offers) {
+    const SummaryUnit summary = summary_unit(data.find(offer.output)->channel.unit);
+    char text[256];
+    std::snprintf(text, sizeof text, "%+.2f %s on the validation rows, %+.2f %s by blocks of time",
+                  change(offer.u90_validation_before, offer.u90_validation_after, summary.factor),
+                  summary.unit.c_str(),
+                  change(offer.u90_blocks_before, offer.u90_blocks_after, summary.factor),
+                  summary.unit.c_str());
+    out << "  " << offer.output << ", " << offer.name << ": ";
+    if (offer.taken_any())
+      out << "stepwise takes " << joined(offer.taken) << ": " << text << '\n';
+    else
+      out << "all rejected (smallest p " << offer.best_p << ")\n";
+  }
+}
+
+}  // namespace
+
+void add_fit_options(CLI::App& command, FitOfFile& fit) {
+  command
+      .add_option("--model", fit.formula,
+                  "formula: \"q ~ poly(x, 3) + F + T + rate(T, 300 s) - t03\"")
+      ->required();
+  command.add_option("--select", fit.select, "stepwise, or all: every term, no selection")
+      ->check(CLI::IsMember({"stepwise", "all"}))
+      ->capture_default_str();
+  command.add_option("--p-enter", fit.p_enter, "a term enters below this p")->capture_default_str();
+  command.add_option("--p-remove", fit.p_remove, "a term leaves above this p")
+      ->capture_default_str();
+  command.add_option("--force", fit.force, "a term that is always in; repeatable")->expected(1);
+  command.add_option("--without", fit.without, "a term that is left out; repeatable")->expected(1);
+  command
+      .add_option("--exclude", fit.exclude,
+                  "channels whose terms are left out, such as t01,t02; repeatable")
+      ->delimiter(',')
+      ->expected(1);
+  command.add_option("--weights", fit.weights, "a channel that weights the rows, as 1/variance");
+  command.add_option("--first,--first-rows", fit.first_rows, "calibrate on the first N rows only")
+      ->check(CLI::NonNegativeNumber);
+  command.add_option("--blocks", fit.blocks, "blocks of time held out in turn; 0: none")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
+  command.add_flag("--history", fit.history, "show the selection step by step");
+  command.add_flag("--offers", fit.offers,
+                   "show what cross terms, derivatives and 4th order would add");
+}
+
+calibration::FitOptions fit_options(const FitOfFile& fit) {
+  calibration::FitOptions options;
+  options.select = fit.select == "all" ? calibration::Select::all : calibration::Select::stepwise;
+  options.p_enter = fit.p_enter;
+  options.p_remove = fit.p_remove;
+  options.forced = terms_of(fit.force);
+  options.excluded = terms_of(fit.without);
+  options.exclude_channels = fit.exclude;
+  options.weight_symbol = fit.weights;
+  options.first_rows = fit.first_rows;
+  options.blocks = fit.blocks;
+  options.stopwatch_us = [] {
+    return std::chrono::duration<double, std::micro>(
+               std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+  };
+  return options;
+}
+
+ExitCode fit_file(const Console& console, const FitOfFile& fit, const std::string& text,
+                  const std::string& name) {
+  calibration::FitOptions options = fit_options(fit);
+  options.lineage.source = name;
+  const auto formula = value_or_throw(formats::Formula::parse(fit.formula));
+  const Dataset data = value_or_throw(formats::read_dataset_csv(text, name));
+  options.candidates = value_or_throw(formula.expand(data));
+  const calibration::Model model = value_or_throw(calibration::fit(data, options));
+  std::vector<calibration::OfferResult> offers;
+  if (fit.offers)
+    offers = value_or_throw(calibration::weigh_offers(
+        data, options, model, calibration::published_offers(data, options.candidates)));
+  if (console.json) {
+    auto json = formats::fit_json(model);
+    if (fit.offers) json["offers"] = offers_json(offers, data);
+    console.print_json(json);
+  } else {
+    console.out << formats::fit_table(model, {.history = fit.history});
+    if (fit.offers) print_offers(console.out, offers, data);
+  }
+  return ExitCode::done;
+}
+
+}  // namespace driftwise::cli

@@ -1,0 +1,41 @@
+#pragma once
+// `driftwise fit FILE.csv --model FORMULA`: a fit of a plain CSV file, here, without a daemon.
+// Given the CSV that a daemon exported and the same options it gives the daemon's model to the last
+// digit: both call calibration::fit.
+
+#include <CLI/App.hpp>
+#include <string>
+#include <vector>
+
+#include "clients/cli/console.h"
+#include "server/calibration/fit.h"
+
+namespace driftwise::cli {
+
+struct FitOfFile {
+  std::string formula, select = "stepwise";
+  double p_enter = 0.05, p_remove = 0.10;
+  std::vector<std::string> force, without;  // terms as a formula writes them
+  std::vector<std::string> exclude;         // channel symbols
+  std::string weights;                      // channel symbol
+  std::int64_t first_rows = 0;
+  int blocks = 10;
+  bool history = false;  // print the selection step by step
+  bool offers = false;   // print what the published study's further terms would add
+};
+
+// Adds --model, --select, --p-enter, --p-remove, --force, --without, --exclude, --weights,
+// --first-rows, --blocks, --history and --offers to a command. fit outlives the command.
+void add_fit_options(CLI::App& command, FitOfFile& fit);
+
+// What the options say, without the formula. Throws Failure (bad_input) for a term that does not
+// parse.
+calibration::FitOptions fit_options(const FitOfFile& fit);
+
+// Fits text, the contents of the file called name, and prints the model: a page, or with --json
+// driftwise.fit.v1. Throws Failure (bad_input) with the reason of the reader, the formula or the
+// fit.
+ExitCode fit_file(const Console& console, const FitOfFile& fit, const std::string& text,
+                  const std::string& name);
+
+}  // namespace driftwise::cli

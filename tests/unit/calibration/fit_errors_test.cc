@@ -1,0 +1,128 @@
+// Every bad input has its sentence.
+
+#include <gmock/gmock.h>
+
+#include <limits>
+
+#include "server/formats/formula.h"
+#include "tests/unit/calibration/campaign.h"
+
+namespace driftwise::calibration {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::HasSubstr;
+
+Error error_of(const Dataset& data, const std::string& formula, const FitOptions& options = {}) {
+  const auto model = formats::fit_formula(data, formula, options);
+  EXPECT_FALSE(model.has_value());
+  return model ? Error{} : model.error();
+}
+
+FitOptions all_terms() {
+  FitOptions options;
+  options.select = Select::all;
+  return options;
+}
+
+TEST(FitErrors, NamesAConstantThermometer) {
+  Dataset data = make_campaign({});
+  for (auto& value : data.columns[4].values) value = 23;
+  const Error error = error_of(data, "q1 ~ x + T", all_terms());
+  EXPECT_EQ(error.reason, "RANK_DEFICIENT");
+  EXPECT_THAT(error.message, HasSubstr("t03 is constant at 23"));
+}
+
+TEST(FitErrors, NamesTermsThatEqualOneAnother) {
+  Dataset data = make_campaign({});
+  data.columns.push_back({{"y", "mm"}, data.columns[1].values});
+  for (auto& value : data.columns.back().values) value = -value;  // y = -x: y^2 = x^2
+  const Error error = error_of(data, "q1 ~ x + x^2 + y^2", all_terms());
+  EXPECT_EQ(error.reason, "RANK_DEFICIENT");
+  EXPECT_THAT(error.message, HasSubstr("y^2 cannot be told apart from x^2"));
+}
+
+TEST(FitErrors, NamesASumOfOthers) {
+  Dataset data = make_campaign({});
+  auto sum = data.columns[2].values;
+  for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += data.columns[3].values[i];
+  data.columns.push_back({{"t09", "degC"}, sum});
+  EXPECT_THAT(error_of(data, "q1 ~ x + T", all_terms()).message, HasSubstr("t09 cannot be told apart from t01, t02"));
+}
+
+TEST(FitErrors, StepwiseLeavesOutWhatCannotBeToldApartAndSaysSo) {
+  Dataset data = make_campaign({});
+  data.columns.push_back({{"t08", "degC"}, data.columns[2].values});  // a copy of t01
+  const auto model = formats::fit_formula(data, "q1 ~ x + x^2 + T", {});
+  ASSERT_TRUE(model.has_value());
+  EXPECT_THAT(model->warnings, Contains(HasSubstr("t08 cannot be told apart from t01")));
+}
+
+TEST(FitErrors, WarnsOfAThermometerThatHardlyMoves) {
+  Dataset data = make_campaign({});
+  for (std::size_t i = 0; i < data.rows; ++i) data.columns[4].values[i] = 23 + (i % 2 == 0 ? 1e-4 : -1e-4);
+  const auto model = formats::fit_formula(data, "q1 ~ x + x^2 + T", {});
+  ASSERT_TRUE(model.has_value());
+  EXPECT_THAT(model->warnings, Contains(HasSubstr("t03 is constant within 0.2 mK")));
+}
+
+TEST(FitErrors, RefusesTooFewRows) {
+  const Error error = error_of(make_campaign({.rows = 6}), "q1 ~ x + T", all_terms());
+  EXPECT_EQ(error.reason, "TOO_FEW_ROWS");
+  EXPECT_THAT(error.message, AllOf(HasSubstr("4 complete calibration rows"), HasSubstr("at least 7")));
+}
+
+TEST(FitErrors, RefusesInfinityWithItsPlace) {
+  Dataset data = make_campaign({});
+  data.columns[2].values[4] = std::numeric_limits<double>::infinity();
+  const Error error = error_of(data, "q1 ~ x + T");
+  EXPECT_EQ(error.reason, "BAD_VALUE");
+  EXPECT_THAT(error.message, AllOf(HasSubstr("row 5"), HasSubstr("t01")));
+}
+
+TEST(FitErrors, RefusesThresholdsThatWouldCycle) {
+  FitOptions options;
+  options.p_enter = 0.1;
+  options.p_remove = 0.05;
+  EXPECT_THAT(error_of(make_campaign({}), "q1 ~ x", options).message, HasSubstr("p_remove 0.05 is below p_enter 0.1"));
+  options.p_remove = 2;
+  EXPECT_EQ(error_of(make_campaign({}), "q1 ~ x", options).reason, "BAD_OPTIONS");
+}
+
+TEST(FitErrors, RefusesStepwiseWithoutAConstant) {
+  EXPECT_THAT(error_of(make_campaign({}), "q1 ~ x - 1").message, HasSubstr("select all"));
+}
+
+TEST(FitErrors, RefusesADerivativeOfUntimedData) {
+  Dataset data = make_campaign({});
+  data.time_s.clear();
+  EXPECT_EQ(error_of(data, "q1 ~ x + rate(t01, 300 s)").reason, "UNTIMED");
+}
+
+TEST(FitErrors, RefusesANegativeWeight) {
+  Dataset data = make_campaign({});
+  data.columns.push_back({{"w", "1"}, std::vector<double>(data.rows, 1)});
+  data.columns.back().values[7] = -1;
+  FitOptions options;
+  options.weight_symbol = "w";
+  EXPECT_THAT(error_of(data, "q1 ~ x", options).message, AllOf(HasSubstr("row 8"), HasSubstr("weight w is -1")));
+}
+
+TEST(FitErrors, SurvivesValuesAtTheEdgeOfDoublePrecision) {
+  Dataset data = make_campaign({});
+  for (auto& value : data.columns[1].values) value *= 1e100;
+  EXPECT_EQ(error_of(data, "q1 ~ x + x^4").reason, "BAD_VALUE");
+}
+
+TEST(FitErrors, FitsAnExactLineWithoutFittingItsRounding) {
+  Dataset data = make_campaign({});
+  for (std::size_t i = 0; i < data.rows; ++i) data.columns[0].values[i] = 0.25 + 3 * data.columns[1].values[i];
+  const auto model = formats::fit_formula(data, "q1 ~ x + x^2 + T", {});
+  ASSERT_TRUE(model.has_value()) << model.error().message;
+  EXPECT_EQ(model->outputs[0].terms.size(), 2u);
+  EXPECT_NEAR(model->outputs[0].coefficients[1], 3, 1e-14);
+}
+
+}  // namespace
+}  // namespace driftwise::calibration

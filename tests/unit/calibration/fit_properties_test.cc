@@ -1,0 +1,151 @@
+// Properties that hold for any data: residuals orthogonal to the model, scale does not matter, neither do threads.
+
+#include <gmock/gmock.h>
+
+#include <thread>
+
+#include "server/calibration/design.h"
+#include "server/calibration/predict.h"
+#include "server/calibration/row_qr.h"
+#include "server/effects/term_order.h"
+#include "server/formats/formula.h"
+#include "tests/unit/calibration/campaign.h"
+
+namespace driftwise::calibration {
+namespace {
+
+const std::string kFormula = "q1 ~ poly(x, 3) + T + rate(T, 300 s) + x:t01";
+
+Model fitted(const Dataset& data, const FitOptions& options = {}, const std::string& formula = kFormula) {
+  const auto model = formats::fit_formula(data, formula, options);
+  EXPECT_TRUE(model.has_value()) << model.error().message;
+  return *model;
+}
+
+std::vector<std::string> terms_in(const OutputModel& output) {
+  std::vector<std::string> names;
+  for (const auto& term : output.terms) names.push_back(effects::notation(term));
+  return names;
+}
+
+TEST(Fit, LeavesResidualsOrthogonalToEveryTermIn) {
+  const Dataset data = make_campaign({});
+  const Model model = fitted(data);
+  const auto& output = model.outputs[0];
+  const auto predicted = predict(data, output);
+  const auto columns = raw_columns(data, output.terms);
+  ASSERT_TRUE(predicted && columns);
+  for (Eigen::Index j = 0; j < columns->cols(); ++j) {
+    double dot = 0, column2 = 0, residual2 = 0;
+    for (std::size_t row = 0; row < data.rows; ++row) {
+      if (data.set_of(row) != PointSet::calibration) continue;
+      const auto i = static_cast<Eigen::Index>(row);
+      const double residual = data.columns[0].values[row] - (*predicted)[i];
+      dot += residual * (*columns)(i, j);
+      column2 += (*columns)(i, j) * (*columns)(i, j);
+      residual2 += residual * residual;
+    }
+    // rounding of the prediction, 4 mm * 2e-16, against residuals of 3 nm
+    EXPECT_LT(std::abs(dot) / std::sqrt(column2 * residual2), 1e-8) << effects::notation(output.terms[static_cast<std::size_t>(j)]);
+  }
+}
+
+TEST(Fit, FindsTheTermsThatMadeTheData) {
+  const Model model = fitted(make_campaign({}));
+  EXPECT_THAT(terms_in(model.outputs[0]), testing::IsSupersetOf({"1", "x", "x^2", "t01", "t02"}));
+  EXPECT_NEAR(model.outputs[0].accuracy.rmse, 3e-6, 0.5e-6);
+  EXPECT_NEAR(*model.outputs[0].accuracy.u90_validation, 1.645 * 3e-6, 1e-6);
+}
+
+TEST(Fit, ChoosesTheSameWhateverTheUnits) {
+  const Dataset data = make_campaign({});
+  const Model plain = fitted(data);
+  Dataset scaled = data;
+  for (auto& value : scaled.columns[0].values) value *= 1e6;  // nm
+  scaled.columns[0].channel.unit = "nm";
+  for (auto& value : scaled.columns[1].values) value *= 1e-3;  // m
+  scaled.columns[1].channel.unit = "m";
+  for (auto& value : scaled.columns[2].values) value = value * 1024 - 9000;
+  const Model other = fitted(scaled);
+  EXPECT_EQ(terms_in(plain.outputs[0]), terms_in(other.outputs[0]));
+  EXPECT_NEAR(other.outputs[0].accuracy.rmse / plain.outputs[0].accuracy.rmse, 1e6, 1e-2);
+}
+
+TEST(Fit, IsTheSameToTheLastBitOnThreads) {
+  Dataset data = make_campaign({.rows = 30000});
+  FitOptions alone, threaded;
+  threaded.executor = [](std::size_t count, const std::function<void(std::size_t)>& job) {
+    std::vector<std::thread> threads;
+    for (std::size_t i = 0; i < count; ++i) threads.emplace_back(job, i);
+    for (auto& thread : threads) thread.join();
+  };
+  const Model one = fitted(data, alone), many = fitted(data, threaded);
+  const auto &a = one.outputs[0], &b = many.outputs[0];
+  EXPECT_EQ(terms_in(a), terms_in(b));
+  EXPECT_EQ(a.coefficients, b.coefficients);
+  EXPECT_EQ(a.covariance, b.covariance);
+  EXPECT_EQ(a.accuracy.u90_blocks, b.accuracy.u90_blocks);
+}
+
+TEST(RowQr, OfBlocksIsTheTriangleOfAllRows) {
+  std::srand(7);
+  const Eigen::MatrixXd matrix = Eigen::MatrixXd::Random(40000, 12);  // several chains of blocks
+  const Eigen::MatrixXd triangle = row_qr(matrix);
+  ASSERT_EQ(triangle.rows(), 12);
+  const Eigen::MatrixXd gram = matrix.transpose() * matrix;
+  EXPECT_LT((triangle.transpose() * triangle - gram).norm() / gram.norm(), 1e-13);
+  const Eigen::MatrixXd joined = join_triangles({row_qr(matrix.topRows(5)), row_qr(matrix.bottomRows(39995))});
+  EXPECT_LT((joined.cwiseAbs() - triangle.cwiseAbs()).norm() / triangle.norm(), 1e-12);
+}
+
+TEST(Fit, KeepsForcedTermsAndLeavesExcludedOnesOut) {
+  FitOptions options;
+  options.forced = {*formats::parse_term("t04")};
+  options.excluded = {*formats::parse_term("x^2")};
+  options.exclude_channels = {"t01"};
+  const Model model = fitted(make_campaign({}), options);
+  const auto names = terms_in(model.outputs[0]);
+  EXPECT_THAT(names, testing::Contains("t04"));
+  EXPECT_THAT(names, testing::Not(testing::Contains("x^2")));
+  for (const auto& report : model.outputs[0].report)
+    EXPECT_EQ(effects::notation(report.term).find("t01"), std::string::npos);
+}
+
+TEST(Fit, WithFirstRowsCalibratesOnThoseAndValidatesOnAll) {
+  FitOptions options;
+  options.first_rows = 120;
+  const Model model = fitted(make_campaign({}), options);
+  EXPECT_EQ(model.lineage.rows_calibration, 80);
+  EXPECT_EQ(model.lineage.rows_validation, 133);
+}
+
+TEST(Fit, CountsRowsWithAMissingValue) {
+  Dataset data = make_campaign({});
+  data.columns[3].values[10] = kMissing;
+  data.columns[0].values[300] = kMissing;
+  const Model model = fitted(data, {}, "q1 ~ x + x^2 + T");
+  EXPECT_EQ(model.lineage.rows_dropped, 2);
+  EXPECT_THAT(model.warnings, testing::Contains("2 rows dropped for missing values"));
+}
+
+TEST(Fit, FitsEveryOutputFromOneTriangle) {
+  Dataset data = make_campaign({});
+  data.columns.push_back({{"q2", "mm"}, data.columns[0].values});
+  for (std::size_t i = 0; i < data.rows; ++i) data.columns.back().values[i] += 1e-4 * data.columns[4].values[i];
+  const Model both = fitted(data, {}, "q ~ poly(x, 3) + T");
+  ASSERT_EQ(both.outputs.size(), 2u);
+  const Model alone = fitted(data, {}, "q2 ~ poly(x, 3) + T");
+  EXPECT_EQ(terms_in(both.outputs[1]), terms_in(alone.outputs[0]));
+  EXPECT_LT((both.outputs[1].coefficients - alone.outputs[0].coefficients).norm(), 1e-10);
+}
+
+TEST(Fit, ReportsTheDomainOfWhatItUses) {
+  const Model model = fitted(make_campaign({}));
+  ASSERT_FALSE(model.domain.empty());
+  EXPECT_EQ(model.domain[0].channel.symbol, "x");
+  EXPECT_NEAR(model.domain[0].min, -4, 1e-3);
+  EXPECT_NEAR(model.domain[0].max, 4, 1e-3);
+}
+
+}  // namespace
+}  // namespace driftwise::calibration

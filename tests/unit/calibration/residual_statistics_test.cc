@@ -1,0 +1,57 @@
+#include "server/calibration/residual_statistics.h"
+
+#include <gmock/gmock.h>
+
+#include <random>
+
+#include "server/formats/formula.h"
+#include "tests/unit/calibration/campaign.h"
+#include "tests/unit/calibration/data_files.h"
+
+namespace driftwise::calibration {
+namespace {
+
+TEST(ResidualStatistics, AutocorrelationOfAnAlternatingSeriesIsMinusOne) {
+  Eigen::VectorXd series(1000);
+  for (Eigen::Index i = 0; i < 1000; ++i) series[i] = i % 2 == 0 ? 1 : -1;
+  EXPECT_NEAR(lag1_autocorrelation(series), -1, 2e-3);
+}
+
+TEST(ResidualStatistics, EffectiveRowsFollowTheAutoregression) {
+  EXPECT_DOUBLE_EQ(effective_rows(1000, 0), 1000);
+  EXPECT_DOUBLE_EQ(effective_rows(1000, 0.5), 1000.0 / 3);
+  EXPECT_NEAR(effective_rows(1000, 0.98), 10.1, 0.01);  // NUMERICS: about 10 of 1000 at 0.98
+  EXPECT_DOUBLE_EQ(effective_rows(1000, -0.5), 1000);
+}
+
+// Worked by hand: at x = 1: 2, 4; x = 2: 5; x = 3: 7, 9, 8. Pure error SS = 2 + 2 = 4 on 1 + 2 dof.
+TEST(PureError, OfExactRepeatsIsTheClassicalOne) {
+  const Dataset data = columns_of({{{"y", "1"}, {2, 4, 5, 7, 9, 8}}, {{"x", "1"}, {1, 1, 2, 3, 3, 3}}});
+  FitOptions options;
+  options.select = Select::all;
+  const auto model = formats::fit_formula(data, "y ~ x", options);
+  ASSERT_TRUE(model.has_value());
+  const auto& accuracy = model->outputs[0].accuracy;
+  EXPECT_NEAR(*accuracy.pure_error, std::sqrt(4.0 / 3), 1e-12);
+  // RSS - 4 on 4 - 3 = 1 degree of freedom, against 4/3
+  const double rss = accuracy.rmse * accuracy.rmse * model->outputs[0].dof;
+  EXPECT_NEAR(*accuracy.lack_of_fit_f, (rss - 4) / (4.0 / 3), 1e-9);
+  EXPECT_GT(*accuracy.lack_of_fit_p, 0.05);
+}
+
+TEST(PureError, OfRepeatedPosesIsTheNoiseOfTheReadings) {
+  const auto model = formats::fit_formula(make_campaign({.rows = 2000}), "q1 ~ x + x^2 + T", {});
+  ASSERT_TRUE(model.has_value());
+  EXPECT_NEAR(*model->outputs[0].accuracy.pure_error, 3e-6, 0.2e-6);
+  EXPECT_FALSE(model->outputs[0].accuracy.lack_of_fit_f.has_value());  // temperatures never repeat exactly
+}
+
+TEST(PureError, IsAbsentWhereNoPoseIsVisitedTwice) {
+  Dataset data = make_campaign({});
+  for (std::size_t i = 0; i < data.rows; ++i) data.columns[1].values[i] = -4 + 8.0 * static_cast<double>(i) / 400;
+  const auto model = formats::fit_formula(data, "q1 ~ x + T", {});
+  EXPECT_FALSE(model->outputs[0].accuracy.pure_error.has_value());
+}
+
+}  // namespace
+}  // namespace driftwise::calibration

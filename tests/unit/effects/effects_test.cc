@@ -1,0 +1,101 @@
+// Lag and rates against the exact answers for steps, ramps and parabolas, at unequal time steps.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "server/effects/effect.h"
+
+namespace driftwise::effects {
+namespace {
+
+std::unique_ptr<EffectState> make(const std::string& name, double tau_s) {
+  const std::vector<Quantity> parameters = {{tau_s, "s"}};
+  return find_effect(name)->make(parameters);
+}
+
+double step(EffectState& state, double time_s, double value) { return state.step(time_s, std::span(&value, 1)); }
+
+std::vector<double> unequal_times() {
+  std::mt19937 random(5);
+  std::vector<double> times{0};
+  while (times.back() < 20000) times.push_back(times.back() + 1 + static_cast<double>(random() % 40));
+  return times;
+}
+
+TEST(Lag, StartsInEquilibrium) { EXPECT_EQ(step(*make("lag", 1830), 1e9, 21.5), 21.5); }
+
+TEST(Lag, FollowsARampBehindByTau) {
+  const auto lag = make("lag", 1830);
+  for (const double t : unequal_times()) {
+    const double slope = 1e-4, expected = 20 + slope * (t - 1830 * (1 - std::exp(-t / 1830)));
+    EXPECT_NEAR(step(*lag, t, 20 + slope * t), expected, 1e-12);
+  }
+}
+
+TEST(Lag, DoesNotCareHowAStraightStretchIsSampled) {
+  const auto coarse = make("lag", 300), fine = make("lag", 300);
+  step(*coarse, 0, 20);
+  step(*fine, 0, 20);
+  for (int i = 1; i <= 100; ++i) step(*fine, 10.0 * i, 20 + 0.01 * i);
+  EXPECT_NEAR(step(*coarse, 1000, 21), step(*fine, 1000, 21), 1e-12);
+}
+
+TEST(Rate, OfASteadyRampSettlesToIt) {
+  const auto rate = make("rate", 300);
+  double last = 0;
+  for (const double t : unequal_times()) last = step(*rate, t, 20 + 0.5 * t / 3600);
+  EXPECT_NEAR(last, 0.5, 1e-9);  // K/h
+}
+
+TEST(Rate, OfNothingIsExactlyNothing) {
+  const auto rate = make("rate", 300);
+  for (const double t : unequal_times()) EXPECT_EQ(step(*rate, t, 23.004), 0);
+}
+
+TEST(Rate2, OfAParabolaSettlesToItsSecondDerivative) {
+  const auto rate2 = make("rate2", 300);
+  double last = 0;
+  for (double t = 0; t < 20000; t += 5) last = step(*rate2, t, 20 + 0.5 * 0.3 * (t / 3600) * (t / 3600));
+  EXPECT_NEAR(last, 0.3, 1e-4);  // K/h^2; the input runs straight between readings of 5 s
+}
+
+TEST(Rate, AgreesWithAnIntegrationInSmallSteps) {
+  // dL/dt = (u - L)/tau by Euler steps of 10 ms; another method, so agreement to its own error
+  const double tau = 120;
+  const auto rate = make("rate", tau);
+  const auto input = [](double t) { return 20 + std::sin(t / 500); };
+  double lagged = input(0);
+  double result = step(*rate, 0, input(0));
+  for (int i = 0; i < 200000; ++i) {
+    const double t = 0.01 * i;
+    lagged += 0.01 / tau * (input(t) - lagged);
+    if (i % 100 == 99) result = step(*rate, t + 0.01, input(t + 0.01));
+  }
+  EXPECT_NEAR(result, (input(2000) - lagged) / tau * 3600, 1e-3);
+}
+
+TEST(Effects, PassOverAMissingValueAndSpanTheGap) {
+  const auto with_gap = make("lag", 300), without = make("lag", 300);
+  step(*with_gap, 0, 20);
+  step(*without, 0, 20);
+  EXPECT_TRUE(std::isnan(step(*with_gap, 50, std::numeric_limits<double>::quiet_NaN())));
+  EXPECT_EQ(step(*with_gap, 100, 21), step(*without, 100, 21));
+}
+
+TEST(Effects, CopiedAreIndependent) {
+  const auto state = make("rate", 300);
+  step(*state, 0, 20);
+  step(*state, 100, 20.5);
+  const auto copy = state->clone();
+  step(*state, 200, 25);
+  const auto again = make("rate", 300);
+  step(*again, 0, 20);
+  step(*again, 100, 20.5);
+  EXPECT_EQ(step(*copy, 200, 21), step(*again, 200, 21));
+}
+
+}  // namespace
+}  // namespace driftwise::effects
