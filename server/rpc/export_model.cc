@@ -1,9 +1,7 @@
 #include "server/rpc/export_model.h"
 
-#include "server/formats/model_json.h"
-#if __has_include("server/formats/model_c.h")
 #include "server/formats/model_c.h"
-#endif
+#include "server/formats/model_json.h"
 
 namespace driftwise::rpc {
 
@@ -23,7 +21,11 @@ Result<v1::ExportModelResponse> export_model(const ModelRecord& record,
     out.set_file_name("model_" + id + ".json");
     return out;
   }
-  return fail(ErrorCode::internal, "TODO", "to come");
+  auto source = formats::write_model_c(*model, id);
+  if (!source) return tl::unexpected(source.error());
+  out.set_text(std::move(*source));
+  out.set_file_name("model_" + id + ".c");
+  return out;
 }
 
 }  // namespace driftwise::rpc

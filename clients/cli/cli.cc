@@ -1,0 +1,107 @@
+#include "clients/cli/cli.h"
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <algorithm>
+
+#include "clients/cli/cell_commands.h"
+#include "clients/cli/data_commands.h"
+#include "clients/cli/fit_commands.h"
+#include "clients/cli/model_commands.h"
+#include "clients/cli/run_commands.h"
+#include "clients/cli/session.h"
+#include "clients/cli/target_command.h"
+
+namespace driftwise::cli {
+namespace {
+
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  driftwise status                                   what the cell does now\n"
+    "  driftwise run start weekend.csv --watch            measure, with a progress bar\n"
+    "  driftwise fit --run 3 --model \"q ~ x + x^2 + T\"    learn the robot from a run\n"
+    "  driftwise model promote 1                          let that model serve\n"
+    "  driftwise target x=1.5                             motor coordinates for a pose\n"
+    "  driftwise fit data.csv --model \"q ~ x + T\" --json  a file alone, no daemon needed\n"
+    "\n"
+    "driftwise: the command line of a Driftwise cell\n";
+
+constexpr const char* kFooter =
+    "Exit codes: 0 done, 1 done and the answer is no, 2 usage, 3 bad input, 4 daemon or device not "
+    "reached,\n"
+    "5 refused or failed, 130 interrupted. Manual: docs/cli.md";
+
+void complain(const Console& console, const Failure& failure) {
+  if (console.json) {
+    const nlohmann::ordered_json json = {
+        {"error",
+         {{"code", failure.code}, {"reason", failure.reason}, {"message", failure.message}}}};
+    console.err << json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+  } else {
+    console.err << console.paint_err().bad("driftwise: ") << failure.message << '\n';
+  }
+  console.err << std::flush;
+}
+
+// CLI11 has codes of its own; here a line that cannot be understood is 2, and --help and --version
+// are 0.
+int after_parse(const CLI::App& app, const CLI::ParseError& error, const Console& console) {
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
+    app.exit(error, console.out, console.err);
+    return static_cast<int>(ExitCode::done);
+  }
+  complain(console, {ExitCode::usage, "usage", "USAGE",
+                     std::string(error.what()) + " (driftwise --help shows the way)"});
+  return static_cast<int>(ExitCode::usage);
+}
+
+void add_shared_options(CLI::App& app, Session& session) {
+  app.add_option("--server", session.server,
+                 "host:port of the daemon; else $DRIFTWISE_SERVER, else driftwised.json here, else "
+                 "127.0.0.1:50051");
+  session.operator_name = session.console.variable("USER");
+  app.add_option("--operator", session.operator_name, "who asks: stands in the record")
+      ->default_str("$USER");
+  app.add_option("--timeout", session.timeout_s,
+                 "seconds to wait for an answer, or for a run's end")
+      ->check(CLI::Range(0.001, 31536000.0));
+  app.add_flag("--json", session.console.json, "results for programs; docs/cli.md has the keys");
+}
+
+}  // namespace
+
+int run_cli(std::vector<std::string> arguments, Console& console, Interrupt* interrupt) {
+  Session session{console, interrupt, {}, {}, 0, {}};
+  CLI::App app(kExamples, "driftwise");
+  app.set_version_flag("--version", DRIFTWISE_VERSION);
+  app.footer(kFooter);
+  app.require_subcommand(1);
+  app.fallthrough();  // the shared options may stand anywhere
+  app.option_defaults()->always_capture_default(false);
+  add_shared_options(app, session);
+  add_status_commands(app, session);
+  add_trajectory_commands(app, session);
+  add_run_commands(app, session);
+  add_motion_commands(app, session);
+  add_data_commands(app, session);
+  add_fit_command(app, session);
+  add_model_commands(app, session);
+  add_target_command(app, session);
+
+  std::reverse(arguments.begin(), arguments.end());  // as CLI11 wants them
+  try {
+    app.parse(std::move(arguments));
+  } catch (const CLI::ParseError& error) {
+    return after_parse(app, error, console);
+  }
+  try {
+    const ExitCode exit = session.action();
+    console.out.flush();
+    return static_cast<int>(exit);
+  } catch (const Failure& failure) {
+    complain(console, failure);
+    return static_cast<int>(failure.exit);
+  }
+}
+
+}  // namespace driftwise::cli

@@ -1,0 +1,44 @@
+#pragma once
+// Ctrl-C: the call under way is cancelled and the command ends with 130. Made once, in main, before
+// any other thread.
+
+#include <atomic>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+namespace driftwise::cli {
+
+class Interrupt {
+ public:
+  Interrupt();  // blocks SIGINT and SIGTERM in this and all later threads and waits for them on a
+                // thread of its own
+  ~Interrupt();
+  Interrupt(const Interrupt&) = delete;
+  Interrupt& operator=(const Interrupt&) = delete;
+
+  bool raised() const { return raised_; }
+
+  // While it lives, cancel is called (once, on the other thread) when the interrupt comes; at once
+  // if it has come.
+  class Scope {
+   public:
+    Scope(Interrupt* interrupt, std::function<void()> cancel);
+    ~Scope();
+    Scope(const Scope&) = delete;
+    Scope& operator=(const Scope&) = delete;
+
+   private:
+    Interrupt* interrupt_;  // may be null: nothing to listen to
+    std::function<void()> outer_;
+  };
+
+ private:
+  void wait();
+  std::atomic<bool> raised_{false}, over_{false};
+  std::mutex mutex_;
+  std::function<void()> cancel_;  // of the innermost scope
+  std::thread thread_;
+};
+
+}  // namespace driftwise::cli

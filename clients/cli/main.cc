@@ -1,0 +1,31 @@
+// driftwise: the command line. Everything is in cli.h; here only what belongs to a process.
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <iostream>
+
+#include "clients/cli/cli.h"
+
+extern char** environ;
+
+int main(int argc, char** argv) {
+  using namespace driftwise::cli;
+  std::signal(SIGPIPE,
+              SIG_IGN);  // `driftwise events | head` ends at the next write, not by a signal
+  Interrupt interrupt;   // before any other thread
+  Console console{
+      std::cout, std::cerr, isatty(STDOUT_FILENO) != 0, isatty(STDERR_FILENO) != 0, 80, {},
+      ".",       false};
+  winsize size{};
+  if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20)
+    console.err_width = size.ws_col;
+  for (char** entry = environ; *entry != nullptr; ++entry) {
+    const std::string text = *entry;
+    if (const auto equals = text.find('='); equals != std::string::npos)
+      console.environment[text.substr(0, equals)] = text.substr(equals + 1);
+  }
+  return run_cli({argv + 1, argv + argc}, console, &interrupt);
+}

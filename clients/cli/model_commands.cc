@@ -1,0 +1,162 @@
+#include "clients/cli/model_commands.h"
+
+#include <memory>
+
+#include "clients/cli/model_page.h"
+#include "clients/cli/proto_json.h"
+#include "clients/cli/table.h"
+#include "clients/cli/text.h"
+#include "driftwise/v1/model_service.grpc.pb.h"
+
+namespace driftwise::cli {
+namespace {
+
+using Stub = v1::ModelService::Stub;
+
+struct ModelArguments {
+  std::int64_t id = 0;
+  std::vector<std::int64_t> ids;
+  std::string format = "json", file;
+  bool dry_run = false;
+};
+
+ExitCode show(const Session& session, std::int64_t id) {
+  v1::GetModelRequest request;
+  request.set_model_id(id);
+  const auto model = session.connect().ask(&Stub::GetModel, request).model();
+  if (session.console.json)
+    session.console.print_json(json_from(model));
+  else
+    print_model_page(session.console, model);
+  return ExitCode::done;
+}
+
+ExitCode list(const Session& session) {
+  const auto response = session.connect().ask(&Stub::ListModels, v1::ListModelsRequest{});
+  if (session.console.json)
+    session.console.print_json(json_from(response));
+  else
+    print_models(session.console, {response.models().begin(), response.models().end()});
+  return ExitCode::done;
+}
+
+ExitCode compare(const Session& session, const std::vector<std::int64_t>& ids) {
+  v1::CompareModelsRequest request;
+  for (const std::int64_t id : ids) request.add_model_ids(id);
+  const auto response = session.connect().ask(&Stub::CompareModels, request);
+  if (session.console.json)
+    session.console.print_json(json_from(response));
+  else
+    print_comparison(session.console, response);
+  return ExitCode::done;
+}
+
+ExitCode serving_now(const Session& session, bool any, const v1::Model& model) {
+  if (session.console.json)
+    session.console.print_json({{"model", any ? json_from(model) : nullptr}});
+  else if (any)
+    session.console.out << "model " << model.id() << " serves now: " << model.formula() << '\n';
+  else
+    session.console.out << "no model serves now\n";
+  return ExitCode::done;
+}
+
+ExitCode promote(const Session& session, const ModelArguments& a) {
+  const auto connection = session.connect();
+  if (a.dry_run) {
+    v1::GetModelRequest request;
+    request.set_model_id(a.id);
+    const auto model = connection.ask(&Stub::GetModel, request).model();
+    if (session.console.json)
+      session.console.print_json({{"dry_run", true}, {"model", json_from(model)}});
+    else
+      session.console.out << "dry run: model " << model.id() << " would serve: " << model.formula()
+                          << '\n';
+    return ExitCode::done;
+  }
+  v1::PromoteModelRequest request;
+  request.set_model_id(a.id);
+  return serving_now(session, true, connection.ask(&Stub::PromoteModel, request).model());
+}
+
+ExitCode roll_back(const Session& session) {
+  const auto response = session.connect().ask(&Stub::RollBackModel, v1::RollBackModelRequest{});
+  return serving_now(session, response.has_model(), response.model());
+}
+
+ExitCode history(const Session& session) {
+  const auto response = session.connect().ask(&Stub::ListPromotions, v1::ListPromotionsRequest{});
+  if (session.console.json) {
+    session.console.print_json(json_from(response));
+    return ExitCode::done;
+  }
+  Table table({{"when (UTC)"}, {"action"}, {"model", Align::right}, {"by"}});
+  for (const auto& promotion : response.promotions())
+    table.add({clock_text(promotion.promote_time()),
+               promotion.action() == v1::Promotion::ACTION_ROLLBACK ? "rollback" : "promote",
+               promotion.has_model_id() ? std::to_string(promotion.model_id()) : "none",
+               promotion.promoted_by()});
+  table.print(session.console.out, session.console.paint_out());
+  return ExitCode::done;
+}
+
+ExitCode export_model(const Session& session, const ModelArguments& a) {
+  v1::ExportModelRequest request;
+  request.set_model_id(a.id);
+  request.set_format(a.format == "c" ? v1::ExportModelRequest::FORMAT_C
+                                     : v1::ExportModelRequest::FORMAT_JSON);
+  const auto response = session.connect().ask(&Stub::ExportModel, request);
+  if (a.file.empty() || a.file == "-") {
+    session.console.out << response.text() << std::flush;
+    return ExitCode::done;
+  }
+  write_output_file(a.file, response.text());
+  if (session.console.json)
+    session.console.print_json({{"file", a.file}, {"bytes", response.text().size()}});
+  else
+    session.console.err << "wrote " << a.file << '\n';
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_model_commands(CLI::App& app, Session& session) {
+  CLI::App& model = *app.add_subcommand("model", "Fitted models, and which of them serves")
+                         ->require_subcommand(1);
+  auto a = std::make_shared<ModelArguments>();
+  const auto id = [a](CLI::App& command) {
+    command.add_option("MODEL", a->id, "number of the model")
+        ->required()
+        ->check(CLI::PositiveNumber);
+  };
+  add_command(model, session, "list", "All models, oldest first",
+              [&session] { return list(session); });
+  id(add_command(model, session, "show", "One model as a page to sign",
+                 [&session, a] { return show(session, a->id); }));
+  CLI::App& comparing =
+      add_command(model, session, "compare", "Several models side by side, term by term",
+                  [&session, a] { return compare(session, a->ids); });
+  comparing.add_option("MODEL", a->ids, "numbers of the models")
+      ->required()
+      ->expected(2, 16)
+      ->check(CLI::PositiveNumber);
+  CLI::App& promoting =
+      add_command(model, session, "promote", "This model serves targets from now on",
+                  [&session, a] { return promote(session, *a); });
+  id(promoting);
+  promoting.add_flag("--dry-run", a->dry_run, "say which model it would be, change nothing");
+  add_command(model, session, "rollback", "The model that served before serves again",
+              [&session] { return roll_back(session); });
+  add_command(model, session, "history", "Every promotion and rollback",
+              [&session] { return history(session); });
+  CLI::App& out = add_command(model, session, "export",
+                              "The model as JSON, or as a C function with test vectors",
+                              [&session, a] { return export_model(session, *a); });
+  id(out);
+  out.add_option("--format", a->format, "json or c")
+      ->check(CLI::IsMember({"json", "c"}))
+      ->capture_default_str();
+  out.add_option("-o,--output", a->file, "write this file instead of standard output");
+}
+
+}  // namespace driftwise::cli

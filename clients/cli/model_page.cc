@@ -1,0 +1,222 @@
+#include "clients/cli/model_page.h"
+
+#include <cmath>
+
+#include "clients/cli/table.h"
+#include "clients/cli/text.h"
+
+namespace driftwise::cli {
+namespace {
+
+std::string optional_text(bool present, double value, int decimals) {
+  return present ? fixed(value, decimals) : "-";
+}
+
+std::string p_text(double p) {
+  if (p < 1e-4) return "<1e-4";
+  return fixed(p, 4);
+}
+
+void print_heading(const Console& console, const v1::Model& model) {
+  const Paint paint = console.paint_out();
+  const auto line = [&](const std::string& name, const std::string& value) {
+    console.out << paint.dim(name + std::string(name.size() < 12 ? 12 - name.size() : 1, ' '))
+                << value << '\n';
+  };
+  const auto& lineage = model.lineage();
+  console.out << paint.bold("Model " + std::to_string(model.id()))
+              << (model.name().empty() ? "" : "  " + model.name())
+              << (model.serving() ? paint.good("  serving") : "") << '\n';
+  line("formula", model.formula());
+  line("selection", model.select() == "all"
+                        ? "every term kept"
+                        : "stepwise, p to enter " + significant(model.p_enter(), 3) +
+                              ", to remove " + significant(model.p_remove(), 3));
+  line("data", lineage.source() + ": " + std::to_string(lineage.calibration_row_count()) +
+                   " rows calibration, " + std::to_string(lineage.validation_row_count()) +
+                   " validation, " + std::to_string(lineage.dropped_row_count()) + " dropped");
+  line("data hash", lineage.dataset_hash());
+  line("model hash", model.hash());
+  if (model.has_parent_model_id())
+    line("parent", "model " + std::to_string(model.parent_model_id()));
+  line("fitted", clock_text(model.create_time()) + " UTC by " + model.created_by() + ", in " +
+                     fixed(seconds_of(model.fit_duration()) * 1e6, 0) + " us");
+  if (!model.note().empty()) line("note", model.note());
+}
+
+void print_terms(const Console& console, const v1::ModelOutput& output) {
+  const Paint paint = console.paint_out();
+  const std::string summary = output.summary_unit();
+  Table in({{"term"},
+            {"coefficient", Align::right},
+            {"std. error", Align::right},
+            {"t", Align::right},
+            {"p", Align::right},
+            {"rms " + summary, Align::right},
+            {"max " + summary, Align::right},
+            {"VIF", Align::right}});
+  Table out({{"left out"},
+             {"coefficient", Align::right},
+             {"std. error", Align::right},
+             {"t", Align::right},
+             {"p", Align::right},
+             {"would add rms " + summary, Align::right}});
+  for (const auto& term : output.terms()) {
+    if (term.included())
+      in.add({term.term(), significant(term.coefficient(), 9),
+              significant(term.standard_error(), 3), fixed(term.t(), 1), p_text(term.p()),
+              optional_text(term.has_contribution_rms(), term.contribution_rms(), 1),
+              optional_text(term.has_contribution_max(), term.contribution_max(), 1),
+              optional_text(term.has_vif(), term.vif(), 1)});
+    else
+      out.add({term.term(), significant(term.coefficient(), 4),
+               significant(term.standard_error(), 3), fixed(term.t(), 1), p_text(term.p()),
+               optional_text(term.has_contribution_rms(), term.contribution_rms(), 1)});
+  }
+  console.out << "coefficients in " << output.unit() << " per unit of the term, " << output.dof()
+              << " degrees of freedom\n";
+  in.print(console.out, paint);
+  if (!out.empty()) {
+    console.out << '\n';
+    out.print(console.out, paint);
+  }
+}
+
+void print_accuracy(const Console& console, const v1::ModelOutput& output) {
+  const auto& a = output.accuracy();
+  const std::string unit = " " + output.summary_unit();
+  console.out << "U90 calibration " << fixed(a.u90_calibration(), 2) << unit;
+  if (a.has_u90_validation())
+    console.out << ", validation " << fixed(a.u90_validation(), 2) << unit;
+  if (a.has_u90_blocks()) {
+    console.out << ", held out by blocks of time " << fixed(a.u90_blocks(), 2) << unit;
+    if (a.has_u90_blocks_low() && a.has_u90_blocks_high())
+      console.out << " (90 %: " << fixed(a.u90_blocks_low(), 2) << " to "
+                  << fixed(a.u90_blocks_high(), 2) << ")";
+  }
+  console.out << "\nresidual sd " << fixed(a.rmse(), 2) << unit << ", lag-1 autocorrelation "
+              << fixed(a.lag1_autocorrelation(), 2) << ", worth "
+              << fixed(a.effective_row_count(), 0) << " independent rows";
+  if (a.has_pure_error())
+    console.out << "\npure error of repeated poses " << fixed(a.pure_error(), 2) << unit;
+  if (a.has_lack_of_fit_p())
+    console.out << ", lack of fit F " << fixed(a.lack_of_fit_f(), 2) << ", p "
+                << p_text(a.lack_of_fit_p());
+  console.out << '\n';
+}
+
+const v1::ModelOutput* output_of(const v1::Model& model, const std::string& channel) {
+  for (const auto& output : model.outputs())
+    if (output.channel() == channel) return &output;
+  return nullptr;
+}
+
+}  // namespace
+
+void print_model_page(const Console& console, const v1::Model& model) {
+  const Paint paint = console.paint_out();
+  print_heading(console, model);
+  for (const auto& output : model.outputs()) {
+    console.out << '\n' << paint.bold(output.channel()) << ": ";
+    print_terms(console, output);
+    print_accuracy(console, output);
+  }
+  if (model.domain_size() > 0) {
+    console.out << '\n' << paint.bold("Domain") << '\n';
+    Table domain({{"channel"}, {"from", Align::right}, {"to", Align::right}});
+    for (const auto& range : model.domain())
+      domain.add({range.channel(), significant(range.min(), 8), significant(range.max(), 8)});
+    domain.print(console.out, paint);
+  }
+  for (const auto& warning : model.warnings())
+    console.out << paint.warn("warning: ") << warning << '\n';
+}
+
+void print_models(const Console& console, const std::vector<v1::Model>& models) {
+  if (models.empty()) {
+    console.out << "no models yet: driftwise fit --run N --model \"q ~ x + x^2 + T\"\n";
+    return;
+  }
+  Table table({{"model", Align::right},
+               {"name"},
+               {""},
+               {"output"},
+               {"U90 cal.", Align::right},
+               {"U90 val.", Align::right},
+               {"U90 blocks", Align::right},
+               {"unit"},
+               {"rows", Align::right},
+               {"formula"},
+               {"data"}});
+  for (const auto& model : models) {
+    bool first = true;
+    for (const auto& output : model.outputs()) {
+      const auto& a = output.accuracy();
+      table.add({first ? std::to_string(model.id()) : "", first ? model.name() : "",
+                 first && model.serving() ? "serving" : "", output.channel(),
+                 fixed(a.u90_calibration(), 2),
+                 optional_text(a.has_u90_validation(), a.u90_validation(), 2),
+                 optional_text(a.has_u90_blocks(), a.u90_blocks(), 2), output.summary_unit(),
+                 first ? std::to_string(model.lineage().calibration_row_count()) : "",
+                 first ? model.formula() : "", first ? model.lineage().source() : ""});
+      first = false;
+    }
+  }
+  table.print(console.out, console.paint_out());
+}
+
+void print_comparison(const Console& console, const v1::CompareModelsResponse& comparison) {
+  std::vector<Table::Column> columns = {{"output"}, {"term"}};
+  for (const auto& model : comparison.models())
+    columns.push_back(
+        {"model " + std::to_string(model.id()) + (model.serving() ? "*" : ""), Align::right});
+  Table table(columns);
+  const auto figure = [&](const std::string& channel, const std::string& name, auto text_of) {
+    std::vector<std::string> row = {channel, name};
+    for (const auto& model : comparison.models()) {
+      const auto* output = output_of(model, channel);
+      row.push_back(output == nullptr ? "-" : text_of(*output));
+    }
+    table.add(std::move(row));
+  };
+  std::vector<std::string> channels;
+  for (const auto& row : comparison.rows())
+    if (channels.empty() || channels.back() != row.channel()) channels.push_back(row.channel());
+  for (const auto& channel : channels) {
+    figure(channel, "U90 calibration", [](const v1::ModelOutput& o) {
+      return fixed(o.accuracy().u90_calibration(), 2) + " " + o.summary_unit();
+    });
+    figure(channel, "U90 validation", [](const v1::ModelOutput& o) {
+      return o.accuracy().has_u90_validation()
+                 ? fixed(o.accuracy().u90_validation(), 2) + " " + o.summary_unit()
+                 : "-";
+    });
+    figure(channel, "U90 blocks", [](const v1::ModelOutput& o) {
+      return o.accuracy().has_u90_blocks()
+                 ? fixed(o.accuracy().u90_blocks(), 2) + " " + o.summary_unit()
+                 : "-";
+    });
+    figure(channel, "terms in", [](const v1::ModelOutput& o) {
+      int count = 0;
+      for (const auto& term : o.terms()) count += term.included() ? 1 : 0;
+      return std::to_string(count) + " of " + std::to_string(o.terms_size());
+    });
+    for (const auto& row : comparison.rows()) {
+      if (row.channel() != channel) continue;
+      std::vector<std::string> cells = {channel, row.term()};
+      for (const auto& cell : row.cells())
+        cells.push_back(cell.included()  ? significant(cell.coefficient(), 6)
+                        : cell.offered() ? "out"
+                                         : "-");
+      table.add(std::move(cells));
+    }
+  }
+  table.print(console.out, console.paint_out());
+  console.out << "coefficients in the output's unit per unit of the term; out: offered, not taken; "
+                 "-: not offered";
+  for (const auto& model : comparison.models())
+    if (model.serving()) console.out << "; *: serving";
+  console.out << '\n';
+}
+
+}  // namespace driftwise::cli

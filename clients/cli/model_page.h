@@ -1,0 +1,16 @@
+#pragma once
+// A model as a page that can be signed: what was fitted to what, every term with its figures, the
+// accuracy, the warnings.
+
+#include <vector>
+
+#include "clients/cli/console.h"
+#include "driftwise/v1/model_service.pb.h"
+
+namespace driftwise::cli {
+
+void print_model_page(const Console& console, const v1::Model& model);
+void print_models(const Console& console, const std::vector<v1::Model>& models);
+void print_comparison(const Console& console, const v1::CompareModelsResponse& comparison);
+
+}  // namespace driftwise::cli

@@ -1,0 +1,114 @@
+#include "clients/cli/run_commands.h"
+
+#include <memory>
+
+#include "clients/cli/proto_json.h"
+#include "clients/cli/run_start.h"
+#include "clients/cli/run_tables.h"
+#include "clients/cli/run_text.h"
+#include "clients/cli/run_watch.h"
+#include "driftwise/v1/run_service.grpc.pb.h"
+
+namespace driftwise::cli {
+namespace {
+
+using Stub = v1::RunService::Stub;
+
+struct RunArguments {
+  std::int64_t id = 0;
+  std::int32_t limit = 20;
+  std::string reason;
+};
+
+ExitCode show_changed(const Session& session, const v1::Run& run) {
+  if (session.console.json)
+    session.console.print_json(json_from(run));
+  else
+    print_run(session.console, run);
+  return ExitCode::done;
+}
+
+ExitCode list_runs(const Session& session, std::int32_t limit) {
+  v1::ListRunsRequest request;
+  request.set_limit(limit);
+  const auto response = session.connect().ask(&Stub::ListRuns, request);
+  if (session.console.json)
+    session.console.print_json(json_from(response));
+  else
+    print_runs(session.console, {response.runs().begin(), response.runs().end()});
+  return ExitCode::done;
+}
+
+ExitCode show_run(const Session& session, std::int64_t id) {
+  v1::GetRunRequest request;
+  request.set_run_id(id);
+  const auto response = session.connect().ask(&Stub::GetRun, request);
+  if (session.console.json)
+    session.console.print_json(json_from(response));
+  else
+    print_run(session.console, response.run());
+  return ExitCode::done;
+}
+
+ExitCode watch(const Session& session, std::optional<std::int64_t> id) {
+  const auto connection = session.connect();
+  const auto run = watch_until_over(session, connection, id);
+  if (!session.console.json) print_run(session.console, run);
+  return exit_code_of(run.state());
+}
+
+ExitCode abort_run(const Session& session, std::int64_t id, const std::string& reason) {
+  v1::AbortRunRequest request;
+  request.set_run_id(id);
+  request.set_reason(reason);
+  return show_changed(session, session.connect().ask(&Stub::AbortRun, request).run());
+}
+
+template <class Request, class Method>
+ExitCode change(const Session& session, Method method, std::int64_t id) {
+  Request request;
+  request.set_run_id(id);
+  return show_changed(session, session.connect().ask(method, request).run());
+}
+
+}  // namespace
+
+void add_run_commands(CLI::App& app, Session& session) {
+  CLI::App& run = *app.add_subcommand("run", "Measuring campaigns")->require_subcommand(1);
+  auto a = std::make_shared<RunArguments>();
+  const auto id = [a](CLI::App& command) {
+    command.add_option("RUN", a->id, "number of the run")->required();
+  };
+
+  add_run_start(run, session);
+  CLI::App& list = add_command(run, session, "list", "Runs, newest first",
+                               [&session, a] { return list_runs(session, a->limit); });
+  list.add_option("--limit", a->limit, "how many")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  id(add_command(run, session, "show", "One run",
+                 [&session, a] { return show_run(session, a->id); }));
+  CLI::App& watched = add_command(run, session, "watch", "Follows a run to its end", [&session, a] {
+    return watch(session, a->id != 0 ? std::optional(a->id) : std::nullopt);
+  });
+  watched.add_option("RUN", a->id, "number of the run; without it the one under way");
+  id(add_command(run, session, "pause", "Pauses after the point under way", [&session, a] {
+    return change<v1::PauseRunRequest>(session, &Stub::PauseRun, a->id);
+  }));
+  id(add_command(run, session, "resume", "Goes on with a paused run", [&session, a] {
+    return change<v1::ResumeRunRequest>(session, &Stub::ResumeRun, a->id);
+  }));
+  CLI::App& ended =
+      add_command(run, session, "abort", "Ends a run at once; what was accepted stays",
+                  [&session, a] { return abort_run(session, a->id, a->reason); });
+  id(ended);
+  ended.add_option("--reason", a->reason, "for the record");
+  id(add_command(run, session, "points", "Accepted points",
+                 [&session, a] { return show_points(session, a->id); }));
+  id(add_command(run, session, "attempts", "Every attempt, with its verdict",
+                 [&session, a] { return show_attempts(session, a->id); }));
+  id(add_command(run, session, "datums", "Its zeroings, with the conditions at each",
+                 [&session, a] { return show_datums(session, a->id); }));
+}
+
+}  // namespace driftwise::cli

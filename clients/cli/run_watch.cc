@@ -1,0 +1,43 @@
+#include "clients/cli/run_watch.h"
+
+#include "clients/cli/progress_bar.h"
+#include "clients/cli/proto_json.h"
+#include "clients/cli/run_text.h"
+#include "driftwise/v1/cell_service.grpc.pb.h"
+#include "driftwise/v1/run_service.grpc.pb.h"
+
+namespace driftwise::cli {
+
+v1::Run watch_until_over(const Session& session, const Connection& connection,
+                         std::optional<std::int64_t> run_id) {
+  v1::WatchRunRequest request;
+  if (run_id) request.set_run_id(*run_id);
+  v1::Run run;
+  try {
+    const auto status = connection.ask(&v1::CellService::Stub::GetStatus, v1::GetStatusRequest{});
+    ProgressBar bar(session.console, status);
+    const std::function<bool(const v1::WatchRunResponse&)> on_progress =
+        [&](const v1::WatchRunResponse& response) {
+          run = response.progress().run();
+          if (session.console.json)
+            session.console.out << json_from(response.progress()).dump() << '\n' << std::flush;
+          else
+            bar.show(response.progress());
+          return true;
+        };
+    connection.follow(&v1::RunService::Stub::WatchRun, request, on_progress);
+  } catch (Failure& failure) {
+    const bool left = failure.exit == ExitCode::interrupted || failure.reason == "TIMEOUT";
+    if (left && run.id() != 0 && !is_over(run.state())) {
+      const std::string id = std::to_string(run.id());
+      failure.message = (failure.exit == ExitCode::interrupted ? "interrupted" : "time is up") +
+                        std::string(": run ") + id +
+                        " goes on; look again with `driftwise run watch " + id +
+                        "`, end it with `driftwise run abort " + id + "`";
+    }
+    throw;
+  }
+  return run;
+}
+
+}  // namespace driftwise::cli

@@ -1,0 +1,304 @@
+// driftwised: puts the daemon together. The only place that names a concrete driver or store.
+//
+// Threads: main waits for signals; one executor thread owns the cell, its devices and its doors but
+// gRPC's; gRPC has its own. Order of the end: gRPC first (its calls need the executor), then the
+// doors, the cell, the executor. Every start-up failure is a sentence on standard error and an exit
+// code: 3 bad input, 5 refused.
+
+#include <malloc.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/use_future.hpp>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <future>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "drivers/interferometer_adapter/interferometer_adapter.h"
+#include "drivers/keithley_2701/keithley_2701.h"
+#include "drivers/pi_gcs/pi_gcs.h"
+#include "drivers/watlow_ez_zone/watlow_ez_zone.h"
+#include "server/application/cell.h"
+#include "server/application/cell_clock.h"
+#include "server/application/target_line_server.h"
+#include "server/formats/cell_file.h"
+#include "server/rpc/rpc_server.h"
+#include "server/service_manager.h"
+#include "server/web/http_server.h"
+#include "storage/sqlite_store.h"
+
+namespace driftwise {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+  std::string cell_file;
+  std::string log_level = "info";
+  bool check = false;
+};
+
+int exit_code_of(const Error& error) {
+  const bool bad_input =
+      error.code == ErrorCode::invalid_argument || error.code == ErrorCode::not_found;
+  return bad_input ? 3 : 5;
+}
+
+template <class Made, class Port>
+Result<void> keep(Made made, std::vector<std::unique_ptr<Port>>& all) {
+  if (!made) return tl::unexpected(made.error());
+  all.push_back(std::move(*made));
+  return {};
+}
+
+Result<void> make_device(const DeviceDescription& device, asio::any_io_executor executor,
+                         Clock& clock, application::Devices& devices) {
+  if (device.kind == "keithley-2701")
+    return keep(drivers::make_keithley_2701(device, executor, clock), devices.scanners);
+  if (device.kind == "interferometer-adapter")
+    return keep(drivers::make_interferometer_adapter(device, executor, clock),
+                devices.interferometers);
+  if (device.kind == "watlow-ez-zone")
+    return keep(drivers::make_watlow_ez_zone(device, executor, clock), devices.stabilisers);
+  if (device.kind != "pi-gcs")
+    return fail(ErrorCode::invalid_argument, "UNKNOWN_KIND",
+                "device '" + device.id + "': found kind '" + device.kind +
+                    "', expected pi-gcs, keithley-2701, interferometer-adapter or watlow-ez-zone");
+  if (devices.controller)
+    return fail(ErrorCode::invalid_argument, "TWO_CONTROLLERS",
+                "device '" + device.id +
+                    "': a cell has one motion controller, this file names a second one");
+  auto controller = drivers::make_pi_gcs(device, executor, clock);
+  if (!controller) return tl::unexpected(controller.error());
+  devices.controller = std::move(*controller);
+  return {};
+}
+
+Result<application::Devices> make_devices(const CellDescription& cell,
+                                          asio::any_io_executor executor, Clock& clock) {
+  application::Devices devices;
+  for (const auto& device : cell.devices)
+    if (auto made = make_device(device, executor, clock, devices); !made)
+      return tl::unexpected(made.error());
+  if (!devices.controller)
+    return fail(ErrorCode::invalid_argument, "NO_CONTROLLER",
+                cell.name + ": the cell file names no motion controller (kind \"pi-gcs\")");
+  return devices;
+}
+
+// Where clients find this daemon: beside the cell file, in one piece, there only while the daemon
+// is ready.
+class Notice {
+ public:
+  Notice(const std::string& cell_file, const nlohmann::ordered_json& content)
+      : path_(fs::absolute(cell_file).parent_path() / "driftwised.json") {
+    const fs::path part = path_.string() + ".part";
+    std::ofstream(part) << content.dump(2) << '\n';
+    std::error_code failed;
+    fs::rename(part, path_, failed);
+    if (failed)
+      spdlog::warn("cannot write {}: {}; clients need --server", path_.string(), failed.message());
+  }
+  ~Notice() {
+    std::error_code ignored;
+    fs::remove(path_, ignored);
+  }
+  Notice(const Notice&) = delete;
+  Notice& operator=(const Notice&) = delete;
+
+ private:
+  fs::path path_;
+};
+
+// The executor's thread; work handed to it is waited for.
+class ExecutorThread {
+ public:
+  explicit ExecutorThread(asio::io_context& context)
+      : context_(context),
+        work_(asio::make_work_guard(context)),
+        thread_([&context] { context.run(); }) {}
+  ~ExecutorThread() {
+    context_.stop();
+    thread_.join();
+  }
+  ExecutorThread(const ExecutorThread&) = delete;
+  ExecutorThread& operator=(const ExecutorThread&) = delete;
+
+  template <class Work>
+  void run(Work work) {
+    std::promise<void> done;
+    asio::post(context_, [&] {
+      work();
+      done.set_value();
+    });
+    done.get_future().wait();
+  }
+
+ private:
+  asio::io_context& context_;
+  asio::executor_work_guard<asio::io_context::executor_type> work_;
+  std::thread thread_;
+};
+
+// The cell with its doors, in the order in which they are made; destroyed in reverse.
+struct Daemon {
+  std::unique_ptr<application::Cell> cell;
+  std::unique_ptr<application::TargetLineServer> target_line;
+  std::unique_ptr<web::HttpServer> http;
+  std::unique_ptr<rpc::RpcServer> rpc;
+};
+
+Result<Daemon> put_together(CellDescription description, asio::io_context& context, bool check) {
+  auto clock = application::CellClock::open(context.get_executor(), description.clock);
+  if (!clock) return tl::unexpected(clock.error());
+  Clock& the_clock = **clock;
+  auto devices = make_devices(description, context.get_executor(), the_clock);
+  if (!devices) return tl::unexpected(devices.error());
+  if (check) return Daemon{};
+
+  const std::string listen = description.listen, target_line = description.target_line,
+                    http = description.http;
+  Daemon daemon;
+  const OpenStore open_store = [](const std::string& path, bool read_only) {
+    return storage::open_sqlite_store(path, read_only);
+  };
+  auto cell = application::Cell::open(
+      context.get_executor(), {std::move(description), std::move(*devices), std::move(*clock),
+                               open_store, DRIFTWISE_VERSION});
+  if (!cell) return tl::unexpected(cell.error());
+  daemon.cell = std::move(*cell);
+  if (!target_line.empty()) {
+    auto line = application::TargetLineServer::start(context.get_executor(), target_line,
+                                                     daemon.cell->snapshots(), the_clock);
+    if (!line) return tl::unexpected(line.error());
+    daemon.target_line = std::move(*line);
+  }
+  if (!http.empty()) {
+    auto server = web::HttpServer::open(context.get_executor(), http, *daemon.cell);
+    if (!server) return tl::unexpected(server.error());
+    daemon.http = std::move(*server);
+  }
+  auto rpc = rpc::RpcServer::open(*daemon.cell, listen);
+  if (!rpc) return tl::unexpected(rpc.error());
+  daemon.rpc = std::move(*rpc);
+  return daemon;
+}
+
+nlohmann::ordered_json notice_of(const Daemon& daemon) {
+  nlohmann::ordered_json notice = {{"grpc", daemon.rpc->address()}};
+  if (daemon.target_line) notice["target_line"] = daemon.target_line->address();
+  if (daemon.http) notice["http"] = "127.0.0.1:" + std::to_string(daemon.http->port());
+  notice["pid"] = getpid();
+  return notice;
+}
+
+void serve_until_signal(Daemon& daemon, asio::io_context& context, const Arguments& arguments,
+                        const sigset_t& signals) {
+  ExecutorThread executor(context);
+  executor.run([&] { daemon.cell->start(); });
+  {
+    const auto content = notice_of(daemon);
+    const Notice notice(arguments.cell_file, content);
+    daemon.rpc->ready(true);
+    const ServiceManager service_manager(context.get_executor());
+    spdlog::info("{} is ready: {}", daemon.cell->description().name, content.dump());
+    int signal = 0;
+    sigwait(&signals, &signal);
+    spdlog::info("{}: shutting down", strsignal(signal));
+  }
+  pthread_sigmask(SIG_UNBLOCK, &signals,
+                  nullptr);  // a second signal ends it at once: the record survives that
+  daemon.rpc->shut_down(std::chrono::seconds(2));
+  executor.run([&] {
+    if (daemon.target_line) daemon.target_line->stop();
+    daemon.http.reset();
+  });
+  asio::co_spawn(context, daemon.cell->shut_down(), asio::use_future).wait();
+}
+
+void set_up_logging(const Arguments& arguments) {
+  auto logger = std::make_shared<spdlog::logger>("driftwised",
+                                                 std::make_shared<spdlog::sinks::stderr_sink_mt>());
+  logger->set_level(spdlog::level::from_str(arguments.log_level));
+  logger->set_pattern("%Y-%m-%dT%H:%M:%S.%e %^%l%$ %v");
+  logger->flush_on(spdlog::level::info);
+  spdlog::set_default_logger(logger);
+}
+
+int run(const Arguments& arguments) {
+  auto description = formats::read_cell_file(arguments.cell_file);
+  const auto complain = [](const Error& error) {
+    std::cerr << "driftwised: " << error.message << " (" << error.reason << ")\n";
+    return exit_code_of(error);
+  };
+  if (!description) return complain(description.error());
+  const std::string name = description->name;
+  const std::size_t devices = description->devices.size();
+
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals,
+                  nullptr);  // before any thread: all of them leave signals to main
+  std::signal(SIGPIPE, SIG_IGN);
+
+  asio::io_context context(1);
+  auto daemon = put_together(std::move(*description), context, arguments.check);
+  if (!daemon) return complain(daemon.error());
+  if (arguments.check) {
+    std::cout << arguments.cell_file << ": good: cell '" << name << "' with " << devices
+              << " devices\n";
+    return 0;
+  }
+  serve_until_signal(*daemon, context, arguments, signals);
+  daemon->rpc.reset();
+  return 0;
+}
+
+}  // namespace
+}  // namespace driftwise
+
+int main(int argc, char** argv) {
+  mallopt(M_ARENA_MAX,
+          2);  // one arena per thread would cost gRPC's threads 64 MiB of address space each
+  driftwise::Arguments arguments;
+  CLI::App app(
+      "Examples:\n  driftwised --cell cell.toml\n  driftwised --cell cell.toml --check\n\n"
+      "driftwised: the daemon of a Driftwise cell",
+      "driftwised");
+  app.set_version_flag("--version", DRIFTWISE_VERSION);
+  app.add_option("--cell", arguments.cell_file, "the cell's description (docs/cell-file.md)")
+      ->required();
+  app.add_flag("--check", arguments.check,
+               "read the cell file, say what is wrong with it, start nothing");
+  app.add_option("--log-level", arguments.log_level, "trace, debug, info, warning, error or off")
+      ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}))
+      ->capture_default_str();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    app.exit(error);
+    return error.get_exit_code() == 0 ? 0 : 2;
+  }
+  driftwise::set_up_logging(arguments);
+  try {
+    return driftwise::run(arguments);
+  } catch (const std::exception& failed) {
+    std::cerr << "driftwised: cannot start: " << failed.what() << '\n';
+    return 5;
+  }
+}
