@@ -1,7 +1,7 @@
 #pragma once
 // Feeds arbitrary bytes to an emulated device, with time passing in between: 0xFF followed by one
 // byte is a pause of that many 20 ms, 0xFE closes the connection and opens another; anything else
-// is what a client sends. Bounded output and bounded events, or the device is broken too.
+// is what a client sends. Output without bounds is a failure too.
 
 #include <cstdint>
 #include <cstdlib>
