@@ -113,8 +113,15 @@ void read_columns(Session& session, std::span<const RunId> runs,
               "ON v.point_id = p.point_id WHERE p.run_id = ?");
   for (const RunId run : runs) {
     query.bind(run.value);
-    while (query.row())
-      dataset.columns[column(query.integer(1))].values[row_of.at(query.integer(0))] = query.real(2);
+    std::int64_t point_id = 0;
+    std::size_t row = 0;
+    while (query.row()) {
+      if (query.integer(0) != point_id) {  // a point's values follow one another
+        point_id = query.integer(0);
+        row = row_of.at(point_id);
+      }
+      dataset.columns[column(query.integer(1))].values[row] = query.real(2);
+    }
     query.restart();
   }
 }

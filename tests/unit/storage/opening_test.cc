@@ -148,6 +148,26 @@ TEST_F(OpeningTest, FindsDamageInsideWhenItIsRead) {
   EXPECT_THAT(points.error().message, testing::HasSubstr(path));
 }
 
+TEST_F(OpeningTest, MovesTheLogIntoTheDatabaseBetweenPoints) {
+  store.reset();
+  store = open_store(path, false, {.vfs = "", .checkpoint_pages = 40});
+  const auto log_bytes = [&] { return std::filesystem::file_size(path + "-wal"); };
+  for (int row = 0; row < 300; ++row) {
+    ASSERT_TRUE(store->runs().commit(example_commit(run, datum, row)));
+    ASSERT_TRUE(store->idle());
+  }
+  EXPECT_LT(log_bytes(),
+            80u * 4120u);  // as long as it ever was: reused from its beginning, not grown
+}
+
+TEST_F(OpeningTest, KeepsTheLogBoundedWhenNobodyIsEverIdle) {
+  store.reset();
+  store = open_store(path, false, {.vfs = "", .checkpoint_pages = 5});
+  for (int row = 0; row < 300; ++row)
+    ASSERT_TRUE(store->runs().commit(example_commit(run, datum, row)));
+  EXPECT_LT(std::filesystem::file_size(path + "-wal"), (5u * 16u + 40u) * 4120u);
+}
+
 TEST(MemoryStore, WorksForTests) {
   const auto store = open_store(":memory:");
   EXPECT_TRUE(store->runs().create_run(example_run()));

@@ -1,0 +1,52 @@
+// export(import(file)) == file, to the byte, for a file that our exporter wrote.
+
+#include "server/formats/dataset_csv.h"
+#include "tests/unit/storage/store_fixture.h"
+
+namespace driftwise::storage {
+namespace {
+
+using CsvRoundTrip = StoreTest;
+
+std::string exported_after_import(Store& store, const std::string& csv) {
+  const Dataset file = formats::read_dataset_csv(csv, "given.csv").value();
+  const RunId run = store.runs().import_dataset(example_run("imported"), file).value().id;
+  return formats::write_dataset_csv(store.runs().dataset(std::vector{run}).value());
+}
+
+TEST_F(CsvRoundTrip, KeepsAnExportOfOneRun) {
+  for (int row = 0; row < 40; ++row)
+    ASSERT_TRUE(store->runs().commit(example_commit(run, datum, row)));
+  Dataset dataset = store->runs().dataset(std::vector{run}).value();
+  dataset.metadata = {{"cell", "linear-axis"}, {"exported", "2026-11-21T08:00:00Z"}};
+  const std::string csv = formats::write_dataset_csv(dataset);
+  EXPECT_EQ(exported_after_import(*store, csv), csv);
+}
+
+TEST_F(CsvRoundTrip, KeepsAnExportOfTwoRunsAndThreeDatums) {
+  const RunId later = store->runs().create_run(example_run("later")).value().id;
+  const DatumId second = store->runs().open_datum(example_datum(run, 50)).value();
+  const DatumId third = store->runs().open_datum(example_datum(later, 500)).value();
+  for (int row = 0; row < 3; ++row) {
+    ASSERT_TRUE(store->runs().commit(example_commit(run, row == 0 ? datum : second, row)));
+    PointCommit commit = example_commit(later, third, 40 + row);
+    commit.point->values.push_back({"air_degC", row == 1 ? kMissing : 20.0 + 0.1 * row});
+    ASSERT_TRUE(store->runs().commit(commit));
+  }
+  const std::string csv =
+      formats::write_dataset_csv(store->runs().dataset(std::vector{run, later}).value());
+  EXPECT_EQ(exported_after_import(*store, csv), csv);
+}
+
+TEST_F(CsvRoundTrip, KeepsAWrittenFileWithOddColumnsAndGaps) {
+  const std::string given =
+      "# driftwise-dataset: 1\n# note: twice, with commas\n# note: \n"
+      "time_s,zero,dwell_s,strain_7_1,x_mm,q1_mm,t07_degC\n"
+      "-5.5,1,,-0,0.000131442,0,20.000000000000004\n12.53,0,9.1,1e-300,,1,\n";
+  const std::string csv =
+      formats::write_dataset_csv(formats::read_dataset_csv(given, "odd.csv").value());
+  EXPECT_EQ(exported_after_import(*store, csv), csv);
+}
+
+}  // namespace
+}  // namespace driftwise::storage
