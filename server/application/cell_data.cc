@@ -2,10 +2,25 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <optional>
+
 #include "server/application/cell_application.h"
 #include "server/formats/dataset_csv.h"
 
 namespace driftwise::application {
+namespace {
+
+// The instant of the runs' first point; nothing when none was accepted.
+std::optional<CellTime> time_zero(Store& store, const std::vector<RunId>& runs) {
+  std::optional<CellTime> first;
+  for (const RunId run : runs)
+    if (const auto points = store.runs().points(run, 0, 1); points && !points->empty())
+      first = std::min(first.value_or(points->front().measured.utc), points->front().measured.utc);
+  return first;
+}
+
+}  // namespace
 
 Awaitable<Result<std::string>> CellApplication::export_dataset(std::vector<RunId> runs) {
   co_return co_await reader_.call(
@@ -18,6 +33,8 @@ Awaitable<Result<std::string>> CellApplication::export_dataset(std::vector<RunId
           for (const auto& run : runs)
             numbers += (numbers.empty() ? "" : ", ") + std::to_string(run.value);
           dataset->metadata.emplace_back("runs", numbers);
+          if (const auto zero = time_zero(store, runs))  // what time_s counts from
+            dataset->metadata.emplace_back("time_zero", to_iso8601(*zero));
         }
         return formats::write_dataset_csv(*dataset);
       });
