@@ -1,5 +1,6 @@
-// Fit speed at the sizes of the published cases: NUMERICS.md section 2 (S1 = 560 x 12, S2 = 756 x 29 with three outputs, L1 =
-// 1e5 x 60). Measured: triangle, selection, solution; data preparation and held-out blocks apart.
+// Fit speed at the sizes of the published cases: NUMERICS.md section 2 (S1 = 560 x 12, S2 = 756 x
+// 29 with three outputs, L1 = 1e5 x 60). Measured: triangle, selection, solution; data preparation
+// and held-out blocks apart.
 //   regression_bench --benchmark_repetitions=7
 
 #include <benchmark/benchmark.h>
@@ -18,9 +19,14 @@ namespace {
 using namespace driftwise;
 using namespace driftwise::calibration;
 
-struct Problem { Dataset data; FitOptions options; };
+struct Problem {
+  Dataset data;
+  FitOptions options;
+};
 
-effects::Term power(const std::string& symbol, int exponent) { return {{effects::Power{symbol, exponent}}}; }
+effects::Term power(const std::string& symbol, int exponent) {
+  return {{effects::Power{symbol, exponent}}};
+}
 
 // A sum of a third of the columns plus noise of 1e-6.
 void fill(Problem& problem, int rows, const std::vector<std::string>& symbols, int outputs) {
@@ -37,7 +43,8 @@ void fill(Problem& problem, int rows, const std::vector<std::string>& symbols, i
     std::vector<double> values(data.rows);
     for (auto& value : values) value = (symbol[0] == 't' ? 21.0 : 0.0) + normal(random);
     for (std::size_t o = 0; o < static_cast<std::size_t>(outputs); ++o)
-      for (std::size_t i = 0; i < data.rows; ++i) data.columns[o].values[i] += (number % 3 == 0 ? 0.3 : 0.0) * values[i];
+      for (std::size_t i = 0; i < data.rows; ++i)
+        data.columns[o].values[i] += (number % 3 == 0 ? 0.3 : 0.0) * values[i];
     ++number;
     data.columns.push_back({{symbol, "1"}, std::move(values)});
   }
@@ -85,7 +92,8 @@ Problem case_b() {  // 756 x 29, three outputs
 Problem large() {  // 1e5 x 60
   Problem problem;
   fill(problem, 100000, temperatures(60), 1);
-  for (int k = 1; k <= 60; ++k) problem.options.candidates.terms.push_back(power("t" + std::to_string(k), 1));
+  for (int k = 1; k <= 60; ++k)
+    problem.options.candidates.terms.push_back(power("t" + std::to_string(k), 1));
   return problem;
 }
 

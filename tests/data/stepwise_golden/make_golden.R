@@ -5,6 +5,7 @@
 # below 1e-9 is a tie, which the lowest column wins; columns that lm (tol = 1e-7) finds collinear cannot enter.
 # Problems with a p within 1e-6 (relative) of a threshold are drawn again.
 #
+# "tiny": noise of 1e-8 on data of size 1. Below, the last bit of the data (2e-16) is already 1e-6 of a standard error.
 # Numbers of the data are whole multiples of 2^-k so that decimal text is exact in both programs.
 # Output, one problem after the other:
 #   problem <n> <kind> <rows> <columns> <enter> <remove> <weighted>
@@ -61,7 +62,7 @@ make <- function(kind, n, p) {
   if (kind == "tied") x[, p] <- x[, 1 + sample(p - 2, 1)]  # a copy: the lower column must win
   if (kind == "grid") x <- matrix(sample(-3:3, n * p, TRUE), n, p)
   b <- rnorm(p) * (runif(p) < 0.4)
-  sd <- switch(kind, tiny = 1e-9, nulls = 1, runif(1, 0.1, 3))
+  sd <- switch(kind, tiny = 1e-8, nulls = 1, runif(1, 0.1, 3))
   if (kind == "nulls") b <- 0 * b
   y <- drop(x %*% b) + sd * rnorm(n)
   y <- if (kind == "tiny") round(y * 2^50) / 2^50 else snap(y, 30)

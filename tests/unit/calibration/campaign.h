@@ -1,5 +1,6 @@
 #pragma once
-// A small linear-axis campaign: a visit pattern, drifting temperatures, known coefficients, noise of a few nm.
+// A small linear-axis campaign: a visit pattern, drifting temperatures, known coefficients, noise
+// of a few nm.
 
 #include <cmath>
 #include <random>
@@ -26,7 +27,8 @@ inline Dataset make_campaign(const Campaign& campaign) {
   data.rows = static_cast<std::size_t>(campaign.rows);
   data.columns.push_back({{"q1", "mm"}, {}});
   data.columns.push_back({{"x", "mm"}, {}});
-  for (int k = 1; k <= campaign.thermometers; ++k) data.columns.push_back({{"t0" + std::to_string(k), "degC"}, {}});
+  for (int k = 1; k <= campaign.thermometers; ++k)
+    data.columns.push_back({{"t0" + std::to_string(k), "degC"}, {}});
   std::vector<double> wander(static_cast<std::size_t>(campaign.thermometers));
   for (int i = 0; i < campaign.rows; ++i) {
     const double time_s = 14.3 * i;

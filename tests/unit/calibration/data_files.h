@@ -1,5 +1,6 @@
 #pragma once
-// Helpers of the calibration tests: data files of the repository, small datasets by hand, digits of agreement.
+// Helpers of the calibration tests: data files of the repository, small datasets by hand, digits of
+// agreement.
 
 #include <cmath>
 #include <fstream>
@@ -33,7 +34,8 @@ inline Dataset dataset_of(const std::vector<Row>& rows) {
   Dataset data;
   for (const auto& symbol : rows.at(0)) data.columns.push_back({{symbol, "1"}, {}});
   for (std::size_t i = 1; i < rows.size(); ++i)
-    for (std::size_t c = 0; c < data.columns.size(); ++c) data.columns[c].values.push_back(std::stod(rows[i].at(c)));
+    for (std::size_t c = 0; c < data.columns.size(); ++c)
+      data.columns[c].values.push_back(std::stod(rows[i].at(c)));
   data.rows = rows.size() - 1;
   return data;
 }
@@ -49,7 +51,8 @@ inline Dataset columns_of(std::vector<std::pair<Channel, std::vector<double>>> c
 
 // Correct digits: -log10 of the relative error, at most 16.
 inline double digits(double value, double certified) {
-  const double error = certified == 0 ? std::abs(value) : std::abs(value - certified) / std::abs(certified);
+  const double error =
+      certified == 0 ? std::abs(value) : std::abs(value - certified) / std::abs(certified);
   return error < 1e-16 ? 16 : -std::log10(error);
 }
 

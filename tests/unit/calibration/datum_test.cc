@@ -12,7 +12,8 @@ namespace {
 
 double coefficient(const OutputModel& output, const std::string& name) {
   for (std::size_t i = 0; i < output.terms.size(); ++i)
-    if (effects::notation(output.terms[i]) == name) return output.coefficients[static_cast<Eigen::Index>(i)];
+    if (effects::notation(output.terms[i]) == name)
+      return output.coefficients[static_cast<Eigen::Index>(i)];
   ADD_FAILURE() << name << " is not in";
   return 0;
 }
@@ -23,7 +24,8 @@ TEST(Datum, GetsAConstantOfItsOwnThatIsNeverTested) {
   const auto& output = model->outputs[0];
   EXPECT_NEAR(coefficient(output, "datum(2)"), 5e-4, 2e-6);  // made with 0.5 um per datum
   EXPECT_NEAR(coefficient(output, "datum(3)"), 1e-3, 2e-6);
-  for (const auto& step : output.history) EXPECT_FALSE(effects::datum_of(step.term)) << "was tested";
+  for (const auto& step : output.history)
+    EXPECT_FALSE(effects::datum_of(step.term)) << "was tested";
   EXPECT_NEAR(output.accuracy.rmse, 3e-6, 0.5e-6);
 }
 
@@ -42,7 +44,8 @@ TEST(Datum, WithoutCalibrationRowsTakesNoPartInTheValidation) {
   const auto model = formats::fit_formula(data, "q1 ~ x + x^2 + T", {});
   ASSERT_TRUE(model.has_value());
   EXPECT_NEAR(*model->outputs[0].accuracy.u90_validation, 1.645 * 3e-6, 1.5e-6);
-  EXPECT_THAT(model->warnings, testing::Contains(testing::HasSubstr("200 validation rows left out")));
+  EXPECT_THAT(model->warnings,
+              testing::Contains(testing::HasSubstr("200 validation rows left out")));
 }
 
 TEST(Datum, IsNotAddedToAModelThroughZero) {
@@ -56,7 +59,8 @@ TEST(Datum, IsNotAddedToAModelThroughZero) {
 TEST(Datum, HeldOutBlocksAreJudgedWithoutItsUnknownConstant) {
   FitOptions options;
   options.blocks = 4;  // one block is exactly one datum
-  const auto model = formats::fit_formula(make_campaign({.rows = 600, .datums = 4}), "q1 ~ x + x^2 + T", options);
+  const auto model =
+      formats::fit_formula(make_campaign({.rows = 600, .datums = 4}), "q1 ~ x + x^2 + T", options);
   ASSERT_TRUE(model.has_value());
   EXPECT_LT(*model->outputs[0].accuracy.u90_blocks, 2 * 1.645 * 3e-6);
 }

@@ -48,7 +48,8 @@ TEST(FitErrors, NamesASumOfOthers) {
   auto sum = data.columns[2].values;
   for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += data.columns[3].values[i];
   data.columns.push_back({{"t09", "degC"}, sum});
-  EXPECT_THAT(error_of(data, "q1 ~ x + T", all_terms()).message, HasSubstr("t09 cannot be told apart from t01, t02"));
+  EXPECT_THAT(error_of(data, "q1 ~ x + T", all_terms()).message,
+              HasSubstr("t09 cannot be told apart from t01, t02"));
 }
 
 TEST(FitErrors, StepwiseLeavesOutWhatCannotBeToldApartAndSaysSo) {
@@ -61,7 +62,8 @@ TEST(FitErrors, StepwiseLeavesOutWhatCannotBeToldApartAndSaysSo) {
 
 TEST(FitErrors, WarnsOfAThermometerThatHardlyMoves) {
   Dataset data = make_campaign({});
-  for (std::size_t i = 0; i < data.rows; ++i) data.columns[4].values[i] = 23 + (i % 2 == 0 ? 1e-4 : -1e-4);
+  for (std::size_t i = 0; i < data.rows; ++i)
+    data.columns[4].values[i] = 23 + (i % 2 == 0 ? 1e-4 : -1e-4);
   const auto model = formats::fit_formula(data, "q1 ~ x + x^2 + T", {});
   ASSERT_TRUE(model.has_value());
   EXPECT_THAT(model->warnings, Contains(HasSubstr("t03 is constant within 0.2 mK")));
@@ -70,7 +72,8 @@ TEST(FitErrors, WarnsOfAThermometerThatHardlyMoves) {
 TEST(FitErrors, RefusesTooFewRows) {
   const Error error = error_of(make_campaign({.rows = 6}), "q1 ~ x + T", all_terms());
   EXPECT_EQ(error.reason, "TOO_FEW_ROWS");
-  EXPECT_THAT(error.message, AllOf(HasSubstr("4 complete calibration rows"), HasSubstr("at least 7")));
+  EXPECT_THAT(error.message,
+              AllOf(HasSubstr("4 complete calibration rows"), HasSubstr("at least 7")));
 }
 
 TEST(FitErrors, RefusesInfinityWithItsPlace) {
@@ -85,7 +88,8 @@ TEST(FitErrors, RefusesThresholdsThatWouldCycle) {
   FitOptions options;
   options.p_enter = 0.1;
   options.p_remove = 0.05;
-  EXPECT_THAT(error_of(make_campaign({}), "q1 ~ x", options).message, HasSubstr("p_remove 0.05 is below p_enter 0.1"));
+  EXPECT_THAT(error_of(make_campaign({}), "q1 ~ x", options).message,
+              HasSubstr("p_remove 0.05 is below p_enter 0.1"));
   options.p_remove = 2;
   EXPECT_EQ(error_of(make_campaign({}), "q1 ~ x", options).reason, "BAD_OPTIONS");
 }
@@ -106,7 +110,8 @@ TEST(FitErrors, RefusesANegativeWeight) {
   data.columns.back().values[7] = -1;
   FitOptions options;
   options.weight_symbol = "w";
-  EXPECT_THAT(error_of(data, "q1 ~ x", options).message, AllOf(HasSubstr("row 8"), HasSubstr("weight w is -1")));
+  EXPECT_THAT(error_of(data, "q1 ~ x", options).message,
+              AllOf(HasSubstr("row 8"), HasSubstr("weight w is -1")));
 }
 
 TEST(FitErrors, SurvivesValuesAtTheEdgeOfDoublePrecision) {
@@ -117,7 +122,8 @@ TEST(FitErrors, SurvivesValuesAtTheEdgeOfDoublePrecision) {
 
 TEST(FitErrors, FitsAnExactLineWithoutFittingItsRounding) {
   Dataset data = make_campaign({});
-  for (std::size_t i = 0; i < data.rows; ++i) data.columns[0].values[i] = 0.25 + 3 * data.columns[1].values[i];
+  for (std::size_t i = 0; i < data.rows; ++i)
+    data.columns[0].values[i] = 0.25 + 3 * data.columns[1].values[i];
   const auto model = formats::fit_formula(data, "q1 ~ x + x^2 + T", {});
   ASSERT_TRUE(model.has_value()) << model.error().message;
   EXPECT_EQ(model->outputs[0].terms.size(), 2u);

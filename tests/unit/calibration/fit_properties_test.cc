@@ -1,4 +1,5 @@
-// Properties that hold for any data: residuals orthogonal to the model, scale does not matter, neither do threads.
+// Properties that hold for any data: residuals orthogonal to the model, scale does not matter,
+// neither do threads.
 
 #include <gmock/gmock.h>
 
@@ -16,7 +17,8 @@ namespace {
 
 const std::string kFormula = "q1 ~ poly(x, 3) + T + rate(T, 300 s) + x:t01";
 
-Model fitted(const Dataset& data, const FitOptions& options = {}, const std::string& formula = kFormula) {
+Model fitted(const Dataset& data, const FitOptions& options = {},
+             const std::string& formula = kFormula) {
   const auto model = formats::fit_formula(data, formula, options);
   EXPECT_TRUE(model.has_value()) << model.error().message;
   return *model;
@@ -46,7 +48,8 @@ TEST(Fit, LeavesResidualsOrthogonalToEveryTermIn) {
       residual2 += residual * residual;
     }
     // rounding of the prediction, 4 mm * 2e-16, against residuals of 3 nm
-    EXPECT_LT(std::abs(dot) / std::sqrt(column2 * residual2), 1e-8) << effects::notation(output.terms[static_cast<std::size_t>(j)]);
+    EXPECT_LT(std::abs(dot) / std::sqrt(column2 * residual2), 1e-8)
+        << effects::notation(output.terms[static_cast<std::size_t>(j)]);
   }
 }
 
@@ -94,7 +97,8 @@ TEST(RowQr, OfBlocksIsTheTriangleOfAllRows) {
   ASSERT_EQ(triangle.rows(), 12);
   const Eigen::MatrixXd gram = matrix.transpose() * matrix;
   EXPECT_LT((triangle.transpose() * triangle - gram).norm() / gram.norm(), 1e-13);
-  const Eigen::MatrixXd joined = join_triangles({row_qr(matrix.topRows(5)), row_qr(matrix.bottomRows(39995))});
+  const Eigen::MatrixXd joined =
+      join_triangles({row_qr(matrix.topRows(5)), row_qr(matrix.bottomRows(39995))});
   EXPECT_LT((joined.cwiseAbs() - triangle.cwiseAbs()).norm() / triangle.norm(), 1e-12);
 }
 
@@ -131,7 +135,8 @@ TEST(Fit, CountsRowsWithAMissingValue) {
 TEST(Fit, FitsEveryOutputFromOneTriangle) {
   Dataset data = make_campaign({});
   data.columns.push_back({{"q2", "mm"}, data.columns[0].values});
-  for (std::size_t i = 0; i < data.rows; ++i) data.columns.back().values[i] += 1e-4 * data.columns[4].values[i];
+  for (std::size_t i = 0; i < data.rows; ++i)
+    data.columns.back().values[i] += 1e-4 * data.columns[4].values[i];
   const Model both = fitted(data, {}, "q ~ poly(x, 3) + T");
   ASSERT_EQ(both.outputs.size(), 2u);
   const Model alone = fitted(data, {}, "q2 ~ poly(x, 3) + T");

@@ -1,4 +1,5 @@
-// Hald's cement data (Draper and Smith; tests/data/nist_strd/hald_expected.csv): the two published stepwise paths.
+// Hald's cement data (Draper and Smith; tests/data/nist_strd/hald_expected.csv): the two published
+// stepwise paths.
 
 #include <gmock/gmock.h>
 
@@ -15,7 +16,8 @@ Model fit_hald(double p_enter) {
   FitOptions options;
   options.p_enter = p_enter;
   options.blocks = 0;
-  const auto model = formats::fit_formula(dataset_of(read_rows("nist_strd/hald.csv")), "heat ~ x1 + x2 + x3 + x4", options);
+  const auto model = formats::fit_formula(dataset_of(read_rows("nist_strd/hald.csv")),
+                                          "heat ~ x1 + x2 + x3 + x4", options);
   EXPECT_TRUE(model.has_value()) << model.error().message;
   return *model;
 }

@@ -36,7 +36,8 @@ TEST(HeldOut, EqualsFittingEachBlockAwayByHand) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto value = [&](std::size_t column) { return data.columns[column].values[rows[i]]; };
       const double x = value(1);
-      squares += std::pow(value(0) - (c[0] + c[1] * x + c[2] * x * x + c[3] * value(2) + c[4] * value(3)), 2);
+      squares += std::pow(
+          value(0) - (c[0] + c[1] * x + c[2] * x * x + c[3] * value(2) + c[4] * value(3)), 2);
     }
   }
   const double by_hand = 1.645 * std::sqrt(squares / static_cast<double>(rows.size()));
@@ -56,10 +57,12 @@ TEST(HeldOut, IntervalHoldsTheFigureAndNarrowsWithData) {
 
 TEST(HeldOut, SeesADriftThatNoTermExplains) {
   Dataset data = make_campaign({.rows = 900});
-  for (std::size_t i = 0; i < data.rows; ++i) data.columns[0].values[i] += 5e-5 * std::sin(static_cast<double>(i) / 120);
+  for (std::size_t i = 0; i < data.rows; ++i)
+    data.columns[0].values[i] += 5e-5 * std::sin(static_cast<double>(i) / 120);
   const auto model = formats::fit_formula(data, "q1 ~ x + x^2 + T", {});
   const auto& accuracy = model->outputs[0].accuracy;
-  EXPECT_GT(*accuracy.u90_blocks, 1.15 * *accuracy.u90_validation);  // interleaved rows cannot see it
+  EXPECT_GT(*accuracy.u90_blocks,
+            1.15 * *accuracy.u90_validation);  // interleaved rows cannot see it
   EXPECT_GT(accuracy.lag1_autocorrelation, 0.8);
   EXPECT_LT(accuracy.effective_rows, 100);
 }

@@ -1,22 +1,29 @@
-// NIST Statistical Reference Datasets, linear least squares (tests/data/nist_strd/README.md): correct digits of every
-// coefficient and standard error. What is asked is what double precision reaches in scaled coordinates.
+// NIST Statistical Reference Datasets, linear least squares (tests/data/nist_strd/README.md):
+// correct digits of every coefficient and standard error. What is asked is what double precision
+// reaches in scaled coordinates.
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "server/formats/formula.h"
 #include "server/effects/term_order.h"
+#include "server/formats/formula.h"
 #include "tests/unit/calibration/data_files.h"
 
 namespace driftwise::calibration {
 namespace {
 
-struct Certified { std::string name; std::string formula; double digits; };
+struct Certified {
+  std::string name;
+  std::string formula;
+  double digits;
+};
 
 class NistStrd : public testing::TestWithParam<Certified> {};
 
-struct Parameter { double estimate = 0, standard_error = 0; };
+struct Parameter {
+  double estimate = 0, standard_error = 0;
+};
 
 std::vector<Parameter> certified_parameters(const std::string& name) {
   std::vector<Parameter> parameters;
@@ -41,7 +48,8 @@ TEST_P(NistStrd, ReachesTheDigits) {
     const auto& report = output.report[i];
     coefficients = std::min(coefficients, digits(report.coefficient, certified[i].estimate));
     if (certified[i].standard_error == 0)  // an exact fit: what is left is rounding
-      EXPECT_LT(report.standard_error, 1e-7 * std::abs(certified[i].estimate)) << effects::notation(report.term);
+      EXPECT_LT(report.standard_error, 1e-7 * std::abs(certified[i].estimate))
+          << effects::notation(report.term);
     else
       errors = std::min(errors, digits(report.standard_error, certified[i].standard_error));
   }
@@ -55,12 +63,12 @@ const std::string kQuintic = "y ~ x + x^2 + x^3 + x^4 + x^5";
 
 INSTANTIATE_TEST_SUITE_P(
     Table, NistStrd,
-    testing::Values(Certified{"Longley", "y ~ x1 + x2 + x3 + x4 + x5 + x6", 13}, Certified{"Filip", "y ~ poly(x, 10)", 13},
-                    Certified{"Norris", "y ~ x", 12}, Certified{"Pontius", "y ~ x + x^2", 12},
-                    Certified{"Wampler1", kQuintic, 9}, Certified{"Wampler2", kQuintic, 9},
-                    Certified{"Wampler3", kQuintic, 9}, Certified{"Wampler4", kQuintic, 7},
-                    Certified{"Wampler5", kQuintic, 6}, Certified{"NoInt1", "y ~ x - 1", 12},
-                    Certified{"NoInt2", "y ~ x - 1", 12}),
+    testing::Values(Certified{"Longley", "y ~ x1 + x2 + x3 + x4 + x5 + x6", 13},
+                    Certified{"Filip", "y ~ poly(x, 10)", 13}, Certified{"Norris", "y ~ x", 12},
+                    Certified{"Pontius", "y ~ x + x^2", 12}, Certified{"Wampler1", kQuintic, 9},
+                    Certified{"Wampler2", kQuintic, 9}, Certified{"Wampler3", kQuintic, 9},
+                    Certified{"Wampler4", kQuintic, 7}, Certified{"Wampler5", kQuintic, 6},
+                    Certified{"NoInt1", "y ~ x - 1", 12}, Certified{"NoInt2", "y ~ x - 1", 12}),
     [](const auto& row) { return row.param.name; });
 
 }  // namespace

@@ -26,13 +26,14 @@ TEST(Offers, AreTheThreeOfThePublishedStudy) {
   std::vector<std::string> names;
   for (const auto& offer : offers)
     for (const auto& term : offer.terms) names.push_back(effects::notation(term));
-  EXPECT_THAT(names, testing::ElementsAre("x:t01", "x:t02", "rate(t01, 600 s)", "rate(t02, 600 s)", "rate2(t01, 600 s)",
-                                          "rate2(t02, 600 s)", "x^3", "x^4"));
+  EXPECT_THAT(names, testing::ElementsAre("x:t01", "x:t02", "rate(t01, 600 s)", "rate(t02, 600 s)",
+                                          "rate2(t01, 600 s)", "rate2(t02, 600 s)", "x^3", "x^4"));
 }
 
 TEST(Offers, SayWhatATermThatMattersIsWorth) {
   const Fixture fixture("q1 ~ x + t01 + t02");  // x^2 is missing: 2e-5 * 16 mm^2 = 320 nm
-  const auto results = weigh_offers(fixture.data, fixture.options, fixture.model, {{"square", {*formats::parse_term("x^2")}}});
+  const auto results = weigh_offers(fixture.data, fixture.options, fixture.model,
+                                    {{"square", {*formats::parse_term("x^2")}}});
   ASSERT_TRUE(results.has_value()) << results.error().message;
   const auto& result = results->at(0);
   EXPECT_TRUE(result.taken_any());
@@ -44,9 +45,11 @@ TEST(Offers, SayWhatATermThatMattersIsWorth) {
 
 TEST(Offers, SayWhatForcingAUselessTermWouldDo) {
   const Fixture fixture("q1 ~ x + x^2 + t01 + t02");
-  const auto results = weigh_offers(fixture.data, fixture.options, fixture.model, {{"order", {*formats::parse_term("x^4")}}});
+  const auto results = weigh_offers(fixture.data, fixture.options, fixture.model,
+                                    {{"order", {*formats::parse_term("x^4")}}});
   ASSERT_TRUE(results.has_value());
-  EXPECT_NEAR(*results->at(0).u90_validation_forced / *results->at(0).u90_validation_before, 1, 0.05);
+  EXPECT_NEAR(*results->at(0).u90_validation_forced / *results->at(0).u90_validation_before, 1,
+              0.05);
 }
 
 }  // namespace

@@ -26,7 +26,8 @@ TEST(ResidualStatistics, EffectiveRowsFollowTheAutoregression) {
 
 // Worked by hand: at x = 1: 2, 4; x = 2: 5; x = 3: 7, 9, 8. Pure error SS = 2 + 2 = 4 on 1 + 2 dof.
 TEST(PureError, OfExactRepeatsIsTheClassicalOne) {
-  const Dataset data = columns_of({{{"y", "1"}, {2, 4, 5, 7, 9, 8}}, {{"x", "1"}, {1, 1, 2, 3, 3, 3}}});
+  const Dataset data =
+      columns_of({{{"y", "1"}, {2, 4, 5, 7, 9, 8}}, {{"x", "1"}, {1, 1, 2, 3, 3, 3}}});
   FitOptions options;
   options.select = Select::all;
   const auto model = formats::fit_formula(data, "y ~ x", options);
@@ -43,12 +44,14 @@ TEST(PureError, OfRepeatedPosesIsTheNoiseOfTheReadings) {
   const auto model = formats::fit_formula(make_campaign({.rows = 2000}), "q1 ~ x + x^2 + T", {});
   ASSERT_TRUE(model.has_value());
   EXPECT_NEAR(*model->outputs[0].accuracy.pure_error, 3e-6, 0.2e-6);
-  EXPECT_FALSE(model->outputs[0].accuracy.lack_of_fit_f.has_value());  // temperatures never repeat exactly
+  EXPECT_FALSE(
+      model->outputs[0].accuracy.lack_of_fit_f.has_value());  // temperatures never repeat exactly
 }
 
 TEST(PureError, IsAbsentWhereNoPoseIsVisitedTwice) {
   Dataset data = make_campaign({});
-  for (std::size_t i = 0; i < data.rows; ++i) data.columns[1].values[i] = -4 + 8.0 * static_cast<double>(i) / 400;
+  for (std::size_t i = 0; i < data.rows; ++i)
+    data.columns[1].values[i] = -4 + 8.0 * static_cast<double>(i) / 400;
   const auto model = formats::fit_formula(data, "q1 ~ x + T", {});
   EXPECT_FALSE(model->outputs[0].accuracy.pure_error.has_value());
 }

@@ -1,5 +1,5 @@
-// 300 random problems, among them collinear, tied, tiny-noise and weighted ones, against R's add1/drop1 rule
-// (tests/data/stepwise_golden/make_golden.R made golden.txt).
+// 300 random problems, among them collinear, tied, tiny-noise and weighted ones, against R's
+// add1/drop1 rule (tests/data/stepwise_golden/make_golden.R made golden.txt).
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,10 @@
 namespace driftwise::calibration {
 namespace {
 
-struct Expected { int state = 0; double coefficient = 0, standard_error = 0, t = 0, p = 0; };
+struct Expected {
+  int state = 0;
+  double coefficient = 0, standard_error = 0, t = 0, p = 0;
+};
 
 struct Problem {
   int number = 0;
@@ -24,7 +27,7 @@ struct Problem {
   std::vector<std::string> path;  // "+3", "-1"
   double rmse = 0;
   int dof = 0;
-  std::vector<Expected> terms;    // the constant first
+  std::vector<Expected> terms;  // the constant first
 };
 
 std::vector<Problem> read_problems() {
@@ -35,10 +38,12 @@ std::vector<Problem> read_problems() {
     Problem problem;
     std::size_t rows = 0;
     int weighted = 0;
-    file >> problem.number >> problem.kind >> rows >> problem.columns >> problem.options.p_enter >> problem.options.p_remove >> weighted;
+    file >> problem.number >> problem.kind >> rows >> problem.columns >> problem.options.p_enter >>
+        problem.options.p_remove >> weighted;
     problem.data.rows = rows;
     problem.data.columns.push_back({{"y", "1"}, {}});
-    for (int j = 1; j <= problem.columns; ++j) problem.data.columns.push_back({{"x" + std::to_string(j), "1"}, {}});
+    for (int j = 1; j <= problem.columns; ++j)
+      problem.data.columns.push_back({{"x" + std::to_string(j), "1"}, {}});
     if (weighted != 0) {
       problem.data.columns.push_back({{"w", "1"}, {}});
       problem.options.weight_symbol = "w";
@@ -69,8 +74,8 @@ std::vector<std::string> path_of(const OutputModel& output) {
 }
 
 void expect_close(double value, double golden, double scale, const char* what) {
-  // 1e-6 of the value. A coefficient far below its standard error, and its t, agree to 1e-6 of the standard error: noise of
-  // 1e-9 stands on data of size 1, whose last bit is 2e-16.
+  // 1e-6 of the value. A coefficient far below its standard error, and its t, agree to 1e-6 of the
+  // standard error: noise of 1e-8 stands on data of size 1, whose last bit is 2e-16.
   EXPECT_NEAR(value, golden, 1e-6 * (std::abs(golden) + scale)) << what;
 }
 

@@ -12,17 +12,21 @@ namespace {
 
 TEST(Tail, IsTheCauchyDistributionAtOneDegreeOfFreedom) {
   for (const double t : {0.001, 0.5, 1.0, 30.0, 1e6})
-    EXPECT_NEAR(t_two_sided_p(t, 1) / (1 - 2 / M_PI * std::atan(t)), 1, t < 100 ? 1e-12 : 1e-9) << t;
+    EXPECT_NEAR(t_two_sided_p(t, 1) / (1 - 2 / M_PI * std::atan(t)), 1, t < 100 ? 1e-12 : 1e-9)
+        << t;
 }
 
 TEST(Tail, HasAClosedFormAtTwoDegreesOfFreedom) {
   // P(|T| > t) = 1 - t / sqrt(2 + t^2), written without cancellation
   for (const double t : {0.1, 2.0, 1e4, 1e8})
-    EXPECT_NEAR(t_two_sided_p(t, 2) / (2 / (std::sqrt(2 + t * t) * (std::sqrt(2 + t * t) + t))), 1, 1e-12) << t;
+    EXPECT_NEAR(t_two_sided_p(t, 2) / (2 / (std::sqrt(2 + t * t) * (std::sqrt(2 + t * t) + t))), 1,
+                1e-12)
+        << t;
 }
 
 TEST(Tail, ReachesTheSmallestDoublesAndThenIsZero) {
-  // four degrees of freedom: P = 1 - s (3 - s^2) / 2 with s^2 = t^2 / (4 + t^2); leading term 6 / t^4
+  // four degrees of freedom: P = 1 - s (3 - s^2) / 2 with s^2 = t^2 / (4 + t^2); leading term 6 /
+  // t^4
   EXPECT_NEAR(t_two_sided_p(1e50, 4) / 6e-200, 1, 1e-9);
   EXPECT_GT(t_two_sided_p(30, 547), 1e-120);
   EXPECT_LT(t_two_sided_p(30, 547), 1e-110);

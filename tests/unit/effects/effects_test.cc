@@ -16,12 +16,15 @@ std::unique_ptr<EffectState> make(const std::string& name, double tau_s) {
   return find_effect(name)->make(parameters);
 }
 
-double step(EffectState& state, double time_s, double value) { return state.step(time_s, std::span(&value, 1)); }
+double step(EffectState& state, double time_s, double value) {
+  return state.step(time_s, std::span(&value, 1));
+}
 
 std::vector<double> unequal_times() {
   std::mt19937 random(5);
   std::vector<double> times{0};
-  while (times.back() < 20000) times.push_back(times.back() + 1 + static_cast<double>(random() % 40));
+  while (times.back() < 20000)
+    times.push_back(times.back() + 1 + static_cast<double>(random() % 40));
   return times;
 }
 
@@ -58,7 +61,8 @@ TEST(Rate, OfNothingIsExactlyNothing) {
 TEST(Rate2, OfAParabolaSettlesToItsSecondDerivative) {
   const auto rate2 = make("rate2", 300);
   double last = 0;
-  for (double t = 0; t < 20000; t += 5) last = step(*rate2, t, 20 + 0.5 * 0.3 * (t / 3600) * (t / 3600));
+  for (double t = 0; t < 20000; t += 5)
+    last = step(*rate2, t, 20 + 0.5 * 0.3 * (t / 3600) * (t / 3600));
   EXPECT_NEAR(last, 0.3, 1e-4);  // K/h^2; the input runs straight between readings of 5 s
 }
 

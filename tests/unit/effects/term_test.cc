@@ -23,7 +23,8 @@ TEST(Notation, OfAnEffectCarriesItsQuantities) {
 }
 
 TEST(Term, EqualUpToOrderIsOneColumn) {
-  EXPECT_EQ(canonical({{Power{"y", 1}, Power{"x", 1}}}), canonical({{Power{"x", 1}, Power{"y", 1}}}));
+  EXPECT_EQ(canonical({{Power{"y", 1}, Power{"x", 1}}}),
+            canonical({{Power{"x", 1}, Power{"y", 1}}}));
   EXPECT_EQ(product({{Power{"x", 1}}}, {{Power{"x", 2}}}), (Term{{Power{"x", 3}}}));
 }
 
@@ -34,9 +35,13 @@ TEST(Checked, BringsParametersToTheirUnit) {
 }
 
 TEST(Checked, SaysWhatAnEffectExpects) {
-  EXPECT_NE(checked({"lag", {"t07"}, {}}).error().message.find("expected lag(channel, tau s)"), std::string::npos);
-  EXPECT_NE(checked({"lag", {"t07"}, {{300, "nm"}}}).error().message.find("tau is in 'nm', expected s"), std::string::npos);
-  EXPECT_NE(checked({"lag", {"t07"}, {{0, "s"}}}).error().message.find("expected 1 to 1e+06 s"), std::string::npos);
+  EXPECT_NE(checked({"lag", {"t07"}, {}}).error().message.find("expected lag(channel, tau s)"),
+            std::string::npos);
+  EXPECT_NE(
+      checked({"lag", {"t07"}, {{300, "nm"}}}).error().message.find("tau is in 'nm', expected s"),
+      std::string::npos);
+  EXPECT_NE(checked({"lag", {"t07"}, {{0, "s"}}}).error().message.find("expected 1 to 1e+06 s"),
+            std::string::npos);
   EXPECT_EQ(checked({"wobble", {"t07"}, {}}).error().reason, "UNKNOWN_EFFECT");
 }
 

@@ -1,0 +1,67 @@
+// The fit's JSON against DESIGN.md section 4, and the page for people.
+
+#include "server/formats/fit_json.h"
+
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "server/formats/formula.h"
+#include "tests/unit/calibration/campaign.h"
+
+namespace driftwise::formats {
+namespace {
+
+using testing::HasSubstr;
+
+calibration::Model a_model() {
+  return *fit_formula(calibration::make_campaign({}), "q1 ~ x + x^2 + T", {});
+}
+
+TEST(FitJson, HasTheKeysOfTheContract) {
+  const auto json = fit_json(a_model());
+  EXPECT_EQ(json["schema"], "driftwise.fit.v1");
+  EXPECT_EQ(json["formula"], "q1 ~ x + x^2 + T");
+  EXPECT_EQ(json["rows"]["calibration"], 267);
+  EXPECT_EQ(json["rows"]["validation"], 133);
+  EXPECT_EQ(json["rows"]["dropped"], 0);
+  const auto& q1 = json["outputs"]["q1"];
+  EXPECT_EQ(q1["unit"], "mm");
+  EXPECT_NEAR(q1["rmse_nm"].get<double>(), 3, 0.5);
+  EXPECT_NEAR(q1["u90_calibration_nm"].get<double>(), 1.645 * 3, 1);
+  EXPECT_NEAR(q1["u90_validation_nm"].get<double>(), 1.645 * 3, 1);
+  EXPECT_EQ(q1["terms"][0]["term"], "1");
+  EXPECT_EQ(q1["terms"].size(), 7u);  // every offered term
+  for (const auto* key : {"term", "in", "coefficient", "standard_error", "t", "p"})
+    EXPECT_TRUE(q1["terms"][3].contains(key)) << key;
+  EXPECT_EQ(q1["history"][1]["action"], "enter");
+  EXPECT_EQ(q1["history"][1]["term"], "x");
+  EXPECT_TRUE(json["warnings"].is_array());
+  EXPECT_TRUE(json.contains("fit_us"));
+}
+
+TEST(FitJson, WritesNumbersThatReadBackExactly) {
+  const auto model = a_model();
+  const auto again = nlohmann::json::parse(fit_json(model).dump());
+  EXPECT_EQ(again["outputs"]["q1"]["terms"][1]["coefficient"].get<double>(),
+            model.outputs[0].report[1].coefficient);
+}
+
+TEST(FitJson, GivesAnglesInArcsecAndOthersInTheirOwnUnit) {
+  auto model = a_model();
+  model.outputs[0].channel = {"rx", "rad"};
+  EXPECT_TRUE(fit_json(model)["outputs"]["rx"].contains("rmse_arcsec"));
+  model.outputs[0].channel = {"force", "N"};
+  EXPECT_TRUE(fit_json(model)["outputs"]["force"].contains("rmse_N"));
+}
+
+TEST(FitTable, IsAPageWithUnitsFiguresAndWarnings) {
+  const std::string page = fit_table(a_model(), {.history = true});
+  for (const auto* part :
+       {"q1 ~ x + x^2 + T", "267 calibration rows", "mm/mm^2", "mm/degC", "rms nm", "VIF", "enter",
+        "by blocks of time", "p-values after selection"})
+    EXPECT_THAT(page, HasSubstr(part));
+}
+
+}  // namespace
+}  // namespace driftwise::formats

@@ -1,0 +1,160 @@
+#include "server/formats/formula.h"
+
+#include <gmock/gmock.h>
+
+#include "server/effects/term_order.h"
+
+namespace driftwise::formats {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+const std::vector<Channel> kCell = {
+    {"q1", "mm"},   {"q2", "mm"},    {"x", "mm"},     {"y", "mm"},     {"z", "mm"},
+    {"force", "N"}, {"t04", "degC"}, {"t05", "degC"}, {"t10", "degC"}, {"air", "degC"}};
+
+std::vector<std::string> terms(const std::string& text) {
+  const auto formula = Formula::parse(text);
+  if (!formula) return {formula.error().message};
+  const auto candidates = formula->expand(kCell);
+  if (!candidates) return {candidates.error().message};
+  std::vector<std::string> names;
+  for (const auto& term : candidates->terms) names.push_back(effects::notation(term));
+  if (!candidates->constant) names.push_back("no constant");
+  return names;
+}
+
+Error error_of(const std::string& text, const FormulaLimits& limits = {}) {
+  const auto formula = Formula::parse(text, limits);
+  if (!formula) return formula.error();
+  const auto candidates = formula->expand(kCell);
+  EXPECT_FALSE(candidates.has_value()) << text;
+  return candidates ? Error{} : candidates.error();
+}
+
+TEST(Formula, ExpandsTheShortForms) {
+  EXPECT_THAT(terms("q ~ x + x^2 + T"), ElementsAre("x", "x^2", "t04", "t05", "t10"));
+  EXPECT_THAT(terms("q1 ~ F + F^2 + F^3"), ElementsAre("force", "force^2", "force^3"));
+  EXPECT_THAT(terms("q1 ~ t04..t05"), ElementsAre("t04", "t05"));
+  EXPECT_THAT(terms("q1~air"), ElementsAre("air"));
+}
+
+TEST(Formula, PolyIsAllMonomialsUpToTheDegree) {
+  EXPECT_THAT(terms("q ~ poly(x, y, 2)"), ElementsAre("x", "y", "x^2", "x:y", "y^2"));
+  EXPECT_EQ(terms("q ~ poly(x, y, z, 3)").size(), 19u);  // the published study's 19 distinct ones
+  EXPECT_EQ(terms("q ~ poly(x, y, z, 3) + F + F^2 + F^3 + T + air").size(), 26u);
+}
+
+TEST(Formula, CrossesAndStars) {
+  EXPECT_THAT(terms("q ~ x:t04"), ElementsAre("x:t04"));
+  EXPECT_THAT(terms("q ~ x*F"), ElementsAre("x", "force", "x:force"));
+  EXPECT_THAT(terms("q ~ (x + x^2):(t04 + t05)"),
+              ElementsAre("x:t04", "x:t05", "x^2:t04", "x^2:t05"));
+  EXPECT_THAT(terms("q ~ (1 + x):F"), ElementsAre("force", "x:force"));
+  EXPECT_THAT(terms("q ~ x:x"), ElementsAre("x^2"));
+}
+
+TEST(Formula, RemovesWhatStandsBefore) {
+  EXPECT_THAT(terms("q ~ T - t05"), ElementsAre("t04", "t10"));
+  EXPECT_THAT(terms("q ~ poly(x, 3) - x^2 + x^2"), ElementsAre("x", "x^3", "x^2"));
+  EXPECT_THAT(terms("q ~ x - 1"), ElementsAre("x", "no constant"));
+  EXPECT_THAT(terms("q ~ -1 + x"), ElementsAre("x", "no constant"));
+  EXPECT_THAT(error_of("q ~ x - y").message,
+              HasSubstr("nothing to remove: y does not stand before this, column 9"));
+}
+
+TEST(Formula, TakesEffectsWithTheirQuantities) {
+  EXPECT_THAT(terms("q ~ rate(T, 5 min)"),
+              ElementsAre("rate(t04, 300 s)", "rate(t05, 300 s)", "rate(t10, 300 s)"));
+  EXPECT_THAT(terms("q ~ x:lag(t04, 1830 s)"), ElementsAre("x:lag(t04, 1830 s)"));
+}
+
+TEST(Formula, OfferedTwiceIsOfferedOnce) {
+  EXPECT_THAT(terms("q ~ x + x + poly(x, 2)"), ElementsAre("x", "x^2"));
+}
+
+TEST(Formula, KnowsItsOutputs) {
+  EXPECT_THAT(Formula::parse("q ~ x")->expand(kCell)->outputs, ElementsAre("q1", "q2"));
+  EXPECT_THAT(Formula::parse("z + q2 ~ x")->expand(kCell)->outputs, ElementsAre("z", "q2"));
+  EXPECT_THAT(error_of("q + q1 ~ x").message, HasSubstr("stands twice"));
+  EXPECT_THAT(error_of("q1 ~ q1 + x").message,
+              HasSubstr("the output q1 stands among its own terms"));
+}
+
+TEST(Formula, PrintsCanonically) {
+  EXPECT_EQ(Formula::parse(" q~poly(x,y , 3)+F^2-t05+(x+1):T+rate(t04,5 min)")->canonical(),
+            "q ~ poly(x, y, 3) + F^2 - t05 + (x + 1):T + rate(t04, 5 min)");
+}
+
+struct Bad {
+  std::string text, reason, part;
+};
+
+TEST(Formula, SaysWhatIsWrongAndWhere) {
+  const std::vector<Bad> table = {
+      {"", "BAD_FORMULA", "expected an output"},
+      {"q", "BAD_FORMULA", "found the end, expected ~"},
+      {"q ~", "BAD_FORMULA", "column 4"},
+      {"q ~ x +", "BAD_FORMULA", "found the end, expected a channel"},
+      {"q ~ x ? y", "BAD_FORMULA",
+       "'?' has no meaning in a formula, column 7:\n  q ~ x ? y\n        ^"},
+      {"q ~ x y", "BAD_FORMULA", "found 'y', expected + - * : or the end"},
+      {"q ~ (x + y", "BAD_FORMULA", "expected )"},
+      {"q ~ x^2.5", "BAD_FORMULA", "a whole power from 1 to 20"},
+      {"q ~ x^0", "BAD_FORMULA", "a whole power"},
+      {"q ~ (x + y)^2", "BAD_FORMULA", "write a product as a:b"},
+      {"q ~ 2", "BAD_FORMULA", "the only number that is a term is 1"},
+      {"q ~ T^2", "BAD_FORMULA", "several channels"},
+      {"q ~ t99", "UNKNOWN_CHANNEL", "unknown channel 't99', the file has: q1 q2 x"},
+      {"q3 ~ x", "UNKNOWN_CHANNEL", "unknown channel 'q3'"},
+      {"q ~ poly(x, 300)", "BAD_FORMULA", "the degree of poly"},
+      {"q ~ poly(x, x, 2)", "BAD_FORMULA", "x stands twice in poly"},
+      {"q ~ t10..t04", "BAD_FORMULA", "runs from one number to a higher"},
+      {"q ~ wobble(x)", "UNKNOWN_EFFECT", "known are lag(channel, tau s)"},
+      {"q ~ lag(t04, 30 nm)", "BAD_EFFECT", "tau is in 'nm', expected s"},
+      {"q ~ lag(lag(t04, 1 s), 1 s)", "BAD_FORMULA", "observes channels"},
+      {"q ~ datum(2)", "BAD_FORMULA", "added by the fit itself"},
+      {"q ~ x + 1e999", "BAD_FORMULA", "no number within double precision"},
+  };
+  for (const auto& bad : table) {
+    const Error error = error_of(bad.text);
+    EXPECT_EQ(error.reason, bad.reason) << bad.text << "\n" << error.message;
+    EXPECT_THAT(error.message, HasSubstr(bad.part)) << bad.text;
+    EXPECT_EQ(error.code, ErrorCode::invalid_argument);
+  }
+}
+
+TEST(Formula, OfAHundredThousandTermsIsRefused) {
+  std::string text = "q ~ x";
+  for (int i = 0; i < 100000; ++i) text += " + x";
+  const Error error = error_of(text);
+  EXPECT_EQ(error.reason, "FORMULA_TOO_LARGE");
+  EXPECT_THAT(error.message, HasSubstr("more than 2000 terms"));
+  EXPECT_LT(error.message.size(), 400u);
+}
+
+TEST(Formula, ThatExplodesIsRefusedBeforeItDoes) {
+  EXPECT_EQ(error_of("q ~ poly(x, y, z, 20):poly(x, y, z, 20)").reason, "FORMULA_TOO_LARGE");
+  std::string nested = "q ~ ";
+  for (int i = 0; i < 1000; ++i) nested += "(";
+  EXPECT_EQ(error_of(nested).reason, "FORMULA_TOO_LARGE");
+  std::string repeated = "q ~ x";
+  for (int i = 0; i < 1999; ++i) repeated += " + poly(x, y, z, 18)";
+  EXPECT_EQ(error_of(repeated).reason, "FORMULA_TOO_LARGE");
+  EXPECT_EQ(error_of(std::string(2 << 20, 'x')).reason, "FORMULA_TOO_LARGE");
+}
+
+TEST(ParseTerm, ReadsWhatNotationPrints) {
+  for (const auto* text :
+       {"1", "x", "x^2:t07", "rate(t07, 300 s)", "x:lag(t07, 1830 s)", "datum(2)"}) {
+    const auto term = parse_term(text);
+    ASSERT_TRUE(term.has_value()) << text;
+    EXPECT_EQ(effects::notation(*term), text);
+  }
+  for (const auto* text : {"", "x + y", "poly(x, 2)", "datum(x)", "datum(1.5)", "x:", "2"})
+    EXPECT_FALSE(parse_term(text).has_value()) << text;
+}
+
+}  // namespace
+}  // namespace driftwise::formats
