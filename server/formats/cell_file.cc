@@ -71,8 +71,10 @@ void read_cell(TomlReader&& cell, CellDescription& out) {
   cell.text("database", out.database, Need::required);
   cell.text("listen", out.listen);
   cell.text("target_line", out.target_line);
+  cell.text("http", out.http);
   check_listen(cell, "listen", out.listen);
   check_listen(cell, "target_line", out.target_line);
+  check_listen(cell, "http", out.http);
   cell.finish();
 }
 

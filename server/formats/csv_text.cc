@@ -35,12 +35,21 @@ tl::unexpected<Error> bad(std::string reason, const std::string& file_name, std:
   return fail(ErrorCode::invalid_argument, std::move(reason), at_line(file_name, line) + sentence);
 }
 
+// Returns inside a line become blanks when it is written: at the ends of a text they are blanks
+// already.
+std::string_view trimmed_remark(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\r");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+// A line without a key is a remark: it stays whole, so that it is written as it was read.
 std::pair<std::string, std::string> metadata_from(std::string_view line) {
-  const std::string_view body = trimmed(line.substr(1));
+  const auto body = trimmed_remark(line.substr(1));
   const auto colon = body.find(':');
-  if (colon == std::string_view::npos) return {"", std::string(body)};
-  return {std::string(trimmed(body.substr(0, colon))),
-          std::string(trimmed(body.substr(colon + 1)))};
+  const auto key = trimmed_remark(body.substr(0, colon));
+  if (colon == std::string_view::npos || key.empty()) return {"", std::string(body)};
+  return {std::string(key), std::string(trimmed_remark(body.substr(colon + 1)))};
 }
 
 }  // namespace

@@ -10,6 +10,7 @@ name = "linear-axis"
 database = "data/cell.db"
 listen = "127.0.0.1:0"
 target_line = "localhost:50052"
+http = "127.0.0.1:0"
 
 [clock]
 epoch = 2011-07-22T08:00:00Z
@@ -69,6 +70,7 @@ TEST(ParseCellFile, ReadsEverySectionAndKeepsDefaults) {
   const auto cell = parse_cell_file(kCell, "/etc/driftwise/cell.toml");
   ASSERT_TRUE(cell) << cell.error().message;
   EXPECT_EQ(cell->name, "linear-axis");
+  EXPECT_EQ(cell->http, "127.0.0.1:0");
   EXPECT_EQ(cell->database, "/etc/driftwise/data/cell.db");
   EXPECT_EQ(cell->clock.file, "/etc/driftwise/clock.state");
   EXPECT_EQ(to_iso8601(cell->clock.epoch), "2011-07-22T08:00:00Z");
@@ -126,7 +128,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"Syntax", "name = ", "name ", "TOML_SYNTAX", "cell.toml:2: column"},
         Case{
             "UnknownKey", "max_spread_nm", "max_spred_nm", "UNKNOWN_KEY",
-            "cell.toml:14: run: found the unknown key 'max_spred_nm': did you mean max_spread_nm?"},
+            "cell.toml:15: run: found the unknown key 'max_spred_nm': did you mean max_spread_nm?"},
         Case{"UnknownSection", "[serving]", "[searving]", "UNKNOWN_KEY",
              "found the unknown key 'searving': did you mean serving?"},
         Case{"KeyOfAnotherKind", "length = \"x_mm\"", "length = \"x_mm\"\naxis = []", "UNKNOWN_KEY",
@@ -136,10 +138,10 @@ INSTANTIATE_TEST_SUITE_P(
              "cell: name: found an empty string"},
         Case{"NoCell",
              "[cell]\nname = \"linear-axis\"\ndatabase = \"data/cell.db\"\nlisten = "
-             "\"127.0.0.1:0\"\ntarget_line = \"localhost:50052\"\n",
+             "\"127.0.0.1:0\"\ntarget_line = \"localhost:50052\"\nhttp = \"127.0.0.1:0\"\n",
              "", "MISSING_KEY", "cell: found no [cell] section"},
         Case{"Type", "max_spread_nm = 4.5", "max_spread_nm = \"4.5\"", "WRONG_TYPE",
-             "cell.toml:14: run: max_spread_nm: found '4.5', expected a number"},
+             "cell.toml:15: run: max_spread_nm: found '4.5', expected a number"},
         Case{"Fraction", "readings_per_point = 5", "readings_per_point = 5.5", "WRONG_TYPE",
              "found 5.5, expected a whole number"},
         Case{"Range", "readings_per_point = 5", "readings_per_point = 0", "OUT_OF_RANGE",
@@ -147,7 +149,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"Infinite", "max_spread_nm = 4.5", "max_spread_nm = inf", "OUT_OF_RANGE",
              "expected a finite number above 0"},
         Case{"Epoch", "2011-07-22T08:00:00Z", "\"yesterday\"", "BAD_TIME",
-             "cell.toml:8: clock: epoch: found 'yesterday'"},
+             "cell.toml:9: clock: epoch: found 'yesterday'"},
         Case{"LocalEpoch", "2011-07-22T08:00:00Z", "2011-07-22T08:00:00", "BAD_TIME",
              "expected a time in UTC"},
         Case{"Kind", "\"pi-gcs\"", "\"pi-gsc\"", "UNKNOWN_KIND",
@@ -178,7 +180,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"LineToTheWorld", "localhost:50052", "127.example.org:50052", "LISTEN_NOT_LOOPBACK",
              "target_line"},
         Case{"SpeedWithHardware", "127.0.0.1:502", "192.168.0.7:502", "SPEED_NEEDS_LOOPBACK",
-             "cell.toml:9: clock: speed: found 100 with device 'support' at '192.168.0.7:502'"},
+             "cell.toml:10: clock: speed: found 100 with device 'support' at '192.168.0.7:502'"},
         Case{"Option", "poll_ms = 20", "poll_ms = [20]", "WRONG_TYPE",
              "options: poll_ms: found an array"}),
     [](const auto& row) { return std::string(row.param.name); });

@@ -144,8 +144,10 @@ TEST(DatasetCsv, ReadsBackEveryNumberBitForBit) {
   }
   data.columns[0].values[0] = std::numeric_limits<double>::denorm_min();
   data.columns[0].values[1] = std::numeric_limits<double>::max();
-  data.metadata = {
-      {"cell", "linear-axis"}, {"", "a remark without a key"}, {"seen", "10:30:00 by ada"}};
+  data.metadata = {{"cell", "linear-axis"},
+                   {"", "a remark without a key"},
+                   {"seen", "10:30:00 by ada"},
+                   {"", ":: no key: here"}};
 
   const std::string text = write_dataset_csv(data);
   const auto back = read_dataset_csv(text, kFile);
