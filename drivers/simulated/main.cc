@@ -88,9 +88,9 @@ std::string truth_json(LinearAxisPlant& plant, TimeNs now) {
 FaultHooks hooks_of(LinearAxisPlant& plant, TimeNs epoch) {
   FaultHooks hooks;
   hooks.break_beam = [&plant](TimeNs now) { plant.break_beam(now); };
-  hooks.open_probe = [&plant](int input, bool open) {
+  hooks.open_probe = [&plant](int input, bool open, TimeNs now) {
     if (!plant.has_probe(input)) return false;
-    plant.set_probe_open(input, open, 0);
+    plant.set_probe_open(input, open, now);
     return true;
   };
   hooks.disturb = [&plant, epoch](TimeNs from, TimeNs until, double amplitude_nm) {
@@ -117,8 +117,28 @@ int run(Arguments arguments) {
   const CellOutline outline = read_cell_outline(arguments.cell);
   const EmulatorOptions options(arguments.plant, arguments.settings, outline.devices);
   const bool instance = !arguments.instance.empty();
+  if (!instance && arguments.speed > 0 && arguments.speed != outline.speed)
+    throw SetupError("--speed " + shortest(arguments.speed) +
+                     " without --instantiate: " + arguments.cell.string() + " says " +
+                     shortest(outline.speed) + ", and a daemon would believe it");
   const double speed = arguments.speed > 0 ? arguments.speed : outline.speed;
-  const TimeNs epoch = outline.epoch.value_or(SimClock::wall_now());
+
+  // An instance is new: what an earlier one left in the folder is not its past. Without one a clock
+  // that is there goes on, so that a daemon which is already running keeps its time.
+  const fs::path folder =
+      instance ? arguments.instance : fs::absolute(arguments.cell).parent_path();
+  const std::string clock_name = !outline.clock_file.empty() ? outline.clock_file : "clock.state";
+  const bool shared = instance || speed != 1 || !outline.clock_file.empty();
+  TimeNs epoch = outline.epoch.value_or(SimClock::wall_now());
+  if (instance) {
+    fs::create_directories(folder);
+    fs::remove(folder / clock_name);
+    fs::remove(folder / "truth.csv");
+  } else if (shared && fs::exists(folder / clock_name)) {
+    epoch = SimClock(folder / clock_name, epoch, speed).now();
+  } else if (!shared) {
+    epoch = SimClock::wall_now();
+  }
 
   // The controller's delay before a motion is the emulator's (emulator.pi.start_delay_s): not
   // twice.
@@ -126,21 +146,11 @@ int run(Arguments arguments) {
   settings.insert(settings.end(), arguments.settings.begin(), arguments.settings.end());
   const auto plant = make_plant(arguments.plant,
                                 {.seed = arguments.seed, .overrides = settings, .epoch_ns = epoch});
-
-  if (instance) {
-    fs::create_directories(arguments.instance);
-    plant->attach_truth_log(
-        std::make_unique<TruthLog>(arguments.instance / "truth.csv", plant->node_names()));
-  }
+  if (instance)
+    plant->attach_truth_log(std::make_unique<TruthLog>(folder / "truth.csv", plant->node_names()));
   // The clock starts last: at high speed the plant's warm-up would be minutes of cell time.
-  const fs::path folder =
-      instance ? arguments.instance : fs::absolute(arguments.cell).parent_path();
-  const std::string clock_name = !outline.clock_file.empty() ? outline.clock_file : "clock.state";
-  std::unique_ptr<SimClock> clock;
-  if (instance || speed != 1 || !outline.clock_file.empty())
-    clock = std::make_unique<SimClock>(folder / clock_name, epoch, speed);
-  else
-    clock = std::make_unique<SimClock>();
+  const auto clock = shared ? std::make_unique<SimClock>(folder / clock_name, epoch, speed)
+                            : std::make_unique<SimClock>();
 
   boost::asio::io_context io(1);
   CellServer server(io, *plant, *clock, outline, options, hooks_of(*plant, epoch),

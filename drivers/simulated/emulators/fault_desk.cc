@@ -59,7 +59,7 @@ std::string FaultDesk::fault(const std::vector<std::string_view>& words, TimeNs 
     const auto input = words.size() == 3 ? parse_integer(words[2]) : std::nullopt;
     if (!input) return wrong("expected fault " + std::string(verb) + " <input>, such as 103");
     if (!hooks_.open_probe) return unable;
-    return hooks_.open_probe(*input, verb == "open-probe") ? "OK" : wrong("no probe on this input");
+    return hooks_.open_probe(*input, verb == "open-probe", now) ? "OK" : wrong("no probe on this input");
   }
   if (verb == "clear" && words.size() == 2) {
     for (std::size_t i = 0; i < bench_.size(); ++i) bench_.faults(i) = Faults{};

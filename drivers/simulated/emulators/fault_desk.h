@@ -28,7 +28,7 @@ namespace driftwise::simulated {
 struct FaultHooks {  // an empty one answers "ERR this cell cannot do that"
   std::function<void(std::size_t device, double refuse_s)> drop;
   std::function<void(TimeNs now)> break_beam;
-  std::function<bool(int input, bool open)> open_probe;  // false: no such probe
+  std::function<bool(int input, bool open, TimeNs now)> open_probe;  // false: no such probe
   std::function<void(TimeNs from, TimeNs until, double amplitude_nm)> disturb;
   std::function<std::string(TimeNs now)> truth_json;
 };

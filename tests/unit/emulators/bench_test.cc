@@ -103,7 +103,7 @@ TEST(FaultDesk, SetsFaultsAndSaysWhatItDoesNotKnow) {
   bool broken = false;
   FaultHooks hooks;
   hooks.break_beam = [&](TimeNs) { broken = true; };
-  hooks.open_probe = [](int input, bool) { return input == 103; };
+  hooks.open_probe = [](int input, bool, TimeNs) { return input == 103; };
   FaultDesk desk(bench.bench, hooks);
   EXPECT_EQ(desk.answer("fault mute a 3 s", kStart), "OK");
   EXPECT_TRUE(bench.bench.faults(bench.a).mute(kStart + 2 * kSecondNs));
