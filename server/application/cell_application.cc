@@ -136,7 +136,7 @@ Awaitable<Result<void>> CellApplication::go_on_with_run() {
 }
 
 Awaitable<Result<RunEngine::Before>> CellApplication::what_was_before(const RunRecord& run) {
-  co_return co_await reader_.call([run](Store& store) -> Result<RunEngine::Before> {
+  auto looking = reader_.call([run](Store& store) -> Result<RunEngine::Before> {
     constexpr int kPage = 1000;
     RunEngine::Before before;
     before.killed = run.reason != kShutDownReason && run.state != RunState::paused;
@@ -156,6 +156,7 @@ Awaitable<Result<RunEngine::Before>> CellApplication::what_was_before(const RunR
     }
     return before;
   });
+  co_return co_await std::move(looking);
 }
 
 Awaitable<void> CellApplication::shut_down() {

@@ -23,8 +23,8 @@ std::optional<CellTime> time_zero(Store& store, const std::vector<RunId>& runs) 
 }  // namespace
 
 Awaitable<Result<std::string>> CellApplication::export_dataset(std::vector<RunId> runs) {
-  co_return co_await reader_.call(
-      [runs, cell = description_.name](Store& store) -> Result<std::string> {
+  auto exporting =
+      reader_.call([runs, cell = description_.name](Store& store) -> Result<std::string> {
         auto dataset = store.runs().dataset(runs);
         if (!dataset) return tl::unexpected(dataset.error());
         if (dataset->metadata.empty()) {  // an imported file keeps its own
@@ -38,6 +38,7 @@ Awaitable<Result<std::string>> CellApplication::export_dataset(std::vector<RunId
         }
         return formats::write_dataset_csv(*dataset);
       });
+  co_return co_await std::move(exporting);
 }
 
 Awaitable<Result<RunRecord>> CellApplication::import_dataset(Caller caller, std::string name,
@@ -52,9 +53,10 @@ Awaitable<Result<RunRecord>> CellApplication::import_dataset(Caller caller, std:
   fresh.config_text = description_.text;
   fresh.operator_name = caller.name;
   fresh.created = clock_->now();
-  auto stored = co_await writer_.call([fresh, data = std::move(*dataset)](Store& store) {
+  auto storing = writer_.call([fresh, data = std::move(*dataset)](Store& store) {
     return store.runs().import_dataset(fresh, data);
   });
+  auto stored = co_await std::move(storing);
   if (stored)
     events_.record(caller, "data.imported",
                    fmt::format("{} imported '{}': {} rows", caller.name, name, stored->rows),

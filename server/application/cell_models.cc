@@ -67,26 +67,27 @@ Awaitable<Result<ModelRecord>> CellApplication::fit(Caller caller, FitRequest re
   if (request.runs.empty() == request.csv.empty())
     co_return fail(ErrorCode::invalid_argument, "NO_DATA",
                    "a fit needs runs or a dataset, one of the two");
-  auto dataset = request.csv.empty()
-                     ? co_await reader_.call([runs = request.runs](Store& store) {
-                         return store.runs().dataset(runs);
-                       })
-                     : co_await run_on(worker_thread_.executor(), [csv = request.csv] {
-                         return formats::read_dataset_csv(csv, "dataset");
-                       });
+  auto loading =
+      request.csv.empty()
+          ? reader_.call([runs = request.runs](Store& store) { return store.runs().dataset(runs); })
+          : run_on(worker_thread_.executor(),
+                   [csv = request.csv] { return formats::read_dataset_csv(csv, "dataset"); });
+  auto dataset = co_await std::move(loading);
   if (!dataset) co_return tl::unexpected(dataset.error());
-  auto record = co_await run_on(worker_thread_.executor(), [data = std::move(*dataset), request] {
+  auto fitting = run_on(worker_thread_.executor(), [data = std::move(*dataset), request] {
     return fit_record(data, request, source_of(request));
   });
+  auto record = co_await std::move(fitting);
   if (!record) co_return record;
   record->created = clock_->now().utc;
   record->created_by = caller.name;
-  auto id = co_await writer_.call([fresh = *record](Store& store) {
+  auto storing = writer_.call([fresh = *record](Store& store) {
     crash_point("before_model_commit");
     auto stored = store.models().add_model(fresh);
     if (stored) crash_point("after_model_commit");
     return stored;
   });
+  auto id = co_await std::move(storing);
   if (!id) co_return tl::unexpected(id.error());
   events_.record(caller, "model.fitted",
                  fmt::format("{} fitted model {}: {}", caller.name, id->value, request.formula));
@@ -115,12 +116,13 @@ Awaitable<Result<void>> CellApplication::put_in_service(Caller caller,
   if (auto ok = co_await serving_.serve(next); !ok) co_return ok;
   PromotionRecord promotion{next ? std::optional(next->id) : std::nullopt, clock_->now().utc,
                             caller.name, action};
-  auto stored = co_await writer_.call([promotion](Store& store) {
+  auto storing = writer_.call([promotion](Store& store) {
     crash_point("before_promotion_commit");
     auto result = store.models().add_promotion(promotion);
     if (result) crash_point("after_promotion_commit");
     return result;
   });
+  auto stored = co_await std::move(storing);
   if (!stored) {
     static_cast<void>(co_await serving_.serve(previous));
     co_return stored;

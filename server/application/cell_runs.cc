@@ -60,12 +60,13 @@ Awaitable<Result<RunRecord>> CellApplication::start_run(Caller caller, CreateRun
   fresh.operator_name = caller.name;
   fresh.request_id = request.request_id;
   fresh.created = clock_->now();
-  auto stored = co_await writer_.call([fresh](Store& store) {
+  auto storing = writer_.call([fresh](Store& store) {
     crash_point("before_run_create_commit");
     auto record = store.runs().create_run(fresh);
     if (record) crash_point("after_run_create_commit");
     return record;
   });
+  auto stored = co_await std::move(storing);
   if (!stored) co_return stored;
   const bool is_repeat = stored->created != fresh.created.utc || stored->state != RunState::queued;
   if (is_repeat) co_return stored;

@@ -131,12 +131,13 @@ Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening)
   datum.values.insert(datum.values.end(), slow->begin(), slow->end());
   if (old_zero) compare(bench.description, opening, *old_zero, datum, bench.events);
 
-  auto id = co_await bench.writer.call([datum](Store& store) {
+  auto storing = bench.writer.call([datum](Store& store) {
     crash_point("before_datum_commit");
     auto stored = store.runs().open_datum(datum);
     if (stored) crash_point("after_datum_commit");
     return stored;
   });
+  auto id = co_await std::move(storing);
   if (!id) co_return tl::unexpected(id.error());
   datum.id = *id;
   bench.events.record_own("datum.opened",

@@ -17,12 +17,13 @@ Awaitable<Result<void>> store_state(ActiveRun& run) {
   change.max_lag_s = record.max_lag_s;
   change.restarts = record.restarts;
   while (true) {
-    auto stored = co_await run.scope.bench.writer.call([id = record.id, change](Store& store) {
+    auto storing = run.scope.bench.writer.call([id = record.id, change](Store& store) {
       crash_point("before_run_state_commit");
       auto result = store.runs().change_run(id, change);
       if (result) crash_point("after_run_state_commit");
       return result;
     });
+    auto stored = co_await std::move(storing);
     if (stored || stored.error().code != ErrorCode::resource_exhausted) co_return stored;
     if (!is_over(record.state) || run.control.shutting_down()) co_return Result<void>{};
     co_await sleep_unless(run.scope.bench.clock, run.scope.bench.clock.now().utc + kRetry,

@@ -8,6 +8,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/this_coro.hpp>
 #include <boost/asio/use_awaitable.hpp>
+#include <memory>
 #include <type_traits>
 #include <utility>
 
@@ -86,13 +87,25 @@ class TaskCount {
   Signal ended_;
 };
 
+namespace detail {
+template <class Function>
+Awaitable<std::invoke_result_t<Function&>> call_shared(std::shared_ptr<Function> function) {
+  co_return (*function)();
+}
+}  // namespace detail
+
 // Runs a plain function on another thread's executor and comes back with its result. The function
 // owns what it uses. An exception comes back as an exception.
+//
+// GCC 12 moves a closure that is written inside a co_await expression bit by bit, which breaks what
+// points into itself (short strings). This is an ordinary function for that reason, and a caller
+// whose closure owns more than numbers and pointers writes two statements:
+//   auto storing = writer.call([event](Store& store) { ... });
+//   auto stored = co_await std::move(storing);
 template <class Function>
 Awaitable<std::invoke_result_t<Function&>> run_on(asio::any_io_executor where, Function function) {
-  using R = std::invoke_result_t<Function&>;
-  constexpr auto body = [](Function f) -> Awaitable<R> { co_return f(); };  // captures nothing
-  co_return co_await asio::co_spawn(where, body(std::move(function)), asio::use_awaitable);
+  return asio::co_spawn(where, detail::call_shared(std::make_shared<Function>(std::move(function))),
+                        asio::use_awaitable);
 }
 
 }  // namespace driftwise::application

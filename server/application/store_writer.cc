@@ -29,12 +29,13 @@ Awaitable<Result<std::optional<PointId>>> StoreWriter::commit(PointCommit commit
   auto parcel = std::make_shared<PointCommit>(std::move(commit));
   parcel->slow_readings = std::exchange(readings_, {});
   parcel->moves = std::exchange(moves_, {});
-  auto stored = co_await call([parcel](Store& store) {
+  auto storing = call([parcel](Store& store) {
     crash_point("before_point_commit");
     auto result = store.runs().commit(*parcel);
     if (result) crash_point("after_point_commit");
     return result;
   });
+  auto stored = co_await std::move(storing);
   if (!stored) put_back(std::move(parcel->slow_readings), std::move(parcel->moves));
   co_return stored;
 }
@@ -43,12 +44,13 @@ Awaitable<Result<void>> StoreWriter::flush() {
   if (readings_.empty() && moves_.empty()) co_return Result<void>{};
   auto readings = std::make_shared<std::vector<Reading>>(std::exchange(readings_, {}));
   auto moves = std::make_shared<std::vector<MoveRecord>>(std::exchange(moves_, {}));
-  auto stored = co_await call([readings, moves](Store& store) {
+  auto storing = call([readings, moves](Store& store) {
     crash_point("before_readings_commit");
     auto result = store.readings().append(*readings, *moves);
     if (result) crash_point("after_readings_commit");
     return result;
   });
+  auto stored = co_await std::move(storing);
   if (!stored) put_back(std::move(*readings), std::move(*moves));
   co_return stored;
 }

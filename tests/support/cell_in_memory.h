@@ -1,0 +1,77 @@
+#pragma once
+// A whole Cell on one thread: virtual time, the small world, a real SQLite file. Verbs for tests.
+
+#include <boost/asio/co_spawn.hpp>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "tests/support/small_world.h"
+
+namespace driftwise::tests {
+
+inline constexpr CellTime kWorldBegin{1'795'248'000'000'000'000};  // 2026-11-21T08:00:00Z
+
+// A folder of its own that goes with it.
+class Folder {
+ public:
+  Folder();
+  ~Folder();
+  Folder(const Folder&) = delete;
+  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+class CellInMemory {
+ public:
+  // world: outlives this; begin: where cell time starts, later than any run that is gone on with.
+  CellInMemory(SmallWorld& world, CellDescription description, OpenStore open_store,
+               CellTime begin = kWorldBegin);
+  ~CellInMemory();  // shuts down in good order, when that has not been done
+
+  application::Cell& operator*() { return *cell_; }
+  application::Cell* operator->() { return cell_.get(); }
+  CellTime now() const { return time_.now().utc; }
+  VirtualTime& time() { return time_; }
+
+  void shut_down();
+  // Lets the world go on until the condition holds; throws when it does not within the limit of
+  // cell time.
+  void until(const std::function<bool()>& condition, double limit_s = 36'000);
+  void pass(double seconds);
+  // Lets the world go on until the call has its answer.
+  template <class T>
+  T await(Awaitable<T> call) {
+    std::optional<T> answer;
+    asio::co_spawn(io_, std::move(call), [&answer](std::exception_ptr error, T value) {
+      if (error) std::rethrow_exception(error);
+      answer.emplace(std::move(value));
+    });
+    until([&answer] { return answer.has_value(); });
+    return std::move(*answer);
+  }
+
+  const application::Caller ada{"ada", "ipv4:127.0.0.1:5020"};
+  std::string lease();                                     // taken, or renewed
+  RunRecord begin_run(const std::string& trajectory_csv);  // throws when refused
+  RunRecord finish_run();                                  // until the run under way is over
+  Result<RunRecord> try_run(application::CreateRun request);
+  std::vector<std::string> events_named(const std::string& what);  // their details
+
+ private:
+  asio::io_context io_;
+  VirtualTime time_;
+  std::unique_ptr<application::Cell> cell_;
+  std::string lease_;
+};
+
+// "q1_mm,set,line,zero": lines of the given positions in mm, alternating calibration and
+// validation.
+std::string lines_of(int lines, const std::vector<double>& positions_mm, bool with_zero);
+
+}  // namespace driftwise::tests

@@ -1,0 +1,245 @@
+#include "tests/support/small_world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace driftwise::tests {
+namespace {
+
+constexpr double kMmPerNm = 1e-6;
+
+template <class Port>
+class Simulated : public Port {
+ public:
+  Simulated(SmallWorld& world, VirtualTime& time, DeviceDescription description, bool& away)
+      : world_(world), time_(time), description_(std::move(description)), away_(away) {}
+  const DeviceDescription& description() const override { return description_; }
+  DeviceHealth health() const override {
+    DeviceHealth health;
+    health.link = away_ ? LinkState::disconnected : LinkState::connected;
+    return health;
+  }
+  Awaitable<Result<void>> prepare() override { co_return co_await answer(0.02); }
+  void close() override {}
+
+ protected:
+  // Every exchange takes time, and fails while the device is away.
+  Awaitable<Result<void>> answer(double seconds) {
+    co_await time_.sleep_until(time_.now().utc + nanoseconds_from_s(seconds));
+    if (away_)
+      co_return fail(ErrorCode::unavailable, "LINK_DOWN",
+                     description_.id + " at " + description_.address + ": connection refused");
+    co_return Result<void>{};
+  }
+  double position_mm() const {
+    const auto now = time_.now().utc.utc_ns;
+    if (now >= world_.move_end_ns) return world_.to_mm;
+    const double share = static_cast<double>(now - world_.move_begin_ns) /
+                         static_cast<double>(world_.move_end_ns - world_.move_begin_ns);
+    return world_.from_mm + share * (world_.to_mm - world_.from_mm);
+  }
+  double hours() const { return static_cast<double>(time_.now().monotonic_ns) / 3.6e12; }
+
+  SmallWorld& world_;
+  VirtualTime& time_;
+  DeviceDescription description_;
+  bool& away_;
+};
+
+class Axis final : public Simulated<MotionController> {
+ public:
+  using Simulated::Simulated;
+  Awaitable<Result<MotionState>> state() override {
+    if (auto ok = co_await answer(0.005); !ok) co_return tl::unexpected(ok.error());
+    const auto now = time_.now().utc;
+    const bool moving = now.utc_ns < world_.move_end_ns;
+    const double wander_nm =
+        world_.creeping ? 400 * std::sin(static_cast<double>(now.utc_ns) * 1e-9) : 0;
+    const double q = position_mm() + world_.reference_mm +
+                     kMmPerNm * (world_.holding_nm * world_.gauss() + wander_nm);
+    co_return MotionState{now, {q}, moving, world_.referenced, !moving};
+  }
+  Awaitable<Result<void>> home() override {
+    if (auto ok = co_await answer(3.0); !ok) co_return ok;
+    ++world_.homes;
+    world_.referenced = true;
+    world_.reference_mm = kMmPerNm * world_.homing_nm * world_.gauss();
+    world_.from_mm = world_.to_mm = -world_.reference_mm;
+    world_.move_end_ns = 0;
+    co_return Result<void>{};
+  }
+  Awaitable<Result<void>> start_move(std::span<const double> q_mm) override {
+    const double to_mm = q_mm[0];
+    if (auto ok = co_await answer(0.01); !ok) co_return ok;
+    if (world_.halted) {
+      world_.halted = false;
+      co_return fail(ErrorCode::aborted, "STOPPED", "axis: the emergency stop was pressed");
+    }
+    if (!world_.referenced)
+      co_return fail(ErrorCode::failed_precondition, "REFUSED", "axis: error 5, not referenced");
+    ++world_.moves;
+    world_.furthest_mm = std::max(world_.furthest_mm, std::abs(to_mm));
+    world_.from_mm = position_mm();
+    world_.to_mm = to_mm - world_.reference_mm;
+    const double seconds = 0.3 + std::abs(world_.to_mm - world_.from_mm) / 4.0;
+    world_.move_begin_ns = time_.now().utc.utc_ns;
+    world_.move_end_ns = world_.move_begin_ns + nanoseconds_from_s(seconds).count();
+    co_return Result<void>{};
+  }
+  Awaitable<Result<void>> stop() override {
+    ++world_.stops;
+    const double here_mm = position_mm();
+    world_.from_mm = world_.to_mm = here_mm;
+    world_.move_end_ns = 0;
+    co_return co_await answer(0.005);
+  }
+};
+
+class Laser final : public Simulated<Instrument> {
+ public:
+  using Simulated::Simulated;
+  Awaitable<Result<Reading>> read() override {
+    const auto start = time_.now().utc;
+    if (auto ok = co_await answer(0.25); !ok) co_return tl::unexpected(ok.error());
+    if (world_.beam_lost)
+      co_return fail(ErrorCode::failed_precondition, "BEAM_LOST",
+                     "laser-x: the beam was lost: zero it");
+    ++world_.readings;
+    double noise_nm = world_.noise_nm * world_.gauss();
+    if (world_.disturbed_readings > 0) {
+      --world_.disturbed_readings;
+      noise_nm += (world_.disturbed_readings % 2 ? 1 : -1) * world_.disturbance_nm;
+    }
+    Reading reading{"laser-x", start, time_.now().utc, ++sequence_, {}};
+    reading.values = {{"x_mm", length_mm() + kMmPerNm * noise_nm},
+                      {"x_std_nm", 2.0},
+                      {"air_degC", 20.5 + 0.5 * hours()}};
+    co_return reading;
+  }
+  Awaitable<Result<void>> zero() override {
+    if (auto ok = co_await answer(0.1); !ok) co_return ok;
+    ++world_.zeroings;
+    world_.beam_lost = false;
+    world_.zero_mm += length_mm();
+    co_return Result<void>{};
+  }
+
+ private:
+  double length_mm() const {
+    return position_mm() + kMmPerNm * world_.nm_per_k * world_.warming_k_per_h * hours() -
+           world_.zero_mm;
+  }
+  std::int64_t sequence_ = 0;
+};
+
+class Scanner final : public Simulated<Instrument> {
+ public:
+  using Simulated::Simulated;
+  Awaitable<Result<Reading>> read() override {
+    const auto start = time_.now().utc;
+    if (auto ok = co_await answer(1.0); !ok) co_return tl::unexpected(ok.error());
+    ++world_.scans;
+    Reading reading{"scanner", start, time_.now().utc, ++sequence_, {}};
+    for (int n = 1; n <= 3; ++n) {
+      const double degc =
+          20 + 0.1 * n + world_.warming_k_per_h * hours() * (n == 1 ? 1.0 : 0.5 / n);
+      reading.values.push_back(
+          {"t0" + std::to_string(n) + "_degC", n == 3 && world_.probe_broken ? kMissing : degc});
+    }
+    co_return reading;
+  }
+  Awaitable<Result<void>> zero() override {
+    co_return fail(ErrorCode::failed_precondition, "NO_ZERO", "a scanner has no zero");
+  }
+
+ private:
+  std::int64_t sequence_ = 0;
+};
+
+class Support final : public Simulated<Stabiliser> {
+ public:
+  using Simulated::Simulated;
+  Awaitable<Result<Reading>> read() override {
+    const auto start = time_.now().utc;
+    if (auto ok = co_await answer(0.05); !ok) co_return tl::unexpected(ok.error());
+    // Its loop closes a tenth of the difference with every reading.
+    world_.support_degc += 0.1 * (world_.support_set_degc - world_.support_degc);
+    Reading reading{"support", start, time_.now().utc, ++sequence_, {}};
+    reading.values = {{"support_degC", world_.support_degc},
+                      {"support_set_degC", world_.support_set_degc},
+                      {"support_power_pct", 20}};
+    co_return reading;
+  }
+  Awaitable<Result<void>> set_point(double degc) override {
+    if (auto ok = co_await answer(0.05); !ok) co_return ok;
+    world_.support_set_degc = degc;
+    co_return Result<void>{};
+  }
+
+ private:
+  std::int64_t sequence_ = 0;
+};
+
+DeviceDescription device(const char* id, const char* kind, double period_s) {
+  DeviceDescription d;
+  d.id = id;
+  d.kind = kind;
+  d.address = "127.0.0.1:1";
+  d.period_s = period_s;
+  return d;
+}
+
+}  // namespace
+
+double SmallWorld::gauss() {
+  const auto uniform = [this] {  // xorshift64*
+    random_state ^= random_state >> 12;
+    random_state ^= random_state << 25;
+    random_state ^= random_state >> 27;
+    return (static_cast<double>((random_state * 0x2545f4914f6cdd1d) >> 11) + 0.5) * 0x1.0p-53;
+  };
+  return std::sqrt(-2 * std::log(uniform())) * std::cos(2 * std::numbers::pi * uniform());
+}
+
+CellDescription small_cell(const std::string& database) {
+  CellDescription cell;
+  cell.name = "small";
+  cell.database = database;
+  cell.text = "[cell]\nname = \"small\"\n";
+  cell.hash = "5ca1ab1e";
+  auto axis = device("axis", "pi-gcs", 0);
+  axis.axes.push_back({{"q1", "mm"}, "X", -5, 5, 20});
+  auto scanner = device("scanner", "keithley-2701", 5);
+  for (int n = 1; n <= 3; ++n) {
+    ProbeDescription probe;
+    probe.channel = {"t0" + std::to_string(n), "degC"};
+    probe.input = 100 + n;
+    probe.part = "robot";
+    probe.u_k = 0.005;
+    scanner.probes.push_back(probe);
+  }
+  auto laser = device("laser-x", "interferometer-adapter", 2);
+  laser.length = Channel{"x", "mm"};
+  cell.devices = {axis, scanner, laser, device("support", "watlow-ez-zone", 5)};
+  cell.run.settle_s = 1;
+  cell.run.quiet_nm = 80;
+  cell.checks.drift_window_s = 20;
+  cell.checks.stabiliser_wait_s = 600;
+  return cell;
+}
+
+application::Devices small_devices(SmallWorld& world, VirtualTime& time,
+                                   const CellDescription& cell) {
+  application::Devices devices;
+  devices.controller = std::make_unique<Axis>(world, time, cell.devices[0], world.axis_away);
+  devices.scanners.push_back(
+      std::make_unique<Scanner>(world, time, cell.devices[1], world.scanner_away));
+  devices.interferometers.push_back(
+      std::make_unique<Laser>(world, time, cell.devices[2], world.laser_away));
+  devices.stabilisers.push_back(
+      std::make_unique<Support>(world, time, cell.devices[3], world.support_away));
+  return devices;
+}
+
+}  // namespace driftwise::tests

@@ -1,0 +1,54 @@
+#pragma once
+// A robot of one axis, an interferometer, three thermometers and a stabiliser, in memory, behind
+// the ports. No physics to speak of: a scale, a zero, a linear warming, seeded noise, and a switch
+// for everything that can go wrong.
+//
+// Plain data, so that it can lie in memory that survives the killing of a process, as the real
+// world does.
+
+#include <cstdint>
+#include <memory>
+
+#include "server/application/cell.h"
+#include "tests/support/virtual_time.h"
+
+namespace driftwise::tests {
+
+struct SmallWorld {
+  // The axis. Positions in mm on the real scale; the readback adds what the last homing put there.
+  double from_mm = 0.4, to_mm = 0.4;
+  std::int64_t move_begin_ns = 0, move_end_ns = 0;
+  bool referenced = false, halted = false;
+  double reference_mm = 0;  // error of the last reference run
+  double holding_nm = 8;    // sd of the readback
+  double homing_nm = 15;    // sd of the reference
+  // The interferometer.
+  double zero_mm = 0.123;
+  double noise_nm = 1.5;
+  bool beam_lost = false;
+  int disturbed_readings = 0;  // the next n readings jump about by ...
+  double disturbance_nm = 60;
+  // Temperatures: t0n = 20 + n / 10 + warming * hours. The robot grows by nm_per_k of t01's
+  // warming.
+  double warming_k_per_h = 0.5, nm_per_k = 150;
+  double support_degc = 23.0, support_set_degc = 23.0;
+  bool probe_broken = false;  // t03 gives no value
+  // Away: every call fails with unavailable.
+  bool axis_away = false, laser_away = false, scanner_away = false, support_away = false;
+  bool creeping = false;  // the axis never becomes quiet
+  // What was done.
+  int moves = 0, homes = 0, zeroings = 0, stops = 0, scans = 0, readings = 0;
+  double furthest_mm = 0;  // the largest |q| ever commanded
+  // What an outside watcher was told.
+  std::int64_t told_accepted = 0;
+  std::uint64_t random_state = 0x9e3779b97f4a7c15;
+
+  double gauss();
+};
+
+CellDescription small_cell(const std::string& database);
+// The devices look at the world and the time, both of which outlive them.
+application::Devices small_devices(SmallWorld& world, VirtualTime& time,
+                                   const CellDescription& cell);
+
+}  // namespace driftwise::tests

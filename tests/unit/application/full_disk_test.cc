@@ -1,0 +1,131 @@
+// A disk that is full for a while: the run waits, says so, and loses nothing.
+
+#include <gtest/gtest.h>
+
+#include "storage/sqlite_store.h"
+#include "tests/support/cell_in_memory.h"
+
+namespace driftwise::tests {
+namespace {
+
+// Passes everything on, but refuses commits while the disk is full.
+class FullDisk final : public Store, RunStore, ReadingStore, EventStore {
+ public:
+  FullDisk(std::unique_ptr<Store> inner, const bool& full)
+      : inner_(std::move(inner)), full_(full) {}
+  RunStore& runs() override { return *this; }
+  ReadingStore& readings() override { return *this; }
+  ModelStore& models() override { return inner_->models(); }
+  EventStore& events() override { return *this; }
+
+ private:
+  template <class T>
+  Result<T> or_full(std::function<Result<T>()> call) {
+    if (full_)
+      return fail(ErrorCode::resource_exhausted, "DISK_FULL", "the disk is full: make room");
+    return call();
+  }
+  Result<RunRecord> create_run(const NewRun& run) override {
+    return or_full<RunRecord>([&] { return inner_->runs().create_run(run); });
+  }
+  Result<void> change_run(RunId run, const RunChange& change) override {
+    return or_full<void>([&] { return inner_->runs().change_run(run, change); });
+  }
+  Result<DatumId> open_datum(const DatumRecord& datum) override {
+    return or_full<DatumId>([&] { return inner_->runs().open_datum(datum); });
+  }
+  Result<std::optional<PointId>> commit(const PointCommit& commit) override {
+    return or_full<std::optional<PointId>>([&] { return inner_->runs().commit(commit); });
+  }
+  Result<RunRecord> run(RunId run) override { return inner_->runs().run(run); }
+  Result<std::vector<RunRecord>> runs(int limit, std::int64_t before) override {
+    return inner_->runs().runs(limit, before);
+  }
+  Result<std::optional<RunRecord>> unfinished_run() override {
+    return inner_->runs().unfinished_run();
+  }
+  Result<std::vector<PointRecord>> points(RunId run, std::int64_t after, int limit) override {
+    return inner_->runs().points(run, after, limit);
+  }
+  Result<std::vector<AttemptRecord>> attempts(RunId run) override {
+    return inner_->runs().attempts(run);
+  }
+  Result<std::vector<DatumRecord>> data(RunId run) override { return inner_->runs().data(run); }
+  Result<RunRecord> import_dataset(const NewRun& run, const Dataset& data) override {
+    return or_full<RunRecord>([&] { return inner_->runs().import_dataset(run, data); });
+  }
+  Result<Dataset> dataset(std::span<const RunId> runs) override {
+    return inner_->runs().dataset(runs);
+  }
+  Result<void> append(std::span<const Reading> readings,
+                      std::span<const MoveRecord> moves) override {
+    return or_full<void>([&] { return inner_->readings().append(readings, moves); });
+  }
+  Result<std::vector<Reading>> readings(const std::string& device, CellTime from, CellTime to,
+                                        int limit) override {
+    return inner_->readings().readings(device, from, to, limit);
+  }
+  Result<std::vector<MoveRecord>> moves(CellTime from, CellTime to) override {
+    return inner_->readings().moves(from, to);
+  }
+  Result<EventId> add_event(const EventRecord& event) override {
+    return or_full<EventId>([&] { return inner_->events().add_event(event); });
+  }
+  Result<std::vector<EventRecord>> events(EventId after, int limit) override {
+    return inner_->events().events(after, limit);
+  }
+
+  std::unique_ptr<Store> inner_;
+  const bool& full_;
+};
+
+class FullDiskTest : public testing::Test {
+ protected:
+  Folder folder;
+  SmallWorld world;
+  bool full = false;
+  OpenStore open = [this](const std::string& path,
+                          bool read_only) -> Result<std::unique_ptr<Store>> {
+    auto store = storage::open_sqlite_store(path, read_only);
+    if (!store || read_only) return store;
+    return std::make_unique<FullDisk>(std::move(*store), full);
+  };
+  CellInMemory cell{world, small_cell(folder / "cell.sqlite"), open};
+};
+
+TEST_F(FullDiskTest, TheRunWaitsWithTheSentenceAndLosesNothing) {
+  cell.begin_run(lines_of(2, {2, -3, 1}, true));
+  cell.until([&] { return cell->status().run->run.accepted == 3; });
+  full = true;
+  cell.until([&] { return cell->status().run->run.state == RunState::waiting; });
+  EXPECT_EQ(cell->status().run->run.reason, "the disk is full: make room");
+  const int scans_before = world.scans;
+  const auto moves_before = world.moves;
+  cell.pass(900);
+  EXPECT_EQ(cell->status().run->run.accepted, 3);
+  EXPECT_EQ(world.moves, moves_before);
+  full = false;
+  const auto ended = cell.finish_run();
+  EXPECT_EQ(ended.state, RunState::done);
+  const auto points = *cell.await(cell->points(ended.id, 0, 100));
+  ASSERT_EQ(points.size(), 8u);
+  // The scans of the full quarter of an hour are there too.
+  cell.pass(20);
+  EXPECT_GE(world.scans - scans_before, 170);
+  auto store = *storage::open_sqlite_store(folder / "cell.sqlite", true);
+  const auto stored = *store->readings().readings("scanner", kWorldBegin, cell.now(), 100'000);
+  EXPECT_GE(static_cast<int>(stored.size()) + 5, world.scans);
+  EXPECT_EQ(cell.events_named("run.done").size(), 1u);
+}
+
+TEST_F(FullDiskTest, ShutDownDoesNotWaitForRoom) {
+  cell.begin_run(lines_of(2, {2, -3, 1}, true));
+  cell.until([&] { return cell->status().run->run.accepted == 3; });
+  full = true;
+  cell.until([&] { return cell->status().run->run.state == RunState::waiting; });
+  cell.shut_down();
+  full = false;
+}
+
+}  // namespace
+}  // namespace driftwise::tests

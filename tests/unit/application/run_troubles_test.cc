@@ -1,0 +1,173 @@
+// Devices that go away and come back, people who pause, abort and stop.
+
+#include <gtest/gtest.h>
+
+#include "storage/sqlite_store.h"
+#include "tests/support/cell_in_memory.h"
+
+namespace driftwise::tests {
+namespace {
+
+const OpenStore kSqlite = [](const std::string& path, bool read_only) {
+  return storage::open_sqlite_store(path, read_only);
+};
+
+class RunTroubles : public testing::Test {
+ protected:
+  Folder folder;
+  SmallWorld world;
+  CellInMemory cell{world, small_cell(folder / "cell.sqlite"), kSqlite};
+  const std::string trajectory = lines_of(2, {2, -3, 1}, true);
+
+  void begin_and_accept(int count) {
+    cell.begin_run(trajectory);
+    cell.until([&] { return cell->status().run->run.accepted == count; });
+  }
+  RunId run() { return cell->status().run->run.id; }
+  void expect_waiting() {
+    cell.until([&] { return cell->status().run->run.state == RunState::waiting; }, 120);
+    EXPECT_FALSE(cell->status().run->run.reason.empty());
+  }
+  // Every row has its point, once.
+  void expect_complete(const RunRecord& ended) {
+    EXPECT_EQ(ended.state, RunState::done) << ended.reason;
+    const auto points = *cell.await(cell->points(ended.id, 0, 1000));
+    ASSERT_EQ(points.size(), 8u);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      EXPECT_EQ(points[i].row, static_cast<std::int64_t>(i));
+  }
+};
+
+TEST_F(RunTroubles, WaitsForALostControllerAndGoesOnByItself) {
+  begin_and_accept(3);
+  world.axis_away = true;
+  expect_waiting();
+  cell.pass(300);
+  world.axis_away = false;
+  expect_complete(cell.finish_run());
+  EXPECT_EQ(world.zeroings, 1);  // the reference was kept: no new datum
+  EXPECT_EQ(cell.events_named("device.lost").size(), 1u);
+  EXPECT_EQ(cell.events_named("device.back").size(), 1u);
+}
+
+TEST_F(RunTroubles, HomesAndOpensADatumWhenTheReferenceWasLost) {
+  begin_and_accept(3);
+  const int homes = world.homes;
+  world.axis_away = true;
+  expect_waiting();
+  world.referenced = false;
+  world.axis_away = false;
+  const auto ended = cell.finish_run();
+  expect_complete(ended);
+  EXPECT_EQ(world.homes, homes + 1);
+  const auto data = *cell.await(cell->data(ended.id));
+  ASSERT_EQ(data.size(), 2u);
+  EXPECT_EQ(data[1].reason, "reference lost");
+}
+
+TEST_F(RunTroubles, OpensADatumWhenTheBeamWasLost) {
+  begin_and_accept(3);
+  world.beam_lost = true;
+  const auto ended = cell.finish_run();
+  expect_complete(ended);
+  const auto data = *cell.await(cell->data(ended.id));
+  ASSERT_EQ(data.size(), 2u);
+  EXPECT_EQ(data[1].reason, "beam lost");
+  const auto points = *cell.await(cell->points(ended.id, 0, 1000));
+  EXPECT_EQ(points.front().datum, data[0].id);
+  EXPECT_EQ(points.back().datum, data[1].id);
+  bool interrupted = false;
+  const auto all_attempts = *cell.await(cell->attempts(ended.id));
+  for (const auto& attempt : all_attempts) interrupted |= attempt.verdict == Verdict::interrupted;
+  EXPECT_TRUE(interrupted);
+}
+
+TEST_F(RunTroubles, WaitsForALostInterferometer) {
+  begin_and_accept(2);
+  world.laser_away = true;
+  expect_waiting();
+  EXPECT_GE(world.stops, 1);
+  world.laser_away = false;
+  expect_complete(cell.finish_run());
+}
+
+TEST_F(RunTroubles, TakesNoPointWithTemperaturesThatAreTooOld) {
+  begin_and_accept(2);
+  world.scanner_away = true;
+  expect_waiting();
+  EXPECT_NE(cell->status().run->run.reason.find("too old"), std::string::npos);
+  EXPECT_LE(cell->status().run->run.accepted, 5);
+  world.scanner_away = false;
+  expect_complete(cell.finish_run());
+}
+
+TEST_F(RunTroubles, WaitsForABrokenProbe) {
+  begin_and_accept(2);
+  world.probe_broken = true;
+  expect_waiting();
+  EXPECT_NE(cell->status().run->run.reason.find("t03_degC"), std::string::npos);
+  world.probe_broken = false;
+  expect_complete(cell.finish_run());
+}
+
+TEST_F(RunTroubles, HoldsForAPersonAfterAnEmergencyStop) {
+  begin_and_accept(2);
+  world.halted = true;
+  expect_waiting();
+  const auto accepted = cell->status().run->run.accepted;
+  cell.pass(600);
+  EXPECT_EQ(cell->status().run->run.accepted, accepted);
+  EXPECT_EQ(cell->status().run->run.state, RunState::waiting);
+  ASSERT_TRUE(cell.await(cell->resume_run(cell.ada, run())));
+  expect_complete(cell.finish_run());
+}
+
+TEST_F(RunTroubles, PausesAfterThePresentPointAndResumes) {
+  begin_and_accept(2);
+  ASSERT_TRUE(cell.await(cell->pause_run(cell.ada, run())));
+  cell.until([&] { return cell->status().run->run.state == RunState::paused; });
+  EXPECT_EQ(cell->status().run->run.reason, "paused by ada");
+  const auto accepted = cell->status().run->run.accepted;
+  EXPECT_EQ(accepted, 3);  // the point under way was finished
+  cell.pass(1000);
+  EXPECT_EQ(cell->status().run->run.accepted, accepted);
+  ASSERT_TRUE(cell.await(cell->resume_run(cell.ada, run())));
+  expect_complete(cell.finish_run());
+}
+
+TEST_F(RunTroubles, AbortsWithTheReasonAndKeepsWhatWasMeasured) {
+  begin_and_accept(2);
+  const auto id = run();
+  ASSERT_TRUE(cell.await(cell->abort_run(cell.ada, id, "wrong mirror")));
+  const auto ended = cell.finish_run();
+  EXPECT_EQ(ended.state, RunState::aborted);
+  EXPECT_EQ(ended.reason, "aborted by ada: wrong mirror");
+  EXPECT_EQ(cell.await(cell->points(id, 0, 100))->size(), 2u);
+  EXPECT_FALSE(cell.await(cell->resume_run(cell.ada, id)));
+  // The cell is free for the next run.
+  cell.begin_run(trajectory);
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+}
+
+TEST_F(RunTroubles, StopAllHaltsTheAxisAtOnceAndNeedsNoLease) {
+  begin_and_accept(2);
+  cell.until([&] { return cell->status().run->phase == "moving"; });
+  const int stops = world.stops;
+  ASSERT_TRUE(cell.await(cell->stop_all({"bob", "peer"})));
+  EXPECT_GT(world.stops, stops);
+  const auto ended = cell.finish_run();
+  EXPECT_EQ(ended.state, RunState::aborted);
+  EXPECT_EQ(ended.reason, "stopped by bob");
+}
+
+TEST_F(RunTroubles, ShutDownLeavesTheRunToTheNextStart) {
+  begin_and_accept(3);
+  const auto id = run();
+  cell.shut_down();
+  auto store = *kSqlite(folder / "cell.sqlite", true);
+  EXPECT_FALSE(is_over(store->runs().run(id)->state));
+  ASSERT_TRUE(*store->runs().unfinished_run());
+}
+
+}  // namespace
+}  // namespace driftwise::tests

@@ -1,0 +1,117 @@
+// From a campaign to a model that serves and compensates.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "server/compensation/target.h"
+#include "storage/sqlite_store.h"
+#include "tests/support/cell_in_memory.h"
+
+namespace driftwise::tests {
+namespace {
+
+const OpenStore kSqlite = [](const std::string& path, bool read_only) {
+  return storage::open_sqlite_store(path, read_only);
+};
+
+class ServingTest : public testing::Test {
+ protected:
+  Folder folder;
+  SmallWorld world;
+  CellInMemory cell{world, small_cell(folder / "cell.sqlite"), kSqlite};
+
+  ModelRecord fit_after_campaign() {
+    world.warming_k_per_h = 2;
+    const auto run = cell.begin_run(lines_of(30, {-4, -2, 1, 3, 4}, true));
+    cell.finish_run();
+    application::FitRequest fit;
+    fit.runs = {run.id};
+    fit.formula = "q1 ~ x + t01";
+    const auto model = cell.await(cell->fit(cell.ada, fit));
+    if (!model) throw std::runtime_error(model.error().message);
+    return *model;
+  }
+  double target_mm(double x_mm) {
+    const auto snapshot = cell->snapshots().read();
+    compensation::TargetRequest request;
+    request.set(compensation::Variable::x, x_mm);
+    return compensation::compute_target(*snapshot, request).q_mm[0];
+  }
+};
+
+TEST_F(ServingTest, NothingServesBeforeAPromotion) {
+  cell.pass(20);
+  EXPECT_FALSE(cell->status().serving);
+  EXPECT_EQ(cell.await(cell->roll_back(cell.ada)).error().reason, "NOTHING_TO_ROLL_BACK");
+  auto request = application::CreateRun{};
+  request.trajectory_text = "x_mm\n1\n";
+  request.compensate = true;
+  EXPECT_EQ(cell.try_run(request).error().reason, "NO_MODEL");
+}
+
+TEST_F(ServingTest, ThePromotedModelFollowsTheTemperature) {
+  const auto model = fit_after_campaign();
+  ASSERT_TRUE(cell.await(cell->promote(cell.ada, model.id)));
+  EXPECT_EQ(cell->status().serving, model.id);
+  const double before_mm = target_mm(1.0);
+  cell.pass(600);  // a third of a kelvin: the world grows by 150 nm/K
+  const double moved_nm = (target_mm(1.0) - before_mm) * 1e6;
+  EXPECT_NEAR(moved_nm, -150 * 2 / 6.0, 5);
+}
+
+TEST_F(ServingTest, ACompensatedRunArrivesWhereItWasAsked) {
+  const auto model = fit_after_campaign();
+  ASSERT_TRUE(cell.await(cell->promote(cell.ada, model.id)));
+  cell.pass(1800);  // 150 nm of drift since the campaign's end, more since its zero
+  auto request = application::CreateRun{};
+  request.trajectory_text =
+      "x_mm,set,line\n1,validation,1\n-2.5,validation,1\n3.7,validation,1\n0.3,validation,1\n";
+  request.compensate = true;
+  const auto run = cell.try_run(request);
+  ASSERT_TRUE(run) << run.error().message;
+  const auto ended = cell.finish_run();
+  ASSERT_EQ(ended.state, RunState::done) << ended.reason;
+  const auto all_points = *cell.await(cell->points(run->id, 0, 100));
+  for (const auto& point : all_points) {
+    double x = kMissing, wanted = kMissing;
+    for (const auto& v : point.values) {
+      if (v.channel == "x_mm") x = v.value;
+      if (v.channel == "x_target_mm") wanted = v.value;
+    }
+    EXPECT_NEAR((x - wanted) * 1e6, 0, 60)
+        << point.row;  // the holding of this axis: sd 8 nm, and the datum's zero
+    EXPECT_NE(point.commanded_mm[0], wanted);
+  }
+}
+
+TEST_F(ServingTest, RollBackServesTheModelBefore) {
+  const auto first = fit_after_campaign();
+  application::FitRequest fit;
+  fit.runs = {RunId{1}};
+  fit.formula = "q1 ~ x + x^2";
+  fit.select = "all";
+  const auto second = cell.await(cell->fit(cell.ada, fit));
+  ASSERT_TRUE(second) << second.error().message;
+  ASSERT_TRUE(cell.await(cell->promote(cell.ada, first.id)));
+  ASSERT_TRUE(cell.await(cell->promote(cell.ada, second->id)));
+  const auto back = cell.await(cell->roll_back(cell.ada));
+  ASSERT_TRUE(back && *back);
+  EXPECT_EQ((*back)->id, first.id);
+  EXPECT_EQ(cell->status().serving, first.id);
+  const auto none = cell.await(cell->roll_back(cell.ada));
+  ASSERT_TRUE(none);
+  EXPECT_FALSE(*none);
+  EXPECT_FALSE(cell->status().serving);
+}
+
+TEST_F(ServingTest, TheSameFitAgainIsTheSameModel) {
+  const auto model = fit_after_campaign();
+  application::FitRequest fit;
+  fit.runs = {RunId{1}};
+  fit.formula = "q1 ~ x + t01";
+  EXPECT_EQ(cell.await(cell->fit(cell.ada, fit))->id, model.id);
+}
+
+}  // namespace
+}  // namespace driftwise::tests
