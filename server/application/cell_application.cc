@@ -51,7 +51,7 @@ CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
            },
            [this](const DatumRecord& datum) { serving_.anchor(datum); }},
           tasks_),
-      creating_(executor) {}
+      beginning_(executor) {}
 
 CellApplication::~CellApplication() {
   // Nothing of ours may run on a thread of its own while members go.
@@ -68,6 +68,8 @@ void CellApplication::start() {
 }
 
 Awaitable<void> CellApplication::start_up() {
+  // Whoever wants to move meanwhile waits for his turn: a run may have to be gone on with first.
+  const auto turn = co_await beginning_.take();
   events_.record_own("daemon.started",
                      fmt::format("driftwised {} on cell '{}'", version_, description_.name));
   const auto tell = [this](const char* what, const Result<void>& result) {
@@ -77,7 +79,6 @@ Awaitable<void> CellApplication::start_up() {
   tell("finding the present datum", co_await restore_datum());
   tell("serving the promoted model", co_await restore_model());
   tell("going on with the run", co_await go_on_with_run());
-  started_up_ = true;
   tasks_.end();
 }
 

@@ -126,9 +126,8 @@ class CellApplication final : public Cell {
   Serving serving_;
   RunEngine engine_;
   LeaseBook leases_;
-  Turn creating_;                      // one create_run at a time
+  Turn beginning_;  // one at a time decides whether a run or a movement may begin
   std::optional<RunControl> by_hand_;  // set while somebody homes or moves without a run
-  bool started_up_ = false;
 };
 
 }  // namespace driftwise::application

@@ -72,17 +72,21 @@ Awaitable<Result<void>> CellApplication::stop_all(Caller caller) {
 }
 
 Awaitable<Result<void>> CellApplication::home(Caller caller, std::string lease_token) {
+  auto turn = std::optional(co_await beginning_.take());
   if (auto ok = may_move(lease_token); !ok) co_return ok;
   ByHand hand(*this);
+  turn.reset();
   events_.record(caller, "axes.home", fmt::format("{} references the axes", caller.name));
   co_return co_await bench_.home();
 }
 
 Awaitable<Result<void>> CellApplication::move_to(Caller caller, std::string lease_token,
                                                  std::vector<double> q_mm) {
+  auto turn = std::optional(co_await beginning_.take());
   if (auto ok = may_move(lease_token); !ok) co_return ok;
   if (auto ok = check_soft_limits(description_, q_mm); !ok) co_return ok;
   ByHand hand(*this);
+  turn.reset();
   events_.record(caller, "axes.move",
                  fmt::format("{} moves to {} mm", caller.name, fmt::join(q_mm, ", ")));
   auto scope = hand.scope();

@@ -13,7 +13,7 @@ Result<TrajectoryCheck> CellApplication::check_trajectory(const std::string& tex
 }
 
 Awaitable<Result<RunRecord>> CellApplication::create_run(Caller caller, CreateRun request) {
-  const auto turn = co_await creating_.take();
+  const auto turn = co_await beginning_.take();
   // A repeated request gets the first one's answer, whatever has become of the lease since.
   if (const auto* run = engine_.record();
       run && !request.request_id.empty() && run->request_id == request.request_id)

@@ -4,7 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <boost/asio/post.hpp>
-#include <cmath>
+#include <cassert>
 
 #include "server/application/joining.h"
 #include "server/application/motion.h"
@@ -25,6 +25,7 @@ RunEngine::~RunEngine() = default;
 
 void RunEngine::begin(RunRecord record, RunPlan plan, Trajectory trajectory,
                       std::optional<Before> before) {
+  assert(!run_);
   run_ = std::make_unique<ActiveRun>(executor_, bench_, std::move(record), std::move(plan),
                                      std::move(trajectory));
   before_ = std::move(before);
