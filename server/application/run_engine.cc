@@ -83,8 +83,9 @@ Awaitable<Result<void>> RunEngine::take_up(ActiveRun& run) {
     if (auto ok = co_await record_interruption(run); !ok) co_return ok;
   const bool was_paused = run.record.state == RunState::paused;
   if (was_paused) run.control.hold(run.record.reason);
-  co_return co_await change(run, was_paused ? RunState::paused : RunState::running,
-                            was_paused ? run.record.reason : "");
+  const auto state = was_paused ? RunState::paused : RunState::running;
+  auto reason = was_paused ? run.record.reason : std::string();
+  co_return co_await change(run, state, std::move(reason));
 }
 
 Awaitable<Result<void>> RunEngine::carry_out(ActiveRun& run) {
@@ -237,7 +238,8 @@ Awaitable<void> RunEngine::finish(ActiveRun& run, const Result<void>& outcome) {
   const auto state = outcome                   ? RunState::done
                      : remedy == Remedy::abort ? RunState::aborted
                                                : RunState::failed;
-  auto stored = co_await change(run, state, outcome ? "" : outcome.error().message);
+  auto reason = outcome ? std::string() : outcome.error().message;
+  auto stored = co_await change(run, state, std::move(reason));
   if (!stored)
     spdlog::error("the end of run {} is not stored: {}", run.record.id.value,
                   stored.error().message);

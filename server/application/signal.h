@@ -102,6 +102,7 @@ Awaitable<std::invoke_result_t<Function&>> call_shared(std::shared_ptr<Function>
 // whose closure owns more than numbers and pointers writes two statements:
 //   auto storing = writer.call([event](Store& store) { ... });
 //   auto stored = co_await std::move(storing);
+// The same goes for a?b:c that makes a string there.
 template <class Function>
 Awaitable<std::invoke_result_t<Function&>> run_on(asio::any_io_executor where, Function function) {
   return asio::co_spawn(where, detail::call_shared(std::make_shared<Function>(std::move(function))),
