@@ -100,21 +100,20 @@ Awaitable<Result<RunRecord>> CellApplication::steer(Caller caller, RunId id, con
 
 Awaitable<Result<RunRecord>> CellApplication::pause_run(Caller caller, RunId run) {
   auto why = fmt::format("paused by {}", caller.name);
-  co_return co_await steer(caller, run, "pause", why,
-                           [why](RunControl& control) { control.hold(why); });
+  std::function<void(RunControl&)> act = [why](RunControl& control) { control.hold(why); };
+  co_return co_await steer(caller, run, "pause", why, std::move(act));
 }
 
 Awaitable<Result<RunRecord>> CellApplication::resume_run(Caller caller, RunId run) {
   auto why = fmt::format("resumed by {}", caller.name);
-  co_return co_await steer(caller, run, "resume", why,
-                           [](RunControl& control) { control.resume(); });
+  std::function<void(RunControl&)> act = [](RunControl& control) { control.resume(); };
+  co_return co_await steer(caller, run, "resume", why, std::move(act));
 }
 
 Awaitable<Result<RunRecord>> CellApplication::abort_run(Caller caller, RunId run, std::string why) {
-  auto reason = why.empty() ? fmt::format("aborted by {}", caller.name)
-                            : fmt::format("aborted by {}: {}", caller.name, why);
-  auto record = co_await steer(caller, run, "abort", reason,
-                               [reason](RunControl& control) { control.abort(reason); });
+  auto reason = fmt::format("aborted by {}{}{}", caller.name, why.empty() ? "" : ": ", why);
+  std::function<void(RunControl&)> act = [reason](RunControl& control) { control.abort(reason); };
+  auto record = co_await steer(caller, run, "abort", reason, std::move(act));
   if (record) static_cast<void>(co_await bench_.stop());
   co_return record;
 }

@@ -55,7 +55,8 @@ class Axis final : public Simulated<MotionController> {
     const auto now = time_.now().utc;
     const bool moving = now.utc_ns < world_.move_end_ns;
     const double wander_nm =
-        world_.creeping ? 400 * std::sin(static_cast<double>(now.utc_ns) * 1e-9) : 0;
+        world_.creeping ? 400 * std::sin(static_cast<double>(now.utc_ns % 1'000'000'000'000) * 5e-9)
+                        : 0;
     const double q = position_mm() + world_.reference_mm +
                      kMmPerNm * (world_.holding_nm * world_.gauss() + wander_nm);
     co_return MotionState{now, {q}, moving, world_.referenced, !moving};
