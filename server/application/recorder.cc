@@ -92,6 +92,8 @@ Awaitable<void> Recorder::flush_for_ever() {
   while (!ending_) {
     co_await sleep_unless(clock_, clock_.now().utc + kEvery, ended_);
     const auto stored = co_await writer_.flush();
+    // Housekeeping of the store, here because it may take a while and a point must not wait for it.
+    static_cast<void>(co_await writer_.call([](Store& store) { return store.idle(); }));
     if (!dropping && writer_.dropped() > before_gap) {
       dropping = true;
       events_.record_own(

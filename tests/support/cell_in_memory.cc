@@ -7,7 +7,12 @@
 namespace driftwise::tests {
 
 Folder::Folder() {
-  std::string name = (std::filesystem::temp_directory_path() / "driftwise-XXXXXX").string();
+  // In memory where there is such a place: these tests kill processes, not disks, and fsync is
+  // slow.
+  const std::filesystem::path memory = "/dev/shm";
+  const auto root =
+      std::filesystem::is_directory(memory) ? memory : std::filesystem::temp_directory_path();
+  std::string name = (root / "driftwise-XXXXXX").string();
   if (!::mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
   path_ = name;
 }

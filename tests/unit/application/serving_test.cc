@@ -22,8 +22,8 @@ class ServingTest : public testing::Test {
   CellInMemory cell{world, small_cell(folder / "cell.sqlite"), kSqlite};
 
   ModelRecord fit_after_campaign() {
-    world.warming_k_per_h = 2;
-    const auto run = cell.begin_run(lines_of(30, {-4, -2, 1, 3, 4}, true));
+    world.warming_k_per_h = 4;
+    const auto run = cell.begin_run(lines_of(12, {-4, -2, 1, 3, 4}, true));
     cell.finish_run();
     application::FitRequest fit;
     fit.runs = {run.id};
@@ -55,9 +55,9 @@ TEST_F(ServingTest, ThePromotedModelFollowsTheTemperature) {
   ASSERT_TRUE(cell.await(cell->promote(cell.ada, model.id)));
   EXPECT_EQ(cell->status().serving, model.id);
   const double before_mm = target_mm(1.0);
-  cell.pass(600);  // a third of a kelvin: the world grows by 150 nm/K
+  cell.pass(600);  // two thirds of a kelvin: the world grows by 150 nm/K
   const double moved_nm = (target_mm(1.0) - before_mm) * 1e6;
-  EXPECT_NEAR(moved_nm, -150 * 2 / 6.0, 5);
+  EXPECT_NEAR(moved_nm, -150 * 4 / 6.0, 5);
 }
 
 TEST_F(ServingTest, ACompensatedRunArrivesWhereItWasAsked) {
