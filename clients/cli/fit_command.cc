@@ -96,13 +96,15 @@ void add_fit_options(CLI::App& command, FitOfFile& fit) {
   command.add_option("--p-enter", fit.p_enter, "a term enters below this p")->capture_default_str();
   command.add_option("--p-remove", fit.p_remove, "a term leaves above this p")
       ->capture_default_str();
-  command.add_option("--force", fit.force, "a term that is always in; repeatable")->expected(1);
-  command.add_option("--without", fit.without, "a term that is left out; repeatable")->expected(1);
+  command.add_option("--force", fit.force, "a term that is always in; repeatable")
+      ->allow_extra_args(false);
+  command.add_option("--without", fit.without, "a term that is left out; repeatable")
+      ->allow_extra_args(false);
   command
       .add_option("--exclude", fit.exclude,
                   "channels whose terms are left out, such as t01,t02; repeatable")
       ->delimiter(',')
-      ->expected(1);
+      ->allow_extra_args(false);
   command.add_option("--weights", fit.weights, "a channel that weights the rows, as 1/variance");
   command.add_option("--first,--first-rows", fit.first_rows, "calibrate on the first N rows only")
       ->check(CLI::NonNegativeNumber);

@@ -92,7 +92,7 @@ void add_fit_command(CLI::App& app, Session& session) {
       [&session, a] { return fit(session, *a); });
   command.add_option("FILE", a->file, "dataset CSV, - for standard input");
   command.add_option("--run", a->runs, "a run at the daemon instead; repeatable")
-      ->expected(1)
+      ->allow_extra_args(false)
       ->check(CLI::PositiveNumber);
   add_fit_options(command, a->fit);
   command.add_option("--name", a->name, "of the stored model");

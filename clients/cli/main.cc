@@ -1,5 +1,6 @@
 // driftwise: the command line. Everything is in cli.h; here only what belongs to a process.
 
+#include <pwd.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -27,5 +28,8 @@ int main(int argc, char** argv) {
     if (const auto equals = text.find('='); equals != std::string::npos)
       console.environment[text.substr(0, equals)] = text.substr(equals + 1);
   }
+  if (console.variable("USER").empty())  // cron and containers set none
+    if (const passwd* user = getpwuid(geteuid()); user != nullptr)
+      console.environment["USER"] = user->pw_name;
   return run_cli({argv + 1, argv + argc}, console, &interrupt);
 }

@@ -39,8 +39,7 @@ void print_heading(const Console& console, const v1::Model& model) {
   line("model hash", model.hash());
   if (model.has_parent_model_id())
     line("parent", "model " + std::to_string(model.parent_model_id()));
-  line("fitted", clock_text(model.create_time()) + " UTC by " + model.created_by() + ", in " +
-                     fixed(seconds_of(model.fit_duration()) * 1e6, 0) + " us");
+  line("fitted", clock_text(model.create_time()) + " UTC by " + model.created_by());
   if (!model.note().empty()) line("note", model.note());
 }
 
@@ -60,18 +59,18 @@ void print_terms(const Console& console, const v1::ModelOutput& output) {
              {"std. error", Align::right},
              {"t", Align::right},
              {"p", Align::right},
-             {"would add rms " + summary, Align::right}});
+             {"why"}});
   for (const auto& term : output.terms()) {
     if (term.included())
       in.add({term.term(), significant(term.coefficient(), 9),
-              significant(term.standard_error(), 3), fixed(term.t(), 1), p_text(term.p()),
+              significant(term.standard_error(), 3), significant(term.t(), 4), p_text(term.p()),
               optional_text(term.has_contribution_rms(), term.contribution_rms(), 1),
               optional_text(term.has_contribution_max(), term.contribution_max(), 1),
               optional_text(term.has_vif(), term.vif(), 1)});
     else
       out.add({term.term(), significant(term.coefficient(), 4),
-               significant(term.standard_error(), 3), fixed(term.t(), 1), p_text(term.p()),
-               optional_text(term.has_contribution_rms(), term.contribution_rms(), 1)});
+               significant(term.standard_error(), 3), significant(term.t(), 3), p_text(term.p()),
+               term.note()});
   }
   console.out << "coefficients in " << output.unit() << " per unit of the term, " << output.dof()
               << " degrees of freedom\n";
@@ -96,7 +95,8 @@ void print_accuracy(const Console& console, const v1::ModelOutput& output) {
   }
   console.out << "\nresidual sd " << fixed(a.rmse(), 2) << unit << ", lag-1 autocorrelation "
               << fixed(a.lag1_autocorrelation(), 2) << ", worth "
-              << fixed(a.effective_row_count(), 0) << " independent rows";
+              << fixed(a.effective_row_count(), 0) << " independent rows, condition index "
+              << fixed(a.condition_index(), 1);
   if (a.has_pure_error())
     console.out << "\npure error of repeated poses " << fixed(a.pure_error(), 2) << unit;
   if (a.has_lack_of_fit_p())

@@ -21,6 +21,9 @@ v1::Accuracy accuracy_from(const calibration::Accuracy& accuracy, double factor)
   if (accuracy.pure_error) out.set_pure_error(*accuracy.pure_error * factor);
   if (accuracy.lack_of_fit_f) out.set_lack_of_fit_f(*accuracy.lack_of_fit_f);
   if (accuracy.lack_of_fit_p) out.set_lack_of_fit_p(*accuracy.lack_of_fit_p);
+  out.set_condition_index(accuracy.condition_index);
+  if (accuracy.model_f) out.set_model_f(*accuracy.model_f);
+  if (accuracy.model_p) out.set_model_p(*accuracy.model_p);
   return out;
 }
 
@@ -32,7 +35,10 @@ v1::ModelTerm term_from(const calibration::TermReport& report, double factor) {
   out.set_standard_error(report.standard_error);
   out.set_t(report.t);
   out.set_p(report.p);
-  if (report.in) out.set_vif(report.vif);
+  out.set_note(report.note);
+  if (!report.in || report.term.is_constant())
+    return out;  // what the constant lacks, and what is left out
+  out.set_vif(report.vif);
   out.set_contribution_rms(report.contribution_rms * factor);
   out.set_contribution_max(report.contribution_max * factor);
   return out;

@@ -68,7 +68,8 @@ class Stream final : public grpc::ServerWriteReactor<Message>,
     });
   }
   void OnDone() override {
-    boost::asio::post(executor_, [self = std::move(self_)] { self->source_.reset(); });
+    const auto executor = executor_;  // the handler may run, and end this object, before post() returns
+    boost::asio::post(executor, [self = std::move(self_)] { self->source_.reset(); });
   }
 
  private:

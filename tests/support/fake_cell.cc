@@ -1,0 +1,343 @@
+#include "tests/support/fake_cell.h"
+
+#include <boost/asio/executor_work_guard.hpp>
+
+#include "server/formats/model_json.h"
+
+namespace driftwise::tests {
+
+namespace {
+
+calibration::TermReport report(const effects::Term& term, bool in, double coefficient,
+                               double contribution_rms) {
+  calibration::TermReport out;
+  out.term = term;
+  out.in = in;
+  out.coefficient = coefficient;
+  out.standard_error = 1e-7;
+  out.t = coefficient / out.standard_error;
+  out.p = in ? 1e-20 : 0.62;
+  out.vif = in ? 1.2 : 0;
+  out.contribution_rms = contribution_rms;
+  out.contribution_max = 2 * contribution_rms;
+  return out;
+}
+
+calibration::Model small_model(const std::string& formula) {
+  using namespace calibration;
+  Model model;
+  model.formula = formula;
+  OutputModel output;
+  output.channel = {"q1", "mm"};
+  const effects::Term constant, x{{effects::Power{"x", 1}}}, t07{{effects::Power{"t07", 1}}};
+  output.terms = {constant, x};
+  output.coefficients = Eigen::Vector2d(1e-6, 1.0);
+  output.covariance = Eigen::Matrix2d::Identity() * 1e-14;
+  output.dof = 558;
+  output.accuracy.rmse = 5e-6;
+  output.accuracy.u90_calibration = 8.2e-6;
+  output.accuracy.u90_validation = 9.1e-6;
+  output.report = {report(constant, true, 1e-6, 0), report(x, true, 1.0, 2.3),
+                   report(t07, false, 1e-7, 1.1e-8)};
+  output.history = {{1, "enter", x, 0.0, 5e-6, 558}};
+  model.outputs = {output};
+  model.domain = {{{"x", "mm"}, -4, 4}};
+  model.lineage.runs = {{1}};
+  model.lineage.source = "runs 1";
+  model.lineage.dataset_hash = "abc";
+  model.lineage.rows_calibration = 560;
+  model.lineage.rows_validation = 448;
+  model.fit_us = 48.1;
+  return model;
+}
+
+}  // namespace
+
+FakeCell::FakeCell() {
+  description_.name = "linear-axis";
+  DeviceDescription axis;
+  axis.id = "axis";
+  axis.kind = "pi-gcs";
+  axis.address = "127.0.0.1:50000";
+  axis.axes = {{{"q1", "mm"}, "X", -4.5, 4.5, 5}};
+  description_.devices = {axis};
+  the_status.name = "linear-axis";
+  the_status.version = "0.1.0";
+  the_status.now = {the_time, 0};
+  the_status.devices = {
+      {axis, DeviceHealth{LinkState::connected, "PI C-863", 10, 0, 0, 0.002, "", the_time}}};
+  the_status.values = {{{"t07", "degC"}, 20.5123, the_time, 1.5, false, "scanner"},
+                       {{"t08", "degC"}, kMissing, {}, 0, true, "scanner"}};
+  thread_ = std::thread([this] {
+    const auto work = asio::make_work_guard(context_);
+    context_.run();
+  });
+}
+
+FakeCell::~FakeCell() {
+  asio::post(context_, [this] { context_.stop(); });
+  thread_.join();
+}
+
+asio::any_io_executor FakeCell::executor() const {
+  return const_cast<asio::io_context&>(context_).get_executor();
+}
+
+void FakeCell::publish_snapshot(compensation::Snapshot snapshot) {
+  static_cast<void>(board.publish(std::move(snapshot)));
+  snapshots_.publish();
+}
+
+EventId FakeCell::add_event(const std::string& what) {
+  EventRecord event;
+  event.id = {static_cast<std::int64_t>(the_events.size()) + 1};
+  event.at = {the_time, 0};
+  event.who = "daemon";
+  event.what = what;
+  the_events.push_back(event);
+  event_watch_.publish(event);
+  return event.id;
+}
+
+ModelId FakeCell::add_model(const std::string& formula) {
+  ModelRecord record;
+  record.id = {static_cast<std::int64_t>(the_models.size()) + 1};
+  record.name = "first";
+  record.json = formats::write_model_json(small_model(formula));
+  record.hash = "hash" + std::to_string(record.id.value);
+  record.created = the_time;
+  record.created_by = "ada";
+  the_models.push_back(record);
+  return record.id;
+}
+
+std::optional<Error> FakeCell::take_failure() { return std::exchange(fail_next, std::nullopt); }
+
+Result<RunRecord> FakeCell::find_run(RunId run) const {
+  const auto found = the_runs.find(run.value);
+  if (found == the_runs.end())
+    return fail(ErrorCode::not_found, "NO_RUN", "there is no run " + std::to_string(run.value));
+  return found->second;
+}
+
+Result<void> FakeCell::check_lease(const std::string& token) const {
+  if (lease_ && lease_->token == token) return {};
+  return fail(ErrorCode::permission_denied, "LEASE_REQUIRED", "take the lease first");
+}
+
+Result<app::Lease> FakeCell::take_lease(const app::Caller& caller, Nanoseconds duration,
+                                        const std::string& token) {
+  if (auto error = take_failure()) return tl::unexpected(*error);
+  if (lease_ && lease_->token != token)
+    return fail(ErrorCode::permission_denied, "LEASE_HELD", lease_->holder + " holds the lease");
+  last_caller = caller;
+  lease_ = app::Lease{"token-" + caller.name, caller.name, caller.peer, the_time + duration};
+  the_status.lease = lease_;
+  return *lease_;
+}
+
+Result<void> FakeCell::give_up_lease(const app::Caller&, const std::string& token) {
+  if (auto good = check_lease(token); !good) return good;
+  calls.push_back("give_up_lease");
+  lease_.reset();
+  the_status.lease.reset();
+  return {};
+}
+
+Result<app::TrajectoryCheck> FakeCell::check_trajectory(const std::string& text) const {
+  if (text.find("bad") != std::string::npos)
+    return fail(ErrorCode::invalid_argument, "BAD_NUMBER",
+                "line 3, column x_mm: found 'bad', expected a number");
+  app::TrajectoryCheck check;
+  check.trajectory.coordinates = {{"x", "mm"}};
+  check.trajectory.points.resize(3);
+  check.calibration = 2;
+  check.validation = 1;
+  check.lines = 1;
+  check.zeros = 1;
+  check.estimated_s = 42.5;
+  check.warnings = {"only one line"};
+  return check;
+}
+
+Awaitable<Result<RunRecord>> FakeCell::create_run(app::Caller caller, app::CreateRun request) {
+  if (auto error = take_failure()) co_return tl::unexpected(*error);
+  if (auto good = check_lease(request.lease_token); !good) co_return tl::unexpected(good.error());
+  for (const auto& [id, run] : the_runs)
+    if (!request.request_id.empty() && run.request_id == request.request_id) co_return run;
+  last_caller = caller;
+  last_create = request;
+  RunRecord run;
+  run.id = {static_cast<std::int64_t>(the_runs.size()) + 1};
+  run.name = request.name;
+  run.trajectory_name = request.trajectory_name;
+  run.trajectory_text = request.trajectory_text;
+  run.rows = 3;
+  run.rules_json = "{}";
+  run.operator_name = caller.name;
+  run.request_id = request.request_id;
+  run.state = RunState::running;
+  run.created = run.started = the_time;
+  the_runs[run.id.value] = run;
+  co_return run;
+}
+
+Result<RunRecord> FakeCell::change_state(const app::Caller& caller, RunId id, RunState state,
+                                         std::string reason) {
+  if (auto error = take_failure()) return tl::unexpected(*error);
+  auto run = find_run(id);
+  if (!run) return run;
+  if (is_over(run->state))
+    return fail(ErrorCode::failed_precondition, "RUN_OVER",
+                "run " + std::to_string(id.value) + " is over");
+  last_caller = caller;
+  run->state = state;
+  run->reason = std::move(reason);
+  the_runs[id.value] = *run;
+  return run;
+}
+
+Awaitable<Result<RunRecord>> FakeCell::pause_run(app::Caller caller, RunId run) {
+  co_return change_state(caller, run, RunState::paused, "paused by " + caller.name);
+}
+Awaitable<Result<RunRecord>> FakeCell::resume_run(app::Caller caller, RunId run) {
+  co_return change_state(caller, run, RunState::running, "");
+}
+Awaitable<Result<RunRecord>> FakeCell::abort_run(app::Caller caller, RunId run, std::string why) {
+  co_return change_state(caller, run, RunState::aborted, why);
+}
+
+Awaitable<Result<void>> FakeCell::stop_all(app::Caller caller) {
+  if (auto error = take_failure()) co_return tl::unexpected(*error);
+  calls.push_back("stop_all " + caller.name);
+  co_return Result<void>{};
+}
+Awaitable<Result<void>> FakeCell::home(app::Caller caller, std::string lease_token) {
+  if (auto error = take_failure()) co_return tl::unexpected(*error);
+  if (auto good = check_lease(lease_token); !good) co_return good;
+  calls.push_back("home " + caller.name);
+  co_return Result<void>{};
+}
+Awaitable<Result<void>> FakeCell::move_to(app::Caller caller, std::string lease_token,
+                                          std::vector<double> q_mm) {
+  if (auto error = take_failure()) co_return tl::unexpected(*error);
+  if (auto good = check_lease(lease_token); !good) co_return good;
+  if (q_mm.at(0) < -4.5 || q_mm.at(0) > 4.5)
+    co_return fail(ErrorCode::out_of_range, "OUTSIDE_LIMITS",
+                   "q1_mm: the soft limits are -4.5 to 4.5 mm");
+  calls.push_back("move_to " + caller.name + " q=" + std::to_string(q_mm.at(0)));
+  co_return Result<void>{};
+}
+Awaitable<Result<void>> FakeCell::set_stabiliser(app::Caller, std::string lease_token,
+                                                 std::string device, double degc) {
+  if (auto error = take_failure()) co_return tl::unexpected(*error);
+  if (auto good = check_lease(lease_token); !good) co_return good;
+  calls.push_back("set_stabiliser " + device + " " + std::to_string(degc));
+  co_return Result<void>{};
+}
+
+app::Cell::Watch FakeCell::counted(std::shared_ptr<void> watch) {
+  ++watchers;
+  return std::shared_ptr<void>(watch.get(), [this, watch](void*) mutable {
+    watch.reset();
+    --watchers;
+  });
+}
+app::Cell::Watch FakeCell::watch_progress(std::function<void(const app::RunProgress&)> on_change) {
+  return counted(progress_.add(std::move(on_change)));
+}
+app::Cell::Watch FakeCell::watch_events(std::function<void(const EventRecord&)> on_event) {
+  return counted(event_watch_.add(std::move(on_event)));
+}
+app::Cell::Watch FakeCell::watch_readings(std::function<void(const Reading&)> on_reading) {
+  return counted(readings_.add(std::move(on_reading)));
+}
+app::Cell::Watch FakeCell::watch_snapshots(std::function<void()> on_rebuilt) {
+  return counted(snapshots_.add(std::move(on_rebuilt)));
+}
+
+Awaitable<Result<std::vector<RunRecord>>> FakeCell::runs(int limit, std::int64_t before_id) {
+  if (auto error = take_failure()) co_return tl::unexpected(*error);
+  std::vector<RunRecord> out;
+  for (auto next = the_runs.rbegin();
+       next != the_runs.rend() && static_cast<int>(out.size()) < limit; ++next)
+    if (before_id == 0 || next->first < before_id) out.push_back(next->second);
+  co_return out;
+}
+Awaitable<Result<RunRecord>> FakeCell::run(RunId run) {
+  if (auto error = take_failure()) co_return tl::unexpected(*error);
+  co_return find_run(run);
+}
+Awaitable<Result<std::vector<PointRecord>>> FakeCell::points(RunId run, std::int64_t after_id,
+                                                             int limit) {
+  if (auto found = find_run(run); !found) co_return tl::unexpected(found.error());
+  std::vector<PointRecord> out;
+  for (const auto& point : the_points)
+    if (point.id.value > after_id && static_cast<int>(out.size()) < limit) out.push_back(point);
+  co_return out;
+}
+Awaitable<Result<std::vector<AttemptRecord>>> FakeCell::attempts(RunId run) {
+  if (auto found = find_run(run); !found) co_return tl::unexpected(found.error());
+  co_return the_attempts;
+}
+Awaitable<Result<std::vector<DatumRecord>>> FakeCell::data(RunId run) {
+  if (auto found = find_run(run); !found) co_return tl::unexpected(found.error());
+  co_return the_datums;
+}
+Awaitable<Result<std::vector<EventRecord>>> FakeCell::events(EventId after, int limit) {
+  if (auto error = take_failure()) co_return tl::unexpected(*error);
+  std::vector<EventRecord> out;
+  for (const auto& event : the_events)
+    if (event.id > after && static_cast<int>(out.size()) < limit) out.push_back(event);
+  co_return out;
+}
+
+Awaitable<Result<std::string>> FakeCell::export_dataset(std::vector<RunId> runs) {
+  for (const RunId run : runs)
+    if (auto found = find_run(run); !found) co_return tl::unexpected(found.error());
+  co_return the_csv;
+}
+Awaitable<Result<RunRecord>> FakeCell::import_dataset(app::Caller caller, std::string name,
+                                                      std::string csv) {
+  if (auto error = take_failure()) co_return tl::unexpected(*error);
+  the_csv = std::move(csv);
+  RunRecord run;
+  run.id = {static_cast<std::int64_t>(the_runs.size()) + 1};
+  run.name = std::move(name);
+  run.operator_name = caller.name;
+  run.state = RunState::done;
+  the_runs[run.id.value] = run;
+  co_return run;
+}
+
+Awaitable<Result<ModelRecord>> FakeCell::fit(app::Caller caller, app::FitRequest request) {
+  if (auto error = take_failure()) co_return tl::unexpected(*error);
+  last_caller = caller;
+  last_fit = request;
+  co_return co_await model(add_model(request.formula));
+}
+Awaitable<Result<std::vector<ModelRecord>>> FakeCell::models() {
+  if (auto error = take_failure()) co_return tl::unexpected(*error);
+  co_return the_models;
+}
+Awaitable<Result<ModelRecord>> FakeCell::model(ModelId id) {
+  for (const auto& model : the_models)
+    if (model.id == id) co_return model;
+  co_return fail(ErrorCode::not_found, "NO_MODEL", "there is no model " + std::to_string(id.value));
+}
+Awaitable<Result<ModelRecord>> FakeCell::promote(app::Caller caller, ModelId id) {
+  auto record = co_await model(id);
+  if (!record) co_return record;
+  the_status.serving = id;
+  the_promotions.push_back({id, the_time, caller.name, "promote"});
+  co_return record;
+}
+Awaitable<Result<std::optional<ModelRecord>>> FakeCell::roll_back(app::Caller caller) {
+  if (auto error = take_failure()) co_return tl::unexpected(*error);
+  the_status.serving.reset();
+  the_promotions.push_back({std::nullopt, the_time, caller.name, "rollback"});
+  co_return std::optional<ModelRecord>{};
+}
+Awaitable<Result<std::vector<PromotionRecord>>> FakeCell::promotions() { co_return the_promotions; }
+
+}  // namespace driftwise::tests

@@ -1,0 +1,127 @@
+#pragma once
+// A Cell in memory: what clients of the API can be tested against without devices, clock or
+// database.
+//
+// It keeps runs, events, models and promotions as a store would, refuses what a cell refuses
+// (lease, unknown ids) and fails on request. Everything on the executor's thread, like the real
+// one; tests go through on_executor().
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <future>
+#include <thread>
+
+#include "server/application/cell.h"
+#include "server/application/watch_list.h"
+
+namespace driftwise::tests {
+
+namespace app = driftwise::application;
+
+class FakeCell final : public app::Cell {
+ public:
+  FakeCell();
+  ~FakeCell() override;
+
+  // Runs work on the cell's thread and waits for it.
+  template <class Work>
+  auto on_executor(Work work) {
+    std::promise<decltype(work())> done;
+    asio::post(context_, [&] {
+      if constexpr (std::is_void_v<decltype(work())>) {
+        work();
+        done.set_value();
+      } else {
+        done.set_value(work());
+      }
+    });
+    return done.get_future().get();
+  }
+
+  // --- what tests set and look at, on the executor's thread ---
+  std::optional<Error> fail_next;  // the next call that can fail does, with this
+  std::vector<std::string> calls;  // "move_to ada q=0.25"
+  app::Caller last_caller;
+  app::CreateRun last_create;
+  app::FitRequest last_fit;
+  app::CellStatus the_status;
+  std::map<std::int64_t, RunRecord> the_runs;
+  std::vector<PointRecord> the_points;
+  std::vector<AttemptRecord> the_attempts;
+  std::vector<DatumRecord> the_datums;
+  std::vector<EventRecord> the_events;
+  std::vector<ModelRecord> the_models;
+  std::vector<PromotionRecord> the_promotions;
+  std::string the_csv = "time_s,q1_mm,x_mm\n0,0,0\n";
+  int watchers = 0;  // streams that watch now
+  compensation::SnapshotBoard board;
+  CellTime the_time{1'700'000'000'000'000'000};
+
+  void publish_progress(const app::RunProgress& progress) { progress_.publish(progress); }
+  void publish_reading(const Reading& reading) { readings_.publish(reading); }
+  void publish_snapshot(compensation::Snapshot snapshot);
+  EventId add_event(const std::string& what);
+  ModelId add_model(const std::string& formula);  // q1 = 1e-6 + x, with plausible figures
+
+  // --- Cell ---
+  asio::any_io_executor executor() const override;
+  CellTime now() const override { return the_time; }
+  void start() override {}
+  Awaitable<void> shut_down() override { co_return; }
+  app::CellStatus status() const override { return the_status; }
+  const CellDescription& description() const override { return description_; }
+  Result<app::Lease> take_lease(const app::Caller& caller, Nanoseconds duration,
+                                const std::string& token) override;
+  Result<void> give_up_lease(const app::Caller& caller, const std::string& token) override;
+  Result<app::TrajectoryCheck> check_trajectory(const std::string& text) const override;
+  Awaitable<Result<RunRecord>> create_run(app::Caller caller, app::CreateRun request) override;
+  Awaitable<Result<RunRecord>> pause_run(app::Caller caller, RunId run) override;
+  Awaitable<Result<RunRecord>> resume_run(app::Caller caller, RunId run) override;
+  Awaitable<Result<RunRecord>> abort_run(app::Caller caller, RunId run, std::string why) override;
+  Awaitable<Result<void>> stop_all(app::Caller caller) override;
+  Awaitable<Result<void>> home(app::Caller caller, std::string lease_token) override;
+  Awaitable<Result<void>> move_to(app::Caller caller, std::string lease_token,
+                                  std::vector<double> q_mm) override;
+  Awaitable<Result<void>> set_stabiliser(app::Caller caller, std::string lease_token,
+                                         std::string device, double degc) override;
+  Watch watch_progress(std::function<void(const app::RunProgress&)> on_change) override;
+  Watch watch_events(std::function<void(const EventRecord&)> on_event) override;
+  Watch watch_readings(std::function<void(const Reading&)> on_reading) override;
+  Watch watch_snapshots(std::function<void()> on_rebuilt) override;
+  Awaitable<Result<std::vector<RunRecord>>> runs(int limit, std::int64_t before_id) override;
+  Awaitable<Result<RunRecord>> run(RunId run) override;
+  Awaitable<Result<std::vector<PointRecord>>> points(RunId run, std::int64_t after_id,
+                                                     int limit) override;
+  Awaitable<Result<std::vector<AttemptRecord>>> attempts(RunId run) override;
+  Awaitable<Result<std::vector<DatumRecord>>> data(RunId run) override;
+  Awaitable<Result<std::vector<EventRecord>>> events(EventId after, int limit) override;
+  Awaitable<Result<std::string>> export_dataset(std::vector<RunId> runs) override;
+  Awaitable<Result<RunRecord>> import_dataset(app::Caller caller, std::string name,
+                                              std::string csv) override;
+  Awaitable<Result<ModelRecord>> fit(app::Caller caller, app::FitRequest request) override;
+  Awaitable<Result<std::vector<ModelRecord>>> models() override;
+  Awaitable<Result<ModelRecord>> model(ModelId id) override;
+  Awaitable<Result<ModelRecord>> promote(app::Caller caller, ModelId id) override;
+  Awaitable<Result<std::optional<ModelRecord>>> roll_back(app::Caller caller) override;
+  Awaitable<Result<std::vector<PromotionRecord>>> promotions() override;
+  const compensation::SnapshotBoard& snapshots() const override { return board; }
+
+ private:
+  std::optional<Error> take_failure();
+  Result<RunRecord> find_run(RunId run) const;
+  Result<void> check_lease(const std::string& token) const;
+  Result<RunRecord> change_state(const app::Caller& caller, RunId run, RunState state,
+                                 std::string reason);
+  Watch counted(std::shared_ptr<void> watch);
+
+  asio::io_context context_{1};
+  CellDescription description_;
+  std::optional<app::Lease> lease_;
+  app::WatchList<app::RunProgress> progress_;
+  app::WatchList<EventRecord> event_watch_;
+  app::WatchList<Reading> readings_;
+  app::WatchList<> snapshots_;
+  std::thread thread_;
+};
+
+}  // namespace driftwise::tests

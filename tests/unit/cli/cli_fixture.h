@@ -1,0 +1,59 @@
+#pragma once
+// The command line driven as a person drives it, against a real server over a FakeCell.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "clients/cli/cli.h"
+#include "server/rpc/rpc_server.h"
+#include "tests/support/fake_cell.h"
+#include "tests/support/process.h"
+
+namespace driftwise::tests {
+
+using testing::HasSubstr;
+
+class CliTest : public testing::Test {
+ protected:
+  struct Outcome {
+    int exit = -1;
+    std::string out, err;
+  };
+
+  CliTest() {
+    auto opened = rpc::RpcServer::open(cell, "127.0.0.1:0");
+    if (!opened) throw std::runtime_error(opened.error().message);
+    server = std::move(*opened);
+    server->ready(true);
+    environment = {{"DRIFTWISE_SERVER", server->address()}, {"USER", "ada"}};
+  }
+
+  Outcome run(std::vector<std::string> arguments, bool terminal = false) {
+    std::ostringstream out, err;
+    cli::Console console{out, err, terminal, terminal, 80, environment, folder.path(), false};
+    const int exit = cli::run_cli(std::move(arguments), console);
+    return {exit, out.str(), err.str()};
+  }
+  nlohmann::json json(std::vector<std::string> arguments) {
+    arguments.push_back("--json");
+    const Outcome outcome = run(std::move(arguments));
+    EXPECT_EQ(outcome.exit, 0) << outcome.err;
+    return nlohmann::json::parse(outcome.out);
+  }
+  std::string file(const std::string& name, const std::string& text) {
+    const std::string path = folder.path() + "/" + name;
+    std::ofstream(path) << text;
+    return path;
+  }
+
+  TemporaryFolder folder;
+  FakeCell cell;
+  std::unique_ptr<rpc::RpcServer> server;
+  std::map<std::string, std::string> environment;
+};
+
+}  // namespace driftwise::tests

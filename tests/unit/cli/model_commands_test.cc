@@ -1,0 +1,84 @@
+#include "tests/unit/cli/cli_fixture.h"
+
+namespace driftwise::tests {
+namespace {
+
+class ModelCommandsTest : public CliTest {
+ protected:
+  ModelCommandsTest() {
+    cell.on_executor([&] { cell.add_model("q ~ x + T"); });
+  }
+};
+
+TEST_F(ModelCommandsTest, ShowsAPageToSign) {
+  const auto page = run({"model", "show", "1"});
+  EXPECT_EQ(page.exit, 0);
+  for (const char* line :
+       {"Model 1  first\n", "formula     q ~ x + T\n",
+        "data        runs 1: 560 rows calibration, 448 validation, 0 dropped\n",
+        "fitted      2023-11-14 22:13:20 UTC by ada\n",
+        "U90 calibration 8.20 nm, validation 9.10 nm\n",
+        "q1_mm: coefficients in mm per unit of the term, 558 degrees of freedom\n"})
+    EXPECT_THAT(page.out, HasSubstr(line));
+}
+
+TEST_F(ModelCommandsTest, JsonCarriesTheUnitInTheKey) {
+  const auto model = json({"model", "show", "1"});
+  const auto& output = model["outputs"][0];
+  EXPECT_NEAR(output["accuracy"]["u90_calibration_nm"].get<double>(), 8.2, 1e-9);
+  EXPECT_EQ(output["accuracy"]["u90_blocks_nm"], nullptr);
+  EXPECT_NEAR(output["history"][0]["rmse_nm"].get<double>(), 5.0, 1e-9);
+  EXPECT_TRUE(output["terms"][1].contains("contribution_rms_nm"));
+  EXPECT_NEAR(model["fit_s"].get<double>(), 48.1e-6, 1e-12);
+  EXPECT_TRUE(model["id"].is_number_integer());
+}
+
+TEST_F(ModelCommandsTest, PromotesComparesAndRollsBack) {
+  cell.on_executor([&] { cell.add_model("q ~ x"); });
+  EXPECT_EQ(run({"model", "promote", "2", "--dry-run"}).exit, 0);
+  EXPECT_EQ(json({"model", "list"})["models"][1]["serving"], false);
+  EXPECT_EQ(run({"model", "promote", "2"}).out, "model 2 serves now: q ~ x\n");
+  EXPECT_THAT(run({"model", "compare", "1", "2"}).out, HasSubstr("model 2*"));
+  EXPECT_EQ(run({"model", "rollback"}).out, "no model serves now\n");
+  EXPECT_EQ(json({"model", "history"})["promotions"].size(), 2U);
+  EXPECT_EQ(run({"model", "promote", "9"}).exit, 3);
+}
+
+TEST_F(ModelCommandsTest, ExportsJsonAndC) {
+  EXPECT_EQ(nlohmann::json::parse(run({"model", "export", "1"}).out)["schema"],
+            "driftwise.model.v1");
+  const std::string path = folder.path() + "/model.c";
+  EXPECT_EQ(run({"model", "export", "1", "--format", "c", "-o", path}).exit, 0);
+  EXPECT_THAT(read_file(path), HasSubstr("driftwise_model_1"));
+}
+
+TEST_F(ModelCommandsTest, FitsAtTheDaemonAndPrintsTheFitsOwnJson) {
+  const auto fit =
+      json({"fit", "--run", "3", "--model", "q ~ x + T", "--exclude", "t01,t02", "--first", "300"});
+  EXPECT_EQ(fit["schema"], "driftwise.fit.v1");
+  EXPECT_EQ(fit["model_id"], 2);
+  const auto asked = cell.on_executor([&] { return cell.last_fit; });
+  EXPECT_EQ(asked.runs, std::vector<RunId>{RunId{3}});
+  EXPECT_EQ(asked.exclude_channels, (std::vector<std::string>{"t01", "t02"}));
+  EXPECT_EQ(asked.first_rows, 300);
+}
+
+TEST_F(ModelCommandsTest, FitsAFileWithoutADaemon) {
+  environment["DRIFTWISE_SERVER"] = "127.0.0.1:1";
+  std::string csv = "q1_mm,x_mm\n";
+  for (int i = 0; i < 12; ++i)
+    csv += std::to_string(2 * i + (i % 3) * 0.001) + "," + std::to_string(i) + "\n";
+  const auto fit = json({"fit", file("line.csv", csv), "--model", "q ~ x"});
+  EXPECT_EQ(fit["rows"]["calibration"], 12);
+  EXPECT_EQ(run({"fit", file("line.csv", csv), "--model", "q ~ z"}).exit, 3);
+}
+
+TEST_F(ModelCommandsTest, AsksForATarget) {
+  const auto refused = run({"target", "x=1.5"});
+  EXPECT_EQ(refused.exit, 5);
+  EXPECT_THAT(refused.err, HasSubstr("driftwise: "));
+  EXPECT_EQ(run({"target", "x=1.5", "--every", "1"}).exit, 2) << "--every needs --watch";
+}
+
+}  // namespace
+}  // namespace driftwise::tests

@@ -1,0 +1,163 @@
+#include "tests/unit/cli/cli_fixture.h"
+
+namespace driftwise::tests {
+namespace {
+
+class RunCommandsTest : public CliTest {
+ protected:
+  std::string trajectory() { return file("weekend.csv", "x_mm\n0\n1\n0\n"); }
+};
+
+TEST_F(RunCommandsTest, StartsARunNamedAfterItsFileAndGivesTheLeaseBack) {
+  const auto run_json = json({"run", "start", trajectory()});
+  EXPECT_EQ(run_json["id"], 1);
+  EXPECT_EQ(run_json["name"], "weekend.csv");
+  EXPECT_EQ(run_json["state"], "running");
+  EXPECT_EQ(run_json["operator_name"], "ada");
+  EXPECT_EQ(run_json["end_time"], nullptr);
+  EXPECT_FALSE(cell.on_executor([&] { return cell.the_status.lease.has_value(); }));
+  EXPECT_FALSE(cell.on_executor([&] { return cell.last_create.request_id.empty(); }))
+      << "a retry is safe";
+}
+
+TEST_F(RunCommandsTest, ADryRunStartsNothing) {
+  const auto outcome = run({"run", "start", trajectory(), "--dry-run"});
+  EXPECT_EQ(outcome.exit, 0);
+  EXPECT_THAT(outcome.out, HasSubstr("3 points (2 calibration, 1 validation) on 1 lines"));
+  EXPECT_TRUE(cell.on_executor([&] { return cell.the_runs.empty(); }));
+}
+
+TEST_F(RunCommandsTest, PassesOnWhatTheRunIsToBe) {
+  json({"run", "start", trajectory(), "--name", "n", "--compensate", "--model", "4", "--readings",
+        "6"});
+  const auto asked = cell.on_executor([&] { return cell.last_create; });
+  EXPECT_EQ(asked.name, "n");
+  EXPECT_TRUE(asked.compensate);
+  EXPECT_EQ(asked.compensate_with, ModelId{4});
+  EXPECT_EQ(asked.rules->readings_per_point, 6);
+}
+
+TEST_F(RunCommandsTest, WaitsForTheLeaseHolderByName) {
+  cell.on_executor([&] {
+    static_cast<void>(cell.take_lease({"bob", "x"}, std::chrono::seconds(60), ""));
+  });
+  const auto outcome = run({"run", "start", trajectory()});
+  EXPECT_EQ(outcome.exit, 5);
+  EXPECT_EQ(outcome.err, "driftwise: bob holds the lease\n");
+}
+
+TEST_F(RunCommandsTest, WatchesToTheEndAndExitsWithItsVerdict) {
+  json({"run", "start", trajectory()});
+  for (const auto& [state, exit] :
+       {std::pair{RunState::done, 0}, {RunState::failed, 5}, {RunState::aborted, 5}}) {
+    cell.on_executor([&, state = state] { cell.the_runs[1].state = state; });
+    EXPECT_EQ(run({"run", "watch", "1"}).exit, exit) << to_string(state);
+  }
+}
+
+TEST_F(RunCommandsTest, AWatchThatRunsOutOfTimeLeavesTheRunAlone) {
+  json({"run", "start", trajectory()});
+  app::RunProgress progress;
+  cell.on_executor([&] {
+    progress.run = cell.the_runs[1];
+    progress.phase = "moving";
+    cell.the_status.run = progress;
+  });
+  const auto outcome = run({"run", "watch", "--timeout", "0.3"});
+  EXPECT_EQ(outcome.exit, 4);
+  EXPECT_THAT(outcome.err, HasSubstr("run 1 goes on"));
+  EXPECT_THAT(outcome.err, HasSubstr("driftwise run abort 1"));
+}
+
+TEST_F(RunCommandsTest, ListsRunsAsATable) {
+  cell.on_executor([&] {
+    RunRecord run;
+    run.id = {12};
+    run.name = "weekend";
+    run.rows = 1008;
+    run.accepted = 1006;
+    run.given_up = 2;
+    run.attempts = 1031;
+    run.state = RunState::done;
+    run.operator_name = "ada";
+    run.started = {1'700'000'000'000'000'000};
+    run.ended = run.started + std::chrono::seconds(14520);
+    cell.the_runs[12] = run;
+  });
+  EXPECT_EQ(
+      run({"run", "list"}).out,
+      "run  name     state     points  given up  attempts  started (UTC)              took  "
+      "operator\n"
+      " 12  weekend  done   1006/1008         2      1031  2023-11-14 22:13:20  4 h 02 min  ada\n");
+}
+
+TEST_F(RunCommandsTest, PausesResumesAndAborts) {
+  json({"run", "start", trajectory()});
+  EXPECT_EQ(json({"run", "pause", "1"})["reason"], "paused by ada");
+  EXPECT_EQ(json({"run", "resume", "1"})["state"], "running");
+  EXPECT_EQ(json({"run", "abort", "1", "--reason", "door open"})["reason"], "door open");
+  EXPECT_EQ(run({"run", "pause", "1"}).exit, 5);
+}
+
+TEST_F(RunCommandsTest, ShowsPointsWithNullForWhatWasNotMeasured) {
+  json({"run", "start", trajectory()});
+  cell.on_executor([&] {
+    PointRecord point;
+    point.id = {1};
+    point.values = {{"x_mm", 1.5}, {"t07_degC", kMissing}};
+    cell.the_points = {point};
+    AttemptRecord attempt;
+    attempt.verdict = Verdict::given_up;
+    attempt.reason = "spread 7.3 nm of 4 readings, limit 5 nm";
+    attempt.spread_nm = 7.3;
+    cell.the_attempts = {attempt};
+  });
+  const auto points = json({"run", "points", "1"});
+  EXPECT_EQ(points["points"][0]["values"]["x_mm"], 1.5);
+  EXPECT_EQ(points["points"][0]["values"]["t07_degC"], nullptr);
+  EXPECT_EQ(points["points"][0]["dwell_s"], 0.0);
+  EXPECT_EQ(json({"run", "attempts", "1"})["attempts"][0]["verdict"], "given_up");
+  EXPECT_THAT(run({"run", "attempts", "1"}).out, HasSubstr("given_up        7.3"));
+}
+
+TEST_F(RunCommandsTest, ExportsToAFileInOnePiece) {
+  json({"run", "start", trajectory()});
+  EXPECT_EQ(run({"data", "export", "1"}).out, "time_s,q1_mm,x_mm\n0,0,0\n");
+  const std::string path = folder.path() + "/out.csv";
+  EXPECT_EQ(run({"data", "export", "1", "-o", path}).exit, 0);
+  EXPECT_EQ(read_file(path), "time_s,q1_mm,x_mm\n0,0,0\n");
+  EXPECT_EQ(run({"data", "export", "1", "-o", folder.path() + "/no/such/out.csv"}).exit, 3);
+  EXPECT_EQ(json({"data", "import", path})["name"], "out.csv");
+}
+
+TEST_F(RunCommandsTest, MovesWithinTheLimitsAndChecksThemWithoutMoving) {
+  EXPECT_EQ(run({"move", "q1=0.25"}).exit, 0);
+  EXPECT_EQ(run({"move", "q1=99", "--dry-run"}).exit, 5);
+  EXPECT_EQ(run({"move", "q2=1", "--dry-run"}).exit, 3);
+  EXPECT_EQ(run({"move", "q1=1", "--dry-run"}).exit, 0);
+  EXPECT_EQ(run({"home", "--dry-run"}).exit, 0);
+  EXPECT_EQ(cell.on_executor([&] { return cell.calls; }),
+            (std::vector<std::string>{"move_to ada q=0.250000", "give_up_lease"}));
+}
+
+TEST_F(RunCommandsTest, LeasesCanBeHeldAcrossCommands) {
+  const auto lease = json({"lease", "take", "--hold", "120"});
+  EXPECT_EQ(lease["holder"], "ada");
+  const std::string token = lease["token"];
+  EXPECT_EQ(run({"move", "q1=0.25", "--lease-token", token}).exit, 0);
+  EXPECT_THAT(run({"lease", "show"}).out, HasSubstr("held by ada"));
+  EXPECT_EQ(run({"lease", "give-up", token}).exit, 0);
+  EXPECT_EQ(run({"lease", "show"}).out, "free\n");
+}
+
+TEST_F(RunCommandsTest, ShowsTheStatus) {
+  EXPECT_THAT(run({"status"}).out, HasSubstr("t07_degC  20.5123"));
+  const auto status = json({"status"});
+  EXPECT_EQ(status["cell_name"], "linear-axis");
+  EXPECT_EQ(status["values"][1]["value"], nullptr);
+  EXPECT_EQ(status["run"], nullptr);
+  EXPECT_EQ(status["devices"][0]["last_latency_s"], 0.002);
+}
+
+}  // namespace
+}  // namespace driftwise::tests

@@ -1,0 +1,77 @@
+#include "clients/cli/text.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "clients/cli/assignment.h"
+#include "clients/cli/progress_bar.h"
+#include "clients/cli/table.h"
+
+namespace driftwise::cli {
+namespace {
+
+TEST(Text, SpansAreReadAtAGlance) {
+  EXPECT_EQ(span_text(0.0123), "12.3 ms");
+  EXPECT_EQ(span_text(59.94), "59.9 s");
+  EXPECT_EQ(span_text(61), "1 min 01 s");
+  EXPECT_EQ(span_text(4 * 3600 + 150), "4 h 02 min");
+  EXPECT_EQ(span_text(60 * 3600), "2 d 12 h");
+  EXPECT_EQ(span_text(std::nan("")), "-");
+}
+
+TEST(Text, NumbersAreWholeAndFinite) {
+  EXPECT_EQ(number_from("1.5e-3"), 1.5e-3);
+  EXPECT_EQ(number_from("+2"), 2);
+  for (const char* bad : {"", " 1", "1 ", "1,5", "0x10", "nan", "inf", "1e999", "--1"})
+    EXPECT_FALSE(number_from(bad)) << bad;
+  EXPECT_EQ(fixed(-0.0001, 2), "0.00");
+}
+
+TEST(Table, AlignsByCharactersNotBytes) {
+  Table table({{"name"}, {"nm", Align::right}});
+  table.add({"J\xc3\xbcrg", "12.0"});
+  table.add({"ada", "-3.5"});
+  std::ostringstream out;
+  table.print(out, Paint(false));
+  EXPECT_EQ(out.str(), "name    nm\nJ\xc3\xbcrg  12.0\nada   -3.5\n");
+}
+
+TEST(Assignment, KnowsTheUnitsOfCoordinates) {
+  EXPECT_EQ(assignment_from("x=1.5").channel(), "x_mm");
+  EXPECT_EQ(assignment_from("x=1.5mm").value(), 1.5);
+  EXPECT_EQ(assignment_from("ry_arcsec=-12").channel(), "ry_arcsec");
+  EXPECT_EQ(assignment_from("F=0.3 N").channel(), "force_N");
+  EXPECT_EQ(assignment_from("q1=0.25").channel(), "q1_mm");
+  for (const char* bad : {"", "x", "=", "x=", "x_um=1", "t07=1", "x=1um", "x=1e999"})
+    EXPECT_THROW(assignment_from(bad), Failure) << bad;
+}
+
+v1::RunProgress progress(std::int64_t accepted, std::int64_t rows) {
+  v1::RunProgress p;
+  p.mutable_run()->set_id(3);
+  p.mutable_run()->set_state(v1::Run::STATE_RUNNING);
+  p.mutable_run()->set_accepted_count(accepted);
+  p.mutable_run()->set_row_count(rows);
+  p.set_phase("moving");
+  return p;
+}
+
+TEST(ProgressLine, ShowsTheShareAndWhatIsLeft) {
+  auto p = progress(412, 1008);
+  p.set_last_spread_nm(3.14);
+  EXPECT_EQ(progress_line(p, 3725, 200),
+            "run 3 moving [########............]  412/1008  40 %  1 h 02 min left  spread 3.1 nm");
+}
+
+TEST(ProgressLine, FitsItsWidthAndNeverDividesByZero) {
+  EXPECT_LE(width_of(progress_line(progress(412, 1008), 3725, 60)), 60U);
+  EXPECT_EQ(progress_line(progress(0, 0), std::nan(""), 80),
+            "run 3 moving [....................]  0/0  0 %");
+  EXPECT_THAT(progress_line(progress(1008, 1008), std::nan(""), 80),
+              testing::HasSubstr("[####################]"));
+}
+
+}  // namespace
+}  // namespace driftwise::cli

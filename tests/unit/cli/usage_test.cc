@@ -1,0 +1,113 @@
+// What a person gets wrong, and what the world does: exit codes and sentences.
+
+#include "tests/unit/cli/cli_fixture.h"
+
+namespace driftwise::tests {
+namespace {
+
+TEST_F(CliTest, UsageErrorsExitWith2) {
+  for (const std::vector<std::string>& line : std::vector<std::vector<std::string>>{
+           {},
+           {"dance"},
+           {"status", "--nonsense"},
+           {"run"},
+           {"run", "start"},
+           {"run", "show"},
+           {"run", "show", "three"},
+           {"run", "start", "a.csv", "--model", "3"},
+           {"model", "compare", "1"},
+           {"model", "export", "1", "--format", "fortran"},
+           {"target"},
+           {"target", "x"},
+           {"target", "x=fast"},
+           {"target", "x=nan"},
+           {"target", "x_um=5"},
+           {"target", "t07=20"},
+           {"data", "export"},
+           {"data", "export", "-3"},
+           {"fit", "--run", "3"},
+           {"fit", "--model", "q ~ x"},
+           {"fit", "a.csv", "--run", "3", "--model", "q ~ x"},
+           {"fit", "--run", "3", "--model", "q ~ x", "--weights", "x_std"},
+           {"status", "--timeout", "-1"}}) {
+    const auto outcome = run(line);
+    EXPECT_EQ(outcome.exit, 2) << testing::PrintToString(line) << outcome.err;
+    EXPECT_EQ(outcome.out, "") << "data only on standard output";
+    EXPECT_THAT(outcome.err, testing::StartsWith("driftwise: "));
+  }
+}
+
+TEST_F(CliTest, HelpOpensWithExamples) {
+  const auto outcome = run({"--help"});
+  EXPECT_EQ(outcome.exit, 0);
+  EXPECT_THAT(outcome.out, testing::StartsWith("Examples:\n"));
+  EXPECT_EQ(run({"run", "start", "--help"}).exit, 0);
+  EXPECT_EQ(run({"--version"}).out, "0.1.0\n");
+}
+
+TEST_F(CliTest, BadFilesExitWith3AndAreNamed) {
+  const auto missing = run({"trajectory", "check", "nowhere.csv"});
+  EXPECT_EQ(missing.exit, 3);
+  EXPECT_THAT(missing.err, HasSubstr("nowhere.csv"));
+  EXPECT_EQ(run({"trajectory", "check", folder.path()}).exit, 3);
+  const auto bad = run({"trajectory", "check", file("bad.csv", "x_mm\n0\nbad\n")});
+  EXPECT_EQ(bad.exit, 3);
+  EXPECT_THAT(bad.err, HasSubstr("bad.csv"));
+  EXPECT_THAT(bad.err, HasSubstr("line 3, column x_mm"));
+  EXPECT_EQ(run({"run", "show", "99"}).exit, 3);
+}
+
+TEST_F(CliTest, ADaemonThatIsNotThereExitsWith4AndSaysWhatToDo) {
+  const auto outcome = run({"status", "--server", "127.0.0.1:1", "--timeout", "5"});
+  EXPECT_EQ(outcome.exit, 4);
+  EXPECT_THAT(outcome.err, HasSubstr("127.0.0.1:1"));
+  EXPECT_THAT(outcome.err, HasSubstr("--server"));
+}
+
+TEST_F(CliTest, ARefusalExitsWith5) {
+  cell.on_executor([&] {
+    cell.fail_next = Error{ErrorCode::failed_precondition, "NOT_HOMED", "home the axis first"};
+  });
+  const auto outcome = run({"stop"});
+  EXPECT_EQ(outcome.exit, 5);
+  EXPECT_EQ(outcome.err, "driftwise: home the axis first\n");
+}
+
+TEST_F(CliTest, ErrorsAreJsonToo) {
+  const auto outcome = run({"--json", "run", "show", "99"});
+  EXPECT_EQ(outcome.exit, 3);
+  const auto error = nlohmann::json::parse(outcome.err)["error"];
+  EXPECT_EQ(error["code"], "not_found");
+  EXPECT_EQ(error["reason"], "NO_RUN");
+}
+
+TEST_F(CliTest, TheFlagBeatsTheEnvironmentBeatsTheFileBeatsTheDefault) {
+  const std::string address = server->address();
+  environment["DRIFTWISE_SERVER"] = "127.0.0.1:1";
+  EXPECT_EQ(run({"devices", "--server", address}).exit, 0);
+  environment["DRIFTWISE_SERVER"] = address;
+  file("driftwised.json", R"({"grpc": "127.0.0.1:1"})");
+  EXPECT_EQ(run({"devices"}).exit, 0);
+  environment.erase("DRIFTWISE_SERVER");
+  file("driftwised.json", R"({"grpc": ")" + address + R"("})");
+  EXPECT_EQ(run({"devices"}).exit, 0);
+  file("driftwised.json", "{");
+  EXPECT_EQ(run({"devices"}).exit, 3);
+}
+
+TEST_F(CliTest, SaysWhoAsks) {
+  EXPECT_EQ(run({"stop"}).exit, 0);
+  EXPECT_EQ(run({"stop", "--operator", "J\xc3\xbcrg"}).exit, 0);
+  EXPECT_EQ(cell.on_executor([&] { return cell.calls; }),
+            (std::vector<std::string>{"stop_all ada", "stop_all J\xc3\xbcrg"}));
+}
+
+TEST_F(CliTest, ColourStandsOnATerminalWithoutNoColorOnly) {
+  EXPECT_THAT(run({"devices"}, true).out, HasSubstr("\x1b["));
+  EXPECT_THAT(run({"devices"}).out, testing::Not(HasSubstr("\x1b[")));
+  environment["NO_COLOR"] = "";
+  EXPECT_THAT(run({"devices"}, true).out, testing::Not(HasSubstr("\x1b[")));
+}
+
+}  // namespace
+}  // namespace driftwise::tests

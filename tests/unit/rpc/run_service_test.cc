@@ -1,0 +1,240 @@
+#include "driftwise/v1/cell_service.grpc.pb.h"
+#include "driftwise/v1/data_service.grpc.pb.h"
+#include "driftwise/v1/run_service.grpc.pb.h"
+#include "tests/unit/rpc/rpc_fixture.h"
+
+namespace driftwise::tests {
+namespace {
+
+using Stub = v1::RunService::Stub;
+
+class RunServiceTest : public RpcTest {
+ protected:
+  v1::CreateRunRequest a_run() {
+    v1::CreateRunRequest request;
+    request.set_name("weekend");
+    request.set_trajectory_name("weekend.csv");
+    request.set_trajectory_text("x_mm\n0\n1\n0\n");
+    request.set_lease_token(ask(&v1::CellService::Stub::TakeLease, renewal())->lease().token());
+    return request;
+  }
+  v1::TakeLeaseRequest renewal() {
+    v1::TakeLeaseRequest request;
+    request.set_token("token-ada");
+    return request;
+  }
+};
+
+TEST_F(RunServiceTest, ChecksATrajectoryAndNamesWhatIsWrong) {
+  v1::CheckTrajectoryRequest request;
+  request.set_trajectory_text("x_mm\n0\n");
+  const auto check = ask(&Stub::CheckTrajectory, request);
+  ASSERT_TRUE(check);
+  EXPECT_EQ(check->row_count(), 3);
+  EXPECT_EQ(check->coordinates(0), "x_mm");
+  EXPECT_EQ(check->estimated_duration().seconds(), 42);
+  EXPECT_EQ(check->estimated_duration().nanos(), 500'000'000);
+  request.set_trajectory_text("x_mm\nbad\n");
+  EXPECT_THAT(ask(&Stub::CheckTrajectory, request),
+              FailsWith(ErrorCode::invalid_argument, "BAD_NUMBER"));
+}
+
+TEST_F(RunServiceTest, CreatesARunAsItWasAskedFor) {
+  auto request = a_run();
+  request.set_compensate(true);
+  request.set_compensate_model_id(7);
+  request.mutable_rules()->set_readings_per_point(6);
+  request.mutable_rules()->mutable_settle_duration()->set_nanos(500'000'000);
+  const auto created = ask(&Stub::CreateRun, request);
+  ASSERT_TRUE(created);
+  EXPECT_EQ(created->run().state(), v1::Run::STATE_RUNNING);
+  EXPECT_EQ(created->run().operator_name(), "ada");
+  EXPECT_FALSE(created->run().has_end_time());
+  const auto asked = cell.on_executor([&] { return cell.last_create; });
+  EXPECT_EQ(asked.trajectory_text, "x_mm\n0\n1\n0\n");
+  EXPECT_EQ(asked.compensate_with, ModelId{7});
+  ASSERT_TRUE(asked.rules);
+  EXPECT_EQ(asked.rules->readings_per_point, 6);
+  EXPECT_DOUBLE_EQ(asked.rules->settle_s, 0.5);
+  EXPECT_DOUBLE_EQ(asked.rules->max_spread_nm, 5.0)
+      << "what the request leaves out is as in the cell file";
+}
+
+TEST_F(RunServiceTest, ARepeatedRequestAnswersWithTheFirstRun) {
+  auto request = a_run();
+  request.set_request_id("once");
+  const auto first = ask(&Stub::CreateRun, request), second = ask(&Stub::CreateRun, request);
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(first->run().id(), second->run().id());
+}
+
+TEST_F(RunServiceTest, RefusesARequestThatCannotBeMeant) {
+  const auto good = a_run();
+  auto request = good;
+  request.clear_trajectory_text();
+  EXPECT_THAT(ask(&Stub::CreateRun, request),
+              FailsWith(ErrorCode::invalid_argument, "EMPTY_TRAJECTORY"));
+  request = good;
+  request.set_request_id(std::string(129, 'r'));
+  EXPECT_THAT(ask(&Stub::CreateRun, request), FailsWith(ErrorCode::invalid_argument, "TOO_LONG"));
+  request = good;
+  request.set_trajectory_text(std::string(9 << 20, '1'));
+  EXPECT_THAT(ask(&Stub::CreateRun, request), FailsWith(ErrorCode::invalid_argument, "TOO_LONG"));
+  request = good;
+  request.set_compensate_model_id(1);
+  EXPECT_THAT(ask(&Stub::CreateRun, request),
+              FailsWith(ErrorCode::invalid_argument, "MODEL_WITHOUT_COMPENSATE"));
+  request.set_compensate(true);
+  request.set_compensate_model_id(-4);
+  EXPECT_THAT(ask(&Stub::CreateRun, request), FailsWith(ErrorCode::invalid_argument, "BAD_ID"));
+  for (const double bad : {std::nan(""), -1.0, 1e300, std::numeric_limits<double>::infinity()}) {
+    request = good;
+    request.mutable_rules()->set_max_spread_nm(bad);
+    EXPECT_THAT(ask(&Stub::CreateRun, request), FailsWith(ErrorCode::invalid_argument, "BAD_RULE"))
+        << bad;
+  }
+  request = good;
+  request.mutable_rules()->set_readings_per_point(INT32_MAX);
+  EXPECT_THAT(ask(&Stub::CreateRun, request), FailsWith(ErrorCode::invalid_argument, "BAD_RULE"));
+  request = good;
+  request.mutable_rules()->mutable_settle_duration()->set_nanos(-5);
+  EXPECT_THAT(ask(&Stub::CreateRun, request),
+              FailsWith(ErrorCode::invalid_argument, "BAD_DURATION"));
+  request = good;
+  request.set_lease_token("wrong");
+  EXPECT_THAT(ask(&Stub::CreateRun, request),
+              FailsWith(ErrorCode::permission_denied, "LEASE_REQUIRED"));
+  EXPECT_TRUE(cell.on_executor([&] { return cell.the_runs.empty(); })) << "nothing is half-done";
+}
+
+TEST_F(RunServiceTest, ShowsARunWithItsTrajectoryAndItsRules) {
+  ASSERT_TRUE(ask(&Stub::CreateRun, a_run()));
+  v1::GetRunRequest request;
+  request.set_run_id(1);
+  const auto run = ask(&Stub::GetRun, request);
+  ASSERT_TRUE(run);
+  EXPECT_EQ(run->run().name(), "weekend");
+  EXPECT_EQ(run->trajectory_text(), "x_mm\n0\n1\n0\n");
+  EXPECT_EQ(run->rules_json(), "{}");
+}
+
+TEST_F(RunServiceTest, SaysWhichIdIsBadAndWhichUnknown) {
+  v1::GetRunRequest request;
+  for (const std::int64_t bad : {std::int64_t{0}, std::int64_t{-1}, INT64_MIN}) {
+    request.set_run_id(bad);
+    EXPECT_THAT(ask(&Stub::GetRun, request), FailsWith(ErrorCode::invalid_argument, "BAD_ID"));
+  }
+  request.set_run_id(999);
+  EXPECT_THAT(ask(&Stub::GetRun, request), FailsWith(ErrorCode::not_found, "NO_RUN"));
+  v1::PauseRunRequest pause;
+  pause.set_run_id(999);
+  EXPECT_THAT(ask(&Stub::PauseRun, pause), FailsWith(ErrorCode::not_found, "NO_RUN"));
+  v1::ListAttemptsRequest attempts;
+  attempts.set_run_id(999);
+  EXPECT_THAT(ask(&Stub::ListAttempts, attempts), FailsWith(ErrorCode::not_found, "NO_RUN"));
+  v1::ListDatumsRequest datums;
+  EXPECT_THAT(ask(&Stub::ListDatums, datums), FailsWith(ErrorCode::invalid_argument, "BAD_ID"));
+}
+
+TEST_F(RunServiceTest, PausesResumesAndAbortsForAnybody) {
+  ASSERT_TRUE(ask(&Stub::CreateRun, a_run()));
+  v1::PauseRunRequest pause;
+  pause.set_run_id(1);
+  EXPECT_EQ(ask(&Stub::PauseRun, pause, "bob")->run().reason(), "paused by bob");
+  v1::ResumeRunRequest resume;
+  resume.set_run_id(1);
+  EXPECT_EQ(ask(&Stub::ResumeRun, resume, "bob")->run().state(), v1::Run::STATE_RUNNING);
+  v1::AbortRunRequest abort;
+  abort.set_run_id(1);
+  abort.set_reason("door open");
+  EXPECT_EQ(ask(&Stub::AbortRun, abort, "bob")->run().state(), v1::Run::STATE_ABORTED);
+  EXPECT_THAT(ask(&Stub::PauseRun, pause), FailsWith(ErrorCode::failed_precondition, "RUN_OVER"));
+}
+
+TEST_F(RunServiceTest, PagesThroughRunsAndPoints) {
+  cell.on_executor([&] {
+    for (std::int64_t i = 1; i <= 7; ++i) {
+      RunRecord run;
+      run.id = {i};
+      cell.the_runs[i] = run;
+      PointRecord point;
+      point.id = {i};
+      point.values = {{"x_mm", 1.5}, {"t07_degC", kMissing}};
+      cell.the_points.push_back(point);
+    }
+  });
+  v1::ListRunsRequest runs;
+  runs.set_limit(3);
+  runs.set_before_run_id(5);
+  const auto page = ask(&Stub::ListRuns, runs);
+  ASSERT_TRUE(page);
+  ASSERT_EQ(page->runs_size(), 3);
+  EXPECT_EQ(page->runs(0).id(), 4);
+  v1::ListPointsRequest points;
+  points.set_run_id(1);
+  points.set_after_point_id(5);
+  const auto found = ask(&Stub::ListPoints, points);
+  ASSERT_TRUE(found);
+  ASSERT_EQ(found->points_size(), 2);
+  EXPECT_FALSE(found->points(0).values(1).has_value());
+  points.set_limit(10001);
+  EXPECT_THAT(ask(&Stub::ListPoints, points), FailsWith(ErrorCode::invalid_argument, "BAD_LIMIT"));
+  runs.set_limit(-1);
+  EXPECT_THAT(ask(&Stub::ListRuns, runs), FailsWith(ErrorCode::invalid_argument, "BAD_LIMIT"));
+}
+
+TEST_F(RunServiceTest, CarriesEveryKindOfErrorOfTheCell) {
+  for (const ErrorCode code :
+       {ErrorCode::already_exists, ErrorCode::failed_precondition, ErrorCode::aborted,
+        ErrorCode::out_of_range, ErrorCode::resource_exhausted, ErrorCode::unavailable,
+        ErrorCode::data_loss, ErrorCode::internal}) {
+    cell.on_executor([&] { cell.fail_next = Error{code, "WHY", "what to do"}; });
+    EXPECT_THAT(ask(&Stub::ListRuns, v1::ListRunsRequest{}), FailsWith(code, "WHY"));
+  }
+}
+
+TEST_F(RunServiceTest, DatasetsGoOutInPiecesAndComeBackTheSame) {
+  std::string csv = "q1_mm,x_mm\n";
+  while (csv.size() < 300'000) csv += "0.123456789012345,0.2\n";
+  v1::ImportDatasetRequest in;
+  in.set_name("old");
+  in.set_csv(csv);
+  const auto run = ask(&v1::DataService::Stub::ImportDataset, in);
+  ASSERT_TRUE(run);
+  Call call;
+  v1::ExportDatasetRequest out;
+  out.add_run_ids(run->run().id());
+  v1::DataService::Stub stub(channel);
+  const auto reader = stub.ExportDataset(&call, out);
+  std::string back;
+  int pieces = 0;
+  for (v1::ExportDatasetResponse piece; reader->Read(&piece); ++pieces) {
+    EXPECT_LE(piece.chunk().size(), 65536U);
+    EXPECT_EQ(piece.total_bytes(), static_cast<std::int64_t>(csv.size()));
+    back += piece.chunk();
+  }
+  EXPECT_TRUE(reader->Finish().ok());
+  EXPECT_EQ(back, csv);
+  EXPECT_EQ(pieces, 5);
+}
+
+TEST_F(RunServiceTest, ExportRefusesNothingUnknownAndTwice) {
+  const auto refused = [&](std::vector<std::int64_t> ids) {
+    Call call;
+    v1::ExportDatasetRequest request;
+    for (const auto id : ids) request.add_run_ids(id);
+    v1::DataService::Stub stub(channel);
+    const auto reader = stub.ExportDataset(&call, request);
+    v1::ExportDatasetResponse piece;
+    EXPECT_FALSE(reader->Read(&piece));
+    return rpc::to_error(reader->Finish()).reason;
+  };
+  EXPECT_EQ(refused({}), "NO_RUNS");
+  EXPECT_EQ(refused({12}), "NO_RUN");
+  EXPECT_EQ(refused({-1}), "BAD_ID");
+  EXPECT_EQ(refused({1, 1}), "DUPLICATE_RUN");
+  EXPECT_EQ(refused(std::vector<std::int64_t>(2000, 1)), "TOO_MANY_RUNS");
+}
+
+}  // namespace
+}  // namespace driftwise::tests

@@ -1,0 +1,165 @@
+#include "driftwise/v1/target_service.grpc.pb.h"
+#include "tests/unit/rpc/rpc_fixture.h"
+
+namespace driftwise::tests {
+namespace {
+
+using Stub = v1::TargetService::Stub;
+using compensation::Snapshot;
+using compensation::Variable;
+
+// q1 = offset + x, with u = 10 nm from the fit; domain -4 .. 4 mm.
+Snapshot line_snapshot(CellTime now, double offset_mm) {
+  Snapshot snapshot;
+  snapshot.model = {3};
+  snapshot.built_at = now;
+  snapshot.valid_until = now + std::chrono::seconds(30);
+  snapshot.products = {{0, static_cast<std::uint8_t>(Variable::x)}};
+  snapshot.needed = compensation::bit(Variable::x);
+  snapshot.column_per_unit.fill(1.0);
+  Snapshot::Output output;
+  output.channel = {"q1", "mm"};
+  output.coefficients_mm = {offset_mm, 1.0};
+  output.variance_nm2 = {100.0, 0.0, 0.0};
+  output.lines = {{compensation::UncertaintySource::fit, {100.0}}};
+  snapshot.outputs = {output};
+  Snapshot::Input x;
+  x.channel = {"x", "mm"};
+  x.variable = Variable::x;
+  x.min = -4;
+  x.max = 4;
+  snapshot.inputs = {x};
+  return snapshot;
+}
+
+v1::ComputeTargetRequest at(const std::string& channel, double value) {
+  v1::ComputeTargetRequest request;
+  auto& coordinate = *request.add_pose();
+  coordinate.set_channel(channel);
+  coordinate.set_value(value);
+  return request;
+}
+
+class TargetServiceTest : public RpcTest {
+ protected:
+  void serve(double offset_mm, std::function<void(Snapshot&)> change = {}) {
+    cell.on_executor([&] {
+      auto snapshot = line_snapshot(cell.the_time, offset_mm);
+      if (change) change(snapshot);
+      cell.publish_snapshot(std::move(snapshot));
+    });
+  }
+};
+
+TEST_F(TargetServiceTest, AnswersWithUncertaintyAndValidity) {
+  serve(125e-6);
+  const auto answer = ask(&Stub::ComputeTarget, at("x_mm", 1.5));
+  ASSERT_TRUE(answer) << answer.error().message;
+  const auto& target = answer->target();
+  ASSERT_EQ(target.coordinates_size(), 1);
+  EXPECT_EQ(target.coordinates(0).channel(), "q1_mm");
+  EXPECT_DOUBLE_EQ(target.coordinates(0).position_mm(), 1.5 + 125e-6);
+  EXPECT_DOUBLE_EQ(target.coordinates(0).u_nm(), 10.0);
+  EXPECT_DOUBLE_EQ(target.coordinates(0).u90_nm(), 16.45);
+  EXPECT_EQ(target.coordinates(0).budget_size(), 0);
+  EXPECT_EQ(target.model_id(), 3);
+  EXPECT_EQ(target.valid_until_time().seconds(), target.conditions_time().seconds() + 30);
+  EXPECT_EQ(target.flags_size(), 0);
+}
+
+TEST_F(TargetServiceTest, TellsWhatTheUncertaintyIsMadeOfWhenAsked) {
+  serve(0);
+  auto request = at("x_mm", 1);
+  request.set_with_budget(true);
+  const auto answer = ask(&Stub::ComputeTarget, request);
+  ASSERT_TRUE(answer);
+  ASSERT_EQ(answer->target().coordinates(0).budget_size(), 1);
+  EXPECT_EQ(answer->target().coordinates(0).budget(0).source(), v1::BudgetLine::SOURCE_FIT);
+}
+
+TEST_F(TargetServiceTest, FlagsAPoseOutsideTheDomainByName) {
+  serve(0);
+  const auto answer = ask(&Stub::ComputeTarget, at("x_mm", 4.2));
+  ASSERT_TRUE(answer);
+  ASSERT_EQ(answer->target().flags_size(), 1);
+  EXPECT_EQ(answer->target().flags(0), v1::Target::FLAG_OUTSIDE_DOMAIN);
+  EXPECT_EQ(answer->target().outside_channels(0), "x_mm");
+  EXPECT_GT(answer->target().coordinates(0).u_nm(), 10.0) << "and trusts it less";
+}
+
+TEST_F(TargetServiceTest, RefusesWhatTheCellRefuses) {
+  EXPECT_THAT(ask(&Stub::ComputeTarget, at("x_mm", 1)),
+              FailsWith(ErrorCode::failed_precondition, "NO_MODEL"));
+  serve(0, [](Snapshot& snapshot) { snapshot.refuse_outside_domain = true; });
+  EXPECT_THAT(ask(&Stub::ComputeTarget, at("x_mm", 99)),
+              FailsWith(ErrorCode::out_of_range, "OUTSIDE_DOMAIN"));
+  EXPECT_THAT(ask(&Stub::ComputeTarget, v1::ComputeTargetRequest{}),
+              FailsWith(ErrorCode::invalid_argument, "MISSING_COORDINATE"));
+}
+
+TEST_F(TargetServiceTest, RefusesAPoseThatIsNone) {
+  serve(0);
+  EXPECT_THAT(ask(&Stub::ComputeTarget, at("x_mm", std::nan(""))),
+              FailsWith(ErrorCode::invalid_argument, "NOT_FINITE"));
+  for (const char* bad : {"q1_mm", "x", "x_um", "t07_degC", "rx_mm", "force_mm", "", "_mm"})
+    EXPECT_THAT(ask(&Stub::ComputeTarget, at(bad, 1)),
+                FailsWith(ErrorCode::invalid_argument, "BAD_POSE"))
+        << bad;
+  auto request = at("x_mm", 1);
+  *request.add_pose() = request.pose(0);
+  EXPECT_THAT(ask(&Stub::ComputeTarget, request),
+              FailsWith(ErrorCode::invalid_argument, "DUPLICATE_CHANNEL"));
+  request = at("x_mm", 1);
+  request.mutable_pose(0)->clear_value();
+  EXPECT_THAT(ask(&Stub::ComputeTarget, request),
+              FailsWith(ErrorCode::invalid_argument, "MISSING_VALUE"));
+}
+
+TEST_F(TargetServiceTest, AStreamFollowsTheConditionsAndEndsWithTheClient) {
+  serve(1e-6);
+  Call call;
+  v1::WatchTargetsRequest request;
+  *request.mutable_pose() = at("x_mm", 1).pose();
+  Stub stub(channel);
+  const auto reader = stub.WatchTargets(&call, request);
+  v1::WatchTargetsResponse response;
+  ASSERT_TRUE(reader->Read(&response));
+  EXPECT_DOUBLE_EQ(response.target().coordinates(0).position_mm(), 1 + 1e-6);
+  serve(2e-6);
+  ASSERT_TRUE(reader->Read(&response));
+  EXPECT_DOUBLE_EQ(response.target().coordinates(0).position_mm(), 1 + 2e-6);
+  call.TryCancel();
+  reader->Finish();
+  EXPECT_TRUE(eventually([&] { return cell.watchers == 0; })) << "the cancelled stream was noticed";
+}
+
+TEST_F(TargetServiceTest, AStreamWaitsItsIntervalAndThenTellsTheLatest) {
+  serve(1e-6);
+  Call call;
+  v1::WatchTargetsRequest request;
+  *request.mutable_pose() = at("x_mm", 1).pose();
+  request.mutable_min_interval_duration()->set_nanos(200'000'000);
+  Stub stub(channel);
+  const auto reader = stub.WatchTargets(&call, request);
+  v1::WatchTargetsResponse response;
+  ASSERT_TRUE(reader->Read(&response));
+  const auto began = std::chrono::steady_clock::now();
+  for (int i = 2; i <= 9; ++i) serve(i * 1e-6);
+  ASSERT_TRUE(reader->Read(&response));
+  EXPECT_GE(std::chrono::steady_clock::now() - began, std::chrono::milliseconds(150));
+  EXPECT_DOUBLE_EQ(response.target().coordinates(0).position_mm(), 1 + 9e-6);
+}
+
+TEST_F(TargetServiceTest, AStreamEndsWithTheReasonWhenNothingServes) {
+  Call call;
+  v1::WatchTargetsRequest request;
+  *request.mutable_pose() = at("x_mm", 1).pose();
+  Stub stub(channel);
+  const auto reader = stub.WatchTargets(&call, request);
+  v1::WatchTargetsResponse response;
+  EXPECT_FALSE(reader->Read(&response));
+  EXPECT_EQ(rpc::to_error(reader->Finish()).reason, "NO_MODEL");
+}
+
+}  // namespace
+}  // namespace driftwise::tests
