@@ -34,6 +34,12 @@ class Connection {
   const std::string& address() const { return address_; }
   const std::string& operator_name() const { return operator_name_; }
   double timeout_s() const { return timeout_s_; }  // 0: none was asked for
+  // For what has to be said after Ctrl-C too: giving up a lease.
+  Connection uninterrupted() const {
+    Connection copy = *this;
+    copy.interrupt_ = nullptr;
+    return copy;
+  }
   bool interrupted() const { return interrupt_ != nullptr && interrupt_->raised(); }
 
   // Sets operator and deadline. usual_s: when no --timeout was given; 0: no deadline.

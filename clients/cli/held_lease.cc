@@ -44,7 +44,7 @@ HeldLease::~HeldLease() {
   try {
     v1::GiveUpLeaseRequest request;
     request.set_token(token_);
-    connection_.ask(&v1::CellService::Stub::GiveUpLease, request, 2.0);
+    connection_.uninterrupted().ask(&v1::CellService::Stub::GiveUpLease, request, 2.0);
   } catch (const Failure&) {  // it runs out by itself
   }
 }

@@ -36,7 +36,7 @@ std::string progress_line(const v1::RunProgress& progress, double remaining_s, i
           fixed(std::floor(share * 100), 0) + " %";
   std::vector<std::string> more;
   if (run.given_up_count() > 0) more.push_back(std::to_string(run.given_up_count()) + " given up");
-  if (!std::isnan(remaining_s)) more.push_back(span_text(std::max(0.0, remaining_s)) + " left");
+  if (under_way && remaining_s >= 1) more.push_back(span_text(remaining_s) + " left");
   if (progress.has_estimated_end_time())
     more.push_back("ends " + clock_text(progress.estimated_end_time()).substr(11) + " cell time");
   if (progress.has_last_spread_nm())

@@ -47,7 +47,7 @@ class Stream final : public grpc::ServerWriteReactor<Message>,
       if (stream->finished_) return;
       // The source must not keep the stream alive, the stream owns it.
       stream->source_->start([weak = std::weak_ptr<Stream>(stream)] {
-        if (const auto alive = weak.lock()) alive->pump();
+        if (const auto alive = weak.lock()) alive->pump_soon();
       });
       stream->pump();
     });
@@ -68,13 +68,23 @@ class Stream final : public grpc::ServerWriteReactor<Message>,
     });
   }
   void OnDone() override {
-    const auto executor = executor_;  // the handler may run, and end this object, before post() returns
+    const auto executor =
+        executor_;  // the handler may run, and end this object, before post() returns
     boost::asio::post(executor, [self = std::move(self_)] { self->source_.reset(); });
   }
 
  private:
   Stream(boost::asio::any_io_executor executor, std::unique_ptr<StreamSource<Message>> source)
       : executor_(std::move(executor)), source_(std::move(source)) {}
+
+  // Never from within next() or ended(): a source may wake while it is being asked.
+  void pump_soon() {
+    if (std::exchange(pump_posted_, true)) return;
+    boost::asio::post(executor_, [self = this->shared_from_this()] {
+      self->pump_posted_ = false;
+      self->pump();
+    });
+  }
 
   void pump() {
     if (writing_ || finished_) return;
@@ -99,7 +109,7 @@ class Stream final : public grpc::ServerWriteReactor<Message>,
   std::unique_ptr<StreamSource<Message>> source_;
   std::shared_ptr<Stream> self_;
   Message message_;
-  bool writing_ = false, cancelled_ = false, finished_ = false;
+  bool writing_ = false, cancelled_ = false, finished_ = false, pump_posted_ = false;
 };
 
 // A stream that is refused before it begins.

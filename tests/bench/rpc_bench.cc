@@ -1,0 +1,110 @@
+// A unary target against an empty unary call of the same server, over one loopback connection:
+// seven interleaved pairs in one run. Prints one JSON line; goal: p99 at most 1.2 x the empty
+// call's (median over the pairs).
+//   taskset -c 1 build/release/bin/rpc_bench [calls per half pair, default 5000]
+
+#include <grpcpp/create_channel.h>
+#include <grpcpp/security/credentials.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <vector>
+
+#include "driftwise/v1/target_service.grpc.pb.h"
+#include "empty_service.grpc.pb.h"
+#include "server/compensation/snapshot_builder.h"
+#include "server/rpc/rpc_server.h"
+#include "tests/support/fake_cell.h"
+#include "tests/unit/compensation/models.h"
+
+namespace {
+
+using namespace driftwise;
+
+constexpr int kPairs = 7;
+
+class EmptyService final : public bench::EmptyService::CallbackService {
+  grpc::ServerUnaryReactor* Ask(grpc::CallbackServerContext* context,
+                                const google::protobuf::Empty*, google::protobuf::Empty*) override {
+    auto* reactor = context->DefaultReactor();
+    reactor->Finish(grpc::Status::OK);
+    return reactor;
+  }
+};
+
+struct Quantiles {
+  double p50_us, p99_us;
+};
+
+template <class Call>
+Quantiles measure(Call call, int calls) {
+  std::vector<double> times;
+  for (int i = 0; i < calls; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    grpc::ClientContext context;
+    if (!call(context)) std::exit(1);
+    times.push_back(
+        std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start)
+            .count());
+  }
+  std::ranges::sort(times);
+  return {times[times.size() / 2], times[times.size() * 99 / 100]};
+}
+
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  return values[values.size() / 2];
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int calls = argc > 1 ? std::max(100, std::atoi(argv[1])) : 5000;
+  tests::FakeCell cell;
+  auto builder = std::move(*compensation::SnapshotBuilder::create(
+      compensation::axis_model(), ModelId{1}, compensation::axis_cell()));
+  cell.on_executor([&] { cell.publish_snapshot(builder.build(cell.the_time)); });
+  EmptyService empty_service;
+  auto server = std::move(*rpc::RpcServer::open(cell, "127.0.0.1:0", {&empty_service}));
+  const auto channel = grpc::CreateChannel(server->address(), grpc::InsecureChannelCredentials());
+  v1::TargetService::Stub targets(channel);
+  bench::EmptyService::Stub empties(channel);
+
+  v1::ComputeTargetRequest request;
+  request.add_pose()->set_channel("x_mm");
+  request.mutable_pose(0)->set_value(1.234567);
+  const auto target = [&](grpc::ClientContext& context) {
+    v1::ComputeTargetResponse response;
+    return targets.ComputeTarget(&context, request, &response).ok() &&
+           response.target().coordinates_size() == 1;
+  };
+  const auto empty = [&](grpc::ClientContext& context) {
+    google::protobuf::Empty response;
+    return empties.Ask(&context, {}, &response).ok();
+  };
+  measure(target, 500), measure(empty, 500);  // warm
+
+  std::vector<double> target_p50, target_p99, empty_p50, empty_p99, ratios;
+  for (int pair = 0; pair < kPairs; ++pair) {
+    const bool target_first = pair % 2 != 0;  // whoever comes first alternates
+    Quantiles of_target{}, of_empty{};
+    if (target_first) of_target = measure(target, calls);
+    of_empty = measure(empty, calls);
+    if (!target_first) of_target = measure(target, calls);
+    target_p50.push_back(of_target.p50_us);
+    target_p99.push_back(of_target.p99_us);
+    empty_p50.push_back(of_empty.p50_us);
+    empty_p99.push_back(of_empty.p99_us);
+    ratios.push_back(of_target.p99_us / of_empty.p99_us);
+  }
+  std::printf(
+      "{\"bench\": \"rpc\", \"calls_per_half_pair\": %d, \"pairs\": %d, \"target_p50_us\": %.1f, "
+      "\"target_p99_us\": %.1f, "
+      "\"empty_p50_us\": %.1f, \"empty_p99_us\": %.1f, \"p99_ratio_median\": %.3f, \"goal\": "
+      "1.2}\n",
+      calls, kPairs, median(target_p50), median(target_p99), median(empty_p50), median(empty_p99),
+      median(ratios));
+  return 0;
+}
