@@ -53,23 +53,16 @@ CellClock::CellClock(asio::any_io_executor executor, std::unique_ptr<ClockFile> 
       file_(std::move(file)),
       governor_(anchor.speed),
       anchor_(anchor),
-      monotonic_origin_ns_(steady_ns()) {}
+      monotonic_({steady_ns(), 0, anchor.speed}) {}
 
 CellClock::~CellClock() = default;
 
-ClockAnchor CellClock::anchor() const {
-  const std::lock_guard held(anchor_mutex_);
-  return anchor_;
-}
-
 Stamp CellClock::now() const {
-  const std::lock_guard held(anchor_mutex_);
-  const auto since_change = static_cast<double>(steady_ns() - monotonic_origin_ns_) * anchor_.speed;
-  return {CellTime{anchor_.cell_from_wall(wall_ns())},
-          monotonic_cell_ns_ + static_cast<std::int64_t>(since_change)};
+  return {CellTime{anchor_.read().cell_from_wall(wall_ns())},
+          monotonic_.read().cell_from_wall(steady_ns())};
 }
 
-double CellClock::speed() const { return anchor().speed; }
+double CellClock::speed() const { return anchor_.read().speed; }
 
 Awaitable<void> CellClock::sleep_until(CellTime instant) {
   Sleeper sleeper{asio::steady_timer(executor_)};
@@ -108,17 +101,13 @@ void CellClock::report_lag(Nanoseconds lag) {
 }
 
 void CellClock::change_speed(double speed) {
-  {
-    const std::lock_guard held(anchor_mutex_);
-    const auto steady = steady_ns();
-    monotonic_cell_ns_ += static_cast<std::int64_t>(
-        static_cast<double>(steady - monotonic_origin_ns_) * anchor_.speed);
-    monotonic_origin_ns_ = steady;
-    const auto wall = wall_ns();
-    anchor_ = {wall, anchor_.cell_from_wall(wall),
-               speed};  // time itself does not jump, only its rate
-    if (file_) file_->write(anchor_);
-  }
+  // Time itself does not jump, only its rate.
+  const auto steady = steady_ns();
+  monotonic_.write({steady, monotonic_.read().cell_from_wall(steady), speed});
+  const auto wall = wall_ns();
+  const ClockAnchor changed{wall, anchor_.read().cell_from_wall(wall), speed};
+  anchor_.write(changed);
+  if (file_) file_->write(changed);
   for (auto* sleeper : sleepers_) {
     sleeper->arm_again = true;
     sleeper->timer.cancel();

@@ -10,7 +10,6 @@
 #include <chrono>
 #include <list>
 #include <memory>
-#include <mutex>
 
 #include "server/application/clock_file.h"
 #include "server/application/speed_governor.h"
@@ -42,17 +41,12 @@ class CellClock : public Clock {
   };
   CellClock(asio::any_io_executor executor, std::unique_ptr<ClockFile> file, ClockAnchor anchor);
   void change_speed(double speed);
-  ClockAnchor anchor() const;
 
   asio::any_io_executor executor_;
   std::unique_ptr<ClockFile> file_;
   SpeedGovernor governor_;
-  mutable std::mutex
-      anchor_mutex_;  // now() is asked for on gRPC's threads too; held for a copy of three numbers
-  ClockAnchor anchor_;
-  std::int64_t monotonic_origin_ns_ = 0;  // steady clock ...
-  std::int64_t monotonic_cell_ns_ =
-      0;  // ... and the cell nanoseconds that had passed when the speed last changed
+  SharedAnchor anchor_;     // wall clock to cell time ...
+  SharedAnchor monotonic_;  // ... and the steady clock to cell nanoseconds since the start
   std::list<Sleeper*> sleepers_;
 };
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
+
 #include "server/application/cell_application.h"
 #include "server/application/crash_point.h"
 #include "server/formats/dataset_csv.h"
@@ -26,6 +28,11 @@ Result<ModelRecord> fit_record(const Dataset& dataset, const FitRequest& request
   options.p_remove = request.p_remove;
   options.exclude_channels = request.exclude_channels;
   options.first_rows = request.first_rows;
+  options.stopwatch_us = [] {
+    return std::chrono::duration<double, std::micro>(
+               std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+  };
   options.lineage.runs = request.runs;
   options.lineage.source = source;
   options.lineage.dataset_hash = formats::content_hash(formats::write_dataset_csv(dataset));

@@ -85,6 +85,22 @@ Result<std::unique_ptr<ClockFile>> ClockFile::create(const std::string& path,
   return created;
 }
 
+ClockAnchor SharedAnchor::read() const {
+  while (true) {
+    const auto before = sequence_.load();
+    const ClockAnchor anchor{wall_ns_.load(), cell_ns_.load(), speed_.load()};
+    if (before % 2 == 0 && sequence_.load() == before) return anchor;
+  }
+}
+
+void SharedAnchor::write(const ClockAnchor& anchor) {
+  ++sequence_;
+  wall_ns_ = anchor.wall_ns;
+  cell_ns_ = anchor.cell_ns;
+  speed_ = anchor.speed;
+  ++sequence_;
+}
+
 ClockFile::~ClockFile() { ::munmap(mapped_, sizeof(Mapped)); }
 
 ClockAnchor ClockFile::read() const {

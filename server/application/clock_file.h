@@ -9,6 +9,7 @@
 // changed one reads again. The simulated cell creates the file; afterwards the daemon alone writes
 // it.
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -25,6 +26,20 @@ struct ClockAnchor {
     // The difference stays small enough for a double to hold nanoseconds for 100 days.
     return cell_ns + static_cast<std::int64_t>(static_cast<double>(at_wall_ns - wall_ns) * speed);
   }
+};
+
+// The anchor for readers on any thread, without a lock: one writer, and a reader that met a change
+// reads again.
+class SharedAnchor {
+ public:
+  explicit SharedAnchor(const ClockAnchor& anchor) { write(anchor); }
+  ClockAnchor read() const;
+  void write(const ClockAnchor& anchor);  // one thread
+
+ private:
+  std::atomic<std::uint64_t> sequence_{0};
+  std::atomic<std::int64_t> wall_ns_, cell_ns_;
+  std::atomic<double> speed_;
 };
 
 class ClockFile {

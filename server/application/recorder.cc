@@ -87,10 +87,16 @@ Awaitable<void> Recorder::read_for_ever(Kind kind, std::size_t i) {
 
 Awaitable<void> Recorder::flush_for_ever() {
   constexpr auto kEvery = std::chrono::seconds(5);
+  constexpr auto kLongestWait =
+      std::chrono::seconds(20);  // what a kill may cost: slow readings, no point
   std::int64_t before_gap = 0;
   bool dropping = false;
   while (!ending_) {
     co_await sleep_unless(clock_, clock_.now().utc + kEvery, ended_);
+    // A run's points take the readings along: only what has waited longer than a point gets a
+    // commit of its own.
+    const auto since = writer_.gathered_since();
+    if (!ending_ && since && clock_.now().utc - *since < kLongestWait) continue;
     const auto stored = co_await writer_.flush();
     // Housekeeping of the store, here because it may take a while and a point must not wait for it.
     static_cast<void>(co_await writer_.call([](Store& store) { return store.idle(); }));

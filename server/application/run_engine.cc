@@ -118,7 +118,10 @@ Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
     auto result = co_await visit_row(run, *visit, hooks_.command_for);
     if (!result) co_return tl::unexpected(result.error());
     run.pace.add(seconds_from(bench_.clock.now().utc - begin));
-    if (result->point && row.zero) note_closure(run, result->point->values, row.line);
+    if (result->point && row.zero) {
+      note_closure(run, result->point->values, row.line);
+      if (auto ok = co_await store_lag(run); !ok) co_return ok;
+    }
     publish();
     if (return_to_zero_is_due(run.trajectory, run.record.place, visit->row))
       if (auto ok = co_await return_to_zero(run, row.line); !ok) co_return ok;
@@ -158,7 +161,15 @@ Awaitable<Result<void>> RunEngine::return_to_zero(ActiveRun& run, std::int64_t l
     values.push_back({motors[i].name(), sampling->q_mm[i]});
   values.insert(values.end(), sampling->means.begin(), sampling->means.end());
   note_closure(run, values, line);
-  co_return Result<void>{};
+  co_return co_await store_lag(run);
+}
+
+// Once a line, where it grew by more than a poll: a kill must not take the largest lag along.
+Awaitable<Result<void>> RunEngine::store_lag(ActiveRun& run) {
+  constexpr double kWorthACommit_s = 0.1;
+  if (bench_.lag.largest_s() < run.record.max_lag_s + kWorthACommit_s) co_return Result<void>{};
+  run.record.max_lag_s = bench_.lag.largest_s();
+  co_return co_await store_state(run);
 }
 
 void RunEngine::note_closure(ActiveRun& run, const std::vector<ChannelValue>& values,

@@ -49,6 +49,7 @@ class RunEngine {
   Awaitable<Result<void>> new_datum(ActiveRun& run);
   Awaitable<Result<void>> return_to_zero(ActiveRun& run, std::int64_t line);
   Awaitable<Result<void>> change(ActiveRun& run, RunState state, std::string reason);
+  Awaitable<Result<void>> store_lag(ActiveRun& run);
   Awaitable<void> finish(ActiveRun& run, const Result<void>& outcome);
   Awaitable<Result<void>> take_up(ActiveRun& run);
   void note_closure(ActiveRun& run, const std::vector<ChannelValue>& values, std::int64_t line);

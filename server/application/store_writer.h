@@ -10,6 +10,7 @@
 
 #include <boost/asio/any_io_executor.hpp>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -43,6 +44,10 @@ class StoreWriter {
   }
 
   std::size_t gathered() const { return readings_.size(); }
+  // When the oldest of them ended; none when nothing has gathered.
+  std::optional<CellTime> gathered_since() const {
+    return readings_.empty() ? std::nullopt : std::optional(readings_.front().end);
+  }
   std::int64_t dropped() const { return dropped_; }
 
  private:

@@ -8,6 +8,7 @@ namespace driftwise::tests {
 namespace {
 
 constexpr double kMmPerNm = 1e-6;
+constexpr int kThermometers = 5;  // a point then has twelve channels, as the issue counts them
 
 template <class Port>
 class Simulated : public Port {
@@ -142,7 +143,7 @@ class Scanner final : public Simulated<Instrument> {
     if (auto ok = co_await answer(1.0); !ok) co_return tl::unexpected(ok.error());
     ++world_.scans;
     Reading reading{"scanner", start, time_.now().utc, ++sequence_, {}};
-    for (int n = 1; n <= 3; ++n) {
+    for (int n = 1; n <= kThermometers; ++n) {
       const double degc =
           20 + 0.1 * n + world_.warming_k_per_h * hours() * (n == 1 ? 1.0 : 0.5 / n);
       reading.values.push_back(
@@ -212,7 +213,7 @@ CellDescription small_cell(const std::string& database) {
   auto axis = device("axis", "pi-gcs", 0);
   axis.axes.push_back({{"q1", "mm"}, "X", -5, 5, 20});
   auto scanner = device("scanner", "keithley-2701", 5);
-  for (int n = 1; n <= 3; ++n) {
+  for (int n = 1; n <= kThermometers; ++n) {
     ProbeDescription probe;
     probe.channel = {"t0" + std::to_string(n), "degC"};
     probe.input = 100 + n;

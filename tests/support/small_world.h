@@ -1,5 +1,5 @@
 #pragma once
-// A robot of one axis, an interferometer, three thermometers and a stabiliser, in memory, behind
+// A robot of one axis, an interferometer, five thermometers and a stabiliser, in memory, behind
 // the ports. No physics to speak of: a scale, a zero, a linear warming, seeded noise, and a switch
 // for everything that can go wrong.
 //
