@@ -1,10 +1,13 @@
 #include "server/rpc/rpc_server.h"
 
+#include <google/protobuf/stubs/logging.h>
+#include <grpc/support/log.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/resource_quota.h>
 #include <grpcpp/security/server_credentials.h>
 #include <grpcpp/server_builder.h>
+#include <spdlog/spdlog.h>
 
 #include <charconv>
 #include <chrono>
@@ -44,6 +47,20 @@ Result<Address> parse(const std::string& listen) {
               "listen: found '" + listen + "', expected host:port, for example 127.0.0.1:50051");
 }
 
+// What the libraries say about a client's bytes or a taken port is ours to say, in a sentence:
+// theirs goes to the debug level of our log.
+void take_over_logs() {
+  static const bool done = [] {
+    gpr_set_log_function([](gpr_log_func_args* args) { spdlog::debug("gRPC: {}", args->message); });
+    google::protobuf::SetLogHandler(
+        [](google::protobuf::LogLevel, const char*, int, const std::string& message) {
+          spdlog::debug("protobuf: {}", message);
+        });
+    return true;
+  }();
+  static_cast<void>(done);
+}
+
 }  // namespace
 
 Result<std::unique_ptr<RpcServer>> RpcServer::open(application::Cell& cell,
@@ -59,6 +76,7 @@ Result<std::unique_ptr<RpcServer>> RpcServer::open(application::Cell& cell,
         "listen: " + listen +
             " can be reached from outside this computer; use 127.0.0.1 (and ssh -L from afar)");
 
+  take_over_logs();
   std::unique_ptr<RpcServer> out(new RpcServer);
   out->services_.push_back(make_cell_service(cell));
   out->services_.push_back(make_run_service(cell));
