@@ -93,10 +93,10 @@ void print_fits(const std::string& folder) {
     for (const auto& term : offer.at("taken"))
       taken += (taken.empty() ? "" : " ") + term.get<std::string>();
     if (taken.empty())
-      std::printf("  %-48s all rejected: +0.0 nm\n", offer.at("name").get<std::string>().c_str());
+      std::printf("  %-48s all rejected: +0.0 nm\n", offer.at("offer").get<std::string>().c_str());
     else
       std::printf("  %-48s %+.1f nm, by blocks of time %+.1f nm; stepwise takes %s\n",
-                  offer.at("name").get<std::string>().c_str(), after - before,
+                  offer.at("offer").get<std::string>().c_str(), after - before,
                   blocks_after - blocks_before, taken.c_str());
   }
 }

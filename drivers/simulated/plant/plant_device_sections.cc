@@ -109,6 +109,8 @@ StabiliserParameters stabiliser_section(Fields f, const std::vector<PartParamete
                          .derivative_s = f.not_negative("derivative_s"),
                          .sensor_s = f.positive("sensor_s"),
                          .sensor_noise_k = f.not_negative("sensor_noise_k"),
+                         .sensor_drift_k = f.not_negative("sensor_drift_k"),
+                         .sensor_drift_s = f.positive("sensor_drift_s"),
                          .process_resolution_k = f.positive("process_resolution_k")};
   const std::string mode = f.text("mode");
   if (mode == "automatic") {

@@ -93,7 +93,9 @@ struct StabiliserParameters {
   Plant::StabiliserMode mode = Plant::StabiliserMode::automatic;
   double seebeck_v_k = 0, resistance_ohm = 0, conductance_w_k = 0, current_limit_a = 0;
   double heat_band_k = 0, cool_band_k = 0, integral_s = 0, derivative_s = 0;
-  double sensor_s = 0, sensor_noise_k = 0, process_resolution_k = 0;
+  double sensor_s = 0, sensor_noise_k = 0;
+  double sensor_drift_k = 0, sensor_drift_s = 0;  // standard deviation, correlation time
+  double process_resolution_k = 0;
 };
 
 struct ThermometerParameters {

@@ -12,6 +12,8 @@ StabiliserLoop::StabiliserLoop(const StabiliserParameters& parameters, std::uint
                                double step_s, double start_degc)
     : parameters_(parameters),
       noise_(seed, "stabiliser.sensor"),
+      drift_(parameters.sensor_drift_k, parameters.sensor_drift_s, step_s,
+             Random(seed, "stabiliser.drift")),
       step_s_(step_s),
       keep_(std::exp(-step_s / parameters.sensor_s)),
       sensor_degc_(start_degc),
@@ -39,7 +41,7 @@ PeltierHeat StabiliserLoop::step(double support_degc, double sink_degc) {
   const auto& p = parameters_;
   sensor_degc_ = support_degc + keep_ * (sensor_degc_ - support_degc);
   previous_degc_ = process_degc_;
-  process_degc_ = sensor_degc_ + p.sensor_noise_k * noise_.gaussian();
+  process_degc_ = sensor_degc_ + drift_.step() + p.sensor_noise_k * noise_.gaussian();
   if (mode_ == Plant::StabiliserMode::off || sensor_open_) {
     output_pct_ = 0;  // a broken sensor must not heat
   } else if (mode_ == Plant::StabiliserMode::manual) {

@@ -38,6 +38,7 @@ class StabiliserLoop {
 
   StabiliserParameters parameters_;
   Random noise_;
+  Wander drift_;  // of sensor and electronics: the loop follows it and does not see it
   double step_s_, keep_;
   double sensor_degc_, process_degc_, previous_degc_;
   double set_point_degc_;
