@@ -93,13 +93,13 @@ Awaitable<void> Recorder::flush_for_ever() {
   bool dropping = false;
   while (!ending_) {
     co_await sleep_unless(clock_, clock_.now().utc + kEvery, ended_);
+    // Housekeeping of the store, here because it may take a while and a point must not wait for it.
+    static_cast<void>(co_await writer_.call([](Store& store) { return store.idle(); }));
     // A run's points take the readings along: only what has waited longer than a point gets a
     // commit of its own.
     const auto since = writer_.gathered_since();
-    if (!ending_ && since && clock_.now().utc - *since < kLongestWait) continue;
+    if (!ending_ && (!since || clock_.now().utc - *since < kLongestWait)) continue;
     const auto stored = co_await writer_.flush();
-    // Housekeeping of the store, here because it may take a while and a point must not wait for it.
-    static_cast<void>(co_await writer_.call([](Store& store) { return store.idle(); }));
     if (!dropping && writer_.dropped() > before_gap) {
       dropping = true;
       events_.record_own(

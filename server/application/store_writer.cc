@@ -23,6 +23,13 @@ void StoreWriter::add(MoveRecord move) {
   if (moves_.size() < kMaxReadings) moves_.push_back(std::move(move));
 }
 
+std::optional<CellTime> StoreWriter::gathered_since() const {
+  std::optional<CellTime> since;
+  if (!readings_.empty()) since = readings_.front().end;
+  if (!moves_.empty() && (!since || moves_.front().at.utc < *since)) since = moves_.front().at.utc;
+  return since;
+}
+
 Awaitable<Result<std::optional<PointId>>> StoreWriter::commit(PointCommit commit) {
   // Shared with the writer's thread for the time of the call, so that a failure can hand it back
   // without a copy.

@@ -44,10 +44,8 @@ class StoreWriter {
   }
 
   std::size_t gathered() const { return readings_.size(); }
-  // When the oldest of them ended; none when nothing has gathered.
-  std::optional<CellTime> gathered_since() const {
-    return readings_.empty() ? std::nullopt : std::optional(readings_.front().end);
-  }
+  // Since when the oldest reading or move has waited; none when nothing does.
+  std::optional<CellTime> gathered_since() const;
   std::int64_t dropped() const { return dropped_; }
 
  private:
