@@ -45,7 +45,7 @@ wait_for() {  # wait_for FILE PID WHAT: until the file is there, for at most 30 
   done
   die "$3 was not ready within 30 s: see the logs in $out"
 }
-value_of() { sed -n "s/^ *\"$1\": *\"\{0,1\}\([^\",]*\)\"\{0,1\},\{0,1\}$/\1/p" | head -n 1; }
+number_of() { sed -n "s/.*\"$1\":\([0-9]*\).*/\1/p" "$2"; }  # number_of KEY FILE, of one-line JSON
 
 say "the simulated cell and the daemon, speed $speed, seed $seed"
 rm -rf "$out"; mkdir -p "$out"; cd "$out"
@@ -59,7 +59,6 @@ driftwise status
 
 say "the campaign: 18 positions 56 times, 1008 points of 4 readings, four hours of cell time"
 driftwise run start "$cell/trajectories/published.csv" --name campaign --watch
-driftwise run show 1
 driftwise data export 1 -o "$out/campaign.csv"
 
 say "models: fitted by the daemon on its stored points"
@@ -72,9 +71,9 @@ driftwise fit "$out/campaign.csv" --model 'q ~ x + x^2 + T' --offers --json >"$o
 "$bin/driftwise-demo-report" fits "$out"
 
 say "the same fit on the exported file, without the daemon"
-strip() { grep -vE '"(fit_us|model_id)":' "$1"; }
+strip() { sed -E 's/,"fit_us":[^,]*//; s/,"model_id":[0-9]*//' "$1"; }
 driftwise fit "$out/campaign.csv" --model 'q ~ x + x^2 + T' --json >"$out/ten_offline.json"
-if cmp -s <(strip "$out/ten.json") <(strip "$out/ten_offline.json"); then
+if grep -q coefficient "$out/ten.json" && cmp -s <(strip "$out/ten.json") <(strip "$out/ten_offline.json"); then
   echo "equal to the daemon's model to the last digit"
 else
   diff <(strip "$out/ten.json") <(strip "$out/ten_offline.json") | head -n 20
@@ -82,7 +81,7 @@ else
 fi
 
 say "serving: the six-sensor model"
-model() { value_of model_id <"$out/$1.json"; }
+model() { number_of model_id "$out/$1.json"; }
 driftwise model promote "$(model six)"
 driftwise target x=1.5
 driftwise model export "$(model six)" --format c -o "$out/linear_axis_model.c"

@@ -4,12 +4,13 @@
 
 #include "clients/cli/proto_json.h"
 #include "clients/cli/run_text.h"
+#include "clients/cli/validators.h"
 #include "driftwise/v1/data_service.grpc.pb.h"
 
 namespace driftwise::cli {
 namespace {
 
-using Stub = v1::DataService::Stub;
+using DataStub = v1::DataService::Stub;
 
 struct DataArguments {
   std::vector<std::int64_t> runs;
@@ -20,7 +21,7 @@ ExitCode export_data(const Session& session, const DataArguments& a) {
   v1::ExportDatasetRequest request;
   for (const std::int64_t run : a.runs) request.add_run_ids(run);
   std::string csv;
-  session.connect().follow(&Stub::ExportDataset, request,
+  session.connect().follow(&DataStub::ExportDataset, request,
                            [&csv](const v1::ExportDatasetResponse& response) {
                              csv += response.chunk();
                              return true;
@@ -41,7 +42,7 @@ ExitCode import_data(const Session& session, const DataArguments& a) {
   v1::ImportDatasetRequest request;
   request.set_csv(read_input_file(a.file));
   request.set_name(a.name.empty() ? base_name(a.file) : a.name);
-  const auto run = session.connect().ask(&Stub::ImportDataset, request, 120).run();
+  const auto run = session.connect().ask(&DataStub::ImportDataset, request, 120).run();
   if (session.console.json)
     session.console.print_json(json_from(run));
   else
@@ -57,7 +58,7 @@ void add_data_commands(CLI::App& app, Session& session) {
   auto a = std::make_shared<DataArguments>();
   CLI::App& out = add_command(data, session, "export", "The accepted points of runs as dataset CSV",
                               [&session, a] { return export_data(session, *a); });
-  out.add_option("RUN", a->runs, "numbers of the runs")->required()->check(CLI::PositiveNumber);
+  out.add_option("RUN", a->runs, "numbers of the runs")->required()->check(positive_number());
   out.add_option("-o,--output", a->file, "write this file instead of standard output");
   CLI::App& in = add_command(data, session, "import", "A dataset CSV as a run that is done",
                              [&session, a] { return import_data(session, *a); });

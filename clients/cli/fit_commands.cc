@@ -4,6 +4,7 @@
 
 #include "clients/cli/fit_command.h"
 #include "clients/cli/proto_json.h"
+#include "clients/cli/validators.h"
 #include "driftwise/v1/model_service.grpc.pb.h"
 #include "server/formats/fit_json.h"
 #include "server/formats/model_json.h"
@@ -11,7 +12,7 @@
 namespace driftwise::cli {
 namespace {
 
-using Stub = v1::ModelService::Stub;
+using ModelStub = v1::ModelService::Stub;
 
 struct FitArguments {
   FitOfFile fit;
@@ -52,11 +53,12 @@ v1::CreateFitRequest request_from(const FitArguments& a) {
 ExitCode fit_at_daemon(const Session& session, const FitArguments& a) {
   refuse_offline_options(a.fit);
   const auto connection = session.connect();
-  const auto created = connection.ask(&Stub::CreateFit, request_from(a), 300).model();
+  const auto created = connection.ask(&ModelStub::CreateFit, request_from(a), 300).model();
   v1::ExportModelRequest request;
   request.set_model_id(created.id());
   request.set_format(v1::ExportModelRequest::FORMAT_JSON);
-  const auto model = formats::read_model_json(connection.ask(&Stub::ExportModel, request).text());
+  const auto model =
+      formats::read_model_json(connection.ask(&ModelStub::ExportModel, request).text());
   if (!model)
     throw Failure{ExitCode::refused, "data_loss", model.error().reason,
                   "the daemon's model: " + model.error().message};
@@ -93,7 +95,7 @@ void add_fit_command(CLI::App& app, Session& session) {
   command.add_option("FILE", a->file, "dataset CSV, - for standard input");
   command.add_option("--run", a->runs, "a run at the daemon instead; repeatable")
       ->allow_extra_args(false)
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   add_fit_options(command, a->fit);
   command.add_option("--name", a->name, "of the stored model");
   command.add_option("--note", a->note, "kept with the stored model");

@@ -6,12 +6,13 @@
 #include "clients/cli/proto_json.h"
 #include "clients/cli/table.h"
 #include "clients/cli/text.h"
+#include "clients/cli/validators.h"
 #include "driftwise/v1/model_service.grpc.pb.h"
 
 namespace driftwise::cli {
 namespace {
 
-using Stub = v1::ModelService::Stub;
+using ModelStub = v1::ModelService::Stub;
 
 struct ModelArguments {
   std::int64_t id = 0;
@@ -23,7 +24,7 @@ struct ModelArguments {
 ExitCode show(const Session& session, std::int64_t id) {
   v1::GetModelRequest request;
   request.set_model_id(id);
-  const auto model = session.connect().ask(&Stub::GetModel, request).model();
+  const auto model = session.connect().ask(&ModelStub::GetModel, request).model();
   if (session.console.json)
     session.console.print_json(json_from(model));
   else
@@ -32,7 +33,7 @@ ExitCode show(const Session& session, std::int64_t id) {
 }
 
 ExitCode list(const Session& session) {
-  const auto response = session.connect().ask(&Stub::ListModels, v1::ListModelsRequest{});
+  const auto response = session.connect().ask(&ModelStub::ListModels, v1::ListModelsRequest{});
   if (session.console.json)
     session.console.print_json(json_from(response));
   else
@@ -43,7 +44,7 @@ ExitCode list(const Session& session) {
 ExitCode compare(const Session& session, const std::vector<std::int64_t>& ids) {
   v1::CompareModelsRequest request;
   for (const std::int64_t id : ids) request.add_model_ids(id);
-  const auto response = session.connect().ask(&Stub::CompareModels, request);
+  const auto response = session.connect().ask(&ModelStub::CompareModels, request);
   if (session.console.json)
     session.console.print_json(json_from(response));
   else
@@ -66,7 +67,7 @@ ExitCode promote(const Session& session, const ModelArguments& a) {
   if (a.dry_run) {
     v1::GetModelRequest request;
     request.set_model_id(a.id);
-    const auto model = connection.ask(&Stub::GetModel, request).model();
+    const auto model = connection.ask(&ModelStub::GetModel, request).model();
     if (session.console.json)
       session.console.print_json({{"dry_run", true}, {"model", json_from(model)}});
     else
@@ -76,16 +77,18 @@ ExitCode promote(const Session& session, const ModelArguments& a) {
   }
   v1::PromoteModelRequest request;
   request.set_model_id(a.id);
-  return serving_now(session, true, connection.ask(&Stub::PromoteModel, request).model());
+  return serving_now(session, true, connection.ask(&ModelStub::PromoteModel, request).model());
 }
 
 ExitCode roll_back(const Session& session) {
-  const auto response = session.connect().ask(&Stub::RollBackModel, v1::RollBackModelRequest{});
+  const auto response =
+      session.connect().ask(&ModelStub::RollBackModel, v1::RollBackModelRequest{});
   return serving_now(session, response.has_model(), response.model());
 }
 
 ExitCode history(const Session& session) {
-  const auto response = session.connect().ask(&Stub::ListPromotions, v1::ListPromotionsRequest{});
+  const auto response =
+      session.connect().ask(&ModelStub::ListPromotions, v1::ListPromotionsRequest{});
   if (session.console.json) {
     session.console.print_json(json_from(response));
     return ExitCode::done;
@@ -105,7 +108,7 @@ ExitCode export_model(const Session& session, const ModelArguments& a) {
   request.set_model_id(a.id);
   request.set_format(a.format == "c" ? v1::ExportModelRequest::FORMAT_C
                                      : v1::ExportModelRequest::FORMAT_JSON);
-  const auto response = session.connect().ask(&Stub::ExportModel, request);
+  const auto response = session.connect().ask(&ModelStub::ExportModel, request);
   if (a.file.empty() || a.file == "-") {
     session.console.out << response.text() << std::flush;
     return ExitCode::done;
@@ -125,9 +128,7 @@ void add_model_commands(CLI::App& app, Session& session) {
                          ->require_subcommand(1);
   auto a = std::make_shared<ModelArguments>();
   const auto id = [a](CLI::App& command) {
-    command.add_option("MODEL", a->id, "number of the model")
-        ->required()
-        ->check(CLI::PositiveNumber);
+    command.add_option("MODEL", a->id, "number of the model")->required()->check(positive_number());
   };
   add_command(model, session, "list", "All models, oldest first",
               [&session] { return list(session); });
@@ -139,7 +140,7 @@ void add_model_commands(CLI::App& app, Session& session) {
   comparing.add_option("MODEL", a->ids, "numbers of the models")
       ->required()
       ->expected(2, 16)
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   CLI::App& promoting =
       add_command(model, session, "promote", "This model serves targets from now on",
                   [&session, a] { return promote(session, *a); });

@@ -8,6 +8,7 @@
 #include "clients/cli/run_text.h"
 #include "clients/cli/run_watch.h"
 #include "clients/cli/trajectory_check.h"
+#include "clients/cli/validators.h"
 
 namespace driftwise::cli {
 namespace {
@@ -83,13 +84,13 @@ void add_run_start(CLI::App& run, Session& session) {
                                       "an x_mm trajectory: move to the serving model's targets");
   command.add_option("--model", a->model, "compensate with this model instead")
       ->needs(compensate)
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   command.add_option("--readings", a->readings, "readings per point instead of the cell's")
       ->check(CLI::Range(2, 1000));
   command
       .add_option("--max-spread-nm", a->max_spread_nm,
                   "gate on their standard deviation instead of the cell's")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   command.add_flag("--watch", a->watch, "follow it to its end, the lease held meanwhile");
   command.add_flag("--dry-run", a->dry_run, "check only, start nothing");
   command.add_option("--lease-token", a->lease_token,
