@@ -1,7 +1,7 @@
 #include "tests/faults/acknowledged_points.h"
 
 #include <google/protobuf/text_format.h>
-#include <sqlite3.h>
+#include <grpcpp/channel.h>
 
 #include <stdexcept>
 
@@ -15,23 +15,6 @@ std::string text_of(const v1::Point& point) {
   std::string text;
   printer.PrintToString(point, &text);
   return text;
-}
-
-std::string query_one(const std::string& database, const char* sql) {
-  sqlite3* db = nullptr;
-  if (sqlite3_open_v2(database.c_str(), &db, SQLITE_OPEN_READONLY, nullptr) != SQLITE_OK)
-    throw std::runtime_error("cannot open " + database);
-  sqlite3_busy_timeout(db, 5000);
-  sqlite3_stmt* statement = nullptr;
-  std::string answer;
-  if (sqlite3_prepare_v2(db, sql, -1, &statement, nullptr) == SQLITE_OK &&
-      sqlite3_step(statement) == SQLITE_ROW)
-    answer = reinterpret_cast<const char*>(sqlite3_column_text(statement, 0));
-  else
-    answer = std::string("error: ") + sqlite3_errmsg(db);
-  sqlite3_finalize(statement);
-  sqlite3_close(db);
-  return answer;
 }
 
 }  // namespace
@@ -75,9 +58,8 @@ void PointWatcher::fetch() {
   }
 }
 
-std::map<std::int64_t, SeenPoint> points_by_row(const std::shared_ptr<grpc::Channel>& channel,
-                                                std::int64_t run_id) {
-  std::map<std::int64_t, SeenPoint> points;
+PointsByRow points_by_row(const std::shared_ptr<grpc::Channel>& channel, std::int64_t run_id) {
+  PointsByRow points;
   grpc::ClientContext context;
   v1::ListPointsRequest request;
   request.set_run_id(run_id);
@@ -89,16 +71,6 @@ std::map<std::int64_t, SeenPoint> points_by_row(const std::shared_ptr<grpc::Chan
     if (!points.emplace(point.row(), SeenPoint{point.id(), point.row(), text_of(point)}).second)
       throw std::runtime_error("row " + std::to_string(point.row()) + " is there twice");
   return points;
-}
-
-std::string integrity_of(const std::string& database) {
-  return query_one(database, "PRAGMA integrity_check");
-}
-
-std::int64_t doubled_points_in(const std::string& database) {
-  return std::stoll(query_one(database,
-                              "SELECT count(*) FROM (SELECT 1 FROM point WHERE verdict = "
-                              "'accepted' GROUP BY run_id, row HAVING count(*) > 1)"));
 }
 
 }  // namespace driftwise::tests

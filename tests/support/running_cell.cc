@@ -1,5 +1,6 @@
 #include "tests/support/running_cell.h"
 
+#include <grpcpp/channel.h>
 #include <grpcpp/create_channel.h>
 #include <signal.h>
 
@@ -7,6 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <thread>
+
+#include "driftwise/v1/cell_service.grpc.pb.h"
+#include "driftwise/v1/run_service.grpc.pb.h"
 
 namespace driftwise::tests {
 namespace {
@@ -88,13 +92,15 @@ void RunningCell::kill_daemon() {
 }
 
 int RunningCell::stop_daemon() {
+  channel_
+      .reset();  // an idle channel of ours would not hear the daemon's goodbye, which waits for it
   daemon_->signal(SIGTERM);
   return daemon_->wait(seconds(20)).value_or(-1);
 }
 
 std::string RunningCell::database() const {
   for (const auto& entry : std::filesystem::directory_iterator(folder()))
-    if (entry.path().extension() == ".db") return entry.path().string();
+    if (entry.path().extension() == ".sqlite") return entry.path().string();
   return {};
 }
 
@@ -120,11 +126,12 @@ std::string RunningCell::take_lease() {
   return must(status, response, "TakeLease").lease().token();
 }
 
-v1::Run RunningCell::create_run(const std::string& trajectory_csv, const std::string& name) {
+v1::Run RunningCell::create_run(const std::string& trajectory_csv, const std::string& request_id) {
   v1::CreateRunRequest request;
-  request.set_name(name);
-  request.set_trajectory_name(name + ".csv");
+  request.set_name("test");
+  request.set_trajectory_name("test.csv");
   request.set_trajectory_text(trajectory_csv);
+  request.set_request_id(request_id);
   request.set_lease_token(take_lease());
   grpc::ClientContext context;
   set_operator(context);

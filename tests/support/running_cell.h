@@ -3,23 +3,25 @@
 // their own, on free ports. Fixture of the integration, fault and demo tests. Not thread safe;
 // throws std::runtime_error when something does not start.
 
-#include <grpcpp/channel.h>
-
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "driftwise/v1/cell_service.grpc.pb.h"
-#include "driftwise/v1/run_service.grpc.pb.h"
+#include "driftwise/v1/run.pb.h"
 #include "tests/support/process.h"
+
+namespace grpc {
+class Channel;
+}
 
 namespace driftwise::tests {
 
 struct CellOptions {
   double speed = 200;
   int seed = 1;
-  std::string cell = "linear-axis";          // folder under deploy/cells
-  std::vector<std::string> cellsim_options;  // "--set", "key=value", ...
+  std::string cell = "linear-axis";            // folder under deploy/cells
+  std::vector<std::string> cellsim_options{};  // "--set", "key=value", ...
 };
 
 class RunningCell {
@@ -46,7 +48,8 @@ class RunningCell {
                std::chrono::milliseconds limit = std::chrono::seconds(60)) const;
 
   std::string take_lease();
-  v1::Run create_run(const std::string& trajectory_csv, const std::string& name = "test");
+  // With the request_id of an earlier call: that call's run.
+  v1::Run create_run(const std::string& trajectory_csv, const std::string& request_id = {});
   // Returns when the run is over or the time ran out (then the state says so).
   v1::Run wait_until_over(std::int64_t run_id, std::chrono::milliseconds limit);
 
