@@ -10,7 +10,7 @@
 namespace driftwise::cli {
 namespace {
 
-using Stub = v1::CellService::Stub;
+using CellStub = v1::CellService::Stub;
 constexpr double kMotionLimit_s = 600;  // homing a slow axis
 
 struct MotionArguments {
@@ -30,7 +30,7 @@ ExitCode say(const Session& session, const std::string& done) {
 
 // What a dry run can know: the axes are there and the coordinates lie within their limits.
 ExitCode dry_run(const Session& session, const v1::MoveRequest& request, const std::string& what) {
-  const auto devices = session.connect().ask(&Stub::ListDevices, v1::ListDevicesRequest{});
+  const auto devices = session.connect().ask(&CellStub::ListDevices, v1::ListDevicesRequest{});
   for (const auto& value : request.coordinates()) {
     const v1::Axis* found = nullptr;
     for (const auto& device : devices.devices())
@@ -58,7 +58,7 @@ ExitCode home(const Session& session, const MotionArguments& a) {
   const HeldLease lease(connection, a.lease_token);
   v1::HomeRequest request;
   request.set_lease_token(lease.token());
-  connection.ask(&Stub::Home, request, kMotionLimit_s);
+  connection.ask(&CellStub::Home, request, kMotionLimit_s);
   return say(session, "homed");
 }
 
@@ -69,7 +69,7 @@ ExitCode move(const Session& session, const MotionArguments& a) {
   const auto connection = session.connect();
   const HeldLease lease(connection, a.lease_token);
   request.set_lease_token(lease.token());
-  connection.ask(&Stub::Move, request, kMotionLimit_s);
+  connection.ask(&CellStub::Move, request, kMotionLimit_s);
   return say(session, "moved");
 }
 
@@ -80,12 +80,12 @@ ExitCode set_stabiliser(const Session& session, const MotionArguments& a) {
   request.set_lease_token(lease.token());
   request.set_device_id(a.device);
   request.set_set_point_degc(a.set_point_degc);
-  connection.ask(&Stub::SetStabiliser, request, 30);
+  connection.ask(&CellStub::SetStabiliser, request, 30);
   return say(session, a.device + " set to " + fixed(a.set_point_degc, 3) + " degC");
 }
 
 ExitCode show_lease(const Session& session) {
-  const auto status = session.connect().ask(&Stub::GetStatus, v1::GetStatusRequest{});
+  const auto status = session.connect().ask(&CellStub::GetStatus, v1::GetStatusRequest{});
   if (session.console.json) {
     session.console.print_json(
         {{"lease", status.has_lease() ? json_from(status.lease()) : nullptr}});
@@ -102,7 +102,7 @@ ExitCode take_lease(const Session& session, const MotionArguments& a) {
   v1::TakeLeaseRequest request;
   request.mutable_lease_duration()->set_seconds(static_cast<std::int64_t>(a.hold_s));
   request.set_token(a.lease_token);
-  const auto lease = session.connect().ask(&Stub::TakeLease, request).lease();
+  const auto lease = session.connect().ask(&CellStub::TakeLease, request).lease();
   if (session.console.json)
     session.console.print_json(json_from(lease));
   else
@@ -120,7 +120,7 @@ void add_motion_commands(CLI::App& app, Session& session) {
   };
   add_command(app, session, "stop", "Halts all axes now and aborts a run under way; needs no lease",
               [&session] {
-                session.connect().ask(&Stub::StopAll, v1::StopAllRequest{});
+                session.connect().ask(&CellStub::StopAll, v1::StopAllRequest{});
                 return say(session, "stopped");
               });
   CLI::App& homing = add_command(app, session, "home", "References all axes (takes the lease)",
@@ -151,7 +151,7 @@ void add_motion_commands(CLI::App& app, Session& session) {
   CLI::App& give_up = add_command(lease, session, "give-up", "Lets others move", [&session, a] {
     v1::GiveUpLeaseRequest request;
     request.set_token(a->lease_token);
-    session.connect().ask(&Stub::GiveUpLease, request);
+    session.connect().ask(&CellStub::GiveUpLease, request);
     return say(session, "given up");
   });
   give_up.add_option("TOKEN", a->lease_token, "as `lease take` printed it")->required();

@@ -12,7 +12,7 @@
 namespace driftwise::cli {
 namespace {
 
-using Stub = v1::RunService::Stub;
+using RunStub = v1::RunService::Stub;
 
 struct RunArguments {
   std::int64_t id = 0;
@@ -31,7 +31,7 @@ ExitCode show_changed(const Session& session, const v1::Run& run) {
 ExitCode list_runs(const Session& session, std::int32_t limit) {
   v1::ListRunsRequest request;
   request.set_limit(limit);
-  const auto response = session.connect().ask(&Stub::ListRuns, request);
+  const auto response = session.connect().ask(&RunStub::ListRuns, request);
   if (session.console.json)
     session.console.print_json(json_from(response));
   else
@@ -42,7 +42,7 @@ ExitCode list_runs(const Session& session, std::int32_t limit) {
 ExitCode show_run(const Session& session, std::int64_t id) {
   v1::GetRunRequest request;
   request.set_run_id(id);
-  const auto response = session.connect().ask(&Stub::GetRun, request);
+  const auto response = session.connect().ask(&RunStub::GetRun, request);
   if (session.console.json)
     session.console.print_json(json_from(response));
   else
@@ -61,7 +61,7 @@ ExitCode abort_run(const Session& session, std::int64_t id, const std::string& r
   v1::AbortRunRequest request;
   request.set_run_id(id);
   request.set_reason(reason);
-  return show_changed(session, session.connect().ask(&Stub::AbortRun, request).run());
+  return show_changed(session, session.connect().ask(&RunStub::AbortRun, request).run());
 }
 
 template <class Request, class Method>
@@ -93,10 +93,10 @@ void add_run_commands(CLI::App& app, Session& session) {
   });
   watched.add_option("RUN", a->id, "number of the run; without it the one under way");
   id(add_command(run, session, "pause", "Pauses after the point under way", [&session, a] {
-    return change<v1::PauseRunRequest>(session, &Stub::PauseRun, a->id);
+    return change<v1::PauseRunRequest>(session, &RunStub::PauseRun, a->id);
   }));
   id(add_command(run, session, "resume", "Goes on with a paused run", [&session, a] {
-    return change<v1::ResumeRunRequest>(session, &Stub::ResumeRun, a->id);
+    return change<v1::ResumeRunRequest>(session, &RunStub::ResumeRun, a->id);
   }));
   CLI::App& ended =
       add_command(run, session, "abort", "Ends a run at once; what was accepted stays",

@@ -8,7 +8,7 @@
 namespace driftwise::cli {
 namespace {
 
-using Stub = v1::RunService::Stub;
+using RunStub = v1::RunService::Stub;
 constexpr int kPage = 1000;
 
 std::string value_text(const v1::ChannelValue& value) {
@@ -35,7 +35,7 @@ ExitCode show_points(const Session& session, std::int64_t run_id) {
   request.set_limit(kPage);
   v1::ListPointsResponse all;
   while (true) {
-    const auto page = connection.ask(&Stub::ListPoints, request);
+    const auto page = connection.ask(&RunStub::ListPoints, request);
     all.MergeFrom(page);
     if (page.points_size() < kPage) break;
     request.set_after_point_id(page.points(page.points_size() - 1).id());
@@ -65,7 +65,7 @@ ExitCode show_points(const Session& session, std::int64_t run_id) {
 ExitCode show_attempts(const Session& session, std::int64_t run_id) {
   v1::ListAttemptsRequest request;
   request.set_run_id(run_id);
-  const auto response = session.connect().ask(&Stub::ListAttempts, request);
+  const auto response = session.connect().ask(&RunStub::ListAttempts, request);
   if (session.console.json) {
     session.console.print_json(json_from(response));
     return ExitCode::done;
@@ -88,7 +88,7 @@ ExitCode show_attempts(const Session& session, std::int64_t run_id) {
 ExitCode show_datums(const Session& session, std::int64_t run_id) {
   v1::ListDatumsRequest request;
   request.set_run_id(run_id);
-  const auto response = session.connect().ask(&Stub::ListDatums, request);
+  const auto response = session.connect().ask(&RunStub::ListDatums, request);
   if (session.console.json) {
     session.console.print_json(json_from(response));
     return ExitCode::done;

@@ -10,7 +10,7 @@
 namespace driftwise::cli {
 namespace {
 
-using Stub = v1::CellService::Stub;
+using CellStub = v1::CellService::Stub;
 
 std::string link_text(const Paint& paint, v1::Device::Link link) {
   switch (link) {
@@ -116,17 +116,18 @@ ExitCode show_events(const Session& session, std::int64_t after, bool follow) {
   if (follow) {
     v1::WatchEventsRequest request;
     request.set_after_event_id(after);
-    connection.follow(&Stub::WatchEvents, request, [&](const v1::WatchEventsResponse& response) {
-      print_event(session.console, response.event());
-      return true;
-    });
+    connection.follow(&CellStub::WatchEvents, request,
+                      [&](const v1::WatchEventsResponse& response) {
+                        print_event(session.console, response.event());
+                        return true;
+                      });
     return ExitCode::done;
   }
   v1::ListEventsRequest request;
   request.set_after_event_id(after);
   request.set_limit(1000);
   while (true) {
-    const auto page = connection.ask(&Stub::ListEvents, request);
+    const auto page = connection.ask(&CellStub::ListEvents, request);
     for (const auto& event : page.events()) print_event(session.console, event);
     if (page.events_size() < 1000) return ExitCode::done;
     request.set_after_event_id(page.events(page.events_size() - 1).id());
@@ -137,7 +138,7 @@ ExitCode follow_readings(const Session& session, const std::string& device) {
   v1::WatchReadingsRequest request;
   request.set_device_id(device);
   session.connect().follow(
-      &Stub::WatchReadings, request, [&](const v1::WatchReadingsResponse& response) {
+      &CellStub::WatchReadings, request, [&](const v1::WatchReadingsResponse& response) {
         if (session.console.json) {
           session.console.out << json_from(response).dump() << '\n' << std::flush;
           return true;
@@ -160,7 +161,7 @@ ExitCode follow_readings(const Session& session, const std::string& device) {
 
 void add_status_commands(CLI::App& app, Session& session) {
   add_command(app, session, "status", "The cell now: run, lease, model, latest values", [&session] {
-    const auto status = session.connect().ask(&Stub::GetStatus, v1::GetStatusRequest{});
+    const auto status = session.connect().ask(&CellStub::GetStatus, v1::GetStatusRequest{});
     if (session.console.json)
       session.console.print_json(json_from(status));
     else
@@ -168,7 +169,7 @@ void add_status_commands(CLI::App& app, Session& session) {
     return ExitCode::done;
   });
   add_command(app, session, "devices", "Controllers and instruments, with their links", [&session] {
-    const auto devices = session.connect().ask(&Stub::ListDevices, v1::ListDevicesRequest{});
+    const auto devices = session.connect().ask(&CellStub::ListDevices, v1::ListDevicesRequest{});
     if (session.console.json)
       session.console.print_json(json_from(devices));
     else

@@ -11,7 +11,7 @@
 namespace driftwise::cli {
 namespace {
 
-using Stub = v1::TargetService::Stub;
+using TargetStub = v1::TargetService::Stub;
 
 struct TargetArguments {
   std::vector<std::string> pose;
@@ -87,7 +87,7 @@ void print_target(const Console& console, const v1::ComputeTargetRequest& reques
 namespace {
 
 ExitCode ask_once(const Session& session, const v1::ComputeTargetRequest& request) {
-  const auto target = session.connect().ask(&Stub::ComputeTarget, request).target();
+  const auto target = session.connect().ask(&TargetStub::ComputeTarget, request).target();
   if (session.console.json)
     session.console.print_json(json_from(target));
   else
@@ -104,7 +104,7 @@ ExitCode follow(const Session& session, const v1::ComputeTargetRequest& asked, d
         (every_s - static_cast<double>(static_cast<std::int64_t>(every_s))) * 1e9));
   }
   session.connect().follow(
-      &Stub::WatchTargets, request, [&](const v1::WatchTargetsResponse& response) {
+      &TargetStub::WatchTargets, request, [&](const v1::WatchTargetsResponse& response) {
         const auto& target = response.target();
         if (session.console.json) {
           session.console.out << json_from(target).dump() << '\n' << std::flush;

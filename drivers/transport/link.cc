@@ -1,16 +1,14 @@
 #include "drivers/transport/link.h"
 
-#include <boost/asio/as_tuple.hpp>
-#include <boost/asio/use_awaitable.hpp>
 #include <cstdio>
 
+#include "drivers/transport/as_tuple.h"
 #include "drivers/transport/escape.h"
 
 namespace driftwise::transport {
 namespace {
 
 using SteadyClock = std::chrono::steady_clock;
-constexpr auto kAsTuple = asio::as_tuple(asio::use_awaitable);
 constexpr int kMaxStaleReplies = 256;
 
 std::string milliseconds(std::chrono::nanoseconds time) {

@@ -2,20 +2,18 @@
 #include <termios.h>
 #include <unistd.h>
 
-#include <boost/asio/as_tuple.hpp>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/serial_port.hpp>
-#include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
 #include <cerrno>
 
+#include "drivers/transport/as_tuple.h"
 #include "drivers/transport/byte_stream.h"
 
 namespace driftwise::transport {
 namespace {
 
 using asio::serial_port_base;
-constexpr auto kAsTuple = asio::as_tuple(asio::use_awaitable);
 
 error_code last_error() { return {errno, boost::system::system_category()}; }
 

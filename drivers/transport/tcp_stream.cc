@@ -1,16 +1,13 @@
-#include <boost/asio/as_tuple.hpp>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/connect.hpp>
 #include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
 
+#include "drivers/transport/as_tuple.h"
 #include "drivers/transport/byte_stream.h"
 
 namespace driftwise::transport {
 namespace {
-
-constexpr auto kAsTuple = asio::as_tuple(asio::use_awaitable);
 
 class TcpStream final : public ByteStream {
  public:

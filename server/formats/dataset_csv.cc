@@ -10,22 +10,22 @@ namespace {
 
 constexpr std::string_view kVersionKey = "driftwise-dataset";
 
-enum class Kind : std::uint8_t { time, set, line, zero, dwell, run, datum, channel };
+enum class DatasetColumn : std::uint8_t { time, set, line, zero, dwell, run, datum, channel };
 
 struct Named {
   std::string_view name;
-  Kind kind;
+  DatasetColumn kind;
 };
-constexpr std::array<Named, 7> kOwnColumns = {{{"time_s", Kind::time},
-                                               {"set", Kind::set},
-                                               {"line", Kind::line},
-                                               {"zero", Kind::zero},
-                                               {"dwell_s", Kind::dwell},
-                                               {"run", Kind::run},
-                                               {"datum", Kind::datum}}};
+constexpr std::array<Named, 7> kOwnColumns = {{{"time_s", DatasetColumn::time},
+                                               {"set", DatasetColumn::set},
+                                               {"line", DatasetColumn::line},
+                                               {"zero", DatasetColumn::zero},
+                                               {"dwell_s", DatasetColumn::dwell},
+                                               {"run", DatasetColumn::run},
+                                               {"datum", DatasetColumn::datum}}};
 
 struct Column {
-  Kind kind = Kind::channel;
+  DatasetColumn kind = DatasetColumn::channel;
   std::vector<double>* values = nullptr;  // where a number goes
 };
 
@@ -46,7 +46,7 @@ Result<std::vector<Column>> sort_columns(const CsvHeader& header, const std::str
     const auto& name = header.names[i];
     for (const auto& own : kOwnColumns)
       if (name == own.name) columns[i].kind = own.kind;
-    if (columns[i].kind != Kind::channel) continue;
+    if (columns[i].kind != DatasetColumn::channel) continue;
     auto channel = parse_channel(name);
     if (!channel) {
       std::string message = at_line(file_name, header.line) + "column " + std::to_string(i + 1) +
@@ -57,9 +57,9 @@ Result<std::vector<Column>> sort_columns(const CsvHeader& header, const std::str
   }
   std::size_t next = 0;
   for (auto& column : columns) {
-    if (column.kind == Kind::time) column.values = &data.time_s;
-    if (column.kind == Kind::dwell) column.values = &data.dwell_s;
-    if (column.kind == Kind::channel) column.values = &data.columns[next++].values;
+    if (column.kind == DatasetColumn::time) column.values = &data.time_s;
+    if (column.kind == DatasetColumn::dwell) column.values = &data.dwell_s;
+    if (column.kind == DatasetColumn::channel) column.values = &data.columns[next++].values;
     if (column.values) column.values->reserve(header.row_bound);
   }
   return columns;
@@ -71,29 +71,29 @@ bool read_row(CsvRows& rows, const std::vector<Column>& columns, Dataset& data) 
     std::int64_t integer = 0;
     bool truth = false;
     switch (column.kind) {
-      case Kind::time:
-      case Kind::dwell:
-      case Kind::channel:
+      case DatasetColumn::time:
+      case DatasetColumn::dwell:
+      case DatasetColumn::channel:
         if (!rows.number(number)) return false;
         column.values->push_back(number);
         break;
-      case Kind::set:
+      case DatasetColumn::set:
         if (!rows.set_is_validation(truth)) return false;
         data.set.push_back(truth ? PointSet::validation : PointSet::calibration);
         break;
-      case Kind::zero:
+      case DatasetColumn::zero:
         if (!rows.flag(truth)) return false;
         data.zero.push_back(truth ? 1 : 0);
         break;
-      case Kind::line:
+      case DatasetColumn::line:
         if (!rows.integer(integer)) return false;
         data.line.push_back(integer);
         break;
-      case Kind::run:
+      case DatasetColumn::run:
         if (!rows.integer(integer)) return false;
         data.run.push_back(integer);
         break;
-      case Kind::datum:
+      case DatasetColumn::datum:
         if (!rows.integer(integer)) return false;
         data.datum.push_back(integer);
         break;
@@ -104,7 +104,7 @@ bool read_row(CsvRows& rows, const std::vector<Column>& columns, Dataset& data) 
 
 std::size_t time_column(const std::vector<Column>& columns) {
   for (std::size_t i = 0; i < columns.size(); ++i)
-    if (columns[i].kind == Kind::time) return i;
+    if (columns[i].kind == DatasetColumn::time) return i;
   return columns.size();
 }
 

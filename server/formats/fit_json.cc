@@ -37,7 +37,7 @@ ordered_json term_json(const calibration::TermReport& report, const SummaryUnit&
   return json;
 }
 
-ordered_json output_json(const calibration::OutputModel& output) {
+ordered_json output_summary(const calibration::OutputModel& output) {
   const SummaryUnit summary = summary_unit(output.channel.unit);
   const auto key = [&summary](const std::string& name) { return name + "_" + summary.unit; };
   const auto& accuracy = output.accuracy;
@@ -86,7 +86,7 @@ ordered_json fit_json(const calibration::Model& model) {
                   {"dropped", model.lineage.rows_dropped}};
   json["outputs"] = ordered_json::object();
   for (const auto& output : model.outputs)
-    json["outputs"][output.channel.symbol] = output_json(output);
+    json["outputs"][output.channel.symbol] = output_summary(output);
   json["domain"] = ordered_json::object();
   for (const auto& range : model.domain)
     json["domain"][range.channel.name()] = {range.min, range.max};

@@ -95,8 +95,9 @@ Result<calibration::Candidates> Formula::expand(const Dataset& dataset) const {
 
 namespace {
 
+using Kind = FormulaNode::Kind;
+
 Result<effects::Factor> factor_of(const FormulaNode& node, std::string_view text) {
-  using Kind = FormulaNode::Kind;
   if (node.kind == Kind::name) return effects::Power{node.name, 1};
   if (node.kind == Kind::power) return effects::Power{node.parts.front().name, node.number};
   if (node.kind != Kind::effect)

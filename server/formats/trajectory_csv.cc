@@ -8,20 +8,20 @@
 namespace driftwise::formats {
 namespace {
 
-enum class Kind : std::uint8_t { coordinate, set, line, zero, force, dwell };
+enum class TrajectoryColumn : std::uint8_t { coordinate, set, line, zero, force, dwell };
 
 // The columns that are no coordinates, or none for a name that no trajectory has.
-std::optional<Kind> kind_from(const std::string& name) {
-  if (name == "set") return Kind::set;
-  if (name == "line") return Kind::line;
-  if (name == "zero") return Kind::zero;
-  if (name == "force_N") return Kind::force;
-  if (name == "dwell_s") return Kind::dwell;
+std::optional<TrajectoryColumn> kind_from(const std::string& name) {
+  if (name == "set") return TrajectoryColumn::set;
+  if (name == "line") return TrajectoryColumn::line;
+  if (name == "zero") return TrajectoryColumn::zero;
+  if (name == "force_N") return TrajectoryColumn::force;
+  if (name == "dwell_s") return TrajectoryColumn::dwell;
   const auto channel = parse_channel(name);
   if (channel && channel->unit == "mm" &&
       (is_motor_symbol(channel->symbol) || channel->symbol == "x" || channel->symbol == "y" ||
        channel->symbol == "z"))
-    return Kind::coordinate;
+    return TrajectoryColumn::coordinate;
   return std::nullopt;
 }
 
@@ -30,9 +30,10 @@ tl::unexpected<Error> bad_header(const char* reason, const CsvHeader& header,
   return fail(ErrorCode::invalid_argument, reason, at_line(file_name, header.line) + sentence);
 }
 
-Result<std::vector<Kind>> sort_columns(const CsvHeader& header, const std::string& file_name,
-                                       std::vector<Channel>& coordinates) {
-  std::vector<Kind> kinds;
+Result<std::vector<TrajectoryColumn>> sort_columns(const CsvHeader& header,
+                                                   const std::string& file_name,
+                                                   std::vector<Channel>& coordinates) {
+  std::vector<TrajectoryColumn> kinds;
   for (const auto& name : header.names) {
     const auto kind = kind_from(name);
     if (!kind)
@@ -41,7 +42,7 @@ Result<std::vector<Kind>> sort_columns(const CsvHeader& header, const std::strin
                             ", expected q1_mm, q2_mm, ... or x_mm, y_mm, z_mm, and set, line, "
                             "zero, force_N, dwell_s");
     kinds.push_back(*kind);
-    if (*kind == Kind::coordinate) coordinates.push_back(*parse_channel(name));
+    if (*kind == TrajectoryColumn::coordinate) coordinates.push_back(*parse_channel(name));
   }
   if (coordinates.empty())
     return bad_header("NO_COORDINATES", header, file_name,
@@ -55,35 +56,35 @@ Result<std::vector<Kind>> sort_columns(const CsvHeader& header, const std::strin
 }
 
 // Reads the fields of one row, and checks what a row alone can show.
-Result<TrajectoryPoint> read_point(CsvRows& rows, const std::vector<Kind>& kinds) {
+Result<TrajectoryPoint> read_point(CsvRows& rows, const std::vector<TrajectoryColumn>& kinds) {
   TrajectoryPoint point;
   for (std::size_t i = 0; i < kinds.size(); ++i) {
     double number = 0;
     bool truth = false;
     bool good = true;
     switch (kinds[i]) {
-      case Kind::coordinate:
+      case TrajectoryColumn::coordinate:
         good = rows.number(number);
         if (good && is_missing(number))
           return tl::unexpected(
               rows.problem("MISSING_COORDINATE", i, "found nothing, expected a number in mm"));
         point.target_mm.push_back(number);
         break;
-      case Kind::set:
+      case TrajectoryColumn::set:
         good = rows.set_is_validation(truth);
         point.set = truth ? PointSet::validation : PointSet::calibration;
         break;
-      case Kind::line:
+      case TrajectoryColumn::line:
         good = rows.integer(point.line);
         break;
-      case Kind::zero:
+      case TrajectoryColumn::zero:
         good = rows.flag(point.zero);
         break;
-      case Kind::force:
+      case TrajectoryColumn::force:
         good = rows.number(number);
         if (!is_missing(number)) point.force_n = number;
         break;
-      case Kind::dwell:
+      case TrajectoryColumn::dwell:
         good = rows.number(number);
         if (good && number < 0)
           return tl::unexpected(rows.problem(
@@ -96,7 +97,7 @@ Result<TrajectoryPoint> read_point(CsvRows& rows, const std::vector<Kind>& kinds
   return point;
 }
 
-std::size_t first_column(const std::vector<Kind>& kinds, Kind kind) {
+std::size_t first_column(const std::vector<TrajectoryColumn>& kinds, TrajectoryColumn kind) {
   return static_cast<std::size_t>(std::ranges::find(kinds, kind) - kinds.begin());
 }
 
@@ -116,13 +117,13 @@ Result<Trajectory> read_trajectory_csv(std::string_view text, const std::string&
     if (!point) return tl::unexpected(point.error());
     if (!trajectory.points.empty() && point->line < trajectory.points.back().line)
       return tl::unexpected(
-          rows.problem("LINE_DECREASES", first_column(*kinds, Kind::line),
+          rows.problem("LINE_DECREASES", first_column(*kinds, TrajectoryColumn::line),
                        "found " + std::to_string(point->line) + " after " +
                            std::to_string(trajectory.points.back().line) +
                            ", expected the points of one line to follow one another"));
     if (point->zero && !std::ranges::all_of(point->target_mm, [](double mm) { return mm == 0; }))
       return tl::unexpected(
-          rows.problem("ZERO_NOT_AT_ZERO", first_column(*kinds, Kind::zero),
+          rows.problem("ZERO_NOT_AT_ZERO", first_column(*kinds, TrajectoryColumn::zero),
                        "found 1 with coordinates that are not all 0: a return to zero goes to 0"));
     trajectory.points.push_back(std::move(*point));
   }

@@ -9,14 +9,14 @@ namespace {
 using application::Cell;
 constexpr std::size_t kChunkBytes = 64 * 1024;
 
-struct State {  // shared with the query, which may end after the client has gone
+struct ExportState {  // shared with the query, which may end after the client has gone
   std::string csv;
   std::size_t sent = 0;
   std::optional<Result<void>> end;
   std::function<void()> wake;
 };
 
-Awaitable<void> query(Cell& cell, std::vector<RunId> runs, std::shared_ptr<State> state) {
+Awaitable<void> query(Cell& cell, std::vector<RunId> runs, std::shared_ptr<ExportState> state) {
   auto csv = co_await cell.export_dataset(std::move(runs));
   if (csv) {
     state->csv = std::move(*csv);
@@ -55,7 +55,7 @@ class ExportSource final : public StreamSource<v1::ExportDatasetResponse> {
  private:
   Cell& cell_;
   std::vector<RunId> runs_;
-  std::shared_ptr<State> state_ = std::make_shared<State>();
+  std::shared_ptr<ExportState> state_ = std::make_shared<ExportState>();
 };
 
 }  // namespace

@@ -10,7 +10,7 @@ namespace {
 using application::Cell;
 constexpr int kBatch = 100;
 
-struct State {                    // shared with the fetch, which may end after the client has gone
+struct EventsState {              // shared with the fetch, which may end after the client has gone
   std::optional<EventId> cursor;  // the last event fetched; none until the first one happens
   EventRecord newest;             // as announced
   std::deque<EventRecord> batch;  // fetched, not sent yet
@@ -19,7 +19,7 @@ struct State {                    // shared with the fetch, which may end after 
   std::function<void()> wake;
 };
 
-Awaitable<void> fetch(Cell& cell, std::shared_ptr<State> state) {
+Awaitable<void> fetch(Cell& cell, std::shared_ptr<EventsState> state) {
   state->more = false;
   auto events = co_await cell.events(*state->cursor, kBatch);
   state->fetching = false;
@@ -76,7 +76,7 @@ class EventSource final : public StreamSource<v1::WatchEventsResponse> {
 
  private:
   Cell& cell_;
-  std::shared_ptr<State> state_ = std::make_shared<State>();
+  std::shared_ptr<EventsState> state_ = std::make_shared<EventsState>();
   Cell::Watch watch_;
 };
 

@@ -8,7 +8,7 @@ namespace {
 
 using application::Cell;
 
-struct State {  // shared with the look-up, which may end after the client has gone
+struct RunWatchState {  // shared with the look-up, which may end after the client has gone
   std::optional<RunId> run;
   std::optional<application::RunProgress> pending;
   std::optional<Result<void>> end;
@@ -23,7 +23,7 @@ struct State {  // shared with the look-up, which may end after the client has g
 };
 
 // The record of the run, for one that is over, and the number of the one under way.
-Awaitable<void> look_up(Cell& cell, std::shared_ptr<State> state) {
+Awaitable<void> look_up(Cell& cell, std::shared_ptr<RunWatchState> state) {
   if (!state->run) {
     const auto status = cell.status();
     if (!status.run) {
@@ -76,7 +76,7 @@ class ProgressSource final : public StreamSource<v1::WatchRunResponse> {
 
  private:
   Cell& cell_;
-  std::shared_ptr<State> state_ = std::make_shared<State>();
+  std::shared_ptr<RunWatchState> state_ = std::make_shared<RunWatchState>();
   Cell::Watch watch_;
 };
 

@@ -8,7 +8,7 @@
 namespace driftwise::simulated {
 namespace {
 
-constexpr std::size_t kLineLimit = 256;
+constexpr std::size_t kAdapterLineLimit = 256;
 constexpr std::size_t kWaitingLimit = 64;
 
 // Unix seconds with nine decimals; not through a double, which would lose the last digits.
@@ -56,7 +56,7 @@ InterferometerEmulator::InterferometerEmulator(Plant& plant, const Switches& s, 
 
 void InterferometerEmulator::open(Session session, Link, TimeNs) {
   clients_.insert_or_assign(session,
-                            Client{LineBuffer('\n', kLineLimit), {}, false, ++last_serial_});
+                            Client{LineBuffer('\n', kAdapterLineLimit), {}, false, ++last_serial_});
 }
 
 void InterferometerEmulator::close(Session session, TimeNs) { clients_.erase(session); }

@@ -7,7 +7,7 @@
 namespace driftwise::simulated {
 namespace {
 
-constexpr std::size_t kWaitingLimit = 64;
+constexpr std::size_t kScpiWaitingLimit = 64;
 constexpr unsigned kPowerOn = 0x80, kCommandError = 0x20, kExecutionError = 0x10,
                    kDeviceError = 0x08, kQueryError = 0x04;
 
@@ -122,7 +122,7 @@ void KeithleyEmulator::device_clear(Session session) {
 
 void KeithleyEmulator::message(Session session, LineBuffer::Line line, TimeNs now) {
   std::erase_if(line.text, [](char c) { return c == '\r' || c == '\n'; });
-  if (line.overrun || waiting_.size() >= kWaitingLimit) {
+  if (line.overrun || waiting_.size() >= kScpiWaitingLimit) {
     errors_.push(-363);
     return;
   }

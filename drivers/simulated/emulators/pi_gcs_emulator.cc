@@ -8,7 +8,7 @@
 namespace driftwise::simulated {
 namespace {
 
-constexpr std::size_t kLineLimit = 1024;
+constexpr std::size_t kGcsLineLimit = 1024;
 
 std::string hex_text(unsigned value) {
   char buffer[16];
@@ -82,7 +82,7 @@ PiGcsEmulator::PiGcsEmulator(Plant& plant, const Switches& s, TimeNs power_on)
 }
 
 void PiGcsEmulator::open(Session session, Link, TimeNs) {
-  input_.insert_or_assign(session, LineBuffer('\n', kLineLimit));
+  input_.insert_or_assign(session, LineBuffer('\n', kGcsLineLimit));
 }
 
 void PiGcsEmulator::close(Session session, TimeNs) { input_.erase(session); }

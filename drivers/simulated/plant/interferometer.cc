@@ -3,11 +3,9 @@
 #include <cmath>
 
 #include "drivers/simulated/plant/refractive_index.h"
+#include "drivers/simulated/plant/units.h"
 
 namespace driftwise::simulated {
-namespace {
-constexpr double kNmPerMm = 1e6;
-}
 
 Interferometer::Interferometer(const InterferometerParameters& parameters, const Weather& typed_in)
     : parameters_(parameters), typed_in_(typed_in), typed_dead_path_mm_(parameters.dead_path_mm) {

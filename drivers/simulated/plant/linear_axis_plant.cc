@@ -11,11 +11,11 @@
 #include "drivers/simulated/plant/measuring_loop.h"
 #include "drivers/simulated/plant/servo_axis.h"
 #include "drivers/simulated/plant/slow_world.h"
+#include "drivers/simulated/plant/units.h"
 
 namespace driftwise::simulated {
 namespace {
 
-constexpr double kNmPerMm = 1e6;
 constexpr double kTick_s = 10;  // rows of the truth log without an occasion
 
 void check(bool good, const char* what) {

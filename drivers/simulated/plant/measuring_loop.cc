@@ -1,11 +1,10 @@
 #include "drivers/simulated/plant/measuring_loop.h"
 
 #include "drivers/simulated/plant/parallelogram.h"
+#include "drivers/simulated/plant/units.h"
 
 namespace driftwise::simulated {
 namespace {
-
-constexpr double kNmPerMm = 1e6;
 
 double node(const NodeTemperatures& degc, int index) {
   return degc[static_cast<std::size_t>(index)];

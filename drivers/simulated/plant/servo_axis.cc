@@ -4,10 +4,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "drivers/simulated/plant/units.h"
+
 namespace driftwise::simulated {
 namespace {
 
-constexpr double kNmPerMm = 1e6;
 constexpr std::size_t kMovesKept = 64;  // at one move per seconds, longer than anything looks back
 constexpr double kGrip_s = 0.05;        // within which the servo catches the stage after a profile
 constexpr double kReferenceMark_mm = 0;

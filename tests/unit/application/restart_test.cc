@@ -13,13 +13,11 @@
 #include "server/application/crash_point.h"
 #include "storage/sqlite_store.h"
 #include "tests/support/cell_in_memory.h"
+#include "tests/unit/application/sqlite.h"
 
 namespace driftwise::tests {
 namespace {
 
-const OpenStore kSqlite = [](const std::string& path, bool read_only) {
-  return storage::open_sqlite_store(path, read_only);
-};
 const std::string kTrajectory = lines_of(2, {2, -3}, true);
 constexpr std::int64_t kRows = 6;
 

@@ -2,15 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include "storage/sqlite_store.h"
 #include "tests/support/cell_in_memory.h"
+#include "tests/unit/application/sqlite.h"
 
 namespace driftwise::tests {
 namespace {
-
-const OpenStore kSqlite = [](const std::string& path, bool read_only) {
-  return storage::open_sqlite_store(path, read_only);
-};
 
 class RunTroubles : public testing::Test {
  protected:

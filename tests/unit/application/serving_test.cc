@@ -5,15 +5,11 @@
 #include <cmath>
 
 #include "server/compensation/target.h"
-#include "storage/sqlite_store.h"
 #include "tests/support/cell_in_memory.h"
+#include "tests/unit/application/sqlite.h"
 
 namespace driftwise::tests {
 namespace {
-
-const OpenStore kSqlite = [](const std::string& path, bool read_only) {
-  return storage::open_sqlite_store(path, read_only);
-};
 
 class ServingTest : public testing::Test {
  protected:

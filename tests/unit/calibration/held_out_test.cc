@@ -9,7 +9,7 @@
 namespace driftwise::calibration {
 namespace {
 
-const std::string kFormula = "q1 ~ x + x^2 + t01 + t02";
+const std::string kHeldOutFormula = "q1 ~ x + x^2 + t01 + t02";
 
 TEST(HeldOut, EqualsFittingEachBlockAwayByHand) {
   Dataset data = make_campaign({});
@@ -17,7 +17,7 @@ TEST(HeldOut, EqualsFittingEachBlockAwayByHand) {
   options.select = Select::all;
   options.blocks = 5;
   options.block_gap = 0;
-  const auto model = formats::fit_formula(data, kFormula, options);
+  const auto model = formats::fit_formula(data, kHeldOutFormula, options);
   ASSERT_TRUE(model.has_value());
 
   // By hand: mark a block's rows as validation, everything else of the calibration rows stays.
@@ -30,7 +30,7 @@ TEST(HeldOut, EqualsFittingEachBlockAwayByHand) {
     Dataset part = data;
     const std::size_t begin = rows.size() * block / 5, end = rows.size() * (block + 1) / 5;
     for (std::size_t i = begin; i < end; ++i) part.set[rows[i]] = PointSet::validation;
-    const auto fold = formats::fit_formula(part, kFormula, options);
+    const auto fold = formats::fit_formula(part, kHeldOutFormula, options);
     ASSERT_TRUE(fold.has_value());
     const auto& c = fold->outputs[0].coefficients;
     for (std::size_t i = begin; i < end; ++i) {
@@ -46,7 +46,7 @@ TEST(HeldOut, EqualsFittingEachBlockAwayByHand) {
 
 TEST(HeldOut, IntervalHoldsTheFigureAndNarrowsWithData) {
   const auto width = [](int rows) {
-    const auto model = formats::fit_formula(make_campaign({.rows = rows}), kFormula, {});
+    const auto model = formats::fit_formula(make_campaign({.rows = rows}), kHeldOutFormula, {});
     const auto& accuracy = model->outputs[0].accuracy;
     EXPECT_LT(*accuracy.u90_blocks_low, *accuracy.u90_blocks);
     EXPECT_GT(*accuracy.u90_blocks_high, *accuracy.u90_blocks);

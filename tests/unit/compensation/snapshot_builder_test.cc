@@ -11,7 +11,7 @@
 namespace driftwise::compensation {
 namespace {
 
-constexpr CellTime kNow{1'300'000'000'000'000'000};
+constexpr CellTime kBuiltAt{1'300'000'000'000'000'000};
 
 SnapshotBuilder builder_of(const calibration::Model& model,
                            const CellDescription& cell = axis_cell()) {
@@ -20,13 +20,13 @@ SnapshotBuilder builder_of(const calibration::Model& model,
   return std::move(*made);
 }
 
-Target target_at(const SnapshotBuilder& builder, double x_mm, CellTime now = kNow) {
+Target target_at(const SnapshotBuilder& builder, double x_mm, CellTime now = kBuiltAt) {
   TargetRequest request;
   request.set(Variable::x, x_mm);
   return compute_target(builder.build(now), request);
 }
 
-void observe(SnapshotBuilder& builder, double t07_degc, CellTime at = kNow) {
+void observe(SnapshotBuilder& builder, double t07_degc, CellTime at = kBuiltAt) {
   const ChannelValue value{"t07_degC", t07_degc};
   builder.observe(std::span(&value, 1), at);
 }
@@ -115,7 +115,7 @@ TEST(SnapshotBuilder, FoldsAnyProductOfPoseForceAndTemperatures) {
     const double x = uniform(random), y = uniform(random), rz = uniform(random),
                  f = uniform(random), t = uniform(random), p = uniform(random);
     const std::vector<ChannelValue> values = {{"t05_degC", t}, {"pressure_hPa", p}, {"other_V", 1}};
-    builder.observe(values, kNow);
+    builder.observe(values, kBuiltAt);
     TargetRequest request;
     request.set(Variable::x, x), request.set(Variable::y, y), request.set(Variable::rz, rz),
         request.set(Variable::force, f);
@@ -123,7 +123,7 @@ TEST(SnapshotBuilder, FoldsAnyProductOfPoseForceAndTemperatures) {
     const auto& c = q2.coefficients;
     const double q_um = c[0] + c[1] * x_um * x_um * x_um + c[2] * x_um * y * y * rz +
                         c[3] * f * f * t + c[4] * t * t * p + c[5] * x_um * t * t * t;
-    const auto target = compute_target(builder.build(kNow), request);
+    const auto target = compute_target(builder.build(kBuiltAt), request);
     EXPECT_EQ(target.flags, 0u);
     EXPECT_NEAR(target.q_mm[0], 1e-3 * q_um, 1e-12 * std::abs(q_um));
   }
@@ -138,9 +138,9 @@ TEST(SnapshotBuilder, FollowsAnEffectWithMemoryThroughObservedReadingsOnly) {
     return (target_at(builder, 0, now).q_mm[0] - 1.0) / 1e-3;
   };
   observe(builder, 20);
-  EXPECT_NEAR(lagged(kNow), 20, 1e-9);
-  observe(builder, 21, kNow + std::chrono::seconds(1));
-  const auto later = kNow + std::chrono::seconds(601);
+  EXPECT_NEAR(lagged(kBuiltAt), 20, 1e-9);
+  observe(builder, 21, kBuiltAt + std::chrono::seconds(1));
+  const auto later = kBuiltAt + std::chrono::seconds(601);
   observe(builder, 21, later);
   EXPECT_NEAR(lagged(later), 21 - std::exp(-1.0), 2e-3);  // one time constant after a step of 1 K
   const double once = lagged(later);
@@ -151,7 +151,7 @@ TEST(SnapshotBuilder, IgnoresAReadingThatArrivesLate) {
   auto builder = builder_of(axis_model());
   observe(builder, 21);
   const double q = target_at(builder, 0).q_mm[0];
-  observe(builder, 25, kNow - std::chrono::seconds(1));
+  observe(builder, 25, kBuiltAt - std::chrono::seconds(1));
   EXPECT_EQ(target_at(builder, 0).q_mm[0], q);
 }
 

@@ -78,26 +78,27 @@ TEST(InterferometerAdapter, AnUnstableLaserIsAnErrorOrAStatus) {
   EXPECT_THAT(lax.line.ask("MEAS? 1\n", 2), HasSubstr("status=0x0020"));
 }
 
-struct Case {
+struct AdapterRefusal {
   const char *name, *line, *begins;
 };
-class AdapterRefuses : public testing::TestWithParam<Case> {};
+class AdapterRefuses : public testing::TestWithParam<AdapterRefusal> {};
 TEST_P(AdapterRefuses, WithACode) {
   Adapter adapter;
   EXPECT_THAT(adapter.line.ask(std::string(GetParam().line) + "\n", 2),
               StartsWith(GetParam().begins));
 }
-INSTANTIATE_TEST_SUITE_P(Table, AdapterRefuses,
-                         testing::Values(Case{"Unknown", "HELLO", "ERR 1 "},
-                                         Case{"NoChannel", "MEAS?", "ERR 1 "},
-                                         Case{"OtherChannel", "MEAS? 2", "ERR 2 "},
-                                         Case{"ChannelNoNumber", "MEAS? x", "ERR 1 "},
-                                         Case{"OddAverage", "AVG 4095", "ERR 1 "},
-                                         Case{"EmptyMask", "ZERO 0", "ERR 1 "},
-                                         Case{"NegativeDeadPath", "DEADPATH 1 -3", "ERR 1 "},
-                                         Case{"DeadPathElsewhere", "DEADPATH 3 3", "ERR 2 "},
-                                         Case{"TooMuch", "IDN? please", "ERR 1 "}),
-                         [](const auto& row) { return std::string(row.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    Table, AdapterRefuses,
+    testing::Values(AdapterRefusal{"Unknown", "HELLO", "ERR 1 "},
+                    AdapterRefusal{"NoChannel", "MEAS?", "ERR 1 "},
+                    AdapterRefusal{"OtherChannel", "MEAS? 2", "ERR 2 "},
+                    AdapterRefusal{"ChannelNoNumber", "MEAS? x", "ERR 1 "},
+                    AdapterRefusal{"OddAverage", "AVG 4095", "ERR 1 "},
+                    AdapterRefusal{"EmptyMask", "ZERO 0", "ERR 1 "},
+                    AdapterRefusal{"NegativeDeadPath", "DEADPATH 1 -3", "ERR 1 "},
+                    AdapterRefusal{"DeadPathElsewhere", "DEADPATH 3 3", "ERR 2 "},
+                    AdapterRefusal{"TooMuch", "IDN? please", "ERR 1 "}),
+    [](const auto& row) { return std::string(row.param.name); });
 
 TEST(InterferometerAdapter, ATooLongLineIsOneError) {
   Adapter adapter;

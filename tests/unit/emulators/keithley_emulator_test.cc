@@ -148,10 +148,10 @@ TEST(Keithley, NothingMayFollowAnIndefiniteReply) {
   EXPECT_THAT(scanner.ask("SYST:ERR?"), StartsWith("-440,"));
 }
 
-struct Refusal {
+struct ScpiRefusal {
   const char *name, *text, *error;
 };
-class KeithleyRefuses : public testing::TestWithParam<Refusal> {};
+class KeithleyRefuses : public testing::TestWithParam<ScpiRefusal> {};
 TEST_P(KeithleyRefuses, WithTheStandardCode) {
   Scanner scanner;
   EXPECT_THAT(scanner.error_after(GetParam().text),
@@ -160,24 +160,27 @@ TEST_P(KeithleyRefuses, WithTheStandardCode) {
 }
 INSTANTIATE_TEST_SUITE_P(
     Table, KeithleyRefuses,
-    testing::Values(
-        Refusal{"UnknownHeader", "FOO:BAR 1", "-113"}, Refusal{"UnknownQuery", "TEMP:RTD?", "-113"},
-        Refusal{"QueryOfACommand", "*RST?", "-113"},
-        Refusal{"InvalidCharacter", "\x80\x81", "-101"}, Refusal{"Syntax", "FRES::NPLC 5", "-102"},
-        Refusal{"LongMnemonic", "ABCDEFGHIJKLMNOP", "-112"},
-        Refusal{"MissingParameter", "SAMP:COUN", "-109"},
-        Refusal{"TooManyParameters", "SAMP:COUN 1,2", "-108"},
-        Refusal{"NotANumber", "SAMP:COUN 1x", "-104"}, Refusal{"OutOfRange", "SAMP:COUN 0", "-222"},
-        Refusal{"Nplc", "FRES:NPLC 51", "-222"},
-        Refusal{"ChannelOfNoCard", "ROUT:SCAN (@201)", "-222"},
-        Refusal{"NoList", "ROUT:SCAN 101", "-102"}, Refusal{"IllegalWord", "TRIG:SOUR NOW", "-224"},
-        Refusal{"UnknownFunction", "FUNC 'FOO'", "-224"},
-        Refusal{"TwoAtOnce", "ROUT:CLOS (@101,102)", "-223"},
-        Refusal{"UpperHalf", "FUNC 'FRES',(@111)", "-221"},
-        Refusal{"NotItsFunction", "FRES:NPLC 5,(@101)", "-221"},
-        Refusal{"NothingToTrigger", "*TRG", "-211"},
-        Refusal{"InitWhileContinuous", "INIT:CONT ON;:INIT", "-213"},
-        Refusal{"ReadWhileContinuous", "INIT:CONT ON;:READ?", "-213"}),
+    testing::Values(ScpiRefusal{"UnknownHeader", "FOO:BAR 1", "-113"},
+                    ScpiRefusal{"UnknownQuery", "TEMP:RTD?", "-113"},
+                    ScpiRefusal{"QueryOfACommand", "*RST?", "-113"},
+                    ScpiRefusal{"InvalidCharacter", "\x80\x81", "-101"},
+                    ScpiRefusal{"Syntax", "FRES::NPLC 5", "-102"},
+                    ScpiRefusal{"LongMnemonic", "ABCDEFGHIJKLMNOP", "-112"},
+                    ScpiRefusal{"MissingParameter", "SAMP:COUN", "-109"},
+                    ScpiRefusal{"TooManyParameters", "SAMP:COUN 1,2", "-108"},
+                    ScpiRefusal{"NotANumber", "SAMP:COUN 1x", "-104"},
+                    ScpiRefusal{"OutOfRange", "SAMP:COUN 0", "-222"},
+                    ScpiRefusal{"Nplc", "FRES:NPLC 51", "-222"},
+                    ScpiRefusal{"ChannelOfNoCard", "ROUT:SCAN (@201)", "-222"},
+                    ScpiRefusal{"NoList", "ROUT:SCAN 101", "-102"},
+                    ScpiRefusal{"IllegalWord", "TRIG:SOUR NOW", "-224"},
+                    ScpiRefusal{"UnknownFunction", "FUNC 'FOO'", "-224"},
+                    ScpiRefusal{"TwoAtOnce", "ROUT:CLOS (@101,102)", "-223"},
+                    ScpiRefusal{"UpperHalf", "FUNC 'FRES',(@111)", "-221"},
+                    ScpiRefusal{"NotItsFunction", "FRES:NPLC 5,(@101)", "-221"},
+                    ScpiRefusal{"NothingToTrigger", "*TRG", "-211"},
+                    ScpiRefusal{"InitWhileContinuous", "INIT:CONT ON;:INIT", "-213"},
+                    ScpiRefusal{"ReadWhileContinuous", "INIT:CONT ON;:READ?", "-213"}),
     [](const auto& row) { return std::string(row.param.name); });
 
 TEST(Keithley, SwitchesLoosenThePairingAndTheOrder) {

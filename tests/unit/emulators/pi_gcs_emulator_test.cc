@@ -124,11 +124,11 @@ TEST(PiGcs, RelativeMovesAddToTheTarget) {
   EXPECT_EQ(pi.line.ask("POS?\n", 0.1), "X=0.7500000\n");
 }
 
-struct Refusal {
+struct GcsRefusal {
   const char *name, *command, *error;
   bool homed;
 };
-class PiGcsRefuses : public testing::TestWithParam<Refusal> {};
+class PiGcsRefuses : public testing::TestWithParam<GcsRefusal> {};
 TEST_P(PiGcsRefuses, WithItsErrorNumber) {
   Controller pi;
   if (GetParam().homed) pi.home();
@@ -136,22 +136,26 @@ TEST_P(PiGcsRefuses, WithItsErrorNumber) {
   EXPECT_EQ(pi.line.ask("ERR?\n", 0.1), "0\n") << "reading clears it";
   EXPECT_EQ(pi.line.ask("POS?\n", 5).substr(0, 4), "X=0.") << "nothing moved";
 }
-INSTANTIATE_TEST_SUITE_P(
-    Table, PiGcsRefuses,
-    testing::Values(
-        Refusal{"UnknownCommand", "FOO X 1", "2", true}, Refusal{"UnknownQuery", "FOO?", "2", true},
-        Refusal{"NoServo", "FRF X", "5", false}, Refusal{"NotReferenced", "MOV X 1", "5", false},
-        Refusal{"BeyondTravel", "MOV X 5.0001", "7", true},
-        Refusal{"RelativeBeyondTravel", "MVR X -6", "7", true},
-        Refusal{"TooFast", "VLS 1000", "8", true}, Refusal{"NoVelocity", "VEL X 0", "8", true},
-        Refusal{"UnknownAxis", "MOV Q 1", "15", true},
-        Refusal{"UnknownAxisAsked", "POS? Q", "15", true},
-        Refusal{"ServoHalfOn", "SVO X 2", "17", true},
-        Refusal{"TooMany", "MOV X 1 X 2", "24", true},
-        Refusal{"StopWithArgument", "STP X", "24", true}, Refusal{"NoValue", "MOV X", "26", true},
-        Refusal{"Nothing", "MOV", "26", true}, Refusal{"NoNumber", "MOV X 1,5", "1", true},
-        Refusal{"NotFinite", "MOV X nan", "1", true}, Refusal{"Garbage", "!!", "1", true}),
-    [](const auto& row) { return std::string(row.param.name); });
+INSTANTIATE_TEST_SUITE_P(Table, PiGcsRefuses,
+                         testing::Values(GcsRefusal{"UnknownCommand", "FOO X 1", "2", true},
+                                         GcsRefusal{"UnknownQuery", "FOO?", "2", true},
+                                         GcsRefusal{"NoServo", "FRF X", "5", false},
+                                         GcsRefusal{"NotReferenced", "MOV X 1", "5", false},
+                                         GcsRefusal{"BeyondTravel", "MOV X 5.0001", "7", true},
+                                         GcsRefusal{"RelativeBeyondTravel", "MVR X -6", "7", true},
+                                         GcsRefusal{"TooFast", "VLS 1000", "8", true},
+                                         GcsRefusal{"NoVelocity", "VEL X 0", "8", true},
+                                         GcsRefusal{"UnknownAxis", "MOV Q 1", "15", true},
+                                         GcsRefusal{"UnknownAxisAsked", "POS? Q", "15", true},
+                                         GcsRefusal{"ServoHalfOn", "SVO X 2", "17", true},
+                                         GcsRefusal{"TooMany", "MOV X 1 X 2", "24", true},
+                                         GcsRefusal{"StopWithArgument", "STP X", "24", true},
+                                         GcsRefusal{"NoValue", "MOV X", "26", true},
+                                         GcsRefusal{"Nothing", "MOV", "26", true},
+                                         GcsRefusal{"NoNumber", "MOV X 1,5", "1", true},
+                                         GcsRefusal{"NotFinite", "MOV X nan", "1", true},
+                                         GcsRefusal{"Garbage", "!!", "1", true}),
+                         [](const auto& row) { return std::string(row.param.name); });
 
 TEST(PiGcs, AQueryThatFailsGivesNoLine) {
   Controller pi;

@@ -110,27 +110,28 @@ TEST(Watlow, AZoneLiesFiveThousandFurther) {
   EXPECT_EQ(Watlow().read(5360, 2), bytes({0x83, 2}));
 }
 
-struct Case {
+struct WatlowRefusal {
   const char* name;
   std::vector<int> request, answer;
 };
-class WatlowRefuses : public testing::TestWithParam<Case> {};
+class WatlowRefuses : public testing::TestWithParam<WatlowRefusal> {};
 TEST_P(WatlowRefuses, WithAnException) {
   EXPECT_EQ(Watlow().ask(bytes(GetParam().request)), bytes(GetParam().answer));
 }
 INSTANTIATE_TEST_SUITE_P(
     Table, WatlowRefuses,
-    testing::Values(Case{"Function4", {4, 1, 0x68, 0, 2}, {0x84, 1}},
-                    Case{"Coils", {1, 0, 0, 0, 1}, {0x81, 1}},
-                    Case{"NoSuchRegister", {3, 0, 0, 0, 1}, {0x83, 2}},
-                    Case{"RunsPastTheEnd", {3, 1, 0x68, 0, 5}, {0x83, 2}},
-                    Case{"ReadNothing", {3, 1, 0x68, 0, 0}, {0x83, 3}},
-                    Case{"ReadTooMuch", {3, 1, 0x68, 0, 126}, {0x83, 3}},
-                    Case{"WriteProcessValue", {6, 1, 0x68, 0, 1}, {0x86, 2}},
-                    Case{"SetPointTooHot", {16, 8, 0x70, 0, 2, 4, 0, 0, 0x44, 0x7A}, {0x90, 3}},
-                    Case{"SetPointNoNumber", {16, 8, 0x70, 0, 2, 4, 0, 0, 0x7F, 0xC0}, {0x90, 3}},
-                    Case{"CountDisagrees", {16, 8, 0x70, 0, 2, 2, 0, 0}, {0x90, 3}},
-                    Case{"Truncated", {3, 1}, {0x83, 3}}),
+    testing::Values(
+        WatlowRefusal{"Function4", {4, 1, 0x68, 0, 2}, {0x84, 1}},
+        WatlowRefusal{"Coils", {1, 0, 0, 0, 1}, {0x81, 1}},
+        WatlowRefusal{"NoSuchRegister", {3, 0, 0, 0, 1}, {0x83, 2}},
+        WatlowRefusal{"RunsPastTheEnd", {3, 1, 0x68, 0, 5}, {0x83, 2}},
+        WatlowRefusal{"ReadNothing", {3, 1, 0x68, 0, 0}, {0x83, 3}},
+        WatlowRefusal{"ReadTooMuch", {3, 1, 0x68, 0, 126}, {0x83, 3}},
+        WatlowRefusal{"WriteProcessValue", {6, 1, 0x68, 0, 1}, {0x86, 2}},
+        WatlowRefusal{"SetPointTooHot", {16, 8, 0x70, 0, 2, 4, 0, 0, 0x44, 0x7A}, {0x90, 3}},
+        WatlowRefusal{"SetPointNoNumber", {16, 8, 0x70, 0, 2, 4, 0, 0, 0x7F, 0xC0}, {0x90, 3}},
+        WatlowRefusal{"CountDisagrees", {16, 8, 0x70, 0, 2, 2, 0, 0}, {0x90, 3}},
+        WatlowRefusal{"Truncated", {3, 1}, {0x83, 3}}),
     [](const auto& row) { return std::string(row.param.name); });
 
 TEST(Watlow, ARefusedWriteChangesNothing) {

@@ -103,14 +103,14 @@ TEST(ParseCellFile, GivesAnotherHashToAnotherText) {
             parse_cell_file(kCell + "\n", "cell.toml")->hash);
 }
 
-struct Case {
+struct CellFileMistake {
   const char* name;
   const char* from;
   const char* to;
   const char* reason;
   const char* says;
 };
-class BadCell : public testing::TestWithParam<Case> {};
+class BadCell : public testing::TestWithParam<CellFileMistake> {};
 TEST_P(BadCell, IsRefusedWithFileLineFieldFoundAndExpected) {
   std::string text = kCell;
   const auto at = text.find(GetParam().from);
@@ -125,64 +125,70 @@ TEST_P(BadCell, IsRefusedWithFileLineFieldFoundAndExpected) {
 INSTANTIATE_TEST_SUITE_P(
     Table, BadCell,
     testing::Values(
-        Case{"Syntax", "name = ", "name ", "TOML_SYNTAX", "cell.toml:2: column"},
-        Case{
+        CellFileMistake{"Syntax", "name = ", "name ", "TOML_SYNTAX", "cell.toml:2: column"},
+        CellFileMistake{
             "UnknownKey", "max_spread_nm", "max_spred_nm", "UNKNOWN_KEY",
             "cell.toml:15: run: found the unknown key 'max_spred_nm': did you mean max_spread_nm?"},
-        Case{"UnknownSection", "[serving]", "[searving]", "UNKNOWN_KEY",
-             "found the unknown key 'searving': did you mean serving?"},
-        Case{"KeyOfAnotherKind", "length = \"x_mm\"", "length = \"x_mm\"\naxis = []", "UNKNOWN_KEY",
-             "device 3: found the unknown key 'axis'"},
-        Case{"NoName", "name = \"linear-axis\"\n", "", "MISSING_KEY", "cell: name: found nothing"},
-        Case{"EmptyName", "\"linear-axis\"", "\"\"", "OUT_OF_RANGE",
-             "cell: name: found an empty string"},
-        Case{"NoCell",
-             "[cell]\nname = \"linear-axis\"\ndatabase = \"data/cell.db\"\nlisten = "
-             "\"127.0.0.1:0\"\ntarget_line = \"localhost:50052\"\nhttp = \"127.0.0.1:0\"\n",
-             "", "MISSING_KEY", "cell: found no [cell] section"},
-        Case{"Type", "max_spread_nm = 4.5", "max_spread_nm = \"4.5\"", "WRONG_TYPE",
-             "cell.toml:15: run: max_spread_nm: found '4.5', expected a number"},
-        Case{"Fraction", "readings_per_point = 5", "readings_per_point = 5.5", "WRONG_TYPE",
-             "found 5.5, expected a whole number"},
-        Case{"Range", "readings_per_point = 5", "readings_per_point = 0", "OUT_OF_RANGE",
-             "found 0, expected a whole number from 1 to 1000"},
-        Case{"Infinite", "max_spread_nm = 4.5", "max_spread_nm = inf", "OUT_OF_RANGE",
-             "expected a finite number above 0"},
-        Case{"Epoch", "2011-07-22T08:00:00Z", "\"yesterday\"", "BAD_TIME",
-             "cell.toml:9: clock: epoch: found 'yesterday'"},
-        Case{"LocalEpoch", "2011-07-22T08:00:00Z", "2011-07-22T08:00:00", "BAD_TIME",
-             "expected a time in UTC"},
-        Case{"Kind", "\"pi-gcs\"", "\"pi-gsc\"", "UNKNOWN_KIND",
-             "device 1: kind: found 'pi-gsc', expected one of pi-gcs, keithley-2701"},
-        Case{"Address", "\"127.0.0.1:50000\"", "\"127.0.0.1\"", "BAD_ADDRESS",
-             "device 1: address: found '127.0.0.1', expected host:port"},
-        Case{"Port", "127.0.0.1:50000", "127.0.0.1:70000", "BAD_ADDRESS",
-             "found '127.0.0.1:70000'"},
-        Case{"TwoIds", "id = \"scanner\"", "id = \"axis\"", "DUPLICATE_ID",
-             "device 2: id: found 'axis'"},
-        Case{"TwoChannels", "channel = \"t05_degC\"", "channel = \"t01_degC\"", "DUPLICATE_CHANNEL",
-             "device 2, probe 2: channel: found 't01_degC'"},
-        Case{"TwoInputs", "input = 102", "input = 101", "DUPLICATE_CHANNEL",
-             "device 2, probe 2: input: found input 101"},
-        Case{"ProbeUnit", "\"t05_degC\"", "\"t05_K\"", "BAD_CHANNEL",
-             "expected a temperature in degC"},
-        Case{"NoUnit", "\"x_mm\"", "\"x\"", "BAD_CHANNEL", "device 3: length: 'x' is no channel"},
-        Case{"AxisName", "\"q1_mm\"", "\"x_mm\"", "BAD_CHANNEL", "expected a motor coordinate"},
-        Case{"Limits", "max_mm = 4.5", "max_mm = -5", "BAD_LIMITS", "expected min_mm below max_mm"},
-        Case{"ZeroOutsideLimits", "min_mm = -4.5", "min_mm = 1", "BAD_LIMITS",
-             "expected 0 between them"},
-        Case{"NoLimit", "max_mm = 4.5\n", "", "MISSING_KEY",
-             "device 1, axis 1: max_mm: found nothing"},
-        Case{"Part", "part = \"robot\"", "part = \"robots\"", "OUT_OF_RANGE",
-             "expected one of robot, instrument, air"},
-        Case{"ListenToTheWorld", "127.0.0.1:0", "0.0.0.0:50051", "LISTEN_NOT_LOOPBACK",
-             "cell.toml:4: cell: listen: found '0.0.0.0:50051'"},
-        Case{"LineToTheWorld", "localhost:50052", "127.example.org:50052", "LISTEN_NOT_LOOPBACK",
-             "target_line"},
-        Case{"SpeedWithHardware", "127.0.0.1:502", "192.168.0.7:502", "SPEED_NEEDS_LOOPBACK",
-             "cell.toml:10: clock: speed: found 100 with device 'support' at '192.168.0.7:502'"},
-        Case{"Option", "poll_ms = 20", "poll_ms = [20]", "WRONG_TYPE",
-             "options: poll_ms: found an array"}),
+        CellFileMistake{"UnknownSection", "[serving]", "[searving]", "UNKNOWN_KEY",
+                        "found the unknown key 'searving': did you mean serving?"},
+        CellFileMistake{"KeyOfAnotherKind", "length = \"x_mm\"", "length = \"x_mm\"\naxis = []",
+                        "UNKNOWN_KEY", "device 3: found the unknown key 'axis'"},
+        CellFileMistake{"NoName", "name = \"linear-axis\"\n", "", "MISSING_KEY",
+                        "cell: name: found nothing"},
+        CellFileMistake{"EmptyName", "\"linear-axis\"", "\"\"", "OUT_OF_RANGE",
+                        "cell: name: found an empty string"},
+        CellFileMistake{
+            "NoCell",
+            "[cell]\nname = \"linear-axis\"\ndatabase = \"data/cell.db\"\nlisten = "
+            "\"127.0.0.1:0\"\ntarget_line = \"localhost:50052\"\nhttp = \"127.0.0.1:0\"\n",
+            "", "MISSING_KEY", "cell: found no [cell] section"},
+        CellFileMistake{"Type", "max_spread_nm = 4.5", "max_spread_nm = \"4.5\"", "WRONG_TYPE",
+                        "cell.toml:15: run: max_spread_nm: found '4.5', expected a number"},
+        CellFileMistake{"Fraction", "readings_per_point = 5", "readings_per_point = 5.5",
+                        "WRONG_TYPE", "found 5.5, expected a whole number"},
+        CellFileMistake{"Range", "readings_per_point = 5", "readings_per_point = 0", "OUT_OF_RANGE",
+                        "found 0, expected a whole number from 1 to 1000"},
+        CellFileMistake{"Infinite", "max_spread_nm = 4.5", "max_spread_nm = inf", "OUT_OF_RANGE",
+                        "expected a finite number above 0"},
+        CellFileMistake{"Epoch", "2011-07-22T08:00:00Z", "\"yesterday\"", "BAD_TIME",
+                        "cell.toml:9: clock: epoch: found 'yesterday'"},
+        CellFileMistake{"LocalEpoch", "2011-07-22T08:00:00Z", "2011-07-22T08:00:00", "BAD_TIME",
+                        "expected a time in UTC"},
+        CellFileMistake{"Kind", "\"pi-gcs\"", "\"pi-gsc\"", "UNKNOWN_KIND",
+                        "device 1: kind: found 'pi-gsc', expected one of pi-gcs, keithley-2701"},
+        CellFileMistake{"Address", "\"127.0.0.1:50000\"", "\"127.0.0.1\"", "BAD_ADDRESS",
+                        "device 1: address: found '127.0.0.1', expected host:port"},
+        CellFileMistake{"Port", "127.0.0.1:50000", "127.0.0.1:70000", "BAD_ADDRESS",
+                        "found '127.0.0.1:70000'"},
+        CellFileMistake{"TwoIds", "id = \"scanner\"", "id = \"axis\"", "DUPLICATE_ID",
+                        "device 2: id: found 'axis'"},
+        CellFileMistake{"TwoChannels", "channel = \"t05_degC\"", "channel = \"t01_degC\"",
+                        "DUPLICATE_CHANNEL", "device 2, probe 2: channel: found 't01_degC'"},
+        CellFileMistake{"TwoInputs", "input = 102", "input = 101", "DUPLICATE_CHANNEL",
+                        "device 2, probe 2: input: found input 101"},
+        CellFileMistake{"ProbeUnit", "\"t05_degC\"", "\"t05_K\"", "BAD_CHANNEL",
+                        "expected a temperature in degC"},
+        CellFileMistake{"NoUnit", "\"x_mm\"", "\"x\"", "BAD_CHANNEL",
+                        "device 3: length: 'x' is no channel"},
+        CellFileMistake{"AxisName", "\"q1_mm\"", "\"x_mm\"", "BAD_CHANNEL",
+                        "expected a motor coordinate"},
+        CellFileMistake{"Limits", "max_mm = 4.5", "max_mm = -5", "BAD_LIMITS",
+                        "expected min_mm below max_mm"},
+        CellFileMistake{"ZeroOutsideLimits", "min_mm = -4.5", "min_mm = 1", "BAD_LIMITS",
+                        "expected 0 between them"},
+        CellFileMistake{"NoLimit", "max_mm = 4.5\n", "", "MISSING_KEY",
+                        "device 1, axis 1: max_mm: found nothing"},
+        CellFileMistake{"Part", "part = \"robot\"", "part = \"robots\"", "OUT_OF_RANGE",
+                        "expected one of robot, instrument, air"},
+        CellFileMistake{"ListenToTheWorld", "127.0.0.1:0", "0.0.0.0:50051", "LISTEN_NOT_LOOPBACK",
+                        "cell.toml:4: cell: listen: found '0.0.0.0:50051'"},
+        CellFileMistake{"LineToTheWorld", "localhost:50052", "127.example.org:50052",
+                        "LISTEN_NOT_LOOPBACK", "target_line"},
+        CellFileMistake{
+            "SpeedWithHardware", "127.0.0.1:502", "192.168.0.7:502", "SPEED_NEEDS_LOOPBACK",
+            "cell.toml:10: clock: speed: found 100 with device 'support' at '192.168.0.7:502'"},
+        CellFileMistake{"Option", "poll_ms = 20", "poll_ms = [20]", "WRONG_TYPE",
+                        "options: poll_ms: found an array"}),
     [](const auto& row) { return std::string(row.param.name); });
 
 TEST(ParseCellFile, RefusesSpeedWithHardwareAsAPrecondition) {

@@ -49,13 +49,13 @@ TEST(ReadDatasetCsv, AcceptsByteOrderMarkCarriageReturnsBlanksAndEmptyLines) {
   EXPECT_EQ(data->columns[0].values, (std::vector<double>{2, 3}));
 }
 
-struct Case {
+struct DatasetMistake {
   const char* name;
   const char* text;
   const char* reason;
   const char* says;
 };
-class BadDataset : public testing::TestWithParam<Case> {};
+class BadDataset : public testing::TestWithParam<DatasetMistake> {};
 TEST_P(BadDataset, IsRefusedWithFileLineFieldFoundAndExpected) {
   const auto data = read_dataset_csv(GetParam().text, kFile);
   ASSERT_FALSE(data);
@@ -67,46 +67,50 @@ TEST_P(BadDataset, IsRefusedWithFileLineFieldFoundAndExpected) {
 INSTANTIATE_TEST_SUITE_P(
     Table, BadDataset,
     testing::Values(
-        Case{"Empty", "", "EMPTY_FILE", "drift.csv:1: the file is empty"},
-        Case{"OnlyMetadata", "# a: b\n", "NO_HEADER", "drift.csv:1: found no header row"},
-        Case{"NoRows", "# a: b\nx_mm\n", "NO_ROWS",
-             "drift.csv:2: found a header row and nothing after it"},
-        Case{"NoUnit", "time_s,x\n1,2\n", "BAD_CHANNEL",
-             "drift.csv:1: column 2: 'x' is no channel"},
-        Case{"UnknownUnit", "x_furlong\n1\n", "BAD_CHANNEL", "column 1: 'x_furlong'"},
-        Case{"Twins", "x_mm,q1_mm,x_mm\n1,2,3\n", "DUPLICATE_COLUMN",
-             "columns 1 and 3 are both named 'x_mm'"},
-        Case{"NoName", "x_mm,,q1_mm\n1,2,3\n", "NO_HEADER", "column 2 has no name"},
-        Case{"TrailingComma", "x_mm,\n1,\n", "NO_HEADER", "column 2 has no name"},
-        Case{"Semicolons", "x_mm;q1_mm\n1;2\n", "NO_HEADER", "separated by commas"},
-        Case{"TimeRunsBack", "time_s,x_mm\n2,0\n1,0\n", "TIME_NOT_INCREASING",
-             "drift.csv:3: column time_s: found 1 after 2"},
-        Case{"TimeStands", "time_s,x_mm\n2,0\n2,0\n", "TIME_NOT_INCREASING", "found 2 after 2"},
-        Case{"TimeMissing", "time_s,x_mm\n,0\n", "BAD_NUMBER",
-             "drift.csv:2: column time_s: found nothing, expected seconds"},
-        Case{"OtherSet", "set,x_mm\ntraining,0\n", "BAD_SET",
-             "drift.csv:2: column set: found 'training', expected calibration or validation"},
-        Case{"LongSet", "set,x_mm\ncalibrations,0\n", "BAD_SET", "found 'calibrations'"},
-        Case{"ShortRow", "x_mm,q1_mm\n1,2\n3\n", "RAGGED_ROW",
-             "drift.csv:3: found 1 fields, expected 2"},
-        Case{"LongRow", "x_mm,q1_mm\n1,2,3\n", "RAGGED_ROW",
-             "drift.csv:2: found 3 fields, expected 2"},
-        Case{"Word", "x_mm,q1_mm\n1,abc\n", "BAD_NUMBER",
-             "drift.csv:2: column q1_mm: found 'abc', expected a finite number"},
-        Case{"Tail", "x_mm\n1.5mm\n", "BAD_NUMBER", "found '1.5mm'"},
-        Case{"DecimalComma", "x_mm\n1,5\n", "RAGGED_ROW", "found 2 fields, expected 1"},
-        Case{"Nan", "x_mm\nnan\n", "BAD_NUMBER", "found 'nan'"},
-        Case{"MinusInf", "x_mm\n-inf\n", "BAD_NUMBER", "found '-inf'"},
-        Case{"TooLarge", "x_mm\n1e999\n", "BAD_NUMBER", "found '1e999'"},
-        Case{"Quotes", "x_mm\n\"1\"\n", "QUOTED_FIELD", "drift.csv:2: column x_mm: found '\"1\"'"},
-        Case{"QuotedHeader", "\"x_mm\"\n1\n", "QUOTED_FIELD", "drift.csv:1"},
-        Case{"ZeroFlag", "zero,x_mm\n2,1\n", "BAD_FLAG", "column zero: found '2', expected 0 or 1"},
-        Case{"Line", "line,x_mm\n1.5,1\n", "BAD_INTEGER",
-             "column line: found '1.5', expected a whole number"},
-        Case{"NoLine", "line,x_mm\n,1\n", "BAD_INTEGER", "column line: found nothing"},
-        Case{"Version", "# driftwise-dataset: 2\nx_mm\n1\n", "UNSUPPORTED_VERSION",
-             "found driftwise-dataset '2', expected version 1"},
-        Case{"Utf16", "\xFF\xFEx", "NOT_TEXT", "UTF-16"}),
+        DatasetMistake{"Empty", "", "EMPTY_FILE", "drift.csv:1: the file is empty"},
+        DatasetMistake{"OnlyMetadata", "# a: b\n", "NO_HEADER", "drift.csv:1: found no header row"},
+        DatasetMistake{"NoRows", "# a: b\nx_mm\n", "NO_ROWS",
+                       "drift.csv:2: found a header row and nothing after it"},
+        DatasetMistake{"NoUnit", "time_s,x\n1,2\n", "BAD_CHANNEL",
+                       "drift.csv:1: column 2: 'x' is no channel"},
+        DatasetMistake{"UnknownUnit", "x_furlong\n1\n", "BAD_CHANNEL", "column 1: 'x_furlong'"},
+        DatasetMistake{"Twins", "x_mm,q1_mm,x_mm\n1,2,3\n", "DUPLICATE_COLUMN",
+                       "columns 1 and 3 are both named 'x_mm'"},
+        DatasetMistake{"NoName", "x_mm,,q1_mm\n1,2,3\n", "NO_HEADER", "column 2 has no name"},
+        DatasetMistake{"TrailingComma", "x_mm,\n1,\n", "NO_HEADER", "column 2 has no name"},
+        DatasetMistake{"Semicolons", "x_mm;q1_mm\n1;2\n", "NO_HEADER", "separated by commas"},
+        DatasetMistake{"TimeRunsBack", "time_s,x_mm\n2,0\n1,0\n", "TIME_NOT_INCREASING",
+                       "drift.csv:3: column time_s: found 1 after 2"},
+        DatasetMistake{"TimeStands", "time_s,x_mm\n2,0\n2,0\n", "TIME_NOT_INCREASING",
+                       "found 2 after 2"},
+        DatasetMistake{"TimeMissing", "time_s,x_mm\n,0\n", "BAD_NUMBER",
+                       "drift.csv:2: column time_s: found nothing, expected seconds"},
+        DatasetMistake{
+            "OtherSet", "set,x_mm\ntraining,0\n", "BAD_SET",
+            "drift.csv:2: column set: found 'training', expected calibration or validation"},
+        DatasetMistake{"LongSet", "set,x_mm\ncalibrations,0\n", "BAD_SET", "found 'calibrations'"},
+        DatasetMistake{"ShortRow", "x_mm,q1_mm\n1,2\n3\n", "RAGGED_ROW",
+                       "drift.csv:3: found 1 fields, expected 2"},
+        DatasetMistake{"LongRow", "x_mm,q1_mm\n1,2,3\n", "RAGGED_ROW",
+                       "drift.csv:2: found 3 fields, expected 2"},
+        DatasetMistake{"Word", "x_mm,q1_mm\n1,abc\n", "BAD_NUMBER",
+                       "drift.csv:2: column q1_mm: found 'abc', expected a finite number"},
+        DatasetMistake{"Tail", "x_mm\n1.5mm\n", "BAD_NUMBER", "found '1.5mm'"},
+        DatasetMistake{"DecimalComma", "x_mm\n1,5\n", "RAGGED_ROW", "found 2 fields, expected 1"},
+        DatasetMistake{"Nan", "x_mm\nnan\n", "BAD_NUMBER", "found 'nan'"},
+        DatasetMistake{"MinusInf", "x_mm\n-inf\n", "BAD_NUMBER", "found '-inf'"},
+        DatasetMistake{"TooLarge", "x_mm\n1e999\n", "BAD_NUMBER", "found '1e999'"},
+        DatasetMistake{"Quotes", "x_mm\n\"1\"\n", "QUOTED_FIELD",
+                       "drift.csv:2: column x_mm: found '\"1\"'"},
+        DatasetMistake{"QuotedHeader", "\"x_mm\"\n1\n", "QUOTED_FIELD", "drift.csv:1"},
+        DatasetMistake{"ZeroFlag", "zero,x_mm\n2,1\n", "BAD_FLAG",
+                       "column zero: found '2', expected 0 or 1"},
+        DatasetMistake{"Line", "line,x_mm\n1.5,1\n", "BAD_INTEGER",
+                       "column line: found '1.5', expected a whole number"},
+        DatasetMistake{"NoLine", "line,x_mm\n,1\n", "BAD_INTEGER", "column line: found nothing"},
+        DatasetMistake{"Version", "# driftwise-dataset: 2\nx_mm\n1\n", "UNSUPPORTED_VERSION",
+                       "found driftwise-dataset '2', expected version 1"},
+        DatasetMistake{"Utf16", "\xFF\xFEx", "NOT_TEXT", "UTF-16"}),
     [](const auto& row) { return std::string(row.param.name); });
 
 TEST(ReadDatasetCsv, ShowsUnprintableBytesByTheirCodes) {

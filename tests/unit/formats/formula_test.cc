@@ -10,14 +10,14 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-const std::vector<Channel> kCell = {
+const std::vector<Channel> kCellChannels = {
     {"q1", "mm"},   {"q2", "mm"},    {"x", "mm"},     {"y", "mm"},     {"z", "mm"},
     {"force", "N"}, {"t04", "degC"}, {"t05", "degC"}, {"t10", "degC"}, {"air", "degC"}};
 
 std::vector<std::string> terms(const std::string& text) {
   const auto formula = Formula::parse(text);
   if (!formula) return {formula.error().message};
-  const auto candidates = formula->expand(kCell);
+  const auto candidates = formula->expand(kCellChannels);
   if (!candidates) return {candidates.error().message};
   std::vector<std::string> names;
   for (const auto& term : candidates->terms) names.push_back(effects::notation(term));
@@ -28,7 +28,7 @@ std::vector<std::string> terms(const std::string& text) {
 Error error_of(const std::string& text, const FormulaLimits& limits = {}) {
   const auto formula = Formula::parse(text, limits);
   if (!formula) return formula.error();
-  const auto candidates = formula->expand(kCell);
+  const auto candidates = formula->expand(kCellChannels);
   EXPECT_FALSE(candidates.has_value()) << text;
   return candidates ? Error{} : candidates.error();
 }
@@ -75,8 +75,8 @@ TEST(Formula, OfferedTwiceIsOfferedOnce) {
 }
 
 TEST(Formula, KnowsItsOutputs) {
-  EXPECT_THAT(Formula::parse("q ~ x")->expand(kCell)->outputs, ElementsAre("q1", "q2"));
-  EXPECT_THAT(Formula::parse("z + q2 ~ x")->expand(kCell)->outputs, ElementsAre("z", "q2"));
+  EXPECT_THAT(Formula::parse("q ~ x")->expand(kCellChannels)->outputs, ElementsAre("q1", "q2"));
+  EXPECT_THAT(Formula::parse("z + q2 ~ x")->expand(kCellChannels)->outputs, ElementsAre("z", "q2"));
   EXPECT_THAT(error_of("q + q1 ~ x").message, HasSubstr("stands twice"));
   EXPECT_THAT(error_of("q1 ~ q1 + x").message,
               HasSubstr("the output q1 stands among its own terms"));

@@ -83,13 +83,13 @@ TEST(ModelHash, ForgetsOnlyHowLongTheFitTook) {
   EXPECT_NE(model_hash(model), hash);
 }
 
-struct Case {
+struct ModelMistake {
   const char* name;
   const char* pointer;
   const char* value;
   const char* says;
 };
-class BadModel : public testing::TestWithParam<Case> {};
+class BadModel : public testing::TestWithParam<ModelMistake> {};
 TEST_P(BadModel, IsRefusedWithPlaceFoundAndExpected) {
   auto json = nlohmann::json::parse(write_model_json(full_model()));
   json[nlohmann::json::json_pointer(GetParam().pointer)] = nlohmann::json::parse(GetParam().value);
@@ -102,22 +102,22 @@ TEST_P(BadModel, IsRefusedWithPlaceFoundAndExpected) {
 INSTANTIATE_TEST_SUITE_P(
     Table, BadModel,
     testing::Values(
-        Case{"Schema", "/schema", "\"driftwise.fit.v1\"",
-             "schema: found '\"driftwise.fit.v1\"', expected 'driftwise.model.v1'"},
-        Case{"Coefficient", "/outputs/0/terms/1/coefficient", "\"nan\"",
-             "outputs[0].terms[1].coefficient: found '\"nan\"', expected a finite number"},
-        Case{"Rows", "/outputs/0/covariance", "[]",
-             "outputs[0].covariance: found an array of 0, expected 5 rows"},
-        Case{"Columns", "/outputs/0/covariance/2", "[1]",
-             "outputs[0].covariance[2]: found an array of 1, expected 5 numbers"},
-        Case{"Channel", "/outputs/0/channel", "\"q1\"",
-             "outputs[0].channel: found '\"q1\"', expected a channel"},
-        Case{"Exponent", "/outputs/0/terms/2/factors/0/exponent", "0",
-             "exponent: found '0', expected a whole number from 1 to 64"},
-        Case{"Domain", "/domain/0/min", "null",
-             "domain[0].min: found 'null', expected a finite number"},
-        Case{"Runs", "/lineage/runs/1", "1.5",
-             "lineage.runs[1]: found '1.5', expected a whole number"}),
+        ModelMistake{"Schema", "/schema", "\"driftwise.fit.v1\"",
+                     "schema: found '\"driftwise.fit.v1\"', expected 'driftwise.model.v1'"},
+        ModelMistake{"Coefficient", "/outputs/0/terms/1/coefficient", "\"nan\"",
+                     "outputs[0].terms[1].coefficient: found '\"nan\"', expected a finite number"},
+        ModelMistake{"Rows", "/outputs/0/covariance", "[]",
+                     "outputs[0].covariance: found an array of 0, expected 5 rows"},
+        ModelMistake{"Columns", "/outputs/0/covariance/2", "[1]",
+                     "outputs[0].covariance[2]: found an array of 1, expected 5 numbers"},
+        ModelMistake{"Channel", "/outputs/0/channel", "\"q1\"",
+                     "outputs[0].channel: found '\"q1\"', expected a channel"},
+        ModelMistake{"Exponent", "/outputs/0/terms/2/factors/0/exponent", "0",
+                     "exponent: found '0', expected a whole number from 1 to 64"},
+        ModelMistake{"Domain", "/domain/0/min", "null",
+                     "domain[0].min: found 'null', expected a finite number"},
+        ModelMistake{"Runs", "/lineage/runs/1", "1.5",
+                     "lineage.runs[1]: found '1.5', expected a whole number"}),
     [](const auto& row) { return std::string(row.param.name); });
 
 TEST(ReadModelJson, NamesLineAndColumnOfASyntaxError) {

@@ -20,13 +20,13 @@ TEST(ParseTargetLine, ReadsPoseForceAndTheWishForUncertainty) {
   EXPECT_FALSE(parse_target_line("TARGET x_mm=1")->with_uncertainty);
 }
 
-struct Case {
+struct TargetLineMistake {
   const char* name;
   const char* line;
   const char* reason;
   const char* says;
 };
-class BadTargetLine : public testing::TestWithParam<Case> {};
+class BadTargetLine : public testing::TestWithParam<TargetLineMistake> {};
 TEST_P(BadTargetLine, IsRefusedWithFoundAndExpected) {
   const auto request = parse_target_line(GetParam().line);
   ASSERT_FALSE(request);
@@ -37,19 +37,21 @@ TEST_P(BadTargetLine, IsRefusedWithFoundAndExpected) {
 INSTANTIATE_TEST_SUITE_P(
     Table, BadTargetLine,
     testing::Values(
-        Case{"Nothing", "", "UNKNOWN_VERB", "found nothing, expected TARGET"},
-        Case{"Verb", "target x_mm=1", "UNKNOWN_VERB", "found 'target'"},
-        Case{"Http", "GET / HTTP/1.1", "UNKNOWN_VERB", "found 'GET'"},
-        Case{"NoEquals", "TARGET x_mm", "BAD_WORD", "found 'x_mm', expected name=value"},
-        Case{"Name", "TARGET w_mm=1", "UNKNOWN_NAME", "found 'w_mm'"},
-        Case{"Unit", "TARGET x_um=1", "UNKNOWN_NAME", "expected x_mm"},
-        Case{"Twice", "TARGET x_mm=1 x_mm=1", "DUPLICATE_NAME", "'x_mm' twice"},
-        Case{"Text", "TARGET x_mm=one", "BAD_NUMBER", "x_mm: found 'one'"},
-        Case{"Empty", "TARGET x_mm=", "BAD_NUMBER", "x_mm: found ''"},
-        Case{"Nan", "TARGET x_mm=nan", "BAD_NUMBER", "found 'nan'"},
-        Case{"Huge", "TARGET x_mm=1e400", "BAD_NUMBER", "found '1e400'"},
-        Case{"Comma", "TARGET x_mm=1,5", "BAD_NUMBER", "found '1,5'"},
-        Case{"Flag", "TARGET x_mm=1 u=yes", "BAD_FLAG", "u: found 'yes', expected 0 or 1"}),
+        TargetLineMistake{"Nothing", "", "UNKNOWN_VERB", "found nothing, expected TARGET"},
+        TargetLineMistake{"Verb", "target x_mm=1", "UNKNOWN_VERB", "found 'target'"},
+        TargetLineMistake{"Http", "GET / HTTP/1.1", "UNKNOWN_VERB", "found 'GET'"},
+        TargetLineMistake{"NoEquals", "TARGET x_mm", "BAD_WORD",
+                          "found 'x_mm', expected name=value"},
+        TargetLineMistake{"Name", "TARGET w_mm=1", "UNKNOWN_NAME", "found 'w_mm'"},
+        TargetLineMistake{"Unit", "TARGET x_um=1", "UNKNOWN_NAME", "expected x_mm"},
+        TargetLineMistake{"Twice", "TARGET x_mm=1 x_mm=1", "DUPLICATE_NAME", "'x_mm' twice"},
+        TargetLineMistake{"Text", "TARGET x_mm=one", "BAD_NUMBER", "x_mm: found 'one'"},
+        TargetLineMistake{"Empty", "TARGET x_mm=", "BAD_NUMBER", "x_mm: found ''"},
+        TargetLineMistake{"Nan", "TARGET x_mm=nan", "BAD_NUMBER", "found 'nan'"},
+        TargetLineMistake{"Huge", "TARGET x_mm=1e400", "BAD_NUMBER", "found '1e400'"},
+        TargetLineMistake{"Comma", "TARGET x_mm=1,5", "BAD_NUMBER", "found '1,5'"},
+        TargetLineMistake{"Flag", "TARGET x_mm=1 u=yes", "BAD_FLAG",
+                          "u: found 'yes', expected 0 or 1"}),
     [](const auto& row) { return std::string(row.param.name); });
 
 TEST(ParseTargetLine, RefusesALineBeyondTheLimit) {

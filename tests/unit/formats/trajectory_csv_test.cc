@@ -33,13 +33,13 @@ TEST(ReadTrajectoryCsv, TakesOneLineOfCalibrationWhenNothingElseIsSaid) {
   EXPECT_EQ(trajectory->points[1].set, PointSet::calibration);
 }
 
-struct Case {
+struct TrajectoryMistake {
   const char* name;
   const char* text;
   const char* reason;
   const char* says;
 };
-class BadTrajectory : public testing::TestWithParam<Case> {};
+class BadTrajectory : public testing::TestWithParam<TrajectoryMistake> {};
 TEST_P(BadTrajectory, IsRefusedWithFileLineFieldFoundAndExpected) {
   const auto trajectory = read_trajectory_csv(GetParam().text, "plan.csv");
   ASSERT_FALSE(trajectory);
@@ -50,23 +50,25 @@ TEST_P(BadTrajectory, IsRefusedWithFileLineFieldFoundAndExpected) {
 }
 INSTANTIATE_TEST_SUITE_P(
     Table, BadTrajectory,
-    testing::Values(
-        Case{"Empty", "", "EMPTY_FILE", "plan.csv:1: "},
-        Case{"NoRows", "q1_mm\n", "NO_ROWS", "plan.csv:1: "},
-        Case{"NoCoordinates", "set,line\ncalibration,0\n", "NO_COORDINATES", "expected q1_mm"},
-        Case{"Mixed", "q1_mm,x_mm\n0,0\n", "MIXED_COORDINATES", "found q1_mm and x_mm"},
-        Case{"Unknown", "q1_mm,sett\n0,calibration\n", "UNKNOWN_COLUMN",
-             "plan.csv:1: column 2: found 'sett'"},
-        Case{"OtherUnit", "q1_um\n0\n", "UNKNOWN_COLUMN", "found 'q1_um'"},
-        Case{"Hole", "q1_mm,line\n,0\n", "MISSING_COORDINATE",
-             "plan.csv:2: column q1_mm: found nothing"},
-        Case{"LineBack", "q1_mm,line\n0,1\n0,0\n", "LINE_DECREASES",
-             "plan.csv:3: column line: found 0 after 1"},
-        Case{"ZeroElsewhere", "q1_mm,zero\n0.5,1\n", "ZERO_NOT_AT_ZERO", "plan.csv:2: column zero"},
-        Case{"NegativeDwell", "q1_mm,dwell_s\n0,-1\n", "BAD_DWELL",
-             "found -1, expected 0 s or more"},
-        Case{"BadSet", "q1_mm,set\n0,test\n", "BAD_SET", "found 'test'"},
-        Case{"Infinity", "q1_mm\ninf\n", "BAD_NUMBER", "found 'inf'"}),
+    testing::Values(TrajectoryMistake{"Empty", "", "EMPTY_FILE", "plan.csv:1: "},
+                    TrajectoryMistake{"NoRows", "q1_mm\n", "NO_ROWS", "plan.csv:1: "},
+                    TrajectoryMistake{"NoCoordinates", "set,line\ncalibration,0\n",
+                                      "NO_COORDINATES", "expected q1_mm"},
+                    TrajectoryMistake{"Mixed", "q1_mm,x_mm\n0,0\n", "MIXED_COORDINATES",
+                                      "found q1_mm and x_mm"},
+                    TrajectoryMistake{"Unknown", "q1_mm,sett\n0,calibration\n", "UNKNOWN_COLUMN",
+                                      "plan.csv:1: column 2: found 'sett'"},
+                    TrajectoryMistake{"OtherUnit", "q1_um\n0\n", "UNKNOWN_COLUMN", "found 'q1_um'"},
+                    TrajectoryMistake{"Hole", "q1_mm,line\n,0\n", "MISSING_COORDINATE",
+                                      "plan.csv:2: column q1_mm: found nothing"},
+                    TrajectoryMistake{"LineBack", "q1_mm,line\n0,1\n0,0\n", "LINE_DECREASES",
+                                      "plan.csv:3: column line: found 0 after 1"},
+                    TrajectoryMistake{"ZeroElsewhere", "q1_mm,zero\n0.5,1\n", "ZERO_NOT_AT_ZERO",
+                                      "plan.csv:2: column zero"},
+                    TrajectoryMistake{"NegativeDwell", "q1_mm,dwell_s\n0,-1\n", "BAD_DWELL",
+                                      "found -1, expected 0 s or more"},
+                    TrajectoryMistake{"BadSet", "q1_mm,set\n0,test\n", "BAD_SET", "found 'test'"},
+                    TrajectoryMistake{"Infinity", "q1_mm\ninf\n", "BAD_NUMBER", "found 'inf'"}),
     [](const auto& row) { return std::string(row.param.name); });
 
 TEST(TrajectoryCsv, ReadsBackWhatItWrites) {

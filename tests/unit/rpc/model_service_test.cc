@@ -4,7 +4,7 @@
 namespace driftwise::tests {
 namespace {
 
-using Stub = v1::ModelService::Stub;
+using ModelStub = v1::ModelService::Stub;
 
 class ModelServiceTest : public RpcTest {
  protected:
@@ -27,7 +27,7 @@ TEST_F(ModelServiceTest, FitsAndAnswersWithTheStoredModel) {
   request.set_p_enter(0.01);
   request.add_exclude_symbols("t01");
   request.set_first_rows(300);
-  const auto fit = ask(&Stub::CreateFit, request);
+  const auto fit = ask(&ModelStub::CreateFit, request);
   ASSERT_TRUE(fit) << fit.error().message;
   EXPECT_EQ(fit->model().id(), 1);
   EXPECT_EQ(fit->model().formula(), "q ~ x + T");
@@ -42,43 +42,46 @@ TEST_F(ModelServiceTest, FitsAndAnswersWithTheStoredModel) {
 TEST_F(ModelServiceTest, RefusesAFitThatCannotBeMeant) {
   auto request = a_fit();
   request.clear_run_ids();
-  EXPECT_THAT(ask(&Stub::CreateFit, request),
+  EXPECT_THAT(ask(&ModelStub::CreateFit, request),
               FailsWith(ErrorCode::invalid_argument, "RUNS_OR_CSV"));
   request = a_fit();
   request.set_csv("x_mm\n1\n");
-  EXPECT_THAT(ask(&Stub::CreateFit, request),
+  EXPECT_THAT(ask(&ModelStub::CreateFit, request),
               FailsWith(ErrorCode::invalid_argument, "RUNS_OR_CSV"));
   request = a_fit();
   request.clear_formula();
-  EXPECT_THAT(ask(&Stub::CreateFit, request),
+  EXPECT_THAT(ask(&ModelStub::CreateFit, request),
               FailsWith(ErrorCode::invalid_argument, "EMPTY_FORMULA"));
   request = a_fit();
   request.set_select("best");
-  EXPECT_THAT(ask(&Stub::CreateFit, request), FailsWith(ErrorCode::invalid_argument, "BAD_SELECT"));
+  EXPECT_THAT(ask(&ModelStub::CreateFit, request),
+              FailsWith(ErrorCode::invalid_argument, "BAD_SELECT"));
   for (const double bad : {0.0, 1.0, -0.1, 2.0, std::nan("")}) {
     request = a_fit();
     request.set_p_enter(bad);
-    EXPECT_THAT(ask(&Stub::CreateFit, request),
+    EXPECT_THAT(ask(&ModelStub::CreateFit, request),
                 FailsWith(ErrorCode::invalid_argument, "BAD_PROBABILITY"))
         << bad;
   }
   request = a_fit();
   request.set_p_enter(0.2);
-  EXPECT_THAT(ask(&Stub::CreateFit, request),
+  EXPECT_THAT(ask(&ModelStub::CreateFit, request),
               FailsWith(ErrorCode::invalid_argument, "BAD_PROBABILITY"))
       << "removing sooner than entering goes in circles";
   request = a_fit();
   request.set_first_rows(-1);
-  EXPECT_THAT(ask(&Stub::CreateFit, request), FailsWith(ErrorCode::invalid_argument, "BAD_CURSOR"));
+  EXPECT_THAT(ask(&ModelStub::CreateFit, request),
+              FailsWith(ErrorCode::invalid_argument, "BAD_CURSOR"));
   request = a_fit();
   request.set_formula(std::string(20'000, 'x'));
-  EXPECT_THAT(ask(&Stub::CreateFit, request), FailsWith(ErrorCode::invalid_argument, "TOO_LONG"));
+  EXPECT_THAT(ask(&ModelStub::CreateFit, request),
+              FailsWith(ErrorCode::invalid_argument, "TOO_LONG"));
   EXPECT_TRUE(cell.on_executor([&] { return cell.the_models.empty(); }));
 }
 
 TEST_F(ModelServiceTest, GivesFiguresInTheSummaryUnitAndCoefficientsInTheColumns) {
-  ASSERT_TRUE(ask(&Stub::CreateFit, a_fit()));
-  const auto response = ask(&Stub::GetModel, of<v1::GetModelRequest>(1));
+  ASSERT_TRUE(ask(&ModelStub::CreateFit, a_fit()));
+  const auto response = ask(&ModelStub::GetModel, of<v1::GetModelRequest>(1));
   ASSERT_TRUE(response);
   const auto& output = response->model().outputs(0);
   EXPECT_EQ(output.unit(), "mm");
@@ -95,31 +98,32 @@ TEST_F(ModelServiceTest, GivesFiguresInTheSummaryUnitAndCoefficientsInTheColumns
 }
 
 TEST_F(ModelServiceTest, PromotesOneAndRollsBackToNone) {
-  ASSERT_TRUE(ask(&Stub::CreateFit, a_fit()));
-  EXPECT_TRUE(ask(&Stub::PromoteModel, of<v1::PromoteModelRequest>(1))->model().serving());
-  EXPECT_TRUE(ask(&Stub::ListModels, v1::ListModelsRequest{})->models(0).serving());
-  EXPECT_EQ(ask(&Stub::ListModels, v1::ListModelsRequest{})->models(0).outputs(0).terms_size(), 0)
+  ASSERT_TRUE(ask(&ModelStub::CreateFit, a_fit()));
+  EXPECT_TRUE(ask(&ModelStub::PromoteModel, of<v1::PromoteModelRequest>(1))->model().serving());
+  EXPECT_TRUE(ask(&ModelStub::ListModels, v1::ListModelsRequest{})->models(0).serving());
+  EXPECT_EQ(ask(&ModelStub::ListModels, v1::ListModelsRequest{})->models(0).outputs(0).terms_size(),
+            0)
       << "a list is short";
-  EXPECT_FALSE(ask(&Stub::RollBackModel, v1::RollBackModelRequest{})->has_model());
-  const auto history = ask(&Stub::ListPromotions, v1::ListPromotionsRequest{});
+  EXPECT_FALSE(ask(&ModelStub::RollBackModel, v1::RollBackModelRequest{})->has_model());
+  const auto history = ask(&ModelStub::ListPromotions, v1::ListPromotionsRequest{});
   ASSERT_EQ(history->promotions_size(), 2);
   EXPECT_EQ(history->promotions(1).action(), v1::Promotion::ACTION_ROLLBACK);
   EXPECT_FALSE(history->promotions(1).has_model_id());
-  EXPECT_THAT(ask(&Stub::PromoteModel, of<v1::PromoteModelRequest>(5)),
+  EXPECT_THAT(ask(&ModelStub::PromoteModel, of<v1::PromoteModelRequest>(5)),
               FailsWith(ErrorCode::not_found, "NO_MODEL"));
-  EXPECT_THAT(ask(&Stub::PromoteModel, of<v1::PromoteModelRequest>(-5)),
+  EXPECT_THAT(ask(&ModelStub::PromoteModel, of<v1::PromoteModelRequest>(-5)),
               FailsWith(ErrorCode::invalid_argument, "BAD_ID"));
 }
 
 TEST_F(ModelServiceTest, ComparesTermByTerm) {
-  ASSERT_TRUE(ask(&Stub::CreateFit, a_fit()));
-  ASSERT_TRUE(ask(&Stub::CreateFit, a_fit()));
+  ASSERT_TRUE(ask(&ModelStub::CreateFit, a_fit()));
+  ASSERT_TRUE(ask(&ModelStub::CreateFit, a_fit()));
   v1::CompareModelsRequest request;
   request.add_model_ids(2);
-  EXPECT_THAT(ask(&Stub::CompareModels, request),
+  EXPECT_THAT(ask(&ModelStub::CompareModels, request),
               FailsWith(ErrorCode::invalid_argument, "BAD_MODEL_COUNT"));
   request.add_model_ids(1);
-  const auto comparison = ask(&Stub::CompareModels, request);
+  const auto comparison = ask(&ModelStub::CompareModels, request);
   ASSERT_TRUE(comparison);
   EXPECT_EQ(comparison->models(0).id(), 2);
   ASSERT_EQ(comparison->rows_size(), 3);
@@ -130,23 +134,24 @@ TEST_F(ModelServiceTest, ComparesTermByTerm) {
 }
 
 TEST_F(ModelServiceTest, ExportsAsJsonAndAsC) {
-  ASSERT_TRUE(ask(&Stub::CreateFit, a_fit()));
+  ASSERT_TRUE(ask(&ModelStub::CreateFit, a_fit()));
   auto request = of<v1::ExportModelRequest>(1);
-  EXPECT_THAT(ask(&Stub::ExportModel, request),
+  EXPECT_THAT(ask(&ModelStub::ExportModel, request),
               FailsWith(ErrorCode::invalid_argument, "BAD_FORMAT"));
   request.set_format(v1::ExportModelRequest::FORMAT_JSON);
-  EXPECT_THAT(ask(&Stub::ExportModel, request)->text(), testing::HasSubstr("driftwise.model.v1"));
+  EXPECT_THAT(ask(&ModelStub::ExportModel, request)->text(),
+              testing::HasSubstr("driftwise.model.v1"));
   request.set_format(v1::ExportModelRequest::FORMAT_C);
-  const auto c = ask(&Stub::ExportModel, request);
+  const auto c = ask(&ModelStub::ExportModel, request);
   ASSERT_TRUE(c) << c.error().message;
   EXPECT_EQ(c->file_name(), "model_1.c");
   EXPECT_THAT(c->text(), testing::HasSubstr("driftwise_model_1"));
 }
 
 TEST_F(ModelServiceTest, SaysWhenAStoredModelIsDamaged) {
-  ASSERT_TRUE(ask(&Stub::CreateFit, a_fit()));
+  ASSERT_TRUE(ask(&ModelStub::CreateFit, a_fit()));
   cell.on_executor([&] { cell.the_models[0].json = "{"; });
-  EXPECT_THAT(ask(&Stub::GetModel, of<v1::GetModelRequest>(1)),
+  EXPECT_THAT(ask(&ModelStub::GetModel, of<v1::GetModelRequest>(1)),
               FailsWith(ErrorCode::data_loss, "DAMAGED_MODEL"));
 }
 

@@ -6,7 +6,7 @@
 namespace driftwise::tests {
 namespace {
 
-using Stub = v1::RunService::Stub;
+using RunStub = v1::RunService::Stub;
 
 class RunServiceTest : public RpcTest {
  protected:
@@ -28,14 +28,14 @@ class RunServiceTest : public RpcTest {
 TEST_F(RunServiceTest, ChecksATrajectoryAndNamesWhatIsWrong) {
   v1::CheckTrajectoryRequest request;
   request.set_trajectory_text("x_mm\n0\n");
-  const auto check = ask(&Stub::CheckTrajectory, request);
+  const auto check = ask(&RunStub::CheckTrajectory, request);
   ASSERT_TRUE(check);
   EXPECT_EQ(check->row_count(), 3);
   EXPECT_EQ(check->coordinates(0), "x_mm");
   EXPECT_EQ(check->estimated_duration().seconds(), 42);
   EXPECT_EQ(check->estimated_duration().nanos(), 500'000'000);
   request.set_trajectory_text("x_mm\nbad\n");
-  EXPECT_THAT(ask(&Stub::CheckTrajectory, request),
+  EXPECT_THAT(ask(&RunStub::CheckTrajectory, request),
               FailsWith(ErrorCode::invalid_argument, "BAD_NUMBER"));
 }
 
@@ -45,7 +45,7 @@ TEST_F(RunServiceTest, CreatesARunAsItWasAskedFor) {
   request.set_compensate_model_id(7);
   request.mutable_rules()->set_readings_per_point(6);
   request.mutable_rules()->mutable_settle_duration()->set_nanos(500'000'000);
-  const auto created = ask(&Stub::CreateRun, request);
+  const auto created = ask(&RunStub::CreateRun, request);
   ASSERT_TRUE(created);
   EXPECT_EQ(created->run().state(), v1::Run::STATE_RUNNING);
   EXPECT_EQ(created->run().operator_name(), "ada");
@@ -63,7 +63,7 @@ TEST_F(RunServiceTest, CreatesARunAsItWasAskedFor) {
 TEST_F(RunServiceTest, ARepeatedRequestAnswersWithTheFirstRun) {
   auto request = a_run();
   request.set_request_id("once");
-  const auto first = ask(&Stub::CreateRun, request), second = ask(&Stub::CreateRun, request);
+  const auto first = ask(&RunStub::CreateRun, request), second = ask(&RunStub::CreateRun, request);
   ASSERT_TRUE(first && second);
   EXPECT_EQ(first->run().id(), second->run().id());
 }
@@ -72,46 +72,50 @@ TEST_F(RunServiceTest, RefusesARequestThatCannotBeMeant) {
   const auto good = a_run();
   auto request = good;
   request.clear_trajectory_text();
-  EXPECT_THAT(ask(&Stub::CreateRun, request),
+  EXPECT_THAT(ask(&RunStub::CreateRun, request),
               FailsWith(ErrorCode::invalid_argument, "EMPTY_TRAJECTORY"));
   request = good;
   request.set_request_id(std::string(129, 'r'));
-  EXPECT_THAT(ask(&Stub::CreateRun, request), FailsWith(ErrorCode::invalid_argument, "TOO_LONG"));
+  EXPECT_THAT(ask(&RunStub::CreateRun, request),
+              FailsWith(ErrorCode::invalid_argument, "TOO_LONG"));
   request = good;
   request.set_trajectory_text(std::string(9 << 20, '1'));
-  EXPECT_THAT(ask(&Stub::CreateRun, request), FailsWith(ErrorCode::invalid_argument, "TOO_LONG"));
+  EXPECT_THAT(ask(&RunStub::CreateRun, request),
+              FailsWith(ErrorCode::invalid_argument, "TOO_LONG"));
   request = good;
   request.set_compensate_model_id(1);
-  EXPECT_THAT(ask(&Stub::CreateRun, request),
+  EXPECT_THAT(ask(&RunStub::CreateRun, request),
               FailsWith(ErrorCode::invalid_argument, "MODEL_WITHOUT_COMPENSATE"));
   request.set_compensate(true);
   request.set_compensate_model_id(-4);
-  EXPECT_THAT(ask(&Stub::CreateRun, request), FailsWith(ErrorCode::invalid_argument, "BAD_ID"));
+  EXPECT_THAT(ask(&RunStub::CreateRun, request), FailsWith(ErrorCode::invalid_argument, "BAD_ID"));
   for (const double bad : {std::nan(""), -1.0, 1e300, std::numeric_limits<double>::infinity()}) {
     request = good;
     request.mutable_rules()->set_max_spread_nm(bad);
-    EXPECT_THAT(ask(&Stub::CreateRun, request), FailsWith(ErrorCode::invalid_argument, "BAD_RULE"))
+    EXPECT_THAT(ask(&RunStub::CreateRun, request),
+                FailsWith(ErrorCode::invalid_argument, "BAD_RULE"))
         << bad;
   }
   request = good;
   request.mutable_rules()->set_readings_per_point(INT32_MAX);
-  EXPECT_THAT(ask(&Stub::CreateRun, request), FailsWith(ErrorCode::invalid_argument, "BAD_RULE"));
+  EXPECT_THAT(ask(&RunStub::CreateRun, request),
+              FailsWith(ErrorCode::invalid_argument, "BAD_RULE"));
   request = good;
   request.mutable_rules()->mutable_settle_duration()->set_nanos(-5);
-  EXPECT_THAT(ask(&Stub::CreateRun, request),
+  EXPECT_THAT(ask(&RunStub::CreateRun, request),
               FailsWith(ErrorCode::invalid_argument, "BAD_DURATION"));
   request = good;
   request.set_lease_token("wrong");
-  EXPECT_THAT(ask(&Stub::CreateRun, request),
+  EXPECT_THAT(ask(&RunStub::CreateRun, request),
               FailsWith(ErrorCode::permission_denied, "LEASE_REQUIRED"));
   EXPECT_TRUE(cell.on_executor([&] { return cell.the_runs.empty(); })) << "nothing is half-done";
 }
 
 TEST_F(RunServiceTest, ShowsARunWithItsTrajectoryAndItsRules) {
-  ASSERT_TRUE(ask(&Stub::CreateRun, a_run()));
+  ASSERT_TRUE(ask(&RunStub::CreateRun, a_run()));
   v1::GetRunRequest request;
   request.set_run_id(1);
-  const auto run = ask(&Stub::GetRun, request);
+  const auto run = ask(&RunStub::GetRun, request);
   ASSERT_TRUE(run);
   EXPECT_EQ(run->run().name(), "weekend");
   EXPECT_EQ(run->trajectory_text(), "x_mm\n0\n1\n0\n");
@@ -122,33 +126,34 @@ TEST_F(RunServiceTest, SaysWhichIdIsBadAndWhichUnknown) {
   v1::GetRunRequest request;
   for (const std::int64_t bad : {std::int64_t{0}, std::int64_t{-1}, INT64_MIN}) {
     request.set_run_id(bad);
-    EXPECT_THAT(ask(&Stub::GetRun, request), FailsWith(ErrorCode::invalid_argument, "BAD_ID"));
+    EXPECT_THAT(ask(&RunStub::GetRun, request), FailsWith(ErrorCode::invalid_argument, "BAD_ID"));
   }
   request.set_run_id(999);
-  EXPECT_THAT(ask(&Stub::GetRun, request), FailsWith(ErrorCode::not_found, "NO_RUN"));
+  EXPECT_THAT(ask(&RunStub::GetRun, request), FailsWith(ErrorCode::not_found, "NO_RUN"));
   v1::PauseRunRequest pause;
   pause.set_run_id(999);
-  EXPECT_THAT(ask(&Stub::PauseRun, pause), FailsWith(ErrorCode::not_found, "NO_RUN"));
+  EXPECT_THAT(ask(&RunStub::PauseRun, pause), FailsWith(ErrorCode::not_found, "NO_RUN"));
   v1::ListAttemptsRequest attempts;
   attempts.set_run_id(999);
-  EXPECT_THAT(ask(&Stub::ListAttempts, attempts), FailsWith(ErrorCode::not_found, "NO_RUN"));
+  EXPECT_THAT(ask(&RunStub::ListAttempts, attempts), FailsWith(ErrorCode::not_found, "NO_RUN"));
   v1::ListDatumsRequest datums;
-  EXPECT_THAT(ask(&Stub::ListDatums, datums), FailsWith(ErrorCode::invalid_argument, "BAD_ID"));
+  EXPECT_THAT(ask(&RunStub::ListDatums, datums), FailsWith(ErrorCode::invalid_argument, "BAD_ID"));
 }
 
 TEST_F(RunServiceTest, PausesResumesAndAbortsForAnybody) {
-  ASSERT_TRUE(ask(&Stub::CreateRun, a_run()));
+  ASSERT_TRUE(ask(&RunStub::CreateRun, a_run()));
   v1::PauseRunRequest pause;
   pause.set_run_id(1);
-  EXPECT_EQ(ask(&Stub::PauseRun, pause, "bob")->run().reason(), "paused by bob");
+  EXPECT_EQ(ask(&RunStub::PauseRun, pause, "bob")->run().reason(), "paused by bob");
   v1::ResumeRunRequest resume;
   resume.set_run_id(1);
-  EXPECT_EQ(ask(&Stub::ResumeRun, resume, "bob")->run().state(), v1::Run::STATE_RUNNING);
+  EXPECT_EQ(ask(&RunStub::ResumeRun, resume, "bob")->run().state(), v1::Run::STATE_RUNNING);
   v1::AbortRunRequest abort;
   abort.set_run_id(1);
   abort.set_reason("door open");
-  EXPECT_EQ(ask(&Stub::AbortRun, abort, "bob")->run().state(), v1::Run::STATE_ABORTED);
-  EXPECT_THAT(ask(&Stub::PauseRun, pause), FailsWith(ErrorCode::failed_precondition, "RUN_OVER"));
+  EXPECT_EQ(ask(&RunStub::AbortRun, abort, "bob")->run().state(), v1::Run::STATE_ABORTED);
+  EXPECT_THAT(ask(&RunStub::PauseRun, pause),
+              FailsWith(ErrorCode::failed_precondition, "RUN_OVER"));
 }
 
 TEST_F(RunServiceTest, PagesThroughRunsAndPoints) {
@@ -166,21 +171,22 @@ TEST_F(RunServiceTest, PagesThroughRunsAndPoints) {
   v1::ListRunsRequest runs;
   runs.set_limit(3);
   runs.set_before_run_id(5);
-  const auto page = ask(&Stub::ListRuns, runs);
+  const auto page = ask(&RunStub::ListRuns, runs);
   ASSERT_TRUE(page);
   ASSERT_EQ(page->runs_size(), 3);
   EXPECT_EQ(page->runs(0).id(), 4);
   v1::ListPointsRequest points;
   points.set_run_id(1);
   points.set_after_point_id(5);
-  const auto found = ask(&Stub::ListPoints, points);
+  const auto found = ask(&RunStub::ListPoints, points);
   ASSERT_TRUE(found);
   ASSERT_EQ(found->points_size(), 2);
   EXPECT_FALSE(found->points(0).values(1).has_value());
   points.set_limit(10001);
-  EXPECT_THAT(ask(&Stub::ListPoints, points), FailsWith(ErrorCode::invalid_argument, "BAD_LIMIT"));
+  EXPECT_THAT(ask(&RunStub::ListPoints, points),
+              FailsWith(ErrorCode::invalid_argument, "BAD_LIMIT"));
   runs.set_limit(-1);
-  EXPECT_THAT(ask(&Stub::ListRuns, runs), FailsWith(ErrorCode::invalid_argument, "BAD_LIMIT"));
+  EXPECT_THAT(ask(&RunStub::ListRuns, runs), FailsWith(ErrorCode::invalid_argument, "BAD_LIMIT"));
 }
 
 TEST_F(RunServiceTest, CarriesEveryKindOfErrorOfTheCell) {
@@ -189,7 +195,7 @@ TEST_F(RunServiceTest, CarriesEveryKindOfErrorOfTheCell) {
         ErrorCode::out_of_range, ErrorCode::resource_exhausted, ErrorCode::unavailable,
         ErrorCode::data_loss, ErrorCode::internal}) {
     cell.on_executor([&] { cell.fail_next = Error{code, "WHY", "what to do"}; });
-    EXPECT_THAT(ask(&Stub::ListRuns, v1::ListRunsRequest{}), FailsWith(code, "WHY"));
+    EXPECT_THAT(ask(&RunStub::ListRuns, v1::ListRunsRequest{}), FailsWith(code, "WHY"));
   }
 }
 

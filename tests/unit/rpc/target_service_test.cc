@@ -4,7 +4,7 @@
 namespace driftwise::tests {
 namespace {
 
-using Stub = v1::TargetService::Stub;
+using TargetStub = v1::TargetService::Stub;
 using compensation::Snapshot;
 using compensation::Variable;
 
@@ -53,7 +53,7 @@ class TargetServiceTest : public RpcTest {
 
 TEST_F(TargetServiceTest, AnswersWithUncertaintyAndValidity) {
   serve(125e-6);
-  const auto answer = ask(&Stub::ComputeTarget, at("x_mm", 1.5));
+  const auto answer = ask(&TargetStub::ComputeTarget, at("x_mm", 1.5));
   ASSERT_TRUE(answer) << answer.error().message;
   const auto& target = answer->target();
   ASSERT_EQ(target.coordinates_size(), 1);
@@ -71,7 +71,7 @@ TEST_F(TargetServiceTest, TellsWhatTheUncertaintyIsMadeOfWhenAsked) {
   serve(0);
   auto request = at("x_mm", 1);
   request.set_with_budget(true);
-  const auto answer = ask(&Stub::ComputeTarget, request);
+  const auto answer = ask(&TargetStub::ComputeTarget, request);
   ASSERT_TRUE(answer);
   ASSERT_EQ(answer->target().coordinates(0).budget_size(), 1);
   EXPECT_EQ(answer->target().coordinates(0).budget(0).source(), v1::BudgetLine::SOURCE_FIT);
@@ -79,7 +79,7 @@ TEST_F(TargetServiceTest, TellsWhatTheUncertaintyIsMadeOfWhenAsked) {
 
 TEST_F(TargetServiceTest, FlagsAPoseOutsideTheDomainByName) {
   serve(0);
-  const auto answer = ask(&Stub::ComputeTarget, at("x_mm", 4.2));
+  const auto answer = ask(&TargetStub::ComputeTarget, at("x_mm", 4.2));
   ASSERT_TRUE(answer);
   ASSERT_EQ(answer->target().flags_size(), 1);
   EXPECT_EQ(answer->target().flags(0), v1::Target::FLAG_OUTSIDE_DOMAIN);
@@ -88,30 +88,30 @@ TEST_F(TargetServiceTest, FlagsAPoseOutsideTheDomainByName) {
 }
 
 TEST_F(TargetServiceTest, RefusesWhatTheCellRefuses) {
-  EXPECT_THAT(ask(&Stub::ComputeTarget, at("x_mm", 1)),
+  EXPECT_THAT(ask(&TargetStub::ComputeTarget, at("x_mm", 1)),
               FailsWith(ErrorCode::failed_precondition, "NO_MODEL"));
   serve(0, [](Snapshot& snapshot) { snapshot.refuse_outside_domain = true; });
-  EXPECT_THAT(ask(&Stub::ComputeTarget, at("x_mm", 99)),
+  EXPECT_THAT(ask(&TargetStub::ComputeTarget, at("x_mm", 99)),
               FailsWith(ErrorCode::out_of_range, "OUTSIDE_DOMAIN"));
-  EXPECT_THAT(ask(&Stub::ComputeTarget, v1::ComputeTargetRequest{}),
+  EXPECT_THAT(ask(&TargetStub::ComputeTarget, v1::ComputeTargetRequest{}),
               FailsWith(ErrorCode::invalid_argument, "MISSING_COORDINATE"));
 }
 
 TEST_F(TargetServiceTest, RefusesAPoseThatIsNone) {
   serve(0);
-  EXPECT_THAT(ask(&Stub::ComputeTarget, at("x_mm", std::nan(""))),
+  EXPECT_THAT(ask(&TargetStub::ComputeTarget, at("x_mm", std::nan(""))),
               FailsWith(ErrorCode::invalid_argument, "NOT_FINITE"));
   for (const char* bad : {"q1_mm", "x", "x_um", "t07_degC", "rx_mm", "force_mm", "", "_mm"})
-    EXPECT_THAT(ask(&Stub::ComputeTarget, at(bad, 1)),
+    EXPECT_THAT(ask(&TargetStub::ComputeTarget, at(bad, 1)),
                 FailsWith(ErrorCode::invalid_argument, "BAD_POSE"))
         << bad;
   auto request = at("x_mm", 1);
   *request.add_pose() = request.pose(0);
-  EXPECT_THAT(ask(&Stub::ComputeTarget, request),
+  EXPECT_THAT(ask(&TargetStub::ComputeTarget, request),
               FailsWith(ErrorCode::invalid_argument, "DUPLICATE_CHANNEL"));
   request = at("x_mm", 1);
   request.mutable_pose(0)->clear_value();
-  EXPECT_THAT(ask(&Stub::ComputeTarget, request),
+  EXPECT_THAT(ask(&TargetStub::ComputeTarget, request),
               FailsWith(ErrorCode::invalid_argument, "MISSING_VALUE"));
 }
 
@@ -120,7 +120,7 @@ TEST_F(TargetServiceTest, AStreamFollowsTheConditionsAndEndsWithTheClient) {
   Call call;
   v1::WatchTargetsRequest request;
   *request.mutable_pose() = at("x_mm", 1).pose();
-  Stub stub(channel);
+  TargetStub stub(channel);
   const auto reader = stub.WatchTargets(&call, request);
   v1::WatchTargetsResponse response;
   ASSERT_TRUE(reader->Read(&response));
@@ -139,7 +139,7 @@ TEST_F(TargetServiceTest, AStreamWaitsItsIntervalAndThenTellsTheLatest) {
   v1::WatchTargetsRequest request;
   *request.mutable_pose() = at("x_mm", 1).pose();
   request.mutable_min_interval_duration()->set_nanos(200'000'000);
-  Stub stub(channel);
+  TargetStub stub(channel);
   const auto reader = stub.WatchTargets(&call, request);
   v1::WatchTargetsResponse response;
   ASSERT_TRUE(reader->Read(&response));
@@ -154,7 +154,7 @@ TEST_F(TargetServiceTest, AStreamEndsWithTheReasonWhenNothingServes) {
   Call call;
   v1::WatchTargetsRequest request;
   *request.mutable_pose() = at("x_mm", 1).pose();
-  Stub stub(channel);
+  TargetStub stub(channel);
   const auto reader = stub.WatchTargets(&call, request);
   v1::WatchTargetsResponse response;
   EXPECT_FALSE(reader->Read(&response));

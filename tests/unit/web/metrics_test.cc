@@ -18,8 +18,8 @@ application::CellStatus status_with_one_of_each() {
   device.health.errors = 3;
   status.devices.push_back(device);
   status.values.push_back(
-      {.channel = {"t07", "degC"}, .value = 20.5, .age_s = 2.0, .device = "scanner"});
-  status.values.push_back({.channel = {"t08", "degC"}, .device = "scanner"});
+      {.channel = {"t07", "degC"}, .value = 20.5, .at = {}, .age_s = 2.0, .device = "scanner"});
+  status.values.push_back({.channel = {"t08", "degC"}, .at = {}, .device = "scanner"});
   application::RunProgress progress;
   progress.run.id = {7};
   progress.run.state = RunState::running;

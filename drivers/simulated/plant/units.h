@@ -1,0 +1,7 @@
+#pragma once
+
+namespace driftwise::simulated {
+
+inline constexpr double kNmPerMm = 1e6;
+
+}  // namespace driftwise::simulated
