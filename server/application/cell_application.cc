@@ -126,7 +126,7 @@ Awaitable<Result<void>> CellApplication::go_on_with_run() {
   auto plan = read_run_plan(record.rules_json);
   if (!plan) co_return tl::unexpected(plan.error());
   if (auto ok = co_await follow_for(*plan); !ok) co_return ok;
-  std::optional<RunEngine::Before> before;
+  std::optional<RunBefore> before;
   if (record.state != RunState::queued) {
     auto found = co_await what_was_before(record);
     if (!found) co_return tl::unexpected(found.error());
@@ -136,10 +136,10 @@ Awaitable<Result<void>> CellApplication::go_on_with_run() {
   co_return Result<void>{};
 }
 
-Awaitable<Result<RunEngine::Before>> CellApplication::what_was_before(const RunRecord& run) {
-  auto looking = reader_.call([run](Store& store) -> Result<RunEngine::Before> {
+Awaitable<Result<RunBefore>> CellApplication::what_was_before(const RunRecord& run) {
+  auto looking = reader_.call([run](Store& store) -> Result<RunBefore> {
     constexpr int kPage = 1000;
-    RunEngine::Before before;
+    RunBefore before;
     before.killed = run.reason != kShutDownReason && run.state != RunState::paused;
     auto attempts = store.runs().attempts(run.id);
     if (!attempts) return tl::unexpected(attempts.error());

@@ -98,7 +98,7 @@ class CellApplication final : public Cell {
   Awaitable<Result<void>> restore_datum();
   Awaitable<Result<void>> restore_model();
   Awaitable<Result<void>> go_on_with_run();
-  Awaitable<Result<RunEngine::Before>> what_was_before(const RunRecord& run);
+  Awaitable<Result<RunBefore>> what_was_before(const RunRecord& run);
   Awaitable<Result<void>> follow_for(const RunPlan& plan);
   Awaitable<Result<RunRecord>> start_run(Caller caller, CreateRun request, RunPlan plan,
                                          Trajectory trajectory);

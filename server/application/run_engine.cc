@@ -24,7 +24,7 @@ RunEngine::RunEngine(asio::any_io_executor executor, Workbench& bench, Hooks hoo
 RunEngine::~RunEngine() = default;
 
 void RunEngine::begin(RunRecord record, RunPlan plan, Trajectory trajectory,
-                      std::optional<Before> before) {
+                      std::optional<RunBefore> before) {
   assert(!run_);
   run_ = std::make_unique<ActiveRun>(executor_, bench_, std::move(record), std::move(plan),
                                      std::move(trajectory));

@@ -13,6 +13,14 @@
 
 namespace driftwise::application {
 
+// What is known of a run that is gone on with, read from the store beforehand.
+struct RunBefore {
+  std::vector<AttemptRecord> attempts;
+  std::vector<PointRecord> zeros;  // its accepted returns to zero
+  std::vector<DatumRecord> data;
+  bool killed = true;  // false: the daemon ended in good order
+};
+
 class RunEngine {
  public:
   struct Hooks {
@@ -22,15 +30,9 @@ class RunEngine {
   RunEngine(asio::any_io_executor executor, Workbench& bench, Hooks hooks, TaskCount& tasks);
   ~RunEngine();
 
-  // What is known of a run that is gone on with, read from the store beforehand.
-  struct Before {
-    std::vector<AttemptRecord> attempts;
-    std::vector<PointRecord> zeros;  // its accepted returns to zero
-    std::vector<DatumRecord> data;
-    bool killed = true;  // false: the daemon ended in good order
-  };
   // The run must not be over, and none may be under way. Returns at once.
-  void begin(RunRecord record, RunPlan plan, Trajectory trajectory, std::optional<Before> before);
+  void begin(RunRecord record, RunPlan plan, Trajectory trajectory,
+             std::optional<RunBefore> before);
 
   bool busy() const { return run_ != nullptr; }
   RunControl* control() { return run_ ? &run_->control : nullptr; }
@@ -61,7 +63,7 @@ class RunEngine {
   TaskCount& tasks_;
   std::unique_ptr<ActiveRun> run_;
   std::optional<DatumOpening> wanted_datum_;  // to be opened before the next point
-  std::optional<Before> before_;
+  std::optional<RunBefore> before_;
   std::optional<RunProgress> last_progress_;
   std::int64_t sequence_ = 0;
   bool publishing_ = false;

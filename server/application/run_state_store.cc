@@ -50,7 +50,7 @@ Awaitable<Result<void>> record_interruption(ActiveRun& run) {
 }
 
 DatumOpening continue_from(const CellDescription& description, std::string reason,
-                           const RunEngine::Before& before) {
+                           const RunBefore& before) {
   DatumOpening opening{std::move(reason), true, false, {}, {}};
   if (before.data.empty()) return opening;
   opening.before = before.data.back();

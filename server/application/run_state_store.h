@@ -24,6 +24,6 @@ Awaitable<Result<void>> record_interruption(ActiveRun& run);
 // The datum to open after a restart: homed anew, compared with the newest datum by that datum's own
 // returns to zero.
 DatumOpening continue_from(const CellDescription& description, std::string reason,
-                           const RunEngine::Before& before);
+                           const RunBefore& before);
 
 }  // namespace driftwise::application
