@@ -50,8 +50,13 @@ int after_parse(const CLI::App& app, const CLI::ParseError& error, const Console
     app.exit(error, console.out, console.err);
     return static_cast<int>(ExitCode::done);
   }
-  complain(console, {ExitCode::usage, "usage", "USAGE",
-                     std::string(error.what()) + " (driftwise --help shows the way)"});
+  // CLI11 misses a command before it looks at what stands in its place.
+  const auto unknown = app.remaining(true);
+  const bool no_command =
+      error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError) && !unknown.empty();
+  const std::string what = no_command ? "there is no '" + unknown.front() + "'" : error.what();
+  complain(console,
+           {ExitCode::usage, "usage", "USAGE", what + " (driftwise --help shows the way)"});
   return static_cast<int>(ExitCode::usage);
 }
 

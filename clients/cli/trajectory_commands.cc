@@ -14,8 +14,11 @@ v1::CheckTrajectoryResponse check_trajectory(const Connection& connection, const
   try {
     return connection.ask(&v1::RunService::Stub::CheckTrajectory, request);
   } catch (Failure& failure) {
-    // The daemon never saw the file's name: its messages start at the line.
-    if (failure.exit == ExitCode::bad_input && failure.message.find(file) == std::string::npos)
+    // The daemon never saw the file's name: its messages begin with "trajectory:LINE:".
+    constexpr std::string_view kUnnamed = "trajectory:";
+    if (failure.message.starts_with(kUnnamed))
+      failure.message.replace(0, kUnnamed.size() - 1, file);
+    else if (failure.exit == ExitCode::bad_input && failure.message.find(file) == std::string::npos)
       failure.message = file + ": " + failure.message;
     throw;
   }

@@ -7,16 +7,12 @@
 
 #include "tests/faults/acknowledged_points.h"
 #include "tests/support/running_cell.h"
+#include "tests/support/sql_query.h"
 
 namespace driftwise::tests {
 
 // Lines of per_line rows, each beginning with its return to zero.
 std::string crash_trajectory(int lines, int per_line);
-
-// The first column of the first row as text; "" when there is none. Throws std::runtime_error with
-// SQLite's words.
-std::string query_one(const std::string& database, const std::string& sql);
-std::int64_t count_of(const std::string& database, const std::string& sql);
 
 // A run as the kill left it on the disk; run_id 0: it did not get there.
 struct LeftBehind {

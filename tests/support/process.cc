@@ -133,13 +133,16 @@ std::optional<int> Process::wait(std::chrono::milliseconds limit) {
 }
 
 Finished run_process(const std::vector<std::string>& arguments, std::chrono::milliseconds limit,
-                     const std::vector<std::string>& environment, const std::string& stderr_file) {
+                     const std::vector<std::string>& environment) {
   const auto until = Clock::now() + limit;
-  Process process(arguments, environment, stderr_file);
+  const TemporaryFolder folder;
+  const std::string complaints = folder.path() + "/stderr";
+  Process process(arguments, environment, complaints);
   Finished finished;
   finished.out = process.read_to_end(limit);
   const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now());
   finished.code = process.wait(std::max(left, std::chrono::milliseconds(100))).value_or(-1);
+  finished.err = read_file(complaints);
   return finished;
 }
 
@@ -159,6 +162,11 @@ std::string read_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw std::runtime_error("cannot read " + path);
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+void write_file(const std::string& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  if (!(file << text).flush()) throw std::runtime_error("cannot write " + path);
 }
 
 }  // namespace driftwise::tests

@@ -42,13 +42,12 @@ class Process {
 
 struct Finished {
   int code = -1;
-  std::string out;
+  std::string out, err;
 };
 // Runs to the end, for at most the limit (then it is killed and code is -1).
 Finished run_process(const std::vector<std::string>& arguments,
                      std::chrono::milliseconds limit = std::chrono::seconds(60),
-                     const std::vector<std::string>& environment = {},
-                     const std::string& stderr_file = {});
+                     const std::vector<std::string>& environment = {});
 
 // A folder of its own under the system's temporary folder, removed at the end.
 class TemporaryFolder {
@@ -63,6 +62,8 @@ class TemporaryFolder {
   std::string path_;
 };
 
-std::string read_file(const std::string& path);  // throws std::runtime_error
+// Both throw std::runtime_error.
+std::string read_file(const std::string& path);
+void write_file(const std::string& path, const std::string& text);
 
 }  // namespace driftwise::tests

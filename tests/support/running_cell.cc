@@ -66,6 +66,16 @@ RunningCell::~RunningCell() {
   }
 }
 
+void RunningCell::edit_cell_file(const std::string& found, const std::string& instead) const {
+  const std::string path = folder() + "/cell.toml";
+  std::string text = read_file(path);
+  std::size_t at = text.find(found);
+  if (at == std::string::npos) throw std::runtime_error(path + ": no '" + found + "'");
+  for (; at != std::string::npos; at = text.find(found, at + instead.size()))
+    text.replace(at, found.size(), instead);
+  write_file(path, text);
+}
+
 void RunningCell::start_daemon(const std::vector<std::string>& environment) {
   const std::string notice = folder() + "/driftwised.json";
   std::filesystem::remove(notice);
@@ -81,8 +91,10 @@ void RunningCell::start_daemon(const std::vector<std::string>& environment) {
   const auto json = nlohmann::json::parse(read_file(notice));
   grpc_ = json.at("grpc");
   target_line_ = json.value("target_line", "");
+  http_ = json.value("http", "");
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   channel_ = grpc::CreateCustomChannel(grpc_, grpc::InsecureChannelCredentials(), arguments);
 }
 
@@ -112,8 +124,12 @@ std::string RunningCell::daemon_log() const { return read_file(folder() + "/drif
 
 Finished RunningCell::cli(std::vector<std::string> arguments, milliseconds limit) const {
   arguments.insert(arguments.begin(), kBin + "/driftwise");
-  return run_process(arguments, limit, {"DRIFTWISE_SERVER=" + grpc_, "NO_COLOR=1"},
-                     folder() + "/cli.log");
+  return run_process(arguments, limit, {"DRIFTWISE_SERVER=" + grpc_, "NO_COLOR=1"});
+}
+
+Process RunningCell::cli_process(std::vector<std::string> arguments) const {
+  arguments.insert(arguments.begin(), kBin + "/driftwise");
+  return Process(arguments, {"DRIFTWISE_SERVER=" + grpc_, "NO_COLOR=1"}, folder() + "/cli.log");
 }
 
 std::string RunningCell::take_lease() {

@@ -29,6 +29,9 @@ class RunningCell {
   explicit RunningCell(CellOptions options = {});  // starts the simulated cell, not yet the daemon
   ~RunningCell();
 
+  // Puts other text into the instance's cell.toml, wherever `found` stands; throws when it does
+  // not. Before start_daemon().
+  void edit_cell_file(const std::string& found, const std::string& instead) const;
   void start_daemon(const std::vector<std::string>& environment = {});
   void kill_daemon();  // SIGKILL, at once
   int stop_daemon();   // SIGTERM; its exit code
@@ -39,13 +42,16 @@ class RunningCell {
   std::string database() const;  // path of the SQLite file
   std::string grpc_address() const { return grpc_; }
   std::string target_line_address() const { return target_line_; }
+  std::string http_address() const { return http_; }  // empty unless [cell] http is set
   std::string device_address(const std::string& id) const;
   std::shared_ptr<grpc::Channel> channel() const { return channel_; }
   std::string daemon_log() const;  // all its starts
 
-  // The command line against this daemon; standard error goes to folder()/cli.log.
+  // The command line against this daemon, to its end.
   Finished cli(std::vector<std::string> arguments,
                std::chrono::milliseconds limit = std::chrono::seconds(60)) const;
+  // The same as a process to follow; standard error goes to folder()/cli.log.
+  Process cli_process(std::vector<std::string> arguments) const;
 
   std::string take_lease();
   // With the request_id of an earlier call: that call's run.
@@ -57,7 +63,7 @@ class RunningCell {
   CellOptions options_;
   TemporaryFolder folder_;
   std::unique_ptr<Process> cellsim_, daemon_;
-  std::string ready_line_, grpc_, target_line_;
+  std::string ready_line_, grpc_, target_line_, http_;
   std::shared_ptr<grpc::Channel> channel_;
 };
 

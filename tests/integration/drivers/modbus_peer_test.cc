@@ -19,10 +19,9 @@ using namespace std::chrono_literals;
 using testing::HasSubstr;
 
 bool peer_can_run() {
-  return tests::run_process({"/usr/bin/python3", "-c", "import pymodbus, serial_asyncio"}, 20s, {},
-                            "/dev/null")
+  return tests::run_process({"/usr/bin/python3", "-c", "import pymodbus, serial_asyncio"}, 20s)
                  .code == 0 &&
-         tests::run_process({"/usr/bin/socat", "-V"}, 5s, {}, "/dev/null").code == 0;
+         tests::run_process({"/usr/bin/socat", "-V"}, 5s).code == 0;
 }
 
 int free_port() {

@@ -37,6 +37,11 @@ TEST_F(CliTest, UsageErrorsExitWith2) {
   }
 }
 
+TEST_F(CliTest, AnUnknownCommandIsNamed) {
+  EXPECT_THAT(run({"dance"}).err, HasSubstr("'dance'"));
+  EXPECT_THAT(run({"run", "wild"}).err, HasSubstr("'wild'"));
+}
+
 TEST_F(CliTest, HelpOpensWithExamples) {
   const auto outcome = run({"--help"});
   EXPECT_EQ(outcome.exit, 0);

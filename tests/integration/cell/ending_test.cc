@@ -1,0 +1,60 @@
+// The daemon is asked to end: in order, at once, and a restart goes on where it was.
+
+#include <gmock/gmock.h>
+
+#include "tests/integration/cell/cell_at_work.h"
+
+namespace driftwise::tests {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(Ending, InTheMiddleOfARunIsOrderlyAndTheRestartGoesOn) {
+  CellAtWork cell;
+  cell.start_daemon();
+  const auto run = cell.start_run(campaign(8, 6));
+  cell.wait_for_points(8);
+  EXPECT_EQ(cell.stop_daemon(), 0) << cell.daemon_log();
+  EXPECT_THAT(cell.daemon_log(), HasSubstr("shutting down"));
+  EXPECT_EQ(cell.sql("SELECT state FROM run_progress"), "waiting");
+  EXPECT_EQ(cell.cli({"status"}).code, 4);
+  const auto points_before = cell.count("SELECT count(*) FROM point");
+  EXPECT_LT(points_before, 48);
+
+  cell.start_daemon();
+  const auto ended = cell.end_of(run);
+  EXPECT_EQ(ended.at("state"), "done") << ended;
+  EXPECT_EQ(ended.at("accepted_count"), 48);
+  EXPECT_EQ(ended.at("restart_count"), 1);
+  EXPECT_EQ(cell.sql("SELECT reason FROM datum ORDER BY datum_id DESC LIMIT 1"), "restart");
+  EXPECT_NE(cell.sql("SELECT value FROM datum_value JOIN channel USING (channel_id) "
+                     "WHERE name = 'zero_difference_nm'"),
+            "")
+      << "the new zero is compared with the one before";
+  EXPECT_EQ(cell.stop_daemon(), 0);
+}
+
+TEST(Ending, WhenIdleIsQuickAndTakesTheNoticeAway) {
+  CellAtWork cell;
+  cell.start_daemon();
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_EQ(cell.stop_daemon(), 0);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
+  EXPECT_THROW(read_file(cell.folder() + "/driftwised.json"), std::runtime_error);
+  cell.start_daemon();
+  EXPECT_EQ(cell.cli({"status"}).code, 0);
+}
+
+TEST(Ending, ASecondDaemonIsRefusedTheSameCell) {
+  CellAtWork cell;
+  cell.start_daemon();
+  const auto second = run_process(
+      {std::string(DRIFTWISE_BIN_DIR) + "/driftwised", "--cell", cell.folder() + "/cell.toml"},
+      std::chrono::seconds(20));
+  EXPECT_EQ(second.code, 5) << second.err;
+  EXPECT_THAT(second.err, HasSubstr("DATABASE_IN_USE"));
+  EXPECT_EQ(cell.cli({"status"}).code, 0) << "the first one does not mind";
+}
+
+}  // namespace
+}  // namespace driftwise::tests
