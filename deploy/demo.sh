@@ -89,16 +89,16 @@ driftwise model export "$(model six)" --format c -o "$out/linear_axis_model.c"
 say "proof: 50 new positions, each a minute apart, while the air drifts"
 prove() { driftwise run start "$cell/trajectories/new_positions.csv" --name "proof-$1" --watch "${@:2}" >"$out/proof-$1.txt"; }
 prove none
-prove geometry --compensate --model "$(model geometry)"
 prove ten --compensate --model "$(model ten)"
 prove six --compensate
+prove geometry --compensate --model "$(model geometry)"
 i=2
-for name in none geometry ten six; do driftwise data export $i -o "$out/$name.csv"; i=$((i + 1)); done
+for name in none ten six geometry; do driftwise data export $i -o "$out/$name.csv"; i=$((i + 1)); done
 "$bin/driftwise-demo-report" proof "$out"
 
 say "done. Everything is in $out"
 cat <<TXT
-  linear-axis database  $(ls "$out"/*.db) (SQLite: sqlite3 FILE .schema)
+  the record            $(ls "$out/driftwise.sqlite") (SQLite: sqlite3 FILE .schema)
   campaign.csv          the measured points;   truth.csv  where the end-effector really was (the plant's private log)
   *.json                the fits;              linear_axis_model.c  the served model for a controller
   logs                  driftwised.log, cellsim.log

@@ -151,17 +151,18 @@ std::string StreamServer::listen(const std::string& address, int max_clients) {
   max_clients_ = max_clients;
   const auto colon = address.rfind(':');
   const auto port =
-      colon == std::string::npos ? std::nullopt : parse_integer(address.substr(colon + 1));
+      (colon == std::string::npos ? std::nullopt : parse_integer(address.substr(colon + 1)))
+          .value_or(-1);
   std::string host = address.substr(0, colon == std::string::npos ? 0 : colon);
   if (host == "localhost") host = "127.0.0.1";
   boost::system::error_code error;
   const auto ip = asio::ip::make_address(host, error);
-  if (error || !port || *port < 0 || *port > 65535 || !ip.is_loopback())
+  if (error || port < 0 || port > 65535 || !ip.is_loopback())
     throw SetupError("address '" + address +
                      "': expected a loopback address with a port, such as 127.0.0.1:0");
   try {
     acceptor_ =
-        std::make_unique<tcp::acceptor>(io_, tcp::endpoint(ip, static_cast<std::uint16_t>(*port)));
+        std::make_unique<tcp::acceptor>(io_, tcp::endpoint(ip, static_cast<std::uint16_t>(port)));
   } catch (const boost::system::system_error& failure) {
     throw SetupError("address '" + address + "': cannot listen: " + failure.code().message());
   }
