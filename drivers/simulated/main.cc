@@ -162,16 +162,16 @@ int run(Arguments arguments) {
                         .speed = speed};
     write_file(arguments.instance / "cell.toml", instance_text(outline, changes));
   }
-  nlohmann::ordered_json ready;
-  for (const auto& [id, address] : server.addresses()) ready[id] = address;
-  std::cout << "READY " << ready.dump() << std::endl;
-
   boost::asio::signal_set signals(io, SIGTERM, SIGINT);
   signals.async_wait([&](boost::system::error_code, int) {
     server.stop();
     io.stop();
   });
   server.start();
+  // Said last: whoever reads it may end us at once.
+  nlohmann::ordered_json ready;
+  for (const auto& [id, address] : server.addresses()) ready[id] = address;
+  std::cout << "READY " << ready.dump() << std::endl;
   io.run();
   return 0;
 }
