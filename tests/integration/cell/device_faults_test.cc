@@ -13,12 +13,15 @@ constexpr int kRunRows = 30;
 
 class DeviceFaults : public testing::Test {
  protected:
-  // A run that meets the fault after some points, to its end.
-  void run_with(const std::string& fault) {
+  // A run that meets the fault after some points, to its end. Meanwhile this count must become more
+  // than 0.
+  void run_with(const std::string& fault, const std::string& seen_in_the_database = {}) {
     cell.start_daemon();
     const auto run = cell.start_run(campaign(5, 6));
     cell.wait_for_points(6);
     cell.control(fault);
+    if (!seen_in_the_database.empty())
+      wait_until(seen_in_the_database, [&] { return cell.count(seen_in_the_database) > 0; });
     ended = cell.end_of(run);
     trouble = cell.sql("SELECT detail FROM event WHERE what = 'run.trouble' ORDER BY event_id");
   }
@@ -41,7 +44,8 @@ nlohmann::json device(const CellAtWork& cell, const std::string& id) {
 }
 
 TEST_F(DeviceFaults, ARunWaitsForADroppedAxisAndResumes) {
-  run_with("fault drop axis for 20 s");
+  run_with("fault drop axis for 200 s",
+           "SELECT count(*) FROM run_progress WHERE state = 'waiting' AND reason LIKE '%axis%'");
   expect_whole();
   EXPECT_THAT(trouble, HasSubstr("axis"));
   EXPECT_GE(cell.events("device.lost"), 1);
