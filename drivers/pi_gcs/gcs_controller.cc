@@ -226,10 +226,23 @@ Awaitable<Result<void>> GcsController::home() {
 
 Awaitable<Result<void>> GcsController::stop() {
   ++stops_;
-  link_.interrupt(std::string_view(&kStopByte, 1), "STOPPED");
+  const std::string_view stop_byte(&kStopByte, 1);
+  // A second stop halts again but leaves the first one's tidying alone: cut in the middle of it,
+  // two equal answers would be under way and the line out of step.
+  if (stopping_ == 0)
+    link_.interrupt(stop_byte, "STOPPED");
+  else
+    link_.write_now(stop_byte);
   const bool sent = link_.connected();
+  ++stopping_;
   const auto turn = co_await turn_.take();
   trap_.disarm();
+  auto tidied = co_await tidy_after_stop(sent);
+  --stopping_;
+  co_return tidied;
+}
+
+Awaitable<Result<void>> GcsController::tidy_after_stop(bool sent) {
   if (!sent || !link_.connected()) {
     if (auto up = co_await link_.connect(timeout_); !up) co_return up;
     if (auto told = co_await link_.tell(std::string(1, kStopByte), timeout_); !told) co_return told;

@@ -38,6 +38,8 @@ class GcsController final : public MotionController {
   using Text = Awaitable<Result<std::string>>;
   // Below: the caller holds the turn.
   Awaitable<Result<void>> get_ready(std::int64_t stops_seen);
+  Awaitable<Result<void>> tidy_after_stop(
+      bool sent);  // sent: the stop byte went out on the line as it is
   Awaitable<Result<void>> set_up();
   Awaitable<Result<void>> check_travel();
   Awaitable<Result<void>> command(std::string text);  // setter + ERR?
@@ -71,6 +73,7 @@ class GcsController final : public MotionController {
   Nanoseconds timeout_;
   std::int64_t set_up_generation_ = 0;  // of the link, for which the device is set up
   std::int64_t stops_ = 0;              // a call that sees this change has been stopped
+  int stopping_ = 0;                    // stops that have not come back yet
   bool referenced_ = false;
 };
 

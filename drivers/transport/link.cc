@@ -226,8 +226,7 @@ bool Link::still_there() {
 }
 
 error_code Link::interrupt(std::string_view bytes, std::string why) {
-  error_code error;
-  if (connected_ && !bytes.empty()) error = stream_->write_now(bytes);
+  const error_code error = write_now(bytes);
   in_step_ = false;
   if (busy_) {
     interruption_ = Interruption::aborted;
@@ -236,6 +235,10 @@ error_code Link::interrupt(std::string_view bytes, std::string why) {
     stream_->cancel();
   }
   return error;
+}
+
+error_code Link::write_now(std::string_view bytes) {
+  return connected_ && !bytes.empty() ? stream_->write_now(bytes) : error_code{};
 }
 
 void Link::drop(const std::string& why) {

@@ -57,6 +57,8 @@ class Link {
   // For a stop: writes at once, whatever is under way, and ends that with aborted. No-op when not
   // connected.
   error_code interrupt(std::string_view bytes, std::string why);
+  // The same without ending anything: for bytes that are never answered. No-op when not connected.
+  error_code write_now(std::string_view bytes);
   void drop(const std::string& why);  // closes the line; the next connect() backs off
   void close();                       // by its owner: a pending call is aborted, no back-off
 

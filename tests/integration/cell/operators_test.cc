@@ -73,7 +73,8 @@ TEST_F(Operators, TheSecondMayPauseResumeAndAbort) {
 }
 
 TEST_F(Operators, AnybodyStopsEverything) {
-  EXPECT_EQ(bob({"stop"}).code, 0);
+  const auto stopped = bob({"stop"});
+  EXPECT_EQ(stopped.code, 0) << stopped.err;
   EXPECT_EQ(ada->wait(std::chrono::seconds(30)), 5);
   EXPECT_EQ(cell.state_of(1), "aborted");
   EXPECT_THAT(cell.run(1).at("reason").get<std::string>(), HasSubstr("bob"));

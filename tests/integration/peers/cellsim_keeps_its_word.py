@@ -18,9 +18,15 @@ class Line:
         self.buffer, self.pieces = b"", 0
 
     def ask(self, text):
-        self.socket.sendall(text.encode() + b"\n")
+        try:
+            self.socket.sendall(text.encode() + b"\n")
+        except ConnectionError:  # refused: how soon the reset is seen is the kernel's business
+            return None
         while b"\n" not in self.buffer:
-            piece = self.socket.recv(65536)
+            try:
+                piece = self.socket.recv(65536)
+            except ConnectionError:
+                return None
             if not piece:
                 return None
             self.pieces += 1

@@ -233,6 +233,22 @@ TEST_F(GcsLoop, AbortsACallThatWaitedWhenTheStopCame) {
   EXPECT_EQ(queued->error().code, ErrorCode::aborted) << "no move may start after a stop";
 }
 
+TEST_F(GcsLoop, ASecondStopDoesNotMakeTheFirstFail) {
+  peer.on_connection(set_up_and({expect("\x18"), expect("*IDN?\n"), expect("\x18"),
+                                 send("(c) PI, C-887, 1, 2.1\n"), expect("ERR?\n"), send("10\n"),
+                                 expect("ERR?\n"), send("0\n"), expect("ERR?\n"), send("0\n")}));
+  make(axis());
+  ASSERT_TRUE(run(controller->prepare()));
+  std::optional<Result<void>> first;
+  asio::co_spawn(context, controller->stop(),
+                 [&](std::exception_ptr, Result<void> r) { first = r; });
+  let_pass(20ms);
+  EXPECT_TRUE(run(controller->stop()));
+  let_pass(20ms);
+  ASSERT_TRUE(first);
+  EXPECT_TRUE(*first) << first->error().message;
+}
+
 TEST_F(GcsLoop, StopsThoughItWasNotConnected) {
   peer.on_connection(operator_plus({expect("\x18")}, set_up_and({})));
   peer.on_connection(set_up_and({}));
