@@ -1,0 +1,42 @@
+#!/usr/bin/env bash
+# Builds the benchmarks of tests/bench and prints the figures of the README: ratios of two things measured in one run, pinned to one core.
+# Usage: deploy/bench.sh
+source "$(dirname "$0")/lib/common.sh"
+
+say "packages"
+install_missing build test
+say "build (preset release)"
+configure_and_build release -DDRIFTWISE_BUILD_TESTS=ON -DDRIFTWISE_BUILD_BENCHMARKS=ON -- \
+  engine_bench store_bench target_bench target_line_bench rpc_bench regression_bench driftwised driftwise-cellsim
+bin=$root/build/release/bin
+scratch=$root/out/bench
+rm -rf "$scratch"; mkdir -p "$scratch"
+core=$(($(nproc) - 1))
+run() { echo "\$ $1"; shift; taskset -c "$core" "$@"; }
+
+say "machine: $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores; pinned to core $core"
+say "engine and store per group of readings, in bare durable commits (goal 2.5)"
+run engine_bench "$bin/engine_bench" "$scratch"
+say "store alone, and the recorder's file growth"
+run store_bench "$bin/store_bench" "$scratch" 1
+say "a target in process (goal 300 ns, with uncertainty 1 us)"
+run target_bench "$bin/target_bench" --benchmark_repetitions=7 --benchmark_report_aggregates_only=true 2>/dev/null
+say "unary gRPC target against an empty call (goal p99 1.2 x)"
+run rpc_bench "$bin/rpc_bench" 3000
+say "text line against a bare echo (goal p99 1.3 x)"
+run target_line_bench "$bin/target_line_bench" 3000
+say "regression (triangle, selection, solution)"
+run regression_bench "$bin/regression_bench" --benchmark_repetitions=3 --benchmark_report_aggregates_only=true 2>/dev/null
+
+say "the daemon: ready after, memory when idle (goals 100 ms, 40 MB)"
+cell=$root/deploy/cells/linear-axis
+cellsim= daemon=
+trap 'kill -TERM $daemon $cellsim 2>/dev/null || true' EXIT
+"$bin/driftwise-cellsim" --plant "$cell/plant.toml" --cell "$cell/cell.toml" --instantiate "$scratch/cell" --speed 1 >"$scratch/cellsim.out" & cellsim=$!
+for _ in $(seq 200); do grep -qs READY "$scratch/cellsim.out" && break; sleep 0.05; done
+begun=$(date +%s%N)
+"$bin/driftwised" --cell "$scratch/cell/cell.toml" >"$scratch/driftwised.out" 2>&1 & daemon=$!
+while [ ! -s "$scratch/cell/driftwised.json" ]; do kill -0 "$daemon" || die "driftwised ended: see $scratch/driftwised.out"; sleep 0.002; done
+echo "ready after $((($(date +%s%N) - begun) / 1000000)) ms (polled every 2 ms by a shell)"
+sleep 10
+echo "resident after 10 s of recording: $(sed -n 's/^VmRSS: *//p' "/proc/$daemon/status")"
