@@ -7,6 +7,5 @@ install_missing build test
 say "build (preset dev)"
 configure_and_build dev
 say "tests"
-cd "$root"
-ctest --preset dev -j "$(nproc)" --no-tests=error "$@" || die "tests failed: the list is above; one again: ctest --preset dev -R NAME"
+run_tests dev "$@" || die "tests failed: the list is above; one again: ctest --preset dev -R NAME"
 say "all tests passed; the build is in build/dev"

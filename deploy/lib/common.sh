@@ -56,3 +56,12 @@ configure_and_build() {
     cmake --build --preset "$preset" "${targets[@]}" 2>&1 | awk '!/^\[[0-9]+\/[0-9]+\]/ || NR % 20 == 1 { print; fflush() }'
   fi || die "the build failed: the compiler's message is above"
 }
+
+# run_tests PRESET [ctest options]: a test that fails is run once more, alone and aloud: processes on a busy machine may meet a time limit.
+run_tests() {
+  local preset=$1; shift
+  cd "$root"
+  ctest --preset "$preset" -j "$(nproc)" --no-tests=error "$@" && return
+  say "some tests failed (above); those again, one at a time. One that passes only now is flaky: report it"
+  ctest --preset "$preset" --rerun-failed -j 1
+}
