@@ -10,6 +10,7 @@
 #include "server/formats/dataset_csv.h"
 #include "server/formats/fit_json.h"
 #include "server/formats/formula.h"
+#include "server/formats/row_ranges.h"
 
 namespace driftwise::cli {
 namespace {
@@ -83,6 +84,19 @@ void print_offers(std::ostream& out, const std::vector<calibration::OfferResult>
   }
 }
 
+// Beside those that the file marks itself.
+void exclude_rows(Dataset& data, const std::string& text, const std::string& name) {
+  if (text.empty()) return;
+  if (data.excluded.empty()) data.excluded.assign(data.rows, 0);
+  for (const std::int64_t row : value_or_throw(formats::parse_row_ranges(text))) {
+    if (row < 1 || row > static_cast<std::int64_t>(data.rows))
+      throw failure_of({ErrorCode::invalid_argument, "BAD_ROWS",
+                        "--exclude-rows: found row " + std::to_string(row) + ", expected 1 to " +
+                            std::to_string(data.rows) + ", the rows of " + name});
+    data.excluded[static_cast<std::size_t>(row - 1)] = 1;
+  }
+}
+
 }  // namespace
 
 void add_fit_options(CLI::App& command, FitOfFile& fit) {
@@ -106,6 +120,8 @@ void add_fit_options(CLI::App& command, FitOfFile& fit) {
       ->delimiter(',')
       ->allow_extra_args(false);
   command.add_option("--weights", fit.weights, "a channel that weights the rows, as 1/variance");
+  command.add_option("--exclude-rows", fit.exclude_rows,
+                     "rows of the file kept out of the fit, such as 12,40-45; the first is 1");
   command.add_option("--first,--first-rows", fit.first_rows, "calibrate on the first N rows only")
       ->check(CLI::NonNegativeNumber);
   command.add_option("--blocks", fit.blocks, "blocks of time held out in turn; 0: none")
@@ -140,7 +156,9 @@ ExitCode fit_file(const Console& console, const FitOfFile& fit, const std::strin
   calibration::FitOptions options = fit_options(fit);
   options.lineage.source = name;
   const auto formula = value_or_throw(formats::Formula::parse(fit.formula));
-  const Dataset data = value_or_throw(formats::read_dataset_csv(text, name));
+  Dataset data = value_or_throw(formats::read_dataset_csv(text, name));
+  exclude_rows(data, fit.exclude_rows, name);
+  options.lineage.exclusions_hash = formats::exclusions_hash(data);
   options.candidates = value_or_throw(formula.expand(data));
   const calibration::Model model = value_or_throw(calibration::fit(data, options));
   std::vector<calibration::OfferResult> offers;

@@ -18,6 +18,7 @@ struct FitOfFile {
   std::vector<std::string> force, without;  // terms as a formula writes them
   std::vector<std::string> exclude;         // channel symbols
   std::string weights;                      // channel symbol
+  std::string exclude_rows;                 // of a file, counted from 1: "12,40-45"
   std::int64_t first_rows = 0;
   int blocks = 10;
   bool history = false;  // print the selection step by step
@@ -25,7 +26,8 @@ struct FitOfFile {
 };
 
 // Adds --model, --select, --p-enter, --p-remove, --force, --without, --exclude, --weights,
-// --first-rows, --blocks, --history and --offers to a command. fit outlives the command.
+// --exclude-rows, --first-rows, --blocks, --history and --offers to a command. fit outlives the
+// command.
 void add_fit_options(CLI::App& command, FitOfFile& fit);
 
 // What the options say, without the formula. Throws Failure (bad_input) for a term that does not

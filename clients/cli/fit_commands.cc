@@ -31,6 +31,7 @@ void refuse_offline_options(const FitOfFile& fit) {
   if (!fit.force.empty()) refuse("--force");
   if (!fit.without.empty()) refuse("--without (write \"- term\" in the formula instead)");
   if (!fit.weights.empty()) refuse("--weights");
+  if (!fit.exclude_rows.empty()) refuse("--exclude-rows (driftwise data exclude RUN instead)");
   if (fit.offers) refuse("--offers");
   if (fit.blocks != FitOfFile{}.blocks) refuse("--blocks");
 }

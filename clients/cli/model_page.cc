@@ -35,6 +35,9 @@ void print_heading(const Console& console, const v1::Model& model) {
   line("data", lineage.source() + ": " + std::to_string(lineage.calibration_row_count()) +
                    " rows calibration, " + std::to_string(lineage.validation_row_count()) +
                    " validation, " + std::to_string(lineage.dropped_row_count()) + " dropped");
+  if (lineage.excluded_row_count() > 0)
+    line("excluded", std::to_string(lineage.excluded_row_count()) + " rows by hand, state " +
+                         lineage.exclusions_hash());
   line("data hash", lineage.dataset_hash());
   line("model hash", model.hash());
   if (model.has_parent_model_id())

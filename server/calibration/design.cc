@@ -196,7 +196,7 @@ Result<Design> make_design(const Dataset& dataset, const FitOptions& options) {
   design.constant = options.candidates.constant;
   const std::vector<double> ordinals = datum_ordinals(dataset);
   const auto calibrates = [&](std::size_t row) {
-    return dataset.set_of(row) == PointSet::calibration &&
+    return dataset.set_of(row) == PointSet::calibration && !dataset.is_excluded(row) &&
            (options.first_rows <= 0 || row < static_cast<std::size_t>(options.first_rows));
   };
   std::vector<std::span<const double>> outputs;
@@ -236,6 +236,10 @@ Result<Design> make_design(const Dataset& dataset, const FitOptions& options) {
     needed.emplace_back(variables.named[v].name, variables.values[v]);
 
   for (std::size_t row = 0; row < dataset.rows; ++row) {
+    if (dataset.is_excluded(row)) {
+      ++design.excluded;
+      continue;
+    }
     const bool calibration = calibrates(row);
     if (!calibration && dataset.set_of(row) == PointSet::calibration)
       continue;  // beyond first_rows

@@ -30,6 +30,7 @@ struct Design {
   std::vector<int> datum;       // per row: ordinal of its datum, from 1
   std::int64_t dropped = 0;     // calibration and validation rows with a missing value
   std::int64_t validation = 0;  // complete rows marked validation
+  std::int64_t excluded = 0;    // of either set: looked at by nothing but effects with memory
 
   Eigen::Index monomials() const { return static_cast<Eigen::Index>(basis.monomials.size()); }
 };

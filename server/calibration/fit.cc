@@ -136,7 +136,8 @@ std::vector<std::size_t> validation_rows(const Design& design, const Dataset& da
   std::vector<std::size_t> rows;
   no_datum = 0;
   for (std::size_t row = 0; row < dataset.rows; ++row) {
-    if (dataset.set_of(row) != PointSet::validation || std::isnan(errors[static_cast<Index>(row)]))
+    if (dataset.set_of(row) != PointSet::validation || dataset.is_excluded(row) ||
+        std::isnan(errors[static_cast<Index>(row)]))
       continue;
     if (design.constant && !known.contains(static_cast<int>(ordinals[row])))
       ++no_datum;
@@ -227,6 +228,7 @@ Result<Model> fit(const Dataset& dataset, const FitOptions& options) {
   model.lineage.rows_calibration = static_cast<std::int64_t>(design.rows.size());
   model.lineage.rows_validation = design.validation;
   model.lineage.rows_dropped = design.dropped;
+  model.lineage.rows_excluded = design.excluded;
 
   const SelectionRule rule{options.select == Select::stepwise, options.p_enter, options.p_remove};
   const auto held_out =

@@ -69,6 +69,8 @@ struct Lineage {
   std::string source;       // file name, or "runs 3, 4"
   std::string dataset_hash;
   std::int64_t rows_calibration = 0, rows_validation = 0, rows_dropped = 0;
+  std::int64_t rows_excluded = 0;  // kept out on a person's word
+  std::string exclusions_hash;     // which rows those are; empty: none
   std::optional<ModelId> parent;
 };
 

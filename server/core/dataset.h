@@ -33,6 +33,9 @@ struct Dataset {
   std::vector<double> dwell_s;
   std::vector<std::int64_t> run;
   std::vector<std::int64_t> datum;
+  // 1: kept out of fits, on a person's word (docs/database.md). Effects with memory still run over
+  // the row.
+  std::vector<std::uint8_t> excluded;
 
   std::vector<DatasetColumn> columns;  // the channels, in file order
 
@@ -41,6 +44,7 @@ struct Dataset {
       if (column.channel.symbol == symbol) return &column;
     return nullptr;
   }
+  bool is_excluded(std::size_t row) const { return !excluded.empty() && excluded[row] != 0; }
   PointSet set_of(std::size_t row) const { return set.empty() ? PointSet::calibration : set[row]; }
 };
 

@@ -10,19 +10,30 @@ namespace {
 
 constexpr std::string_view kVersionKey = "driftwise-dataset";
 
-enum class DatasetColumn : std::uint8_t { time, set, line, zero, dwell, run, datum, channel };
+enum class DatasetColumn : std::uint8_t {
+  time,
+  set,
+  line,
+  zero,
+  dwell,
+  run,
+  datum,
+  excluded,
+  channel
+};
 
 struct Named {
   std::string_view name;
   DatasetColumn kind;
 };
-constexpr std::array<Named, 7> kOwnColumns = {{{"time_s", DatasetColumn::time},
+constexpr std::array<Named, 8> kOwnColumns = {{{"time_s", DatasetColumn::time},
                                                {"set", DatasetColumn::set},
                                                {"line", DatasetColumn::line},
                                                {"zero", DatasetColumn::zero},
                                                {"dwell_s", DatasetColumn::dwell},
                                                {"run", DatasetColumn::run},
-                                               {"datum", DatasetColumn::datum}}};
+                                               {"datum", DatasetColumn::datum},
+                                               {"excluded", DatasetColumn::excluded}}};
 
 struct Column {
   DatasetColumn kind = DatasetColumn::channel;
@@ -97,6 +108,10 @@ bool read_row(CsvRows& rows, const std::vector<Column>& columns, Dataset& data) 
         if (!rows.integer(integer)) return false;
         data.datum.push_back(integer);
         break;
+      case DatasetColumn::excluded:
+        if (!rows.flag(truth)) return false;
+        data.excluded.push_back(truth ? 1 : 0);
+        break;
     }
   }
   return true;
@@ -167,6 +182,7 @@ std::string write_dataset_csv(const Dataset& data) {
   if (!data.line.empty()) name("line");
   if (!data.zero.empty()) name("zero");
   if (!data.dwell_s.empty()) name("dwell_s");
+  if (!data.excluded.empty()) name("excluded");
   for (const auto& column : data.columns) name(column.channel.name());
   out += '\n';
 
@@ -185,6 +201,7 @@ std::string write_dataset_csv(const Dataset& data) {
     if (!data.line.empty()) next(), append_number(out, data.line[row]);
     if (!data.zero.empty()) next(), out += data.zero[row] ? '1' : '0';
     if (!data.dwell_s.empty()) next(), append_number(out, data.dwell_s[row]);
+    if (!data.excluded.empty()) next(), out += data.excluded[row] ? '1' : '0';
     for (const auto& column : data.columns) next(), append_number(out, column.values[row]);
     if (out.size() == row_start)
       out += ' ';  // a lone empty field: an empty line would be passed over

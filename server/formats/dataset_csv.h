@@ -6,8 +6,8 @@
 //
 // Accepted on reading: LF or CRLF ends, a UTF-8 byte order mark, spaces and tabs around a field, a
 // last line without its end, empty lines. An empty field is kMissing; an empty field of set, line,
-// zero, run, datum or time_s is an error. Not accepted: quotes, "nan" and "inf" as text, ragged
-// rows, two columns of one name.
+// zero, run, datum, excluded or time_s is an error. Not accepted: quotes, "nan" and "inf" as text,
+// ragged rows, two columns of one name.
 
 #include <string>
 #include <string_view>
@@ -25,8 +25,8 @@ namespace driftwise::formats {
 Result<Dataset> read_dataset_csv(std::string_view text, const std::string& file_name);
 
 // The metadata lines as they stand (driftwise-dataset: 1 is put first when it is missing), then the
-// rows. Columns in this order: time_s, run, datum, set, line, zero, dwell_s where present, then the
-// channels in theirs.
+// rows. Columns in this order: time_s, run, datum, set, line, zero, dwell_s,
+// excluded where present, then the channels in theirs.
 std::string write_dataset_csv(const Dataset& dataset);
 
 }  // namespace driftwise::formats

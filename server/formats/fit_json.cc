@@ -83,7 +83,8 @@ ordered_json fit_json(const calibration::Model& model) {
   json["p_remove"] = model.p_remove;
   json["rows"] = {{"calibration", model.lineage.rows_calibration},
                   {"validation", model.lineage.rows_validation},
-                  {"dropped", model.lineage.rows_dropped}};
+                  {"dropped", model.lineage.rows_dropped},
+                  {"excluded", model.lineage.rows_excluded}};
   json["outputs"] = ordered_json::object();
   for (const auto& output : model.outputs)
     json["outputs"][output.channel.symbol] = output_summary(output);

@@ -130,10 +130,13 @@ std::string history_lines(const calibration::OutputModel& output) {
 
 std::string fit_table(const calibration::Model& model, const FitTableOptions& options) {
   std::string text = model.formula + "\n";
-  text += print("%lld calibration rows, %lld validation, %lld dropped; ",
+  text += print("%lld calibration rows, %lld validation, %lld dropped",
                 static_cast<long long>(model.lineage.rows_calibration),
                 static_cast<long long>(model.lineage.rows_validation),
                 static_cast<long long>(model.lineage.rows_dropped));
+  if (model.lineage.rows_excluded > 0)
+    text += print(", %lld excluded", static_cast<long long>(model.lineage.rows_excluded));
+  text += "; ";
   text += model.select == "all"
               ? "all terms, no selection"
               : print("stepwise, enter below %g, remove above %g", model.p_enter, model.p_remove);

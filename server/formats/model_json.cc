@@ -27,7 +27,7 @@ constexpr const char* kSchema = "driftwise.model.v1";
       accuracy;
   [[maybe_unused]] const auto& [r1, r2, r3, r4, r5, r6, r7, r8, r9, r10] = report;
   [[maybe_unused]] const auto& [s1, s2, s3, s4, s5, s6] = step;
-  [[maybe_unused]] const auto& [l1, l2, l3, l4, l5, l6, l7] = lineage;
+  [[maybe_unused]] const auto& [l1, l2, l3, l4, l5, l6, l7, l8, l9] = lineage;
 }
 
 // --- terms ---
@@ -229,7 +229,9 @@ Json lineage_json(const Lineage& lineage) {
               {"dataset_hash", lineage.dataset_hash},
               {"rows_calibration", lineage.rows_calibration},
               {"rows_validation", lineage.rows_validation},
-              {"rows_dropped", lineage.rows_dropped}};
+              {"rows_dropped", lineage.rows_dropped},
+              {"rows_excluded", lineage.rows_excluded},
+              {"exclusions_hash", lineage.exclusions_hash}};
   if (lineage.parent) out["parent"] = lineage.parent->value;
   return out;
 }
@@ -243,6 +245,10 @@ Lineage read_lineage(const JsonPlace& from) {
   lineage.rows_calibration = from["rows_calibration"].integer(0);
   lineage.rows_validation = from["rows_validation"].integer(0);
   lineage.rows_dropped = from["rows_dropped"].integer(0);
+  if (from.has("rows_excluded")) {  // models of before 0.2 had none
+    lineage.rows_excluded = from["rows_excluded"].integer(0);
+    lineage.exclusions_hash = from["exclusions_hash"].text();
+  }
   if (from.has("parent")) lineage.parent = ModelId{from["parent"].integer()};
   return lineage;
 }

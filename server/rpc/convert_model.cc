@@ -74,6 +74,8 @@ v1::Lineage lineage_from(const calibration::Lineage& lineage) {
   out.set_calibration_row_count(lineage.rows_calibration);
   out.set_validation_row_count(lineage.rows_validation);
   out.set_dropped_row_count(lineage.rows_dropped);
+  out.set_excluded_row_count(lineage.rows_excluded);
+  out.set_exclusions_hash(lineage.exclusions_hash);
   return out;
 }
 

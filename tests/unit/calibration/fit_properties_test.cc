@@ -132,6 +132,55 @@ TEST(Fit, CountsRowsWithAMissingValue) {
   EXPECT_THAT(model.warnings, testing::Contains("2 rows dropped for missing values"));
 }
 
+Dataset without_rows(const Dataset& data, const std::vector<std::size_t>& rows) {
+  Dataset rest;
+  for (const auto& column : data.columns) rest.columns.push_back({column.channel, {}});
+  for (std::size_t row = 0; row < data.rows; ++row) {
+    if (std::ranges::find(rows, row) != rows.end()) continue;
+    ++rest.rows;
+    rest.time_s.push_back(data.time_s[row]);
+    rest.set.push_back(data.set[row]);
+    for (std::size_t c = 0; c < data.columns.size(); ++c)
+      rest.columns[c].values.push_back(data.columns[c].values[row]);
+  }
+  return rest;
+}
+
+TEST(Fit, OfDataWithExcludedRowsIsTheFitOfTheOthers) {
+  const Dataset good = make_campaign({});
+  Dataset data = good;
+  const std::vector<std::size_t> bad = {3, 40, 41, 42, 200};  // 41, 200: validation
+  data.excluded.assign(data.rows, 0);
+  for (const auto row : bad) {
+    data.excluded[row] = 1;
+    data.columns[0].values[row] += 1;  // a lost fringe, and worse
+  }
+  data.columns[1].values[3] = HUGE_VAL;
+  const std::string formula = "q1 ~ poly(x, 3) + T + x:t01";
+  const Model marked = fitted(data, {}, formula);
+  const Model removed = fitted(without_rows(good, bad), {}, formula);
+  EXPECT_EQ(marked.outputs[0].coefficients, removed.outputs[0].coefficients);
+  EXPECT_EQ(marked.outputs[0].covariance, removed.outputs[0].covariance);
+  EXPECT_EQ(marked.outputs[0].accuracy.u90_validation, removed.outputs[0].accuracy.u90_validation);
+  EXPECT_EQ(marked.outputs[0].accuracy.u90_blocks, removed.outputs[0].accuracy.u90_blocks);
+  EXPECT_EQ(marked.lineage.rows_calibration, removed.lineage.rows_calibration);
+  EXPECT_EQ(marked.lineage.rows_validation, removed.lineage.rows_validation);
+  EXPECT_EQ(marked.lineage.rows_excluded, 5);
+  EXPECT_EQ(marked.lineage.rows_dropped, 0);
+}
+
+// A row is excluded for what was measured at it; the room's temperature at that instant is as true
+// as before, and a lag must not miss it.
+TEST(Fit, LetsEffectsWithMemorySeeExcludedRows) {
+  Dataset data = make_campaign({});
+  const auto before = raw_columns(data, {*formats::parse_term("lag(t01, 600 s)")});
+  data.excluded.assign(data.rows, 0);
+  data.excluded[50] = 1;
+  const auto after = raw_columns(data, {*formats::parse_term("lag(t01, 600 s)")});
+  ASSERT_TRUE(before && after);
+  EXPECT_EQ(*before, *after);
+}
+
 TEST(Fit, FitsEveryOutputFromOneTriangle) {
   Dataset data = make_campaign({});
   data.columns.push_back({{"q2", "mm"}, data.columns[0].values});

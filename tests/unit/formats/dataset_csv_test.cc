@@ -103,6 +103,8 @@ INSTANTIATE_TEST_SUITE_P(
         DatasetMistake{"Quotes", "x_mm\n\"1\"\n", "QUOTED_FIELD",
                        "drift.csv:2: column x_mm: found '\"1\"'"},
         DatasetMistake{"QuotedHeader", "\"x_mm\"\n1\n", "QUOTED_FIELD", "drift.csv:1"},
+        DatasetMistake{"ExcludedFlag", "excluded,x_mm\nyes,1\n", "BAD_FLAG",
+                       "column excluded: found 'yes', expected 0 or 1"},
         DatasetMistake{"ZeroFlag", "zero,x_mm\n2,1\n", "BAD_FLAG",
                        "column zero: found '2', expected 0 or 1"},
         DatasetMistake{"Line", "line,x_mm\n1.5,1\n", "BAD_INTEGER",
@@ -142,6 +144,7 @@ TEST(DatasetCsv, ReadsBackEveryNumberBitForBit) {
     data.set.push_back(i % 3 ? PointSet::calibration : PointSet::validation);
     data.line.push_back(static_cast<std::int64_t>(i / 19));
     data.zero.push_back(i % 19 == 0);
+    data.excluded.push_back(i % 23 == 0);
     data.dwell_s.push_back(i % 5 ? 2.5 : kMissing);
     data.run.push_back(3);
     data.datum.push_back(static_cast<std::int64_t>(i / 900));
@@ -161,6 +164,7 @@ TEST(DatasetCsv, ReadsBackEveryNumberBitForBit) {
   EXPECT_EQ(back->set, data.set);
   EXPECT_EQ(back->line, data.line);
   EXPECT_EQ(back->zero, data.zero);
+  EXPECT_EQ(back->excluded, data.excluded);
   EXPECT_EQ(back->run, data.run);
   EXPECT_EQ(back->datum, data.datum);
   for (std::size_t c = 0; c < data.columns.size(); ++c)

@@ -40,6 +40,8 @@ calibration::Model full_model() {
                    .rows_calibration = 560,
                    .rows_validation = 448,
                    .rows_dropped = 1,
+                   .rows_excluded = 2,
+                   .exclusions_hash = "def",
                    .parent = ModelId{2}};
   model.warnings = {"t05 and t06 are nearly interchangeable"};
   model.fit_us = 48.1;
@@ -63,9 +65,21 @@ TEST(ModelJson, ReadsBackTheSameModelToTheLastBit) {
   EXPECT_EQ(back->outputs[0].report[0].note, model.outputs[0].report[0].note);
   EXPECT_EQ(back->lineage.parent, ModelId{2});
   EXPECT_EQ(back->lineage.runs, model.lineage.runs);
+  EXPECT_EQ(back->lineage.rows_excluded, 2);
+  EXPECT_EQ(back->lineage.exclusions_hash, "def");
   EXPECT_EQ(back->domain[1].channel.name(), "t07_degC");
   EXPECT_EQ(write_model_json(*back), text);  // and with it everything else
   EXPECT_EQ(write_model_json(*read_model_json(write_model_json(model, 2))), text);
+}
+
+TEST(ModelJson, ReadsModelsOfBeforeRowsCouldBeExcluded) {
+  std::string text = write_model_json(full_model());
+  const std::string added = ",\"rows_excluded\":2,\"exclusions_hash\":\"def\"";
+  ASSERT_NE(text.find(added), std::string::npos);
+  text.erase(text.find(added), added.size());
+  const auto back = read_model_json(text);
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(back->lineage.rows_excluded, 0);
 }
 
 TEST(ModelJson, PrintsEveryTermAsNotationForPeople) {
