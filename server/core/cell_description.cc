@@ -26,6 +26,32 @@ std::vector<Channel> CellDescription::length_channels() const {
   return out;
 }
 
+std::vector<Channel> CellDescription::path_channels() const {
+  auto out = length_channels();
+  if (correction)
+    for (auto& channel : out) channel.symbol += "_path";
+  return out;
+}
+
+std::vector<Channel> CellDescription::angle_channels() const {
+  std::vector<Channel> out;
+  for (const auto& device : devices)
+    for (const auto& angle : device.angles) out.push_back(angle.channel);
+  return out;
+}
+
+std::optional<Channel> CellDescription::force_channel() const {
+  if (!load) return std::nullopt;
+  const auto* actuator = load_actuator();
+  return actuator ? actuator->force : Channel{"force", "N"};
+}
+
+const DeviceDescription* CellDescription::load_actuator() const {
+  for (const auto& device : devices)
+    if (device.force) return &device;
+  return nullptr;
+}
+
 std::vector<Channel> CellDescription::temperature_channels() const {
   std::vector<Channel> out;
   for (const auto& device : devices)

@@ -2,6 +2,7 @@
 // One measuring computer's world, as cell.toml describes it. Text form: docs/cell-file.md; parsed
 // in server/formats/cell_file. Plain data: the same for every room.
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -38,9 +39,19 @@ struct AxisDescription {
   double u_scale_nm = 0;          // declared standard uncertainty of the scale
 };
 
+// One axis of an autocollimator. A device turns its spot to its own liking; sign makes the reading
+// a right-handed rotation about the cell's axis.
+struct AngleDescription {
+  Channel channel;      // ry_arcsec
+  int device_axis = 1;  // the controller's number for it, 1 or 2
+  int sign = 1;         // 1 or -1
+  double u_arcsec = 0;  // declared standard uncertainty
+};
+
 struct DeviceDescription {
   std::string id;       // "axis", "scanner", "laser-x", "support": unique in the cell
-  std::string kind;     // "pi-gcs", "keithley-2701", "interferometer-adapter", "watlow-ez-zone"
+  std::string kind;     // "pi-gcs", "keithley-2701", "interferometer-adapter", "newport-lds1000",
+                        // "watlow-ez-zone", "load-actuator"
   std::string address;  // "127.0.0.1:50000"
   bool on_loopback() const;  // 127.0.0.0/8, localhost, [::1]
   double timeout_s = 1.0;    // of one exchange, cell time; never below 250 ms of wall time
@@ -51,9 +62,38 @@ struct DeviceDescription {
   std::vector<ProbeDescription> probes;  // scanners
   std::optional<Channel> length;         // interferometers: x_mm
   double u_length_nm = 0;                // ... declared standard uncertainty
+  std::vector<AngleDescription> angles;  // autocollimators
+  std::optional<Channel> force;          // load actuators: force_N
   // What the protocol leaves open (unit, word order, terminator, averaging, ...), by the driver's
   // own names. The driver checks names and values and answers invalid_argument naming them.
   std::map<std::string, std::string> options;
+};
+
+// What raw readings need to become a pose (server/correction). With it the lengths of the devices
+// are paths along beams, x_path_mm, and x_mm is the corrected pose.
+struct BeamDescription {
+  Channel length;  // x_mm: the interferometer whose beam this is
+  // Where the beam meets its mirror, from the centre of rotation, at pose zero and per mm of pose:
+  // a beam fixed in the room before a mirror that moves sideways has -1 on that side.
+  std::array<double, 3> offset_mm{}, offset_per_mm{};
+  double u_offset_mm = 0;  // standard uncertainty of each component that matters
+  // Small rotation, about x, y, z, from the axis to the direction along which this interferometer
+  // measures: what squaring the mirrors left.
+  std::array<double, 3> direction_arcsec{};
+  double u_direction_arcsec = 0;
+  double u_flatness_nm = 0;  // of its mirror, over the workspace
+};
+
+struct CorrectionDescription {
+  bool cosine = false;
+  std::vector<BeamDescription> beams;  // at most one per length; a length without: no Abbe term
+};
+
+// Force on the end-effector, by an actuator or by known weights that a person hangs.
+struct LoadDescription {
+  double max_n = 0;               // soft limit: nobody asks for more
+  double u_n = 0;                 // declared standard uncertainty of what hangs
+  double gravity_m_s2 = 9.80665;  // turns newtons into the grams a person looks for
 };
 
 struct RunRules {  // [run]; a run may override them, the run's record keeps what was used
@@ -95,14 +135,22 @@ struct CellDescription {
   RunRules run;
   StartChecks checks;
   ServingRules serving;
-  std::string text;  // the file as read
-  std::string hash;  // of the text: stored with every run
+  std::optional<CorrectionDescription> correction;
+  std::optional<LoadDescription> load;  // none: the cell knows no force
+  std::string text;                     // the file as read
+  std::string hash;                     // of the text: stored with every run
 
-  std::vector<Channel> motor_channels() const;        // q1_mm.., in order of devices and axes
-  std::vector<Channel> length_channels() const;       // x_mm ..
+  std::vector<Channel> motor_channels() const;   // q1_mm.., in order of devices and axes
+  std::vector<Channel> length_channels() const;  // x_mm .. : pose coordinates
+  // What the interferometers themselves give, same order: x_path_mm .. with [correction], else the
+  // lengths.
+  std::vector<Channel> path_channels() const;
+  std::vector<Channel> angle_channels() const;        // rx_arcsec ..
+  std::optional<Channel> force_channel() const;       // force_N in a cell with [load]
   std::vector<Channel> temperature_channels() const;  // probes, in order
   const DeviceDescription* find_device(const std::string& id) const;
   const AxisDescription* find_axis(const std::string& channel_name) const;
+  const DeviceDescription* load_actuator() const;  // nullptr: an operator changes the force
 };
 
 }  // namespace driftwise

@@ -1,47 +1,18 @@
 #include "server/formats/cell_file.h"
 
-#include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <set>
 #include <utility>
 
+#include "server/formats/cell_file_address.h"
+#include "server/formats/cell_file_correction.h"
+#include "server/formats/cell_file_devices.h"
 #include "server/formats/text.h"
 #include "server/formats/toml_reader.h"
 
 namespace driftwise::formats {
 namespace {
-
-struct HostPort {
-  std::string_view host, port;
-};
-
-HostPort split_address(std::string_view address) {
-  const auto colon = address.rfind(':');
-  if (colon == std::string_view::npos) return {address, {}};
-  return {address.substr(0, colon), address.substr(colon + 1)};
-}
-
-bool is_port(std::string_view text, int lowest) {
-  int port = -1;
-  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), port);
-  return code == std::errc{} && end == text.data() + text.size() && port >= lowest && port <= 65535;
-}
-
-// host:port with a number of a port, or the path of a serial line.
-void check_device_address(TomlReader& reader, const std::string& address) {
-  if (address.empty() || address.front() == '/') return;
-  const auto [host, port] = split_address(address);
-  const bool open_ipv6 =
-      host.find(':') != std::string_view::npos && !(host.starts_with('[') && host.ends_with(']'));
-  if (host.empty() || open_ipv6 || !is_port(port, 1))
-    reader.refuse("address", "BAD_ADDRESS",
-                  "found " + shown(address) +
-                      ", expected host:port such as 127.0.0.1:50000 with a port from 1 to 65535, "
-                      "or a serial line such as /dev/ttyUSB0");
-}
 
 void check_listen(TomlReader& reader, const char* key, const std::string& address) {
   if (address.empty()) return;
@@ -118,115 +89,6 @@ void read_serving(TomlReader&& serving, ServingRules& out) {
   serving.finish();
 }
 
-// Names that may stand once in a cell.
-struct Taken {
-  std::set<std::string> ids, channels;
-
-  void channel(TomlReader& reader, const char* key, const std::string& name) {
-    if (!channels.insert(name).second)
-      reader.refuse(key, "DUPLICATE_CHANNEL",
-                    "found " + shown(name) + ", which another device, axis or probe gives already");
-  }
-};
-
-void read_axis(TomlReader&& reader, AxisDescription& out, Taken& taken) {
-  reader.channel("channel", out.channel, Need::required);
-  reader.text("device_axis", out.device_axis, Need::required);
-  reader.number("min_mm", out.min_mm, {}, Need::required);
-  reader.number("max_mm", out.max_mm, {}, Need::required);
-  reader.number("u_scale_nm", out.u_scale_nm, {.min = 0});
-  if (!is_motor_symbol(out.channel.symbol) || out.channel.unit != "mm")
-    reader.refuse(
-        "channel", "BAD_CHANNEL",
-        "found " + shown(out.channel.name()) + ", expected a motor coordinate such as q1_mm");
-  if (!(out.min_mm < out.max_mm))
-    reader.refuse("min_mm", "BAD_LIMITS",
-                  "found min_mm = " + number_text(out.min_mm) + " and max_mm = " +
-                      number_text(out.max_mm) + ", expected min_mm below max_mm");
-  else if (out.min_mm > 0 || out.max_mm < 0)
-    reader.refuse("min_mm", "BAD_LIMITS",
-                  "found limits " + number_text(out.min_mm) + " .. " + number_text(out.max_mm) +
-                      " mm, expected 0 between them: every run starts at zero");
-  taken.channel(reader, "channel", out.channel.name());
-  reader.finish();
-}
-
-void read_probe(TomlReader&& reader, ProbeDescription& out, Taken& taken) {
-  reader.channel("channel", out.channel, Need::required);
-  reader.integer("input", out.input, 1, 9999, Need::required);
-  reader.number("r0_ohm", out.r0_ohm, {.min = 0, .above_min = true});
-  reader.number("a_per_degc", out.a_per_degc, {.min = 0, .max = 0.1, .above_min = true});
-  reader.number("b_per_degc2", out.b_per_degc2, {.min = -1e-3, .max = 0});
-  reader.text("place", out.place);
-  reader.choice("part", out.part, {"robot", "instrument", "air"}, Need::required);
-  reader.number("u_k", out.u_k, {.min = 0});
-  if (out.channel.unit != "degC")
-    reader.refuse(
-        "channel", "BAD_CHANNEL",
-        "found " + shown(out.channel.name()) + ", expected a temperature in degC such as t07_degC");
-  taken.channel(reader, "channel", out.channel.name());
-  reader.finish();
-}
-
-void read_probes(TomlReader& device, const std::string& place, DeviceDescription& out, Taken& taken,
-                 TomlProblem& problem) {
-  std::set<int> inputs;
-  for (const auto* table : device.tables("probe")) {
-    TomlReader reader(*table, place + ", probe " + std::to_string(out.probes.size() + 1), problem);
-    TomlReader line = reader;
-    auto& probe = out.probes.emplace_back();
-    read_probe(std::move(reader), probe, taken);
-    if (!inputs.insert(probe.input).second)
-      line.refuse("input", "DUPLICATE_CHANNEL",
-                  "found input " + std::to_string(probe.input) +
-                      ", which another probe of this scanner has already");
-  }
-  if (out.probes.empty())
-    device.refuse("probe", "MISSING_KEY", "found nothing, expected at least one [[device.probe]]");
-}
-
-void read_device(TomlReader&& reader, const std::string& place, DeviceDescription& out,
-                 Taken& taken, TomlProblem& problem) {
-  reader.text("id", out.id, Need::required);
-  if (!taken.ids.insert(out.id).second)
-    reader.refuse("id", "DUPLICATE_ID",
-                  "found " + shown(out.id) + ", which another device has already");
-  reader.choice("kind", out.kind,
-                {"pi-gcs", "keithley-2701", "interferometer-adapter", "watlow-ez-zone"},
-                Need::required);
-  reader.text("address", out.address, Need::required);
-  check_device_address(reader, out.address);
-  reader.number("timeout_s", out.timeout_s, {.min = 0, .max = 3600, .above_min = true});
-  reader.number("period_s", out.period_s, {.min = 0, .max = 86400});
-  reader.number("max_age_s", out.max_age_s, {.min = 0, .above_min = true});
-  reader.strings("options", out.options);
-  if (problem.any()) return;  // without a kind the rest cannot be judged
-
-  if (out.kind == "pi-gcs") {
-    for (const auto* table : reader.tables("axis")) {
-      const std::string axis = place + ", axis " + std::to_string(out.axes.size() + 1);
-      read_axis(TomlReader(*table, axis, problem), out.axes.emplace_back(), taken);
-    }
-    if (out.axes.empty())
-      reader.refuse("axis", "MISSING_KEY", "found nothing, expected at least one [[device.axis]]");
-  } else if (out.kind == "keithley-2701") {
-    read_probes(reader, place, out, taken, problem);
-  } else if (out.kind == "interferometer-adapter") {
-    out.length.emplace();
-    reader.channel("length", *out.length, Need::required);
-    reader.number("u_length_nm", out.u_length_nm, {.min = 0});
-    if (!is_pose_symbol(out.length->symbol) || out.length->unit != "mm")
-      reader.refuse(
-          "length", "BAD_CHANNEL",
-          "found " + shown(out.length->name()) + ", expected a pose coordinate in mm such as x_mm");
-    taken.channel(reader, "length", out.length->name());
-  } else {
-    taken.channel(reader, "id",
-                  out.id + "_degC");  // a stabiliser gives <id>_degC, <id>_set_degC, <id>_power_pct
-  }
-  reader.finish();
-}
-
 void check_speed(TomlReader& clock, const CellDescription& cell) {
   if (cell.clock.speed == 1.0) return;
   for (const auto& device : cell.devices)
@@ -257,7 +119,7 @@ void read_file(const toml::table& root, CellDescription& out, TomlProblem& probl
   read_run(section("run"), out.run);
   read_checks(section("checks"), out.checks);
   read_serving(section("serving"), out.serving);
-  Taken taken;
+  TakenNames taken;
   for (const auto* table : top.tables("device")) {
     const std::string place = "device " + std::to_string(out.devices.size() + 1);
     read_device(TomlReader(*table, place, problem), place, out.devices.emplace_back(), taken,
@@ -265,7 +127,15 @@ void read_file(const toml::table& root, CellDescription& out, TomlProblem& probl
   }
   if (out.devices.empty())
     top.refuse("device", "MISSING_KEY", "found no [[device]], expected at least one");
+  if (const auto* load = top.table("load"))
+    read_load(TomlReader(*load, "load", problem), out.load.emplace());
+  if (const auto* correction = top.table("correction"))
+    read_correction(TomlReader(*correction, "correction", problem), out, problem);
   top.finish();
+  if (const auto* actuator = out.load_actuator(); actuator && !out.load)
+    top.refuse("load", "MISSING_KEY",
+               "found no [load] section beside the load actuator " + shown(actuator->id) +
+                   ", expected one with max_n, the largest force it may ever apply");
   check_speed(speed, out);
 }
 

@@ -136,6 +136,25 @@ void TomlReader::truth(const char* key, bool& value) {
   value = found->get();
 }
 
+void TomlReader::vector3(const char* key, std::array<double, 3>& value, double limit) {
+  const auto* node = find(key, Need::optional);
+  if (!node) return;
+  const auto* list = node->as_array();
+  if (!list || list->size() != value.size())
+    return wrong_type(key, *node, "three numbers such as [0.4, -1.2, 0]");
+  std::array<double, 3> found{};
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const auto& item = *list->get(i);
+    if (!item.is_number()) return wrong_type(key, item, "a number in each of the three places");
+    found[i] = *item.value<double>();
+    if (!std::isfinite(found[i]) || std::abs(found[i]) > limit)
+      return refuse(key, "OUT_OF_RANGE",
+                    "found " + number_text(found[i]) + ", expected a number from " +
+                        number_text(-limit) + " to " + number_text(limit));
+  }
+  value = found;
+}
+
 void TomlReader::time(const char* key, CellTime& value) {
   const auto* node = find(key, Need::optional);
   if (!node) return;

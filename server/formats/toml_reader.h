@@ -5,6 +5,7 @@
 
 #include <toml++/toml.h>
 
+#include <array>
 #include <cstdint>
 #include <initializer_list>
 #include <limits>
@@ -49,6 +50,8 @@ class TomlReader {
   void number(const char* key, double& value, Range range = {}, Need need = Need::optional);
   void integer(const char* key, int& value, int min, int max, Need need = Need::optional);
   void truth(const char* key, bool& value);
+  // Three finite numbers, none larger than limit in size: [x, y, z].
+  void vector3(const char* key, std::array<double, 3>& value, double limit);
   void time(const char* key,
             CellTime& value);  // "2011-07-22T08:00:00Z" as a string or a TOML date-time
   void channel(const char* key, Channel& value, Need need);
