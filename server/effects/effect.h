@@ -32,6 +32,11 @@ struct ParameterKind {
   double min = 0, max = 0;
 };
 
+// Where an effect's finding goes (DESIGN: where an effect applies): the served model, the
+// correction of an instrument, or the data themselves.
+enum class AppliesTo { robot, correction, dataset };
+std::string_view to_string(AppliesTo applies_to);
+
 struct EffectKind {
   std::string name;          // "rate", as written in a formula
   std::string catalogue_id;  // "thermal_rate"
@@ -41,6 +46,12 @@ struct EffectKind {
       output_unit;  // after the channel's own unit: "K/h"; "" for the unit of the channel itself
   std::string sentence;  // what a person reads in --help
   std::unique_ptr<EffectState> (*make)(std::span<const Quantity> parameters) = nullptr;
+  AppliesTo applies_to = AppliesTo::robot;
+  // Its output is the deviation that the path of a motor coordinate leaves behind, so it may stand
+  // among that coordinate's own terms.
+  bool observes_path = false;
+  // Reads the data's own clock (an instant, a phase): means nothing to a target asked for later.
+  bool in_data_time = false;
 };
 
 std::span<const EffectKind> effect_kinds();

@@ -2,8 +2,14 @@
 #include <array>
 #include <cmath>
 
+#include "server/effects/beam.h"
+#include "server/effects/creep.h"
+#include "server/effects/data_time.h"
 #include "server/effects/effect.h"
 #include "server/effects/lag.h"
+#include "server/effects/periodic.h"
+#include "server/effects/play.h"
+#include "server/effects/self_heating.h"
 #include "server/effects/term_order.h"
 #include "server/effects/thermal_rate.h"
 
@@ -33,9 +39,24 @@ double converted(const Quantity& quantity, const std::string& unit) {
 }  // namespace
 
 std::span<const EffectKind> effect_kinds() {
-  static const std::vector<EffectKind> kinds = {lag_kind(), thermal_rate_kind(),
-                                                thermal_rate2_kind()};
+  static const std::vector<EffectKind> kinds = {
+      lag_kind(),          thermal_rate_kind(),   thermal_rate2_kind(), play_kind(),
+      creep_kind(),        self_heating_kind(),   sine_kind(),          cosine_wave_kind(),
+      sine_in_time_kind(), cosine_in_time_kind(), step_kind(),          drift_kind(),
+      cosine_error_kind(), air_index_kind()};
   return kinds;
+}
+
+std::string_view to_string(AppliesTo applies_to) {
+  switch (applies_to) {
+    case AppliesTo::robot:
+      return "robot";
+    case AppliesTo::correction:
+      return "correction";
+    case AppliesTo::dataset:
+      return "dataset";
+  }
+  return "";
 }
 
 const EffectKind* find_effect(std::string_view name) {
@@ -48,7 +69,8 @@ std::string usage(const EffectKind& kind) {
   std::string text = kind.name + "(";
   for (int i = 0; i < kind.symbol_count; ++i) text += i == 0 ? "channel" : ", channel";
   for (const auto& parameter : kind.parameters)
-    text += ", " + parameter.name + (parameter.unit.empty() ? "" : " " + parameter.unit);
+    text += (text.back() == '(' ? "" : ", ") + parameter.name +
+            (parameter.unit.empty() ? "" : " " + parameter.unit);
   return text + ")";
 }
 

@@ -1,0 +1,48 @@
+#include "server/effects/play.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/core/units.h"
+
+namespace driftwise::effects {
+namespace {
+
+class PlayState final : public EffectState {
+ public:
+  explicit PlayState(double half_width_mm) : half_width_mm_(half_width_mm) {}
+  std::unique_ptr<EffectState> clone() const override { return std::make_unique<PlayState>(*this); }
+
+  double step(double, std::span<const double> inputs) override {
+    const double q = inputs[0];
+    if (std::isnan(q)) return q;
+    if (!started_) {
+      started_ = true;
+      driven_ = q;
+    }
+    driven_ = std::min(std::max(driven_, q - half_width_mm_), q + half_width_mm_);
+    return driven_ - q;
+  }
+
+ private:
+  double half_width_mm_;
+  bool started_ = false;
+  double driven_ = 0;
+};
+
+}  // namespace
+
+EffectKind play_kind() {
+  return {.name = "play",
+          .catalogue_id = "backlash",
+          .symbol_count = 1,
+          .parameters = {{"width", "nm", 0.1, 1e7}},
+          .output_unit = "mm",
+          .sentence = "what a play of this full width leaves behind on the channel's path (mm)",
+          .make = [](std::span<const Quantity> parameters) -> std::unique_ptr<EffectState> {
+            return std::make_unique<PlayState>(mm_from_nm(parameters[0].value) / 2);
+          },
+          .observes_path = true};
+}
+
+}  // namespace driftwise::effects
