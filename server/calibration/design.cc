@@ -32,8 +32,8 @@ std::string row_text(const Dataset& dataset, std::size_t row) {
 
 Result<std::span<const double>> channel_values(const Dataset& dataset, const std::string& symbol,
                                                const std::string& why) {
-  const DatasetColumn* column = dataset.find(symbol);
-  if (column != nullptr) return std::span<const double>(column->values);
+  const auto values = dataset.values_of(symbol);
+  if (!values.empty()) return values;
   std::string known;
   for (const auto& one : dataset.columns) known += (known.empty() ? "" : " ") + one.channel.symbol;
   return fail(ErrorCode::invalid_argument, "UNKNOWN_CHANNEL",

@@ -170,15 +170,18 @@ std::vector<ChannelRange> domain_of(const Design& design, const Dataset& dataset
       for (const auto& symbol : effects::symbols_of(term))
         if (std::ranges::find(symbols, symbol) == symbols.end()) symbols.push_back(symbol);
   std::vector<ChannelRange> domain;
-  for (const auto& column : dataset.columns) {
-    if (std::ranges::find(symbols, column.channel.symbol) == symbols.end()) continue;
-    ChannelRange range{column.channel, HUGE_VAL, -HUGE_VAL};
+  const auto add = [&](const Channel& channel) {
+    if (std::ranges::find(symbols, channel.symbol) == symbols.end()) return;
+    const auto values = dataset.values_of(channel.symbol);
+    ChannelRange range{channel, HUGE_VAL, -HUGE_VAL};
     for (const std::size_t row : design.rows) {
-      range.min = std::min(range.min, column.values[row]);
-      range.max = std::max(range.max, column.values[row]);
+      range.min = std::min(range.min, values[row]);
+      range.max = std::max(range.max, values[row]);
     }
     domain.push_back(range);
-  }
+  };
+  for (const auto& column : dataset.columns) add(column.channel);
+  if (!dataset.dwell_s.empty()) add({"dwell", "s"});
   return domain;
 }
 

@@ -21,11 +21,11 @@ Result<void> for_each_chunk(const Dataset& dataset, const std::vector<effects::T
       if (std::ranges::find(symbols, symbol) == symbols.end()) symbols.push_back(symbol);
   std::vector<std::span<const double>> values;
   for (const auto& symbol : symbols) {
-    const DatasetColumn* column = dataset.find(symbol);
-    if (column == nullptr)
+    const auto column = dataset.values_of(symbol);
+    if (column.empty())
       return fail(ErrorCode::invalid_argument, "UNKNOWN_CHANNEL",
                   "the model needs channel '" + symbol + "', which the data lack");
-    values.emplace_back(column->values);
+    values.emplace_back(column);
   }
   const std::vector<double> datums = datum_ordinals(dataset);
   symbols.push_back("datum");

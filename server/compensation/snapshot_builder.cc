@@ -117,6 +117,10 @@ Result<SnapshotBuilder::Term> SnapshotBuilder::split(const effects::Term& term) 
       continue;
     }
     const auto& call = std::get<effects::Call>(factor);
+    if (const auto* kind = effects::find_effect(call.effect); kind && kind->in_data_time)
+      return not_servable("TERM_NOT_SERVABLE",
+                          in_term("follows the clock of the data it was fitted to, which says "
+                                  "nothing about a target asked for later"));
     for (const auto& symbol : call.symbols)
       if (variable_from(symbol))
         return not_servable("TERM_NOT_SERVABLE",

@@ -3,6 +3,7 @@
 // Stored by columns; every column has one value per row, kMissing where nothing was measured.
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -45,6 +46,13 @@ struct Dataset {
     return nullptr;
   }
   bool is_excluded(std::size_t row) const { return !excluded.empty() && excluded[row] != 0; }
+  // The values of a symbol that a term reads: a channel's, or "dwell" for dwell_s. Empty: there are
+  // none (or no rows).
+  std::span<const double> values_of(std::string_view symbol) const {
+    if (symbol == "dwell") return dwell_s;
+    const auto* column = find(symbol);
+    return column == nullptr ? std::span<const double>() : std::span(column->values);
+  }
   PointSet set_of(std::size_t row) const { return set.empty() ? PointSet::calibration : set[row]; }
 };
 

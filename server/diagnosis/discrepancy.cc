@@ -3,11 +3,9 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <span>
 
+#include "server/calibration/predict.h"
 #include "server/core/units.h"
-#include "server/effects/term_evaluator.h"
 
 namespace driftwise::diagnosis {
 namespace {
@@ -58,34 +56,15 @@ void summarise(OutputDiscrepancy& out) {
 
 Result<std::vector<OutputDiscrepancy>> discrepancy(const calibration::Model& model,
                                                    const Dataset& dataset) {
-  std::vector<std::string> symbols;
-  std::vector<std::span<const double>> values;
-  for (const auto& column : dataset.columns) {
-    symbols.push_back(column.channel.symbol);
-    values.emplace_back(column.values);
-  }
-  std::vector<double> datum_ordinal;  // 1, 2, ... in order of appearance: what datum(k) terms read
-  if (!dataset.datum.empty()) {
-    std::map<std::int64_t, double> seen;
-    for (const auto id : dataset.datum)
-      datum_ordinal.push_back(seen.emplace(id, static_cast<double>(seen.size() + 1)).first->second);
-    symbols.emplace_back("datum");
-    values.emplace_back(datum_ordinal);
-  }
-  std::vector<double> time_s = dataset.time_s;
-  if (time_s.empty())
-    for (std::size_t i = 0; i < dataset.rows; ++i) time_s.push_back(static_cast<double>(i));
-
   std::vector<OutputDiscrepancy> outputs;
   for (const auto& output : model.outputs) {
     const DatasetColumn* measured = dataset.find(output.channel.symbol);
     if (!measured)
       return fail(ErrorCode::invalid_argument, "UNKNOWN_CHANNEL",
                   "the dataset has no column " + output.channel.name());
-    auto evaluator = effects::TermEvaluator::create(output.terms, symbols);
-    if (!evaluator) return tl::unexpected(evaluator.error());
-    const Eigen::VectorXd predicted =
-        evaluator->block(time_s, values, dataset.rows) * output.coefficients;
+    const auto prediction = calibration::predict(dataset, output);
+    if (!prediction) return tl::unexpected(prediction.error());
+    const Eigen::VectorXd& predicted = *prediction;
     OutputDiscrepancy out;
     out.channel = output.channel;
     const SummaryUnit unit = summary_unit(output.channel.unit);

@@ -52,7 +52,8 @@ EffectKind cosine_error_kind() {
           .make = [](std::span<const Quantity>) -> std::unique_ptr<EffectState> {
             return std::make_unique<CosineState>();
           },
-          .applies_to = AppliesTo::correction};
+          .applies_to = AppliesTo::correction,
+          .channel_units = {"mm", "arcsec", "arcsec"}};
 }
 
 EffectKind air_index_kind() {
@@ -65,7 +66,8 @@ EffectKind air_index_kind() {
           .make = [](std::span<const Quantity>) -> std::unique_ptr<EffectState> {
             return std::make_unique<AirIndexState>();
           },
-          .applies_to = AppliesTo::correction};
+          .applies_to = AppliesTo::correction,
+          .channel_units = {"degC", "hPa", "pct"}};
 }
 
 }  // namespace driftwise::effects

@@ -51,6 +51,7 @@ EffectKind creep_kind() {
           .make = [](std::span<const Quantity> parameters) -> std::unique_ptr<EffectState> {
             return std::make_unique<CreepState>(parameters[0].value);
           },
+          .channel_units = {"mm", "s"},
           .observes_path = true};
 }
 

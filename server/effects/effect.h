@@ -47,6 +47,8 @@ struct EffectKind {
   std::string sentence;  // what a person reads in --help
   std::unique_ptr<EffectState> (*make)(std::span<const Quantity> parameters) = nullptr;
   AppliesTo applies_to = AppliesTo::robot;
+  // The unit each observed channel must have, in order; empty: any.
+  std::vector<std::string> channel_units{};
   // Its output is the deviation that the path of a motor coordinate leaves behind, so it may stand
   // among that coordinate's own terms.
   bool observes_path = false;

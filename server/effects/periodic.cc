@@ -42,7 +42,8 @@ EffectKind in_length(const char* name) {
           .sentence = std::string(sine ? "sine" : "cosine") +
                       " of a length in mm, periodic in this many nanometres",
           .make = make_wave<sine, false>,
-          .applies_to = AppliesTo::correction};
+          .applies_to = AppliesTo::correction,
+          .channel_units = {"mm"}};
 }
 
 template <bool sine>

@@ -42,6 +42,7 @@ EffectKind play_kind() {
           .make = [](std::span<const Quantity> parameters) -> std::unique_ptr<EffectState> {
             return std::make_unique<PlayState>(mm_from_nm(parameters[0].value) / 2);
           },
+          .channel_units = {"mm"},
           .observes_path = true};
 }
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 
 #include "server/effects/beam.h"
@@ -16,23 +17,38 @@
 namespace driftwise::effects {
 namespace {
 
+// value x 10^shift, correctly rounded: 0.3164 um is 316.4 nm, not 316.40000000000003.
+double shifted(double value, int shift) {
+  std::string text = number_text(value);
+  if (const auto e = text.find('e'); e != std::string::npos) {
+    shift += std::stoi(text.substr(e + 1));
+    text.resize(e);
+  }
+  text += "e" + std::to_string(shift);
+  double result = value;
+  std::from_chars(text.data(), text.data() + text.size(), result);
+  return result;
+}
+
 // "5 min" -> 300 in "s"; NaN when the unit is of another kind.
 double converted(const Quantity& quantity, const std::string& unit) {
   struct Scale {
     const char* from;
     const char* to;
     double factor;
+    int shift;  // ... and this power of ten
   };
-  static constexpr std::array<Scale, 7> scales = {{{"ms", "s", 1e-3},
-                                                   {"min", "s", 60},
-                                                   {"h", "s", 3600},
-                                                   {"d", "s", 86400},
-                                                   {"um", "nm", 1e3},
-                                                   {"mm", "nm", 1e6},
-                                                   {"m", "nm", 1e9}}};
-  if (quantity.unit == unit) return quantity.value;
+  static constexpr std::array<Scale, 7> scales = {{{"ms", "s", 1, -3},
+                                                   {"min", "s", 60, 0},
+                                                   {"h", "s", 3600, 0},
+                                                   {"d", "s", 86400, 0},
+                                                   {"um", "nm", 1, 3},
+                                                   {"mm", "nm", 1, 6},
+                                                   {"m", "nm", 1, 9}}};
+  if (quantity.unit == unit || !std::isfinite(quantity.value)) return quantity.value;
   for (const auto& scale : scales)
-    if (quantity.unit == scale.from && unit == scale.to) return quantity.value * scale.factor;
+    if (quantity.unit == scale.from && unit == scale.to)
+      return shifted(quantity.value * scale.factor, scale.shift);
   return std::nan("");
 }
 

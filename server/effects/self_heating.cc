@@ -45,6 +45,7 @@ EffectKind self_heating_kind() {
           .make = [](std::span<const Quantity> parameters) -> std::unique_ptr<EffectState> {
             return std::make_unique<HeatState>(parameters[0].value);
           },
+          .channel_units = {"mm"},
           .observes_path = true};
 }
 

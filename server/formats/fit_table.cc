@@ -46,7 +46,7 @@ std::string coefficient_unit(const calibration::OutputModel& output, const effec
       if (kind == nullptr) continue;
       unit = kind->output_unit.empty() ? unit_of(call.symbols.front(), model)
                                        : "(" + kind->output_unit + ")";
-      if (unit.empty()) continue;
+      if (unit.empty() || unit == "(1)") continue;
     }
     below += (below.empty() ? "" : " ") + unit;
     ++parts;

@@ -56,6 +56,34 @@ Result<std::vector<std::string>> outputs_of(const std::vector<FormulaOutput>& na
   return outputs;
 }
 
+// What a term needs to know at the very reading that it predicts. The path of a motor coordinate,
+// its past, may stand among that coordinate's own terms.
+std::vector<std::string> read_at_once(const effects::Term& term) {
+  effects::Term direct;
+  for (const auto& factor : term.factors) {
+    const auto* call = std::get_if<effects::Call>(&factor);
+    const auto* kind = call == nullptr ? nullptr : effects::find_effect(call->effect);
+    if (kind == nullptr || !kind->observes_path) direct.factors.push_back(factor);
+  }
+  return effects::symbols_of(direct);
+}
+
+// "" when every effect observes channels of the units it needs.
+std::string wrong_unit(const effects::Term& term, const std::vector<Channel>& channels) {
+  for (const auto& factor : term.factors) {
+    const auto* call = std::get_if<effects::Call>(&factor);
+    const auto* kind = call == nullptr ? nullptr : effects::find_effect(call->effect);
+    if (kind == nullptr || kind->channel_units.empty()) continue;
+    for (std::size_t i = 0; i < call->symbols.size(); ++i) {
+      const auto channel = std::ranges::find(channels, call->symbols[i], &Channel::symbol);
+      if (channel != channels.end() && channel->unit != kind->channel_units[i])
+        return effects::notation(factor) + " observes " + channel->name() +
+               ", expected a channel in " + kind->channel_units[i];
+    }
+  }
+  return "";
+}
+
 }  // namespace
 
 Result<calibration::Candidates> Formula::expand(const std::vector<Channel>& channels) const {
@@ -77,7 +105,9 @@ Result<calibration::Candidates> Formula::expand(const std::vector<Channel>& chan
       candidates.constant = true;
       continue;
     }
-    for (const auto& symbol : effects::symbols_of(term))
+    if (const auto wrong = wrong_unit(term, channels); !wrong.empty())
+      return bad_formula(text, parsed.sum.at, wrong, "BAD_UNIT");
+    for (const auto& symbol : read_at_once(term))
       if (std::ranges::find(candidates.outputs, symbol) != candidates.outputs.end())
         return bad_formula(
             text, parsed.sum.at,
@@ -90,6 +120,7 @@ Result<calibration::Candidates> Formula::expand(const std::vector<Channel>& chan
 Result<calibration::Candidates> Formula::expand(const Dataset& dataset) const {
   std::vector<Channel> channels;
   for (const auto& column : dataset.columns) channels.push_back(column.channel);
+  if (!dataset.dwell_s.empty()) channels.push_back({"dwell", "s"});
   return expand(channels);
 }
 

@@ -18,8 +18,8 @@ double value_of(const std::string& name, std::vector<Quantity> parameters,
 }
 
 TEST(Periodic, SineAndCosineOfALengthKeepTheirDigitsOverAMetre) {
-  // 1 m is 3 160 556 whole periods of 316.4 nm and 72 600 nm x 1e-... more: worked out in integers
-  const double period_nm = 316.4, remainder_nm = 1e9 - 3160556 * period_nm;
+  // 1e9 nm = 3160556 x 316.4 nm + 81.6 nm
+  const double period_nm = 316.4, remainder_nm = 81.6;
   const double angle = 2 * std::numbers::pi * remainder_nm / period_nm;
   EXPECT_NEAR(value_of("sin", {{period_nm, "nm"}}, {1000.0}), std::sin(angle), 1e-8);
   EXPECT_NEAR(value_of("cos", {{period_nm, "nm"}}, {1000.0}), std::cos(angle), 1e-8);

@@ -70,6 +70,29 @@ TEST(Formula, TakesEffectsWithTheirQuantities) {
   EXPECT_THAT(terms("q ~ x:lag(t04, 1830 s)"), ElementsAre("x:lag(t04, 1830 s)"));
 }
 
+TEST(Formula, TakesEveryEffectOfTheCatalogueAndPrintsItBack) {
+  for (const std::string text : {"play(q1, 85 nm)", "heat(q1, 1200 s)", "sin(x, 316.4 nm)",
+                                 "cos(x, 316.4 nm)", "sin_t(600 s)", "step(14210 s)", "drift()"}) {
+    EXPECT_THAT(terms("q2 ~ " + text), ElementsAre(text));
+    const auto term = parse_term(text);
+    ASSERT_TRUE(term.has_value()) << text;
+    EXPECT_EQ(effects::notation(*term), text);
+  }
+  EXPECT_THAT(terms("q2 ~ sin(x, 0.3164 um)"), ElementsAre("sin(x, 316.4 nm)"));
+}
+
+TEST(Formula, LetsTheTermsOfAMotorCoordinateObserveItsPath) {
+  EXPECT_THAT(terms("q1 ~ x + play(q1, 85 nm) + heat(q1, 20 min)"),
+              ElementsAre("x", "play(q1, 85 nm)", "heat(q1, 1200 s)"));
+  EXPECT_THAT(error_of("q1 ~ sin(q1, 20 um)").message, HasSubstr("stands among its own terms"));
+}
+
+TEST(Formula, RefusesAnEffectOnAChannelOfAnotherUnit) {
+  const Error error = error_of("q1 ~ sin(t04, 316.4 nm)");
+  EXPECT_EQ(error.reason, "BAD_UNIT");
+  EXPECT_THAT(error.message, HasSubstr("observes t04_degC, expected a channel in mm"));
+}
+
 TEST(Formula, OfferedTwiceIsOfferedOnce) {
   EXPECT_THAT(terms("q ~ x + x + poly(x, 2)"), ElementsAre("x", "x^2"));
 }
