@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "clients/cli/worker_threads.h"
 #include "server/calibration/offer.h"
 #include "server/effects/term_order.h"
 #include "server/formats/dataset_csv.h"
@@ -107,8 +108,30 @@ void add_fit_options(CLI::App& command, FitOfFile& fit) {
   command.add_option("--select", fit.select, "stepwise, or all: every term, no selection")
       ->check(CLI::IsMember({"stepwise", "all"}))
       ->capture_default_str();
+  command
+      .add_option("--criterion", fit.criterion,
+                  "of stepwise: p (thresholds on the partial F test), bic or aic (the change that "
+                  "lowers it most, until none does)")
+      ->check(CLI::IsMember({"p", "bic", "aic"}, CLI::ignore_case))
+      ->capture_default_str();
   command.add_option("--p-enter", fit.p_enter, "a term enters below this p")->capture_default_str();
   command.add_option("--p-remove", fit.p_remove, "a term leaves above this p")
+      ->capture_default_str();
+  command.add_flag("--hierarchy", fit.hierarchy,
+                   "a product or power only with its parents: x:t07 only with x and t07");
+  command
+      .add_option("--starts", fit.starts,
+                  "the best of N starts: none, all, then random subsets; the lowest BIC (with "
+                  "--criterion aic: AIC) wins")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command.add_option("--seed", fit.seed, "of the random starts")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command
+      .add_option("--threads", fit.threads,
+                  "0: one per processor; the model is the same whatever the number")
+      ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   command.add_option("--force", fit.force, "a term that is always in; repeatable")
       ->allow_extra_args(false);
@@ -135,6 +158,12 @@ void add_fit_options(CLI::App& command, FitOfFile& fit) {
 calibration::FitOptions fit_options(const FitOfFile& fit) {
   calibration::FitOptions options;
   options.select = fit.select == "all" ? calibration::Select::all : calibration::Select::stepwise;
+  options.criterion =
+      calibration::criterion_named(fit.criterion).value_or(calibration::Criterion::p);
+  options.hierarchy = fit.hierarchy;
+  options.starts = fit.starts;
+  options.seed = fit.seed;
+  options.executor = worker_threads(fit.threads == 0 ? default_threads() : fit.threads);
   options.p_enter = fit.p_enter;
   options.p_remove = fit.p_remove;
   options.forced = terms_of(fit.force);

@@ -14,7 +14,12 @@ namespace driftwise::cli {
 
 struct FitOfFile {
   std::string formula, select = "stepwise";
+  std::string criterion = "p";
   double p_enter = 0.05, p_remove = 0.10;
+  bool hierarchy = false;
+  int starts = 1;
+  std::int64_t seed = 1;
+  int threads = 0;                          // 0: one per processor
   std::vector<std::string> force, without;  // terms as a formula writes them
   std::vector<std::string> exclude;         // channel symbols
   std::string weights;                      // channel symbol
@@ -25,9 +30,7 @@ struct FitOfFile {
   bool offers = false;   // print what the published study's further terms would add
 };
 
-// Adds --model, --select, --p-enter, --p-remove, --force, --without, --exclude, --weights,
-// --exclude-rows, --first-rows, --blocks, --history and --offers to a command. fit outlives the
-// command.
+// Adds the options of a fit to a command: --model to --offers. fit outlives the command.
 void add_fit_options(CLI::App& command, FitOfFile& fit);
 
 // What the options say, without the formula. Throws Failure (bad_input) for a term that does not

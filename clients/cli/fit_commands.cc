@@ -32,6 +32,9 @@ void refuse_offline_options(const FitOfFile& fit) {
   if (!fit.without.empty()) refuse("--without (write \"- term\" in the formula instead)");
   if (!fit.weights.empty()) refuse("--weights");
   if (!fit.exclude_rows.empty()) refuse("--exclude-rows (driftwise data exclude RUN instead)");
+  if (fit.criterion != FitOfFile{}.criterion) refuse("--criterion");
+  if (fit.hierarchy) refuse("--hierarchy");
+  if (fit.starts > 1) refuse("--starts");
   if (fit.offers) refuse("--offers");
   if (fit.blocks != FitOfFile{}.blocks) refuse("--blocks");
 }

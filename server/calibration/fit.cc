@@ -12,6 +12,8 @@
 #include "server/calibration/report.h"
 #include "server/calibration/residual_statistics.h"
 #include "server/calibration/row_qr.h"
+#include "server/calibration/selection_rule.h"
+#include "server/calibration/starts.h"
 #include "server/calibration/tail.h"
 #include "server/core/units.h"
 #include "server/effects/term_order.h"
@@ -20,23 +22,6 @@ namespace driftwise::calibration {
 namespace {
 
 using Eigen::Index;
-
-Result<void> check_options(const FitOptions& options) {
-  const auto bad = [](std::string why) {
-    return fail(ErrorCode::invalid_argument, "BAD_OPTIONS", std::move(why));
-  };
-  const auto probability = [](double p) { return p > 0 && p < 1; };
-  if (!probability(options.p_enter) || !probability(options.p_remove))
-    return bad("p_enter is " + effects::number_text(options.p_enter) + " and p_remove " +
-               effects::number_text(options.p_remove) + ": both must lie between 0 and 1");
-  if (options.p_remove < options.p_enter)
-    return bad("p_remove " + effects::number_text(options.p_remove) + " is below p_enter " +
-               effects::number_text(options.p_enter) +
-               ": a term would enter and leave for ever; raise p_remove");
-  if (!options.candidates.constant && options.select == Select::stepwise)
-    return bad("the constant is always in a stepwise fit: use \"- 1\" only with select all");
-  return {};
-}
 
 Result<void> check_rows(const Design& design, const FitOptions& options) {
   const auto rows = static_cast<std::int64_t>(design.rows.size());
@@ -72,12 +57,12 @@ tl::unexpected<Error> rank_error(const Design& design, const Triangle& triangle,
 
 struct Fitted {
   Selection selection;
+  std::vector<StartOutcome> starts;
   Solution solution;
 };
 
 Result<std::vector<Fitted>> select_and_solve(const Design& design, const Triangle& triangle,
-                                             const FitOptions& options) {
-  const SelectionRule rule{options.select == Select::stepwise, options.p_enter, options.p_remove};
+                                             const SelectionRule& rule, const Executor& executor) {
   std::vector<Fitted> fitted;
   for (Index o = 0; o < static_cast<Index>(design.outputs.size()); ++o) {
     if (!rule.stepwise && o == 0) {
@@ -86,7 +71,8 @@ Result<std::vector<Fitted>> select_and_solve(const Design& design, const Triangl
       const Solution trial = solve(triangle, design.basis, every, o);
       if (!trial.deficient.empty()) return rank_error(design, triangle, trial.deficient);
     }
-    Selection selection = select(triangle, design.basis, design.always, o, rule);
+    auto [selection, starts] =
+        select_from_starts(triangle, design.basis, design.always, o, rule, executor);
     for (const int column : selection.unestimable)
       if (!effects::datum_of(design.terms[static_cast<std::size_t>(column)]))
         return rank_error(design, triangle, {column});
@@ -96,7 +82,7 @@ Result<std::vector<Fitted>> select_and_solve(const Design& design, const Triangl
       return fail(ErrorCode::invalid_argument, "BAD_VALUE",
                   "the coefficients of " + design.outputs[static_cast<std::size_t>(o)].symbol +
                       " leave the range of double precision: use other units");
-    fitted.push_back({std::move(selection), std::move(solution)});
+    fitted.push_back({std::move(selection), std::move(starts), std::move(solution)});
   }
   return fitted;
 }
@@ -185,8 +171,8 @@ std::vector<ChannelRange> domain_of(const Design& design, const Dataset& dataset
   return domain;
 }
 
-void general_warnings(const Design& design, const FitOptions& options, std::int64_t no_datum,
-                      Model& model) {
+void general_warnings(const Design& design, const FitOptions& options, const SelectionRule& rule,
+                      std::int64_t no_datum, Model& model) {
   auto& warnings = model.warnings;
   if (design.dropped > 0)
     warnings.push_back(std::to_string(design.dropped) + " rows dropped for missing values");
@@ -199,6 +185,7 @@ void general_warnings(const Design& design, const FitOptions& options, std::int6
     const std::string sentence = constant_sentence(design, j);
     if (!sentence.empty()) warnings.push_back(sentence + ": its coefficient means little");
   }
+  for (const auto& sentence : barred_sentences(design, rule)) warnings.push_back(sentence);
   if (options.select == Select::stepwise)
     warnings.push_back(
         "p-values after selection are not error probabilities: trust the held-out figures");
@@ -210,6 +197,9 @@ Result<Model> fit(const Dataset& dataset, const FitOptions& options) {
   if (auto checked = check_options(options); !checked) return tl::unexpected(checked.error());
   auto prepared = make_design(dataset, options);
   if (!prepared) return tl::unexpected(prepared.error());
+  auto asked = selection_rule(options, *prepared);
+  if (!asked) return tl::unexpected(asked.error());
+  const SelectionRule& rule = *asked;
   const Design& design = *prepared;
   if (auto enough = check_rows(design, options); !enough) return tl::unexpected(enough.error());
 
@@ -217,13 +207,17 @@ Result<Model> fit(const Dataset& dataset, const FitOptions& options) {
   const Triangle triangle = make_triangle(row_qr(design.matrix, options.executor), design.means,
                                           design.basis, static_cast<Index>(design.outputs.size()),
                                           static_cast<std::int64_t>(design.rows.size()));
-  auto fitted = select_and_solve(design, triangle, options);
+  auto fitted = select_and_solve(design, triangle, rule, options.executor);
   if (!fitted) return tl::unexpected(fitted.error());
   const double took_us = options.stopwatch_us ? options.stopwatch_us() - start_us : 0;
 
   Model model;
   model.formula = options.candidates.formula;
   model.select = options.select == Select::stepwise ? "stepwise" : "all";
+  model.criterion = to_string(options.criterion);
+  model.hierarchy = options.hierarchy;
+  model.starts = options.starts;
+  model.seed = options.seed;
   model.p_enter = options.p_enter;
   model.p_remove = options.p_remove;
   model.fit_us = took_us;
@@ -233,15 +227,15 @@ Result<Model> fit(const Dataset& dataset, const FitOptions& options) {
   model.lineage.rows_dropped = design.dropped;
   model.lineage.rows_excluded = design.excluded;
 
-  const SelectionRule rule{options.select == Select::stepwise, options.p_enter, options.p_remove};
   const auto held_out =
       held_out_by_blocks(design, rule, options.blocks, options.block_gap, options.executor);
   std::int64_t no_datum = 0;
   std::vector<std::string> warnings;
   for (std::size_t o = 0; o < fitted->size(); ++o) {
-    const auto& [selection, solution] = (*fitted)[o];
+    const auto& [selection, starts, solution] = (*fitted)[o];
     OutputModel output =
         describe_output(design, triangle, selection, solution, static_cast<Index>(o));
+    output.starts = starts;
     add_largest_contributions(design, dataset, output);
     const auto predicted = predict(dataset, output);
     if (!predicted) return tl::unexpected(predicted.error());
@@ -265,7 +259,7 @@ Result<Model> fit(const Dataset& dataset, const FitOptions& options) {
     model.outputs.push_back(std::move(output));
   }
   model.domain = domain_of(design, dataset, model.outputs);
-  general_warnings(design, options, no_datum, model);
+  general_warnings(design, options, rule, no_datum, model);
   model.warnings.insert(model.warnings.end(), warnings.begin(), warnings.end());
   return model;
 }

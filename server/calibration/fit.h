@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "server/calibration/criterion.h"
 #include "server/calibration/model.h"
 #include "server/core/dataset.h"
 #include "server/core/result.h"
@@ -37,7 +38,11 @@ struct Candidates {
 struct FitOptions {
   Candidates candidates;
   Select select = Select::stepwise;
-  double p_enter = 0.05, p_remove = 0.10;  // strict; p_remove >= p_enter
+  Criterion criterion = Criterion::p;      // what stepwise strives for: stepwise.h
+  double p_enter = 0.05, p_remove = 0.10;  // criterion p; strict; p_remove >= p_enter
+  bool hierarchy = false;                  // a product or power only with its parents: hierarchy.h
+  int starts = 1;         // 1: from none; more: the best of several starts: starts.h
+  std::int64_t seed = 1;  // of the random starts
   std::vector<effects::Term>
       forced;  // in from the start and never removed; added to the candidates if missing
   std::vector<effects::Term> excluded;        // candidates left out
@@ -52,7 +57,8 @@ struct FitOptions {
                                          // empty: 0. No clock is read here
 };
 
-// Errors, invalid_argument: BAD_OPTIONS (thresholds, "- 1" with stepwise), UNKNOWN_CHANNEL,
+// Errors, invalid_argument: BAD_OPTIONS (thresholds, starts, "- 1" with stepwise, hierarchy with a
+// forced term whose parent is not offered), UNKNOWN_CHANNEL,
 // NO_OUTPUT, UNTIMED (an effect with memory needs time_s), BAD_VALUE (an infinity, with its row and
 // column; a weight below 0), TOO_MANY_TERMS; failed_precondition: TOO_FEW_ROWS, RANK_DEFICIENT
 // (Select::all; names every term concerned and what it equals).

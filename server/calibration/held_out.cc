@@ -6,6 +6,7 @@
 
 #include "server/calibration/row_qr.h"
 #include "server/calibration/solution.h"
+#include "server/calibration/starts.h"
 #include "server/calibration/tail.h"
 #include "server/core/units.h"
 
@@ -67,7 +68,8 @@ BlockErrors judge(const Design& design, const SelectionRule& rule,
     if (!rule.stepwise && rows <= static_cast<std::int64_t>(design.terms.size())) continue;
     std::vector<int> columns;
     if (rule.stepwise) {
-      columns = select(triangle, design.basis, design.always, o, rule).set.order();
+      columns =
+          select_from_starts(triangle, design.basis, design.always, o, rule).selection.set.order();
     } else {
       for (int j = 0; j < static_cast<int>(design.terms.size()); ++j)
         if (triangle.columns.col(j).squaredNorm() > 0)

@@ -32,6 +32,16 @@ struct SelectionStep {
   effects::Term term;
   double p = 1, rmse = 0;
   int dof = 0;
+  std::optional<double> value = {};  // of BIC or AIC after the step, where that is the criterion
+};
+
+struct StartOutcome {  // of one of several starts of a selection: starts.h
+  std::string name;    // "none", "all", "random 3"
+  int began_with = 0;  // terms in at the start; constants are not counted
+  int ended_with = 0;
+  double rmse = 0;              // column unit
+  std::optional<double> value;  // BIC, or AIC with that criterion; none: an exact fit
+  bool won = false;
 };
 
 struct Accuracy {                        // of one output, column unit; U90 = 1.645 sigma
@@ -46,6 +56,7 @@ struct Accuracy {                        // of one output, column unit; U90 = 1.
   double condition_index =
       0;  // of the terms in, columns at unit length (Belsley); above 30: look-alikes
   std::optional<double> model_f, model_p;  // all terms in against the constant alone
+  std::optional<double> aic, bic;          // criterion.h; none where the terms reproduce every row
 };
 
 struct OutputModel {
@@ -57,6 +68,7 @@ struct OutputModel {
   Accuracy accuracy;
   std::vector<TermReport> report;
   std::vector<SelectionStep> history;
+  std::vector<StartOutcome> starts;  // empty: there was one, from none
 };
 
 struct ChannelRange {
@@ -77,7 +89,11 @@ struct Lineage {
 struct Model {
   std::string formula;              // canonical
   std::string select = "stepwise";  // or "all"
+  std::string criterion = "p";      // "p", "bic", "aic"
   double p_enter = 0.05, p_remove = 0.10;
+  bool hierarchy = false;
+  int starts = 1;         // of the selection
+  std::int64_t seed = 1;  // of the random starts
   std::vector<OutputModel> outputs;
   std::vector<ChannelRange> domain;  // of every channel used by a term, over the calibration rows
   Lineage lineage;

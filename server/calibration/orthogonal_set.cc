@@ -1,5 +1,6 @@
 #include "server/calibration/orthogonal_set.h"
 
+#include <Eigen/Jacobi>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -63,10 +64,19 @@ void OrthogonalSet::enter(int column) {
 }
 
 void OrthogonalSet::remove(int column) {
-  std::vector<int> kept = order_;
-  std::erase(kept, column);
-  reset();
-  for (const int one : kept) enter(one);
+  const auto at = std::ranges::find(order_, column);
+  if (at == order_.end()) return;
+  auto row = static_cast<Eigen::Index>(at - order_.begin());
+  order_.erase(at);
+  // The later columns now reach one row below the diagonal each.
+  for (; row < depth(); ++row) {
+    const int next = order_[static_cast<std::size_t>(row)];
+    Eigen::JacobiRotation<double> rotation;
+    rotation.makeGivens(work_(row, next), work_(row + 1, next));
+    work_.applyOnTheLeft(row, row + 1, rotation.adjoint());
+    work_(row + 1, next) = 0;
+  }
+  update_rss();
 }
 
 bool OrthogonalSet::has(int column) const {

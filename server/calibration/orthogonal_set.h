@@ -3,8 +3,7 @@
 // works on.
 //
 // columns: r x p raw columns (small, from the triangle); y: r; beyond: |y|^2 outside their space;
-// rows: of the data. Cost of entering: O(r p). Removing starts afresh in the order of entering, so
-// rounding never piles up.
+// rows: of the data. Cost of entering or removing: O(r p).
 
 #include <Eigen/Core>
 #include <span>
@@ -26,10 +25,12 @@ class OrthogonalSet {
                 double beyond, std::int64_t rows, const Eigen::VectorXd& own_norms);
 
   void enter(int column);
+  // The column becomes a candidate again; Givens rotations put the rest back into a triangle.
   void remove(int column);
 
   bool has(int column) const;
   const std::vector<int>& order() const { return order_; }  // as entered
+  std::int64_t rows() const { return rows_; }
   int dof() const { return static_cast<int>(rows_ - static_cast<std::int64_t>(order_.size())); }
   double rss() const { return rss_; }
   double total() const { return total_; }  // |y|^2

@@ -142,10 +142,17 @@ OutputModel describe_output(const Design& design, const Triangle& triangle,
                              record.column < 0
                                  ? effects::Term{}
                                  : design.terms[static_cast<std::size_t>(record.column)],
-                             record.p, record.rmse, record.dof});
+                             record.p, record.rmse, record.dof, record.value});
   model.accuracy.rmse = solution.dof > 0 ? std::sqrt(solution.rss / solution.dof) : 0;
   model.accuracy.condition_index = condition_index(triangle, solution.columns);
   whole_model_test(design, triangle, solution, output, model.accuracy);
+  if (!selection.exact) {
+    const auto terms = static_cast<std::int64_t>(solution.columns.size());
+    for (const auto& [criterion, value] : {std::pair(Criterion::aic, &model.accuracy.aic),
+                                           std::pair(Criterion::bic, &model.accuracy.bic)})
+      *value =
+          information(solution.rss, triangle.rows, terms, price_per_term(criterion, triangle.rows));
+  }
   return model;
 }
 

@@ -59,16 +59,30 @@ ordered_json output_summary(const calibration::OutputModel& output) {
   json["condition_index"] = number(accuracy.condition_index);
   put(json, "model_f", accuracy.model_f);
   put(json, "model_p", accuracy.model_p);
+  put(json, "aic", accuracy.aic);
+  put(json, "bic", accuracy.bic);
   json["terms"] = ordered_json::array();
   for (const auto& report : output.report) json["terms"].push_back(term_json(report, summary));
   json["history"] = ordered_json::array();
-  for (const auto& step : output.history)
+  for (const auto& step : output.history) {
     json["history"].push_back({{"step", step.step},
                                {"action", step.action},
                                {"term", effects::notation(step.term)},
                                {"p", number(step.p)},
                                {key("rmse"), number(step.rmse * summary.factor)},
                                {"dof", step.dof}});
+    put(json["history"].back(), "criterion_value", step.value);
+  }
+  if (output.starts.empty()) return json;
+  json["starts"] = ordered_json::array();
+  for (const auto& start : output.starts) {
+    json["starts"].push_back({{"start", start.name},
+                              {"won", start.won},
+                              {"began_with", start.began_with},
+                              {"ended_with", start.ended_with},
+                              {key("rmse"), number(start.rmse * summary.factor)}});
+    put(json["starts"].back(), "criterion_value", start.value);
+  }
   return json;
 }
 
@@ -79,6 +93,10 @@ ordered_json fit_json(const calibration::Model& model) {
   json["schema"] = "driftwise.fit.v1";
   json["formula"] = model.formula;
   json["select"] = model.select;
+  json["criterion"] = model.criterion;
+  json["hierarchy"] = model.hierarchy;
+  json["starts"] = model.starts;
+  if (model.starts > 1) json["seed"] = model.seed;
   json["p_enter"] = model.p_enter;
   json["p_remove"] = model.p_remove;
   json["rows"] = {{"calibration", model.lineage.rows_calibration},

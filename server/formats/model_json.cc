@@ -21,12 +21,12 @@ constexpr const char* kSchema = "driftwise.model.v1";
                                               const calibration::TermReport& report,
                                               const calibration::SelectionStep& step,
                                               const Lineage& lineage) {
-  [[maybe_unused]] const auto& [m1, m2, m3, m4, m5, m6, m7, m8, m9] = model;
-  [[maybe_unused]] const auto& [o1, o2, o3, o4, o5, o6, o7, o8] = output;
-  [[maybe_unused]] const auto& [a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11, a12, a13, a14] =
-      accuracy;
+  [[maybe_unused]] const auto& [m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11, m12, m13] = model;
+  [[maybe_unused]] const auto& [o1, o2, o3, o4, o5, o6, o7, o8, o9] = output;
+  [[maybe_unused]] const auto& [a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11, a12, a13, a14, a15,
+                                a16] = accuracy;
   [[maybe_unused]] const auto& [r1, r2, r3, r4, r5, r6, r7, r8, r9, r10] = report;
-  [[maybe_unused]] const auto& [s1, s2, s3, s4, s5, s6] = step;
+  [[maybe_unused]] const auto& [s1, s2, s3, s4, s5, s6, s7] = step;
   [[maybe_unused]] const auto& [l1, l2, l3, l4, l5, l6, l7, l8, l9] = lineage;
 }
 
@@ -88,6 +88,8 @@ void each_optional(A& accuracy, Visit visit) {
   visit("lack_of_fit_p", accuracy.lack_of_fit_p);
   visit("model_f", accuracy.model_f);
   visit("model_p", accuracy.model_p);
+  visit("aic", accuracy.aic);
+  visit("bic", accuracy.bic);
 }
 template <class A, class Visit>
 void each_figure(A& accuracy, Visit visit) {
@@ -153,7 +155,29 @@ Json step_json(const calibration::SelectionStep& step) {
               {"p", json_number(step.p)},
               {"rmse", json_number(step.rmse)},
               {"dof", step.dof}});
+  if (step.value) out["value"] = json_number(*step.value);
   return out;
+}
+
+Json start_json(const calibration::StartOutcome& start) {
+  Json out = {{"name", start.name},
+              {"began_with", start.began_with},
+              {"ended_with", start.ended_with},
+              {"rmse", json_number(start.rmse)},
+              {"won", start.won}};
+  if (start.value) out["value"] = json_number(*start.value);
+  return out;
+}
+
+calibration::StartOutcome read_start(const JsonPlace& from) {
+  calibration::StartOutcome start;
+  start.name = from["name"].text();
+  start.began_with = static_cast<int>(from["began_with"].integer(0, INT32_MAX));
+  start.ended_with = static_cast<int>(from["ended_with"].integer(0, INT32_MAX));
+  start.rmse = from["rmse"].number();
+  start.won = from["won"].truth();
+  if (from.has("value")) start.value = from["value"].number();
+  return start;
 }
 
 calibration::SelectionStep read_step(const JsonPlace& from) {
@@ -162,7 +186,8 @@ calibration::SelectionStep read_step(const JsonPlace& from) {
           .term = read_term(from),
           .p = from["p"].number(),
           .rmse = from["rmse"].number(),
-          .dof = static_cast<int>(from["dof"].integer(INT32_MIN, INT32_MAX))};
+          .dof = static_cast<int>(from["dof"].integer(INT32_MIN, INT32_MAX)),
+          .value = from.has("value") ? std::optional(from["value"].number()) : std::nullopt};
 }
 
 // --- outputs ---
@@ -183,13 +208,16 @@ Json output_json(const OutputModel& output) {
   }
   for (const auto& row : output.report) report.push_back(report_json(row));
   for (const auto& step : output.history) history.push_back(step_json(step));
+  Json starts = Json::array();
+  for (const auto& start : output.starts) starts.push_back(start_json(start));
   return {{"channel", output.channel.name()},
           {"dof", output.dof},
           {"accuracy", accuracy_json(output.accuracy)},
           {"terms", std::move(terms)},
           {"covariance", std::move(covariance)},
           {"report", std::move(report)},
-          {"history", std::move(history)}};
+          {"history", std::move(history)},
+          {"starts", std::move(starts)}};
 }
 
 OutputModel read_output(const JsonPlace& from) {
@@ -216,6 +244,9 @@ OutputModel read_output(const JsonPlace& from) {
   }
   for (std::size_t i = 0; i < report.size(); ++i) output.report.push_back(read_report(report[i]));
   for (std::size_t i = 0; i < history.size(); ++i) output.history.push_back(read_step(history[i]));
+  if (from.has("starts"))  // models stored by 0.1 have none
+    for (std::size_t i = 0; i < from["starts"].size(); ++i)
+      output.starts.push_back(read_start(from["starts"][i]));
   return output;
 }
 
@@ -258,6 +289,10 @@ Model read_whole(const JsonPlace& from) {
   Model model;
   model.formula = from["formula"].text();
   model.select = from["select"].text();
+  if (from.has("criterion")) model.criterion = from["criterion"].text();
+  if (from.has("hierarchy")) model.hierarchy = from["hierarchy"].truth();
+  if (from.has("starts")) model.starts = static_cast<int>(from["starts"].integer(1, INT32_MAX));
+  if (from.has("seed")) model.seed = from["seed"].integer(0);
   model.p_enter = from["p_enter"].finite();
   model.p_remove = from["p_remove"].finite();
   model.lineage = read_lineage(from["lineage"]);
@@ -278,11 +313,20 @@ std::string write_model_json(const Model& model, int indent) {
   for (const auto& output : model.outputs) outputs.push_back(output_json(output));
   for (const auto& range : model.domain)
     domain.push_back({{"channel", range.channel.name()}, {"min", range.min}, {"max", range.max}});
-  const Json out = {{"schema", kSchema},           {"formula", model.formula},
-                    {"select", model.select},      {"p_enter", model.p_enter},
-                    {"p_remove", model.p_remove},  {"outputs", std::move(outputs)},
-                    {"domain", std::move(domain)}, {"lineage", lineage_json(model.lineage)},
-                    {"warnings", model.warnings},  {"fit_us", model.fit_us}};
+  const Json out = {{"schema", kSchema},
+                    {"formula", model.formula},
+                    {"select", model.select},
+                    {"criterion", model.criterion},
+                    {"hierarchy", model.hierarchy},
+                    {"starts", model.starts},
+                    {"seed", model.seed},
+                    {"p_enter", model.p_enter},
+                    {"p_remove", model.p_remove},
+                    {"outputs", std::move(outputs)},
+                    {"domain", std::move(domain)},
+                    {"lineage", lineage_json(model.lineage)},
+                    {"warnings", model.warnings},
+                    {"fit_us", model.fit_us}};
   return out.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
