@@ -11,6 +11,7 @@
 
 #include "server/core/cell_time.h"
 #include "server/core/channel.h"
+#include "server/core/kinematics_description.h"
 
 namespace driftwise {
 
@@ -136,9 +137,10 @@ struct CellDescription {
   StartChecks checks;
   ServingRules serving;
   std::optional<CorrectionDescription> correction;
-  std::optional<LoadDescription> load;  // none: the cell knows no force
-  std::string text;                     // the file as read
-  std::string hash;                     // of the text: stored with every run
+  std::optional<LoadDescription> load;              // none: the cell knows no force
+  std::optional<KinematicsDescription> kinematics;  // nominal geometry; none: an unknown robot
+  std::string text;                                 // the file as read
+  std::string hash;                                 // of the text: stored with every run
 
   std::vector<Channel> motor_channels() const;   // q1_mm.., in order of devices and axes
   std::vector<Channel> length_channels() const;  // x_mm .. : pose coordinates

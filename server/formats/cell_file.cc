@@ -8,6 +8,7 @@
 #include "server/formats/cell_file_address.h"
 #include "server/formats/cell_file_correction.h"
 #include "server/formats/cell_file_devices.h"
+#include "server/formats/kinematics_section.h"
 #include "server/formats/text.h"
 #include "server/formats/toml_reader.h"
 
@@ -119,6 +120,8 @@ void read_file(const toml::table& root, CellDescription& out, TomlProblem& probl
   read_run(section("run"), out.run);
   read_checks(section("checks"), out.checks);
   read_serving(section("serving"), out.serving);
+  if (const auto* kinematics = top.table("kinematics"))
+    read_kinematics(*kinematics, out.kinematics.emplace(), problem);
   TakenNames taken;
   for (const auto* table : top.tables("device")) {
     const std::string place = "device " + std::to_string(out.devices.size() + 1);

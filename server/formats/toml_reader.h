@@ -57,6 +57,7 @@ class TomlReader {
   void channel(const char* key, Channel& value, Need need);
   void strings(const char* key,
                std::map<std::string, std::string>& values);  // a table of plain values, as text
+  void texts(const char* key, std::vector<std::string>& values);  // a list of strings
 
   // The tables behind a key: one for [key], each of them for [[key]].
   const toml::table* table(const char* key);

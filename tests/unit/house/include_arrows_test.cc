@@ -21,6 +21,8 @@ const std::vector<std::string> kRooms = {"server/core",
                                          "server/core/ports",
                                          "server/effects",
                                          "server/correction",
+                                         "server/kinematics",
+                                         "server/identification",
                                          "server/calibration",
                                          "server/simulation",
                                          "server/diagnosis",
@@ -44,8 +46,9 @@ const std::vector<std::string> kRooms = {"server/core",
                                          "driftwise/v1"};
 
 const std::set<std::string> kMathematics = {
-    "server/core",       "server/effects",   "server/correction",  "server/calibration",
-    "server/simulation", "server/diagnosis", "server/compensation"};
+    "server/core",       "server/effects",     "server/correction",
+    "server/kinematics", "server/calibration", "server/identification",
+    "server/simulation", "server/diagnosis",   "server/compensation"};
 
 std::set<std::string> with(std::set<std::string> base, const std::set<std::string>& more) {
   base.insert(more.begin(), more.end());
@@ -61,7 +64,10 @@ const std::map<std::string, std::set<std::string>> kArrows = {
     {"server/core/ports", {"server/core"}},
     {"server/effects", {"server/core"}},
     {"server/correction", {"server/core", "server/effects"}},
+    {"server/kinematics", {"server/core"}},
     {"server/calibration", {"server/core", "server/effects"}},
+    {"server/identification",
+     {"server/core", "server/effects", "server/kinematics", "server/calibration"}},
     {"server/simulation", {"server/core", "server/effects", "server/calibration"}},
     {"server/diagnosis",
      {"server/core", "server/effects", "server/correction", "server/calibration",

@@ -1,0 +1,144 @@
+#include "server/kinematics/serial_arm.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "server/kinematics/angles.h"
+#include "server/kinematics/frame.h"
+
+namespace driftwise::kinematics {
+namespace {
+
+constexpr double kParallel_deg = 5;
+constexpr std::size_t kMostLinks = 9;
+
+bool nearly_parallel(double alpha_deg) {
+  return std::abs(std::sin(rad_from_deg(alpha_deg))) < std::sin(rad_from_deg(kParallel_deg));
+}
+
+// From the first joint to the tool, stretched out.
+double reach_of_arm_mm(const KinematicsDescription& arm) {
+  double reach = std::abs(arm.tool_x_mm) + std::abs(arm.tool_y_mm) + std::abs(arm.tool_z_mm);
+  for (const auto& link : arm.links) reach += std::abs(link.a_mm) + std::abs(link.d_mm);
+  return std::max(reach, 1.0);
+}
+
+Result<void> check_arm(const KinematicsDescription& description) {
+  const auto bad = [](std::string sentence) {
+    return fail(ErrorCode::invalid_argument, "BAD_KINEMATICS",
+                "kinematics: " + std::move(sentence));
+  };
+  if (description.links.empty() || description.links.size() > kMostLinks)
+    return bad("found " + std::to_string(description.links.size()) +
+               " links, expected 1 to 9 for a serial-arm");
+  for (const auto& link : description.links)
+    if (link.motor.unit != "rad" && link.motor.unit != "deg")
+      return bad("found " + link.motor.name() + ", expected a joint angle in rad or deg");
+  return {};
+}
+
+// A turn of the columns of axes about one of them: cheaper than a product of matrices.
+void turn_axes(Eigen::Matrix3d& axes, int about, double angle) {
+  const int u = (about + 1) % 3, v = (about + 2) % 3;
+  const double c = std::cos(angle), s = std::sin(angle);
+  const Eigen::Vector3d first = axes.col(u), second = axes.col(v);
+  axes.col(u) = c * first + s * second;
+  axes.col(v) = c * second - s * first;
+}
+
+}  // namespace
+
+Result<SerialArm> SerialArm::create(const KinematicsDescription& description) {
+  if (auto good = check_arm(description); !good) return tl::unexpected(good.error());
+  SerialArm arm(description);
+  auto& all = arm.parameters_;
+  auto& chain = arm.chain_;
+  const double reach = reach_of_arm_mm(description);
+  const double angle = deg_from_rad(kNaturalLength_mm / reach);
+  const auto parameter = [&](const std::string& name, double nominal, double natural, int rank) {
+    all.push_back({name, nominal, natural, rank});
+    return static_cast<int>(all.size()) - 1;
+  };
+
+  add_frame_parameters(all, description.frame, reach, 0, true);
+  for (int axis : {0, 1, 2}) chain.push_back({Kind::shift, axis, axis, 0, -1});
+  for (int axis : {2, 1, 0}) chain.push_back({Kind::turn, axis, 3 + axis, 0, -1});
+  int number = 0;
+  for (const auto& link : description.links) {
+    const std::string place = "link" + std::to_string(++number) + ".";
+    const int theta = parameter(place + "theta_deg", link.theta_deg, angle, 2);
+    chain.push_back({Kind::turn, 2, theta, 0, number - 1});
+    if (nearly_parallel(link.alpha_deg))
+      chain.push_back({Kind::shift, 2, -1, link.d_mm, -1});
+    else
+      chain.push_back(
+          {Kind::shift, 2, parameter(place + "d_mm", link.d_mm, kNaturalLength_mm, 2), 0, -1});
+    chain.push_back(
+        {Kind::shift, 0, parameter(place + "a_mm", link.a_mm, kNaturalLength_mm, 2), 0, -1});
+    chain.push_back(
+        {Kind::turn, 0, parameter(place + "alpha_deg", link.alpha_deg, angle, 2), 0, -1});
+    if (nearly_parallel(link.alpha_deg))
+      chain.push_back(
+          {Kind::turn, 1, parameter(place + "beta_deg", link.beta_deg, angle, 3), 0, -1});
+    else if (link.beta_deg != 0)
+      chain.push_back({Kind::turn, 1, -1, rad_from_deg(link.beta_deg), -1});
+    arm.inputs_.push_back(link.motor);
+    arm.rad_per_unit_.push_back(link.motor.unit == "deg" ? kRadPerDeg : 1.0);
+  }
+  const std::array<std::pair<const char*, double>, 3> tool = {
+      {{"tool.x_mm", description.tool_x_mm},
+       {"tool.y_mm", description.tool_y_mm},
+       {"tool.z_mm", description.tool_z_mm}}};
+  for (int axis : {0, 1, 2}) {
+    const auto& [name, nominal] = tool[static_cast<std::size_t>(axis)];
+    chain.push_back({Kind::shift, axis, parameter(name, nominal, kNaturalLength_mm, 1), 0, -1});
+  }
+  arm.outputs_ = {{"x", "mm"}, {"y", "mm"}, {"z", "mm"}};
+  if (auto held = hold(all, description.hold); !held) return tl::unexpected(held.error());
+  return arm;
+}
+
+// Each parameter turns or shifts everything behind it about or along one axis of the frame reached
+// so far, so its column is axis x (point - origin), or the axis itself.
+Prediction SerialArm::evaluate(std::span<const double> inputs, const Eigen::VectorXd& values,
+                               Derivatives derivatives) const {
+  struct Passed {
+    Eigen::Vector3d axis, origin;
+  };
+  std::array<Passed, kMostParameters> passed;
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  for (const auto& element : chain_) {
+    double by = element.parameter < 0 ? element.fixed : values[element.parameter];
+    if (element.parameter >= 0) {
+      passed[static_cast<std::size_t>(element.parameter)] = {axes.col(element.axis), origin};
+      if (element.kind == Kind::turn) by = rad_from_deg(by);
+    }
+    if (element.joint >= 0) {
+      const auto joint = static_cast<std::size_t>(element.joint);
+      by += inputs[joint] * rad_per_unit_[joint];
+    }
+    if (element.kind == Kind::turn)
+      turn_axes(axes, element.axis, by);
+    else
+      origin += by * axes.col(element.axis);
+  }
+  Prediction prediction;
+  prediction.value = origin;
+  if (derivatives == Derivatives::no) return prediction;
+  prediction.jacobian.resize(3, values.size());
+  for (const auto& element : chain_) {
+    if (element.parameter < 0) continue;
+    const auto& [axis, from] = passed[static_cast<std::size_t>(element.parameter)];
+    if (element.kind == Kind::turn)
+      prediction.jacobian.col(element.parameter) = kRadPerDeg * axis.cross(origin - from);
+    else
+      prediction.jacobian.col(element.parameter) = axis;
+  }
+  return prediction;
+}
+
+}  // namespace driftwise::kinematics

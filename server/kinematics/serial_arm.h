@@ -1,0 +1,40 @@
+#pragma once
+// A serial arm by Denavit and Hartenberg, joint angles -> measured point. The chain, base first:
+//
+//   frame . prod_i [ Rz(theta_i + q_i) Tz(d_i) Tx(a_i) Rx(alpha_i) Ry(beta_i) ] . tool
+//
+// Where a link's axes are nearly parallel (alpha within 5 degrees of 0 or 180) the common normal,
+// and with it d, jumps for the smallest misalignment. There Hayati's form is identified: beta_i
+// turns about y, d_i stays nominal. Elsewhere beta_i stays nominal and d_i is identified.
+//
+// References: J. Denavit, R. Hartenberg, J. Appl. Mech. 22 (1955) 215; S. Hayati, Proc. 22nd IEEE
+// Conf. on Decision and Control (1983) 1477; J. M. Hollerbach, C. W. Wampler, Int. J. Robotics
+// Research 15 (1996) 573 on the number of identifiable parameters.
+
+#include "server/kinematics/mechanism.h"
+
+namespace driftwise::kinematics {
+
+class SerialArm final : public Mechanism {
+ public:
+  static Result<SerialArm> create(const KinematicsDescription& description);
+
+ private:
+  using Mechanism::Mechanism;
+  // q1.. (rad or deg, as the channels say) -> x, y, z (mm).
+  Prediction evaluate(std::span<const double> inputs, const Eigen::VectorXd& values,
+                      Derivatives derivatives) const override;
+
+  enum class Kind { turn, shift };
+  struct Element {  // of the chain: about or along one axis of the frame reached so far
+    Kind kind;
+    int axis;       // 0 x, 1 y, 2 z
+    int parameter;  // -1: fixed
+    double fixed;   // where it is
+    int joint;      // whose angle is added, -1: none
+  };
+  std::vector<Element> chain_;
+  std::vector<double> rad_per_unit_;  // of each joint
+};
+
+}  // namespace driftwise::kinematics
