@@ -61,7 +61,8 @@ void centre(Variable& variable, bool indicator) {
     variable.mid = variable.min;
     return;
   }
-  variable.half = std::exp2(std::ceil(std::log2(half_range)));
+  // No smaller than 1e-301: its reciprocal is finite.
+  variable.half = std::max(std::exp2(std::ceil(std::log2(half_range))), 0x1p-1000);
   const double grid = variable.half / 1024;
   const double middle = variable.min / 2 + variable.max / 2;
   const double steps = std::round(middle / grid);

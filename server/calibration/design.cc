@@ -129,64 +129,42 @@ Result<RowState> row_state(
   return state;
 }
 
-void fill_matrix(Design& design, const Variables& variables,
-                 const std::vector<std::span<const double>>& outputs,
-                 std::span<const double> weights) {
-  const auto n = static_cast<Eigen::Index>(design.rows.size());
-  const Eigen::Index m = design.monomials();
-  design.matrix.resize(n, m + static_cast<Eigen::Index>(outputs.size()));
-  const auto scaled = [&](int variable, Eigen::Index row) {
-    const auto v = static_cast<std::size_t>(variable);
-    const auto& how = design.variables[v];
-    return (variables.values[v][design.rows[static_cast<std::size_t>(row)]] - how.mid) / how.half;
-  };
-  design.matrix.col(0).setOnes();
-  std::map<Monomial, Eigen::Index> known;
-  for (Eigen::Index j = 1; j < m; ++j) {
-    const auto& monomial = design.basis.monomials[static_cast<std::size_t>(j)];
-    // A monomial is its parent (one factor less) times one variable; parents come first where they
-    // are there at all.
-    Monomial parent = monomial;
-    const int last = parent.back().first;
-    if (--parent.back().second == 0) parent.pop_back();
-    const auto at = known.find(parent);
-    auto column = design.matrix.col(j);
-    if (at != known.end() || parent.empty()) {
-      const Eigen::Index from = parent.empty() ? 0 : at->second;
-      for (Eigen::Index row = 0; row < n; ++row)
-        column[row] = design.matrix(row, from) * scaled(last, row);
-    } else {
-      column.setOnes();
-      for (const auto& [variable, exponent] : monomial)
-        for (Eigen::Index row = 0; row < n; ++row)
-          column[row] *= effects::power(scaled(variable, row), exponent);
-    }
-    known.emplace(monomial, j);
-  }
-  for (std::size_t o = 0; o < outputs.size(); ++o)
-    for (Eigen::Index row = 0; row < n; ++row)
-      design.matrix(row, m + static_cast<Eigen::Index>(o)) =
-          outputs[o][design.rows[static_cast<std::size_t>(row)]];
-  Eigen::VectorXd weight = Eigen::VectorXd::Ones(n);
-  if (!weights.empty())
-    for (Eigen::Index row = 0; row < n; ++row)
-      weight[row] = weights[design.rows[static_cast<std::size_t>(row)]];
-  design.means = design.matrix.transpose() * (weight / weight.sum());
-  design.means[0] = 0;
-  for (Eigen::Index j = 1; j < design.matrix.cols(); ++j)
-    design.matrix.col(j).array() -= design.means[j];
-  if (!weights.empty()) design.matrix.array().colwise() *= weight.array().sqrt();
+// Rows from all over, at most this many, whose means stand for those of all rows.
+constexpr std::size_t kMeanRows = 4096;
+
+std::vector<std::size_t> spread_rows(const std::vector<std::size_t>& rows, std::size_t most) {
+  if (rows.size() <= most) return rows;
+  std::vector<std::size_t> some(most);
+  for (std::size_t i = 0; i < most; ++i) some[i] = rows[rows.size() * i / most];
+  return some;
 }
 
 }  // namespace
 
+Eigen::MatrixXd Design::block(Eigen::Index begin, Eigen::Index count) const {
+  Eigen::MatrixXd out(count, width());
+  fill(begin, out);
+  return out;
+}
+
+void Design::fill(Eigen::Index begin, Eigen::Ref<Eigen::MatrixXd> out) const {
+  columns.fill(std::span(rows).subspan(static_cast<std::size_t>(begin),
+                                       static_cast<std::size_t>(out.rows())),
+               out);
+}
+
 std::vector<double> datum_ordinals(const Dataset& dataset) {
   std::vector<double> ordinals(dataset.rows, 1.0);
   std::map<std::pair<std::int64_t, std::int64_t>, double> seen;
+  if (dataset.run.empty() && dataset.datum.empty()) return ordinals;
+  std::pair<std::int64_t, std::int64_t> last;
   for (std::size_t row = 0; row < dataset.rows; ++row) {
     const std::pair<std::int64_t, std::int64_t> id = {
         dataset.run.empty() ? 0 : dataset.run[row], dataset.datum.empty() ? 0 : dataset.datum[row]};
-    ordinals[row] = seen.try_emplace(id, static_cast<double>(seen.size()) + 1).first->second;
+    ordinals[row] = row > 0 && id == last
+                        ? ordinals[row - 1]
+                        : seen.try_emplace(id, static_cast<double>(seen.size()) + 1).first->second;
+    last = id;
   }
   return ordinals;
 }
@@ -272,7 +250,10 @@ Result<Design> make_design(const Dataset& dataset, const FitOptions& options) {
   auto basis = make_basis(design.variables, columns->monomials);
   if (!basis) return tl::unexpected(basis.error());
   design.basis = std::move(*basis);
-  fill_matrix(design, variables, outputs, weights);
+  design.columns = DesignColumns(
+      {std::move(variables.values), std::move(outputs), weights, std::move(variables.storage)},
+      design.variables, design.basis);
+  design.columns.take_off_means_of(spread_rows(design.rows, kMeanRows));
   return design;
 }
 

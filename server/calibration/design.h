@@ -1,6 +1,6 @@
 #pragma once
-// The design of a fit: which rows, which columns, and the matrix [1 | U | Y] of monomials in scaled
-// coordinates.
+// The design of a fit: which rows, which columns, and on demand any rows of the matrix [1 | U | Y]
+// of monomials in scaled coordinates.
 
 #include <Eigen/Core>
 #include <span>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/calibration/basis.h"
+#include "server/calibration/design_columns.h"
 #include "server/calibration/fit.h"
 
 namespace driftwise::calibration {
@@ -23,9 +24,7 @@ struct Design {
   std::vector<Variable> variables;
   Basis basis;                    // expansions: one per term
   std::vector<std::size_t> rows;  // of the dataset: complete calibration rows, in order
-  Eigen::MatrixXd matrix;  // rows x (monomials + outputs), each row times the root of its weight
-  Eigen::VectorXd means;  // of the columns of matrix, which stand about them (the constant's is 0):
-                          // y of 60 000 +- 3 000 would otherwise cost a digit
+  DesignColumns columns;          // about their means over some of the rows
   bool weighted = false;
   std::vector<int> datum;       // per row: ordinal of its datum, from 1
   std::int64_t dropped = 0;     // calibration and validation rows with a missing value
@@ -33,9 +32,15 @@ struct Design {
   std::int64_t excluded = 0;    // of either set: looked at by nothing but effects with memory
 
   Eigen::Index monomials() const { return static_cast<Eigen::Index>(basis.monomials.size()); }
+  Eigen::Index row_count() const { return static_cast<Eigen::Index>(rows.size()); }
+  Eigen::Index width() const { return columns.width(); }  // monomials, then outputs
+  // Rows [begin, begin + count) of the matrix. Any thread.
+  Eigen::MatrixXd block(Eigen::Index begin, Eigen::Index count) const;
+  // The same, into rows that are there already.
+  void fill(Eigen::Index begin, Eigen::Ref<Eigen::MatrixXd> out) const;
 };
 
-// Errors: see fit().
+// The dataset outlives the design. Errors: see fit().
 Result<Design> make_design(const Dataset& dataset, const FitOptions& options);
 
 // Ordinal of each row's datum: 1, 2, ... in order of appearance. Rows of another run are another

@@ -11,7 +11,7 @@
 #include "server/calibration/rank.h"
 #include "server/calibration/report.h"
 #include "server/calibration/residual_statistics.h"
-#include "server/calibration/row_qr.h"
+#include "server/calibration/row_reduction.h"
 #include "server/calibration/selection_rule.h"
 #include "server/calibration/starts.h"
 #include "server/calibration/tail.h"
@@ -105,6 +105,13 @@ void add_largest_contributions(const Design& design, const Dataset& dataset, Out
     }
     report.contribution_max = std::abs(report.coefficient) * std::max(high - mean, mean - low);
   }
+}
+
+// Whether the triangles of a held-out block's pieces are small beside their rows: then the fit
+// itself is put together from them, and the rows are reduced once.
+bool shares_pieces(const Design& design, const std::vector<Index>& cuts) {
+  return !cuts.empty() &&
+         design.row_count() >= 4 * design.width() * static_cast<Index>(cuts.size() - 1);
 }
 
 Eigen::VectorXd values_at(const Eigen::VectorXd& all, const std::vector<std::size_t>& rows) {
@@ -204,9 +211,11 @@ Result<Model> fit(const Dataset& dataset, const FitOptions& options) {
   if (auto enough = check_rows(design, options); !enough) return tl::unexpected(enough.error());
 
   const double start_us = options.stopwatch_us ? options.stopwatch_us() : 0;
-  const Triangle triangle = make_triangle(row_qr(design.matrix, options.executor), design.means,
-                                          design.basis, static_cast<Index>(design.outputs.size()),
-                                          static_cast<std::int64_t>(design.rows.size()));
+  const auto cuts = block_cuts(design, options.blocks, options.block_gap);
+  const bool shared = shares_pieces(design, cuts);
+  const RowReduction whole(design, shared ? cuts : std::vector<Index>{0, design.row_count()},
+                           options.solver, options.executor);
+  const Triangle triangle = whole.all();
   auto fitted = select_and_solve(design, triangle, rule, options.executor);
   if (!fitted) return tl::unexpected(fitted.error());
   const double took_us = options.stopwatch_us ? options.stopwatch_us() - start_us : 0;
@@ -228,7 +237,11 @@ Result<Model> fit(const Dataset& dataset, const FitOptions& options) {
   model.lineage.rows_excluded = design.excluded;
 
   const auto held_out =
-      held_out_by_blocks(design, rule, options.blocks, options.block_gap, options.executor);
+      cuts.empty() ? std::vector<std::optional<HeldOut>>(design.outputs.size())
+      : shared
+          ? held_out_by_blocks(design, whole, rule, options.executor)
+          : held_out_by_blocks(design, RowReduction(design, cuts, whole.solver(), options.executor),
+                               rule, options.executor);
   std::int64_t no_datum = 0;
   std::vector<std::string> warnings;
   for (std::size_t o = 0; o < fitted->size(); ++o) {
@@ -258,6 +271,7 @@ Result<Model> fit(const Dataset& dataset, const FitOptions& options) {
       warnings.push_back(std::move(sentence));
     model.outputs.push_back(std::move(output));
   }
+  if (!whole.note().empty()) model.warnings.push_back(whole.note());
   model.domain = domain_of(design, dataset, model.outputs);
   general_warnings(design, options, rule, no_datum, model);
   model.warnings.insert(model.warnings.end(), warnings.begin(), warnings.end());

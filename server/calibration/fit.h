@@ -3,8 +3,9 @@
 // command line alike. The same dataset and options give the same model to the last bit, whatever
 // the executor.
 //
-// How: rows with every needed value -> columns in centred, scaled coordinates -> one Householder QR
-// of [1 | X | Y] shared by all outputs -> stepwise selection on the small triangle -> coefficients
+// How: rows with every needed value -> columns in centred, scaled coordinates -> one triangle of
+// [1 | X | Y] shared by all outputs (Householder QR, or X'X while that is safe: row_reduction.h)
+// -> stepwise selection on the small triangle -> coefficients
 // expanded back to the raw columns in extended precision -> statistics, held-out accuracy,
 // warnings. NUMERICS.md sections 1 and 2.
 
@@ -13,17 +14,14 @@
 #include <vector>
 
 #include "server/calibration/criterion.h"
+#include "server/calibration/executor.h"
 #include "server/calibration/model.h"
+#include "server/calibration/solver.h"
 #include "server/core/dataset.h"
 #include "server/core/result.h"
 #include "server/effects/term.h"
 
 namespace driftwise::calibration {
-
-// Runs job(0) ... job(count - 1), in any order and on any threads, and returns when all are done.
-// Empty: one after the other, here.
-using Executor =
-    std::function<void(std::size_t count, const std::function<void(std::size_t)>& job)>;
 
 enum class Select { stepwise, all };
 
@@ -52,6 +50,7 @@ struct FitOptions {
   int blocks = 10;              // held out in turn for u90_blocks; below 2: not done
   double block_gap = 0.25;      // of a block's rows, left out of the training on either side of it
   Lineage lineage;  // runs, source, hash, parent: passed on; the row counts are filled in
+  Solver solver = Solver::automatic;  // how rows become a triangle: row_reduction.h
   Executor executor;
   std::function<double()> stopwatch_us;  // for Model::fit_us (triangle, selection, solution);
                                          // empty: 0. No clock is read here

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "server/calibration/row_qr.h"
 #include "server/calibration/solution.h"
@@ -15,99 +16,124 @@ namespace {
 
 using Eigen::Index;
 
-struct Block {
-  Index begin, head, tail, end;
-};  // [begin, head) and [tail, end) are the gaps of its neighbours
-
-std::vector<Block> cut(Index rows, int blocks, double gap) {
-  std::vector<Block> cuts;
-  for (int b = 0; b < blocks; ++b) {
-    const Index begin = rows * b / blocks, end = rows * (b + 1) / blocks;
-    const auto margin = std::min<Index>(
-        static_cast<Index>(std::lround(gap * static_cast<double>(end - begin))), (end - begin) / 2);
-    cuts.push_back({begin, begin + margin, end - margin, end});
-  }
-  return cuts;
-}
-
-// R of each block's head, middle and tail.
-struct Segments {
-  Eigen::MatrixXd head, middle, tail;
+// Pieces 3 b, 3 b + 1 and 3 b + 2 of the reduction are block b's head, middle and tail: head and
+// tail are the gaps of its neighbours.
+struct Training {
+  std::vector<std::size_t> pieces;
+  std::int64_t rows = 0;
+  std::set<int> datums;
 };
 
-// Errors on one block: per output, or NaN alone where nothing could be fitted.
-using BlockErrors = std::vector<Eigen::VectorXd>;
-
-BlockErrors judge(const Design& design, const SelectionRule& rule,
-                  const std::vector<Segments>& segments, const std::vector<Block>& cuts,
-                  std::size_t held) {
-  std::vector<Eigen::MatrixXd> parts;
-  std::int64_t rows = 0;
-  std::map<int, int> trained;  // datum -> rows
-  const auto take = [&](const Eigen::MatrixXd& part, Index begin, Index end) {
-    parts.push_back(part);
-    rows += end - begin;
-    for (Index row = begin; row < end; ++row)
-      ++trained[design.datum[static_cast<std::size_t>(row)]];
-  };
-  for (std::size_t b = 0; b < cuts.size(); ++b) {
-    if (b == held) continue;
-    if (b != held + 1) take(segments[b].head, cuts[b].begin, cuts[b].head);
-    take(segments[b].middle, cuts[b].head, cuts[b].tail);
-    if (b + 1 != held) take(segments[b].tail, cuts[b].tail, cuts[b].end);
+Training training_without(const Design& design, const RowReduction& reduction, std::size_t held) {
+  Training training;
+  int last = -1;
+  for (std::size_t piece = 0; piece < reduction.pieces(); ++piece) {
+    const bool gap_before = held > 0 && piece == 3 * held - 1, gap_after = piece == 3 * held + 3;
+    if (piece / 3 == held || gap_before || gap_after) continue;
+    training.pieces.push_back(piece);
+    const Index begin = reduction.cuts()[piece], end = reduction.cuts()[piece + 1];
+    training.rows += end - begin;
+    for (Index row = begin; row < end; ++row) {
+      const int datum = design.datum[static_cast<std::size_t>(row)];
+      if (datum != last) training.datums.insert(datum);
+      last = datum;
+    }
   }
+  return training;
+}
+
+// Rows of a datum outside the training: about their mean.
+void centre_untrained(const Design& design, Index begin, const std::set<int>& trained,
+                      Eigen::VectorXd& errors) {
+  std::map<int, std::pair<double, int>> untrained;
+  const auto datum_of = [&](Index row) {
+    return design.datum[static_cast<std::size_t>(begin + row)];
+  };
+  for (Index row = 0; row < errors.size(); ++row) {
+    if (trained.contains(datum_of(row))) continue;
+    auto& [sum, count] = untrained[datum_of(row)];
+    sum += errors[row];
+    ++count;
+  }
+  if (untrained.empty()) return;
+  for (Index row = 0; row < errors.size(); ++row) {
+    const auto at = untrained.find(datum_of(row));
+    if (at != untrained.end()) errors[row] -= at->second.first / at->second.second;
+  }
+}
+
+// rows [begin, end): measured less predicted by each column of monomials (one per output).
+Eigen::MatrixXd errors_on(const Design& design, Index begin, Index end,
+                          const Eigen::MatrixXd& monomials) {
+  const Index m = design.monomials(), outputs = monomials.cols();
+  const auto& means = design.columns.means();
+  // The rows stand about the means, times the root of the weight, which is their first column.
+  const Eigen::RowVectorXd shift =
+      means.tail(outputs).transpose() - means.head(m).transpose() * monomials;
+  Eigen::MatrixXd errors(end - begin, outputs);
+  const Index step = block_rows(design.width());
+  Eigen::MatrixXd block(std::min(step, end - begin), design.width());
+  for (Index at = begin; at < end; at += step) {
+    auto rows = block.topRows(std::min(step, end - at));
+    design.fill(at, rows);
+    auto some = errors.middleRows(at - begin, rows.rows());
+    some.noalias() = rows.rightCols(outputs) - rows.leftCols(m) * monomials;
+    some.noalias() += rows.col(0) * shift;
+    if (design.weighted) some.array().colwise() /= rows.col(0).array();
+  }
+  return errors;
+}
+
+// What one block adds: rows, and per output the sum of squares of its errors; none where nothing
+// could be fitted.
+struct BlockErrors {
+  double rows = 0;
+  std::vector<std::optional<double>> squares;
+};
+
+std::optional<BlockErrors> judge(const Design& design, const SelectionRule& rule,
+                                 const RowReduction& reduction, std::size_t held) {
+  const Training training = training_without(design, reduction, held);
+  const auto triangle = reduction.triangle(training.pieces);
+  if (!triangle) return std::nullopt;
   const auto outputs = static_cast<Index>(design.outputs.size());
-  const Index m = design.monomials();
-  const Triangle triangle =
-      make_triangle(join_triangles(parts), design.means, design.basis, outputs, rows);
-  const Block& block = cuts[held];
-  const Index count = block.end - block.begin;
-  BlockErrors errors;
+  BlockErrors result;
+  result.squares.resize(design.outputs.size());
+  Eigen::MatrixXd monomials = Eigen::MatrixXd::Zero(design.monomials(), outputs);
+  std::vector<Index> fitted;
   for (Index o = 0; o < outputs; ++o) {
-    errors.emplace_back();
-    if (!rule.stepwise && rows <= static_cast<std::int64_t>(design.terms.size())) continue;
+    if (!rule.stepwise && training.rows <= static_cast<std::int64_t>(design.terms.size())) continue;
     std::vector<int> columns;
     if (rule.stepwise) {
       columns =
-          select_from_starts(triangle, design.basis, design.always, o, rule).selection.set.order();
+          select_from_starts(*triangle, design.basis, design.always, o, rule).selection.set.order();
     } else {
       for (int j = 0; j < static_cast<int>(design.terms.size()); ++j)
-        if (triangle.columns.col(j).squaredNorm() > 0)
+        if (triangle->columns.col(j).squaredNorm() > 0)
           columns.push_back(j);  // datum(k) without rows
     }
-    const Solution solution = solve(triangle, design.basis, columns, o);
+    const Solution solution = solve(*triangle, design.basis, columns, o);
     if (!solution.deficient.empty() || solution.dof < 1) continue;
-    // The matrix stands about its means, times the root of the weight, which is its first column.
-    const double shift = design.means[m + o] - design.means.head(m).dot(solution.monomials);
-    const auto ones = design.matrix.col(0).segment(block.begin, count);
-    Eigen::VectorXd residuals = design.matrix.block(block.begin, m + o, count, 1) -
-                                design.matrix.block(block.begin, 0, count, m) * solution.monomials +
-                                shift * ones;
-    if (design.weighted) residuals.array() /= ones.array();
-    if (design.constant) {
-      std::map<int, std::pair<double, int>> untrained;
-      for (Index row = 0; row < count; ++row) {
-        const int datum = design.datum[static_cast<std::size_t>(block.begin + row)];
-        if (trained.contains(datum)) continue;
-        untrained[datum].first += residuals[row];
-        ++untrained[datum].second;
-      }
-      for (Index row = 0; row < count; ++row) {
-        const auto at = untrained.find(design.datum[static_cast<std::size_t>(block.begin + row)]);
-        if (at != untrained.end()) residuals[row] -= at->second.first / at->second.second;
-      }
-    }
-    errors.back() = std::move(residuals);
+    monomials.col(o) = solution.monomials;
+    fitted.push_back(o);
   }
-  return errors;
+  const Index begin = reduction.cuts()[3 * held], end = reduction.cuts()[3 * held + 3];
+  result.rows = static_cast<double>(end - begin);
+  const Eigen::MatrixXd errors = errors_on(design, begin, end, monomials);
+  for (const Index o : fitted) {
+    Eigen::VectorXd one = errors.col(o);
+    if (design.constant) centre_untrained(design, begin, training.datums, one);
+    result.squares[static_cast<std::size_t>(o)] = one.squaredNorm();
+  }
+  return result;
 }
 
 std::optional<HeldOut> summarise(const std::vector<BlockErrors>& blocks, std::size_t output) {
   double squares = 0, rows = 0;
   for (const auto& block : blocks) {
-    if (block[output].size() == 0) return std::nullopt;
-    squares += block[output].squaredNorm();
-    rows += static_cast<double>(block[output].size());
+    if (!block.squares[output]) return std::nullopt;
+    squares += *block.squares[output];
+    rows += block.rows;
   }
   if (!(squares > 0)) return HeldOut{};
   HeldOut result;
@@ -116,8 +142,7 @@ std::optional<HeldOut> summarise(const std::vector<BlockErrors>& blocks, std::si
   std::vector<double> left_out;
   double mean = 0;
   for (const auto& block : blocks) {
-    left_out.push_back(std::log((squares - block[output].squaredNorm()) /
-                                (rows - static_cast<double>(block[output].size()))));
+    left_out.push_back(std::log((squares - *block.squares[output]) / (rows - block.rows)));
     mean += left_out.back() / count;
   }
   double spread = 0;
@@ -130,29 +155,36 @@ std::optional<HeldOut> summarise(const std::vector<BlockErrors>& blocks, std::si
 
 }  // namespace
 
+std::vector<Index> block_cuts(const Design& design, int blocks, double gap) {
+  const Index rows = design.row_count();
+  std::vector<Index> cuts;
+  if (blocks < 2 || rows < 3 * blocks) return cuts;
+  for (int b = 0; b < blocks; ++b) {
+    const Index begin = rows * b / blocks, end = rows * (b + 1) / blocks;
+    const auto margin = std::min<Index>(
+        static_cast<Index>(std::lround(gap * static_cast<double>(end - begin))), (end - begin) / 2);
+    cuts.insert(cuts.end(), {begin, begin + margin, end - margin});
+  }
+  cuts.push_back(rows);
+  return cuts;
+}
+
 std::vector<std::optional<HeldOut>> held_out_by_blocks(const Design& design,
-                                                       const SelectionRule& rule, int blocks,
-                                                       double gap, const Executor& executor) {
-  std::vector<std::optional<HeldOut>> results(design.outputs.size());
-  const Index rows = design.matrix.rows();
-  if (blocks < 2 || rows < 3 * blocks) return results;
-  const auto run = [&executor](std::size_t count, const std::function<void(std::size_t)>& job) {
-    if (executor) return executor(count, job);
-    for (std::size_t i = 0; i < count; ++i) job(i);
-  };
-  const auto cuts = cut(rows, blocks, gap);
-  std::vector<Segments> segments(cuts.size());
-  run(cuts.size(), [&](std::size_t b) {
-    const auto& block = cuts[b];
-    const auto part = [&](Index begin, Index end) {
-      return row_qr(design.matrix.middleRows(begin, end - begin));
-    };
-    segments[b] = {part(block.begin, block.head), part(block.head, block.tail),
-                   part(block.tail, block.end)};
-  });
-  std::vector<BlockErrors> errors(cuts.size());
-  run(cuts.size(), [&](std::size_t b) { errors[b] = judge(design, rule, segments, cuts, b); });
-  for (std::size_t o = 0; o < results.size(); ++o) results[o] = summarise(errors, o);
+                                                       const RowReduction& reduction,
+                                                       const SelectionRule& rule,
+                                                       const Executor& executor) {
+  std::vector<std::optional<BlockErrors>> errors(reduction.pieces() / 3);
+  run_on(executor, errors.size(),
+         [&](std::size_t b) { errors[b] = judge(design, rule, reduction, b); });
+  // Without a block the rest may be too much alike for X'X.
+  if (!std::ranges::all_of(errors, [](const auto& one) { return one.has_value(); })) {
+    const RowReduction exact(design, reduction.cuts(), Solver::qr, executor);
+    return held_out_by_blocks(design, exact, rule, executor);
+  }
+  std::vector<BlockErrors> blocks;
+  for (auto& one : errors) blocks.push_back(std::move(*one));
+  std::vector<std::optional<HeldOut>> results;
+  for (std::size_t o = 0; o < design.outputs.size(); ++o) results.push_back(summarise(blocks, o));
   return results;
 }
 

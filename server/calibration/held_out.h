@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "server/calibration/design.h"
+#include "server/calibration/row_reduction.h"
 #include "server/calibration/stepwise.h"
 
 namespace driftwise::calibration {
@@ -16,11 +17,16 @@ struct HeldOut {
                              // t with blocks - 1
 };
 
+// Where the pieces of a RowReduction must end so that blocks can be held out: begin, head, tail of
+// every block, then the number of rows. Empty: too few rows, or no blocks asked for.
+std::vector<Eigen::Index> block_cuts(const Design& design, int blocks, double gap);
+
 // Per output; none where a block leaves too few rows to fit. Blocks have equal numbers of rows.
-// Only triangles of segments are kept, so the cost over one fit is small. Rows of a datum that is
-// not in the training are judged about their mean.
+// reduction: of the design, cut by block_cuts(), so that a fold costs width^3 and one pass over the
+// rows it left out. Rows of a datum that is not in the training are judged about their mean.
 std::vector<std::optional<HeldOut>> held_out_by_blocks(const Design& design,
-                                                       const SelectionRule& rule, int blocks,
-                                                       double gap, const Executor& executor);
+                                                       const RowReduction& reduction,
+                                                       const SelectionRule& rule,
+                                                       const Executor& executor);
 
 }  // namespace driftwise::calibration

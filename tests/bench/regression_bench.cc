@@ -9,7 +9,7 @@
 #include <random>
 
 #include "server/calibration/design.h"
-#include "server/calibration/row_qr.h"
+#include "server/calibration/row_reduction.h"
 #include "server/calibration/solution.h"
 #include "server/calibration/stepwise.h"
 #include "server/effects/term_order.h"
@@ -100,9 +100,8 @@ Problem large() {  // 1e5 x 60
 void fit_prepared(benchmark::State& state, const Problem& problem) {
   const auto design = make_design(problem.data, problem.options);
   for (auto _ : state) {
-    const Triangle triangle = make_triangle(row_qr(design->matrix), design->means, design->basis,
-                                            static_cast<Eigen::Index>(design->outputs.size()),
-                                            static_cast<std::int64_t>(design->rows.size()));
+    const Triangle triangle =
+        RowReduction(*design, {0, design->row_count()}, Solver::automatic, {}).all();
     for (Eigen::Index o = 0; o < static_cast<Eigen::Index>(design->outputs.size()); ++o) {
       const Selection selection = select(triangle, design->basis, design->always, o, {});
       benchmark::DoNotOptimize(solve(triangle, design->basis, selection.set.order(), o));
@@ -112,16 +111,18 @@ void fit_prepared(benchmark::State& state, const Problem& problem) {
 
 void qr_alone(benchmark::State& state, const Problem& problem) {
   const auto design = make_design(problem.data, problem.options);
-  for (auto _ : state) benchmark::DoNotOptimize(row_qr(design->matrix));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(RowReduction(*design, {0, design->row_count()}, Solver::qr, {}).all());
 }
 
 // The floor: X'X with Eigen's own product, one thread.
 void gram_floor(benchmark::State& state, const Problem& problem) {
   const auto design = make_design(problem.data, problem.options);
-  Eigen::MatrixXd gram(design->matrix.cols(), design->matrix.cols());
+  const Eigen::MatrixXd matrix = design->block(0, design->row_count());
+  Eigen::MatrixXd gram(matrix.cols(), matrix.cols());
   for (auto _ : state) {
     gram.setZero();
-    gram.selfadjointView<Eigen::Lower>().rankUpdate(design->matrix.transpose());
+    gram.selfadjointView<Eigen::Lower>().rankUpdate(matrix.transpose());
     benchmark::DoNotOptimize(gram.data());
   }
 }

@@ -17,6 +17,7 @@ struct Certified {
   std::string name;
   std::string formula;
   double digits;
+  bool unsafe = false;  // for X'X
 };
 
 class NistStrd : public testing::TestWithParam<Certified> {};
@@ -32,12 +33,14 @@ std::vector<Parameter> certified_parameters(const std::string& name) {
   return parameters;
 }
 
-TEST_P(NistStrd, ReachesTheDigits) {
-  const auto& [name, formula, wanted] = GetParam();
+// solver: gram asks for the fast path by X'X whatever the number of rows.
+void expect_digits(const Certified& set, Solver solver) {
+  const auto& [name, formula, wanted, unsafe] = set;
   const Dataset data = dataset_of(read_rows("nist_strd/" + name + ".csv"));
   FitOptions options;
   options.select = Select::all;
   options.blocks = 0;
+  options.solver = solver;
   const auto model = formats::fit_formula(data, formula, options);
   ASSERT_TRUE(model.has_value()) << model.error().message;
   const auto& output = model->outputs.at(0);
@@ -53,22 +56,34 @@ TEST_P(NistStrd, ReachesTheDigits) {
     else
       errors = std::min(errors, digits(report.standard_error, certified[i].standard_error));
   }
-  RecordProperty("coefficient_digits", std::to_string(coefficients));
-  RecordProperty("standard_error_digits", std::to_string(errors));
+  testing::Test::RecordProperty("coefficient_digits", std::to_string(coefficients));
+  testing::Test::RecordProperty("standard_error_digits", std::to_string(errors));
   EXPECT_GE(coefficients, wanted);
   EXPECT_GE(errors, wanted);
+  EXPECT_EQ(std::ranges::count_if(model->warnings,
+                                  [](const std::string& one) {
+                                    return one.find("left for QR") != std::string::npos;
+                                  }),
+            solver == Solver::gram && unsafe ? 1 : 0);
 }
+
+TEST_P(NistStrd, ReachesTheDigits) { expect_digits(GetParam(), Solver::automatic); }
+
+// Where it keeps the digits the fast path is taken, else it is left by itself: for Filip, the worst
+// of them in scaled coordinates.
+TEST_P(NistStrd, LosesNoneOfThemToTheFastPath) { expect_digits(GetParam(), Solver::gram); }
 
 const std::string kQuintic = "y ~ x + x^2 + x^3 + x^4 + x^5";
 
 INSTANTIATE_TEST_SUITE_P(
     Table, NistStrd,
     testing::Values(Certified{"Longley", "y ~ x1 + x2 + x3 + x4 + x5 + x6", 13},
-                    Certified{"Filip", "y ~ poly(x, 10)", 13}, Certified{"Norris", "y ~ x", 12},
-                    Certified{"Pontius", "y ~ x + x^2", 12}, Certified{"Wampler1", kQuintic, 9},
-                    Certified{"Wampler2", kQuintic, 9}, Certified{"Wampler3", kQuintic, 9},
-                    Certified{"Wampler4", kQuintic, 7}, Certified{"Wampler5", kQuintic, 6},
-                    Certified{"NoInt1", "y ~ x - 1", 12}, Certified{"NoInt2", "y ~ x - 1", 12}),
+                    Certified{"Filip", "y ~ poly(x, 10)", 13, true},
+                    Certified{"Norris", "y ~ x", 12}, Certified{"Pontius", "y ~ x + x^2", 12},
+                    Certified{"Wampler1", kQuintic, 9}, Certified{"Wampler2", kQuintic, 9},
+                    Certified{"Wampler3", kQuintic, 9}, Certified{"Wampler4", kQuintic, 7},
+                    Certified{"Wampler5", kQuintic, 6}, Certified{"NoInt1", "y ~ x - 1", 12},
+                    Certified{"NoInt2", "y ~ x - 1", 12}),
     [](const auto& row) { return row.param.name; });
 
 }  // namespace
