@@ -65,27 +65,15 @@ void print_switches(bool markdown) {
   print("wire", wire_switches());
 }
 
-std::string truth_json(LinearAxisPlant& plant, TimeNs now) {
-  const Truth truth = plant.truth(now);
-  nlohmann::ordered_json json{{"time_ns", truth.time},
-                              {"commanded_nm", truth.commanded_nm},
-                              {"q_scale_nm", truth.q_scale_nm},
-                              {"end_effector_nm", truth.end_effector_nm},
-                              {"interferometer_true_nm", truth.interferometer_true_nm},
-                              {"robot_drift_nm", truth.robot_drift_nm},
-                              {"device_drift_nm", truth.device_drift_nm},
-                              {"air_error_nm", truth.air_error_nm},
-                              {"geometry_nm", truth.geometry_nm},
-                              {"air_degC", truth.air_degc},
-                              {"room_degC", truth.room_degc},
-                              {"pressure_hPa", truth.pressure_hpa}};
-  const auto names = plant.node_names();
-  for (std::size_t i = 0; i < names.size() && i < truth.node_degc.size(); ++i)
-    json[names[i] + "_degC"] = truth.node_degc[i];
+std::string truth_json(CellPlant& plant, TimeNs now) {
+  nlohmann::ordered_json json{{"time_ns", now}};
+  const auto columns = plant.truth_columns();
+  const auto values = plant.truth_values(now);
+  for (std::size_t i = 0; i < columns.size(); ++i) json[columns[i]] = values[i];
   return json.dump();
 }
 
-FaultHooks hooks_of(LinearAxisPlant& plant, TimeNs epoch) {
+FaultHooks hooks_of(CellPlant& plant, TimeNs epoch) {
   FaultHooks hooks;
   hooks.break_beam = [&plant](TimeNs now) { plant.break_beam(now); };
   hooks.open_probe = [&plant](int input, bool open, TimeNs now) {
@@ -144,10 +132,12 @@ int run(Arguments arguments) {
   // twice.
   std::vector<std::string> settings{"axis.start_delay_s=0"};
   settings.insert(settings.end(), arguments.settings.begin(), arguments.settings.end());
-  const auto plant = make_plant(arguments.plant,
-                                {.seed = arguments.seed, .overrides = settings, .epoch_ns = epoch});
+  const auto plant =
+      make_any_plant(arguments.plant,
+                     {.seed = arguments.seed, .overrides = settings, .epoch_ns = epoch});
   if (instance)
-    plant->attach_truth_log(std::make_unique<TruthLog>(folder / "truth.csv", plant->node_names()));
+    plant->attach_truth_log(
+        std::make_unique<TruthLog>(folder / "truth.csv", plant->truth_columns()));
   // The clock starts last: at high speed the plant's warm-up would be minutes of cell time.
   const auto clock = shared ? std::make_unique<SimClock>(folder / clock_name, epoch, speed)
                             : std::make_unique<SimClock>();

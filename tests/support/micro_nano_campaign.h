@@ -7,11 +7,10 @@
 // after every line of five (150); forces in the published order 0, 2.305, 0.768, 1.536, 3.842 N,
 // the calibration grid under the first, second and fourth. 1056 points in 5.5 h. Nothing is
 // corrected here: lengths are as the interferometers give them, angles as the autocollimators do,
-// both relative to the zero pose that was taken before the first point.
+// both since the zero pose that was taken before the first point.
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -22,14 +21,14 @@ namespace driftwise::testing_support {
 struct MicroNanoRow {
   double time_s = 0;                    // middle of the readings, since the epoch
   std::array<double, 3> q_mm{};         // read back, mean over the readings
-  std::array<double, 3> q_cmd_mm{};     //
+  std::array<double, 3> q_cmd_mm{};
   std::array<double, 3> path_mm{};      // x, y, z as the interferometers show them: not corrected
-  std::array<double, 3> path_std_nm{};  // sample standard deviation of the readings
+  std::array<double, 3> path_std_nm{};  // sample standard deviation of the readings; 0 for one
   std::array<double, 3> r_arcsec{};     // rx, ry, rz as the autocollimators show them since the zero
   std::array<double, 10> t_degc{};      // t01 .. t10 by each probe's certificate
   std::array<double, 3> air_degc{};     // of each interferometer's own probe
   double force_n = 0;                   // as declared: nominal mass x 9.81, what the cell knows
-  int grid = 0;                         // 0 .. 4, in the order above; further grids go on counting
+  int grid = 0;                         // 0 .. 4 in the order above
   int line = 0;                         // of the grid; a return to zero belongs to the line before
   bool calibration = false;
   bool zero = false;  // a return to zero
@@ -42,7 +41,7 @@ struct MicroNanoRow {
 };
 
 struct MicroNanoGrid {
-  bool calibration = true;  // 6x6x6 or 5x5x5
+  bool calibration = true;  // 6x6x6, else 5x5x5
   double force_n = 0;
 };
 
@@ -51,47 +50,43 @@ struct MicroNanoOptions {
   std::vector<std::string> overrides;  // "section.key=value" over the plant file
   std::vector<MicroNanoGrid> grids{
       {true, 0}, {true, 2.305}, {false, 0.768}, {true, 1.536}, {false, 3.842}};
-  // Poses in motor coordinates visited after the grids (online targets and the like), force 40 g.
-  std::vector<std::array<double, 3>> further_q_mm;
-  double further_force_n = 0.3924;
   double point_s = 18.75;  // 1056 in 5.5 h
   int readings = 4;
   int samples = 8192;  // per reading: 2 s
-  // Coarse: thermal steps of 2 s instead of 0.1 s and one instant per reading; the same physics and
-  // spreads, other random numbers. For many campaigns.
+  // Coarse: steps of 2 s instead of 0.1 s, one instant per reading, one reading of all samples: the
+  // same physics and spreads, other random numbers. For many campaigns.
   bool coarse = false;
 };
 
-std::filesystem::path micro_nano_plant_file(const std::string& source_dir);
-
-// A whole campaign on a new plant. Throws PlantFileError when the file or an override is wrong.
-std::vector<MicroNanoRow> run_micro_nano_campaign(const std::filesystem::path& plant_file,
-                                                  const MicroNanoOptions& options = {});
-
-// The same on a plant that is there: the caller can go on with it afterwards. Starts at start_s
-// since the epoch; end_s receives when the last point was over.
-std::vector<MicroNanoRow> run_micro_nano_campaign(simulated::MicroNanoPlant& plant,
-                                                  simulated::TimeNs epoch,
-                                                  const MicroNanoOptions& options);
-
-// One more pose on a plant that has run a campaign: moves, settles and reads from now on. The row
-// is relative to the campaign's zero.
-class MicroNanoVisitor {
+// The robot at work after (or without) the grids: one pose at a time.
+class MicroNanoSession {
  public:
-  MicroNanoVisitor(simulated::MicroNanoPlant& plant, simulated::TimeNs epoch,
-                   const MicroNanoOptions& options);
-  void load(double force_n);
+  // A new plant on the repository's file (source_dir: DRIFTWISE_SOURCE_DIR); referenced, lengths and
+  // angles zeroed at q = 0 without weights. Throws PlantFileError when an override is wrong.
+  MicroNanoSession(const std::string& source_dir, MicroNanoOptions options = {});
+
+  std::vector<MicroNanoRow> run_grids();
+  void load(double force_n);  // waits until the weights rest
   MicroNanoRow visit(const std::array<double, 3>& q_mm);
+
+  simulated::MicroNanoPlant& plant() { return *plant_; }
   double now_s() const { return now_s_; }
 
  private:
-  void zero();
   MicroNanoRow read(double start_s);
-  simulated::MicroNanoPlant& plant_;
-  simulated::TimeNs epoch_;
+  std::array<double, 3> angles_arcsec(double start_s);
+
   MicroNanoOptions options_;
+  std::unique_ptr<simulated::MicroNanoPlant> plant_;
   double now_s_ = 0, force_n_ = 0;
-  std::array<double, 3> zero_r_arcsec_{}, true_zero_mm_{}, true_zero_r_arcsec_{};
+  std::array<double, 3> zero_r_arcsec_{};
+  simulated::PoseTruth true_zero_;
 };
+
+// A whole campaign on a new plant.
+inline std::vector<MicroNanoRow> run_micro_nano_campaign(const std::string& source_dir,
+                                                         const MicroNanoOptions& options = {}) {
+  return MicroNanoSession(source_dir, options).run_grids();
+}
 
 }  // namespace driftwise::testing_support

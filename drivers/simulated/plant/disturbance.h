@@ -3,7 +3,8 @@
 // backlash, cyclic errors, creep, slips, without touching the plant.
 //
 // The stage servo hides what happens at the scale; each place says which quantity the returned
-// value is added to.
+// value is added to. A robot of several axes has the first place per motor axis, the second per axis
+// of the pose and the third per interferometer: the context's index says which one is asked for.
 
 #include <functional>
 
@@ -18,7 +19,8 @@ enum class DisturbancePlace {
 
 struct DisturbanceContext {
   double time_s = 0;        // since the epoch
-  double stage_mm = 0;      // true position
+  int index = 0;            // see above
+  double stage_mm = 0;      // true position of that axis
   double approach = 0;      // sign of the last move, 0 before any
   double since_move_s = 0;  // since the last move's end
   int input = 0;            // probe_k only

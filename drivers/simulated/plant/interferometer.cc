@@ -7,20 +7,24 @@
 
 namespace driftwise::simulated {
 
-Interferometer::Interferometer(const InterferometerParameters& parameters, const Weather& typed_in)
-    : parameters_(parameters), typed_in_(typed_in), typed_dead_path_mm_(parameters.dead_path_mm) {
+Interferometer::Interferometer(const InterferometerParameters& parameters, const Weather& typed_in,
+                               std::size_t beam)
+    : parameters_(parameters),
+      beam_(beam),
+      typed_in_(typed_in),
+      typed_dead_path_mm_(parameters.dead_path_mm) {
   typed_in_.pressure_hpa = std::round(typed_in.pressure_hpa);
   typed_in_.humidity_pct = std::round(typed_in.humidity_pct);
 }
 
 double Interferometer::index(const Frame& frame) const {
   const double air_degc = frame.degc[static_cast<std::size_t>(parameters_.air_part)];
-  return 1 + refractivity(parameters_.wavelength_nm, air_degc + frame.beam_air_k,
+  return 1 + refractivity(parameters_.wavelength_nm, air_degc + frame.beams[beam_].beam_air_k,
                           frame.weather.pressure_hpa, frame.weather.humidity_pct);
 }
 
 double Interferometer::believed_index(const Frame& frame) const {
-  return 1 + refractivity(parameters_.wavelength_nm, frame.air_probe_degc, typed_in_.pressure_hpa,
+  return 1 + refractivity(parameters_.wavelength_nm, frame.beams[beam_].air_probe_degc, typed_in_.pressure_hpa,
                           typed_in_.humidity_pct);
 }
 
@@ -29,17 +33,17 @@ double Interferometer::raw_nm(double true_nm, const Frame& frame) const {
   const double path_mm = index(frame) * (parameters_.dead_path_mm + true_nm / kNmPerMm);
   const double dead_path_change_mm = (believed - believed_at_zero_) * typed_dead_path_mm_;
   return (path_mm - path_at_zero_mm_ - dead_path_change_mm) / believed * kNmPerMm +
-         frame.instability_nm;
+         frame.beams[beam_].instability_nm;
 }
 
 double Interferometer::shown_nm(double true_nm, const Frame& frame) const {
-  return raw_nm(true_nm, frame) - zero_nm_;
+  return parameters_.sign * (raw_nm(true_nm, frame) - zero_nm_);
 }
 
 void Interferometer::zero(double true_nm, const Frame& frame, double offset_nm) {
   path_at_zero_mm_ = index(frame) * (parameters_.dead_path_mm + true_nm / kNmPerMm);
   believed_at_zero_ = believed_index(frame);
-  zero_nm_ = frame.instability_nm + offset_nm;
+  zero_nm_ = frame.beams[beam_].instability_nm + offset_nm;
 }
 
 }  // namespace driftwise::simulated

@@ -15,7 +15,9 @@ namespace driftwise::simulated {
 class Interferometer {
  public:
   // typed_in: pressure and humidity at set-up, rounded as a person types them.
-  Interferometer(const InterferometerParameters& parameters, const Weather& typed_in);
+  // beam: which of the frame's beams is this one's.
+  Interferometer(const InterferometerParameters& parameters, const Weather& typed_in,
+                 std::size_t beam);
 
   // What the electronics shows, nm since its zero, for a true distance of dead path + true_nm; no
   // noise of reading.
@@ -30,6 +32,7 @@ class Interferometer {
   double raw_nm(double true_nm, const Frame& frame) const;
 
   InterferometerParameters parameters_;
+  std::size_t beam_;
   Weather typed_in_;
   double typed_dead_path_mm_;
   double path_at_zero_mm_ = 0, believed_at_zero_ = 1, zero_nm_ = 0;

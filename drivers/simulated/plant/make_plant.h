@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "drivers/simulated/plant/linear_axis_plant.h"
+#include "drivers/simulated/plant/micro_nano_plant.h"
 
 namespace driftwise::simulated {
 
@@ -26,9 +27,15 @@ class PlantFileError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Reads, checks and warms the plant up (start_hours_before, about 0.2 s of processor time). Throws
-// PlantFileError on anything wrong in the file or in an override; nothing else fails.
+// Reads, checks and warms the plant up (start_hours_before, about 0.2 s of processor time per
+// robot axis). Throws PlantFileError on anything wrong in the file or in an override; nothing else
+// fails.
+std::unique_ptr<CellPlant> make_any_plant(const std::filesystem::path& file,
+                                          const PlantOptions& options);
+// The same for a file that must be of this kind.
 std::unique_ptr<LinearAxisPlant> make_plant(const std::filesystem::path& file,
                                             const PlantOptions& options);
+std::unique_ptr<MicroNanoPlant> make_micro_nano_plant(const std::filesystem::path& file,
+                                                      const PlantOptions& options);
 
 }  // namespace driftwise::simulated

@@ -10,7 +10,7 @@ double node(const NodeTemperatures& degc, int index) {
   return degc[static_cast<std::size_t>(index)];
 }
 
-double piece_nm(const PlantParameters& plant, const LoopParameters& piece,
+double piece_nm(const LinearAxisParameters& plant, const LoopParameters& piece,
                 const NodeTemperatures& degc) {
   double heat = 0, capacity = 0;
   for (const int part : piece.parts) {
@@ -31,7 +31,7 @@ double bending_nm(const BendingParameters& b, const NodeTemperatures& degc) {
 
 }  // namespace
 
-LoopState measuring_loop(const PlantParameters& plant, const NodeTemperatures& degc,
+LoopState measuring_loop(const LinearAxisParameters& plant, const NodeTemperatures& degc,
                          double stage_mm) {
   const auto& p = plant.parallelogram;
   LoopState state;
@@ -46,11 +46,11 @@ LoopState measuring_loop(const PlantParameters& plant, const NodeTemperatures& d
   return state;
 }
 
-double stage_from_scale_mm(const PlantParameters& plant, const NodeTemperatures& degc,
+double stage_from_scale_mm(const LinearAxisParameters& plant, const NodeTemperatures& degc,
                            double scale_mm) {
   const auto& p = plant.parallelogram;
   const double warm_k = node(degc, p.scale_part) - plant.reference_degc;
-  return scale_mm / (1 + plant.axis.scale_error_ppm * 1e-6) *
+  return scale_mm / (1 + plant.axis().scale_error_ppm * 1e-6) *
          (1 + p.scale_expansion_per_k * warm_k);
 }
 

@@ -2,7 +2,7 @@
 // From stage position and node temperatures to where the mirror is and what separates it from the
 // interferometer.
 
-#include "drivers/simulated/plant/plant_parameters.h"
+#include "drivers/simulated/plant/linear_axis_parameters.h"
 #include "drivers/simulated/plant/thermal_network.h"
 
 namespace driftwise::simulated {
@@ -15,12 +15,12 @@ struct LoopState {
   double interferometer_nm() const { return end_effector_nm() + device_drift_nm; }
 };
 
-LoopState measuring_loop(const PlantParameters& plant, const NodeTemperatures& degc,
+LoopState measuring_loop(const LinearAxisParameters& plant, const NodeTemperatures& degc,
                          double stage_mm);
 
 // The stage's position at which the scale shows scale_mm, and back: its error of division and its
 // own expansion.
-double stage_from_scale_mm(const PlantParameters& plant, const NodeTemperatures& degc,
+double stage_from_scale_mm(const LinearAxisParameters& plant, const NodeTemperatures& degc,
                            double scale_mm);
 
 }  // namespace driftwise::simulated

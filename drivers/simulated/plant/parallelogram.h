@@ -7,7 +7,7 @@
 // for a bar between pivots. Different drops tilt the stage; tilt and drop reach the beam through
 // its height above the scale and the mirror's tilt.
 
-#include "drivers/simulated/plant/plant_parameters.h"
+#include "drivers/simulated/plant/linear_axis_parameters.h"
 
 namespace driftwise::simulated {
 

@@ -8,6 +8,7 @@
 // the seed and the time only, never on who asks when.
 
 #include <cstdint>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,20 @@ struct LengthReading {  // an average over n samples, as the interferometer's el
   bool beam_broken = false;  // since the last zero: the length is lost
   bool laser_stable = true;
   TimeNs start = 0, end = 0;
+};
+
+struct AngleReading {  // of an autocollimator, its own axes: an average that ends at `end`
+  double y_arcsec = 0, z_arcsec = 0;
+  bool power_wrong = false;     // too little light comes back
+  bool position_wrong = false;  // the spot lies beyond the detector
+  TimeNs end = 0;
+};
+
+struct LoadState {     // of the device that pulls at the end-effector
+  double newton = 0;   // what hangs: nominal mass x 9.81
+  bool resting = true;  // the weights have been changed and hang still
+  bool jammed = false;
+  double max_newton = 0;
 };
 
 struct StabiliserState {
@@ -66,6 +81,18 @@ class Plant {
   // Four-wire resistance of the pt1000 on scanner input 101, 102, ..; NaN when the probe is open.
   virtual double probe_ohm(int input, TimeNs now) = 0;
   virtual bool has_probe(int input) const = 0;
+
+  // Robots without them keep these.
+  virtual int collimator_count() const { return 0; }
+  virtual AngleReading measure_angle(int /*index*/, double /*average_s*/, TimeNs /*end*/) {
+    throw std::out_of_range("this plant has no autocollimator");
+  }
+  virtual bool has_load() const { return false; }
+  virtual LoadState load(TimeNs /*now*/) { return {}; }
+  // Weights are changed until newton hangs; see load(). The caller has checked the range.
+  virtual void set_load(double /*newton*/, TimeNs /*now*/) {
+    throw std::out_of_range("this plant has no load");
+  }
 
   virtual int stabiliser_count() const = 0;
   virtual StabiliserState stabiliser(int index, TimeNs now) = 0;

@@ -2,7 +2,7 @@
 
 namespace driftwise::simulated {
 
-AxisParameters axis_section(Fields f, const std::vector<PartParameters>& parts) {
+AxisParameters axis_section(Fields& f) {
   AxisParameters axis{.min_mm = f.number("min_mm"),
                       .max_mm = f.number("max_mm"),
                       .scale_resolution_nm = f.positive("scale_resolution_nm"),
@@ -26,18 +26,18 @@ AxisParameters axis_section(Fields f, const std::vector<PartParameters>& parts) 
                       .reference_offset_mm = f.number("reference_offset_mm"),
                       .stiffness_n_mm = f.not_negative("stiffness_n_mm"),
                       .motor_constant_n_sqrtw = f.positive("motor_constant_n_sqrtw"),
-                      .moving_mass_kg = f.positive("moving_mass_kg"),
-                      .motor_part = part_named(f, "motor_part", parts)};
+                      .moving_mass_kg = f.positive("moving_mass_kg")};
   if (axis.max_mm <= axis.min_mm) f.fail("max_mm", "is not above min_mm, expected a range");
   if (axis.hold_max_nm < axis.hold_min_nm) {
     f.fail("hold_max_nm", "is below hold_min_nm, expected a range");
   }
-  f.finish();
   return axis;
 }
 
 RoomParameters room_section(Fields f) {
-  RoomParameters room{.set_point_degc = f.within("set_point_degc", 5, 40),
+  constexpr double kNever_h = 1e9;
+  RoomParameters room{.ac_off_hours = f.has("ac_off_hours") ? f.number("ac_off_hours") : kNever_h,
+                      .set_point_degc = f.within("set_point_degc", 5, 40),
                       .balance_degc = f.within("balance_degc", 5, 40),
                       .ac_w_k = f.positive("ac_w_k"),
                       .wall_w_k = f.positive("wall_w_k"),
@@ -67,10 +67,9 @@ RoomParameters room_section(Fields f) {
   return room;
 }
 
-InterferometerParameters interferometer_section(Fields f,
+InterferometerParameters interferometer_section(Fields& f,
                                                 const std::vector<PartParameters>& parts) {
-  InterferometerParameters device{.dead_path_mm = f.not_negative("dead_path_mm"),
-                                  .sample_rate_hz = f.within("sample_rate_hz", 10, 1e6),
+  InterferometerParameters device{.sample_rate_hz = f.within("sample_rate_hz", 10, 1e6),
                                   .resolution_nm = f.positive("resolution_nm"),
                                   .wavelength_nm = f.within("wavelength_nm", 300, 2000),
                                   .vibration_nm = f.not_negative("vibration_nm"),
@@ -91,14 +90,11 @@ InterferometerParameters interferometer_section(Fields f,
   if (device.disturbance_max_s < device.disturbance_min_s) {
     f.fail("disturbance_max_s", "is below disturbance_min_s, expected a range");
   }
-  f.finish();
   return device;
 }
 
-StabiliserParameters stabiliser_section(Fields f, const std::vector<PartParameters>& parts) {
-  StabiliserParameters s{.part = part_named(f, "part", parts),
-                         .sink_part = part_named(f, "sink_part", parts),
-                         .set_point_degc = f.within("set_point_degc", 5, 60),
+StabiliserParameters stabiliser_section(Fields& f) {
+  StabiliserParameters s{.set_point_degc = f.within("set_point_degc", 5, 60),
                          .seebeck_v_k = f.positive("seebeck_v_k"),
                          .resistance_ohm = f.positive("resistance_ohm"),
                          .conductance_w_k = f.not_negative("conductance_w_k"),
@@ -120,7 +116,6 @@ StabiliserParameters stabiliser_section(Fields f, const std::vector<PartParamete
   } else {
     f.fail("mode", "found '" + mode + "', expected automatic or off");
   }
-  f.finish();
   return s;
 }
 

@@ -121,6 +121,19 @@ std::vector<std::string> Fields::texts(std::string_view key) {
   return values;
 }
 
+std::vector<double> Fields::numbers(std::string_view key, std::size_t count) {
+  const std::string expected = "a list of " + std::to_string(count) + " numbers";
+  const toml::node& found = node(key, expected);
+  const auto* items = found.as_array();
+  if (items == nullptr || items->size() != count) wrong(key, found, expected);
+  std::vector<double> values;
+  for (const auto& item : *items) {
+    if (!item.is_number() || !std::isfinite(*item.value<double>())) wrong(key, item, "a number");
+    values.push_back(*item.value<double>());
+  }
+  return values;
+}
+
 std::vector<std::vector<double>> Fields::rows(std::string_view key, std::size_t width) {
   const std::string expected = "a list of lists of " + std::to_string(width) + " numbers";
   const toml::node& found = node(key, expected);

@@ -25,6 +25,7 @@ class Fields {
   std::string text(std::string_view key);
   std::string text_or(std::string_view key, std::string_view fallback);
   std::vector<std::string> texts(std::string_view key);
+  std::vector<double> numbers(std::string_view key, std::size_t count);
   std::vector<std::vector<double>> rows(std::string_view key, std::size_t width);
   bool has(std::string_view key) const { return table_.contains(key); }
   Fields table(std::string_view key);      // [path.key]

@@ -5,7 +5,7 @@
 
 #include "drivers/simulated/plant/make_plant.h"
 #include "drivers/simulated/plant/plant_fields.h"
-#include "drivers/simulated/plant/plant_sections.h"
+#include "drivers/simulated/plant/robot_sections.h"
 
 namespace driftwise::simulated {
 namespace {
@@ -75,7 +75,12 @@ PlantParameters parse_plant_file(std::string_view text, const std::string& name,
   // them.
   root.erase("emulator");
   root.erase("wire");
-  return plant_sections(Fields(name, "", root));
+  Fields all(name, "", root);
+  Fields head = all.table("plant");
+  const std::string kind = head.text("kind");
+  if (kind == "linear-axis") return linear_axis_sections(std::move(all));
+  if (kind == "micro-nano") return micro_nano_sections(std::move(all));
+  head.fail("kind", "found '" + kind + "', expected linear-axis or micro-nano");
 }
 
 PlantParameters read_plant_file(const std::filesystem::path& file,

@@ -1,14 +1,18 @@
 #pragma once
-// plant.toml with overrides -> PlantParameters.
+// plant.toml with overrides -> the parameters of its robot.
 
 #include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 
-#include "drivers/simulated/plant/plant_parameters.h"
+#include "drivers/simulated/plant/linear_axis_parameters.h"
+#include "drivers/simulated/plant/micro_nano_parameters.h"
 
 namespace driftwise::simulated {
+
+using PlantParameters = std::variant<LinearAxisParameters, MicroNanoParameters>;
 
 // Throws PlantFileError (make_plant.h).
 PlantParameters read_plant_file(const std::filesystem::path& file,

@@ -1,6 +1,6 @@
 #pragma once
-// What a plant file says, checked. Names, units and sources: deploy/cells/linear-axis/plant.toml,
-// which is the manual. Lists are in the order of their names.
+// What a plant file says, checked. Names, units and sources: deploy/cells/*/plant.toml, which are
+// the manual. Lists are in the order of their names.
 
 #include <cstdint>
 #include <string>
@@ -30,27 +30,6 @@ struct LinkParameters {
   double conductance_w_k = 0;
 };
 
-struct LoopParameters {
-  std::string name{};
-  std::vector<int> parts{};  // nodes, weighted by heat capacity
-  bool robot = false;        // else the device's
-  double length_mm = 0, expansion_per_k = 0;
-};
-
-struct BendingParameters {
-  int top = 0, bottom = 0;
-  double expansion_per_k = 0, node_distance_mm = 0, span_mm = 0, height_mm = 0;
-};
-
-struct ParallelogramParameters {
-  int left_part = 0, right_part = 0;
-  double expansion_per_k = 0;
-  double left_length_mm = 0, right_length_mm = 0, shortening_factor = 0, spacing_mm = 0;
-  double beam_above_scale_mm = 0, mirror_tilt_mrad = 0, beam_yaw_mrad = 0;
-  int scale_part = 0;
-  double scale_expansion_per_k = 0;
-};
-
 struct AxisParameters {
   double min_mm = 0, max_mm = 0, scale_resolution_nm = 0, scale_error_ppm = 0, scale_noise_nm = 0;
   double velocity_mm_s = 0, acceleration_mm_s2 = 0, start_delay_s = 0;
@@ -68,6 +47,7 @@ struct SetPointStep {
 
 struct RoomParameters {
   std::vector<SetPointStep> schedule{};
+  double ac_off_hours = 0;  // from then on the air conditioning is off
   double set_point_degc = 0, balance_degc = 0, ac_w_k = 0, wall_w_k = 0, air_j_k = 0, mass_j_k = 0,
          air_mass_w_k = 0;
   double cycle_s = 0, cycle_spread = 0, cycle_w = 0, wander_w = 0, wander_s = 0;
@@ -77,6 +57,7 @@ struct RoomParameters {
 };
 
 struct InterferometerParameters {
+  double sign = 1;  // of what is shown: + when the mirror goes away from the head
   double dead_path_mm = 0, sample_rate_hz = 0, resolution_nm = 0, wavelength_nm = 0;
   double vibration_nm = 0, vibration_s = 0, instability_nm = 0, instability_s = 0;
   double beam_turbulence_k = 0;
@@ -106,17 +87,16 @@ struct ThermometerParameters {
   double r0_ohm = 0, a_per_k = 0, b_per_k2 = 0, certificate_r0_ohm = 0;
 };
 
-struct PlantParameters {
+// What every simulated cell has, whatever its robot.
+struct CellParameters {
   double reference_degc = 0, start_hours_before = 0;
+  double step_s = 0.1;  // of everything that has a memory
   std::vector<PartParameters> parts{};  // index = node
   std::vector<LinkParameters> links{};
-  std::vector<LoopParameters> loop{};
-  BendingParameters bending;
-  ParallelogramParameters parallelogram;
-  AxisParameters axis;
+  std::vector<AxisParameters> axes{};
   RoomParameters room;
-  InterferometerParameters interferometer;
-  StabiliserParameters stabiliser;
+  std::vector<InterferometerParameters> interferometers{};
+  std::vector<StabiliserParameters> stabilisers{};
   double scanner_noise_ohm = 0, scanner_resolution_ohm = 0;
   std::vector<ThermometerParameters> thermometers{};
 };

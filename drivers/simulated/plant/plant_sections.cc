@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 namespace driftwise::simulated {
 namespace {
 
-using Materials = std::map<std::string, Material, std::less<>>;
-
+constexpr std::size_t kMaxParts = 36, kMaxThermometers = 16;
 constexpr double kAirHeat_j_m3k = 1.2 * 1005;  // density x heat capacity at 20 degC
 
 Materials materials_section(Fields fields) {
@@ -24,13 +22,13 @@ Materials materials_section(Fields fields) {
   return materials;
 }
 
-const Material& material_named(Fields& fields, const Materials& materials) {
-  const std::string name = fields.text("material");
+const Material& material_named(Fields& fields, std::string_view key, const Materials& materials) {
+  const std::string name = fields.text(key);
   const auto found = materials.find(name);
   if (found != materials.end()) return found->second;
   std::string known;
   for (const auto& [other, unused] : materials) known += (known.empty() ? "" : ", ") + other;
-  fields.fail("material", "found '" + name + "', expected one of the materials: " + known);
+  fields.fail(key, "found '" + name + "', expected one of the materials: " + known);
 }
 
 double per_kelvin(double ppm_k) { return ppm_k * 1e-6; }
@@ -43,7 +41,7 @@ std::vector<PartParameters> parts_section(Fields fields, const Materials& materi
     if (one.has("heat_capacity_j_k")) {
       part.capacity_j_k = one.positive("heat_capacity_j_k");
     } else {
-      const Material& material = material_named(one, materials);
+      const Material& material = material_named(one, "material", materials);
       part.capacity_j_k = one.positive("mass_kg") * material.heat_capacity_j_kgk;
       part.expansion_per_k = per_kelvin(material.expansion_ppm_k);
     }
@@ -77,7 +75,7 @@ std::vector<LinkParameters> links_section(Fields fields, const Materials& materi
     link.to = end_of_link(one, ends[1], parts);
     const std::string kind = one.text("kind");
     if (kind == "conduction") {
-      link.conductance_w_k = material_named(one, materials).conductivity_w_mk *
+      link.conductance_w_k = material_named(one, "material", materials).conductivity_w_mk *
                              one.positive("section_mm2") * 1e-6 /
                              (one.positive("length_mm") * 1e-3);
     } else if (kind == "contact") {
@@ -93,65 +91,6 @@ std::vector<LinkParameters> links_section(Fields fields, const Materials& materi
   return links;
 }
 
-std::vector<int> parts_named(Fields& fields, const std::vector<PartParameters>& parts) {
-  std::vector<int> nodes;
-  for (const auto& name : fields.texts("parts")) {
-    nodes.push_back(part_index(fields, "parts", name, parts));
-  }
-  return nodes;
-}
-
-std::vector<LoopParameters> loop_section(Fields fields, const std::vector<PartParameters>& parts) {
-  std::vector<LoopParameters> loop;
-  for (const auto& name : fields.table_names()) {
-    Fields one = fields.table(name);
-    LoopParameters piece{.name = name};
-    piece.parts = parts_named(one, parts);
-    const std::string member = one.text("member");
-    if (member != "robot" && member != "device") {
-      one.fail("member", "found '" + member + "', expected robot or device");
-    }
-    piece.robot = member == "robot";
-    piece.length_mm = one.number("length_mm");
-    piece.expansion_per_k = parts[static_cast<std::size_t>(piece.parts.front())].expansion_per_k;
-    one.finish();
-    loop.push_back(std::move(piece));
-  }
-  return loop;
-}
-
-BendingParameters bending_section(Fields fields, const Materials& materials,
-                                  const std::vector<PartParameters>& parts) {
-  BendingParameters bending{
-      .top = part_named(fields, "top", parts),
-      .bottom = part_named(fields, "bottom", parts),
-      .expansion_per_k = per_kelvin(material_named(fields, materials).expansion_ppm_k),
-      .node_distance_mm = fields.positive("node_distance_mm"),
-      .span_mm = fields.number("span_mm"),
-      .height_mm = fields.number("height_mm")};
-  fields.finish();
-  return bending;
-}
-
-ParallelogramParameters parallelogram_section(Fields fields, const Materials& materials,
-                                              const std::vector<PartParameters>& parts) {
-  ParallelogramParameters p{
-      .left_part = part_named(fields, "left_part", parts),
-      .right_part = part_named(fields, "right_part", parts),
-      .expansion_per_k = per_kelvin(material_named(fields, materials).expansion_ppm_k),
-      .left_length_mm = fields.within("left_length_mm", 10, 1000),
-      .right_length_mm = fields.within("right_length_mm", 10, 1000),
-      .shortening_factor = fields.within("shortening_factor", 0.4, 0.7),
-      .spacing_mm = fields.positive("spacing_mm"),
-      .beam_above_scale_mm = fields.number("beam_above_scale_mm"),
-      .mirror_tilt_mrad = fields.within("mirror_tilt_mrad", -50, 50),
-      .beam_yaw_mrad = fields.within("beam_yaw_mrad", -50, 50)};
-  p.scale_part = part_index(fields, "", "scale", parts);
-  p.scale_expansion_per_k = parts[static_cast<std::size_t>(p.scale_part)].expansion_per_k;
-  fields.finish();
-  return p;
-}
-
 std::vector<ThermometerParameters> thermometers_section(Fields fields,
                                                         const std::vector<PartParameters>& parts) {
   std::vector<ThermometerParameters> thermometers;
@@ -159,7 +98,7 @@ std::vector<ThermometerParameters> thermometers_section(Fields fields,
     Fields one = fields.table(name);
     ThermometerParameters t{.name = name,
                             .input = one.whole("input", 101, 420),
-                            .parts = parts_named(one, parts),
+                            .parts = parts_named(one, "parts", parts),
                             .lag_s = one.positive("lag_s"),
                             .stem = one.within("stem", 0, 1),
                             .r0_ohm = one.positive("r0_ohm"),
@@ -178,17 +117,6 @@ std::vector<ThermometerParameters> thermometers_section(Fields fields,
   return thermometers;
 }
 
-// The pieces lead from the head to the mirror through metal; air is the straight way.
-void check_closure(const Fields& root, const PlantParameters& plant) {
-  double sum_mm = 0;
-  for (const auto& piece : plant.loop) sum_mm += piece.length_mm;
-  if (std::abs(sum_mm - plant.interferometer.dead_path_mm) > 1e-6) {
-    root.fail("loop", "the lengths sum to " + std::to_string(sum_mm) +
-                          " mm, expected interferometer.dead_path_mm = " +
-                          std::to_string(plant.interferometer.dead_path_mm) + ": a loop closes");
-  }
-}
-
 }  // namespace
 
 int part_index(const Fields& fields, std::string_view key, std::string_view name,
@@ -205,35 +133,40 @@ int part_named(Fields& fields, std::string_view key, const std::vector<PartParam
   return part_index(fields, key, fields.text(key), parts);
 }
 
-PlantParameters plant_sections(Fields root) {
-  PlantParameters plant;
-  Fields head = root.table("plant");
-  if (const std::string kind = head.text("kind"); kind != "linear-axis") {
-    head.fail("kind", "found '" + kind + "', expected linear-axis");
+std::vector<int> parts_named(Fields& fields, std::string_view key,
+                             const std::vector<PartParameters>& parts) {
+  std::vector<int> nodes;
+  for (const auto& name : fields.texts(key)) {
+    nodes.push_back(part_index(fields, key, name, parts));
   }
-  plant.reference_degc = head.within("reference_degc", -50, 100);
-  plant.start_hours_before = head.within("start_hours_before", 0, 1000);
-  head.finish();
+  return nodes;
+}
 
-  const Materials materials = materials_section(root.table("material"));
-  plant.parts = parts_section(root.table("part"), materials);
-  if (plant.parts.size() > 32) root.fail("part", "found more than 32 parts, expected fewer");
-  plant.links = links_section(root.table("link"), materials, plant.parts);
-  plant.loop = loop_section(root.table("loop"), plant.parts);
-  plant.bending = bending_section(root.table("bending"), materials, plant.parts);
-  plant.parallelogram = parallelogram_section(root.table("parallelogram"), materials, plant.parts);
-  plant.axis = axis_section(root.table("axis"), plant.parts);
-  plant.room = room_section(root.table("room"));
-  plant.interferometer = interferometer_section(root.table("interferometer"), plant.parts);
-  plant.stabiliser = stabiliser_section(root.table("stabiliser"), plant.parts);
+double expansion_named(Fields& fields, std::string_view key, const Materials& materials) {
+  return per_kelvin(material_named(fields, key, materials).expansion_ppm_k);
+}
+
+Materials cell_sections(Fields& root, Fields& head, CellParameters& cell) {
+  Materials materials = materials_section(root.table("material"));
+  cell.reference_degc = head.within("reference_degc", -50, 100);
+  cell.start_hours_before = head.within("start_hours_before", 0, 1000);
+  if (head.has("step_s")) cell.step_s = head.within("step_s", 0.01, 5);
+  cell.parts = parts_section(root.table("part"), materials);
+  if (cell.parts.size() > kMaxParts) {
+    root.fail("part", "found more than " + std::to_string(kMaxParts) + " parts, expected fewer");
+  }
+  cell.links = links_section(root.table("link"), materials, cell.parts);
+  cell.room = room_section(root.table("room"));
   Fields scanner = root.table("scanner");
-  plant.scanner_noise_ohm = scanner.not_negative("noise_ohm");
-  plant.scanner_resolution_ohm = scanner.positive("resolution_ohm");
+  cell.scanner_noise_ohm = scanner.not_negative("noise_ohm");
+  cell.scanner_resolution_ohm = scanner.positive("resolution_ohm");
   scanner.finish();
-  plant.thermometers = thermometers_section(root.table("thermometer"), plant.parts);
-  root.finish();
-  check_closure(root, plant);
-  return plant;
+  cell.thermometers = thermometers_section(root.table("thermometer"), cell.parts);
+  if (cell.thermometers.size() > kMaxThermometers) {
+    root.fail("thermometer", "found more than " + std::to_string(kMaxThermometers) +
+                                 ", expected fewer");
+  }
+  return materials;
 }
 
 }  // namespace driftwise::simulated

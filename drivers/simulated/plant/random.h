@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <string>
 #include <string_view>
 
 namespace driftwise::simulated {
@@ -45,6 +46,11 @@ class Random {
   double spare_ = 0;
   bool has_spare_ = false;
 };
+
+// The name of a stream of the index-th device of a kind: the first has the plain name.
+inline std::string stream_of(std::string_view name, int index) {
+  return std::string(name) + (index == 0 ? "" : "." + std::to_string(index + 1));
+}
 
 // An exponentially correlated Gaussian process on a fixed step, exact for any ratio of step to
 // correlation time.

@@ -31,6 +31,8 @@ double Room::set_point_degc() const {
   return degc;
 }
 
+bool Room::conditioned() const { return time_s_ < parameters_.ac_off_hours * 3600; }
+
 // A valve that hunts about its position: a sine whose length differs from cycle to cycle.
 double Room::cycling_w() {
   cycle_phase_ += step_s_ / cycle_length_s_;
@@ -44,9 +46,10 @@ double Room::cycling_w() {
 
 void Room::step() {
   const auto& p = parameters_;
-  const double into_air_w = p.ac_w_k * (set_point_degc() - air_degc_) +
-                            p.air_mass_w_k * (mass_degc_ - air_degc_) + cycling_w() +
-                            load_w_.step();
+  const double conditioned_w =
+      conditioned() ? p.ac_w_k * (set_point_degc() - air_degc_) + cycling_w() : 0;
+  const double into_air_w =
+      conditioned_w + p.air_mass_w_k * (mass_degc_ - air_degc_) + load_w_.step();
   const double into_mass_w =
       p.air_mass_w_k * (air_degc_ - mass_degc_) + p.wall_w_k * (p.balance_degc - mass_degc_);
   // Explicit: the fastest time constant, air_j_k / conductances, is minutes; the step is a tenth of

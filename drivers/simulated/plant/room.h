@@ -25,6 +25,7 @@ class Room {
  private:
   double set_point_degc() const;
   double cycling_w();
+  bool conditioned() const;  // the air conditioning is on
 
   RoomParameters parameters_;
   double time_s_, step_s_;

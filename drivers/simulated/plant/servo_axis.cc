@@ -16,9 +16,9 @@ constexpr double kSearch_mm = -0.5;  // the mark is crossed from below
 
 }  // namespace
 
-ServoAxis::ServoAxis(const AxisParameters& parameters, std::uint64_t seed)
+ServoAxis::ServoAxis(const AxisParameters& parameters, std::uint64_t seed, int index)
     : parameters_(parameters),
-      random_(seed, "axis.servo"),
+      random_(seed, stream_of("axis.servo", index)),
       velocity_mm_s_(parameters.velocity_mm_s) {
   const double at_rest_mm = parameters_.reference_offset_mm;
   push(

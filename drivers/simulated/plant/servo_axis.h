@@ -19,7 +19,7 @@ namespace driftwise::simulated {
 
 class ServoAxis {
  public:
-  ServoAxis(const AxisParameters& parameters, std::uint64_t seed);
+  ServoAxis(const AxisParameters& parameters, std::uint64_t seed, int index = 0);
 
   void start_move(double target_mm, double now_s);
   void set_velocity(double mm_per_s) { velocity_mm_s_ = mm_per_s; }

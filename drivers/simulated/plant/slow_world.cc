@@ -8,12 +8,14 @@ namespace {
 
 constexpr std::int64_t kFrames = 2048;
 
-std::vector<LinkParameters> with_peltier(const PlantParameters& p) {
+std::vector<LinkParameters> with_peltiers(const CellParameters& p) {
   std::vector<LinkParameters> links = p.links;
-  links.push_back({.name = "peltier",
-                   .from = p.stabiliser.part,
-                   .to = p.stabiliser.sink_part,
-                   .conductance_w_k = p.stabiliser.conductance_w_k});
+  for (const auto& stabiliser : p.stabilisers) {
+    links.push_back({.name = "peltier",
+                     .from = stabiliser.part,
+                     .to = stabiliser.sink_part,
+                     .conductance_w_k = stabiliser.conductance_w_k});
+  }
   return links;
 }
 
@@ -21,62 +23,82 @@ double mix(double a, double b, double share) { return a + share * (b - a); }
 
 }  // namespace
 
-SlowWorld::SlowWorld(const PlantParameters& p, std::uint64_t seed)
+SlowWorld::SlowWorld(const CellParameters& p, std::uint64_t seed)
     : parameters_(p),
-      start_s_(-3600 * p.start_hours_before - 2 * kStep_s),
-      room_(p.room, seed, start_s_, kStep_s),
-      network_(p.parts, with_peltier(p), kStep_s, room_.weather().room_degc),
-      stabiliser_(p.stabiliser, seed, kStep_s, room_.weather().room_degc),
-      hold_(p.axis.hold_wander_nm, p.axis.hold_wander_s, kStep_s, Random(seed, "axis.hold")),
-      instability_(p.interferometer.instability_nm, p.interferometer.instability_s, kStep_s,
-                   Random(seed, "interferometer.instability")),
-      // Beam against probe: eddies, of the room turbulence's time scale.
-      beam_air_(p.interferometer.beam_turbulence_k, p.room.turbulence_s, kStep_s,
-                Random(seed, "interferometer.beam_air")),
+      step_s_(p.step_s),
+      start_s_(-3600 * p.start_hours_before - 2 * step_s_),
+      room_(p.room, seed, start_s_, step_s_),
+      network_(p.parts, with_peltiers(p), step_s_, room_.weather().room_degc),
       burst_random_(seed, "interferometer.burst"),
       burst_start_s_(start_s_),
       burst_end_s_(start_s_),
-      air_probe_keep_(std::exp(-kStep_s / p.interferometer.air_probe_s)),
-      air_probe_degc_(room_.weather().room_degc),
       frames_(kFrames) {
-  probe_degc_.fill(air_probe_degc_);
+  const double start_degc = room_.weather().room_degc;
+  for (int i = 0; i < static_cast<int>(p.stabilisers.size()); ++i) {
+    stabilisers_.emplace_back(p.stabilisers[static_cast<std::size_t>(i)], seed, step_s_, start_degc,
+                              i);
+  }
+  for (int i = 0; i < static_cast<int>(p.axes.size()); ++i) {
+    const auto& axis = p.axes[static_cast<std::size_t>(i)];
+    holds_.emplace_back(axis.hold_wander_nm, axis.hold_wander_s, step_s_,
+                        Random(seed, stream_of("axis.hold", i)));
+  }
+  for (int i = 0; i < static_cast<int>(p.interferometers.size()); ++i) {
+    const auto& beam = p.interferometers[static_cast<std::size_t>(i)];
+    beams_.push_back({.instability = {beam.instability_nm, beam.instability_s, step_s_,
+                                      Random(seed, stream_of("interferometer.instability", i))},
+                      // Beam against probe: eddies, of the room turbulence's time scale.
+                      .beam_air = {beam.beam_turbulence_k, p.room.turbulence_s, step_s_,
+                                   Random(seed, stream_of("interferometer.beam_air", i))},
+                      .air_probe_keep = std::exp(-step_s_ / beam.air_probe_s),
+                      .air_probe_degc = start_degc});
+  }
+  probe_degc_.fill(start_degc);
   for (std::size_t i = 0; i < p.thermometers.size(); ++i) {
-    probe_keep_[i] = std::exp(-kStep_s / p.thermometers[i].lag_s);
+    probe_keep_[i] = std::exp(-step_s_ / p.thermometers[i].lag_s);
   }
   keep_frame();
-  advance_to(0, [](double) { return 0.0; });
+  advance_to(0, [](std::size_t, double) { return 0.0; });
 }
 
-void SlowWorld::advance_to(double time_s, const std::function<double(double)>& motor_w) {
-  const auto wanted = static_cast<std::int64_t>(std::floor((time_s - start_s_) / kStep_s));
-  while (steps_ < wanted) {
-    step(motor_w(start_s_ + (static_cast<double>(steps_) + 0.5) * kStep_s));
-  }
+void SlowWorld::advance_to(double time_s, const MotorHeat& motor_w) {
+  const auto wanted = static_cast<std::int64_t>(std::floor((time_s - start_s_) / step_s_));
+  while (steps_ < wanted) step(motor_w);
 }
 
-void SlowWorld::step(double motor_w) {
+void SlowWorld::step(const MotorHeat& motor_w) {
   const auto& p = parameters_;
   const NodeTemperatures& degc = network_.degc();
+  const double middle_s = start_s_ + (static_cast<double>(steps_) + 0.5) * step_s_;
   room_.step();
-  const PeltierHeat peltier =
-      stabiliser_.step(degc[static_cast<std::size_t>(p.stabiliser.part)],
-                       degc[static_cast<std::size_t>(p.stabiliser.sink_part)]);
   NodeTemperatures power_w{};
-  power_w[static_cast<std::size_t>(p.stabiliser.part)] += peltier.support_w;
-  power_w[static_cast<std::size_t>(p.stabiliser.sink_part)] += peltier.sink_w;
-  power_w[static_cast<std::size_t>(p.axis.motor_part)] += motor_w;
+  for (std::size_t i = 0; i < stabilisers_.size(); ++i) {
+    const auto part = static_cast<std::size_t>(p.stabilisers[i].part);
+    const auto sink = static_cast<std::size_t>(p.stabilisers[i].sink_part);
+    const PeltierHeat peltier = stabilisers_[i].step(degc[part], degc[sink]);
+    power_w[part] += peltier.support_w;
+    power_w[sink] += peltier.sink_w;
+  }
+  for (std::size_t i = 0; i < p.axes.size(); ++i) {
+    power_w[static_cast<std::size_t>(p.axes[i].motor_part)] += motor_w(i, middle_s);
+  }
   network_.step(room_.weather().room_degc, power_w);
-  hold_.step();
-  instability_.step();
-  beam_air_.step();
-
-  const double air_degc = degc[static_cast<std::size_t>(p.interferometer.air_part)];
-  air_probe_degc_ = air_degc + air_probe_keep_ * (air_probe_degc_ - air_degc);
+  for (auto& hold : holds_) hold.step();
+  for (std::size_t i = 0; i < beams_.size(); ++i) {
+    auto& beam = beams_[i];
+    beam.instability.step();
+    beam.beam_air.step();
+    const double air_degc = degc[static_cast<std::size_t>(p.interferometers[i].air_part)];
+    beam.air_probe_degc = air_degc + beam.air_probe_keep * (beam.air_probe_degc - air_degc);
+  }
   for (std::size_t i = 0; i < p.thermometers.size(); ++i) {
     const auto& probe = p.thermometers[i];
     double part_degc = 0;
     for (const int part : probe.parts) part_degc += degc[static_cast<std::size_t>(part)];
     part_degc /= static_cast<double>(probe.parts.size());
+    // The stem stands in the air of the first interferometer: there is one air under the cover.
+    const double air_degc =
+        degc[static_cast<std::size_t>(p.interferometers.front().air_part)];
     const double felt_degc = mix(part_degc, air_degc, probe.stem);
     probe_degc_[i] = felt_degc + probe_keep_[i] * (probe_degc_[i] - felt_degc);
   }
@@ -86,9 +108,9 @@ void SlowWorld::step(double motor_w) {
 
 // Poisson arrivals, drawn one ahead.
 double SlowWorld::next_burst_nm() {
-  const auto& p = parameters_.interferometer;
+  const auto& p = parameters_.interferometers.front();
   if (p.disturbances_per_hour <= 0) return 0;
-  const double time_s = start_s_ + static_cast<double>(steps_) * kStep_s;
+  const double time_s = start_s_ + static_cast<double>(steps_) * step_s_;
   if (time_s >= burst_end_s_) {
     burst_start_s_ = time_s - std::log(burst_random_.uniform()) * 3600 / p.disturbances_per_hour;
     burst_end_s_ = burst_start_s_ + burst_random_.uniform(p.disturbance_min_s, p.disturbance_max_s);
@@ -102,11 +124,13 @@ void SlowWorld::keep_frame() {
   frame.degc = network_.degc();
   frame.probe_degc = probe_degc_;
   frame.weather = room_.weather();
-  frame.air_probe_degc = air_probe_degc_;
-  frame.beam_air_k = beam_air_.value();
-  frame.instability_nm = instability_.value();
+  for (std::size_t i = 0; i < beams_.size(); ++i) {
+    frame.beams[i] = {.air_probe_degc = beams_[i].air_probe_degc,
+                      .beam_air_k = beams_[i].beam_air.value(),
+                      .instability_nm = beams_[i].instability.value()};
+  }
   frame.burst_nm = next_burst_nm();
-  frame.hold_wander_nm = hold_.value();
+  for (std::size_t i = 0; i < holds_.size(); ++i) frame.hold_wander_nm[i] = holds_[i].value();
 }
 
 const Frame& SlowWorld::frame(std::int64_t step) const {
@@ -115,7 +139,7 @@ const Frame& SlowWorld::frame(std::int64_t step) const {
 }
 
 Frame SlowWorld::at(double time_s) const {
-  const double place = (time_s - start_s_) / kStep_s - 1;
+  const double place = (time_s - start_s_) / step_s_ - 1;
   const auto step = static_cast<std::int64_t>(std::floor(place));
   const double share = place - static_cast<double>(step);
   Frame mixed_frame = frame(step);
@@ -128,10 +152,15 @@ Frame SlowWorld::at(double time_s) const {
   blend(mixed_frame.weather.room_degc, next.weather.room_degc);
   blend(mixed_frame.weather.pressure_hpa, next.weather.pressure_hpa);
   blend(mixed_frame.weather.humidity_pct, next.weather.humidity_pct);
-  blend(mixed_frame.air_probe_degc, next.air_probe_degc);
-  blend(mixed_frame.beam_air_k, next.beam_air_k);
-  blend(mixed_frame.instability_nm, next.instability_nm);
-  blend(mixed_frame.hold_wander_nm, next.hold_wander_nm);
+  for (std::size_t i = 0; i < beams_.size(); ++i) {
+    auto& beam = mixed_frame.beams[i];
+    blend(beam.air_probe_degc, next.beams[i].air_probe_degc);
+    blend(beam.beam_air_k, next.beams[i].beam_air_k);
+    blend(beam.instability_nm, next.beams[i].instability_nm);
+  }
+  for (std::size_t i = 0; i < holds_.size(); ++i) {
+    blend(mixed_frame.hold_wander_nm[i], next.hold_wander_nm[i]);
+  }
   return mixed_frame;
 }
 

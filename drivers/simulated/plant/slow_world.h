@@ -1,5 +1,5 @@
 #pragma once
-// Everything with a memory, on one grid of 0.1 s, with the last 200 s kept to look up.
+// Everything with a memory, on one grid of step_s (0.1 s), with the last 2048 steps kept to look up.
 
 #include <array>
 #include <cstdint>
@@ -12,55 +12,61 @@
 
 namespace driftwise::simulated {
 
-inline constexpr std::size_t kMaxProbes = 16;
+inline constexpr std::size_t kMaxProbes = 16, kMaxBeams = 3, kMaxAxes = 3, kMaxCollimators = 2;
 
 // The plant's slow quantities at one instant.
 struct Frame {
   NodeTemperatures degc{};                      // thermal nodes
   std::array<double, kMaxProbes> probe_degc{};  // what each thermometer's element feels
   Weather weather;
-  double air_probe_degc = 0;  // the interferometer's own, with its lag
-  double beam_air_k = 0;      // beam path less the air around it
-  double instability_nm = 0;  // slow error of the interferometer
-  double burst_nm = 0;        // shaking by a door, a lift: 0 but now and then
-  double hold_wander_nm = 0;  // slow servo error
+  struct Beam {
+    double air_probe_degc = 0;  // the interferometer's own, with its lag
+    double beam_air_k = 0;      // beam path less the air around it
+    double instability_nm = 0;  // slow error of the interferometer
+  };
+  std::array<Beam, kMaxBeams> beams{};
+  double burst_nm = 0;  // shaking by a door, a lift: 0 but now and then; of the whole table
+  std::array<double, kMaxAxes> hold_wander_nm{};  // slow servo error
 };
 
 class SlowWorld {
  public:
-  static constexpr double kStep_s = 0.1;
+  // Warmed up to time 0 (the epoch) by parameters.start_hours_before with the motors at rest.
+  SlowWorld(const CellParameters& parameters, std::uint64_t seed);
 
-  // Warmed up to time 0 (the epoch) by parameters.start_hours_before with the motor at rest.
-  SlowWorld(const PlantParameters& parameters, std::uint64_t seed);
-
-  // Takes all steps that end at or before time_s. motor_w(t): heat of the motor at an instant since
-  // the epoch.
-  void advance_to(double time_s, const std::function<double(double)>& motor_w);
+  // Takes all steps that end at or before time_s. motor_w(axis, t): heat of a motor at an instant
+  // since the epoch.
+  using MotorHeat = std::function<double(std::size_t axis, double time_s)>;
+  void advance_to(double time_s, const MotorHeat& motor_w);
 
   // Interpolated between the two steps before time_s (a constant delay of one step: nothing here is
   // that fast).
   Frame at(double time_s) const;
 
-  StabiliserLoop& stabiliser() { return stabiliser_; }
-  const StabiliserLoop& stabiliser() const { return stabiliser_; }
+  StabiliserLoop& stabiliser(std::size_t index) { return stabilisers_[index]; }
 
  private:
-  void step(double motor_w);
+  void step(const MotorHeat& motor_w);
   void keep_frame();
   double next_burst_nm();
   const Frame& frame(std::int64_t step) const;
 
-  const PlantParameters& parameters_;
-  double start_s_;
+  struct BeamWorld {
+    Wander instability, beam_air;
+    double air_probe_keep, air_probe_degc;
+  };
+
+  const CellParameters& parameters_;
+  double step_s_, start_s_;
   std::int64_t steps_ = 0;
   Room room_;
   ThermalNetwork network_;
-  StabiliserLoop stabiliser_;
-  Wander hold_, instability_, beam_air_;
+  std::vector<StabiliserLoop> stabilisers_;
+  std::vector<Wander> holds_;
+  std::vector<BeamWorld> beams_;
   Random burst_random_;
   double burst_start_s_ = 0, burst_end_s_ = 0, burst_size_nm_ = 0;
   std::array<double, kMaxProbes> probe_keep_{}, probe_degc_{};
-  double air_probe_keep_, air_probe_degc_;
   std::vector<Frame> frames_;  // ring, index = step
 };
 

@@ -9,11 +9,11 @@ constexpr double kKelvinAtZeroDegc = 273.15;
 }
 
 StabiliserLoop::StabiliserLoop(const StabiliserParameters& parameters, std::uint64_t seed,
-                               double step_s, double start_degc)
+                               double step_s, double start_degc, int index)
     : parameters_(parameters),
-      noise_(seed, "stabiliser.sensor"),
+      noise_(seed, stream_of("stabiliser.sensor", index)),
       drift_(parameters.sensor_drift_k, parameters.sensor_drift_s, step_s,
-             Random(seed, "stabiliser.drift")),
+             Random(seed, stream_of("stabiliser.drift", index))),
       step_s_(step_s),
       keep_(std::exp(-step_s / parameters.sensor_s)),
       sensor_degc_(start_degc),

@@ -22,7 +22,7 @@ struct PeltierHeat {
 class StabiliserLoop {
  public:
   StabiliserLoop(const StabiliserParameters& parameters, std::uint64_t seed, double step_s,
-                 double start_degc);
+                 double start_degc, int index = 0);
 
   // One tick of sensor and controller; the heat that flows during the step that follows.
   PeltierHeat step(double support_degc, double sink_degc);

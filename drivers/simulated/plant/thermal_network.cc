@@ -40,7 +40,7 @@ std::vector<double> rates_by_state(std::span<const PartParameters> parts,
 ThermalNetwork::ThermalNetwork(std::span<const PartParameters> parts,
                                std::span<const LinkParameters> links, double step_s,
                                double start_degc)
-    : size_(parts.size()) {
+    : size_(parts.size()), rows_((size_ + 3) / 4 * 4) {
   assert(size_ <= kMaxNodes);
   const std::size_t width = 2 * size_ + 1;
   std::vector<double> rates = rates_by_state(parts, links);
@@ -57,11 +57,12 @@ ThermalNetwork::ThermalNetwork(std::span<const PartParameters> parts,
 
 void ThermalNetwork::step(double room_degc, std::span<const double, kMaxNodes> power_w) {
   NodeTemperatures next{};
+  assert(rows_ <= kMaxNodes);
   // Column by column, so that the compiler can use wide additions without reordering any sum.
   const auto add = [&](std::size_t column, double factor) {
     if (factor == 0) return;
     const double* source = columns_.data() + column * kMaxNodes;
-    for (std::size_t i = 0; i < kMaxNodes; ++i) next[i] += factor * source[i];
+    for (std::size_t i = 0; i < rows_; ++i) next[i] += factor * source[i];
   };
   for (std::size_t j = 0; j < size_; ++j) add(j, degc_[j]);
   add(size_, room_degc);

@@ -16,7 +16,7 @@
 
 namespace driftwise::simulated {
 
-inline constexpr std::size_t kMaxNodes = 32;
+inline constexpr std::size_t kMaxNodes = 40;
 using NodeTemperatures = std::array<double, kMaxNodes>;  // degC; unused nodes stay as they are
 
 class ThermalNetwork {
@@ -34,6 +34,7 @@ class ThermalNetwork {
 
  private:
   std::size_t size_;
+  std::size_t rows_;  // size_ up to a whole number of wide registers
   // Columns of [exp(A dt) | response to 1 K of room | response to 1 W on node 0, 1, ..], each
   // kMaxNodes long.
   std::vector<double> columns_;

@@ -12,8 +12,9 @@
 namespace driftwise::simulated {
 namespace {
 
-PlantParameters shipped() {
-  return read_plant_file(testing_support::linear_axis_plant_file(DRIFTWISE_SOURCE_DIR), {});
+LinearAxisParameters shipped() {
+  return std::get<LinearAxisParameters>(
+      read_plant_file(testing_support::linear_axis_plant_file(DRIFTWISE_SOURCE_DIR), {}));
 }
 
 NodeTemperatures everywhere(double degc) {
@@ -48,7 +49,7 @@ TEST(Parallelogram, TiltsTheBeamBackWhenTheRightLegIsWarmer) {
 }
 
 TEST(MeasuringLoop, MovesByTheHandSumForOneKelvinEverywhere) {
-  const PlantParameters plant = shipped();
+  const LinearAxisParameters plant = shipped();
   const LoopState cold = measuring_loop(plant, everywhere(20), 0);
   const LoopState warm = measuring_loop(plant, everywhere(21), 0);
   EXPECT_EQ(cold.robot_drift_nm, 0);
@@ -62,7 +63,7 @@ TEST(MeasuringLoop, MovesByTheHandSumForOneKelvinEverywhere) {
 }
 
 TEST(MeasuringLoop, LeansWhenTheBaseIsWarmerOnTop) {
-  const PlantParameters plant = shipped();
+  const LinearAxisParameters plant = shipped();
   NodeTemperatures nodes = everywhere(20);
   // Antisymmetric about the mean, so that only the bend is left: 12e-6 x 0.002 K / 10 mm x 80 mm x
   // 130 mm.
@@ -73,7 +74,7 @@ TEST(MeasuringLoop, LeansWhenTheBaseIsWarmerOnTop) {
 }
 
 TEST(MeasuringLoop, ScaleErrorAndExpansionLengthenTheStage) {
-  const PlantParameters plant = shipped();
+  const LinearAxisParameters plant = shipped();
   const double stage_mm = stage_from_scale_mm(plant, everywhere(25), 4);
   EXPECT_NEAR(stage_mm, 4 * (1 - 3e-6 + 5 * 0.02e-6), 1e-9);
 }

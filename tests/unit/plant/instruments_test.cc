@@ -122,7 +122,7 @@ TEST(TruthLog, HasARowForZeroLengthsAndTicks) {
   std::remove(file.c_str());
   {
     const auto plant = warm_plant();
-    plant->attach_truth_log(std::make_unique<TruthLog>(file, plant->node_names()));
+    plant->attach_truth_log(std::make_unique<TruthLog>(file, plant->truth_columns()));
     plant->zero_length(0, at(1));
     plant->measure_length(0, at(2), 2048);
     plant->advance_to(at(25));
