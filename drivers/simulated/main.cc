@@ -132,9 +132,8 @@ int run(Arguments arguments) {
   // twice.
   std::vector<std::string> settings{"axis.start_delay_s=0"};
   settings.insert(settings.end(), arguments.settings.begin(), arguments.settings.end());
-  const auto plant =
-      make_any_plant(arguments.plant,
-                     {.seed = arguments.seed, .overrides = settings, .epoch_ns = epoch});
+  const auto plant = make_any_plant(
+      arguments.plant, {.seed = arguments.seed, .overrides = settings, .epoch_ns = epoch});
   if (instance)
     plant->attach_truth_log(
         std::make_unique<TruthLog>(folder / "truth.csv", plant->truth_columns()));

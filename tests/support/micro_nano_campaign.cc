@@ -34,10 +34,9 @@ MicroNanoOptions prepared(MicroNanoOptions options) {
 
 MicroNanoSession::MicroNanoSession(const std::string& source_dir, MicroNanoOptions options)
     : options_(prepared(std::move(options))),
-      plant_(simulated::make_micro_nano_plant(source_dir + "/deploy/cells/micro-nano/plant.toml",
-                                              {.seed = options_.seed,
-                                               .overrides = options_.overrides,
-                                               .epoch_ns = kCampaignEpoch})) {
+      plant_(simulated::make_micro_nano_plant(
+          source_dir + "/deploy/cells/micro-nano/plant.toml",
+          {.seed = options_.seed, .overrides = options_.overrides, .epoch_ns = kCampaignEpoch})) {
   if (options_.coarse) plant_->set_instants_per_reading(1);
   for (int axis = 0; axis < kAxes; ++axis) plant_->start_reference(axis, instant(0));
   now_s_ = 15;
@@ -100,8 +99,8 @@ MicroNanoRow MicroNanoSession::read(double start_s) {
   const auto& probes = plant_->parameters().thermometers;
   for (std::size_t i = 0; i < row.t_degc.size(); ++i) {
     const auto& p = probes[i];
-    row.t_degc[i] = degc_from_ohm(plant_->probe_ohm(p.input, end), p.certificate_r0_ohm, p.a_per_k,
-                                  p.b_per_k2);
+    row.t_degc[i] =
+        degc_from_ohm(plant_->probe_ohm(p.input, end), p.certificate_r0_ohm, p.a_per_k, p.b_per_k2);
   }
   row.force_n = force_n_;
   return row;

@@ -19,17 +19,17 @@
 namespace driftwise::testing_support {
 
 struct MicroNanoRow {
-  double time_s = 0;                    // middle of the readings, since the epoch
-  std::array<double, 3> q_mm{};         // read back, mean over the readings
+  double time_s = 0;             // middle of the readings, since the epoch
+  std::array<double, 3> q_mm{};  // read back, mean over the readings
   std::array<double, 3> q_cmd_mm{};
   std::array<double, 3> path_mm{};      // x, y, z as the interferometers show them: not corrected
   std::array<double, 3> path_std_nm{};  // sample standard deviation of the readings; 0 for one
-  std::array<double, 3> r_arcsec{};     // rx, ry, rz as the autocollimators show them since the zero
-  std::array<double, 10> t_degc{};      // t01 .. t10 by each probe's certificate
-  std::array<double, 3> air_degc{};     // of each interferometer's own probe
-  double force_n = 0;                   // as declared: nominal mass x 9.81, what the cell knows
-  int grid = 0;                         // 0 .. 4 in the order above
-  int line = 0;                         // of the grid; a return to zero belongs to the line before
+  std::array<double, 3> r_arcsec{};  // rx, ry, rz as the autocollimators show them since the zero
+  std::array<double, 10> t_degc{};   // t01 .. t10 by each probe's certificate
+  std::array<double, 3> air_degc{};  // of each interferometer's own probe
+  double force_n = 0;                // as declared: nominal mass x 9.81, what the cell knows
+  int grid = 0;                      // 0 .. 4 in the order above
+  int line = 0;                      // of the grid; a return to zero belongs to the line before
   bool calibration = false;
   bool zero = false;  // a return to zero
   // The truth at the same instants, since the zero pose: where the cube's centre is and how it is
@@ -61,8 +61,8 @@ struct MicroNanoOptions {
 // The robot at work after (or without) the grids: one pose at a time.
 class MicroNanoSession {
  public:
-  // A new plant on the repository's file (source_dir: DRIFTWISE_SOURCE_DIR); referenced, lengths and
-  // angles zeroed at q = 0 without weights. Throws PlantFileError when an override is wrong.
+  // A new plant on the repository's file (source_dir: DRIFTWISE_SOURCE_DIR); referenced, lengths
+  // and angles zeroed at q = 0 without weights. Throws PlantFileError when an override is wrong.
   MicroNanoSession(const std::string& source_dir, MicroNanoOptions options = {});
 
   std::vector<MicroNanoRow> run_grids();

@@ -82,7 +82,7 @@ class CellPlant : public Plant {
   // One interferometer at one instant: how far its mirror is and what the world is like.
   struct Beam {
     Frame frame;
-    double true_nm = 0;     // mirror against the head
+    double true_nm = 0;       // mirror against the head
     double disturbed_nm = 0;  // what a disturbance adds to the reading
     bool lost = false;        // the light does not come back
   };
@@ -115,7 +115,6 @@ class CellPlant : public Plant {
   const ThermometerParameters* probe(int input, std::size_t& index) const;
   double air_probe_degc(int index, double sampled_s) const;
   void log(const char* kind, TimeNs at);
-
 
   std::vector<Random> scale_noise_, length_noise_;
   Random scanner_noise_;

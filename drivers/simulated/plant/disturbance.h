@@ -3,8 +3,9 @@
 // backlash, cyclic errors, creep, slips, without touching the plant.
 //
 // The stage servo hides what happens at the scale; each place says which quantity the returned
-// value is added to. A robot of several axes has the first place per motor axis, the second per axis
-// of the pose and the third per interferometer: the context's index says which one is asked for.
+// value is added to. A robot of several axes has the first place per motor axis, the second per
+// axis of the pose and the third per interferometer: the context's index says which one is asked
+// for.
 
 #include <functional>
 

@@ -17,8 +17,8 @@ struct FlexureHinge {
 
   // Elongation per force, mm/N, at a bend of angle_rad under tension_n. Straight: l / (E b t). A
   // bent blade is an arc that straightens as it is pulled: angle^2 l^3 / (45 E I) from the bending
-  // energy of an arc whose ends keep their direction; pulling stiffens it, pushing softens it, by 1 +
-  // F / F_c with Euler's load of a clamped column, F_c = 4 pi^2 E I / l^2.
+  // energy of an arc whose ends keep their direction; pulling stiffens it, pushing softens it, by 1
+  // + F / F_c with Euler's load of a clamped column, F_c = 4 pi^2 E I / l^2.
   double give_mm_n(double angle_rad, double tension_n) const {
     const double straight = length_mm / (youngs_gpa * 1e3 * width_mm * thickness_mm);
     const double l2 = length_mm * length_mm;

@@ -24,8 +24,8 @@ double Interferometer::index(const Frame& frame) const {
 }
 
 double Interferometer::believed_index(const Frame& frame) const {
-  return 1 + refractivity(parameters_.wavelength_nm, frame.beams[beam_].air_probe_degc, typed_in_.pressure_hpa,
-                          typed_in_.humidity_pct);
+  return 1 + refractivity(parameters_.wavelength_nm, frame.beams[beam_].air_probe_degc,
+                          typed_in_.pressure_hpa, typed_in_.humidity_pct);
 }
 
 double Interferometer::raw_nm(double true_nm, const Frame& frame) const {

@@ -40,9 +40,7 @@ LinearAxisPlant::Instant LinearAxisPlant::instant(double time_s) const {
 
 CellPlant::Beam LinearAxisPlant::beam(int, double time_s) const {
   const Instant i = instant(time_s);
-  return {.frame = i.frame,
-          .true_nm = i.loop.interferometer_nm(),
-          .disturbed_nm = i.disturbed_nm};
+  return {.frame = i.frame, .true_nm = i.loop.interferometer_nm(), .disturbed_nm = i.disturbed_nm};
 }
 
 Truth LinearAxisPlant::truth(TimeNs at) {
@@ -50,41 +48,39 @@ Truth LinearAxisPlant::truth(TimeNs at) {
   const double true_nm = i.loop.interferometer_nm();
   const double shown =
       shown_nm(0, {.frame = i.frame, .true_nm = true_nm, .disturbed_nm = i.disturbed_nm});
-  Truth truth{.time = at,
-              .commanded_nm = axes_.front().commanded_mm() * kNmPerMm,
-              .q_scale_nm = i.servo.counter_mm * kNmPerMm,
-              .end_effector_nm = i.loop.end_effector_nm(),
-              .interferometer_true_nm = true_nm,
-              .robot_drift_nm = i.loop.robot_drift_nm,
-              .device_drift_nm = i.loop.device_drift_nm,
-              .air_error_nm = shown - (true_nm - true_at_zero_nm_.front()),
-              .geometry_nm = i.loop.geometry_nm,
-              .air_degc =
-                  i.frame.degc[static_cast<std::size_t>(parameters_.interferometer().air_part)],
-              .room_degc = i.frame.weather.room_degc,
-              .pressure_hpa = i.frame.weather.pressure_hpa};
+  Truth truth{
+      .time = at,
+      .commanded_nm = axes_.front().commanded_mm() * kNmPerMm,
+      .q_scale_nm = i.servo.counter_mm * kNmPerMm,
+      .end_effector_nm = i.loop.end_effector_nm(),
+      .interferometer_true_nm = true_nm,
+      .robot_drift_nm = i.loop.robot_drift_nm,
+      .device_drift_nm = i.loop.device_drift_nm,
+      .air_error_nm = shown - (true_nm - true_at_zero_nm_.front()),
+      .geometry_nm = i.loop.geometry_nm,
+      .air_degc = i.frame.degc[static_cast<std::size_t>(parameters_.interferometer().air_part)],
+      .room_degc = i.frame.weather.room_degc,
+      .pressure_hpa = i.frame.weather.pressure_hpa};
   truth.node_degc.assign(i.frame.degc.begin(),
                          i.frame.degc.begin() + static_cast<long>(node_names().size()));
   return truth;
 }
 
 std::vector<std::string> LinearAxisPlant::truth_columns() const {
-  std::vector<std::string> columns{"commanded_nm",   "q_scale_nm",
-                                   "end_effector_nm", "interferometer_true_nm",
-                                   "robot_drift_nm",  "device_drift_nm",
-                                   "air_error_nm",    "geometry_nm",
-                                   "air_degC",        "room_degC",
-                                   "pressure_hPa"};
+  std::vector<std::string> columns{
+      "commanded_nm",   "q_scale_nm",      "end_effector_nm", "interferometer_true_nm",
+      "robot_drift_nm", "device_drift_nm", "air_error_nm",    "geometry_nm",
+      "air_degC",       "room_degC",       "pressure_hPa"};
   for (const auto& name : node_names()) columns.push_back(name + "_degC");
   return columns;
 }
 
 std::vector<double> LinearAxisPlant::truth_values(TimeNs at) {
   const Truth t = truth(at);
-  std::vector<double> values{t.commanded_nm,   t.q_scale_nm,      t.end_effector_nm,
-                             t.interferometer_true_nm, t.robot_drift_nm, t.device_drift_nm,
-                             t.air_error_nm,   t.geometry_nm,     t.air_degc,
-                             t.room_degc,      t.pressure_hpa};
+  std::vector<double> values{
+      t.commanded_nm,   t.q_scale_nm,      t.end_effector_nm, t.interferometer_true_nm,
+      t.robot_drift_nm, t.device_drift_nm, t.air_error_nm,    t.geometry_nm,
+      t.air_degc,       t.room_degc,       t.pressure_hpa};
   values.insert(values.end(), t.node_degc.begin(), t.node_degc.end());
   return values;
 }

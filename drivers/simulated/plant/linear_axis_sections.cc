@@ -27,30 +27,28 @@ std::vector<LoopParameters> loop_section(Fields fields, const std::vector<PartPa
 
 BendingParameters bending_section(Fields fields, const Materials& materials,
                                   const std::vector<PartParameters>& parts) {
-  BendingParameters bending{
-      .top = part_named(fields, "top", parts),
-      .bottom = part_named(fields, "bottom", parts),
-      .expansion_per_k = expansion_named(fields, "material", materials),
-      .node_distance_mm = fields.positive("node_distance_mm"),
-      .span_mm = fields.number("span_mm"),
-      .height_mm = fields.number("height_mm")};
+  BendingParameters bending{.top = part_named(fields, "top", parts),
+                            .bottom = part_named(fields, "bottom", parts),
+                            .expansion_per_k = expansion_named(fields, "material", materials),
+                            .node_distance_mm = fields.positive("node_distance_mm"),
+                            .span_mm = fields.number("span_mm"),
+                            .height_mm = fields.number("height_mm")};
   fields.finish();
   return bending;
 }
 
 ParallelogramParameters parallelogram_section(Fields fields, const Materials& materials,
                                               const std::vector<PartParameters>& parts) {
-  ParallelogramParameters p{
-      .left_part = part_named(fields, "left_part", parts),
-      .right_part = part_named(fields, "right_part", parts),
-      .expansion_per_k = expansion_named(fields, "material", materials),
-      .left_length_mm = fields.within("left_length_mm", 10, 1000),
-      .right_length_mm = fields.within("right_length_mm", 10, 1000),
-      .shortening_factor = fields.within("shortening_factor", 0.4, 0.7),
-      .spacing_mm = fields.positive("spacing_mm"),
-      .beam_above_scale_mm = fields.number("beam_above_scale_mm"),
-      .mirror_tilt_mrad = fields.within("mirror_tilt_mrad", -50, 50),
-      .beam_yaw_mrad = fields.within("beam_yaw_mrad", -50, 50)};
+  ParallelogramParameters p{.left_part = part_named(fields, "left_part", parts),
+                            .right_part = part_named(fields, "right_part", parts),
+                            .expansion_per_k = expansion_named(fields, "material", materials),
+                            .left_length_mm = fields.within("left_length_mm", 10, 1000),
+                            .right_length_mm = fields.within("right_length_mm", 10, 1000),
+                            .shortening_factor = fields.within("shortening_factor", 0.4, 0.7),
+                            .spacing_mm = fields.positive("spacing_mm"),
+                            .beam_above_scale_mm = fields.number("beam_above_scale_mm"),
+                            .mirror_tilt_mrad = fields.within("mirror_tilt_mrad", -50, 50),
+                            .beam_yaw_mrad = fields.within("beam_yaw_mrad", -50, 50)};
   p.scale_part = part_index(fields, "", "scale", parts);
   p.scale_expansion_per_k = parts[static_cast<std::size_t>(p.scale_part)].expansion_per_k;
   fields.finish();

@@ -3,8 +3,8 @@
 //
 // Weights go on and off one at a time; afterwards the pan swings for a while. The pulleys rub: the
 // wire's tension T may differ from the weight F by the friction's share of it, and where it stands
-// within that band depends on which way the wire last moved: T follows the wire's own stiffness until
-// it slips (a play). Weights are declared with the study's g; here another one acts.
+// within that band depends on which way the wire last moved: T follows the wire's own stiffness
+// until it slips (a play). Weights are declared with the study's g; here another one acts.
 
 #include "drivers/simulated/plant/micro_nano_parameters.h"
 
@@ -26,9 +26,9 @@ class LoadRig {
   LoadState state(double now_s) const;
 
  private:
-  double declared_n(double time_s) const;      // hanging just then
-  double hanging_n(double declared_n) const;   // true pull of weights and pan
-  double change_s() const;                     // how long the present change takes
+  double declared_n(double time_s) const;     // hanging just then
+  double hanging_n(double declared_n) const;  // true pull of weights and pan
+  double change_s() const;                    // how long the present change takes
 
   LoadParameters parameters_;
   double from_n_ = 0, to_n_ = 0, start_s_ = -1e9;

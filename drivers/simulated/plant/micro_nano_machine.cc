@@ -62,8 +62,7 @@ Machine made_machine(const MicroNanoParameters& p, std::uint64_t seed) {
     for (auto& error : machine.spot_error_mm[i]) {
       error = optics.uniform(-p.optics.offset_mm, p.optics.offset_mm);
     }
-    machine.beam_error_rad[i] =
-        gaussian_vector(optics, p.optics.alignment_arcsec * kRadPerArcsec);
+    machine.beam_error_rad[i] = gaussian_vector(optics, p.optics.alignment_arcsec * kRadPerArcsec);
   }
   for (auto& collimator : machine.collimators) {
     const auto& c = p.collimator;

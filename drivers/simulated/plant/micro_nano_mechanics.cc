@@ -70,8 +70,8 @@ Bar MicroNanoMechanics::bar(std::size_t k, double stage_mm, const NodeTemperatur
   const double platform_k = d.platform_expansion_per_k * warm_k(d.platform_part, degc);
   return {.carriage_mm = stage + turned * c.joint_mm[k % 2],
           .platform_mm = (1 + platform_k) * machine_.platform_joint_mm[k],
-          .length_mm = machine_.bar_mm[k] *
-                       (1 + d.arm_expansion_per_k * warm_k(d.arm_part[arm], degc))};
+          .length_mm =
+              machine_.bar_mm[k] * (1 + d.arm_expansion_per_k * warm_k(d.arm_part[arm], degc))};
 }
 
 MicroNanoMechanics::Assembly MicroNanoMechanics::assembly(const PerArm<double>& stage_mm,
@@ -85,9 +85,9 @@ MicroNanoMechanics::Assembly MicroNanoMechanics::assembly(const PerArm<double>& 
   for (std::size_t k = 0; k < kBars; ++k) {
     const Bar& b = a.bars[k];
     const Vec3 along = a.stiff.centre_mm + a.stiff.turn * b.platform_mm - b.carriage_mm;
-    const Vec3 neutral = (d.platform_radius_mm - d.column_radius_mm) *
-                             machine_.carriages[k / 2].outward -
-                         Vec3{0, 0, drop_mm_};
+    const Vec3 neutral =
+        (d.platform_radius_mm - d.column_radius_mm) * machine_.carriages[k / 2].outward -
+        Vec3{0, 0, drop_mm_};
     a.bend_rad[k] = norm(cross(unit(along), unit(neutral)));
   }
   return a;
@@ -101,9 +101,9 @@ PlatformPose MicroNanoMechanics::pulled(const Assembly& a, Vec3 attach_mm, Vec3 
     const Bar& b = a.bars[k];
     const Vec3 lever = a.stiff.turn * b.platform_mm;
     const Vec3 along = unit(a.stiff.centre_mm + lever - b.carriage_mm);
-    const Vec3 neutral = unit((d.platform_radius_mm - d.column_radius_mm) *
-                                  machine_.carriages[k / 2].outward -
-                              Vec3{0, 0, drop_mm_});
+    const Vec3 neutral =
+        unit((d.platform_radius_mm - d.column_radius_mm) * machine_.carriages[k / 2].outward -
+             Vec3{0, 0, drop_mm_});
     // A bar that has swung by phi is held back at both ends: a moment on the platform, and a shear.
     const Vec3 phi = cross(neutral, along);
     const double turning = d.hinge.turning_nmm_rad();

@@ -3,8 +3,8 @@
 //
 // Base frame: z up, x along arm 1 (azimuth 0), origin where the middle of the platform's joints is
 // with all scales at 0 in the nominal geometry at the reference temperature. Nothing is linearised:
-// the bars' loop is closed with the joints where guides and temperatures put them; then every bar is
-// as much longer as its flexures give under the force it carries, and the loop is closed again.
+// the bars' loop is closed with the joints where guides and temperatures put them; then every bar
+// is as much longer as its flexures give under the force it carries, and the loop is closed again.
 
 #include "drivers/simulated/plant/micro_nano_machine.h"
 #include "drivers/simulated/plant/thermal_network.h"

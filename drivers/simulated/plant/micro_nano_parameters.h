@@ -61,8 +61,8 @@ struct ToleranceParameters {
 struct CubeParameters {
   Vec3 centre_mm;  // from the middle of the platform's joints
   double edge_mm = 0;
-  double flatness_nm = 0;      // of a face, peak to valley
-  double facet_arcsec = 0;     // of a face's normal, standard deviation
+  double flatness_nm = 0;   // of a face, peak to valley
+  double facet_arcsec = 0;  // of a face's normal, standard deviation
 };
 
 struct BeamParameters {
@@ -74,8 +74,8 @@ struct BeamParameters {
 };
 
 struct OpticsParameters {
-  double offset_mm = 0;         // half width of what is not known of a spot's place
-  double alignment_arcsec = 0;  // of a beam to its mirror, standard deviation
+  double offset_mm = 0;          // half width of what is not known of a spot's place
+  double alignment_arcsec = 0;   // of a beam to its mirror, standard deviation
   double tilt_limit_arcsec = 0;  // beyond it the light does not come back
   double fold_height_mm = 0;     // of the 45 degree mirror above the cube's upper face
   double fold_span_mm = 0;       // between the columns that carry it
@@ -89,14 +89,14 @@ struct CollimatorParameters {
 };
 
 struct LoadParameters {
-  double max_n = 0, weight_n = 0;     // all weights, one of them
+  double max_n = 0, weight_n = 0;  // all weights, one of them
   double seconds_per_weight = 0, swing_share = 0, swing_s = 0, swing_period_s = 0, rest_s = 0;
   double g_declared_m_s2 = 0, g_here_m_s2 = 0;
   double pan_n = 0;
-  double friction = 0;                  // of both pulleys, share of the tension
-  double wire_n_mm = 0;                 // stiffness of the wire
-  Vec3 attach_mm;                       // on the platform, from the middle of its joints
-  double pulley_height_mm = 0;          // above that point at mid-stroke
+  double friction = 0;          // of both pulleys, share of the tension
+  double wire_n_mm = 0;         // stiffness of the wire
+  Vec3 attach_mm;               // on the platform, from the middle of its joints
+  double pulley_height_mm = 0;  // above that point at mid-stroke
 };
 
 struct MicroNanoParameters : CellParameters {

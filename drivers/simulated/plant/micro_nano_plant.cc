@@ -66,12 +66,11 @@ const MicroNanoPlant::Instant& MicroNanoPlant::instant(double time_s) const {
     i.servo[k] = axes_[k].at(time_s, i.frame.hold_wander_nm[k]);
     stage_mm[k] = mechanics_.stage_from_scale_mm(k, i.servo[k].scale_mm, i.frame.degc);
     // The servo follows the scale, so an error of the scale moves the stage the other way.
-    stage_mm[k] -= disturbed(DisturbancePlace::scale_nm,
-                             {.time_s = time_s,
-                              .index = static_cast<int>(k),
-                              .stage_mm = stage_mm[k],
-                              .approach = i.servo[k].approach,
-                              .since_move_s = i.servo[k].since_end_s}) /
+    stage_mm[k] -= disturbed(DisturbancePlace::scale_nm, {.time_s = time_s,
+                                                          .index = static_cast<int>(k),
+                                                          .stage_mm = stage_mm[k],
+                                                          .approach = i.servo[k].approach,
+                                                          .since_move_s = i.servo[k].since_end_s}) /
                    kNmPerMm;
   }
   const auto assembly = mechanics_.assembly(stage_mm, i.frame.degc);
@@ -85,13 +84,13 @@ const MicroNanoPlant::Instant& MicroNanoPlant::instant(double time_s) const {
   if (!disturbances_.empty()) {
     auto centre = to_array(i.centre_mm);
     for (std::size_t k = 0; k < kArms; ++k) {
-      centre[k] += disturbed(DisturbancePlace::end_effector_nm,
-                             {.time_s = time_s,
-                              .index = static_cast<int>(k),
-                              .stage_mm = stage_mm[k],
-                              .approach = i.servo[k].approach,
-                              .since_move_s = i.servo[k].since_end_s}) /
-                   kNmPerMm;
+      centre[k] +=
+          disturbed(DisturbancePlace::end_effector_nm, {.time_s = time_s,
+                                                        .index = static_cast<int>(k),
+                                                        .stage_mm = stage_mm[k],
+                                                        .approach = i.servo[k].approach,
+                                                        .since_move_s = i.servo[k].since_end_s}) /
+          kNmPerMm;
     }
     i.centre_mm = to_vec3(centre);
   }

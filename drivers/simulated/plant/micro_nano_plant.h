@@ -4,8 +4,8 @@
 // weights that pull it upwards, ten pt1000 on scanner and structure. Time, noise and looking back:
 // cell_plant.h; physics and choices: docs/plants/micro-nano.md.
 //
-// Interferometers 0, 1, 2 show x, y, z, + along the robot's axes. Autocollimator 0 looks along x: its
-// y axis shows ry, its z axis rz. Autocollimator 1 looks along y: rx and rz.
+// Interferometers 0, 1, 2 show x, y, z, + along the robot's axes. Autocollimator 0 looks along x:
+// its y axis shows ry, its z axis rz. Autocollimator 1 looks along y: rx and rz.
 
 #include <optional>
 
@@ -17,14 +17,14 @@
 namespace driftwise::simulated {
 
 // Positions in nm and rotations in arcsec of the cube's centre and the cube, in the robot's frame:
-// the cube's own at scales 0, 20 degC everywhere, no weights. Its origin is tied to the faces of the
-// robot that the measuring devices are tied to. Only differences between two instants mean something:
-// subtract the row at the run's zero.
+// the cube's own at scales 0, 20 degC everywhere, no weights. Its origin is tied to the faces of
+// the robot that the measuring devices are tied to. Only differences between two instants mean
+// something: subtract the row at the run's zero.
 struct PoseTruth {
   TimeNs time = 0;
-  PerArm<double> commanded_nm{}, q_scale_nm{};  // scales without quantisation and jitter
+  PerArm<double> commanded_nm{}, q_scale_nm{};             // scales without quantisation and jitter
   std::array<double, 3> position_nm{}, rotation_arcsec{};  // rotation vector
-  std::array<double, 3> path_true_nm{};   // mirror against head, + along the robot's axis
+  std::array<double, 3> path_true_nm{};     // mirror against head, + along the robot's axis
   std::array<double, 3> device_drift_nm{};  // part of it that is the device's warmth
   std::array<double, 3> air_error_nm{};     // air and electronics: reading - path since the zero
   double force_n = 0, declared_n = 0;       // wire's pull less the pan's; what is said to hang

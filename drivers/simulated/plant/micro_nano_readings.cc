@@ -22,9 +22,7 @@ double smooth_drift(std::uint64_t seed, const std::string& stream, double sigma,
   return sigma * std::sqrt(2.0 / 3.0) * sum;
 }
 
-std::array<double, 3> in_nm(Vec3 mm) {
-  return {mm.x * kNmPerMm, mm.y * kNmPerMm, mm.z * kNmPerMm};
-}
+std::array<double, 3> in_nm(Vec3 mm) { return {mm.x * kNmPerMm, mm.y * kNmPerMm, mm.z * kNmPerMm}; }
 
 }  // namespace
 
@@ -68,12 +66,13 @@ AngleReading MicroNanoPlant::measure_angle(int index, double average_s, TimeNs e
 
 PoseTruth MicroNanoPlant::truth(TimeNs at) {
   const Instant i = instant(seconds(at));
-  PoseTruth truth{.time = at,
-                  .declared_n = load_.state(seconds(at)).newton,
-                  .air_degc = i.frame.degc[static_cast<std::size_t>(
-                      parameters_.interferometers.front().air_part)],
-                  .room_degc = i.frame.weather.room_degc,
-                  .pressure_hpa = i.frame.weather.pressure_hpa};
+  PoseTruth truth{
+      .time = at,
+      .declared_n = load_.state(seconds(at)).newton,
+      .air_degc =
+          i.frame.degc[static_cast<std::size_t>(parameters_.interferometers.front().air_part)],
+      .room_degc = i.frame.weather.room_degc,
+      .pressure_hpa = i.frame.weather.pressure_hpa};
   truth.position_nm = in_nm(i.centre_mm - reference_centre_mm_);
   truth.rotation_arcsec = to_array((1 / kRadPerArcsec) * rotation_vector(i.cube));
   truth.force_n = i.tension_n - parameters_.load.pan_n;
@@ -86,8 +85,8 @@ PoseTruth MicroNanoPlant::truth(TimeNs at) {
     truth.device_drift_nm[k] = b.sign * kNmPerMm * growth_mm(b.device, reference, i.frame.degc);
     const Beam seen = beam(static_cast<int>(k), i.time_s);
     truth.path_true_nm[k] = b.sign * seen.true_nm;
-    truth.air_error_nm[k] = shown_nm(static_cast<int>(k), seen) -
-                            b.sign * (seen.true_nm - true_at_zero_nm_[k]);
+    truth.air_error_nm[k] =
+        shown_nm(static_cast<int>(k), seen) - b.sign * (seen.true_nm - true_at_zero_nm_[k]);
   }
   truth.node_degc.assign(i.frame.degc.begin(),
                          i.frame.degc.begin() + static_cast<long>(node_names().size()));
@@ -95,14 +94,32 @@ PoseTruth MicroNanoPlant::truth(TimeNs at) {
 }
 
 std::vector<std::string> MicroNanoPlant::truth_columns() const {
-  std::vector<std::string> columns{
-      "q1_commanded_nm", "q2_commanded_nm",   "q3_commanded_nm",   "q1_scale_nm",
-      "q2_scale_nm",     "q3_scale_nm",       "x_nm",              "y_nm",
-      "z_nm",            "rx_arcsec",         "ry_arcsec",         "rz_arcsec",
-      "x_path_nm",       "y_path_nm",         "z_path_nm",         "x_device_drift_nm",
-      "y_device_drift_nm", "z_device_drift_nm", "x_air_error_nm",  "y_air_error_nm",
-      "z_air_error_nm",  "force_N",           "declared_N",        "air_degC",
-      "room_degC",       "pressure_hPa"};
+  std::vector<std::string> columns{"q1_commanded_nm",
+                                   "q2_commanded_nm",
+                                   "q3_commanded_nm",
+                                   "q1_scale_nm",
+                                   "q2_scale_nm",
+                                   "q3_scale_nm",
+                                   "x_nm",
+                                   "y_nm",
+                                   "z_nm",
+                                   "rx_arcsec",
+                                   "ry_arcsec",
+                                   "rz_arcsec",
+                                   "x_path_nm",
+                                   "y_path_nm",
+                                   "z_path_nm",
+                                   "x_device_drift_nm",
+                                   "y_device_drift_nm",
+                                   "z_device_drift_nm",
+                                   "x_air_error_nm",
+                                   "y_air_error_nm",
+                                   "z_air_error_nm",
+                                   "force_N",
+                                   "declared_N",
+                                   "air_degC",
+                                   "room_degC",
+                                   "pressure_hPa"};
   for (const auto& name : node_names()) columns.push_back(name + "_degC");
   return columns;
 }
@@ -114,8 +131,7 @@ std::vector<double> MicroNanoPlant::truth_values(TimeNs at) {
                             &t.path_true_nm, &t.device_drift_nm, &t.air_error_nm}) {
     values.insert(values.end(), group->begin(), group->end());
   }
-  for (const double value :
-       {t.force_n, t.declared_n, t.air_degc, t.room_degc, t.pressure_hpa}) {
+  for (const double value : {t.force_n, t.declared_n, t.air_degc, t.room_degc, t.pressure_hpa}) {
     values.push_back(value);
   }
   values.insert(values.end(), t.node_degc.begin(), t.node_degc.end());

@@ -42,8 +42,8 @@ struct AngleReading {  // of an autocollimator, its own axes: an average that en
   TimeNs end = 0;
 };
 
-struct LoadState {     // of the device that pulls at the end-effector
-  double newton = 0;   // what hangs: nominal mass x 9.81
+struct LoadState {      // of the device that pulls at the end-effector
+  double newton = 0;    // what hangs: nominal mass x 9.81
   bool resting = true;  // the weights have been changed and hang still
   bool jammed = false;
   double max_newton = 0;

@@ -90,7 +90,7 @@ struct ThermometerParameters {
 // What every simulated cell has, whatever its robot.
 struct CellParameters {
   double reference_degc = 0, start_hours_before = 0;
-  double step_s = 0.1;  // of everything that has a memory
+  double step_s = 0.1;                  // of everything that has a memory
   std::vector<PartParameters> parts{};  // index = node
   std::vector<LinkParameters> links{};
   std::vector<AxisParameters> axes{};

@@ -163,8 +163,8 @@ Materials cell_sections(Fields& root, Fields& head, CellParameters& cell) {
   scanner.finish();
   cell.thermometers = thermometers_section(root.table("thermometer"), cell.parts);
   if (cell.thermometers.size() > kMaxThermometers) {
-    root.fail("thermometer", "found more than " + std::to_string(kMaxThermometers) +
-                                 ", expected fewer");
+    root.fail("thermometer",
+              "found more than " + std::to_string(kMaxThermometers) + ", expected fewer");
   }
   return materials;
 }

@@ -1,7 +1,7 @@
 #pragma once
-// The closed loop of a delta robot: a platform on six bars, two to each carriage. With equal bars in
-// each pair and parallel joint lines the platform cannot turn; with real ones it does, and the loop
-// says by how much: all six distances are kept exactly, nothing is linearised.
+// The closed loop of a delta robot: a platform on six bars, two to each carriage. With equal bars
+// in each pair and parallel joint lines the platform cannot turn; with real ones it does, and the
+// loop says by how much: all six distances are kept exactly, nothing is linearised.
 
 #include <array>
 

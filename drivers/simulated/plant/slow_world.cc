@@ -97,8 +97,7 @@ void SlowWorld::step(const MotorHeat& motor_w) {
     for (const int part : probe.parts) part_degc += degc[static_cast<std::size_t>(part)];
     part_degc /= static_cast<double>(probe.parts.size());
     // The stem stands in the air of the first interferometer: there is one air under the cover.
-    const double air_degc =
-        degc[static_cast<std::size_t>(p.interferometers.front().air_part)];
+    const double air_degc = degc[static_cast<std::size_t>(p.interferometers.front().air_part)];
     const double felt_degc = mix(part_degc, air_degc, probe.stem);
     probe_degc_[i] = felt_degc + probe_keep_[i] * (probe_degc_[i] - felt_degc);
   }

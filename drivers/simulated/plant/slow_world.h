@@ -1,5 +1,6 @@
 #pragma once
-// Everything with a memory, on one grid of step_s (0.1 s), with the last 2048 steps kept to look up.
+// Everything with a memory, on one grid of step_s (0.1 s), with the last 2048 steps kept to look
+// up.
 
 #include <array>
 #include <cstdint>

@@ -37,7 +37,8 @@ std::string error_of(const std::string& text, const std::vector<std::string>& ov
 }
 
 TEST(PlantFile, ReadsTheShippedOne) {
-  const auto plant = std::get<LinearAxisParameters>(parse_plant_file(shipped_text(), "plant.toml", {}));
+  const auto plant =
+      std::get<LinearAxisParameters>(parse_plant_file(shipped_text(), "plant.toml", {}));
   EXPECT_EQ(plant.thermometers.size(), 10U);
   EXPECT_EQ(plant.thermometers[4].name, "t05");
   EXPECT_NEAR(plant.parts.front().capacity_j_k, 2.26 * 480, 1e-9);  // base_bottom, by hand
@@ -74,7 +75,8 @@ INSTANTIATE_TEST_SUITE_P(
             "found 'cheese', expected one of the materials: acrylic, aluminium"},
         Bad{"open_loop", "length_mm = 80.0", "length_mm = 70.0", "a loop closes"},
         Bad{"shared_input", "input = 102", "input = 101", "which t01 has already"},
-        Bad{"kind", "kind = \"linear-axis\"", "kind = \"delta\"", "expected linear-axis or micro-nano"},
+        Bad{"kind", "kind = \"linear-axis\"", "kind = \"delta\"",
+            "expected linear-axis or micro-nano"},
         Bad{"not_toml", "[plant]", "[plant", "not TOML"},
         Bad{"schedule", "[[0.0833, 22.0]", "[[0.0833]", "expected a list of lists of 2 numbers"}),
     [](const auto& row) { return std::string(row.param.name); });
