@@ -73,9 +73,48 @@ std::string truth_json(CellPlant& plant, TimeNs now) {
   return json.dump();
 }
 
-FaultHooks hooks_of(CellPlant& plant, TimeNs epoch) {
+// Which device of its kind this is, in the order of the cell file: as the server counts them.
+std::optional<int> place_of(const CellOutline& outline, const std::string& kind,
+                            const std::string& id) {
+  int place = 0;
+  for (const auto& device : outline.devices) {
+    if (device.kind != kind) continue;
+    if (device.id == id || id.empty()) return place;
+    ++place;
+  }
+  return std::nullopt;
+}
+
+void add_micro_nano_hooks(FaultHooks& hooks, MicroNanoPlant& plant, const CellOutline& outline) {
+  hooks.set_spot = [&plant, outline](const std::string& device, FaultHooks::Spot spot, TimeNs now) {
+    using Fault = MicroNanoPlant::CollimatorFault;
+    const auto place = place_of(outline, "newport-lds1000", device);
+    if (!place) return false;
+    plant.set_collimator_fault(*place,
+                               spot == FaultHooks::Spot::wrong_power      ? Fault::wrong_power
+                               : spot == FaultHooks::Spot::wrong_position ? Fault::wrong_position
+                                                                          : Fault::none,
+                               now);
+    return true;
+  };
+  hooks.set_jammed = [&plant](bool jammed, TimeNs now) { plant.set_load_jammed(jammed, now); };
+  hooks.hang = [&plant](double newton, TimeNs now) {
+    if (newton < 0 || newton > plant.load(now).max_newton) return false;
+    plant.set_load(newton, now);
+    return true;
+  };
+}
+
+FaultHooks hooks_of(CellPlant& plant, const CellOutline& outline, TimeNs epoch) {
   FaultHooks hooks;
-  hooks.break_beam = [&plant](TimeNs now) { plant.break_beam(now); };
+  if (auto* micro_nano = dynamic_cast<MicroNanoPlant*>(&plant))
+    add_micro_nano_hooks(hooks, *micro_nano, outline);
+  // Adapters of one channel: the n-th is the plant's n-th.
+  hooks.break_beam = [&plant, outline](const std::string& device, TimeNs now) {
+    const auto place = place_of(outline, "interferometer-adapter", device);
+    if (place) plant.break_beam(now, *place);
+    return place.has_value();
+  };
   hooks.open_probe = [&plant](int input, bool open, TimeNs now) {
     if (!plant.has_probe(input)) return false;
     plant.set_probe_open(input, open, now);
@@ -142,7 +181,7 @@ int run(Arguments arguments) {
                             : std::make_unique<SimClock>();
 
   boost::asio::io_context io(1);
-  CellServer server(io, *plant, *clock, outline, options, hooks_of(*plant, epoch),
+  CellServer server(io, *plant, *clock, outline, options, hooks_of(*plant, outline, epoch),
                     {.free_ports = instance, .seed = arguments.seed});
   if (instance) {
     CellChanges changes{.addresses = server.addresses(),

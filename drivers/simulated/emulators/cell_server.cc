@@ -4,6 +4,8 @@
 
 #include "drivers/simulated/emulators/interferometer_emulator.h"
 #include "drivers/simulated/emulators/keithley_emulator.h"
+#include "drivers/simulated/emulators/lds1000_emulator.h"
+#include "drivers/simulated/emulators/load_emulator.h"
 #include "drivers/simulated/emulators/pi_gcs_emulator.h"
 #include "drivers/simulated/emulators/watlow_emulator.h"
 
@@ -34,7 +36,8 @@ CellServer::CellServer(boost::asio::io_context& io, Plant& plant, SimClock& cloc
   const TimeNs now = clock_.now();
   for (const auto& device : outline.devices) {
     const Switches& switches = options.of(device.id);
-    const bool serial = (device.kind == "keithley-2701" && switches.flag("serial")) ||
+    const bool serial = ((device.kind == "keithley-2701" || device.kind == "newport-lds1000") &&
+                         switches.flag("serial")) ||
                         (device.kind == "watlow-ez-zone" && switches.flag("rtu"));
     serve(device.id, make_emulator(device, switches, now),
           how.free_ports ? "127.0.0.1:0" : device.address, switches.integer("max_clients", 1, 1000),
@@ -63,6 +66,9 @@ std::unique_ptr<Emulator> CellServer::make_emulator(const DeviceOutline& device,
     interferometers_ += switches.integer("channels", 1, 16);
     return std::make_unique<InterferometerEmulator>(plant_, switches, first);
   }
+  if (device.kind == "newport-lds1000")
+    return std::make_unique<Lds1000Emulator>(plant_, switches, collimators_++);
+  if (device.kind == "load-actuator") return std::make_unique<LoadEmulator>(plant_, switches);
   const int first = stabilisers_;
   stabilisers_ += switches.integer("zones", 1, 12);
   return std::make_unique<WatlowEmulator>(plant_, switches, first, now);

@@ -50,7 +50,7 @@ class CellServer {
   std::vector<std::unique_ptr<StreamServer>> servers_;
   std::vector<std::pair<std::string, std::string>> addresses_;
   boost::asio::steady_timer timer_;
-  int interferometers_ = 0, stabilisers_ = 0;
+  int interferometers_ = 0, stabilisers_ = 0, collimators_ = 0;
   bool started_ = false;
 };
 

@@ -9,6 +9,8 @@
 
 #include "drivers/simulated/emulators/interferometer_emulator.h"
 #include "drivers/simulated/emulators/keithley_emulator.h"
+#include "drivers/simulated/emulators/lds1000_emulator.h"
+#include "drivers/simulated/emulators/load_emulator.h"
 #include "drivers/simulated/emulators/pi_gcs_emulator.h"
 #include "drivers/simulated/emulators/watlow_emulator.h"
 
@@ -74,6 +76,8 @@ const std::vector<EmulatorKind>& emulator_kinds() {
       {"keithley-2701", "scanner", &KeithleyEmulator::switches()},
       {"interferometer-adapter", "interferometer", &InterferometerEmulator::switches()},
       {"watlow-ez-zone", "watlow", &WatlowRegisters::switches()},
+      {"newport-lds1000", "lds1000", &Lds1000Emulator::switches()},
+      {"load-actuator", "load", &LoadEmulator::switches()},
   };
   return kKinds;
 }

@@ -6,9 +6,11 @@ namespace driftwise::simulated {
 namespace {
 
 constexpr std::string_view kHelp =
-    "fault drop|mute|garble|slow|disturb <device> [<n> s] | fault break-beam | fault "
-    "open-probe|mend-probe "
-    "<input> | fault clear [<device>] | truth? | time? | help";
+    "fault drop|mute|garble|slow|disturb <device> [<n> s] | fault break-beam [<device>] | fault "
+    "wrong-power|wrong-position|mend-beam <device> | fault jam|mend-load | fault "
+    "open-probe|mend-probe <input> | fault clear [<device>] | load <newton> | truth? | time? | "
+    "help";
+constexpr const char* kUnable = "ERR this cell cannot do that";
 constexpr double kUsualShock_nm = 60;
 
 std::string wrong(const std::string& what) { return "ERR " + what; }
@@ -43,23 +45,53 @@ std::string FaultDesk::answer(std::string_view line, TimeNs now) {
   if (words[0] == "time?") return "OK " + std::to_string(now);
   if (words[0] == "truth?")
     return hooks_.truth_json ? "OK " + hooks_.truth_json(now) : wrong("this cell cannot do that");
+  if (words[0] == "load") return hang(words, now);
   if (words[0] == "fault" && words.size() >= 2) return fault(words, now);
   return wrong("found '" + std::string(line.substr(0, 80)) + "', expected " + std::string(kHelp));
 }
 
-std::string FaultDesk::fault(const std::vector<std::string_view>& words, TimeNs now) {
+std::string FaultDesk::hang(const std::vector<std::string_view>& words, TimeNs now) {
+  const auto newton = words.size() == 2 ? parse_number(words[1]) : std::nullopt;
+  if (!newton) return wrong("expected load <newton>, such as load 2.305");
+  if (!hooks_.hang) return kUnable;
+  return hooks_.hang(*newton, now) ? "OK" : wrong("there are not so many weights");
+}
+
+std::optional<std::string> FaultDesk::world_fault(const std::vector<std::string_view>& words,
+                                                  TimeNs now) {
+  using Spot = FaultHooks::Spot;
   const std::string_view verb = words[1];
-  const std::string unable = wrong("this cell cannot do that");
+  const std::string device(words.size() >= 3 ? words[2] : "");
   if (verb == "break-beam") {
-    if (!hooks_.break_beam) return unable;
-    hooks_.break_beam(now);
+    if (!hooks_.break_beam) return kUnable;
+    return hooks_.break_beam(device, now) ? "OK" : wrong("'" + device + "' is no interferometer");
+  }
+  if (verb == "wrong-power" || verb == "wrong-position" || verb == "mend-beam") {
+    if (!hooks_.set_spot) return kUnable;
+    const Spot spot = verb == "wrong-power"      ? Spot::wrong_power
+                      : verb == "wrong-position" ? Spot::wrong_position
+                                                 : Spot::good;
+    return hooks_.set_spot(device, spot, now) ? "OK"
+                                              : wrong("'" + device + "' is no autocollimator");
+  }
+  if (verb == "jam" || verb == "mend-load") {
+    if (!hooks_.set_jammed) return kUnable;
+    hooks_.set_jammed(verb == "jam", now);
     return "OK";
   }
+  return std::nullopt;
+}
+
+std::string FaultDesk::fault(const std::vector<std::string_view>& words, TimeNs now) {
+  const std::string_view verb = words[1];
+  const std::string unable = kUnable;
+  if (auto done = world_fault(words, now)) return *done;
   if (verb == "open-probe" || verb == "mend-probe") {
     const auto input = words.size() == 3 ? parse_integer(words[2]) : std::nullopt;
     if (!input) return wrong("expected fault " + std::string(verb) + " <input>, such as 103");
     if (!hooks_.open_probe) return unable;
-    return hooks_.open_probe(*input, verb == "open-probe", now) ? "OK" : wrong("no probe on this input");
+    return hooks_.open_probe(*input, verb == "open-probe", now) ? "OK"
+                                                                : wrong("no probe on this input");
   }
   if (verb == "clear" && words.size() == 2) {
     for (std::size_t i = 0; i < bench_.size(); ++i) bench_.faults(i) = Faults{};

@@ -102,7 +102,10 @@ TEST(FaultDesk, SetsFaultsAndSaysWhatItDoesNotKnow) {
   Bench bench;
   bool broken = false;
   FaultHooks hooks;
-  hooks.break_beam = [&](TimeNs) { broken = true; };
+  hooks.break_beam = [&](const std::string& device, TimeNs) {
+    broken = device.empty();
+    return broken;
+  };
   hooks.open_probe = [](int input, bool, TimeNs) { return input == 103; };
   FaultDesk desk(bench.bench, hooks);
   EXPECT_EQ(desk.answer("fault mute a 3 s", kStart), "OK");
@@ -122,6 +125,37 @@ TEST(FaultDesk, SetsFaultsAndSaysWhatItDoesNotKnow) {
   EXPECT_THAT(desk.answer("fault boil a 3 s", kStart), HasSubstr("no fault 'boil'"));
   EXPECT_THAT(desk.answer("truth?", kStart), StartsWith("ERR "));
   EXPECT_THAT(desk.answer("hello", kStart), StartsWith("ERR found 'hello'"));
+}
+
+TEST(FaultDesk, HangsWeightsAndBlindsAutocollimators) {
+  Bench bench;
+  double hung_n = 0;
+  bool jammed = false;
+  FaultHooks::Spot spot = FaultHooks::Spot::good;
+  FaultHooks hooks;
+  hooks.hang = [&](double newton, TimeNs) { return hung_n = newton, newton <= 3.85; };
+  hooks.set_jammed = [&](bool stuck, TimeNs) { jammed = stuck; };
+  hooks.set_spot = [&](const std::string& device, FaultHooks::Spot now_so, TimeNs) {
+    spot = now_so;
+    return device == "collimator-1";
+  };
+  FaultDesk desk(bench.bench, hooks);
+  EXPECT_EQ(desk.answer("load 2.305", kStart), "OK");
+  EXPECT_EQ(hung_n, 2.305);
+  EXPECT_THAT(desk.answer("load 40", kStart), HasSubstr("not so many weights"));
+  EXPECT_THAT(desk.answer("load much", kStart), HasSubstr("expected load <newton>"));
+  EXPECT_EQ(desk.answer("fault jam", kStart), "OK");
+  EXPECT_TRUE(jammed);
+  EXPECT_EQ(desk.answer("fault mend-load", kStart), "OK");
+  EXPECT_FALSE(jammed);
+  EXPECT_EQ(desk.answer("fault wrong-power collimator-1", kStart), "OK");
+  EXPECT_EQ(spot, FaultHooks::Spot::wrong_power);
+  EXPECT_EQ(desk.answer("fault mend-beam collimator-1", kStart), "OK");
+  EXPECT_EQ(spot, FaultHooks::Spot::good);
+  EXPECT_THAT(desk.answer("fault wrong-position axis", kStart), HasSubstr("no autocollimator"));
+  FaultDesk plain(bench.bench, {});
+  EXPECT_EQ(plain.answer("load 1", kStart), "ERR this cell cannot do that");
+  EXPECT_EQ(plain.answer("fault jam", kStart), "ERR this cell cannot do that");
 }
 
 struct Folder {

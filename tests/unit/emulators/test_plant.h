@@ -27,6 +27,8 @@ class TestPlant : public Plant {
                                      {19.0, 20.0, 0.0, 30.0, false}};
   StabiliserMode mode = StabiliserMode::automatic;
   double manual_pct = 0, heat_band_k = 0, integral_s = 0;
+  AngleReading angle{12.342, -5.0, false, false, 0};
+  LoadState hanging{0, true, false, 3.85};
   TimeNs latest = 0;  // time never runs back
 
   void advance_to(TimeNs now) override { look(now); }
@@ -75,6 +77,14 @@ class TestPlant : public Plant {
     look(now), zeroed |= 1 << index, beam_broken = false;
   }
   void set_dead_path_mm(int, double mm) override { dead_path_mm = mm; }
+
+  int collimator_count() const override { return 2; }
+  AngleReading measure_angle(int, double, TimeNs end) override { return look(end), angle; }
+  bool has_load() const override { return true; }
+  LoadState load(TimeNs now) override { return look(now), hanging; }
+  void set_load(double newton, TimeNs now) override {
+    look(now), hanging.newton = newton, hanging.resting = false;
+  }
 
   double probe_ohm(int input, TimeNs now) override {
     look(now);
