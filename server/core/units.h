@@ -6,6 +6,7 @@
 namespace driftwise {
 
 constexpr double kRadPerArcsec = std::numbers::pi / (180.0 * 3600.0);  // by definition
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;                // by definition
 constexpr double kNmPerMm = 1e6;
 constexpr double kSigmaToU90 = 1.645;  // U90 = 1.645 sigma: the accuracy figure used throughout
 
