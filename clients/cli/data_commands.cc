@@ -1,11 +1,16 @@
 #include "clients/cli/data_commands.h"
 
 #include <memory>
+#include <sstream>
 
+#include "clients/cli/import_page.h"
 #include "clients/cli/proto_json.h"
 #include "clients/cli/run_text.h"
 #include "clients/cli/validators.h"
+#include "clients/cli/value_or_throw.h"
 #include "driftwise/v1/data_service.grpc.pb.h"
+#include "server/formats/dataset_csv.h"
+#include "server/formats/import/mapping_file.h"
 
 namespace driftwise::cli {
 namespace {
@@ -14,7 +19,9 @@ using DataStub = v1::DataService::Stub;
 
 struct DataArguments {
   std::vector<std::int64_t> runs;
-  std::string file, name;
+  std::string file, name, mapping, output;
+  bool dry_run = false;
+  int rows = 5;  // shown by a dry run
 };
 
 ExitCode export_data(const Session& session, const DataArguments& a) {
@@ -38,9 +45,61 @@ ExitCode export_data(const Session& session, const DataArguments& a) {
   return ExitCode::done;
 }
 
+// A file of another program, by its mapping.
+formats::ImportedDataset understand(const DataArguments& a) {
+  const std::string bytes = read_input_file(a.file);
+  const auto mapping =
+      value_or_throw(formats::read_import_mapping(read_input_file(a.mapping), a.mapping));
+  return value_or_throw(formats::import_dataset(bytes, a.file, mapping));
+}
+
+ExitCode show_import(const Console& console, const DataArguments& a) {
+  const auto imported = understand(a);
+  const auto rows = static_cast<std::size_t>(a.rows);
+  if (console.json) {
+    auto json = json_from(imported.report);
+    std::ostringstream head;
+    print_first_rows(head, imported.dataset, rows);
+    json["first_rows_csv"] = head.str();
+    console.print_json(json);
+  } else {
+    print_import(console.out, console.paint_out(), imported.report);
+    console.out << '\n';
+    print_first_rows(console.out, imported.dataset, rows);
+  }
+  return ExitCode::done;
+}
+
+ExitCode import_to_file(const Console& console, const DataArguments& a) {
+  const auto imported = understand(a);
+  const std::string csv = formats::write_dataset_csv(imported.dataset);
+  if (a.output == "-") {
+    console.out << csv << std::flush;
+    return ExitCode::done;
+  }
+  write_output_file(a.output, csv);
+  if (console.json) {
+    auto json = json_from(imported.report);
+    json["file"] = a.output;
+    json["bytes"] = csv.size();
+    console.print_json(json);
+  } else {
+    print_import(console.err, console.paint_err(), imported.report);
+    console.err << "wrote " << a.output << ", " << csv.size() << " bytes\n";
+  }
+  return ExitCode::done;
+}
+
 ExitCode import_data(const Session& session, const DataArguments& a) {
+  if (a.mapping.empty() && (a.dry_run || !a.output.empty()))
+    throw Failure{ExitCode::usage, "usage", "USAGE",
+                  std::string(a.dry_run ? "--dry-run" : "-o") +
+                      " shows what a mapping makes of a file: give --mapping MAP.toml too"};
+  if (a.dry_run) return show_import(session.console, a);
+  if (!a.output.empty()) return import_to_file(session.console, a);
   v1::ImportDatasetRequest request;
-  request.set_csv(read_input_file(a.file));
+  request.set_csv(a.mapping.empty() ? read_input_file(a.file)
+                                    : formats::write_dataset_csv(understand(a).dataset));
   request.set_name(a.name.empty() ? base_name(a.file) : a.name);
   const auto run = session.connect().ask(&DataStub::ImportDataset, request, 120).run();
   if (session.console.json)
@@ -60,9 +119,20 @@ void add_data_commands(CLI::App& app, Session& session) {
                               [&session, a] { return export_data(session, *a); });
   out.add_option("RUN", a->runs, "numbers of the runs")->required()->check(positive_number());
   out.add_option("-o,--output", a->file, "write this file instead of standard output");
-  CLI::App& in = add_command(data, session, "import", "A dataset CSV as a run that is done",
+  CLI::App& in = add_command(data, session, "import",
+                             "A dataset CSV, or another program's file, as a run that is done",
                              [&session, a] { return import_data(session, *a); });
-  in.add_option("FILE", a->file, "dataset CSV, - for standard input")->required();
+  in.add_option("FILE", a->file,
+                "dataset CSV, - for standard input; with --mapping any table, also .gz")
+      ->required();
+  in.add_option("--mapping", a->mapping,
+                "what the columns of another program's file mean: docs/import.md");
+  in.add_option(
+      "-o,--output", a->output,
+      "with --mapping: write the dataset CSV here, no daemon needed; - for standard output");
+  in.add_flag("--dry-run", a->dry_run,
+              "with --mapping: show what was understood and the first rows, change nothing");
+  in.add_option("--rows", a->rows, "rows that a dry run shows")->check(CLI::Range(1, 1000));
   in.add_option("--name", a->name, "of the run; else the file's");
 }
 

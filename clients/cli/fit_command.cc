@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "clients/cli/value_or_throw.h"
 #include "clients/cli/worker_threads.h"
 #include "server/calibration/offer.h"
 #include "server/effects/term_order.h"
@@ -15,16 +16,6 @@
 
 namespace driftwise::cli {
 namespace {
-
-Failure failure_of(const Error& error) {
-  return {ExitCode::bad_input, std::string(to_string(error.code)), error.reason, error.message};
-}
-
-template <class T>
-T value_or_throw(Result<T> result) {
-  if (!result) throw failure_of(result.error());
-  return std::move(*result);
-}
 
 std::vector<effects::Term> terms_of(const std::vector<std::string>& texts) {
   std::vector<effects::Term> terms;

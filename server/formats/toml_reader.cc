@@ -198,18 +198,6 @@ void TomlReader::strings(const char* key, std::map<std::string, std::string>& va
   }
 }
 
-void TomlReader::texts(const char* key, std::vector<std::string>& values) {
-  const auto* node = find(key, Need::optional);
-  if (!node) return;
-  if (!node->is_array()) return wrong_type(key, *node, "a list of strings");
-  std::vector<std::string> found;
-  for (const auto& item : *node->as_array()) {
-    if (!item.is_string()) return wrong_type(key, item, "a list of strings");
-    found.push_back(item.as_string()->get());
-  }
-  values = std::move(found);
-}
-
 const toml::table* TomlReader::table(const char* key) {
   const auto* node = find(key, Need::optional);
   if (!node) return nullptr;

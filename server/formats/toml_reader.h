@@ -55,9 +55,17 @@ class TomlReader {
   void time(const char* key,
             CellTime& value);  // "2011-07-22T08:00:00Z" as a string or a TOML date-time
   void channel(const char* key, Channel& value, Need need);
+  // A list of texts; a single text is a list of one.
+  void texts(const char* key, std::vector<std::string>& values, Need need = Need::optional);
+  // A list of finite numbers, exactly count of them.
+  void numbers(const char* key, std::vector<double>& values, std::size_t count);
+  // Lists of numbers in a list: a matrix, row by row. Checks that all rows are of one length.
+  void matrix(const char* key, std::vector<std::vector<double>>& rows);
+  // A text that is no number, or a whole number from min to max.
+  void text_or_integer(const char* key, std::string& text, int& number, int min, int max,
+                       Need need = Need::optional);
   void strings(const char* key,
                std::map<std::string, std::string>& values);  // a table of plain values, as text
-  void texts(const char* key, std::vector<std::string>& values);  // a list of strings
 
   // The tables behind a key: one for [key], each of them for [[key]].
   const toml::table* table(const char* key);
@@ -69,11 +77,13 @@ class TomlReader {
   // A problem at this key's value (or at the table when the key is absent).
   void refuse(const char* key, const char* reason, const std::string& sentence,
               ErrorCode code = ErrorCode::invalid_argument);
+  bool has(const char* key) const { return table_.contains(key); }
   std::size_t line() const { return table_.source().begin.line; }
 
  private:
   const toml::node* find(const char* key, Need need);
   void wrong_type(const char* key, const toml::node& node, const char* expected);
+  bool read_numbers(const char* key, const toml::node& node, std::vector<double>& values);
 
   const toml::table& table_;
   std::string place_;

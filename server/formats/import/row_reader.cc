@@ -1,0 +1,149 @@
+#include "server/formats/import/row_reader.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/core/reading.h"
+#include "server/formats/text.h"
+
+namespace driftwise::formats {
+namespace {
+
+using Target = ColumnRule::Target;
+constexpr double kLargestWhole = 9007199254740992.0;  // 2^53: up to here doubles hold them all
+
+// "1.5" where a comma is the decimal mark is the commonest slip.
+std::string mark_hint(const std::string& text, const NumberStyle& style) {
+  const char other = style.decimal == '.' ? ',' : '.';
+  if (text.find(other) == std::string::npos) return "";
+  return " (the mapping says decimal = \"" + std::string(1, style.decimal) + "\")";
+}
+
+}  // namespace
+
+Result<RowReader> RowReader::make(const ImportMapping& mapping, const SourceTable& table,
+                                  const std::string& file_name) {
+  RowReader out(mapping, table, file_name);
+  std::optional<Error> first;
+  const auto find = [&](const SourceColumn& column, const std::string& place) {
+    const auto field = table.find(column, place, file_name);
+    if (field) return *field;
+    if (!first) first = field.error();
+    return std::size_t{0};
+  };
+  if (mapping.time)
+    for (const auto& column : mapping.time->columns) out.times_.push_back(find(column, "time"));
+  for (const auto& rule : mapping.columns) {
+    const bool plain = rule.scale == 1 && rule.offset == 0;
+    out.shifts_.push_back(plain ? rule.convert.decimal_shift() : std::nullopt);
+    out.columns_.push_back(find(rule.source, "column " + std::to_string(out.columns_.size() + 1)));
+  }
+  for (const auto& rule : mapping.drops)
+    out.drops_.push_back(find(rule.source, "drop " + std::to_string(out.drops_.size() + 1)));
+  if (mapping.sets.by == SetRule::By::column) out.set_ = find(mapping.sets.source, "sets");
+  if (first) return tl::unexpected(*first);
+  return out;
+}
+
+std::vector<bool> RowReader::used() const {
+  std::vector<bool> out(table_->names.size());
+  for (const auto* fields : {&columns_, &drops_, &times_})
+    for (const std::size_t field : *fields) out[field] = true;
+  if (mapping_->sets.by == SetRule::By::column) out[set_] = true;
+  return out;
+}
+
+Error RowReader::problem(const ForeignRows& row, std::size_t field, const char* reason,
+                         const std::string& sentence) const {
+  return {ErrorCode::invalid_argument, reason,
+          at_line(*file_name_, row.line()) + table_->shown_name(field) + ": " + sentence};
+}
+
+bool RowReader::is_missing_text(const std::string& text) const {
+  return std::ranges::find(mapping_->file.missing, text) != mapping_->file.missing.end();
+}
+
+Result<double> RowReader::number(const ForeignRows& row, std::size_t field, int shift) const {
+  const std::string& text = row.fields()[field];
+  if (is_missing_text(text)) return kMissing;
+  const auto found = number_in(text, mapping_->file.numbers, shift);
+  if (found) return *found;
+  return tl::unexpected(problem(row, field, "BAD_NUMBER",
+                                "found " + (text.empty() ? std::string("nothing") : shown(text)) +
+                                    ", expected a finite number" +
+                                    mark_hint(text, mapping_->file.numbers) +
+                                    ", or a text that the mapping's file.missing lists"));
+}
+
+Result<double> RowReader::value(const ForeignRows& row, std::size_t index) const {
+  const ColumnRule& rule = mapping_->columns[index];
+  const std::size_t field = columns_[index];
+  const auto shift = shifts_[index];
+  const auto found = number(row, field, shift.value_or(0));
+  if (!found) return found;
+  if (is_missing(*found)) {
+    const bool needed =
+        rule.required || (rule.target != Target::channel && rule.target != Target::dwell);
+    if (!needed) return kMissing;
+    return tl::unexpected(
+        problem(row, field, "MISSING_VALUE",
+                "found " + shown(row.fields()[field]) + ", expected a number in every row"));
+  }
+  const double out = shift ? *found : rule.convert(*found * rule.scale + rule.offset);
+  if (!std::isfinite(out))
+    return tl::unexpected(problem(row, field, "BAD_NUMBER",
+                                  "found " + shown(row.fields()[field]) +
+                                      ", which is no finite number in the channel's unit"));
+  if (rule.target == Target::zero && out != 0 && out != 1)
+    return tl::unexpected(problem(row, field, "BAD_FLAG",
+                                  "found " + shown(row.fields()[field]) + ", expected 0 or 1"));
+  const bool whole =
+      rule.target == Target::line || rule.target == Target::run || rule.target == Target::datum;
+  if (whole && (std::trunc(out) != out || std::abs(out) > kLargestWhole))
+    return tl::unexpected(
+        problem(row, field, "BAD_INTEGER",
+                "found " + shown(row.fields()[field]) + ", expected a whole number"));
+  return out;
+}
+
+Result<void> RowReader::read(const ForeignRows& row, std::vector<double>& values) const {
+  values.resize(columns_.size());
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    const auto found = value(row, i);
+    if (!found) return tl::unexpected(found.error());
+    values[i] = *found;
+  }
+  return {};
+}
+
+Result<std::optional<std::size_t>> RowReader::dropped_by(const ForeignRows& row) const {
+  for (std::size_t i = 0; i < drops_.size(); ++i) {
+    const DropRule& rule = mapping_->drops[i];
+    const std::string& text = row.fields()[drops_[i]];
+    if (rule.missing && is_missing_text(text)) return i;
+    if (rule.equals && text == *rule.equals) return i;
+    if (!rule.below && !rule.above) continue;
+    const auto found = number(row, drops_[i]);
+    if (!found) return tl::unexpected(found.error());
+    if ((rule.below && *found < *rule.below) || (rule.above && *found > *rule.above)) return i;
+  }
+  return std::nullopt;
+}
+
+Result<CellTime> RowReader::time(const ForeignRows& row) const {
+  std::string text;
+  for (const std::size_t field : times_) text += (text.empty() ? "" : " ") + row.fields()[field];
+  const auto found = mapping_->time->format.read(text, mapping_->file.numbers.decimal);
+  if (found) return *found;
+  return tl::unexpected(problem(row, times_.front(), "BAD_TIME", found.error().message));
+}
+
+Result<bool> RowReader::is_validation(const ForeignRows& row) const {
+  const std::string& text = row.fields()[set_];
+  if (is_missing_text(text))
+    return tl::unexpected(
+        problem(row, set_, "BAD_SET", "found " + shown(text) + ", expected the row's set"));
+  return std::ranges::find(mapping_->sets.validation, text) != mapping_->sets.validation.end();
+}
+
+}  // namespace driftwise::formats

@@ -1,0 +1,297 @@
+#include "server/formats/import/import_dataset.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+#include <set>
+
+#include "server/formats/dataset_csv.h"
+#include "server/formats/import/mapping_file.h"
+#include "server/formats/text.h"
+#include "tests/unit/formats/import/gzipped.h"
+
+namespace driftwise::formats {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kTwoColumns =
+    "[file]\nseparator = \";\"\ndecimal = \",\"\n"
+    "[[column]]\nsource = \"pos\"\nunit = \"m\"\nchannel = \"x_mm\"\n"
+    "[[column]]\nsource = \"temp\"\nunit = \"K\"\nchannel = \"t01_degC\"\n";
+
+ImportMapping mapping_of(const std::string& toml) {
+  auto mapping = read_import_mapping(toml, "map.toml");
+  EXPECT_TRUE(mapping) << mapping.error().message;
+  return mapping ? std::move(*mapping) : ImportMapping{};
+}
+
+ImportedDataset imported(const std::string& text, const std::string& toml) {
+  auto out = import_dataset(text, "lab.csv", mapping_of(toml));
+  EXPECT_TRUE(out) << out.error().message;
+  return out ? std::move(*out) : ImportedDataset{};
+}
+
+Error refused(const std::string& text, const std::string& toml) {
+  const auto out = import_dataset(text, "lab.csv", mapping_of(toml));
+  EXPECT_FALSE(out);
+  return out ? Error{} : out.error();
+}
+
+TEST(ImportDataset, ConvertsUnitsExactlyAndNamesChannels) {
+  const auto out = imported("pos;temp\n0,762898;293,15\n-1,5;294,15\n", kTwoColumns);
+  EXPECT_EQ(out.dataset.find("x")->values, (std::vector<double>{762.898, -1500}));
+  EXPECT_NEAR(out.dataset.find("t01")->values[1], 21, 1e-12);
+  EXPECT_EQ(out.report.columns[0].first, "0,762898");
+  EXPECT_EQ(out.report.columns[0].max, 762.898);
+}
+
+TEST(ImportDataset, ReadsTheSameTableInEveryDress) {
+  const std::string plain = "pos;temp\n0,5;293,15\n";
+  const auto expected = write_dataset_csv(imported(plain, kTwoColumns).dataset);
+  const auto body = [](const std::string& csv) { return csv.substr(csv.find("x_mm")); };
+  for (const std::string& dressed :
+       {std::string("\xEF\xBB\xBFpos;temp\r\n0,5;293,15\r\n"), tests::gzipped(plain),
+        std::string("# made by hand\n\npos ; temp\n 0,5;\"293,15\"")})
+    EXPECT_EQ(body(write_dataset_csv(imported(dressed, kTwoColumns).dataset)), body(expected));
+}
+
+TEST(ImportDataset, TakesColumnsByNumberWhereThereIsNoHeader) {
+  const auto out = imported("7 1.5\n8 2.5\n",
+                            "[file]\nseparator = \"blanks\"\nheader = false\n"
+                            "[[column]]\nsource = 2\nchannel = \"x_mm\"\n");
+  EXPECT_EQ(out.dataset.find("x")->values, (std::vector<double>{1.5, 2.5}));
+  EXPECT_EQ(out.report.unused, std::vector<std::string>{"column 1"});
+}
+
+TEST(ImportDataset, ScalesAndShiftsBeforeItConverts) {
+  const auto out = imported("raw\n100\n",
+                            "[[column]]\nsource = \"raw\"\nunit = \"V\"\nscale = -0.01\n"
+                            "offset = 2\nchannel = \"bridge_V\"\n[constants]\nforce_N = 2.305\n");
+  EXPECT_EQ(out.dataset.columns[0].values[0], 1.0);
+  EXPECT_EQ(out.dataset.find("force")->values[0], 2.305);
+}
+
+TEST(ImportDataset, FillsTheDatasetsOwnColumns) {
+  const auto out =
+      imported("n,r,z,wait\n3,7,1,200\n3,7,0,\n",
+               "[[column]]\nsource = \"n\"\nchannel = \"line\"\n"
+               "[[column]]\nsource = \"r\"\nchannel = \"run\"\n"
+               "[[column]]\nsource = \"z\"\nchannel = \"zero\"\n"
+               "[[column]]\nsource = \"wait\"\nunit = \"ms\"\nchannel = \"dwell_s\"\n");
+  EXPECT_EQ(out.dataset.line, (std::vector<std::int64_t>{3, 3}));
+  EXPECT_EQ(out.dataset.run[0], 7);
+  EXPECT_EQ(out.dataset.zero, (std::vector<std::uint8_t>{1, 0}));
+  EXPECT_EQ(out.dataset.dwell_s[0], 0.2);
+  EXPECT_TRUE(is_missing(out.dataset.dwell_s[1]));
+}
+
+TEST(ImportDataset, TakesTheSpellingsOfMissingThatTheMappingLists) {
+  const std::string toml =
+      "[file]\nmissing = [\"\", \"n/a\", \"-999\"]\n"
+      "[[column]]\nsource = \"x\"\nchannel = \"x_mm\"\n";
+  const auto out = imported("x\nn/a\n-999\n5\n", toml);
+  EXPECT_EQ(out.report.columns[0].missing, 2U);
+  EXPECT_EQ(out.dataset.columns[0].values[2], 5);
+  EXPECT_EQ(refused("x\nNaN\n", toml).reason, "BAD_NUMBER");
+}
+
+TEST(ImportDataset, LeavesRowsOutByRuleAndCountsThem) {
+  const auto out = imported("x,q\n1,ok\n2,bad\n,ok\n900,ok\n3,ok\n",
+                            "[[column]]\nsource = \"x\"\nchannel = \"x_mm\"\n"
+                            "[[drop]]\ncolumn = \"q\"\nequals = \"bad\"\nwhy = \"beam broken\"\n"
+                            "[[drop]]\ncolumn = \"x\"\nmissing = true\nwhy = \"nothing measured\"\n"
+                            "[[drop]]\ncolumn = 1\nabove = 100\nwhy = \"out of range\"\n");
+  EXPECT_EQ(out.dataset.columns[0].values, (std::vector<double>{1, 3}));
+  EXPECT_EQ(out.report.rows_read, 5U);
+  EXPECT_EQ(out.report.dropped[0].lines, std::vector<std::size_t>{3});
+  EXPECT_EQ(out.report.dropped[1].rows, 1U);
+  EXPECT_EQ(out.report.dropped[2].lines, std::vector<std::size_t>{5});
+  EXPECT_THAT(write_dataset_csv(out.dataset), HasSubstr("# dropped: 1 rows: beam broken\n"));
+}
+
+constexpr const char* kTimed =
+    "[[column]]\nsource = \"x\"\nchannel = \"x_mm\"\n"
+    "[time]\ncolumn = \"t\"\nformat = \"iso8601\"\n";
+
+TEST(ImportDataset, CountsTimeFromTheFirstRow) {
+  const auto out = imported("t,x\n2026-11-21T08:00:00Z,1\n2026-11-21T08:00:29.5Z,2\n", kTimed);
+  EXPECT_EQ(out.dataset.time_s, (std::vector<double>{0, 29.5}));
+  EXPECT_EQ(out.report.time_zero, "2026-11-21T08:00:00Z");
+}
+
+TEST(ImportDataset, SortsRowsThatStandAtTheEndOfTheFile) {
+  const std::string text =
+      "t,x\n2026-11-21T08:00:00Z,1\n2026-11-21T09:00:00Z,3\n"
+      "2026-11-21T08:30:00Z,2\n";
+  EXPECT_THAT(refused(text, kTimed).message,
+              HasSubstr("lab.csv:4: found the time 2026-11-21T08:30:00Z after "
+                        "2026-11-21T09:00:00Z in line 3"));
+  const auto out = imported(text, std::string(kTimed) + "order = \"by-time\"\n");
+  EXPECT_EQ(out.dataset.columns[0].values, (std::vector<double>{1, 2, 3}));
+  EXPECT_EQ(out.report.late_rows, 1U);
+}
+
+TEST(ImportDataset, SpreadsRowsOfOneStampOnlyWhenAsked) {
+  const std::string text = "t,x\n10,1\n10,2\n10,3\n10,4\n11,5\n";
+  const std::string toml =
+      "[[column]]\nsource = \"x\"\nchannel = \"x_mm\"\n[time]\ncolumn = \"t\"\nformat = "
+      "\"seconds\"\n";
+  EXPECT_THAT(refused(text, toml).message, HasSubstr("equal_times"));
+  const auto out = imported(text, toml + "equal_times = \"spread\"\n");
+  EXPECT_EQ(out.dataset.time_s, (std::vector<double>{10, 10.25, 10.5, 10.75, 11}));
+  EXPECT_EQ(out.report.spread_rows, 3U);
+  EXPECT_EQ(refused(text, toml + "equal_times = \"spread\"\nresolution_s = 2\n").reason,
+            "TIME_NOT_INCREASING");
+}
+
+TEST(ImportDataset, JoinsADateAndATime) {
+  const auto out = imported("d,t,x\n21.11.2026,08:00:00,1\n21.11.2026,08:00:05,2\n",
+                            "[[column]]\nsource = \"x\"\nchannel = \"x_mm\"\n[time]\n"
+                            "columns = [\"d\", \"t\"]\nformat = \"%d.%m.%Y %H:%M:%S\"\n");
+  EXPECT_EQ(out.dataset.time_s[1], 5);
+}
+
+constexpr const char* kGoals =
+    "[[column]]\nsource = \"gx\"\nchannel = \"goal_x_mm\"\n"
+    "[[column]]\nsource = \"gy\"\nchannel = \"goal_y_mm\"\n"
+    "[group]\nchannels = [\"goal_x_mm\", \"goal_y_mm\"]\nwithin = 0.1\n";
+
+TEST(ImportDataset, KeepsTheVisitsOfOneGoalTogether) {
+  const auto out = imported("gx,gy\n1,1\n2,1\n1.05,0.95\n2,1.3\n,1\n,1\n", kGoals);
+  EXPECT_EQ(out.dataset.line, (std::vector<std::int64_t>{1, 2, 1, 3, 4, 4}));
+  EXPECT_EQ(out.report.groups, 4U);
+  EXPECT_EQ(out.report.largest_group, 2U);
+  EXPECT_EQ(out.report.median_group, 1.5);
+}
+
+TEST(ImportDataset, GivesWholeGoalsToTheValidationSet) {
+  std::string text = "gx,gy\n";
+  std::mt19937 random(619);
+  for (int i = 0; i < 4000; ++i)
+    text += std::to_string(random() % 40) + "," + std::to_string(random() % 10) + "\n";
+  for (const char* rule : {"validation_every = 5\n", "validation_share = 0.2\nseed = 3\n"}) {
+    const auto out = imported(text, std::string(kGoals) + "[sets]\n" + rule);
+    std::map<std::int64_t, std::set<PointSet>> sets;
+    std::set<std::int64_t> validation;
+    for (std::size_t row = 0; row < out.dataset.rows; ++row) {
+      sets[out.dataset.line[row]].insert(out.dataset.set[row]);
+      if (out.dataset.set[row] == PointSet::validation) validation.insert(out.dataset.line[row]);
+    }
+    for (const auto& [goal, found] : sets) EXPECT_EQ(found.size(), 1U) << goal;
+    // 400 goals: 80 by count; by hash within four standard deviations (8) of 80.
+    EXPECT_NEAR(static_cast<double>(validation.size()), 80, 32) << rule;
+    EXPECT_EQ(out.report.validation + out.report.calibration, 4000U);
+  }
+}
+
+TEST(ImportDataset, ReadsTheSetFromAColumn) {
+  const auto out = imported("x,split\n1,train\n2,test\n3,val\n",
+                            "[[column]]\nsource = \"x\"\nchannel = \"x_mm\"\n[sets]\n"
+                            "column = \"split\"\nvalidation = [\"test\", \"val\"]\n");
+  EXPECT_EQ(out.dataset.set, (std::vector<PointSet>{PointSet::calibration, PointSet::validation,
+                                                    PointSet::validation}));
+}
+
+// The flange hangs 100 mm behind the target along its z; the tracker's x is the robot's y.
+TEST(ImportDataset, TakesAPoseToTheWantedBodyAndFrame) {
+  const auto out = imported(
+      "x,y,z,a,b,c\n1000,0,0,0,90,0\n1000,,0,0,90,0\n",
+      "[[column]]\nsource = \"x\"\nchannel = \"x_mm\"\n"
+      "[[column]]\nsource = \"y\"\nchannel = \"y_mm\"\n"
+      "[[column]]\nsource = \"z\"\nchannel = \"z_mm\"\n"
+      "[[column]]\nsource = \"a\"\nunit = \"deg\"\nchannel = \"rx_deg\"\n"
+      "[[column]]\nsource = \"b\"\nunit = \"deg\"\nchannel = \"ry_deg\"\n"
+      "[[column]]\nsource = \"c\"\nunit = \"deg\"\nchannel = \"rz_deg\"\n"
+      "[[pose]]\nposition = [\"x_mm\", \"y_mm\", \"z_mm\"]\n"
+      "rotation = [\"rx_deg\", \"ry_deg\", \"rz_deg\"]\nconvention = \"xyz-fixed\"\n"
+      "into_position = [\"flange_x_m\", \"flange_y_m\", \"flange_z_m\"]\n"
+      "into_rotation = [\"flange_rx_arcsec\", \"flange_ry_arcsec\", \"flange_rz_arcsec\"]\n"
+      "[pose.tool]\ntranslation_mm = [0, 0, -100]\n[pose.frame]\nrotation_deg = [0, 0, 90]\n");
+  const auto value = [&](const char* symbol, std::size_t row) {
+    return out.dataset.find(symbol)->values[row];
+  };
+  // The target's z points along the tracker's x: the flange is at x = 900 there, y = 0.9 m here.
+  EXPECT_NEAR(value("flange_x", 0), 0, 1e-12);
+  EXPECT_NEAR(value("flange_y", 0), 0.9, 1e-12);
+  EXPECT_NEAR(value("flange_ry", 0), 90 * 3600, 1e-6);
+  EXPECT_EQ(value("x", 0), 1000) << "what was measured stays";
+  EXPECT_TRUE(is_missing(value("flange_x", 1)) && is_missing(value("flange_rz", 1)));
+}
+
+struct ImportMistake {
+  const char* name;
+  const char* text;
+  const char* reason;
+  const char* says;
+};
+class BadForeignFile : public testing::TestWithParam<ImportMistake> {};
+TEST_P(BadForeignFile, IsRefusedWithFileLineFieldFoundAndExpected) {
+  const auto error = refused(GetParam().text, kTwoColumns);
+  EXPECT_EQ(error.code, ErrorCode::invalid_argument);
+  EXPECT_EQ(error.reason, GetParam().reason);
+  EXPECT_THAT(error.message, HasSubstr(GetParam().says));
+}
+INSTANTIATE_TEST_SUITE_P(
+    Table, BadForeignFile,
+    testing::Values(
+        ImportMistake{"Empty", "", "NO_HEADER", "lab.csv:0: found no row"},
+        ImportMistake{"OnlyHeader", "pos;temp\n", "NO_ROWS", "lab.csv:1: found a header row"},
+        ImportMistake{"OtherSeparator", "pos,temp\n1,2\n", "UNKNOWN_COLUMN",
+                      "is the mapping's separator the file's?"},
+        ImportMistake{"Misspelt", "Pos;temp\n1;2\n", "UNKNOWN_COLUMN",
+                      "column 1 of the mapping: found no column named 'pos': did you mean 'Pos'?"},
+        ImportMistake{"Twins", "pos;temp;pos\n1;2;3\n", "AMBIGUOUS_COLUMN",
+                      "found 2 columns named 'pos'"},
+        ImportMistake{"Ragged", "pos;temp\n1;2\n1;2;3\n", "RAGGED_ROW",
+                      "lab.csv:3: found 3 fields, expected 2 as in line 1"},
+        ImportMistake{"OtherDecimal", "pos;temp\n1;2\n1.5;2\n", "BAD_NUMBER",
+                      "lab.csv:3: column 'pos': found '1.5', expected a finite number (the mapping "
+                      "says decimal = \",\")"},
+        ImportMistake{"Word", "pos;temp\n1;warm\n", "BAD_NUMBER", "column 'temp': found 'warm'"},
+        ImportMistake{"Overflow", "pos;temp\n1e306;2\n", "BAD_NUMBER", "found '1e306'"}),
+    [](const auto& row) { return std::string(row.param.name); });
+
+// What was imported is a dataset like any other: it writes and reads back to the last digit.
+TEST(ImportDataset, GivesADatasetThatReadsBack) {
+  std::mt19937_64 random(230);
+  std::uniform_real_distribution<double> metres(-2, 2);
+  std::string text = "pos;temp\n";
+  std::vector<double> expected_mm;
+  for (int i = 0; i < 1000; ++i) {
+    const double m = metres(random);
+    std::string field = number_text(m);
+    for (char& c : field)
+      if (c == '.') c = ',';
+    text += field + ";293,15\n";
+    // The decimal text with its point moved, read by the C library.
+    expected_mm.push_back(std::stod(number_text(m) + "e3"));
+    if (number_text(m).find('e') != std::string::npos) expected_mm.back() = m * 1000;
+  }
+  const auto out = imported(text, kTwoColumns);
+  EXPECT_EQ(out.dataset.find("x")->values, expected_mm);
+  const auto again = read_dataset_csv(write_dataset_csv(out.dataset), "again.csv");
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(again->find("x")->values, expected_mm);
+}
+
+TEST(ImportDataset, GivesAnErrorWithItsPlaceForAnyDamage) {
+  const std::string good = "pos;temp\n0,5;293,15\n1,5;294,15\n\"2\";\"293\"\n";
+  const auto mapping = mapping_of(kTwoColumns);
+  std::mt19937 random(1);
+  int refusals = 0;
+  for (int i = 0; i < 3000; ++i) {
+    std::string text = good;
+    for (auto n = 1 + random() % 4; n > 0; --n)
+      text[random() % text.size()] = static_cast<char>(random());
+    const auto out = import_dataset(text, "lab.csv", mapping);
+    if (out) continue;
+    ++refusals;
+    EXPECT_THAT(out.error().message, testing::StartsWith("lab.csv:"));
+  }
+  EXPECT_GT(refusals, 1000);
+}
+
+}  // namespace
+}  // namespace driftwise::formats
