@@ -8,8 +8,6 @@
 #include "server/calibration/row_qr.h"
 #include "server/calibration/solution.h"
 #include "server/calibration/starts.h"
-#include "server/calibration/tail.h"
-#include "server/core/units.h"
 
 namespace driftwise::calibration {
 namespace {
@@ -129,28 +127,12 @@ std::optional<BlockErrors> judge(const Design& design, const SelectionRule& rule
 }
 
 std::optional<HeldOut> summarise(const std::vector<BlockErrors>& blocks, std::size_t output) {
-  double squares = 0, rows = 0;
+  std::vector<FoldSquares> folds;
   for (const auto& block : blocks) {
     if (!block.squares[output]) return std::nullopt;
-    squares += *block.squares[output];
-    rows += block.rows;
+    folds.push_back({*block.squares[output], block.rows});
   }
-  if (!(squares > 0)) return HeldOut{};
-  HeldOut result;
-  result.u90 = kSigmaToU90 * std::sqrt(squares / rows);
-  const auto count = static_cast<double>(blocks.size());
-  std::vector<double> left_out;
-  double mean = 0;
-  for (const auto& block : blocks) {
-    left_out.push_back(std::log((squares - *block.squares[output]) / (rows - block.rows)));
-    mean += left_out.back() / count;
-  }
-  double spread = 0;
-  for (const double one : left_out) spread += (one - mean) * (one - mean);
-  const double half = t_quantile(0.95, count - 1) * std::sqrt(spread * (count - 1) / count);
-  result.low = result.u90 * std::exp(-half / 2);
-  result.high = result.u90 * std::exp(half / 2);
-  return result;
+  return held_out_figure(folds);
 }
 
 }  // namespace

@@ -6,16 +6,11 @@
 #include <optional>
 
 #include "server/calibration/design.h"
+#include "server/calibration/held_out_figure.h"
 #include "server/calibration/row_reduction.h"
 #include "server/calibration/stepwise.h"
 
 namespace driftwise::calibration {
-
-struct HeldOut {
-  double u90 = 0;            // 1.645 x root mean square of the errors of all blocks; column unit
-  double low = 0, high = 0;  // 90 %: jackknife over the blocks on the logarithm of the mean square,
-                             // t with blocks - 1
-};
 
 // Where the pieces of a RowReduction must end so that blocks can be held out: begin, head, tail of
 // every block, then the number of rows. Empty: too few rows, or no blocks asked for.

@@ -69,9 +69,11 @@ Result<SerialArm> SerialArm::create(const KinematicsDescription& description) {
   int number = 0;
   for (const auto& link : description.links) {
     const std::string place = "link" + std::to_string(++number) + ".";
+    // Behind the last link there is no axis that could be parallel.
+    const bool hayati = nearly_parallel(link.alpha_deg) && &link != &description.links.back();
     const int theta = parameter(place + "theta_deg", link.theta_deg, angle, 2);
     chain.push_back({Kind::turn, 2, theta, 0, number - 1});
-    if (nearly_parallel(link.alpha_deg))
+    if (hayati)
       chain.push_back({Kind::shift, 2, -1, link.d_mm, -1});
     else
       chain.push_back(
@@ -80,7 +82,7 @@ Result<SerialArm> SerialArm::create(const KinematicsDescription& description) {
         {Kind::shift, 0, parameter(place + "a_mm", link.a_mm, kNaturalLength_mm, 2), 0, -1});
     chain.push_back(
         {Kind::turn, 0, parameter(place + "alpha_deg", link.alpha_deg, angle, 2), 0, -1});
-    if (nearly_parallel(link.alpha_deg))
+    if (hayati)
       chain.push_back(
           {Kind::turn, 1, parameter(place + "beta_deg", link.beta_deg, angle, 3), 0, -1});
     else if (link.beta_deg != 0)

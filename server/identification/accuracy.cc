@@ -1,0 +1,277 @@
+#include "server/identification/accuracy.h"
+
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "server/calibration/design.h"
+#include "server/calibration/held_out_figure.h"
+#include "server/calibration/residual_statistics.h"
+#include "server/core/units.h"
+#include "server/effects/term_order.h"
+#include "server/identification/folds.h"
+#include "server/identification/pose_rows.h"
+
+namespace driftwise::identification {
+namespace {
+
+using Eigen::Index;
+
+std::vector<std::string> symbols_read(const MethodOptions& options) {
+  std::vector<std::string> symbols = options.fit.candidates.outputs;
+  for (const auto& term : options.fit.candidates.terms)
+    for (const auto& symbol : effects::symbols_of(term)) symbols.push_back(symbol);
+  if (options.mechanism)
+    for (const auto* channels : {&options.mechanism->inputs(), &options.mechanism->outputs()})
+      for (const auto& channel : *channels) symbols.push_back(channel.symbol);
+  return symbols;
+}
+
+std::vector<std::size_t> rows_in(const Dataset& dataset, PointSet set) {
+  std::vector<std::size_t> rows;
+  for (std::size_t row = 0; row < dataset.rows; ++row)
+    if (dataset.set_of(row) == set && !dataset.is_excluded(row)) rows.push_back(row);
+  return rows;
+}
+
+Result<Eigen::MatrixXd> measured_outputs(const Dataset& dataset,
+                                         const std::vector<Channel>& outputs) {
+  Eigen::MatrixXd measured(static_cast<Index>(dataset.rows), static_cast<Index>(outputs.size()));
+  for (std::size_t o = 0; o < outputs.size(); ++o) {
+    const DatasetColumn* column = dataset.find(outputs[o].symbol);
+    if (column == nullptr)
+      return fail(ErrorCode::internal, "NO_OUTPUT", "no column " + outputs[o].name());
+    measured.col(static_cast<Index>(o)) = Eigen::Map<const Eigen::VectorXd>(
+        column->values.data(), static_cast<Index>(column->values.size()));
+  }
+  return measured;
+}
+
+Eigen::VectorXd picked(const Eigen::MatrixXd& errors, const std::vector<std::size_t>& rows,
+                       Index output) {
+  Eigen::VectorXd some(static_cast<Index>(rows.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    some[static_cast<Index>(i)] = errors(static_cast<Index>(rows[i]), output);
+  return some;
+}
+
+// Rows of a datum that was not in the training lose their mean: its zero was not to be known.
+void centre_new_datums(Eigen::VectorXd& errors, const std::vector<std::size_t>& rows,
+                       const std::vector<std::size_t>& train, const std::vector<double>& datums) {
+  std::set<double> known;
+  for (const std::size_t row : train) known.insert(datums[row]);
+  std::map<double, std::pair<double, int>> unknown;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (known.contains(datums[rows[i]])) continue;
+    auto& [sum, count] = unknown[datums[rows[i]]];
+    sum += errors[static_cast<Index>(i)];
+    ++count;
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (const auto at = unknown.find(datums[rows[i]]); at != unknown.end())
+      errors[static_cast<Index>(i)] -= at->second.first / at->second.second;
+}
+
+// Errors of the rows held out: [fold][output].
+using FoldErrors = std::vector<std::vector<Eigen::VectorXd>>;
+
+struct Bench {
+  const Dataset& dataset;
+  Method method;
+  const MethodOptions& options;
+  Eigen::MatrixXd measured;
+  std::vector<double> datums;
+
+  Result<std::vector<Eigen::VectorXd>> errors_of(const Fold& fold) const {
+    Dataset part = dataset;
+    part.set.assign(part.rows, PointSet::calibration);
+    part.excluded.assign(part.rows, 1);
+    for (const std::size_t row : fold.train) part.excluded[row] = 0;
+    MethodOptions quick = options;
+    quick.fit.blocks = 0;
+    quick.fit.first_rows = 0;
+    quick.fit.stopwatch_us = {};
+    const auto fitted = fit_method(part, method, quick);
+    if (!fitted) return tl::unexpected(fitted.error());
+    const auto predicted = predict(dataset, *fitted);
+    if (!predicted) return tl::unexpected(predicted.error());
+    std::vector<Eigen::VectorXd> errors;
+    for (Index o = 0; o < measured.cols(); ++o) {
+      errors.push_back(picked(measured - *predicted, fold.test, o));
+      centre_new_datums(errors.back(), fold.test, fold.train, datums);
+    }
+    return errors;
+  }
+
+  // Empty where a fold cannot be fitted; the reason is left in warnings.
+  FoldErrors errors_of(const std::vector<Fold>& folds, const std::string& what,
+                       std::vector<std::string>& warnings) const {
+    FoldErrors all(folds.size());
+    std::vector<std::string> reasons(folds.size());
+    const auto job = [&](std::size_t f) {
+      auto errors = errors_of(folds[f]);
+      if (errors)
+        all[f] = std::move(*errors);
+      else
+        reasons[f] = errors.error().message;
+    };
+    if (options.fit.executor)
+      options.fit.executor(folds.size(), job);
+    else
+      for (std::size_t f = 0; f < folds.size(); ++f) job(f);
+    for (const auto& reason : reasons) {
+      if (reason.empty()) continue;
+      warnings.push_back(name_of(method) + ": no held-out figure " + what + ": " + reason);
+      return {};
+    }
+    return all;
+  }
+};
+
+std::optional<calibration::HeldOut> of_output(const FoldErrors& folds, std::size_t output) {
+  if (folds.empty()) return std::nullopt;
+  std::vector<calibration::FoldSquares> squares;
+  for (const auto& fold : folds)
+    squares.push_back({fold[output].squaredNorm(), static_cast<double>(fold[output].size())});
+  return calibration::held_out_figure(squares);
+}
+
+std::optional<double> position_rms(const FoldErrors& folds) {
+  double squares = 0, rows = 0;
+  for (const auto& fold : folds) {
+    for (const auto& output : fold) squares += output.squaredNorm();
+    rows += static_cast<double>(fold.front().size());
+  }
+  return rows > 0 ? std::optional(std::sqrt(squares / rows)) : std::nullopt;
+}
+
+// Standard deviation of one residual about the mean of its group, pooled.
+std::optional<double> spread_within(const Eigen::VectorXd& residuals,
+                                    const std::vector<std::size_t>& rows,
+                                    const std::vector<int>& labels) {
+  std::map<int, std::pair<double, int>> sums;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    auto& [sum, count] = sums[labels[rows[i]]];
+    sum += residuals[static_cast<Index>(i)];
+    ++count;
+  }
+  double squares = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto& [sum, count] = sums[labels[rows[i]]];
+    squares += std::pow(residuals[static_cast<Index>(i)] - sum / count, 2);
+  }
+  const auto freedom = static_cast<double>(rows.size() - sums.size());
+  return freedom < 3 ? std::nullopt : std::optional(std::sqrt(squares / freedom));
+}
+
+bool one_unit(const std::vector<Channel>& outputs) {
+  for (const auto& output : outputs)
+    if (output.unit != outputs.front().unit) return false;
+  return outputs.size() > 1;
+}
+
+// Validation rows whose zero the model can know.
+std::vector<std::size_t> validation_rows_known(const Dataset& dataset,
+                                               const std::vector<std::size_t>& calibration,
+                                               const std::vector<double>& datums) {
+  std::set<double> known;
+  for (const std::size_t row : calibration) known.insert(datums[row]);
+  std::vector<std::size_t> rows;
+  for (const std::size_t row : rows_in(dataset, PointSet::validation))
+    if (known.contains(datums[row])) rows.push_back(row);
+  return rows;
+}
+
+void add_position(Judgement& result, const Eigen::MatrixXd& errors,
+                  const std::vector<std::size_t>& calibration,
+                  const std::vector<std::size_t>& validation, const FoldErrors& blocks,
+                  const FoldErrors& groups) {
+  PositionFigures position;
+  position.unit = result.fitted.outputs.front().unit;
+  const auto rms_of = [&errors](const std::vector<std::size_t>& rows) {
+    double squares = 0;
+    for (const std::size_t row : rows) squares += errors.row(static_cast<Index>(row)).squaredNorm();
+    return std::sqrt(squares / static_cast<double>(rows.size()));
+  };
+  position.rms = rms_of(calibration);
+  if (validation.size() >= 2) position.rms_validation = rms_of(validation);
+  position.rms_blocks = position_rms(blocks);
+  position.rms_groups = position_rms(groups);
+  double pure = 0;
+  for (const auto& output : result.outputs) {
+    if (!output.pure_error)
+      pure = std::nan("");
+    else
+      pure += *output.pure_error * *output.pure_error;
+  }
+  if (pure > 0) position.pure_error = std::sqrt(pure);
+  result.position = position;
+}
+
+}  // namespace
+
+Result<Judgement> judge_method(const Dataset& whole, Method method, const MethodOptions& options,
+                               const JudgeOptions& judge) {
+  Dataset dataset = without_incomplete_rows(whole, symbols_read(options));
+  if (options.fit.first_rows > 0)
+    for (std::size_t row = static_cast<std::size_t>(options.fit.first_rows); row < dataset.rows;
+         ++row)
+      if (dataset.set_of(row) == PointSet::calibration) dataset.excluded[row] = 1;
+  MethodOptions once = options;
+  once.fit.blocks = 0;
+  once.fit.first_rows = 0;
+  auto fitted = fit_method(dataset, method, once);
+  if (!fitted) return tl::unexpected(fitted.error());
+  auto measured = measured_outputs(dataset, fitted->outputs);
+  if (!measured) return tl::unexpected(measured.error());
+  const auto predicted = predict(dataset, *fitted);
+  if (!predicted) return tl::unexpected(predicted.error());
+  const Eigen::MatrixXd errors = *measured - *predicted;
+
+  const Bench bench{dataset, method, once, std::move(*measured),
+                    calibration::datum_ordinals(dataset)};
+  const auto calibration = rows_in(dataset, PointSet::calibration);
+  const auto validation = validation_rows_known(dataset, calibration, bench.datums);
+  Judgement result;
+  result.rows_calibration = static_cast<std::int64_t>(calibration.size());
+  result.rows_validation = static_cast<std::int64_t>(validation.size());
+  const FoldErrors blocks = bench.errors_of(time_folds(calibration, judge.blocks, judge.gap),
+                                            "by blocks of time", result.warnings);
+  FoldErrors groups;
+  std::vector<int> labels;
+  if (!judge.together.empty()) {
+    auto found = group_labels(dataset, judge.together);
+    if (!found) return tl::unexpected(found.error());
+    labels = std::move(*found);
+    std::set<int> distinct;
+    for (const std::size_t row : calibration) distinct.insert(labels[row]);
+    result.groups = static_cast<std::int64_t>(distinct.size());
+    groups = bench.errors_of(group_folds(calibration, labels, judge.folds),
+                             "with " + judge.together + " kept together", result.warnings);
+  }
+  for (std::size_t o = 0; o < fitted->outputs.size(); ++o) {
+    const auto column = static_cast<Index>(o);
+    const Eigen::VectorXd residuals = picked(errors, calibration, column);
+    OutputFigures figures;
+    figures.channel = fitted->outputs[o];
+    figures.parameters = fitted->parameters(o);
+    figures.rms = std::sqrt(residuals.squaredNorm() / static_cast<double>(residuals.size()));
+    figures.u90_calibration = kSigmaToU90 * calibration::standard_deviation(residuals);
+    if (validation.size() >= 2)
+      figures.u90_validation =
+          kSigmaToU90 * calibration::standard_deviation(picked(errors, validation, column));
+    figures.blocks = of_output(blocks, o);
+    figures.groups = of_output(groups, o);
+    if (!labels.empty()) figures.pure_error = spread_within(residuals, calibration, labels);
+    result.outputs.push_back(std::move(figures));
+  }
+  if (one_unit(fitted->outputs)) {
+    result.fitted = std::move(*fitted);
+    add_position(result, errors, calibration, validation, blocks, groups);
+  } else {
+    result.fitted = std::move(*fitted);
+  }
+  return result;
+}
+
+}  // namespace driftwise::identification

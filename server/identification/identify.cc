@@ -1,0 +1,296 @@
+#include "server/identification/identify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "server/calibration/design.h"
+#include "server/calibration/predict.h"
+#include "server/effects/term_order.h"
+#include "server/identification/identifiability.h"
+#include "server/identification/least_squares.h"
+#include "server/identification/pose_rows.h"
+#include "server/kinematics/frame.h"
+#include "server/kinematics/rigid_fit.h"
+
+namespace driftwise::identification {
+namespace {
+
+using Eigen::Index;
+
+// datum(k) of every further datum among the calibration rows, then the offered terms that do not
+// read what the mechanism itself explains.
+std::vector<effects::Term> linear_terms(const Dataset& dataset, const IdentifyOptions& options) {
+  std::vector<effects::Term> terms;
+  const auto ordinals = calibration::datum_ordinals(dataset);
+  std::set<int> datums;
+  for (std::size_t row = 0; row < dataset.rows; ++row)
+    if (dataset.set_of(row) == PointSet::calibration && !dataset.is_excluded(row))
+      datums.insert(static_cast<int>(ordinals[row]));
+  for (const int datum : datums)
+    if (datum != *datums.begin()) terms.push_back(effects::datum_term(datum));
+  for (const auto& term : options.terms) {
+    const auto symbols = effects::symbols_of(term);
+    const bool geometric = std::ranges::any_of(symbols, [&](const std::string& symbol) {
+      return std::ranges::any_of(options.mechanism->inputs(),
+                                 [&](const Channel& input) { return input.symbol == symbol; });
+    });
+    if (!geometric && !term.is_constant()) terms.push_back(term);
+  }
+  return terms;
+}
+
+// What the least squares works on. Unknowns: free parameters in natural units, then per output the
+// coefficients of the centred and scaled columns.
+struct Work {
+  const kinematics::Mechanism& mechanism;
+  Eigen::MatrixXd inputs;         // inputs x rows
+  Eigen::MatrixXd outputs;        // rows x outputs
+  Eigen::MatrixXd columns;        // rows x terms, centred, scaled to one half range
+  Eigen::VectorXd means, halves;  // of the raw columns
+  Eigen::VectorXd start;          // of all parameters
+  std::vector<Index> free;        // of the parameters
+
+  Index rows() const { return outputs.rows(); }
+  Index unknowns() const {
+    return static_cast<Index>(free.size()) + columns.cols() * outputs.cols();
+  }
+  double natural(Index k) const {
+    return mechanism.parameters()[static_cast<std::size_t>(free[static_cast<std::size_t>(k)])]
+        .natural;
+  }
+
+  Eigen::VectorXd parameters(const Eigen::VectorXd& unknown) const {
+    Eigen::VectorXd values = start;
+    for (Index k = 0; k < static_cast<Index>(free.size()); ++k)
+      values[free[static_cast<std::size_t>(k)]] += unknown[k] * natural(k);
+    return values;
+  }
+  Eigen::MatrixXd linear(const Eigen::VectorXd& unknown) const {  // terms x outputs
+    return Eigen::Map<const Eigen::MatrixXd>(unknown.data() + static_cast<Index>(free.size()),
+                                             columns.cols(), outputs.cols());
+  }
+  // Predicted minus measured, output by output.
+  Eigen::VectorXd residuals(const Eigen::VectorXd& unknown) const {
+    Eigen::MatrixXd left = predict_rows(mechanism, inputs, parameters(unknown)) - outputs;
+    if (columns.cols() > 0) left += columns * linear(unknown);
+    return left.reshaped();
+  }
+  // Of the mechanism's outputs with respect to all parameters, per natural unit.
+  Eigen::MatrixXd mechanism_jacobian(const Eigen::VectorXd& values) const {
+    const auto& all = mechanism.parameters();
+    Eigen::MatrixXd jacobian(outputs.size(), static_cast<Index>(all.size()));
+    for (Index row = 0; row < rows(); ++row) {
+      const auto at =
+          mechanism.predict({inputs.col(row).data(), static_cast<std::size_t>(inputs.rows())},
+                            values, kinematics::Derivatives::yes);
+      for (Index o = 0; o < outputs.cols(); ++o)
+        jacobian.row(o * rows() + row) = at.jacobian.row(o);
+    }
+    for (Index k = 0; k < jacobian.cols(); ++k)
+      jacobian.col(k) *= all[static_cast<std::size_t>(k)].natural;
+    return jacobian;
+  }
+  Eigen::MatrixXd jacobian(const Eigen::VectorXd& unknown) const {
+    const Eigen::MatrixXd whole = mechanism_jacobian(parameters(unknown));
+    Eigen::MatrixXd result = Eigen::MatrixXd::Zero(outputs.size(), unknowns());
+    for (std::size_t k = 0; k < free.size(); ++k)
+      result.col(static_cast<Index>(k)) = whole.col(free[k]);
+    for (Index o = 0; o < outputs.cols(); ++o)
+      result.block(o * rows(), static_cast<Index>(free.size()) + o * columns.cols(), rows(),
+                   columns.cols()) = columns;
+    return result;
+  }
+};
+
+Eigen::MatrixXd rows_of(const Eigen::MatrixXd& all, const std::vector<std::size_t>& rows) {
+  Eigen::MatrixXd some(static_cast<Index>(rows.size()), all.cols());
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    some.row(static_cast<Index>(i)) = all.row(static_cast<Index>(rows[i]));
+  return some;
+}
+
+void centre_columns(Work& work) {
+  work.means = work.columns.colwise().mean();
+  work.halves = Eigen::VectorXd::Ones(work.columns.cols());
+  for (Index j = 0; j < work.columns.cols(); ++j) {
+    auto column = work.columns.col(j);
+    const double half = 0.5 * (column.maxCoeff() - column.minCoeff());
+    if (half > 0) work.halves[j] = half;
+    column = (column.array() - work.means[j]) / work.halves[j];
+  }
+}
+
+// Nominal values; an arm's frame where a rigid fit of its nominal points to the measured ones puts
+// it, for a tracker may stand anywhere.
+Result<Eigen::VectorXd> start_values(const Work& work) {
+  Eigen::VectorXd values = kinematics::nominal_values(work.mechanism.parameters());
+  if (!work.mechanism.predicts_pose() || work.mechanism.parameters().front().held) return values;
+  values.head<kinematics::kFrameParameters>().setZero();
+  const Eigen::MatrixXd points = predict_rows(work.mechanism, work.inputs, values);
+  const auto fit = kinematics::fit_rigid(points.transpose(), work.outputs.transpose());
+  if (!fit) return tl::unexpected(fit.error());
+  values.head<kinematics::kFrameParameters>() =
+      kinematics::frame_values(fit->rotation, fit->translation);
+  return values;
+}
+
+// At the values that work starts from.
+Identifiability chosen_parameters(const Work& work, const IdentifyOptions& options) {
+  kinematics::Parameters parameters = work.mechanism.parameters();
+  if (options.placement_only)
+    for (auto& parameter : parameters) parameter.held = parameter.held || !parameter.placement;
+  auto result = identifiable(work.mechanism_jacobian(work.start), parameters);
+  if (options.placement_only)
+    for (std::size_t i = 0; i < parameters.size(); ++i)
+      if (!parameters[i].placement) result.notes[i] = "nominal";
+  return result;
+}
+
+struct Found {
+  Identifiability chosen;
+  LeastSquaresSolution solution;  // about work.start
+};
+
+// A drawing is more regular than its robot: a tool exactly on the last axis hides an angle that a
+// tool beside it shows. So what can be told apart is asked again at the solution, and the solution
+// sought again while something was added.
+Result<Found> solve(Work& work, const IdentifyOptions& options) {
+  constexpr int kMostRounds = 4;
+  Found found{chosen_parameters(work, options), {}};
+  for (int round = 0;; ++round) {
+    work.free.clear();
+    for (std::size_t i = 0; i < found.chosen.free.size(); ++i)
+      if (found.chosen.free[i] != 0) work.free.push_back(static_cast<Index>(i));
+    const LeastSquaresProblem problem{
+        [&work](const Eigen::VectorXd& unknown) { return work.residuals(unknown); },
+        [&work](const Eigen::VectorXd& unknown) { return work.jacobian(unknown); }};
+    auto solution = minimise(problem, Eigen::VectorXd::Zero(work.unknowns()));
+    if (!solution) return tl::unexpected(solution.error());
+    solution->evaluations += found.solution.evaluations;
+    found.solution = std::move(*solution);
+    if (round + 1 == kMostRounds) return found;
+    Work there = work;
+    there.start = work.parameters(found.solution.values);
+    Identifiability again = chosen_parameters(there, options);
+    const auto before = std::ranges::count(found.chosen.free, 1);
+    if (std::ranges::count(again.free, 1) <= before) {
+      found.chosen.condition = again.condition;
+      return found;
+    }
+    for (std::size_t i = 0; i < again.free.size(); ++i)  // another of a set is held now
+      if (again.free[i] == 0 && found.chosen.free[i] != 0)
+        there.start[static_cast<Index>(i)] = work.mechanism.parameters()[i].nominal;
+    found.chosen = std::move(again);
+    work.start = there.start;
+  }
+}
+
+Identification describe(const Work& work, const Identifiability& chosen,
+                        const std::vector<effects::Term>& terms,
+                        const LeastSquaresSolution& solution) {
+  Identification result;
+  const Index outputs = work.outputs.cols(), count = work.columns.cols();
+  const auto free = static_cast<Index>(work.free.size());
+  result.rows = work.rows();
+  result.unknowns = static_cast<int>(work.unknowns());
+  result.evaluations = solution.evaluations;
+  result.condition = chosen.condition;
+  const Eigen::VectorXd left = work.residuals(solution.values);
+  result.rss = left.reshaped(work.rows(), outputs).colwise().squaredNorm().transpose();
+  const double freedom =
+      std::max<double>(1, static_cast<double>(work.outputs.size() - work.unknowns()));
+  const Eigen::VectorXd deviation = (inverse_normal(work.jacobian(solution.values)).diagonal() *
+                                     (solution.sum_of_squares / freedom))
+                                        .cwiseSqrt();
+
+  const Eigen::VectorXd values = work.parameters(solution.values);
+  for (std::size_t i = 0; i < work.mechanism.parameters().size(); ++i) {
+    const auto& parameter = work.mechanism.parameters()[i];
+    result.parameters.push_back(
+        {parameter, values[static_cast<Index>(i)], 0, chosen.free[i] != 0, chosen.notes[i]});
+  }
+  for (Index k = 0; k < free; ++k) {
+    auto& one = result.parameters[static_cast<std::size_t>(work.free[static_cast<std::size_t>(k)])];
+    one.standard_error = deviation[k] * work.natural(k);
+    if (deviation[k] > 1)
+      one.note = "weakly determined: the standard error exceeds what a drawing leaves open";
+  }
+  if (count == 0) return result;
+  const Eigen::MatrixXd scaled = work.linear(solution.values);
+  const Eigen::MatrixXd errors =
+      Eigen::Map<const Eigen::MatrixXd>(deviation.data() + free, count, outputs);
+  result.terms.push_back({});
+  result.terms.insert(result.terms.end(), terms.begin(), terms.end());
+  result.coefficients.resize(count + 1, outputs);
+  result.standard_errors = Eigen::MatrixXd::Zero(count + 1, outputs);
+  result.coefficients.bottomRows(count) = work.halves.cwiseInverse().asDiagonal() * scaled;
+  result.standard_errors.bottomRows(count) = work.halves.cwiseInverse().asDiagonal() * errors;
+  result.coefficients.row(0) = -work.means.transpose() * result.coefficients.bottomRows(count);
+  return result;
+}
+
+}  // namespace
+
+Eigen::VectorXd Identification::values() const {
+  Eigen::VectorXd all(static_cast<Index>(parameters.size()));
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+    all[static_cast<Index>(i)] = parameters[i].value;
+  return all;
+}
+
+std::vector<char> Identification::free() const {
+  std::vector<char> all;
+  for (const auto& one : parameters) all.push_back(one.free ? 1 : 0);
+  return all;
+}
+
+Result<Identification> identify(const Dataset& dataset, const IdentifyOptions& options) {
+  const auto data = mechanism_data(dataset, *options.mechanism);
+  if (!data) return tl::unexpected(data.error());
+  const auto terms = linear_terms(dataset, options);
+  const auto columns = calibration::raw_columns(dataset, terms);
+  if (!columns) return tl::unexpected(columns.error());
+  const Eigen::MatrixXd inputs_by_row = data->inputs.transpose();
+  const auto rows =
+      complete_rows(dataset, PointSet::calibration, {&inputs_by_row, &data->outputs, &*columns});
+  Work work{*options.mechanism,
+            rows_of(inputs_by_row, rows).transpose(),
+            rows_of(data->outputs, rows),
+            rows_of(*columns, rows),
+            {},
+            {},
+            {},
+            {}};
+  if (rows.size() < 3)
+    return fail(ErrorCode::failed_precondition, "TOO_FEW_ROWS",
+                std::to_string(rows.size()) +
+                    " complete calibration rows: measure more before identifying a robot");
+  centre_columns(work);
+  auto start = start_values(work);
+  if (!start) return tl::unexpected(start.error());
+  work.start = std::move(*start);
+  if (!predict_rows(work.mechanism, work.inputs, work.start).allFinite())
+    return fail(ErrorCode::failed_precondition, "BAD_START",
+                "the nominal geometry does not reach every measured row: compare lengths, units "
+                "and frames of the robot file with the data");
+  const auto found = solve(work, options);
+  if (!found) return tl::unexpected(found.error());
+  Identification result = describe(work, found->chosen, terms, found->solution);
+  result.mechanism = options.mechanism;
+  return result;
+}
+
+Result<Eigen::MatrixXd> predict(const Dataset& dataset, const Identification& identification) {
+  const auto data = mechanism_data(dataset, *identification.mechanism);
+  if (!data) return tl::unexpected(data.error());
+  Eigen::MatrixXd predicted =
+      predict_rows(*identification.mechanism, data->inputs, identification.values());
+  if (identification.terms.empty()) return predicted;
+  const auto columns = calibration::raw_columns(dataset, identification.terms);
+  if (!columns) return tl::unexpected(columns.error());
+  predicted += *columns * identification.coefficients;
+  return predicted;
+}
+
+}  // namespace driftwise::identification

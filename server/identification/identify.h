@@ -1,0 +1,59 @@
+#pragma once
+// Identification of a robot's own parameters by nonlinear least squares: lengths, angles, offsets
+// and where it stands in the measuring frame, together with linear terms of force and temperature
+// where they are offered.
+//
+//   output = mechanism(inputs; parameters) + constant + sum of coefficient * term
+//
+// Every output counts alike; parameters are scaled by what a deviation of each is worth
+// (kinematics::Parameter::natural). What the data cannot tell apart is held at its nominal value
+// and named (identifiability.h). docs/kinematics.md.
+
+#include <memory>
+
+#include "server/calibration/model.h"
+#include "server/core/dataset.h"
+#include "server/kinematics/mechanism.h"
+
+namespace driftwise::identification {
+
+struct IdentifyOptions {
+  std::shared_ptr<const kinematics::Mechanism> mechanism;
+  std::vector<effects::Term> terms;  // linear in every output; those that read the mechanism's
+                                     // inputs are left to the mechanism
+  bool placement_only = false;       // the nominal robot: only where it stands, or reads zero
+};
+
+struct IdentifiedParameter {
+  kinematics::Parameter parameter;
+  double value = 0;
+  double standard_error = 0;  // 0 where it is held
+  bool free = false;
+  std::string note;  // why it is held; how weakly it is determined
+};
+
+struct Identification {
+  std::shared_ptr<const kinematics::Mechanism> mechanism;
+  std::vector<IdentifiedParameter> parameters;
+  std::vector<effects::Term> terms;  // the constant first, then datum(k), then those offered; none
+                                     // where none was offered and there is one datum
+  Eigen::MatrixXd coefficients;      // terms x outputs
+  Eigen::MatrixXd standard_errors;   // terms x outputs; 0 for the constant
+  Eigen::VectorXd rss;               // per output, over the calibration rows
+  std::int64_t rows = 0;             // calibration rows
+  int unknowns = 0;                  // parameters and coefficients estimated
+  int evaluations = 0;
+  double condition = 1;  // of the free parameters
+
+  Eigen::VectorXd values() const;
+  std::vector<char> free() const;
+};
+
+// On the complete rows marked calibration. Errors: invalid_argument UNKNOWN_CHANNEL, WRONG_UNIT;
+// failed_precondition TOO_FEW_ROWS, BAD_START, NO_CONVERGENCE, POINTS_ON_A_LINE.
+Result<Identification> identify(const Dataset& dataset, const IdentifyOptions& options);
+
+// rows x outputs, NaN where a value is missing.
+Result<Eigen::MatrixXd> predict(const Dataset& dataset, const Identification& identification);
+
+}  // namespace driftwise::identification
