@@ -1,11 +1,15 @@
 #include "drivers/simulated/plant/thermal_network.h"
 
+#include <algorithm>
 #include <cassert>
 
 #include "drivers/simulated/plant/matrix_exponential.h"
 
 namespace driftwise::simulated {
 namespace {
+
+constexpr std::size_t kRowsAtOnce = 8;
+static_assert(kMaxNodes % kRowsAtOnce == 0);
 
 // The rates of T (rows) by T, room and powers, as one square matrix: held inputs are states that do
 // not change.
@@ -40,7 +44,7 @@ std::vector<double> rates_by_state(std::span<const PartParameters> parts,
 ThermalNetwork::ThermalNetwork(std::span<const PartParameters> parts,
                                std::span<const LinkParameters> links, double step_s,
                                double start_degc)
-    : size_(parts.size()), rows_((size_ + 3) / 4 * 4) {
+    : size_(parts.size()) {
   assert(size_ <= kMaxNodes);
   const std::size_t width = 2 * size_ + 1;
   std::vector<double> rates = rates_by_state(parts, links);
@@ -56,18 +60,27 @@ ThermalNetwork::ThermalNetwork(std::span<const PartParameters> parts,
 }
 
 void ThermalNetwork::step(double room_degc, std::span<const double, kMaxNodes> power_w) {
-  NodeTemperatures next{};
-  assert(rows_ <= kMaxNodes);
-  // Column by column, so that the compiler can use wide additions without reordering any sum.
+  // Nodes, room, and the few powers that are not zero.
+  std::array<const double*, 2 * kMaxNodes + 1> sources;
+  std::array<double, 2 * kMaxNodes + 1> factors;
+  std::size_t count = 0;
   const auto add = [&](std::size_t column, double factor) {
-    if (factor == 0) return;
-    const double* source = columns_.data() + column * kMaxNodes;
-    for (std::size_t i = 0; i < rows_; ++i) next[i] += factor * source[i];
+    sources[count] = columns_.data() + column * kMaxNodes;
+    factors[count++] = factor;
   };
   for (std::size_t j = 0; j < size_; ++j) add(j, degc_[j]);
   add(size_, room_degc);
-  for (std::size_t j = 0; j < size_; ++j) add(size_ + 1 + j, power_w[j]);
-  degc_ = next;
+  for (std::size_t j = 0; j < size_; ++j) {
+    if (power_w[j] != 0) add(size_ + 1 + j, power_w[j]);
+  }
+  // A few rows at a time: their sums stay in registers, and no sum is reordered.
+  for (std::size_t row = 0; row < size_; row += kRowsAtOnce) {
+    std::array<double, kRowsAtOnce> sum{};
+    for (std::size_t j = 0; j < count; ++j) {
+      for (std::size_t i = 0; i < kRowsAtOnce; ++i) sum[i] += factors[j] * sources[j][row + i];
+    }
+    std::copy(sum.begin(), sum.end(), degc_.begin() + static_cast<long>(row));
+  }
 }
 
 }  // namespace driftwise::simulated

@@ -34,7 +34,6 @@ class ThermalNetwork {
 
  private:
   std::size_t size_;
-  std::size_t rows_;  // size_ up to a whole number of wide registers
   // Columns of [exp(A dt) | response to 1 K of room | response to 1 W on node 0, 1, ..], each
   // kMaxNodes long.
   std::vector<double> columns_;
