@@ -290,6 +290,7 @@ void CellPlant::set_stabiliser_sensor_open(bool open, TimeNs now, int index) {
 }
 
 void CellPlant::add_disturbance(DisturbancePlace place, Disturbance disturbance) {
+  before_command();
   disturbances_.emplace(place, std::move(disturbance));
 }
 

@@ -47,7 +47,7 @@ MicroNanoPlant::MicroNanoPlant(MicroNanoParameters parameters, std::uint64_t see
   }
   const double wire_mm = instant(0).wire_mm;
   load_ = LoadRig(parameters_.load, wire_mm);
-  last_.reset();
+  remembered_.clear();
   zero_at_start();
 }
 
@@ -56,10 +56,24 @@ Vec3 MicroNanoPlant::wire_end_mm(const PlatformPose& pose, const NodeTemperature
 }
 
 const MicroNanoPlant::Instant& MicroNanoPlant::instant(double time_s) const {
-  if (last_ && last_->time_s == time_s && last_->now == now_) return *last_;
-  Instant& i = last_.emplace();
-  i.time_s = time_s;
-  i.now = now_;
+  for (const Instant& known : remembered_) {
+    if (known.time_s == time_s && known.now == now_) return known;
+  }
+  if (remembered_.size() < kRemembered) {
+    remembered_.reserve(kRemembered);
+    next_remembered_ = remembered_.size();
+    remembered_.emplace_back();
+  }
+  Instant& place = remembered_[next_remembered_];
+  next_remembered_ = (next_remembered_ + 1) % kRemembered;
+  place.time_s = time_s;
+  place.now = now_;
+  solve(place);
+  return place;
+}
+
+void MicroNanoPlant::solve(Instant& i) const {
+  const double time_s = i.time_s;
   i.frame = world_.at(time_s);
   PerArm<double> stage_mm{};
   for (std::size_t k = 0; k < kArms; ++k) {
@@ -94,7 +108,6 @@ const MicroNanoPlant::Instant& MicroNanoPlant::instant(double time_s) const {
     }
     i.centre_mm = to_vec3(centre);
   }
-  return i;
 }
 
 CubeFace MicroNanoPlant::face(std::size_t axis, const Instant& at) const {
@@ -166,7 +179,7 @@ CellPlant::Beam MicroNanoPlant::beam(int index, double time_s) const {
 void MicroNanoPlant::before_command() {
   const Instant& at = instant(now_s());
   load_.settle(now_s(), at.wire_mm);
-  last_.reset();
+  remembered_.clear();
 }
 
 LoadState MicroNanoPlant::load(TimeNs now) {

@@ -68,6 +68,7 @@ class MicroNanoPlant final : public CellPlant {
     Rotation cube;   // against the reference pose
   };
   const Instant& instant(double time_s) const;
+  void solve(Instant& i) const;
   Vec3 wire_end_mm(const PlatformPose& pose, const NodeTemperatures& degc) const;
   PathReading path(std::size_t axis, const Instant& at) const;
   CubeFace face(std::size_t axis, const Instant& at) const;
@@ -82,7 +83,10 @@ class MicroNanoPlant final : public CellPlant {
   LoadRig load_;
   std::array<CollimatorFault, 2> collimator_faults_{};
   std::vector<Random> angle_noise_;
-  mutable std::optional<Instant> last_;  // what several instruments ask for at one instant
+  // The latest instants solved: several instruments ask for the same ones. Forgotten at every command.
+  static constexpr std::size_t kRemembered = 32;
+  mutable std::vector<Instant> remembered_;
+  mutable std::size_t next_remembered_ = 0;
 };
 
 }  // namespace driftwise::simulated
