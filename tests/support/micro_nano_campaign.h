@@ -47,7 +47,7 @@ struct MicroNanoGrid {
 
 struct MicroNanoOptions {
   std::uint64_t seed = 1;
-  std::vector<std::string> overrides;  // "section.key=value" over the plant file
+  std::vector<std::string> overrides{};  // "section.key=value" over the plant file
   std::vector<MicroNanoGrid> grids{
       {true, 0}, {true, 2.305}, {false, 0.768}, {true, 1.536}, {false, 3.842}};
   double point_s = 18.75;  // 1056 in 5.5 h

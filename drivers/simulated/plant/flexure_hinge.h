@@ -2,7 +2,7 @@
 // A flexure hinge: a blade of thickness t, width b, free length l, clamped at both ends and bent by
 // an angle.
 
-#include <numbers>
+#include <algorithm>
 
 namespace driftwise::simulated {
 
@@ -15,16 +15,18 @@ struct FlexureHinge {
   }
   double turning_nmm_rad() const { return bending_nmm2() / length_mm; }
 
-  // Elongation per force, mm/N, at a bend of angle_rad under tension_n. Straight: l / (E b t). A
-  // bent blade is an arc that straightens as it is pulled: angle^2 l^3 / (45 E I) from the bending
-  // energy of an arc whose ends keep their direction; pulling stiffens it, pushing softens it, by 1
-  // + F / F_c with Euler's load of a clamped column, F_c = 4 pi^2 E I / l^2.
+  // Elongation per force (secant), mm/N, at a bend of angle_rad under tension_n along the bar that
+  // the far end is fixed to. Straight: l / (E b t). A bent blade is an arc that can be pulled
+  // straight: there are angle^2 l / 6 to be had, beginning with angle^2 l^3 / (45 E I) per newton
+  // (the bending energy of an arc whose ends keep their directions), and as one mode of bending 1 -
+  // (1 + F / F1)^-2 of it under F, with F1 = 15 E I / l^2 from these two. So tension stiffens,
+  // pressure softens.
   double give_mm_n(double angle_rad, double tension_n) const {
     const double straight = length_mm / (youngs_gpa * 1e3 * width_mm * thickness_mm);
-    const double l2 = length_mm * length_mm;
-    const double arc = angle_rad * angle_rad * l2 * length_mm / (45 * bending_nmm2());
-    const double euler_n = 4 * std::numbers::pi * std::numbers::pi * bending_nmm2() / l2;
-    return straight + arc / (1 + tension_n / euler_n);
+    const double slack_mm = angle_rad * angle_rad * length_mm / 6;
+    const double mode_n = 15 * bending_nmm2() / (length_mm * length_mm);
+    const double share = std::max(tension_n / mode_n, -0.9);  // beyond, a real blade would buckle
+    return straight + slack_mm * (2 + share) / (mode_n * (1 + share) * (1 + share));
   }
 };
 

@@ -83,7 +83,8 @@ class MicroNanoPlant final : public CellPlant {
   LoadRig load_;
   std::array<CollimatorFault, 2> collimator_faults_{};
   std::vector<Random> angle_noise_;
-  // The latest instants solved: several instruments ask for the same ones. Forgotten at every command.
+  // The latest instants solved: several instruments ask for the same ones. Forgotten at every
+  // command.
   static constexpr std::size_t kRemembered = 32;
   mutable std::vector<Instant> remembered_;
   mutable std::size_t next_remembered_ = 0;

@@ -100,6 +100,70 @@ TEST(PlantOverride, IsCheckedLikeTheFile) {
             "override: found 'nonsense', expected section.key=value");
 }
 
+std::string micro_nano_text() {
+  std::ifstream in(DRIFTWISE_SOURCE_DIR "/deploy/cells/micro-nano/plant.toml");
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+TEST(MicroNanoPlantFile, ReadsTheShippedOne) {
+  const auto plant =
+      std::get<MicroNanoParameters>(parse_plant_file(micro_nano_text(), "plant.toml", {}));
+  EXPECT_EQ(plant.thermometers.size(), 10U);
+  EXPECT_EQ(plant.axes.size(), 3U);
+  // Lengths that must close: the joints' radius; 150 + 30 - 40 mm of height; dead paths.
+  double radius_mm = 0, height_mm = 0;
+  for (const auto& length : plant.delta.outwards[1]) radius_mm += length.mm;
+  for (const auto& length : plant.delta.upwards[1]) height_mm += length.mm;
+  EXPECT_NEAR(radius_mm, plant.delta.column_radius_mm, 1e-9);
+  EXPECT_NEAR(height_mm, 140, 1e-9);
+  const auto to_head_mm = [&](std::size_t beam) {
+    double sum_mm = 0;
+    for (const auto& length : plant.beams[beam].datum) {
+      if (length.parts.size() == 1) sum_mm += length.mm;  // the columns carry, they do not lead
+    }
+    for (const auto& length : plant.beams[beam].device) sum_mm += length.mm;
+    return sum_mm;
+  };
+  const double half_mm = plant.cube.edge_mm / 2;
+  EXPECT_NEAR(plant.interferometers[0].dead_path_mm,
+              to_head_mm(0) + plant.cube.centre_mm.x - half_mm, 1e-9);
+  EXPECT_NEAR(plant.interferometers[1].dead_path_mm, to_head_mm(1) - half_mm, 1e-9);
+  EXPECT_NEAR(plant.interferometers[2].dead_path_mm, to_head_mm(2) + plant.optics.fold_height_mm,
+              1e-9);
+}
+
+TEST(MicroNanoPlantFile, NamesWhatIsWrong) {
+  const auto error = [](const std::string& override_text) {
+    return error_of(micro_nano_text(), {override_text});
+  };
+  EXPECT_THAT(error("cube.centre_mm=[1, 2]"), testing::HasSubstr("expected a list of 3 numbers"));
+  EXPECT_THAT(error("delta.arm_mm=40"), testing::HasSubstr("too short to reach"));
+  EXPECT_THAT(error("delta.arm_material=cheese"), testing::HasSubstr("found 'cheese'"));
+  EXPECT_THAT(error("loop.x_base.beam=w"), testing::HasSubstr("expected x, y or z"));
+  EXPECT_THAT(error("carriage.column.axis=sideways"), testing::HasSubstr("outwards or upwards"));
+  EXPECT_THAT(error("axis.motor_parts=[\"motor_1\"]"), testing::HasSubstr("three parts"));
+  EXPECT_THAT(error("load.friction=2"), testing::HasSubstr("load.friction: found 2"));
+  EXPECT_THAT(error("plant.machine=-1"), testing::HasSubstr("plant.machine"));
+}
+
+TEST(MicroNanoPlantFile, SurvivesDamage) {
+  const std::string text = micro_nano_text();
+  Random random(2, "damage");
+  int refused = 0;
+  for (int k = 0; k < 100; ++k) {
+    std::string damaged = text;
+    for (int hit = 0; hit < 3; ++hit) {
+      const auto place =
+          static_cast<std::size_t>(random.uniform() * static_cast<double>(text.size()));
+      damaged[place] = static_cast<char>(random.uniform(1, 127));
+    }
+    if (error_of(damaged) != "no error") ++refused;
+  }
+  EXPECT_GT(refused, 10);
+}
+
 TEST(PlantFile, SaysWhichFileIsMissing) {
   EXPECT_THROW(
       {
