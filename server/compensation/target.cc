@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "server/compensation/dot.h"
+
 namespace driftwise::compensation {
 namespace {
 
@@ -38,18 +40,23 @@ void fill_basis(const Snapshot& snapshot, const TargetRequest& request, Basis& b
     basis.b[k + 1] = basis.b[snapshot.products[k].base] * column[snapshot.products[k].variable];
 }
 
-// b' V b from the packed lower triangle with doubled off-diagonal entries, or a constant.
-double variance(const std::vector<double>& packed, std::size_t size, const Basis& basis) {
-  if (packed.size() == 1) return packed[0];
-  double sum = 0;
-  const double* row = packed.data();
+// b b' packed as the variances are: every quadratic form of a target is then one dot product.
+struct Squares {
+  std::array<double, kMaxBasis*(kMaxBasis + 1) / 2> bb;
+};
+
+void fill_squares(const Basis& basis, std::size_t size, Squares& squares) {
+  double* row = squares.bb.data();
   for (std::size_t i = 0; i < size; ++i) {
-    double dot = 0;
-    for (std::size_t j = 0; j <= i; ++j) dot += row[j] * basis.b[j];
-    sum += dot * basis.b[i];
+    for (std::size_t j = 0; j <= i; ++j) row[j] = basis.b[i] * basis.b[j];
     row += i + 1;
   }
-  return sum;
+}
+
+// b' V b from the packed lower triangle with doubled off-diagonal entries, or a constant.
+double variance(const std::vector<double>& packed, const Squares& squares) {
+  if (packed.size() == 1) return packed[0];
+  return dot(packed.data(), squares.bb.data(), packed.size());
 }
 
 Target refused(Target target, Refusal refusal) {
@@ -123,13 +130,13 @@ Target compute_target(const Snapshot& snapshot, const TargetRequest& request) no
   Basis basis;
   fill_basis(snapshot, request, basis);
   const std::size_t size = snapshot.basis_size();
+  Squares squares;
+  if (request.with_uncertainty) fill_squares(basis, size, squares);
   for (std::size_t i = 0; i < target.outputs; ++i) {
     const auto& output = snapshot.outputs[i];
-    double q_mm = 0;
-    for (std::size_t k = 0; k < size; ++k) q_mm += output.coefficients_mm[k] * basis.b[k];
-    target.q_mm[i] = q_mm;
+    target.q_mm[i] = dot(output.coefficients_mm.data(), basis.b.data(), size);
     target.u_nm[i] = request.with_uncertainty
-                         ? std::sqrt(std::max(0.0, variance(output.variance_nm2, size, basis))) *
+                         ? std::sqrt(std::max(0.0, variance(output.variance_nm2, squares))) *
                                extrapolation_factor(largest_excess)
                          : kNan;
   }
@@ -148,9 +155,11 @@ Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request,
   const double factor = extrapolation_factor(look_at_domain(snapshot, request, target));
   Basis basis;
   fill_basis(snapshot, request, basis);
+  Squares squares;
+  fill_squares(basis, snapshot.basis_size(), squares);
   double sum = 0;
   for (const auto& line : snapshot.outputs[output].lines) {
-    const double nm2 = std::max(0.0, variance(line.variance_nm2, snapshot.basis_size(), basis));
+    const double nm2 = std::max(0.0, variance(line.variance_nm2, squares));
     budget.line[budget.lines++] = {line.source, std::sqrt(nm2)};
     sum += nm2;
   }
