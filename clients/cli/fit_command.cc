@@ -171,12 +171,12 @@ calibration::FitOptions fit_options(const FitOfFile& fit) {
   return options;
 }
 
-ExitCode fit_file(const Console& console, const FitOfFile& fit, const std::string& text,
+ExitCode fit_file(const Console& console, const FitOfFile& fit, std::string_view text,
                   const std::string& name) {
   calibration::FitOptions options = fit_options(fit);
   options.lineage.source = name;
   const auto formula = value_or_throw(formats::Formula::parse(fit.formula));
-  Dataset data = value_or_throw(formats::read_dataset_csv(text, name));
+  Dataset data = value_or_throw(formats::read_dataset_csv(text, name, options.executor));
   exclude_rows(data, fit.exclude_rows, name);
   options.lineage.exclusions_hash = formats::exclusions_hash(data);
   options.candidates = value_or_throw(formula.expand(data));

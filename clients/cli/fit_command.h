@@ -5,6 +5,7 @@
 
 #include <CLI/App.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "clients/cli/console.h"
@@ -40,7 +41,7 @@ calibration::FitOptions fit_options(const FitOfFile& fit);
 // Fits text, the contents of the file called name, and prints the model: a page, or with --json
 // driftwise.fit.v1. Throws Failure (bad_input) with the reason of the reader, the formula or the
 // fit.
-ExitCode fit_file(const Console& console, const FitOfFile& fit, const std::string& text,
+ExitCode fit_file(const Console& console, const FitOfFile& fit, std::string_view text,
                   const std::string& name);
 
 }  // namespace driftwise::cli

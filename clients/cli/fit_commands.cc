@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "clients/cli/fit_command.h"
+#include "clients/cli/input_text.h"
 #include "clients/cli/proto_json.h"
 #include "clients/cli/validators.h"
 #include "driftwise/v1/model_service.grpc.pb.h"
@@ -84,7 +85,7 @@ ExitCode fit(const Session& session, const FitArguments& a) {
                   std::string("fit what? found ") + (a.file.empty() ? "neither" : "both") +
                       " a file and --run; give one: driftwise fit data.csv ..., or driftwise fit "
                       "--run 3 ..."};
-  if (!a.file.empty()) return fit_file(session.console, a.fit, read_input_file(a.file), a.file);
+  if (!a.file.empty()) return fit_file(session.console, a.fit, InputText(a.file).text(), a.file);
   return fit_at_daemon(session, a);
 }
 

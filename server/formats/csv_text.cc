@@ -52,6 +52,19 @@ std::pair<std::string, std::string> metadata_from(std::string_view line) {
   return {std::string(key), std::string(trimmed_remark(body.substr(colon + 1)))};
 }
 
+constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
+
+// The last one counts without its end, too.
+std::size_t lines_in(std::string_view text) {
+  std::size_t lines = 0;
+  while (!text.empty()) {
+    const auto end = text.find('\n');
+    ++lines;
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  }
+  return lines;
+}
+
 }  // namespace
 
 Result<CsvHeader> read_csv_header(std::string_view text, const std::string& file_name) {
@@ -103,14 +116,37 @@ Result<CsvHeader> read_csv_header(std::string_view text, const std::string& file
     rest.remove_prefix(comma + 1);
   }
   header.rows = text;
-  header.row_bound = static_cast<std::size_t>(std::ranges::count(text, '\n')) + 1;
   return header;
 }
 
-CsvRows::CsvRows(const CsvHeader& header, const std::string& file_name)
-    : at_(header.rows.data()),
-      end_(header.rows.data() + header.rows.size()),
-      line_(header.line),
+std::vector<CsvChunk> chunks_of(const CsvHeader& header, const calibration::Executor& executor) {
+  std::vector<CsvChunk> chunks;
+  for (std::string_view rest = header.rows; !rest.empty() || chunks.empty();) {
+    const auto end = rest.find('\n', std::min(kChunkBytes, rest.size()));
+    const std::size_t size = end == std::string_view::npos ? rest.size() : end + 1;
+    chunks.push_back({rest.substr(0, size), 0, 0, 0});
+    rest.remove_prefix(size);
+  }
+  std::vector<std::size_t> lines(chunks.size());
+  calibration::run_on(executor, chunks.size(),
+                      [&](std::size_t i) { lines[i] = lines_in(chunks[i].rows); });
+  std::size_t line = header.line, row = 0;
+  for (std::size_t i = 0; i < chunks.size(); ++i) {
+    auto& chunk = chunks[i];
+    chunk.line = line;
+    chunk.first_row = row;
+    // A row has a comma or an end after each field: empty lines need no room.
+    chunk.most_rows = std::min(lines[i], chunk.rows.size() / header.names.size() + 1);
+    line += lines[i];
+    row += chunk.most_rows;
+  }
+  return chunks;
+}
+
+CsvRows::CsvRows(const CsvHeader& header, const std::string& file_name, const CsvChunk& chunk)
+    : at_(chunk.rows.data()),
+      end_(chunk.rows.data() + chunk.rows.size()),
+      line_(chunk.line),
       names_(header.names),
       file_name_(file_name) {}
 

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/calibration/executor.h"
 #include "server/core/result.h"
 
 namespace driftwise::formats {
@@ -17,10 +18,21 @@ struct CsvHeader {
   // Leading '#' lines: "# key: value"; a line without a colon has an empty key and is its value.
   std::vector<std::pair<std::string, std::string>> metadata;
   std::vector<std::string> names;
-  std::size_t line = 0;       // of the header row, from 1
-  std::string_view rows;      // the text after the header row
-  std::size_t row_bound = 0;  // no more rows than this
+  std::size_t line = 0;   // of the header row, from 1
+  std::string_view rows;  // the text after the header row
 };
+
+// Whole lines of the text after the header row, that one thread reads.
+struct CsvChunk {
+  std::string_view rows;
+  std::size_t line = 0;       // before its first
+  std::size_t most_rows = 0;  // no more than this
+  std::size_t first_row = 0;  // no more rows than this in all chunks before it
+};
+
+// About a megabyte each: the cuts depend on the text alone, not on who reads it.
+std::vector<CsvChunk> chunks_of(const CsvHeader& header,
+                                const calibration::Executor& executor = {});
 
 // Errors: EMPTY_FILE, NO_HEADER, NOT_TEXT, QUOTED_FIELD, DUPLICATE_COLUMN; an empty name is
 // NO_HEADER's too.
@@ -31,7 +43,7 @@ Result<CsvHeader> read_csv_header(std::string_view text, const std::string& file
 // over.
 class CsvRows {
  public:
-  CsvRows(const CsvHeader& header, const std::string& file_name);
+  CsvRows(const CsvHeader& header, const std::string& file_name, const CsvChunk& chunk);
 
   bool next_row();             // false at the end of the text, or after an error; skips empty lines
   bool number(double& value);  // an empty field is kMissing

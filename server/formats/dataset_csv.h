@@ -12,9 +12,12 @@
 #include <string>
 #include <string_view>
 
+#include "server/calibration/executor.h"
 #include "server/core/dataset.h"
 
 namespace driftwise::formats {
+
+constexpr std::string_view kDatasetVersionKey = "driftwise-dataset";
 
 // file_name: stands in front of every message ("drift.csv:7: ..."); the file itself is not opened.
 // Errors, all invalid_argument, each naming file:line, the column, what was found and what was
@@ -22,7 +25,9 @@ namespace driftwise::formats {
 //   EMPTY_FILE, NO_HEADER, NO_ROWS, BAD_CHANNEL (no unit), DUPLICATE_COLUMN, RAGGED_ROW,
 //   BAD_NUMBER, BAD_SET, BAD_FLAG, BAD_INTEGER, TIME_NOT_INCREASING, QUOTED_FIELD, BAD_METADATA,
 //   UNSUPPORTED_VERSION, NOT_TEXT.
-Result<Dataset> read_dataset_csv(std::string_view text, const std::string& file_name);
+// executor: large files are read on its threads; the dataset and the errors are the same on any.
+Result<Dataset> read_dataset_csv(std::string_view text, const std::string& file_name,
+                                 const calibration::Executor& executor = {});
 
 // The metadata lines as they stand (driftwise-dataset: 1 is put first when it is missing), then the
 // rows. Columns in this order: time_s, run, datum, set, line, zero, dwell_s,

@@ -110,8 +110,9 @@ Result<Trajectory> read_trajectory_csv(std::string_view text, const std::string&
   const auto kinds = sort_columns(*header, file_name, trajectory.coordinates);
   if (!kinds) return tl::unexpected(kinds.error());
 
-  CsvRows rows(*header, file_name);
-  trajectory.points.reserve(header->row_bound);
+  // A trajectory has thousands of rows, not millions: one piece.
+  const CsvChunk whole{header->rows, header->line, 0, 0};
+  CsvRows rows(*header, file_name, whole);
   while (rows.next_row()) {
     auto point = read_point(rows, *kinds);
     if (!point) return tl::unexpected(point.error());

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <limits>
 #include <random>
@@ -173,6 +174,82 @@ TEST(DatasetCsv, ReadsBackEveryNumberBitForBit) {
       ASSERT_TRUE(is_missing(was) ? is_missing(is) : bits(was) == bits(is)) << "row " << i;
     }
   EXPECT_EQ(write_dataset_csv(*back), text);  // and so the text is reproduced too, remarks included
+}
+
+// Several megabytes, read in chunks: the lines here are of one width, so that the first row of a
+// chunk is known.
+struct LongFile {
+  static constexpr std::size_t kRows = 100000;
+  std::string text = "time_s,q1_mm,x_mm\n";
+  std::size_t width = 0;
+
+  LongFile() {
+    for (std::size_t i = 0; i < kRows; ++i) {
+      char line[64];
+      const int size = std::snprintf(line, sizeof line, "%08zu.0,%14.9f,%14.6e\n", i,
+                                     1e-3 * double(i), std::sin(double(i)));
+      width = static_cast<std::size_t>(size);
+      text += line;
+    }
+  }
+  std::size_t place(std::size_t row) const { return text.find('\n') + 1 + row * width; }
+  // The first rows of the chunks after the first, whatever their exact size near a megabyte is:
+  // those around each multiple of it.
+  std::vector<std::size_t> rows_to_break() const {
+    std::vector<std::size_t> rows = {1, kRows - 1};
+    for (std::size_t megabyte = 1; megabyte * 1048576 < text.size(); ++megabyte) {
+      const std::size_t row = megabyte * 1048576 / width;
+      for (std::size_t near = row - 2; near <= row + 4 && near < kRows; ++near)
+        rows.push_back(near);
+    }
+    return rows;
+  }
+};
+
+calibration::Executor backwards() {  // the order that finds most mistakes
+  return [](std::size_t count, const std::function<void(std::size_t)>& job) {
+    while (count > 0) job(--count);
+  };
+}
+
+TEST(ReadDatasetCsv, ReadsALongFileInChunksAsInOnePiece) {
+  LongFile file;
+  file.text.insert(file.place(70000), "\n\r\n\n");  // empty lines: rows close up
+  file.text.insert(file.place(10), "\n");
+  const auto data = read_dataset_csv(file.text, kFile, backwards());
+  ASSERT_TRUE(data) << data.error().message;
+  ASSERT_EQ(data->rows, LongFile::kRows);
+  for (std::size_t i = 0; i < data->rows; ++i) {
+    ASSERT_EQ(data->time_s[i], static_cast<double>(i));
+    ASSERT_NEAR(data->columns[0].values[i], 1e-3 * static_cast<double>(i), 1e-9);
+    ASSERT_NEAR(data->columns[1].values[i], std::sin(static_cast<double>(i)), 1e-6);
+  }
+  EXPECT_EQ(data->columns[1].values.size(), LongFile::kRows);
+}
+
+TEST(ReadDatasetCsv, NamesTheLineOfAMistakeInAnyChunk) {
+  const LongFile good;
+  for (const std::size_t row : good.rows_to_break()) {
+    LongFile file = good;
+    file.text[file.place(row)] = '-';                       // the time runs back
+    file.text[file.place(LongFile::kRows - 1) + 12] = 'x';  // a later mistake, too
+    const auto data = read_dataset_csv(file.text, kFile, backwards());
+    ASSERT_FALSE(data);
+    const bool is_last = row == LongFile::kRows - 1;
+    EXPECT_EQ(data.error().reason, is_last ? "BAD_NUMBER" : "TIME_NOT_INCREASING");
+    EXPECT_EQ(data.error().message.find("drift.csv:" + std::to_string(row + 2) + ": "), 0u)
+        << data.error().message;
+  }
+}
+
+// A row needs a byte for every field: text of empty lines must not make room for rows.
+TEST(ReadDatasetCsv, TakesNoMemoryForEmptyLines) {
+  std::string text = "a0_mm";
+  for (int i = 1; i < 5000; ++i) text += ",a" + std::to_string(i) + "_mm";
+  text += "\n" + std::string(2000000, '\n');  // 5000 x 2e6 numbers would be 80 GB
+  const auto data = read_dataset_csv(text, kFile);
+  ASSERT_FALSE(data);
+  EXPECT_EQ(data.error().reason, "NO_ROWS");
 }
 
 TEST(DatasetCsv, KeepsAMissingValueInAFileOfOneColumn) {
