@@ -129,6 +129,53 @@ Result<RowState> row_state(
   return state;
 }
 
+constexpr std::size_t kChunkRows = 8192;
+
+// 1: every needed value of the row is finite, so that nobody need look at it again.
+std::vector<std::uint8_t> clean_rows(
+    const Dataset& dataset,
+    const std::vector<std::pair<std::string, std::span<const double>>>& needed,
+    const Executor& executor) {
+  std::vector<std::uint8_t> clean(dataset.rows);
+  run_on(executor, (dataset.rows + kChunkRows - 1) / kChunkRows, [&](std::size_t chunk) {
+    const std::size_t begin = chunk * kChunkRows,
+                      count = std::min(kChunkRows, dataset.rows - begin);
+    // v - v is 0 for a finite v and else NaN.
+    Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(static_cast<Eigen::Index>(count));
+    for (const auto& [name, values] : needed) {
+      const Eigen::Map<const Eigen::ArrayXd> some(values.data() + begin, sum.size());
+      sum += some - some;
+    }
+    for (std::size_t i = 0; i < count; ++i)
+      clean[begin + i] = sum[static_cast<Eigen::Index>(i)] == 0 ? 1 : 0;
+  });
+  return clean;
+}
+
+void find_ranges(Design& design, const std::vector<std::span<const double>>& values,
+                 const Executor& executor) {
+  const auto& rows = design.rows;
+  if (rows.empty()) return;
+  const bool together = rows.back() - rows.front() + 1 == rows.size();
+  run_on(executor, design.variables.size(), [&](std::size_t v) {
+    auto& variable = design.variables[v];
+    if (together) {
+      const Eigen::Map<const Eigen::VectorXd> all(values[v].data() + rows.front(),
+                                                  design.row_count());
+      variable.min = all.minCoeff();
+      variable.max = all.maxCoeff();
+      return;
+    }
+    double min = values[v][rows.front()], max = min;
+    for (const std::size_t row : rows) {
+      min = std::min(min, values[v][row]);
+      max = std::max(max, values[v][row]);
+    }
+    variable.min = min;
+    variable.max = max;
+  });
+}
+
 // Rows from all over, at most this many, whose means stand for those of all rows.
 constexpr std::size_t kMeanRows = 4096;
 
@@ -199,8 +246,10 @@ Result<Design> make_design(const Dataset& dataset, const FitOptions& options) {
   }
 
   std::vector<int> datums;
-  for (std::size_t row = 0; row < dataset.rows; ++row)
-    if (calibrates(row)) datums.push_back(static_cast<int>(ordinals[row]));
+  for (std::size_t row = 0; row < dataset.rows; ++row) {
+    const int datum = static_cast<int>(ordinals[row]);
+    if ((datums.empty() || datums.back() != datum) && calibrates(row)) datums.push_back(datum);
+  }
   std::ranges::sort(datums);
   datums.erase(std::unique(datums.begin(), datums.end()), datums.end());
 
@@ -213,6 +262,9 @@ Result<Design> make_design(const Dataset& dataset, const FitOptions& options) {
   for (std::size_t v = 0; v < variables.named.size(); ++v)
     needed.emplace_back(variables.named[v].name, variables.values[v]);
 
+  const auto clean = clean_rows(dataset, needed, options.executor);
+  design.rows.reserve(dataset.rows);
+  design.datum.reserve(dataset.rows);
   for (std::size_t row = 0; row < dataset.rows; ++row) {
     if (dataset.is_excluded(row)) {
       ++design.excluded;
@@ -221,13 +273,17 @@ Result<Design> make_design(const Dataset& dataset, const FitOptions& options) {
     const bool calibration = calibrates(row);
     if (!calibration && dataset.set_of(row) == PointSet::calibration)
       continue;  // beyond first_rows
-    const auto state = row_state(dataset, needed, row);
-    if (!state) return tl::unexpected(state.error());
+    RowState state = RowState::complete;
+    if (clean[row] == 0) {
+      const auto seen = row_state(dataset, needed, row);
+      if (!seen) return tl::unexpected(seen.error());
+      state = *seen;
+    }
     if (!weights.empty() && weights[row] < 0)
       return fail(ErrorCode::invalid_argument, "BAD_VALUE",
                   row_text(dataset, row) + ": weight " + options.weight_symbol + " is " +
                       effects::number_text(weights[row]) + "; expected 0 or more");
-    if (*state == RowState::missing) {
+    if (state == RowState::missing) {
       ++design.dropped;
     } else if (!calibration) {
       ++design.validation;
@@ -238,15 +294,9 @@ Result<Design> make_design(const Dataset& dataset, const FitOptions& options) {
   }
 
   design.variables = std::move(variables.named);
-  for (std::size_t v = 0; v < design.variables.size(); ++v) {
-    auto& variable = design.variables[v];
-    for (std::size_t i = 0; i < design.rows.size(); ++i) {
-      const double value = variables.values[v][design.rows[i]];
-      variable.min = i == 0 ? value : std::min(variable.min, value);
-      variable.max = i == 0 ? value : std::max(variable.max, value);
-    }
-    centre(variable, variables.indicator[v] != 0);
-  }
+  find_ranges(design, variables.values, options.executor);
+  for (std::size_t v = 0; v < design.variables.size(); ++v)
+    centre(design.variables[v], variables.indicator[v] != 0);
   auto basis = make_basis(design.variables, columns->monomials);
   if (!basis) return tl::unexpected(basis.error());
   design.basis = std::move(*basis);

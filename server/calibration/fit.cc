@@ -88,22 +88,14 @@ Result<std::vector<Fitted>> select_and_solve(const Design& design, const Triangl
 }
 
 // The largest departure of each term from its mean over the calibration rows.
-void add_largest_contributions(const Design& design, const Dataset& dataset, OutputModel& model) {
-  const auto columns = raw_columns(dataset, model.terms);
-  if (!columns) return;
-  Index in = 0;
+void add_largest_contributions(const std::vector<TermRange>& ranges, OutputModel& model) {
+  std::size_t in = 0;
   for (auto& report : model.report) {
     if (!report.in) continue;
-    const auto column = columns->col(in++);
-    if (report.term.is_constant()) continue;
-    double low = HUGE_VAL, high = -HUGE_VAL, mean = 0;
-    for (const std::size_t row : design.rows) {
-      const double value = column[static_cast<Index>(row)];
-      low = std::min(low, value);
-      high = std::max(high, value);
-      mean += value / static_cast<double>(design.rows.size());
-    }
-    report.contribution_max = std::abs(report.coefficient) * std::max(high - mean, mean - low);
+    const auto& range = ranges[in++];
+    if (!report.term.is_constant())
+      report.contribution_max =
+          std::abs(report.coefficient) * std::max(range.high - range.mean, range.mean - range.low);
   }
 }
 
@@ -249,13 +241,13 @@ Result<Model> fit(const Dataset& dataset, const FitOptions& options) {
     OutputModel output =
         describe_output(design, triangle, selection, solution, static_cast<Index>(o));
     output.starts = starts;
-    add_largest_contributions(design, dataset, output);
-    const auto predicted = predict(dataset, output);
+    const auto predicted = predict_and_range(dataset, output, design.rows, options.executor);
     if (!predicted) return tl::unexpected(predicted.error());
+    add_largest_contributions(predicted->terms, output);
     const auto& measured = dataset.find(output.channel.symbol)->values;
     const Eigen::VectorXd errors =
         Eigen::Map<const Eigen::VectorXd>(measured.data(), static_cast<Index>(measured.size())) -
-        *predicted;
+        predicted->output;
     add_accuracy(design, values_at(errors, design.rows), solution, static_cast<Index>(o),
                  output.accuracy);
     const auto validation = validation_rows(design, dataset, errors, no_datum);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <unordered_map>
+#include <limits>
 
 namespace driftwise::calibration {
 namespace {
@@ -62,14 +62,24 @@ class RowGroups {
       key_[row] = mixed ^ (mixed >> 31);
     }
   }
-  // Group per row, numbered by appearance.
+  // Group per row, numbered by appearance. An open table: of a million keys, mostly unlike, it is
+  // some times faster than std::unordered_map.
   std::vector<std::size_t> numbers(std::size_t& groups) const {
+    constexpr std::size_t kEmpty = std::numeric_limits<std::size_t>::max();
     std::vector<std::size_t> number(key_.size());
-    std::unordered_map<std::uint64_t, std::size_t> seen;
-    seen.reserve(key_.size());
-    for (std::size_t row = 0; row < key_.size(); ++row)
-      number[row] = seen.try_emplace(key_[row], seen.size()).first->second;
-    groups = seen.size();
+    std::vector<std::size_t> table(std::bit_ceil(2 * key_.size() + 1), kEmpty);
+    groups = 0;
+    for (std::size_t row = 0; row < key_.size(); ++row) {
+      std::size_t place = key_[row] & (table.size() - 1);
+      while (table[place] != kEmpty && key_[table[place]] != key_[row])
+        place = (place + 1) & (table.size() - 1);
+      if (table[place] == kEmpty) {
+        table[place] = row;
+        number[row] = groups++;
+      } else {
+        number[row] = number[table[place]];
+      }
+    }
     return number;
   }
 
