@@ -4,10 +4,11 @@
 source "$(dirname "$0")/lib/common.sh"
 
 say "packages"
-install_missing build test
+install_missing build test bench
 say "build (preset release)"
 configure_and_build release -DDRIFTWISE_BUILD_TESTS=ON -DDRIFTWISE_BUILD_BENCHMARKS=ON -- \
-  engine_bench store_bench target_bench target_line_bench rpc_bench regression_bench driftwised driftwise-cellsim
+  engine_bench store_bench target_bench target_line_bench rpc_bench regression_bench fit_floor_bench csv_bench driftwise \
+  driftwised driftwise-cellsim
 bin=$root/build/release/bin
 scratch=$root/out/bench
 rm -rf "$scratch"; mkdir -p "$scratch"
@@ -19,7 +20,7 @@ say "engine and store per group of readings, in bare durable commits (goal 2.5)"
 run engine_bench "$bin/engine_bench" "$scratch"
 say "store alone, and the recorder's file growth"
 run store_bench "$bin/store_bench" "$scratch" 1
-say "a target in process (goal 300 ns, with uncertainty 1 us)"
+say "a target in process (goal 300 ns, with uncertainty 1 us; three axes, 30 terms: 300 ns, with uncertainty 2 us)"
 run target_bench "$bin/target_bench" --benchmark_repetitions=7 --benchmark_report_aggregates_only=true 2>/dev/null
 say "unary gRPC target against an empty call (goal p99 1.2 x)"
 run rpc_bench "$bin/rpc_bench" 3000
@@ -27,6 +28,20 @@ say "text line against a bare echo (goal p99 1.3 x)"
 run target_line_bench "$bin/target_line_bench" 3000
 say "regression (triangle, selection, solution)"
 run regression_bench "$bin/regression_bench" --benchmark_repetitions=3 --benchmark_report_aggregates_only=true 2>/dev/null
+
+say "a fit against OpenBLAS's SYRK, rows split over the threads (not pinned: both use every core)"
+echo '$ fit_floor_bench'; "$bin/fit_floor_bench" 7
+say "a fit of 1e6 rows x 40 columns against fast_float on the same mapped file (goal 2 x)"
+echo '$ csv_bench'; "$bin/csv_bench" make "$scratch/large.csv" 1000000 40; "$bin/csv_bench" "$scratch/large.csv" 5
+echo '$ driftwise fit (whole process), csv_bench parse (whole process)'
+for command in "$bin/driftwise fit $scratch/large.csv --model" "$bin/csv_bench parse $scratch/large.csv"; do
+  for _ in 1 2 3; do
+    begun=$(date +%s%N)
+    if [[ $command == *--model ]]; then $command "q1 ~ poly(x, 3) + T" >"$scratch/fit.txt"; else $command >/dev/null; fi
+    echo "$(basename "${command%% *}"): $((($(date +%s%N) - begun) / 1000000)) ms"
+  done
+done
+rm -f "$scratch/large.csv"
 
 say "the daemon: ready after, memory when idle (goals 100 ms, 40 MB)"
 cell=$root/deploy/cells/linear-axis

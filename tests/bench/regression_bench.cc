@@ -1,101 +1,22 @@
-// Fit speed at the sizes of the published cases: NUMERICS.md section 2 (S1 = 560 x 12, S2 = 756 x
-// 29 with three outputs, L1 = 1e5 x 60). Measured: triangle, selection, solution; data preparation
-// and held-out blocks apart.
+// Fit speed at the sizes of the published cases. Measured: triangle, selection, solution; data
+// preparation and held-out blocks apart. Against the floor of OpenBLAS: fit_floor_bench.
 //   regression_bench --benchmark_repetitions=7
 
 #include <benchmark/benchmark.h>
 
 #include <Eigen/Core>
-#include <random>
 
 #include "server/calibration/design.h"
 #include "server/calibration/row_reduction.h"
 #include "server/calibration/solution.h"
 #include "server/calibration/stepwise.h"
-#include "server/effects/term_order.h"
+#include "tests/bench/fit_problems.h"
 
 namespace {
 
 using namespace driftwise;
 using namespace driftwise::calibration;
-
-struct Problem {
-  Dataset data;
-  FitOptions options;
-};
-
-effects::Term power(const std::string& symbol, int exponent) {
-  return {{effects::Power{symbol, exponent}}};
-}
-
-// A sum of a third of the columns plus noise of 1e-6.
-void fill(Problem& problem, int rows, const std::vector<std::string>& symbols, int outputs) {
-  std::mt19937 random(1);
-  std::normal_distribution<double> normal;
-  auto& data = problem.data;
-  data.rows = static_cast<std::size_t>(rows);
-  for (int o = 1; o <= outputs; ++o) {
-    data.columns.push_back({{"q" + std::to_string(o), "mm"}, std::vector<double>(data.rows)});
-    problem.options.candidates.outputs.push_back("q" + std::to_string(o));
-  }
-  int number = 0;
-  for (const auto& symbol : symbols) {
-    std::vector<double> values(data.rows);
-    for (auto& value : values) value = (symbol[0] == 't' ? 21.0 : 0.0) + normal(random);
-    for (std::size_t o = 0; o < static_cast<std::size_t>(outputs); ++o)
-      for (std::size_t i = 0; i < data.rows; ++i)
-        data.columns[o].values[i] += (number % 3 == 0 ? 0.3 : 0.0) * values[i];
-    ++number;
-    data.columns.push_back({{symbol, "1"}, std::move(values)});
-  }
-  for (std::size_t o = 0; o < static_cast<std::size_t>(outputs); ++o)
-    for (auto& value : data.columns[o].values) value += 1e-6 * normal(random);
-}
-
-std::vector<std::string> temperatures(int count) {
-  std::vector<std::string> names;
-  for (int k = 1; k <= count; ++k) names.push_back("t" + std::to_string(k));
-  return names;
-}
-
-Problem case_a() {  // 560 x 12
-  Problem problem;
-  auto symbols = temperatures(10);
-  symbols.insert(symbols.begin(), "x");
-  fill(problem, 560, symbols, 1);
-  auto& terms = problem.options.candidates.terms;
-  terms = {power("x", 1), power("x", 2)};
-  for (int k = 1; k <= 10; ++k) terms.push_back(power("t" + std::to_string(k), 1));
-  return problem;
-}
-
-Problem case_b() {  // 756 x 29, three outputs
-  Problem problem;
-  auto symbols = temperatures(7);
-  for (const auto* name : {"x", "y", "z", "force"}) symbols.push_back(name);
-  fill(problem, 756, symbols, 3);
-  auto& terms = problem.options.candidates.terms;
-  for (int i = 0; i <= 3; ++i)
-    for (int j = 0; i + j <= 3; ++j)
-      for (int k = 0; i + j + k <= 3; ++k) {
-        effects::Term term;
-        if (i > 0) term.factors.push_back(effects::Power{"x", i});
-        if (j > 0) term.factors.push_back(effects::Power{"y", j});
-        if (k > 0) term.factors.push_back(effects::Power{"z", k});
-        if (!term.is_constant()) terms.push_back(term);
-      }
-  for (int k = 1; k <= 3; ++k) terms.push_back(power("force", k));
-  for (int k = 1; k <= 7; ++k) terms.push_back(power("t" + std::to_string(k), 1));
-  return problem;
-}
-
-Problem large() {  // 1e5 x 60
-  Problem problem;
-  fill(problem, 100000, temperatures(60), 1);
-  for (int k = 1; k <= 60; ++k)
-    problem.options.candidates.terms.push_back(power("t" + std::to_string(k), 1));
-  return problem;
-}
+using namespace driftwise::bench;
 
 void fit_prepared(benchmark::State& state, const Problem& problem) {
   const auto design = make_design(problem.data, problem.options);
@@ -138,8 +59,8 @@ BENCHMARK_CAPTURE(whole_fit, 560x12, case_a())->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(fit_prepared, 756x29x3, case_b())->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(qr_alone, 756x29x3, case_b())->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(gram_floor, 756x29x3, case_b())->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(fit_prepared, 1e5x60, large())->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(gram_floor, 1e5x60, large())->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(fit_prepared, 1e5x60, many_rows(100000, 60))->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(gram_floor, 1e5x60, many_rows(100000, 60))->Unit(benchmark::kMillisecond);
 
 }  // namespace
 
