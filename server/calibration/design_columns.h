@@ -44,6 +44,9 @@ class DesignColumns {
     return sources_.variables[variable];
   }
   std::span<const double> output(std::size_t o) const { return sources_.outputs[o]; }
+  double weight(std::size_t row) const {
+    return sources_.weights.empty() ? 1 : sources_.weights[row];
+  }
 
   // What stands off each column; the constant's is 0. Zero until take_off().
   const Eigen::VectorXd& means() const { return means_; }

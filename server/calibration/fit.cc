@@ -13,6 +13,7 @@
 #include "server/calibration/residual_statistics.h"
 #include "server/calibration/row_reduction.h"
 #include "server/calibration/selection_rule.h"
+#include "server/calibration/serial_errors.h"
 #include "server/calibration/starts.h"
 #include "server/calibration/tail.h"
 #include "server/core/units.h"
@@ -147,6 +148,17 @@ void add_accuracy(const Design& design, const Eigen::VectorXd& residuals, const 
   accuracy.lack_of_fit_p = f_upper_p(*accuracy.lack_of_fit_f, dof, pure->dof);
 }
 
+void add_serial_errors(const Design& design, const Eigen::VectorXd& residuals,
+                       const Selection& selection, const Solution& solution, OutputModel& output) {
+  if (selection.exact) return;  // rounding errors are no series
+  const SerialErrors errors = serial_errors(design, solution, residuals);
+  output.accuracy.slow_share = errors.noise.share;
+  output.accuracy.slow_rows = errors.noise.rows;
+  Index in = 0;
+  for (auto& report : output.report)
+    if (report.in) report.standard_error_serial = errors.standard_errors[in++];
+}
+
 std::vector<ChannelRange> domain_of(const Design& design, const Dataset& dataset,
                                     const std::vector<OutputModel>& outputs) {
   std::vector<std::string> symbols;
@@ -248,8 +260,9 @@ Result<Model> fit(const Dataset& dataset, const FitOptions& options) {
     const Eigen::VectorXd errors =
         Eigen::Map<const Eigen::VectorXd>(measured.data(), static_cast<Index>(measured.size())) -
         predicted->output;
-    add_accuracy(design, values_at(errors, design.rows), solution, static_cast<Index>(o),
-                 output.accuracy);
+    const Eigen::VectorXd residuals = values_at(errors, design.rows);
+    add_accuracy(design, residuals, solution, static_cast<Index>(o), output.accuracy);
+    add_serial_errors(design, residuals, selection, solution, output);
     const auto validation = validation_rows(design, dataset, errors, no_datum);
     if (validation.size() >= 2)
       output.accuracy.u90_validation =

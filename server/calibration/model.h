@@ -20,7 +20,9 @@ struct TermReport {  // one per offered term, the constant first
   bool in = false;
   double coefficient = 0, standard_error = 0, t = 0,
          p = 1;    // an outside term: as if it alone were added
-  double vif = 0;  // in terms only
+  // In terms only, from here. Allowing for rows that are not independent: serial_errors.h.
+  double standard_error_serial = 0;
+  double vif = 0;
   double contribution_rms = 0,
          contribution_max = 0;  // over the calibration rows about its mean, column unit
   std::string note;             // "" or why it could not be tried: "cannot be told apart from x^2"
@@ -51,6 +53,9 @@ struct Accuracy {                        // of one output, column unit; U90 = 1.
   std::optional<double> u90_blocks;      // held out by contiguous blocks of time
   std::optional<double> u90_blocks_low, u90_blocks_high;  // its 90 % interval over the blocks
   double lag1_autocorrelation = 0, effective_rows = 0;
+  // Residuals in time order: the share of their variance that is slow, and over how many rows it
+  // keeps (serial_noise.h). 0: white.
+  double slow_share = 0, slow_rows = 0;
   std::optional<double> pure_error;  // from repeated poses
   std::optional<double> lack_of_fit_f, lack_of_fit_p;
   double condition_index =

@@ -159,6 +159,8 @@ Solution solve(const Triangle& triangle, const Basis& basis, std::vector<int> co
   const LongVector raw = back.solve(in_monomials);
   const LongMatrix root = back.solve(inverse);
 
+  solution.shape = e.template cast<double>();
+  solution.to_orthonormal = inverse.template cast<double>();
   solution.monomials = (e * in_monomials).template cast<double>();
   solution.coefficients.resize(k);
   solution.root.resize(k, k);

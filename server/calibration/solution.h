@@ -10,10 +10,13 @@
 namespace driftwise::calibration {
 
 struct Solution {
-  std::vector<int> columns;      // the terms, ascending: order of everything below
-  Eigen::VectorXd coefficients;  // of the raw columns
-  Eigen::MatrixXd root;          // covariance = rss / dof * root root'
-  Eigen::VectorXd monomials;     // the same function as coefficients of the scaled monomials
+  std::vector<int> columns;        // the terms, ascending: order of everything below
+  Eigen::VectorXd coefficients;    // of the raw columns
+  Eigen::MatrixXd root;            // covariance = rss / dof * root root'
+  Eigen::MatrixXd shape;           // m x k: what least squares was done for, of scaled monomials
+  Eigen::MatrixXd to_orthonormal;  // k x k: monomials shape to_orthonormal are orthonormal columns,
+                                   // and coefficients = root times their products with y
+  Eigen::VectorXd monomials;       // the same function as coefficients of the scaled monomials
   double rss = 0;
   int dof = 0;
   std::vector<int>

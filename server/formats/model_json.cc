@@ -24,8 +24,8 @@ constexpr const char* kSchema = "driftwise.model.v1";
   [[maybe_unused]] const auto& [m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11, m12, m13] = model;
   [[maybe_unused]] const auto& [o1, o2, o3, o4, o5, o6, o7, o8, o9] = output;
   [[maybe_unused]] const auto& [a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11, a12, a13, a14, a15,
-                                a16] = accuracy;
-  [[maybe_unused]] const auto& [r1, r2, r3, r4, r5, r6, r7, r8, r9, r10] = report;
+                                a16, a17, a18] = accuracy;
+  [[maybe_unused]] const auto& [r1, r2, r3, r4, r5, r6, r7, r8, r9, r10, r11] = report;
   [[maybe_unused]] const auto& [s1, s2, s3, s4, s5, s6, s7] = step;
   [[maybe_unused]] const auto& [l1, l2, l3, l4, l5, l6, l7, l8, l9] = lineage;
 }
@@ -100,8 +100,17 @@ void each_figure(A& accuracy, Visit visit) {
   visit("condition_index", accuracy.condition_index);
 }
 
+// Models stored by 0.1 lack these.
+template <class A, class Visit>
+void each_later_figure(A& accuracy, Visit visit) {
+  visit("slow_share", accuracy.slow_share);
+  visit("slow_rows", accuracy.slow_rows);
+}
+
 Json accuracy_json(const Accuracy& accuracy) {
   Json out = Json::object();
+  each_later_figure(accuracy,
+                    [&](const char* key, double value) { out[key] = json_number(value); });
   each_figure(accuracy, [&](const char* key, double value) { out[key] = json_number(value); });
   each_optional(accuracy, [&](const char* key, const std::optional<double>& value) {
     if (value) out[key] = json_number(*value);
@@ -112,6 +121,9 @@ Json accuracy_json(const Accuracy& accuracy) {
 Accuracy read_accuracy(const JsonPlace& from) {
   Accuracy accuracy;
   each_figure(accuracy, [&](const char* key, double& value) { value = from[key].number(); });
+  each_later_figure(accuracy, [&](const char* key, double& value) {
+    if (from.has(key)) value = from[key].number();
+  });
   each_optional(accuracy, [&](const char* key, std::optional<double>& value) {
     if (from.has(key)) value = from[key].number();
   });
@@ -135,6 +147,7 @@ Json report_json(const calibration::TermReport& row) {
   Json out = term_json(row.term);
   out["in"] = row.in;
   out["note"] = row.note;
+  out["standard_error_serial"] = json_number(row.standard_error_serial);
   each_statistic(row, [&](const char* key, double value) { out[key] = json_number(value); });
   return out;
 }
@@ -144,6 +157,8 @@ calibration::TermReport read_report(const JsonPlace& from) {
   row.term = read_term(from);
   row.in = from["in"].truth();
   row.note = from["note"].text();
+  if (from.has("standard_error_serial"))
+    row.standard_error_serial = from["standard_error_serial"].number();
   each_statistic(row, [&](const char* key, double& value) { value = from[key].number(); });
   return row;
 }

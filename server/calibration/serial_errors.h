@@ -1,0 +1,29 @@
+#pragma once
+// Standard errors that allow for rows that are not independent: those of the same least-squares
+// coefficients when the noise is what serial_noise() finds it to be.
+//
+// With Z orthonormal over the columns in and C the noise's correlation, cov(b) = variance R Z'C Z
+// R' where the classical one is rss / dof R R'. A slow temperature loses most to slow noise, a
+// position that is visited back and forth little or nothing: one factor for all, as from an
+// effective number of rows, would be wrong for both.
+//
+// Up to 4096 rows all of them count, by restricted likelihood. Beyond, the noise is read from 32
+// stretches of rows spread evenly over the data (1024 rows each), by the likelihood of the
+// residuals alone, and so is the ratio of the two covariances.
+
+#include "server/calibration/design.h"
+#include "server/calibration/serial_noise.h"
+#include "server/calibration/solution.h"
+
+namespace driftwise::calibration {
+
+struct SerialErrors {
+  SerialNoise noise;
+  Eigen::VectorXd standard_errors;  // of solution.coefficients, same order
+};
+
+// residuals: of the design's rows, in the output's unit. Without degrees of freedom: all 0.
+SerialErrors serial_errors(const Design& design, const Solution& solution,
+                           const Eigen::VectorXd& residuals);
+
+}  // namespace driftwise::calibration
