@@ -79,12 +79,13 @@ ExitCode fit_at_daemon(const Session& session, const FitArguments& a) {
   return ExitCode::done;
 }
 
-ExitCode fit(const Session& session, const FitArguments& a) {
+ExitCode fit(const Session& session, FitArguments& a) {
   if (a.file.empty() == a.runs.empty())
     throw Failure{ExitCode::usage, "usage", "USAGE",
                   std::string("fit what? found ") + (a.file.empty() ? "neither" : "both") +
                       " a file and --run; give one: driftwise fit data.csv ..., or driftwise fit "
                       "--run 3 ..."};
+  if (a.fit.formula.starts_with('@')) a.fit.formula = read_input_file(a.fit.formula.substr(1));
   if (!a.file.empty()) return fit_file(session.console, a.fit, InputText(a.file).text(), a.file);
   return fit_at_daemon(session, a);
 }

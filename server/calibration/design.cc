@@ -253,6 +253,9 @@ Result<Design> make_design(const Dataset& dataset, const FitOptions& options) {
   std::ranges::sort(datums);
   datums.erase(std::unique(datums.begin(), datums.end()), datums.end());
 
+  for (const auto& symbol : options.exclude_channels)
+    if (auto values = channel_values(dataset, symbol, "the list of channels to leave out"); !values)
+      return tl::unexpected(values.error());
   OfferedTerms offered = offered_terms(options, datums);
   design.terms = std::move(offered.terms);
   design.always = std::move(offered.always);

@@ -14,6 +14,7 @@
 #include "server/calibration/row_reduction.h"
 #include "server/calibration/selection_rule.h"
 #include "server/calibration/serial_errors.h"
+#include "server/calibration/set_overlap.h"
 #include "server/calibration/starts.h"
 #include "server/calibration/tail.h"
 #include "server/core/units.h"
@@ -213,6 +214,7 @@ Result<Model> fit(const Dataset& dataset, const FitOptions& options) {
   const SelectionRule& rule = *asked;
   const Design& design = *prepared;
   if (auto enough = check_rows(design, options); !enough) return tl::unexpected(enough.error());
+  if (auto apart = check_sets_apart(dataset, design); !apart) return tl::unexpected(apart.error());
 
   const double start_us = options.stopwatch_us ? options.stopwatch_us() : 0;
   const auto cuts = block_cuts(design, options.blocks, options.block_gap);
@@ -272,7 +274,7 @@ Result<Model> fit(const Dataset& dataset, const FitOptions& options) {
       output.accuracy.u90_blocks_low = held_out[o]->low;
       output.accuracy.u90_blocks_high = held_out[o]->high;
     }
-    for (auto& sentence : output_warnings(design, triangle, selection, output))
+    for (auto& sentence : output_warnings(triangle, selection, output))
       warnings.push_back(std::move(sentence));
     model.outputs.push_back(std::move(output));
   }

@@ -25,6 +25,8 @@ struct TermReport {  // one per offered term, the constant first
   double vif = 0;
   double contribution_rms = 0,
          contribution_max = 0;  // over the calibration rows about its mean, column unit
+  std::vector<std::string> replaceable_by;  // terms outside that would do instead of this one, at
+                                            // less than 1 % more residual variance
   std::string note;             // "" or why it could not be tried: "cannot be told apart from x^2"
 };
 

@@ -44,6 +44,7 @@ std::string collinear_sentence(const Design& design, const OrthogonalSet& set, i
   const Eigen::VectorXd weights = set.reproduced_by_set(term);
   std::string others;
   bool constant = false;
+  int count = 0;
   for (Eigen::Index i = 0; i < weights.size(); ++i) {
     const int column = set.order()[static_cast<std::size_t>(i)];
     if (std::abs(weights[i]) * set.norm(column) < 1e-6 * set.norm(term)) continue;
@@ -52,12 +53,15 @@ std::string collinear_sentence(const Design& design, const OrthogonalSet& set, i
       continue;
     }
     others += (others.empty() ? "" : ", ") + name(column);
+    ++count;
   }
   if (others.empty()) {
     const std::string sentence = constant_sentence(design, term);
     if (!sentence.empty()) return sentence;
     return name(term) + (constant ? " is constant on these rows" : " is zero on these rows");
   }
+  if (count == 1 && !constant)
+    return others + " and " + name(term) + " cannot be told apart on these rows";
   return name(term) + " cannot be told apart from " + others + " on these rows";
 }
 

@@ -15,7 +15,8 @@ namespace driftwise::calibration {
 // Constant: its range is below 1e-7 of its value, or of a temperature below 0.5 mK.
 std::string constant_sentence(const Design& design, int term);
 
-// "x^2 cannot be told apart from y^2 on these rows", from those in the set.
+// "x^2 and y^2 cannot be told apart on these rows"; "t09 cannot be told apart from t01, t02 on
+// these rows": what the term equals of those in the set (a constant may be part of it).
 std::string collinear_sentence(const Design& design, const OrthogonalSet& set, int term);
 
 }  // namespace driftwise::calibration

@@ -93,16 +93,15 @@ std::string joined(const std::vector<std::string>& names) {
 
 // Terms outside that would replace one inside at almost no cost: which of the two is in, these data
 // did not decide.
-std::vector<std::string> interchangeable(const Design& design, const Selection& selection) {
-  std::vector<std::string> sentences;
+void find_replacements(const Design& design, const Selection& selection,
+                       std::vector<TermReport>& reports) {
   const auto& chosen = selection.set.order();
-  if (chosen.size() > 60 || selection.set.dof() < 2) return sentences;
+  if (chosen.size() > 60 || selection.set.dof() < 2 || selection.exact) return;
   const double limit = selection.set.rss() * 1.01;
   for (const int inside : chosen) {
     if (design.always[static_cast<std::size_t>(inside)] != 0) continue;
     OrthogonalSet without = selection.set;
     without.remove(inside);
-    std::vector<std::string> names;
     for (int j = 0; j < static_cast<int>(design.terms.size()); ++j) {
       if (selection.set.has(j)) continue;
       const auto statistics = without.outside(j);
@@ -110,14 +109,10 @@ std::vector<std::string> interchangeable(const Design& design, const Selection& 
       const double rss =
           std::pow(statistics.standard_error * without.left_over(j), 2) * (without.dof() - 1);
       if (rss <= limit)
-        names.push_back(effects::notation(design.terms[static_cast<std::size_t>(j)]));
+        reports[static_cast<std::size_t>(inside)].replaceable_by.push_back(
+            effects::notation(design.terms[static_cast<std::size_t>(j)]));
     }
-    if (!names.empty())
-      sentences.push_back(effects::notation(design.terms[static_cast<std::size_t>(inside)]) +
-                          " could be replaced by " + joined(names) +
-                          " with less than 1 % more residual variance");
   }
-  return sentences;
 }
 
 }  // namespace
@@ -136,6 +131,7 @@ OutputModel describe_output(const Design& design, const Triangle& triangle,
     model.report.push_back(in ? inside_report(design, triangle, solution, next++)
                               : outside_report(design, selection, column));
   }
+  find_replacements(design, selection, model.report);
   int step = 0;
   for (const auto& record : selection.history)
     model.history.push_back({step++, action_name(record.action),
@@ -156,8 +152,8 @@ OutputModel describe_output(const Design& design, const Triangle& triangle,
   return model;
 }
 
-std::vector<std::string> output_warnings(const Design& design, const Triangle& triangle,
-                                         const Selection& selection, const OutputModel& model) {
+std::vector<std::string> output_warnings(const Triangle& triangle, const Selection& selection,
+                                         const OutputModel& model) {
   std::vector<std::string> warnings;
   const std::string who = model.channel.symbol + ": ";
   if (selection.exact)
@@ -167,16 +163,21 @@ std::vector<std::string> output_warnings(const Design& design, const Triangle& t
     warnings.push_back(who + "selection kept entering and removing the same terms and was stopped");
   for (const auto& report : model.report)
     if (!report.note.empty()) warnings.push_back(who + report.note);
-  for (const auto& sentence : interchangeable(design, selection))
-    warnings.push_back(who + sentence);
+  for (const auto& report : model.report)
+    if (!report.replaceable_by.empty())
+      warnings.push_back(who + effects::notation(report.term) + " could be replaced by " +
+                         joined(report.replaceable_by) +
+                         " with less than 1 % more residual variance");
   const auto rows = static_cast<double>(triangle.rows);
   const auto& accuracy = model.accuracy;
   if (accuracy.lag1_autocorrelation > 0.3)
-    warnings.push_back(who + "successive residuals are correlated (" +
-                       effects::number_text(std::round(accuracy.lag1_autocorrelation * 100) / 100) +
-                       "): about " + effects::number_text(std::round(accuracy.effective_rows)) +
-                       " of " + effects::number_text(rows) +
-                       " rows are independent, standard errors are too small");
+    warnings.push_back(
+        who + "successive residuals are correlated (" +
+        effects::number_text(std::round(accuracy.lag1_autocorrelation * 100) / 100) + "): about " +
+        effects::number_text(std::round(accuracy.effective_rows)) + " of " +
+        effects::number_text(rows) +
+        " rows are independent; the classical standard errors are too small, see those that "
+        "allow for it");
   if (accuracy.condition_index > 1e3)
     warnings.push_back(who + "condition index " +
                        effects::number_text(std::round(accuracy.condition_index)) +

@@ -20,7 +20,7 @@ OutputModel describe_output(const Design& design, const Triangle& triangle,
 
 // Sentences for a person: terms that could replace one another, collinear candidates, look-alikes,
 // autocorrelation.
-std::vector<std::string> output_warnings(const Design& design, const Triangle& triangle,
-                                         const Selection& selection, const OutputModel& model);
+std::vector<std::string> output_warnings(const Triangle& triangle, const Selection& selection,
+                                         const OutputModel& model);
 
 }  // namespace driftwise::calibration

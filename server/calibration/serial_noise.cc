@@ -11,6 +11,10 @@ namespace {
 
 using Eigen::Index;
 
+constexpr double kShortest = 0.7;  // rows: below, slow cannot be told from white
+// Fall of -2 ln L that two parameters more have to be worth (AIC); else the noise is called white.
+constexpr double kWorthAParameter = 4;
+
 double phi_of(double rows) { return rows > 0 ? std::exp(-1 / rows) : 0; }
 
 // The innovations of every column of [columns | residuals] under a noise of variance 1, each over
@@ -114,7 +118,8 @@ SerialNoise serial_noise(const Eigen::Ref<const Eigen::MatrixXd>& columns,
     return noise;
   }
   Whitener whitener(columns, residuals);
-  double best = whitener.deviance(0, 1);
+  const double white = whitener.deviance(0, 1);
+  double best = white;
   noise.variance = whitener.variance();
   double log_rows = 0, share = 0;
   const auto look = [&](double one_share, double one_log_rows) {
@@ -127,7 +132,7 @@ SerialNoise serial_noise(const Eigen::Ref<const Eigen::MatrixXd>& columns,
     }
     return deviance;
   };
-  const double shortest = std::log(0.3), longest = std::log(std::max(1.0, n / 2));
+  const double shortest = std::log(kShortest), longest = std::log(std::max(1.0, n / 2));
   constexpr int kLengths = 8;
   constexpr std::array<double, 4> kShares = {0.15, 0.4, 0.7, 0.95};
   const double step = (longest - shortest) / (kLengths - 1);
@@ -139,6 +144,11 @@ SerialNoise serial_noise(const Eigen::Ref<const Eigen::MatrixXd>& columns,
           return look(std::clamp(at[0], 0.0, 1.0), std::clamp(at[1], shortest, longest));
         },
         {share, log_rows}, {share > 0.5 ? -0.2 : 0.2, step / 2}, 50);
+  if (best > white - kWorthAParameter) {
+    whitener.deviance(0, 1);
+    noise.variance = whitener.variance();
+    return noise;
+  }
   noise.share = share;
   noise.rows = share > 0 ? std::exp(log_rows) : 0;
   return noise;

@@ -5,7 +5,8 @@
 // covariance(i, j) = variance * (share * exp(-|i - j| / rows) for i != j, 1 for i = j). Rows count
 // as equally spaced. Estimated by restricted maximum likelihood (Patterson and Thompson 1971),
 // which gives back what the fitted terms took out of the residuals, with the likelihood of a series
-// by the Kalman filter (Harvey 1989, section 3.4). Alternating residuals count as white.
+// by the Kalman filter (Harvey 1989, section 3.4). Alternating residuals count as white,
+// and so does noise that AIC finds no slow part in.
 
 #include <Eigen/Core>
 

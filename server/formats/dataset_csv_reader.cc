@@ -70,6 +70,12 @@ Result<std::vector<DatasetColumn>> sort_columns(const CsvHeader& header,
                             ": " + channel.error().message;
       return fail(ErrorCode::invalid_argument, channel.error().reason, std::move(message));
     }
+    if (const auto* other = data.find(channel->symbol))
+      return fail(ErrorCode::invalid_argument, "UNITS_DISAGREE",
+                  at_line(file_name, header.line) + "column " + std::to_string(i + 1) + ": " +
+                      name + " gives " + channel->symbol + " in " + channel->unit + ", and " +
+                      other->channel.name() + " gives it in " + other->channel.unit +
+                      " already; expected each quantity once, in one unit");
     data.columns.push_back({std::move(*channel), {}});
   }
   return kinds;

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/effects/term_order.h"
+#include "server/formats/coefficient_unit.h"
 
 namespace driftwise::formats {
 namespace {
@@ -20,12 +21,15 @@ void put(ordered_json& json, const std::string& key, const std::optional<double>
   if (value) json[key] = number(*value * factor);
 }
 
-ordered_json term_json(const calibration::TermReport& report, const SummaryUnit& summary) {
+ordered_json term_json(const calibration::TermReport& report, const SummaryUnit& summary,
+                       const std::string& unit) {
   ordered_json json;
   json["term"] = effects::notation(report.term);
   json["in"] = report.in;
+  if (!unit.empty()) json["unit"] = unit;
   json["coefficient"] = number(report.coefficient);
   json["standard_error"] = number(report.standard_error);
+  if (report.in) json["standard_error_serial"] = number(report.standard_error_serial);
   json["t"] = number(report.t);
   json["p"] = number(report.p);
   if (report.in && !report.term.is_constant()) {
@@ -33,11 +37,23 @@ ordered_json term_json(const calibration::TermReport& report, const SummaryUnit&
     json["contribution_rms_" + summary.unit] = number(report.contribution_rms * summary.factor);
     json["contribution_max_" + summary.unit] = number(report.contribution_max * summary.factor);
   }
+  if (!report.replaceable_by.empty()) json["replaceable_by"] = report.replaceable_by;
   if (!report.note.empty()) json["note"] = report.note;
   return json;
 }
 
-ordered_json output_summary(const calibration::OutputModel& output) {
+ordered_json covariance_json(const Eigen::MatrixXd& covariance) {
+  auto rows = ordered_json::array();
+  for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
+    auto row = ordered_json::array();
+    for (Eigen::Index j = 0; j < covariance.cols(); ++j) row.push_back(number(covariance(i, j)));
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+ordered_json output_summary(const calibration::OutputModel& output,
+                            const calibration::Model& model) {
   const SummaryUnit summary = summary_unit(output.channel.unit);
   const auto key = [&summary](const std::string& name) { return name + "_" + summary.unit; };
   const auto& accuracy = output.accuracy;
@@ -53,6 +69,8 @@ ordered_json output_summary(const calibration::OutputModel& output) {
                                     number(*accuracy.u90_blocks_high * summary.factor)};
   json["lag1_autocorrelation"] = number(accuracy.lag1_autocorrelation);
   json["effective_rows"] = number(accuracy.effective_rows);
+  json["slow_noise"] = {{"share", number(accuracy.slow_share)},
+                        {"rows", number(accuracy.slow_rows)}};
   put(json, key("pure_error"), accuracy.pure_error, summary.factor);
   put(json, "lack_of_fit_f", accuracy.lack_of_fit_f);
   put(json, "lack_of_fit_p", accuracy.lack_of_fit_p);
@@ -62,7 +80,10 @@ ordered_json output_summary(const calibration::OutputModel& output) {
   put(json, "aic", accuracy.aic);
   put(json, "bic", accuracy.bic);
   json["terms"] = ordered_json::array();
-  for (const auto& report : output.report) json["terms"].push_back(term_json(report, summary));
+  for (const auto& report : output.report)
+    json["terms"].push_back(
+        term_json(report, summary, report.in ? coefficient_unit(output, report.term, model) : ""));
+  json["covariance"] = covariance_json(output.covariance);
   json["history"] = ordered_json::array();
   for (const auto& step : output.history) {
     json["history"].push_back({{"step", step.step},
@@ -105,7 +126,7 @@ ordered_json fit_json(const calibration::Model& model) {
                   {"excluded", model.lineage.rows_excluded}};
   json["outputs"] = ordered_json::object();
   for (const auto& output : model.outputs)
-    json["outputs"][output.channel.symbol] = output_summary(output);
+    json["outputs"][output.channel.symbol] = output_summary(output, model);
   json["domain"] = ordered_json::object();
   for (const auto& range : model.domain)
     json["domain"][range.channel.name()] = {range.min, range.max};

@@ -11,7 +11,7 @@ namespace driftwise::formats {
 
 // Coefficients in the units of the columns; summaries in nm (lengths), arcsec (angles) or the
 // output's own unit, which is named in each key. Numbers are written so that they read back
-// exactly.
+// exactly. covariance: of the coefficients in, in the order of the terms in.
 nlohmann::ordered_json fit_json(const calibration::Model& model);
 
 struct FitTableOptions {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "server/effects/effect.h"
 #include "server/effects/term_order.h"
+#include "server/formats/coefficient_unit.h"
 #include "server/formats/fit_json.h"
 
 namespace driftwise::formats {
@@ -22,39 +22,6 @@ std::string p_text(double p) {
   return p < 1e-4 ? print("%.1e", p) : print("%.4f", p);
 }
 
-std::string unit_of(const std::string& symbol, const calibration::Model& model) {
-  for (const auto& range : model.domain)
-    if (range.channel.symbol == symbol) return range.channel.unit;
-  return "";
-}
-
-// "mm/mm^2", "mm/degC", "mm/(K/h)": what a coefficient is in. Empty where the term is not in any
-// output.
-std::string coefficient_unit(const calibration::OutputModel& output, const effects::Term& term,
-                             const calibration::Model& model) {
-  std::string below;
-  int parts = 0;
-  for (const auto& factor : term.factors) {
-    std::string unit;
-    if (const auto* power = std::get_if<effects::Power>(&factor)) {
-      unit = unit_of(power->symbol, model);
-      if (unit.empty() || unit == "1") continue;
-      if (power->exponent > 1) unit += "^" + std::to_string(power->exponent);
-    } else {
-      const auto& call = std::get<effects::Call>(factor);
-      const auto* kind = effects::find_effect(call.effect);
-      if (kind == nullptr) continue;
-      unit = kind->output_unit.empty() ? unit_of(call.symbols.front(), model)
-                                       : "(" + kind->output_unit + ")";
-      if (unit.empty() || unit == "(1)") continue;
-    }
-    below += (below.empty() ? "" : " ") + unit;
-    ++parts;
-  }
-  if (below.empty()) return output.channel.unit;
-  return output.channel.unit + "/" + (parts > 1 ? "(" + below + ")" : below);
-}
-
 std::string pad(const std::string& text, std::size_t width) {
   return text.size() >= width ? text : text + std::string(width - text.size(), ' ');
 }
@@ -70,8 +37,12 @@ std::string term_rows(const calibration::Model& model, const calibration::Output
   }
   std::string text = "  " + pad(in ? "term" : "left out", wide) + "  " +
                      pad(in ? "unit" : "", unit_wide) +
-                     print("%17s %12s %10s %9s", "coefficient", "std error", "t", "p");
-  if (in) text += print(" %12s %9s", ("rms " + summary.unit).c_str(), "VIF");
+                     print("%17s %12s", "coefficient", "std error");
+  if (in) text += print(" %12s", "serial s.e.");
+  text += print(" %10s %9s", "t", "p");
+  if (in)
+    text += print(" %11s %11s %9s", ("rms " + summary.unit).c_str(),
+                  ("max " + summary.unit).c_str(), "VIF");
   text += "\n";
   for (const auto& report : output.report) {
     if (report.in != in) continue;
@@ -81,10 +52,12 @@ std::string term_rows(const calibration::Model& model, const calibration::Output
       text += "  " + report.note + "\n";
       continue;
     }
-    text += print("%17.9g %12.3g %10.4g %9s", report.coefficient, report.standard_error, report.t,
-                  p_text(report.p).c_str());
+    text += print("%17.9g %12.3g", report.coefficient, report.standard_error);
+    if (in) text += print(" %12.3g", report.standard_error_serial);
+    text += print(" %10.4g %9s", report.t, p_text(report.p).c_str());
     if (in && !report.term.is_constant())
-      text += print(" %12.4g %9.3g", report.contribution_rms * summary.factor, report.vif);
+      text += print(" %11.4g %11.4g %9.3g", report.contribution_rms * summary.factor,
+                    report.contribution_max * summary.factor, report.vif);
     text += "\n";
   }
   return text;
@@ -111,7 +84,52 @@ std::string accuracy_lines(const calibration::OutputModel& output) {
   if (accuracy.lack_of_fit_p)
     text += print(", lack of fit F %.3g, p %s", *accuracy.lack_of_fit_f,
                   p_text(*accuracy.lack_of_fit_p).c_str());
+  text += "\n";
+  if (accuracy.slow_share > 0)
+    text += print(
+        "  noise in time order: %.0f %% of its variance is slow, over about %.3g rows "
+        "(serial s.e. allows for it)\n",
+        accuracy.slow_share * 100, accuracy.slow_rows);
+  if (accuracy.model_f)
+    text += print("  all terms together: F %.4g, p %s", *accuracy.model_f,
+                  p_text(*accuracy.model_p).c_str());
+  if (accuracy.aic && accuracy.bic)
+    text +=
+        print("%sAIC %.6g, BIC %.6g", accuracy.model_f ? "; " : "  ", *accuracy.aic, *accuracy.bic);
+  return accuracy.model_f || accuracy.aic ? text + "\n" : text;
+}
+
+// "best of 8 starts: all (BIC -7312.08), reached by 3; from none -7290.41"
+std::string start_lines(const calibration::Model& model, const calibration::OutputModel& output) {
+  const auto value = [](const calibration::StartOutcome& start) {
+    return start.value ? print("%.7g", *start.value) : std::string("an exact fit");
+  };
+  const calibration::StartOutcome* won = nullptr;
+  for (const auto& start : output.starts)
+    if (start.won) won = &start;
+  if (won == nullptr) return {};
+  const auto alike = std::ranges::count_if(output.starts, [won](const auto& start) {
+    return start.value.has_value() == won->value.has_value() &&
+           (!start.value || std::abs(*start.value - *won->value) < 1e-6);
+  });
+  std::string text = print("  best of %zu starts: %s (%s %s), reached by %td", output.starts.size(),
+                           won->name.c_str(), model.criterion == "aic" ? "AIC" : "BIC",
+                           value(*won).c_str(), alike);
+  if (!output.starts.front().won) text += "; from none " + value(output.starts.front());
   return text + "\n";
+}
+
+std::string rule_text(const calibration::Model& model) {
+  if (model.select == "all") return "all terms, no selection";
+  std::string text =
+      model.criterion == "p"
+          ? print("stepwise, enter below %g, remove above %g", model.p_enter, model.p_remove)
+          : "stepwise, " + std::string(model.criterion == "aic" ? "AIC" : "BIC");
+  if (model.hierarchy) text += ", with hierarchy";
+  if (model.starts > 1)
+    text +=
+        print(", best of %d starts (seed %lld)", model.starts, static_cast<long long>(model.seed));
+  return text;
 }
 
 std::string history_lines(const calibration::OutputModel& output) {
@@ -137,16 +155,14 @@ std::string fit_table(const calibration::Model& model, const FitTableOptions& op
   if (model.lineage.rows_excluded > 0)
     text += print(", %lld excluded", static_cast<long long>(model.lineage.rows_excluded));
   text += "; ";
-  text += model.select == "all"
-              ? "all terms, no selection"
-              : print("stepwise, enter below %g, remove above %g", model.p_enter, model.p_remove);
+  text += rule_text(model);
   if (model.fit_us > 0) text += print("; %.0f us", model.fit_us);
   text += "\n";
   for (const auto& output : model.outputs) {
     const bool any_out =
         std::ranges::any_of(output.report, [](const auto& report) { return !report.in; });
     text += "\n" + output.channel.name() + "\n" + accuracy_lines(output) +
-            term_rows(model, output, true);
+            start_lines(model, output) + term_rows(model, output, true);
     if (options.all && any_out) text += term_rows(model, output, false);
     if (options.history) text += history_lines(output);
   }

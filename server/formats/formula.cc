@@ -46,12 +46,12 @@ Result<std::vector<std::string>> outputs_of(const std::vector<FormulaOutput>& na
       if (output.name == "q" ? is_motor_symbol(channel.symbol) : channel.symbol == output.name)
         outputs.push_back(channel.symbol);
     if (outputs.size() > before) continue;
-    return bad_formula(
-        text, output.at,
-        (output.name == "q" ? "q stands for the motor coordinates q1, q2, ... and there are none"
-                            : "unknown channel '" + output.name.substr(0, 60) + "'") +
-            ", " + known_symbols(channels),
-        "UNKNOWN_CHANNEL");
+    return bad_formula(text, output.at,
+                       output.name == "q"
+                           ? "q stands for the motor coordinates q1, q2, ... and there are none, " +
+                                 known_symbols(channels)
+                           : unknown_symbol(output.name, channels),
+                       "UNKNOWN_CHANNEL");
   }
   return outputs;
 }

@@ -5,6 +5,7 @@
 #include "server/effects/term_order.h"
 #include "server/formats/formula_lexer.h"
 #include "server/formats/formula_tree.h"
+#include "server/formats/text.h"
 
 namespace driftwise::formats {
 namespace {
@@ -218,7 +219,7 @@ class Expander {
   }
 
   tl::unexpected<Error> unknown(std::size_t at, const std::string& what) const {
-    return bad_formula(text_, at, what + ", " + known_symbols(channels_), "UNKNOWN_CHANNEL");
+    return bad_formula(text_, at, what, "UNKNOWN_CHANNEL");
   }
 
   // The channels a name or range stands for.
@@ -230,13 +231,15 @@ class Expander {
         if (is_structure_temperature(channel)) symbols.push_back(channel.symbol);
       if (symbols.empty())
         return unknown(node.at,
-                       "T stands for the structure temperatures tNN_degC and there are none");
+                       "T stands for the structure temperatures tNN_degC and there are none, " +
+                           known_symbols(channels_));
       return symbols;
     }
     const std::string symbol = node.name == "F" ? "force" : node.name;
     if (!has(symbol))
-      return unknown(node.at, node.name == "F" ? "F stands for force and there is none"
-                                               : "unknown channel '" + symbol.substr(0, 60) + "'");
+      return unknown(node.at, node.name == "F" ? "F stands for force and there is none, " +
+                                                     known_symbols(channels_)
+                                               : unknown_symbol(symbol, channels_));
     symbols.push_back(symbol);
     return symbols;
   }
@@ -248,10 +251,8 @@ class Expander {
           text_, node.at,
           "a range runs from one number to a higher one of the same name, as t05..t10");
     std::vector<std::string> symbols;
-    if (!has(node.name))
-      return unknown(node.at, "unknown channel '" + node.name.substr(0, 60) + "'");
-    if (!has(node.name_to))
-      return unknown(node.at, "unknown channel '" + node.name_to.substr(0, 60) + "'");
+    if (!has(node.name)) return unknown(node.at, unknown_symbol(node.name, channels_));
+    if (!has(node.name_to)) return unknown(node.at, unknown_symbol(node.name_to, channels_));
     for (const auto& channel : channels_) {
       const Numbered one = numbered(channel.symbol);
       if (one.width > 0 && one.stem == from.stem && one.number >= from.number &&
@@ -279,6 +280,14 @@ std::string known_symbols(const std::vector<Channel>& channels) {
     known += " " + channel.symbol;
   }
   return known.empty() ? "the file has no channels" : "the file has:" + known;
+}
+
+std::string unknown_symbol(const std::string& symbol, const std::vector<Channel>& channels) {
+  std::vector<std::string_view> known;
+  for (const auto& channel : channels) known.emplace_back(channel.symbol);
+  const std::string shown = symbol.substr(0, 60), nearest = nearest_word(shown, known);
+  return "unknown channel '" + shown + "'" +
+         (nearest.empty() ? ", " : ": did you mean " + nearest + "? ") + known_symbols(channels);
 }
 
 Result<std::vector<Term>> expand_sum(const FormulaNode& sum, const std::vector<Channel>& channels,

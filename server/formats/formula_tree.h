@@ -59,4 +59,7 @@ Result<std::vector<effects::Term>> expand_sum(const FormulaNode& sum,
 // "the file has: x y t01"; long lists are cut.
 std::string known_symbols(const std::vector<Channel>& channels);
 
+// "unknown channel 'to7': did you mean t07? the file has: ..."
+std::string unknown_symbol(const std::string& symbol, const std::vector<Channel>& channels);
+
 }  // namespace driftwise::formats

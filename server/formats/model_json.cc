@@ -25,7 +25,7 @@ constexpr const char* kSchema = "driftwise.model.v1";
   [[maybe_unused]] const auto& [o1, o2, o3, o4, o5, o6, o7, o8, o9] = output;
   [[maybe_unused]] const auto& [a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11, a12, a13, a14, a15,
                                 a16, a17, a18] = accuracy;
-  [[maybe_unused]] const auto& [r1, r2, r3, r4, r5, r6, r7, r8, r9, r10, r11] = report;
+  [[maybe_unused]] const auto& [r1, r2, r3, r4, r5, r6, r7, r8, r9, r10, r11, r12] = report;
   [[maybe_unused]] const auto& [s1, s2, s3, s4, s5, s6, s7] = step;
   [[maybe_unused]] const auto& [l1, l2, l3, l4, l5, l6, l7, l8, l9] = lineage;
 }
@@ -147,6 +147,7 @@ Json report_json(const calibration::TermReport& row) {
   Json out = term_json(row.term);
   out["in"] = row.in;
   out["note"] = row.note;
+  if (!row.replaceable_by.empty()) out["replaceable_by"] = row.replaceable_by;
   out["standard_error_serial"] = json_number(row.standard_error_serial);
   each_statistic(row, [&](const char* key, double value) { out[key] = json_number(value); });
   return out;
@@ -157,6 +158,9 @@ calibration::TermReport read_report(const JsonPlace& from) {
   row.term = read_term(from);
   row.in = from["in"].truth();
   row.note = from["note"].text();
+  if (from.has("replaceable_by"))
+    for (std::size_t i = 0; i < from["replaceable_by"].size(); ++i)
+      row.replaceable_by.push_back(from["replaceable_by"][i].text());
   if (from.has("standard_error_serial"))
     row.standard_error_serial = from["standard_error_serial"].number();
   each_statistic(row, [&](const char* key, double& value) { value = from[key].number(); });

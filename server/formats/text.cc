@@ -71,7 +71,11 @@ std::string nearest_word(std::string_view found, const std::vector<std::string_v
   if (found.size() > 64) return {};  // no slip of the pen, and quadratic in length
   for (const auto word : known) {
     const std::size_t distance = edit_distance(found, word);
-    if (distance < best_distance) {
+    // Of two that are as near, the one that begins alike: t1 is t01 rather than q1.
+    const bool as_near = distance == best_distance && !best.empty() && !found.empty() &&
+                         !word.empty() && best.front() != found.front() &&
+                         word.front() == found.front();
+    if (distance < best_distance || as_near) {
       best = word;
       best_distance = distance;
     }

@@ -1,9 +1,10 @@
-// 300 random problems, among them collinear, tied, tiny-noise and weighted ones, against R's
+// 360 random problems, among them collinear, tied, tiny-noise and weighted ones, against R's
 // add1/drop1 rule (tests/data/stepwise_golden/make_golden.R made golden.txt).
 
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <map>
 #include <sstream>
 
 #include "server/effects/term_order.h"
@@ -81,7 +82,14 @@ void expect_close(double value, double golden, double scale, const char* what) {
 
 TEST(StepwiseGolden, AgreesWithRStepByStepAndNumberByNumber) {
   const auto problems = read_problems();
-  ASSERT_GE(problems.size(), 300u);
+  ASSERT_EQ(problems.size(), 360u);
+  std::map<std::string, int> classes;
+  for (const auto& problem : problems) {
+    ++classes[problem.kind];
+    if (!problem.options.weight_symbol.empty()) ++classes["any weighted"];
+  }
+  for (const auto* kind : {"collinear", "tied", "tiny"}) EXPECT_EQ(classes[kind], 50) << kind;
+  EXPECT_GE(classes["any weighted"], 90);
   for (const auto& problem : problems) {
     SCOPED_TRACE("problem " + std::to_string(problem.number) + " " + problem.kind);
     std::string formula = "y ~ x1";
