@@ -8,7 +8,7 @@ namespace {
 
 using Eigen::Index;
 
-constexpr Index kAllRows = 4096, kStretches = 32, kStretchRows = 1024;
+constexpr Index kAllRows = 2048, kMostStretches = 16, kStretchRows = 1024;
 
 struct Stretch {
   Index begin, rows;
@@ -16,10 +16,10 @@ struct Stretch {
 
 std::vector<Stretch> stretches_of(Index rows) {
   if (rows <= kAllRows) return {{0, rows}};
-  const Index length = std::min(kStretchRows, rows / kStretches);
+  const Index count = std::min(kMostStretches, rows / kStretchRows);
   std::vector<Stretch> stretches;
-  for (Index i = 0; i < kStretches; ++i)
-    stretches.push_back({(rows - length) * i / (kStretches - 1), length});
+  for (Index i = 0; i < count; ++i)
+    stretches.push_back({(rows - kStretchRows) * i / (count - 1), kStretchRows});
   return stretches;
 }
 

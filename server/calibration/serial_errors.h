@@ -7,9 +7,9 @@
 // position that is visited back and forth little or nothing: one factor for all, as from an
 // effective number of rows, would be wrong for both.
 //
-// Up to 4096 rows all of them count, by restricted likelihood. Beyond, the noise is read from 32
-// stretches of rows spread evenly over the data (1024 rows each), by the likelihood of the
-// residuals alone, and so is the ratio of the two covariances.
+// Up to 2048 rows all of them count, by restricted likelihood. Beyond, the noise is read from up to
+// 16 stretches of 1024 rows spread evenly over the data, by the likelihood of the residuals alone,
+// and so is the ratio of the two covariances: the cost then stays that of 16 384 rows.
 
 #include "server/calibration/design.h"
 #include "server/calibration/serial_noise.h"

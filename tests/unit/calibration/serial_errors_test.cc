@@ -171,13 +171,14 @@ TEST(SerialErrors, OfLongDataComeFromStretchesOfIt) {
   const auto model = formats::fit_formula(data, "q1 ~ x + x^2 + T", options);
   const auto& output = model->outputs[0];
   EXPECT_NEAR(output.accuracy.slow_share, 0.8, 0.05);
-  EXPECT_NEAR(output.accuracy.slow_rows, -1 / std::log(0.9), 1);
+  // 16 384 rows hold about 900 lengths of 2 x 9.5 rows: 5 % is one standard deviation.
+  EXPECT_NEAR(output.accuracy.slow_rows, -1 / std::log(0.9), 1.5);
   for (const auto& report : output.report) {
     const double ratio = report.standard_error_serial / report.standard_error;
     const std::string name = effects::notation(report.term);
     // slow against slow: (1 + 0.9) / (1 - 0.9) = 19 times the variance of the slow 80 %
     if (name == "1" || name.front() == 't') {
-      EXPECT_NEAR(ratio, std::sqrt(0.8 * 19 + 0.2), 0.4) << name;
+      EXPECT_NEAR(ratio, std::sqrt(0.8 * 19 + 0.2), 0.6) << name;
     }
     if (name == "x") {
       EXPECT_LT(ratio, 1.3);  // back and forth every 17 rows
