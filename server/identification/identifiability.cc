@@ -14,6 +14,7 @@ using Eigen::Index;
 // The derivatives are exact to about 1e-13; what is below is rounding, or a second-order effect of
 // a deviation that the data may contain but that no honest interval can be given for.
 constexpr double kApart = 1e-7;
+constexpr double kNoEffect = 1e-10;  // of the largest effect of any parameter's natural deviation
 constexpr double kMentioned = 0.05;  // of the largest share in a combination
 constexpr std::size_t kMostMentioned = 4;
 
@@ -50,6 +51,7 @@ Identifiability identifiable(const Eigen::MatrixXd& jacobian,
   Eigen::MatrixXd basis(jacobian.rows(), static_cast<Index>(count));    // orthonormal
   Eigen::MatrixXd columns(jacobian.rows(), static_cast<Index>(count));  // kept, unit length
   std::vector<Index> kept;
+  const double largest = jacobian.size() > 0 ? jacobian.colwise().norm().maxCoeff() : 0;
   for (const std::size_t i : order) {
     if (parameters[i].held) {
       result.notes[i] = "held by the robot file";
@@ -58,7 +60,7 @@ Identifiability identifiable(const Eigen::MatrixXd& jacobian,
     const auto rank = static_cast<Index>(kept.size());
     Eigen::VectorXd column = jacobian.col(static_cast<Index>(i));
     const double length = column.norm();
-    if (!(length > 0)) {
+    if (!(length > kNoEffect * largest)) {
       result.notes[i] = "has no effect on these rows";
       continue;
     }

@@ -18,6 +18,8 @@ namespace {
 
 using Eigen::Index;
 
+constexpr double kWeak = 10;  // natural units: a millimetre, or the angle that moves the end by one
+
 // datum(k) of every further datum among the calibration rows, then the offered terms that do not
 // read what the mechanism itself explains.
 std::vector<effects::Term> linear_terms(const Dataset& dataset, const IdentifyOptions& options) {
@@ -135,7 +137,9 @@ Result<Eigen::VectorXd> start_values(const Work& work) {
   return values;
 }
 
-// At the values that work starts from.
+// Asked of the drawing, not of the solution: what a regular drawing hides (an angle, where the tool
+// stands exactly on the last axis) a real robot shows so faintly that least squares would move it
+// by many millimetres for nothing.
 Identifiability chosen_parameters(const Work& work, const IdentifyOptions& options) {
   kinematics::Parameters parameters = work.mechanism.parameters();
   if (options.placement_only)
@@ -145,45 +149,6 @@ Identifiability chosen_parameters(const Work& work, const IdentifyOptions& optio
     for (std::size_t i = 0; i < parameters.size(); ++i)
       if (!parameters[i].placement) result.notes[i] = "nominal";
   return result;
-}
-
-struct Found {
-  Identifiability chosen;
-  LeastSquaresSolution solution;  // about work.start
-};
-
-// A drawing is more regular than its robot: a tool exactly on the last axis hides an angle that a
-// tool beside it shows. So what can be told apart is asked again at the solution, and the solution
-// sought again while something was added.
-Result<Found> solve(Work& work, const IdentifyOptions& options) {
-  constexpr int kMostRounds = 4;
-  Found found{chosen_parameters(work, options), {}};
-  for (int round = 0;; ++round) {
-    work.free.clear();
-    for (std::size_t i = 0; i < found.chosen.free.size(); ++i)
-      if (found.chosen.free[i] != 0) work.free.push_back(static_cast<Index>(i));
-    const LeastSquaresProblem problem{
-        [&work](const Eigen::VectorXd& unknown) { return work.residuals(unknown); },
-        [&work](const Eigen::VectorXd& unknown) { return work.jacobian(unknown); }};
-    auto solution = minimise(problem, Eigen::VectorXd::Zero(work.unknowns()));
-    if (!solution) return tl::unexpected(solution.error());
-    solution->evaluations += found.solution.evaluations;
-    found.solution = std::move(*solution);
-    if (round + 1 == kMostRounds) return found;
-    Work there = work;
-    there.start = work.parameters(found.solution.values);
-    Identifiability again = chosen_parameters(there, options);
-    const auto before = std::ranges::count(found.chosen.free, 1);
-    if (std::ranges::count(again.free, 1) <= before) {
-      found.chosen.condition = again.condition;
-      return found;
-    }
-    for (std::size_t i = 0; i < again.free.size(); ++i)  // another of a set is held now
-      if (again.free[i] == 0 && found.chosen.free[i] != 0)
-        there.start[static_cast<Index>(i)] = work.mechanism.parameters()[i].nominal;
-    found.chosen = std::move(again);
-    work.start = there.start;
-  }
 }
 
 Identification describe(const Work& work, const Identifiability& chosen,
@@ -213,8 +178,8 @@ Identification describe(const Work& work, const Identifiability& chosen,
   for (Index k = 0; k < free; ++k) {
     auto& one = result.parameters[static_cast<std::size_t>(work.free[static_cast<std::size_t>(k)])];
     one.standard_error = deviation[k] * work.natural(k);
-    if (deviation[k] > 1)
-      one.note = "weakly determined: the standard error exceeds what a drawing leaves open";
+    if (deviation[k] > kWeak)
+      one.note = "weakly determined: its standard error is far beyond what a drawing leaves open";
   }
   if (count == 0) return result;
   const Eigen::MatrixXd scaled = work.linear(solution.values);
@@ -274,9 +239,15 @@ Result<Identification> identify(const Dataset& dataset, const IdentifyOptions& o
     return fail(ErrorCode::failed_precondition, "BAD_START",
                 "the nominal geometry does not reach every measured row: compare lengths, units "
                 "and frames of the robot file with the data");
-  const auto found = solve(work, options);
-  if (!found) return tl::unexpected(found.error());
-  Identification result = describe(work, found->chosen, terms, found->solution);
+  const Identifiability chosen = chosen_parameters(work, options);
+  for (std::size_t i = 0; i < chosen.free.size(); ++i)
+    if (chosen.free[i] != 0) work.free.push_back(static_cast<Index>(i));
+  const LeastSquaresProblem problem{
+      [&work](const Eigen::VectorXd& unknown) { return work.residuals(unknown); },
+      [&work](const Eigen::VectorXd& unknown) { return work.jacobian(unknown); }};
+  const auto solution = minimise(problem, Eigen::VectorXd::Zero(work.unknowns()));
+  if (!solution) return tl::unexpected(solution.error());
+  Identification result = describe(work, chosen, terms, *solution);
   result.mechanism = options.mechanism;
   return result;
 }

@@ -6,8 +6,8 @@
 //   output = mechanism(inputs; parameters) + constant + sum of coefficient * term
 //
 // Every output counts alike; parameters are scaled by what a deviation of each is worth
-// (kinematics::Parameter::natural). What the data cannot tell apart is held at its nominal value
-// and named (identifiability.h). docs/kinematics.md.
+// (kinematics::Parameter::natural). What cannot be told apart by such data about the drawing is
+// held at its nominal value and named (identifiability.h). docs/kinematics.md.
 
 #include <memory>
 

@@ -9,7 +9,7 @@
 namespace driftwise::identification {
 namespace {
 
-constexpr double kTolerance = 1e-14;    // relative, of the sum of squares and of the values
+constexpr double kTolerance = 1e-13;    // relative, of the sum of squares and of the values
 constexpr double kInitialStep = 100.0;  // MINPACK's recommendation
 
 int evaluate_for_cminpack(void* problem, int rows, int columns, const double* values,
