@@ -1,5 +1,8 @@
-# Golden results for stepwise regression: R's add1/drop1 rule (NUMERICS: the exact rule) on 300 seeded random problems.
-#   Rscript make_golden.R > golden.txt        R >= 4.0, base packages only; takes about a minute
+# Golden results for stepwise regression: R's add1/drop1 rule (NUMERICS: the exact rule) on 360 seeded random problems.
+#   Rscript make_golden.R [seed] [problems] > golden.txt        R >= 4.0, base packages only; takes about a minute
+#
+# The first 300 go round ten kinds, the rest round the hard kinds with weights; with another number of problems (live
+# tests) the same shares.
 #
 # Rule: add1(test = "F") ranked by F while p < enter, else drop1 ranked by F while p > remove; a relative difference in F
 # below 1e-9 is a tie, which the lowest column wins; columns that lm (tol = 1e-7) finds collinear cannot enter.
@@ -14,7 +17,9 @@
 #   rmse <rmse> <dof>
 #   <p+1 lines: in(1/0/-1 collinear) coefficient standard_error t p>   the constant first
 suppressWarnings(RNGkind("Mersenne-Twister", "Inversion", "Rejection"))
-set.seed(20110722)
+args <- commandArgs(TRUE)
+set.seed(if (length(args) > 0) as.integer(args[1]) else 20110722)
+problems <- if (length(args) > 1) as.integer(args[2]) else 360
 fmt <- function(v) formatC(v, digits = 17, format = "g")
 snap <- function(v, bits = 20) round(v * 2^bits) / 2^bits
 
@@ -73,11 +78,13 @@ make <- function(kind, n, p) {
 
 kinds <- c("plain", "collinear", "correlated", "offset", "tied", "grid", "tiny", "nulls", "weighted", "few_rows")
 count <- 0
-while (count < 300) {
-  kind <- kinds[count %% length(kinds) + 1]
+hard <- c("collinear", "tied", "tiny")
+while (count < problems) {
+  late <- count >= problems * 300 / 360
+  kind <- if (late) hard[count %% length(hard) + 1] else kinds[count %% length(kinds) + 1]
   p <- sample(4:9, 1); n <- if (kind == "few_rows") p + sample(2:4, 1) else sample(15:45, 1)
   thresholds <- list(c(.05, .10), c(.06, .10), c(.15, .15), c(.01, .05), c(.25, .40))[[sample(5, 1)]]
-  weighted <- kind == "weighted" || (kind %in% c("plain", "correlated") && runif(1) < 0.2)
+  weighted <- late || kind == "weighted" || (kind %in% c("plain", "correlated") && runif(1) < 0.2)
   d <- make(kind, n, p)
   r <- stepwise(d, p, thresholds[1], thresholds[2], weighted)
   s <- suppressWarnings(summary(r$fit))
