@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <optional>
 
+#include "clients/cli/residuals_file.h"
+#include "clients/cli/session.h"
 #include "clients/cli/value_or_throw.h"
 #include "clients/cli/worker_threads.h"
 #include "server/calibration/offer.h"
@@ -142,6 +144,8 @@ void add_fit_options(CLI::App& command, FitOfFile& fit) {
   command.add_option("--blocks", fit.blocks, "blocks of time held out in turn; 0: none")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
+  command.add_option("--residuals", fit.residuals,
+                     "write measured, model and residual of every row to this file (dataset CSV)");
   command.add_flag("--history", fit.history, "show the selection step by step");
   command.add_flag("--offers", fit.offers,
                    "show what cross terms, derivatives and 4th order would add");
@@ -186,6 +190,7 @@ ExitCode fit_file(const Console& console, const FitOfFile& fit, std::string_view
   if (fit.offers)
     offers = value_or_throw(calibration::weigh_offers(
         data, options, model, calibration::published_offers(data, options.candidates)));
+  if (!fit.residuals.empty()) write_output_file(fit.residuals, residuals_csv(data, model));
   if (console.json) {
     auto json = formats::fit_json(model);
     if (fit.offers) json["offers"] = offers_json(offers, data);

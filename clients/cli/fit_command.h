@@ -27,8 +27,9 @@ struct FitOfFile {
   std::string exclude_rows;                 // of a file, counted from 1: "12,40-45"
   std::int64_t first_rows = 0;
   int blocks = 10;
-  bool history = false;  // print the selection step by step
-  bool offers = false;   // print what the published study's further terms would add
+  std::string residuals;  // a file to write them to
+  bool history = false;   // print the selection step by step
+  bool offers = false;    // print what the published study's further terms would add
 };
 
 // Adds the options of a fit to a command: --model to --offers. fit outlives the command.

@@ -36,6 +36,7 @@ void refuse_offline_options(const FitOfFile& fit) {
   if (fit.criterion != FitOfFile{}.criterion) refuse("--criterion");
   if (fit.hierarchy) refuse("--hierarchy");
   if (fit.starts > 1) refuse("--starts");
+  if (!fit.residuals.empty()) refuse("--residuals");
   if (fit.offers) refuse("--offers");
   if (fit.blocks != FitOfFile{}.blocks) refuse("--blocks");
 }

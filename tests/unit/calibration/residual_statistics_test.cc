@@ -40,6 +40,33 @@ TEST(PureError, OfExactRepeatsIsTheClassicalOne) {
   EXPECT_GT(*accuracy.lack_of_fit_p, 0.05);
 }
 
+TEST(PureError, AndLackOfFitAreThoseOfR) {
+  // tests/data/lack_of_fit/make_lack_of_fit.R: anova(model, one mean per distinct setting)
+  const auto rows = read_rows("lack_of_fit/golden.csv");
+  FitOptions options;
+  options.select = Select::all;
+  options.blocks = 0;
+  int sets = 0;
+  for (std::size_t at = 0; at < rows.size(); ++sets) {
+    const auto& head = rows[at++];
+    std::vector<double> y, x, z;
+    for (std::size_t end = at + std::stoul(head[1]); at < end; ++at) {
+      y.push_back(std::stod(rows[at][0]));
+      x.push_back(std::stod(rows[at][1]));
+      z.push_back(std::stod(rows[at][2]));
+    }
+    const Dataset data = columns_of({{{"y", "1"}, y}, {{"x", "1"}, x}, {{"z", "1"}, z}});
+    const auto model = formats::fit_formula(data, "y ~ poly(x, " + head[2] + ") + z", options);
+    ASSERT_TRUE(model.has_value()) << model.error().message;
+    const auto& accuracy = model->outputs[0].accuracy;
+    SCOPED_TRACE(sets);
+    EXPECT_NEAR(*accuracy.pure_error / std::stod(head[3]), 1, 1e-10);
+    EXPECT_NEAR(*accuracy.lack_of_fit_f / std::stod(head[4]), 1, 1e-9);
+    EXPECT_NEAR(*accuracy.lack_of_fit_p / std::stod(head[5]), 1, 1e-9);
+  }
+  EXPECT_EQ(sets, 12);
+}
+
 TEST(PureError, OfRepeatedPosesIsTheNoiseOfTheReadings) {
   const auto model = formats::fit_formula(make_campaign({.rows = 2000}), "q1 ~ x + x^2 + T", {});
   ASSERT_TRUE(model.has_value());

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "server/formats/formula.h"
@@ -61,6 +62,30 @@ TEST(FitTable, IsAPageWithUnitsFiguresAndWarnings) {
        {"q1 ~ x + x^2 + T", "267 calibration rows", "mm/mm^2", "mm/degC", "rms nm", "VIF", "enter",
         "by blocks of time", "p-values after selection"})
     EXPECT_THAT(page, HasSubstr(part));
+}
+
+TEST(FitTable, NamesTheRuleAndTheStartThatWon) {
+  calibration::FitOptions options;
+  options.criterion = calibration::Criterion::aic;
+  options.hierarchy = true;
+  options.starts = 4;
+  const auto model =
+      *fit_formula(calibration::make_campaign({}), "q1 ~ poly(x, 3) + T + x:T", options);
+  const std::string page = fit_table(model);
+  for (const auto* part : {"stepwise, AIC, with hierarchy, best of 4 starts (seed 1)",
+                           "best of 4 starts: ", "serial s.e.", "BIC", "all terms together: F"})
+    EXPECT_THAT(page, HasSubstr(part));
+  const auto json = fit_json(model);
+  EXPECT_EQ(json["criterion"], "aic");
+  EXPECT_EQ(json["hierarchy"], true);
+  const auto& q1 = json["outputs"]["q1"];
+  EXPECT_EQ(q1["starts"].size(), 4u);
+  EXPECT_EQ(q1["starts"][0]["start"], "none");
+  EXPECT_TRUE(q1["history"].back().contains("criterion_value"));
+  EXPECT_EQ(q1["terms"][1]["unit"], "mm/mm");
+  EXPECT_GT(q1["terms"][1]["standard_error_serial"].get<double>(), 0);
+  const auto in = std::ranges::count_if(q1["terms"], [](const auto& term) { return term["in"]; });
+  EXPECT_EQ(q1["covariance"].size(), static_cast<std::size_t>(in));
 }
 
 }  // namespace
