@@ -76,21 +76,23 @@ Bar MicroNanoMechanics::bar(std::size_t k, double stage_mm, const NodeTemperatur
 
 MicroNanoMechanics::Assembly MicroNanoMechanics::assembly(const PerArm<double>& stage_mm,
                                                           const NodeTemperatures& degc) const {
-  const auto& d = parameters_.delta;
   Assembly a;
   double mean_mm = 0;
   for (const double stage : stage_mm) mean_mm += stage / static_cast<double>(kArms);
   for (std::size_t k = 0; k < kBars; ++k) a.bars[k] = bar(k, stage_mm[k / 2], degc);
   a.stiff = closed_pose(a.bars, {.centre_mm = {0, 0, mean_mm}, .turn = {}});
-  for (std::size_t k = 0; k < kBars; ++k) {
-    const Bar& b = a.bars[k];
-    const Vec3 along = a.stiff.centre_mm + a.stiff.turn * b.platform_mm - b.carriage_mm;
-    const Vec3 neutral =
-        (d.platform_radius_mm - d.column_radius_mm) * machine_.carriages[k / 2].outward -
-        Vec3{0, 0, drop_mm_};
-    a.bend_rad[k] = norm(cross(unit(along), unit(neutral)));
-  }
+  for (std::size_t k = 0; k < kBars; ++k) a.swing_rad[k] = swing_rad(k, a);
   return a;
+}
+
+Vec3 MicroNanoMechanics::swing_rad(std::size_t k, const Assembly& a) const {
+  const auto& d = parameters_.delta;
+  const Bar& b = a.bars[k];
+  const Vec3 along = unit(a.stiff.centre_mm + a.stiff.turn * b.platform_mm - b.carriage_mm);
+  const Vec3 neutral =
+      unit((d.platform_radius_mm - d.column_radius_mm) * machine_.carriages[k / 2].outward -
+           Vec3{0, 0, drop_mm_});
+  return cross(neutral, along);
 }
 
 PlatformPose MicroNanoMechanics::pulled(const Assembly& a, Vec3 attach_mm, Vec3 pull_n) const {
@@ -101,11 +103,8 @@ PlatformPose MicroNanoMechanics::pulled(const Assembly& a, Vec3 attach_mm, Vec3 
     const Bar& b = a.bars[k];
     const Vec3 lever = a.stiff.turn * b.platform_mm;
     const Vec3 along = unit(a.stiff.centre_mm + lever - b.carriage_mm);
-    const Vec3 neutral =
-        unit((d.platform_radius_mm - d.column_radius_mm) * machine_.carriages[k / 2].outward -
-             Vec3{0, 0, drop_mm_});
-    // A bar that has swung by phi is held back at both ends: a moment on the platform, and a shear.
-    const Vec3 phi = cross(neutral, along);
+    // A bar that has swung is held back at both ends: a moment on the platform, and a shear.
+    const Vec3 phi = a.swing_rad[k];
     const double turning = d.hinge.turning_nmm_rad();
     const Vec3 shear_n = (-2 * turning / b.length_mm) * cross(phi, along);
     wrench.force_n = wrench.force_n + shear_n;
@@ -114,8 +113,14 @@ PlatformPose MicroNanoMechanics::pulled(const Assembly& a, Vec3 attach_mm, Vec3 
   const auto forces_n = bar_forces_n(a.bars, a.stiff, wrench);
   std::array<Bar, kBars> bars = a.bars;
   for (std::size_t k = 0; k < kBars; ++k) {
-    const double give_mm_n = d.hinges_per_bar * d.hinge.give_mm_n(a.bend_rad[k], forces_n[k]) +
-                             bars[k].length_mm / (d.hinge.youngs_gpa * 1e3 * d.bar_section_mm2);
+    // Of the crossed blades at each end one bends when the bar swings in its arm's plane, the other
+    // when it swings sideways.
+    const double in_plane = dot(a.swing_rad[k], machine_.carriages[k / 2].tangent);
+    const double sideways = norm(a.swing_rad[k] - in_plane * machine_.carriages[k / 2].tangent);
+    const double give_mm_n =
+        d.hinges_per_bar / 2.0 *
+            (d.hinge.give_mm_n(in_plane, forces_n[k]) + d.hinge.give_mm_n(sideways, forces_n[k])) +
+        bars[k].length_mm / (d.hinge.youngs_gpa * 1e3 * d.bar_section_mm2);
     bars[k].length_mm += give_mm_n * forces_n[k];
   }
   return closed_pose(bars, a.stiff);

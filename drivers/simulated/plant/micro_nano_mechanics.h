@@ -18,7 +18,7 @@ class MicroNanoMechanics {
   // The loop with stiff bars: stage_mm are the stages' true positions on their guides.
   struct Assembly {
     std::array<Bar, kBars> bars{};
-    std::array<double, kBars> bend_rad{};  // of each bar against its neutral direction
+    std::array<Vec3, kBars> swing_rad{};  // of each bar from its neutral direction
     PlatformPose stiff;
   };
   Assembly assembly(const PerArm<double>& stage_mm, const NodeTemperatures& degc) const;
@@ -32,6 +32,7 @@ class MicroNanoMechanics {
   double stage_from_scale_mm(std::size_t axis, double scale_mm, const NodeTemperatures& degc) const;
 
  private:
+  Vec3 swing_rad(std::size_t k, const Assembly& assembly) const;
   Bar bar(std::size_t k, double stage_mm, const NodeTemperatures& degc) const;
   double warm_k(int part, const NodeTemperatures& degc) const;
 
