@@ -8,13 +8,6 @@ namespace {
 
 constexpr double kNmPerMm = 1e6;
 
-double u90(const std::vector<double>& errors_nm) {
-  double mean = 0, square = 0;
-  for (const double e : errors_nm) mean += e / static_cast<double>(errors_nm.size());
-  for (const double e : errors_nm) square += (e - mean) * (e - mean);
-  return 1.645 * std::sqrt(square / static_cast<double>(errors_nm.size() - 1));
-}
-
 double p90(std::vector<double> errors_nm) {
   for (double& e : errors_nm) e = std::abs(e);
   const auto place =
@@ -25,42 +18,56 @@ double p90(std::vector<double> errors_nm) {
 
 }  // namespace
 
+double u90(const std::vector<double>& errors) {
+  double mean = 0, square = 0;
+  for (const double e : errors) mean += e / static_cast<double>(errors.size());
+  for (const double e : errors) square += (e - mean) * (e - mean);
+  return 1.645 * std::sqrt(square / static_cast<double>(errors.size() - 1));
+}
+
+LeastSquares::LeastSquares(const std::vector<std::vector<double>>& rows,
+                           const std::vector<double>& q) {
+  const auto n = static_cast<Eigen::Index>(rows.size());
+  const auto width = static_cast<Eigen::Index>(rows.front().size());
+  Eigen::MatrixXd design(n, width);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto& values = rows[static_cast<std::size_t>(i)];
+    for (Eigen::Index j = 0; j < width; ++j) design(i, j) = values[static_cast<std::size_t>(j)];
+  }
+  const Eigen::VectorXd right = Eigen::Map<const Eigen::VectorXd>(q.data(), n);
+  centre_ = design.colwise().mean();
+  design.rowwise() -= centre_;
+  scale_ = design.colwise().norm() / std::sqrt(static_cast<double>(n));
+  for (Eigen::Index j = 0; j < width; ++j) design.col(j) /= scale_(j);
+  mean_ = right.mean();
+  const Eigen::VectorXd centred = right.array() - mean_;
+  solution_ = design.colPivHouseholderQr().solve(centred);
+}
+
+double LeastSquares::predicted(const std::vector<double>& row) const {
+  double sum = mean_;
+  for (Eigen::Index j = 0; j < solution_.size(); ++j) {
+    sum += solution_(j) * (row[static_cast<std::size_t>(j)] - centre_(j)) / scale_(j);
+  }
+  return sum;
+}
+
 FitFigures fit_campaign(const std::vector<CampaignRow>& rows, const Columns& columns,
                         const Choice& fitted) {
-  std::vector<CampaignRow> chosen;
+  std::vector<std::vector<double>> design;
+  std::vector<double> q_nm;
   for (const auto& row : rows) {
-    if (fitted(row)) chosen.push_back(row);
+    if (!fitted(row)) continue;
+    design.push_back(columns(row));
+    q_nm.push_back(row.q1_mm * kNmPerMm);
   }
-  const auto n = static_cast<Eigen::Index>(chosen.size());
-  const auto width = static_cast<Eigen::Index>(columns(rows.front()).size());
-  Eigen::MatrixXd design(n, width);
-  Eigen::VectorXd q_nm(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto values = columns(chosen[static_cast<std::size_t>(i)]);
-    for (Eigen::Index j = 0; j < width; ++j) design(i, j) = values[static_cast<std::size_t>(j)];
-    q_nm(i) = chosen[static_cast<std::size_t>(i)].q1_mm * kNmPerMm;
-  }
-  const Eigen::RowVectorXd centre = design.colwise().mean();
-  design.rowwise() -= centre;
-  Eigen::RowVectorXd scale = design.colwise().norm() / std::sqrt(static_cast<double>(n));
-  for (Eigen::Index j = 0; j < width; ++j) design.col(j) /= scale(j);
-  const double q_mean = q_nm.mean();
-  const Eigen::VectorXd centred_q = q_nm.array() - q_mean;
-  const Eigen::VectorXd solution = design.colPivHouseholderQr().solve(centred_q);
-
-  const auto error_nm = [&](const CampaignRow& row) {
-    const auto values = columns(row);
-    double predicted = q_mean;
-    for (Eigen::Index j = 0; j < width; ++j) {
-      predicted += solution(j) * (values[static_cast<std::size_t>(j)] - centre(j)) / scale(j);
-    }
-    return row.q1_mm * kNmPerMm - predicted;
-  };
+  const LeastSquares fit(design, q_nm);
   std::vector<double> validation, calibration;
   for (const auto& row : rows) {
-    if (!row.calibration) validation.push_back(error_nm(row));
+    const double error_nm = row.q1_mm * kNmPerMm - fit.predicted(columns(row));
+    if (!row.calibration) validation.push_back(error_nm);
+    if (fitted(row)) calibration.push_back(error_nm);
   }
-  for (const auto& row : chosen) calibration.push_back(error_nm(row));
   return {
       .u90_nm = u90(validation), .p90_nm = p90(validation), .u90_calibration_nm = u90(calibration)};
 }
