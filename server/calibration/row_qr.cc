@@ -84,6 +84,7 @@ Index block_rows(Index width) {
 
 void GrowingTriangle::add(MatrixXd& rows, Index count) {
   const Index width = triangle_.cols();
+  if (triangle_.rows() == 0 && count >= width) triangle_ = MatrixXd::Zero(width, width);
   if (triangle_.rows() < width) {
     MatrixXd stacked(triangle_.rows() + count, width);
     stacked.topRows(triangle_.rows()) = triangle_;
