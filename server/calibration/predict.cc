@@ -10,10 +10,10 @@
 namespace driftwise::calibration {
 namespace {
 
-constexpr std::size_t kChunkRows = 4096;
+constexpr std::size_t kPredictRows = 4096;
 
 std::size_t chunks_in(const Dataset& dataset) {
-  return (dataset.rows + kChunkRows - 1) / kChunkRows;
+  return (dataset.rows + kPredictRows - 1) / kPredictRows;
 }
 
 // Feeds the rows through the evaluator in chunks; use(first row, columns): in order, or where no
@@ -42,7 +42,7 @@ Result<void> for_each_chunk(const Dataset& dataset, const std::vector<effects::T
     return fail(ErrorCode::invalid_argument, "UNTIMED",
                 "the model has effects with memory: the data need a time_s column");
   const auto evaluate = [&](effects::TermEvaluator& one, std::size_t number) {
-    const std::size_t at = number * kChunkRows, count = std::min(kChunkRows, dataset.rows - at);
+    const std::size_t at = number * kPredictRows, count = std::min(kPredictRows, dataset.rows - at);
     std::vector<std::span<const double>> chunk;
     for (const auto& column : values) chunk.push_back(column.subspan(at, count));
     const auto times = dataset.time_s.empty() ? std::span<const double>()
@@ -104,7 +104,7 @@ Result<PredictedRows> predict_and_range(const Dataset& dataset, const OutputMode
             sums.high = std::max(sums.high, value);
             sums.sum += value;
           }
-          chunks[first / kChunkRows][j] = sums;
+          chunks[first / kPredictRows][j] = sums;
         }
       });
   if (!done) return tl::unexpected(done.error());

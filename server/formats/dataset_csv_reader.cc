@@ -12,34 +12,24 @@
 namespace driftwise::formats {
 namespace {
 
-enum class DatasetColumn : std::uint8_t {
-  time,
-  set,
-  line,
-  zero,
-  dwell,
-  run,
-  datum,
-  excluded,
-  channel
-};
+enum class CsvColumn : std::uint8_t { time, set, line, zero, dwell, run, datum, excluded, channel };
 
 struct Named {
   std::string_view name;
-  DatasetColumn kind;
+  CsvColumn kind;
 };
-constexpr std::array<Named, 8> kOwnColumns = {{{"time_s", DatasetColumn::time},
-                                               {"set", DatasetColumn::set},
-                                               {"line", DatasetColumn::line},
-                                               {"zero", DatasetColumn::zero},
-                                               {"dwell_s", DatasetColumn::dwell},
-                                               {"run", DatasetColumn::run},
-                                               {"datum", DatasetColumn::datum},
-                                               {"excluded", DatasetColumn::excluded}}};
+constexpr std::array<Named, 8> kOwnColumns = {{{"time_s", CsvColumn::time},
+                                               {"set", CsvColumn::set},
+                                               {"line", CsvColumn::line},
+                                               {"zero", CsvColumn::zero},
+                                               {"dwell_s", CsvColumn::dwell},
+                                               {"run", CsvColumn::run},
+                                               {"datum", CsvColumn::datum},
+                                               {"excluded", CsvColumn::excluded}}};
 
 // A column of the file, and where its values go.
 struct Column {
-  DatasetColumn kind = DatasetColumn::channel;
+  CsvColumn kind = CsvColumn::channel;
   double* numbers = nullptr;
   std::int64_t* integers = nullptr;
   std::uint8_t* flags = nullptr;
@@ -56,14 +46,14 @@ Result<void> check_version(const CsvHeader& header, const std::string& file_name
 }
 
 // Fills data.columns and says for each column of the file what it is.
-Result<std::vector<DatasetColumn>> sort_columns(const CsvHeader& header,
-                                                const std::string& file_name, Dataset& data) {
-  std::vector<DatasetColumn> kinds(header.names.size(), DatasetColumn::channel);
+Result<std::vector<CsvColumn>> sort_columns(const CsvHeader& header, const std::string& file_name,
+                                            Dataset& data) {
+  std::vector<CsvColumn> kinds(header.names.size(), CsvColumn::channel);
   for (std::size_t i = 0; i < kinds.size(); ++i) {
     const auto& name = header.names[i];
     for (const auto& own : kOwnColumns)
       if (name == own.name) kinds[i] = own.kind;
-    if (kinds[i] != DatasetColumn::channel) continue;
+    if (kinds[i] != CsvColumn::channel) continue;
     auto channel = parse_channel(name);
     if (!channel) {
       std::string message = at_line(file_name, header.line) + "column " + std::to_string(i + 1) +
@@ -83,34 +73,34 @@ Result<std::vector<DatasetColumn>> sort_columns(const CsvHeader& header,
 
 // Calls use(vector) for the vector of every column of the file, the channels in their order.
 template <class Use>
-void visit_column(Dataset& data, DatasetColumn kind, std::size_t channel, Use use) {
+void visit_column(Dataset& data, CsvColumn kind, std::size_t channel, Use use) {
   switch (kind) {
-    case DatasetColumn::time:
+    case CsvColumn::time:
       return use(data.time_s);
-    case DatasetColumn::set:
+    case CsvColumn::set:
       return use(data.set);
-    case DatasetColumn::line:
+    case CsvColumn::line:
       return use(data.line);
-    case DatasetColumn::zero:
+    case CsvColumn::zero:
       return use(data.zero);
-    case DatasetColumn::dwell:
+    case CsvColumn::dwell:
       return use(data.dwell_s);
-    case DatasetColumn::run:
+    case CsvColumn::run:
       return use(data.run);
-    case DatasetColumn::datum:
+    case CsvColumn::datum:
       return use(data.datum);
-    case DatasetColumn::excluded:
+    case CsvColumn::excluded:
       return use(data.excluded);
-    case DatasetColumn::channel:
+    case CsvColumn::channel:
       return use(data.columns[channel].values);
   }
 }
 
 // Number of channels before each column of the file.
-std::vector<std::size_t> channels_before(const std::vector<DatasetColumn>& kinds) {
+std::vector<std::size_t> channels_before(const std::vector<CsvColumn>& kinds) {
   std::vector<std::size_t> before(kinds.size());
   for (std::size_t i = 1; i < kinds.size(); ++i)
-    before[i] = before[i - 1] + (kinds[i - 1] == DatasetColumn::channel ? 1 : 0);
+    before[i] = before[i - 1] + (kinds[i - 1] == CsvColumn::channel ? 1 : 0);
   return before;
 }
 
@@ -122,8 +112,8 @@ void set_place(Column& column, std::vector<std::uint8_t>& values) { column.flags
 void set_place(Column& column, std::vector<PointSet>& values) { column.sets = values.data(); }
 
 // Room for so many rows in every column; the first touch of that much memory is worth sharing out.
-std::vector<Column> make_room(Dataset& data, const std::vector<DatasetColumn>& kinds,
-                              std::size_t rows, const calibration::Executor& executor) {
+std::vector<Column> make_room(Dataset& data, const std::vector<CsvColumn>& kinds, std::size_t rows,
+                              const calibration::Executor& executor) {
   const auto before = channels_before(kinds);
   std::vector<Column> columns(kinds.size());
   calibration::run_on(executor, kinds.size(), [&](std::size_t i) {
@@ -140,23 +130,23 @@ bool read_row(CsvRows& rows, const std::vector<Column>& columns, std::size_t at)
   for (const auto& column : columns) {
     bool truth = false;
     switch (column.kind) {
-      case DatasetColumn::time:
-      case DatasetColumn::dwell:
-      case DatasetColumn::channel:
+      case CsvColumn::time:
+      case CsvColumn::dwell:
+      case CsvColumn::channel:
         if (!rows.number(column.numbers[at])) return false;
         break;
-      case DatasetColumn::set:
+      case CsvColumn::set:
         if (!rows.set_is_validation(truth)) return false;
         column.sets[at] = truth ? PointSet::validation : PointSet::calibration;
         break;
-      case DatasetColumn::zero:
-      case DatasetColumn::excluded:
+      case CsvColumn::zero:
+      case CsvColumn::excluded:
         if (!rows.flag(truth)) return false;
         column.flags[at] = truth ? 1 : 0;
         break;
-      case DatasetColumn::line:
-      case DatasetColumn::run:
-      case DatasetColumn::datum:
+      case CsvColumn::line:
+      case CsvColumn::run:
+      case CsvColumn::datum:
         if (!rows.integer(column.integers[at])) return false;
         break;
     }
@@ -174,7 +164,7 @@ class Reader {
  public:
   Reader(const CsvHeader& header, const std::string& file_name, const std::vector<Column>& columns)
       : header_(header), file_name_(file_name), columns_(columns) {
-    while (time_ < columns.size() && columns[time_].kind != DatasetColumn::time) ++time_;
+    while (time_ < columns.size() && columns[time_].kind != CsvColumn::time) ++time_;
   }
 
   Found read(const CsvChunk& chunk) const {

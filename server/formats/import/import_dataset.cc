@@ -15,7 +15,7 @@
 namespace driftwise::formats {
 namespace {
 
-using Target = ColumnRule::Target;
+using ColumnTarget = ColumnRule::Target;
 
 tl::unexpected<Error> bad_table(const char* reason, const std::string& file_name, std::size_t line,
                                 const std::string& sentence) {
@@ -119,22 +119,22 @@ void place_columns(Gathering& g) {
     const ColumnRule& rule = g.mapping.columns[i];
     std::vector<double>& values = g.values[i];
     switch (rule.target) {
-      case Target::channel:
+      case ColumnTarget::channel:
         data.columns.push_back({rule.channel, std::move(values)});
         break;
-      case Target::dwell:
+      case ColumnTarget::dwell:
         data.dwell_s = std::move(values);
         break;
-      case Target::line:
+      case ColumnTarget::line:
         data.line = whole_numbers(values);
         break;
-      case Target::run:
+      case ColumnTarget::run:
         data.run = whole_numbers(values);
         break;
-      case Target::datum:
+      case ColumnTarget::datum:
         data.datum = whole_numbers(values);
         break;
-      case Target::zero:
+      case ColumnTarget::zero:
         for (const double value : values) data.zero.push_back(value == 1 ? 1 : 0);
         break;
     }
@@ -216,11 +216,11 @@ void describe(ImportReport& report, const ImportMapping& mapping, const SourceTa
     auto& column = report.columns.emplace_back();
     column.source = table.names[reader.field_of(i)];
     column.unit = rule.unit;
-    column.channel = rule.target == Target::line    ? "line"
-                     : rule.target == Target::run   ? "run"
-                     : rule.target == Target::datum ? "datum"
-                     : rule.target == Target::zero  ? "zero"
-                                                    : rule.channel.name();
+    column.channel = rule.target == ColumnTarget::line    ? "line"
+                     : rule.target == ColumnTarget::run   ? "run"
+                     : rule.target == ColumnTarget::datum ? "datum"
+                     : rule.target == ColumnTarget::zero  ? "zero"
+                                                          : rule.channel.name();
   }
   const auto used = reader.used();
   for (std::size_t i = 0; i < used.size(); ++i)

@@ -94,21 +94,21 @@ void read_time(TomlReader&& reader, std::optional<TimeRules>& out) {
 
 // line, run, datum, zero and dwell_s are the dataset's own columns; everything else is a channel.
 void read_target(TomlReader& reader, ColumnRule& out) {
-  using Target = ColumnRule::Target;
+  using RuleTarget = ColumnRule::Target;
   std::string name;
   reader.text("channel", name, Need::required);
   if (name.empty()) return;
-  if (name == "line") out.target = Target::line;
-  if (name == "run") out.target = Target::run;
-  if (name == "datum") out.target = Target::datum;
-  if (name == "zero") out.target = Target::zero;
-  if (name == "dwell_s") out.target = Target::dwell;
+  if (name == "line") out.target = RuleTarget::line;
+  if (name == "run") out.target = RuleTarget::run;
+  if (name == "datum") out.target = RuleTarget::datum;
+  if (name == "zero") out.target = RuleTarget::zero;
+  if (name == "dwell_s") out.target = RuleTarget::dwell;
   if (name == "set" || name == "time_s")
     return reader.refuse("channel", "BAD_CHANNEL",
                          "found " + shown(name) + ", which the mapping's [" +
                              (name == "set" ? "sets" : "time") + "] table is for");
-  if (out.target == Target::dwell) out.channel = {"dwell", "s"};
-  if (out.target != Target::channel) return;
+  if (out.target == RuleTarget::dwell) out.channel = {"dwell", "s"};
+  if (out.target != RuleTarget::channel) return;
   auto channel = parse_channel(name);
   if (!channel) return reader.refuse("channel", "BAD_CHANNEL", channel.error().message);
   out.channel = std::move(*channel);
@@ -205,14 +205,14 @@ void check_channels(TomlProblem& problem, const toml::table& root, const ImportM
       problem.add(ErrorCode::invalid_argument, "DUPLICATE_CHANNEL", root.source(),
                   "the channel " + shown(name) + " is given twice");
   };
-  using Target = ColumnRule::Target;
+  using RuleTarget = ColumnRule::Target;
   for (const auto& column : mapping.columns) {
-    if (column.target == Target::channel) take(column.channel.name());
-    if (column.target == Target::line) take("line");
-    if (column.target == Target::run) take("run");
-    if (column.target == Target::datum) take("datum");
-    if (column.target == Target::zero) take("zero");
-    if (column.target == Target::dwell) take("dwell_s");
+    if (column.target == RuleTarget::channel) take(column.channel.name());
+    if (column.target == RuleTarget::line) take("line");
+    if (column.target == RuleTarget::run) take("run");
+    if (column.target == RuleTarget::datum) take("datum");
+    if (column.target == RuleTarget::zero) take("zero");
+    if (column.target == RuleTarget::dwell) take("dwell_s");
   }
   for (const auto& constant : mapping.constants) take(constant.channel.name());
   const auto expect = [&](const std::string& name, const char* table) {

@@ -9,7 +9,7 @@
 namespace driftwise::formats {
 namespace {
 
-using Target = ColumnRule::Target;
+using ColumnTarget = ColumnRule::Target;
 constexpr double kLargestWhole = 9007199254740992.0;  // 2^53: up to here doubles hold them all
 
 // "1.5" where a comma is the decimal mark is the commonest slip.
@@ -82,8 +82,8 @@ Result<double> RowReader::value(const ForeignRows& row, std::size_t index) const
   const auto found = number(row, field, shift.value_or(0));
   if (!found) return found;
   if (is_missing(*found)) {
-    const bool needed =
-        rule.required || (rule.target != Target::channel && rule.target != Target::dwell);
+    const bool needed = rule.required || (rule.target != ColumnTarget::channel &&
+                                          rule.target != ColumnTarget::dwell);
     if (!needed) return kMissing;
     return tl::unexpected(
         problem(row, field, "MISSING_VALUE",
@@ -94,11 +94,11 @@ Result<double> RowReader::value(const ForeignRows& row, std::size_t index) const
     return tl::unexpected(problem(row, field, "BAD_NUMBER",
                                   "found " + shown(row.fields()[field]) +
                                       ", which is no finite number in the channel's unit"));
-  if (rule.target == Target::zero && out != 0 && out != 1)
+  if (rule.target == ColumnTarget::zero && out != 0 && out != 1)
     return tl::unexpected(problem(row, field, "BAD_FLAG",
                                   "found " + shown(row.fields()[field]) + ", expected 0 or 1"));
-  const bool whole =
-      rule.target == Target::line || rule.target == Target::run || rule.target == Target::datum;
+  const bool whole = rule.target == ColumnTarget::line || rule.target == ColumnTarget::run ||
+                     rule.target == ColumnTarget::datum;
   if (whole && (std::trunc(out) != out || std::abs(out) > kLargestWhole))
     return tl::unexpected(
         problem(row, field, "BAD_INTEGER",
