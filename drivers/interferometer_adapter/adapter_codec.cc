@@ -5,29 +5,16 @@
 #include <cstdio>
 #include <vector>
 
+#include "drivers/transport/words.h"
+
 namespace driftwise::adapter {
 namespace {
 
+using transport::read_number;
+using transport::words_of;
+
 tl::unexpected<Error> bad_reply(std::string message) {
   return fail(ErrorCode::data_loss, "BAD_REPLY", std::move(message));
-}
-
-std::vector<std::string_view> words_of(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r\n";
-  std::vector<std::string_view> out;
-  for (std::size_t at = text.find_first_not_of(kBlank); at != std::string_view::npos;) {
-    const std::size_t end = std::min(text.find_first_of(kBlank, at), text.size());
-    out.push_back(text.substr(at, end - at));
-    at = text.find_first_not_of(kBlank, end);
-  }
-  return out;
-}
-
-template <class Number>
-bool read_number(std::string_view text, Number& value) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return code == std::errc{} && end == text.data() + text.size();
 }
 
 bool read_hex(std::string_view text, std::uint32_t& value) {

@@ -1,0 +1,156 @@
+#include "drivers/lds1000/autocollimator.h"
+
+#include <cmath>
+#include <cstdio>
+
+namespace driftwise::lds1000 {
+namespace {
+
+transport::LinkSettings link_settings_of(const DeviceDescription& device, const Options& options,
+                                         const std::string& identity_line) {
+  transport::LinkSettings out;
+  out.device = device.id;
+  out.address = device.address;
+  out.resync_request = "VE" + options.end_of_command;
+  out.is_resync_reply = [&identity_line](std::string_view reply) {
+    return !identity_line.empty() && reply == identity_line;
+  };
+  return out;
+}
+
+std::string set_up_text(Unit unit, double increment) {
+  char text[64];
+  std::snprintf(text, sizeof text, "unit %s, increment %g", name_of(unit), increment);
+  return text;
+}
+
+}  // namespace
+
+Autocollimator::Autocollimator(DeviceDescription device, Options options,
+                               const transport::Address& address, asio::any_io_executor executor,
+                               Clock& clock)
+    : device_(std::move(device)),
+      options_(std::move(options)),
+      clock_(clock),
+      timeout_(nanoseconds_from_s(device_.timeout_s)),
+      units_(device_.angles.size(), Unit::arcsec),
+      link_(executor, clock, link_settings_of(device_, options_, identity_line_),
+            transport::make_stream(executor, address, options_.serial)),
+      turn_(executor) {}
+
+Awaitable<Result<std::string>> Autocollimator::ask(std::string command) {
+  co_return co_await link_.ask(command + options_.end_of_command, timeout_);
+}
+
+template <class T>
+tl::unexpected<Error> Autocollimator::wrong(const Result<T>& parsed) {
+  if (parsed.error().reason == "BAD_REPLY") link_.lose_step();  // a refusal is in step with us
+  return link_.wrong_reply(parsed.error());
+}
+
+Awaitable<Result<void>> Autocollimator::prepare() {
+  const auto turn = co_await turn_.take();
+  co_return co_await get_ready();
+}
+
+Awaitable<Result<void>> Autocollimator::get_ready() {
+  if (auto up = co_await link_.connect(timeout_); !up) co_return up;
+  if (link_.generation() == set_up_generation_) co_return Result<void>{};
+  auto done = co_await set_up();
+  if (!done && link_.connected()) link_.drop(done.error().message);
+  co_return done;
+}
+
+Awaitable<Result<void>> Autocollimator::set_up() {
+  identity_line_.clear();
+  const auto reply = co_await ask("VE");
+  if (!reply) co_return tl::unexpected(reply.error());
+  const auto version = parse_version(*reply);
+  if (!version) co_return wrong(version);
+  identity_line_ = transport::without_line_ends(*reply);
+  link_.set_identity(*version);
+  // Only the last error is kept: an old one must not be taken for an answer to what follows.
+  const auto old_error = co_await ask("TE");
+  if (!old_error) co_return tl::unexpected(old_error.error());
+  if (auto set = co_await set_integration(); !set) co_return set;
+  for (std::size_t i = 0; i < device_.angles.size(); ++i)
+    if (auto good = co_await check_axis(i); !good) co_return good;
+  set_up_generation_ = link_.generation();
+  co_return Result<void>{};
+}
+
+Awaitable<Result<void>> Autocollimator::set_integration() {
+  auto setting = "KI" + std::to_string(options_.integration_ms) + options_.end_of_command;
+  if (auto told = co_await link_.tell(std::move(setting), timeout_); !told) co_return told;
+  const auto taken = co_await ask("TE");
+  if (!taken) co_return tl::unexpected(taken.error());
+  if (const auto error = parse_error(*taken); !error) co_return wrong(error);
+  const auto reply = co_await ask("XI");
+  if (!reply) co_return tl::unexpected(reply.error());
+  const auto found_ms = parse_integration_ms(*reply);
+  if (!found_ms) co_return wrong(found_ms);
+  if (*found_ms != options_.integration_ms)
+    co_return link_.refused("NOT_SET", "the integration constant is " + std::to_string(*found_ms) +
+                                           " ms after it was set to " +
+                                           std::to_string(options_.integration_ms));
+  co_return Result<void>{};
+}
+
+Awaitable<Result<void>> Autocollimator::check_axis(std::size_t i) {
+  const int axis = device_.angles[i].device_axis;
+  const auto reply = co_await ask(std::to_string(axis) + "TA");
+  if (!reply) co_return tl::unexpected(reply.error());
+  const auto found = parse_set_up(*reply, axis);
+  if (!found) co_return wrong(found);
+  const bool right = found->unit == options_.unit.value_or(found->unit) &&
+                     found->increment == options_.increment.value_or(found->increment);
+  if (!right)
+    co_return link_.refused("WRONG_SET_UP",
+                            "axis " + std::to_string(axis) + " is set up in " +
+                                set_up_text(found->unit, found->increment) +
+                                ", the cell file expects " +
+                                set_up_text(options_.unit.value_or(found->unit),
+                                            options_.increment.value_or(found->increment)) +
+                                ": change one of the two");
+  units_[i] = found->unit;
+  co_return Result<void>{};
+}
+
+Awaitable<Result<void>> Autocollimator::check_spot() {
+  const auto reply = co_await ask("MS");
+  if (!reply) co_return tl::unexpected(reply.error());
+  const auto status = parse_status(*reply);
+  if (!status) co_return wrong(status);
+  if (status->usable()) co_return Result<void>{};
+  co_return link_.refused("NO_SPOT", status->wrong_power
+                                         ? "wrong power received: free the beam, clean the mirror"
+                                         : "the spot is outside the range: align the mirror");
+}
+
+Awaitable<Result<Reading>> Autocollimator::read() {
+  const auto turn = co_await turn_.take();
+  if (auto ready = co_await get_ready(); !ready) co_return tl::unexpected(ready.error());
+  if (auto spot = co_await check_spot(); !spot) co_return tl::unexpected(spot.error());
+  Reading out;
+  out.device = device_.id;
+  out.start = clock_.now().utc;
+  for (std::size_t i = 0; i < device_.angles.size(); ++i) {
+    const auto& angle = device_.angles[i];
+    const auto reply = co_await ask(std::to_string(angle.device_axis) + "TP");
+    if (!reply) co_return tl::unexpected(reply.error());
+    const auto value = parse_value(*reply, angle.device_axis);
+    if (!value) co_return wrong(value);
+    out.values.push_back({angle.channel.name(), angle.sign * arcsec_from(*value, units_[i])});
+  }
+  out.end = clock_.now().utc;
+  if (auto spot = co_await check_spot(); !spot) co_return tl::unexpected(spot.error());
+  out.sequence = ++sequence_;
+  co_return out;
+}
+
+Awaitable<Result<void>> Autocollimator::zero() {
+  co_return fail(ErrorCode::failed_precondition, "NO_ZERO",
+                 "device '" + device_.id + "': an autocollimator's angle is absolute");
+}
+
+}  // namespace driftwise::lds1000
