@@ -29,6 +29,8 @@
 
 #include "drivers/interferometer_adapter/interferometer_adapter.h"
 #include "drivers/keithley_2701/keithley_2701.h"
+#include "drivers/lds1000/newport_lds1000.h"
+#include "drivers/load_actuator/load_actuator.h"
 #include "drivers/pi_gcs/pi_gcs.h"
 #include "drivers/watlow_ez_zone/watlow_ez_zone.h"
 #include "server/application/cell.h"
@@ -64,6 +66,18 @@ Result<void> keep(Made made, std::vector<std::unique_ptr<Port>>& all) {
   return {};
 }
 
+Result<void> keep_load(const DeviceDescription& device, asio::any_io_executor executor,
+                       Clock& clock, application::Devices& devices) {
+  if (devices.load)
+    return fail(
+        ErrorCode::invalid_argument, "TWO_LOADS",
+        "device '" + device.id + "': a cell has one load actuator, this file names a second one");
+  auto load = drivers::make_load_actuator(device, std::move(executor), clock);
+  if (!load) return tl::unexpected(load.error());
+  devices.load = std::move(*load);
+  return {};
+}
+
 Result<void> make_device(const DeviceDescription& device, asio::any_io_executor executor,
                          Clock& clock, application::Devices& devices) {
   if (device.kind == "keithley-2701")
@@ -73,10 +87,14 @@ Result<void> make_device(const DeviceDescription& device, asio::any_io_executor 
                 devices.interferometers);
   if (device.kind == "watlow-ez-zone")
     return keep(drivers::make_watlow_ez_zone(device, executor, clock), devices.stabilisers);
+  if (device.kind == "newport-lds1000")
+    return keep(drivers::make_newport_lds1000(device, executor, clock), devices.collimators);
+  if (device.kind == "load-actuator") return keep_load(device, executor, clock, devices);
   if (device.kind != "pi-gcs")
     return fail(ErrorCode::invalid_argument, "UNKNOWN_KIND",
                 "device '" + device.id + "': found kind '" + device.kind +
-                    "', expected pi-gcs, keithley-2701, interferometer-adapter or watlow-ez-zone");
+                    "', expected pi-gcs, keithley-2701, interferometer-adapter, newport-lds1000, "
+                    "watlow-ez-zone or load-actuator");
   if (devices.controller)
     return fail(ErrorCode::invalid_argument, "TWO_CONTROLLERS",
                 "device '" + device.id +

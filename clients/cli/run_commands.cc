@@ -18,6 +18,7 @@ struct RunArguments {
   std::int64_t id = 0;
   std::int32_t limit = 20;
   std::string reason;
+  double force_n = 0;
 };
 
 ExitCode show_changed(const Session& session, const v1::Run& run) {
@@ -64,6 +65,13 @@ ExitCode abort_run(const Session& session, std::int64_t id, const std::string& r
   return show_changed(session, session.connect().ask(&RunStub::AbortRun, request).run());
 }
 
+ExitCode confirm_force(const Session& session, std::int64_t id, double force_n) {
+  v1::ConfirmForceRequest request;
+  request.set_run_id(id);
+  request.set_force_n(force_n);
+  return show_changed(session, session.connect().ask(&RunStub::ConfirmForce, request).run());
+}
+
 template <class Request, class Method>
 ExitCode change(const Session& session, Method method, std::int64_t id) {
   Request request;
@@ -103,6 +111,11 @@ void add_run_commands(CLI::App& app, Session& session) {
                   [&session, a] { return abort_run(session, a->id, a->reason); });
   id(ended);
   ended.add_option("--reason", a->reason, "for the record");
+  CLI::App& confirmed =
+      add_command(run, session, "confirm", "Says that the force a run waits for acts now",
+                  [&session, a] { return confirm_force(session, a->id, a->force_n); });
+  id(confirmed);
+  confirmed.add_option("--force", a->force_n, "what hangs there, N")->required();
   id(add_command(run, session, "points", "Accepted points",
                  [&session, a] { return show_points(session, a->id); }));
   id(add_command(run, session, "attempts", "Every attempt, with its verdict",

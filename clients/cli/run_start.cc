@@ -54,6 +54,9 @@ ExitCode start(const Session& session, const StartArguments& a) {
     return ExitCode::done;
   }
   const HeldLease lease(connection, a.lease_token);
+  for (const auto& warning : check.warnings())
+    if (!session.console.json)
+      session.console.err << session.console.paint_err().warn("warning: ") << warning << '\n';
   v1::Run run =
       connection.ask(&v1::RunService::Stub::CreateRun, request_from(a, text, lease.token()), 30.0)
           .run();

@@ -4,6 +4,7 @@
 #include "clients/cli/run_commands.h"
 #include "clients/cli/text.h"
 #include "clients/cli/trajectory_check.h"
+#include "clients/cli/trajectory_grid_command.h"
 
 namespace driftwise::cli {
 
@@ -58,6 +59,7 @@ void add_trajectory_commands(CLI::App& app, Session& session) {
         return ExitCode::done;
       });
   check.add_option("FILE", *file, "trajectory CSV, - for standard input")->required();
+  add_trajectory_grid(trajectory, session);
 }
 
 }  // namespace driftwise::cli

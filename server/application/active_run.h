@@ -31,9 +31,9 @@ struct ActiveRun {
   RunControl control;
   RunScope scope;
   Pace pace;
-  bool continued = false;                 // was under way when the daemon ended
-  std::optional<DatumRecord> datum;       // the present one
-  std::vector<ZeroObservation> closures;  // of the present datum
+  bool continued = false;            // was under way when the daemon ended
+  std::optional<DatumRecord> datum;  // the present one
+  Closures closures;                 // of the present datum
   std::map<std::int64_t, int> attempts_of_row;
   RunProgress progress;
 };

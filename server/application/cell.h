@@ -20,6 +20,7 @@
 #include "server/core/cell_description.h"
 #include "server/core/ports/clock.h"
 #include "server/core/ports/instrument.h"
+#include "server/core/ports/load_actuator.h"
 #include "server/core/ports/motion_controller.h"
 #include "server/core/ports/stabiliser.h"
 #include "server/core/ports/store.h"
@@ -33,8 +34,10 @@ struct Caller {
 struct Devices {  // owned here, made by main
   std::unique_ptr<MotionController> controller;
   std::vector<std::unique_ptr<Instrument>> interferometers;
+  std::vector<std::unique_ptr<Instrument>> collimators;
   std::vector<std::unique_ptr<Instrument>> scanners;
   std::vector<std::unique_ptr<Stabiliser>> stabilisers;
+  std::unique_ptr<LoadActuator> load;  // none: a person changes the force, or nobody
 };
 
 struct LatestValue {
@@ -110,8 +113,9 @@ class Cell {
     std::unique_ptr<Clock> clock;
     OpenStore open_store;
     std::string version;
-    // Where the writing store, the queries and the fits run: at most one thread each at a time. Empty: threads of the
-    // cell's own. A test hands in its one executor and has everything in order.
+    // Where the writing store, the queries and the fits run: at most one thread each at a time.
+    // Empty: threads of the cell's own. A test hands in its one executor and has everything in
+    // order.
     asio::any_io_executor storage_thread = {}, query_thread = {}, worker_thread = {};
   };
   static Result<std::unique_ptr<Cell>> open(asio::any_io_executor executor, Parts parts);
@@ -136,6 +140,10 @@ class Cell {
   virtual Awaitable<Result<RunRecord>> pause_run(Caller caller, RunId run) = 0;
   virtual Awaitable<Result<RunRecord>> resume_run(Caller caller, RunId run) = 0;
   virtual Awaitable<Result<RunRecord>> abort_run(Caller caller, RunId run, std::string why) = 0;
+  // A person says that the force the run waits for acts now. Errors: failed_precondition
+  // NO_FORCE_WANTED (the run does not wait for one), invalid_argument WRONG_FORCE (another one than
+  // the run waits for).
+  virtual Awaitable<Result<RunRecord>> confirm_force(Caller caller, RunId run, double force_n) = 0;
   virtual Awaitable<Result<void>> stop_all(
       Caller caller) = 0;  // needs no lease; a run under way is aborted
   virtual Awaitable<Result<void>> home(Caller caller, std::string lease_token) = 0;

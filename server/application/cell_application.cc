@@ -40,16 +40,22 @@ CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
              }),
       lag_(*clock_),
       tasks_(executor),
-      recorder_(executor, *clock_, bench_, writer_, events_, lag_, tasks_),
-      workbench_{description_, *clock_, bench_, recorder_, writer_, events_, lag_},
+      pose_(description_),
+      recorder_(executor, *clock_, bench_, writer_, events_, lag_, pose_, tasks_),
+      workbench_{description_, *clock_, bench_, recorder_, writer_, events_, lag_, pose_, loading_},
       serving_(executor, description_, *clock_, recorder_, reader_, events_, tasks_),
       engine_(
           executor, workbench_,
           {[this](const ActiveRun& run, const TrajectoryPoint& row) -> Result<std::vector<double>> {
              if (!run.plan.compensate) return row.target_mm;
-             return serving_.targets(run.trajectory.coordinates, row, run.plan.compensate_with);
+             TrajectoryPoint wanted = row;
+             if (!wanted.force_n) wanted.force_n = loading_.known_n();
+             return serving_.targets(run.trajectory.coordinates, wanted, run.plan.compensate_with);
            },
-           [this](const DatumRecord& datum) { serving_.anchor(datum); }},
+           [this](const DatumRecord& datum) {
+             pose_.set_zero(datum.values);
+             serving_.anchor(datum);
+           }},
           tasks_),
       beginning_(executor) {}
 
@@ -76,6 +82,7 @@ Awaitable<void> CellApplication::start_up() {
     if (!result)
       events_.record_own("daemon.trouble", fmt::format("{}: {}", what, result.error().message));
   };
+  tell("finding the force that acts", co_await restore_force());
   tell("finding the present datum", co_await restore_datum());
   tell("serving the promoted model", co_await restore_model());
   tell("going on with the run", co_await go_on_with_run());
@@ -96,7 +103,26 @@ Awaitable<Result<void>> CellApplication::restore_datum() {
     return std::nullopt;
   });
   if (!datum) co_return tl::unexpected(datum.error());
-  if (*datum) serving_.anchor(**datum);
+  if (*datum) {
+    pose_.set_zero((*datum)->values);
+    serving_.anchor(**datum);
+  }
+  co_return Result<void>{};
+}
+
+// What a person said last; an actuator is asked when a run needs it.
+Awaitable<Result<void>> CellApplication::restore_force() {
+  constexpr int kMost = 100'000;  // weights are changed by hand
+  const auto force = description_.force_channel();
+  if (!force || description_.load_actuator()) co_return Result<void>{};
+  const auto now = clock_->now().utc;
+  const auto said = co_await reader_.call([now](Store& store) {
+    return store.readings().readings(kOperatorDevice, CellTime{0}, now, kMost);
+  });
+  if (!said) co_return tl::unexpected(said.error());
+  if (said->empty()) co_return Result<void>{};
+  recorder_.observe(said->back());
+  if (const double* force_n = said->back().find(force->name())) loading_.know(*force_n);
   co_return Result<void>{};
 }
 
@@ -195,8 +221,12 @@ CellStatus CellApplication::status() const {
     const auto* device = description_.find_device(latest.device);
     const bool never = latest.at.utc_ns == 0;
     const double age_s = never ? 0 : seconds_from(status.now.utc - latest.at);
-    status.values.push_back({*channel, latest.value, latest.at, age_s,
-                             never || !device || age_s > device->max_age_s, latest.device});
+    // What a person said holds until he says something else; the pose belongs to no one device.
+    const double max_age_s = device                             ? device->max_age_s
+                             : latest.device == kOperatorDevice ? age_s
+                                                                : DeviceDescription{}.max_age_s;
+    status.values.push_back(
+        {*channel, latest.value, latest.at, age_s, never || age_s > max_age_s, latest.device});
   }
   if (engine_.busy()) status.run = engine_.progress();
   status.lease = leases_.present(status.now.utc);

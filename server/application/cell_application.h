@@ -12,6 +12,7 @@
 #include "server/application/device_bench.h"
 #include "server/application/event_log.h"
 #include "server/application/lease_book.h"
+#include "server/application/loading.h"
 #include "server/application/recorder.h"
 #include "server/application/run_engine.h"
 #include "server/application/serving.h"
@@ -61,6 +62,7 @@ class CellApplication final : public Cell {
   Awaitable<Result<RunRecord>> pause_run(Caller caller, RunId run) override;
   Awaitable<Result<RunRecord>> resume_run(Caller caller, RunId run) override;
   Awaitable<Result<RunRecord>> abort_run(Caller caller, RunId run, std::string why) override;
+  Awaitable<Result<RunRecord>> confirm_force(Caller caller, RunId run, double force_n) override;
   Awaitable<Result<void>> stop_all(Caller caller) override;
   Awaitable<Result<void>> home(Caller caller, std::string lease_token) override;
   Awaitable<Result<void>> move_to(Caller caller, std::string lease_token,
@@ -96,6 +98,7 @@ class CellApplication final : public Cell {
   class ByHand;
   Awaitable<void> start_up();
   Awaitable<Result<void>> restore_datum();
+  Awaitable<Result<void>> restore_force();
   Awaitable<Result<void>> restore_model();
   Awaitable<Result<void>> go_on_with_run();
   Awaitable<Result<RunBefore>> what_was_before(const RunRecord& run);
@@ -121,6 +124,8 @@ class CellApplication final : public Cell {
   DeviceBench bench_;
   LagMeter lag_;
   TaskCount tasks_;
+  PoseStage pose_;
+  Loading loading_;
   Recorder recorder_;
   Workbench workbench_;
   Serving serving_;

@@ -32,6 +32,11 @@ Awaitable<Result<RunRecord>> CellApplication::create_run(Caller caller, CreateRu
                    fmt::format("{}: column {}: compensation needs wanted poses (x_mm ...), these "
                                "are motor coordinates",
                                name, check->trajectory.coordinates.front().name()));
+  if (is_pose && !plan.compensate && check->trajectory.coordinates.size() > 1)
+    co_return fail(ErrorCode::invalid_argument, "NEEDS_COMPENSATION",
+                   fmt::format("{}: column {}: with several axes a pose is no motor coordinate: "
+                               "compensate with a model",
+                               name, check->trajectory.coordinates.front().name()));
   if (plan.compensate && !plan.compensate_with && !serving_.model())
     co_return fail(ErrorCode::failed_precondition, "NO_MODEL",
                    "no model serves: promote one, or run without compensation");
@@ -116,6 +121,32 @@ Awaitable<Result<RunRecord>> CellApplication::abort_run(Caller caller, RunId run
   auto record = co_await steer(caller, run, "abort", reason, std::move(act));
   if (record) static_cast<void>(co_await bench_.stop());
   co_return record;
+}
+
+Awaitable<Result<RunRecord>> CellApplication::confirm_force(Caller caller, RunId id,
+                                                            double force_n) {
+  if (auto known = co_await run(id); !known) co_return known;
+  auto control = control_of(id, "confirm a force");
+  if (!control) co_return tl::unexpected(control.error());
+  const auto wanted_n = (*control)->wanted_force();
+  if (!wanted_n)
+    co_return fail(ErrorCode::failed_precondition, "NO_FORCE_WANTED",
+                   fmt::format("run {} does not wait for a force, it is {}", id.value,
+                               to_string(engine_.record()->state)));
+  if (!same_force(*wanted_n, force_n))
+    co_return fail(ErrorCode::invalid_argument, "WRONG_FORCE",
+                   fmt::format("{:g} N was confirmed, run {} waits for {:g} N: {}", force_n,
+                               id.value, *wanted_n, hang_sentence(*wanted_n, *description_.load)));
+  // On disk before the run goes on: a restart must know what hangs there.
+  const auto now = clock_->now().utc;
+  Reading said{kOperatorDevice, now, now, 0, {{description_.force_channel()->name(), force_n}}};
+  recorder_.observe(said);
+  writer_.add(std::move(said));
+  if (auto stored = co_await writer_.flush(); !stored) co_return tl::unexpected(stored.error());
+  events_.record(caller, "load.confirmed",
+                 fmt::format("{} confirmed {:.6g} N", caller.name, force_n), id);
+  (*control)->confirm_force();
+  co_return *engine_.record();
 }
 
 Awaitable<Result<std::vector<RunRecord>>> CellApplication::runs(int limit, std::int64_t before_id) {

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "server/application/crash_point.h"
 #include "server/application/joining.h"
+#include "server/application/loading.h"
 #include "server/application/motion.h"
 #include "server/application/sampling.h"
 #include "server/application/start_checks.h"
@@ -48,21 +51,65 @@ void add_zero_of_scale(std::vector<ChannelValue>& values, const CellDescription&
   }
 }
 
-// old_zero: what the instrument read at the zero just before it was zeroed.
+// The length whose zero moved farthest from what was expected, and its comparison.
+struct WorstZero {
+  std::size_t length = 0;
+  ZeroComparison comparison;
+};
+
+std::optional<WorstZero> worst_of(const DatumOpening& opening, const std::vector<double>& found_nm,
+                                  const std::vector<double>& warming) {
+  std::optional<WorstZero> worst;
+  double farthest = -1;
+  for (std::size_t i = 0; i < found_nm.size(); ++i) {
+    if (is_missing(found_nm[i])) continue;
+    const std::vector<ZeroObservation> none;
+    const auto& seen = i < opening.closures.size() ? opening.closures[i] : none;
+    const ZeroComparison comparison{predict_zero_shift(seen, warming), found_nm[i]};
+    const double distance = std::abs(comparison.difference_nm()) / comparison.limit_nm();
+    if (distance <= farthest) continue;
+    farthest = distance;
+    worst = WorstZero{i, comparison};
+  }
+  return worst;
+}
+
+// old_zero: what the instruments read at the zero just before they were zeroed.
 void compare(const CellDescription& description, const DatumOpening& opening,
              const Sampling& old_zero, DatumRecord& datum, EventLog& events) {
   if (!opening.before) return;
   std::vector<ChannelValue> values;
   add_means(values, description, old_zero);
-  const auto found = closure_nm(description, *opening.before, values);
-  if (!found) return;
-  const auto warming = warming_since(description, *opening.before, datum.values);
-  const ZeroComparison comparison{predict_zero_shift(opening.closures, warming), *found};
+  const auto worst = worst_of(opening, closure_nm(description, *opening.before, values),
+                              warming_since(description, *opening.before, datum.values));
+  if (!worst) return;
+  const auto& comparison = worst->comparison;
   datum.values.push_back({"zero_predicted_nm", comparison.predicted.shift_nm});
-  datum.values.push_back({"zero_found_nm", *found});
+  datum.values.push_back({"zero_found_nm", comparison.found_nm});
   datum.values.push_back({"zero_difference_nm", comparison.difference_nm()});
+  const auto lengths = description.length_channels();
+  const auto which =
+      lengths.size() > 1 ? lengths[worst->length].symbol + ", the worst of them: " : std::string();
   events.record_own(comparison.surprising() ? "zero.surprising" : "zero.compared",
-                    comparison.sentence(), datum.run);
+                    which + comparison.sentence(), datum.run);
+}
+
+// Beside the old zero: the rotations that this zeroing counts from, and the force that acts.
+void add_slow_of_zero(std::vector<ChannelValue>& values, const RunScope& scope,
+                      const Sampling& new_zero) {
+  const auto& description = scope.bench.description;
+  for (const auto& angle : description.angle_channels())
+    if (const double* arcsec = find_value(new_zero.raw, angle.name()))
+      values.push_back({angle.name(), *arcsec});
+  const auto force = description.force_channel();
+  if (const auto known_n = scope.bench.loading.known_n(); force && known_n)
+    values.push_back({force->name(), *known_n});
+}
+
+bool is_angle_of(const CellDescription& description, const std::string& channel) {
+  for (const auto& angle : description.angle_channels())
+    if (angle.name() == channel) return true;
+  return false;
 }
 
 }  // namespace
@@ -84,16 +131,28 @@ std::vector<double> warming_since(const CellDescription& description, const Datu
   return warming;
 }
 
-std::optional<double> closure_nm(const CellDescription& description, const DatumRecord& datum,
-                                 const std::vector<ChannelValue>& values) {
+std::vector<double> closure_nm(const CellDescription& description, const DatumRecord& datum,
+                               const std::vector<ChannelValue>& values) {
   const auto lengths = description.length_channels();
   const auto motors = description.motor_channels();
-  if (lengths.empty() || motors.empty()) return std::nullopt;
-  const double* x_mm = find_value(values, lengths.front().name());
-  const double* q_mm = find_value(values, motors.front().name());
-  const double* q_zero_mm = find_value(datum.values, motors.front().name());
-  if (!x_mm || !q_mm || !q_zero_mm) return std::nullopt;
-  return nm_from_mm(*x_mm - (*q_mm - *q_zero_mm));
+  std::vector<double> closure;
+  for (const auto& length : lengths) {
+    const double* x_mm = find_value(values, length.name());
+    closure.push_back(x_mm ? nm_from_mm(*x_mm) : kMissing);
+  }
+  if (lengths.size() == 1 && motors.size() == 1) {
+    const double* q_mm = find_value(values, motors.front().name());
+    const double* q_zero_mm = find_value(datum.values, motors.front().name());
+    closure.front() -= q_mm && q_zero_mm ? nm_from_mm(*q_mm - *q_zero_mm) : kMissing;
+  }
+  return closure;
+}
+
+double largest_nm(const std::vector<double>& closure_nm) {
+  double largest = kMissing;
+  for (const double nm : closure_nm)
+    if (!is_missing(nm) && !(std::abs(nm) <= std::abs(largest))) largest = nm;
+  return largest;
 }
 
 Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening) {
@@ -125,7 +184,9 @@ Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening)
   DatumRecord datum{{}, scope.run, new_zero->measured, opening.reason, {}};
   add_zero_of_scale(datum.values, bench.description, *new_zero);
   if (old_zero)
-    datum.values.insert(datum.values.end(), old_zero->means.begin(), old_zero->means.end());
+    for (const auto& mean : old_zero->means)
+      if (!is_angle_of(bench.description, mean.channel)) datum.values.push_back(mean);
+  add_slow_of_zero(datum.values, scope, *new_zero);
   auto slow = co_await join_when_scanned(scope, datum.opened.utc);
   if (!slow) co_return tl::unexpected(slow.error());
   datum.values.insert(datum.values.end(), slow->begin(), slow->end());

@@ -16,13 +16,14 @@ struct DatumOpening {
   bool check_drift = false;
   // What the run knows of the datum before, to compare with: only with a beam that was kept.
   std::optional<DatumRecord> before;
-  std::vector<ZeroObservation> closures;
+  Closures closures;
 };
 
 // Checks, homes, moves to zero, reads the zero as the old datum sees it, zeroes, stores the datum
-// and its event. The record's values: q1_mm where the new zero lies on the scale, x_mm as the old
-// zero had it (absent with a lost beam), every temperature; with a datum before also
-// zero_predicted_nm, zero_found_nm, zero_difference_nm. Errors: those of the checks and devices;
+// and its event. The record's values: q1_mm .. where the new zero lies on the scales, x_mm .. as
+// the old zero had it (absent with a lost beam), rotations as the autocollimators read them, every
+// temperature, the force that acts; with a datum before also zero_predicted_nm, zero_found_nm,
+// zero_difference_nm of the length that differs most. Errors: those of the checks and devices;
 // resource_exhausted and the like from the store.
 Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening);
 
@@ -32,9 +33,12 @@ std::vector<double> warming_since(const CellDescription& description, const Datu
                                   const std::vector<ChannelValue>& values);
 const double* find_value(const std::vector<ChannelValue>& values, const std::string& channel);
 
-// Instrument minus scale since the zeroing, nm, of the cell's first length and first axis; none
-// when one is missing.
-std::optional<double> closure_nm(const CellDescription& description, const DatumRecord& datum,
-                                 const std::vector<ChannelValue>& values);
+// What each length of the cell shows at a return to zero, nm since the zeroing; kMissing where a
+// value is. With one axis and one length the scale's own reading is taken out; with several the
+// pose depends on all axes at once, and what they hold (some 10 nm) stays in.
+std::vector<double> closure_nm(const CellDescription& description, const DatumRecord& datum,
+                               const std::vector<ChannelValue>& values);
+// The one of largest size; kMissing when there is none.
+double largest_nm(const std::vector<double>& closure_nm);
 
 }  // namespace driftwise::application

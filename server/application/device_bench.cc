@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "server/application/spawn.h"
+
 namespace driftwise::application {
 
 bool is_device_loss(const Error& error) {
@@ -15,10 +17,13 @@ DeviceBench::DeviceBench(asio::any_io_executor executor, Devices devices, OnChan
     controller_ = std::make_unique<Seat<MotionController>>(executor, std::move(devices.controller));
   for (auto& d : devices.interferometers)
     interferometers_.push_back(std::make_unique<Seat<Instrument>>(executor, std::move(d)));
+  for (auto& d : devices.collimators)
+    collimators_.push_back(std::make_unique<Seat<Instrument>>(executor, std::move(d)));
   for (auto& d : devices.scanners)
     scanners_.push_back(std::make_unique<Seat<Instrument>>(executor, std::move(d)));
   for (auto& d : devices.stabilisers)
     stabilisers_.push_back(std::make_unique<Seat<Stabiliser>>(executor, std::move(d)));
+  if (devices.load) load_ = std::make_unique<Seat<LoadActuator>>(executor, std::move(devices.load));
 }
 
 DeviceBench::~DeviceBench() = default;
@@ -79,6 +84,38 @@ Awaitable<Result<void>> DeviceBench::stop() {
 Awaitable<Result<Reading>> DeviceBench::read_interferometer(std::size_t i) {
   co_return co_await ask(*interferometers_.at(i), [](Instrument& d) { return d.read(); });
 }
+Awaitable<Result<Reading>> DeviceBench::read_collimator(std::size_t i) {
+  co_return co_await ask(*collimators_.at(i), [](Instrument& d) { return d.read(); });
+}
+
+Awaitable<void> DeviceBench::read_into(Seat<Instrument>& seat,
+                                       std::optional<Result<Reading>>& place,
+                                       TaskCount& under_way) {
+  auto reading = co_await ask(seat, [](Instrument& d) { return d.read(); });
+  place.emplace(std::move(reading));
+  under_way.end();
+}
+
+Awaitable<Result<std::vector<Reading>>> DeviceBench::read_pose_instruments() {
+  std::vector<Seat<Instrument>*> seats;
+  for (auto& seat : interferometers_) seats.push_back(seat.get());
+  for (auto& seat : collimators_) seats.push_back(seat.get());
+  const auto executor = co_await asio::this_coro::executor;
+  TaskCount under_way(executor);
+  std::vector<std::optional<Result<Reading>>> answers(seats.size());
+  for (std::size_t i = 0; i < seats.size(); ++i) {
+    under_way.begin();
+    spawn(executor, read_into(*seats[i], answers[i], under_way));
+  }
+  co_await under_way.all_ended();
+  std::vector<Reading> readings;
+  for (auto& answer : answers) {
+    if (!*answer) co_return tl::unexpected(answer->error());
+    readings.push_back(std::move(**answer));
+  }
+  co_return readings;
+}
+
 Awaitable<Result<void>> DeviceBench::zero_interferometer(std::size_t i) {
   co_return co_await ask(*interferometers_.at(i), [](Instrument& d) { return d.zero(); });
 }
@@ -92,11 +129,32 @@ Awaitable<Result<void>> DeviceBench::set_stabiliser(std::size_t i, double degc) 
   co_return co_await ask(*stabilisers_.at(i), [degc](Stabiliser& d) { return d.set_point(degc); });
 }
 
+Awaitable<Result<LoadState>> DeviceBench::load_state() {
+  co_return co_await ask(*load_, [](LoadActuator& d) { return d.state(); });
+}
+Awaitable<Result<void>> DeviceBench::set_load(double force_n) {
+  co_return co_await ask(*load_, [force_n](LoadActuator& d) { return d.set_force(force_n); });
+}
+Awaitable<Result<Reading>> DeviceBench::read_load() {
+  const auto state = co_await load_state();
+  if (!state) co_return tl::unexpected(state.error());
+  const auto& description = load_description();
+  Reading reading{description.id, state->at, state->at, ++load_sequence_, {}};
+  reading.values.push_back({description.force->name(), state->resting ? state->force_n : kMissing});
+  co_return reading;
+}
+
 const DeviceDescription& DeviceBench::controller_description() const {
   return controller_->device->description();
 }
 const DeviceDescription& DeviceBench::interferometer_description(std::size_t i) const {
   return interferometers_.at(i)->device->description();
+}
+const DeviceDescription& DeviceBench::collimator_description(std::size_t i) const {
+  return collimators_.at(i)->device->description();
+}
+const DeviceDescription& DeviceBench::load_description() const {
+  return load_->device->description();
 }
 const DeviceDescription& DeviceBench::scanner_description(std::size_t i) const {
   return scanners_.at(i)->device->description();
@@ -111,26 +169,31 @@ Awaitable<Result<void>> DeviceBench::prepare_for_run() {
     co_return ok;
   for (auto& seat : interferometers_)
     if (auto ok = co_await ask(*seat, [](Instrument& d) { return d.prepare(); }); !ok) co_return ok;
+  for (auto& seat : collimators_)
+    if (auto ok = co_await ask(*seat, [](Instrument& d) { return d.prepare(); }); !ok) co_return ok;
   for (auto& seat : scanners_)
     if (auto ok = co_await ask(*seat, [](Instrument& d) { return d.prepare(); }); !ok) co_return ok;
+  if (load_)
+    if (auto ok = co_await ask(*load_, [](LoadActuator& d) { return d.prepare(); }); !ok)
+      co_return ok;
   for (auto& seat : stabilisers_)
     if (auto ok = co_await ask(*seat, [](Stabiliser& d) { return d.prepare(); }); !ok) co_return ok;
   co_return Result<void>{};
 }
 
-namespace {
-template <class F, class C, class I, class S>
-void for_each_seat(C& controller, I& interferometers, I& scanners, S& stabilisers, F f) {
-  if (controller) f(*controller);
-  for (auto& seat : interferometers) f(*seat);
-  for (auto& seat : scanners) f(*seat);
-  for (auto& seat : stabilisers) f(*seat);
+template <class Visit>
+void DeviceBench::for_each_seat(Visit visit) const {
+  if (controller_) visit(*controller_);
+  for (const auto& seat : interferometers_) visit(*seat);
+  for (const auto& seat : collimators_) visit(*seat);
+  for (const auto& seat : scanners_) visit(*seat);
+  for (const auto& seat : stabilisers_) visit(*seat);
+  if (load_) visit(*load_);
 }
-}  // namespace
 
 std::vector<DeviceStatus> DeviceBench::status() const {
   std::vector<DeviceStatus> all;
-  for_each_seat(controller_, interferometers_, scanners_, stabilisers_, [&all](const auto& seat) {
+  for_each_seat([&all](const auto& seat) {
     all.push_back({seat.device->description(), seat.device->health()});
   });
   return all;
@@ -138,15 +201,14 @@ std::vector<DeviceStatus> DeviceBench::status() const {
 
 std::vector<std::string> DeviceBench::lost() const {
   std::vector<std::string> ids;
-  for_each_seat(controller_, interferometers_, scanners_, stabilisers_, [&ids](const auto& seat) {
+  for_each_seat([&ids](const auto& seat) {
     if (seat.lost) ids.push_back(seat.device->description().id);
   });
   return ids;
 }
 
 void DeviceBench::close_all() {
-  for_each_seat(controller_, interferometers_, scanners_, stabilisers_,
-                [](const auto& seat) { seat.device->close(); });
+  for_each_seat([](const auto& seat) { seat.device->close(); });
 }
 
 }  // namespace driftwise::application

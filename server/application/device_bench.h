@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,16 +26,28 @@ class DeviceBench {
   Awaitable<Result<void>> stop();  // takes no turn: it interrupts whatever the controller is doing
 
   std::size_t interferometers() const { return interferometers_.size(); }
+  std::size_t collimators() const { return collimators_.size(); }
+  bool has_load() const { return load_ != nullptr; }
   std::size_t scanners() const { return scanners_.size(); }
   std::size_t stabilisers() const { return stabilisers_.size(); }
   Awaitable<Result<Reading>> read_interferometer(std::size_t i);
+  Awaitable<Result<Reading>> read_collimator(std::size_t i);
+  // Every interferometer, then every collimator, all asked at the same time: what belongs to one
+  // pose. The first that fails, in that order, is the answer; the others are waited for.
+  Awaitable<Result<std::vector<Reading>>> read_pose_instruments();
   Awaitable<Result<void>> zero_interferometer(std::size_t i);
   Awaitable<Result<Reading>> read_scanner(std::size_t i);
   Awaitable<Result<Reading>> read_stabiliser(std::size_t i);
   Awaitable<Result<void>> set_stabiliser(std::size_t i, double degc);
+  // Only with has_load().
+  Awaitable<Result<LoadState>> load_state();
+  Awaitable<Result<void>> set_load(double force_n);
+  Awaitable<Result<Reading>> read_load();  // the force as a reading; missing while weights move
 
   const DeviceDescription& controller_description() const;
   const DeviceDescription& interferometer_description(std::size_t i) const;
+  const DeviceDescription& collimator_description(std::size_t i) const;
+  const DeviceDescription& load_description() const;
   const DeviceDescription& scanner_description(std::size_t i) const;
   const DeviceDescription& stabiliser_description(std::size_t i) const;
 
@@ -58,11 +71,17 @@ class DeviceBench {
   auto ask(Seat<Port>& seat, Call call) -> std::invoke_result_t<Call, Port&>;
   template <class Port, class R>
   void note(Seat<Port>& seat, const R& result);
+  Awaitable<void> read_into(Seat<Instrument>& seat, std::optional<Result<Reading>>& place,
+                            TaskCount& under_way);
+  template <class Visit>
+  void for_each_seat(Visit visit) const;
 
   OnChange on_change_;
   std::unique_ptr<Seat<MotionController>> controller_;
-  std::vector<std::unique_ptr<Seat<Instrument>>> interferometers_, scanners_;
+  std::vector<std::unique_ptr<Seat<Instrument>>> interferometers_, collimators_, scanners_;
   std::vector<std::unique_ptr<Seat<Stabiliser>>> stabilisers_;
+  std::unique_ptr<Seat<LoadActuator>> load_;
+  std::int64_t load_sequence_ = 0;
 };
 
 // True for what a device that is away does to a call; false for a refusal, which asking again does

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "server/application/joining.h"
+#include "server/application/loading.h"
 #include "server/application/motion.h"
 #include "server/application/point_decision.h"
 #include "server/application/sampling.h"
@@ -62,6 +63,9 @@ PointRecord make_point(const ActiveRun& run, const Visit& visit,
   point.values.insert(point.values.end(), slow.begin(), slow.end());
   for (const auto& mean : sampling.means)
     if (!find_value(point.values, mean.channel)) point.values.push_back(mean);
+  const auto force = run.scope.bench.description.force_channel();
+  if (const auto known_n = run.scope.bench.loading.known_n(); force && known_n)
+    point.values.push_back({force->name(), *known_n});
   if (run.plan.compensate)  // the pose that was wanted, beside what came of it
     for (std::size_t i = 0; i < run.trajectory.coordinates.size(); ++i) {
       const auto& wanted = run.trajectory.coordinates[i];

@@ -7,29 +7,32 @@
 namespace driftwise::application {
 
 Recorder::Recorder(asio::any_io_executor executor, Clock& clock, DeviceBench& bench,
-                   StoreWriter& writer, EventLog& events, LagMeter& lag, TaskCount& tasks)
+                   StoreWriter& writer, EventLog& events, LagMeter& lag, const PoseStage& pose,
+                   TaskCount& tasks)
     : executor_(executor),
       clock_(clock),
       bench_(bench),
       writer_(writer),
       events_(events),
       lag_(lag),
+      pose_(pose),
       tasks_(tasks),
       ended_(executor),
       arrived_(executor) {}
 
 void Recorder::start() {
-  const auto begin = [this](Kind kind, std::size_t i, double period_s) {
-    if (period_s <= 0) return;
-    tasks_.begin();
-    spawn(executor_, read_for_ever(kind, i));
+  const auto begin = [this](Kind kind, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      if (description_of(kind, i).period_s <= 0) continue;
+      tasks_.begin();
+      spawn(executor_, read_for_ever(kind, i));
+    }
   };
-  for (std::size_t i = 0; i < bench_.scanners(); ++i)
-    begin(Kind::scanner, i, bench_.scanner_description(i).period_s);
-  for (std::size_t i = 0; i < bench_.stabilisers(); ++i)
-    begin(Kind::stabiliser, i, bench_.stabiliser_description(i).period_s);
-  for (std::size_t i = 0; i < bench_.interferometers(); ++i)
-    begin(Kind::interferometer, i, bench_.interferometer_description(i).period_s);
+  begin(Kind::scanner, bench_.scanners());
+  begin(Kind::stabiliser, bench_.stabilisers());
+  begin(Kind::interferometer, bench_.interferometers());
+  begin(Kind::collimator, bench_.collimators());
+  begin(Kind::load, bench_.has_load() ? 1 : 0);
   tasks_.begin();
   spawn(executor_, flush_for_ever());
 }
@@ -40,6 +43,11 @@ void Recorder::shut_down() {
 }
 
 void Recorder::observe(const Reading& reading) {
+  if (pose_.is_identity()) return show(reading);
+  show(pose_.under_raw_names(reading));
+}
+
+void Recorder::show(const Reading& reading) {
   history_.add(reading);
   watchers_.publish(reading);
   arrived_.raise();
@@ -55,20 +63,38 @@ Awaitable<Result<Reading>> Recorder::read(Kind kind, std::size_t i) {
       return bench_.read_scanner(i);
     case Kind::stabiliser:
       return bench_.read_stabiliser(i);
+    case Kind::collimator:
+      return bench_.read_collimator(i);
+    case Kind::load:
+      return bench_.read_load();
     case Kind::interferometer:
       break;
   }
   return bench_.read_interferometer(i);
 }
 
+const DeviceDescription& Recorder::description_of(Kind kind, std::size_t i) const {
+  switch (kind) {
+    case Kind::scanner:
+      return bench_.scanner_description(i);
+    case Kind::stabiliser:
+      return bench_.stabiliser_description(i);
+    case Kind::collimator:
+      return bench_.collimator_description(i);
+    case Kind::load:
+      return bench_.load_description();
+    case Kind::interferometer:
+      break;
+  }
+  return bench_.interferometer_description(i);
+}
+
 Awaitable<void> Recorder::read_for_ever(Kind kind, std::size_t i) {
-  const auto& description = kind == Kind::scanner      ? bench_.scanner_description(i)
-                            : kind == Kind::stabiliser ? bench_.stabiliser_description(i)
-                                                       : bench_.interferometer_description(i);
-  const auto period = nanoseconds_from_s(description.period_s);
+  const auto period = nanoseconds_from_s(description_of(kind, i).period_s);
+  const bool is_run_s = kind == Kind::interferometer || kind == Kind::collimator;
   auto due = clock_.now().utc;
   while (!ending_) {
-    if (kind != Kind::interferometer || !lent_) {
+    if (!is_run_s || !lent_) {
       if (auto reading = co_await read(
               kind, i)) {  // what fails is told by the bench, and tried again next period
         observe(*reading);

@@ -1,7 +1,9 @@
 #pragma once
 // Reads every slow device every period, always, run or no run; keeps the latest values and the last
-// minutes, hands every reading to the store and to watchers. An interferometer is read here only
-// while no run uses it: the run's own readings come in through observe().
+// minutes, hands every reading to the store and to watchers. An interferometer or autocollimator is
+// read here only while no run uses it: the run's own readings come in through observe(). The store
+// keeps what a device said under the device's own channels; live values show it under raw names
+// where the cell corrects it (x_path_mm), and the pose beside it.
 
 #include <functional>
 #include <vector>
@@ -10,6 +12,7 @@
 #include "server/application/device_bench.h"
 #include "server/application/event_log.h"
 #include "server/application/lag_meter.h"
+#include "server/application/pose_stage.h"
 #include "server/application/store_writer.h"
 
 namespace driftwise::application {
@@ -17,7 +20,7 @@ namespace driftwise::application {
 class Recorder {
  public:
   Recorder(asio::any_io_executor executor, Clock& clock, DeviceBench& bench, StoreWriter& writer,
-           EventLog& events, LagMeter& lag, TaskCount& tasks);
+           EventLog& events, LagMeter& lag, const PoseStage& pose, TaskCount& tasks);
 
   void start();
   void shut_down();  // the loops end after the reading under way; TaskCount says when
@@ -25,7 +28,10 @@ class Recorder {
   // A reading that somebody else took and stores: it joins and is shown, but is not stored again
   // here.
   void observe(const Reading& reading);
-  void lend_interferometers(bool to_run) { lent_ = to_run; }
+  // What belongs to no device: the pose after the correction stage. Joins and is shown.
+  void show(const Reading& reading);
+  // Interferometers, autocollimators: what a run reads by itself.
+  void lend_pose_instruments(bool to_run) { lent_ = to_run; }
 
   const ChannelHistory& history() const { return history_; }
   // Resumes at the next reading of any device, or at the instant.
@@ -34,7 +40,8 @@ class Recorder {
   WatchList<Reading>& watchers() { return watchers_; }
 
  private:
-  enum class Kind { scanner, stabiliser, interferometer };
+  enum class Kind { scanner, stabiliser, interferometer, collimator, load };
+  const DeviceDescription& description_of(Kind kind, std::size_t i) const;
   Awaitable<void> read_for_ever(Kind kind, std::size_t i);
   Awaitable<void> flush_for_ever();
   Awaitable<Result<Reading>> read(Kind kind, std::size_t i);
@@ -45,6 +52,7 @@ class Recorder {
   StoreWriter& writer_;
   EventLog& events_;
   LagMeter& lag_;
+  const PoseStage& pose_;
   TaskCount& tasks_;
   ChannelHistory history_;
   WatchList<Reading> watchers_;

@@ -14,6 +14,9 @@ Awaitable<Result<Recovery>> look_once(RunScope& scope) {
   const auto state = co_await devices.motion_state();
   if (!state) co_return tl::unexpected(state.error());
   found.reference_lost = !state->referenced;
+  for (std::size_t i = 0; i < devices.collimators(); ++i)
+    if (const auto reading = co_await devices.read_collimator(i); !reading)
+      co_return tl::unexpected(reading.error());
   for (std::size_t i = 0; i < devices.interferometers(); ++i) {
     const auto reading = co_await devices.read_interferometer(i);
     if (reading) continue;

@@ -2,6 +2,7 @@
 // What people want of the run under way. Set by commands, looked at by the engine between two
 // steps.
 
+#include <optional>
 #include <string>
 
 #include "server/application/signal.h"
@@ -21,6 +22,13 @@ class RunControl {
   }
   void resume() {
     held_ = false;
+    changed_.raise();
+  }
+  // The run waits until a person says that this force acts.
+  void want_force(double force_n) { wanted_force_n_ = force_n; }
+  const std::optional<double>& wanted_force() const { return wanted_force_n_; }
+  void confirm_force() {
+    wanted_force_n_.reset();
     changed_.raise();
   }
   void abort(std::string why) {
@@ -52,6 +60,7 @@ class RunControl {
  private:
   bool held_ = false, aborted_ = false, shutting_down_ = false;
   std::string hold_reason_, abort_reason_;
+  std::optional<double> wanted_force_n_;
   Signal changed_;
 };
 

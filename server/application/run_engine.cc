@@ -7,6 +7,7 @@
 #include <cassert>
 
 #include "server/application/joining.h"
+#include "server/application/loading.h"
 #include "server/application/motion.h"
 #include "server/application/recovery.h"
 #include "server/application/run_state_store.h"
@@ -46,11 +47,11 @@ void RunEngine::begin(RunRecord record, RunPlan plan, Trajectory trajectory,
 Awaitable<void> RunEngine::execute() {
   auto& run = *run_;
   bench_.lag.start_again();
-  bench_.recorder.lend_interferometers(true);
+  bench_.recorder.lend_pose_instruments(true);
   Result<void> outcome = co_await take_up(run);
   if (outcome) outcome = co_await carry_out(run);
   co_await finish(run, outcome);
-  bench_.recorder.lend_interferometers(false);
+  bench_.recorder.lend_pose_instruments(false);
   // Whoever was told that the run is over may begin the next one at once.
   const auto ended = std::move(run_);
   publishing_ = false;
@@ -105,8 +106,11 @@ Awaitable<Result<void>> RunEngine::carry_out(ActiveRun& run) {
 Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
   if (run.control.held())
     if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
-  if (wanted_datum_)
+  if (wanted_datum_) {
+    if (auto ok = co_await prepare(run); !ok) co_return ok;
+    if (auto ok = co_await bring_force(run); !ok) co_return ok;
     if (auto ok = co_await new_datum(run); !ok) co_return ok;
+  }
   while (const auto visit = next_visit(run.trajectory, run.record.place)) {
     if (auto ok = run.control.check(); !ok) co_return ok;
     if (run.control.held())
@@ -114,6 +118,7 @@ Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
     const auto& row = run.trajectory.points[static_cast<std::size_t>(visit->row)];
     run.progress.row = visit->row;
     run.progress.line = row.line;
+    if (auto ok = co_await bring_force(run); !ok) co_return ok;
     const auto begin = bench_.clock.now().utc;
     auto result = co_await visit_row(run, *visit, hooks_.command_for);
     if (!result) co_return tl::unexpected(result.error());
@@ -135,8 +140,16 @@ Awaitable<Result<void>> RunEngine::prepare(ActiveRun& run) {
   co_return co_await check_thermometers(run.scope);
 }
 
+// What the next row wants to act; nothing when it does not say.
+Awaitable<Result<void>> RunEngine::bring_force(ActiveRun& run) {
+  const auto visit = next_visit(run.trajectory, run.record.place);
+  if (!visit || !bench_.description.load) co_return Result<void>{};
+  const auto wanted_n = run.trajectory.points[static_cast<std::size_t>(visit->row)].force_n;
+  if (!wanted_n) co_return co_await bench_.loading.look(bench_.devices);
+  co_return co_await bench_.loading.bring_to(run.scope, *wanted_n);
+}
+
 Awaitable<Result<void>> RunEngine::new_datum(ActiveRun& run) {
-  if (auto ok = co_await prepare(run); !ok) co_return ok;
   auto datum = co_await open_datum(run.scope, *wanted_datum_);
   if (!datum) co_return tl::unexpected(datum.error());
   run.datum = std::move(*datum);
@@ -175,13 +188,16 @@ Awaitable<Result<void>> RunEngine::store_lag(ActiveRun& run) {
 void RunEngine::note_closure(ActiveRun& run, const std::vector<ChannelValue>& values,
                              std::int64_t line) {
   const auto closure = closure_nm(bench_.description, *run.datum, values);
-  if (!closure) return;
-  run.progress.last_closure_nm = *closure;
-  run.closures.push_back({warming_since(bench_.description, *run.datum, values), *closure});
+  const double largest = largest_nm(closure);
+  if (is_missing(largest)) return;
+  run.progress.last_closure_nm = largest;
+  add_closure(run.closures, warming_since(bench_.description, *run.datum, values), closure);
+  std::string by_length;
+  if (closure.size() > 1) by_length = fmt::format(" at most ({:+.1f})", fmt::join(closure, ", "));
   bench_.events.record_own(
       "run.closure",
-      fmt::format("line {}: back at zero {:+.1f} nm from where datum {} had it", line, *closure,
-                  run.datum->id.value),
+      fmt::format("line {}: back at zero {:+.1f} nm{} from where datum {} had it", line, largest,
+                  by_length, run.datum->id.value),
       run.record.id);
 }
 

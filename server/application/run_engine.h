@@ -48,6 +48,7 @@ class RunEngine {
   Awaitable<Result<void>> walk(ActiveRun& run);
   Awaitable<Result<void>> overcome(ActiveRun& run, const Error& error, int troubles_in_a_row);
   Awaitable<Result<void>> hold(ActiveRun& run, RunState state);
+  Awaitable<Result<void>> bring_force(ActiveRun& run);
   Awaitable<Result<void>> new_datum(ActiveRun& run);
   Awaitable<Result<void>> return_to_zero(ActiveRun& run, std::int64_t line);
   Awaitable<Result<void>> change(ActiveRun& run, RunState state, std::string reason);

@@ -56,9 +56,8 @@ DatumOpening continue_from(const CellDescription& description, std::string reaso
   opening.before = before.data.back();
   for (const auto& zero : before.zeros) {
     if (zero.datum != opening.before->id) continue;
-    if (const auto closure = closure_nm(description, *opening.before, zero.values))
-      opening.closures.push_back(
-          {warming_since(description, *opening.before, zero.values), *closure});
+    add_closure(opening.closures, warming_since(description, *opening.before, zero.values),
+                closure_nm(description, *opening.before, zero.values));
   }
   return opening;
 }

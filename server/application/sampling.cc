@@ -47,8 +47,29 @@ void summarise(const CellDescription& description, Sampling& sampling) {
     const bool is_motor = is_motor_symbol(name.substr(0, name.rfind('_')));
     const bool is_spread =
         name.ends_with("_std_nm");  // of the device's own samples: stays in its reading
-    if (!is_motor && !is_spread) sampling.means.push_back({name, mean(values[name])});
+    if (!is_motor && !is_spread) sampling.raw.push_back({name, mean(values[name])});
   }
+}
+
+// One round of all instruments as a reading of the pose, for those who watch; nothing is stored of
+// it.
+void show_pose(RunScope& scope, const std::vector<Reading>& round, std::int64_t number) {
+  if (scope.bench.pose.is_identity() || round.empty()) return;
+  std::vector<ChannelValue> raw;
+  Reading shown{"pose", round.front().start, round.front().end, number, {}};
+  for (const auto& reading : round) {
+    shown.start = std::min(shown.start, reading.start);
+    shown.end = std::max(shown.end, reading.end);
+    for (const auto& value : reading.values)
+      if (const auto channel = parse_channel(value.channel);
+          channel && is_pose_symbol(channel->symbol))
+        raw.push_back(value);
+  }
+  for (auto& value : scope.bench.pose.pose(raw))
+    if (const auto channel = parse_channel(value.channel);
+        channel && is_pose_symbol(channel->symbol))
+      shown.values.push_back(std::move(value));
+  scope.bench.recorder.show(shown);
 }
 
 }  // namespace
@@ -64,17 +85,19 @@ Awaitable<Result<Sampling>> take_readings(RunScope& scope, int count) {
     sampling.readings.push_back(
         readback(scope.bench.description, devices.controller_description(), *state, k));
     if (k == count) break;
-    for (std::size_t i = 0; i < devices.interferometers(); ++i) {
-      auto reading = co_await devices.read_interferometer(i);
-      if (!reading) co_return tl::unexpected(reading.error());
-      if (!first) first = reading->middle();
-      last = reading->middle();
-      scope.bench.recorder.observe(*reading);
-      sampling.readings.push_back(std::move(*reading));
+    auto round = co_await devices.read_pose_instruments();
+    if (!round) co_return tl::unexpected(round.error());
+    for (const auto& reading : *round) {
+      if (!first || reading.middle() < *first) first = reading.middle();
+      if (!last || reading.middle() > *last) last = reading.middle();
+      scope.bench.recorder.observe(reading);
     }
+    show_pose(scope, *round, k);
+    for (auto& reading : *round) sampling.readings.push_back(std::move(reading));
     if (auto ok = scope.control.check(); !ok) co_return tl::unexpected(ok.error());
   }
   summarise(scope.bench.description, sampling);
+  sampling.means = scope.bench.pose.pose(sampling.raw);
   const auto now = scope.bench.clock.now();
   const auto middle =
       first ? CellTime{first->utc_ns + (last->utc_ns - first->utc_ns) / 2} : now.utc;

@@ -9,15 +9,16 @@
 namespace driftwise::application {
 
 struct Sampling {
-  std::vector<Reading>
-      readings;  // as they came: readbacks (device = the controller) and interferometers
+  // As they came: readbacks (device = the controller), interferometers and autocollimators.
+  std::vector<Reading> readings;
   std::vector<double> q_mm;  // mean of the readbacks, per axis
   std::vector<ChannelValue>
-      means;  // of every interferometer channel, in order of first appearance; kMissing left out
+      raw;  // of every channel of an instrument, in order of first appearance; kMissing left out
+  std::vector<ChannelValue> means;  // the same after the correction stage: pose, then the rest
   std::vector<ChannelValue>
       spreads_nm;  // per length channel: x_std_nm, sample standard deviation of the readings
   double spread_nm = kMissing;  // the largest of them
-  Stamp measured;               // middle between the first and the last interferometer reading
+  Stamp measured;               // middle between the first and the last round of instruments
 };
 
 // Errors: those of the devices (BEAM_LOST among them); aborted, cancelled. Readings are shown to

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/application/datum_opening.h"
 #include "server/application/joining.h"
 #include "server/application/zero_shift.h"
 #include "server/core/units.h"
@@ -35,35 +36,47 @@ std::string stabiliser_trouble(const RunScope& scope, std::size_t i) {
       description.id, present->value, off_k, band_k);
 }
 
-// The instrument minus the scale, nm: what drifts while the axis holds still.
-Awaitable<Result<double>> zero_now_nm(RunScope& scope) {
+// What each length shows while the axes hold still, nm; with one axis and one length the scale's
+// own wander is taken out.
+Awaitable<Result<std::vector<double>>> zeros_now_nm(RunScope& scope) {
+  const auto& description = scope.bench.description;
   auto state = co_await scope.bench.devices.motion_state();
   if (!state) co_return tl::unexpected(state.error());
-  auto reading = co_await scope.bench.devices.read_interferometer(0);
-  if (!reading) co_return tl::unexpected(reading.error());
-  scope.bench.recorder.observe(*reading);
-  const auto& length = scope.bench.devices.interferometer_description(0).length;
-  const double* x_mm = length ? reading->find(length->name()) : nullptr;
-  if (!x_mm || state->q_mm.empty())
-    co_return fail(ErrorCode::data_loss, "NO_LENGTH",
-                   fmt::format("{} gave no length", reading->device));
-  co_return nm_from_mm(*x_mm - state->q_mm.front());
+  std::vector<double> zeros;
+  for (std::size_t i = 0; i < scope.bench.devices.interferometers(); ++i) {
+    auto reading = co_await scope.bench.devices.read_interferometer(i);
+    if (!reading) co_return tl::unexpected(reading.error());
+    scope.bench.recorder.observe(*reading);
+    const auto& length = scope.bench.devices.interferometer_description(i).length;
+    const double* x_mm = length ? reading->find(length->name()) : nullptr;
+    if (!x_mm)
+      co_return fail(ErrorCode::data_loss, "NO_LENGTH",
+                     fmt::format("{} gave no length", reading->device));
+    zeros.push_back(nm_from_mm(*x_mm));
+  }
+  if (zeros.size() == 1 && description.motor_channels().size() == 1 && !state->q_mm.empty())
+    zeros.front() -= nm_from_mm(state->q_mm.front());
+  co_return zeros;
 }
 
+// Of the length that drifts fastest.
 Awaitable<Result<double>> measure_drift(RunScope& scope) {
   constexpr int kSamples = 21;
   const double window_s = scope.bench.description.checks.drift_window_s;
-  std::vector<double> times_s, zeros_nm;
+  std::vector<double> times_s;
+  std::vector<std::vector<double>> zeros_nm(scope.bench.devices.interferometers());
   const auto begin = scope.bench.clock.now().utc;
   for (int k = 0; k < kSamples; ++k) {
     const auto due = begin + nanoseconds_from_s(window_s * k / (kSamples - 1));
     if (auto ok = co_await scope.sleep_until(due); !ok) co_return tl::unexpected(ok.error());
-    const auto zero = co_await zero_now_nm(scope);
-    if (!zero) co_return tl::unexpected(zero.error());
+    const auto zeros = co_await zeros_now_nm(scope);
+    if (!zeros) co_return tl::unexpected(zeros.error());
     times_s.push_back(seconds_from(scope.bench.clock.now().utc - begin));
-    zeros_nm.push_back(*zero);
+    for (std::size_t i = 0; i < zeros->size(); ++i) zeros_nm[i].push_back((*zeros)[i]);
   }
-  co_return drift_nm_per_min(times_s, zeros_nm);
+  std::vector<double> drifts;
+  for (const auto& zeros : zeros_nm) drifts.push_back(drift_nm_per_min(times_s, zeros));
+  co_return largest_nm(drifts);
 }
 
 }  // namespace

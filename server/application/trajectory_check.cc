@@ -2,63 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <set>
 
+#include "server/application/loading.h"
 #include "server/application/pace.h"
+#include "server/application/trajectory_confounding.h"
+#include "server/application/trajectory_limits.h"
 #include "server/formats/trajectory_csv.h"
 
 namespace driftwise::application {
 namespace {
-
-struct Bounds {
-  Channel channel;
-  double min_mm, max_mm;
-  std::string axis;
-};
-
-Result<std::vector<Bounds>> bounds_of(const CellDescription& description,
-                                      const Trajectory& trajectory) {
-  std::vector<Bounds> axes;
-  for (const auto& device : description.devices)
-    for (const auto& axis : device.axes)
-      axes.push_back({axis.channel, axis.min_mm, axis.max_mm, axis.device_axis});
-  if (axes.size() != trajectory.coordinates.size())
-    return fail(ErrorCode::invalid_argument, "WRONG_COORDINATES",
-                fmt::format("the trajectory has {} coordinates, the cell {} axes",
-                            trajectory.coordinates.size(), axes.size()));
-  std::vector<Bounds> bounds;
-  for (std::size_t i = 0; i < axes.size(); ++i) {
-    const auto& channel = trajectory.coordinates[i];
-    auto found = std::ranges::find(axes, channel, &Bounds::channel);
-    const bool is_pose = found == axes.end() && is_pose_symbol(channel.symbol);
-    if (is_pose) found = axes.begin() + static_cast<std::ptrdiff_t>(i);
-    if (found == axes.end())
-      return fail(ErrorCode::invalid_argument, "WRONG_COORDINATES",
-                  fmt::format("column {}: no axis of cell '{}' has that name, its axes are {} ...",
-                              channel.name(), description.name, axes.front().channel.name()));
-    bounds.push_back({channel, found->min_mm, found->max_mm, found->axis});
-  }
-  return bounds;
-}
-
-Result<void> check_limits(const std::vector<Bounds>& bounds, const Trajectory& trajectory,
-                          const std::string& name) {
-  std::size_t outside = 0;
-  std::string first;
-  for (std::size_t row = 0; row < trajectory.points.size(); ++row)
-    for (std::size_t i = 0; i < bounds.size(); ++i) {
-      const double value = trajectory.points[row].target_mm[i];
-      if (value >= bounds[i].min_mm && value <= bounds[i].max_mm) continue;
-      if (outside++ == 0)
-        first = fmt::format(
-            "{}: row {}: {} = {} mm, the soft limits of axis {} are {:g} to {:g} mm", name, row + 1,
-            bounds[i].channel.name(), value, bounds[i].axis, bounds[i].min_mm, bounds[i].max_mm);
-    }
-  if (outside == 0) return {};
-  if (outside > 1) first += fmt::format(" (and {} more values outside)", outside - 1);
-  return fail(ErrorCode::out_of_range, "SOFT_LIMIT", first);
-}
 
 void add_warnings(TrajectoryCheck& check) {
   const auto& points = check.trajectory.points;
@@ -79,8 +32,33 @@ void add_warnings(TrajectoryCheck& check) {
     check.warnings.push_back(
         "no returns to zero: the axis returns after each line by itself, and these take no row of "
         "the data");
-  if (std::ranges::any_of(points, [](const auto& p) { return p.force_n && *p.force_n != 0; }))
-    check.warnings.push_back("force_N is recorded, not applied: this cell has no actuator for it");
+}
+
+// What a fit could not tell apart afterwards.
+void add_confoundings(TrajectoryCheck& check, const std::vector<double>& time_s) {
+  constexpr std::size_t kMostNamed = 4;
+  if (const auto trend = force_trend(check.trajectory, time_s); trend.confounded())
+    check.warnings.push_back("confounded: " + trend.sentence());
+  auto alike = look_alikes(check.trajectory);
+  if (alike.size() > kMostNamed) {
+    const auto more = alike.size() - kMostNamed;
+    alike.resize(kMostNamed);
+    alike.push_back(fmt::format("... and {} more terms of position likewise", more));
+  }
+  check.warnings.insert(check.warnings.end(), alike.begin(), alike.end());
+}
+
+Result<void> check_forces(const CellDescription& description, const Trajectory& trajectory,
+                          const std::string& name) {
+  for (std::size_t row = 0; row < trajectory.points.size(); ++row) {
+    const auto& force_n = trajectory.points[row].force_n;
+    // A plan of forces that are all 0 asks nothing of a cell that knows none.
+    if (!force_n || (!description.load && *force_n == 0)) continue;
+    if (const auto ok = check_force(description, *force_n); !ok)
+      return fail(ok.error().code, ok.error().reason,
+                  fmt::format("{}: row {}: {}", name, row + 1, ok.error().message));
+  }
+  return {};
 }
 
 }  // namespace
@@ -89,20 +67,25 @@ Result<TrajectoryCheck> check_trajectory_text(const CellDescription& description
                                               const std::string& name, const std::string& text) {
   auto trajectory = formats::read_trajectory_csv(text, name);
   if (!trajectory) return tl::unexpected(trajectory.error());
-  const auto bounds = bounds_of(description, *trajectory);
-  if (!bounds) return tl::unexpected(bounds.error());
-  if (auto ok = check_limits(*bounds, *trajectory, name); !ok) return tl::unexpected(ok.error());
+  const auto limits = check_trajectory_limits(description, *trajectory, name);
+  if (!limits) return tl::unexpected(limits.error());
+  if (auto ok = check_forces(description, *trajectory, name); !ok)
+    return tl::unexpected(ok.error());
   TrajectoryCheck check;
+  std::vector<double> time_s;
   std::set<std::int64_t> lines;
   for (const auto& point : trajectory->points) {
     (point.set == PointSet::calibration ? check.calibration : check.validation)++;
     if (point.zero) ++check.zeros;
     lines.insert(point.line);
     check.estimated_s += guessed_point_s(description.run) + point.dwell_s.value_or(0);
+    time_s.push_back(check.estimated_s);
   }
   check.lines = static_cast<std::int64_t>(lines.size());
   check.trajectory = std::move(*trajectory);
   add_warnings(check);
+  if (!limits->empty()) check.warnings.push_back(*limits);
+  add_confoundings(check, time_s);
   return check;
 }
 

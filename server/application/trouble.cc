@@ -11,9 +11,9 @@ namespace {
 
 // Refusals that the same question would meet again: a start check that ran out of time, a target
 // that cannot be given.
-constexpr std::array<std::string_view, 7> kFinal = {
+constexpr std::array<std::string_view, 8> kFinal = {
     "STABILISER_OFF", "DRIFT_TOO_FAST",     "ZERO_NOT_REACHED", "NO_ZERO",
-    "NO_MODEL",       "MISSING_COORDINATE", "NO_CONTROLLER"};
+    "NO_MODEL",       "MISSING_COORDINATE", "NO_CONTROLLER",    "NO_LOAD"};
 
 }  // namespace
 

@@ -9,11 +9,14 @@
 #include "server/application/device_bench.h"
 #include "server/application/event_log.h"
 #include "server/application/lag_meter.h"
+#include "server/application/pose_stage.h"
 #include "server/application/recorder.h"
 #include "server/application/run_control.h"
 #include "server/application/store_writer.h"
 
 namespace driftwise::application {
+
+class Loading;
 
 struct Workbench {
   const CellDescription& description;
@@ -23,6 +26,8 @@ struct Workbench {
   StoreWriter& writer;
   EventLog& events;
   LagMeter& lag;
+  PoseStage& pose;
+  Loading& loading;
 };
 
 // One run's view of it.

@@ -8,6 +8,13 @@
 
 namespace driftwise::application {
 
+void add_closure(Closures& closures, const std::vector<double>& warming_k,
+                 std::span<const double> closure_nm) {
+  closures.resize(std::max(closures.size(), closure_nm.size()));
+  for (std::size_t i = 0; i < closure_nm.size(); ++i)
+    if (!std::isnan(closure_nm[i])) closures[i].push_back({warming_k, closure_nm[i]});
+}
+
 ZeroPrediction predict_zero_shift(std::span<const ZeroObservation> observations,
                                   std::span<const double> warming_k) {
   const auto sensors = static_cast<Eigen::Index>(warming_k.size());

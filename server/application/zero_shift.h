@@ -17,6 +17,13 @@ struct ZeroObservation {
   double closure_nm = 0;          // instrument minus scale, since that zeroing
 };
 
+// Per length of the cell, in its order.
+using Closures = std::vector<std::vector<ZeroObservation>>;
+
+// closure_nm: one per length; a missing one adds nothing.
+void add_closure(Closures& closures, const std::vector<double>& warming_k,
+                 std::span<const double> closure_nm);
+
 struct ZeroPrediction {
   double shift_nm = 0, sd_nm = 0;
   std::size_t observations = 0;

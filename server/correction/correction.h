@@ -43,13 +43,20 @@ Vector3 cosine_corrected(const Vector3& path_mm, const Tilt& tilt);
 // mm.
 Vector3 abbe_error(const std::array<Vector3, 3>& offset_mm, const Tilt& tilt);
 
+// Displacements along the axes from those along the directions in which the interferometers
+// measure: direction i is axis i turned by the small rotation rotation_arcsec[i] about x, y, z. To
+// first order n_i = e_i + r_i x e_i; three displacements n_i . p are solved for p by iteration,
+// each step leaving the angle's share of the step before (below 1e-12 of a length at an arcminute).
+Vector3 along_axes(const Vector3& measured_mm, const std::array<Vector3, 3>& rotation_arcsec);
+
 struct Stage {
   std::array<BeamOffset, 3> beams{};  // all zero: no Abbe correction
+  std::array<Vector3, 3> directions_arcsec{};
   bool cosine = false;
 };
 
-// Cosine, then Abbe with the offsets at the pose so found (they differ by less than a micrometre
-// between the two, which matters by less than 1e-9 mm at tilts of an arcminute).
+// Cosine, then directions, then Abbe with the offsets at the pose so found (they differ by less
+// than a micrometre between the two, which matters by less than 1e-9 mm at tilts of an arcminute).
 Vector3 pose_from_paths(const Vector3& path_mm, const Tilt& tilt, const Stage& stage);
 
 }  // namespace driftwise::correction

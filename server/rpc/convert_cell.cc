@@ -68,6 +68,8 @@ v1::Device device_from(const application::DeviceStatus& device) {
     added.set_u_kelvin(probe.u_k);
   }
   if (description.length) out.set_length_channel(description.length->name());
+  for (const auto& angle : description.angles) out.add_angle_channels(angle.channel.name());
+  if (description.force) out.set_force_channel(description.force->name());
   return out;
 }
 

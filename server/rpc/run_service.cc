@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "driftwise/v1/run_service.grpc.pb.h"
 #include "server/rpc/caller.h"
 #include "server/rpc/convert_run.h"
@@ -150,6 +152,21 @@ class RunService final : public v1::RunService::CallbackService {
         co_return good;
       const auto run = co_await cell_.abort_run(caller_of(*context), RunId{request->run_id()},
                                                 request->reason());
+      if (!run) co_return tl::unexpected(run.error());
+      *response->mutable_run() = run_from(*run);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ConfirmForce(Context* context, const v1::ConfirmForceRequest* request,
+                        v1::ConfirmForceResponse* response) override {
+    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
+      if (!request->has_force_n() || !std::isfinite(request->force_n()))
+        co_return fail(ErrorCode::invalid_argument, "MISSING_FORCE",
+                       "force_n: found nothing, expected the force that acts now, N");
+      const auto run = co_await cell_.confirm_force(caller_of(*context), RunId{request->run_id()},
+                                                    request->force_n());
       if (!run) co_return tl::unexpected(run.error());
       *response->mutable_run() = run_from(*run);
       co_return Result<void>{};

@@ -8,6 +8,7 @@
 
 #include "clients/cli/assignment.h"
 #include "clients/cli/console.h"
+#include "clients/cli/plan_block_text.h"
 #include "driftwise/v1/error_detail.pb.h"
 #include "server/rpc/convert_target.h"
 #include "server/rpc/convert_values.h"
@@ -54,6 +55,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     check(rpc::pose_from(target.pose(), CellTime{}));
     check(rpc::motor_coordinates_from(target.pose(), cell));
   }
+  check(cli::plan_block_from(bytes, {{"q1", "mm"}, {"q2", "mm"}}));
+  check(cli::coordinates_from(bytes));
   v1::ErrorDetail detail;
   detail.set_message(rpc::utf8_from(bytes));
   if (!v1::ErrorDetail().ParseFromString(detail.SerializeAsString()))

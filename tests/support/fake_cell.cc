@@ -207,6 +207,12 @@ Awaitable<Result<RunRecord>> FakeCell::abort_run(app::Caller caller, RunId run, 
   co_return change_state(caller, run, RunState::aborted, why);
 }
 
+Awaitable<Result<RunRecord>> FakeCell::confirm_force(app::Caller caller, RunId run,
+                                                     double force_n) {
+  calls.push_back("confirm_force " + caller.name + " " + std::to_string(force_n));
+  co_return change_state(caller, run, RunState::running, "");
+}
+
 Awaitable<Result<void>> FakeCell::stop_all(app::Caller caller) {
   if (auto error = take_failure()) co_return tl::unexpected(*error);
   calls.push_back("stop_all " + caller.name);

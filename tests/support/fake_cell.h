@@ -78,6 +78,8 @@ class FakeCell final : public app::Cell {
   Awaitable<Result<RunRecord>> pause_run(app::Caller caller, RunId run) override;
   Awaitable<Result<RunRecord>> resume_run(app::Caller caller, RunId run) override;
   Awaitable<Result<RunRecord>> abort_run(app::Caller caller, RunId run, std::string why) override;
+  Awaitable<Result<RunRecord>> confirm_force(app::Caller caller, RunId run,
+                                             double force_n) override;
   Awaitable<Result<void>> stop_all(app::Caller caller) override;
   Awaitable<Result<void>> home(app::Caller caller, std::string lease_token) override;
   Awaitable<Result<void>> move_to(app::Caller caller, std::string lease_token,

@@ -183,6 +183,23 @@ class Support final : public Simulated<Stabiliser> {
   std::int64_t sequence_ = 0;
 };
 
+class Load final : public Simulated<LoadActuator> {
+ public:
+  using Simulated::Simulated;
+  Awaitable<Result<LoadState>> state() override {
+    if (auto ok = co_await answer(0.01); !ok) co_return tl::unexpected(ok.error());
+    const auto now = time_.now().utc;
+    co_return LoadState{now, world_.force_n, now.utc_ns >= world_.load_rests_at_ns};
+  }
+  Awaitable<Result<void>> set_force(double force_n) override {
+    if (auto ok = co_await answer(0.01); !ok) co_return ok;
+    ++world_.loads;
+    world_.force_n = force_n;
+    world_.load_rests_at_ns = time_.now().utc.utc_ns + nanoseconds_from_s(20).count();
+    co_return Result<void>{};
+  }
+};
+
 DeviceDescription device(const char* id, const char* kind, double period_s) {
   DeviceDescription d;
   d.id = id;
@@ -231,6 +248,16 @@ CellDescription small_cell(const std::string& database) {
   return cell;
 }
 
+CellDescription small_cell_with_load(const std::string& database, bool actuator) {
+  auto cell = small_cell(database);
+  cell.load = LoadDescription{4.0, 0.002, 9.81};
+  if (!actuator) return cell;
+  auto load = device("load", "load-actuator", 10);
+  load.force = Channel{"force", "N"};
+  cell.devices.push_back(load);
+  return cell;
+}
+
 application::Devices small_devices(SmallWorld& world, VirtualTime& time,
                                    const CellDescription& cell) {
   application::Devices devices;
@@ -241,6 +268,9 @@ application::Devices small_devices(SmallWorld& world, VirtualTime& time,
       std::make_unique<Laser>(world, time, cell.devices[2], world.laser_away));
   devices.stabilisers.push_back(
       std::make_unique<Support>(world, time, cell.devices[3], world.support_away));
+  for (const auto& description : cell.devices)
+    if (description.force)
+      devices.load = std::make_unique<Load>(world, time, description, world.load_away);
   return devices;
 }
 

@@ -32,9 +32,13 @@ struct SmallWorld {
   // warming.
   double warming_k_per_h = 0.5, nm_per_k = 150;
   double support_degc = 23.0, support_set_degc = 23.0;
-  bool probe_broken = false;  // t03 gives no value
+  double force_n = 0;                 // what hangs there
+  std::int64_t load_rests_at_ns = 0;  // weights move until then
+  int loads = 0;                      // changes of the force by the actuator
+  bool probe_broken = false;          // t03 gives no value
   // Away: every call fails with unavailable.
-  bool axis_away = false, laser_away = false, scanner_away = false, support_away = false;
+  bool axis_away = false, laser_away = false, scanner_away = false, support_away = false,
+       load_away = false;
   bool creeping = false;  // the axis never becomes quiet
   // What was done.
   int moves = 0, homes = 0, zeroings = 0, stops = 0, scans = 0, readings = 0;
@@ -47,6 +51,8 @@ struct SmallWorld {
 };
 
 CellDescription small_cell(const std::string& database);
+// The same with [load] up to 4 N, changed by an actuator or by a person.
+CellDescription small_cell_with_load(const std::string& database, bool actuator);
 // The devices look at the world and the time, both of which outlive them.
 application::Devices small_devices(SmallWorld& world, VirtualTime& time,
                                    const CellDescription& cell);

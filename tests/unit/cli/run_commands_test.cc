@@ -37,6 +37,40 @@ TEST_F(RunCommandsTest, PassesOnWhatTheRunIsToBe) {
   EXPECT_EQ(asked.rules->readings_per_point, 6);
 }
 
+TEST_F(RunCommandsTest, ConfirmsTheForceThatARunWaitsFor) {
+  json({"run", "start", trajectory()});
+  EXPECT_EQ(json({"run", "confirm", "1", "--force", "2.305"})["state"], "running");
+  EXPECT_THAT(cell.on_executor([&] { return cell.calls.back(); }),
+              HasSubstr("confirm_force ada 2.305"));
+  EXPECT_EQ(run({"run", "confirm", "1"}).exit, 2) << "what hangs there must be said";
+}
+
+TEST_F(RunCommandsTest, MakesAPlanWithoutADaemon) {
+  const auto made =
+      run({"trajectory", "grid", "--axes", "q1,q2", "--block", "calibration 0:1:0.5 force=2.305",
+           "--block", "validation 0:1 scattered=3"});
+  EXPECT_EQ(made.exit, 0) << made.err;
+  EXPECT_THAT(made.out, HasSubstr("# made by: driftwise trajectory grid --axes q1,q2 --block "
+                                  "'calibration 0:1:0.5 force=2.305'"));
+  EXPECT_THAT(made.out,
+              HasSubstr("q1_mm,q2_mm,set,line,zero,force_N\n0,0,calibration,1,0,2.305\n"));
+  const auto wrong = run({"trajectory", "grid", "--axes", "q1", "--block", "calibration 0:1"});
+  EXPECT_EQ(wrong.exit, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("FROM:TO:STEP"));
+}
+
+TEST_F(RunCommandsTest, TakesAPlanToThePosesOfTheDrawing) {
+  const std::string drawing =
+      std::string(DRIFTWISE_SOURCE_DIR) + "/deploy/cells/micro-nano/cell.toml";
+  const auto made = run({"trajectory", "grid", "--axes", "q1,q2,q3", "--block", "calibration 1:1:1",
+                         "--to-pose", drawing});
+  EXPECT_EQ(made.exit, 0) << made.err;
+  // Three equal carriages lift the platform straight up.
+  EXPECT_THAT(made.out, HasSubstr("x_mm,y_mm,z_mm,set,line,zero\n"));
+  EXPECT_THAT(made.out, HasSubstr(",1,calibration,1,0\n"));
+  EXPECT_THAT(made.out, HasSubstr("0,0,0,calibration,1,1\n")) << "a return to zero stays one";
+}
+
 TEST_F(RunCommandsTest, WaitsForTheLeaseHolderByName) {
   cell.on_executor([&] {
     static_cast<void>(cell.take_lease({"bob", "x"}, std::chrono::seconds(60), ""));

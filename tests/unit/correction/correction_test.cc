@@ -9,6 +9,20 @@ namespace {
 
 constexpr double kArcsec = 4.848136811095360e-6;  // rad, pi / 648000
 
+// Oracle: the displacement itself, projected on the turned directions.
+TEST(AlongAxes, UndoesTheProjectionOnDirectionsThatAreNotSquare) {
+  const std::array<Vector3, 3> turned = {Vector3{0, 40, -25}, Vector3{-60, 0, 15},
+                                         Vector3{10, 55, 0}};
+  const Vector3 p = {2.5, -1.25, 0.75};
+  // e_x turned by (0, ry, rz) is (1, rz, -ry), and so on round.
+  const Vector3 measured = {p[0] + kArcsec * (-25 * p[1] - 40 * p[2]),
+                            p[1] + kArcsec * (-60 * p[2] - 15 * p[0]),
+                            p[2] + kArcsec * (55 * p[0] - 10 * p[1])};
+  const Vector3 found = along_axes(measured, turned);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(found[i], p[i], 1e-12);
+  EXPECT_EQ(along_axes(p, {}), p);
+}
+
 TEST(AbbeError, IsLeverTimesTiltWithTheSignsOfARightHandedRotation) {
   // By hand: a point 2.5 mm above the centre (z) moves along +x when the body turns by +ry (z
   // towards x): 2.5 mm * 50".

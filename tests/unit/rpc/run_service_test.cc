@@ -1,3 +1,5 @@
+#include <limits>
+
 #include "driftwise/v1/cell_service.grpc.pb.h"
 #include "driftwise/v1/data_service.grpc.pb.h"
 #include "driftwise/v1/run_service.grpc.pb.h"
@@ -109,6 +111,21 @@ TEST_F(RunServiceTest, RefusesARequestThatCannotBeMeant) {
   EXPECT_THAT(ask(&RunStub::CreateRun, request),
               FailsWith(ErrorCode::permission_denied, "LEASE_REQUIRED"));
   EXPECT_TRUE(cell.on_executor([&] { return cell.the_runs.empty(); })) << "nothing is half-done";
+}
+
+TEST_F(RunServiceTest, ConfirmsAForceThatWasSaid) {
+  ASSERT_TRUE(ask(&RunStub::CreateRun, a_run()));
+  v1::ConfirmForceRequest request;
+  request.set_run_id(1);
+  EXPECT_THAT(ask(&RunStub::ConfirmForce, request),
+              FailsWith(ErrorCode::invalid_argument, "MISSING_FORCE"));
+  request.set_force_n(std::numeric_limits<double>::infinity());
+  EXPECT_THAT(ask(&RunStub::ConfirmForce, request),
+              FailsWith(ErrorCode::invalid_argument, "MISSING_FORCE"));
+  request.set_force_n(0);
+  EXPECT_TRUE(ask(&RunStub::ConfirmForce, request)) << "no force is a force that can be confirmed";
+  request.set_run_id(7);
+  EXPECT_THAT(ask(&RunStub::ConfirmForce, request), FailsWith(ErrorCode::not_found, "NO_RUN"));
 }
 
 TEST_F(RunServiceTest, ShowsARunWithItsTrajectoryAndItsRules) {
