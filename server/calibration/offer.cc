@@ -72,20 +72,25 @@ Result<std::vector<OfferResult>> weigh_offers(const Dataset& dataset, const FitO
 
 std::vector<Offer> published_offers(const Dataset& dataset, const Candidates& candidates,
                                     double tau_s) {
-  std::vector<std::string> pose, temperatures;
+  std::vector<std::string> pose, temperatures, forces;
   for (const auto& term : candidates.terms) {
     for (const auto& symbol : effects::symbols_of(term)) {
       const DatasetColumn* column = dataset.find(symbol);
       auto* list = is_pose_symbol(symbol)                                           ? &pose
                    : column != nullptr && is_structure_temperature(column->channel) ? &temperatures
+                   : column != nullptr && column->channel.unit == "N"               ? &forces
                                                                                     : nullptr;
       if (list != nullptr && std::ranges::find(*list, symbol) == list->end())
         list->push_back(symbol);
     }
   }
-  Offer cross{"cross terms position x temperature", {}},
-      rates{"derivatives of the temperatures", {}}, orders{"3rd and 4th order of the position", {}};
+  Offer coupling{"cross terms position x force", {}},
+      cross{"cross terms position x temperature", {}}, rates{"derivatives of the temperatures", {}},
+      orders{"3rd and 4th order of the position", {}};
   for (const auto& position : pose) {
+    for (const auto& force : forces)
+      coupling.terms.push_back(
+          effects::product({{effects::Power{position, 1}}}, {{effects::Power{force, 1}}}));
     for (const auto& temperature : temperatures)
       cross.terms.push_back(
           effects::product({{effects::Power{position, 1}}}, {{effects::Power{temperature, 1}}}));
@@ -95,7 +100,7 @@ std::vector<Offer> published_offers(const Dataset& dataset, const Candidates& ca
     for (const auto& temperature : temperatures)
       rates.terms.push_back({{effects::Call{effect, {temperature}, {{tau_s, "s"}}}}});
   std::vector<Offer> offers;
-  for (auto* offer : {&cross, &rates, &orders})
+  for (auto* offer : {&coupling, &cross, &rates, &orders})
     if (!offer->terms.empty() && (offer != &rates || !dataset.time_s.empty()))
       offers.push_back(std::move(*offer));
   return offers;

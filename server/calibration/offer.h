@@ -34,9 +34,9 @@ Result<std::vector<OfferResult>> weigh_offers(const Dataset& dataset, const FitO
                                               const Model& base_model,
                                               const std::vector<Offer>& offers);
 
-// The three offers of the published study for a formula's candidates: cross terms position x
-// temperature, first and second derivatives of the temperatures (tau_s), 4th order of the pose (and
-// 3rd, where that is not offered yet).
+// The offers of the published study for a formula's candidates: cross terms position x force (where
+// a force is offered) and position x temperature, first and second derivatives of the temperatures
+// (tau_s), 4th order of the pose (and 3rd, where that is not offered yet).
 std::vector<Offer> published_offers(const Dataset& dataset, const Candidates& candidates,
                                     double tau_s = 600);
 

@@ -30,6 +30,19 @@ TEST(Offers, AreTheThreeOfThePublishedStudy) {
                                           "rate2(t01, 600 s)", "rate2(t02, 600 s)", "x^3", "x^4"));
 }
 
+TEST(Offers, CrossAForceWithThePositionToo) {
+  Fixture fixture("q1 ~ x + t01");
+  DatasetColumn force{{"force", "N"}, std::vector<double>(fixture.data.rows, 0.5)};
+  fixture.data.columns.push_back(std::move(force));
+  fixture.options.candidates =
+      *formats::Formula::parse("q1 ~ x + F + F^2 + t01")->expand(fixture.data);
+  const auto offers = published_offers(fixture.data, fixture.options.candidates, 600);
+  ASSERT_FALSE(offers.empty());
+  EXPECT_EQ(offers.front().name, "cross terms position x force");
+  ASSERT_EQ(offers.front().terms.size(), 1u);
+  EXPECT_EQ(effects::notation(offers.front().terms.front()), "x:force");
+}
+
 TEST(Offers, SayWhatATermThatMattersIsWorth) {
   const Fixture fixture("q1 ~ x + t01 + t02");  // x^2 is missing: 2e-5 * 16 mm^2 = 320 nm
   const auto results = weigh_offers(fixture.data, fixture.options, fixture.model,
