@@ -55,11 +55,12 @@ std::chrono::nanoseconds SharedClock::wall_from(Nanoseconds cell,
 
 bool SimulatedCell::available() { return std::filesystem::exists(kProgram); }
 
-SimulatedCell::SimulatedCell(const std::vector<std::string>& settings, double speed) {
-  const std::string cell = DRIFTWISE_SOURCE_DIR "/deploy/cells/linear-axis/";
-  std::vector<std::string> arguments{kProgram,       "--plant",          cell + "plant.toml",
-                                     "--cell",       cell + "cell.toml", "--instantiate",
-                                     folder_.path(), "--speed",          std::to_string(speed)};
+SimulatedCell::SimulatedCell(const std::vector<std::string>& settings, double speed,
+                             const std::string& cell) {
+  const std::string files = DRIFTWISE_SOURCE_DIR "/deploy/cells/" + cell + "/";
+  std::vector<std::string> arguments{kProgram,       "--plant",           files + "plant.toml",
+                                     "--cell",       files + "cell.toml", "--instantiate",
+                                     folder_.path(), "--speed",           std::to_string(speed)};
   for (const auto& setting : settings) {
     arguments.push_back("--set");
     arguments.push_back(setting);

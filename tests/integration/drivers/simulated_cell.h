@@ -34,7 +34,9 @@ class SharedClock final : public Clock {
 class SimulatedCell {
  public:
   // settings: "emulator.pi.ini=false", ... Throws std::runtime_error when it does not start.
-  explicit SimulatedCell(const std::vector<std::string>& settings = {}, double speed = 200);
+  // cell: folder under deploy/cells.
+  explicit SimulatedCell(const std::vector<std::string>& settings = {}, double speed = 200,
+                         const std::string& cell = "linear-axis");
   ~SimulatedCell();
   static bool available();
 

@@ -1,0 +1,113 @@
+#include "deploy/demo/figures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <stdexcept>
+
+#include "server/core/cell_time.h"
+#include "server/core/units.h"
+#include "server/formats/dataset_csv.h"
+
+namespace driftwise::demo {
+
+std::string read_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw std::runtime_error("cannot read " + path);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+nlohmann::json read_json(const std::string& path) { return nlohmann::json::parse(read_file(path)); }
+
+Dataset read_dataset(const std::string& path) {
+  auto data = formats::read_dataset_csv(read_file(path), path);
+  if (!data) throw std::runtime_error(data.error().message);
+  return std::move(*data);
+}
+
+double figure(const nlohmann::json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_number() ? found->get<double>() : std::nan("");
+}
+
+int terms_in(const nlohmann::json& output) {
+  int in = 0;
+  for (const auto& term : output.at("terms")) in += term.at("in").get<bool>() ? 1 : 0;
+  return in;
+}
+
+Spread spread(const std::vector<double>& errors_nm) {
+  Spread out;
+  for (const double e : errors_nm) out.mean_nm += e / static_cast<double>(errors_nm.size());
+  double square = 0;
+  for (const double e : errors_nm) square += (e - out.mean_nm) * (e - out.mean_nm);
+  out.u90_nm = kSigmaToU90 * std::sqrt(square / static_cast<double>(errors_nm.size() - 1));
+  return out;
+}
+
+std::string text(const Spread& spread) {
+  char out[32];
+  std::snprintf(out, sizeof out, "%.1f (%+.1f)", spread.u90_nm, spread.mean_nm);
+  return out;
+}
+
+std::int64_t time_zero_ns(const Dataset& data, const std::string& path) {
+  for (const auto& [key, value] : data.metadata)
+    if (key == "time_zero")
+      if (const auto time = parse_iso8601(value)) return time->utc_ns;
+  throw std::runtime_error(path + ": no '# time_zero:' line");
+}
+
+TruthTable::TruthTable(const std::string& path) {
+  std::istringstream file(read_file(path));
+  std::size_t kind = 0, time = 0;
+  for (std::string line; std::getline(file, line);) {
+    if (line.empty() || line[0] == '#') continue;
+    std::vector<std::string> cells;
+    std::istringstream fields(line);
+    for (std::string cell; std::getline(fields, cell, ',');) cells.push_back(cell);
+    if (columns_.empty()) {
+      for (std::size_t i = 0; i < cells.size(); ++i) columns_[cells[i]] = i;
+      kind = columns_.at("kind");
+      time = columns_.at("time_ns");
+      continue;
+    }
+    Row row{std::stoll(cells.at(time)), cells.at(kind) == "zero", cells.at(kind) == "length", {}};
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      row.values.push_back(i == kind ? 0.0 : std::stod(cells[i]));
+    rows_.push_back(std::move(row));
+  }
+  std::ranges::stable_sort(rows_, {}, &Row::time_ns);
+}
+
+std::size_t TruthTable::column(const std::string& name) const {
+  const auto found = columns_.find(name);
+  if (found == columns_.end()) throw std::runtime_error("the plant's log has no column " + name);
+  return found->second;
+}
+
+double TruthTable::at_zero(const std::string& name, std::int64_t until_ns) const {
+  const auto index = column(name);
+  double value = std::nan("");
+  for (const auto& row : rows_)
+    if (row.zero && row.time_ns <= until_ns) value = row.values.at(index);
+  return value;
+}
+
+double TruthTable::mean_about(const std::string& name, std::int64_t middle_ns) const {
+  constexpr std::int64_t kNear_ns = 3'000'000'000;
+  const auto index = column(name);
+  double sum = 0;
+  int count = 0;
+  for (auto row = std::ranges::lower_bound(rows_, middle_ns - kNear_ns + 1, {}, &Row::time_ns);
+       row != rows_.end() && row->time_ns < middle_ns + kNear_ns; ++row)
+    if (row->length) sum += row->values.at(index), ++count;
+  if (count == 0) throw std::runtime_error("the plant's log has no row for a point");
+  return sum / count;
+}
+
+}  // namespace driftwise::demo

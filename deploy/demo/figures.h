@@ -1,0 +1,52 @@
+#pragma once
+// What the demos' tables share: files, figures of a fit's JSON, spreads, the plant's private log.
+
+#include <cstdint>
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "server/core/dataset.h"
+
+namespace driftwise::demo {
+
+std::string read_file(const std::string& path);  // throws std::runtime_error
+nlohmann::json read_json(const std::string& path);
+Dataset read_dataset(const std::string& path);
+
+// A number of a JSON object; NaN where there is none.
+double figure(const nlohmann::json& object, const char* key);
+int terms_in(const nlohmann::json& output);
+
+struct Spread {
+  double mean_nm = 0, u90_nm = 0;  // 1.645 standard deviations about the mean
+};
+Spread spread(const std::vector<double>& errors_nm);
+std::string text(const Spread& spread);  // "41.2 (+3.0)"
+
+// "# time_zero:" of an exported run: what its time_s counts from, UTC.
+std::int64_t time_zero_ns(const Dataset& data, const std::string& path);
+
+// truth.csv: where the end-effector really was, a row for every zeroing and every length read.
+class TruthTable {
+ public:
+  explicit TruthTable(const std::string& path);
+  // One column (nm) when the lengths were last zeroed up to an instant; NaN before the first.
+  double at_zero(const std::string& column, std::int64_t until_ns) const;
+  // Its mean over the rows of lengths within 3 s of an instant: those of one point's readings.
+  // Throws std::runtime_error where there is none.
+  double mean_about(const std::string& column, std::int64_t middle_ns) const;
+
+ private:
+  std::map<std::string, std::size_t> columns_;
+  struct Row {
+    std::int64_t time_ns = 0;
+    bool zero = false, length = false;
+    std::vector<double> values;
+  };
+  std::vector<Row> rows_;  // in time order
+  std::size_t column(const std::string& name) const;
+};
+
+}  // namespace driftwise::demo

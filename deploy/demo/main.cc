@@ -1,0 +1,21 @@
+//   driftwise-demo-report linear-axis|micro-nano fits|proof FOLDER
+
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include "deploy/demo/reports.h"
+
+int main(int argc, char** argv) try {
+  using namespace driftwise::demo;
+  const std::string robot = argc == 4 ? argv[1] : "", what = argc == 4 ? argv[2] : "";
+  if (robot == "linear-axis" && what == "fits") return print_linear_axis_fits(argv[3]), 0;
+  if (robot == "linear-axis" && what == "proof") return print_linear_axis_proof(argv[3]), 0;
+  if (robot == "micro-nano" && what == "fits") return print_micro_nano_fits(argv[3]), 0;
+  if (robot == "micro-nano" && what == "proof") return print_micro_nano_proof(argv[3]), 0;
+  std::fprintf(stderr, "usage: driftwise-demo-report linear-axis|micro-nano fits|proof FOLDER\n");
+  return 2;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "driftwise-demo-report: %s\n", error.what());
+  return 3;
+}

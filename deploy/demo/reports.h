@@ -1,0 +1,20 @@
+#pragma once
+// The demos' tables: the published study beside ours, from what the daemon and the command line
+// printed. They compute nothing but differences and standard deviations; fits, predictions and
+// targets are the daemon's. Each throws std::exception for a file that is missing or damaged.
+
+#include <string>
+
+namespace driftwise::demo {
+
+// geometry.json, first300.json, six.json, ten.json, offers.json
+void print_linear_axis_fits(const std::string& folder);
+// none.csv, geometry.csv, ten.csv, six.csv (exported runs) and truth.csv (the plant's private log)
+void print_linear_axis_proof(const std::string& folder);
+
+// {G,GF,GT,GTF}_{inside,outside}.json, GTF.json, offers.json, campaign.csv
+void print_micro_nano_fits(const std::string& folder);
+// compensated.csv, geometry.csv, GTF.json and truth.csv
+void print_micro_nano_proof(const std::string& folder);
+
+}  // namespace driftwise::demo

@@ -1,0 +1,39 @@
+# Case A of the published study: one linear axis. Sourced by demo.sh.
+
+default_speed=200
+
+demo() {
+  say "the simulated cell and the daemon, speed $speed, seed $seed"
+  start_cell linear-axis "$speed" "$seed"
+  driftwise status
+
+  say "the campaign: 18 positions 56 times, 1008 points of 4 readings, four hours of cell time"
+  driftwise run start "$cell/trajectories/published.csv" --name campaign --watch
+  driftwise data export 1 -o "$out/campaign.csv"
+
+  say "models: fitted by the daemon on its stored points"
+  fit geometry --model 'q ~ x + x^2'
+  fit ten --model 'q ~ x + x^2 + T'
+  fit six --model 'q ~ x + x^2 + t05..t10'
+  fit first300 --model 'q ~ x + x^2 + T' --first 300
+  driftwise fit "$out/campaign.csv" --model 'q ~ x + x^2 + T' --offers --json >"$out/offers.json"
+  report linear-axis fits "$out"
+
+  say "the same fit on the exported file, without the daemon"
+  same_offline ten "$out/campaign.csv" 'q ~ x + x^2 + T'
+
+  say "serving: the six-sensor model"
+  driftwise model promote "$(model six)"
+  driftwise target x=1.5
+  driftwise model export "$(model six)" --format c -o "$out/linear_axis_model.c"
+
+  say "proof: 50 new positions, each a minute apart, while the air drifts"
+  prove none
+  prove ten --compensate --model "$(model ten)"
+  prove six --compensate
+  prove geometry --compensate --model "$(model geometry)"
+  local i=2 name
+  for name in none ten six geometry; do driftwise data export $i -o "$out/$name.csv"; i=$((i + 1)); done
+  report linear-axis proof "$out"
+  closing_words "linear_axis_model.c  the served model for a controller"
+}
