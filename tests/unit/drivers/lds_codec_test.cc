@@ -81,7 +81,7 @@ TEST(LdsReplies, SurviveAnythingOnTheLine) {
     for (auto n = random() % 40; n > 0; --n) reply += alphabet[random() % alphabet.size()];
     for (const int axis : {1, 2}) {
       EXPECT_TRUE(std::isfinite(parse_value(reply, axis).value_or(0)));
-      EXPECT_GT(parse_set_up(reply, axis).value_or(SetUp{Unit::arcsec, 1}).increment, 0);
+      EXPECT_GT(parse_set_up(reply, axis).value_or(lds1000::SetUp{Unit::arcsec, 1}).increment, 0);
     }
     (void)parse_status(reply);
     (void)parse_error(reply);
