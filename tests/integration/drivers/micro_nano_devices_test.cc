@@ -44,7 +44,8 @@ TEST_F(AgainstTheMicroNano, ReadsTiltsInWhateverUnitTheControllerIsSetUp) {
            {"emulator.lds1000.unit=sec"},
            {"emulator.lds1000.unit=sec", "emulator.lds1000.decimal_comma=false"}}) {
     start(settings);
-    auto device = collimator();
+    auto device =
+        collimator({{"unit", "any"}, {"increment", "0"}});  // the cell file insists on sec
     const auto reading = run(device->read());
     ASSERT_TRUE(reading) << settings.back() << ": " << reading.error().message;
     ASSERT_TRUE(reading->find("ry_arcsec") && reading->find("rz_arcsec"));
