@@ -5,6 +5,7 @@
 #include <set>
 
 #include "storage/point_rows.h"
+#include "storage/remark_store.h"
 #include "storage/run_rows.h"
 
 namespace driftwise::storage {
@@ -32,6 +33,7 @@ std::string checked_fields(const Dataset& dataset) {
   add("dwell_s", dataset.dwell_s);
   add("run", dataset.run);
   add("datum", dataset.datum);
+  add("excluded", dataset.excluded);
   std::set<std::string> names;
   for (const DatasetColumn& column : dataset.columns) {
     require_length(column.values.size(), dataset, column.channel.name());
@@ -109,6 +111,17 @@ RunId import_rows(Session& session, const NewRun& run, const Dataset& dataset) {
         {.time_s = dataset.time_s.empty() ? std::nullopt : std::optional(dataset.time_s[row]),
          .run = dataset.run.empty() ? std::nullopt : std::optional(file_run)});
   }
+  ExclusionRecord out{.id = 0,
+                      .run = id,
+                      .excluded = true,
+                      .rows = {},
+                      .reason = "excluded in the imported file",
+                      .at = run.created,
+                      .who = run.operator_name,
+                      .from = ""};
+  for (std::size_t row = 0; row < dataset.rows; ++row)
+    if (dataset.is_excluded(row)) out.rows.push_back(static_cast<std::int64_t>(row));
+  store_exclusion(session, out);
   Query(session.db,
         "UPDATE run_progress SET reason = 'imported', next_row = ?2, accepted = ?2, started_ns = "
         "?3, ended_ns = ?3 "

@@ -40,6 +40,11 @@ void fill(std::vector<T>& column, const std::vector<DatasetRow>& rows, F&& value
   for (const DatasetRow& row : rows) column.push_back(static_cast<T>(value(row)));
 }
 
+void fill_excluded(Dataset& dataset, const std::vector<DatasetRow>& rows, bool in_any_case) {
+  if (in_any_case || std::ranges::any_of(rows, &DatasetRow::excluded))
+    fill(dataset.excluded, rows, [](const auto& row) { return row.excluded; });
+}
+
 // One imported run: the file as it was.
 void fill_as_in_file(Dataset& dataset, const std::vector<DatasetRow>& rows,
                      std::string_view fields) {
@@ -54,6 +59,7 @@ void fill_as_in_file(Dataset& dataset, const std::vector<DatasetRow>& rows,
     fill(dataset.run, rows, [](const auto& row) { return row.file_run.value_or(0); });
   if (has_field(fields, "datum"))
     fill(dataset.datum, rows, [](const auto& row) { return row.file_datum.value_or(0); });
+  fill_excluded(dataset, rows, has_field(fields, "excluded"));
 }
 
 void fill_fields(Dataset& dataset, const std::vector<DatasetRow>& rows, bool several_runs) {
@@ -66,6 +72,7 @@ void fill_fields(Dataset& dataset, const std::vector<DatasetRow>& rows, bool sev
   const bool one_datum =
       std::ranges::all_of(rows, [&](const auto& row) { return row.datum == rows.front().datum; });
   if (!one_datum) fill(dataset.datum, rows, [](const auto& row) { return row.datum; });
+  fill_excluded(dataset, rows, false);
 }
 
 void read_metadata(Session& session, RunId run, Dataset& dataset) {

@@ -1,9 +1,23 @@
 #include "storage/dataset_rows.h"
 
 #include <algorithm>
+#include <set>
 #include <tuple>
 
 namespace driftwise::storage {
+namespace {
+
+void mark_excluded(Session& session, RunId run, std::vector<DatasetRow>& rows) {
+  Query query(session.db,
+              "SELECT point_id FROM excluded_point JOIN point USING (run_id, trajectory_row) WHERE "
+              "run_id = ?");
+  query.bind(run.value);
+  std::set<std::int64_t> out;
+  while (query.row()) out.insert(query.integer(0));
+  for (DatasetRow& row : rows) row.excluded = out.contains(row.point_id);
+}
+
+}  // namespace
 
 std::vector<DatasetRow> read_dataset_rows(Session& session, RunId run) {
   Query query(
@@ -29,6 +43,7 @@ std::vector<DatasetRow> read_dataset_rows(Session& session, RunId run) {
     row.file_datum = query.optional_integer(9);
     rows.push_back(row);
   }
+  mark_excluded(session, run, rows);
   return rows;
 }
 

@@ -16,6 +16,7 @@ struct DatasetRow {
   PointSet set = PointSet::calibration;
   std::int64_t line = 0;
   bool zero = false;
+  bool excluded = false;
   double dwell_s = kMissing;
   double time_s = 0;              // in the dataset
   double file_time_s = kMissing;  // imported rows: as in the file
@@ -25,8 +26,8 @@ struct DatasetRow {
 // Accepted points of one run, in the order of its trajectory.
 std::vector<DatasetRow> read_dataset_rows(Session& session, RunId run);
 
-// Which of time_s, set, line, zero, dwell_s, run, datum an imported file had; none for a measured
-// run.
+// Which of time_s, set, line, zero, dwell_s, run, datum, excluded an imported file had; none for a
+// measured run.
 std::optional<std::string> imported_fields(Session& session, RunId run);
 
 // Puts the rows of several runs one after the other and sets time_s, which increases over all of

@@ -10,7 +10,18 @@ ModelRecord model_from(const Query& row) {
   return model;
 }
 
+[[noreturn]] void throw_no_such_model(Session& session, ModelId id) {
+  throw_failure(ErrorCode::not_found, "NO_SUCH_MODEL",
+                "there is no model " + std::to_string(id.value) + " in database " +
+                    session.db.path() + ": 'driftwise model list' shows those there are");
+}
+
 }  // namespace
+
+void require_model(Session& session, ModelId id) {
+  Query query(session.db, "SELECT 1 FROM model WHERE model_id = ?");
+  if (!query.bind(id.value).row()) throw_no_such_model(session, id);
+}
 
 Result<ModelId> SqliteModelStore::add_model(const ModelRecord& model) {
   return session_.write([&] {
@@ -31,10 +42,7 @@ Result<ModelRecord> SqliteModelStore::model(ModelId id) {
     Query query(session_.db,
                 "SELECT model_id, name, json, hash, parent_id, created_ns, created_by, note FROM "
                 "model WHERE model_id = ?");
-    if (!query.bind(id.value).row())
-      throw_failure(ErrorCode::not_found, "NO_SUCH_MODEL",
-                    "there is no model " + std::to_string(id.value) + " in database " +
-                        session_.db.path() + ": 'driftwise model list' shows those there are");
+    if (!query.bind(id.value).row()) throw_no_such_model(session_, id);
     return model_from(query);
   });
 }

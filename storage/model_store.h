@@ -5,6 +5,8 @@
 
 namespace driftwise::storage {
 
+void require_model(Session& session, ModelId id);  // throws not_found NO_SUCH_MODEL
+
 class SqliteModelStore final : public ModelStore {
  public:
   explicit SqliteModelStore(Session& session) : session_(session) {}

@@ -31,12 +31,15 @@ std::optional<RunRecord> run_of_request(Session& session, const NewRun& run) {
   query.bind(run.request_id);
   if (!query.row()) return std::nullopt;
   RunRecord earlier = run_from(query, session.db.path());
-  if (earlier.trajectory_text != run.trajectory_text || earlier.name != run.name)
+  // An import has no trajectory; its rules name its contents instead.
+  const bool is_import = run.trajectory_text.empty();
+  if (earlier.trajectory_text != run.trajectory_text || earlier.name != run.name ||
+      (is_import && earlier.rules_json != run.rules_json))
     throw_failure(
         ErrorCode::already_exists, "REQUEST_ID_REUSED",
         "request '" + run.request_id + "' made run " + std::to_string(earlier.id.value) + " '" +
             earlier.name +
-            "' before, with another name or trajectory: give each new run a request id of its own");
+            "' before, with another name or content: give each new run a request id of its own");
   return earlier;
 }
 

@@ -5,6 +5,7 @@
 
 #include "storage/failure.h"
 #include "storage/schema_v1.h"
+#include "storage/schema_v2.h"
 
 namespace driftwise::storage {
 
@@ -24,7 +25,7 @@ void refuse_foreign_or_newer(Database& db, int newest) {
 }
 
 std::span<const std::string_view> migrations() {
-  static constexpr std::array<std::string_view, 1> kSteps = {kSchemaV1};
+  static constexpr std::array<std::string_view, 2> kSteps = {kSchemaV1, kSchemaV2};
   return kSteps;
 }
 

@@ -4,14 +4,9 @@
 
 #include <string_view>
 
-namespace driftwise::storage {
+#include "storage/utc_column.h"
 
-// Reads a column of UTC nanoseconds as text. Generated (virtual) columns made with it take no room
-// in the file.
-#define DRIFTWISE_UTC_COLUMN(name)                         \
-  name "_utc TEXT AS (strftime('%Y-%m-%dT%H:%M:%S', " name \
-       "_ns / 1000000000, 'unixepoch') || "                \
-       "printf('.%09dZ', " name "_ns % 1000000000)) VIRTUAL"
+namespace driftwise::storage {
 
 constexpr std::string_view kSchemaV1 =
     R"sql(
@@ -211,7 +206,5 @@ CREATE VIEW run_overview AS
          max_lag_s, created_utc, (ended_ns - started_ns) / 1e9 AS duration_s
   FROM run JOIN run_progress USING (run_id);
 )sql";
-
-#undef DRIFTWISE_UTC_COLUMN
 
 }  // namespace driftwise::storage

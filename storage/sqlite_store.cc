@@ -3,6 +3,7 @@
 #include "storage/event_store.h"
 #include "storage/model_store.h"
 #include "storage/reading_store.h"
+#include "storage/remark_store.h"
 #include "storage/run_store.h"
 #include "storage/schema.h"
 #include "storage/session.h"
@@ -29,7 +30,8 @@ class SqliteStore final : public Store {
         runs_(session_),
         readings_(session_),
         models_(session_),
-        events_(session_) {
+        events_(session_),
+        remarks_(session_) {
     Database& db = session_.db;
     sqlite3_busy_timeout(db.handle(), options.busy_timeout_ms);
     db.execute(kCommonPragmas);
@@ -50,6 +52,7 @@ class SqliteStore final : public Store {
   ReadingStore& readings() override { return readings_; }
   ModelStore& models() override { return models_; }
   EventStore& events() override { return events_; }
+  RemarkStore& remarks() override { return remarks_; }
 
   Result<void> idle() override {
     return answered([this] {
@@ -88,6 +91,7 @@ class SqliteStore final : public Store {
   SqliteReadingStore readings_;
   SqliteModelStore models_;
   SqliteEventStore events_;
+  SqliteRemarkStore remarks_;
 };
 
 }  // namespace

@@ -130,6 +130,32 @@ struct EventRecord {
   std::optional<RunId> run;
 };
 
+// Rows of a run kept out of fits, or put back. Records only ever add up: the last word on a row
+// counts, the points themselves are never touched.
+struct ExclusionRecord {
+  std::int64_t id = 0;
+  RunId run;
+  bool excluded = true;            // false: put back
+  std::vector<std::int64_t> rows;  // of the trajectory, ascending, each once
+  std::string reason;
+  Stamp at;
+  std::string who, from;  // as in EventRecord
+};
+
+// What a note is on: a run, a point of it, or a model.
+struct NoteSubject {
+  std::optional<RunId> run;
+  std::optional<std::int64_t> row;  // with a run
+  std::optional<ModelId> model;
+};
+struct NoteRecord {
+  std::int64_t id = 0;
+  NoteSubject on;
+  std::string text;
+  Stamp at;
+  std::string who, from;
+};
+
 struct ModelRecord {
   ModelId id;
   std::string name;

@@ -44,8 +44,8 @@ class RunStore {
   // Accepted points of the runs, in time order, as the dataset CSV has them. time_s starts at the
   // first point; an imported run has no instants of its own and follows after the measured ones.
   // Columns: q, q_cmd, pose, _std_, structure temperatures, others. run and datum are given where
-  // there is more than one of them. metadata: that of the file when it is one imported run, else
-  // none.
+  // there is more than one of them, excluded where a row is. metadata: that of the file when it is
+  // one imported run, else none.
   virtual Result<Dataset> dataset(std::span<const RunId> runs) = 0;
 };
 
@@ -79,7 +79,23 @@ class EventStore {
   virtual Result<std::vector<EventRecord>> events(EventId after, int limit) = 0;
 };
 
-// One database. The four views share its transactions and its thread.
+// What people say about the record; nothing here changes what was measured.
+class RemarkStore {
+ public:
+  virtual ~RemarkStore() = default;
+  // Keeps the rows that this changes (in when excluded, out when put back) and answers with them;
+  // with none it stores nothing and the id is 0. Errors: not_found NO_SUCH_RUN; invalid_argument
+  // NO_SUCH_ROW (a row without an accepted point).
+  virtual Result<ExclusionRecord> exclude(const ExclusionRecord& exclusion) = 0;
+  virtual Result<std::vector<ExclusionRecord>> exclusions(RunId run) = 0;  // oldest first
+  // Answers with the note as stored. Errors: not_found NO_SUCH_RUN, NO_SUCH_MODEL; invalid_argument
+  // NO_SUCH_ROW, BAD_SUBJECT (neither or both of run and model).
+  virtual Result<NoteRecord> add_note(const NoteRecord& note) = 0;
+  // Oldest first. Of a run: also those on its points, unless the subject names one.
+  virtual Result<std::vector<NoteRecord>> notes(const NoteSubject& subject) = 0;
+};
+
+// One database. The five views share its transactions and its thread.
 class Store {
  public:
   virtual ~Store() = default;
@@ -87,6 +103,7 @@ class Store {
   virtual ReadingStore& readings() = 0;
   virtual ModelStore& models() = 0;
   virtual EventStore& events() = 0;
+  virtual RemarkStore& remarks() = 0;
   // Housekeeping that must not delay a point (SQLite: a checkpoint of the log): call it on the
   // store's thread when there is time, between points; it does nothing when there is nothing to do.
   // An error costs no data.

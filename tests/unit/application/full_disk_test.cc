@@ -17,6 +17,7 @@ class FullDisk final : public Store, RunStore, ReadingStore, EventStore {
   ReadingStore& readings() override { return *this; }
   ModelStore& models() override { return inner_->models(); }
   EventStore& events() override { return *this; }
+  RemarkStore& remarks() override { return inner_->remarks(); }
 
  private:
   template <class T>

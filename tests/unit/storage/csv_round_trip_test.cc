@@ -48,5 +48,37 @@ TEST_F(CsvRoundTrip, KeepsAWrittenFileWithOddColumnsAndGaps) {
   EXPECT_EQ(exported_after_import(*store, csv), csv);
 }
 
+TEST_F(CsvRoundTrip, KeepsWhichRowsAreExcluded) {
+  for (int row = 0; row < 5; ++row)
+    ASSERT_TRUE(store->runs().commit(example_commit(run, datum, row)));
+  ExclusionRecord out{.id = 0,
+                      .run = run,
+                      .excluded = true,
+                      .rows = {1, 4},
+                      .reason = "fan",
+                      .at = at_s(99),
+                      .who = "ada",
+                      .from = ""};
+  ASSERT_TRUE(store->remarks().exclude(out));
+  const std::string csv =
+      formats::write_dataset_csv(store->runs().dataset(std::vector{run}).value());
+  EXPECT_THAT(csv, testing::HasSubstr("dwell_s,excluded,q1_mm"));
+  EXPECT_EQ(exported_after_import(*store, csv), csv);
+}
+
+// All of it through the migrations: the rows are those that version 1 exported itself.
+TEST(CsvOfVersion1, IsWhatVersion1Exported) {
+  const TemporaryFolder folder;
+  const auto store = open_store(copy_of_version_1_cell(folder));
+  std::ifstream file(DRIFTWISE_SOURCE_DIR "/tests/data/databases/version_1_cell_run_1.csv");
+  std::stringstream exported;
+  exported << file.rdbuf();
+  for (const std::int64_t run : {1, 2}) {  // 2: the import of that file
+    Dataset dataset = store->runs().dataset(std::vector{RunId{run}}).value();
+    dataset.metadata = formats::read_dataset_csv(exported.str(), "v1.csv")->metadata;
+    EXPECT_EQ(formats::write_dataset_csv(dataset), exported.str());
+  }
+}
+
 }  // namespace
 }  // namespace driftwise::storage

@@ -44,6 +44,45 @@ TEST(Schema, OpensADatabaseOfVersion1) {
       example_commit(runs[0].id, store->runs().data(runs[0].id)->at(0).id, 2)));
 }
 
+// What 0.1.0 left of a run on the simulated linear axis, an import, a fit and a promotion: nothing
+// of it changes, and what came later works on it.
+TEST(Schema, BringsACellOfVersion1UpToDate) {
+  const TemporaryFolder folder;
+  const std::string path = copy_of_version_1_cell(folder);
+  ASSERT_EQ(text(path, "PRAGMA user_version"), "1");
+  const auto count = [&](const char* sql) { return text(path, sql); };
+  const std::string readings = count("SELECT count(*) || ' ' || sum(value) FROM reading_value");
+  const std::string values = count("SELECT count(*) || ' ' || sum(value) FROM point_value");
+  {
+    const auto store = open_store(path);
+    const auto runs = store->runs().runs(0, 0).value();
+    ASSERT_EQ(runs.size(), 2u);
+    EXPECT_EQ(runs[1].name, "version 1 run");
+    EXPECT_EQ(store->models().models()->size(), 1u);
+    EXPECT_EQ(store->models().promotions()->back().model, ModelId{1});
+    ExclusionRecord out{.id = 0,
+                        .run = RunId{1},
+                        .excluded = true,
+                        .rows = {2},
+                        .reason = "late",
+                        .at = at_s(0),
+                        .who = "ada",
+                        .from = ""};
+    ASSERT_TRUE(store->remarks().exclude(out));
+    EXPECT_EQ(store->runs().dataset(std::vector{RunId{1}})->excluded[2], 1);
+    EXPECT_TRUE(store->remarks().add_note({.id = 0,
+                                           .on = {.run = {}, .row = {}, .model = ModelId{1}},
+                                           .text = "carried over",
+                                           .at = at_s(0),
+                                           .who = "ada",
+                                           .from = ""}));
+  }
+  EXPECT_EQ(text(path, "PRAGMA user_version"), std::to_string(schema_version()));
+  EXPECT_EQ(text(path, "PRAGMA integrity_check"), "ok");
+  EXPECT_EQ(count("SELECT count(*) || ' ' || sum(value) FROM reading_value"), readings);
+  EXPECT_EQ(count("SELECT count(*) || ' ' || sum(value) FROM point_value"), values);
+}
+
 TEST(Schema, TakesEveryVersionInItsOwnTransaction) {
   const TemporaryFolder folder;
   Database db(folder / "a.db", SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, "");

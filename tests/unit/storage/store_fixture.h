@@ -7,6 +7,8 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 #include <string>
 
 #include "storage/database.h"
@@ -41,6 +43,17 @@ inline std::unique_ptr<Store> open_store(const std::string& path, bool read_only
   auto store = open_sqlite_store(path, read_only, options);
   if (!store) throw std::runtime_error(store.error().message);
   return *std::move(store);
+}
+
+// The database that driftwised 0.1.0 (schema version 1) left of a whole cell's work.
+inline std::string copy_of_version_1_cell(const TemporaryFolder& folder) {
+  std::ifstream file(DRIFTWISE_SOURCE_DIR "/tests/data/databases/version_1_cell.sql");
+  std::stringstream sql;
+  sql << file.rdbuf();
+  EXPECT_FALSE(sql.str().empty());
+  std::string path = folder / "version_1.db";
+  Database(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, "").execute(sql.str());
+  return path;
 }
 
 constexpr std::int64_t kStartNs = 1'790'000'000'000'000'000;  // 2026-09-21T14:13:20Z

@@ -1,0 +1,1378 @@
+-- What driftwised 0.1.0 (schema version 1) left after a real run on the simulated linear axis, an import of its export, a fit
+-- and a promotion: the sqlite3 shell's .dump of the file. Never edited: it stands for the files that are out there.
+PRAGMA user_version = 1; PRAGMA application_id = 1146569794;
+PRAGMA foreign_keys=OFF;
+BEGIN TRANSACTION;
+CREATE TABLE cell_config (  -- every cell.toml that a run was made with
+  hash TEXT NOT NULL PRIMARY KEY,
+  text TEXT NOT NULL
+) STRICT, WITHOUT ROWID;
+INSERT INTO cell_config VALUES('c412eb90d565ce55',replace('# The linear axis of the published study, case A: one flexure axis with a 5 nm scale, one laser interferometer on a\n# stabilised support, ten pt1000. Every key is explained in docs/cell-file.md.\n#\n# This file is a real cell''s description. For the simulated cell use it as a template:\n#   driftwise-cellsim --plant deploy/cells/linear-axis/plant.toml --cell deploy/cells/linear-axis/cell.toml \\n#       --instantiate OUTDIR --speed 200\n# writes OUTDIR/cell.toml with the simulated devices'' addresses.\n\n[cell]\nname = "linear-axis"\ndatabase = "driftwise.sqlite"        # relative paths start from this file''s folder\nlisten = "127.0.0.1:0"           # gRPC; loopback only\ntarget_line = "127.0.0.1:0"      # text targets for controllers without gRPC\n\n[clock]\nepoch = "2026-11-21T11:40:32.897507823Z"\nfile = "clock.state"\nspeed = 200                            # other than 1 only with every device on loopback\n\n# ------------------------------------------------------------------------------------------------ motion\n[[device]]\nid = "axis"\nkind = "pi-gcs"\naddress = "127.0.0.1:36359"\ntimeout_s = 2.0\n\n[device.options]\nvelocity_mm_s = 5.0\n\n[[device.axis]]\nchannel = "q1_mm"                    # as read back from the scale\ndevice_axis = "X"\nmin_mm = -5.0                        # soft limits: nothing moves outside, whoever asks\nmax_mm = 5.0\nu_scale_nm = 5.0                     # declared standard uncertainty\n\n# ----------------------------------------------------------------------------------------------- length\n[[device]]\nid = "laser-x"\nkind = "interferometer-adapter"\naddress = "127.0.0.1:34039"\ntimeout_s = 3.0\nlength = "x_mm"\nu_length_nm = 5.0                    # stability after air correction, published 5 .. 10 nm\n\n[device.options]\nchannel = 1\nsamples = 2048                       # averaged per reading, half a second\nsample_rate_hz = 4096                # lower bound, for the time-out only\ndead_path_mm = 40\nair_channel = "air_degC"             # the interferometer''s own air probe, read with each length\n\n# ------------------------------------------------------------------------------------------ thermometers\n# Four-wire ohms of pt1000, converted here with each probe''s certificate: R = R0 (1 + A t + B t^2).\n# part: "robot" sensors may enter a model that is served to the robot; "instrument" and "air" ones explain the\n# measuring device.\n[[device]]\nid = "scanner"\nkind = "keithley-2701"\naddress = "127.0.0.1:45395"\ntimeout_s = 3.0\nperiod_s = 30\nmax_age_s = 30.0\n\n[device.options]\nnplc = 5\nrange_ohm = 1000\noffset_compensation = true\nmains_hz = 50\n\n[[device.probe]]\nchannel = "t01_degC"\ninput = 101\nr0_ohm = 1000.212\na_per_degc = 0.00390842\nb_per_degc2 = -5.7763e-07\nplace = "interferometer support, stabilised"\npart = "instrument"\nu_k = 0.002\n\n[[device.probe]]\nchannel = "t02_degC"\ninput = 102\nr0_ohm = 999.874\na_per_degc = 0.00390818\nb_per_degc2 = -5.7741e-07\nplace = "interferometer, clamp of the head"\npart = "instrument"\nu_k = 0.002\n\n[[device.probe]]\nchannel = "t03_degC"\ninput = 103\nr0_ohm = 1000.399\na_per_degc = 0.00390801\nb_per_degc2 = -5.7752e-07\nplace = "bridge between support and robot"\npart = "instrument"\nu_k = 0.002\n\n[[device.probe]]\nchannel = "t04_degC"\ninput = 104\nr0_ohm = 999.656\na_per_degc = 0.00390855\nb_per_degc2 = -5.7748e-07\nplace = "air under the cover"\npart = "air"\nu_k = 0.002\n\n[[device.probe]]\nchannel = "t05_degC"\ninput = 105\nr0_ohm = 1000.09\na_per_degc = 0.00390826\nb_per_degc2 = -5.7755e-07\nplace = "robot base"\npart = "robot"\nu_k = 0.002\n\n[[device.probe]]\nchannel = "t06_degC"\ninput = 106\nr0_ohm = 1000.514\na_per_degc = 0.00390811\nb_per_degc2 = -5.7758e-07\nplace = "lower arm"\npart = "robot"\nu_k = 0.002\n\n[[device.probe]]\nchannel = "t07_degC"\ninput = 107\nr0_ohm = 999.931\na_per_degc = 0.00390837\nb_per_degc2 = -5.7744e-07\nplace = "upper arm"\npart = "robot"\nu_k = 0.002\n\n[[device.probe]]\nchannel = "t08_degC"\ninput = 108\nr0_ohm = 999.745\na_per_degc = 0.00390849\nb_per_degc2 = -5.776e-07\nplace = "left posts"\npart = "robot"\nu_k = 0.002\n\n[[device.probe]]\nchannel = "t09_degC"\ninput = 109\nr0_ohm = 1000.303\na_per_degc = 0.0039083\nb_per_degc2 = -5.775e-07\nplace = "right posts"\npart = "robot"\nu_k = 0.002\n\n[[device.probe]]\nchannel = "t10_degC"\ninput = 110\nr0_ohm = 1000.128\na_per_degc = 0.0039082\nb_per_degc2 = -5.7746e-07\nplace = "stage"\npart = "robot"\nu_k = 0.002\n\n# --------------------------------------------------------------------------------------------- stabiliser\n[[device]]\nid = "support"                       # channels support_degC, support_set_degC, support_power_pct\nkind = "watlow-ez-zone"\naddress = "127.0.0.1:38907"\ntimeout_s = 2.0\nperiod_s = 30\nmax_age_s = 30.0\n\n[device.options]\nunit_id = 1\nzone = 1\nword_order = "low_first"             # factory settings of the controller\nunit = "F"\n\n# -------------------------------------------------------------------------------------------------- rules\n[run]\nreadings_per_point = 4               # the published plan\nmax_spread_nm = 5.0                  # standard deviation of a point''s readings\nmax_rereads = 2\nmax_reapproaches = 1\nmax_requeues = 1\nreapproach_mm = 0.1\nsettle_s = 2.0\nin_position_nm = 150.0\nquiet_nm = 60.0\nmove_timeout_s = 30.0\nmax_temperature_age_s = 15.0\n\n[checks]\nstabiliser_band_k = 0.01\nstabiliser_wait_s = 3600.0\nmax_drift_nm_per_min = 60.0\ndrift_window_s = 60.0\n\n[serving]\nrebuild_period_s = 5.0\nmax_age_s = 60.0\nrefuse_stale = false\nrefuse_outside_domain = false\n','\n',char(10)));
+CREATE TABLE channel (  -- one named quantity with its unit: t07_degC
+  channel_id INTEGER PRIMARY KEY,
+  name TEXT NOT NULL UNIQUE,
+  in_point INTEGER NOT NULL DEFAULT 0,   -- 1: has a column in the view point_wide
+  in_reading INTEGER NOT NULL DEFAULT 0  -- 1: has a column in the view reading_wide
+) STRICT;
+INSERT INTO channel VALUES(1,'t01_degC',1,1);
+INSERT INTO channel VALUES(2,'t02_degC',1,1);
+INSERT INTO channel VALUES(3,'t03_degC',1,1);
+INSERT INTO channel VALUES(4,'t04_degC',1,1);
+INSERT INTO channel VALUES(5,'t05_degC',1,1);
+INSERT INTO channel VALUES(6,'t06_degC',1,1);
+INSERT INTO channel VALUES(7,'t07_degC',1,1);
+INSERT INTO channel VALUES(8,'t08_degC',1,1);
+INSERT INTO channel VALUES(9,'t09_degC',1,1);
+INSERT INTO channel VALUES(10,'t10_degC',1,1);
+INSERT INTO channel VALUES(11,'support_degC',1,1);
+INSERT INTO channel VALUES(12,'support_set_degC',1,1);
+INSERT INTO channel VALUES(13,'support_power_pct',1,1);
+INSERT INTO channel VALUES(14,'q1_mm',1,1);
+INSERT INTO channel VALUES(15,'x_mm',1,1);
+INSERT INTO channel VALUES(16,'air_degC',1,1);
+INSERT INTO channel VALUES(17,'level_pct',1,1);
+INSERT INTO channel VALUES(18,'x_std_nm',1,1);
+INSERT INTO channel VALUES(19,'q1_cmd_mm',1,0);
+CREATE TABLE device (
+  device_id INTEGER PRIMARY KEY,
+  name TEXT NOT NULL UNIQUE  -- its id in cell.toml
+) STRICT;
+INSERT INTO device VALUES(1,'scanner');
+INSERT INTO device VALUES(2,'support');
+INSERT INTO device VALUES(3,'axis');
+INSERT INTO device VALUES(4,'laser-x');
+CREATE TABLE run (  -- one execution of a trajectory, or one imported file: what never changes
+  run_id INTEGER PRIMARY KEY,
+  name TEXT NOT NULL,
+  trajectory_name TEXT NOT NULL,
+  trajectory_text TEXT NOT NULL,  -- the file as it was given
+  trajectory_rows INTEGER NOT NULL,
+  rules_json TEXT NOT NULL,       -- the rules of [run] as used
+  config_hash TEXT NOT NULL REFERENCES cell_config (hash),
+  operator_name TEXT NOT NULL,
+  request_id TEXT NOT NULL,       -- empty: none
+  created_ns INTEGER NOT NULL,    -- UTC, nanoseconds since 1970, like every *_ns that is not *_monotonic_ns
+  created_monotonic_ns INTEGER NOT NULL,  -- nanoseconds since the daemon started: never runs back
+  created_utc TEXT AS (strftime('%Y-%m-%dT%H:%M:%S', created_ns / 1000000000, 'unixepoch') || printf('.%09dZ', created_ns % 1000000000)) VIRTUAL
+) STRICT;
+INSERT INTO run VALUES(1,'version 1 run','t.csv',replace('q1_mm,set,line,zero\n0,calibration,0,1\n-2,calibration,0,0\n-1,validation,0,0\n1,calibration,0,0\n2,calibration,0,0\n0,calibration,1,1\n-2,validation,1,0\n-1,calibration,1,0\n1,calibration,1,0\n2,validation,1,0\n','\n',char(10)),10,'{"readings_per_point":4,"max_spread_nm":5.0,"max_rereads":2,"max_reapproaches":1,"max_requeues":1,"reapproach_mm":0.1,"settle_s":2.0,"in_position_nm":150.0,"quiet_nm":60.0,"move_timeout_s":30.0,"max_temperature_age_s":15.0,"compensate":false}','c412eb90d565ce55','ada','cli-07fd1b7761cccf04',1795262149225798023,399759130800);
+INSERT INTO run VALUES(2,'imported','','',10,'{}','c412eb90d565ce55','ada','',1795262353102936623,603636281000);
+CREATE TABLE run_progress (  -- where each run stands; its own table because every point rewrites it
+  run_id INTEGER PRIMARY KEY REFERENCES run (run_id),
+  state TEXT NOT NULL CHECK (state IN ('queued', 'running', 'paused', 'waiting', 'done', 'aborted', 'failed')),
+  reason TEXT NOT NULL DEFAULT '',
+  started_ns INTEGER NOT NULL DEFAULT 0,  -- 0: not yet
+  ended_ns INTEGER NOT NULL DEFAULT 0,
+  next_row INTEGER NOT NULL DEFAULT 0,    -- trajectory rows before it are decided, except those of requeued
+  requeued TEXT NOT NULL DEFAULT '',      -- "row:count row:count": visited again at the end of their line
+  accepted INTEGER NOT NULL DEFAULT 0,
+  given_up INTEGER NOT NULL DEFAULT 0,
+  attempts INTEGER NOT NULL DEFAULT 0,
+  restarts INTEGER NOT NULL DEFAULT 0,
+  max_lag_s REAL NOT NULL DEFAULT 0
+) STRICT;
+INSERT INTO run_progress VALUES(1,'done','',1795262149359807223,1795262343092000223,10,'',10,0,11,0,0.74796800000000007724);
+INSERT INTO run_progress VALUES(2,'done','imported',1795262353102936623,1795262353102936623,10,'',10,0,0,0,0.0);
+CREATE TABLE datum (  -- one stretch of data between two zeroings
+  datum_id INTEGER PRIMARY KEY,
+  run_id INTEGER REFERENCES run (run_id),
+  opened_ns INTEGER NOT NULL,
+  opened_monotonic_ns INTEGER NOT NULL,
+  reason TEXT NOT NULL,
+  file_datum INTEGER,  -- imported: its number in the file
+  opened_utc TEXT AS (strftime('%Y-%m-%dT%H:%M:%S', opened_ns / 1000000000, 'unixepoch') || printf('.%09dZ', opened_ns % 1000000000)) VIRTUAL
+) STRICT;
+INSERT INTO datum VALUES(1,1,1795262233655367223,484188699600,'start',NULL);
+INSERT INTO datum VALUES(2,2,1795262353102936623,603636281000,'imported',NULL);
+CREATE TABLE datum_value (  -- readings before the zeroing, and every temperature at that instant
+  datum_id INTEGER NOT NULL REFERENCES datum (datum_id),
+  channel_id INTEGER NOT NULL REFERENCES channel (channel_id),
+  value ANY CHECK (typeof(value) IN ('real', 'null')),
+  PRIMARY KEY (datum_id, channel_id)
+) STRICT, WITHOUT ROWID;
+INSERT INTO datum_value VALUES(1,1,22.956914894026542838);
+INSERT INTO datum_value VALUES(1,2,22.590865024662125648);
+INSERT INTO datum_value VALUES(1,3,22.818659247746079898);
+INSERT INTO datum_value VALUES(1,4,20.623160754377195757);
+INSERT INTO datum_value VALUES(1,5,20.554878267636521372);
+INSERT INTO datum_value VALUES(1,6,20.55396209647099326);
+INSERT INTO datum_value VALUES(1,7,20.498454291055665521);
+INSERT INTO datum_value VALUES(1,8,20.528441499379567857);
+INSERT INTO datum_value VALUES(1,9,20.524587437971412383);
+INSERT INTO datum_value VALUES(1,10,20.499138617697578723);
+INSERT INTO datum_value VALUES(1,11,23.001598782009548215);
+INSERT INTO datum_value VALUES(1,12,23.000000847710502683);
+INSERT INTO datum_value VALUES(1,13,31.946662845724464574);
+INSERT INTO datum_value VALUES(1,14,3.1518674999999998548e-05);
+INSERT INTO datum_value VALUES(1,15,-0.1369511130750000194);
+INSERT INTO datum_value VALUES(1,16,20.620000000000000995);
+INSERT INTO datum_value VALUES(1,17,85.0);
+CREATE TABLE point (  -- one accepted visit of a trajectory row
+  point_id INTEGER PRIMARY KEY,
+  run_id INTEGER NOT NULL REFERENCES run (run_id),
+  trajectory_row INTEGER NOT NULL,  -- counted from 0
+  datum_id INTEGER NOT NULL REFERENCES datum (datum_id),
+  point_set TEXT NOT NULL CHECK (point_set IN ('calibration', 'validation')),
+  line INTEGER NOT NULL,
+  is_zero INTEGER NOT NULL CHECK (is_zero IN (0, 1)),  -- 1: a return to zero
+  measured_ns INTEGER NOT NULL,     -- middle of its readings
+  measured_monotonic_ns INTEGER NOT NULL,
+  dwell_s ANY,                      -- between the end of the move and the measurement
+  file_time_s ANY,                  -- imported: time_s and run as they stand in the file
+  file_run INTEGER,
+  measured_utc TEXT AS (strftime('%Y-%m-%dT%H:%M:%S', measured_ns / 1000000000, 'unixepoch') || printf('.%09dZ', measured_ns % 1000000000)) VIRTUAL
+) STRICT;
+INSERT INTO point VALUES(1,1,0,1,'calibration',0,1,1795262250917399423,501450730600,3.3629870000000003926,NULL,NULL);
+INSERT INTO point VALUES(2,1,1,1,'calibration',0,0,1795262257754657523,508287989900,3.5244149000000000171,NULL,NULL);
+INSERT INTO point VALUES(3,1,2,1,'validation',0,0,1795262263650102823,514183434000,3.4507898000000003513,NULL,NULL);
+INSERT INTO point VALUES(4,1,3,1,'calibration',0,0,1795262282263555223,532796888000,3.5325876000000002719,NULL,NULL);
+INSERT INTO point VALUES(5,1,4,1,'calibration',0,0,1795262288460270423,538993601400,3.667550600000000216,NULL,NULL);
+INSERT INTO point VALUES(6,1,5,1,'calibration',1,1,1795262294510011823,545043344400,3.3080608000000002455,NULL,NULL);
+INSERT INTO point VALUES(7,1,6,1,'validation',1,0,1795262312090329823,562623661000,3.5031394000000002364,NULL,NULL);
+INSERT INTO point VALUES(8,1,7,1,'calibration',1,0,1795262318040653323,568573984300,3.5627413000000003329,NULL,NULL);
+INSERT INTO point VALUES(9,1,8,1,'calibration',1,0,1795262327500504023,578033836600,6.7331358000000003372,NULL,NULL);
+INSERT INTO point VALUES(10,1,9,1,'validation',1,0,1795262341702572323,592235904900,3.5237445000000002792,NULL,NULL);
+INSERT INTO point VALUES(11,2,0,2,'calibration',0,1,1795262353102936623,603636281000,3.3629870000000003926,0.0,NULL);
+INSERT INTO point VALUES(12,2,1,2,'calibration',0,0,1795262359940194723,610473539100,3.5244149000000000171,6.837258099999999672,NULL);
+INSERT INTO point VALUES(13,2,2,2,'validation',0,0,1795262365835640023,616368984400,3.4507898000000003513,12.732703400000000115,NULL);
+INSERT INTO point VALUES(14,2,3,2,'calibration',0,0,1795262384449092423,634982436800,3.5325876000000002719,31.346155799999998237,NULL);
+INSERT INTO point VALUES(15,2,4,2,'calibration',0,0,1795262390645807623,641179152000,3.667550600000000216,37.542870999999998105,NULL);
+INSERT INTO point VALUES(16,2,5,2,'calibration',1,1,1795262396695549023,647228893400,3.3080608000000002455,43.592612400000000151,NULL);
+INSERT INTO point VALUES(17,2,6,2,'validation',1,0,1795262414275867023,664809211400,3.5031394000000002364,61.172930399999998485,NULL);
+INSERT INTO point VALUES(18,2,7,2,'calibration',1,0,1795262420226190523,670759534900,3.5627413000000003329,67.123253899999994588,NULL);
+INSERT INTO point VALUES(19,2,8,2,'calibration',1,0,1795262429686041223,680219385600,6.7331358000000003372,76.583104599999998638,NULL);
+INSERT INTO point VALUES(20,2,9,2,'validation',1,0,1795262443888109523,694421453900,3.5237445000000002792,90.785172900000006279,NULL);
+CREATE TABLE point_value (  -- joined values: means of the readings, temperatures at that time, commanded coordinates
+  point_id INTEGER NOT NULL REFERENCES point (point_id),
+  channel_id INTEGER NOT NULL,
+  value ANY CHECK (typeof(value) IN ('real', 'null')),
+  PRIMARY KEY (point_id, channel_id)
+) STRICT, WITHOUT ROWID;
+INSERT INTO point_value VALUES(1,1,22.956914894026542838);
+INSERT INTO point_value VALUES(1,2,22.590865024662125648);
+INSERT INTO point_value VALUES(1,3,22.818659247746079898);
+INSERT INTO point_value VALUES(1,4,20.623160754377195757);
+INSERT INTO point_value VALUES(1,5,20.554878267636521372);
+INSERT INTO point_value VALUES(1,6,20.55396209647099326);
+INSERT INTO point_value VALUES(1,7,20.498454291055665521);
+INSERT INTO point_value VALUES(1,8,20.528441499379567857);
+INSERT INTO point_value VALUES(1,9,20.524587437971412383);
+INSERT INTO point_value VALUES(1,10,20.499138617697578723);
+INSERT INTO point_value VALUES(1,11,23.001598782009548215);
+INSERT INTO point_value VALUES(1,12,23.000000847710502683);
+INSERT INTO point_value VALUES(1,13,31.933950424194335938);
+INSERT INTO point_value VALUES(1,14,3.1999999999999998551e-05);
+INSERT INTO point_value VALUES(1,15,-6.2051000000000001025e-06);
+INSERT INTO point_value VALUES(1,16,20.620000000000000995);
+INSERT INTO point_value VALUES(1,17,85.0);
+INSERT INTO point_value VALUES(1,18,1.5131629478237516028);
+INSERT INTO point_value VALUES(1,19,0.0);
+INSERT INTO point_value VALUES(2,1,22.956914894026542838);
+INSERT INTO point_value VALUES(2,2,22.590865024662125648);
+INSERT INTO point_value VALUES(2,3,22.818659247746079898);
+INSERT INTO point_value VALUES(2,4,20.623160754377195757);
+INSERT INTO point_value VALUES(2,5,20.554878267636521372);
+INSERT INTO point_value VALUES(2,6,20.55396209647099326);
+INSERT INTO point_value VALUES(2,7,20.498454291055665521);
+INSERT INTO point_value VALUES(2,8,20.528441499379567857);
+INSERT INTO point_value VALUES(2,9,20.524587437971412383);
+INSERT INTO point_value VALUES(2,10,20.499138617697578723);
+INSERT INTO point_value VALUES(2,11,23.001598782009548215);
+INSERT INTO point_value VALUES(2,12,23.000000847710502683);
+INSERT INTO point_value VALUES(2,13,31.933950424194335938);
+INSERT INTO point_value VALUES(2,14,-1.9999690000000001077);
+INSERT INTO point_value VALUES(2,15,-2.0000409096000000275);
+INSERT INTO point_value VALUES(2,16,20.622500000000002274);
+INSERT INTO point_value VALUES(2,17,85.0);
+INSERT INTO point_value VALUES(2,18,1.7606422445079794592);
+INSERT INTO point_value VALUES(2,19,-2.0);
+INSERT INTO point_value VALUES(3,1,22.957120935065354673);
+INSERT INTO point_value VALUES(3,2,22.591998577304750028);
+INSERT INTO point_value VALUES(3,3,22.819328798299427063);
+INSERT INTO point_value VALUES(3,4,20.624165030495596796);
+INSERT INTO point_value VALUES(3,5,20.554904008545847205);
+INSERT INTO point_value VALUES(3,6,20.554348061423926452);
+INSERT INTO point_value VALUES(3,7,20.500050407743152902);
+INSERT INTO point_value VALUES(3,8,20.530655834878004384);
+INSERT INTO point_value VALUES(3,9,20.526157268312463343);
+INSERT INTO point_value VALUES(3,10,20.501069109074226304);
+INSERT INTO point_value VALUES(3,11,23.001598782009548215);
+INSERT INTO point_value VALUES(3,12,23.000000847710502683);
+INSERT INTO point_value VALUES(3,13,31.908206331157394687);
+INSERT INTO point_value VALUES(3,14,-1.0000269999999999992);
+INSERT INTO point_value VALUES(3,15,-1.0000715700000000207);
+INSERT INTO point_value VALUES(3,16,20.620000000000000995);
+INSERT INTO point_value VALUES(3,17,85.0);
+INSERT INTO point_value VALUES(3,18,1.0338267101812343984);
+INSERT INTO point_value VALUES(3,19,-1.0);
+INSERT INTO point_value VALUES(4,1,22.957120935065354673);
+INSERT INTO point_value VALUES(4,2,22.591998577304750028);
+INSERT INTO point_value VALUES(4,3,22.819328798299427063);
+INSERT INTO point_value VALUES(4,4,20.624165030495596796);
+INSERT INTO point_value VALUES(4,5,20.554904008545847205);
+INSERT INTO point_value VALUES(4,6,20.554348061423926452);
+INSERT INTO point_value VALUES(4,7,20.500050407743152902);
+INSERT INTO point_value VALUES(4,8,20.530655834878004384);
+INSERT INTO point_value VALUES(4,9,20.526157268312463343);
+INSERT INTO point_value VALUES(4,10,20.501069109074226304);
+INSERT INTO point_value VALUES(4,11,23.001598782009548215);
+INSERT INTO point_value VALUES(4,12,23.000000847710502683);
+INSERT INTO point_value VALUES(4,13,31.897106170654296875);
+INSERT INTO point_value VALUES(4,14,1.0000350000000000072);
+INSERT INTO point_value VALUES(4,15,0.9999840384000000526);
+INSERT INTO point_value VALUES(4,16,20.622500000000002274);
+INSERT INTO point_value VALUES(4,17,85.0);
+INSERT INTO point_value VALUES(4,18,0.91787146523720841706);
+INSERT INTO point_value VALUES(4,19,1.0);
+INSERT INTO point_value VALUES(5,1,22.957120935065354673);
+INSERT INTO point_value VALUES(5,2,22.591998577304750028);
+INSERT INTO point_value VALUES(5,3,22.819328798299427063);
+INSERT INTO point_value VALUES(5,4,20.624165030495596796);
+INSERT INTO point_value VALUES(5,5,20.554904008545847205);
+INSERT INTO point_value VALUES(5,6,20.554348061423926452);
+INSERT INTO point_value VALUES(5,7,20.500050407743152902);
+INSERT INTO point_value VALUES(5,8,20.530655834878004384);
+INSERT INTO point_value VALUES(5,9,20.526157268312463343);
+INSERT INTO point_value VALUES(5,10,20.501069109074226304);
+INSERT INTO point_value VALUES(5,11,23.001598782009548215);
+INSERT INTO point_value VALUES(5,12,23.000000847710502683);
+INSERT INTO point_value VALUES(5,13,31.897106170654296875);
+INSERT INTO point_value VALUES(5,14,2.0000300000000001965);
+INSERT INTO point_value VALUES(5,15,1.9999465355749999062);
+INSERT INTO point_value VALUES(5,16,20.620000000000000995);
+INSERT INTO point_value VALUES(5,17,85.0);
+INSERT INTO point_value VALUES(5,18,1.0504224908451296194);
+INSERT INTO point_value VALUES(5,19,2.0);
+INSERT INTO point_value VALUES(6,1,22.956219505613571385);
+INSERT INTO point_value VALUES(6,2,22.592204677826305924);
+INSERT INTO point_value VALUES(6,3,22.819534813881112711);
+INSERT INTO point_value VALUES(6,4,20.624499789268327277);
+INSERT INTO point_value VALUES(6,5,20.555624754085350502);
+INSERT INTO point_value VALUES(6,6,20.556046307743329748);
+INSERT INTO point_value VALUES(6,7,20.501183136174390142);
+INSERT INTO point_value VALUES(6,8,20.534569547697003599);
+INSERT INTO point_value VALUES(6,9,20.528833702058847166);
+INSERT INTO point_value VALUES(6,10,20.502433323648514118);
+INSERT INTO point_value VALUES(6,11,23.001527555682297788);
+INSERT INTO point_value VALUES(6,12,23.000000847710502683);
+INSERT INTO point_value VALUES(6,13,31.848235464930741756);
+INSERT INTO point_value VALUES(6,14,-3.2999999999999995753e-05);
+INSERT INTO point_value VALUES(6,15,-6.7928150000000001159e-05);
+INSERT INTO point_value VALUES(6,16,20.625);
+INSERT INTO point_value VALUES(6,17,85.0);
+INSERT INTO point_value VALUES(6,18,1.665164265170257174);
+INSERT INTO point_value VALUES(6,19,0.0);
+INSERT INTO point_value VALUES(7,1,22.956219505613571385);
+INSERT INTO point_value VALUES(7,2,22.592204677826305924);
+INSERT INTO point_value VALUES(7,3,22.819534813881112711);
+INSERT INTO point_value VALUES(7,4,20.624499789268327277);
+INSERT INTO point_value VALUES(7,5,20.555624754085350502);
+INSERT INTO point_value VALUES(7,6,20.556046307743329748);
+INSERT INTO point_value VALUES(7,7,20.501183136174390142);
+INSERT INTO point_value VALUES(7,8,20.534569547697003599);
+INSERT INTO point_value VALUES(7,9,20.528833702058847166);
+INSERT INTO point_value VALUES(7,10,20.502433323648514118);
+INSERT INTO point_value VALUES(7,11,23.001501295301647331);
+INSERT INTO point_value VALUES(7,12,23.000000847710502683);
+INSERT INTO point_value VALUES(7,13,31.830217361450195312);
+INSERT INTO point_value VALUES(7,14,-1.9999709999999999432);
+INSERT INTO point_value VALUES(7,15,-2.0000467985750001176);
+INSERT INTO point_value VALUES(7,16,20.622500000000002274);
+INSERT INTO point_value VALUES(7,17,85.0);
+INSERT INTO point_value VALUES(7,18,2.3047394970075956166);
+INSERT INTO point_value VALUES(7,19,-2.0);
+INSERT INTO point_value VALUES(8,1,22.956219505613571385);
+INSERT INTO point_value VALUES(8,2,22.592204677826305924);
+INSERT INTO point_value VALUES(8,3,22.819534813881112711);
+INSERT INTO point_value VALUES(8,4,20.624499789268327277);
+INSERT INTO point_value VALUES(8,5,20.555624754085350502);
+INSERT INTO point_value VALUES(8,6,20.556046307743329748);
+INSERT INTO point_value VALUES(8,7,20.501183136174390142);
+INSERT INTO point_value VALUES(8,8,20.534569547697003599);
+INSERT INTO point_value VALUES(8,9,20.528833702058847166);
+INSERT INTO point_value VALUES(8,10,20.502433323648514118);
+INSERT INTO point_value VALUES(8,11,23.001501295301647331);
+INSERT INTO point_value VALUES(8,12,23.000000847710502683);
+INSERT INTO point_value VALUES(8,13,31.830217361450195312);
+INSERT INTO point_value VALUES(8,14,-1.000032000000000032);
+INSERT INTO point_value VALUES(8,15,-1.0000760098499998917);
+INSERT INTO point_value VALUES(8,16,20.622500000000002274);
+INSERT INTO point_value VALUES(8,17,85.0);
+INSERT INTO point_value VALUES(8,18,3.3230545149886405731);
+INSERT INTO point_value VALUES(8,19,-1.0);
+INSERT INTO point_value VALUES(9,1,22.956116485120105607);
+INSERT INTO point_value VALUES(9,2,22.592642641476547993);
+INSERT INTO point_value VALUES(9,3,22.819277294405949873);
+INSERT INTO point_value VALUES(9,4,20.625504065786476105);
+INSERT INTO point_value VALUES(9,5,20.556422722541356051);
+INSERT INTO point_value VALUES(9,6,20.555994845720956475);
+INSERT INTO point_value VALUES(9,7,20.502470328036515923);
+INSERT INTO point_value VALUES(9,8,20.535161754638803443);
+INSERT INTO point_value VALUES(9,9,20.531304258176568567);
+INSERT INTO point_value VALUES(9,10,20.504080677834185309);
+INSERT INTO point_value VALUES(9,11,23.002081853511281649);
+INSERT INTO point_value VALUES(9,12,23.000000847710502683);
+INSERT INTO point_value VALUES(9,13,31.662055509348892457);
+INSERT INTO point_value VALUES(9,14,0.9999660000000000215);
+INSERT INTO point_value VALUES(9,15,0.99991865452499995026);
+INSERT INTO point_value VALUES(9,16,20.625);
+INSERT INTO point_value VALUES(9,17,85.0);
+INSERT INTO point_value VALUES(9,18,0.93081824356127240704);
+INSERT INTO point_value VALUES(9,19,1.0);
+INSERT INTO point_value VALUES(10,1,22.956116485120105607);
+INSERT INTO point_value VALUES(10,2,22.592642641476547993);
+INSERT INTO point_value VALUES(10,3,22.819277294405949873);
+INSERT INTO point_value VALUES(10,4,20.625504065786476105);
+INSERT INTO point_value VALUES(10,5,20.556422722541356051);
+INSERT INTO point_value VALUES(10,6,20.555994845720956475);
+INSERT INTO point_value VALUES(10,7,20.502470328036515923);
+INSERT INTO point_value VALUES(10,8,20.535161754638803443);
+INSERT INTO point_value VALUES(10,9,20.531304258176568567);
+INSERT INTO point_value VALUES(10,10,20.504080677834185309);
+INSERT INTO point_value VALUES(10,11,23.002200656467014284);
+INSERT INTO point_value VALUES(10,12,23.000000847710502683);
+INSERT INTO point_value VALUES(10,13,31.627643585205078124);
+INSERT INTO point_value VALUES(10,14,2.0000330000000001717);
+INSERT INTO point_value VALUES(10,15,1.9999483617000000101);
+INSERT INTO point_value VALUES(10,16,20.629999999999999004);
+INSERT INTO point_value VALUES(10,17,85.0);
+INSERT INTO point_value VALUES(10,18,2.1534556987646049641);
+INSERT INTO point_value VALUES(10,19,2.0);
+INSERT INTO point_value VALUES(11,1,22.956914894026542838);
+INSERT INTO point_value VALUES(11,2,22.590865024662125648);
+INSERT INTO point_value VALUES(11,3,22.818659247746079898);
+INSERT INTO point_value VALUES(11,4,20.623160754377195757);
+INSERT INTO point_value VALUES(11,5,20.554878267636521372);
+INSERT INTO point_value VALUES(11,6,20.55396209647099326);
+INSERT INTO point_value VALUES(11,7,20.498454291055665521);
+INSERT INTO point_value VALUES(11,8,20.528441499379567857);
+INSERT INTO point_value VALUES(11,9,20.524587437971412383);
+INSERT INTO point_value VALUES(11,10,20.499138617697578723);
+INSERT INTO point_value VALUES(11,11,23.001598782009548215);
+INSERT INTO point_value VALUES(11,12,23.000000847710502683);
+INSERT INTO point_value VALUES(11,13,31.933950424194335938);
+INSERT INTO point_value VALUES(11,14,3.1999999999999998551e-05);
+INSERT INTO point_value VALUES(11,15,-6.2051000000000001025e-06);
+INSERT INTO point_value VALUES(11,16,20.620000000000000995);
+INSERT INTO point_value VALUES(11,17,85.0);
+INSERT INTO point_value VALUES(11,18,1.5131629478237516028);
+INSERT INTO point_value VALUES(11,19,0.0);
+INSERT INTO point_value VALUES(12,1,22.956914894026542838);
+INSERT INTO point_value VALUES(12,2,22.590865024662125648);
+INSERT INTO point_value VALUES(12,3,22.818659247746079898);
+INSERT INTO point_value VALUES(12,4,20.623160754377195757);
+INSERT INTO point_value VALUES(12,5,20.554878267636521372);
+INSERT INTO point_value VALUES(12,6,20.55396209647099326);
+INSERT INTO point_value VALUES(12,7,20.498454291055665521);
+INSERT INTO point_value VALUES(12,8,20.528441499379567857);
+INSERT INTO point_value VALUES(12,9,20.524587437971412383);
+INSERT INTO point_value VALUES(12,10,20.499138617697578723);
+INSERT INTO point_value VALUES(12,11,23.001598782009548215);
+INSERT INTO point_value VALUES(12,12,23.000000847710502683);
+INSERT INTO point_value VALUES(12,13,31.933950424194335938);
+INSERT INTO point_value VALUES(12,14,-1.9999690000000001077);
+INSERT INTO point_value VALUES(12,15,-2.0000409096000000275);
+INSERT INTO point_value VALUES(12,16,20.622500000000002274);
+INSERT INTO point_value VALUES(12,17,85.0);
+INSERT INTO point_value VALUES(12,18,1.7606422445079794592);
+INSERT INTO point_value VALUES(12,19,-2.0);
+INSERT INTO point_value VALUES(13,1,22.957120935065354673);
+INSERT INTO point_value VALUES(13,2,22.591998577304750028);
+INSERT INTO point_value VALUES(13,3,22.819328798299427063);
+INSERT INTO point_value VALUES(13,4,20.624165030495596796);
+INSERT INTO point_value VALUES(13,5,20.554904008545847205);
+INSERT INTO point_value VALUES(13,6,20.554348061423926452);
+INSERT INTO point_value VALUES(13,7,20.500050407743152902);
+INSERT INTO point_value VALUES(13,8,20.530655834878004384);
+INSERT INTO point_value VALUES(13,9,20.526157268312463343);
+INSERT INTO point_value VALUES(13,10,20.501069109074226304);
+INSERT INTO point_value VALUES(13,11,23.001598782009548215);
+INSERT INTO point_value VALUES(13,12,23.000000847710502683);
+INSERT INTO point_value VALUES(13,13,31.908206331157394687);
+INSERT INTO point_value VALUES(13,14,-1.0000269999999999992);
+INSERT INTO point_value VALUES(13,15,-1.0000715700000000207);
+INSERT INTO point_value VALUES(13,16,20.620000000000000995);
+INSERT INTO point_value VALUES(13,17,85.0);
+INSERT INTO point_value VALUES(13,18,1.0338267101812343984);
+INSERT INTO point_value VALUES(13,19,-1.0);
+INSERT INTO point_value VALUES(14,1,22.957120935065354673);
+INSERT INTO point_value VALUES(14,2,22.591998577304750028);
+INSERT INTO point_value VALUES(14,3,22.819328798299427063);
+INSERT INTO point_value VALUES(14,4,20.624165030495596796);
+INSERT INTO point_value VALUES(14,5,20.554904008545847205);
+INSERT INTO point_value VALUES(14,6,20.554348061423926452);
+INSERT INTO point_value VALUES(14,7,20.500050407743152902);
+INSERT INTO point_value VALUES(14,8,20.530655834878004384);
+INSERT INTO point_value VALUES(14,9,20.526157268312463343);
+INSERT INTO point_value VALUES(14,10,20.501069109074226304);
+INSERT INTO point_value VALUES(14,11,23.001598782009548215);
+INSERT INTO point_value VALUES(14,12,23.000000847710502683);
+INSERT INTO point_value VALUES(14,13,31.897106170654296875);
+INSERT INTO point_value VALUES(14,14,1.0000350000000000072);
+INSERT INTO point_value VALUES(14,15,0.9999840384000000526);
+INSERT INTO point_value VALUES(14,16,20.622500000000002274);
+INSERT INTO point_value VALUES(14,17,85.0);
+INSERT INTO point_value VALUES(14,18,0.91787146523720841706);
+INSERT INTO point_value VALUES(14,19,1.0);
+INSERT INTO point_value VALUES(15,1,22.957120935065354673);
+INSERT INTO point_value VALUES(15,2,22.591998577304750028);
+INSERT INTO point_value VALUES(15,3,22.819328798299427063);
+INSERT INTO point_value VALUES(15,4,20.624165030495596796);
+INSERT INTO point_value VALUES(15,5,20.554904008545847205);
+INSERT INTO point_value VALUES(15,6,20.554348061423926452);
+INSERT INTO point_value VALUES(15,7,20.500050407743152902);
+INSERT INTO point_value VALUES(15,8,20.530655834878004384);
+INSERT INTO point_value VALUES(15,9,20.526157268312463343);
+INSERT INTO point_value VALUES(15,10,20.501069109074226304);
+INSERT INTO point_value VALUES(15,11,23.001598782009548215);
+INSERT INTO point_value VALUES(15,12,23.000000847710502683);
+INSERT INTO point_value VALUES(15,13,31.897106170654296875);
+INSERT INTO point_value VALUES(15,14,2.0000300000000001965);
+INSERT INTO point_value VALUES(15,15,1.9999465355749999062);
+INSERT INTO point_value VALUES(15,16,20.620000000000000995);
+INSERT INTO point_value VALUES(15,17,85.0);
+INSERT INTO point_value VALUES(15,18,1.0504224908451296194);
+INSERT INTO point_value VALUES(15,19,2.0);
+INSERT INTO point_value VALUES(16,1,22.956219505613571385);
+INSERT INTO point_value VALUES(16,2,22.592204677826305924);
+INSERT INTO point_value VALUES(16,3,22.819534813881112711);
+INSERT INTO point_value VALUES(16,4,20.624499789268327277);
+INSERT INTO point_value VALUES(16,5,20.555624754085350502);
+INSERT INTO point_value VALUES(16,6,20.556046307743329748);
+INSERT INTO point_value VALUES(16,7,20.501183136174390142);
+INSERT INTO point_value VALUES(16,8,20.534569547697003599);
+INSERT INTO point_value VALUES(16,9,20.528833702058847166);
+INSERT INTO point_value VALUES(16,10,20.502433323648514118);
+INSERT INTO point_value VALUES(16,11,23.001527555682297788);
+INSERT INTO point_value VALUES(16,12,23.000000847710502683);
+INSERT INTO point_value VALUES(16,13,31.848235464930741756);
+INSERT INTO point_value VALUES(16,14,-3.2999999999999995753e-05);
+INSERT INTO point_value VALUES(16,15,-6.7928150000000001159e-05);
+INSERT INTO point_value VALUES(16,16,20.625);
+INSERT INTO point_value VALUES(16,17,85.0);
+INSERT INTO point_value VALUES(16,18,1.665164265170257174);
+INSERT INTO point_value VALUES(16,19,0.0);
+INSERT INTO point_value VALUES(17,1,22.956219505613571385);
+INSERT INTO point_value VALUES(17,2,22.592204677826305924);
+INSERT INTO point_value VALUES(17,3,22.819534813881112711);
+INSERT INTO point_value VALUES(17,4,20.624499789268327277);
+INSERT INTO point_value VALUES(17,5,20.555624754085350502);
+INSERT INTO point_value VALUES(17,6,20.556046307743329748);
+INSERT INTO point_value VALUES(17,7,20.501183136174390142);
+INSERT INTO point_value VALUES(17,8,20.534569547697003599);
+INSERT INTO point_value VALUES(17,9,20.528833702058847166);
+INSERT INTO point_value VALUES(17,10,20.502433323648514118);
+INSERT INTO point_value VALUES(17,11,23.001501295301647331);
+INSERT INTO point_value VALUES(17,12,23.000000847710502683);
+INSERT INTO point_value VALUES(17,13,31.830217361450195312);
+INSERT INTO point_value VALUES(17,14,-1.9999709999999999432);
+INSERT INTO point_value VALUES(17,15,-2.0000467985750001176);
+INSERT INTO point_value VALUES(17,16,20.622500000000002274);
+INSERT INTO point_value VALUES(17,17,85.0);
+INSERT INTO point_value VALUES(17,18,2.3047394970075956166);
+INSERT INTO point_value VALUES(17,19,-2.0);
+INSERT INTO point_value VALUES(18,1,22.956219505613571385);
+INSERT INTO point_value VALUES(18,2,22.592204677826305924);
+INSERT INTO point_value VALUES(18,3,22.819534813881112711);
+INSERT INTO point_value VALUES(18,4,20.624499789268327277);
+INSERT INTO point_value VALUES(18,5,20.555624754085350502);
+INSERT INTO point_value VALUES(18,6,20.556046307743329748);
+INSERT INTO point_value VALUES(18,7,20.501183136174390142);
+INSERT INTO point_value VALUES(18,8,20.534569547697003599);
+INSERT INTO point_value VALUES(18,9,20.528833702058847166);
+INSERT INTO point_value VALUES(18,10,20.502433323648514118);
+INSERT INTO point_value VALUES(18,11,23.001501295301647331);
+INSERT INTO point_value VALUES(18,12,23.000000847710502683);
+INSERT INTO point_value VALUES(18,13,31.830217361450195312);
+INSERT INTO point_value VALUES(18,14,-1.000032000000000032);
+INSERT INTO point_value VALUES(18,15,-1.0000760098499998917);
+INSERT INTO point_value VALUES(18,16,20.622500000000002274);
+INSERT INTO point_value VALUES(18,17,85.0);
+INSERT INTO point_value VALUES(18,18,3.3230545149886405731);
+INSERT INTO point_value VALUES(18,19,-1.0);
+INSERT INTO point_value VALUES(19,1,22.956116485120105607);
+INSERT INTO point_value VALUES(19,2,22.592642641476547993);
+INSERT INTO point_value VALUES(19,3,22.819277294405949873);
+INSERT INTO point_value VALUES(19,4,20.625504065786476105);
+INSERT INTO point_value VALUES(19,5,20.556422722541356051);
+INSERT INTO point_value VALUES(19,6,20.555994845720956475);
+INSERT INTO point_value VALUES(19,7,20.502470328036515923);
+INSERT INTO point_value VALUES(19,8,20.535161754638803443);
+INSERT INTO point_value VALUES(19,9,20.531304258176568567);
+INSERT INTO point_value VALUES(19,10,20.504080677834185309);
+INSERT INTO point_value VALUES(19,11,23.002081853511281649);
+INSERT INTO point_value VALUES(19,12,23.000000847710502683);
+INSERT INTO point_value VALUES(19,13,31.662055509348892457);
+INSERT INTO point_value VALUES(19,14,0.9999660000000000215);
+INSERT INTO point_value VALUES(19,15,0.99991865452499995026);
+INSERT INTO point_value VALUES(19,16,20.625);
+INSERT INTO point_value VALUES(19,17,85.0);
+INSERT INTO point_value VALUES(19,18,0.93081824356127240704);
+INSERT INTO point_value VALUES(19,19,1.0);
+INSERT INTO point_value VALUES(20,1,22.956116485120105607);
+INSERT INTO point_value VALUES(20,2,22.592642641476547993);
+INSERT INTO point_value VALUES(20,3,22.819277294405949873);
+INSERT INTO point_value VALUES(20,4,20.625504065786476105);
+INSERT INTO point_value VALUES(20,5,20.556422722541356051);
+INSERT INTO point_value VALUES(20,6,20.555994845720956475);
+INSERT INTO point_value VALUES(20,7,20.502470328036515923);
+INSERT INTO point_value VALUES(20,8,20.535161754638803443);
+INSERT INTO point_value VALUES(20,9,20.531304258176568567);
+INSERT INTO point_value VALUES(20,10,20.504080677834185309);
+INSERT INTO point_value VALUES(20,11,23.002200656467014284);
+INSERT INTO point_value VALUES(20,12,23.000000847710502683);
+INSERT INTO point_value VALUES(20,13,31.627643585205078124);
+INSERT INTO point_value VALUES(20,14,2.0000330000000001717);
+INSERT INTO point_value VALUES(20,15,1.9999483617000000101);
+INSERT INTO point_value VALUES(20,16,20.629999999999999004);
+INSERT INTO point_value VALUES(20,17,85.0);
+INSERT INTO point_value VALUES(20,18,2.1534556987646049641);
+INSERT INTO point_value VALUES(20,19,2.0);
+CREATE TABLE imported_file (  -- runs that came from a dataset file: what the file had beside its values
+  run_id INTEGER PRIMARY KEY REFERENCES run (run_id),
+  fields TEXT NOT NULL  -- those of "time_s set line zero dwell_s run datum" that it had
+) STRICT;
+INSERT INTO imported_file VALUES(2,'time_s set line zero dwell_s');
+CREATE TABLE imported_metadata (  -- its leading "# key: value" lines
+  run_id INTEGER NOT NULL REFERENCES imported_file (run_id),
+  position INTEGER NOT NULL,
+  key TEXT NOT NULL,
+  value TEXT NOT NULL,
+  PRIMARY KEY (run_id, position)
+) STRICT, WITHOUT ROWID;
+INSERT INTO imported_metadata VALUES(2,0,'driftwise-dataset','1');
+INSERT INTO imported_metadata VALUES(2,1,'cell','linear-axis');
+INSERT INTO imported_metadata VALUES(2,2,'runs','1');
+INSERT INTO imported_metadata VALUES(2,3,'time_zero','2026-11-21T11:57:30.917399423Z');
+CREATE TABLE imported_column (  -- its channels, in the file's order
+  run_id INTEGER NOT NULL REFERENCES imported_file (run_id),
+  position INTEGER NOT NULL,
+  channel_id INTEGER NOT NULL REFERENCES channel (channel_id),
+  PRIMARY KEY (run_id, position)
+) STRICT, WITHOUT ROWID;
+INSERT INTO imported_column VALUES(2,0,14);
+INSERT INTO imported_column VALUES(2,1,19);
+INSERT INTO imported_column VALUES(2,2,15);
+INSERT INTO imported_column VALUES(2,3,18);
+INSERT INTO imported_column VALUES(2,4,1);
+INSERT INTO imported_column VALUES(2,5,2);
+INSERT INTO imported_column VALUES(2,6,3);
+INSERT INTO imported_column VALUES(2,7,4);
+INSERT INTO imported_column VALUES(2,8,5);
+INSERT INTO imported_column VALUES(2,9,6);
+INSERT INTO imported_column VALUES(2,10,7);
+INSERT INTO imported_column VALUES(2,11,8);
+INSERT INTO imported_column VALUES(2,12,9);
+INSERT INTO imported_column VALUES(2,13,10);
+INSERT INTO imported_column VALUES(2,14,11);
+INSERT INTO imported_column VALUES(2,15,12);
+INSERT INTO imported_column VALUES(2,16,13);
+INSERT INTO imported_column VALUES(2,17,16);
+INSERT INTO imported_column VALUES(2,18,17);
+CREATE TABLE attempt (  -- one try at a point, kept whatever came of it
+  attempt_id INTEGER PRIMARY KEY,
+  run_id INTEGER NOT NULL REFERENCES run (run_id),
+  trajectory_row INTEGER NOT NULL,
+  number INTEGER NOT NULL,  -- counts the row's attempts within the run, from 1
+  verdict TEXT NOT NULL
+    CHECK (verdict IN ('accepted', 'reread', 'reapproach', 'requeued', 'given_up', 'interrupted')),
+  reason TEXT NOT NULL,     -- empty when accepted
+  started_ns INTEGER NOT NULL,
+  started_monotonic_ns INTEGER NOT NULL,
+  ended_ns INTEGER NOT NULL,
+  ended_monotonic_ns INTEGER NOT NULL,
+  spread_nm ANY,            -- standard deviation of its readings
+  started_utc TEXT AS (strftime('%Y-%m-%dT%H:%M:%S', started_ns / 1000000000, 'unixepoch') || printf('.%09dZ', started_ns % 1000000000)) VIRTUAL
+) STRICT;
+INSERT INTO attempt VALUES(1,1,0,1,'accepted','',1795262247028296823,497561627800,1795262252162694623,502696025400,1.5131629478237516028);
+INSERT INTO attempt VALUES(2,1,1,1,'accepted','',1795262252888112823,503421443800,1795262259005775223,509539106200,1.7606422445079794592);
+INSERT INTO attempt VALUES(3,1,2,1,'accepted','',1795262259196794223,509730126800,1795262276906333023,527439664000,1.0338267101812343984);
+INSERT INTO attempt VALUES(4,1,3,1,'accepted','',1795262277395540823,527928873400,1795262283498237023,534031569600,0.91787146523720841706);
+INSERT INTO attempt VALUES(5,1,4,1,'accepted','',1795262283653431023,534186762000,1795262289768728423,540302059400,1.0504224908451296194);
+INSERT INTO attempt VALUES(6,1,5,1,'accepted','',1795262289912854423,540446185400,1795262306870881823,557404213800,1.665164265170257174);
+INSERT INTO attempt VALUES(7,1,6,1,'accepted','',1795262307066066823,557599398000,1795262313334348223,563867679400,2.3047394970075956166);
+INSERT INTO attempt VALUES(8,1,7,1,'accepted','',1795262313503439023,564036770200,1795262319300573423,569833904600,3.3230545149886405731);
+INSERT INTO attempt VALUES(9,1,8,1,'reread','spread 21.9 nm of 4 readings, limit 5 nm',1795262319446326023,569979657000,1795262325717236423,576250567600,21.884747523586753458);
+INSERT INTO attempt VALUES(10,1,8,2,'accepted','',1795262325851551623,576384886200,1795262336881255623,587414586800,0.93081824356127240704);
+INSERT INTO attempt VALUES(11,1,9,1,'accepted','',1795262337047452423,587580785000,1795262342932344423,593465675600,2.1534556987646049641);
+CREATE TABLE reading (  -- one device's answer: never altered, never deleted
+  reading_id INTEGER PRIMARY KEY,
+  device_id INTEGER NOT NULL,
+  start_ns INTEGER NOT NULL,  -- by the device's own clock where it has one
+  end_ns INTEGER NOT NULL,
+  sequence INTEGER NOT NULL,  -- counts the device's readings since its driver started
+  attempt_id INTEGER,         -- the attempt it belongs to; NULL: the recorder's
+  start_utc TEXT AS (strftime('%Y-%m-%dT%H:%M:%S', start_ns / 1000000000, 'unixepoch') || printf('.%09dZ', start_ns % 1000000000)) VIRTUAL
+) STRICT;
+INSERT INTO reading VALUES(1,1,1795261763526415223,1795261767816415223,1,NULL);
+INSERT INTO reading VALUES(2,2,1795261762541851023,1795261770609993823,1,NULL);
+INSERT INTO reading VALUES(3,2,1795261792551055423,1795261792700966023,2,NULL);
+INSERT INTO reading VALUES(4,1,1795261792592415223,1795261796882415223,2,NULL);
+INSERT INTO reading VALUES(5,2,1795261823312076623,1795261823464660823,3,NULL);
+INSERT INTO reading VALUES(6,1,1795261823366415223,1795261827656415223,3,NULL);
+INSERT INTO reading VALUES(7,2,1795261852549728423,1795261852670472623,4,NULL);
+INSERT INTO reading VALUES(8,1,1795261852595415223,1795261856885415223,4,NULL);
+INSERT INTO reading VALUES(9,2,1795261882549555423,1795261882674895623,5,NULL);
+INSERT INTO reading VALUES(10,1,1795261882574415223,1795261886864415223,5,NULL);
+INSERT INTO reading VALUES(11,2,1795261912550401623,1795261912656864823,6,NULL);
+INSERT INTO reading VALUES(12,1,1795261912587415223,1795261916877415223,6,NULL);
+INSERT INTO reading VALUES(13,2,1795261943315211823,1795261943424533823,7,NULL);
+INSERT INTO reading VALUES(14,1,1795261943365778423,1795261947655778423,7,NULL);
+INSERT INTO reading VALUES(15,2,1795261972549503823,1795261972661196423,8,NULL);
+INSERT INTO reading VALUES(16,1,1795261972573778423,1795261976863778423,8,NULL);
+INSERT INTO reading VALUES(17,2,1795262002572625223,1795262004201169423,9,NULL);
+INSERT INTO reading VALUES(18,1,1795262003296778423,1795262007586778423,9,NULL);
+INSERT INTO reading VALUES(19,2,1795262032878967023,1795262033005635823,10,NULL);
+INSERT INTO reading VALUES(20,1,1795262032575778423,1795262036865778423,10,NULL);
+INSERT INTO reading VALUES(21,2,1795262062548358823,1795262062641895823,11,NULL);
+INSERT INTO reading VALUES(22,1,1795262062569778423,1795262066859778423,11,NULL);
+INSERT INTO reading VALUES(23,2,1795262092780021023,1795262092974771223,12,NULL);
+INSERT INTO reading VALUES(24,1,1795262092572778423,1795262096862778423,12,NULL);
+INSERT INTO reading VALUES(25,2,1795262122864898423,1795262123239192023,13,NULL);
+INSERT INTO reading VALUES(26,1,1795262122919778423,1795262127209778423,13,NULL);
+INSERT INTO reading VALUES(27,2,1795262152549135623,1795262152636169423,14,NULL);
+INSERT INTO reading VALUES(28,1,1795262152560778423,1795262156850778423,14,NULL);
+INSERT INTO reading VALUES(29,2,1795262182550585023,1795262182654748223,15,NULL);
+INSERT INTO reading VALUES(30,1,1795262182544857823,1795262186834857823,15,NULL);
+INSERT INTO reading VALUES(31,2,1795262212550118223,1795262212702635623,16,NULL);
+INSERT INTO reading VALUES(32,1,1795262212550422623,1795262216840422623,16,NULL);
+INSERT INTO reading VALUES(33,3,1795262249739361223,1795262249739361223,0,1);
+INSERT INTO reading VALUES(34,4,1795262249743566023,1795262250243566023,34,1);
+INSERT INTO reading VALUES(35,3,1795262250354902023,1795262250354902023,1,1);
+INSERT INTO reading VALUES(36,4,1795262250358059623,1795262250858059623,35,1);
+INSERT INTO reading VALUES(37,3,1795262250982748423,1795262250982748423,2,1);
+INSERT INTO reading VALUES(38,4,1795262250986098423,1795262251486098423,36,1);
+INSERT INTO reading VALUES(39,3,1795262251588111623,1795262251588111623,3,1);
+INSERT INTO reading VALUES(40,4,1795262251591232823,1795262252091232823,37,1);
+INSERT INTO reading VALUES(41,3,1795262252154008623,1795262252154008623,4,1);
+INSERT INTO reading VALUES(42,2,1795262242550187623,1795262243277829623,17,NULL);
+INSERT INTO reading VALUES(43,1,1795262242559422623,1795262246849422623,17,NULL);
+INSERT INTO reading VALUES(44,3,1795262256606492023,1795262256606492023,0,2);
+INSERT INTO reading VALUES(45,4,1795262256610782023,1795262257110782023,38,2);
+INSERT INTO reading VALUES(46,3,1795262257195863423,1795262257195863423,1,2);
+INSERT INTO reading VALUES(47,4,1795262257198803823,1795262257698803823,39,2);
+INSERT INTO reading VALUES(48,3,1795262257800605623,1795262257800605623,2,2);
+INSERT INTO reading VALUES(49,4,1795262257804343823,1795262258304343823,40,2);
+INSERT INTO reading VALUES(50,3,1795262258395671823,1795262258395671823,3,2);
+INSERT INTO reading VALUES(51,4,1795262258398533023,1795262258898533023,41,2);
+INSERT INTO reading VALUES(52,3,1795262258995368423,1795262258995368423,4,2);
+INSERT INTO reading VALUES(53,3,1795262262529042023,1795262262529042023,0,3);
+INSERT INTO reading VALUES(54,4,1795262262532937423,1795262263032937423,42,3);
+INSERT INTO reading VALUES(55,3,1795262263128893423,1795262263128893423,1,3);
+INSERT INTO reading VALUES(56,4,1795262263132280623,1795262263632280623,43,3);
+INSERT INTO reading VALUES(57,3,1795262263694174023,1795262263694174023,2,3);
+INSERT INTO reading VALUES(58,4,1795262263697232423,1795262264197232423,44,3);
+INSERT INTO reading VALUES(59,3,1795262264264264223,1795262264264264223,3,3);
+INSERT INTO reading VALUES(60,4,1795262264267268223,1795262264767268223,45,3);
+INSERT INTO reading VALUES(61,3,1795262264826440023,1795262264826440023,4,3);
+INSERT INTO reading VALUES(62,2,1795262272548901423,1795262272632996423,18,NULL);
+INSERT INTO reading VALUES(63,1,1795262272573422623,1795262276863422623,18,NULL);
+INSERT INTO reading VALUES(64,3,1795262281120024623,1795262281120024623,0,4);
+INSERT INTO reading VALUES(65,4,1795262281125181223,1795262281625181223,46,4);
+INSERT INTO reading VALUES(66,3,1795262281723295023,1795262281723295023,1,4);
+INSERT INTO reading VALUES(67,4,1795262281726705823,1795262282226705823,47,4);
+INSERT INTO reading VALUES(68,3,1795262282324885223,1795262282324885223,2,4);
+INSERT INTO reading VALUES(69,4,1795262282328527223,1795262282828527223,48,4);
+INSERT INTO reading VALUES(70,3,1795262282898873223,1795262282898873223,3,4);
+INSERT INTO reading VALUES(71,4,1795262282901929223,1795262283401929223,49,4);
+INSERT INTO reading VALUES(72,3,1795262283487091223,1795262283487091223,4,4);
+INSERT INTO reading VALUES(73,3,1795262287292735623,1795262287292735623,0,5);
+INSERT INTO reading VALUES(74,4,1795262287297128023,1795262287797128023,50,5);
+INSERT INTO reading VALUES(75,3,1795262287896289623,1795262287896289623,1,5);
+INSERT INTO reading VALUES(76,4,1795262287899532223,1795262288399532223,51,5);
+INSERT INTO reading VALUES(77,3,1795262288526582623,1795262288526582623,2,5);
+INSERT INTO reading VALUES(78,4,1795262288530436823,1795262289030436823,52,5);
+INSERT INTO reading VALUES(79,3,1795262289120257823,1795262289120257823,3,5);
+INSERT INTO reading VALUES(80,4,1795262289123412823,1795262289623412823,53,5);
+INSERT INTO reading VALUES(81,3,1795262289761125423,1795262289761125423,4,5);
+INSERT INTO reading VALUES(82,3,1795262293345224823,1795262293345224823,0,6);
+INSERT INTO reading VALUES(83,4,1795262293348365823,1795262293848365823,54,6);
+INSERT INTO reading VALUES(84,3,1795262293929621223,1795262293929621223,1,6);
+INSERT INTO reading VALUES(85,4,1795262293932933023,1795262294432933023,55,6);
+INSERT INTO reading VALUES(86,3,1795262294528986023,1795262294528986023,2,6);
+INSERT INTO reading VALUES(87,4,1795262294532250023,1795262295032250023,56,6);
+INSERT INTO reading VALUES(88,3,1795262295168967423,1795262295168967423,3,6);
+INSERT INTO reading VALUES(89,4,1795262295171657823,1795262295671657823,57,6);
+INSERT INTO reading VALUES(90,3,1795262295776568423,1795262295776568423,4,6);
+INSERT INTO reading VALUES(91,2,1795262302549805423,1795262302632863623,19,NULL);
+INSERT INTO reading VALUES(92,1,1795262302553422623,1795262306843422623,19,NULL);
+INSERT INTO reading VALUES(93,3,1795262310968630823,1795262310968630823,0,7);
+INSERT INTO reading VALUES(94,4,1795262310972977423,1795262311472977423,58,7);
+INSERT INTO reading VALUES(95,3,1795262311542778823,1795262311542778823,1,7);
+INSERT INTO reading VALUES(96,4,1795262311546510623,1795262312046510623,59,7);
+INSERT INTO reading VALUES(97,3,1795262312127709823,1795262312127709823,2,7);
+INSERT INTO reading VALUES(98,4,1795262312130872423,1795262312630872423,60,7);
+INSERT INTO reading VALUES(99,3,1795262312704472423,1795262312704472423,3,7);
+INSERT INTO reading VALUES(100,4,1795262312707682223,1795262313207682223,61,7);
+INSERT INTO reading VALUES(101,3,1795262313324977823,1795262313324977823,4,7);
+INSERT INTO reading VALUES(102,3,1795262316883062023,1795262316883062023,0,8);
+INSERT INTO reading VALUES(103,4,1795262316887081023,1795262317387081023,62,8);
+INSERT INTO reading VALUES(104,3,1795262317463348023,1795262317463348023,1,8);
+INSERT INTO reading VALUES(105,4,1795262317466638623,1795262317966638623,63,8);
+INSERT INTO reading VALUES(106,3,1795262318094400423,1795262318094400423,2,8);
+INSERT INTO reading VALUES(107,4,1795262318097809623,1795262318597809623,64,8);
+INSERT INTO reading VALUES(108,3,1795262318690881623,1795262318690881623,3,8);
+INSERT INTO reading VALUES(109,4,1795262318694225623,1795262319194225623,65,8);
+INSERT INTO reading VALUES(110,3,1795262319290223623,1795262319290223623,4,8);
+INSERT INTO reading VALUES(111,3,1795262323187165623,1795262323187165623,0,9);
+INSERT INTO reading VALUES(112,4,1795262323191155623,1795262323691155623,66,9);
+INSERT INTO reading VALUES(113,3,1795262323781851223,1795262323781851223,1,9);
+INSERT INTO reading VALUES(114,4,1795262323784986823,1795262324284986823,67,9);
+INSERT INTO reading VALUES(115,3,1795262324410862423,1795262324410862423,2,9);
+INSERT INTO reading VALUES(116,4,1795262324414615623,1795262324914615623,68,9);
+INSERT INTO reading VALUES(117,3,1795262325046012223,1795262325046012223,3,9);
+INSERT INTO reading VALUES(118,4,1795262325049078223,1795262325549078223,69,9);
+INSERT INTO reading VALUES(119,3,1795262325710644423,1795262325710644423,4,9);
+INSERT INTO reading VALUES(120,3,1795262325902378423,1795262325902378423,0,10);
+INSERT INTO reading VALUES(121,4,1795262325905673223,1795262326405673223,70,10);
+INSERT INTO reading VALUES(122,3,1795262327370970223,1795262327370970223,1,10);
+INSERT INTO reading VALUES(123,4,1795262327374361823,1795262327874361823,71,10);
+INSERT INTO reading VALUES(124,3,1795262327958533223,1795262327958533223,2,10);
+INSERT INTO reading VALUES(125,4,1795262327961452023,1795262328461452023,72,10);
+INSERT INTO reading VALUES(126,3,1795262328592099223,1795262328592099223,3,10);
+INSERT INTO reading VALUES(127,4,1795262328595334823,1795262329095334823,73,10);
+INSERT INTO reading VALUES(128,3,1795262329157930823,1795262329157930823,4,10);
+INSERT INTO reading VALUES(129,2,1795262332552107823,1795262332643512623,20,NULL);
+INSERT INTO reading VALUES(130,1,1795262332557422623,1795262336847422623,20,NULL);
+INSERT INTO reading VALUES(131,3,1795262340566351223,1795262340566351223,0,11);
+INSERT INTO reading VALUES(132,4,1795262340571031823,1795262341071031823,74,11);
+INSERT INTO reading VALUES(133,3,1795262341182605423,1795262341182605423,1,11);
+INSERT INTO reading VALUES(134,4,1795262341185791423,1795262341685791423,75,11);
+INSERT INTO reading VALUES(135,3,1795262341749510423,1795262341749510423,2,11);
+INSERT INTO reading VALUES(136,4,1795262341752665623,1795262342252665623,76,11);
+INSERT INTO reading VALUES(137,3,1795262342330171623,1795262342330171623,3,11);
+INSERT INTO reading VALUES(138,4,1795262342334112823,1795262342834112823,77,11);
+INSERT INTO reading VALUES(139,3,1795262342923289023,1795262342923289023,4,11);
+INSERT INTO reading VALUES(140,2,1795262362548794823,1795262362701285023,21,NULL);
+INSERT INTO reading VALUES(141,1,1795262362601422623,1795262366891422623,21,NULL);
+CREATE TABLE reading_value (
+  reading_id INTEGER NOT NULL,
+  channel_id INTEGER NOT NULL,
+  value ANY CHECK (typeof(value) IN ('real', 'null')),  -- NULL: the channel gave no value
+  PRIMARY KEY (reading_id, channel_id)
+) STRICT, WITHOUT ROWID;
+INSERT INTO reading_value VALUES(1,1,22.952716810610393593);
+INSERT INTO reading_value VALUES(1,2,22.580276630937888171);
+INSERT INTO reading_value VALUES(1,3,22.811371456120856037);
+INSERT INTO reading_value VALUES(1,4,20.537669630202557869);
+INSERT INTO reading_value VALUES(1,5,20.543449323386205663);
+INSERT INTO reading_value VALUES(1,6,20.541482586865154047);
+INSERT INTO reading_value VALUES(1,7,20.480356440305087061);
+INSERT INTO reading_value VALUES(1,8,20.500144479926145635);
+INSERT INTO reading_value VALUES(1,9,20.499650395248238509);
+INSERT INTO reading_value VALUES(1,10,20.480245600576303388);
+INSERT INTO reading_value VALUES(2,11,23.000000847710502683);
+INSERT INTO reading_value VALUES(2,12,23.000000847710502683);
+INSERT INTO reading_value VALUES(2,13,32.5872802734375);
+INSERT INTO reading_value VALUES(3,11,23.000000847710502683);
+INSERT INTO reading_value VALUES(3,12,23.000000847710502683);
+INSERT INTO reading_value VALUES(3,13,32.420940399169921875);
+INSERT INTO reading_value VALUES(4,1,22.953000116688151877);
+INSERT INTO reading_value VALUES(4,2,22.580611543124046391);
+INSERT INTO reading_value VALUES(4,3,22.812659050664951365);
+INSERT INTO reading_value VALUES(4,4,20.540682382881531252);
+INSERT INTO reading_value VALUES(4,5,20.543912658208473231);
+INSERT INTO reading_value VALUES(4,6,20.542254513950570782);
+INSERT INTO reading_value VALUES(4,7,20.480201978271054485);
+INSERT INTO reading_value VALUES(4,8,20.500221723513181615);
+INSERT INTO reading_value VALUES(4,9,20.500087885632414241);
+INSERT INTO reading_value VALUES(4,10,20.481429628505047446);
+INSERT INTO reading_value VALUES(5,11,23.000500996907550898);
+INSERT INTO reading_value VALUES(5,12,23.000000847710502683);
+INSERT INTO reading_value VALUES(5,13,32.365795135498046874);
+INSERT INTO reading_value VALUES(6,1,22.953463708503313966);
+INSERT INTO reading_value VALUES(6,2,22.581435942493495617);
+INSERT INTO reading_value VALUES(6,3,22.813998149514041814);
+INSERT INTO reading_value VALUES(6,4,20.545240142063391885);
+INSERT INTO reading_value VALUES(6,5,20.54460766056165255);
+INSERT INTO reading_value VALUES(6,6,20.542537553926290883);
+INSERT INTO reading_value VALUES(6,7,20.481592136832336592);
+INSERT INTO reading_value VALUES(6,8,20.502564779830471763);
+INSERT INTO reading_value VALUES(6,9,20.501040070782917013);
+INSERT INTO reading_value VALUES(6,10,20.482227560605146265);
+INSERT INTO reading_value VALUES(7,11,23.000000847710502683);
+INSERT INTO reading_value VALUES(7,12,23.000000847710502683);
+INSERT INTO reading_value VALUES(7,13,32.50743865966796875);
+INSERT INTO reading_value VALUES(8,1,22.953566728915330229);
+INSERT INTO reading_value VALUES(8,2,22.582466441989684114);
+INSERT INTO reading_value VALUES(8,3,22.813380103825110722);
+INSERT INTO reading_value VALUES(8,4,20.548046900790392754);
+INSERT INTO reading_value VALUES(8,5,20.545276922222694081);
+INSERT INTO reading_value VALUES(8,6,20.543052172125019438);
+INSERT INTO reading_value VALUES(8,7,20.482596140595003219);
+INSERT INTO reading_value VALUES(8,8,20.503800678325781348);
+INSERT INTO reading_value VALUES(8,9,20.501812112994795);
+INSERT INTO reading_value VALUES(8,10,20.483205671179678831);
+INSERT INTO reading_value VALUES(9,11,23.001797993977863398);
+INSERT INTO reading_value VALUES(9,12,23.000000847710502683);
+INSERT INTO reading_value VALUES(9,13,32.300964355468749999);
+INSERT INTO reading_value VALUES(10,1,22.953695504434875828);
+INSERT INTO reading_value VALUES(10,2,22.582595254448907696);
+INSERT INTO reading_value VALUES(10,3,22.814538939585172982);
+INSERT INTO reading_value VALUES(10,4,20.548304401708346489);
+INSERT INTO reading_value VALUES(10,5,20.545663034780030642);
+INSERT INTO reading_value VALUES(10,6,20.54310363394920813);
+INSERT INTO reading_value VALUES(10,7,20.483136758129791843);
+INSERT INTO reading_value VALUES(10,8,20.505371299985654331);
+INSERT INTO reading_value VALUES(10,9,20.503278993685437824);
+INSERT INTO reading_value VALUES(10,10,20.484235261565359564);
+INSERT INTO reading_value VALUES(11,11,23.002501593695747316);
+INSERT INTO reading_value VALUES(11,12,23.000000847710502683);
+INSERT INTO reading_value VALUES(11,13,31.861398696899414062);
+INSERT INTO reading_value VALUES(12,1,22.952794075901906012);
+INSERT INTO reading_value VALUES(12,2,22.58354846680063943);
+INSERT INTO reading_value VALUES(12,3,22.814023901420288353);
+INSERT INTO reading_value VALUES(12,4,20.549720657109364907);
+INSERT INTO reading_value VALUES(12,5,20.545894702335711912);
+INSERT INTO reading_value VALUES(12,6,20.544621758117521891);
+INSERT INTO reading_value VALUES(12,7,20.483831837945086107);
+INSERT INTO reading_value VALUES(12,8,20.506607199512398409);
+INSERT INTO reading_value VALUES(12,9,20.503973832130704124);
+INSERT INTO reading_value VALUES(12,10,20.484286741092972762);
+INSERT INTO reading_value VALUES(13,11,23.002298143174911616);
+INSERT INTO reading_value VALUES(13,12,23.000000847710502683);
+INSERT INTO reading_value VALUES(13,13,31.900468826293945311);
+INSERT INTO reading_value VALUES(14,1,22.951223015322554487);
+INSERT INTO reading_value VALUES(14,2,22.583831854308698439);
+INSERT INTO reading_value VALUES(14,3,22.813302848121995935);
+INSERT INTO reading_value VALUES(14,4,20.553892176482822407);
+INSERT INTO reading_value VALUES(14,5,20.546358037494954374);
+INSERT INTO reading_value VALUES(14,6,20.545265031276873201);
+INSERT INTO reading_value VALUES(14,7,20.484990304623014623);
+INSERT INTO reading_value VALUES(14,8,20.507662864051209084);
+INSERT INTO reading_value VALUES(14,9,20.505466448535379698);
+INSERT INTO reading_value VALUES(14,10,20.48495597502293819);
+INSERT INTO reading_value VALUES(15,11,23.000598483615451784);
+INSERT INTO reading_value VALUES(15,12,23.000000847710502683);
+INSERT INTO reading_value VALUES(15,13,32.165840148925781249);
+INSERT INTO reading_value VALUES(16,1,22.950630648409561019);
+INSERT INTO reading_value VALUES(16,2,22.583574229300367619);
+INSERT INTO reading_value VALUES(16,3,22.813405855726500703);
+INSERT INTO reading_value VALUES(16,4,20.560123715059997807);
+INSERT INTO reading_value VALUES(16,5,20.546975817806579557);
+INSERT INTO reading_value VALUES(16,6,20.545007721998370443);
+INSERT INTO reading_value VALUES(16,7,20.485865590822044169);
+INSERT INTO reading_value VALUES(16,8,20.508126326636347159);
+INSERT INTO reading_value VALUES(16,9,20.507319352580100969);
+INSERT INTO reading_value VALUES(16,10,20.486654800212384941);
+INSERT INTO reading_value VALUES(17,11,23.000399271647136601);
+INSERT INTO reading_value VALUES(17,12,23.000000847710502683);
+INSERT INTO reading_value VALUES(17,13,32.280029296875);
+INSERT INTO reading_value VALUES(18,1,22.951429056012404572);
+INSERT INTO reading_value VALUES(18,2,22.584295579373371508);
+INSERT INTO reading_value VALUES(18,3,22.813354351923855745);
+INSERT INTO reading_value VALUES(18,4,20.564758751240876932);
+INSERT INTO reading_value VALUES(18,5,20.547387671410650255);
+INSERT INTO reading_value VALUES(18,6,20.546448654211747707);
+INSERT INTO reading_value VALUES(18,7,20.486818108415121742);
+INSERT INTO reading_value VALUES(18,8,20.510417892579255294);
+INSERT INTO reading_value VALUES(18,9,20.507988457069320276);
+INSERT INTO reading_value VALUES(18,10,20.488070488525732316);
+INSERT INTO reading_value VALUES(19,11,22.999301486545139284);
+INSERT INTO reading_value VALUES(19,12,23.000000847710502683);
+INSERT INTO reading_value VALUES(19,13,32.426586151123046875);
+INSERT INTO reading_value VALUES(20,1,22.951892647610812048);
+INSERT INTO reading_value VALUES(20,2,22.584398629396435608);
+INSERT INTO reading_value VALUES(20,3,22.813354351923855745);
+INSERT INTO reading_value VALUES(20,4,20.573822840452617554);
+INSERT INTO reading_value VALUES(20,5,20.548777677696921984);
+INSERT INTO reading_value VALUES(20,6,20.546834618302284524);
+INSERT INTO reading_value VALUES(20,7,20.488800375622151506);
+INSERT INTO reading_value VALUES(20,8,20.512374736642954077);
+INSERT INTO reading_value VALUES(20,9,20.510047240947983481);
+INSERT INTO reading_value VALUES(20,10,20.488765463006703981);
+INSERT INTO reading_value VALUES(21,11,22.999500698513454465);
+INSERT INTO reading_value VALUES(21,12,23.000000847710502683);
+INSERT INTO reading_value VALUES(21,13,32.3915863037109375);
+INSERT INTO reading_value VALUES(22,1,22.953000116688151877);
+INSERT INTO reading_value VALUES(22,2,22.585660992435332872);
+INSERT INTO reading_value VALUES(22,3,22.813508863334220678);
+INSERT INTO reading_value VALUES(22,4,20.582243195213475671);
+INSERT INTO reading_value VALUES(22,5,20.549369717585936);
+INSERT INTO reading_value VALUES(22,6,20.547400699048644413);
+INSERT INTO reading_value VALUES(22,7,20.489083556747097248);
+INSERT INTO reading_value VALUES(22,8,20.514305833874740159);
+INSERT INTO reading_value VALUES(22,9,20.512286169846568385);
+INSERT INTO reading_value VALUES(22,10,20.49069594842953279);
+INSERT INTO reading_value VALUES(23,11,22.999301486545139284);
+INSERT INTO reading_value VALUES(23,12,23.000000847710502683);
+INSERT INTO reading_value VALUES(23,13,32.46921539306640625);
+INSERT INTO reading_value VALUES(24,1,22.953283422789798606);
+INSERT INTO reading_value VALUES(24,2,22.586408105477563169);
+INSERT INTO reading_value VALUES(24,3,22.814410180036535536);
+INSERT INTO reading_value VALUES(24,4,20.589195797601522741);
+INSERT INTO reading_value VALUES(24,5,20.550605279429181137);
+INSERT INTO reading_value VALUES(24,6,20.548893094200238352);
+INSERT INTO reading_value VALUES(24,7,20.490679668988093452);
+INSERT INTO reading_value VALUES(24,8,20.517086615836721108);
+INSERT INTO reading_value VALUES(24,9,20.513675850602204775);
+INSERT INTO reading_value VALUES(24,10,20.491390923452989624);
+INSERT INTO reading_value VALUES(25,11,23.000700208875866081);
+INSERT INTO reading_value VALUES(25,12,23.000000847710502683);
+INSERT INTO reading_value VALUES(25,13,32.193187713623046875);
+INSERT INTO reading_value VALUES(26,1,22.9547514638809389);
+INSERT INTO reading_value VALUES(26,2,22.587438606497954652);
+INSERT INTO reading_value VALUES(26,3,22.815517512315945936);
+INSERT INTO reading_value VALUES(26,4,20.600216989352393426);
+INSERT INTO reading_value VALUES(26,5,20.55019342543099725);
+INSERT INTO reading_value VALUES(26,6,20.549819408765404916);
+INSERT INTO reading_value VALUES(26,7,20.491966856830881483);
+INSERT INTO reading_value VALUES(26,8,20.518142283665206093);
+INSERT INTO reading_value VALUES(26,9,20.516249334999255183);
+INSERT INTO reading_value VALUES(26,10,20.493218451051845364);
+INSERT INTO reading_value VALUES(27,11,23.000200059678817866);
+INSERT INTO reading_value VALUES(27,12,23.000000847710502683);
+INSERT INTO reading_value VALUES(27,13,32.267585754394531249);
+INSERT INTO reading_value VALUES(28,1,22.955704403178184946);
+INSERT INTO reading_value VALUES(28,2,22.587747756865667269);
+INSERT INTO reading_value VALUES(28,3,22.815723527664047765);
+INSERT INTO reading_value VALUES(28,4,20.605109586049461967);
+INSERT INTO reading_value VALUES(28,5,20.552329918594374191);
+INSERT INTO reading_value VALUES(28,6,20.550076718412107368);
+INSERT INTO reading_value VALUES(28,7,20.493485739118874277);
+INSERT INTO reading_value VALUES(28,8,20.521309289138912391);
+INSERT INTO reading_value VALUES(28,9,20.518333858804407299);
+INSERT INTO reading_value VALUES(28,10,20.494582662441914067);
+INSERT INTO reading_value VALUES(29,11,23.001200358072917851);
+INSERT INTO reading_value VALUES(29,12,23.000000847710502683);
+INSERT INTO reading_value VALUES(29,13,32.250240325927734374);
+INSERT INTO reading_value VALUES(30,1,22.956013464629918985);
+INSERT INTO reading_value VALUES(30,2,22.588752495757109528);
+INSERT INTO reading_value VALUES(30,3,22.816959620017588151);
+INSERT INTO reading_value VALUES(30,4,20.611160965493223074);
+INSERT INTO reading_value VALUES(30,5,20.551737878184219709);
+INSERT INTO reading_value VALUES(30,6,20.551826424532009696);
+INSERT INTO reading_value VALUES(30,7,20.49492739073852121);
+INSERT INTO reading_value VALUES(30,8,20.523781100361532026);
+INSERT INTO reading_value VALUES(30,9,20.519800746700919801);
+INSERT INTO reading_value VALUES(30,10,20.495921134532252949);
+INSERT INTO reading_value VALUES(31,11,23.001598782009548215);
+INSERT INTO reading_value VALUES(31,12,23.000000847710502683);
+INSERT INTO reading_value VALUES(31,13,31.975536346435546875);
+INSERT INTO reading_value VALUES(32,1,22.956708853000250768);
+INSERT INTO reading_value VALUES(32,2,22.590298248484092624);
+INSERT INTO reading_value VALUES(32,3,22.818298720580372674);
+INSERT INTO reading_value VALUES(32,4,20.617907622644562337);
+INSERT INTO reading_value VALUES(32,5,20.553488258828682688);
+INSERT INTO reading_value VALUES(32,6,20.55264981596225482);
+INSERT INTO reading_value VALUES(32,7,20.496935406524190881);
+INSERT INTO reading_value VALUES(32,8,20.526433149839494519);
+INSERT INTO reading_value VALUES(32,9,20.52237423578461417);
+INSERT INTO reading_value VALUES(32,10,20.49790310379804481);
+INSERT INTO reading_value VALUES(33,14,3.4999999999999996933e-05);
+INSERT INTO reading_value VALUES(34,15,-5.0915000000000002955e-06);
+INSERT INTO reading_value VALUES(34,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(34,17,85.0);
+INSERT INTO reading_value VALUES(34,18,8.2640999999999991132);
+INSERT INTO reading_value VALUES(35,14,3.4999999999999996933e-05);
+INSERT INTO reading_value VALUES(36,15,-4.7605000000000004152e-06);
+INSERT INTO reading_value VALUES(36,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(36,17,85.0);
+INSERT INTO reading_value VALUES(36,18,8.2856000000000005201);
+INSERT INTO reading_value VALUES(37,14,3.0000000000000000758e-05);
+INSERT INTO reading_value VALUES(38,15,-7.1169000000000004185e-06);
+INSERT INTO reading_value VALUES(38,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(38,17,85.0);
+INSERT INTO reading_value VALUES(38,18,8.259000000000000341);
+INSERT INTO reading_value VALUES(39,14,3.0000000000000000758e-05);
+INSERT INTO reading_value VALUES(40,15,-7.8514999999999992809e-06);
+INSERT INTO reading_value VALUES(40,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(40,17,85.0);
+INSERT INTO reading_value VALUES(40,18,8.257199999999999207);
+INSERT INTO reading_value VALUES(41,14,3.0000000000000000758e-05);
+INSERT INTO reading_value VALUES(42,11,23.001598782009548215);
+INSERT INTO reading_value VALUES(42,12,23.000000847710502683);
+INSERT INTO reading_value VALUES(42,13,31.933950424194335938);
+INSERT INTO reading_value VALUES(43,1,22.956914894026542838);
+INSERT INTO reading_value VALUES(43,2,22.590865024662125648);
+INSERT INTO reading_value VALUES(43,3,22.818659247746079898);
+INSERT INTO reading_value VALUES(43,4,20.623160754377195757);
+INSERT INTO reading_value VALUES(43,5,20.554878267636521372);
+INSERT INTO reading_value VALUES(43,6,20.55396209647099326);
+INSERT INTO reading_value VALUES(43,7,20.498454291055665521);
+INSERT INTO reading_value VALUES(43,8,20.528441499379567857);
+INSERT INTO reading_value VALUES(43,9,20.524587437971412383);
+INSERT INTO reading_value VALUES(43,10,20.499138617697578723);
+INSERT INTO reading_value VALUES(44,14,-1.9999649999999999927);
+INSERT INTO reading_value VALUES(45,15,-2.0000397721000000572);
+INSERT INTO reading_value VALUES(45,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(45,17,85.0);
+INSERT INTO reading_value VALUES(45,18,8.2718000000000007077);
+INSERT INTO reading_value VALUES(46,14,-1.9999700000000000255);
+INSERT INTO reading_value VALUES(47,15,-2.0000421636999998753);
+INSERT INTO reading_value VALUES(47,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(47,17,85.0);
+INSERT INTO reading_value VALUES(47,18,8.2705999999999999516);
+INSERT INTO reading_value VALUES(48,14,-1.9999700000000000255);
+INSERT INTO reading_value VALUES(49,15,-2.0000390588000001024);
+INSERT INTO reading_value VALUES(49,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(49,17,85.0);
+INSERT INTO reading_value VALUES(49,18,8.257199999999999207);
+INSERT INTO reading_value VALUES(50,14,-1.9999700000000000255);
+INSERT INTO reading_value VALUES(51,15,-2.000042643800000075);
+INSERT INTO reading_value VALUES(51,16,20.629999999999999004);
+INSERT INTO reading_value VALUES(51,17,85.0);
+INSERT INTO reading_value VALUES(51,18,8.2574000000000005172);
+INSERT INTO reading_value VALUES(52,14,-1.9999700000000000255);
+INSERT INTO reading_value VALUES(53,14,-1.0000299999999999744);
+INSERT INTO reading_value VALUES(54,15,-1.0000712817000001475);
+INSERT INTO reading_value VALUES(54,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(54,17,85.0);
+INSERT INTO reading_value VALUES(54,18,8.2634000000000007446);
+INSERT INTO reading_value VALUES(55,14,-1.0000299999999999744);
+INSERT INTO reading_value VALUES(56,15,-1.0000706691000000869);
+INSERT INTO reading_value VALUES(56,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(56,17,85.0);
+INSERT INTO reading_value VALUES(56,18,8.2568999999999999062);
+INSERT INTO reading_value VALUES(57,14,-1.0000249999999999417);
+INSERT INTO reading_value VALUES(58,15,-1.0000712688999999766);
+INSERT INTO reading_value VALUES(58,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(58,17,85.0);
+INSERT INTO reading_value VALUES(58,18,8.2593999999999994088);
+INSERT INTO reading_value VALUES(59,14,-1.0000249999999999417);
+INSERT INTO reading_value VALUES(60,15,-1.000073060300000094);
+INSERT INTO reading_value VALUES(60,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(60,17,85.0);
+INSERT INTO reading_value VALUES(60,18,8.2600999999999995537);
+INSERT INTO reading_value VALUES(61,14,-1.0000249999999999417);
+INSERT INTO reading_value VALUES(62,11,23.001598782009548215);
+INSERT INTO reading_value VALUES(62,12,23.000000847710502683);
+INSERT INTO reading_value VALUES(62,13,31.897106170654296875);
+INSERT INTO reading_value VALUES(63,1,22.957120935065354673);
+INSERT INTO reading_value VALUES(63,2,22.591998577304750028);
+INSERT INTO reading_value VALUES(63,3,22.819328798299427063);
+INSERT INTO reading_value VALUES(63,4,20.624165030495596796);
+INSERT INTO reading_value VALUES(63,5,20.554904008545847205);
+INSERT INTO reading_value VALUES(63,6,20.554348061423926452);
+INSERT INTO reading_value VALUES(63,7,20.500050407743152902);
+INSERT INTO reading_value VALUES(63,8,20.530655834878004384);
+INSERT INTO reading_value VALUES(63,9,20.526157268312463343);
+INSERT INTO reading_value VALUES(63,10,20.501069109074226304);
+INSERT INTO reading_value VALUES(64,14,1.0000299999999999744);
+INSERT INTO reading_value VALUES(65,15,0.99998283519999997537);
+INSERT INTO reading_value VALUES(65,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(65,17,85.0);
+INSERT INTO reading_value VALUES(65,18,8.2585999999999994969);
+INSERT INTO reading_value VALUES(66,14,1.0000350000000000072);
+INSERT INTO reading_value VALUES(67,15,0.99998404500000004357);
+INSERT INTO reading_value VALUES(67,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(67,17,85.0);
+INSERT INTO reading_value VALUES(67,18,8.2711000000000005627);
+INSERT INTO reading_value VALUES(68,14,1.0000350000000000072);
+INSERT INTO reading_value VALUES(69,15,0.99998506320000002389);
+INSERT INTO reading_value VALUES(69,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(69,17,85.0);
+INSERT INTO reading_value VALUES(69,18,8.2695000000000007389);
+INSERT INTO reading_value VALUES(70,14,1.00004000000000004);
+INSERT INTO reading_value VALUES(71,15,0.99998421019999994552);
+INSERT INTO reading_value VALUES(71,16,20.629999999999999004);
+INSERT INTO reading_value VALUES(71,17,85.0);
+INSERT INTO reading_value VALUES(71,18,8.2553999999999998493);
+INSERT INTO reading_value VALUES(72,14,1.0000350000000000072);
+INSERT INTO reading_value VALUES(73,14,2.0000350000000000072);
+INSERT INTO reading_value VALUES(74,15,1.9999468055000000354);
+INSERT INTO reading_value VALUES(74,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(74,17,85.0);
+INSERT INTO reading_value VALUES(74,18,8.2556999999999991501);
+INSERT INTO reading_value VALUES(75,14,2.0000300000000001965);
+INSERT INTO reading_value VALUES(76,15,1.9999479090000000791);
+INSERT INTO reading_value VALUES(76,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(76,17,85.0);
+INSERT INTO reading_value VALUES(76,18,8.2589000000000005741);
+INSERT INTO reading_value VALUES(77,14,2.0000300000000001965);
+INSERT INTO reading_value VALUES(78,15,1.999945695099999865);
+INSERT INTO reading_value VALUES(78,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(78,17,85.0);
+INSERT INTO reading_value VALUES(78,18,8.2545000000000001705);
+INSERT INTO reading_value VALUES(79,14,2.0000300000000001965);
+INSERT INTO reading_value VALUES(80,15,1.9999457327000000894);
+INSERT INTO reading_value VALUES(80,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(80,17,85.0);
+INSERT INTO reading_value VALUES(80,18,8.2551000000000005485);
+INSERT INTO reading_value VALUES(81,14,2.0000249999999999417);
+INSERT INTO reading_value VALUES(82,14,-3.4999999999999996933e-05);
+INSERT INTO reading_value VALUES(83,15,-6.6842699999999989385e-05);
+INSERT INTO reading_value VALUES(83,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(83,17,85.0);
+INSERT INTO reading_value VALUES(83,18,8.258399999999999963);
+INSERT INTO reading_value VALUES(84,14,-3.4999999999999996933e-05);
+INSERT INTO reading_value VALUES(85,15,-7.040190000000000098e-05);
+INSERT INTO reading_value VALUES(85,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(85,17,85.0);
+INSERT INTO reading_value VALUES(85,18,8.2563999999999992951);
+INSERT INTO reading_value VALUES(86,14,-3.4999999999999996933e-05);
+INSERT INTO reading_value VALUES(87,15,-6.7402800000000004571e-05);
+INSERT INTO reading_value VALUES(87,16,20.629999999999999004);
+INSERT INTO reading_value VALUES(87,17,85.0);
+INSERT INTO reading_value VALUES(87,18,8.2745999999999995111);
+INSERT INTO reading_value VALUES(88,14,-3.0000000000000000758e-05);
+INSERT INTO reading_value VALUES(89,15,-6.7065200000000009701e-05);
+INSERT INTO reading_value VALUES(89,16,20.629999999999999004);
+INSERT INTO reading_value VALUES(89,17,85.0);
+INSERT INTO reading_value VALUES(89,18,8.2731999999999992212);
+INSERT INTO reading_value VALUES(90,14,-3.0000000000000000758e-05);
+INSERT INTO reading_value VALUES(91,11,23.001501295301647331);
+INSERT INTO reading_value VALUES(91,12,23.000000847710502683);
+INSERT INTO reading_value VALUES(91,13,31.830217361450195312);
+INSERT INTO reading_value VALUES(92,1,22.956219505613571385);
+INSERT INTO reading_value VALUES(92,2,22.592204677826305924);
+INSERT INTO reading_value VALUES(92,3,22.819534813881112711);
+INSERT INTO reading_value VALUES(92,4,20.624499789268327277);
+INSERT INTO reading_value VALUES(92,5,20.555624754085350502);
+INSERT INTO reading_value VALUES(92,6,20.556046307743329748);
+INSERT INTO reading_value VALUES(92,7,20.501183136174390142);
+INSERT INTO reading_value VALUES(92,8,20.534569547697003599);
+INSERT INTO reading_value VALUES(92,9,20.528833702058847166);
+INSERT INTO reading_value VALUES(92,10,20.502433323648514118);
+INSERT INTO reading_value VALUES(93,14,-1.9999700000000000255);
+INSERT INTO reading_value VALUES(94,15,-2.000043599100000069);
+INSERT INTO reading_value VALUES(94,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(94,17,85.0);
+INSERT INTO reading_value VALUES(94,18,8.2582000000000004291);
+INSERT INTO reading_value VALUES(95,14,-1.9999700000000000255);
+INSERT INTO reading_value VALUES(96,15,-2.0000470863999999515);
+INSERT INTO reading_value VALUES(96,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(96,17,85.0);
+INSERT INTO reading_value VALUES(96,18,8.2919000000000000483);
+INSERT INTO reading_value VALUES(97,14,-1.9999750000000000582);
+INSERT INTO reading_value VALUES(98,15,-2.0000474245999999567);
+INSERT INTO reading_value VALUES(98,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(98,17,85.0);
+INSERT INTO reading_value VALUES(98,18,8.2696000000000005059);
+INSERT INTO reading_value VALUES(99,14,-1.9999700000000000255);
+INSERT INTO reading_value VALUES(100,15,-2.000049084200000049);
+INSERT INTO reading_value VALUES(100,16,20.629999999999999004);
+INSERT INTO reading_value VALUES(100,17,85.0);
+INSERT INTO reading_value VALUES(100,18,8.2593999999999994088);
+INSERT INTO reading_value VALUES(101,14,-1.9999700000000000255);
+INSERT INTO reading_value VALUES(102,14,-1.0000299999999999744);
+INSERT INTO reading_value VALUES(103,15,-1.000072270600000035);
+INSERT INTO reading_value VALUES(103,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(103,17,85.0);
+INSERT INTO reading_value VALUES(103,18,8.259100000000000108);
+INSERT INTO reading_value VALUES(104,14,-1.0000350000000000072);
+INSERT INTO reading_value VALUES(105,15,-1.0000743818999999756);
+INSERT INTO reading_value VALUES(105,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(105,17,85.0);
+INSERT INTO reading_value VALUES(105,18,8.2856000000000005201);
+INSERT INTO reading_value VALUES(106,14,-1.0000299999999999744);
+INSERT INTO reading_value VALUES(107,15,-1.0000776705999998572);
+INSERT INTO reading_value VALUES(107,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(107,17,85.0);
+INSERT INTO reading_value VALUES(107,18,8.2546999999999997044);
+INSERT INTO reading_value VALUES(108,14,-1.0000350000000000072);
+INSERT INTO reading_value VALUES(109,15,-1.0000797162999999212);
+INSERT INTO reading_value VALUES(109,16,20.629999999999999004);
+INSERT INTO reading_value VALUES(109,17,85.0);
+INSERT INTO reading_value VALUES(109,18,8.2658000000000004803);
+INSERT INTO reading_value VALUES(110,14,-1.0000299999999999744);
+INSERT INTO reading_value VALUES(111,14,0.99996499999999999275);
+INSERT INTO reading_value VALUES(112,15,0.99990181019999990752);
+INSERT INTO reading_value VALUES(112,16,20.629999999999999004);
+INSERT INTO reading_value VALUES(112,17,85.0);
+INSERT INTO reading_value VALUES(112,18,93.318799999999995972);
+INSERT INTO reading_value VALUES(113,14,0.99996499999999999275);
+INSERT INTO reading_value VALUES(114,15,0.99991526859999990684);
+INSERT INTO reading_value VALUES(114,16,20.629999999999999004);
+INSERT INTO reading_value VALUES(114,17,85.0);
+INSERT INTO reading_value VALUES(114,18,93.319299999999998362);
+INSERT INTO reading_value VALUES(115,14,0.9999700000000000255);
+INSERT INTO reading_value VALUES(116,15,0.99994529030000001146);
+INSERT INTO reading_value VALUES(116,16,20.629999999999999004);
+INSERT INTO reading_value VALUES(116,17,85.0);
+INSERT INTO reading_value VALUES(116,18,93.318899999999999298);
+INSERT INTO reading_value VALUES(117,14,0.9999700000000000255);
+INSERT INTO reading_value VALUES(118,15,0.99989640819999991983);
+INSERT INTO reading_value VALUES(118,16,20.629999999999999004);
+INSERT INTO reading_value VALUES(118,17,85.0);
+INSERT INTO reading_value VALUES(118,18,93.320800000000005526);
+INSERT INTO reading_value VALUES(119,14,0.99996499999999999275);
+INSERT INTO reading_value VALUES(120,14,0.99995999999999995999);
+INSERT INTO reading_value VALUES(121,15,0.9999178554999998969);
+INSERT INTO reading_value VALUES(121,16,20.629999999999999004);
+INSERT INTO reading_value VALUES(121,17,85.0);
+INSERT INTO reading_value VALUES(121,18,8.258399999999999963);
+INSERT INTO reading_value VALUES(122,14,0.99996499999999999275);
+INSERT INTO reading_value VALUES(123,15,0.99991997109999997128);
+INSERT INTO reading_value VALUES(123,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(123,17,85.0);
+INSERT INTO reading_value VALUES(123,18,8.2554999999999996163);
+INSERT INTO reading_value VALUES(124,14,0.99996499999999999275);
+INSERT INTO reading_value VALUES(125,15,0.99991817949999994841);
+INSERT INTO reading_value VALUES(125,16,20.620000000000000995);
+INSERT INTO reading_value VALUES(125,17,85.0);
+INSERT INTO reading_value VALUES(125,18,8.2614000000000000767);
+INSERT INTO reading_value VALUES(126,14,0.9999700000000000255);
+INSERT INTO reading_value VALUES(127,15,0.99991861199999998444);
+INSERT INTO reading_value VALUES(127,16,20.629999999999999004);
+INSERT INTO reading_value VALUES(127,17,85.0);
+INSERT INTO reading_value VALUES(127,18,8.2781000000000002359);
+INSERT INTO reading_value VALUES(128,14,0.9999700000000000255);
+INSERT INTO reading_value VALUES(129,11,23.002200656467014284);
+INSERT INTO reading_value VALUES(129,12,23.000000847710502683);
+INSERT INTO reading_value VALUES(129,13,31.627643585205078124);
+INSERT INTO reading_value VALUES(130,1,22.956116485120105607);
+INSERT INTO reading_value VALUES(130,2,22.592642641476547993);
+INSERT INTO reading_value VALUES(130,3,22.819277294405949873);
+INSERT INTO reading_value VALUES(130,4,20.625504065786476105);
+INSERT INTO reading_value VALUES(130,5,20.556422722541356051);
+INSERT INTO reading_value VALUES(130,6,20.555994845720956475);
+INSERT INTO reading_value VALUES(130,7,20.502470328036515923);
+INSERT INTO reading_value VALUES(130,8,20.535161754638803443);
+INSERT INTO reading_value VALUES(130,9,20.531304258176568567);
+INSERT INTO reading_value VALUES(130,10,20.504080677834185309);
+INSERT INTO reading_value VALUES(131,14,2.0000350000000000072);
+INSERT INTO reading_value VALUES(132,15,1.999947039200000054);
+INSERT INTO reading_value VALUES(132,16,20.629999999999999004);
+INSERT INTO reading_value VALUES(132,17,85.0);
+INSERT INTO reading_value VALUES(132,18,8.2579999999999991189);
+INSERT INTO reading_value VALUES(133,14,2.0000300000000001965);
+INSERT INTO reading_value VALUES(134,15,1.9999460582999999402);
+INSERT INTO reading_value VALUES(134,16,20.629999999999999004);
+INSERT INTO reading_value VALUES(134,17,85.0);
+INSERT INTO reading_value VALUES(134,18,8.2745999999999995111);
+INSERT INTO reading_value VALUES(135,14,2.0000350000000000072);
+INSERT INTO reading_value VALUES(136,15,1.9999505513999999983);
+INSERT INTO reading_value VALUES(136,16,20.629999999999999004);
+INSERT INTO reading_value VALUES(136,17,85.0);
+INSERT INTO reading_value VALUES(136,18,8.2608999999999994656);
+INSERT INTO reading_value VALUES(137,14,2.0000350000000000072);
+INSERT INTO reading_value VALUES(138,15,1.999949797899999826);
+INSERT INTO reading_value VALUES(138,16,20.629999999999999004);
+INSERT INTO reading_value VALUES(138,17,85.0);
+INSERT INTO reading_value VALUES(138,18,8.2757000000000005002);
+INSERT INTO reading_value VALUES(139,14,2.0000300000000001965);
+INSERT INTO reading_value VALUES(140,11,23.000801934136283933);
+INSERT INTO reading_value VALUES(140,12,23.000000847710502683);
+INSERT INTO reading_value VALUES(140,13,32.047431945800781249);
+INSERT INTO reading_value VALUES(141,1,22.956064974874621498);
+INSERT INTO reading_value VALUES(141,2,22.593595856677275435);
+INSERT INTO reading_value VALUES(141,3,22.820127108748913258);
+INSERT INTO reading_value VALUES(141,4,20.627100608560851925);
+INSERT INTO reading_value VALUES(141,5,20.557735509768161109);
+INSERT INTO reading_value VALUES(141,6,20.557049817335133923);
+INSERT INTO reading_value VALUES(141,7,20.504684299191595186);
+INSERT INTO reading_value VALUES(141,8,20.538612005851383912);
+INSERT INTO reading_value VALUES(141,9,20.532616741852343978);
+INSERT INTO reading_value VALUES(141,10,20.505110274609940289);
+CREATE TABLE move (  -- one row per motor axis of each move
+  at_ns INTEGER NOT NULL,
+  ordinal INTEGER NOT NULL,  -- tells moves of the same instant apart
+  axis INTEGER NOT NULL,     -- 1: q1. 0: a move that names no axis
+  at_monotonic_ns INTEGER NOT NULL,
+  run_id INTEGER,
+  from_mm ANY,
+  to_mm ANY,
+  cause TEXT NOT NULL,
+  at_utc TEXT AS (strftime('%Y-%m-%dT%H:%M:%S', at_ns / 1000000000, 'unixepoch') || printf('.%09dZ', at_ns % 1000000000)) VIRTUAL,
+  PRIMARY KEY (at_ns, ordinal, axis)
+) STRICT, WITHOUT ROWID;
+INSERT INTO move VALUES(1795262163321758623,0,1,413855089800,1,2.5000000000000001196e-05,0.0,'zero: start');
+INSERT INTO move VALUES(1795262247139261423,0,1,497672592600,1,4.0000000000000003269e-05,0.0,'row 0');
+INSERT INTO move VALUES(1795262252978431223,0,1,503511762400,1,3.0000000000000000758e-05,-2.0,'row 1');
+INSERT INTO move VALUES(1795262259274589623,0,1,509807920600,1,-1.9999700000000000255,-1.0,'row 2');
+INSERT INTO move VALUES(1795262277472433423,0,1,528005764400,1,-1.0000249999999999417,1.0,'row 3');
+INSERT INTO move VALUES(1795262283718269623,0,1,534251600600,1,1.0000350000000000072,2.0,'row 4');
+INSERT INTO move VALUES(1795262289979659823,0,1,540512990800,1,2.0000350000000000072,0.0,'row 5');
+INSERT INTO move VALUES(1795262307176323023,0,1,557709654200,1,-3.4999999999999996933e-05,-2.0,'row 6');
+INSERT INTO move VALUES(1795262313552179423,0,1,564085510600,1,-1.9999750000000000582,-1.0,'row 7');
+INSERT INTO move VALUES(1795262319496898223,0,1,570030229200,1,-1.0000299999999999744,1.0,'row 8');
+INSERT INTO move VALUES(1795262337134306423,0,1,587667637600,1,0.99996499999999999275,2.0,'row 9');
+CREATE TABLE model (  -- immutable fit results
+  model_id INTEGER PRIMARY KEY,
+  name TEXT NOT NULL,
+  json TEXT NOT NULL,         -- driftwise.model.v1: the model whole
+  hash TEXT NOT NULL UNIQUE,  -- of the json
+  parent_id INTEGER REFERENCES model (model_id),
+  created_ns INTEGER NOT NULL,
+  created_by TEXT NOT NULL,
+  note TEXT NOT NULL,
+  created_utc TEXT AS (strftime('%Y-%m-%dT%H:%M:%S', created_ns / 1000000000, 'unixepoch') || printf('.%09dZ', created_ns % 1000000000)) VIRTUAL
+) STRICT;
+INSERT INTO model VALUES(1,'q ~ x','{"schema":"driftwise.model.v1","formula":"q ~ x","select":"stepwise","p_enter":0.05,"p_remove":0.1,"outputs":[{"channel":"q1_mm","dof":5,"accuracy":{"rmse":1.9458170924817078e-05,"u90_calibration":2.9219803650954485e-05,"lag1_autocorrelation":-0.4465365631159356,"effective_rows":7.0,"condition_index":1.1212216081277344,"u90_validation":3.171979700993605e-05,"model_f":28675676549.53741,"model_p":1.3630747689538801e-25},"terms":[{"term":"1","factors":[],"coefficient":5.265352109332776e-05},{"term":"x","factors":[{"symbol":"x","exponent":1}],"coefficient":1.0000022503215609}],"covariance":[[5.479983654835266e-11,-4.980142432274724e-12],[-4.980142432274724e-12,3.4872917433026274e-11]],"report":[{"term":"1","factors":[],"in":true,"note":"","coefficient":5.265352109332776e-05,"standard_error":7.402691169321645e-06,"t":7.112753982164669,"p":0.0008516744287669031,"vif":0.0,"contribution_rms":0.0,"contribution_max":0.0},{"term":"x","factors":[{"symbol":"x","exponent":1}],"in":true,"note":"","coefficient":1.0000022503215609,"standard_error":5.905329578696372e-06,"t":169338.93985004575,"p":1.3630747689538801e-25,"vif":0.9999999999999999,"contribution_rms":1.245402779183983,"contribution_max":2.142854042528374}],"history":[{"term":"1","factors":[],"step":0,"action":"start","p":1.0,"rmse":1.3451887462785923,"dof":6},{"term":"x","factors":[{"symbol":"x","exponent":1}],"step":1,"action":"enter","p":1.3630747689538817e-25,"rmse":1.9458170924817078e-05,"dof":5}]}],"domain":[{"channel":"x_mm","min":-2.0000409096,"max":1.999946535575}],"lineage":{"runs":[1],"source":"run 1","dataset_hash":"ca09d41bf6d0db00","rows_calibration":7,"rows_validation":3,"rows_dropped":0},"warnings":["p-values after selection are not error probabilities: trust the held-out figures"],"fit_us":282.7849998474121}','92c98b03979a44c8',NULL,1795262360967917223,'ada','');
+CREATE TABLE promotion (  -- which model serves: the last row says it
+  promotion_id INTEGER PRIMARY KEY,
+  model_id INTEGER REFERENCES model (model_id),  -- NULL: none serves
+  at_ns INTEGER NOT NULL,
+  by_whom TEXT NOT NULL,
+  action TEXT NOT NULL,       -- promote or rollback
+  at_utc TEXT AS (strftime('%Y-%m-%dT%H:%M:%S', at_ns / 1000000000, 'unixepoch') || printf('.%09dZ', at_ns % 1000000000)) VIRTUAL
+) STRICT;
+INSERT INTO promotion VALUES(1,1,1795262379658477023,'ada','promote');
+CREATE TABLE event (  -- everything that changed something, with who said it
+  event_id INTEGER PRIMARY KEY,
+  at_ns INTEGER NOT NULL,
+  at_monotonic_ns INTEGER NOT NULL,
+  who TEXT NOT NULL,
+  peer TEXT NOT NULL,         -- network address; empty for the daemon
+  what TEXT NOT NULL,         -- dotted and stable: run.started
+  detail TEXT NOT NULL,
+  run_id INTEGER,
+  at_utc TEXT AS (strftime('%Y-%m-%dT%H:%M:%S', at_ns / 1000000000, 'unixepoch') || printf('.%09dZ', at_ns % 1000000000)) VIRTUAL
+) STRICT;
+INSERT INTO event VALUES(1,1795261762572689623,13106022400,'daemon','','daemon.started','driftwised 0.1.0 on cell ''linear-axis''',NULL);
+INSERT INTO event VALUES(2,1795262148997304223,399530636200,'ada','ipv4:127.0.0.1:55064','lease.taken','ada may move until 2026-11-21T12:55:48.970122823Z',NULL);
+INSERT INTO event VALUES(3,1795262149338661223,399871996400,'ada','ipv4:127.0.0.1:55064','run.created','ada created run 1 ''version 1 run'': 10 rows',1);
+INSERT INTO event VALUES(4,1795262149359970623,399893301800,'daemon','','run.started','run 1 ''version 1 run'': 10 rows',1);
+INSERT INTO event VALUES(5,1795262247013127423,497546469800,'daemon','','datum.opened','datum 1: start',1);
+INSERT INTO event VALUES(6,1795262252466667223,502999998400,'daemon','','run.closure','line 0: back at zero -6.7 nm from where datum 1 had it',1);
+INSERT INTO event VALUES(7,1795262307045497023,557578828000,'daemon','','run.closure','line 1: back at zero -3.4 nm from where datum 1 had it',1);
+INSERT INTO event VALUES(8,1795262343183487823,593716837200,'daemon','','run.done','10 points accepted, 0 given up, largest lag 0.75 s',1);
+INSERT INTO event VALUES(9,1795262343293288823,593826620000,'ada','ipv4:127.0.0.1:55064','lease.given_up','ada gave the lease up',NULL);
+INSERT INTO event VALUES(10,1795262353332626223,603865967800,'ada','ipv4:127.0.0.1:47716','data.imported','ada imported ''imported'': 10 rows',2);
+INSERT INTO event VALUES(11,1795262362612770023,613146102000,'ada','ipv4:127.0.0.1:47718','model.fitted','ada fitted model 1: q ~ x',NULL);
+INSERT INTO event VALUES(12,1795262379760222423,630293554600,'ada','ipv4:127.0.0.1:47734','model.promote','model 1 ''q ~ x'' serves, by ada',NULL);
+INSERT INTO event VALUES(13,1795262383100489223,633633826000,'daemon','','daemon.stopping','the daemon was asked to end',NULL);
+CREATE UNIQUE INDEX run_request ON run (request_id) WHERE request_id <> '';
+CREATE INDEX datum_run ON datum (run_id);
+CREATE UNIQUE INDEX point_place ON point (run_id, trajectory_row);
+CREATE UNIQUE INDEX attempt_place ON attempt (run_id, trajectory_row, number);
+CREATE INDEX reading_time ON reading (device_id, start_ns);
+CREATE VIEW run_overview AS
+  SELECT run.run_id, run.name, state, reason, next_row, trajectory_rows, accepted, given_up, attempts, restarts,
+         max_lag_s, created_utc, (ended_ns - started_ns) / 1e9 AS duration_s
+  FROM run JOIN run_progress USING (run_id);
+CREATE VIEW point_wide AS SELECT r.point_id, r.run_id, r.datum_id, r.trajectory_row, r.point_set, r.line,
+  r.is_zero, r.dwell_s, r.measured_utc, r.measured_ns,
+  (SELECT value FROM point_value v WHERE v.point_id = r.point_id AND v.channel_id = 1) AS "t01_degC",
+  (SELECT value FROM point_value v WHERE v.point_id = r.point_id AND v.channel_id = 2) AS "t02_degC",
+  (SELECT value FROM point_value v WHERE v.point_id = r.point_id AND v.channel_id = 3) AS "t03_degC",
+  (SELECT value FROM point_value v WHERE v.point_id = r.point_id AND v.channel_id = 4) AS "t04_degC",
+  (SELECT value FROM point_value v WHERE v.point_id = r.point_id AND v.channel_id = 5) AS "t05_degC",
+  (SELECT value FROM point_value v WHERE v.point_id = r.point_id AND v.channel_id = 6) AS "t06_degC",
+  (SELECT value FROM point_value v WHERE v.point_id = r.point_id AND v.channel_id = 7) AS "t07_degC",
+  (SELECT value FROM point_value v WHERE v.point_id = r.point_id AND v.channel_id = 8) AS "t08_degC",
+  (SELECT value FROM point_value v WHERE v.point_id = r.point_id AND v.channel_id = 9) AS "t09_degC",
+  (SELECT value FROM point_value v WHERE v.point_id = r.point_id AND v.channel_id = 10) AS "t10_degC",
+  (SELECT value FROM point_value v WHERE v.point_id = r.point_id AND v.channel_id = 11) AS "support_degC",
+  (SELECT value FROM point_value v WHERE v.point_id = r.point_id AND v.channel_id = 12) AS "support_set_degC",
+  (SELECT value FROM point_value v WHERE v.point_id = r.point_id AND v.channel_id = 13) AS "support_power_pct",
+  (SELECT value FROM point_value v WHERE v.point_id = r.point_id AND v.channel_id = 14) AS "q1_mm",
+  (SELECT value FROM point_value v WHERE v.point_id = r.point_id AND v.channel_id = 15) AS "x_mm",
+  (SELECT value FROM point_value v WHERE v.point_id = r.point_id AND v.channel_id = 16) AS "air_degC",
+  (SELECT value FROM point_value v WHERE v.point_id = r.point_id AND v.channel_id = 17) AS "level_pct",
+  (SELECT value FROM point_value v WHERE v.point_id = r.point_id AND v.channel_id = 18) AS "x_std_nm",
+  (SELECT value FROM point_value v WHERE v.point_id = r.point_id AND v.channel_id = 19) AS "q1_cmd_mm"
+FROM point r;
+CREATE VIEW reading_wide AS SELECT r.reading_id, d.name AS device, r.start_utc, r.start_ns, r.end_ns,
+  r.sequence, r.attempt_id,
+  (SELECT value FROM reading_value v WHERE v.reading_id = r.reading_id AND v.channel_id = 1) AS "t01_degC",
+  (SELECT value FROM reading_value v WHERE v.reading_id = r.reading_id AND v.channel_id = 2) AS "t02_degC",
+  (SELECT value FROM reading_value v WHERE v.reading_id = r.reading_id AND v.channel_id = 3) AS "t03_degC",
+  (SELECT value FROM reading_value v WHERE v.reading_id = r.reading_id AND v.channel_id = 4) AS "t04_degC",
+  (SELECT value FROM reading_value v WHERE v.reading_id = r.reading_id AND v.channel_id = 5) AS "t05_degC",
+  (SELECT value FROM reading_value v WHERE v.reading_id = r.reading_id AND v.channel_id = 6) AS "t06_degC",
+  (SELECT value FROM reading_value v WHERE v.reading_id = r.reading_id AND v.channel_id = 7) AS "t07_degC",
+  (SELECT value FROM reading_value v WHERE v.reading_id = r.reading_id AND v.channel_id = 8) AS "t08_degC",
+  (SELECT value FROM reading_value v WHERE v.reading_id = r.reading_id AND v.channel_id = 9) AS "t09_degC",
+  (SELECT value FROM reading_value v WHERE v.reading_id = r.reading_id AND v.channel_id = 10) AS "t10_degC",
+  (SELECT value FROM reading_value v WHERE v.reading_id = r.reading_id AND v.channel_id = 11) AS "support_degC",
+  (SELECT value FROM reading_value v WHERE v.reading_id = r.reading_id AND v.channel_id = 12) AS "support_set_degC",
+  (SELECT value FROM reading_value v WHERE v.reading_id = r.reading_id AND v.channel_id = 13) AS "support_power_pct",
+  (SELECT value FROM reading_value v WHERE v.reading_id = r.reading_id AND v.channel_id = 14) AS "q1_mm",
+  (SELECT value FROM reading_value v WHERE v.reading_id = r.reading_id AND v.channel_id = 15) AS "x_mm",
+  (SELECT value FROM reading_value v WHERE v.reading_id = r.reading_id AND v.channel_id = 16) AS "air_degC",
+  (SELECT value FROM reading_value v WHERE v.reading_id = r.reading_id AND v.channel_id = 17) AS "level_pct",
+  (SELECT value FROM reading_value v WHERE v.reading_id = r.reading_id AND v.channel_id = 18) AS "x_std_nm"
+FROM reading r JOIN device d ON d.device_id = r.device_id;
+COMMIT;
