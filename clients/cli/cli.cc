@@ -8,6 +8,7 @@
 #include "clients/cli/data_commands.h"
 #include "clients/cli/fit_commands.h"
 #include "clients/cli/model_commands.h"
+#include "clients/cli/remark_commands.h"
 #include "clients/cli/run_commands.h"
 #include "clients/cli/session.h"
 #include "clients/cli/target_command.h"
@@ -89,6 +90,7 @@ int run_cli(std::vector<std::string> arguments, Console& console, Interrupt* int
   add_run_commands(app, session);
   add_motion_commands(app, session);
   add_data_commands(app, session);
+  add_note_commands(app, session);
   add_fit_command(app, session);
   add_model_commands(app, session);
   add_target_command(app, session);

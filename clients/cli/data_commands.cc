@@ -5,6 +5,7 @@
 
 #include "clients/cli/import_page.h"
 #include "clients/cli/proto_json.h"
+#include "clients/cli/remark_commands.h"
 #include "clients/cli/run_text.h"
 #include "clients/cli/validators.h"
 #include "clients/cli/value_or_throw.h"
@@ -19,14 +20,16 @@ using DataStub = v1::DataService::Stub;
 
 struct DataArguments {
   std::vector<std::int64_t> runs;
-  std::string file, name, mapping, output;
+  std::string file, name, mapping, output, request_id;
   bool dry_run = false;
   int rows = 5;  // shown by a dry run
+  bool without_excluded = false;
 };
 
 ExitCode export_data(const Session& session, const DataArguments& a) {
   v1::ExportDatasetRequest request;
   for (const std::int64_t run : a.runs) request.add_run_ids(run);
+  request.set_without_excluded(a.without_excluded);
   std::string csv;
   session.connect().follow(&DataStub::ExportDataset, request,
                            [&csv](const v1::ExportDatasetResponse& response) {
@@ -101,6 +104,7 @@ ExitCode import_data(const Session& session, const DataArguments& a) {
   request.set_csv(a.mapping.empty() ? read_input_file(a.file)
                                     : formats::write_dataset_csv(understand(a).dataset));
   request.set_name(a.name.empty() ? base_name(a.file) : a.name);
+  request.set_request_id(a.request_id);
   const auto run = session.connect().ask(&DataStub::ImportDataset, request, 120).run();
   if (session.console.json)
     session.console.print_json(json_from(run));
@@ -119,6 +123,8 @@ void add_data_commands(CLI::App& app, Session& session) {
                               [&session, a] { return export_data(session, *a); });
   out.add_option("RUN", a->runs, "numbers of the runs")->required()->check(positive_number());
   out.add_option("-o,--output", a->file, "write this file instead of standard output");
+  out.add_flag("--without-excluded", a->without_excluded,
+               "leave rows kept out of fits out, instead of marking them in a column");
   CLI::App& in = add_command(data, session, "import",
                              "A dataset CSV, or another program's file, as a run that is done",
                              [&session, a] { return import_data(session, *a); });
@@ -134,6 +140,9 @@ void add_data_commands(CLI::App& app, Session& session) {
               "with --mapping: show what was understood and the first rows, change nothing");
   in.add_option("--rows", a->rows, "rows that a dry run shows")->check(CLI::Range(1, 1000));
   in.add_option("--name", a->name, "of the run; else the file's");
+  in.add_option("--request-id", a->request_id,
+                "the same id again answers with the run of the first time");
+  add_exclusion_commands(data, session);
 }
 
 }  // namespace driftwise::cli

@@ -4,6 +4,7 @@
 
 #include "clients/cli/model_page.h"
 #include "clients/cli/proto_json.h"
+#include "clients/cli/remark_commands.h"
 #include "clients/cli/table.h"
 #include "clients/cli/text.h"
 #include "clients/cli/validators.h"
@@ -24,11 +25,17 @@ struct ModelArguments {
 ExitCode show(const Session& session, std::int64_t id) {
   v1::GetModelRequest request;
   request.set_model_id(id);
-  const auto model = session.connect().ask(&ModelStub::GetModel, request).model();
-  if (session.console.json)
-    session.console.print_json(json_from(model));
-  else
-    print_model_page(session.console, model);
+  const auto connection = session.connect();
+  const auto model = connection.ask(&ModelStub::GetModel, request).model();
+  const auto notes = notes_of_model(connection, id);
+  if (session.console.json) {
+    auto json = json_from(model);
+    json.update(json_from(notes));
+    session.console.print_json(json);
+    return ExitCode::done;
+  }
+  print_model_page(session.console, model);
+  print_notes(session.console, notes);
   return ExitCode::done;
 }
 

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "clients/cli/proto_json.h"
+#include "clients/cli/remark_commands.h"
 #include "clients/cli/run_start.h"
 #include "clients/cli/run_tables.h"
 #include "clients/cli/run_text.h"
@@ -43,11 +44,17 @@ ExitCode list_runs(const Session& session, std::int32_t limit) {
 ExitCode show_run(const Session& session, std::int64_t id) {
   v1::GetRunRequest request;
   request.set_run_id(id);
-  const auto response = session.connect().ask(&RunStub::GetRun, request);
-  if (session.console.json)
-    session.console.print_json(json_from(response));
-  else
-    print_run(session.console, response.run());
+  const auto connection = session.connect();
+  const auto response = connection.ask(&RunStub::GetRun, request);
+  const auto notes = notes_of_run(connection, id);
+  if (session.console.json) {
+    auto json = json_from(response);
+    json.update(json_from(notes));
+    session.console.print_json(json);
+    return ExitCode::done;
+  }
+  print_run(session.console, response.run());
+  print_notes(session.console, notes);
   return ExitCode::done;
 }
 

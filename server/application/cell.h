@@ -105,6 +105,14 @@ struct FitRequest {
   std::int64_t first_rows = 0;                // fit only the first n rows; 0: all
 };
 
+// Which rows of a run are kept out of fits, and how it came to that.
+struct ExclusionState {
+  RunId run;
+  std::vector<std::int64_t> rows;        // out now, ascending
+  std::string hash;                      // of the run's dataset, as in Lineage; empty: none is out
+  std::vector<ExclusionRecord> history;  // oldest first
+};
+
 class Cell {
  public:
   struct Parts {
@@ -168,9 +176,21 @@ class Cell {
   virtual Awaitable<Result<std::vector<AttemptRecord>>> attempts(RunId run) = 0;
   virtual Awaitable<Result<std::vector<DatumRecord>>> data(RunId run) = 0;
   virtual Awaitable<Result<std::vector<EventRecord>>> events(EventId after, int limit) = 0;
-  virtual Awaitable<Result<std::string>> export_dataset(std::vector<RunId> runs) = 0;  // CSV text
+  // CSV text. Rows kept out of fits are marked in a column, or left out.
+  virtual Awaitable<Result<std::string>> export_dataset(std::vector<RunId> runs,
+                                                        bool without_excluded) = 0;
+  // Becomes a run, done. The same request_id again answers with the first run.
   virtual Awaitable<Result<RunRecord>> import_dataset(Caller caller, std::string name,
-                                                      std::string csv) = 0;  // becomes a run, done
+                                                      std::string csv, std::string request_id) = 0;
+
+  // Keeps rows of a run out of every fit from now on (excluded), or puts them back. The points stay
+  // as they were. Rows that are so already change nothing. Errors: not_found NO_SUCH_RUN;
+  // invalid_argument NO_SUCH_ROW (no accepted point in it; nothing changes then).
+  virtual Awaitable<Result<ExclusionState>> exclude_rows(Caller caller, ExclusionRecord wanted) = 0;
+  virtual Awaitable<Result<ExclusionState>> exclusions(RunId run) = 0;
+  virtual Awaitable<Result<NoteRecord>> add_note(Caller caller, NoteSubject on,
+                                                 std::string text) = 0;
+  virtual Awaitable<Result<std::vector<NoteRecord>>> notes(NoteSubject on) = 0;
 
   virtual Awaitable<Result<ModelRecord>> fit(Caller caller,
                                              FitRequest request) = 0;  // on the worker pool

@@ -82,9 +82,14 @@ class CellApplication final : public Cell {
   Awaitable<Result<std::vector<AttemptRecord>>> attempts(RunId run) override;
   Awaitable<Result<std::vector<DatumRecord>>> data(RunId run) override;
   Awaitable<Result<std::vector<EventRecord>>> events(EventId after, int limit) override;
-  Awaitable<Result<std::string>> export_dataset(std::vector<RunId> runs) override;
-  Awaitable<Result<RunRecord>> import_dataset(Caller caller, std::string name,
-                                              std::string csv) override;
+  Awaitable<Result<std::string>> export_dataset(std::vector<RunId> runs,
+                                                bool without_excluded) override;
+  Awaitable<Result<RunRecord>> import_dataset(Caller caller, std::string name, std::string csv,
+                                              std::string request_id) override;
+  Awaitable<Result<ExclusionState>> exclude_rows(Caller caller, ExclusionRecord wanted) override;
+  Awaitable<Result<ExclusionState>> exclusions(RunId run) override;
+  Awaitable<Result<NoteRecord>> add_note(Caller caller, NoteSubject on, std::string text) override;
+  Awaitable<Result<std::vector<NoteRecord>>> notes(NoteSubject on) override;
 
   Awaitable<Result<ModelRecord>> fit(Caller caller, FitRequest request) override;
   Awaitable<Result<std::vector<ModelRecord>>> models() override;

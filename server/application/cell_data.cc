@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "server/application/cell_application.h"
 #include "server/formats/dataset_csv.h"
+#include "server/formats/text.h"
 
 namespace driftwise::application {
 namespace {
@@ -20,13 +22,41 @@ std::optional<CellTime> time_zero(Store& store, const std::vector<RunId>& runs) 
   return first;
 }
 
+template <class T>
+void keep_rows(std::vector<T>& values, const std::vector<std::size_t>& rows) {
+  if (values.empty()) return;
+  std::vector<T> kept;
+  kept.reserve(rows.size());
+  for (const std::size_t row : rows) kept.push_back(values[row]);
+  values = std::move(kept);
+}
+
+void leave_excluded_out(Dataset& dataset) {
+  if (dataset.excluded.empty()) return;
+  std::vector<std::size_t> rows;
+  for (std::size_t row = 0; row < dataset.rows; ++row)
+    if (!dataset.is_excluded(row)) rows.push_back(row);
+  keep_rows(dataset.time_s, rows);
+  keep_rows(dataset.set, rows);
+  keep_rows(dataset.line, rows);
+  keep_rows(dataset.zero, rows);
+  keep_rows(dataset.dwell_s, rows);
+  keep_rows(dataset.run, rows);
+  keep_rows(dataset.datum, rows);
+  for (auto& column : dataset.columns) keep_rows(column.values, rows);
+  dataset.excluded.clear();
+  dataset.rows = rows.size();
+}
+
 }  // namespace
 
-Awaitable<Result<std::string>> CellApplication::export_dataset(std::vector<RunId> runs) {
-  auto exporting =
-      reader_.call([runs, cell = description_.name](Store& store) -> Result<std::string> {
+Awaitable<Result<std::string>> CellApplication::export_dataset(std::vector<RunId> runs,
+                                                               bool without_excluded) {
+  auto exporting = reader_.call(
+      [runs, without_excluded, cell = description_.name](Store& store) -> Result<std::string> {
         auto dataset = store.runs().dataset(runs);
         if (!dataset) return tl::unexpected(dataset.error());
+        if (without_excluded) leave_excluded_out(*dataset);
         if (dataset->metadata.empty()) {  // an imported file keeps its own
           dataset->metadata = {{"driftwise-dataset", "1"}, {"cell", cell}};
           std::string numbers;
@@ -42,13 +72,16 @@ Awaitable<Result<std::string>> CellApplication::export_dataset(std::vector<RunId
 }
 
 Awaitable<Result<RunRecord>> CellApplication::import_dataset(Caller caller, std::string name,
-                                                             std::string csv) {
+                                                             std::string csv,
+                                                             std::string request_id) {
   auto dataset = formats::read_dataset_csv(csv, name.empty() ? "dataset" : name);
   if (!dataset) co_return tl::unexpected(dataset.error());
   NewRun fresh;
   fresh.name = name;
   fresh.rows = static_cast<std::int64_t>(dataset->rows);
-  fresh.rules_json = "{}";
+  // An import follows no rules; what it was made of tells a repeat from another import.
+  fresh.rules_json = nlohmann::json{{"imported_hash", formats::content_hash(csv)}}.dump();
+  fresh.request_id = std::move(request_id);
   fresh.config_hash = description_.hash;
   fresh.config_text = description_.text;
   fresh.operator_name = caller.name;
@@ -57,7 +90,8 @@ Awaitable<Result<RunRecord>> CellApplication::import_dataset(Caller caller, std:
     return store.runs().import_dataset(fresh, data);
   });
   auto stored = co_await std::move(storing);
-  if (stored)
+  const bool is_repeat = stored && stored->created != fresh.created.utc;
+  if (stored && !is_repeat)
     events_.record(caller, "data.imported",
                    fmt::format("{} imported '{}': {} rows", caller.name, name, stored->rows),
                    stored->id);

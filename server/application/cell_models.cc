@@ -9,6 +9,7 @@
 #include "server/formats/dataset_csv.h"
 #include "server/formats/formula.h"
 #include "server/formats/model_json.h"
+#include "server/formats/row_ranges.h"
 #include "server/formats/text.h"
 
 namespace driftwise::application {
@@ -36,6 +37,7 @@ Result<ModelRecord> fit_record(const Dataset& dataset, const FitRequest& request
   options.lineage.runs = request.runs;
   options.lineage.source = source;
   options.lineage.dataset_hash = formats::content_hash(formats::write_dataset_csv(dataset));
+  options.lineage.exclusions_hash = formats::exclusions_hash(dataset);
   auto model = formats::fit_formula(dataset, request.formula, std::move(options));
   if (!model) return tl::unexpected(model.error());
   ModelRecord record;

@@ -16,8 +16,9 @@ struct ExportState {  // shared with the query, which may end after the client h
   std::function<void()> wake;
 };
 
-Awaitable<void> query(Cell& cell, std::vector<RunId> runs, std::shared_ptr<ExportState> state) {
-  auto csv = co_await cell.export_dataset(std::move(runs));
+Awaitable<void> query(Cell& cell, std::vector<RunId> runs, bool without_excluded,
+                      std::shared_ptr<ExportState> state) {
+  auto csv = co_await cell.export_dataset(std::move(runs), without_excluded);
   if (csv) {
     state->csv = std::move(*csv);
     state->end = Result<void>{};
@@ -29,16 +30,18 @@ Awaitable<void> query(Cell& cell, std::vector<RunId> runs, std::shared_ptr<Expor
 
 class ExportSource final : public StreamSource<v1::ExportDatasetResponse> {
  public:
-  ExportSource(Cell& cell, std::vector<RunId> runs) : cell_(cell), runs_(std::move(runs)) {}
+  ExportSource(Cell& cell, std::vector<RunId> runs, bool without_excluded)
+      : cell_(cell), runs_(std::move(runs)), without_excluded_(without_excluded) {}
   ~ExportSource() override {
     state_->wake = [] {};
   }
 
   void start(std::function<void()> wake) override {
     state_->wake = std::move(wake);
-    asio::co_spawn(cell_.executor(), query(cell_, runs_, state_), [](std::exception_ptr bug) {
-      if (bug) std::rethrow_exception(bug);
-    });
+    asio::co_spawn(cell_.executor(), query(cell_, runs_, without_excluded_, state_),
+                   [](std::exception_ptr bug) {
+                     if (bug) std::rethrow_exception(bug);
+                   });
   }
 
   std::optional<v1::ExportDatasetResponse> next() override {
@@ -55,14 +58,16 @@ class ExportSource final : public StreamSource<v1::ExportDatasetResponse> {
  private:
   Cell& cell_;
   std::vector<RunId> runs_;
+  bool without_excluded_;
   std::shared_ptr<ExportState> state_ = std::make_shared<ExportState>();
 };
 
 }  // namespace
 
 std::unique_ptr<StreamSource<v1::ExportDatasetResponse>> export_dataset(Cell& cell,
-                                                                        std::vector<RunId> runs) {
-  return std::make_unique<ExportSource>(cell, std::move(runs));
+                                                                        std::vector<RunId> runs,
+                                                                        bool without_excluded) {
+  return std::make_unique<ExportSource>(cell, std::move(runs), without_excluded);
 }
 
 }  // namespace driftwise::rpc

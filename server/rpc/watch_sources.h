@@ -38,6 +38,7 @@ std::unique_ptr<StreamSource<v1::WatchTargetsResponse>> watch_targets(
     application::Cell& cell, compensation::TargetRequest request, Nanoseconds min_interval);
 
 std::unique_ptr<StreamSource<v1::ExportDatasetResponse>> export_dataset(application::Cell& cell,
-                                                                        std::vector<RunId> runs);
+                                                                        std::vector<RunId> runs,
+                                                                        bool without_excluded);
 
 }  // namespace driftwise::rpc

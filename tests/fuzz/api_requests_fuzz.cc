@@ -10,6 +10,7 @@
 #include "clients/cli/console.h"
 #include "clients/cli/plan_block_text.h"
 #include "driftwise/v1/error_detail.pb.h"
+#include "server/rpc/convert_remarks.h"
 #include "server/rpc/convert_target.h"
 #include "server/rpc/convert_values.h"
 #include "server/rpc/create_run_request.h"
@@ -50,6 +51,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (create.ParseFromString(bytes)) check(rpc::create_run_from(create, RunRules{}));
   v1::CreateFitRequest fit;
   if (fit.ParseFromString(bytes)) check(rpc::fit_request_from(fit));
+  v1::ExcludeRowsRequest exclude;
+  if (exclude.ParseFromString(bytes)) check(rpc::exclusion_from(exclude));
+  v1::NoteSubject subject;
+  if (subject.ParseFromString(bytes)) check(rpc::subject_from(subject));
   v1::ComputeTargetRequest target;
   if (target.ParseFromString(bytes)) {
     check(rpc::pose_from(target.pose(), CellTime{}));

@@ -298,14 +298,17 @@ Awaitable<Result<std::vector<EventRecord>>> FakeCell::events(EventId after, int 
   co_return out;
 }
 
-Awaitable<Result<std::string>> FakeCell::export_dataset(std::vector<RunId> runs) {
+Awaitable<Result<std::string>> FakeCell::export_dataset(std::vector<RunId> runs,
+                                                        bool without_excluded) {
+  last_without_excluded = without_excluded;
   for (const RunId run : runs)
     if (auto found = find_run(run); !found) co_return tl::unexpected(found.error());
   co_return the_csv;
 }
 Awaitable<Result<RunRecord>> FakeCell::import_dataset(app::Caller caller, std::string name,
-                                                      std::string csv) {
+                                                      std::string csv, std::string request_id) {
   if (auto error = take_failure()) co_return tl::unexpected(*error);
+  last_request_id = std::move(request_id);
   the_csv = std::move(csv);
   RunRecord run;
   run.id = {static_cast<std::int64_t>(the_runs.size()) + 1};
@@ -314,6 +317,42 @@ Awaitable<Result<RunRecord>> FakeCell::import_dataset(app::Caller caller, std::s
   run.state = RunState::done;
   the_runs[run.id.value] = run;
   co_return run;
+}
+
+Awaitable<Result<app::ExclusionState>> FakeCell::exclude_rows(app::Caller caller,
+                                                              ExclusionRecord wanted) {
+  if (auto error = take_failure()) co_return tl::unexpected(*error);
+  if (auto found = find_run(wanted.run); !found) co_return tl::unexpected(found.error());
+  wanted.id = static_cast<std::int64_t>(the_exclusions.size()) + 1;
+  wanted.who = caller.name;
+  wanted.at.utc = the_time;
+  the_exclusions.push_back(wanted);
+  co_return co_await exclusions(wanted.run);
+}
+Awaitable<Result<app::ExclusionState>> FakeCell::exclusions(RunId run) {
+  if (auto found = find_run(run); !found) co_return tl::unexpected(found.error());
+  app::ExclusionState state{run, {}, "state", the_exclusions};
+  if (!the_exclusions.empty() && the_exclusions.back().excluded)
+    state.rows = the_exclusions.back().rows;
+  co_return state;
+}
+Awaitable<Result<NoteRecord>> FakeCell::add_note(app::Caller caller, NoteSubject on,
+                                                 std::string text) {
+  if (auto error = take_failure()) co_return tl::unexpected(*error);
+  NoteRecord note{static_cast<std::int64_t>(the_notes.size()) + 1,
+                  on,
+                  std::move(text),
+                  {the_time, 0},
+                  caller.name,
+                  caller.peer};
+  the_notes.push_back(note);
+  co_return note;
+}
+Awaitable<Result<std::vector<NoteRecord>>> FakeCell::notes(NoteSubject on) {
+  std::vector<NoteRecord> found;
+  for (const auto& note : the_notes)
+    if (note.on.run == on.run && note.on.model == on.model) found.push_back(note);
+  co_return found;
 }
 
 Awaitable<Result<ModelRecord>> FakeCell::fit(app::Caller caller, app::FitRequest request) {

@@ -52,6 +52,10 @@ class FakeCell final : public app::Cell {
   std::vector<EventRecord> the_events;
   std::vector<ModelRecord> the_models;
   std::vector<PromotionRecord> the_promotions;
+  std::vector<ExclusionRecord> the_exclusions;  // of any run: rows as asked for
+  std::vector<NoteRecord> the_notes;
+  std::string last_request_id;
+  bool last_without_excluded = false;
   std::string the_csv = "time_s,q1_mm,x_mm\n0,0,0\n";
   int watchers = 0;  // streams that watch now
   compensation::SnapshotBoard board;
@@ -97,9 +101,16 @@ class FakeCell final : public app::Cell {
   Awaitable<Result<std::vector<AttemptRecord>>> attempts(RunId run) override;
   Awaitable<Result<std::vector<DatumRecord>>> data(RunId run) override;
   Awaitable<Result<std::vector<EventRecord>>> events(EventId after, int limit) override;
-  Awaitable<Result<std::string>> export_dataset(std::vector<RunId> runs) override;
-  Awaitable<Result<RunRecord>> import_dataset(app::Caller caller, std::string name,
-                                              std::string csv) override;
+  Awaitable<Result<std::string>> export_dataset(std::vector<RunId> runs,
+                                                bool without_excluded) override;
+  Awaitable<Result<RunRecord>> import_dataset(app::Caller caller, std::string name, std::string csv,
+                                              std::string request_id) override;
+  Awaitable<Result<app::ExclusionState>> exclude_rows(app::Caller caller,
+                                                      ExclusionRecord wanted) override;
+  Awaitable<Result<app::ExclusionState>> exclusions(RunId run) override;
+  Awaitable<Result<NoteRecord>> add_note(app::Caller caller, NoteSubject on,
+                                         std::string text) override;
+  Awaitable<Result<std::vector<NoteRecord>>> notes(NoteSubject on) override;
   Awaitable<Result<ModelRecord>> fit(app::Caller caller, app::FitRequest request) override;
   Awaitable<Result<std::vector<ModelRecord>>> models() override;
   Awaitable<Result<ModelRecord>> model(ModelId id) override;

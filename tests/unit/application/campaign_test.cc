@@ -185,13 +185,13 @@ TEST_F(Campaign, EstimatesItsEnd) {
 TEST_F(Campaign, IsTheSameEveryTime) {
   const auto run = cell.begin_run(lines_of(2, {2, -3}, true));
   cell.finish_run();
-  const auto csv = *cell.await(cell->export_dataset({run.id}));
+  const auto csv = *cell.await(cell->export_dataset({run.id}, false));
   Folder other_folder;
   SmallWorld other_world;
   CellInMemory other(other_world, small_cell(other_folder / "cell.sqlite"), kSqlite);
   const auto again = other.begin_run(lines_of(2, {2, -3}, true));
   other.finish_run();
-  EXPECT_EQ(*other.await(other->export_dataset({again.id})), csv);
+  EXPECT_EQ(*other.await(other->export_dataset({again.id}, false)), csv);
 }
 
 }  // namespace

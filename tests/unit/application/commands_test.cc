@@ -81,12 +81,12 @@ TEST_F(Commands, SetsTheStabiliserWithinReason) {
 TEST_F(Commands, ADatasetGoesOutAndComesBackExactly) {
   const auto run = cell.begin_run(lines_of(2, {1, -2}, true));
   cell.finish_run();
-  const auto csv = cell.await(cell->export_dataset({run.id}));
+  const auto csv = cell.await(cell->export_dataset({run.id}, false));
   ASSERT_TRUE(csv) << csv.error().message;
-  const auto imported = cell.await(cell->import_dataset(cell.ada, "again.csv", *csv));
+  const auto imported = cell.await(cell->import_dataset(cell.ada, "again.csv", *csv, ""));
   ASSERT_TRUE(imported) << imported.error().message;
   EXPECT_EQ(imported->state, RunState::done);
-  EXPECT_EQ(*cell.await(cell->export_dataset({imported->id})), *csv);
+  EXPECT_EQ(*cell.await(cell->export_dataset({imported->id}, false)), *csv);
 }
 
 TEST_F(Commands, SteeringARunThatIsNotThereSaysSo) {

@@ -1,0 +1,62 @@
+// Rows kept out of fits, and notes, through the command line.
+
+#include "tests/unit/cli/cli_fixture.h"
+
+namespace driftwise::tests {
+namespace {
+
+class RemarkCommands : public CliTest {
+ protected:
+  RemarkCommands() {
+    cell.on_executor([this] { cell.the_runs[1].id = RunId{1}; });
+  }
+};
+
+TEST_F(RemarkCommands, KeepRowsOutWithAReason) {
+  const auto said =
+      run({"data", "exclude", "1", "--rows", "12,40-45", "--reason", "the door stood open"});
+  EXPECT_EQ(said.exit, 0) << said.err;
+  EXPECT_THAT(said.out, HasSubstr("run 1: 7 rows kept out of fits: 12,40-45  (state state)"));
+  EXPECT_THAT(said.out, HasSubstr("ada  out   12,40-45  the door stood open"));
+  const auto back =
+      run({"data", "restore", "1", "--rows", "12,40-45", "--reason", "no, it did not"});
+  EXPECT_THAT(back.out, HasSubstr("run 1: no row is kept out of fits"));
+  const auto listed = json({"data", "exclusions", "1"});
+  EXPECT_EQ(listed["history"].size(), 2u);
+  EXPECT_EQ(listed["history"][0]["rows"][1]["first_row"], 40);
+  EXPECT_EQ(listed["history"][1]["excluded"], false);
+}
+
+TEST_F(RemarkCommands, RefuseBadRowsAndMissingReasons) {
+  const auto bad = run({"data", "exclude", "1", "--rows", "12,x", "--reason", "r"});
+  EXPECT_EQ(bad.exit, 3);
+  EXPECT_THAT(bad.err, HasSubstr("found 'x', expected row numbers such as 12,40-45"));
+  EXPECT_EQ(run({"data", "exclude", "1", "--rows", "12"}).exit, 2);
+  const auto blank = run({"data", "exclude", "1", "--rows", "12", "--reason", " "});
+  EXPECT_EQ(blank.exit, 3);
+  EXPECT_THAT(blank.err, HasSubstr("expected why"));
+  EXPECT_EQ(run({"data", "exclusions", "7"}).exit, 3);
+}
+
+TEST_F(RemarkCommands, ShowNotesWhereTheyBelong) {
+  cell.on_executor([this] { return cell.add_model("q1 ~ x"); });
+  EXPECT_EQ(run({"note", "add", "new bearings", "--run", "1"}).exit, 0);
+  EXPECT_EQ(run({"note", "add", "someone coughed", "--run", "1", "--row", "3"}).exit, 0);
+  EXPECT_EQ(run({"note", "add", "signed", "--model", "1"}).exit, 0);
+  EXPECT_THAT(run({"run", "show", "1"}).out, HasSubstr("ada, run 1, row 3: someone coughed"));
+  EXPECT_THAT(run({"model", "show", "1"}).out, HasSubstr("ada, model 1: signed"));
+  EXPECT_EQ(json({"model", "show", "1"})["notes"][0]["text"], "signed");
+  EXPECT_EQ(json({"note", "list", "--run", "1"})["notes"].size(), 2u);
+  EXPECT_EQ(run({"note", "add", "on nothing"}).exit, 3);
+  EXPECT_EQ(run({"note", "add", "on a row", "--row", "1"}).exit, 2);
+}
+
+TEST_F(RemarkCommands, PassOnWhatAnExportAndAnImportAreToldToDo) {
+  EXPECT_EQ(run({"data", "export", "1", "--without-excluded"}).exit, 0);
+  EXPECT_TRUE(cell.on_executor([this] { return cell.last_without_excluded; }));
+  EXPECT_EQ(run({"data", "import", file("d.csv", "x_mm\n1\n"), "--request-id", "7d0f"}).exit, 0);
+  EXPECT_EQ(cell.on_executor([this] { return cell.last_request_id; }), "7d0f");
+}
+
+}  // namespace
+}  // namespace driftwise::tests
