@@ -1,5 +1,6 @@
 #include "server/calibration/tail.h"
 
+#include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <boost/math/special_functions/beta.hpp>
 #include <cmath>
@@ -28,6 +29,10 @@ double f_upper_p(double f, double dof1, double dof2) {
 }
 
 double t_two_sided_p(double t, double dof) { return f_upper_p(t * t, 1, dof); }
+
+double f_quantile(double probability, double dof1, double dof2) {
+  return boost::math::quantile(boost::math::fisher_f(dof1, dof2), probability);
+}
 
 double t_quantile(double probability, double dof) {
   return boost::math::quantile(boost::math::students_t(dof), probability);

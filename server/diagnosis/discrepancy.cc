@@ -10,7 +10,24 @@
 namespace driftwise::diagnosis {
 namespace {
 
-// R^2 of y on 1, v, v^2 over rows where both have a value; 0 when v does not vary there.
+void summarise(OutputDiscrepancy& out) {
+  double sum = 0, count = 0;
+  for (const double v : out.values)
+    if (std::isfinite(v)) sum += v, count += 1;
+  out.mean = sum / count;
+  double square = 0, neighbours = 0;
+  for (std::size_t i = 0; i < out.values.size(); ++i) {
+    if (!std::isfinite(out.values[i])) continue;
+    square += (out.values[i] - out.mean) * (out.values[i] - out.mean);
+    if (i > 0 && std::isfinite(out.values[i - 1]))
+      neighbours += (out.values[i] - out.mean) * (out.values[i - 1] - out.mean);
+  }
+  out.u90 = kSigmaToU90 * std::sqrt(square / (count - 1));
+  out.lag1_autocorrelation = square > 0 ? neighbours / square : 0;
+}
+
+}  // namespace
+
 double marginal_share(const std::vector<double>& variable, const std::vector<double>& y) {
   std::vector<std::size_t> rows;
   double low = INFINITY, high = -INFINITY;
@@ -35,24 +52,6 @@ double marginal_share(const std::vector<double>& variable, const std::vector<dou
   const Eigen::VectorXd rest = values - columns * columns.colPivHouseholderQr().solve(values);
   return std::clamp(1 - rest.squaredNorm() / total, 0.0, 1.0);
 }
-
-void summarise(OutputDiscrepancy& out) {
-  double sum = 0, count = 0;
-  for (const double v : out.values)
-    if (std::isfinite(v)) sum += v, count += 1;
-  out.mean = sum / count;
-  double square = 0, neighbours = 0;
-  for (std::size_t i = 0; i < out.values.size(); ++i) {
-    if (!std::isfinite(out.values[i])) continue;
-    square += (out.values[i] - out.mean) * (out.values[i] - out.mean);
-    if (i > 0 && std::isfinite(out.values[i - 1]))
-      neighbours += (out.values[i] - out.mean) * (out.values[i - 1] - out.mean);
-  }
-  out.u90 = kSigmaToU90 * std::sqrt(square / (count - 1));
-  out.lag1_autocorrelation = square > 0 ? neighbours / square : 0;
-}
-
-}  // namespace
 
 Result<std::vector<OutputDiscrepancy>> discrepancy(const calibration::Model& model,
                                                    const Dataset& dataset) {

@@ -29,6 +29,10 @@ struct OutputDiscrepancy {
       explained_by;  // largest first, every channel that varies, and time where the rows have one
 };
 
+// R^2 of y on 1, v, v^2 over the rows where both are finite: 0 .. 1; 0 below 4 rows or without
+// variation.
+double marginal_share(const std::vector<double>& variable, const std::vector<double>& y);
+
 // Rows of both sets. Errors: invalid_argument UNKNOWN_CHANNEL (the dataset lacks one the model
 // reads), TOO_FEW_ROWS (fewer than 4 complete).
 Result<std::vector<OutputDiscrepancy>> discrepancy(const calibration::Model& model,

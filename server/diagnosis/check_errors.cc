@@ -1,0 +1,138 @@
+#include "server/diagnosis/check_errors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "server/calibration/design.h"
+#include "server/calibration/predict.h"
+#include "server/effects/term_order.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+using Eigen::Index;
+
+// The terms that mean something in another datum: all but the constants of the model's own.
+std::vector<Index> carried_terms(const calibration::OutputModel& output) {
+  std::vector<Index> carried;
+  for (std::size_t k = 0; k < output.terms.size(); ++k)
+    if (!effects::datum_of(output.terms[k])) carried.push_back(static_cast<Index>(k));
+  return carried;
+}
+
+const double* value_of(const std::vector<ChannelValue>& values, const std::string& channel) {
+  for (const auto& value : values)
+    if (value.channel == channel && !is_missing(value.value)) return &value.value;
+  return nullptr;
+}
+
+// One row: the pose 0, everything else as the datum's record has it. None when it lacks something.
+std::optional<Dataset> zero_row(const Dataset& data, const std::vector<effects::Term>& terms,
+                                const std::vector<ChannelValue>& zero) {
+  Dataset row;
+  row.rows = 1;
+  row.time_s = {0};
+  for (const auto& term : terms)
+    for (const auto& symbol : effects::symbols_of(term)) {
+      if (row.find(symbol)) continue;
+      const auto* column = data.find(symbol);
+      if (!column) return std::nullopt;
+      double value = 0;
+      if (!is_pose_symbol(symbol)) {
+        const double* known = value_of(zero, column->channel.name());
+        if (!known) return std::nullopt;
+        value = *known;
+      }
+      row.columns.push_back({column->channel, {value}});
+    }
+  return row;
+}
+
+struct Anchor {  // of one datum
+  double q = 0;  // column unit
+  Eigen::RowVectorXd columns;
+};
+
+std::optional<Anchor> anchor_of(const calibration::OutputModel& output,
+                                const std::vector<effects::Term>& terms, const Dataset& data,
+                                const std::vector<ChannelValue>& zero) {
+  const double* q = value_of(zero, output.channel.name());
+  const auto row = zero_row(data, terms, zero);
+  if (!q || !row) return std::nullopt;
+  const auto columns = calibration::raw_columns(*row, terms);
+  if (!columns || !columns->allFinite()) return std::nullopt;
+  return Anchor{*q, columns->row(0)};
+}
+
+// Where no zero is known: the middle of the datum's own rows.
+Anchor middle_of(const Eigen::MatrixXd& columns, const std::vector<double>& q,
+                 const std::vector<Index>& rows) {
+  Anchor middle{0, Eigen::RowVectorXd::Zero(columns.cols())};
+  for (const Index row : rows) {
+    middle.q += q[static_cast<std::size_t>(row)] / static_cast<double>(rows.size());
+    middle.columns += columns.row(row) / static_cast<double>(rows.size());
+  }
+  return middle;
+}
+
+}  // namespace
+
+Result<RunErrors> run_errors(const calibration::OutputModel& output, std::int64_t calibration_rows,
+                             const RunToCheck& run) {
+  const Dataset& data = run.data;
+  const DatasetColumn* measured = data.find(output.channel.symbol);
+  if (!measured)
+    return fail(ErrorCode::invalid_argument, "UNKNOWN_CHANNEL",
+                "the run has no channel " + output.channel.name());
+  const std::vector<Index> carried = carried_terms(output);
+  std::vector<effects::Term> terms;
+  for (const Index k : carried) terms.push_back(output.terms[static_cast<std::size_t>(k)]);
+  const auto columns = calibration::raw_columns(data, terms);
+  if (!columns) return tl::unexpected(columns.error());
+  const Eigen::VectorXd coefficients = output.coefficients(carried);
+  // Standard errors of a fit to correlated rows are too small by the root of rows per effective
+  // row.
+  const double inflation =
+      output.accuracy.effective_rows > 0
+          ? std::max(1.0, static_cast<double>(calibration_rows) / output.accuracy.effective_rows)
+          : 1.0;
+  const Eigen::MatrixXd covariance = output.covariance(carried, carried) * inflation;
+  const double factor = summary_unit(output.channel.unit).factor;
+
+  RunErrors errors;
+  errors.values.assign(data.rows, kMissing);
+  std::map<int, std::vector<Index>> rows_of_datum;
+  const auto ordinals = calibration::datum_ordinals(data);
+  for (std::size_t row = 0; row < data.rows; ++row) {
+    const auto i = static_cast<Index>(row);
+    if (data.is_excluded(row) || is_missing(measured->values[row]) || !columns->row(i).allFinite())
+      continue;
+    rows_of_datum[static_cast<int>(ordinals[row])].push_back(i);
+  }
+  Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(static_cast<Index>(terms.size()));
+  for (const auto& [ordinal, rows] : rows_of_datum) {
+    std::optional<Anchor> anchor;
+    if (static_cast<std::size_t>(ordinal) <= run.zeros.size())
+      anchor = anchor_of(output, terms, data, run.zeros[static_cast<std::size_t>(ordinal - 1)]);
+    if (!anchor) {
+      errors.anchored = false;
+      anchor = middle_of(*columns, measured->values, rows);
+    }
+    for (const Index row : rows) {
+      const Eigen::RowVectorXd away = columns->row(row) - anchor->columns;
+      const double q = measured->values[static_cast<std::size_t>(row)] - anchor->q;
+      errors.values[static_cast<std::size_t>(row)] = (q - away.dot(coefficients)) * factor;
+      errors.model_variance += (away * covariance).dot(away) * factor * factor;
+      sum += away;
+      ++errors.rows;
+    }
+  }
+  if (errors.rows == 0) return errors;
+  const auto n = static_cast<double>(errors.rows);
+  errors.model_variance /= n;
+  errors.model_mean_variance = (sum * covariance).dot(sum) * factor * factor / (n * n);
+  return errors;
+}
+
+}  // namespace driftwise::diagnosis
