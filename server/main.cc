@@ -227,6 +227,10 @@ void serve_until_signal(Daemon& daemon, asio::io_context& context, const Argumen
                         const sigset_t& signals) {
   ExecutorThread executor(context);
   executor.run([&] { daemon.cell->start(); });
+  // Whoever hears that the daemon is ready shall see which devices are there; one that does not
+  // answer does not keep it from being ready.
+  asio::co_spawn(context, daemon.cell->devices_looked_at(), asio::use_future)
+      .wait_for(std::chrono::seconds(1));
   {
     const auto content = notice_of(daemon);
     const Notice notice(arguments.cell_file, content);

@@ -36,11 +36,17 @@ double change(const std::optional<double>& before, const std::optional<double>& 
   return before && after ? (*after - *before) * factor : std::nan("");
 }
 
+SummaryUnit unit_of(const calibration::Model& model, const std::string& output) {
+  for (const auto& one : model.outputs)
+    if (one.channel.symbol == output) return summary_unit(one.channel.unit);
+  return {"", 1};
+}
+
 nlohmann::ordered_json offers_json(const std::vector<calibration::OfferResult>& offers,
-                                   const Dataset& data) {
+                                   const calibration::Model& model) {
   auto list = nlohmann::ordered_json::array();
   for (const auto& offer : offers) {
-    const SummaryUnit summary = summary_unit(data.find(offer.output)->channel.unit);
+    const SummaryUnit summary = unit_of(model, offer.output);
     nlohmann::ordered_json one{
         {"offer", offer.name}, {"output", offer.output}, {"best_p", offer.best_p}};
     for (const auto* key : {"taken", "left"}) one[key] = nlohmann::ordered_json::array();
@@ -60,10 +66,10 @@ nlohmann::ordered_json offers_json(const std::vector<calibration::OfferResult>& 
 }
 
 void print_offers(std::ostream& out, const std::vector<calibration::OfferResult>& offers,
-                  const Dataset& data) {
+                  const calibration::Model& model) {
   out << "\nWhat more terms would add to the held-out U90\n";
   for (const auto& offer : offers) {
-    const SummaryUnit summary = summary_unit(data.find(offer.output)->channel.unit);
+    const SummaryUnit summary = unit_of(model, offer.output);
     char text[256];
     std::snprintf(text, sizeof text, "%+.2f %s on the validation rows, %+.2f %s by blocks of time",
                   change(offer.u90_validation_before, offer.u90_validation_after, summary.factor),
@@ -176,6 +182,20 @@ calibration::FitOptions fit_options(const FitOfFile& fit) {
   return options;
 }
 
+void print_fit(const Console& console, const FitOfFile& fit, const calibration::Model& model,
+               const std::vector<calibration::OfferResult>& offers,
+               std::optional<std::int64_t> model_id) {
+  if (console.json) {
+    auto json = formats::fit_json(model);
+    if (fit.offers) json["offers"] = offers_json(offers, model);
+    if (model_id) json["model_id"] = *model_id;
+    console.print_json(json);
+    return;
+  }
+  console.out << formats::fit_table(model, {.history = fit.history});
+  if (fit.offers) print_offers(console.out, offers, model);
+}
+
 ExitCode fit_file(const Console& console, const FitOfFile& fit, std::string_view text,
                   const std::string& name) {
   calibration::FitOptions options = fit_options(fit);
@@ -191,14 +211,7 @@ ExitCode fit_file(const Console& console, const FitOfFile& fit, std::string_view
     offers = value_or_throw(calibration::weigh_offers(
         data, options, model, calibration::published_offers(data, options.candidates)));
   if (!fit.residuals.empty()) write_output_file(fit.residuals, residuals_csv(data, model));
-  if (console.json) {
-    auto json = formats::fit_json(model);
-    if (fit.offers) json["offers"] = offers_json(offers, data);
-    console.print_json(json);
-  } else {
-    console.out << formats::fit_table(model, {.history = fit.history});
-    if (fit.offers) print_offers(console.out, offers, data);
-  }
+  print_fit(console, fit, model, offers, std::nullopt);
   return ExitCode::done;
 }
 

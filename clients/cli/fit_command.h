@@ -4,12 +4,14 @@
 // digit: both call calibration::fit.
 
 #include <CLI/App.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "clients/cli/console.h"
 #include "server/calibration/fit.h"
+#include "server/calibration/offer.h"
 
 namespace driftwise::cli {
 
@@ -38,6 +40,12 @@ void add_fit_options(CLI::App& command, FitOfFile& fit);
 // What the options say, without the formula. Throws Failure (bad_input) for a term that does not
 // parse.
 calibration::FitOptions fit_options(const FitOfFile& fit);
+
+// A page, or with --json driftwise.fit.v1; offers only where fit.offers asks for them. model_id:
+// where a daemon stored it.
+void print_fit(const Console& console, const FitOfFile& fit, const calibration::Model& model,
+               const std::vector<calibration::OfferResult>& offers,
+               std::optional<std::int64_t> model_id);
 
 // Fits text, the contents of the file called name, and prints the model: a page, or with --json
 // driftwise.fit.v1. Throws Failure (bad_input) with the reason of the reader, the formula or the

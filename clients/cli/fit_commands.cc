@@ -7,7 +7,7 @@
 #include "clients/cli/proto_json.h"
 #include "clients/cli/validators.h"
 #include "driftwise/v1/model_service.grpc.pb.h"
-#include "server/formats/fit_json.h"
+#include "server/formats/formula.h"
 #include "server/formats/model_json.h"
 
 namespace driftwise::cli {
@@ -21,24 +21,16 @@ struct FitArguments {
   std::vector<std::int64_t> runs;
 };
 
-// What only a file's fit can do: the daemon stores models that can be told in one request.
-void refuse_offline_options(const FitOfFile& fit) {
-  const auto refuse = [](const std::string& option) {
+// Rows of a run are kept out for everybody, and on record; residuals are those of rows at hand.
+void refuse_file_options(const FitOfFile& fit) {
+  if (!fit.exclude_rows.empty())
     throw Failure{ExitCode::usage, "usage", "USAGE",
-                  option +
-                      " works on a file only: driftwise data export RUN -o data.csv, then "
-                      "driftwise fit data.csv"};
-  };
-  if (!fit.force.empty()) refuse("--force");
-  if (!fit.without.empty()) refuse("--without (write \"- term\" in the formula instead)");
-  if (!fit.weights.empty()) refuse("--weights");
-  if (!fit.exclude_rows.empty()) refuse("--exclude-rows (driftwise data exclude RUN instead)");
-  if (fit.criterion != FitOfFile{}.criterion) refuse("--criterion");
-  if (fit.hierarchy) refuse("--hierarchy");
-  if (fit.starts > 1) refuse("--starts");
-  if (!fit.residuals.empty()) refuse("--residuals");
-  if (fit.offers) refuse("--offers");
-  if (fit.blocks != FitOfFile{}.blocks) refuse("--blocks");
+                  "--exclude-rows works on a file only: driftwise data exclude RUN --rows ... "
+                  "--reason ... keeps rows of a run out"};
+  if (!fit.residuals.empty())
+    throw Failure{ExitCode::usage, "usage", "USAGE",
+                  "--residuals works on a file only: driftwise data export RUN -o data.csv, then "
+                  "driftwise fit data.csv"};
 }
 
 v1::CreateFitRequest request_from(const FitArguments& a) {
@@ -52,14 +44,57 @@ v1::CreateFitRequest request_from(const FitArguments& a) {
   request.set_note(a.note);
   for (const auto& symbol : a.fit.exclude) request.add_exclude_symbols(symbol);
   request.set_first_rows(a.fit.first_rows);
+  request.set_criterion(a.fit.criterion);
+  request.set_hierarchy(a.fit.hierarchy);
+  request.set_start_count(a.fit.starts);
+  request.set_seed(a.fit.seed);
+  for (const auto& term : a.fit.force) request.add_force_terms(term);
+  for (const auto& term : a.fit.without) request.add_without_terms(term);
+  request.set_weight_symbol(a.fit.weights);
+  request.set_block_count(a.fit.blocks);
+  request.set_with_offers(a.fit.offers);
   return request;
+}
+
+std::vector<effects::Term> terms_from(
+    const google::protobuf::RepeatedPtrField<std::string>& texts) {
+  std::vector<effects::Term> terms;
+  for (const auto& text : texts)
+    if (auto term = formats::parse_term(text)) terms.push_back(std::move(*term));
+  return terms;
+}
+
+std::vector<calibration::OfferResult> offers_from(const v1::CreateFitResponse& response) {
+  std::vector<calibration::OfferResult> offers;
+  const auto optional = [](bool has, double value) {
+    return has ? std::optional(value) : std::nullopt;
+  };
+  for (const auto& offer : response.offers()) {
+    calibration::OfferResult one;
+    one.name = offer.offer();
+    one.output = offer.output();
+    one.taken = terms_from(offer.taken_terms());
+    one.left = terms_from(offer.left_terms());
+    one.best_p = offer.best_p();
+    one.u90_validation_before =
+        optional(offer.has_u90_validation_before(), offer.u90_validation_before());
+    one.u90_validation_after =
+        optional(offer.has_u90_validation_after(), offer.u90_validation_after());
+    one.u90_validation_forced =
+        optional(offer.has_u90_validation_forced(), offer.u90_validation_forced());
+    one.u90_blocks_before = optional(offer.has_u90_blocks_before(), offer.u90_blocks_before());
+    one.u90_blocks_after = optional(offer.has_u90_blocks_after(), offer.u90_blocks_after());
+    offers.push_back(std::move(one));
+  }
+  return offers;
 }
 
 // Printed as a file's fit is printed: from the stored model itself, every digit of it.
 ExitCode fit_at_daemon(const Session& session, const FitArguments& a) {
-  refuse_offline_options(a.fit);
+  refuse_file_options(a.fit);
   const auto connection = session.connect();
-  const auto created = connection.ask(&ModelStub::CreateFit, request_from(a), 300).model();
+  const auto response = connection.ask(&ModelStub::CreateFit, request_from(a), 300);
+  const auto& created = response.model();
   v1::ExportModelRequest request;
   request.set_model_id(created.id());
   request.set_format(v1::ExportModelRequest::FORMAT_JSON);
@@ -68,14 +103,9 @@ ExitCode fit_at_daemon(const Session& session, const FitArguments& a) {
   if (!model)
     throw Failure{ExitCode::refused, "data_loss", model.error().reason,
                   "the daemon's model: " + model.error().message};
-  if (session.console.json) {
-    auto json = formats::fit_json(*model);
-    json["model_id"] = created.id();
-    session.console.print_json(json);
-    return ExitCode::done;
-  }
-  session.console.out << formats::fit_table(*model, {.history = a.fit.history})
-                      << "stored as model " << created.id() << '\n';
+  print_fit(session.console, a.fit, *model, offers_from(response), created.id());
+  if (session.console.json) return ExitCode::done;
+  session.console.out << "stored as model " << created.id() << '\n';
   session.console.err << "let it serve with `driftwise model promote " << created.id() << "`\n";
   return ExitCode::done;
 }

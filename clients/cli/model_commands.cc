@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "clients/cli/check_command.h"
 #include "clients/cli/model_page.h"
 #include "clients/cli/proto_json.h"
 #include "clients/cli/remark_commands.h"
@@ -153,6 +154,7 @@ void add_model_commands(CLI::App& app, Session& session) {
                   [&session, a] { return promote(session, *a); });
   id(promoting);
   promoting.add_flag("--dry-run", a->dry_run, "say which model it would be, change nothing");
+  add_check_command(model, session);
   add_command(model, session, "rollback", "The model that served before serves again",
               [&session] { return roll_back(session); });
   add_command(model, session, "history", "Every promotion and rollback",

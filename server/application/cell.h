@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "server/calibration/model.h"
+#include "server/calibration/offer.h"
 #include "server/compensation/snapshot_board.h"
 #include "server/core/cell_description.h"
 #include "server/core/ports/clock.h"
@@ -24,6 +25,7 @@
 #include "server/core/ports/motion_controller.h"
 #include "server/core/ports/stabiliser.h"
 #include "server/core/ports/store.h"
+#include "server/diagnosis/check_standard.h"
 
 namespace driftwise::application {
 
@@ -103,6 +105,20 @@ struct FitRequest {
   std::string name, note;
   std::vector<std::string> exclude_channels;  // "t01": candidates left out
   std::int64_t first_rows = 0;                // fit only the first n rows; 0: all
+  // As calibration::FitOptions and the command line have them.
+  std::string criterion = "p";
+  bool hierarchy = false;
+  int starts = 1;
+  std::int64_t seed = 1;
+  std::vector<std::string> force_terms, without_terms;  // as a formula writes them
+  std::string weight_symbol;
+  int blocks = 10;
+};
+
+struct ModelCheck {  // does the robot still do what a model says? server/diagnosis/check_standard.h
+  ModelId model;
+  std::vector<RunRecord> runs;  // those looked at, in order of time
+  diagnosis::CheckReport report;
 };
 
 // Which rows of a run are kept out of fits, and how it came to that.
@@ -134,6 +150,8 @@ class Cell {
       const = 0;  // any thread, as snapshots(): a target's age is looked at where it is answered
   // Starts the recorder and, where a run was under way when the daemon ended, its continuation.
   virtual void start() = 0;
+  // Resumes when every device has been tried once, and status() says which are there.
+  virtual Awaitable<void> devices_looked_at() = 0;
   virtual Awaitable<void> shut_down() = 0;
 
   virtual CellStatus status() const = 0;
@@ -194,6 +212,13 @@ class Cell {
 
   virtual Awaitable<Result<ModelRecord>> fit(Caller caller,
                                              FitRequest request) = 0;  // on the worker pool
+  // What the published study's further terms would add to the same fit. Errors: those of fit().
+  virtual Awaitable<Result<std::vector<calibration::OfferResult>>> weigh_offers(
+      FitRequest request) = 0;
+  // model: none means the one that serves. runs: empty means every measured run since the model was
+  // made that it was not fitted from, the last 50 of them. Errors: failed_precondition NO_MODEL.
+  virtual Awaitable<Result<ModelCheck>> check_model(std::optional<ModelId> model,
+                                                    std::vector<RunId> runs) = 0;
   virtual Awaitable<Result<std::vector<ModelRecord>>> models() = 0;
   virtual Awaitable<Result<ModelRecord>> model(ModelId id) = 0;
   virtual Awaitable<Result<ModelRecord>> promote(Caller caller, ModelId id) = 0;

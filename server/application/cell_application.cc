@@ -40,6 +40,7 @@ CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
              }),
       lag_(*clock_),
       tasks_(executor),
+      keeper_(executor, *clock_, bench_, tasks_, [this] { return engine_.busy() || by_hand_; }),
       pose_(description_),
       recorder_(executor, *clock_, bench_, writer_, events_, lag_, pose_, tasks_),
       workbench_{description_, *clock_, bench_, recorder_, writer_, events_, lag_, pose_, loading_},
@@ -67,8 +68,10 @@ CellApplication::~CellApplication() {
 }
 
 void CellApplication::start() {
+  keeper_.start();
   recorder_.start();
   serving_.start();
+  run_watch_ = engine_.watchers().add([this](const RunProgress& run) { check_after(run); });
   tasks_.begin();
   spawn(executor_, start_up());
 }
@@ -132,7 +135,10 @@ Awaitable<Result<void>> CellApplication::restore_model() {
   if (history->empty() || !history->back().model) co_return Result<void>{};
   auto record = co_await model(*history->back().model);
   if (!record) co_return tl::unexpected(record.error());
-  co_return co_await serving_.serve(std::move(*record));
+  if (auto ok = co_await serving_.serve(std::move(*record)); !ok) co_return ok;
+  tasks_.begin();
+  spawn(executor_, check_serving_model(std::nullopt));
+  co_return Result<void>{};
 }
 
 Awaitable<Result<void>> CellApplication::go_on_with_run() {
@@ -192,6 +198,7 @@ Awaitable<void> CellApplication::shut_down() {
   events_.record_own("daemon.stopping", "the daemon was asked to end");
   if (auto* control = engine_.control()) control->shut_down();
   if (by_hand_) by_hand_->shut_down();
+  keeper_.shut_down();
   recorder_.shut_down();
   serving_.shut_down();
   asio::steady_timer cut_off(executor_, kPatience);
@@ -242,6 +249,7 @@ std::vector<std::string> CellApplication::attention() const {
   if (const auto* run = engine_.record(); run && run->state == RunState::waiting)
     sentences.push_back(fmt::format("run {} waits: {}", run->id.value, run->reason));
   if (!serving_.trouble().empty()) sentences.push_back(serving_.trouble());
+  if (!check_trouble_.empty()) sentences.push_back(check_trouble_);
   if (writer_.dropped() > 0)
     sentences.push_back(
         fmt::format("{} slow readings were dropped: nothing could be written", writer_.dropped()));

@@ -10,6 +10,7 @@
 
 #include "server/application/cell.h"
 #include "server/application/device_bench.h"
+#include "server/application/device_keeper.h"
 #include "server/application/event_log.h"
 #include "server/application/lease_book.h"
 #include "server/application/loading.h"
@@ -49,6 +50,7 @@ class CellApplication final : public Cell {
   asio::any_io_executor executor() const override { return executor_; }
   CellTime now() const override { return clock_->now().utc; }
   void start() override;
+  Awaitable<void> devices_looked_at() override { return keeper_.looked(); }
   Awaitable<void> shut_down() override;
   CellStatus status() const override;
   const CellDescription& description() const override { return description_; }
@@ -92,6 +94,10 @@ class CellApplication final : public Cell {
   Awaitable<Result<std::vector<NoteRecord>>> notes(NoteSubject on) override;
 
   Awaitable<Result<ModelRecord>> fit(Caller caller, FitRequest request) override;
+  Awaitable<Result<std::vector<calibration::OfferResult>>> weigh_offers(
+      FitRequest request) override;
+  Awaitable<Result<ModelCheck>> check_model(std::optional<ModelId> id,
+                                            std::vector<RunId> runs) override;
   Awaitable<Result<std::vector<ModelRecord>>> models() override;
   Awaitable<Result<ModelRecord>> model(ModelId id) override;
   Awaitable<Result<ModelRecord>> promote(Caller caller, ModelId id) override;
@@ -117,6 +123,9 @@ class CellApplication final : public Cell {
   Awaitable<Result<void>> put_in_service(Caller caller, std::optional<ModelRecord> next,
                                          std::string action);
   std::vector<std::string> attention() const;
+  Awaitable<Result<Dataset>> fit_data(FitRequest request);
+  void check_after(const RunProgress& progress);
+  Awaitable<void> check_serving_model(std::optional<RunId> after);
 
   asio::any_io_executor executor_;
   CellDescription description_;
@@ -129,6 +138,7 @@ class CellApplication final : public Cell {
   DeviceBench bench_;
   LagMeter lag_;
   TaskCount tasks_;
+  DeviceKeeper keeper_;
   PoseStage pose_;
   Loading loading_;
   Recorder recorder_;
@@ -138,6 +148,9 @@ class CellApplication final : public Cell {
   LeaseBook leases_;
   Turn beginning_;  // one at a time decides whether a run or a movement may begin
   std::optional<RunControl> by_hand_;  // set while somebody homes or moves without a run
+  std::string check_trouble_;          // "recalibrate now: ...", of the model that serves
+  std::optional<RunId> checked_;       // the last run that was looked at when it ended
+  Watch run_watch_;
 };
 
 }  // namespace driftwise::application

@@ -2,15 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
-
 #include "server/application/cell_application.h"
 #include "server/application/crash_point.h"
+#include "server/application/fit_options.h"
+#include "server/application/spawn.h"
 #include "server/formats/dataset_csv.h"
 #include "server/formats/formula.h"
 #include "server/formats/model_json.h"
-#include "server/formats/row_ranges.h"
-#include "server/formats/text.h"
 
 namespace driftwise::application {
 namespace {
@@ -19,26 +17,9 @@ namespace {
 // worker's thread.
 Result<ModelRecord> fit_record(const Dataset& dataset, const FitRequest& request,
                                const std::string& source) {
-  calibration::FitOptions options;
-  if (request.select == "all")
-    options.select = calibration::Select::all;
-  else if (request.select != "stepwise")
-    return fail(ErrorCode::invalid_argument, "BAD_OPTIONS",
-                fmt::format("select = '{}', expected 'stepwise' or 'all'", request.select));
-  options.p_enter = request.p_enter;
-  options.p_remove = request.p_remove;
-  options.exclude_channels = request.exclude_channels;
-  options.first_rows = request.first_rows;
-  options.stopwatch_us = [] {
-    return std::chrono::duration<double, std::micro>(
-               std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-  };
-  options.lineage.runs = request.runs;
-  options.lineage.source = source;
-  options.lineage.dataset_hash = formats::content_hash(formats::write_dataset_csv(dataset));
-  options.lineage.exclusions_hash = formats::exclusions_hash(dataset);
-  auto model = formats::fit_formula(dataset, request.formula, std::move(options));
+  auto options = fit_options_from(request, dataset, source);
+  if (!options) return tl::unexpected(options.error());
+  auto model = formats::fit_formula(dataset, request.formula, std::move(*options));
   if (!model) return tl::unexpected(model.error());
   ModelRecord record;
   record.name = request.name.empty() ? model->formula : request.name;
@@ -47,6 +28,22 @@ Result<ModelRecord> fit_record(const Dataset& dataset, const FitRequest& request
   record.hash = formats::model_hash(*model);
   record.parent = model->lineage.parent;
   return record;
+}
+
+Result<std::vector<calibration::OfferResult>> offers_of(const Dataset& dataset,
+                                                        const FitRequest& request,
+                                                        const std::string& source) {
+  auto options = fit_options_from(request, dataset, source);
+  if (!options) return tl::unexpected(options.error());
+  auto formula = formats::Formula::parse(request.formula);
+  if (!formula) return tl::unexpected(formula.error());
+  auto candidates = formula->expand(dataset);
+  if (!candidates) return tl::unexpected(candidates.error());
+  options->candidates = std::move(*candidates);
+  const auto model = calibration::fit(dataset, *options);
+  if (!model) return tl::unexpected(model.error());
+  return calibration::weigh_offers(dataset, *options, *model,
+                                   calibration::published_offers(dataset, options->candidates));
 }
 
 std::string source_of(const FitRequest& request) {
@@ -72,7 +69,7 @@ std::vector<ModelId> served_in_order(const std::vector<PromotionRecord>& history
 
 }  // namespace
 
-Awaitable<Result<ModelRecord>> CellApplication::fit(Caller caller, FitRequest request) {
+Awaitable<Result<Dataset>> CellApplication::fit_data(FitRequest request) {
   if (request.runs.empty() == request.csv.empty())
     co_return fail(ErrorCode::invalid_argument, "NO_DATA",
                    "a fit needs runs or a dataset, one of the two");
@@ -81,7 +78,21 @@ Awaitable<Result<ModelRecord>> CellApplication::fit(Caller caller, FitRequest re
           ? reader_.call([runs = request.runs](Store& store) { return store.runs().dataset(runs); })
           : run_on(worker_thread_.executor(),
                    [csv = request.csv] { return formats::read_dataset_csv(csv, "dataset"); });
-  auto dataset = co_await std::move(loading);
+  co_return co_await std::move(loading);
+}
+
+Awaitable<Result<std::vector<calibration::OfferResult>>> CellApplication::weigh_offers(
+    FitRequest request) {
+  auto dataset = co_await fit_data(request);
+  if (!dataset) co_return tl::unexpected(dataset.error());
+  auto weighing = run_on(worker_thread_.executor(), [data = std::move(*dataset), request] {
+    return offers_of(data, request, source_of(request));
+  });
+  co_return co_await std::move(weighing);
+}
+
+Awaitable<Result<ModelRecord>> CellApplication::fit(Caller caller, FitRequest request) {
+  auto dataset = co_await fit_data(request);
   if (!dataset) co_return tl::unexpected(dataset.error());
   auto fitting = run_on(worker_thread_.executor(), [data = std::move(*dataset), request] {
     return fit_record(data, request, source_of(request));
@@ -140,6 +151,11 @@ Awaitable<Result<void>> CellApplication::put_in_service(Caller caller,
       caller, "model." + action,
       next ? fmt::format("model {} '{}' serves, by {}", next->id.value, next->name, caller.name)
            : fmt::format("no model serves, by {}", caller.name));
+  check_trouble_.clear();
+  if (next) {
+    tasks_.begin();
+    spawn(executor_, check_serving_model(std::nullopt));
+  }
   co_return Result<void>{};
 }
 

@@ -1,5 +1,6 @@
 #include "server/application/device_bench.h"
 
+#include <optional>
 #include <utility>
 
 #include "server/application/spawn.h"
@@ -189,6 +190,16 @@ void DeviceBench::for_each_seat(Visit visit) const {
   for (const auto& seat : scanners_) visit(*seat);
   for (const auto& seat : stabilisers_) visit(*seat);
   if (load_) visit(*load_);
+}
+
+Awaitable<Result<void>> DeviceBench::prepare(std::size_t device) {
+  std::optional<Awaitable<Result<void>>> asking;
+  std::size_t at = 0;
+  for_each_seat([this, device, &at, &asking](auto& seat) {
+    if (at++ == device) asking = ask(seat, [](auto& d) { return d.prepare(); });
+  });
+  if (!asking) co_return Result<void>{};
+  co_return co_await std::move(*asking);
 }
 
 std::vector<DeviceStatus> DeviceBench::status() const {

@@ -53,6 +53,8 @@ class DeviceBench {
 
   // Connects what is not connected. The first error ends it.
   Awaitable<Result<void>> prepare_for_run();
+  // Connects one device, where it is not connected; counted in the order of status().
+  Awaitable<Result<void>> prepare(std::size_t device);
   std::vector<DeviceStatus> status() const;
   std::vector<std::string> lost() const;  // ids of the devices that do not answer
   void close_all();

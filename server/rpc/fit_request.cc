@@ -1,5 +1,7 @@
 #include "server/rpc/fit_request.h"
 
+#include <algorithm>
+
 #include "server/rpc/request_checks.h"
 
 namespace driftwise::rpc {
@@ -11,6 +13,41 @@ Result<void> check_probabilities(const application::FitRequest& fit) {
   return fail(ErrorCode::invalid_argument, "BAD_PROBABILITY",
               "found p_enter " + std::to_string(fit.p_enter) + " and p_remove " +
                   std::to_string(fit.p_remove) + ", expected 0 < p_enter <= p_remove < 1");
+}
+
+// What the fit of a file has as options: ranges as there.
+Result<void> read_selection(const v1::CreateFitRequest& request, application::FitRequest& fit) {
+  constexpr int kMostStarts = 10'000, kMostBlocks = 1000, kMostTerms = 1000;
+  const auto bad = [](const std::string& field, auto found, const std::string& expected) {
+    return fail(ErrorCode::invalid_argument, "BAD_OPTION",
+                field + ": found " + std::to_string(found) + ", expected " + expected);
+  };
+  if (!request.criterion().empty()) fit.criterion = request.criterion();
+  if (fit.criterion != "p" && fit.criterion != "bic" && fit.criterion != "aic")
+    return fail(
+        ErrorCode::invalid_argument, "BAD_CRITERION",
+        "criterion: found '" + fit.criterion.substr(0, 40) + "', expected 'p', 'bic' or 'aic'");
+  fit.hierarchy = request.hierarchy();
+  if (request.start_count() < 0 || request.start_count() > kMostStarts)
+    return bad("start_count", request.start_count(), "0 (meaning 1) to 10000");
+  fit.starts = request.start_count() == 0 ? 1 : request.start_count();
+  if (request.has_seed()) fit.seed = request.seed();
+  if (fit.seed < 0) return bad("seed", fit.seed, "a number from 0");
+  if (request.has_block_count()) fit.blocks = request.block_count();
+  if (fit.blocks < 0 || fit.blocks > kMostBlocks)
+    return bad("block_count", fit.blocks, "0 to 1000");
+  if (request.force_terms_size() > kMostTerms || request.without_terms_size() > kMostTerms)
+    return bad("force_terms, without_terms",
+               std::max(request.force_terms_size(), request.without_terms_size()),
+               "at most 1000 terms");
+  for (const auto* terms : {&request.force_terms(), &request.without_terms()})
+    for (const auto& term : *terms)
+      if (auto good = check_size(term, kMostFormulaBytes, "force_terms, without_terms"); !good)
+        return good;
+  fit.force_terms.assign(request.force_terms().begin(), request.force_terms().end());
+  fit.without_terms.assign(request.without_terms().begin(), request.without_terms().end());
+  fit.weight_symbol = request.weight_symbol();
+  return {};
 }
 
 }  // namespace
@@ -47,6 +84,7 @@ Result<application::FitRequest> fit_request_from(const v1::CreateFitRequest& req
   fit.note = request.note();
   fit.exclude_channels.assign(request.exclude_symbols().begin(), request.exclude_symbols().end());
   fit.first_rows = request.first_rows();
+  if (auto good = read_selection(request, fit); !good) return tl::unexpected(good.error());
   return fit;
 }
 

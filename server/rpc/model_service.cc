@@ -1,5 +1,6 @@
 #include "driftwise/v1/model_service.grpc.pb.h"
 #include "server/rpc/caller.h"
+#include "server/rpc/convert_check.h"
 #include "server/rpc/convert_model.h"
 #include "server/rpc/convert_values.h"
 #include "server/rpc/export_model.h"
@@ -57,6 +58,11 @@ class ModelService final : public v1::ModelService::CallbackService {
     return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       auto fit = fit_request_from(*request);
       if (!fit) co_return tl::unexpected(fit.error());
+      if (request->with_offers()) {  // first: a model whose offers cannot be weighed is not stored
+        const auto offers = co_await cell_.weigh_offers(*fit);
+        if (!offers) co_return tl::unexpected(offers.error());
+        for (const auto& offer : *offers) *response->add_offers() = offer_from(offer);
+      }
       co_return put(whole(co_await cell_.fit(caller_of(*context), std::move(*fit))),
                     *response->mutable_model());
     });
@@ -107,6 +113,22 @@ class ModelService final : public v1::ModelService::CallbackService {
       const auto record = co_await cell_.model(ModelId{request->model_id()});
       if (!record) co_return tl::unexpected(record.error());
       co_return put(export_model(*record, request->format()), *response);
+    });
+  }
+
+  Reactor* CheckModel(Context* context, const v1::CheckModelRequest* request,
+                      v1::CheckModelResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_cursor(request->model_id(), "model_id"); !good) co_return good;
+      auto runs = run_ids_from(request->run_ids());
+      if (!runs) co_return tl::unexpected(runs.error());
+      const auto model =
+          request->model_id() == 0 ? std::nullopt : std::optional(ModelId{request->model_id()});
+      auto checking = cell_.check_model(model, std::move(*runs));
+      const auto check = co_await std::move(checking);
+      if (!check) co_return tl::unexpected(check.error());
+      *response = check_from(*check);
+      co_return Result<void>{};
     });
   }
 

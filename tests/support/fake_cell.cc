@@ -1,5 +1,6 @@
 #include "tests/support/fake_cell.h"
 
+#include <algorithm>
 #include <boost/asio/executor_work_guard.hpp>
 
 #include "server/formats/model_json.h"
@@ -360,6 +361,22 @@ Awaitable<Result<ModelRecord>> FakeCell::fit(app::Caller caller, app::FitRequest
   last_caller = caller;
   last_fit = request;
   co_return co_await model(add_model(request.formula));
+}
+Awaitable<Result<std::vector<calibration::OfferResult>>> FakeCell::weigh_offers(app::FitRequest) {
+  if (auto error = take_failure()) co_return tl::unexpected(*error);
+  co_return the_offers;
+}
+Awaitable<Result<app::ModelCheck>> FakeCell::check_model(std::optional<ModelId> id,
+                                                         std::vector<RunId> runs) {
+  if (!id && !the_status.serving)
+    co_return fail(ErrorCode::failed_precondition, "NO_MODEL", "no model serves");
+  auto record = co_await model(id ? *id : *the_status.serving);
+  if (!record) co_return tl::unexpected(record.error());
+  app::ModelCheck check{record->id, {}, the_check};
+  for (const auto& [number, run] : the_runs)
+    if (runs.empty() || std::ranges::find(runs, RunId{number}) != runs.end())
+      check.runs.push_back(run);
+  co_return check;
 }
 Awaitable<Result<std::vector<ModelRecord>>> FakeCell::models() {
   if (auto error = take_failure()) co_return tl::unexpected(*error);

@@ -52,6 +52,8 @@ class FakeCell final : public app::Cell {
   std::vector<EventRecord> the_events;
   std::vector<ModelRecord> the_models;
   std::vector<PromotionRecord> the_promotions;
+  std::vector<calibration::OfferResult> the_offers;
+  diagnosis::CheckReport the_check;
   std::vector<ExclusionRecord> the_exclusions;  // of any run: rows as asked for
   std::vector<NoteRecord> the_notes;
   std::string last_request_id;
@@ -71,6 +73,7 @@ class FakeCell final : public app::Cell {
   asio::any_io_executor executor() const override;
   CellTime now() const override { return the_time; }
   void start() override {}
+  Awaitable<void> devices_looked_at() override { co_return; }
   Awaitable<void> shut_down() override { co_return; }
   app::CellStatus status() const override { return the_status; }
   const CellDescription& description() const override { return description_; }
@@ -112,6 +115,10 @@ class FakeCell final : public app::Cell {
                                          std::string text) override;
   Awaitable<Result<std::vector<NoteRecord>>> notes(NoteSubject on) override;
   Awaitable<Result<ModelRecord>> fit(app::Caller caller, app::FitRequest request) override;
+  Awaitable<Result<std::vector<calibration::OfferResult>>> weigh_offers(
+      app::FitRequest request) override;
+  Awaitable<Result<app::ModelCheck>> check_model(std::optional<ModelId> model,
+                                                 std::vector<RunId> runs) override;
   Awaitable<Result<std::vector<ModelRecord>>> models() override;
   Awaitable<Result<ModelRecord>> model(ModelId id) override;
   Awaitable<Result<ModelRecord>> promote(app::Caller caller, ModelId id) override;

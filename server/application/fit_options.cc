@@ -1,0 +1,64 @@
+#include "server/application/fit_options.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "server/formats/dataset_csv.h"
+#include "server/formats/formula.h"
+#include "server/formats/row_ranges.h"
+#include "server/formats/text.h"
+
+namespace driftwise::application {
+namespace {
+
+Result<void> parse_terms(const std::vector<std::string>& texts, std::vector<effects::Term>& out) {
+  for (const auto& text : texts) {
+    auto term = formats::parse_term(text);
+    if (!term) return tl::unexpected(term.error());
+    out.push_back(std::move(*term));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<calibration::FitOptions> fit_options_from(const FitRequest& request, const Dataset& dataset,
+                                                 const std::string& source) {
+  calibration::FitOptions options;
+  if (request.select == "all")
+    options.select = calibration::Select::all;
+  else if (request.select != "stepwise")
+    return fail(ErrorCode::invalid_argument, "BAD_OPTIONS",
+                fmt::format("select = '{}', expected 'stepwise' or 'all'", request.select));
+  const auto criterion = calibration::criterion_named(request.criterion);
+  if (!criterion)
+    return fail(ErrorCode::invalid_argument, "BAD_OPTIONS",
+                fmt::format("criterion = '{}', expected 'p', 'bic' or 'aic'", request.criterion));
+  options.criterion = *criterion;
+  options.p_enter = request.p_enter;
+  options.p_remove = request.p_remove;
+  options.hierarchy = request.hierarchy;
+  options.starts = request.starts;
+  options.seed = request.seed;
+  if (auto ok = parse_terms(request.force_terms, options.forced); !ok)
+    return tl::unexpected(ok.error());
+  if (auto ok = parse_terms(request.without_terms, options.excluded); !ok)
+    return tl::unexpected(ok.error());
+  options.exclude_channels = request.exclude_channels;
+  options.weight_symbol = request.weight_symbol;
+  options.first_rows = request.first_rows;
+  options.blocks = request.blocks;
+  options.stopwatch_us = [] {
+    return std::chrono::duration<double, std::micro>(
+               std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+  };
+  options.lineage.runs = request.runs;
+  options.lineage.source = source;
+  options.lineage.dataset_hash = formats::content_hash(formats::write_dataset_csv(dataset));
+  options.lineage.exclusions_hash = formats::exclusions_hash(dataset);
+  return options;
+}
+
+}  // namespace driftwise::application
