@@ -18,12 +18,16 @@ std::string comparable(const std::string& fit) {
   return std::regex_replace(fit, std::regex(",?\\s*\"(fit_us|model_id)\":\\s*[0-9.e+-]+"), "");
 }
 
-void expect_the_same_fit_from_the_file(const CellAtWork& cell, const std::string& run) {
+void expect_the_same_fit_from_the_file(const CellAtWork& cell, const std::string& run,
+                                       const std::vector<std::string>& options = {}) {
   const std::string file = cell.folder() + "/run.csv";
   cell.say({"data", "export", run, "-o", file});
-  const auto from_file = comparable(cell.say({"fit", file, "--model", kFormula, "--json"}));
-  const auto from_daemon =
-      comparable(cell.say({"fit", "--run", run, "--model", kFormula, "--json"}));
+  std::vector<std::string> of_file = {"fit", file, "--model", kFormula, "--json"};
+  std::vector<std::string> of_run = {"fit", "--run", run, "--model", kFormula, "--json"};
+  of_file.insert(of_file.end(), options.begin(), options.end());
+  of_run.insert(of_run.end(), options.begin(), options.end());
+  const auto from_file = comparable(cell.say(of_file));
+  const auto from_daemon = comparable(cell.say(of_run));
   EXPECT_EQ(from_file, from_daemon);
   EXPECT_THAT(from_file, testing::HasSubstr("\"coefficient\""));
 }
@@ -60,6 +64,27 @@ TEST(Campaign, MeasuresEveryPointWithItsTemperatures) {
             4 * kCampaignRows);
 
   expect_the_same_fit_from_the_file(cell, "1");
+  expect_the_same_fit_from_the_file(
+      cell, "1",
+      {"--criterion", "bic", "--hierarchy", "--starts", "4", "--seed", "3", "--force", "t07",
+       "--without", "x^2", "--exclude", "t05", "--blocks", "4", "--offers"});
+  // Rows that a person keeps out are out of both, and the rows are back when he puts them back.
+  cell.say({"data", "exclude", "1", "--rows", "2,7-8", "--reason", "the door stood open"});
+  expect_the_same_fit_from_the_file(cell, "1");
+  EXPECT_THAT(cell.say({"fit", "--run", "1", "--model", kFormula, "--json"}),
+              testing::HasSubstr("\"excluded\":3"));
+  cell.say({"data", "restore", "1", "--rows", "0-17", "--reason", "it did not"});
+  EXPECT_THAT(cell.say({"fit", "--run", "1", "--model", kFormula, "--json"}),
+              testing::HasSubstr("\"excluded\":0"));
+}
+
+TEST(Campaign, FindsItsDevicesBeforeARunNeedsThem) {
+  CellAtWork cell;
+  cell.start_daemon();
+  const auto listed = cell.ask({"devices"});
+  const auto& devices = listed.is_array() ? listed : listed.at("devices");
+  ASSERT_FALSE(devices.empty());
+  for (const auto& device : devices) EXPECT_EQ(device.at("link"), "connected") << device;
 }
 
 TEST(Campaign, ComesBackToTheByteWhenItsExportIsImported) {

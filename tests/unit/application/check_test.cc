@@ -1,0 +1,84 @@
+// The cell judges the model that serves after every run, and connects its devices by itself.
+
+#include <gmock/gmock.h>
+
+#include "tests/support/cell_in_memory.h"
+#include "tests/unit/application/sqlite.h"
+
+namespace driftwise::tests {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+class Check : public testing::Test {
+ protected:
+  RunRecord measure(int lines) {
+    cell.begin_run(lines_of(lines, {2, -3, 1, -1, 3, -2}, true));
+    return cell.finish_run();
+  }
+  void learn_and_serve() {
+    const auto run = measure(14);
+    application::FitRequest request;
+    request.runs = {run.id};
+    request.formula = "q ~ x + T";
+    const auto model = cell.await(cell->fit(cell.ada, request));
+    ASSERT_TRUE(model) << model.error().message;
+    ASSERT_TRUE(cell.await(cell->promote(cell.ada, model->id)));
+    cell.pass(60);
+  }
+  Folder folder;
+  SmallWorld world;
+  CellInMemory cell{world, small_cell(folder / "cell.sqlite"), kSqlite};
+};
+
+TEST_F(Check, LeavesARobotThatIsAsItWasAlone) {
+  learn_and_serve();
+  measure(4);
+  cell.pass(60);
+  EXPECT_THAT(cell.events_named("check.in_control"),
+              testing::ElementsAre("run 2 is as model 1 says"));
+  EXPECT_THAT(cell->status().attention, IsEmpty());
+  const auto check = cell.await(cell->check_model({}, {}));
+  ASSERT_TRUE(check) << check.error().message;
+  ASSERT_EQ(check->runs.size(), 1u);
+  EXPECT_EQ(check->runs[0].id, RunId{2});
+}
+
+TEST_F(Check, SaysRecalibrateNowOfARobotThatDriftsOtherwise) {
+  learn_and_serve();
+  world.nm_per_k = 1500;  // an arm that came loose: ten times the warming's effect
+  world.warming_k_per_h = 3;
+  measure(4);
+  cell.pass(60);
+  ASSERT_EQ(cell.events_named("check.recalibrate").size(), 1u);
+  ASSERT_EQ(cell->status().attention.size(), 1u);
+  EXPECT_THAT(cell->status().attention[0],
+              HasSubstr("recalibrate now: the robot no longer does what model 1 says: run 2: q1"));
+  // A new model of the robot as it is now, and nothing is wrong any more.
+  learn_and_serve();
+  EXPECT_THAT(cell->status().attention, IsEmpty());
+}
+
+TEST_F(Check, WithoutAModelThereIsNothingToSay) {
+  measure(2);
+  cell.pass(60);
+  EXPECT_EQ(cell.await(cell->check_model({}, {})).error().reason, "NO_MODEL");
+  EXPECT_THAT(cell.events_named("check.in_control"), IsEmpty());
+}
+
+TEST_F(Check, DevicesAreConnectedFromTheStart) {
+  cell.pass(2);
+  EXPECT_THAT(cell.events_named("device.lost"), IsEmpty());
+  world.laser_away = true;  // no run: nobody but the keeper would see it
+  cell.pass(30);
+  ASSERT_EQ(cell.events_named("device.lost").size(), 1u);
+  EXPECT_THAT(cell->status().attention, testing::Contains(HasSubstr("laser")));
+  world.laser_away = false;
+  cell.pass(200);
+  EXPECT_EQ(cell.events_named("device.back").size(), 1u);
+  EXPECT_THAT(cell->status().attention, IsEmpty());
+}
+
+}  // namespace
+}  // namespace driftwise::tests
