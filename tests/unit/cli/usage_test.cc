@@ -28,7 +28,7 @@ TEST_F(CliTest, UsageErrorsExitWith2) {
            {"fit", "--run", "3"},
            {"fit", "--model", "q ~ x"},
            {"fit", "a.csv", "--run", "3", "--model", "q ~ x"},
-           {"fit", "--run", "3", "--model", "q ~ x", "--weights", "x_std"},
+           {"fit", "--run", "3", "--model", "q ~ x", "--exclude-rows", "3"},
            {"status", "--timeout", "-1"}}) {
     const auto outcome = run(line);
     EXPECT_EQ(outcome.exit, 2) << testing::PrintToString(line) << outcome.err;
