@@ -27,15 +27,19 @@ ExitCode show(const Session& session, std::int64_t id) {
   v1::GetModelRequest request;
   request.set_model_id(id);
   const auto connection = session.connect();
-  const auto model = connection.ask(&ModelStub::GetModel, request).model();
+  const auto shown = connection.ask(&ModelStub::GetModel, request);
   const auto notes = notes_of_model(connection, id);
   if (session.console.json) {
-    auto json = json_from(model);
-    json.update(json_from(notes));
-    session.console.print_json(json);
+    // The model's own keys first, as ever; the rest of the page beside them.
+    auto page = json_from(shown);
+    auto model = page["model"];
+    page.erase("model");
+    model.update(page);
+    model.update(json_from(notes));
+    session.console.print_json(model);
     return ExitCode::done;
   }
-  print_model_page(session.console, model);
+  print_model_page(session.console, shown);
   print_notes(session.console, notes);
   return ExitCode::done;
 }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "clients/cli/budget_table.h"
 #include "clients/cli/table.h"
 #include "clients/cli/text.h"
 
@@ -17,7 +18,8 @@ std::string p_text(double p) {
   return fixed(p, 4);
 }
 
-void print_heading(const Console& console, const v1::Model& model) {
+void print_heading(const Console& console, const v1::GetModelResponse& shown) {
+  const v1::Model& model = shown.model();
   const Paint paint = console.paint_out();
   const auto line = [&](const std::string& name, const std::string& value) {
     console.out << paint.dim(name + std::string(name.size() < 12 ? 12 - name.size() : 1, ' '))
@@ -27,6 +29,8 @@ void print_heading(const Console& console, const v1::Model& model) {
   console.out << paint.bold("Model " + std::to_string(model.id()))
               << (model.name().empty() ? "" : "  " + model.name())
               << (model.serving() ? paint.good("  serving") : "") << '\n';
+  if (!shown.cell_name().empty())
+    line("cell", shown.cell_name() + ", description " + shown.config_hash());
   line("formula", model.formula());
   line("selection", model.select() == "all"
                         ? "every term kept"
@@ -42,6 +46,11 @@ void print_heading(const Console& console, const v1::Model& model) {
   line("model hash", model.hash());
   if (model.has_parent_model_id())
     line("parent", "model " + std::to_string(model.parent_model_id()));
+  if (!lineage.run_ids().empty()) {
+    std::string runs;
+    for (const auto id : lineage.run_ids()) runs += (runs.empty() ? "" : ", ") + std::to_string(id);
+    line("runs", runs);
+  }
   line("fitted", clock_text(model.create_time()) + " UTC by " + model.created_by());
   if (!model.note().empty()) line("note", model.note());
 }
@@ -51,7 +60,9 @@ void print_terms(const Console& console, const v1::ModelOutput& output) {
   const std::string summary = output.summary_unit();
   Table in({{"term"},
             {"coefficient", Align::right},
+            {"unit"},
             {"std. error", Align::right},
+            {"serial", Align::right},
             {"t", Align::right},
             {"p", Align::right},
             {"rms " + summary, Align::right},
@@ -65,8 +76,10 @@ void print_terms(const Console& console, const v1::ModelOutput& output) {
              {"why"}});
   for (const auto& term : output.terms()) {
     if (term.included())
-      in.add({term.term(), significant(term.coefficient(), 9),
-              significant(term.standard_error(), 3), significant(term.t(), 4), p_text(term.p()),
+      in.add({term.term(), significant(term.coefficient(), 9), term.unit(),
+              significant(term.standard_error(), 3),
+              term.has_standard_error_serial() ? significant(term.standard_error_serial(), 3) : "-",
+              significant(term.t(), 4), p_text(term.p()),
               optional_text(term.has_contribution_rms(), term.contribution_rms(), 1),
               optional_text(term.has_contribution_max(), term.contribution_max(), 1),
               optional_text(term.has_vif(), term.vif(), 1)});
@@ -76,7 +89,8 @@ void print_terms(const Console& console, const v1::ModelOutput& output) {
                term.note()});
   }
   console.out << "coefficients in " << output.unit() << " per unit of the term, " << output.dof()
-              << " degrees of freedom\n";
+              << " degrees of freedom; standard errors classical, and serial: allowing for "
+                 "rows that are not independent\n";
   in.print(console.out, paint);
   if (!out.empty()) {
     console.out << '\n';
@@ -106,6 +120,47 @@ void print_accuracy(const Console& console, const v1::ModelOutput& output) {
     console.out << ", lack of fit F " << fixed(a.lack_of_fit_f(), 2) << ", p "
                 << p_text(a.lack_of_fit_p());
   console.out << '\n';
+  if (a.slow_share() > 0)
+    console.out << "residuals: " << fixed(100 * a.slow_share(), 0)
+                << " % of their variance is slow, over " << fixed(a.slow_row_count(), 1)
+                << " rows\n";
+}
+
+// "selected: +x 812.31, +x^2 95.02, -t05 8.11": each step with the residual's spread after it.
+void print_history(const Console& console, const v1::ModelOutput& output) {
+  std::string text = "selected:";
+  std::size_t width = text.size();
+  for (const auto& step : output.history()) {
+    if (step.action() == "start") continue;
+    const std::string item = std::string(step.action() == "remove" ? " -" : " +") + step.term() +
+                             " " + fixed(step.rmse(), 1);
+    if (width + item.size() > 110) text += "\n         ", width = 9;
+    text += item;
+    width += item.size();
+  }
+  if (!output.history().empty())
+    console.out << text << " (" << output.summary_unit() << " of residual after each step)\n";
+}
+
+void print_declared(const Console& console, const v1::GetModelResponse& shown) {
+  if (shown.declared().empty()) return;
+  console.out << '\n' << console.paint_out().bold("Instruments, as declared") << '\n';
+  Table table({{"device"}, {"channel"}, {"standard uncertainty"}, {"", Align::right}});
+  for (const auto& each : shown.declared())
+    table.add({each.device_id(), each.channel(), each.name(), significant(each.value(), 4)});
+  table.print(console.out, console.paint_out());
+}
+
+void print_budgets(const Console& console, const v1::GetModelResponse& shown) {
+  for (const auto& budget : shown.budgets()) {
+    std::string pose;
+    for (const auto& value : budget.pose())
+      pose += " " + value.channel() + " " + significant(value.value(), 4);
+    console.out << '\n'
+                << console.paint_out().bold("Uncertainty of a target, " + budget.place()) << ":"
+                << pose << '\n';
+    print_budget(console, budget.coordinates());
+  }
 }
 
 const v1::ModelOutput* output_of(const v1::Model& model, const std::string& channel) {
@@ -116,12 +171,15 @@ const v1::ModelOutput* output_of(const v1::Model& model, const std::string& chan
 
 }  // namespace
 
-void print_model_page(const Console& console, const v1::Model& model) {
+void print_model_page(const Console& console, const v1::GetModelResponse& shown) {
+  const v1::Model& model = shown.model();
   const Paint paint = console.paint_out();
-  print_heading(console, model);
+  print_heading(console, shown);
+  print_declared(console, shown);
   for (const auto& output : model.outputs()) {
     console.out << '\n' << paint.bold(output.channel()) << ": ";
     print_terms(console, output);
+    print_history(console, output);
     print_accuracy(console, output);
   }
   if (model.domain_size() > 0) {
@@ -131,8 +189,11 @@ void print_model_page(const Console& console, const v1::Model& model) {
       domain.add({range.channel(), significant(range.min(), 8), significant(range.max(), 8)});
     domain.print(console.out, paint);
   }
+  print_budgets(console, shown);
+  console.out << '\n';
   for (const auto& warning : model.warnings())
     console.out << paint.warn("warning: ") << warning << '\n';
+  console.out << "checked by ____________________  date ____________\n";
 }
 
 void print_models(const Console& console, const std::vector<v1::Model>& models) {

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "clients/cli/assignment.h"
+#include "clients/cli/budget_table.h"
 #include "clients/cli/proto_json.h"
 #include "clients/cli/table.h"
 #include "clients/cli/text.h"
@@ -62,7 +63,8 @@ void print_target(const Console& console, const v1::ComputeTargetRequest& reques
                {"mm", Align::right},
                {"from pose nm", Align::right},
                {"u nm", Align::right},
-               {"U90 nm", Align::right}});
+               {"U90 nm", Align::right},
+               {"U (k=2) nm", Align::right}});
   for (int i = 0; i < target.coordinates_size(); ++i) {
     const auto& coordinate = target.coordinates(i);
     const auto* pose = beside(request, i);
@@ -70,14 +72,11 @@ void print_target(const Console& console, const v1::ComputeTargetRequest& reques
     table.add(
         {channel, fixed(coordinate.position_mm(), 7),
          pose != nullptr ? signed_fixed((coordinate.position_mm() - pose->value()) * 1e6, 1) : "-",
-         fixed(coordinate.u_nm(), 1), fixed(coordinate.u90_nm(), 1)});
+         fixed(coordinate.u_nm(), 1), fixed(coordinate.u90_nm(), 1),
+         fixed(coordinate.expanded_nm(), 1)});
   }
   table.print(console.out, console.paint_out());
-  for (const auto& coordinate : target.coordinates())
-    for (const auto& line : coordinate.budget())
-      console.out << "  " << coordinate.channel() << "  "
-                  << lower(v1::BudgetLine::Source_Name(line.source()), "SOURCE_") << "  "
-                  << fixed(line.u_nm(), 2) << " nm\n";
+  print_budget(console, target.coordinates());
   console.out << "model " << target.model_id() << ", conditions of "
               << clock_text(target.conditions_time()) << " UTC, valid until "
               << clock_text(target.valid_until_time()).substr(11) << '\n';

@@ -7,6 +7,7 @@
 
 #include "server/calibration/design.h"
 #include "server/calibration/held_out.h"
+#include "server/calibration/influence.h"
 #include "server/calibration/predict.h"
 #include "server/calibration/rank.h"
 #include "server/calibration/report.h"
@@ -152,7 +153,8 @@ void add_accuracy(const Design& design, const Eigen::VectorXd& residuals, const 
 void add_serial_errors(const Design& design, const Eigen::VectorXd& residuals,
                        const Selection& selection, const Solution& solution, OutputModel& output) {
   if (selection.exact) return;  // rounding errors are no series
-  const SerialErrors errors = serial_errors(design, solution, residuals);
+  SerialErrors errors = serial_errors(design, solution, residuals);
+  output.covariance_serial = std::move(errors.covariance);
   output.accuracy.slow_share = errors.noise.share;
   output.accuracy.slow_rows = errors.noise.rows;
   Index in = 0;
@@ -265,6 +267,8 @@ Result<Model> fit(const Dataset& dataset, const FitOptions& options) {
     const Eigen::VectorXd residuals = values_at(errors, design.rows);
     add_accuracy(design, residuals, solution, static_cast<Index>(o), output.accuracy);
     add_serial_errors(design, residuals, selection, solution, output);
+    if (auto done = add_influences(dataset, design.rows, options.weight_symbol, output); !done)
+      return tl::unexpected(done.error());
     const auto validation = validation_rows(design, dataset, errors, no_datum);
     if (validation.size() >= 2)
       output.accuracy.u90_validation =

@@ -19,15 +19,15 @@ struct TermReport {  // one per offered term, the constant first
   effects::Term term;
   bool in = false;
   double coefficient = 0, standard_error = 0, t = 0,
-         p = 1;    // an outside term: as if it alone were added
+         p = 1;  // an outside term: as if it alone were added
   // In terms only, from here. Allowing for rows that are not independent: serial_errors.h.
   double standard_error_serial = 0;
   double vif = 0;
   double contribution_rms = 0,
-         contribution_max = 0;  // over the calibration rows about its mean, column unit
+         contribution_max = 0;              // over the calibration rows about its mean, column unit
   std::vector<std::string> replaceable_by;  // terms outside that would do instead of this one, at
                                             // less than 1 % more residual variance
-  std::string note;             // "" or why it could not be tried: "cannot be told apart from x^2"
+  std::string note;  // "" or why it could not be tried: "cannot be told apart from x^2"
 };
 
 struct SelectionStep {
@@ -66,6 +66,16 @@ struct Accuracy {                        // of one output, column unit; U90 = 1.
   std::optional<double> aic, bic;          // criterion.h; none where the terms reproduce every row
 };
 
+// What a systematic error of one measured channel did to the fit: the model as served is f - shift
+// for an error of 1 (server/calibration/influence.h).
+struct Influence {
+  std::string channel;  // in error: "x_mm", "t07_degC"
+  std::string by;       // what the error goes with, row by row: "1" (an offset), "y_mm",
+                        // "ry_arcsec", "h" (hours since the zero)
+  double rms = 0;       // of the error that 1 of it makes in the output, over the calibration rows
+  Eigen::VectorXd shift;  // of the coefficients, for 1 of it; output's unit
+};
+
 struct OutputModel {
   Channel channel;                   // q1_mm
   std::vector<effects::Term> terms;  // those in; the constant first where there is one
@@ -73,6 +83,9 @@ struct OutputModel {
   Eigen::MatrixXd covariance;        // of the coefficients, same order, column units
   int dof = 0;
   Accuracy accuracy;
+  Eigen::MatrixXd covariance_serial;  // allowing for rows that are not independent
+                                      // (serial_errors.h); empty: not known
+  std::vector<Influence> influences;
   std::vector<TermReport> report;
   std::vector<SelectionStep> history;
   std::vector<StartOutcome> starts;  // empty: there was one, from none

@@ -80,6 +80,15 @@ SerialErrors serial_errors(const Design& design, const Solution& solution,
     errors.standard_errors[j] =
         std::sqrt(errors.noise.variance * row.squaredNorm() * std::max(ratio, 0.0));
   }
+  if (stretches.size() == 1) {
+    errors.covariance =
+        errors.noise.variance * solution.root * together * solution.root.transpose();
+  } else {
+    const Eigen::MatrixXd classical = solution.root * solution.root.transpose();
+    const Eigen::VectorXd factor =
+        errors.standard_errors.cwiseQuotient(classical.diagonal().cwiseSqrt());
+    errors.covariance = factor.asDiagonal() * classical * factor.asDiagonal();
+  }
   return errors;
 }
 

@@ -20,6 +20,8 @@ namespace driftwise::calibration {
 struct SerialErrors {
   SerialNoise noise;
   Eigen::VectorXd standard_errors;  // of solution.coefficients, same order
+  Eigen::MatrixXd covariance;  // the same, whole: each error's factor on the classical one where
+                               // not all rows were looked at
 };
 
 // residuals: of the design's rows, in the output's unit. Without degrees of freedom: all 0.

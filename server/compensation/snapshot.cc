@@ -37,6 +37,20 @@ std::string_view to_string(UncertaintySource source) {
       return "residual";
     case UncertaintySource::temperatures:
       return "temperatures";
+    case UncertaintySource::laser:
+      return "laser";
+    case UncertaintySource::drift:
+      return "drift";
+    case UncertaintySource::beam_offset:
+      return "beam_offset";
+    case UncertaintySource::tilts:
+      return "tilts";
+    case UncertaintySource::beam_direction:
+      return "beam_direction";
+    case UncertaintySource::mirror:
+      return "mirror";
+    case UncertaintySource::force:
+      return "force";
     case UncertaintySource::scale:
       return "scale";
     case UncertaintySource::extrapolation:

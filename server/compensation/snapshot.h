@@ -37,14 +37,23 @@ constexpr std::uint32_t bit(Variable variable) { return 1u << static_cast<unsign
 std::optional<Variable> variable_from(std::string_view symbol);
 Channel channel_of(Variable variable);  // in the request's unit: x_mm, rx_arcsec, force_N
 
+// Where a target's uncertainty comes from, line by line; what each means and how it is combined:
+// docs/uncertainty.md.
 enum class UncertaintySource : std::uint8_t {
-  fit,            // covariance of the coefficients
-  residual,       // what the fit left: rmse of the calibration
-  temperatures,   // each slow input's uncertainty through the model's sensitivity to it
-  scale,          // declared uncertainty of the motor's scale
-  extrapolation,  // outside the fitted domain; only in a Budget
+  fit,             // covariance of the coefficients, allowing for autocorrelation
+  residual,        // what the robot does and the model does not follow
+  temperatures,    // each slow input's uncertainty through the model's sensitivity to it
+  laser,           // the interferometer's reading at the zero
+  drift,           // ... and its slow drift, as far as the coefficients took it up
+  beam_offset,     // lever arms not known better: tilt x offset
+  tilts,           // the autocollimators' error on the known lever arms
+  beam_direction,  // beams not square to one another
+  mirror,          // flatness
+  force,           // of what hangs
+  scale,           // reading of the motor's scale
+  extrapolation,   // outside the fitted domain; only in a Budget
 };
-constexpr std::size_t kUncertaintySources = 5;
+constexpr std::size_t kUncertaintySources = 12;
 std::string_view to_string(UncertaintySource source);
 
 struct Snapshot {
@@ -66,6 +75,9 @@ struct Snapshot {
     UncertaintySource source = UncertaintySource::fit;
     std::vector<double>
         variance_nm2;  // packed lower triangle (row by row) over the basis, or 1 entry: constant
+    // Instead of it, errors that each have one size for all poses: rows of basis_size() numbers.
+    // The variance is the sum over the rows of (row . basis)^2.
+    std::vector<double> roots_nm{};
   };
   struct Output {
     Channel channel;                      // q1_mm: results are in mm whatever the model's column

@@ -20,6 +20,12 @@ calibration::ChannelRange widened(calibration::ChannelRange range) {
   return {range.channel, range.min - slack, range.max + slack};
 }
 
+// Allowing for autocorrelation where the model says so; a model of the first version does not.
+const Eigen::MatrixXd& uncertainty_of(const calibration::OutputModel& output) {
+  return output.covariance_serial.size() > 0 ? output.covariance_serial
+                                                     : output.covariance;
+}
+
 }  // namespace
 
 Result<SnapshotBuilder> SnapshotBuilder::create(calibration::Model model, ModelId id,
@@ -39,9 +45,8 @@ Result<SnapshotBuilder> SnapshotBuilder::create(calibration::Model model, ModelI
       for (const auto& probe : device.probes)
         if (probe.channel == channel) made.slow_inputs_.back().u = probe.u_k;
   }
-  for (auto& output : made.outputs_)
-    if (const auto* axis = cell.find_axis(output.channel.name()))
-      output.u_scale_nm = axis->u_scale_nm;
+  for (std::size_t i = 0; i < made.outputs_.size(); ++i)
+    made.add_uncertainty(made.model_.outputs[i], cell, made.outputs_[i]);
   if (made.outputs_.empty() || made.outputs_.size() > kMaxOutputs ||
       made.basis_.size() > kMaxBasis ||
       made.fast_inputs_.size() + made.slow_inputs_.size() > kMaxInputs)
@@ -69,7 +74,6 @@ Result<void> SnapshotBuilder::add_output(const calibration::OutputModel& from) {
   Output output;
   output.channel = {from.channel.symbol, "mm"};
   output.mm_per_unit = mm_from_nm(summary_unit(from.channel.unit).factor);
-  output.rmse = from.accuracy.rmse;
   std::vector<Eigen::Index> kept;
   for (std::size_t k = 0; k < from.terms.size(); ++k) {
     if (effects::datum_of(from.terms[k])) continue;  // the constants of other data: never served
@@ -79,7 +83,7 @@ Result<void> SnapshotBuilder::add_output(const calibration::OutputModel& from) {
     output.terms.push_back(std::move(*term));
     kept.push_back(static_cast<Eigen::Index>(k));
   }
-  output.covariance = from.covariance(kept, kept);
+  output.covariance = uncertainty_of(from)(kept, kept);
   outputs_.push_back(std::move(output));
   return {};
 }

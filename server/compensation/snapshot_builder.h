@@ -20,11 +20,11 @@ namespace driftwise::compensation {
 
 class SnapshotBuilder {
  public:
-  // The cell gives the serving rules, the thermometers' uncertainties (u_k) and the scales'
-  // (u_scale_nm). Errors, failed_precondition: NOT_A_MOTOR_MODEL (an output that is no motor
-  // coordinate in a length unit), TERM_NOT_SERVABLE (a term that reads a motor coordinate, an
-  // effect that reads the wanted pose), NO_DOMAIN (a channel without its fitted range),
-  // MODEL_TOO_LARGE (kMaxBasis, kMaxInputs, kMaxOutputs).
+  // The cell gives the serving rules and every declared uncertainty (declared_errors.h). Errors,
+  // failed_precondition: NOT_A_MOTOR_MODEL (an output that is no motor coordinate in a length
+  // unit), TERM_NOT_SERVABLE (a term that reads a motor coordinate, an effect that reads the wanted
+  // pose), NO_DOMAIN (a channel without its fitted range), MODEL_TOO_LARGE (kMaxBasis, kMaxInputs,
+  // kMaxOutputs).
   static Result<SnapshotBuilder> create(calibration::Model model, ModelId id,
                                         const CellDescription& cell);
 
@@ -54,12 +54,21 @@ class SnapshotBuilder {
     SlowProduct slow;
     double coefficient = 0;  // column unit
   };
+  struct Systematic {  // a declared error of standard size, as a shift of the terms; column units
+    UncertaintySource source;
+    Eigen::VectorXd shift;
+    bool shared_with_zero = true;
+  };
   struct Output {
     Channel channel;         // q1_mm
     double mm_per_unit = 1;  // of the model's column
     std::vector<Term> terms;
     Eigen::MatrixXd covariance;  // of the terms, column units
-    double rmse = 0, u_scale_nm = 0;
+    std::vector<Systematic> systematics;
+    std::vector<Eigen::VectorXd> absorbed;  // per slow channel: shift of the terms per unit of its
+                                            // error, empty: not known
+    double unfollowed_nm = 0;               // of the residual, beyond the instruments' own noise
+    double u_scale_nm = 0;
   };
   struct SlowInput {
     double min = 0, max = 0, u = 0;
@@ -79,6 +88,8 @@ class SnapshotBuilder {
 
   SnapshotBuilder() = default;
   Result<void> add_output(const calibration::OutputModel& output);
+  void add_uncertainty(const calibration::OutputModel& from, const CellDescription& cell,
+                       Output& output) const;
   Result<Term> split(const effects::Term& term);
   Result<void> add_fast_input(const Channel& channel, const calibration::ChannelRange& range);
   const calibration::ChannelRange* domain_of(const std::string& symbol) const;

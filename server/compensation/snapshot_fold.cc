@@ -2,9 +2,10 @@
 //
 // Term k = (slow value s_k) * (basis entry m_k). With a the vector of term values, a = S b, S
 // holding s_k in column m_k; anchored, minus the term's value at the datum's zero: S - d e_0'. Then
-// q = c'a (+ q at the zero), var q = a' C a, and each slow channel T_j adds u_j^2 (g_j' b)^2 with
-// g_j the same fold of the terms' derivatives. Sums in long double: the covariance of a model in
-// raw temperatures is the difference of large numbers.
+// q = c'a (+ q at the zero), var q = a' C a; an error that shifts the coefficients by d adds (g'
+// b)^2 with g the same fold of d, and one of the slow channel T_j u_j^2 (g_j' b)^2 with g_j that of
+// the terms' derivatives. Sums in long double: the covariance of a model in raw temperatures is the
+// difference of large numbers.
 
 #include <algorithm>
 
@@ -23,10 +24,6 @@ class Form {
   explicit Form(std::size_t size) : size_(size), sum_(size * size, 0) {}
 
   void add(std::size_t i, std::size_t j, Wide value) { sum_[i * size_ + j] += value; }
-  void add_square(const std::vector<Wide>& g, Wide factor) {
-    for (std::size_t i = 0; i < size_; ++i)
-      for (std::size_t j = 0; j < size_; ++j) add(i, j, factor * g[i] * g[j]);
-  }
   // b' V b as compute_target walks over it: lower triangle row by row, off-diagonal entries taken
   // twice.
   std::vector<double> packed_nm2(Wide nm2_per_unit2) const {
@@ -77,11 +74,38 @@ Snapshot::Output SnapshotBuilder::fold(std::size_t index, const Conditions& now)
       fit.add(0, n, -c * at_zero[k] * slow[l]);
       fit.add(0, 0, c * at_zero[k] * at_zero[l]);
     }
-  out.lines.push_back({UncertaintySource::fit, fit.packed_nm2(nm_per_unit * nm_per_unit)});
+  out.lines.push_back({UncertaintySource::fit, fit.packed_nm2(nm_per_unit * nm_per_unit), {}});
 
-  // A thermometer's own error is the same now and at the datum's zero, so its part there is taken
-  // off again; what makes up for a stale or missing value is not.
-  Form temperatures(size);
+  // A declared error that moved the fit: its shift, folded like the coefficients.
+  const auto folded = [&](const auto& shift, bool less_zero) {
+    std::vector<Wide> root(size, 0);
+    for (std::size_t k = 0; k < terms; ++k) {
+      const Wide c = shift[static_cast<Eigen::Index>(k)];
+      root[model.terms[k].basis] += slow[k] * c;
+      if (less_zero) root[0] -= at_zero[k] * c;
+    }
+    return root;
+  };
+  const auto line_of = [&](UncertaintySource source) -> Snapshot::UncertaintyLine& {
+    for (auto& line : out.lines)
+      if (line.source == source) return line;
+    return out.lines.emplace_back(Snapshot::UncertaintyLine{source, {}, {}});
+  };
+  const auto add_root = [&](UncertaintySource source, const std::vector<Wide>& root, Wide u) {
+    if (u == 0) return;
+    auto& roots_nm = line_of(source).roots_nm;
+    for (const Wide value : root) roots_nm.push_back(static_cast<double>(value * u * nm_per_unit));
+  };
+
+  // The robot's own at the zero of a carried datum is not that at the pose.
+  const double zeros = datum ? 2.0 : 1.0;
+  out.lines.push_back(
+      {UncertaintySource::residual, {model.unfollowed_nm * model.unfollowed_nm * zeros}, {}});
+
+  // A thermometer's own error was there when the model was fitted: what the coefficients took up of
+  // it comes back with the opposite sign (only the constant, where the term is linear). And it is
+  // the same now and at the datum's zero. What makes up for a stale or missing value is neither.
+  line_of(UncertaintySource::temperatures);
   for (std::size_t j = 0; j < now.channels.size(); ++j) {
     std::vector<Wide> slope(size, 0);
     Wide slope_at_zero = 0;
@@ -91,23 +115,30 @@ Snapshot::Output SnapshotBuilder::fold(std::size_t index, const Conditions& now)
           c * static_cast<Wide>(derivative_of(model.terms[k].slow, j, now.channels, now.calls));
       if (datum) slope_at_zero += c * static_cast<Wide>(datum->term_slopes[j][k]);
     }
-    temperatures.add_square(slope, static_cast<Wide>(now.u_independent[j]) * now.u_independent[j]);
+    add_root(UncertaintySource::temperatures, slope, now.u_independent[j]);
     slope[0] -= slope_at_zero;
-    temperatures.add_square(slope, static_cast<Wide>(now.u_systematic[j]) * now.u_systematic[j]);
+    if (model.absorbed[j].size() > 0) {
+      const auto back = folded(model.absorbed[j], datum != nullptr);
+      for (std::size_t m = 0; m < size; ++m) slope[m] -= back[m];
+    }
+    add_root(UncertaintySource::temperatures, slope, now.u_systematic[j]);
   }
+  for (const auto& error : model.systematics)
+    add_root(error.source, folded(error.shift, datum != nullptr && error.shared_with_zero), 1);
+  // A carried datum adds the reading of its own zero.
   out.lines.push_back(
-      {UncertaintySource::temperatures, temperatures.packed_nm2(nm_per_unit * nm_per_unit)});
-
-  // A carried datum adds the noise of its own zero, measured like any point.
-  const auto residual_nm = static_cast<double>(nm_per_unit * static_cast<Wide>(model.rmse));
-  out.lines.push_back(
-      {UncertaintySource::residual, {residual_nm * residual_nm * (datum ? 2.0 : 1.0)}});
-  out.lines.push_back({UncertaintySource::scale, {model.u_scale_nm * model.u_scale_nm}});
+      {UncertaintySource::scale, {model.u_scale_nm * model.u_scale_nm * zeros}, {}});
 
   out.variance_nm2.assign(packed_size(size), 0.0);
-  for (const auto& line : out.lines)
+  for (const auto& line : out.lines) {
     for (std::size_t i = 0; i < line.variance_nm2.size(); ++i)
       out.variance_nm2[i] += line.variance_nm2[i];
+    for (std::size_t row = 0; row + size <= line.roots_nm.size(); row += size)
+      for (std::size_t i = 0, at = 0; i < size; ++i)
+        for (std::size_t j = 0; j <= i; ++j, ++at)
+          out.variance_nm2[at] +=
+              (i == j ? 1.0 : 2.0) * line.roots_nm[row + i] * line.roots_nm[row + j];
+  }
   return out;
 }
 

@@ -81,6 +81,7 @@ void read_length(TomlReader& device, DeviceDescription& out, TakenNames& taken) 
   out.length.emplace();
   device.channel("length", *out.length, Need::required);
   device.number("u_length_nm", out.u_length_nm, {.min = 0});
+  device.number("u_drift_nm_per_h", out.u_drift_nm_per_h);
   if (!is_pose_symbol(out.length->symbol) || out.length->unit != "mm")
     device.refuse(
         "length", "BAD_CHANNEL",

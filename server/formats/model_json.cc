@@ -1,6 +1,7 @@
 #include "server/formats/model_json.h"
 
 #include "server/formats/json_place.h"
+#include "server/formats/model_json_uncertainty.h"
 #include "server/formats/text.h"
 
 namespace driftwise::formats {
@@ -22,7 +23,7 @@ constexpr const char* kSchema = "driftwise.model.v1";
                                               const calibration::SelectionStep& step,
                                               const Lineage& lineage) {
   [[maybe_unused]] const auto& [m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11, m12, m13] = model;
-  [[maybe_unused]] const auto& [o1, o2, o3, o4, o5, o6, o7, o8, o9] = output;
+  [[maybe_unused]] const auto& [o1, o2, o3, o4, o5, o6, o7, o8, o9, o10, o11] = output;
   [[maybe_unused]] const auto& [a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11, a12, a13, a14, a15,
                                 a16, a17, a18] = accuracy;
   [[maybe_unused]] const auto& [r1, r2, r3, r4, r5, r6, r7, r8, r9, r10, r11, r12] = report;
@@ -212,31 +213,26 @@ calibration::SelectionStep read_step(const JsonPlace& from) {
 // --- outputs ---
 
 Json output_json(const OutputModel& output) {
-  Json terms = Json::array(), covariance = Json::array(), report = Json::array(),
-       history = Json::array();
+  Json terms = Json::array(), report = Json::array(), history = Json::array();
   for (std::size_t k = 0; k < output.terms.size(); ++k) {
     Json term = term_json(output.terms[k]);
     term["coefficient"] = output.coefficients[static_cast<Eigen::Index>(k)];
     terms.push_back(std::move(term));
   }
-  for (Eigen::Index i = 0; i < output.covariance.rows(); ++i) {
-    Json row = Json::array();
-    for (Eigen::Index j = 0; j < output.covariance.cols(); ++j)
-      row.push_back(output.covariance(i, j));
-    covariance.push_back(std::move(row));
-  }
   for (const auto& row : output.report) report.push_back(report_json(row));
   for (const auto& step : output.history) history.push_back(step_json(step));
   Json starts = Json::array();
   for (const auto& start : output.starts) starts.push_back(start_json(start));
-  return {{"channel", output.channel.name()},
-          {"dof", output.dof},
-          {"accuracy", accuracy_json(output.accuracy)},
-          {"terms", std::move(terms)},
-          {"covariance", std::move(covariance)},
-          {"report", std::move(report)},
-          {"history", std::move(history)},
-          {"starts", std::move(starts)}};
+  Json out = {{"channel", output.channel.name()},
+              {"dof", output.dof},
+              {"accuracy", accuracy_json(output.accuracy)},
+              {"terms", std::move(terms)},
+              {"covariance", matrix_json(output.covariance)},
+              {"report", std::move(report)},
+              {"history", std::move(history)},
+              {"starts", std::move(starts)}};
+  write_uncertainty(output, out);
+  return out;
 }
 
 OutputModel read_output(const JsonPlace& from) {
@@ -244,22 +240,14 @@ OutputModel read_output(const JsonPlace& from) {
   output.channel = from["channel"].channel();
   output.dof = static_cast<int>(from["dof"].integer(INT32_MIN, INT32_MAX));
   output.accuracy = read_accuracy(from["accuracy"]);
-  const auto terms = from["terms"], covariance = from["covariance"], report = from["report"],
-             history = from["history"];
+  const auto terms = from["terms"], report = from["report"], history = from["history"];
   const std::size_t count = terms.size();
-  if (covariance.size() != count) covariance.refuse(std::to_string(count) + " rows, one per term");
-  for (std::size_t i = 0; i < count;
-       ++i)  // before room is made: the text itself then bounds the memory
-    if (covariance[i].size() != count)
-      covariance[i].refuse(std::to_string(count) + " numbers, one per term");
+  output.covariance = read_matrix(from["covariance"], count);
+  read_uncertainty(from, count, output);
   output.coefficients.resize(static_cast<Eigen::Index>(count));
-  output.covariance.resize(static_cast<Eigen::Index>(count), static_cast<Eigen::Index>(count));
   for (std::size_t i = 0; i < count; ++i) {
     output.terms.push_back(read_term(terms[i]));
     output.coefficients[static_cast<Eigen::Index>(i)] = terms[i]["coefficient"].finite();
-    for (std::size_t j = 0; j < count; ++j)
-      output.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
-          covariance[i][j].finite();
   }
   for (std::size_t i = 0; i < report.size(); ++i) output.report.push_back(read_report(report[i]));
   for (std::size_t i = 0; i < history.size(); ++i) output.history.push_back(read_step(history[i]));

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "server/formats/coefficient_unit.h"
 #include "server/formats/model_json.h"
 #include "server/rpc/convert_values.h"
 
@@ -22,6 +23,8 @@ v1::Accuracy accuracy_from(const calibration::Accuracy& accuracy, double factor)
   if (accuracy.lack_of_fit_f) out.set_lack_of_fit_f(*accuracy.lack_of_fit_f);
   if (accuracy.lack_of_fit_p) out.set_lack_of_fit_p(*accuracy.lack_of_fit_p);
   out.set_condition_index(accuracy.condition_index);
+  out.set_slow_share(accuracy.slow_share);
+  out.set_slow_row_count(accuracy.slow_rows);
   if (accuracy.model_f) out.set_model_f(*accuracy.model_f);
   if (accuracy.model_p) out.set_model_p(*accuracy.model_p);
   return out;
@@ -36,6 +39,8 @@ v1::ModelTerm term_from(const calibration::TermReport& report, double factor) {
   out.set_t(report.t);
   out.set_p(report.p);
   out.set_note(report.note);
+  if (report.in && report.standard_error_serial > 0)
+    out.set_standard_error_serial(report.standard_error_serial);
   if (!report.in || report.term.is_constant())
     return out;  // what the constant lacks, and what is left out
   out.set_vif(report.vif);
@@ -44,7 +49,8 @@ v1::ModelTerm term_from(const calibration::TermReport& report, double factor) {
   return out;
 }
 
-v1::ModelOutput output_from(const calibration::OutputModel& output, ModelDetail detail) {
+v1::ModelOutput output_from(const calibration::OutputModel& output, ModelDetail detail,
+                            const calibration::Model& model) {
   const SummaryUnit summary = summary_unit(output.channel.unit);
   v1::ModelOutput out;
   out.set_channel(output.channel.name());
@@ -53,7 +59,10 @@ v1::ModelOutput output_from(const calibration::OutputModel& output, ModelDetail 
   out.set_dof(output.dof);
   *out.mutable_accuracy() = accuracy_from(output.accuracy, summary.factor);
   if (detail == ModelDetail::summary) return out;
-  for (const auto& report : output.report) *out.add_terms() = term_from(report, summary.factor);
+  for (const auto& report : output.report) {
+    auto& added = *out.add_terms() = term_from(report, summary.factor);
+    if (report.in) added.set_unit(formats::coefficient_unit(output, report.term, model));
+  }
   for (const auto& step : output.history) {
     auto& added = *out.add_history();
     added.set_step(step.step);
@@ -128,7 +137,8 @@ Result<v1::Model> model_from(const ModelRecord& record, std::optional<ModelId> s
   out.set_select(model->select);
   out.set_p_enter(model->p_enter);
   out.set_p_remove(model->p_remove);
-  for (const auto& output : model->outputs) *out.add_outputs() = output_from(output, detail);
+  for (const auto& output : model->outputs)
+    *out.add_outputs() = output_from(output, detail, *model);
   for (const auto& range : model->domain) {
     auto& added = *out.add_domain();
     added.set_channel(range.channel.name());

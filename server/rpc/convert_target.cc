@@ -30,6 +30,20 @@ v1::BudgetLine::Source source_from(compensation::UncertaintySource source) {
       return v1::BudgetLine::SOURCE_RESIDUAL;
     case UncertaintySource::temperatures:
       return v1::BudgetLine::SOURCE_TEMPERATURES;
+    case UncertaintySource::laser:
+      return v1::BudgetLine::SOURCE_LASER;
+    case UncertaintySource::drift:
+      return v1::BudgetLine::SOURCE_DRIFT;
+    case UncertaintySource::beam_offset:
+      return v1::BudgetLine::SOURCE_BEAM_OFFSET;
+    case UncertaintySource::tilts:
+      return v1::BudgetLine::SOURCE_TILTS;
+    case UncertaintySource::beam_direction:
+      return v1::BudgetLine::SOURCE_BEAM_DIRECTION;
+    case UncertaintySource::mirror:
+      return v1::BudgetLine::SOURCE_MIRROR;
+    case UncertaintySource::force:
+      return v1::BudgetLine::SOURCE_FORCE;
     case UncertaintySource::scale:
       return v1::BudgetLine::SOURCE_SCALE;
     case UncertaintySource::extrapolation:
@@ -95,6 +109,7 @@ Result<void> answer_target(const compensation::Snapshot& snapshot,
     coordinate.set_position_mm(target.q_mm[i]);
     coordinate.set_u_nm(target.u_nm[i]);
     coordinate.set_u90_nm(target.u90_nm(i));
+    coordinate.set_expanded_nm(target.expanded_nm(i));
     if (!with_budget) continue;
     const auto budget = compensation::compute_budget(snapshot, request, i);
     for (std::size_t line = 0; line < budget.lines; ++line) {

@@ -1,10 +1,12 @@
 #include "driftwise/v1/model_service.grpc.pb.h"
+#include "server/formats/model_json.h"
 #include "server/rpc/caller.h"
 #include "server/rpc/convert_check.h"
 #include "server/rpc/convert_model.h"
 #include "server/rpc/convert_values.h"
 #include "server/rpc/export_model.h"
 #include "server/rpc/fit_request.h"
+#include "server/rpc/model_budget.h"
 #include "server/rpc/request_checks.h"
 #include "server/rpc/services.h"
 #include "server/rpc/unary.h"
@@ -22,8 +24,12 @@ class ModelService final : public v1::ModelService::CallbackService {
   Reactor* GetModel(Context* context, const v1::GetModelRequest* request,
                     v1::GetModelResponse* response) override {
     return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
-      auto model = co_await whole_model(request->model_id());
-      co_return put(std::move(model), *response->mutable_model());
+      if (auto good = check_id(request->model_id(), "model_id"); !good) co_return good;
+      const auto record = co_await cell_.model(ModelId{request->model_id()});
+      if (!record) co_return tl::unexpected(record.error());
+      auto good = put(whole(record), *response->mutable_model());
+      if (good) add_page(*record, *response);
+      co_return good;
     });
   }
 
@@ -136,6 +142,16 @@ class ModelService final : public v1::ModelService::CallbackService {
   Result<v1::Model> whole(const Result<ModelRecord>& record) const {
     if (!record) return tl::unexpected(record.error());
     return model_from(*record, cell_.status().serving, ModelDetail::whole);
+  }
+
+  // What its page says beyond the model. It could be read: whole() did.
+  void add_page(const ModelRecord& record, v1::GetModelResponse& response) const {
+    const auto& description = cell_.description();
+    response.set_cell_name(description.name);
+    response.set_config_hash(description.hash);
+    add_declared(description, response);
+    if (const auto model = formats::read_model_json(record.json))
+      add_budgets(*model, description, response);
   }
 
   Awaitable<Result<v1::Model>> whole_model(std::int64_t id) {

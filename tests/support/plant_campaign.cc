@@ -68,6 +68,7 @@ Campaign run_plant_campaign(LinearAxisPlant& plant, TimeNs epoch, const Campaign
   plant.start_reference(0, epoch);
   time_s += 15;
   plant.zero_length(0, epoch + ns(time_s));
+  campaign.zero_end_effector_nm = plant.truth(epoch + ns(time_s)).end_effector_nm;
   for (int pass = 0; pass < options.passes; ++pass) {
     for (const double target_mm : pass_mm()) {
       plant.start_move(0, target_mm, epoch + ns(time_s));

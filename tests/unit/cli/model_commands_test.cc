@@ -18,7 +18,8 @@ TEST_F(ModelCommandsTest, ShowsAPageToSign) {
         "data        runs 1: 560 rows calibration, 448 validation, 0 dropped\n",
         "fitted      2023-11-14 22:13:20 UTC by ada\n",
         "U90 calibration 8.20 nm, validation 9.10 nm\n",
-        "q1_mm: coefficients in mm per unit of the term, 558 degrees of freedom\n"})
+        "q1_mm: coefficients in mm per unit of the term, 558 degrees of freedom; standard errors "
+        "classical, and serial: allowing for rows that are not independent\n"})
     EXPECT_THAT(page.out, HasSubstr(line));
 }
 

@@ -1,0 +1,84 @@
+#include "server/compensation/declared_errors.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/core/units.h"
+
+namespace driftwise::compensation {
+namespace {
+
+const BeamDescription* beam_of(const CellDescription& cell, const Channel& length) {
+  if (!cell.correction) return nullptr;
+  const auto found = std::ranges::find(cell.correction->beams, length, &BeamDescription::length);
+  return found == cell.correction->beams.end() ? nullptr : &*found;
+}
+
+// The two axes beside this one, in cyclic order: y, z of x.
+std::array<std::string, 2> others(const std::string& axis) {
+  if (axis == "x") return {"y", "z"};
+  if (axis == "y") return {"z", "x"};
+  return {"x", "y"};
+}
+
+double u_arcsec_of(const CellDescription& cell, const std::string& symbol) {
+  for (const auto& device : cell.devices)
+    for (const auto& angle : device.angles)
+      if (angle.channel.symbol == symbol) return angle.u_arcsec;
+  return 0;
+}
+
+void add_beam(const CellDescription& cell, const BeamDescription& beam,
+              std::vector<DeclaredError>& out) {
+  const std::string& axis = beam.length.symbol;
+  const auto add = [&](UncertaintySource source, std::string by, double u, bool shared = true) {
+    if (u > 0) out.push_back({source, axis, std::move(by), u, shared});
+  };
+  for (const auto& other : others(axis)) {
+    // Abbe: nm per arcsec of the tilt about an axis beside this one, for an offset along the other.
+    add(UncertaintySource::beam_offset, "r" + other, nm_from_mm(beam.u_offset_mm) * kRadPerArcsec);
+    // A beam that is not parallel to its axis sees a share of what happens along the others.
+    add(UncertaintySource::beam_direction, other,
+        nm_from_mm(rad_from_arcsec(beam.u_direction_arcsec)));
+  }
+  // What a constant error of a tilt makes of a known lever arm: the tilt about one of the axes
+  // beside this one works on the offset along the other.
+  const auto [first, second] = others(axis);
+  const auto arm_nm = [&](const std::string& along) {
+    return nm_from_mm(beam.offset_mm[static_cast<std::size_t>(along[0] - 'x')]);
+  };
+  const double of_first = arm_nm(second) * rad_from_arcsec(u_arcsec_of(cell, "r" + first)),
+               of_second = arm_nm(first) * rad_from_arcsec(u_arcsec_of(cell, "r" + second));
+  add(UncertaintySource::tilts, "1", std::hypot(of_first, of_second));
+  add(UncertaintySource::mirror, "1", beam.u_flatness_nm, false);
+}
+
+}  // namespace
+
+std::vector<DeclaredError> declared_errors(const CellDescription& cell) {
+  std::vector<DeclaredError> out;
+  for (const auto& device : cell.devices) {
+    if (!device.length) continue;
+    const std::string& axis = device.length->symbol;
+    // The reading at the zero: every pose since has its error.
+    if (device.u_length_nm > 0)
+      out.push_back({UncertaintySource::laser, axis, "1", device.u_length_nm});
+    if (device.u_drift_nm_per_h != 0)
+      out.push_back({UncertaintySource::drift, axis, "h", device.u_drift_nm_per_h});
+    if (const auto* beam = beam_of(cell, *device.length)) add_beam(cell, *beam, out);
+  }
+  if (cell.load && cell.load->u_n > 0)
+    out.push_back({UncertaintySource::force, "force", "1", cell.load->u_n, false});
+  return out;
+}
+
+double reading_noise_nm(const CellDescription& cell, const std::string& symbol) {
+  for (const auto& device : cell.devices) {
+    if (device.length && device.length->symbol == symbol) return device.u_length_nm;
+    for (const auto& axis : device.axes)
+      if (axis.channel.symbol == symbol) return axis.u_scale_nm;
+  }
+  return 0;
+}
+
+}  // namespace driftwise::compensation

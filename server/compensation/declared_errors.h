@@ -1,0 +1,31 @@
+#pragma once
+// What the cell's owner declares about the instruments, as systematic errors of channels: the type
+// B part of a target's budget (JCGM 100:2008, 4.3). Each entry is independent of the others. What
+// each line means, its distribution, and what is left out: docs/uncertainty.md.
+
+#include <string>
+#include <vector>
+
+#include "server/compensation/snapshot.h"
+#include "server/core/cell_description.h"
+
+namespace driftwise::compensation {
+
+struct DeclaredError {
+  UncertaintySource source;
+  std::string symbol;  // of the channel in error: "x"
+  std::string by;      // "1", "h", or the symbol of what it goes with: "ry", "y"
+  // Standard uncertainty in the channel's summary unit (nm, arcsec; K, N) per mm, arcsec or hour of
+  // by.
+  double u = 0;
+  // An error of the zero's own reading as well, so that a datum carried to its zero is free of it.
+  bool shared_with_zero = true;
+};
+
+std::vector<DeclaredError> declared_errors(const CellDescription& cell);
+
+// Standard uncertainty of one reading of this pose length or motor coordinate, nm: its share of a
+// fit's residual. 0 where nothing is declared.
+double reading_noise_nm(const CellDescription& cell, const std::string& symbol);
+
+}  // namespace driftwise::compensation

@@ -1,0 +1,77 @@
+// What the cell declares, put into the model's own coefficients: each declared error of a channel
+// moved the fit, and its influence says by how much.
+
+#include <cmath>
+
+#include "server/compensation/declared_errors.h"
+#include "server/compensation/snapshot_builder.h"
+#include "server/effects/term_order.h"
+
+namespace driftwise::compensation {
+namespace {
+
+std::string symbol_of(const std::string& full_name) {
+  return full_name.substr(0, full_name.rfind('_'));
+}
+std::string unit_of(const std::string& full_name) {
+  const auto underscore = full_name.rfind('_');
+  return underscore == std::string::npos ? "" : full_name.substr(underscore + 1);
+}
+
+// How many of its own units a channel errs by for an error of 1 in the summary unit; and how many
+// mm or arcsec one unit of what the error goes with is.
+double own_units(const std::string& full_name) {
+  return 1 / summary_unit(unit_of(full_name)).factor;
+}
+double base_units(const std::string& by) {
+  const std::string unit = unit_of(by);
+  if (is_length(unit)) return mm_from_nm(summary_unit(unit).factor);
+  return is_angle(unit) ? summary_unit(unit).factor : 1.0;
+}
+
+// Without the constants of other data, which are not served.
+Eigen::VectorXd served(const Eigen::VectorXd& shift, const std::vector<effects::Term>& terms) {
+  std::vector<Eigen::Index> kept;
+  for (std::size_t k = 0; k < terms.size(); ++k)
+    if (!effects::datum_of(terms[k])) kept.push_back(static_cast<Eigen::Index>(k));
+  return shift(kept);
+}
+
+}  // namespace
+
+void SnapshotBuilder::add_uncertainty(const calibration::OutputModel& from,
+                                      const CellDescription& cell, Output& output) const {
+  const auto declared = declared_errors(cell);
+  output.u_scale_nm = reading_noise_nm(cell, output.channel.symbol);
+  output.absorbed.resize(slow_.channels().size());
+  double noise_nm2 = output.u_scale_nm * output.u_scale_nm;
+  Systematic drift{UncertaintySource::drift, {}, true};
+  for (const auto& influence : from.influences) {
+    const std::string symbol = symbol_of(influence.channel);
+    for (const auto& error : declared) {
+      if (error.symbol != symbol ||
+          error.by != (influence.by.find('_') == std::string::npos ? influence.by
+                                                                   : symbol_of(influence.by)))
+        continue;
+      const double size = error.u * own_units(influence.channel) * base_units(influence.by);
+      Eigen::VectorXd shift = served(influence.shift, from.terms) * size;
+      if (error.source != UncertaintySource::drift)
+        output.systematics.push_back({error.source, std::move(shift), error.shared_with_zero});
+      else  // one cause, so one error: with their signs, before squaring
+        drift.shift = drift.shift.size() == 0 ? shift : Eigen::VectorXd(drift.shift + shift);
+    }
+    if (influence.by != "1") continue;
+    if (is_pose_symbol(symbol))
+      noise_nm2 += std::pow(reading_noise_nm(cell, symbol) * own_units(influence.channel) *
+                                influence.rms * nm_from_mm(output.mm_per_unit),
+                            2);
+    if (const auto slow = slow_.find(symbol))
+      output.absorbed[*slow] = served(influence.shift, from.terms);
+  }
+  if (drift.shift.size() > 0) output.systematics.push_back(std::move(drift));
+  // What the residual holds beyond the noise of the instruments that saw it is the robot's own.
+  const double residual_nm = nm_from_mm(from.accuracy.rmse * output.mm_per_unit);
+  output.unfollowed_nm = std::sqrt(std::max(0.0, residual_nm * residual_nm - noise_nm2));
+}
+
+}  // namespace driftwise::compensation

@@ -1,0 +1,46 @@
+// The fast part of the coverage claim: the whole is `coverage --campaigns 500`
+// (docs/uncertainty.md).
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "tests/statistics/coverage_run.h"
+#include "tests/statistics/micro_nano_case.h"
+
+namespace driftwise::statistics {
+namespace {
+
+TEST(ClopperPearson, IsTheTabulatedInterval) {
+  // R: binom.test(95, 100)$conf.int
+  const auto interval = clopper_pearson(95, 100);
+  EXPECT_NEAR(interval.low, 0.8871651, 1e-6);
+  EXPECT_NEAR(interval.high, 0.9835681, 1e-6);
+  EXPECT_EQ(clopper_pearson(0, 10).low, 0);
+  EXPECT_EQ(clopper_pearson(10, 10).high, 1);
+}
+
+TEST(CoverageCount, IsWiderByCampaignWhereCampaignsDiffer) {
+  CoverageCount alike, apart;
+  for (int i = 0; i < 40; ++i) {
+    alike.add_campaign(95, 100);
+    apart.add_campaign(i % 4 == 0 ? 80 : 100, 100);
+  }
+  EXPECT_DOUBLE_EQ(alike.rate(), apart.rate());
+  const auto width = [](const Interval& interval) { return interval.high - interval.low; };
+  EXPECT_GT(width(apart.clustered()), 2 * width(apart.per_target()));
+  EXPECT_LT(width(alike.clustered()), 1.1 * width(alike.per_target()));
+}
+
+TEST(Coverage, OfTheExpandedUncertaintyIs93To97PercentOnTheMicroNano) {
+  constexpr int kCampaigns = 40;
+  const auto outputs = run_coverage(micro_nano_case, 1, kCampaigns, 1, [](int, const auto&) {});
+  std::printf("%s", coverage_table(outputs).c_str());
+  const auto interval = outputs.back().inside.clustered();  // of all coordinates
+  EXPECT_LE(interval.low, 0.97);
+  EXPECT_GE(interval.high, 0.93);
+}
+
+}  // namespace
+}  // namespace driftwise::statistics

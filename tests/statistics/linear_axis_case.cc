@@ -1,0 +1,57 @@
+#include "tests/statistics/linear_axis_case.h"
+
+#include <cstdio>
+#include <stdexcept>
+
+#include "drivers/simulated/plant/make_plant.h"
+#include "server/formats/cell_file.h"
+#include "tests/support/plant_campaign.h"
+
+namespace driftwise::statistics {
+namespace {
+
+constexpr simulated::TimeNs kAxisEpoch = 1'600'000'000'000'000'000;
+
+std::string sensor(std::size_t i) {
+  char name[8];
+  std::snprintf(name, sizeof name, "t%02zu", i + 1);
+  return name;
+}
+
+}  // namespace
+
+SimulatedCase linear_axis_case(std::uint64_t seed) {
+  const auto plant =
+      simulated::make_plant(testing_support::linear_axis_plant_file(DRIFTWISE_SOURCE_DIR),
+                            {.seed = seed, .overrides = {}, .epoch_ns = kAxisEpoch});
+  const auto campaign = testing_support::run_plant_campaign(*plant, kAxisEpoch);
+  SimulatedCase out;
+  const std::string file =
+      std::string(DRIFTWISE_SOURCE_DIR) + "/deploy/cells/linear-axis/cell.toml";
+  auto cell = formats::read_cell_file(file);
+  if (!cell) throw std::runtime_error(cell.error().message);
+  out.cell = std::move(*cell);
+  out.formula = "q1 ~ x + x^2 + t05..t10";  // the sensors on the robot: what may be served to it
+  auto& data = out.dataset;
+  data.rows = campaign.rows.size();
+  data.columns = {{{"q1", "mm"}, {}}, {{"x", "mm"}, {}}};
+  for (std::size_t i = 0; i < 10; ++i) data.columns.push_back({{sensor(i), "degC"}, {}});
+  for (const auto& row : campaign.rows) {
+    data.time_s.push_back(row.time_s);
+    data.set.push_back(row.calibration ? PointSet::calibration : PointSet::validation);
+    data.columns[0].values.push_back(row.q1_mm);
+    data.columns[1].values.push_back(row.x_mm);
+    for (std::size_t i = 0; i < 10; ++i) data.columns[2 + i].values.push_back(row.t_degc[i]);
+    if (row.calibration) continue;
+    auto& target = out.targets.emplace_back();
+    target.at = CellTime{kAxisEpoch} + nanoseconds_from_s(row.time_s);
+    target.true_pose.set(compensation::Variable::x,
+                         (row.end_effector_nm - campaign.zero_end_effector_nm) * 1e-6);
+    for (std::size_t i = 0; i < 10; ++i)
+      target.conditions.push_back({sensor(i) + "_degC", row.t_degc[i]});
+    target.q_mm = {row.q1_mm};
+  }
+  return out;
+}
+
+}  // namespace driftwise::statistics

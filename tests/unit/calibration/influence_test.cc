@@ -1,0 +1,122 @@
+// A systematic error put into the data against what the influence says it does: the oracle is
+// another fit.
+
+#include "server/calibration/influence.h"
+
+#include <gmock/gmock.h>
+
+#include "server/calibration/predict.h"
+#include "server/formats/formula.h"
+#include "tests/unit/calibration/campaign.h"
+
+namespace driftwise::calibration {
+namespace {
+
+Model fitted_all(const Dataset& data, const std::string& formula) {
+  FitOptions options;
+  options.select = Select::all;
+  const auto model = formats::fit_formula(data, formula, options);
+  EXPECT_TRUE(model.has_value()) << model.error().message;
+  return *model;
+}
+
+DatasetColumn& column_of(Dataset& data, const std::string& symbol) {
+  for (auto& column : data.columns)
+    if (column.channel.symbol == symbol) return column;
+  throw std::out_of_range(symbol);
+}
+
+const Influence& influence_of(const OutputModel& output, const std::string& channel,
+                              const std::string& by) {
+  for (const auto& influence : output.influences)
+    if (influence.channel == channel && influence.by == by) return influence;
+  throw std::out_of_range(channel + " by " + by);
+}
+
+std::string full_name(const Dataset& data, const std::string& symbol) {
+  const auto* column = data.find(symbol);
+  return column == nullptr ? symbol : column->channel.name();
+}
+
+struct Case {
+  const char* name;
+  const char *channel, *by;
+  double size;  // small: the law of propagation is of first order
+};
+class SystematicError : public testing::TestWithParam<Case> {};
+
+TEST_P(SystematicError, MovesTheServedModelByTheShiftOfItsInfluence) {
+  const auto& c = GetParam();
+  Dataset data = make_campaign({.rows = 900});
+  data.columns.push_back({{"ry", "arcsec"}, {}});
+  for (std::size_t i = 0; i < data.rows; ++i)
+    data.columns.back().values.push_back(20 * std::sin(0.7 * static_cast<double>(i)) +
+                                         8 * data.columns[1].values[i]);
+  const std::string formula = "q1 ~ x + x^2 + x^3 + t01 + t02 + x:t01";
+  const auto before = fitted_all(data, formula);
+  Dataset wrong = data;
+  auto& channel = column_of(wrong, c.channel);
+  for (std::size_t i = 0; i < data.rows; ++i)
+    channel.values[i] += c.size * (std::string(c.by) == "1" ? 1.0 : data.find(c.by)->values[i]);
+  const auto after = fitted_all(wrong, formula);
+
+  const auto columns = raw_columns(data, before.outputs[0].terms);
+  ASSERT_TRUE(columns);
+  const Eigen::VectorXd found =
+      *columns * (before.outputs[0].coefficients - after.outputs[0].coefficients);
+  const Eigen::VectorXd expected =
+      *columns *
+      influence_of(before.outputs[0], full_name(data, c.channel), full_name(data, c.by)).shift *
+      c.size;
+  EXPECT_LT((found - expected).norm(), 1e-3 * expected.norm());
+}
+INSTANTIATE_TEST_SUITE_P(Table, SystematicError,
+                         testing::Values(Case{"Offset", "x", "1", 1e-5},
+                                         Case{"Factor", "x", "x", 1e-6},
+                                         Case{"LeverArm", "x", "ry", 1e-7},
+                                         Case{"Thermometer", "t01", "1", 1e-4}),
+                         [](const auto& row) { return std::string(row.param.name); });
+
+TEST(Influence, OfAnOffsetIsAbsorbedByTheConstantOfALinearThermometer) {
+  const auto model = fitted_all(make_campaign({}), "q1 ~ x + x^2 + t01 + t02");
+  const auto& output = model.outputs[0];
+  const auto& shift = influence_of(output, "t01_degC", "1").shift;
+  EXPECT_NEAR(shift[0], output.coefficients[3], 1e-9 * std::abs(output.coefficients[3]));
+  EXPECT_LT(shift.tail(4).cwiseAbs().maxCoeff(), 1e-9 * std::abs(shift[0]));
+}
+
+TEST(Influence, OfADriftIsWhatItDoesToAFit) {
+  Dataset data = make_campaign({.rows = 756});
+  const std::string formula = "q1 ~ x + t01 + t02";
+  const auto before = fitted_all(data, formula);
+  constexpr double kDrift_mm_per_h = 2e-6;
+  for (std::size_t i = 0; i < data.rows; ++i)
+    column_of(data, "x").values[i] += kDrift_mm_per_h * (data.time_s[i] - data.time_s[0]) / 3600;
+  const auto after = fitted_all(data, formula);
+  const Eigen::VectorXd found = before.outputs[0].coefficients - after.outputs[0].coefficients;
+  const Eigen::VectorXd expected =
+      influence_of(before.outputs[0], "x_mm", "h").shift * kDrift_mm_per_h;
+  EXPECT_LT((found - expected).norm(), 1e-3 * expected.norm());
+}
+
+TEST(Influence, DoesNotDependOnHowManyRowsAreLookedAt) {
+  const Dataset data = make_campaign({.rows = 20000});
+  const auto model = fitted_all(data, "q1 ~ x + x^2 + t01");
+  std::vector<std::size_t> all;
+  for (std::size_t i = 0; i < data.rows; ++i)
+    if (data.set_of(i) == PointSet::calibration) all.push_back(i);
+  const Excerpt rows(data, all, model.outputs[0], 1500);
+  EXPECT_EQ(rows.size(), 1500);
+  const auto columns = rows.columns(model.outputs[0].terms);
+  ASSERT_TRUE(columns);
+  const auto fewer =
+      influences_of(rows, Projection(*columns, model.outputs[0].terms, {}), model.outputs[0]);
+  ASSERT_TRUE(fewer);
+  const auto& a = influence_of(model.outputs[0], "x_mm", "x_mm").shift;
+  OutputModel from_fewer;
+  from_fewer.influences = *fewer;
+  EXPECT_LT((influence_of(from_fewer, "x_mm", "x_mm").shift - a).norm(), 1e-3 * a.norm());
+}
+
+}  // namespace
+}  // namespace driftwise::calibration

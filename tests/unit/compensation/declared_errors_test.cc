@@ -1,0 +1,143 @@
+// What the cell declares against the law of propagation worked by hand, and against a fit that was
+// given the error.
+
+#include "server/compensation/declared_errors.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "server/calibration/fit.h"
+#include "server/compensation/snapshot_builder.h"
+#include "server/compensation/target.h"
+#include "server/core/units.h"
+#include "tests/unit/compensation/models.h"
+
+namespace driftwise::compensation {
+namespace {
+
+constexpr CellTime kThen{1'300'000'000'000'000'000};
+
+// Two axes that mix, a tilt that follows the pose, a thermometer.
+Dataset two_axis_rows() {
+  Dataset data;
+  data.columns = {{{"q1", "mm"}, {}}, {{"x", "mm"}, {}},      {{"y", "mm"}, {}},
+                  {{"z", "mm"}, {}},  {{"ry", "arcsec"}, {}}, {{"t07", "degC"}, {}}};
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 343; ++i) {
+    const double x = i % 7 - 3, y = i / 7 % 7 - 3, z = i / 49 - 3,
+                 t = 21 + 0.3 * std::sin(0.02 * i);
+    const double ry = 10 * x - 4 * z;
+    const double values[] = {
+        1.01 * x + 0.02 * y + 0.4 * z + 2e-4 * (t - 21) + 2e-6 * normal(random), x, y, z, ry, t};
+    for (std::size_t c = 0; c < 6; ++c) data.columns[c].values.push_back(values[c]);
+    data.time_s.push_back(20.0 * i);
+    ++data.rows;
+  }
+  return data;
+}
+
+calibration::Model fitted(const Dataset& data) {
+  calibration::FitOptions options;
+  options.select = calibration::Select::all;
+  options.candidates.formula = "q1 ~ x + y + z + t07";
+  options.candidates.outputs = {"q1"};
+  for (const char* symbol : {"x", "y", "z", "t07"})
+    options.candidates.terms.push_back(term({power(symbol)}));
+  auto model = calibration::fit(data, options);
+  EXPECT_TRUE(model) << model.error().message;
+  return *model;
+}
+
+CellDescription three_beam_cell() {
+  auto cell = axis_cell();
+  for (const char* symbol : {"x", "y", "z"}) {
+    DeviceDescription laser;
+    laser.id = std::string("laser-") + symbol;
+    laser.length = Channel{symbol, "mm"};
+    cell.devices.push_back(laser);
+  }
+  cell.correction.emplace();
+  for (const char* symbol : {"x", "y", "z"})
+    cell.correction->beams.push_back({.length = {symbol, "mm"}});
+  return cell;
+}
+
+Budget budget_at(const calibration::Model& model, const CellDescription& cell, double x, double y,
+                 double z, double* expanded_nm = nullptr) {
+  auto builder = SnapshotBuilder::create(model, ModelId{1}, cell);
+  EXPECT_TRUE(builder) << builder.error().message;
+  builder->keep_model_datum();
+  const ChannelValue value{"t07_degC", 21.1};
+  builder->observe(std::span(&value, 1), kThen);
+  TargetRequest request;
+  request.set(Variable::x, x), request.set(Variable::y, y), request.set(Variable::z, z);
+  const auto snapshot = builder->build(kThen);
+  if (expanded_nm) *expanded_nm = compute_target(snapshot, request).expanded_nm(0);
+  return compute_budget(snapshot, request, 0);
+}
+
+double line_of(const Budget& budget, UncertaintySource source) {
+  for (std::size_t i = 0; i < budget.lines; ++i)
+    if (budget.line[i].source == source) return budget.line[i].u_nm;
+  return 0;
+}
+
+TEST(DeclaredErrors, OfTheLengthAtTheZeroPassThroughTheJacobian) {
+  const auto model = fitted(two_axis_rows());
+  auto cell = three_beam_cell();
+  for (auto& device : cell.devices)
+    if (device.length) device.u_length_nm = device.length->symbol == "z" ? 10 : 5;
+  // dq1 = 1.01 dx + 0.02 dy + 0.4 dz
+  EXPECT_NEAR(line_of(budget_at(model, cell, 1, 2, -1), UncertaintySource::laser),
+              std::hypot(1.01 * 5, 0.02 * 5, 0.4 * 10), 0.01);
+}
+
+TEST(DeclaredErrors, OfALeverArmAreTheTiltThatTheModelSawTimesTheOffset) {
+  const auto model = fitted(two_axis_rows());
+  auto cell = three_beam_cell();
+  cell.correction->beams[0].u_offset_mm = 0.3;  // of x: dx = ry a_z; the data have no rz
+  const double ry = 10 * 2 - 4 * -1;
+  EXPECT_NEAR(line_of(budget_at(model, cell, 2, 1, -1), UncertaintySource::beam_offset),
+              1.01 * 0.3e6 * ry * kRadPerArcsec, 0.05);
+  EXPECT_NEAR(line_of(budget_at(model, cell, 0, 1, 0), UncertaintySource::beam_offset), 0, 0.05);
+}
+
+TEST(DeclaredErrors, OfABeamsDirectionGrowWithTheOtherAxes) {
+  const auto model = fitted(two_axis_rows());
+  auto cell = three_beam_cell();
+  cell.correction->beams[0].u_direction_arcsec = 5;
+  EXPECT_NEAR(line_of(budget_at(model, cell, 3, 2, -1), UncertaintySource::beam_direction),
+              1.01 * 1e6 * 5 * kRadPerArcsec * std::hypot(2.0, 1.0), 0.05);
+}
+
+TEST(DeclaredErrors, OfAThermometerAreTakenUpByTheConstantWhereItsTermIsLinear) {
+  const auto model = fitted(two_axis_rows());
+  const auto budget = budget_at(model, three_beam_cell(), 1, 1, 1);  // u_k is 2 mK
+  EXPECT_NEAR(line_of(budget, UncertaintySource::temperatures), 0, 1e-4);
+}
+
+TEST(DeclaredErrors, AddUpToTheExpandedUncertaintyWithTheOtherLines) {
+  const auto model = fitted(two_axis_rows());
+  auto cell = three_beam_cell();
+  for (auto& device : cell.devices)
+    if (device.length) device.u_length_nm = 5, device.u_drift_nm_per_h = 7;
+  for (auto& beam : cell.correction->beams)
+    beam.u_offset_mm = 0.3, beam.u_direction_arcsec = 2, beam.u_flatness_nm = 10;
+  double expanded_nm = 0;
+  const auto budget = budget_at(model, cell, 2, -1, 3, &expanded_nm);
+  double squares = 0;
+  for (std::size_t i = 0; i < budget.lines; ++i) squares += std::pow(budget.line[i].u_nm, 2);
+  EXPECT_NEAR(expanded_nm, 2 * std::sqrt(squares), 1e-6 * expanded_nm);
+  EXPECT_GT(line_of(budget, UncertaintySource::mirror), 10);
+  EXPECT_GT(line_of(budget, UncertaintySource::drift), 1);
+}
+
+TEST(DeclaredErrors, AreNoneInACellThatDeclaresNothing) {
+  EXPECT_TRUE(declared_errors(CellDescription{}).empty());
+}
+
+}  // namespace
+}  // namespace driftwise::compensation
