@@ -249,7 +249,7 @@ void read_constants(TomlReader&& reader, const toml::table& table, ImportMapping
 }
 
 template <class Rules>
-std::string numbered(const char* table, const Rules& so_far) {
+std::string numbered_table(const char* table, const Rules& so_far) {
   return table + (" " + std::to_string(so_far.size()));
 }
 
@@ -259,17 +259,17 @@ void read_mapping(const toml::table& root, ImportMapping& out, TomlProblem& prob
   if (const auto* time = reader.table("time")) read_time({*time, "time", problem}, out.time);
   for (const auto* table : reader.tables("column")) {
     ColumnRule& column = out.columns.emplace_back();
-    read_column({*table, numbered("column", out.columns), problem}, column);
+    read_column({*table, numbered_table("column", out.columns), problem}, column);
   }
   if (const auto* table = reader.table("constants"))
     read_constants({*table, "constants", problem}, *table, out);
   for (const auto* table : reader.tables("drop")) {
     DropRule& drop = out.drops.emplace_back();
-    read_drop({*table, numbered("drop", out.drops), problem}, drop);
+    read_drop({*table, numbered_table("drop", out.drops), problem}, drop);
   }
   for (const auto* table : reader.tables("pose")) {
     PoseRule& pose = out.poses.emplace_back();
-    read_pose(*table, numbered("pose", out.poses), problem, pose);
+    read_pose(*table, numbered_table("pose", out.poses), problem, pose);
   }
   if (const auto* table = reader.table("group")) read_group({*table, "group", problem}, out.group);
   if (const auto* table = reader.table("sets")) read_sets({*table, "sets", problem}, out.sets);

@@ -27,6 +27,7 @@ const std::vector<std::string> kRooms = {"server/core",
                                          "server/simulation",
                                          "server/diagnosis",
                                          "server/compensation",
+                                         "server/standards",
                                          "server/formats",
                                          "server/application",
                                          "server/rpc",
@@ -50,7 +51,8 @@ const std::vector<std::string> kRooms = {"server/core",
 const std::set<std::string> kMathematics = {
     "server/core",       "server/effects",     "server/correction",
     "server/kinematics", "server/calibration", "server/identification",
-    "server/simulation", "server/diagnosis",   "server/compensation"};
+    "server/simulation", "server/diagnosis",   "server/compensation",
+    "server/standards"};
 
 std::set<std::string> with(std::set<std::string> base, const std::set<std::string>& more) {
   base.insert(more.begin(), more.end());
@@ -76,6 +78,7 @@ const std::map<std::string, std::set<std::string>> kArrows = {
       "server/simulation"}},
     {"server/compensation",
      {"server/core", "server/effects", "server/calibration", "server/correction"}},
+    {"server/standards", {"server/core"}},
     {"server/formats", kMathematics},
     {"server/application", with(kDomain, {"server/core/ports"})},
     {"server/rpc", with(kDomain, {"server/core/ports", "server/application", "driftwise/v1"})},

@@ -1,0 +1,162 @@
+#include "server/standards/iso230_3.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <deque>
+
+#include "server/core/units.h"
+#include "server/standards/measured_columns.h"
+
+namespace driftwise::standards {
+namespace {
+
+constexpr double kLeastShare = 0.9;  // of the test that a series spans
+constexpr std::size_t kLeastVisits = 5;
+
+std::string number_with(double value, const char* unit) {
+  char text[48];
+  std::snprintf(text, sizeof text, "%.6g %s", value, unit);
+  return text;
+}
+
+tl::unexpected<Error> lacks_drift(const char* reason, const std::string& sentence) {
+  return fail(ErrorCode::failed_precondition, reason, "ISO 230-3: " + sentence);
+}
+
+struct DriftSample {
+  double time_s, e_nm;
+};
+
+std::vector<DriftSample> samples_of(const std::vector<Approach>& visits) {
+  const double first_mm = visits.front().measured_mm - visits.front().target_mm;
+  std::vector<DriftSample> out;
+  for (const auto& visit : visits)
+    out.push_back({visit.time_s, nm_from_mm(visit.measured_mm - visit.target_mm - first_mm)});
+  return out;
+}
+
+// Largest range in any stretch of time of this length: one pass with the running extremes.
+DriftWindow worst_window(const std::vector<DriftSample>& samples, double minutes, double start_s) {
+  DriftWindow out{minutes, 0, 0};
+  std::deque<std::size_t> highest, lowest;  // falling and rising values of the present window
+  std::size_t from = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    while (!highest.empty() && samples[highest.back()].e_nm <= samples[i].e_nm) highest.pop_back();
+    while (!lowest.empty() && samples[lowest.back()].e_nm >= samples[i].e_nm) lowest.pop_back();
+    highest.push_back(i);
+    lowest.push_back(i);
+    for (; samples[i].time_s - samples[from].time_s > minutes * 60; ++from) {
+      if (highest.front() == from) highest.pop_front();
+      if (lowest.front() == from) lowest.pop_front();
+    }
+    const double range_nm = samples[highest.front()].e_nm - samples[lowest.front()].e_nm;
+    if (range_nm > out.range_nm) {
+      out.range_nm = range_nm;
+      out.from_h = (samples[from].time_s - start_s) / 3600;
+    }
+  }
+  return out;
+}
+
+double slope_nm_per_h(const std::vector<DriftSample>& samples) {
+  const auto n = static_cast<double>(samples.size());
+  double mean_h = 0, mean_nm = 0;
+  for (const auto& s : samples) {
+    mean_h += s.time_s / 3600 / n;
+    mean_nm += s.e_nm / n;
+  }
+  double both = 0, squares = 0;
+  for (const auto& s : samples) {
+    const double h = s.time_s / 3600 - mean_h;
+    both += h * (s.e_nm - mean_nm);
+    squares += h * h;
+  }
+  return squares > 0 ? both / squares : 0;
+}
+
+DriftSeries series_figures(const std::vector<Approach>& visits, const Iso2303Options& options,
+                           double start_s) {
+  const auto samples = samples_of(visits);
+  DriftSeries out;
+  out.target_mm = visits.front().target_mm;
+  out.side = visits.front().side;
+  out.visits = samples.size();
+  out.duration_h = (samples.back().time_s - samples.front().time_s) / 3600;
+  const auto [low, high] = std::ranges::minmax(samples, {}, &DriftSample::e_nm);
+  out.range_nm = high.e_nm - low.e_nm;
+  out.at_end_nm = samples.back().e_nm;
+  out.slope_nm_per_h = slope_nm_per_h(samples);
+  const auto hour = std::ranges::find_if(
+      samples, [&](const DriftSample& s) { return s.time_s >= samples.front().time_s + 3600; });
+  if (hour != samples.end()) out.after_60_min_nm = hour->e_nm;
+  for (const double minutes : options.windows_min)
+    if (minutes / 60 <= out.duration_h)
+      out.windows.push_back(worst_window(samples, minutes, start_s));
+  return out;
+}
+
+// What a series lacks, or nothing.
+std::string lacking(const std::vector<Approach>& visits, const Iso2303Options& options,
+                    double test_s) {
+  if (visits.size() < kLeastVisits)
+    return std::to_string(visits.size()) + " visits, expected at least " +
+           std::to_string(kLeastVisits);
+  const double span_s = visits.back().time_s - visits.front().time_s;
+  if (span_s < kLeastShare * test_s)
+    return "visits over " + number_with(span_s / 3600, "h") + ", expected nine tenths of " +
+           number_with(test_s / 3600, "h");
+  double gap_s = 0;
+  for (std::size_t i = 1; i < visits.size(); ++i)
+    gap_s = std::max(gap_s, visits[i].time_s - visits[i - 1].time_s);
+  if (gap_s > options.longest_gap_min * 60)
+    return "a gap of " + number_with(gap_s / 60, "min") + ", expected at most " +
+           number_with(options.longest_gap_min, "min");
+  return {};
+}
+
+}  // namespace
+
+Result<Iso2303> iso230_3(const Dataset& dataset, const Iso2303Options& options) {
+  const auto columns = find_axis_columns(dataset, options.columns);
+  if (!columns) return tl::unexpected(columns.error());
+  if (dataset.time_s.empty())
+    return lacks_drift("UNTIMED", "needs the time of each row (time_s), found none");
+  auto approaches = approaches_of(dataset, *columns);
+  if (!approaches) return tl::unexpected(approaches.error());
+  for (auto& approach : *approaches) approach.zero = false;
+  const double start_s = dataset.time_s.front(), test_s = dataset.time_s.back() - start_s;
+  if (test_s < options.hours * 3600)
+    return lacks_drift("TOO_SHORT", "needs " + number_with(options.hours, "h") + ", found " +
+                                        number_with(test_s / 3600, "h") +
+                                        ". `driftwise trajectory iso230-3` writes a trajectory "
+                                        "that lasts, --hours allows a shorter test");
+  Iso2303 out;
+  out.columns = *columns;
+  std::string missing;
+  std::size_t refused = 0;
+  for (const auto& position : positions_of(*approaches))
+    for (const auto* visits : {&position.up, &position.down, &position.unknown}) {
+      if (visits->empty()) continue;
+      const std::string lack = lacking(*visits, options, test_s);
+      if (lack.empty()) {
+        out.series.push_back(series_figures(*visits, options, start_s));
+        out.range_nm = std::max(out.range_nm, out.series.back().range_nm);
+      } else if (++refused <= 6) {
+        missing +=
+            (missing.empty() ? "" : "; ") + number_with(position.target_mm, "mm") + " has " + lack;
+      }
+    }
+  if (out.series.empty())
+    return lacks_drift("NO_SERIES",
+                       "needs a position that is visited from one side all through the test: " +
+                           (missing.empty() ? "found no measured row" : missing) +
+                           ". `driftwise trajectory iso230-3` writes a trajectory that has them");
+  out.conditions = conditions_of(dataset);
+  if (const std::size_t datums = datum_count(dataset); datums > 1)
+    out.warnings.push_back("the rows lie in " + std::to_string(datums) +
+                           " datums: a new zero in between is part of the drift");
+  return out;
+}
+
+}  // namespace driftwise::standards

@@ -1,0 +1,64 @@
+#include "server/standards/iso230_3.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/standards/standards_data.h"
+
+namespace driftwise::standards {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(Iso2303, GivesTheFiguresThatRGives) {
+  const auto found = iso230_3(standards_dataset("iso230_3.csv"), {});
+  ASSERT_TRUE(found) << found.error().message;
+  const auto r = figures_by_r("iso230_3");
+  ASSERT_EQ(found->series.size(), 3U) << "the turning point below is visited as regularly";
+  EXPECT_EQ(found->series[0].side, ApproachSide::down);
+  const std::pair<std::size_t, std::string> pairs[] = {{1, "low_"}, {2, "high_"}};
+  for (const auto& [index, name] : pairs) {
+    const DriftSeries& s = found->series[index];
+    EXPECT_EQ(s.side, ApproachSide::up);
+    EXPECT_EQ(s.visits, 51U);
+    EXPECT_NEAR(s.range_nm, r.at(name + "range"), 1e-8);
+    EXPECT_NEAR(s.at_end_nm, r.at(name + "end"), 1e-8);
+    EXPECT_NEAR(s.after_60_min_nm, r.at(name + "hour"), 1e-8);
+    EXPECT_NEAR(s.slope_nm_per_h, r.at(name + "slope"), 1e-8);
+    ASSERT_EQ(s.windows.size(), 3U);
+    for (const auto& w : s.windows)
+      EXPECT_NEAR(w.range_nm, r.at(name + "window_" + std::to_string(static_cast<int>(w.minutes))),
+                  1e-8);
+  }
+  EXPECT_GT(found->conditions.temperatures.at(0).max_degc, 23);
+}
+
+TEST(Iso2303, TakesAPositionAtRest) {
+  std::vector<std::pair<double, double>> visits;
+  for (int i = 0; i <= 1440; ++i) visits.emplace_back(1.25, 0.1 * i);  // every 10 s for 4 h
+  const auto found = iso230_3(visits_of(visits), {});
+  ASSERT_TRUE(found) << found.error().message;
+  ASSERT_EQ(found->series.size(), 1U);
+  EXPECT_EQ(found->series[0].side, ApproachSide::unknown);
+  EXPECT_NEAR(found->range_nm, 144, 1e-6);
+  EXPECT_NEAR(found->series[0].slope_nm_per_h, 36, 1e-6);
+  EXPECT_NEAR(found->series[0].windows[1].range_nm, 36, 1e-6) << "60 min";
+}
+
+TEST(Iso2303, SaysWhatALackingRunLacks) {
+  const auto data = standards_dataset("iso230_3.csv");
+  const auto longer = iso230_3(data, {.columns = {}, .hours = 24});
+  EXPECT_EQ(longer.error().reason, "TOO_SHORT");
+  EXPECT_THAT(longer.error().message, HasSubstr("needs 24 h, found 5.0"));
+  EXPECT_THAT(iso230_3(data, {.columns = {}, .longest_gap_min = 5}).error().message,
+              HasSubstr("has a gap of 6 min, expected at most 5 min"));
+  auto untimed = data;
+  untimed.time_s.clear();
+  EXPECT_EQ(iso230_3(untimed, {}).error().reason, "UNTIMED");
+  const auto once = iso230_3(visits_of({{0, 0}, {1, 0}, {2, 0}}), {.columns = {}, .hours = 0.001});
+  EXPECT_EQ(once.error().reason, "NO_SERIES");
+  EXPECT_THAT(once.error().message, HasSubstr("1 mm has 1 visits, expected at least 5"));
+}
+
+}  // namespace
+}  // namespace driftwise::standards

@@ -1,0 +1,129 @@
+// A trajectory is right when a perfect robot that runs it has the standard's figures, all of them
+// zero.
+
+#include "server/standards/standard_plans.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "server/formats/trajectory_csv.h"
+#include "server/standards/iso230_2.h"
+#include "server/standards/iso230_3.h"
+#include "server/standards/iso9283.h"
+
+namespace driftwise::standards {
+namespace {
+
+// 8 s per point and what it dwells; motor coordinates and pose are the same.
+Dataset run_perfectly(const Trajectory& trajectory) {
+  Dataset data;
+  data.rows = trajectory.points.size();
+  const std::size_t axes = trajectory.coordinates.size();
+  const char* const pose[] = {"x", "y", "z"};
+  for (std::size_t i = 0; i < axes; ++i) {
+    data.columns.push_back({{trajectory.coordinates[i].symbol + "_cmd", "mm"}, {}});
+    data.columns.push_back({{pose[i], "mm"}, {}});
+  }
+  double time_s = 0;
+  for (const auto& point : trajectory.points) {
+    data.time_s.push_back(time_s += 8 + point.dwell_s.value_or(0));
+    data.zero.push_back(point.zero ? 1 : 0);
+    for (std::size_t i = 0; i < axes; ++i) {
+      data.columns[2 * i].values.push_back(point.target_mm[i]);
+      data.columns[2 * i + 1].values.push_back(point.target_mm[i]);
+    }
+  }
+  return data;
+}
+
+Trajectory must(Result<Trajectory> plan) {
+  EXPECT_TRUE(plan) << plan.error().message;
+  const auto again = formats::read_trajectory_csv(formats::write_trajectory_csv(*plan), "plan.csv");
+  EXPECT_TRUE(again) << again.error().message;
+  return *plan;
+}
+
+TEST(Iso2302Plan, GivesARunThatHasItsFigures) {
+  for (const std::uint32_t seed : {1U, 2U, 77U})
+    for (const int positions : {5, 9, 21}) {
+      const auto plan = must(iso230_2_plan(
+          {.from_mm = -4, .to_mm = 4, .positions = positions, .seed = seed, .held = {}}));
+      const auto found = iso230_2(run_perfectly(plan), {});
+      ASSERT_TRUE(found) << found.error().message;
+      EXPECT_EQ(found->positions.size(), static_cast<std::size_t>(positions));
+      EXPECT_EQ(found->turning_points_mm.size(), 2U);
+      EXPECT_EQ(found->a.both_nm, 0);
+      EXPECT_EQ(found->b_nm, 0);
+      EXPECT_TRUE(found->warnings.empty()) << found->warnings[0];
+    }
+}
+
+TEST(Iso2302Plan, ScattersItsPositionsWithinTheRange) {
+  const auto plan = must(iso230_2_plan({.from_mm = -4, .to_mm = 4, .held = {}}));
+  std::set<double> steps;
+  for (std::size_t i = 3; i < 11; ++i) {
+    const double step = plan.points[i].target_mm[0] - plan.points[i - 1].target_mm[0];
+    EXPECT_GT(step, 0);
+    steps.insert(step);
+  }
+  EXPECT_GT(steps.size(), 6U) << "uneven";
+  for (const auto& point : plan.points) EXPECT_LE(std::abs(point.target_mm[0]), 4.25);
+}
+
+TEST(Iso2302Plan, HoldsTheOtherAxes) {
+  const auto plan = must(iso230_2_plan({.axis = {"q2", "mm"},
+                                        .from_mm = 0.5,
+                                        .to_mm = 2,
+                                        .held = {{{"q1", "mm"}, 1.25}, {{"q3", "mm"}, 1}}}));
+  ASSERT_EQ(plan.coordinates.size(), 3U);
+  EXPECT_EQ(plan.coordinates[0].symbol, "q1");
+  for (const auto& point : plan.points)
+    if (!point.zero) {
+      EXPECT_EQ(point.target_mm[0], 1.25);
+      EXPECT_EQ(point.target_mm[2], 1);
+    }
+  const auto found = iso230_2(run_perfectly(plan), {.columns = {"q2", "", ""}});
+  EXPECT_TRUE(found) << found.error().message;
+}
+
+TEST(Iso2303Plan, GivesARunThatHasItsFigures) {
+  for (const std::vector<double>& at_mm : {std::vector<double>{4, -4}, {1.25}}) {
+    const auto plan = must(iso230_3_plan({.at_mm = at_mm, .held = {}}));
+    const auto found = iso230_3(run_perfectly(plan), {});
+    ASSERT_TRUE(found) << found.error().message;
+    EXPECT_GE(found->series.size(), at_mm.size());
+    EXPECT_EQ(found->range_nm, 0);
+  }
+}
+
+TEST(Iso9283Plan, GivesARunThatHasItsFigures) {
+  for (std::size_t axes = 1; axes <= 3; ++axes) {
+    Iso9283Plan plan{.axes = {}, .centre_mm = {}, .edge_mm = 2, .held = {}};
+    for (std::size_t i = 0; i < axes; ++i) {
+      plan.axes.push_back({"q" + std::to_string(i + 1), "mm"});
+      plan.centre_mm.push_back(1.25);
+    }
+    const auto found = iso9283(run_perfectly(must(iso9283_plan(plan))), {});
+    ASSERT_TRUE(found) << axes << ": " << found.error().message;
+    EXPECT_EQ(found->poses.size(), 5U);
+    EXPECT_EQ(found->poses[4].cycles, 30U);
+    EXPECT_EQ(found->worst_ap_nm, 0);
+  }
+}
+
+TEST(StandardPlans, RefuseWhatTheStandardDoesNotKnow) {
+  EXPECT_EQ(iso230_2_plan({.from_mm = 1, .to_mm = 1, .held = {}}).error().reason, "BAD_PLAN");
+  EXPECT_FALSE(iso230_2_plan({.from_mm = 0, .to_mm = 1, .positions = 4, .held = {}}));
+  EXPECT_FALSE(iso230_2_plan({.from_mm = 0, .to_mm = 1, .approaches = 3, .held = {}}));
+  EXPECT_FALSE(iso230_2_plan({.from_mm = 0, .to_mm = 1, .scatter = 0.5, .held = {}}));
+  EXPECT_FALSE(iso230_3_plan({.at_mm = {}, .held = {}}));
+  EXPECT_FALSE(iso230_3_plan({.at_mm = {0}, .hours = 1e6, .every_s = 1, .held = {}}));
+  EXPECT_FALSE(
+      iso9283_plan({.axes = {{"q1", "mm"}}, .centre_mm = {0, 1}, .edge_mm = 1, .held = {}}));
+  EXPECT_FALSE(iso9283_plan({.axes = {{"q1", "mm"}}, .centre_mm = {0}, .edge_mm = 0, .held = {}}));
+}
+
+}  // namespace
+}  // namespace driftwise::standards
