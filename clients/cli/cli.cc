@@ -11,6 +11,7 @@
 #include "clients/cli/remark_commands.h"
 #include "clients/cli/run_commands.h"
 #include "clients/cli/session.h"
+#include "clients/cli/standard_commands.h"
 #include "clients/cli/target_command.h"
 
 namespace driftwise::cli {
@@ -94,6 +95,7 @@ int run_cli(std::vector<std::string> arguments, Console& console, Interrupt* int
   add_fit_command(app, session);
   add_model_commands(app, session);
   add_target_command(app, session);
+  add_standard_commands(app, session);
 
   std::reverse(arguments.begin(), arguments.end());  // as CLI11 wants them
   try {

@@ -9,7 +9,7 @@
 namespace driftwise::cli {
 namespace {
 
-std::string joined(const std::vector<std::string>& words) {
+std::string comma_list(const std::vector<std::string>& words) {
   std::string out;
   for (const auto& word : words) out += (out.empty() ? "" : ", ") + word;
   return out;
@@ -45,7 +45,7 @@ void print_import(std::ostream& out, const Paint& paint, const formats::ImportRe
         << report.largest_group << " rows, median " << formats::number_text(report.median_group)
         << '\n';
   if (!report.unused.empty())
-    out << "  columns that no rule reads: " << joined(report.unused) << '\n';
+    out << "  columns that no rule reads: " << comma_list(report.unused) << '\n';
   out << '\n';
   Table table({{"source", Align::left},
                {"unit", Align::left},
@@ -71,7 +71,7 @@ nlohmann::ordered_json json_from(const formats::ImportReport& report) {
   nlohmann::ordered_json json = {
       {"rows_read", report.rows_read},     {"rows_kept", report.rows_kept},
       {"calibration", report.calibration}, {"validation", report.validation},
-      {"late_rows", report.late_rows},   {"spread_rows", report.spread_rows}};
+      {"late_rows", report.late_rows},     {"spread_rows", report.spread_rows}};
   json["time_zero"] = nullptr;
   if (!report.time_zero.empty()) json["time_zero"] = report.time_zero;
   json["groups"] = {{"count", report.groups},

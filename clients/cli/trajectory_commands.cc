@@ -2,6 +2,7 @@
 
 #include "clients/cli/proto_json.h"
 #include "clients/cli/run_commands.h"
+#include "clients/cli/standard_commands.h"
 #include "clients/cli/text.h"
 #include "clients/cli/trajectory_check.h"
 #include "clients/cli/trajectory_grid_command.h"
@@ -60,6 +61,7 @@ void add_trajectory_commands(CLI::App& app, Session& session) {
       });
   check.add_option("FILE", *file, "trajectory CSV, - for standard input")->required();
   add_trajectory_grid(trajectory, session);
+  add_standard_trajectories(trajectory, session);
 }
 
 }  // namespace driftwise::cli

@@ -83,6 +83,7 @@ Result<std::unique_ptr<RpcServer>> RpcServer::open(application::Cell& cell,
   out->services_.push_back(make_data_service(cell));
   out->services_.push_back(make_model_service(cell));
   out->services_.push_back(make_target_service(cell));
+  out->services_.push_back(make_standards_service(cell));
 
   grpc::EnableDefaultHealthCheckService(true);
   static const bool reflected = (grpc::reflection::InitProtoReflectionServerBuilderPlugin(), true);

@@ -1,5 +1,5 @@
 #pragma once
-// The gRPC door of the daemon: the five services, health and reflection on one loopback address.
+// The gRPC door of the daemon: the services, health and reflection on one loopback address.
 //
 // Health is NOT_SERVING for "" and for each service until ready(true). Limits: a request of at most
 // 33 MiB (a dataset of 32 MiB and its envelope), an answer of at most 64 MiB (10 000 points are

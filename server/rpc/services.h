@@ -1,5 +1,5 @@
 #pragma once
-// The five services of driftwise.v1 over one cell. Each borrows the cell, which outlives the
+// The services of driftwise.v1 over one cell. Each borrows the cell, which outlives the
 // server.
 
 #include <grpcpp/impl/service_type.h>
@@ -15,5 +15,6 @@ std::unique_ptr<grpc::Service> make_run_service(application::Cell& cell);
 std::unique_ptr<grpc::Service> make_data_service(application::Cell& cell);
 std::unique_ptr<grpc::Service> make_model_service(application::Cell& cell);
 std::unique_ptr<grpc::Service> make_target_service(application::Cell& cell);
+std::unique_ptr<grpc::Service> make_standards_service(application::Cell& cell);
 
 }  // namespace driftwise::rpc
