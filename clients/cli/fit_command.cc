@@ -100,11 +100,9 @@ void exclude_rows(Dataset& data, const std::string& text, const std::string& nam
 }  // namespace
 
 void add_fit_options(CLI::App& command, FitOfFile& fit) {
-  command
-      .add_option("--model", fit.formula,
-                  "formula: \"q ~ poly(x, 3) + F + T + rate(T, 300 s) - t03\"; @FILE reads it from "
-                  "a file")
-      ->required();
+  command.add_option("--model", fit.formula,
+                     "formula: \"q ~ poly(x, 3) + F + T + rate(T, 300 s) - t03\"; @FILE reads it "
+                     "from a file");
   command.add_option("--select", fit.select, "stepwise, or all: every term, no selection")
       ->check(CLI::IsMember({"stepwise", "all"}))
       ->capture_default_str();

@@ -4,6 +4,7 @@
 
 #include "clients/cli/fit_command.h"
 #include "clients/cli/input_text.h"
+#include "clients/cli/method_commands.h"
 #include "clients/cli/proto_json.h"
 #include "clients/cli/validators.h"
 #include "driftwise/v1/model_service.grpc.pb.h"
@@ -17,6 +18,8 @@ using ModelStub = v1::ModelService::Stub;
 
 struct FitArguments {
   FitOfFile fit;
+  MethodsOfFile methods;
+  std::string method = "stepwise";
   std::string file, name, note;
   std::vector<std::int64_t> runs;
 };
@@ -117,6 +120,20 @@ ExitCode fit(const Session& session, FitArguments& a) {
                       " a file and --run; give one: driftwise fit data.csv ..., or driftwise fit "
                       "--run 3 ..."};
   if (a.fit.formula.starts_with('@')) a.fit.formula = read_input_file(a.fit.formula.substr(1));
+  const bool needs_formula = a.method == "stepwise" || a.method == "classic";
+  if (needs_formula && a.fit.formula.empty())
+    throw Failure{ExitCode::usage, "usage", "USAGE",
+                  "fit which model? give --model FORMULA, such as --model \"q ~ x + x^2 + T\""};
+  if (a.method != "stepwise" && a.file.empty())
+    throw Failure{ExitCode::usage, "usage", "USAGE",
+                  "--method " + a.method +
+                      " works on a file only: driftwise data export RUN -o data.csv, then "
+                      "driftwise fit data.csv"};
+  if (a.method != "stepwise") {
+    MethodsOfFile methods = a.methods;
+    methods.methods = {a.method};
+    return fit_file_by_method(session.console, a.fit, methods, InputText(a.file).text(), a.file);
+  }
   if (!a.file.empty()) return fit_file(session.console, a.fit, InputText(a.file).text(), a.file);
   return fit_at_daemon(session, a);
 }
@@ -134,6 +151,13 @@ void add_fit_command(CLI::App& app, Session& session) {
       ->allow_extra_args(false)
       ->check(positive_number());
   add_fit_options(command, a->fit);
+  command
+      .add_option("--method", a->method,
+                  "of a file's fit: stepwise; classic: nominal kinematics plus an error fitted by "
+                  "the formula; kinematic: lengths and angles identified; nominal: the drawing")
+      ->check(CLI::IsMember({"stepwise", "classic", "kinematic", "nominal"}))
+      ->capture_default_str();
+  add_method_options(command, a->methods);
   command.add_option("--name", a->name, "of the stored model");
   command.add_option("--note", a->note, "kept with the stored model");
 }

@@ -1,8 +1,11 @@
 #include "clients/cli/model_commands.h"
 
+#include <cmath>
 #include <memory>
 
 #include "clients/cli/check_command.h"
+#include "clients/cli/input_text.h"
+#include "clients/cli/method_commands.h"
 #include "clients/cli/model_page.h"
 #include "clients/cli/proto_json.h"
 #include "clients/cli/remark_commands.h"
@@ -18,7 +21,9 @@ using ModelStub = v1::ModelService::Stub;
 
 struct ModelArguments {
   std::int64_t id = 0;
-  std::vector<std::int64_t> ids;
+  std::vector<std::string> what;  // of compare: numbers of models, or one file
+  FitOfFile fit;
+  MethodsOfFile methods;
   std::string format = "json", file;
   bool dry_run = false;
 };
@@ -53,9 +58,20 @@ ExitCode list(const Session& session) {
   return ExitCode::done;
 }
 
-ExitCode compare(const Session& session, const std::vector<std::int64_t>& ids) {
+ExitCode compare(const Session& session, const ModelArguments& a) {
   v1::CompareModelsRequest request;
-  for (const std::int64_t id : ids) request.add_model_ids(id);
+  for (const auto& one : a.what) {
+    const auto id = number_from(one);
+    if (a.what.size() == 1 && !id)
+      return compare_methods(session.console, a.fit, a.methods, InputText(one).text(), one);
+    if (!id || *id < 1 || *id != std::floor(*id) || *id > 1e15)
+      throw Failure{ExitCode::usage, "usage", "USAGE",
+                    "found '" + one + "', expected numbers of models, or one dataset file"};
+    request.add_model_ids(static_cast<std::int64_t>(*id));
+  }
+  if (request.model_ids_size() < 2)
+    throw Failure{ExitCode::usage, "usage", "USAGE",
+                  "found one model, expected 2 to 16 of them, or one dataset file"};
   const auto response = session.connect().ask(&ModelStub::CompareModels, request);
   if (session.console.json)
     session.console.print_json(json_from(response));
@@ -146,13 +162,21 @@ void add_model_commands(CLI::App& app, Session& session) {
               [&session] { return list(session); });
   id(add_command(model, session, "show", "One model as a page to sign",
                  [&session, a] { return show(session, a->id); }));
-  CLI::App& comparing =
-      add_command(model, session, "compare", "Several models side by side, term by term",
-                  [&session, a] { return compare(session, a->ids); });
-  comparing.add_option("MODEL", a->ids, "numbers of the models")
+  CLI::App& comparing = add_command(
+      model, session, "compare",
+      "Several stored models side by side, term by term; or the methods on a dataset file",
+      [&session, a] { return compare(session, *a); });
+  comparing.add_option("MODEL|FILE", a->what, "numbers of the models, or one dataset CSV")
       ->required()
-      ->expected(2, 16)
-      ->check(positive_number());
+      ->expected(1, 16);
+  add_fit_options(comparing, a->fit);
+  add_method_options(comparing, a->methods);
+  comparing
+      .add_option("--methods", a->methods.methods,
+                  "of a file: nominal, classic, kinematic, stepwise; else all that the files allow")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember({"stepwise", "classic", "kinematic", "nominal"}));
   CLI::App& promoting =
       add_command(model, session, "promote", "This model serves targets from now on",
                   [&session, a] { return promote(session, *a); });

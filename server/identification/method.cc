@@ -16,7 +16,7 @@ constexpr std::array<std::pair<Method, const char*>, 4> kNames = {
      {Method::classic, "classic"},
      {Method::kinematic, "kinematic"}}};
 
-Result<void> check_method(const Dataset& dataset, Method method, const MethodOptions& options) {
+Result<void> check_method(Method method, const MethodOptions& options) {
   if (method != Method::stepwise && !options.mechanism)
     return fail(ErrorCode::invalid_argument, "NO_KINEMATICS",
                 "the " + name_of(method) +
@@ -40,7 +40,6 @@ Result<void> check_method(const Dataset& dataset, Method method, const MethodOpt
               "the left side of the formula has " + left +
                   ", but this robot's kinematics predicts " + right + ": write \"" + right +
                   " ~ ...\"");
-  static_cast<void>(dataset);
 }
 
 Result<Identification> identified(const Dataset& dataset, const MethodOptions& options,
@@ -103,8 +102,7 @@ int FittedMethod::parameters() const {
 
 Result<FittedMethod> fit_method(const Dataset& dataset, Method method,
                                 const MethodOptions& options) {
-  if (auto good = check_method(dataset, method, options); !good)
-    return tl::unexpected(good.error());
+  if (auto good = check_method(method, options); !good) return tl::unexpected(good.error());
   FittedMethod fitted;
   fitted.method = method;
   const auto& stopwatch = options.fit.stopwatch_us;

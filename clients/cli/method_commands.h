@@ -1,0 +1,33 @@
+#pragma once
+// The predecessors' models beside ours, on a plain CSV file: `fit FILE.csv --method M` and `model
+// compare FILE.csv`. docs/models.md.
+
+#include <CLI/App.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "clients/cli/fit_command.h"
+
+namespace driftwise::cli {
+
+struct MethodsOfFile {
+  std::string kinematics;  // robot file or cell.toml
+  std::string together;    // held out together: "line" or channels
+  int folds = 10;
+  std::vector<std::string> methods;  // empty: all that the given files allow
+};
+
+// --kinematics, --together and --folds.
+void add_method_options(CLI::App& command, MethodsOfFile& methods);
+
+// One method, as a page or driftwise.method.v1.
+ExitCode fit_file_by_method(const Console& console, const FitOfFile& fit,
+                            const MethodsOfFile& methods, std::string_view text,
+                            const std::string& name);
+
+// All asked for, side by side: a table or driftwise.comparison.v1.
+ExitCode compare_methods(const Console& console, const FitOfFile& fit, const MethodsOfFile& methods,
+                         std::string_view text, const std::string& name);
+
+}  // namespace driftwise::cli
