@@ -17,7 +17,7 @@ Dataset campaign() {
   return robots::delta_campaign(truth, 6, {.mm = 20e-6, .per_degc_mm = 300e-6}, 61);
 }
 
-MethodOptions options_for(const Dataset& data) {
+MethodOptions judged_options(const Dataset& data) {
   MethodOptions options;
   options.fit.candidates =
       *formats::Formula::parse("q1 + q2 + q3 ~ poly(x, y, z, 3) + t05")->expand(data);
@@ -26,7 +26,7 @@ MethodOptions options_for(const Dataset& data) {
 }
 
 Judgement judged(const Dataset& data, Method method, const JudgeOptions& judge = {}) {
-  auto result = judge_method(data, method, options_for(data), judge);
+  auto result = judge_method(data, method, judged_options(data), judge);
   EXPECT_TRUE(result) << result.error().message;
   return std::move(*result);
 }
@@ -38,7 +38,7 @@ TEST(JudgeMethod, GivesStepwiseTheFiguresThatTheFitItselfGives) {
   data.datum.assign(data.rows, 1);
   for (std::size_t row = 150; row < data.rows; ++row) data.datum[row] = 2;
   const auto result = judged(data, Method::stepwise);
-  const auto model = calibration::fit(data, options_for(data).fit);
+  const auto model = calibration::fit(data, judged_options(data).fit);
   ASSERT_TRUE(model);
   for (std::size_t o = 0; o < 3; ++o) {
     const auto& expected = model->outputs[o].accuracy;
@@ -113,7 +113,7 @@ TEST(JudgeMethod, SaysWhyThereIsNoHeldOutFigure) {
     for (std::size_t i = 0; i < data.rows; ++i)
       data.columns[c].values.push_back(whole.columns[c].values[23 * i]);
   }
-  auto options = options_for(data);
+  auto options = judged_options(data);
   options.fit.candidates =
       *formats::Formula::parse("q1 + q2 + q3 ~ poly(x, y, 2) + t05")->expand(data);
   options.fit.select = calibration::Select::all;

@@ -16,7 +16,7 @@ Eigen::MatrixXd random_columns(int rows, int columns) {
   return matrix;
 }
 
-kinematics::Parameters named(std::initializer_list<std::pair<const char*, int>> names) {
+kinematics::Parameters ranked(std::initializer_list<std::pair<const char*, int>> names) {
   kinematics::Parameters parameters;
   for (const auto& [name, rank] : names) parameters.push_back({name, 0, 1, rank});
   return parameters;
@@ -26,7 +26,7 @@ TEST(Identifiability, HoldsTheParameterOfTheHighestRankAndNamesTheOthers) {
   Eigen::MatrixXd jacobian = random_columns(40, 4);
   jacobian.col(0) = 2 * jacobian.col(1) - jacobian.col(3);
   const auto result =
-      identifiable(jacobian, named({{"gauge", 5}, {"length", 0}, {"alone", 0}, {"angle", 1}}));
+      identifiable(jacobian, ranked({{"gauge", 5}, {"length", 0}, {"alone", 0}, {"angle", 1}}));
   EXPECT_EQ(result.free, (std::vector<char>{0, 1, 1, 1}));
   EXPECT_EQ(result.notes[0], "cannot be told apart from length, angle");
 }
@@ -34,7 +34,7 @@ TEST(Identifiability, HoldsTheParameterOfTheHighestRankAndNamesTheOthers) {
 TEST(Identifiability, NamesWhatHasNoEffectAndWhatTheFileHolds) {
   Eigen::MatrixXd jacobian = random_columns(40, 3);
   jacobian.col(1).setConstant(1e-14);  // rounding
-  auto parameters = named({{"a", 0}, {"b", 0}, {"c", 0}});
+  auto parameters = ranked({{"a", 0}, {"b", 0}, {"c", 0}});
   parameters[2].held = true;
   const auto result = identifiable(jacobian, parameters);
   EXPECT_EQ(result.free, (std::vector<char>{1, 0, 0}));
@@ -45,7 +45,7 @@ TEST(Identifiability, NamesWhatHasNoEffectAndWhatTheFileHolds) {
 TEST(Identifiability, KeepsWhatIsHardButNotImpossibleToTellApart) {
   Eigen::MatrixXd jacobian = random_columns(40, 3);
   jacobian.col(1) = jacobian.col(0) + 1e-5 * jacobian.col(2);
-  const auto result = identifiable(jacobian.leftCols(2), named({{"a", 0}, {"b", 0}}));
+  const auto result = identifiable(jacobian.leftCols(2), ranked({{"a", 0}, {"b", 0}}));
   EXPECT_EQ(result.free, (std::vector<char>{1, 1}));
   EXPECT_GT(result.condition, 1e4);
   EXPECT_LT(result.condition, 1e6);
@@ -54,7 +54,7 @@ TEST(Identifiability, KeepsWhatIsHardButNotImpossibleToTellApart) {
 TEST(Identifiability, DoesNotDependOnTheParametersScales) {
   Eigen::MatrixXd jacobian = random_columns(40, 4);
   jacobian.col(0) = 2 * jacobian.col(1) - jacobian.col(3);
-  const auto parameters = named({{"gauge", 5}, {"length", 0}, {"alone", 0}, {"angle", 1}});
+  const auto parameters = ranked({{"gauge", 5}, {"length", 0}, {"alone", 0}, {"angle", 1}});
   const auto plain = identifiable(jacobian, parameters);
   jacobian.col(1) *= 1e4;
   jacobian.col(2) *= 1e-4;

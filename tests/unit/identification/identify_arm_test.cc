@@ -8,12 +8,12 @@
 namespace driftwise::identification {
 namespace {
 
-const IdentifiedParameter& named(const Identification& found, const std::string& name) {
+const IdentifiedParameter& arm_parameter(const Identification& found, const std::string& name) {
   return *std::ranges::find_if(found.parameters,
                                [&](const auto& one) { return one.parameter.name == name; });
 }
 
-Identification identified(const Dataset& data, const KinematicsDescription& nominal) {
+Identification identified_arm(const Dataset& data, const KinematicsDescription& nominal) {
   IdentifyOptions options;
   options.mechanism = *kinematics::make_mechanism(nominal);
   auto found = identify(data, options);
@@ -45,42 +45,42 @@ KinematicsDescription crooked_arm() {
 TEST(IdentifyArm, RecoversTheLengthsAndAnglesOfASimulatedArm) {
   const auto truth = crooked_arm();
   const Dataset data = robots::arm_campaign(truth, 200, 0, 31);
-  const auto found = identified(data, robots::nominal_arm());
+  const auto found = identified_arm(data, robots::nominal_arm());
   EXPECT_EQ(std::ranges::count(found.free(), 1), 27);  // 4 links + 3 of six, one point measured
   EXPECT_LT(std::sqrt(found.rss.sum() / 600), 1e-7);
   // Those that no gauge touches, by name.
-  EXPECT_NEAR(named(found, "link1.a_mm").value, 0.4, 1e-5);
-  EXPECT_NEAR(named(found, "link1.alpha_deg").value, 90.05, 1e-6);
-  EXPECT_NEAR(named(found, "link2.theta_deg").value, -0.12, 1e-6);
-  EXPECT_NEAR(named(found, "link2.a_mm").value, -610.7, 1e-5);
-  EXPECT_NEAR(named(found, "link2.beta_deg").value, -0.06, 1e-6);
-  EXPECT_NEAR(named(found, "link3.a_mm").value, -573.2, 1e-5);
-  EXPECT_NEAR(named(found, "link4.d_mm").value, 164.6, 1e-5);
-  EXPECT_NEAR(named(found, "link5.d_mm").value, 115.35, 1e-5);
-  EXPECT_NEAR(named(found, "frame.rz_deg").value, 143, 1e-6);
-  EXPECT_NEAR(named(found, "frame.x_mm").value, 2100, 1e-4);
+  EXPECT_NEAR(arm_parameter(found, "link1.a_mm").value, 0.4, 1e-5);
+  EXPECT_NEAR(arm_parameter(found, "link1.alpha_deg").value, 90.05, 1e-6);
+  EXPECT_NEAR(arm_parameter(found, "link2.theta_deg").value, -0.12, 1e-6);
+  EXPECT_NEAR(arm_parameter(found, "link2.a_mm").value, -610.7, 1e-5);
+  EXPECT_NEAR(arm_parameter(found, "link2.beta_deg").value, -0.06, 1e-6);
+  EXPECT_NEAR(arm_parameter(found, "link3.a_mm").value, -573.2, 1e-5);
+  EXPECT_NEAR(arm_parameter(found, "link4.d_mm").value, 164.6, 1e-5);
+  EXPECT_NEAR(arm_parameter(found, "link5.d_mm").value, 115.35, 1e-5);
+  EXPECT_NEAR(arm_parameter(found, "frame.rz_deg").value, 143, 1e-6);
+  EXPECT_NEAR(arm_parameter(found, "frame.x_mm").value, 2100, 1e-4);
 }
 
 TEST(IdentifyArm, NamesWhatCannotBeToldApart) {
   const auto found =
-      identified(robots::arm_campaign(crooked_arm(), 200, 0, 32), robots::nominal_arm());
-  EXPECT_FALSE(named(found, "link1.theta_deg").free);
-  EXPECT_NE(named(found, "link1.theta_deg").note.find("frame.rz_deg"), std::string::npos)
-      << named(found, "link1.theta_deg").note;
-  EXPECT_FALSE(named(found, "link1.d_mm").free);
-  EXPECT_NE(named(found, "link1.d_mm").note.find("frame."), std::string::npos);
-  EXPECT_FALSE(named(found, "link6.d_mm").free);
-  EXPECT_EQ(named(found, "link6.d_mm").note, "cannot be told apart from tool.z_mm");
-  EXPECT_EQ(named(found, "link6.d_mm").value, 92.2);
-  EXPECT_EQ(named(found, "link6.d_mm").standard_error, 0);
+      identified_arm(robots::arm_campaign(crooked_arm(), 200, 0, 32), robots::nominal_arm());
+  EXPECT_FALSE(arm_parameter(found, "link1.theta_deg").free);
+  EXPECT_NE(arm_parameter(found, "link1.theta_deg").note.find("frame.rz_deg"), std::string::npos)
+      << arm_parameter(found, "link1.theta_deg").note;
+  EXPECT_FALSE(arm_parameter(found, "link1.d_mm").free);
+  EXPECT_NE(arm_parameter(found, "link1.d_mm").note.find("frame."), std::string::npos);
+  EXPECT_FALSE(arm_parameter(found, "link6.d_mm").free);
+  EXPECT_EQ(arm_parameter(found, "link6.d_mm").note, "cannot be told apart from tool.z_mm");
+  EXPECT_EQ(arm_parameter(found, "link6.d_mm").value, 92.2);
+  EXPECT_EQ(arm_parameter(found, "link6.d_mm").standard_error, 0);
 }
 
 TEST(IdentifyArm, HoldsWhatTheFileHolds) {
   auto nominal = robots::nominal_arm();
   nominal.hold = {"*.beta_deg"};
-  const auto found = identified(robots::arm_campaign(crooked_arm(), 200, 0, 33), nominal);
-  EXPECT_EQ(named(found, "link2.beta_deg").note, "held by the robot file");
-  EXPECT_EQ(named(found, "link2.beta_deg").value, 0);
+  const auto found = identified_arm(robots::arm_campaign(crooked_arm(), 200, 0, 33), nominal);
+  EXPECT_EQ(arm_parameter(found, "link2.beta_deg").note, "held by the robot file");
+  EXPECT_EQ(arm_parameter(found, "link2.beta_deg").value, 0);
   EXPECT_GT(std::sqrt(found.rss.sum() / 600), 1e-3);  // and pays for it
 }
 
@@ -92,7 +92,7 @@ TEST(IdentifyArm, ThePlacementAloneIsTheRigidFitOfTheNominalArm) {
   const auto placed = identify(data, options);
   ASSERT_TRUE(placed) << placed.error().message;
   EXPECT_EQ(placed->unknowns, 6);
-  EXPECT_EQ(named(*placed, "link2.a_mm").value, -612);
+  EXPECT_EQ(arm_parameter(*placed, "link2.a_mm").value, -612);
   // The rigid fit is its own minimum: the least squares had nothing left to do.
   EXPECT_LE(placed->evaluations, 4);
 }
@@ -105,7 +105,7 @@ TEST(IdentifyArm, StandardErrorsAreHonest) {
   int inside = 0, all = 0;
   for (unsigned seed = 0; seed < 60; ++seed) {
     const auto found =
-        identified(robots::arm_campaign(truth, 80, 0.05, 100 + seed), robots::nominal_arm());
+        identified_arm(robots::arm_campaign(truth, 80, 0.05, 100 + seed), robots::nominal_arm());
     for (const auto& [name, value] :
          std::vector<std::pair<std::string, double>>{{"link1.a_mm", 0.4},
                                                      {"link1.alpha_deg", 90.05},
@@ -116,7 +116,7 @@ TEST(IdentifyArm, StandardErrorsAreHonest) {
                                                      {"link3.a_mm", -573.2},
                                                      {"link4.d_mm", 164.6},
                                                      {"link5.d_mm", 115.35}}) {
-      const auto& one = named(found, name);
+      const auto& one = arm_parameter(found, name);
       EXPECT_GT(one.standard_error, 0);
       inside += std::abs(one.value - value) < 1.653 * one.standard_error ? 1 : 0;  // t, 213 dof
       ++all;

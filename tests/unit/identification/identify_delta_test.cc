@@ -9,7 +9,7 @@
 namespace driftwise::identification {
 namespace {
 
-const IdentifiedParameter& named(const Identification& found, const std::string& name) {
+const IdentifiedParameter& delta_parameter(const Identification& found, const std::string& name) {
   return *std::ranges::find_if(found.parameters,
                                [&](const auto& one) { return one.parameter.name == name; });
 }
@@ -28,8 +28,8 @@ KinematicsDescription crooked_delta() {
   return delta;
 }
 
-Identification identified(const Dataset& data, const KinematicsDescription& nominal,
-                          const std::string& formula = "") {
+Identification identified_delta(const Dataset& data, const KinematicsDescription& nominal,
+                                const std::string& formula = "") {
   IdentifyOptions options;
   options.mechanism = *kinematics::make_mechanism(nominal);
   if (!formula.empty()) options.terms = formats::Formula::parse(formula)->expand(data)->terms;
@@ -40,25 +40,27 @@ Identification identified(const Dataset& data, const KinematicsDescription& nomi
 
 TEST(IdentifyDelta, RecoversItsBranches) {
   const auto truth = crooked_delta();
-  const auto found = identified(robots::delta_campaign(truth, 6, {}, 41), robots::nominal_delta());
+  const auto found =
+      identified_delta(robots::delta_campaign(truth, 6, {}, 41), robots::nominal_delta());
   EXPECT_LT(std::sqrt(found.rss.sum() / 648), 1e-9);
-  EXPECT_NEAR(named(found, "branch1.radius_mm").value, 45.05, 1e-5);
-  EXPECT_NEAR(named(found, "branch1.length_mm").value, 69.92, 1e-5);
-  EXPECT_NEAR(named(found, "branch2.azimuth_deg").value, 120.04, 1e-5);
-  EXPECT_NEAR(named(found, "branch2.tilt_radial_deg").value, 0.03, 1e-5);
-  EXPECT_NEAR(named(found, "branch3.tilt_tangential_deg").value, -0.02, 1e-5);
-  EXPECT_NEAR(named(found, "branch3.offset_mm").value, 0.002, 1e-7);
-  EXPECT_NEAR(named(found, "branch1.scale_ppm").value, 40, 1e-2);
+  EXPECT_NEAR(delta_parameter(found, "branch1.radius_mm").value, 45.05, 1e-5);
+  EXPECT_NEAR(delta_parameter(found, "branch1.length_mm").value, 69.92, 1e-5);
+  EXPECT_NEAR(delta_parameter(found, "branch2.azimuth_deg").value, 120.04, 1e-5);
+  EXPECT_NEAR(delta_parameter(found, "branch2.tilt_radial_deg").value, 0.03, 1e-5);
+  EXPECT_NEAR(delta_parameter(found, "branch3.tilt_tangential_deg").value, -0.02, 1e-5);
+  EXPECT_NEAR(delta_parameter(found, "branch3.offset_mm").value, 0.002, 1e-7);
+  EXPECT_NEAR(delta_parameter(found, "branch1.scale_ppm").value, 40, 1e-2);
 }
 
 TEST(IdentifyDelta, AFrameSaysNothingThatTheBranchesDoNot) {
   const auto found =
-      identified(robots::delta_campaign(crooked_delta(), 6, {}, 42), robots::nominal_delta());
+      identified_delta(robots::delta_campaign(crooked_delta(), 6, {}, 42), robots::nominal_delta());
   for (const char* name :
        {"frame.x_mm", "frame.y_mm", "frame.z_mm", "frame.rx_deg", "frame.ry_deg", "frame.rz_deg"}) {
-    EXPECT_FALSE(named(found, name).free) << name;
-    EXPECT_NE(named(found, name).note.find("cannot be told apart from branch"), std::string::npos)
-        << name << ": " << named(found, name).note;
+    EXPECT_FALSE(delta_parameter(found, name).free) << name;
+    EXPECT_NE(delta_parameter(found, name).note.find("cannot be told apart from branch"),
+              std::string::npos)
+        << name << ": " << delta_parameter(found, name).note;
   }
 }
 
@@ -67,17 +69,17 @@ TEST(IdentifyDelta, AFrameIsIdentifiedWhereTheAxesAreHeldVertical) {
   truth.branches[0].length_mm += 0.05;
   auto nominal = robots::nominal_delta();
   nominal.hold = {"*.tilt_*", "*.scale_ppm", "*.azimuth_deg"};
-  const auto found = identified(robots::delta_campaign(truth, 6, {}, 43), nominal);
-  EXPECT_TRUE(named(found, "frame.rz_deg").free);
-  EXPECT_NEAR(named(found, "frame.rz_deg").value, 0, 1e-6);
-  EXPECT_NEAR(named(found, "branch1.length_mm").value, 70.05, 1e-5);
+  const auto found = identified_delta(robots::delta_campaign(truth, 6, {}, 43), nominal);
+  EXPECT_TRUE(delta_parameter(found, "frame.rz_deg").free);
+  EXPECT_NEAR(delta_parameter(found, "frame.rz_deg").value, 0, 1e-6);
+  EXPECT_NEAR(delta_parameter(found, "branch1.length_mm").value, 70.05, 1e-5);
 }
 
 TEST(IdentifyDelta, TakesHeatAndForceAlong) {
   const robots::DeltaNoise noise{.mm = 20e-6, .per_degc_mm = 300e-6, .per_n_mm = 50e-6};
   const auto found =
-      identified(robots::delta_campaign(crooked_delta(), 7, noise, 44), robots::nominal_delta(),
-                 "q1 + q2 + q3 ~ poly(x, y, z, 3) + F + t05");
+      identified_delta(robots::delta_campaign(crooked_delta(), 7, noise, 44),
+                       robots::nominal_delta(), "q1 + q2 + q3 ~ poly(x, y, z, 3) + F + t05");
   ASSERT_EQ(found.terms.size(), 3U);  // the constant, F, t05: what the geometry does not read
   const double rms_nm = 1e6 * std::sqrt(found.rss.sum() / (3 * 343));
   EXPECT_LT(rms_nm, 21);
@@ -94,7 +96,7 @@ TEST(IdentifyDelta, TakesHeatAndForceAlong) {
 TEST(IdentifyDelta, PredictsRowsItHasNotSeen) {
   const auto truth = crooked_delta();
   Dataset data = robots::delta_campaign(truth, 6, {}, 45);
-  const auto found = identified(data, robots::nominal_delta());
+  const auto found = identified_delta(data, robots::nominal_delta());
   const Dataset fresh = robots::delta_campaign(truth, 5, {}, 46);
   const auto predicted = predict(fresh, found);
   ASSERT_TRUE(predicted);
@@ -111,7 +113,7 @@ TEST(IdentifyDelta, GivesEveryDatumItsOwnZero) {
     data.datum[row] = 2;
     for (std::size_t k = 3; k < 6; ++k) data.columns[k].values[row] += 400e-6;
   }
-  const auto found = identified(data, robots::nominal_delta());
+  const auto found = identified_delta(data, robots::nominal_delta());
   ASSERT_EQ(found.terms.size(), 2U);  // the constant, datum(2)
   EXPECT_LT(std::sqrt(found.rss.sum() / 648), 1e-9);
   for (Eigen::Index o = 0; o < 3; ++o) EXPECT_NEAR(found.coefficients(1, o), 400e-6, 1e-8);

@@ -17,8 +17,8 @@ Dataset crooked_campaign() {
   return robots::delta_campaign(truth, 6, {.mm = 20e-6, .per_degc_mm = 300e-6}, 51);
 }
 
-MethodOptions options_for(const Dataset& data, const std::string& formula,
-                          bool with_kinematics = true) {
+MethodOptions delta_options(const Dataset& data, const std::string& formula,
+                            bool with_kinematics = true) {
   MethodOptions options;
   options.fit.candidates = *formats::Formula::parse(formula)->expand(data);
   options.fit.blocks = 0;
@@ -37,7 +37,7 @@ TEST(Method, HasANameThatReadsBack) {
 
 TEST(Method, StepwiseIsTheFitItself) {
   const Dataset data = crooked_campaign();
-  const auto options = options_for(data, kFormula, false);
+  const auto options = delta_options(data, kFormula, false);
   const auto fitted = fit_method(data, Method::stepwise, options);
   ASSERT_TRUE(fitted) << fitted.error().message;
   const auto model = calibration::fit(data, options.fit);
@@ -52,7 +52,7 @@ TEST(Method, StepwiseIsTheFitItself) {
 // error in motor coordinates, a fit of it, and their sum.
 TEST(Method, ClassicIsTheNominalInverseModelPlusAnIdentifiedError) {
   const Dataset data = crooked_campaign();
-  const auto options = options_for(data, kFormula);
+  const auto options = delta_options(data, kFormula);
   const auto fitted = fit_method(data, Method::classic, options);
   ASSERT_TRUE(fitted) << fitted.error().message;
   const auto predicted = predict(data, *fitted);
@@ -87,7 +87,7 @@ TEST(Method, ClassicIsTheNominalInverseModelPlusAnIdentifiedError) {
 
 TEST(Method, NominalEstimatesOnlyWhereTheRobotReadsZero) {
   const Dataset data = crooked_campaign();
-  const auto fitted = fit_method(data, Method::nominal, options_for(data, kFormula));
+  const auto fitted = fit_method(data, Method::nominal, delta_options(data, kFormula));
   ASSERT_TRUE(fitted) << fitted.error().message;
   EXPECT_EQ(fitted->parameters(), 3);
   EXPECT_FALSE(fitted->linear);
@@ -105,7 +105,7 @@ TEST(Method, WithoutAFormulaTheGeometryAloneIsIdentified) {
 
 TEST(Method, NeedsKinematicsUnlessItIsStepwise) {
   const Dataset data = crooked_campaign();
-  const auto options = options_for(data, kFormula, false);
+  const auto options = delta_options(data, kFormula, false);
   const auto fitted = fit_method(data, Method::kinematic, options);
   ASSERT_FALSE(fitted);
   EXPECT_EQ(fitted.error().reason, "NO_KINEMATICS");
@@ -114,7 +114,7 @@ TEST(Method, NeedsKinematicsUnlessItIsStepwise) {
 
 TEST(Method, SaysWhatTheRobotPredictsWhenTheFormulaAsksForSomethingElse) {
   const Dataset data = crooked_campaign();
-  const auto fitted = fit_method(data, Method::classic, options_for(data, "q1 + q2 ~ x + y + z"));
+  const auto fitted = fit_method(data, Method::classic, delta_options(data, "q1 + q2 ~ x + y + z"));
   ASSERT_FALSE(fitted);
   EXPECT_EQ(fitted.error().reason, "OTHER_OUTPUTS");
   EXPECT_NE(fitted.error().message.find("predicts q1, q2, q3"), std::string::npos);
