@@ -43,8 +43,12 @@ TEST(Ur10, IdentifiedFitsAsWellAsRsGaussNewton) {
   EXPECT_EQ(found->fitted.parameters(), 25);              // R: rank 25
   EXPECT_NEAR(found->position->rms, 0.4316980202, 1e-9);  // R
   for (const auto& one : found->fitted.kinematics->parameters) {
-    if (one.parameter.name == "link2.a_mm") EXPECT_NEAR(one.value, -613.107444, 5e-6);
-    if (one.parameter.name == "link3.a_mm") EXPECT_NEAR(one.value, -571.810289, 5e-6);
+    if (one.parameter.name == "link2.a_mm") {
+      EXPECT_NEAR(one.value, -613.107444, 5e-6);
+    }
+    if (one.parameter.name == "link3.a_mm") {
+      EXPECT_NEAR(one.value, -571.810289, 5e-6);
+    }
   }
 }
 
