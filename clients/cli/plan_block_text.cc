@@ -13,7 +13,7 @@ tl::unexpected<Error> bad_block(const std::string& word, const std::string& expe
 }
 
 template <class Number>
-bool number_from(std::string_view text, Number& value) {
+bool number_into(std::string_view text, Number& value) {
   const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
   return code == std::errc{} && end == text.data() + text.size();
 }
@@ -23,10 +23,10 @@ bool range_from(std::string_view text, GridRange& range) {
   const auto first = text.find(':');
   if (first == std::string_view::npos) return false;
   const auto second = text.find(':', first + 1);
-  if (!number_from(text.substr(0, first), range.from_mm)) return false;
-  if (second == std::string_view::npos) return number_from(text.substr(first + 1), range.to_mm);
-  return number_from(text.substr(first + 1, second - first - 1), range.to_mm) &&
-         number_from(text.substr(second + 1), range.step_mm);
+  if (!number_into(text.substr(0, first), range.from_mm)) return false;
+  if (second == std::string_view::npos) return number_into(text.substr(first + 1), range.to_mm);
+  return number_into(text.substr(first + 1, second - first - 1), range.to_mm) &&
+         number_into(text.substr(second + 1), range.step_mm);
 }
 
 struct BlockReader {
@@ -40,16 +40,16 @@ struct BlockReader {
     const auto name = word.substr(0, equals), value = word.substr(equals + 1);
     double number = 0;
     if (name == "force" || name == "dwell") {
-      if (!number_from(value, number)) return bad_block(word, name + "= and a number");
+      if (!number_into(value, number)) return bad_block(word, name + "= and a number");
       (name == "force" ? block.force_n : block.dwell_s) = number;
       return {};
     }
     if (name == "scattered")
-      return number_from(value, block.scattered) && block.scattered > 0
+      return number_into(value, block.scattered) && block.scattered > 0
                  ? Result<void>{}
                  : bad_block(word, "scattered= and a whole number above 0");
     if (name == "seed")
-      return number_from(value, block.seed) ? Result<void>{}
+      return number_into(value, block.seed) ? Result<void>{}
                                             : bad_block(word, "seed= and a whole number");
     if (name == "zeros") {
       if (value != "yes" && value != "no") return bad_block(word, "zeros=yes or zeros=no");

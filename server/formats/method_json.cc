@@ -12,21 +12,21 @@ namespace {
 using identification::Judgement;
 using nlohmann::ordered_json;
 
-ordered_json finite_or_null(double value) {
+ordered_json finite(double value) {
   return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
 }
 
 void put_figure(ordered_json& json, const std::string& key, const std::optional<double>& value,
                 const SummaryUnit& summary) {
-  if (value) json[key + "_" + summary.unit] = finite_or_null(*value * summary.factor);
+  if (value) json[key + "_" + summary.unit] = finite(*value * summary.factor);
 }
 
 void put_held_out(ordered_json& json, const std::string& key,
                   const std::optional<calibration::HeldOut>& held, const SummaryUnit& summary) {
   if (!held) return;
   put_figure(json, key, held->u90, summary);
-  json[key + "_ci90_" + summary.unit] = {finite_or_null(held->low * summary.factor),
-                                         finite_or_null(held->high * summary.factor)};
+  json[key + "_ci90_" + summary.unit] = {finite(held->low * summary.factor),
+                                         finite(held->high * summary.factor)};
 }
 
 ordered_json output_figures(const identification::OutputFigures& output) {
@@ -54,15 +54,15 @@ ordered_json position_figures(const identification::PositionFigures& position) {
 
 ordered_json kinematics_json(const identification::Identification& found) {
   ordered_json json{{"kind", found.mechanism->description().kind},
-                    {"condition", finite_or_null(found.condition)},
+                    {"condition", finite(found.condition)},
                     {"evaluations", found.evaluations}};
   json["parameters"] = ordered_json::array();
   for (const auto& one : found.parameters) {
     ordered_json parameter{{"name", one.parameter.name},
                            {"nominal", one.parameter.nominal},
-                           {"value", finite_or_null(one.value)},
+                           {"value", finite(one.value)},
                            {"free", one.free}};
-    if (one.free) parameter["standard_error"] = finite_or_null(one.standard_error);
+    if (one.free) parameter["standard_error"] = finite(one.standard_error);
     if (!one.note.empty()) parameter["note"] = one.note;
     json["parameters"].push_back(std::move(parameter));
   }
@@ -72,8 +72,8 @@ ordered_json kinematics_json(const identification::Identification& found) {
     for (std::size_t j = 0; j < found.terms.size(); ++j) {
       const auto row = static_cast<Eigen::Index>(j), column = static_cast<Eigen::Index>(o);
       list.push_back({{"term", effects::notation(found.terms[j])},
-                      {"coefficient", finite_or_null(found.coefficients(row, column))},
-                      {"standard_error", finite_or_null(found.standard_errors(row, column))}});
+                      {"coefficient", finite(found.coefficients(row, column))},
+                      {"standard_error", finite(found.standard_errors(row, column))}});
     }
     json["terms"][found.mechanism->outputs()[o].symbol] = std::move(list);
   }
@@ -91,7 +91,7 @@ ordered_json method_json(const Judgement& judgement, const std::string& formula)
                       {"validation", judgement.rows_validation},
                       {"groups", judgement.groups}}},
                     {"parameters", judgement.fitted.parameters()},
-                    {"fit_us", finite_or_null(judgement.fitted.fit_us)}};
+                    {"fit_us", finite(judgement.fitted.fit_us)}};
   json["outputs"] = ordered_json::object();
   for (const auto& output : judgement.outputs)
     json["outputs"][output.channel.symbol] = output_figures(output);

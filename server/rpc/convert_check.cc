@@ -18,7 +18,7 @@ v1::CheckModelResponse::Verdict verdict_from(diagnosis::CheckVerdict verdict) {
   return v1::CheckModelResponse::VERDICT_UNSPECIFIED;
 }
 
-v1::CheckedRun point_from(const diagnosis::CheckPoint& point) {
+v1::CheckedRun checked_run_from(const diagnosis::CheckPoint& point) {
   v1::CheckedRun out;
   out.set_run_id(point.run.value);
   out.set_row_count(point.rows);
@@ -56,7 +56,7 @@ v1::CheckModelResponse check_from(const application::ModelCheck& check) {
     added.set_lag1_autocorrelation(output.reference.lag1_autocorrelation);
     for (const auto& point : output.points) {
       auto& run = *added.add_runs();
-      run = point_from(point);
+      run = checked_run_from(point);
       for (const auto& record : check.runs)
         if (record.id == point.run) {
           run.set_name(utf8_from(record.name));

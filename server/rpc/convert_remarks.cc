@@ -63,7 +63,7 @@ Result<ExclusionRecord> exclusion_from(const v1::RestoreRowsRequest& request) {
   return exclusion_of(request, false);
 }
 
-v1::ExclusionState state_from(const application::ExclusionState& state) {
+v1::ExclusionState exclusions_from(const application::ExclusionState& state) {
   v1::ExclusionState out;
   out.set_run_id(state.run.value);
   add_ranges(state.rows, *out.mutable_excluded_rows());

@@ -16,7 +16,7 @@ Result<std::vector<std::int64_t>> rows_from(
 Result<ExclusionRecord> exclusion_from(const v1::ExcludeRowsRequest& request);
 Result<ExclusionRecord> exclusion_from(const v1::RestoreRowsRequest& request);
 
-v1::ExclusionState state_from(const application::ExclusionState& state);
+v1::ExclusionState exclusions_from(const application::ExclusionState& state);
 
 // Errors: invalid_argument; BAD_SUBJECT, BAD_ID, BAD_CURSOR (row).
 Result<NoteSubject> subject_from(const v1::NoteSubject& subject);

@@ -60,7 +60,7 @@ class DataService final : public v1::DataService::CallbackService {
       if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
       const auto state = co_await cell_.exclusions(RunId{request->run_id()});
       if (!state) co_return tl::unexpected(state.error());
-      *response->mutable_state() = state_from(*state);
+      *response->mutable_state() = exclusions_from(*state);
       co_return Result<void>{};
     });
   }
@@ -103,7 +103,7 @@ class DataService final : public v1::DataService::CallbackService {
                     auto changing = cell_.exclude_rows(caller_of(*context), std::move(*wanted));
                     const auto state = co_await std::move(changing);
                     if (!state) co_return tl::unexpected(state.error());
-                    *response.mutable_state() = state_from(*state);
+                    *response.mutable_state() = exclusions_from(*state);
                     co_return Result<void>{};
                   });
   }

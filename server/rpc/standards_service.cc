@@ -33,23 +33,24 @@ class StandardsService final : public v1::StandardsService::CallbackService {
   template <class Request, class Response, class Figures>
   grpc::ServerUnaryReactor* evaluate(grpc::CallbackServerContext* context, const Request* request,
                                      Response* response, Figures figures_of) {
-    return answer(cell_, context,
-                  [this, request, response, figures_of]() -> Awaitable<Result<void>> {
-                    auto runs = run_ids_from(request->run_ids());
-                    if (!runs) co_return tl::unexpected(runs.error());
-                    if (runs->empty())
-                      co_return fail(ErrorCode::invalid_argument, "NO_RUNS",
-                                     "run_ids: found none, expected at least one");
-                    auto exporting = cell_.export_dataset(std::move(*runs));
-                    const auto csv = co_await std::move(exporting);
-                    if (!csv) co_return tl::unexpected(csv.error());
-                    const auto dataset = formats::read_dataset_csv(*csv, "run");
-                    if (!dataset) co_return tl::unexpected(dataset.error());
-                    const auto figures = figures_of(*dataset, options_from(*request));
-                    if (!figures) co_return tl::unexpected(figures.error());
-                    put(*figures, *response);
-                    co_return Result<void>{};
-                  });
+    return answer(
+        cell_, context, [this, request, response, figures_of]() -> Awaitable<Result<void>> {
+          auto runs = run_ids_from(request->run_ids());
+          if (!runs) co_return tl::unexpected(runs.error());
+          if (runs->empty())
+            co_return fail(ErrorCode::invalid_argument, "NO_RUNS",
+                           "run_ids: found none, expected at least one");
+          auto exporting =
+              cell_.export_dataset(std::move(*runs), true);  // rows kept out are no figures either
+          const auto csv = co_await std::move(exporting);
+          if (!csv) co_return tl::unexpected(csv.error());
+          const auto dataset = formats::read_dataset_csv(*csv, "run");
+          if (!dataset) co_return tl::unexpected(dataset.error());
+          const auto figures = figures_of(*dataset, options_from(*request));
+          if (!figures) co_return tl::unexpected(figures.error());
+          put(*figures, *response);
+          co_return Result<void>{};
+        });
   }
 
   application::Cell& cell_;

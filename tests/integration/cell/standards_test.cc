@@ -2,6 +2,7 @@
 // another run is refused with what it lacks.
 
 #include <gmock/gmock.h>
+#include <grpcpp/channel.h>
 
 #include "driftwise/v1/standards_service.grpc.pb.h"
 #include "tests/integration/cell/cell_at_work.h"

@@ -25,7 +25,7 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr const char* kFormula = "q1 ~ poly(x, 3) + T";
+constexpr const char* kReducedFormula = "q1 ~ poly(x, 3) + T";
 
 Executor threads(unsigned count) {
   return [count](std::size_t jobs, const std::function<void(std::size_t)>& job) {
@@ -39,7 +39,7 @@ Executor threads(unsigned count) {
   };
 }
 
-Model fitted(const Dataset& data, const FitOptions& options, const std::string& formula) {
+Model fitted_formula(const Dataset& data, const FitOptions& options, const std::string& formula) {
   const auto model = formats::fit_formula(data, formula, options);
   EXPECT_TRUE(model.has_value()) << model.error().message;
   return *model;
@@ -61,11 +61,11 @@ TEST(RowReduction, GivesTheSameBitsOnOneTwoAndFourThreads) {
   for (const Solver solver : {Solver::qr, Solver::gram}) {
     FitOptions options;
     options.solver = solver;
-    const Model here = fitted(data, options, kFormula);
+    const Model here = fitted_formula(data, options, kReducedFormula);
     EXPECT_THAT(here.warnings, Not(Contains(HasSubstr("fast path"))));
     for (const unsigned count : {1u, 2u, 4u}) {
       options.executor = threads(count);
-      expect_same_bits(here, fitted(data, options, kFormula));
+      expect_same_bits(here, fitted_formula(data, options, kReducedFormula));
     }
   }
 }
@@ -76,9 +76,9 @@ TEST(RowReduction, GramFindsTheModelOfQrToTenDigits) {
   const Dataset data = make_campaign({.rows = 60000});
   FitOptions options;
   options.solver = Solver::qr;
-  const auto exact = fitted(data, options, kFormula).outputs[0];
+  const auto exact = fitted_formula(data, options, kReducedFormula).outputs[0];
   options.solver = Solver::gram;
-  const auto fast = fitted(data, options, kFormula).outputs[0];
+  const auto fast = fitted_formula(data, options, kReducedFormula).outputs[0];
   ASSERT_EQ(fast.terms.size(), exact.terms.size());
   for (Index i = 0; i < exact.coefficients.size(); ++i) {
     const double error = std::sqrt(exact.covariance(i, i));
@@ -95,7 +95,7 @@ TEST(RowReduction, TakesGramByItselfOnManyRowsOnly) {
   for (const auto& [rows, wanted] :
        {std::pair{1500, Solver::qr}, std::pair{300000, Solver::gram}}) {
     const Dataset data = make_campaign({.rows = rows});
-    options.candidates = formats::Formula::parse(kFormula)->expand(data).value();
+    options.candidates = formats::Formula::parse(kReducedFormula)->expand(data).value();
     const auto design = make_design(data, options);
     ASSERT_TRUE(design);
     const RowReduction reduction(*design, {0, design->row_count()}, Solver::automatic, {});
@@ -112,11 +112,11 @@ TEST(RowReduction, LeavesGramWhereColumnsAreAlikeAndSaysSo) {
   for (std::size_t i = 0; i < data.rows; ++i) t03[i] = t01[i] + 1e-4 * normal(random);
   FitOptions options;
   options.solver = Solver::gram;
-  const Model model = fitted(data, options, kFormula);
+  const Model model = fitted_formula(data, options, kReducedFormula);
   EXPECT_THAT(model.warnings,
               Contains(testing::StartsWith("the fast path by X'X was left for QR: of t03 only")));
   options.solver = Solver::qr;
-  const Model exact = fitted(data, options, kFormula);
+  const Model exact = fitted_formula(data, options, kReducedFormula);
   EXPECT_EQ(model.outputs[0].coefficients, exact.outputs[0].coefficients);
 }
 
@@ -128,10 +128,10 @@ TEST(RowReduction, AHeldOutBlockMayTakeTheSafetyAway) {
     t03[i] = 21 + (i >= 1200 && i < 1800 ? 1e-3 * static_cast<double>(i % 7) : 0);
   FitOptions options;
   options.solver = Solver::gram;
-  const auto fast = fitted(data, options, kFormula);
+  const auto fast = fitted_formula(data, options, kReducedFormula);
   EXPECT_THAT(fast.warnings, Not(Contains(HasSubstr("fast path"))));
   options.solver = Solver::qr;
-  const auto exact = fitted(data, options, kFormula);
+  const auto exact = fitted_formula(data, options, kReducedFormula);
   ASSERT_TRUE(fast.outputs[0].accuracy.u90_blocks);
   EXPECT_GT(digits(*fast.outputs[0].accuracy.u90_blocks, *exact.outputs[0].accuracy.u90_blocks), 8);
 }
