@@ -3,6 +3,7 @@
 #include <memory>
 #include <sstream>
 
+#include "clients/cli/exported_csv.h"
 #include "clients/cli/import_page.h"
 #include "clients/cli/proto_json.h"
 #include "clients/cli/remark_commands.h"
@@ -27,15 +28,7 @@ struct DataArguments {
 };
 
 ExitCode export_data(const Session& session, const DataArguments& a) {
-  v1::ExportDatasetRequest request;
-  for (const std::int64_t run : a.runs) request.add_run_ids(run);
-  request.set_without_excluded(a.without_excluded);
-  std::string csv;
-  session.connect().follow(&DataStub::ExportDataset, request,
-                           [&csv](const v1::ExportDatasetResponse& response) {
-                             csv += response.chunk();
-                             return true;
-                           });
+  const std::string csv = exported_csv(session, a.runs, a.without_excluded);
   if (a.file.empty() || a.file == "-") {
     session.console.out << csv << std::flush;
     return ExitCode::done;

@@ -9,6 +9,7 @@
 #include "clients/cli/model_page.h"
 #include "clients/cli/proto_json.h"
 #include "clients/cli/remark_commands.h"
+#include "clients/cli/sensors_command.h"
 #include "clients/cli/table.h"
 #include "clients/cli/text.h"
 #include "clients/cli/validators.h"
@@ -183,6 +184,7 @@ void add_model_commands(CLI::App& app, Session& session) {
   id(promoting);
   promoting.add_flag("--dry-run", a->dry_run, "say which model it would be, change nothing");
   add_check_command(model, session);
+  add_sensors_command(model, session);
   add_command(model, session, "rollback", "The model that served before serves again",
               [&session] { return roll_back(session); });
   add_command(model, session, "history", "Every promotion and rollback",

@@ -2,9 +2,9 @@
 
 #include <memory>
 
+#include "clients/cli/exported_csv.h"
 #include "clients/cli/validators.h"
 #include "clients/cli/value_or_throw.h"
-#include "driftwise/v1/data_service.grpc.pb.h"
 #include "server/formats/dataset_csv.h"
 #include "server/formats/standards_json.h"
 #include "server/formats/standards_page.h"
@@ -29,15 +29,8 @@ Dataset dataset_of(const Session& session, const StandardArguments& a) {
                       " a file and --run; give one of them"};
   if (!a.file.empty())
     return value_or_throw(formats::read_dataset_csv(read_input_file(a.file), a.file));
-  v1::ExportDatasetRequest request;
-  request.add_run_ids(a.run);
-  std::string csv;
-  session.connect().follow(&v1::DataService::Stub::ExportDataset, request,
-                           [&csv](const v1::ExportDatasetResponse& response) {
-                             csv += response.chunk();
-                             return true;
-                           });
-  return value_or_throw(formats::read_dataset_csv(csv, "run " + std::to_string(a.run)));
+  return value_or_throw(formats::read_dataset_csv(exported_csv(session, {a.run}, true),
+                                                  "run " + std::to_string(a.run)));
 }
 
 // What lacks something is refused (5), what is no such table is bad input (3).

@@ -1,0 +1,133 @@
+#include "clients/cli/sensors_command.h"
+
+#include <cmath>
+#include <memory>
+#include <set>
+
+#include "clients/cli/exported_csv.h"
+#include "clients/cli/fit_command.h"
+#include "clients/cli/table.h"
+#include "clients/cli/text.h"
+#include "clients/cli/validators.h"
+#include "clients/cli/value_or_throw.h"
+#include "clients/cli/worker_threads.h"
+#include "server/calibration/sensor_sets.h"
+#include "server/formats/dataset_csv.h"
+#include "server/formats/formula.h"
+
+namespace driftwise::cli {
+namespace {
+
+struct SensorsArguments {
+  FitOfFile fit;
+  std::string file;
+  std::vector<std::int64_t> runs;
+  double tolerance_pct = 10;
+};
+
+std::string listed(const std::vector<std::string>& sensors) {
+  std::string text;
+  for (const auto& sensor : sensors) text += (text.empty() ? "" : " ") + sensor;
+  return text.empty() ? "none" : text;
+}
+
+nlohmann::ordered_json study_json(const calibration::SensorStudy& study, const SummaryUnit& unit) {
+  nlohmann::ordered_json json{{"schema", "driftwise.sensors.v1"},
+                              {"sets_tried", study.sets_tried},
+                              {"tolerance", study.tolerance},
+                              {"recommended", study.best[study.recommended].sensors}};
+  json["sets"] = nlohmann::ordered_json::array();
+  for (const auto& set : study.best) {
+    nlohmann::ordered_json one{{"count", set.sensors.size()}, {"sensors", set.sensors}};
+    one["u90_blocks_rms_" + unit.unit] = set.u90_blocks_rms * unit.factor;
+    one["cost_" + unit.unit] =
+        (set.u90_blocks_rms - study.best.front().u90_blocks_rms) * unit.factor;
+    for (const auto& figure : set.outputs) {
+      auto& output = one["outputs"][figure.output];
+      output["u90_blocks_" + unit.unit] = figure.u90_blocks * unit.factor;
+      if (figure.u90_validation)
+        output["u90_validation_" + unit.unit] = *figure.u90_validation * unit.factor;
+    }
+    json["sets"].push_back(std::move(one));
+  }
+  return json;
+}
+
+void print_study(const Console& console, const calibration::SensorStudy& study,
+                 const SummaryUnit& unit) {
+  std::vector<Table::Column> columns = {
+      {"thermometers", Align::right}, {"U90 " + unit.unit, Align::right}, {"cost", Align::right}};
+  for (const auto& figure : study.best.front().outputs) {
+    columns.push_back({figure.output, Align::right});
+    if (figure.u90_validation) columns.push_back({"(validation)", Align::right});
+  }
+  columns.push_back({"the best set"});
+  Table table(columns);
+  for (std::size_t i = 0; i < study.best.size(); ++i) {
+    const auto& set = study.best[i];
+    const double cost = (set.u90_blocks_rms - study.best.front().u90_blocks_rms) * unit.factor;
+    std::vector<std::string> row = {std::to_string(set.sensors.size()),
+                                    fixed(set.u90_blocks_rms * unit.factor, 1),
+                                    (cost < 0 ? "" : "+") + fixed(cost, 1)};
+    for (const auto& figure : set.outputs) {
+      row.push_back(fixed(figure.u90_blocks * unit.factor, 1));
+      if (figure.u90_validation) row.push_back(fixed(*figure.u90_validation * unit.factor, 1));
+    }
+    row.push_back(listed(set.sensors) + (i == study.recommended ? "   <- suffices" : ""));
+    table.add(row);
+  }
+  console.out << "Which thermometers suffice: the best of all " << study.sets_tried
+              << " sets for each number of them, by U90 held out by blocks of time\n\n";
+  table.print(console.out, console.paint_out());
+  console.out << "\nsuffices: the fewest within " << fixed(100 * study.tolerance, 0)
+              << " % of the best, on the validation rows as well where there are any: they rank "
+                 "nothing, they can only say no.\nThe best of many sets looks a little better than "
+                 "it is.\n";
+}
+
+ExitCode study(const Session& session, const SensorsArguments& a) {
+  if (a.file.empty() == a.runs.empty())
+    throw Failure{ExitCode::usage, "usage", "USAGE",
+                  std::string("which sensors of what? found ") +
+                      (a.file.empty() ? "neither" : "both") + " a file and --run; give one"};
+  if (a.fit.formula.empty())
+    throw Failure{ExitCode::usage, "usage", "USAGE", "--model is required: a formula with T in it"};
+  const std::string name = a.file.empty() ? "the runs" : a.file;
+  const Dataset data = value_or_throw(formats::read_dataset_csv(
+      a.file.empty() ? exported_csv(session, a.runs, false) : read_input_file(a.file), name));
+  auto options = fit_options(a.fit);
+  options.stopwatch_us = {};
+  options.candidates =
+      value_or_throw(value_or_throw(formats::Formula::parse(a.fit.formula)).expand(data));
+  options.executor = worker_threads(default_threads());
+  const auto found =
+      value_or_throw(calibration::study_sensors(data, options, a.tolerance_pct / 100));
+  const auto* output = data.find(found.best.front().outputs.front().output);
+  const SummaryUnit unit = summary_unit(output->channel.unit);
+  if (session.console.json)
+    session.console.print_json(study_json(found, unit));
+  else
+    print_study(session.console, found, unit);
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_sensors_command(CLI::App& model, Session& session) {
+  auto a = std::make_shared<SensorsArguments>();
+  CLI::App& command = add_command(model, session, "sensors",
+                                  "Which thermometers suffice, and what each fewer costs",
+                                  [&session, a] { return study(session, *a); });
+  command.add_option("FILE", a->file, "dataset CSV, - for standard input");
+  command.add_option("--run", a->runs, "a run at the daemon instead; repeatable")
+      ->allow_extra_args(false)
+      ->check(positive_number());
+  add_fit_options(command, a->fit);
+  command
+      .add_option("--tolerance", a->tolerance_pct,
+                  "percent of the best U90 that fewer thermometers may cost")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+}
+
+}  // namespace driftwise::cli
