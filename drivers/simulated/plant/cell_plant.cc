@@ -20,7 +20,7 @@ void CellPlant::check(bool good, const char* what) {
   if (!good) throw std::out_of_range(what);
 }
 
-CellPlant::CellPlant(std::unique_ptr<const CellParameters> parameters, std::uint64_t seed,
+CellPlant::CellPlant(std::shared_ptr<const CellParameters> parameters, std::uint64_t seed,
                      TimeNs epoch)
     : cell_(std::move(parameters)),
       seed_(seed),

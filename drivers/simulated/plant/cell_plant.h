@@ -77,7 +77,7 @@ class CellPlant : public Plant {
   void attach_truth_log(std::unique_ptr<TruthLog> log);  // from now on rows as truth_log.h says
 
  protected:
-  CellPlant(std::unique_ptr<const CellParameters> parameters, std::uint64_t seed, TimeNs epoch);
+  CellPlant(std::shared_ptr<const CellParameters> parameters, std::uint64_t seed, TimeNs epoch);
 
   // One interferometer at one instant: how far its mirror is and what the world is like.
   struct Beam {
@@ -100,7 +100,7 @@ class CellPlant : public Plant {
   double shown_nm(int index, const Beam& beam) const;  // without the noise of reading
   static void check(bool good, const char* what);
 
-  std::unique_ptr<const CellParameters> cell_;
+  std::shared_ptr<const CellParameters> cell_;  // shared: it remembers what it really points at
   std::uint64_t seed_;
   TimeNs epoch_;
   TimeNs now_;

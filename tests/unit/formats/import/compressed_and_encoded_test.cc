@@ -13,7 +13,7 @@ namespace {
 
 TEST(Gunzip, GivesBackWhatZlibPressed) {
   std::string text;
-  for (int i = 0; i < 50000; ++i) text += std::to_string(i * i) + ";";
+  for (int i = 0; i < 50000; ++i) text += std::to_string(std::int64_t{i} * i) + ";";
   const auto out = gunzip(tests::gzipped(text), "a.gz", text.size());
   ASSERT_TRUE(out) << out.error().message;
   EXPECT_EQ(*out, text);
