@@ -1,7 +1,9 @@
 #!/usr/bin/python3
 """One target, asked by a program that knows the proto files and nothing else of Driftwise.
 
-Usage: target_from_python.py host:port PROTO_FOLDER x_mm=1.5 [...]
+Usage: target.py HOST:PORT PROTO_FOLDER x_mm=1.5 [...]
+PROTO_FOLDER: "proto" of the sources, or /usr/local/share/driftwise/proto of an installation.
+On Debian: apt install python3-grpcio python3-protobuf protobuf-compiler.
 Prints one JSON object: {"q1_mm": 1.49988, "u_nm": {"q1_mm": 5.4}, "model_id": 1, "flags": []}.
 Exit code 77: python3-grpcio, python3-protobuf or protoc is not installed (a skipped test).
 """

@@ -1,0 +1,22 @@
+#include "clients/cpp/failure.h"
+
+#include "driftwise/v1/error_detail.pb.h"
+
+namespace driftwise::client {
+
+Failure failure_of(const grpc::Status& status, const std::string& address) {
+  v1::ErrorStatus packed;
+  v1::ErrorDetail detail;
+  if (packed.ParseFromString(status.error_details()))
+    for (const auto& any : packed.details()) any.UnpackTo(&detail);
+  if (!detail.reason().empty())
+    return {detail.reason(), detail.message().empty() ? status.error_message() : detail.message()};
+  if (status.error_code() == grpc::StatusCode::UNAVAILABLE)
+    return {"NO_DAEMON", "no daemon answers at " + address + ": is driftwised running there? (" +
+                             status.error_message() + ")"};
+  if (status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED)
+    return {"TIMEOUT", "no answer from " + address + " within the time limit"};
+  return {"GRPC_" + std::to_string(status.error_code()), status.error_message()};
+}
+
+}  // namespace driftwise::client

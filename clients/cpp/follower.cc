@@ -1,0 +1,108 @@
+#include "clients/cpp/convert.h"
+#include "clients/cpp/failure.h"
+#include "clients/cpp/follower_state.h"
+#include "driftwise/v1/target_service.grpc.pb.h"
+
+namespace driftwise::client {
+
+using std::chrono::milliseconds;
+
+TargetFollower::State::State(std::shared_ptr<Link> to, Pose pose, milliseconds min_interval)
+    : link_(std::move(to)),
+      pose_(std::move(pose)),
+      min_interval_(min_interval),
+      latest_(tl::unexpected(Failure{"NOT_YET", "no answer from " + link_->address + " yet"})) {
+  thread_ = std::thread([this] { run(); });
+}
+
+TargetFollower::State::~State() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+    if (open_ != nullptr) open_->TryCancel();
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+Answer<Target> TargetFollower::State::latest() const {
+  const std::lock_guard lock(mutex_);
+  return latest_;
+}
+
+std::uint64_t TargetFollower::State::sequence() const {
+  const std::lock_guard lock(mutex_);
+  return sequence_;
+}
+
+std::uint64_t TargetFollower::State::wait(std::uint64_t seen, milliseconds limit) const {
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, limit, [&] { return sequence_ != seen || ending_; });
+  return sequence_;
+}
+
+void TargetFollower::State::publish(Answer<Target> news) {
+  {
+    const std::lock_guard lock(mutex_);
+    // A daemon that stays away is one piece of news, not one per attempt.
+    if (!news && !latest_ && news.error().reason == latest_.error().reason) return;
+    latest_ = std::move(news);
+    ++sequence_;
+  }
+  changed_.notify_all();
+}
+
+void TargetFollower::State::read_one_stream() {
+  grpc::ClientContext context;
+  link_->sign(context);
+  v1::WatchTargetsRequest request;
+  put_pose(pose_, request);
+  if (min_interval_.count() > 0) {
+    auto& interval = *request.mutable_min_interval_duration();
+    interval.set_seconds(min_interval_.count() / 1000);
+    interval.set_nanos(static_cast<int>(min_interval_.count() % 1000) * 1'000'000);
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    if (ending_) return;
+    open_ = &context;
+  }
+  const auto stub = v1::TargetService::NewStub(link_->channel);
+  const auto reader = stub->WatchTargets(&context, request);
+  v1::WatchTargetsResponse response;
+  while (reader->Read(&response)) publish(target_from(response.target()));
+  const grpc::Status status = reader->Finish();
+  {
+    const std::lock_guard lock(mutex_);
+    open_ = nullptr;
+    if (ending_) return;
+  }
+  publish(tl::unexpected(
+      status.ok() ? Failure{"NO_DAEMON", "the daemon at " + link_->address + " ended the stream"}
+                  : failure_of(status, link_->address)));
+}
+
+void TargetFollower::State::run() {
+  constexpr milliseconds kShortest(100), kLongest(2000);
+  milliseconds pause = kShortest;
+  for (;;) {
+    const std::uint64_t before = sequence();
+    read_one_stream();
+    // A stream that gave a target was a good one: the next loss is looked at at once again.
+    pause = sequence() > before + 1 ? kShortest : std::min(2 * pause, kLongest);
+    std::unique_lock lock(mutex_);
+    if (changed_.wait_for(lock, pause, [this] { return ending_; })) return;
+  }
+}
+
+TargetFollower::TargetFollower(std::unique_ptr<State> state) : state_(std::move(state)) {}
+TargetFollower::~TargetFollower() = default;
+TargetFollower::TargetFollower(TargetFollower&&) noexcept = default;
+TargetFollower& TargetFollower::operator=(TargetFollower&&) noexcept = default;
+Answer<Target> TargetFollower::latest() const { return state_->latest(); }
+std::uint64_t TargetFollower::sequence() const { return state_->sequence(); }
+std::uint64_t TargetFollower::wait(std::uint64_t seen, milliseconds limit) const {
+  return state_->wait(seen, limit);
+}
+
+}  // namespace driftwise::client

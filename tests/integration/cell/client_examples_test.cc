@@ -1,0 +1,71 @@
+// The examples in clients/examples do what their first lines say, built and run as a reader would.
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "tests/integration/cell/cell_at_work.h"
+#include "tests/integration/cell/served_model.h"
+
+namespace driftwise::tests {
+namespace {
+
+using std::chrono::minutes;
+const std::string kExamples = std::string(DRIFTWISE_SOURCE_DIR) + "/clients/examples";
+
+void expect_done(const Finished& finished, const std::string& what) {
+  ASSERT_EQ(finished.code, 0) << what << "\n" << finished.out << finished.err;
+}
+
+TEST(Examples, AControllerBuildsAgainstTheInstalledLibraryAndAsksForATarget) {
+  const TemporaryFolder folder;
+  const std::string prefix = folder.path() + "/prefix", build = folder.path() + "/build";
+  expect_done(run_process({"/usr/bin/cmake", "--install", DRIFTWISE_BUILD_FOLDER, "--prefix",
+                           prefix, "--component", "development"},
+                          minutes(2)),
+              "installing");
+  expect_done(run_process({"/usr/bin/cmake", "-S", kExamples + "/cpp", "-B", build,
+                           "-DCMAKE_PREFIX_PATH=" + prefix, "-DCMAKE_BUILD_TYPE=Debug"},
+                          minutes(2)),
+              "configuring the example");
+  expect_done(run_process({"/usr/bin/cmake", "--build", build}, minutes(4)),
+              "building the example");
+
+  CellAtWork cell;
+  cell.start_daemon();
+  serve_known_model(cell);
+  const auto target = run_process({build + "/controller", cell.grpc_address(), "1.5"}, minutes(1));
+  expect_done(target, "asking");
+  EXPECT_THAT(target.out, testing::MatchesRegex("q1_mm 1\\.[0-9]+ u90_nm [0-9.]+\n(.|\n)*"));
+}
+
+TEST(Examples, OctaveReadsAnExportedDatasetAndFitsWhatDriftwiseFits) {
+  if (!std::filesystem::exists("/usr/bin/octave-cli"))
+    GTEST_SKIP() << "GNU Octave is not installed (apt install octave)";
+  CellAtWork cell;
+  cell.start_daemon();
+  serve_known_model(cell);
+  const std::string csv = cell.folder() + "/exported.csv";
+  cell.say({"data", "export", "1", "-o", csv});
+  const auto fit = cell.ask({"fit", csv, "--model", "q ~ x + t05", "--select", "all"});
+  const auto octave = run_process(
+      {"/usr/bin/octave-cli", "--quiet", "--no-init-file", "--eval",
+       "addpath('" + kExamples + "/matlab'); t = read_dataset('" + csv +
+           "'); c = strcmp(t.set, 'calibration'); "
+           "b = [ones(sum(c), 1), t.x_mm(c), t.t05_degC(c)] \\ t.q1_mm(c); printf('%.12g\\n', b);"},
+      minutes(2));
+  expect_done(octave, "octave");
+  std::istringstream lines(octave.out);
+  for (const char* term : {"1", "x", "t05"}) {
+    double theirs = 0;
+    ASSERT_TRUE(lines >> theirs) << octave.out;
+    for (const auto& one : fit.at("outputs").at("q1").at("terms"))
+      if (one.at("term") == term) {
+        EXPECT_NEAR(one.at("coefficient").get<double>(), theirs, 1e-9) << term;
+      }
+  }
+}
+
+}  // namespace
+}  // namespace driftwise::tests
