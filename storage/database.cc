@@ -66,6 +66,18 @@ std::string Query::text(int column) const {
   return {bytes, static_cast<std::size_t>(sqlite3_column_bytes(statement_, column))};
 }
 
+std::string Query::bytes(int column) const {
+  const auto* bytes = static_cast<const char*>(sqlite3_column_blob(statement_, column));
+  if (bytes == nullptr) return {};
+  return {bytes, static_cast<std::size_t>(sqlite3_column_bytes(statement_, column))};
+}
+
+void Query::bind_one(int position, Bytes value) {
+  if (value.bytes.empty()) return bind_one(position, std::nullopt);
+  check(sqlite3_bind_blob64(statement_, position, value.bytes.data(), value.bytes.size(),
+                            SQLITE_TRANSIENT));
+}
+
 void Query::bind_one(int position, std::string_view value) {
   // A null pointer would bind NULL, not the empty text.
   check(sqlite3_bind_text64(statement_, position, value.data() == nullptr ? "" : value.data(),

@@ -47,6 +47,10 @@ class Database {
   std::unordered_map<const char*, std::unique_ptr<sqlite3_stmt, Finalize>> kept_;
 };
 
+struct Bytes {  // bound as a BLOB; empty: NULL
+  std::string_view bytes;
+};
+
 // One use of a kept statement, reset at the end of its scope. Not for two uses of the same text at
 // a time.
 //   Query query(db, "SELECT name FROM run WHERE run_id = ?");
@@ -80,6 +84,7 @@ class Query {
   std::int64_t integer(int column) const { return sqlite3_column_int64(statement_, column); }
   double real(int column) const;  // NULL: kMissing
   std::string text(int column) const;
+  std::string bytes(int column) const;  // of a BLOB; NULL: empty
   std::optional<std::int64_t> optional_integer(int column) const {
     return is_null(column) ? std::nullopt : std::optional(integer(column));
   }
@@ -96,6 +101,7 @@ class Query {
   void bind_one(int position, const std::string& value) {
     bind_one(position, std::string_view(value));
   }
+  void bind_one(int position, Bytes value);
   void bind_one(int position, const char* value) { bind_one(position, std::string_view(value)); }
   template <class Id>
   requires std::same_as<decltype(Id::value), std::int64_t>  // RunId and its like

@@ -6,6 +6,7 @@
 #include "storage/failure.h"
 #include "storage/schema_v1.h"
 #include "storage/schema_v2.h"
+#include "storage/schema_v3.h"
 
 namespace driftwise::storage {
 
@@ -25,7 +26,7 @@ void refuse_foreign_or_newer(Database& db, int newest) {
 }
 
 std::span<const std::string_view> migrations() {
-  static constexpr std::array<std::string_view, 2> kSteps = {kSchemaV1, kSchemaV2};
+  static constexpr std::array<std::string_view, 3> kSteps = {kSchemaV1, kSchemaV2, kSchemaV3};
   return kSteps;
 }
 

@@ -1,5 +1,6 @@
 #include "storage/sqlite_store.h"
 
+#include "storage/diagnosis_store.h"
 #include "storage/event_store.h"
 #include "storage/model_store.h"
 #include "storage/reading_store.h"
@@ -31,7 +32,8 @@ class SqliteStore final : public Store {
         readings_(session_),
         models_(session_),
         events_(session_),
-        remarks_(session_) {
+        remarks_(session_),
+        diagnoses_(session_) {
     Database& db = session_.db;
     sqlite3_busy_timeout(db.handle(), options.busy_timeout_ms);
     db.execute(kCommonPragmas);
@@ -53,6 +55,7 @@ class SqliteStore final : public Store {
   ModelStore& models() override { return models_; }
   EventStore& events() override { return events_; }
   RemarkStore& remarks() override { return remarks_; }
+  DiagnosisStore& diagnoses() override { return diagnoses_; }
 
   Result<void> idle() override {
     return answered([this] {
@@ -92,6 +95,7 @@ class SqliteStore final : public Store {
   SqliteModelStore models_;
   SqliteEventStore events_;
   SqliteRemarkStore remarks_;
+  SqliteDiagnosisStore diagnoses_;
 };
 
 }  // namespace

@@ -30,5 +30,17 @@ struct EventId {
   std::int64_t value = 0;
   auto operator<=>(const EventId&) const = default;
 };
+struct DiagnosisId {
+  std::int64_t value = 0;
+  auto operator<=>(const DiagnosisId&) const = default;
+};
+struct CorrectionId {
+  std::int64_t value = 0;
+  auto operator<=>(const CorrectionId&) const = default;
+};
+struct ImprovementId {
+  std::int64_t value = 0;
+  auto operator<=>(const ImprovementId&) const = default;
+};
 
 }  // namespace driftwise

@@ -18,6 +18,7 @@ class FullDisk final : public Store, RunStore, ReadingStore, EventStore {
   ModelStore& models() override { return inner_->models(); }
   EventStore& events() override { return *this; }
   RemarkStore& remarks() override { return inner_->remarks(); }
+  DiagnosisStore& diagnoses() override { return inner_->diagnoses(); }
 
  private:
   template <class T>
