@@ -3,9 +3,10 @@
 source "$(dirname "$0")/lib/common.sh"
 
 say "packages"
-install_missing build test
+install_missing build test web
 say "build (preset dev)"
 configure_and_build dev
+build_web dev
 say "tests"
 run_tests dev "$@" || die "tests failed: the list is above; one again: ctest --preset dev -R NAME"
 say "all tests passed; the build is in build/dev"

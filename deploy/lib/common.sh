@@ -13,13 +13,15 @@ as_root() {
   sudo "$@"
 }
 
-# install_missing build [test] [check]: what deploy/packages.txt lists for these uses and dpkg does not have yet.
+# install_missing build [test] [check] [web]: what deploy/packages.txt lists for these uses and dpkg does not have yet. A
+# package whose command is there already counts as installed, wherever it came from: a Node of one's own stays.
 install_missing() {
   command -v apt-get >/dev/null || die "this script installs Debian 12 packages and found no apt-get: install what deploy/packages.txt lists by hand"
-  local missing=() name use
-  while read -r name use _; do
+  local missing=() name use command
+  while read -r name use command _; do
     case "$name" in ''|'#'*) continue ;; esac
     [[ " $* " == *" $use "* ]] || continue
+    [ -n "$command" ] && command -v "$command" >/dev/null && continue
     dpkg-query -W -f '${db:Status-Status}' "$name" 2>/dev/null | grep -qx installed || missing+=("$name")
   done < "$root/deploy/packages.txt"
   if [ ${#missing[@]} = 0 ]; then echo "all packages are there"; return; fi
@@ -55,6 +57,15 @@ configure_and_build() {
   else  # one line in twenty is enough for a log
     cmake --build --preset "$preset" "${targets[@]}" 2>&1 | awk '!/^\[[0-9]+\/[0-9]+\]/ || NR % 20 == 1 { print; fflush() }'
   fi || die "the build failed: the compiler's message is above"
+}
+
+# build_web PRESET: the GUI's page, clients/web/dist. Without Node or the npm registry the daemon serves no page; the rest works.
+build_web() {
+  if ! command -v node >/dev/null || ! command -v npm >/dev/null; then
+    echo "the web GUI is not built: it needs Node 18 or later with npm (Debian: apt-get install nodejs npm)"
+    return
+  fi
+  cmake --build "$root/build/$1" --target web || echo "the web GUI is not built: the message is above. Is an npm registry reachable? Everything else works without it"
 }
 
 # run_tests PRESET [ctest options]: a test that fails is run once more, alone and aloud: processes on a busy machine may meet a time limit.

@@ -1,0 +1,64 @@
+// One client per service, over gRPC-Web to where the page came from. Every call carries the operator's name, as the
+// command line sends it: plain when it is printable ASCII, in the -bin form otherwise (server/rpc/caller.cc).
+import { createClient, type Interceptor, type Transport } from '@connectrpc/connect';
+import { createGrpcWebTransport } from '@connectrpc/connect-web';
+import type { DescService } from '@bufbuild/protobuf';
+import { CellService } from './gen/driftwise/v1/cell_service_pb';
+import { DataService } from './gen/driftwise/v1/data_service_pb';
+import { DiagnosisService } from './gen/driftwise/v1/diagnosis_service_pb';
+import { ModelService } from './gen/driftwise/v1/model_service_pb';
+import { RunService } from './gen/driftwise/v1/run_service_pb';
+import { StandardsService } from './gen/driftwise/v1/standards_service_pb';
+import { TargetService } from './gen/driftwise/v1/target_service_pb';
+import { TrajectoryService } from './gen/driftwise/v1/trajectory_service_pb';
+import { WatchService } from './gen/driftwise/v1/watch_service_pb';
+import { operatorName } from '@/app/session';
+
+const printable = /^[\x20-\x7e]+$/;
+
+export function operatorHeader(name: string): [string, string] | undefined {
+  if (name === '') return undefined;
+  if (printable.test(name)) return ['driftwise-operator', name];
+  const bytes = new TextEncoder().encode(name);
+  return ['driftwise-operator-bin', btoa(String.fromCharCode(...bytes)).replace(/=+$/, '')];
+}
+
+const whoAsks: Interceptor = (next) => (request) => {
+  const header = operatorHeader(operatorName.value);
+  if (header) request.header.set(...header);
+  return next(request);
+};
+
+let transport: Transport | undefined;
+
+// Tests put a transport in memory here, before the first call.
+export function useTransport(other: Transport): void {
+  transport = other;
+}
+
+function pageTransport(): Transport {
+  transport ??= createGrpcWebTransport({ baseUrl: location.origin, interceptors: [whoAsks] });
+  return transport;
+}
+
+function lazily<T extends DescService>(service: T) {
+  let client: ReturnType<typeof createClient<T>> | undefined;
+  let of: Transport | undefined;
+  return () => {
+    if (!client || of !== pageTransport()) client = createClient(service, (of = pageTransport()));
+    return client;
+  };
+}
+
+// api.run().listRuns({ limit: 50 }) and so on: the promise rejects with an error that errors.ts turns into words.
+export const api = {
+  cell: lazily(CellService),
+  data: lazily(DataService),
+  diagnosis: lazily(DiagnosisService),
+  model: lazily(ModelService),
+  run: lazily(RunService),
+  standards: lazily(StandardsService),
+  target: lazily(TargetService),
+  trajectory: lazily(TrajectoryService),
+  watch: lazily(WatchService),
+};

@@ -1,0 +1,48 @@
+// Instants and durations for people. Instants are shown in the browser's time zone, written into addresses in UTC.
+import type { Duration, Timestamp } from '@bufbuild/protobuf/wkt';
+
+export const ms = (t: Timestamp | undefined): number | undefined =>
+  t === undefined ? undefined : Number(t.seconds) * 1000 + t.nanos / 1e6;
+export const secondsOf = (d: Duration | undefined): number | undefined =>
+  d === undefined ? undefined : Number(d.seconds) + d.nanos / 1e9;
+export const timestampOf = (atMs: number): { seconds: bigint; nanos: number } => {
+  const seconds = Math.floor(atMs / 1000);
+  return { seconds: BigInt(seconds), nanos: Math.round((atMs - seconds * 1000) * 1e6) };
+};
+
+const days = ['Sun', 'Mon', 'Tue', 'Wed', 'Thu', 'Fri', 'Sat'];
+const two = (n: number) => String(n).padStart(2, '0');
+
+// "10:21:07"
+export function clock(atMs: number | undefined): string {
+  if (atMs === undefined) return '–';
+  const d = new Date(atMs);
+  return `${two(d.getHours())}:${two(d.getMinutes())}:${two(d.getSeconds())}`;
+}
+// "Sun 07:40"
+export function dayClock(atMs: number | undefined): string {
+  if (atMs === undefined) return '–';
+  const d = new Date(atMs);
+  return `${days[d.getDay()]} ${two(d.getHours())}:${two(d.getMinutes())}`;
+}
+// "2011-05-13 07:40:12"
+export function dateClock(atMs: number | undefined): string {
+  if (atMs === undefined) return '–';
+  const d = new Date(atMs);
+  return `${d.getFullYear()}-${two(d.getMonth() + 1)}-${two(d.getDate())} ${clock(atMs)}`;
+}
+// "48 s", "9 min 20 s", "6 h 05 min", "2 d 13 h"
+export function duration(seconds: number | undefined): string {
+  if (seconds === undefined || !Number.isFinite(seconds)) return '–';
+  const s = Math.max(0, Math.round(seconds));
+  if (s < 60) return s < 10 && seconds % 1 >= 0.05 && seconds < 9.95 ? `${seconds.toFixed(1)} s` : `${s} s`;
+  if (s < 3600) return s % 60 ? `${Math.floor(s / 60)} min ${s % 60} s` : `${s / 60} min`;
+  if (s < 86400) return `${Math.floor(s / 3600)} h ${two(Math.floor((s % 3600) / 60))} min`;
+  return `${Math.floor(s / 86400)} d ${Math.floor((s % 86400) / 3600)} h`;
+}
+// For addresses: "2011-05-13T05:40:12Z" and back.
+export const utc = (atMs: number): string => new Date(atMs).toISOString().replace(/\.000Z$/, 'Z');
+export function fromUtc(text: string | undefined): number | undefined {
+  const at = text === undefined ? NaN : Date.parse(text);
+  return Number.isNaN(at) ? undefined : at;
+}

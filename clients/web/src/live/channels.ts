@@ -1,0 +1,75 @@
+// The latest value of every channel. The stream writes as fast as it comes; what a component reads is painted at most ten
+// times a second, all channels in one animation frame.
+import { computed, signal, type ReadonlySignal, type Signal } from '@preact/signals';
+import type { ChannelLayout, ChannelLayout_Column, ValuesUpdate } from '@/api/gen/driftwise/v1/watch_service_pb';
+import { connection } from './connection';
+
+export interface Channel {
+  name: string; // "t07_degC"
+  column: ChannelLayout_Column;
+  value: Signal<number>; // NaN: never read, or not measured
+  ageS: Signal<number>; // cell time since it was measured; Infinity: never
+  stale: ReadonlySignal<boolean>; // older than its limit, or the page is not live
+}
+
+export const layout = signal<readonly Channel[]>([]);
+
+const byName = new Map<string, Channel>();
+let revision = -1n;
+let waiting: { values: number[]; measuredMs: number[] } | undefined;
+let cellNowMs = 0;
+const measured: number[] = []; // cell time of each value, ms
+
+// Reading `layout` makes a component follow a new layout.
+export function channel(name: string): Channel | undefined {
+  void layout.value;
+  return byName.get(name);
+}
+
+function made(column: ChannelLayout_Column): Channel {
+  const old = byName.get(column.channel);
+  const value = old?.value ?? signal(NaN);
+  const ageS = old?.ageS ?? signal(Infinity);
+  const limit = column.staleAfterS > 0 ? column.staleAfterS : Infinity;
+  const stale = computed(() => ageS.value > limit || Number.isNaN(value.value) || connection.value.phase !== 'live');
+  return { name: column.channel, column, value, ageS, stale };
+}
+
+export function takeLayout(from: ChannelLayout): void {
+  const next = from.columns.map(made);
+  byName.clear();
+  for (const one of next) byName.set(one.name, one);
+  revision = from.revision;
+  waiting = undefined;
+  measured.length = 0;
+  layout.value = next;
+}
+
+export function takeValues(update: ValuesUpdate, cellTimeMs: number): void {
+  if (update.layoutRevision !== revision) return; // its layout comes first; without it nobody knows what these are
+  waiting = {
+    values: update.values,
+    measuredMs: update.ageMs.map((age) => (age < 0n ? -Infinity : cellTimeMs - Number(age))),
+  };
+}
+
+export function takeCellTime(ms: number): void {
+  cellNowMs = Math.max(cellNowMs, ms);
+}
+
+export function resetCellTime(): void {
+  cellNowMs = 0;
+}
+
+// Called by the painter. Ages grow with the daemon's clock even when no value comes.
+export function paintChannels(): void {
+  const all = layout.peek();
+  if (waiting) {
+    for (let i = 0; i < all.length; i++) {
+      all[i].value.value = waiting.values[i];
+      measured[i] = waiting.measuredMs[i];
+    }
+    waiting = undefined;
+  }
+  for (let i = 0; i < all.length; i++) all[i].ageS.value = Math.max(0, (cellNowMs - (measured[i] ?? -Infinity)) / 1000);
+}

@@ -1,0 +1,8 @@
+// What the cell is in now, as the stream says it: replaced whole with every news.
+import { signal } from '@preact/signals';
+import type { GetStatusResponse } from '@/api/gen/driftwise/v1/cell_service_pb';
+import type { RunProgress } from '@/api/gen/driftwise/v1/run_pb';
+
+export const cell = signal<GetStatusResponse | undefined>(undefined); // without values: those are channels
+export const progress = signal<RunProgress | undefined>(undefined); // of the run under way, or the last one seen
+export const cellTimeMs = signal<number | undefined>(undefined); // at the last batch

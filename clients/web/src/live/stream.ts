@@ -1,0 +1,2 @@
+// The page's one stream of events.
+export function startStream(): void {}

@@ -1,0 +1,30 @@
+// Ticks of our own: steps of 1, 2 or 5 times a power of ten, never more digits than the step needs.
+import { fixed } from '@/format/numbers';
+
+export function niceStep(range: number, wanted: number): number {
+  const rough = range / Math.max(1, wanted);
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const lead = rough / power;
+  return (lead <= 1 ? 1 : lead <= 2 ? 2 : lead <= 5 ? 5 : 10) * power;
+}
+
+export function ticks(low: number, high: number, wanted: number): number[] {
+  if (!(high > low)) return [low];
+  const step = niceStep(high - low, wanted);
+  const first = Math.ceil(low / step - 1e-9);
+  const last = Math.floor(high / step + 1e-9);
+  return Array.from({ length: last - first + 1 }, (_, i) => (first + i) * step);
+}
+
+export function tickTexts(at: readonly number[]): string[] {
+  const step = at.length > 1 ? at[1] - at[0] : Math.abs(at[0] ?? 1) || 1;
+  const digits = Math.min(9, Math.max(0, -Math.floor(Math.log10(step) + 1e-9)));
+  return at.map((value) => fixed(Math.abs(value) < step * 1e-6 ? 0 : value, digits));
+}
+
+// A range that shows everything with 5 % of room; constants get room too.
+export function paddedRange(low: number, high: number): [number, number] {
+  if (!(low <= high)) return [-1, 1];
+  const room = high > low ? (high - low) * 0.05 : Math.abs(high) * 0.05 || 1;
+  return [low - room, high + room];
+}

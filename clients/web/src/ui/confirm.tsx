@@ -1,0 +1,56 @@
+// Asks once before something moves, heats or discards. The harmless button has the focus, Esc means it.
+import { signal } from '@preact/signals';
+import type { ComponentChildren } from 'preact';
+import { useEffect, useRef } from 'preact/hooks';
+import { Button } from './button';
+
+export interface Question {
+  title: string; // "Abort run 17?"
+  facts?: readonly (readonly [string, ComponentChildren])[]; // object, from -> to with units, duration, who is affected
+  words?: ComponentChildren;
+  verb: string; // "Abort run 17"
+  keep: string; // "Keep running"
+  bad?: boolean; // the verb discards or ends something
+}
+
+const asked = signal<{ question: Question; answer: (yes: boolean) => void } | undefined>(undefined);
+
+export function confirm(question: Question): Promise<boolean> {
+  asked.value?.answer(false);
+  return new Promise((answer) => (asked.value = { question, answer }));
+}
+
+// Stands once in the shell.
+export function ConfirmDialog() {
+  const dialog = useRef<HTMLDialogElement>(null);
+  const now = asked.value;
+  useEffect(() => {
+    if (now) {
+      dialog.current?.showModal();
+      dialog.current?.querySelector<HTMLButtonElement>('[data-harmless] button')?.focus();
+    } else dialog.current?.close();
+  }, [now]);
+  const answer = (yes: boolean) => {
+    asked.value = undefined;
+    now?.answer(yes);
+  };
+  return (
+    <dialog ref={dialog} aria-labelledby="confirm-title" onCancel={(event) => { event.preventDefault(); answer(false); }}>
+      {now && (
+        <>
+          <h2 id="confirm-title">{now.question.title}</h2>
+          {now.question.words && <p>{now.question.words}</p>}
+          {now.question.facts && (
+            <dl class="facts">
+              {now.question.facts.map(([what, value]) => [<dt>{what}</dt>, <dd>{value}</dd>])}
+            </dl>
+          )}
+          <div class="actions">
+            <span data-harmless><Button onPress={() => answer(false)}>{now.question.keep}</Button></span>
+            <Button kind={now.question.bad ? 'bad' : 'main'} onPress={() => answer(true)}>{now.question.verb}</Button>
+          </div>
+        </>
+      )}
+    </dialog>
+  );
+}

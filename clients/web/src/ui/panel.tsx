@@ -1,0 +1,23 @@
+import type { ComponentChildren } from 'preact';
+import { useId } from 'preact/hooks';
+
+// A framed part of a view. With a title it is a region that screen readers can jump to.
+export function Panel({ title, actions, class: name = '', children }: {
+  title?: ComponentChildren;
+  actions?: ComponentChildren;
+  class?: string;
+  children: ComponentChildren;
+}) {
+  const id = useId();
+  return (
+    <section class={`panel ${name}`} aria-labelledby={title ? id : undefined}>
+      {(title || actions) && (
+        <div class="panel-head">
+          {title && <h2 id={id}>{title}</h2>}
+          {actions && <div class="actions">{actions}</div>}
+        </div>
+      )}
+      {children}
+    </section>
+  );
+}

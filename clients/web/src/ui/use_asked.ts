@@ -1,0 +1,46 @@
+// Asks the daemon for something and keeps the answer: old numbers stay while the next answer is awaited, unless the
+// subject changed (another key), when they go at once.
+import { useCallback, useEffect, useRef, useState } from 'preact/hooks';
+import { failureOf, wasCancelled, type Failure } from '@/api/errors';
+import { epoch } from '@/live/epoch';
+
+export interface Asked<T> {
+  value?: T;
+  failure?: Failure;
+  waiting: boolean;
+  again: () => void;
+  set: (change: (before: T) => T) => void; // merge what the stream says
+}
+
+// key: everything that the question depends on, as text; undefined asks nothing. Asks anew when the page loads afresh.
+export function useAsked<T>(key: string | undefined, ask: (signal: AbortSignal) => Promise<T>): Asked<T> {
+  const [state, setState] = useState<{ key?: string; value?: T; failure?: Failure; waiting: boolean }>({ waiting: true });
+  const [turn, setTurn] = useState(0);
+  const latest = useRef(ask);
+  latest.current = ask;
+  const freshness = epoch.value;
+  useEffect(() => {
+    if (key === undefined) {
+      setState({ waiting: false });
+      return;
+    }
+    const abort = new AbortController();
+    setState((old) => (old.key === key ? { ...old, waiting: true } : { key, waiting: true }));
+    latest.current(abort.signal).then(
+      (value) => !abort.signal.aborted && setState({ key, value, waiting: false }),
+      (error) => {
+        if (abort.signal.aborted || wasCancelled(error)) return;
+        setState((old) => ({ ...old, key, failure: failureOf(error), waiting: false }));
+      },
+    );
+    return () => abort.abort();
+  }, [key, turn, freshness]);
+  const again = useCallback(() => setTurn((n) => n + 1), []);
+  const set = useCallback(
+    (change: (before: T) => T) =>
+      setState((old) => (old.value === undefined ? old : { ...old, value: change(old.value) })),
+    [],
+  );
+  const shown = state.key === key ? state : { waiting: key !== undefined };
+  return { ...shown, again, set };
+}

@@ -1,0 +1,13 @@
+// Text that a person types, kept over reloads and lost connections until it was taken: call the third element then.
+import { useCallback, useState } from 'preact/hooks';
+import { typed } from '@/app/storage';
+
+export function useTyped(key: string, initial = ''): [string, (text: string) => void, () => void] {
+  const [text, setText] = useState(() => typed.get(key) ?? initial);
+  const change = useCallback((next: string) => {
+    setText(next);
+    typed.set(key, next);
+  }, [key]);
+  const taken = useCallback(() => typed.set(key, ''), [key]);
+  return [text, change, taken];
+}

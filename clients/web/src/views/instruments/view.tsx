@@ -1,0 +1,5 @@
+import { ViewTitle } from '@/ui/view_title';
+
+export default function Instruments() {
+  return <ViewTitle>Instruments</ViewTitle>;
+}

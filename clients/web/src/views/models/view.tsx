@@ -1,0 +1,5 @@
+import { ViewTitle } from '@/ui/view_title';
+
+export default function Models() {
+  return <ViewTitle>Models</ViewTitle>;
+}

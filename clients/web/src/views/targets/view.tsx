@@ -1,0 +1,5 @@
+import { ViewTitle } from '@/ui/view_title';
+
+export default function Targets() {
+  return <ViewTitle>Targets</ViewTitle>;
+}

@@ -1,0 +1,18 @@
+import { describe, expect, it } from 'vitest';
+import { paddedRange, tickTexts, ticks } from '@/plot/ticks';
+
+describe('ticks', () => {
+  it('stand at 1, 2 or 5 times a power of ten within the range', () => {
+    expect(ticks(-37, 51, 5)).toEqual([-20, 0, 20, 40]);
+    expect(ticks(20.8, 21.8, 5).length).toBe(6);
+  });
+  it('carry no more digits than their step', () => {
+    expect(tickTexts(ticks(20.8, 21.8, 5))).toEqual(['20.8', '21.0', '21.2', '21.4', '21.6', '21.8']);
+    expect(tickTexts([-20, 0, 20])).toEqual(['−20', '0', '20']);
+  });
+  it('survive a constant', () => {
+    const [low, high] = paddedRange(5, 5);
+    expect(low).toBeLessThan(5);
+    expect(high).toBeGreaterThan(5);
+  });
+});

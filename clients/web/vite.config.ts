@@ -1,0 +1,24 @@
+import { fileURLToPath } from 'node:url';
+import { defineConfig } from 'vitest/config';
+
+// `npm run dev` shows a daemon that runs already: DRIFTWISE_URL=http://127.0.0.1:PORT npm run dev
+const daemon = process.env['DRIFTWISE_URL'] ?? 'http://127.0.0.1:8080';
+
+export default defineConfig({
+  resolve: { alias: { '@': fileURLToPath(new URL('./src', import.meta.url)) } },
+  esbuild: { jsx: 'automatic', jsxImportSource: 'preact' },
+  build: {
+    target: 'es2022',
+    assetsInlineLimit: 0, // the content security policy knows no data: addresses
+    modulePreload: { polyfill: false },
+    reportCompressedSize: false,
+    rollupOptions: {
+      output: {
+        chunkFileNames: (chunk) =>
+          `assets/${/views\/(\w+)\/view/.exec(chunk.facadeModuleId ?? '')?.[1] ?? '[name]'}-[hash].js`,
+      },
+    },
+  },
+  server: { host: '127.0.0.1', proxy: { '^/driftwise\\.v1\\.': { target: daemon } } },
+  test: { environment: 'jsdom', include: ['test/**/*.test.{ts,tsx}'], css: true },
+});
