@@ -19,6 +19,7 @@
 #include "server/calibration/offer.h"
 #include "server/compensation/snapshot_board.h"
 #include "server/core/cell_description.h"
+#include "server/core/dataset.h"
 #include "server/core/ports/clock.h"
 #include "server/core/ports/instrument.h"
 #include "server/core/ports/load_actuator.h"
@@ -121,6 +122,30 @@ struct ModelCheck {  // does the robot still do what a model says? server/diagno
   diagnosis::CheckReport report;
 };
 
+// What a formula offers on some data, without fitting it: formula_check.h.
+struct FormulaCheck {
+  std::string problem;                        // with the place marked; empty: it can be fitted
+  std::optional<std::size_t> problem_offset;  // bytes into the formula, where the text is at fault
+  std::string canonical;
+  std::vector<std::string> outputs, terms;  // symbols; notation, without the constant
+  std::int64_t calibration = 0, validation = 0, dropped = 0;  // rows
+  int rank = 0, columns = 0;
+  std::vector<std::string> look_alikes;  // sentences
+  std::vector<Channel> channels;         // of the data
+};
+
+// What a model leaves unexplained on the rows of a dataset.
+struct ModelResiduals {
+  struct Output {
+    Channel channel;             // q1_mm
+    std::vector<double> values;  // measured minus model, summary unit; NaN: cannot be said
+  };
+  Dataset data;
+  std::vector<Output> outputs;
+  std::string dataset_hash;
+  bool same_rows = false;  // the very dataset that the model was fitted to
+};
+
 // Which rows of a run are kept out of fits, and how it came to that.
 struct ExclusionState {
   RunId run;
@@ -219,6 +244,12 @@ class Cell {
   // made that it was not fitted from, the last 50 of them. Errors: failed_precondition NO_MODEL.
   virtual Awaitable<Result<ModelCheck>> check_model(std::optional<ModelId> model,
                                                     std::vector<RunId> runs) = 0;
+  // Errors: of the data only; what is wrong with the formula is the answer.
+  virtual Awaitable<Result<FormulaCheck>> check_formula(FitRequest request) = 0;
+  // runs and csv empty: the runs that it was fitted to. Errors: not_found; failed_precondition
+  // NO_ROWS (it was fitted to a file); invalid_argument UNKNOWN_CHANNEL, UNTIMED.
+  virtual Awaitable<Result<ModelResiduals>> residuals(ModelId model, std::vector<RunId> runs,
+                                                      std::string csv) = 0;
   virtual Awaitable<Result<std::vector<ModelRecord>>> models() = 0;
   virtual Awaitable<Result<ModelRecord>> model(ModelId id) = 0;
   virtual Awaitable<Result<ModelRecord>> promote(Caller caller, ModelId id) = 0;

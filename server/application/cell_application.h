@@ -96,6 +96,9 @@ class CellApplication final : public Cell {
   Awaitable<Result<ModelRecord>> fit(Caller caller, FitRequest request) override;
   Awaitable<Result<std::vector<calibration::OfferResult>>> weigh_offers(
       FitRequest request) override;
+  Awaitable<Result<FormulaCheck>> check_formula(FitRequest request) override;
+  Awaitable<Result<ModelResiduals>> residuals(ModelId model, std::vector<RunId> runs,
+                                              std::string csv) override;
   Awaitable<Result<ModelCheck>> check_model(std::optional<ModelId> id,
                                             std::vector<RunId> runs) override;
   Awaitable<Result<std::vector<ModelRecord>>> models() override;

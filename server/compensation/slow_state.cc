@@ -51,16 +51,27 @@ void SlowState::observe(std::span<const ChannelValue> values, CellTime at) {
   }
 }
 
+double SlowState::settled(const Tracker& tracker, std::span<const double> channels) {
+  auto fresh =
+      effects::TermEvaluator::create({effects::Term{{tracker.call}}}, tracker.call.symbols);
+  double value = kMissing;
+  std::vector<double> inputs;
+  for (const std::size_t i : tracker.channels) inputs.push_back(channels[i]);
+  if (fresh) fresh->step(0.0, inputs, std::span(&value, 1));
+  return value;
+}
+
+std::vector<double> SlowState::settled_calls(std::span<const double> channels) const {
+  std::vector<double> out;
+  for (const auto& tracker : calls_) out.push_back(settled(tracker, channels));
+  return out;
+}
+
 std::vector<double> SlowState::call_values(std::span<const double> channels_instead) const {
   std::vector<double> out;
   for (const auto& tracker : calls_) {
     double value = tracker.output;
-    if (is_missing(value) && !channels_instead.empty()) {
-      effects::TermEvaluator fresh = tracker.evaluator;
-      std::vector<double> inputs;
-      for (const std::size_t i : tracker.channels) inputs.push_back(channels_instead[i]);
-      fresh.step(0.0, inputs, std::span(&value, 1));
-    }
+    if (is_missing(value) && !channels_instead.empty()) value = settled(tracker, channels_instead);
     out.push_back(value);
   }
   return out;

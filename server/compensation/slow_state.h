@@ -48,6 +48,8 @@ class SlowState {
   // Each effect's present output. One that saw nothing yet: in equilibrium with these channel
   // values (one per channel), NaN when none are given.
   std::vector<double> call_values(std::span<const double> channels_instead = {}) const;
+  // Each effect's output in equilibrium with these channel values, whatever it saw.
+  std::vector<double> settled_calls(std::span<const double> channels) const;
   const std::vector<std::size_t>& channels_of_call(std::size_t call) const {
     return calls_[call].channels;
   }
@@ -60,6 +62,7 @@ class SlowState {
     std::vector<std::size_t> channels;
     double output = kMissing;
   };
+  static double settled(const Tracker& tracker, std::span<const double> channels);
   std::vector<Channel> channels_;
   std::vector<std::string> names_;
   std::vector<Latest> latest_;

@@ -82,7 +82,10 @@ struct Snapshot {
   struct Output {
     Channel channel;                      // q1_mm: results are in mm whatever the model's column
     std::vector<double> coefficients_mm;  // one per basis entry
-    std::vector<double> variance_nm2;     // sum of the lines, packed; off-diagonal entries doubled
+    std::vector<double>
+        thermal_mm{};  // of them, what the slow inputs put in: since the datum's zero,
+                       // or from the middle of their ranges; empty: nothing slow
+    std::vector<double> variance_nm2;  // sum of the lines, packed; off-diagonal entries doubled
     std::vector<UncertaintyLine> lines;
   };
   std::vector<Output> outputs;  // empty: no model serves

@@ -22,8 +22,7 @@ calibration::ChannelRange widened(calibration::ChannelRange range) {
 
 // Allowing for autocorrelation where the model says so; a model of the first version does not.
 const Eigen::MatrixXd& uncertainty_of(const calibration::OutputModel& output) {
-  return output.covariance_serial.size() > 0 ? output.covariance_serial
-                                                     : output.covariance;
+  return output.covariance_serial.size() > 0 ? output.covariance_serial : output.covariance;
 }
 
 }  // namespace
@@ -272,8 +271,10 @@ SnapshotBuilder::Conditions SnapshotBuilder::look_at_inputs(CellTime now,
     conditions.channels.push_back(value);
     conditions.u_systematic.push_back(range.u);
     conditions.u_independent.push_back(u_independent);
+    conditions.middle.push_back(0.5 * (range.min + range.max));
   }
   conditions.calls = slow_.call_values(conditions.channels);
+  conditions.middle_calls = slow_.settled_calls(conditions.middle);
   return conditions;
 }
 

@@ -84,6 +84,7 @@ class SnapshotBuilder {
   };
   struct Conditions {  // the slow side at the instant of building
     std::vector<double> channels, calls, u_systematic, u_independent;
+    std::vector<double> middle, middle_calls;  // of the fitted ranges, in equilibrium
   };
 
   SnapshotBuilder() = default;

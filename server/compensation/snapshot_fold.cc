@@ -54,15 +54,22 @@ Snapshot::Output SnapshotBuilder::fold(std::size_t index, const Conditions& now)
 
   std::vector<Wide> slow(terms), at_zero(terms, 0);
   std::vector<Wide> coefficients(size, 0);
+  std::vector<Wide> thermal(now.channels.empty() ? 0 : size, 0);
   for (std::size_t k = 0; k < terms; ++k) {
     slow[k] = value_of(model.terms[k].slow, now.channels, now.calls);
     if (datum) at_zero[k] = datum->term_values[k];
     coefficients[model.terms[k].basis] += slow[k] * model.terms[k].coefficient;
     coefficients[0] -= at_zero[k] * model.terms[k].coefficient;
+    if (model.terms[k].slow.powers.empty() && model.terms[k].slow.calls.empty()) continue;
+    const Wide reference = datum ? 0 : value_of(model.terms[k].slow, now.middle, now.middle_calls);
+    thermal[model.terms[k].basis] += (slow[k] - reference) * model.terms[k].coefficient;
+    thermal[0] -= at_zero[k] * model.terms[k].coefficient;
   }
   for (const Wide value : coefficients)
     out.coefficients_mm.push_back(static_cast<double>(value * model.mm_per_unit));
   if (datum) out.coefficients_mm[0] += datum->q_mm;
+  for (const Wide value : thermal)
+    out.thermal_mm.push_back(static_cast<double>(value * model.mm_per_unit));
 
   Form fit(size);
   for (std::size_t k = 0; k < terms; ++k)

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "server/compensation/basis_values.h"
 #include "server/compensation/dot.h"
 
 namespace driftwise::compensation {
@@ -24,20 +25,6 @@ double excess(const Snapshot::Input& input, double value) {
 // largest excess over all inputs in half widths: 1 at the edge, 4 at twice the range.
 double extrapolation_factor(double largest_excess) {
   return (1.0 + largest_excess) * (1.0 + largest_excess);
-}
-
-struct Basis {
-  std::array<double, kMaxBasis> b;
-};
-
-// Column values of the request and the products made of them.
-void fill_basis(const Snapshot& snapshot, const TargetRequest& request, Basis& basis) {
-  std::array<double, kVariables> column;
-  for (std::size_t v = 0; v < kVariables; ++v)
-    column[v] = request.value[v] * snapshot.column_per_unit[v];
-  basis.b[0] = 1.0;
-  for (std::size_t k = 0; k < snapshot.products.size(); ++k)
-    basis.b[k + 1] = basis.b[snapshot.products[k].base] * column[snapshot.products[k].variable];
 }
 
 // b b' packed as the variances are: every quadratic form of a target is then one dot product.

@@ -1,7 +1,9 @@
 #include "server/rpc/convert_target.h"
 
 #include <cmath>
+#include <utility>
 
+#include "server/compensation/correction_parts.h"
 #include "server/rpc/convert_values.h"
 
 namespace driftwise::rpc {
@@ -71,6 +73,17 @@ void add_flags(const compensation::Snapshot& snapshot, const compensation::Targe
   }
 }
 
+void add_parts(const compensation::CorrectionParts& parts, v1::MotorCoordinate& out) {
+  for (const auto& [source, nm] :
+       {std::pair{v1::CorrectionPart::SOURCE_GEOMETRY, parts.geometry_nm},
+        std::pair{v1::CorrectionPart::SOURCE_FORCE, parts.force_nm},
+        std::pair{v1::CorrectionPart::SOURCE_TEMPERATURES, parts.temperatures_nm}}) {
+    auto& part = *out.add_parts();
+    part.set_source(source);
+    part.set_nm(nm);
+  }
+}
+
 }  // namespace
 
 Result<compensation::TargetRequest> pose_from(
@@ -110,7 +123,10 @@ Result<void> answer_target(const compensation::Snapshot& snapshot,
     coordinate.set_u_nm(target.u_nm[i]);
     coordinate.set_u90_nm(target.u90_nm(i));
     coordinate.set_expanded_nm(target.expanded_nm(i));
+    const auto parts = compensation::correction_parts(snapshot, request, i);
+    if (parts) coordinate.set_correction_nm(parts->sum_nm());
     if (!with_budget) continue;
+    if (parts) add_parts(*parts, coordinate);
     const auto budget = compensation::compute_budget(snapshot, request, i);
     for (std::size_t line = 0; line < budget.lines; ++line) {
       auto& added = *coordinate.add_budget();

@@ -3,6 +3,7 @@
 #include "server/rpc/caller.h"
 #include "server/rpc/convert_check.h"
 #include "server/rpc/convert_model.h"
+#include "server/rpc/convert_residuals.h"
 #include "server/rpc/convert_values.h"
 #include "server/rpc/export_model.h"
 #include "server/rpc/fit_request.h"
@@ -134,6 +135,33 @@ class ModelService final : public v1::ModelService::CallbackService {
       const auto check = co_await std::move(checking);
       if (!check) co_return tl::unexpected(check.error());
       *response = check_from(*check);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* CheckFormula(Context* context, const v1::CheckFormulaRequest* request,
+                        v1::CheckFormulaResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      auto fit = fit_request_from(request->fit());
+      if (!fit) co_return tl::unexpected(fit.error());
+      const auto check = co_await cell_.check_formula(std::move(*fit));
+      if (!check) co_return tl::unexpected(check.error());
+      *response = formula_check_from(*check);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ListResiduals(Context* context, const v1::ListResidualsRequest* request,
+                         v1::ListResidualsResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->model_id(), "model_id"); !good) co_return good;
+      if (auto good = check_size(request->csv(), kMostDatasetBytes, "csv"); !good) co_return good;
+      auto runs = run_ids_from(request->run_ids());
+      if (!runs) co_return tl::unexpected(runs.error());
+      auto asking = cell_.residuals(ModelId{request->model_id()}, std::move(*runs), request->csv());
+      const auto residuals = co_await std::move(asking);
+      if (!residuals) co_return tl::unexpected(residuals.error());
+      *response = residuals_from(*residuals);
       co_return Result<void>{};
     });
   }

@@ -3,6 +3,7 @@
 #include "driftwise/v1/target_service.grpc.pb.h"
 #include "server/rpc/convert_target.h"
 #include "server/rpc/convert_values.h"
+#include "server/rpc/map_targets.h"
 #include "server/rpc/services.h"
 #include "server/rpc/unary.h"
 #include "server/rpc/watch_sources.h"
@@ -18,6 +19,15 @@ class TargetService final : public v1::TargetService::CallbackService {
                                           const v1::ComputeTargetRequest* request,
                                           v1::ComputeTargetResponse* response) override {
     return answer_now(context, compute(*request, *response));
+  }
+
+  grpc::ServerUnaryReactor* MapTargets(grpc::CallbackServerContext* context,
+                                       const v1::MapTargetsRequest* request,
+                                       v1::MapTargetsResponse* response) override {
+    static const compensation::Snapshot nothing;
+    const auto snapshot = cell_.snapshots().read();
+    return answer_now(
+        context, map_targets(snapshot ? *snapshot : nothing, *request, cell_.now(), *response));
   }
 
   grpc::ServerWriteReactor<v1::WatchTargetsResponse>* WatchTargets(

@@ -366,6 +366,16 @@ Awaitable<Result<std::vector<calibration::OfferResult>>> FakeCell::weigh_offers(
   if (auto error = take_failure()) co_return tl::unexpected(*error);
   co_return the_offers;
 }
+Awaitable<Result<app::FormulaCheck>> FakeCell::check_formula(app::FitRequest request) {
+  if (auto error = take_failure()) co_return tl::unexpected(*error);
+  last_fit = request;
+  co_return the_formula_check;
+}
+Awaitable<Result<app::ModelResiduals>> FakeCell::residuals(ModelId id, std::vector<RunId>,
+                                                           std::string) {
+  if (auto record = co_await model(id); !record) co_return tl::unexpected(record.error());
+  co_return the_residuals;
+}
 Awaitable<Result<app::ModelCheck>> FakeCell::check_model(std::optional<ModelId> id,
                                                          std::vector<RunId> runs) {
   if (!id && !the_status.serving)

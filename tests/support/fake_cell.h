@@ -54,6 +54,8 @@ class FakeCell final : public app::Cell {
   std::vector<PromotionRecord> the_promotions;
   std::vector<calibration::OfferResult> the_offers;
   diagnosis::CheckReport the_check;
+  app::FormulaCheck the_formula_check;
+  app::ModelResiduals the_residuals;
   std::vector<ExclusionRecord> the_exclusions;  // of any run: rows as asked for
   std::vector<NoteRecord> the_notes;
   std::string last_request_id;
@@ -117,6 +119,9 @@ class FakeCell final : public app::Cell {
   Awaitable<Result<ModelRecord>> fit(app::Caller caller, app::FitRequest request) override;
   Awaitable<Result<std::vector<calibration::OfferResult>>> weigh_offers(
       app::FitRequest request) override;
+  Awaitable<Result<app::FormulaCheck>> check_formula(app::FitRequest request) override;
+  Awaitable<Result<app::ModelResiduals>> residuals(ModelId model, std::vector<RunId> runs,
+                                                   std::string csv) override;
   Awaitable<Result<app::ModelCheck>> check_model(std::optional<ModelId> model,
                                                  std::vector<RunId> runs) override;
   Awaitable<Result<std::vector<ModelRecord>>> models() override;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "server/compensation/target.h"
+#include "server/formats/model_json.h"
 #include "tests/support/cell_in_memory.h"
 #include "tests/unit/application/sqlite.h"
 
@@ -54,6 +55,38 @@ TEST_F(ServingTest, ThePromotedModelFollowsTheTemperature) {
   cell.pass(600);  // two thirds of a kelvin: the world grows by 150 nm/K
   const double moved_nm = (target_mm(1.0) - before_mm) * 1e6;
   EXPECT_NEAR(moved_nm, -150 * 4 / 6.0, 5);
+}
+
+TEST_F(ServingTest, TheResidualsOfAFitAreThoseOfItsAccuracy) {
+  const auto record = fit_after_campaign();
+  const auto residuals = cell.await(cell->residuals(record.id, {}, ""));
+  ASSERT_TRUE(residuals) << residuals.error().message;
+  EXPECT_TRUE(residuals->same_rows);
+  ASSERT_EQ(residuals->outputs.size(), 1u);
+  double squares = 0;
+  int calibration = 0;
+  for (std::size_t row = 0; row < residuals->data.rows; ++row) {
+    if (residuals->data.set_of(row) != PointSet::calibration) continue;
+    squares += residuals->outputs[0].values[row] * residuals->outputs[0].values[row];
+    ++calibration;
+  }
+  const auto model = *formats::read_model_json(record.json);
+  EXPECT_NEAR(std::sqrt(squares / model.outputs[0].dof), model.outputs[0].accuracy.rmse * 1e6,
+              1e-6);
+  EXPECT_EQ(cell.await(cell->residuals(record.id, {}, "x_mm\n1\n")).error().reason,
+            "UNKNOWN_CHANNEL");
+}
+
+TEST_F(ServingTest, AFormulaIsJudgedOnTheRowsOfARun) {
+  fit_after_campaign();
+  application::FitRequest fit;
+  fit.runs = {RunId{1}};
+  fit.formula = "q1 ~ x + t0l";
+  const auto check = cell.await(cell->check_formula(fit));
+  ASSERT_TRUE(check) << check.error().message;
+  EXPECT_NE(check->problem.find("t0l"), std::string::npos);
+  fit.runs = {RunId{99}};
+  EXPECT_FALSE(cell.await(cell->check_formula(fit))) << "no such run is an error of its own";
 }
 
 TEST_F(ServingTest, ACompensatedRunArrivesWhereItWasAsked) {

@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <cmath>
+
 #include "driftwise/v1/model_service.grpc.pb.h"
 #include "tests/unit/rpc/rpc_fixture.h"
 
@@ -95,6 +98,47 @@ TEST_F(ModelServiceTest, GivesFiguresInTheSummaryUnitAndCoefficientsInTheColumns
   EXPECT_FALSE(output.terms(2).included());
   EXPECT_FALSE(output.terms(2).has_vif());
   EXPECT_EQ(response->model().fit_duration().nanos(), 48'100);
+}
+
+TEST_F(ModelServiceTest, AnswersAFormulaWithATypoWithTheProblemAndItsPlace) {
+  cell.on_executor([&] {
+    cell.the_formula_check.problem = "formula: unknown channel 'to7'";
+    cell.the_formula_check.problem_offset = 8;
+    cell.the_formula_check.channels = {{"x", "mm"}, {"t07", "degC"}};
+  });
+  v1::CheckFormulaRequest request;
+  *request.mutable_fit() = a_fit();
+  const auto check = ask(&ModelStub::CheckFormula, request);
+  ASSERT_TRUE(check) << check.error().message;
+  EXPECT_EQ(check->problem(), "formula: unknown channel 'to7'");
+  EXPECT_EQ(check->problem_offset(), 8);
+  ASSERT_EQ(check->channels_size(), 2);
+  EXPECT_EQ(check->channels(1).symbol(), "t07");
+  EXPECT_TRUE(std::ranges::any_of(check->effects(), [](const auto& effect) {
+    return effect.name() == "lag" && effect.cause() == "thermal_lag";
+  })) << "a field that completes needs to know the effects";
+}
+
+TEST_F(ModelServiceTest, ListsResidualsWithTheChannelsTheyMayGoWith) {
+  ASSERT_TRUE(ask(&ModelStub::CreateFit, a_fit()));
+  cell.on_executor([&] {
+    auto& data = cell.the_residuals.data;
+    data.rows = 3;
+    data.time_s = {0, 10, 20};
+    data.set = {PointSet::calibration, PointSet::validation, PointSet::calibration};
+    data.columns = {{{"t07", "degC"}, {20.5, 20.6, kMissing}}};
+    cell.the_residuals.outputs = {{{"q1", "mm"}, {1.5, -2.5, 0.5}}};
+  });
+  const auto rows = ask(&ModelStub::ListResiduals, of<v1::ListResidualsRequest>(1));
+  ASSERT_TRUE(rows) << rows.error().message;
+  EXPECT_EQ(rows->time_s_size(), 3);
+  EXPECT_TRUE(rows->validation(1));
+  EXPECT_FALSE(rows->excluded(1));
+  EXPECT_EQ(rows->row_step(), 1);
+  ASSERT_EQ(rows->outputs_size(), 1);
+  EXPECT_EQ(rows->outputs(0).unit(), "nm");
+  EXPECT_DOUBLE_EQ(rows->outputs(0).values(1), -2.5);
+  EXPECT_TRUE(std::isnan(rows->variables(0).values(2)));
 }
 
 TEST_F(ModelServiceTest, PromotesOneAndRollsBackToNone) {

@@ -77,6 +77,46 @@ TEST_F(TargetServiceTest, TellsWhatTheUncertaintyIsMadeOfWhenAsked) {
   EXPECT_EQ(answer->target().coordinates(0).budget(0).source(), v1::BudgetLine::SOURCE_FIT);
 }
 
+TEST_F(TargetServiceTest, TellsWhatTheCorrectionIsMadeOf) {
+  serve(125e-6, [](Snapshot& snapshot) { snapshot.outputs[0].thermal_mm = {40e-6, 2e-6}; });
+  auto request = at("x_mm", 1.5);
+  request.set_with_budget(true);
+  const auto answer = ask(&TargetStub::ComputeTarget, request);
+  ASSERT_TRUE(answer);
+  const auto& coordinate = answer->target().coordinates(0);
+  EXPECT_NEAR(coordinate.correction_nm(), 125, 1e-6);
+  ASSERT_EQ(coordinate.parts_size(), 3);
+  EXPECT_NEAR(coordinate.parts(0).nm(), 82, 1e-6) << "geometry: 125 - 40 - 2 * 1.5";
+  EXPECT_NEAR(coordinate.parts(1).nm(), 0, 1e-6);
+  EXPECT_NEAR(coordinate.parts(2).nm(), 43, 1e-6);
+}
+
+TEST_F(TargetServiceTest, MapsTheCorrectionOverAPlane) {
+  serve(125e-6);
+  v1::MapTargetsRequest request;
+  request.mutable_horizontal()->set_channel("x_mm");
+  request.mutable_horizontal()->set_count(5);
+  request.mutable_vertical()->set_channel("y_mm");
+  request.mutable_vertical()->set_from(-1);
+  request.mutable_vertical()->set_to(1);
+  request.mutable_vertical()->set_count(3);
+  const auto map = ask(&TargetStub::MapTargets, request);
+  ASSERT_TRUE(map) << map.error().message;
+  EXPECT_DOUBLE_EQ(map->horizontal().from(), -4) << "the fitted domain, when nothing is stated";
+  ASSERT_EQ(map->planes_size(), 1);
+  ASSERT_EQ(map->planes(0).correction_nm_size(), 15);
+  EXPECT_DOUBLE_EQ(map->planes(0).position_mm(1), -2 + 125e-6) << "row by row, x first";
+  EXPECT_NEAR(map->planes(0).correction_nm(14), 125, 1e-6);
+  EXPECT_FALSE(map->outside(0));
+  request.mutable_vertical()->clear_to();
+  EXPECT_THAT(ask(&TargetStub::MapTargets, request),
+              FailsWith(ErrorCode::invalid_argument, "BAD_AXIS"))
+      << "the model knows no range of y";
+  request.mutable_vertical()->set_channel("x_mm");
+  EXPECT_THAT(ask(&TargetStub::MapTargets, request),
+              FailsWith(ErrorCode::invalid_argument, "DUPLICATE_CHANNEL"));
+}
+
 TEST_F(TargetServiceTest, FlagsAPoseOutsideTheDomainByName) {
   serve(0);
   const auto answer = ask(&TargetStub::ComputeTarget, at("x_mm", 4.2));
