@@ -5,8 +5,10 @@
 #include <algorithm>
 
 #include "clients/cli/cell_commands.h"
+#include "clients/cli/command_tree.h"
 #include "clients/cli/data_commands.h"
 #include "clients/cli/fit_commands.h"
+#include "clients/cli/manual_commands.h"
 #include "clients/cli/model_commands.h"
 #include "clients/cli/remark_commands.h"
 #include "clients/cli/run_commands.h"
@@ -75,13 +77,8 @@ void add_shared_options(CLI::App& app, Session& session) {
   app.add_flag("--json", session.console.json, "results for programs; docs/cli.md has the keys");
 }
 
-}  // namespace
-
-int run_cli(std::vector<std::string> arguments, Console& console, Interrupt* interrupt) {
-  Session session{console, interrupt, {}, {}, 0, {}};
-  CLI::App app(kExamples, "driftwise");
+void add_everything(CLI::App& app, Session& session) {
   app.set_version_flag("--version", DRIFTWISE_VERSION);
-  app.footer(kFooter);
   app.require_subcommand(1);
   app.fallthrough();  // the shared options may stand anywhere
   app.option_defaults()->always_capture_default(false);
@@ -96,10 +93,43 @@ int run_cli(std::vector<std::string> arguments, Console& console, Interrupt* int
   add_model_commands(app, session);
   add_target_command(app, session);
   add_standard_commands(app, session);
+  add_manual_commands(app, session);
+  add_examples(app, kFooter);
+}
 
-  std::reverse(arguments.begin(), arguments.end());  // as CLI11 wants them
+// CLI11 wants the last word first.
+void parse(CLI::App& app, std::vector<std::string> arguments) {
+  std::reverse(arguments.begin(), arguments.end());
+  app.parse(std::move(arguments));
+}
+
+}  // namespace
+
+std::optional<std::string> misunderstood(std::vector<std::string> arguments, Console& console) {
+  Session session{console, nullptr, {}, {}, 0, {}};
+  CLI::App app("", "driftwise");
+  add_everything(app, session);
   try {
-    app.parse(std::move(arguments));
+    parse(app, std::move(arguments));
+  } catch (const CLI::ParseError& error) {
+    return error.what();
+  }
+  return std::nullopt;
+}
+
+CommandText command_tree(Console& console) {
+  Session session{console, nullptr, {}, {}, 0, {}};
+  CLI::App app("", "driftwise");
+  add_everything(app, session);
+  return describe(app);
+}
+
+int run_cli(std::vector<std::string> arguments, Console& console, Interrupt* interrupt) {
+  Session session{console, interrupt, {}, {}, 0, {}};
+  CLI::App app(kExamples, "driftwise");
+  add_everything(app, session);
+  try {
+    parse(app, std::move(arguments));
   } catch (const CLI::ParseError& error) {
     return after_parse(app, error, console);
   }

@@ -158,7 +158,7 @@ void add_note_commands(CLI::App& app, Session& session) {
   auto a = std::make_shared<NoteArguments>();
   CLI::App& add = add_command(note, session, "add", "Adds a remark",
                               [&session, a] { return add_note(session, *a); });
-  add.add_option("TEXT", a->text)->required();
+  add.add_option("TEXT", a->text, "what to remember")->required();
   add_subject(add, *a);
   add_subject(add_command(note, session, "list", "Remarks, oldest first",
                           [&session, a] { return list_notes(session, *a); }),

@@ -120,8 +120,10 @@ void add_iso9283(CLI::App& parent, Session& session) {
       ->delimiter(',');
   command.add_option("--rotation-measured", options.rotation_measured, "else rx, ry, rz")
       ->delimiter(',');
-  command.add_option("--poses", options.poses)->check(CLI::Range(1, 1000))->capture_default_str();
-  command.add_option("--cycles", options.cycles)
+  command.add_option("--poses", options.poses, "different ones that must be there")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command.add_option("--cycles", options.cycles, "visits of each pose at least")
       ->check(CLI::Range(2, 100000))
       ->capture_default_str();
   command.add_option("--same-pose-mm", options.same_pose_mm, "commands so near are one pose")

@@ -79,10 +79,10 @@ void add_iso230_2_plan(CLI::App& parent, Session& session) {
                     return write_plan(session.console, *a, "ISO 230-2",
                                       value_or_throw(standards::iso230_2_plan(a->iso230_2)));
                   });
-  command.add_option("--axis", a->axis)->capture_default_str();
+  command.add_option("--axis", a->axis, "coordinate that moves")->capture_default_str();
   command.add_option("--from", plan.from_mm, "mm, the lowest position")->required();
   command.add_option("--to", plan.to_mm, "mm, the highest")->required();
-  command.add_option("--positions", plan.positions)->capture_default_str();
+  command.add_option("--positions", plan.positions, "from end to end")->capture_default_str();
   command.add_option("--approaches", plan.approaches, "from each side")->capture_default_str();
   command.add_option("--overrun", plan.overrun_mm, "mm beyond the ends; else a quarter of a step");
   command.add_flag("--even", a->even, "positions at equal steps, not scattered within them");
@@ -101,9 +101,9 @@ void add_iso230_3_plan(CLI::App& parent, Session& session) {
         return write_plan(session.console, *a, "ISO 230-3",
                           value_or_throw(standards::iso230_3_plan(a->iso230_3)));
       });
-  command.add_option("--axis", a->axis)->capture_default_str();
+  command.add_option("--axis", a->axis, "coordinate that moves")->capture_default_str();
   command.add_option("--at", plan.at_mm, "mm: -4,4 or one position")->delimiter(',')->required();
-  command.add_option("--hours", plan.hours)->capture_default_str();
+  command.add_option("--hours", plan.hours, "that the test lasts")->capture_default_str();
   command.add_option("--every", plan.every_s, "seconds that a round dwells")->capture_default_str();
   command.add_option("--overrun", plan.overrun_mm, "mm below the lowest")->capture_default_str();
   add_plan_options(command, *a);
@@ -126,7 +126,7 @@ void add_iso9283_plan(CLI::App& parent, Session& session) {
       ->delimiter(',')
       ->required();
   command.add_option("--edge", plan.edge_mm, "mm, of the cube")->required();
-  command.add_option("--cycles", plan.cycles)->capture_default_str();
+  command.add_option("--cycles", plan.cycles, "visits of each pose")->capture_default_str();
   add_plan_options(command, *a);
 }
 
