@@ -27,7 +27,8 @@ CellPlant::CellPlant(std::shared_ptr<const CellParameters> parameters, std::uint
       epoch_(epoch),
       now_(epoch),
       world_(*cell_, seed),
-      scanner_noise_(seed, "scanner") {
+      scanner_noise_(seed, "scanner"),
+      probe_faults_(cell_->hidden) {
   const Weather typed_in = world_.at(0).weather;
   for (int i = 0; i < static_cast<int>(cell_->axes.size()); ++i) {
     axes_.emplace_back(cell_->axes[place(i)], seed, i);
@@ -38,6 +39,7 @@ CellPlant::CellPlant(std::shared_ptr<const CellParameters> parameters, std::uint
     length_noise_.emplace_back(seed, stream_of("interferometer.reading", i));
   }
   true_at_zero_nm_.assign(interferometers_.size(), 0.0);
+  hidden_at_zero_nm_.assign(interferometers_.size(), 0.0);
   beam_broken_.assign(interferometers_.size(), false);
   for (const auto& part : cell_->parts) node_names_.push_back(part.name);
 }
@@ -47,6 +49,7 @@ void CellPlant::zero_at_start() {
     const Beam start = beam(i, 0);
     interferometers_[place(i)].zero(start.true_nm, start.frame, 0);
     true_at_zero_nm_[place(i)] = start.true_nm;
+    hidden_at_zero_nm_[place(i)] = start.hidden_nm;
   }
 }
 
@@ -56,17 +59,18 @@ void CellPlant::log(const char* kind, TimeNs at) {
 
 void CellPlant::advance_to(TimeNs now) {
   if (now <= now_) return;
-  const auto motor_w = [this](std::size_t axis, double time_s) {
-    return axes_[axis].motor_w(time_s);
-  };
+  const SlowWorld::Motors motors{
+      .motor_w = [this](std::size_t axis, double time_s) { return axes_[axis].motor_w(time_s); },
+      .scale_mm = [this](std::size_t axis, double time_s,
+                         double wander_nm) { return axes_[axis].at(time_s, wander_nm).scale_mm; }};
   // Ticks at their own times, so that their rows do not depend on who asks when.
   while (log_ && next_tick_s_ <= seconds(now)) {
-    world_.advance_to(next_tick_s_, motor_w);
+    world_.advance_to(next_tick_s_, motors);
     log("tick", epoch_ + static_cast<TimeNs>(std::llround(next_tick_s_ * 1e9)));
     next_tick_s_ += kTick_s;
   }
   now_ = now;
-  world_.advance_to(now_s(), motor_w);
+  world_.advance_to(now_s(), motors);
 }
 
 double CellPlant::disturbed(DisturbancePlace where, const DisturbanceContext& context) const {
@@ -133,7 +137,51 @@ void CellPlant::halt(TimeNs now) {
 }
 
 double CellPlant::shown_nm(int index, const Beam& beam) const {
-  return interferometers_[place(index)].shown_nm(beam.true_nm, beam.frame) + beam.disturbed_nm;
+  return interferometers_[place(index)].shown_nm(beam.true_nm, beam.frame) + beam.disturbed_nm +
+         (beam.hidden_nm - hidden_at_zero_nm_[place(index)]);
+}
+
+double CellPlant::hidden_stage_nm(int axis, const Frame& frame, HiddenContext at) const {
+  double sum_nm = 0;
+  const auto& all = world_.hidden();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].place != HiddenPlace::stage_nm || all[i].index != axis) continue;
+    sum_nm += all[i].mechanism->value_nm(at, frame.hidden[i]);
+  }
+  return sum_nm;
+}
+
+double CellPlant::hidden_beam_nm(int beam, const Frame& frame, double time_s,
+                                 double true_nm) const {
+  double sum_nm = 0;
+  const auto& p = cell_->interferometers[place(beam)];
+  const HiddenContext at{.time_s = time_s, .path_mm = p.dead_path_mm + true_nm / kNmPerMm};
+  const auto& all = world_.hidden();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].place != HiddenPlace::beam_nm || all[i].index != beam) continue;
+    sum_nm += p.sign * all[i].mechanism->value_nm(at, frame.hidden[i]);
+  }
+  return sum_nm;
+}
+
+void CellPlant::add_hidden_columns(std::vector<std::string>& columns) const {
+  for (const auto& one : world_.hidden()) columns.push_back("hidden_" + one.name + "_nm");
+}
+
+void CellPlant::add_hidden_values(const Frame& frame, double time_s,
+                                  std::vector<double>& values) const {
+  const auto& all = world_.hidden();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    HiddenContext at{.time_s = time_s};
+    if (all[i].place == HiddenPlace::stage_nm) {
+      at.stage_mm =
+          axes_[place(all[i].index)].at(time_s, frame.hold_wander_nm[place(all[i].index)]).scale_mm;
+      at.force_n = hidden_force_n(time_s);
+    } else {
+      at.path_mm = cell_->interferometers[place(all[i].index)].dead_path_mm;
+    }
+    values.push_back(all[i].mechanism->value_nm(at, frame.hidden[i]));
+  }
 }
 
 double CellPlant::air_probe_degc(int index, double sampled_s) const {
@@ -201,6 +249,7 @@ void CellPlant::zero_length(int index, TimeNs now) {
                           length_noise_[place(index)].gaussian();
   interferometers_[place(index)].zero(at.true_nm, at.frame, noise_nm);
   true_at_zero_nm_[place(index)] = at.true_nm;
+  hidden_at_zero_nm_[place(index)] = at.hidden_nm;
   beam_broken_[place(index)] = at.lost;
   log("zero", now_);
 }
@@ -224,10 +273,13 @@ double CellPlant::probe_ohm(int input, TimeNs now) {
   if (found == nullptr || open_probes_.contains(input)) {
     return std::numeric_limits<double>::quiet_NaN();
   }
+  const int connected = probe_faults_.connected(input, now_s());
+  if (connected != input) found = probe(connected, i);
   double degc = world_.at(now_s()).probe_degc[i];
   degc += disturbed(DisturbancePlace::probe_k, {.time_s = now_s(), .input = input});
-  const double ohm = found->r0_ohm * (1 + degc * (found->a_per_k + degc * found->b_per_k2)) +
-                     cell_->scanner_noise_ohm * scanner_noise_.gaussian();
+  double ohm = found->r0_ohm * (1 + degc * (found->a_per_k + degc * found->b_per_k2)) +
+               cell_->scanner_noise_ohm * scanner_noise_.gaussian();
+  ohm = probe_faults_.shown_ohm(input, now_s(), ohm, found->r0_ohm);
   const double grain_ohm = cell_->scanner_resolution_ohm;
   return std::round(ohm / grain_ohm) * grain_ohm;
 }

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "drivers/simulated/plant/disturbance.h"
+#include "drivers/simulated/plant/hidden_faults.h"
 #include "drivers/simulated/plant/interferometer.h"
 #include "drivers/simulated/plant/plant.h"
 #include "drivers/simulated/plant/servo_axis.h"
@@ -84,9 +85,11 @@ class CellPlant : public Plant {
     Frame frame;
     double true_nm = 0;       // mirror against the head
     double disturbed_nm = 0;  // what a disturbance adds to the reading
+    double hidden_nm = 0;     // what is hidden in the light's way adds to it
     bool lost = false;        // the light does not come back
   };
   virtual Beam beam(int index, double time_s) const = 0;
+  virtual double hidden_force_n(double /*time_s*/) const { return 0; }  // that pulls at the robot
   // Before a command changes the motion or the load: what depends on the past is settled up to now.
   virtual void before_command() {}
   void note(const char* kind) { log(kind, now_); }  // a row of the truth log
@@ -98,6 +101,12 @@ class CellPlant : public Plant {
   double now_s() const { return seconds(now_); }
   double disturbed(DisturbancePlace place, const DisturbanceContext& context) const;
   double shown_nm(int index, const Beam& beam) const;  // without the noise of reading
+  // What [hidden] adds: of the stage against its scale, of a beam whose mirror is at true_nm.
+  double hidden_stage_nm(int axis, const Frame& frame, HiddenContext at) const;
+  double hidden_beam_nm(int beam, const Frame& frame, double time_s, double true_nm) const;
+  // Columns and values that [hidden] adds to the truth: "hidden_<name>_nm" (docs/plants/hidden.md).
+  void add_hidden_columns(std::vector<std::string>& columns) const;
+  void add_hidden_values(const Frame& frame, double time_s, std::vector<double>& values) const;
   static void check(bool good, const char* what);
 
   std::shared_ptr<const CellParameters> cell_;  // shared: it remembers what it really points at
@@ -107,7 +116,7 @@ class CellPlant : public Plant {
   SlowWorld world_;
   std::vector<ServoAxis> axes_;
   std::vector<Interferometer> interferometers_;
-  std::vector<double> true_at_zero_nm_;
+  std::vector<double> true_at_zero_nm_, hidden_at_zero_nm_;
   std::multimap<DisturbancePlace, Disturbance> disturbances_;
 
  private:
@@ -123,6 +132,7 @@ class CellPlant : public Plant {
   bool laser_stable_ = true;
   int instants_per_reading_ = 16;
   std::set<int> open_probes_;
+  HiddenFaults probe_faults_;
   std::unique_ptr<TruthLog> log_;
   double next_tick_s_ = 0;
 };

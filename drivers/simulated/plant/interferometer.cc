@@ -28,11 +28,15 @@ double Interferometer::believed_index(const Frame& frame) const {
                           typed_in_.pressure_hpa, typed_in_.humidity_pct);
 }
 
+double Interferometer::path_mm(double true_nm) const {
+  return parameters_.dead_path_mm + parameters_.hidden_path_mm + true_nm / kNmPerMm;
+}
+
 double Interferometer::raw_nm(double true_nm, const Frame& frame) const {
   const double believed = believed_index(frame);
-  const double path_mm = index(frame) * (parameters_.dead_path_mm + true_nm / kNmPerMm);
+  const double optical_mm = index(frame) * path_mm(true_nm);
   const double dead_path_change_mm = (believed - believed_at_zero_) * typed_dead_path_mm_;
-  return (path_mm - path_at_zero_mm_ - dead_path_change_mm) / believed * kNmPerMm +
+  return (optical_mm - path_at_zero_mm_ - dead_path_change_mm) / believed * kNmPerMm +
          frame.beams[beam_].instability_nm;
 }
 
@@ -41,7 +45,7 @@ double Interferometer::shown_nm(double true_nm, const Frame& frame) const {
 }
 
 void Interferometer::zero(double true_nm, const Frame& frame, double offset_nm) {
-  path_at_zero_mm_ = index(frame) * (parameters_.dead_path_mm + true_nm / kNmPerMm);
+  path_at_zero_mm_ = index(frame) * path_mm(true_nm);
   believed_at_zero_ = believed_index(frame);
   zero_nm_ = frame.beams[beam_].instability_nm + offset_nm;
 }

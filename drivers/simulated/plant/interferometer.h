@@ -29,6 +29,7 @@ class Interferometer {
  private:
   double index(const Frame& frame) const;
   double believed_index(const Frame& frame) const;
+  double path_mm(double true_nm) const;
   double raw_nm(double true_nm, const Frame& frame) const;
 
   InterferometerParameters parameters_;

@@ -32,6 +32,10 @@ LinearAxisPlant::Instant LinearAxisPlant::instant(double time_s) const {
     stage_mm -= disturbed(DisturbancePlace::scale_nm, context) / kNmPerMm;
     context.stage_mm = stage_mm;
   }
+  if (!parameters_.hidden.empty()) {
+    stage_mm +=
+        hidden_stage_nm(0, i.frame, {.time_s = time_s, .stage_mm = i.servo.scale_mm}) / kNmPerMm;
+  }
   i.loop = measuring_loop(parameters_, i.frame.degc, stage_mm);
   i.loop.geometry_nm += disturbed(DisturbancePlace::end_effector_nm, context);
   i.disturbed_nm = disturbed(DisturbancePlace::interferometer_nm, context);
@@ -40,14 +44,20 @@ LinearAxisPlant::Instant LinearAxisPlant::instant(double time_s) const {
 
 CellPlant::Beam LinearAxisPlant::beam(int, double time_s) const {
   const Instant i = instant(time_s);
-  return {.frame = i.frame, .true_nm = i.loop.interferometer_nm(), .disturbed_nm = i.disturbed_nm};
+  const double true_nm = i.loop.interferometer_nm();
+  return {.frame = i.frame,
+          .true_nm = true_nm,
+          .disturbed_nm = i.disturbed_nm,
+          .hidden_nm = hidden_beam_nm(0, i.frame, time_s, true_nm)};
 }
 
 Truth LinearAxisPlant::truth(TimeNs at) {
   const Instant i = instant(seconds(at));
   const double true_nm = i.loop.interferometer_nm();
-  const double shown =
-      shown_nm(0, {.frame = i.frame, .true_nm = true_nm, .disturbed_nm = i.disturbed_nm});
+  const double shown = shown_nm(0, {.frame = i.frame,
+                                    .true_nm = true_nm,
+                                    .disturbed_nm = i.disturbed_nm,
+                                    .hidden_nm = hidden_beam_nm(0, i.frame, seconds(at), true_nm)});
   Truth truth{
       .time = at,
       .commanded_nm = axes_.front().commanded_mm() * kNmPerMm,
@@ -72,6 +82,7 @@ std::vector<std::string> LinearAxisPlant::truth_columns() const {
       "robot_drift_nm", "device_drift_nm", "air_error_nm",    "geometry_nm",
       "air_degC",       "room_degC",       "pressure_hPa"};
   for (const auto& name : node_names()) columns.push_back(name + "_degC");
+  add_hidden_columns(columns);
   return columns;
 }
 
@@ -82,6 +93,7 @@ std::vector<double> LinearAxisPlant::truth_values(TimeNs at) {
       t.robot_drift_nm, t.device_drift_nm, t.air_error_nm,    t.geometry_nm,
       t.air_degc,       t.room_degc,       t.pressure_hpa};
   values.insert(values.end(), t.node_degc.begin(), t.node_degc.end());
+  add_hidden_values(world_.at(seconds(at)), seconds(at), values);
   return values;
 }
 

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "drivers/simulated/plant/hidden_sections.h"
 #include "drivers/simulated/plant/plant_sections.h"
 #include "drivers/simulated/plant/robot_sections.h"
 
@@ -90,6 +91,7 @@ LinearAxisParameters linear_axis_sections(Fields root) {
   plant.stabilisers.front().part = part_named(stabiliser, "part", plant.parts);
   plant.stabilisers.front().sink_part = part_named(stabiliser, "sink_part", plant.parts);
   stabiliser.finish();
+  hidden_sections(root, materials, plant);
   root.finish();
   check_closure(root, plant);
   return plant;

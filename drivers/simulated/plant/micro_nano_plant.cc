@@ -24,12 +24,27 @@ std::uint64_t machine_seed(const MicroNanoParameters& p, std::uint64_t seed) {
   return p.machine != 0 ? p.machine : seed;
 }
 
+// The machine with what is hidden in the places of its beams.
+Machine machine_of(const MicroNanoParameters& p, std::uint64_t seed) {
+  Machine machine = made_machine(p, machine_seed(p, seed));
+  for (const auto& one : p.hidden) {
+    const auto* beam = std::get_if<HiddenBeamPlace>(&one.effect);
+    if (beam == nullptr) continue;
+    const auto axis = static_cast<std::size_t>(beam->beam);
+    machine.spot_error_mm[axis][0] += beam->u_mm;
+    machine.spot_error_mm[axis][1] += beam->v_mm;
+    machine.beam_error_rad[axis] =
+        machine.beam_error_rad[axis] + (beam->angle_arcsec * kRadPerArcsec) * kFirst[axis];
+  }
+  return machine;
+}
+
 }  // namespace
 
 MicroNanoPlant::MicroNanoPlant(MicroNanoParameters parameters, std::uint64_t seed, TimeNs epoch)
     : CellPlant(std::make_unique<const MicroNanoParameters>(std::move(parameters)), seed, epoch),
       parameters_(static_cast<const MicroNanoParameters&>(cell())),
-      machine_(made_machine(parameters_, machine_seed(parameters_, seed))),
+      machine_(machine_of(parameters_, seed)),
       mechanics_(parameters_, machine_),
       load_(parameters_.load, parameters_.load.pulley_height_mm) {
   const auto cold = all_at(parameters_.reference_degc);
@@ -85,6 +100,12 @@ void MicroNanoPlant::solve(Instant& i) const {
                                                           .stage_mm = stage_mm[k],
                                                           .approach = i.servo[k].approach,
                                                           .since_move_s = i.servo[k].since_end_s}) /
+                   kNmPerMm;
+    if (parameters_.hidden.empty()) continue;
+    stage_mm[k] += hidden_stage_nm(static_cast<int>(k), i.frame,
+                                   {.time_s = time_s,
+                                    .stage_mm = i.servo[k].scale_mm,
+                                    .force_n = hidden_force_n(time_s)}) /
                    kNmPerMm;
   }
   const auto assembly = mechanics_.assembly(stage_mm, i.frame.degc);
@@ -166,13 +187,15 @@ CellPlant::Beam MicroNanoPlant::beam(int index, double time_s) const {
   const Instant& at = instant(time_s);
   const PathReading reading = path(axis, at);
   const double dead_mm = parameters_.interferometers[axis].dead_path_mm;
+  const double true_nm = (reading.path_mm - dead_mm) * kNmPerMm;
   return {.frame = at.frame,
-          .true_nm = (reading.path_mm - dead_mm) * kNmPerMm,
+          .true_nm = true_nm,
           .disturbed_nm = disturbed(DisturbancePlace::interferometer_nm,
                                     {.time_s = time_s,
                                      .index = index,
                                      .approach = at.servo.front().approach,
                                      .since_move_s = at.servo.front().since_end_s}),
+          .hidden_nm = hidden_beam_nm(index, at.frame, time_s, true_nm),
           .lost = reading.tilt_rad > parameters_.optics.tilt_limit_arcsec * kRadPerArcsec};
 }
 
@@ -180,6 +203,11 @@ void MicroNanoPlant::before_command() {
   const Instant& at = instant(now_s());
   load_.settle(now_s(), at.wire_mm);
   remembered_.clear();
+}
+
+// What hangs, and the pan.
+double MicroNanoPlant::hidden_force_n(double time_s) const {
+  return load_.state(time_s).newton + parameters_.load.pan_n;
 }
 
 LoadState MicroNanoPlant::load(TimeNs now) {

@@ -56,6 +56,7 @@ class MicroNanoPlant final : public CellPlant {
  protected:
   Beam beam(int index, double time_s) const override;
   void before_command() override;
+  double hidden_force_n(double time_s) const override;
 
  private:
   struct Instant {

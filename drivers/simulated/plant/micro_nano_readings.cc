@@ -121,6 +121,7 @@ std::vector<std::string> MicroNanoPlant::truth_columns() const {
                                    "room_degC",
                                    "pressure_hPa"};
   for (const auto& name : node_names()) columns.push_back(name + "_degC");
+  add_hidden_columns(columns);
   return columns;
 }
 
@@ -135,6 +136,7 @@ std::vector<double> MicroNanoPlant::truth_values(TimeNs at) {
     values.push_back(value);
   }
   values.insert(values.end(), t.node_degc.begin(), t.node_degc.end());
+  add_hidden_values(world_.at(seconds(at)), seconds(at), values);
   return values;
 }
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "drivers/simulated/plant/hidden_sections.h"
 #include "drivers/simulated/plant/plant_sections.h"
 #include "drivers/simulated/plant/robot_sections.h"
 
@@ -213,6 +214,7 @@ MicroNanoParameters micro_nano_sections(Fields root) {
   }
   axis.finish();
   stabiliser.finish();
+  hidden_sections(root, materials, plant);
   root.finish();
   return plant;
 }

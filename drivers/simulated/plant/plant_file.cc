@@ -10,6 +10,36 @@
 namespace driftwise::simulated {
 namespace {
 
+// Key by key into a fresh table, so that the values carry no line number of the file.
+bool put_value(toml::table& table, std::string_view key, const toml::node& node) {
+  if (const auto* string = node.as_string()) {
+    table.insert_or_assign(key, string->get());
+  } else if (const auto* whole = node.as_integer()) {
+    table.insert_or_assign(key, whole->get());
+  } else if (const auto* number = node.as_floating_point()) {
+    table.insert_or_assign(key, number->get());
+  } else if (const auto* list = node.as_array()) {
+    table.insert_or_assign(key, *list);
+  } else {
+    return false;
+  }
+  return true;
+}
+
+// [hidden] is in no file by default: an override may make its tables, also in one go:
+// hidden.glue={kind="viscoelastic",...}.
+void make_hidden(toml::table& root, std::string_view path) {
+  toml::table* table = &root;
+  for (auto dot = path.find('.'); dot != std::string_view::npos; dot = path.find('.')) {
+    const std::string_view key = path.substr(0, dot);
+    if (!table->contains(key)) table->insert(key, toml::table{});
+    if (!table->get(key)->is_table()) return;
+    table = table->get(key)->as_table();
+    path.remove_prefix(dot + 1);
+  }
+  if (!table->contains(path)) table->insert(path, 0);
+}
+
 // A value is TOML (0.5, "steel", [1, 2]); bare words are taken as strings, since shells eat the
 // quotes.
 void apply_override(toml::table& root, const std::string& text) {
@@ -27,6 +57,8 @@ void apply_override(toml::table& root, const std::string& text) {
   // Copied through a fresh table so that the value carries no line number of the file.
   toml::table* table = &root;
   std::string_view path(text.data(), equals);
+  const bool hidden = path.starts_with("hidden.");
+  if (hidden) make_hidden(root, path);
   while (true) {
     const auto dot = path.find('.');
     const std::string_view key = path.substr(0, dot);
@@ -36,15 +68,16 @@ void apply_override(toml::table& root, const std::string& text) {
                              ": the plant file has no such key");
       }
       const toml::node& node = *parsed.get("v");
-      if (const auto* string = node.as_string()) {
-        table->insert_or_assign(key, string->get());
-      } else if (const auto* whole = node.as_integer()) {
-        table->insert_or_assign(key, whole->get());
-      } else if (const auto* number = node.as_floating_point()) {
-        table->insert_or_assign(key, number->get());
-      } else if (const auto* list = node.as_array()) {
-        table->insert_or_assign(key, *list);
-      } else {
+      bool known = put_value(*table, key, node);
+      if (!known && hidden && node.is_table()) {
+        toml::table made;
+        known = true;
+        for (const auto& [inner, entry] : *node.as_table()) {
+          known = known && put_value(made, inner.str(), entry);
+        }
+        table->insert_or_assign(key, std::move(made));
+      }
+      if (!known) {
         throw PlantFileError("override: found '" + text + "', expected a number, string or list");
       }
       return;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/simulated/plant/hidden_parameters.h"
 #include "drivers/simulated/plant/plant.h"
 
 namespace driftwise::simulated {
@@ -57,7 +58,8 @@ struct RoomParameters {
 };
 
 struct InterferometerParameters {
-  double sign = 1;  // of what is shown: + when the mirror goes away from the head
+  double sign = 1;            // of what is shown: + when the mirror goes away from the head
+  double hidden_path_mm = 0;  // air that nobody typed in
   double dead_path_mm = 0, sample_rate_hz = 0, resolution_nm = 0, wavelength_nm = 0;
   double vibration_nm = 0, vibration_s = 0, instability_nm = 0, instability_s = 0;
   double beam_turbulence_k = 0;
@@ -99,6 +101,7 @@ struct CellParameters {
   std::vector<StabiliserParameters> stabilisers{};
   double scanner_noise_ohm = 0, scanner_resolution_ohm = 0;
   std::vector<ThermometerParameters> thermometers{};
+  std::vector<Hidden> hidden{};  // nothing by default
 };
 
 }  // namespace driftwise::simulated

@@ -22,15 +22,6 @@ Materials materials_section(Fields fields) {
   return materials;
 }
 
-const Material& material_named(Fields& fields, std::string_view key, const Materials& materials) {
-  const std::string name = fields.text(key);
-  const auto found = materials.find(name);
-  if (found != materials.end()) return found->second;
-  std::string known;
-  for (const auto& [other, unused] : materials) known += (known.empty() ? "" : ", ") + other;
-  fields.fail(key, "found '" + name + "', expected one of the materials: " + known);
-}
-
 double per_kelvin(double ppm_k) { return ppm_k * 1e-6; }
 
 std::vector<PartParameters> parts_section(Fields fields, const Materials& materials) {
@@ -118,6 +109,15 @@ std::vector<ThermometerParameters> thermometers_section(Fields fields,
 }
 
 }  // namespace
+
+const Material& material_named(Fields& fields, std::string_view key, const Materials& materials) {
+  const std::string name = fields.text(key);
+  const auto found = materials.find(name);
+  if (found != materials.end()) return found->second;
+  std::string known;
+  for (const auto& [other, unused] : materials) known += (known.empty() ? "" : ", ") + other;
+  fields.fail(key, "found '" + name + "', expected one of the materials: " + known);
+}
 
 int part_index(const Fields& fields, std::string_view key, std::string_view name,
                const std::vector<PartParameters>& parts) {

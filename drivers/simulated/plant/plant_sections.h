@@ -30,6 +30,7 @@ std::vector<int> parts_named(Fields& fields, std::string_view key,
                              const std::vector<PartParameters>& parts);
 int part_index(const Fields& fields, std::string_view key, std::string_view name,
                const std::vector<PartParameters>& parts);
+const Material& material_named(Fields& fields, std::string_view key, const Materials& materials);
 // Of the key's material, 1/K.
 double expansion_named(Fields& fields, std::string_view key, const Materials& materials);
 

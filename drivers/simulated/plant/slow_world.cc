@@ -57,16 +57,22 @@ SlowWorld::SlowWorld(const CellParameters& p, std::uint64_t seed)
   for (std::size_t i = 0; i < p.thermometers.size(); ++i) {
     probe_keep_[i] = std::exp(-step_s_ / p.thermometers[i].lag_s);
   }
+  std::vector<double> wavelength_nm;
+  for (const auto& beam : p.interferometers) wavelength_nm.push_back(beam.wavelength_nm);
+  hidden_ = hidden_mechanisms(p.hidden, seed, step_s_, start_degc, wavelength_nm);
   keep_frame();
-  advance_to(0, [](std::size_t, double) { return 0.0; });
+  // At rest where the axes stand at power-on.
+  advance_to(0, {.motor_w = [](std::size_t, double) { return 0.0; },
+                 .scale_mm = [&p](std::size_t axis, double,
+                                  double) { return p.axes[axis].reference_offset_mm; }});
 }
 
-void SlowWorld::advance_to(double time_s, const MotorHeat& motor_w) {
+void SlowWorld::advance_to(double time_s, const Motors& motors) {
   const auto wanted = static_cast<std::int64_t>(std::floor((time_s - start_s_) / step_s_));
-  while (steps_ < wanted) step(motor_w);
+  while (steps_ < wanted) step(motors);
 }
 
-void SlowWorld::step(const MotorHeat& motor_w) {
+void SlowWorld::step(const Motors& motors) {
   const auto& p = parameters_;
   const NodeTemperatures& degc = network_.degc();
   const double middle_s = start_s_ + (static_cast<double>(steps_) + 0.5) * step_s_;
@@ -80,7 +86,7 @@ void SlowWorld::step(const MotorHeat& motor_w) {
     power_w[sink] += peltier.sink_w;
   }
   for (std::size_t i = 0; i < p.axes.size(); ++i) {
-    power_w[static_cast<std::size_t>(p.axes[i].motor_part)] += motor_w(i, middle_s);
+    power_w[static_cast<std::size_t>(p.axes[i].motor_part)] += motors.motor_w(i, middle_s);
   }
   network_.step(room_.weather().room_degc, power_w);
   for (auto& hold : holds_) hold.step();
@@ -102,7 +108,33 @@ void SlowWorld::step(const MotorHeat& motor_w) {
     probe_degc_[i] = felt_degc + probe_keep_[i] * (probe_degc_[i] - felt_degc);
   }
   ++steps_;
+  if (!hidden_.empty()) step_hidden(motors.scale_mm);
   keep_frame();
+}
+
+void SlowWorld::step_hidden(const ScalePlace& scale_mm) {
+  const double time_s = start_s_ + static_cast<double>(steps_) * step_s_;
+  std::array<double, kMaxAxes> places_mm{};
+  for (std::size_t i = 0; i < holds_.size(); ++i) {
+    places_mm[i] = scale_mm(i, time_s, holds_[i].value());
+  }
+  const GridInstant now{.time_s = time_s,
+                        .step_s = step_s_,
+                        .degc = &network_.degc(),
+                        .scale_mm = std::span(places_mm.data(), holds_.size())};
+  for (auto& one : hidden_) one.mechanism->step(now);
+}
+
+// A front that passes: pressure falls or rises as a smooth step.
+double SlowWorld::weather_front_hpa() const {
+  const double hours = (start_s_ + static_cast<double>(steps_) * step_s_) / 3600;
+  double hpa = 0;
+  for (const auto& one : parameters_.hidden) {
+    if (const auto* front = std::get_if<HiddenWeatherFront>(&one.effect)) {
+      hpa += front->hpa * 0.5 * (1 + std::tanh(2 * (hours - front->at_h) / front->over_h));
+    }
+  }
+  return hpa;
 }
 
 // Poisson arrivals, drawn one ahead.
@@ -123,6 +155,7 @@ void SlowWorld::keep_frame() {
   frame.degc = network_.degc();
   frame.probe_degc = probe_degc_;
   frame.weather = room_.weather();
+  if (!parameters_.hidden.empty()) frame.weather.pressure_hpa += weather_front_hpa();
   for (std::size_t i = 0; i < beams_.size(); ++i) {
     frame.beams[i] = {.air_probe_degc = beams_[i].air_probe_degc,
                       .beam_air_k = beams_[i].beam_air.value(),
@@ -130,6 +163,7 @@ void SlowWorld::keep_frame() {
   }
   frame.burst_nm = next_burst_nm();
   for (std::size_t i = 0; i < holds_.size(); ++i) frame.hold_wander_nm[i] = holds_[i].value();
+  for (std::size_t i = 0; i < hidden_.size(); ++i) frame.hidden[i] = hidden_[i].mechanism->memory();
 }
 
 const Frame& SlowWorld::frame(std::int64_t step) const {
@@ -160,6 +194,7 @@ Frame SlowWorld::at(double time_s) const {
   for (std::size_t i = 0; i < holds_.size(); ++i) {
     blend(mixed_frame.hold_wander_nm[i], next.hold_wander_nm[i]);
   }
+  for (std::size_t i = 0; i < hidden_.size(); ++i) blend(mixed_frame.hidden[i], next.hidden[i]);
   return mixed_frame;
 }
 

@@ -7,6 +7,7 @@
 #include <functional>
 #include <vector>
 
+#include "drivers/simulated/plant/hidden_mechanism.h"
 #include "drivers/simulated/plant/room.h"
 #include "drivers/simulated/plant/stabiliser_loop.h"
 #include "drivers/simulated/plant/thermal_network.h"
@@ -28,6 +29,7 @@ struct Frame {
   std::array<Beam, kMaxBeams> beams{};
   double burst_nm = 0;  // shaking by a door, a lift: 0 but now and then; of the whole table
   std::array<double, kMaxAxes> hold_wander_nm{};  // slow servo error
+  std::array<double, kMaxHidden> hidden{};        // memories of the hidden mechanisms, in order
 };
 
 class SlowWorld {
@@ -36,19 +38,28 @@ class SlowWorld {
   SlowWorld(const CellParameters& parameters, std::uint64_t seed);
 
   // Takes all steps that end at or before time_s. motor_w(axis, t): heat of a motor at an instant
-  // since the epoch.
+  // since the epoch. scale_mm(axis, t, wander): where its scale is; asked only when something
+  // hidden wants to know.
   using MotorHeat = std::function<double(std::size_t axis, double time_s)>;
-  void advance_to(double time_s, const MotorHeat& motor_w);
+  using ScalePlace = std::function<double(std::size_t axis, double time_s, double wander_nm)>;
+  struct Motors {
+    MotorHeat motor_w;
+    ScalePlace scale_mm;
+  };
+  void advance_to(double time_s, const Motors& motors);
 
   // Interpolated between the two steps before time_s (a constant delay of one step: nothing here is
   // that fast).
   Frame at(double time_s) const;
 
   StabiliserLoop& stabiliser(std::size_t index) { return stabilisers_[index]; }
+  const std::vector<PlacedMechanism>& hidden() const { return hidden_; }
 
  private:
-  void step(const MotorHeat& motor_w);
+  void step(const Motors& motors);
+  void step_hidden(const ScalePlace& scale_mm);
   void keep_frame();
+  double weather_front_hpa() const;
   double next_burst_nm();
   const Frame& frame(std::int64_t step) const;
 
@@ -65,6 +76,7 @@ class SlowWorld {
   std::vector<StabiliserLoop> stabilisers_;
   std::vector<Wander> holds_;
   std::vector<BeamWorld> beams_;
+  std::vector<PlacedMechanism> hidden_;
   Random burst_random_;
   double burst_start_s_ = 0, burst_end_s_ = 0, burst_size_nm_ = 0;
   std::array<double, kMaxProbes> probe_keep_{}, probe_degc_{};
