@@ -20,5 +20,5 @@ export default defineConfig({
     },
   },
   server: { host: '127.0.0.1', proxy: { '^/driftwise\\.v1\\.': { target: daemon } } },
-  test: { environment: 'jsdom', include: ['test/**/*.test.{ts,tsx}'], css: true },
+  test: { environment: 'jsdom', include: ['test/**/*.test.{ts,tsx}'], css: true, setupFiles: ['test/setup.ts'] },
 });

@@ -1,27 +1,14 @@
-// Bar, navigation and the view of the address.
-import type { ComponentType } from 'preact';
-import { useEffect, useState } from 'preact/hooks';
-import { failureOf } from '@/api/errors';
-import { Awaiting, Failed } from '@/ui/states';
-import { segments, go } from './router';
-import { views, type ViewEntry } from './views';
-
-function Outlet({ entry }: { entry: ViewEntry }) {
-  const [loaded, setLoaded] = useState<{ entry: ViewEntry; View: ComponentType }>();
-  const [failed, setFailed] = useState<unknown>();
-  useEffect(() => {
-    let left = false;
-    setFailed(undefined);
-    entry.load().then(
-      (module) => !left && setLoaded({ entry, View: module.default }),
-      (error) => !left && setFailed(error),
-    );
-    return () => void (left = true);
-  }, [entry]);
-  if (failed) return <Failed asked={`Show ${entry.title}`} failure={failureOf(failed)} again={() => location.reload()} />;
-  if (loaded?.entry !== entry) return <Awaiting what={`the view ${entry.title}`} />;
-  return <loaded.View />;
-}
+// Around every view: skip link, bar, what is not live, the dialogs, the live region.
+import { useEffect } from 'preact/hooks';
+import { ConfirmDialog } from '@/ui/confirm';
+import { Bar, BottomTabs } from './bar';
+import { HelpDialog } from './help';
+import { NotLiveBar } from './live_dot';
+import { LiveRegion } from './live_region';
+import { NameDialog } from './name';
+import { Outlet } from './outlet';
+import { go, query, segments } from './router';
+import { views } from './views';
 
 export function Shell() {
   const name = segments.value[0];
@@ -29,16 +16,18 @@ export function Shell() {
   useEffect(() => {
     if (!entry) go('/now', 'replace');
   }, [entry]);
+  const wall = entry?.name === 'now' && query('wall') === '1';
   return (
     <>
-      <header class="bar">
-        <nav aria-label="Views">
-          {views.map((view) => (
-            <a key={view.name} href={`/${view.name}`} aria-current={view === entry ? 'page' : undefined}>{view.title}</a>
-          ))}
-        </nav>
-      </header>
-      <main id="main">{entry && <Outlet entry={entry} />}</main>
+      {!wall && <a class="skip" href="#main">Skip to the content</a>}
+      {!wall && <Bar current={entry} />}
+      <NotLiveBar />
+      <main id="main" tabIndex={-1} class={wall ? 'wall' : undefined}>{entry && <Outlet entry={entry} />}</main>
+      {!wall && <BottomTabs current={entry} />}
+      <ConfirmDialog />
+      <HelpDialog />
+      <NameDialog />
+      <LiveRegion />
     </>
   );
 }

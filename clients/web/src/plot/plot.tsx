@@ -1,11 +1,25 @@
-// Draws a PlotSpec.
-import type { Signal } from '@preact/signals';
+// Draws a PlotSpec: title, legend, unit in words, the drawing, and its tools. Zoom, cursor and the chosen point can be shared
+// with other plots.
+import { useSignal, type Signal } from '@preact/signals';
+import { useEffect, useId, useMemo, useRef, useState } from 'preact/hooks';
+import type uPlot from 'uplot';
+import 'uplot/dist/uPlot.min.css';
+import './plot.css';
+import { dark } from '@/app/theme';
+import { plotTick } from '@/live/paint';
+import { inOrder, nearest } from './aligned';
+import { makePlot, redraw, seenRange, shapeOf, type Drawn } from './draw';
+import { ExportMenu } from './export_menu';
+import { followGestures, keyPressed, type Gestured } from './gestures';
+import { Held } from './held';
+import { Legend } from './legend';
+import { palette } from './palette';
+import { PlotTable } from './plot_table';
+import type { Range } from './ranges';
 import type { PlotSpec } from './spec';
+import { inWords } from './values';
 
-export interface Range {
-  from: number;
-  to: number; // in the unit of x
-}
+export type { Range } from './ranges';
 
 export interface PlotProps {
   spec: PlotSpec;
@@ -15,13 +29,105 @@ export interface PlotProps {
   live?: boolean; // follows now, unless zoomed: then it says "held"
   chosen?: Signal<number | undefined>; // key of the point that is marked everywhere
   onPick?: (key: number) => void; // a marker was chosen
+  bare?: boolean; // without title and tools: small multiples
 }
 
-export function Plot({ spec, height = 200 }: PlotProps) {
+// The key of the marker nearest to a click, within 12 px.
+function picked(u: uPlot, spec: PlotSpec, x: number, y: number): number | undefined {
+  let best = 12;
+  let key: number | undefined;
+  for (const one of spec.series) {
+    if (!one.keys) continue;
+    const middle = nearest(one.x, u.posToVal(x, 'x'));
+    for (let i = Math.max(0, middle - 50); i < Math.min(one.x.length, middle + 50); i++) {
+      const scale = one.axis === 'right' ? 'r' : 'y';
+      const far = Math.hypot(u.valToPos(one.x[i], 'x') - x, u.valToPos(one.y[i], scale) - y);
+      if (far < best) [best, key] = [far, one.keys[i]];
+    }
+  }
+  return key;
+}
+
+export function Plot(props: PlotProps) {
+  const { height = 200, group, live, onPick, bare } = props;
+  const own = useSignal<Range | undefined>(undefined);
+  const range = props.range ?? own;
+  const id = useId();
+  const box = useRef<HTMLDivElement>(null);
+  const plot = useRef<uPlot | undefined>(undefined);
+  const [cursor, setCursor] = useState<number>();
+  const [pointed, setPointed] = useState<number>();
+  const [table, setTable] = useState(false);
+  const spec = useMemo(() => ({ ...props.spec, series: props.spec.series.map(inOrder) }), [props.spec]);
+  const drawn: Drawn = { spec, range: range.value, chosen: props.chosen?.value, pointed, colours: palette() };
+  const latest = useRef(drawn);
+  latest.current = drawn;
+  const pick = useRef(onPick);
+  pick.current = onPick;
+  const empty = spec.why !== undefined || spec.series.every((one) => one.x.length === 0);
+  if (live) void plotTick.value;
+
+  const gestured: Gestured = {
+    seen: () => seenRange(latest.current),
+    zoom: (to) => (range.value = to),
+    xAt: (clientX) => {
+      const u = plot.current!;
+      return u.posToVal(clientX - u.over.getBoundingClientRect().left, 'x');
+    },
+  };
+
+  const shape = shapeOf(spec);
+  useEffect(() => {
+    if (empty || table || !box.current) return;
+    const root = box.current;
+    const u = makePlot(root, () => latest.current, {
+      zoom: gestured.zoom,
+      cursor: setCursor,
+      click: (x, y) => {
+        const key = picked(plot.current!, latest.current.spec, x, y);
+        if (key !== undefined) pick.current?.(key);
+      },
+    }, { width: Math.max(120, root.clientWidth), height }, group);
+    plot.current = u;
+    followGestures(u.over, gestured);
+    const sized = new ResizeObserver(() => root.clientWidth > 0 && u.setSize({ width: root.clientWidth, height }));
+    sized.observe(root);
+    return () => {
+      sized.disconnect();
+      u.destroy();
+      plot.current = undefined;
+    };
+  }, [shape, dark.value, height, group, empty, table]);
+
+  useEffect(() => {
+    if (plot.current) redraw(plot.current, latest.current);
+  }, [spec, range.value, props.chosen?.value, pointed]);
+
   return (
-    <figure class="plot">
-      <figcaption>{spec.title}</figcaption>
-      <p class="note muted">{spec.why ?? spec.what} ({height} px)</p>
+    <figure class={`plot${bare ? ' plot-bare' : ''}`}>
+      <div class="plot-head">
+        <figcaption id={id}>{spec.title}</figcaption>
+        {!bare && !empty && <ExportMenu spec={spec} range={gestured.seen} drawing={() => plot.current} table={table} onTable={() => setTable(!table)} />}
+      </div>
+      {!bare && <Legend spec={spec} cursor={cursor} pointed={pointed} onPoint={setPointed} />}
+      <p class="note muted plot-what">
+        {spec.what}{spec.note && ` · ${spec.note}`}
+        <Held spec={spec} range={range} live={live === true} />
+      </p>
+      {empty && <p class="plot-why muted">{spec.why ?? 'Nothing was measured in this range.'}</p>}
+      {!empty && table && <PlotTable spec={spec} />}
+      {!empty && !table && (
+        <div
+          ref={box}
+          class="plot-box"
+          role="group"
+          tabIndex={0}
+          aria-label={inWords(spec, seenRange(drawn))}
+          onKeyDown={(event) => {
+            if (!event.ctrlKey && !event.metaKey && keyPressed(event.key, gestured)) event.preventDefault();
+          }}
+        />
+      )}
     </figure>
   );
 }

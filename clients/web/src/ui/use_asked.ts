@@ -3,6 +3,7 @@
 import { useCallback, useEffect, useRef, useState } from 'preact/hooks';
 import { failureOf, wasCancelled, type Failure } from '@/api/errors';
 import { epoch } from '@/live/epoch';
+import { streamBegun } from '@/live/ready';
 
 export interface Asked<T> {
   value?: T;
@@ -26,13 +27,15 @@ export function useAsked<T>(key: string | undefined, ask: (signal: AbortSignal) 
     }
     const abort = new AbortController();
     setState((old) => (old.key === key ? { ...old, waiting: true } : { key, waiting: true }));
-    latest.current(abort.signal).then(
-      (value) => !abort.signal.aborted && setState({ key, value, waiting: false }),
-      (error) => {
-        if (abort.signal.aborted || wasCancelled(error)) return;
-        setState((old) => ({ ...old, key, failure: failureOf(error), waiting: false }));
-      },
-    );
+    streamBegun()
+      .then(() => latest.current(abort.signal))
+      .then(
+        (value) => !abort.signal.aborted && setState({ key, value, waiting: false }),
+        (error) => {
+          if (abort.signal.aborted || wasCancelled(error)) return;
+          setState((old) => ({ ...old, key, failure: failureOf(error), waiting: false }));
+        },
+      );
     return () => abort.abort();
   }, [key, turn, freshness]);
   const again = useCallback(() => setTurn((n) => n + 1), []);

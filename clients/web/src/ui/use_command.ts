@@ -1,5 +1,6 @@
-// One command of a component: sends it, knows whether it is under way, keeps what failed until the next try.
+// One command of a component: asks for the operator's name the first time, sends it, knows whether it is under way, keeps what failed until the next try.
 import { useCallback, useState } from 'preact/hooks';
+import { named } from '@/app/name';
 import { failureOf, type Failure } from '@/api/errors';
 
 export interface Command<A extends unknown[]> {
@@ -12,7 +13,7 @@ export interface Command<A extends unknown[]> {
 export function useCommand<A extends unknown[]>(act: (...args: A) => Promise<unknown>): Command<A> {
   const [state, setState] = useState<{ busy: boolean; failure?: Failure }>({ busy: false });
   const send = async (...args: A): Promise<boolean> => {
-    if (state.busy) return false;
+    if (state.busy || !(await named())) return false;
     setState({ busy: true });
     try {
       await act(...args);

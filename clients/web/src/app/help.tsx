@@ -1,0 +1,63 @@
+// What the keys do, who sits here, how the page looks.
+import { useEffect, useRef } from 'preact/hooks';
+import { Button } from '@/ui/button';
+import { cell } from '@/live/state';
+import { helpOpen, keysOn, setKeysOn } from './keys';
+import { askName } from './name';
+import { operatorName } from './session';
+import { setTheme, theme, type Theme } from './theme';
+import { views } from './views';
+
+const others: readonly [string, string][] = [
+  ['/', 'search field'],
+  ['j k', 'next, previous row; Enter opens it'],
+  ['+ − 0 ← →', 'zoom, everything, pan, in a plot'],
+  ['?', 'this page'],
+];
+
+export function HelpDialog() {
+  const dialog = useRef<HTMLDialogElement>(null);
+  const open = helpOpen.value;
+  useEffect(() => {
+    if (open) dialog.current?.showModal();
+    else dialog.current?.close();
+  }, [open]);
+  return (
+    <dialog ref={dialog} aria-labelledby="help-title" onClose={() => (helpOpen.value = false)}>
+      {open && <HelpContent />}
+    </dialog>
+  );
+}
+
+function HelpContent() {
+  return (
+    <>
+      <h2 id="help-title">Settings and keys</h2>
+      <div class="stack">
+        <div class="row">
+          <span>You are <strong>{operatorName.value || 'not named yet'}</strong></span>
+          <Button small onPress={() => void askName()}>{operatorName.value ? 'Change the name' : 'Type your name'}</Button>
+        </div>
+        <fieldset class="choices">
+          <legend>Colours</legend>
+          {(['system', 'light', 'dark'] as Theme[]).map((one) => (
+            <label key={one}>
+              <input type="radio" name="theme" checked={theme.value === one} onChange={() => setTheme(one)} />
+              {one === 'system' ? 'as the system' : one}
+            </label>
+          ))}
+        </fieldset>
+        <label class="choice">
+          <input type="checkbox" checked={keysOn.value} onChange={(event) => setKeysOn(event.currentTarget.checked)} />
+          Single keys act as below
+        </label>
+        <dl class="facts keys">
+          {views.map((view) => [<dt><kbd>g</kbd> <kbd>{view.key}</kbd></dt>, <dd>{view.title}</dd>])}
+          {others.map(([keys, what]) => [<dt>{keys.split(' ').map((key) => <kbd>{key}</kbd>)}</dt>, <dd>{what}</dd>])}
+        </dl>
+        <p class="note muted">Driftwise {cell.value?.version}, cell {cell.value?.cellName}, configuration {cell.value?.configHash.slice(0, 12)}</p>
+      </div>
+      <div class="actions"><Button onPress={() => (helpOpen.value = false)}>Close</Button></div>
+    </>
+  );
+}

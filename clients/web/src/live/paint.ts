@@ -1,0 +1,31 @@
+// One animation frame for everything that moves: numbers at most ten times a second, plots five. A hidden page gets no
+// frames, so it draws nothing; what came meanwhile is painted when it is looked at again.
+import { signal } from '@preact/signals';
+import { paintChannels } from './channels';
+
+const numbersEveryMs = 100;
+const plotsEveryMs = 200;
+
+export const plotTick = signal(0); // live plots redraw when it changes
+
+let asked = false;
+let numbersAt = 0;
+let plotsAt = 0;
+
+function paint(now: number): void {
+  asked = false;
+  numbersAt = now;
+  paintChannels();
+  if (now - plotsAt >= plotsEveryMs - 20) {
+    plotsAt = now;
+    plotTick.value++;
+  }
+}
+
+export function askForPaint(): void {
+  if (asked) return;
+  asked = true;
+  const wait = numbersAt + numbersEveryMs - performance.now();
+  if (wait <= 0) requestAnimationFrame(paint);
+  else setTimeout(() => requestAnimationFrame(paint), wait);
+}

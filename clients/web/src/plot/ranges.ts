@@ -1,0 +1,81 @@
+// What the axes span.
+import type { PlotSeries, PlotSpec } from './spec';
+import { paddedRange } from './ticks';
+
+export interface Range {
+  from: number;
+  to: number; // in the unit of x
+}
+
+export function wholeRange(spec: PlotSpec): Range | undefined {
+  let from = Infinity;
+  let to = -Infinity;
+  for (const { x } of spec.series) {
+    if (x.length === 0) continue;
+    from = Math.min(from, x[0]);
+    to = Math.max(to, x[x.length - 1]);
+  }
+  if (from > to) return undefined;
+  return from === to ? { from: from - 0.5, to: to + 0.5 } : { from, to };
+}
+
+function extent(series: readonly PlotSeries[], range: Range): [number, number] {
+  let low = Infinity;
+  let high = -Infinity;
+  for (const one of series) {
+    const lows = one.min ?? one.y;
+    const highs = one.max ?? one.y;
+    for (let i = 0; i < one.x.length; i++) {
+      if (one.x[i] < range.from || one.x[i] > range.to) continue;
+      if (lows[i] < low) low = lows[i];
+      if (highs[i] > high) high = highs[i];
+    }
+  }
+  return [low, high];
+}
+
+// Of one axis, over what is seen of x: data, zero line, limits, and what the spec asks for at least.
+export function yRange(spec: PlotSpec, axis: 'left' | 'right', range: Range): [number, number] {
+  const mine = spec.series.filter((one) => (one.axis ?? 'left') === axis);
+  let [low, high] = extent(mine, range);
+  const wanted = axis === 'left' ? spec.y : (spec.right ?? { unit: '' });
+  if (axis === 'left') {
+    if (spec.y.zero !== false) [low, high] = [Math.min(low, 0), Math.max(high, 0)];
+    for (const band of spec.bands ?? []) [low, high] = [Math.min(low, band.from), Math.max(high, band.to)];
+  }
+  for (const limit of spec.limits ?? []) {
+    if ((limit.axis ?? 'left') === axis) [low, high] = [Math.min(low, limit.at), Math.max(high, limit.at)];
+  }
+  if (wanted.low !== undefined) low = Math.min(low, wanted.low);
+  if (wanted.high !== undefined) high = Math.max(high, wanted.high);
+  const [padLow, padHigh] = paddedRange(low, high);
+  if (axis === 'left' && spec.y.symmetric) {
+    const most = Math.max(Math.abs(padLow), Math.abs(padHigh));
+    return [-most, most];
+  }
+  // An axis that starts at zero starts there, not below it.
+  return axis === 'left' && low === 0 && high > 0 ? [0, padHigh] : [padLow, padHigh];
+}
+
+// Where no line series has anything: hatched. Runs of NaN between two values, common to all lines.
+export function gapsOf(spec: PlotSpec): Range[] {
+  const lines = spec.series.filter((one) => one.draw !== 'markers');
+  let common: Range[] | undefined;
+  for (const one of lines) {
+    const gaps: Range[] = [];
+    let last = -1;
+    for (let i = 0; i < one.x.length; i++) {
+      if (!Number.isFinite(one.y[i])) continue;
+      if (last >= 0 && i > last + 1) gaps.push({ from: one.x[last], to: one.x[i] });
+      last = i;
+    }
+    common = common === undefined ? gaps : overlap(common, gaps);
+  }
+  return [...(common ?? []), ...(spec.spans ?? []).filter((span) => span.kind === 'gap')];
+}
+
+function overlap(a: readonly Range[], b: readonly Range[]): Range[] {
+  return a.flatMap((one) =>
+    b.map((two) => ({ from: Math.max(one.from, two.from), to: Math.min(one.to, two.to) })).filter(({ from, to }) => to > from),
+  );
+}
