@@ -1,5 +1,49 @@
+// Targets: a wanted pose, what the motors have to be told under the present conditions, how sure that is, and what the
+// correction looks like over the workspace.
+import { api } from '@/api/client';
+import type { Model } from '@/api/gen/driftwise/v1/model_service_pb';
+import { cell } from '@/live/state';
+import { useEvents } from '@/live/events';
+import { Awaiting, Empty, Failed } from '@/ui/states';
+import { useAsked } from '@/ui/use_asked';
 import { ViewTitle } from '@/ui/view_title';
+import { Live } from './live';
+import { CorrectionMap } from './map';
+import { PoseForm } from './pose_form';
+import { fieldsOf, poseOf } from './pose';
+import { Result } from './result';
+import { useTarget } from './use_target';
+import './targets.css';
 
 export default function Targets() {
-  return <ViewTitle>Targets</ViewTitle>;
+  const asked = useAsked('serving model', async (signal) => {
+    const { servingModelId } = await api.cell().getStatus({}, { signal });
+    return servingModelId === undefined ? null : ((await api.model().getModel({ modelId: servingModelId }, { signal })).model ?? null);
+  });
+  useEvents('model', () => asked.again());
+  const model = asked.value;
+  return (
+    <>
+      <ViewTitle sub={model ? <>by <a href={`/models/${model.id}`}>model {String(model.id)}</a>, <code>{model.formula}</code></> : undefined}>Targets</ViewTitle>
+      {asked.failure && <Failed asked="Find the model that serves" failure={asked.failure} again={asked.again} />}
+      {model === null && <Empty next={<a href="/models">Promote a model</a>}>No model serves, so there are no targets{cell.value ? ` in cell ${cell.value.cellName}` : ''}.</Empty>}
+      {model ? <Served model={model} /> : model === undefined && !asked.failure && <Awaiting what="the model that serves" />}
+    </>
+  );
+}
+
+function Served({ model }: { model: Model }) {
+  const fields = fieldsOf(model.domain);
+  const pose = poseOf(fields);
+  const target = useTarget(pose);
+  return (
+    <>
+      <PoseForm fields={fields} />
+      <Result state={target} pose={pose} />
+      <div class="columns targets-pictures">
+        <CorrectionMap fields={fields} pose={pose} outputs={model.outputs.map((output) => output.channel)} conditions={target.target?.conditionsTime} />
+        <Live history={target.history} outputs={model.outputs.map((output) => output.channel)} />
+      </div>
+    </>
+  );
 }

@@ -1,0 +1,135 @@
+// A field for a formula: the ARIA combobox with a list of what could follow, and below it what the daemon says of the
+// formula on these data. What was typed stays, whatever is said of it.
+import { useId, useRef, useState } from 'preact/hooks';
+import { count } from '@/format/numbers';
+import { Mark } from '@/ui/verdict';
+import { completionAt, take, type Completion, type Known } from './complete';
+import { useFormulaCheck, type FormulaData, type FormulaState } from './use_check';
+import './formula.css';
+
+const nothing: Known = { channels: [], effects: [] };
+
+export function FormulaField({ label, value, onInput, data, onEnter }: {
+  label: string;
+  value: string;
+  onInput: (text: string) => void;
+  data: FormulaData | undefined; // undefined: no data chosen yet
+  onEnter?: () => void;
+}) {
+  const id = useId();
+  const input = useRef<HTMLInputElement>(null);
+  const [open, setOpen] = useState<Completion>();
+  const [active, setActive] = useState(0);
+  const state = useFormulaCheck(value, data);
+  const known = state.check ?? nothing;
+  const offers = open?.offers ?? [];
+
+  const look = (text: string, caret: number) => {
+    const found = completionAt(text, caret, known);
+    setOpen(found.offers.length > 0 ? found : undefined);
+    setActive(0);
+  };
+  const choose = (index: number) => {
+    if (!open) return;
+    const next = take(value, open, open.offers[index]);
+    onInput(next.text);
+    setOpen(undefined);
+    requestAnimationFrame(() => {
+      input.current?.focus();
+      input.current?.setSelectionRange(next.caret, next.caret);
+    });
+  };
+  const onKey = (event: KeyboardEvent) => {
+    if (event.key === 'Escape' && open) {
+      setOpen(undefined);
+      event.preventDefault();
+    } else if ((event.key === 'ArrowDown' || event.key === 'ArrowUp') && !open) {
+      look(value, input.current?.selectionStart ?? value.length);
+      event.preventDefault();
+    } else if (open && (event.key === 'ArrowDown' || event.key === 'ArrowUp')) {
+      setActive((at) => (at + (event.key === 'ArrowDown' ? 1 : offers.length - 1)) % offers.length);
+      event.preventDefault();
+    } else if (open && (event.key === 'Enter' || event.key === 'Tab')) {
+      choose(active);
+      event.preventDefault();
+    } else if (event.key === 'Enter') onEnter?.();
+  };
+  const wrong = state.of === value && state.check?.problem ? state.check.problem : undefined;
+  return (
+    <div class="field formula">
+      <label for={id}>{label}</label>
+      <div class="formula-box">
+        <input
+          ref={input}
+          id={id}
+          class="mono"
+          role="combobox"
+          aria-autocomplete="list"
+          aria-expanded={open ? 'true' : 'false'}
+          aria-controls={`${id}-list`}
+          aria-activedescendant={open ? `${id}-${active}` : undefined}
+          aria-invalid={wrong ? 'true' : undefined}
+          aria-describedby={`${id}-says`}
+          autoComplete="off"
+          autoCapitalize="off"
+          spellcheck={false}
+          value={value}
+          onInput={(event) => {
+            onInput(event.currentTarget.value);
+            look(event.currentTarget.value, event.currentTarget.selectionStart ?? 0);
+          }}
+          onKeyDown={onKey}
+          onBlur={() => setOpen(undefined)}
+        />
+        <ul id={`${id}-list`} class="formula-list" role="listbox" aria-label={`${label}: what could follow`} hidden={!open}>
+          {offers.map((offer, i) => (
+            <li
+              key={offer.label}
+              id={`${id}-${i}`}
+              role="option"
+              aria-selected={i === active ? 'true' : 'false'}
+              ref={(element) => { if (i === active) element?.scrollIntoView?.({ block: 'nearest' }); }}
+              onMouseDown={(event) => { event.preventDefault(); choose(i); }}
+            >
+              <span class="mono">{offer.label}</span>
+              <span class="note muted">{offer.detail}</span>
+            </li>
+          ))}
+        </ul>
+      </div>
+      <div id={`${id}-says`} class="formula-says" role="status">
+        <Says state={state} text={value} data={data} />
+      </div>
+    </div>
+  );
+}
+
+function Says({ state, text, data }: { state: FormulaState; text: string; data: FormulaData | undefined }) {
+  if (!data || (data.runIds.length === 0 && !data.csv)) return <p class="note muted">Choose data first: a formula is checked against their channels.</p>;
+  if (state.failure) return <p class="note wrong"><Mark kind="bad" /> {state.failure.message}</p>;
+  const check = state.check;
+  if (!check || (state.waiting && state.of !== text)) return <p class="note muted">Checking …</p>;
+  if (text.trim() === '') return <p class="note muted">For example q ~ poly(x, y, z, 3) + F + T; press ↓ for what could follow.</p>;
+  if (check.problem) return <pre class="note formula-problem"><Mark kind="bad" /> {check.problem}</pre>;
+  const full = check.rank === check.columnCount;
+  return (
+    <>
+      <p class="note">
+        <Mark kind={full ? 'good' : 'warn'} />{' '}
+        {count(check.terms.length)} terms for {check.outputs.join(', ')}; {count(check.calibrationRowCount)} calibration and{' '}
+        {count(check.validationRowCount)} validation rows{check.droppedRowCount > 0n && `, ${count(check.droppedRowCount)} left out for missing values`}; rank{' '}
+        {check.rank} of {check.columnCount}
+      </p>
+      {check.lookAlikes.length > 0 && (
+        <details class="note">
+          <summary>{check.lookAlikes.length === 1 ? 'one term' : `${check.lookAlikes.length} terms`} these rows cannot tell apart</summary>
+          <ul>{check.lookAlikes.map((sentence) => <li>{sentence}</li>)}</ul>
+        </details>
+      )}
+      <details class="note">
+        <summary>terms offered</summary>
+        <p class="mono formula-terms">{check.terms.join('  ')}</p>
+      </details>
+    </>
+  );
+}

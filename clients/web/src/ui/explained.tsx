@@ -1,0 +1,20 @@
+// A word that not everybody knows, with its meaning one press away: by mouse, keyboard and touch alike.
+import type { ComponentChildren } from 'preact';
+import { useId } from 'preact/hooks';
+import './explained.css';
+
+export function Explained({ word, children }: { word: string; children: ComponentChildren }) {
+  const id = useId();
+  return (
+    <>
+      <button type="button" class="explained" popovertarget={id} aria-label={`${word}: what is it?`}>{word}</button>
+      <span id={id} popover="auto" class="explained-text note">{children}</span>
+    </>
+  );
+}
+
+export const U90 = () => (
+  <Explained word="U90">
+    The accuracy figure used throughout: 1.645 times the standard deviation of the error. Nine of ten errors are smaller, were they normally distributed.
+  </Explained>
+);

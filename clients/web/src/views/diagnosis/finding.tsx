@@ -1,0 +1,94 @@
+// One cause: the sentence, where it acts and how sure that is, its parameters, the gain, and on demand the one plot that
+// shows it.
+import { useMemo, useState } from 'preact/hooks';
+import type { Diagnosis, DiscrepancyRows, Finding, OutputDiscrepancy } from '@/api/gen/driftwise/v1/diagnosis_service_pb';
+import { probability, significant } from '@/format/numbers';
+import { Plot } from '@/plot/plot';
+import { Button } from '@/ui/button';
+import { U90 } from '@/ui/explained';
+import { Panel } from '@/ui/panel';
+import { Accept } from './extension';
+import { axisOf, discrepancySpec, likelihoodSpec } from './specs';
+import { appliesWords, parameterText, parameterWords } from './words';
+
+export function FindingPanel({ finding, diagnosis, output, rows, again }: {
+  finding: Finding;
+  diagnosis: Diagnosis;
+  output: OutputDiscrepancy;
+  rows: DiscrepancyRows | undefined;
+  again: () => void;
+}) {
+  const [evidence, setEvidence] = useState(false);
+  const shown = finding.outputs.find((one) => one.output === output.output && one.shown) ?? finding.outputs.find((one) => one.shown) ?? finding.outputs[0];
+  return (
+    <Panel class="diagnosis-finding">
+      <div class="diagnosis-finding-head">
+        <div class="stack">
+          <h2 class="finding">{finding.number}. {finding.sentence}</h2>
+          <p>
+            Where: {finding.where}{finding.subject && `, ${finding.subject}`} · cause <code>{finding.cause}</code> · {appliesWords[finding.appliesTo] ?? finding.appliesTo}
+          </p>
+          {finding.indistinguishableFrom.length > 0 && (
+            <p class="diagnosis-ambiguous">These data do not tell it from {finding.indistinguishableFrom.map((cause, i) => <>{i > 0 && ', '}<code>{cause}</code></>)}.</p>
+          )}
+          <Parameters finding={finding} />
+        </div>
+        <div class="diagnosis-side">
+          {shown && shown.u90Before !== undefined && (
+            <>
+              <p class="muted"><U90 /> held out, {shown.output}</p>
+              <p class="diagnosis-change nowrap"><span class="muted">{significant(shown.u90Before)}</span> → <strong>{significant(shown.u90After)}</strong> {shown.unit}</p>
+              {shown.u90AfterCi90 && <p class="note muted">90 % sure: {significant(shown.u90AfterCi90.low)} to {significant(shown.u90AfterCi90.high)} {shown.unit}</p>}
+            </>
+          )}
+          <p class="note muted">adjusted p {probability(finding.pAdjusted)}; 2 ln L {significant(2 * finding.logLikelihoodRatio, 3)}</p>
+          <div class="actions">
+            <Accept diagnosis={diagnosis} findings={[finding]} again={again} />
+            {rows && <Button onPress={() => setEvidence(!evidence)}>{evidence ? 'Hide evidence' : 'Evidence'}</Button>}
+          </div>
+        </div>
+      </div>
+      {evidence && rows && <Evidence finding={finding} output={output} rows={rows} />}
+    </Panel>
+  );
+}
+
+function Parameters({ finding }: { finding: Finding }) {
+  const amplitudes = finding.outputs.filter((one) => one.shown || finding.outputs.length === 1);
+  return (
+    <div class="table-scroll" tabIndex={0} role="region" aria-label={`Parameters of finding ${finding.number}`}>
+      <table>
+        <thead><tr><th scope="col">parameter</th><th scope="col" class="number">value</th><th scope="col" class="number">90 % interval</th></tr></thead>
+        <tbody>
+          {finding.parameters.map((one) => {
+            const { name, unit } = parameterWords(one.name);
+            return (
+              <tr key={one.name}>
+                <td>{name}</td>
+                <td class="number">{parameterText(one.value)} {unit}</td>
+                <td class="number">{one.ci90 ? `${parameterText(one.ci90.low)} to ${parameterText(one.ci90.high)} ${unit}` : '–'}</td>
+              </tr>
+            );
+          })}
+          {amplitudes.map((one) => (
+            <tr key={one.output}><td>amplitude, {one.output}</td><td class="number">{significant(one.amplitude, 3)} {one.unit}</td><td class="number">–</td></tr>
+          ))}
+          {finding.terms.length > 0 && <tr><td>terms</td><td colSpan={2} class="number"><code>{finding.terms.join('  ')}</code></td></tr>}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+function Evidence({ finding, output, rows }: { finding: Finding; output: OutputDiscrepancy; rows: DiscrepancyRows }) {
+  const specs = useMemo(() => {
+    const of = { ...output };
+    const against = rows.variables.some((one) => one.symbol === finding.subject) ? finding.subject : 'time';
+    const colour = finding.cause === 'backlash' ? 'direction' : 'set';
+    return [
+      discrepancySpec(rows, of, axisOf(rows, against), colour, 'before', `The discrepancy against ${against}`),
+      ...finding.parameters.filter((one) => one.curveValue.length > 1).map((one) => likelihoodSpec(one, finding.cause)),
+    ];
+  }, [finding, output, rows]);
+  return <div class="columns">{specs.map((spec) => <Plot key={spec.title} spec={spec} height={200} />)}</div>;
+}

@@ -1,0 +1,113 @@
+// The improve loop, turn by turn.
+import { useState } from 'preact/hooks';
+import { api } from '@/api/client';
+import { Improvement_State, type Improvement, type ImprovementTurn, type ImprovementTurn_Gain } from '@/api/gen/driftwise/v1/diagnosis_service_pb';
+import { significant } from '@/format/numbers';
+import { dateClock, ms } from '@/format/time';
+import { useEvents } from '@/live/events';
+import { Bar } from '@/ui/bar';
+import { CommandButton } from '@/ui/button';
+import { U90 } from '@/ui/explained';
+import { Panel } from '@/ui/panel';
+import { Awaiting, Empty, Failed } from '@/ui/states';
+import { useAsked } from '@/ui/use_asked';
+import { useCommand } from '@/ui/use_command';
+import { Mark } from '@/ui/verdict';
+import { ViewTitle } from '@/ui/view_title';
+import { improvementWords } from './list';
+
+export function ImprovementPage({ id }: { id: bigint }) {
+  const asked = useAsked(`improvement ${id}`, async (signal) => (await api.diagnosis().getImprovement({ improvementId: id }, { signal })).improvement!);
+  const [step, setStep] = useState('');
+  useEvents('improvement', (progress) => {
+    if (progress.improvementId !== id) return;
+    setStep(`turn ${progress.turn}: ${progress.step}`);
+    asked.again();
+  });
+  const cancel = useCommand(async () => {
+    await api.diagnosis().cancelImprovement({ improvementId: id });
+    asked.again();
+  });
+  const one = asked.value;
+  return (
+    <>
+      <ViewTitle
+        sub={one && <>{one.trajectoryName}{one.formula && <> · <code>{one.formula}</code></>} · begun {dateClock(ms(one.createTime))}{one.createdBy && ` by ${one.createdBy}`}</>}
+        actions={one?.state === Improvement_State.RUNNING && <CommandButton busy={cancel.busy} onPress={() => cancel.send()}>Cancel</CommandButton>}
+      >
+        {`Improvement ${id}`}
+      </ViewTitle>
+      {cancel.failure && <Failed asked="Cancel" failure={cancel.failure} />}
+      {asked.failure && <Failed asked={`Show improvement ${id}`} failure={asked.failure} again={asked.again} />}
+      {one ? <Turns one={one} step={step} /> : !asked.failure && <Awaiting what={`improvement ${id}`} />}
+    </>
+  );
+}
+
+function Turns({ one, step }: { one: Improvement; step: string }) {
+  const [kind, word] = improvementWords(one.state);
+  const most = Math.max(...one.turns.flatMap((turn) => turn.gains.map((gain) => gain.u90Before)), 1e-9);
+  return (
+    <>
+      <Panel class="diagnosis-banner">
+        <div>
+          <p class="state"><Mark kind={kind} size={32} /> {word[0].toUpperCase() + word.slice(1)}</p>
+          <p class="muted">{one.reason || step || 'waiting for the first turn'}</p>
+        </div>
+        <Summary turns={one.turns} />
+      </Panel>
+      {one.turns.length === 0 && <Empty>No turn is complete yet.</Empty>}
+      {one.turns.map((turn) => <Turn key={turn.number} turn={turn} most={most} />)}
+    </>
+  );
+}
+
+const reached = (gain: ImprovementTurn_Gain) => gain.u90Measured ?? gain.u90Predicted ?? gain.u90Before;
+
+function Summary({ turns }: { turns: readonly ImprovementTurn[] }) {
+  const gains = turns.flatMap((turn) => turn.gains);
+  const outputs = [...new Set(gains.map((gain) => gain.output))];
+  if (outputs.length === 0) return null;
+  return (
+    <div class="diagnosis-figure">
+      <p class="muted"><U90 />, first to last turn</p>
+      {outputs.map((output) => {
+        const of = gains.filter((gain) => gain.output === output);
+        return <p class="diagnosis-change nowrap" key={output}>{output} <span class="muted">{significant(of[0].u90Before)}</span> → <strong>{significant(reached(of[of.length - 1]))}</strong> {of[0].unit}</p>;
+      })}
+    </div>
+  );
+}
+
+function Turn({ turn, most }: { turn: ImprovementTurn; most: number }) {
+  return (
+    <Panel title={`Turn ${turn.number}`}>
+      <p class="finding">{turn.what}</p>
+      <p class="row muted">
+        {turn.runIds.map((run) => <a key={String(run)} href={`/runs/${run}`}>run {String(run)}</a>)}
+        {turn.modelId !== undefined && <a href={`/models/${turn.modelId}`}>model {String(turn.modelId)}</a>}
+        {turn.diagnosisId !== undefined && <a href={`/diagnosis/${turn.diagnosisId}`}>diagnosis {String(turn.diagnosisId)}</a>}
+        <span>{dateClock(ms(turn.startTime))} to {dateClock(ms(turn.endTime))}</span>
+      </p>
+      {turn.gains.length > 0 && (
+        <div class="table-scroll" tabIndex={0} role="region" aria-label={`Gains of turn ${turn.number}`}>
+          <table>
+            <thead><tr><th scope="col">output</th><th scope="col">U90 before</th><th scope="col" class="number" /><th scope="col">measured on fresh points</th><th scope="col" class="number" /><th scope="col" class="number">predicted</th></tr></thead>
+            <tbody>
+              {turn.gains.map((gain) => (
+                <tr key={gain.output}>
+                  <td>{gain.output}</td>
+                  <td><Bar share={gain.u90Before / most} colour="idle" /></td>
+                  <td class="number">{significant(gain.u90Before)} {gain.unit}</td>
+                  <td>{gain.u90Measured !== undefined && <Bar share={gain.u90Measured / most} />}</td>
+                  <td class="number">{gain.u90Measured !== undefined ? `${significant(gain.u90Measured)} ${gain.unit}` : '–'}</td>
+                  <td class="number">{gain.u90Predicted !== undefined ? `${significant(gain.u90Predicted)} ${gain.unit}` : '–'}</td>
+                </tr>
+              ))}
+            </tbody>
+          </table>
+        </div>
+      )}
+    </Panel>
+  );
+}

@@ -1,0 +1,132 @@
+// One diagnosis: verdict and gain first, then what it looked like before and after, then the causes by rank, then what
+// could not be said.
+import { useState } from 'preact/hooks';
+import { api } from '@/api/client';
+import { Diagnosis_State, type Diagnosis, type DiscrepancyRows } from '@/api/gen/driftwise/v1/diagnosis_service_pb';
+import { query } from '@/app/router';
+import { count, significant } from '@/format/numbers';
+import { useEvents } from '@/live/events';
+import { Button, CommandButton } from '@/ui/button';
+import { U90 } from '@/ui/explained';
+import { Panel } from '@/ui/panel';
+import { saveFile } from '@/ui/save_file';
+import { Awaiting, Failed, Warned } from '@/ui/states';
+import { useAsked } from '@/ui/use_asked';
+import { useCommand } from '@/ui/use_command';
+import { Mark } from '@/ui/verdict';
+import { ViewTitle } from '@/ui/view_title';
+import { SymbolChoice } from '@/views/models/output_choice';
+import { BeforeAfter } from './before_after';
+import { ExtensionPanel } from './extension';
+import { FindingPanel } from './finding';
+import { GoesWith, LeftOverPanel, NotTestablePanel } from './rest';
+import { SeparatingPanel } from './separating';
+import { after, before, judgementOf, outputOf, rowsWord } from './words';
+
+export function DiagnosisPage({ id }: { id: bigint }) {
+  const asked = useAsked(`diagnosis ${id}`, (signal) => api.diagnosis().getDiagnosis({ diagnosisId: id, withRows: true }, { signal }));
+  const [step, setStep] = useState<{ step: string; fraction: number }>();
+  useEvents('diagnosis', (progress) => {
+    if (progress.diagnosisId !== id) return;
+    setStep({ step: progress.step, fraction: progress.fraction });
+    if (progress.state !== Diagnosis_State.RUNNING) asked.again();
+  });
+  const page = useCommand(async () => {
+    const { html, fileName } = await api.diagnosis().exportDiagnosis({ diagnosisId: id });
+    saveFile(fileName, 'text/html', html);
+  });
+  const diagnosis = asked.value?.diagnosis;
+  return (
+    <>
+      <ViewTitle
+        sub={diagnosis && <>baseline <code>{diagnosis.baselineFormula}</code>{rowsText(asked.value?.rows)}{diagnosis.modelId !== undefined && <> · began from <a href={`/models/${diagnosis.modelId}`}>model {String(diagnosis.modelId)}</a></>}</>}
+        actions={diagnosis?.state === Diagnosis_State.DONE && <Button busy={page.busy} onPress={() => page.send()}>Save as a page</Button>}
+      >
+        {diagnosis ? `Diagnosis ${id} of ${ofText(diagnosis)}` : `Diagnosis ${id}`}
+      </ViewTitle>
+      {page.failure && <Failed asked="Save as a page" failure={page.failure} />}
+      {asked.failure && <Failed asked={`Show diagnosis ${id}`} failure={asked.failure} again={asked.again} />}
+      {diagnosis ? <Body diagnosis={diagnosis} rows={asked.value?.rows} step={step} again={asked.again} /> : !asked.failure && <Awaiting what={`diagnosis ${id}`} />}
+    </>
+  );
+}
+
+const ofText = (diagnosis: Diagnosis) => (diagnosis.runIds.length ? `${diagnosis.runIds.length === 1 ? 'run' : 'runs'} ${diagnosis.runIds.join(', ')}` : 'a file');
+
+function rowsText(rows: DiscrepancyRows | undefined): string {
+  if (!rows || rows.validation.length === 0) return '';
+  const validation = rows.validation.filter(Boolean).length;
+  return ` · ${count(rows.validation.length - validation)} calibration, ${count(validation)} validation rows`;
+}
+
+function Body({ diagnosis, rows, step, again }: { diagnosis: Diagnosis; rows: DiscrepancyRows | undefined; step: { step: string; fraction: number } | undefined; again: () => void }) {
+  const output = outputOf(diagnosis, query('out'));
+  const running = diagnosis.state === Diagnosis_State.RUNNING;
+  return (
+    <>
+      <Banner diagnosis={diagnosis} output={output} />
+      {running && <Running diagnosis={diagnosis} step={step} again={again} />}
+      {diagnosis.warnings.map((warning) => <Warned key={warning}>{warning}</Warned>)}
+      {diagnosis.state === Diagnosis_State.DONE && output && (
+        <>
+          <div class="row"><span class="muted">output</span><SymbolChoice symbols={symbolsOf(diagnosis, output.output)} /></div>
+          {rows && <BeforeAfter rows={rows} output={output} />}
+          <ExtensionPanel diagnosis={diagnosis} again={again} />
+          {diagnosis.findings.map((finding) => (
+            <FindingPanel key={finding.number} finding={finding} diagnosis={diagnosis} output={output} rows={rows} again={again} />
+          ))}
+          {diagnosis.separatingExperiment && <SeparatingPanel experiment={diagnosis.separatingExperiment} diagnosis={diagnosis} />}
+          <div class="columns">
+            <GoesWith output={output} />
+            <div class="stack">
+              <LeftOverPanel diagnosis={diagnosis} />
+              <NotTestablePanel diagnosis={diagnosis} />
+            </div>
+          </div>
+        </>
+      )}
+    </>
+  );
+}
+
+// The one shown first stands first, so that its choice needs no word in the address.
+const symbolsOf = (diagnosis: Diagnosis, first: string) => {
+  const all = diagnosis.outputs.map((one) => one.output);
+  return query('out') ? all : [first, ...all.filter((one) => one !== first)];
+};
+
+function Banner({ diagnosis, output }: { diagnosis: Diagnosis; output: ReturnType<typeof outputOf> }) {
+  const judged = judgementOf(diagnosis);
+  return (
+    <Panel class="diagnosis-banner">
+      <div>
+        <p class="state"><Mark kind={judged.kind} size={32} /> {judged.word}</p>
+        <p class="muted">{judged.sentence}</p>
+      </div>
+      {output && diagnosis.state === Diagnosis_State.DONE && (
+        <div class="diagnosis-figure">
+          <p class="muted">accuracy (<U90 />) on {rowsWord(output)} rows, {output.output}</p>
+          <p class="result nowrap">{significant(before(output))} → {significant(after(output))} {output.unit}</p>
+          <p class="muted">{output.noiseFloor !== undefined ? `noise floor ${significant(output.noiseFloor)} ${output.unit}` : 'nothing was repeated: no noise floor'}</p>
+        </div>
+      )}
+    </Panel>
+  );
+}
+
+function Running({ diagnosis, step, again }: { diagnosis: Diagnosis; step: { step: string; fraction: number } | undefined; again: () => void }) {
+  const cancel = useCommand(async () => {
+    await api.diagnosis().cancelDiagnosis({ diagnosisId: diagnosis.id });
+    again();
+  });
+  return (
+    <Panel>
+      <div class="row diagnosis-progress">
+        <progress max={1} value={step?.fraction} aria-label="Progress of the diagnosis" />
+        <span class="muted">{step?.step || 'waiting for the worker'}{step && `, ${Math.round(step.fraction * 100)} %`}</span>
+        <CommandButton busy={cancel.busy} onPress={() => cancel.send()}>Cancel</CommandButton>
+      </div>
+      {cancel.failure && <Failed asked="Cancel" failure={cancel.failure} />}
+    </Panel>
+  );
+}

@@ -1,0 +1,63 @@
+// States, verdicts and places as words and marks.
+import { Diagnosis_State, Verdict as V, type Diagnosis, type OutputDiscrepancy } from '@/api/gen/driftwise/v1/diagnosis_service_pb';
+import { significant } from '@/format/numbers';
+import type { VerdictKind } from '@/ui/verdict';
+
+export interface Judgement {
+  kind: VerdictKind;
+  word: string;
+  sentence: string;
+}
+
+export function judgementOf(diagnosis: Diagnosis): Judgement {
+  if (diagnosis.state === Diagnosis_State.RUNNING) return { kind: 'idle', word: 'Looking', sentence: 'The data are being looked at.' };
+  if (diagnosis.state === Diagnosis_State.CANCELLED) return { kind: 'idle', word: 'Cancelled', sentence: diagnosis.reason || 'It was ended before it had found anything.' };
+  if (diagnosis.state === Diagnosis_State.FAILED) return { kind: 'bad', word: 'Failed', sentence: diagnosis.reason };
+  const found = diagnosis.findings.length;
+  const causes = `${found} ${found === 1 ? 'cause' : 'causes'}`;
+  switch (diagnosis.verdict) {
+    case V.ADEQUATE:
+      return { kind: 'good', word: 'Adequate', sentence: 'Nothing beyond noise is supported by these data.' };
+    case V.EXTENDED:
+      return { kind: 'extended', word: 'Extended', sentence: `${causes} found; nothing further remains beyond noise.` };
+    case V.UNEXPLAINED: {
+      const goes = diagnosis.leftOver.map((one) => one.goesWith).join(', ');
+      return { kind: 'warn', word: 'Unexplained', sentence: `${found ? `${causes} found, but structure` : 'Structure'} remains that no known cause explains${goes ? `; it goes with ${goes}` : ''}.` };
+    }
+    default:
+      return { kind: 'idle', word: 'Not judged', sentence: '' };
+  }
+}
+
+export const outputOf = (diagnosis: Diagnosis, symbol: string | undefined): OutputDiscrepancy | undefined =>
+  diagnosis.outputs.find((one) => one.output === symbol) ?? worst(diagnosis.outputs);
+
+// Where the gain is largest, else the discrepancy: what a person wants to see first.
+function worst(outputs: readonly OutputDiscrepancy[]): OutputDiscrepancy | undefined {
+  const gain = (one: OutputDiscrepancy) => before(one) - after(one);
+  return [...outputs].sort((a, b) => gain(b) - gain(a) || b.u90 - a.u90)[0];
+}
+
+export const before = (one: OutputDiscrepancy): number => one.u90ValidationBefore ?? one.u90CalibrationBefore;
+export const after = (one: OutputDiscrepancy): number => one.u90ValidationAfter ?? one.u90CalibrationAfter;
+export const rowsWord = (one: OutputDiscrepancy): string => (one.u90ValidationBefore !== undefined ? 'validation' : 'calibration');
+
+const units: readonly [RegExp, string][] = [
+  [/_nm_per_K_per_h$/, 'nm/(K/h)'], [/_?nm_per_N_per_mm$/, 'nm/(N mm)'], [/_?nm_per_K$/, 'nm/K'], [/_?nm_per_N$/, 'nm/N'],
+  [/_?nm_per_h$/, 'nm/h'], [/_?ppm_per_K$/, 'ppm/K'], [/_s$/, 's'], [/_nm$/, 'nm'], [/_mm$/, 'mm'], [/_arcsec$/, 'arcsec'], [/_h$/, 'h'], [/_mK$/, 'mK'],
+];
+
+// "tau_s" -> name "tau", unit "s".
+export function parameterWords(name: string): { name: string; unit: string } {
+  for (const [pattern, unit] of units)
+    if (pattern.test(name)) return { name: (name.replace(pattern, '') || 'size').replaceAll('_', ' '), unit };
+  return { name: name.replaceAll('_', ' '), unit: '' };
+}
+
+export const parameterText = (value: number): string => significant(value, 4);
+
+export const appliesWords: Record<string, string> = {
+  robot: 'extends simulation and served model',
+  correction: 'corrects an instrument; the served model stays',
+  dataset: 'keeps rows or a sensor out',
+};

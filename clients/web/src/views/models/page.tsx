@@ -1,0 +1,93 @@
+// One model in full.
+import { api } from '@/api/client';
+import type { GetModelResponse, Model, ModelOutput } from '@/api/gen/driftwise/v1/model_service_pb';
+import { count, fixed, significant } from '@/format/numbers';
+import { dateClock, ms, secondsOf } from '@/format/time';
+import { useEvents } from '@/live/events';
+import { U90 } from '@/ui/explained';
+import { Awaiting, Failed, Warned } from '@/ui/states';
+import { Tabs, tabOf } from '@/ui/tabs';
+import { useAsked } from '@/ui/use_asked';
+import { Verdict } from '@/ui/verdict';
+import { ViewTitle } from '@/ui/view_title';
+import { ExportButtons, Promote } from './actions';
+import { BudgetTab } from './budget';
+import { outputSymbol, sourceText, summaryUnit } from './figures';
+import { LineageTab } from './lineage';
+import { ResidualsTab } from './residuals';
+import { StepsTab } from './steps';
+import { TermsTab } from './terms';
+
+const tabs = [
+  { id: 'terms', title: 'Terms' },
+  { id: 'residuals', title: 'Residuals' },
+  { id: 'steps', title: 'Steps' },
+  { id: 'uncertainty', title: 'Uncertainty' },
+  { id: 'lineage', title: 'Lineage' },
+];
+
+export function ModelPage({ id }: { id: bigint }) {
+  const asked = useAsked(`model ${id}`, (signal) => api.model().getModel({ modelId: id }, { signal }));
+  useEvents('model', (change) => change.modelId === id && asked.again());
+  const model = asked.value?.model;
+  return (
+    <>
+      <ViewTitle
+        sub={model && <code>{model.formula}</code>}
+        actions={model && (<><Promote model={model} onDone={asked.again} /><ExportButtons id={id} /></>)}
+      >
+        {`Model ${id}${model && model.name !== model.formula ? `, ${model.name}` : ''}`}
+      </ViewTitle>
+      {asked.failure && <Failed asked={`Show model ${id}`} failure={asked.failure} again={asked.again} />}
+      {model ? <Page answer={asked.value!} model={model} /> : !asked.failure && <Awaiting what={`model ${id}`} />}
+    </>
+  );
+}
+
+function Page({ answer, model }: { answer: GetModelResponse; model: Model }) {
+  const tab = tabOf(tabs);
+  return (
+    <>
+      <p class="row">
+        {model.serving ? <Verdict kind="good">serves targets</Verdict> : <Verdict kind="idle">does not serve</Verdict>}
+        <span class="muted">
+          from {sourceText(model)}: {count(model.lineage?.calibrationRowCount)} calibration, {count(model.lineage?.validationRowCount)} validation rows;
+          fitted in {fixed((secondsOf(model.fitDuration) ?? 0) * 1000, 1)} ms, {dateClock(ms(model.createTime))}{model.createdBy && `, by ${model.createdBy}`}
+        </span>
+      </p>
+      <div class="tiles models-outputs">{model.outputs.map((output) => <OutputTile output={output} />)}</div>
+      {model.warnings.length > 0 && (
+        <details class="panel">
+          <summary><Warned>{model.warnings.length === 1 ? 'one remark of the fit' : `${model.warnings.length} remarks of the fit`}</Warned></summary>
+          <ul class="models-warnings">{model.warnings.map((warning) => <li>{warning}</li>)}</ul>
+        </details>
+      )}
+      <Tabs tabs={tabs} label="Parts of the model" />
+      {tab === 'terms' && <TermsTab model={model} />}
+      {tab === 'residuals' && <ResidualsTab model={model} />}
+      {tab === 'steps' && <StepsTab model={model} />}
+      {tab === 'uncertainty' && <BudgetTab answer={answer} />}
+      {tab === 'lineage' && <LineageTab model={model} />}
+    </>
+  );
+}
+
+function OutputTile({ output }: { output: ModelOutput }) {
+  const accuracy = output.accuracy;
+  const unit = summaryUnit(output);
+  const offered = output.terms.filter((term) => term.term !== '1');
+  return (
+    <section class="tile" aria-label={`Accuracy of ${outputSymbol(output)}`}>
+      <p class="label">{outputSymbol(output)}, <U90 /> on {accuracy?.u90Validation !== undefined ? 'validation rows' : 'calibration rows'}</p>
+      <p class="value">{significant(accuracy?.u90Validation ?? accuracy?.u90Calibration, 2)} <span class="unit">{unit}</span></p>
+      <p class="note muted">
+        calibration {significant(accuracy?.u90Calibration, 2)} {unit}
+        {accuracy?.u90Blocks !== undefined && `; held-out blocks ${significant(accuracy.u90Blocks, 2)} (${significant(accuracy.u90BlocksLow, 2)} to ${significant(accuracy.u90BlocksHigh, 2)}) ${unit}`}
+      </p>
+      <p class="note muted">
+        RMSE {significant(accuracy?.rmse, 2)} {unit}; {offered.filter((term) => term.included).length} of {offered.length} terms in
+        {accuracy?.pureError !== undefined && `; repeats ${significant(accuracy.pureError, 2)} ${unit}`}
+      </p>
+    </section>
+  );
+}

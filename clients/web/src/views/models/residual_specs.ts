@@ -1,0 +1,67 @@
+// Residuals as plots: one against time, one against each channel that varies.
+import type { PlotSeries, PlotSpec } from '@/plot/spec';
+import { unitSign } from '@/format/units';
+
+export interface ResidualRows {
+  timeS: readonly number[];
+  validation: readonly boolean[];
+  excluded: readonly boolean[];
+  variables: readonly { symbol: string; unit: string; values: readonly number[] }[];
+  outputs: readonly { output: string; values: readonly number[] }[];
+}
+
+// Of the rows of one set, in order of x.
+function seriesOf(rows: ResidualRows, x: readonly number[], y: readonly number[], validation: boolean, unit: string): PlotSeries {
+  const wanted: number[] = [];
+  for (let i = 0; i < y.length; ++i)
+    if (rows.validation[i] === validation && !rows.excluded[i] && Number.isFinite(x[i]) && Number.isFinite(y[i])) wanted.push(i);
+  wanted.sort((a, b) => x[a] - x[b]);
+  return {
+    name: validation ? 'validation' : 'calibration',
+    unit,
+    colour: validation ? 'q2' : 'q1',
+    draw: 'markers',
+    marker: validation ? 'validation' : 'calibration',
+    x: wanted.map((i) => x[i]),
+    y: wanted.map((i) => y[i]),
+    keys: wanted,
+    digits: 1,
+  };
+}
+
+export function spanOf(values: readonly number[]): number {
+  let [low, high] = [Infinity, -Infinity];
+  for (const value of values) {
+    if (value < low) low = value;
+    if (value > high) high = value;
+  }
+  return high - low;
+}
+
+const isReach = (symbol: string) => /^(x|y|z|rx|ry|rz|q\d+|t\d\d|force|air.*|pressure|humidity|dwell)$/.test(symbol);
+
+export function residualSpecs(rows: ResidualRows, output: string, unit: string, u90: number | undefined, file: string): PlotSpec[] {
+  const y = rows.outputs.find((one) => one.output === output)?.values ?? [];
+  const reach = Math.max(...y.filter((value, i) => Number.isFinite(value) && !rows.excluded[i]).map(Math.abs), 1e-9);
+  const bands = u90 === undefined ? [] : [{ from: -u90, to: u90, colour: 'q1' as const, label: 'U90 of calibration' }];
+  const spec = (title: string, x: readonly number[], label: string, xUnit: string, words: string): PlotSpec => {
+    const both = [false, true].map((validation) => seriesOf(rows, x, y, validation, unit)).filter((series) => series.x.length > 0);
+    return {
+      title, what: `${unit} against ${words}`, x: { label, unit: xUnit }, y: { unit, symmetric: true, low: -reach, high: reach },
+      series: both, bands, file: `${file}-${output}-residual-${label}`,
+      ...(both.length === 0 ? { why: `No row has both ${output} and ${label}.` } : {}),
+    };
+  };
+  const specs: PlotSpec[] = [];
+  if (rows.timeS.length > 0) {
+    const start = rows.timeS[0];
+    specs.push(spec('Over time', rows.timeS.map((t) => (t - start) / 3600), 'time_h', 'h', 'hours since start'));
+  } else {
+    specs.push(spec('In order', y.map((_, i) => i + 1), 'row', '1', 'row'));
+  }
+  for (const variable of rows.variables) {
+    if (variable.symbol === output || !isReach(variable.symbol) || !(spanOf(variable.values.filter(Number.isFinite)) > 0)) continue;
+    specs.push(spec(`Against ${variable.symbol}`, variable.values, variable.symbol, variable.unit, `${variable.symbol}, ${unitSign(variable.unit)}`));
+  }
+  return specs;
+}

@@ -1,0 +1,16 @@
+import { api } from '@/api/client';
+import { useEvents } from '@/live/events';
+import { useAsked } from '@/ui/use_asked';
+
+// All models, newest first, with what was promoted when; asks again when one is made or begins to serve.
+export function useModels() {
+  const asked = useAsked('models', async (signal) => {
+    const [{ models }, { promotions }] = await Promise.all([
+      api.model().listModels({}, { signal }),
+      api.model().listPromotions({}, { signal }),
+    ]);
+    return { models: models.reverse(), promotions: promotions.reverse() };
+  });
+  useEvents('model', () => asked.again());
+  return asked;
+}

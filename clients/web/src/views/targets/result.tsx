@@ -1,0 +1,114 @@
+import { Target_Flag, type MotorCoordinate, type Target } from '@/api/gen/driftwise/v1/target_service_pb';
+import { api } from '@/api/client';
+import { withLease } from '@/app/lease';
+import { fixed, grouped, signed, significant } from '@/format/numbers';
+import { clock, ms } from '@/format/time';
+import { splitChannel, unitSign } from '@/format/units';
+import { Button, CommandButton } from '@/ui/button';
+import { confirm } from '@/ui/confirm';
+import { U90 } from '@/ui/explained';
+import { Panel } from '@/ui/panel';
+import { Awaiting, Failed } from '@/ui/states';
+import { useCommand } from '@/ui/use_command';
+import { Verdict } from '@/ui/verdict';
+import { BudgetTable } from './budget';
+import { Parts } from './parts';
+import type { Pose } from './pose';
+import type { TargetState } from './use_target';
+
+export function Result({ state, pose }: { state: TargetState; pose: Pose }) {
+  const { target, failure } = state;
+  return (
+    <Panel title="Motor coordinates" actions={target && <Actions target={target} pose={pose} />}>
+      {failure && <Failed asked="Ask for the target" failure={failure} />}
+      {target ? (
+        <>
+          <dl class="targets-result">{target.coordinates.map((one) => <Coordinate key={one.channel} one={one} />)}</dl>
+          <p class="row"><Flags target={target} /></p>
+          <p class="note muted">
+            conditions of {clock(ms(target.conditionsTime))}, good until {clock(ms(target.validUntilTime))} (time of the cell)
+          </p>
+          <div class="columns targets-why">
+            <div>
+              <h3>What the correction is made of</h3>
+              <Parts coordinates={target.coordinates} />
+            </div>
+            <details>
+              <summary>What the uncertainty is made of</summary>
+              <BudgetTable coordinates={target.coordinates} />
+            </details>
+          </div>
+        </>
+      ) : !failure && <Awaiting what="the target" />}
+    </Panel>
+  );
+}
+
+function Coordinate({ one }: { one: MotorCoordinate }) {
+  return (
+    <div class="targets-coordinate">
+      <dt>{splitChannel(one.channel).symbol}</dt>
+      <dd>
+        <span class="result nowrap">{grouped(one.positionMm, 8)} <span class="unit">mm</span></span>
+        <span class="nowrap">± {significant(one.u90Nm, 2)} nm (<U90 />)</span>
+        {one.correctionNm !== undefined && <span class="nowrap muted">correction {correctionText(one.correctionNm)}</span>}
+      </dd>
+    </div>
+  );
+}
+
+// nm below 100 um, mm above.
+export function correctionText(nm: number): string {
+  return Math.abs(nm) < 1e5 ? `${signed(nm, 1)} nm` : `${signed(nm / 1e6, 6)} mm`;
+}
+
+const flagWords: Record<number, string> = {
+  [Target_Flag.OUTSIDE_DOMAIN]: 'outside what the model was fitted on',
+  [Target_Flag.STALE_TEMPERATURE]: 'a temperature is too old',
+  [Target_Flag.MISSING_TEMPERATURE]: 'a temperature was never read: the middle of its range stands in',
+  [Target_Flag.EXPIRED_CONDITIONS]: 'the conditions were not looked at in time',
+  [Target_Flag.UNANCHORED_DATUM]: 'the present datum is not known: the constant is that of the model\'s own',
+};
+
+function Flags({ target }: { target: Target }) {
+  if (target.flags.length === 0) return <Verdict kind="good">inside the fitted domain, conditions fresh</Verdict>;
+  const names = (flag: Target_Flag) =>
+    (flag === Target_Flag.OUTSIDE_DOMAIN ? target.outsideChannels : flag === Target_Flag.STALE_TEMPERATURE ? target.staleChannels : flag === Target_Flag.MISSING_TEMPERATURE ? target.missingChannels : [])
+      .map((channel) => splitChannel(channel).symbol);
+  return (
+    <>
+      {target.flags.map((flag) => (
+        <Verdict kind="warn" key={flag}>{flagWords[flag] ?? `flag ${flag}`}{names(flag).length > 0 && ` (${names(flag).join(', ')})`}</Verdict>
+      ))}
+    </>
+  );
+}
+
+function Actions({ target, pose }: { target: Target; pose: Pose }) {
+  const text = target.coordinates.map((one) => `${one.channel} = ${one.positionMm.toFixed(8)}`).join('\n');
+  const copy = useCommand(() => navigator.clipboard.writeText(text));
+  const move = useCommand(() =>
+    withLease((leaseToken) =>
+      api.cell().move({ leaseToken, coordinates: target.coordinates.map((one) => ({ channel: one.channel, value: one.positionMm })) })));
+  const ask = async () => {
+    const yes = await confirm({
+      title: 'Move the robot there?',
+      facts: [
+        ['pose', pose.map((one) => `${splitChannel(one.channel).symbol} ${fixed(one.value, 4)} ${unitSign(splitChannel(one.channel).unit)}`).join(', ')],
+        ['motors', target.coordinates.map((one) => `${splitChannel(one.channel).symbol} ${grouped(one.positionMm, 6)} mm`).join(', ')],
+        ['limits', 'soft limits are checked before anything moves'],
+      ],
+      verb: 'Move there',
+      keep: 'Stay',
+    });
+    if (yes) await move.send();
+  };
+  return (
+    <>
+      <Button small busy={copy.busy} onPress={() => copy.send()}>Copy</Button>
+      <CommandButton small busy={move.busy} onPress={ask}>Move there…</CommandButton>
+      {move.failure && <Failed asked="Move there" failure={move.failure} />}
+      {copy.failure && <span class="note muted">This browser does not let the page copy: mark the numbers by hand.</span>}
+    </>
+  );
+}

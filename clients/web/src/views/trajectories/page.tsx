@@ -1,0 +1,65 @@
+// One kept trajectory.
+import { useState } from 'preact/hooks';
+import { api } from '@/api/client';
+import type { Trajectory } from '@/api/gen/driftwise/v1/trajectory_service_pb';
+import { count } from '@/format/numbers';
+import { dateClock, ms } from '@/format/time';
+import { cell } from '@/live/state';
+import { Button } from '@/ui/button';
+import { Field } from '@/ui/field';
+import { Panel } from '@/ui/panel';
+import { saveFile } from '@/ui/save_file';
+import { Awaiting, Failed } from '@/ui/states';
+import { useAsked } from '@/ui/use_asked';
+import { ViewTitle } from '@/ui/view_title';
+import { TrajectoryCheck, useTrajectoryCheck } from './check';
+import { StartRun } from './start_run';
+
+export function TrajectoryPage({ id }: { id: bigint }) {
+  const asked = useAsked(`trajectory ${id}`, async (signal) => (await api.trajectory().getTrajectory({ trajectoryId: id }, { signal })).trajectory!);
+  const one = asked.value;
+  return (
+    <>
+      <ViewTitle
+        sub={one && `${count(one.rowCount)} rows, kept ${dateClock(ms(one.createTime))}${one.createdBy && ` by ${one.createdBy}`}`}
+        actions={one && <Button onPress={() => saveFile(`${one.name.replace(/\.csv$/, '')}.csv`, 'text/csv', one.text)}>Save as CSV</Button>}
+      >
+        {one ? `Trajectory ${id}, ${one.name}` : `Trajectory ${id}`}
+      </ViewTitle>
+      {asked.failure && <Failed asked={`Show trajectory ${id}`} failure={asked.failure} again={asked.again} />}
+      {one ? <Kept one={one} /> : !asked.failure && <Awaiting what={`trajectory ${id}`} />}
+    </>
+  );
+}
+
+function Kept({ one }: { one: Trajectory }) {
+  const check = useTrajectoryCheck(one.text);
+  const [runName, setRunName] = useState('');
+  const [compensate, setCompensate] = useState(false);
+  const poses = check.value?.coordinates.some((channel) => !channel.startsWith('q')) ?? false;
+  return (
+    <>
+      <Panel title="Run it">
+        <div class="row trajectories-run">
+          <Field label="name of the run" value={runName} onInput={setRunName} hint={`empty: ${one.name}`} />
+          {poses && (
+            <label class="trajectories-check">
+              <input type="checkbox" checked={compensate} onChange={(event) => setCompensate(event.currentTarget.checked)} />
+              <span>compensated: move to the targets of {cell.value?.servingModelId === undefined ? 'the model that serves (none does now)' : `model ${cell.value.servingModelId}`}</span>
+            </label>
+          )}
+          <div class="actions">
+            <StartRun
+              text={one.text}
+              name={one.name}
+              runName={runName}
+              compensate={compensate}
+              off={check.failure ? 'It cannot be run: see below' : compensate && cell.value?.servingModelId === undefined ? 'No model serves: promote one first' : undefined}
+            />
+          </div>
+        </div>
+      </Panel>
+      <TrajectoryCheck text={one.text} name={one.name} asked={check} />
+    </>
+  );
+}
