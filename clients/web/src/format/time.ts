@@ -5,9 +5,9 @@ export const ms = (t: Timestamp | undefined): number | undefined =>
   t === undefined ? undefined : Number(t.seconds) * 1000 + t.nanos / 1e6;
 export const secondsOf = (d: Duration | undefined): number | undefined =>
   d === undefined ? undefined : Number(d.seconds) + d.nanos / 1e9;
-export const timestampOf = (atMs: number): { seconds: bigint; nanos: number } => {
+export const timestampOf = (atMs: number): Timestamp => {
   const seconds = Math.floor(atMs / 1000);
-  return { seconds: BigInt(seconds), nanos: Math.round((atMs - seconds * 1000) * 1e6) };
+  return { $typeName: 'google.protobuf.Timestamp', seconds: BigInt(seconds), nanos: Math.round((atMs - seconds * 1000) * 1e6) };
 };
 
 const days = ['Sun', 'Mon', 'Tue', 'Wed', 'Thu', 'Fri', 'Sat'];
@@ -45,4 +45,10 @@ export const utc = (atMs: number): string => new Date(atMs).toISOString().replac
 export function fromUtc(text: string | undefined): number | undefined {
   const at = text === undefined ? NaN : Date.parse(text);
   return Number.isNaN(at) ? undefined : at;
+}
+
+// The last midnight by the clock on the wall, where axes of time of day start.
+export function localMidnight(atMs: number): number {
+  const d = new Date(atMs);
+  return new Date(d.getFullYear(), d.getMonth(), d.getDate()).getTime();
 }

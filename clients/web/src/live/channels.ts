@@ -10,6 +10,7 @@ export interface Channel {
   value: Signal<number>; // NaN: never read, or not measured
   ageS: Signal<number>; // cell time since it was measured; Infinity: never
   stale: ReadonlySignal<boolean>; // older than its limit, or the page is not live
+  measuredMs: number; // cell time of the value that is painted; -Infinity: never
 }
 
 export const layout = signal<readonly Channel[]>([]);
@@ -18,7 +19,6 @@ const byName = new Map<string, Channel>();
 let revision = -1n;
 let waiting: { values: number[]; measuredMs: number[] } | undefined;
 let cellNowMs = 0;
-const measured: number[] = []; // cell time of each value, ms
 
 // Reading `layout` makes a component follow a new layout.
 export function channel(name: string): Channel | undefined {
@@ -32,7 +32,7 @@ function made(column: ChannelLayout_Column): Channel {
   const ageS = old?.ageS ?? signal(Infinity);
   const limit = column.staleAfterS > 0 ? column.staleAfterS : Infinity;
   const stale = computed(() => ageS.value > limit || Number.isNaN(value.value) || connection.value.phase !== 'live');
-  return { name: column.channel, column, value, ageS, stale };
+  return { name: column.channel, column, value, ageS, stale, measuredMs: old?.measuredMs ?? -Infinity };
 }
 
 export function takeLayout(from: ChannelLayout): void {
@@ -41,7 +41,6 @@ export function takeLayout(from: ChannelLayout): void {
   for (const one of next) byName.set(one.name, one);
   revision = from.revision;
   waiting = undefined;
-  measured.length = 0;
   layout.value = next;
 }
 
@@ -67,9 +66,9 @@ export function paintChannels(): void {
   if (waiting) {
     for (let i = 0; i < all.length; i++) {
       all[i].value.value = waiting.values[i];
-      measured[i] = waiting.measuredMs[i];
+      all[i].measuredMs = waiting.measuredMs[i];
     }
     waiting = undefined;
   }
-  for (let i = 0; i < all.length; i++) all[i].ageS.value = Math.max(0, (cellNowMs - (measured[i] ?? -Infinity)) / 1000);
+  for (const one of all) one.ageS.value = Math.max(0, (cellNowMs - one.measuredMs) / 1000);
 }

@@ -5,7 +5,7 @@ import { drawBehind, drawMarkers, scaleOf } from './decorations';
 import type { Palette } from './palette';
 import { wholeRange, yRange, type Range } from './ranges';
 import type { PlotSpec } from './spec';
-import { tickTexts, ticks } from './ticks';
+import { tickTexts, ticks, xTexts, xTicks } from './ticks';
 
 export interface Drawn {
   spec: PlotSpec; // series in order of x
@@ -39,8 +39,9 @@ function axis(now: () => Drawn, scale: string, side: 0 | 1 | 2 | 3, pxPerTick: n
     size: upright ? (_, values) => 14 + 7 * Math.max(2, ...(values ?? []).map((text) => text.length)) : 28,
     grid: { show: scale !== 'r', stroke: colours.grid, width: 1 },
     ticks: { show: false },
-    splits: (u, _, low, high) => ticks(low, high, (upright ? u.bbox.height : u.bbox.width) / devicePixelRatio / pxPerTick),
-    values: (_, at) => tickTexts(at),
+    splits: (u, _, low, high) =>
+      (scale === 'x' ? xTicks(now().spec.x.clock) : ticks)(low, high, (upright ? u.bbox.height : u.bbox.width) / devicePixelRatio / pxPerTick),
+    values: (_, at) => (scale === 'x' ? xTexts(now().spec.x.clock) : tickTexts)(at),
   };
 }
 
@@ -78,7 +79,7 @@ export function makePlot(root: HTMLElement, now: () => Drawn, wishes: Wishes, si
         y: { range: span('left') },
         ...(hasRight && { r: { range: span('right') } }),
       },
-      axes: [axis(now, 'x', 2, 90), axis(now, 'y', 3, 40), ...(hasRight ? [axis(now, 'r', 1, 40)] : [])],
+      axes: [axis(now, 'x', 2, 70), axis(now, 'y', 3, 30), ...(hasRight ? [axis(now, 'r', 1, 30)] : [])],
       series: [{}, ...seriesOptions(now)],
       cursor: {
         y: false,

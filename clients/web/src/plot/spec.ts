@@ -51,6 +51,7 @@ export interface PlotSpec {
     label: string; // CSV column: "time_h"
     unit: string; // "h"
     startMs?: number; // x is hours since this instant: the legend then shows clock time
+    clock?: boolean; // ticks as time of day; startMs is then a local midnight
   };
   y: {
     unit: string;

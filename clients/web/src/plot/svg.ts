@@ -4,7 +4,7 @@ import { markerShapes } from './markers';
 import { paletteOf } from './palette';
 import { gapsOf, yRange, type Range } from './ranges';
 import type { PlotSeries, PlotSpec } from './spec';
-import { tickTexts, ticks } from './ticks';
+import { tickTexts, ticks, xTexts, xTicks } from './ticks';
 
 const font = 'font-family="Helvetica, Arial, sans-serif"';
 const colours = paletteOf(false);
@@ -67,12 +67,12 @@ function axes(spec: PlotSpec, frame: Frame, range: Range, left: [number, number]
   const grid = `stroke="${colours.grid}"`;
   const end = frame.left + frame.width;
   const foot = frame.top + frame.height;
-  const xs = ticks(range.from, range.to, frame.width / 90);
-  const ys = ticks(left[0], left[1], frame.height / 40);
-  const rs = right ? ticks(right[0], right[1], frame.height / 40) : [];
-  const xTexts = tickTexts(xs), yTexts = tickTexts(ys), rTexts = tickTexts(rs);
+  const xs = xTicks(spec.x.clock)(range.from, range.to, frame.width / 70);
+  const ys = ticks(left[0], left[1], frame.height / 30);
+  const rs = right ? ticks(right[0], right[1], frame.height / 30) : [];
+  const below = xTexts(spec.x.clock)(xs), yTexts = tickTexts(ys), rTexts = tickTexts(rs);
   return [
-    ...xs.flatMap((at, i) => [line(frame.x(at), frame.top, frame.x(at), foot, grid), text(frame.x(at), foot + 16, xTexts[i], 'middle')]),
+    ...xs.flatMap((at, i) => [line(frame.x(at), frame.top, frame.x(at), foot, grid), text(frame.x(at), foot + 16, below[i], 'middle')]),
     ...ys.flatMap((at, i) => [line(frame.left, frame.y(at), end, frame.y(at), grid), text(frame.left - 6, frame.y(at) + 4, yTexts[i], 'end')]),
     ...rs.map((at, i) => text(end + 6, frame.y(at, 'right') + 4, rTexts[i], 'start')),
     spec.y.zero === false ? '' : line(frame.left, frame.y(0), end, frame.y(0), `stroke="${colours.zero}" stroke-width="1.5"`),

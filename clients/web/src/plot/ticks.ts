@@ -28,3 +28,27 @@ export function paddedRange(low: number, high: number): [number, number] {
   const room = high > low ? (high - low) * 0.05 : Math.abs(high) * 0.05 || 1;
   return [low - room, high + room];
 }
+
+const clockSteps = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 10800, 21600, 43200, 86400];
+
+// Of an axis in hours since a local midnight: round times of day.
+export function clockTicks(low: number, high: number, wanted: number): number[] {
+  const rough = ((high - low) * 3600) / Math.max(1, wanted);
+  const step = (clockSteps.find((one) => one >= rough) ?? Math.ceil(rough / 86400) * 86400) / 3600;
+  const first = Math.ceil(low / step - 1e-9);
+  const last = Math.floor(high / step + 1e-9);
+  return Array.from({ length: last - first + 1 }, (_, i) => (first + i) * step);
+}
+
+export function clockTexts(at: readonly number[]): string[] {
+  const two = (n: number) => String(n).padStart(2, '0');
+  const withSeconds = at.length > 1 && at[1] - at[0] < 1 / 60 - 1e-9;
+  return at.map((hours) => {
+    const s = ((Math.round(hours * 3600) % 86400) + 86400) % 86400;
+    return `${two(Math.floor(s / 3600))}:${two(Math.floor(s / 60) % 60)}${withSeconds ? `:${two(s % 60)}` : ''}`;
+  });
+}
+
+// The x axis of a plot, as its spec wants it.
+export const xTicks = (clock: boolean | undefined) => (clock ? clockTicks : ticks);
+export const xTexts = (clock: boolean | undefined) => (clock ? clockTexts : tickTexts);

@@ -1,0 +1,31 @@
+// What stands now and what nobody has acknowledged: asked once, then as it happens. Each alarm is acknowledged by itself.
+import { useMemo } from 'preact/hooks';
+import { api } from '@/api/client';
+import { Alarm_Level, type Alarm } from '@/api/gen/driftwise/v1/watch_service_pb';
+import { say } from '@/app/live_region';
+import { useAsked, type Asked } from '@/ui/use_asked';
+import { useEvents } from './events';
+
+export const levelWords: Record<Alarm_Level, string> = {
+  [Alarm_Level.UNSPECIFIED]: 'Notice',
+  [Alarm_Level.NOTICE]: 'Notice',
+  [Alarm_Level.WARNING]: 'Warning',
+  [Alarm_Level.FAILED]: 'Failed',
+};
+
+export const stands = (alarm: Alarm): boolean => alarm.clearedTime === undefined || alarm.acknowledgeTime === undefined;
+
+export function useAlarms(): Asked<Alarm[]> {
+  const asked = useAsked('alarms', async (signal) => (await api.watch().listAlarms({}, { signal })).alarms);
+  useEvents('alarm', (alarm) => {
+    asked.set((old) => {
+      if (!old.some((one) => one.id === alarm.id)) say(`${levelWords[alarm.level]}: ${alarm.message}`);
+      return [alarm, ...old.filter((one) => one.id !== alarm.id)].filter(stands);
+    });
+  });
+  const sorted = useMemo(
+    () => asked.value && [...asked.value].sort((a, b) => b.level - a.level || Number(b.id - a.id)),
+    [asked.value],
+  );
+  return { ...asked, ...(sorted && { value: sorted }) };
+}

@@ -1,0 +1,125 @@
+// The last minutes or hours of some channels, and on from there: history comes from the daemon's record, so that a reload
+// starts with the whole picture; what comes live is put behind it until the record is asked again.
+import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
+import { failureOf, type Failure } from '@/api/errors';
+import { channel } from './channels';
+import { connection } from './connection';
+import { plotTick } from './paint';
+import { streamBegun } from './ready';
+import { getTracks, type Track, type Tracks } from './series';
+import { cell, cellTimeMs } from './state';
+
+const askAgainMs = 15_000;
+const mostTail = 4000;
+
+export interface History {
+  fromMs: number; // of the window, cell time
+  toMs: number;
+  of: (channel: string) => Track;
+  bucketS: number;
+  failure: Failure | undefined;
+  waiting: boolean;
+  again: () => void;
+}
+
+const empty = (name: string): Track => ({ channel: name, unit: '', atMs: [], mean: [] });
+
+class Tail {
+  private readonly of = new Map<string, { atMs: number[]; value: number[] }>();
+
+  take(names: readonly string[]): void {
+    for (const name of names) {
+      const now = channel(name);
+      if (!now || !Number.isFinite(now.measuredMs)) continue;
+      const tail = this.of.get(name) ?? { atMs: [], value: [] };
+      this.of.set(name, tail);
+      if (now.measuredMs <= (tail.atMs[tail.atMs.length - 1] ?? -Infinity)) continue;
+      tail.atMs.push(now.measuredMs);
+      tail.value.push(now.value.peek());
+      if (tail.atMs.length > mostTail) this.forget(tail, mostTail >> 2);
+    }
+  }
+  forgetBefore(atMs: number): void {
+    for (const tail of this.of.values()) this.forget(tail, tail.atMs.findIndex((at) => at > atMs) >>> 0);
+  }
+  // track with what came after it, from fromMs on
+  behind(track: Track, fromMs: number, gapMs: number): Track {
+    const tail = this.of.get(track.channel);
+    const first = track.atMs.findIndex((at) => at >= fromMs);
+    const start = first < 0 ? track.atMs.length : first;
+    const last = track.atMs[track.atMs.length - 1] ?? fromMs;
+    const joined: Track = { ...track, atMs: track.atMs.slice(start), mean: track.mean.slice(start), min: track.min?.slice(start), max: track.max?.slice(start) };
+    let before = last;
+    tail?.atMs.forEach((at, i) => {
+      if (at <= last) return;
+      if (at - before > gapMs && joined.atMs.length > 0) this.put(joined, (at + before) / 2, NaN);
+      this.put(joined, at, tail.value[i]);
+      before = at;
+    });
+    return joined;
+  }
+  private put(track: Track, at: number, value: number): void {
+    track.atMs.push(at);
+    track.mean.push(value);
+    track.min?.push(value);
+    track.max?.push(value);
+  }
+  private forget(tail: { atMs: number[]; value: number[] }, many: number): void {
+    tail.atMs.splice(0, many);
+    tail.value.splice(0, many);
+  }
+}
+
+export function useHistory(names: readonly string[], windowS: number, buckets: number): History {
+  const key = names.join();
+  const [tracks, setTracks] = useState<Tracks>();
+  const [failure, setFailure] = useState<Failure>();
+  const [turn, setTurn] = useState(0);
+  const tail = useRef(new Tail());
+  const live = connection.value.phase === 'live';
+  useEffect(() => {
+    if (names.length === 0) return undefined;
+    const abort = new AbortController();
+    const speed = cell.peek()?.speed || 1;
+    const ask = async () => {
+      await streamBegun();
+      const toMs = cellTimeMs.peek();
+      if (toMs === undefined) return;
+      try {
+        const got = await getTracks({ channels: names, fromMs: toMs - windowS * 1000, toMs, buckets }, abort.signal);
+        if (abort.signal.aborted) return;
+        tail.current.forgetBefore(got.toMs - 2 * got.bucketS * 1000);
+        setTracks(got);
+        setFailure(undefined);
+      } catch (error) {
+        if (!abort.signal.aborted) setFailure(failureOf(error));
+      }
+    };
+    void ask();
+    // A fast simulated cell goes through its window in seconds.
+    const timer = setInterval(() => !document.hidden && void ask(), Math.max(1000, Math.min(askAgainMs, (windowS * 1000) / speed / 20)));
+    return () => {
+      abort.abort();
+      clearInterval(timer);
+    };
+  }, [key, windowS, buckets, turn, live]);
+
+  const tick = plotTick.value;
+  tail.current.take(names);
+  return useMemo(() => {
+    const toMs = cellTimeMs.peek() ?? tracks?.toMs ?? 0;
+    const fromMs = toMs - windowS * 1000;
+    return {
+      fromMs,
+      toMs,
+      bucketS: tracks?.bucketS ?? 0,
+      failure,
+      waiting: tracks === undefined && failure === undefined,
+      again: () => setTurn((n) => n + 1),
+      of: (name: string) => {
+        const limit = channel(name)?.column.staleAfterS || 0;
+        return tail.current.behind(tracks?.of.get(name) ?? empty(name), fromMs, Math.max(limit * 1000, 3000 * (tracks?.bucketS ?? 1)));
+      },
+    };
+  }, [tracks, tick, failure, windowS]);
+}

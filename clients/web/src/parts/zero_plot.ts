@@ -1,0 +1,58 @@
+// Drift of the zero: what the instruments read at each return to zero, minus the first of the same datum.
+import type { Point } from '@/api/gen/driftwise/v1/run_pb';
+import { ms } from '@/format/time';
+import { nmFromMm, splitChannel } from '@/format/units';
+import { valueOf } from '@/live/points';
+import type { Colour, PlotSeries, PlotSpec } from '@/plot/spec';
+
+export const axisColours: readonly Colour[] = ['q1', 'q2', 'q3', 's4', 's6', 's5'];
+
+export interface ZeroDrift {
+  lengths: string[]; // "x_mm"
+  hours: number[];
+  nm: number[][]; // per length
+  rows: number[];
+}
+
+export function zeroDrift(points: readonly Point[], startMs: number, lengths: readonly string[]): ZeroDrift {
+  const zeros = points.filter((point) => point.zero);
+  const first = new Map<bigint, Point>(); // of each datum
+  for (const point of zeros) if (!first.has(point.datumId)) first.set(point.datumId, point);
+  return {
+    lengths: [...lengths],
+    hours: zeros.map((point) => ((ms(point.measureTime) ?? NaN) - startMs) / 3600e3),
+    nm: lengths.map((channel) => zeros.map((point) => nmFromMm(valueOf(point, channel) - valueOf(first.get(point.datumId)!, channel)))),
+    rows: zeros.map((point) => Number(point.row)),
+  };
+}
+
+// Lengths that the points hold: x, y, z of the instruments, or whatever ends in mm and is no motor coordinate.
+export function lengthsOf(channels: readonly string[]): string[] {
+  const lengths = channels.filter((name) => /^[xyz]_mm$/.test(name));
+  return lengths.length > 0 ? lengths : channels.filter((name) => name.endsWith('_mm') && !/^(q\d|goal_|x_target)/.test(name) && !name.includes('_cmd_'));
+}
+
+export const airOf = (channels: readonly string[]): string | undefined =>
+  channels.find((name) => name === 'air_degC') ?? channels.find((name) => /^air.*_degC$/.test(name)) ?? channels.find((name) => /^t\d+_degC$/.test(name));
+
+export function zeroPlot(drift: ZeroDrift, startMs: number, air?: { name: string; x: ArrayLike<number>; y: ArrayLike<number> }): PlotSpec {
+  const series: PlotSeries[] = drift.lengths.map((channel, i) => ({
+    name: splitChannel(channel).symbol,
+    unit: 'nm',
+    colour: axisColours[i % axisColours.length],
+    x: drift.hours,
+    y: drift.nm[i],
+    keys: drift.rows,
+    digits: 1,
+  }));
+  if (air) series.push({ name: splitChannel(air.name).symbol.replaceAll('_', ' '), unit: 'degC', colour: 's5', draw: 'dashed', axis: 'right', x: air.x, y: air.y });
+  return {
+    title: 'Drift of the zero',
+    what: air ? 'nm against hours since start; air in °C on the right' : 'nm against hours since start',
+    x: { label: 'time_h', unit: 'h', startMs },
+    y: { unit: 'nm' },
+    ...(air && { right: { unit: 'degC' } }),
+    series,
+    ...(drift.hours.length < 2 && { why: drift.hours.length === 0 ? 'No return to zero yet.' : 'One return to zero so far: drift shows from the second on.' }),
+  };
+}

@@ -1,0 +1,116 @@
+// Each stabilised support: temperature, set-point and its change, output as the device gives it, how long it has been settled.
+import { useMemo, useState } from 'preact/hooks';
+import { api } from '@/api/client';
+import type { Device } from '@/api/gen/driftwise/v1/cell_service_pb';
+import { withLease } from '@/app/lease';
+import { fixed, signed } from '@/format/numbers';
+import { duration, localMidnight } from '@/format/time';
+import { splitChannel, unitSign } from '@/format/units';
+import type { Channel } from '@/live/channels';
+import type { History } from '@/live/history';
+import { seriesOfTrack } from '@/parts/history_plot';
+import { Plot } from '@/plot/plot';
+import type { PlotSpec } from '@/plot/spec';
+import { Button, CommandButton } from '@/ui/button';
+import { confirm } from '@/ui/confirm';
+import { Field, numberTyped } from '@/ui/field';
+import { Panel } from '@/ui/panel';
+import { Failed } from '@/ui/states';
+import { useCommand } from '@/ui/use_command';
+import { useTyped } from '@/ui/use_typed';
+import { Verdict } from '@/ui/verdict';
+import { LiveValue } from './live_value';
+
+export interface Stabiliser {
+  device: Device;
+  now: Channel;
+  set: Channel;
+  output: Channel | undefined;
+}
+
+const settledK = 0.02;
+
+// Seconds since the temperature last left the band about its set-point, as far as the window shows; undefined: it is outside.
+export function settledFor(history: History, { now, set }: Stabiliser): number | undefined {
+  const track = history.of(now.name);
+  const target = set.value.value;
+  for (let i = track.mean.length - 1; i >= 0; i--) {
+    if (!Number.isFinite(track.mean[i]) || Math.abs(track.mean[i] - target) <= settledK) continue;
+    return i === track.mean.length - 1 ? undefined : (history.toMs - track.atMs[i]) / 1000;
+  }
+  return track.mean.length > 0 ? (history.toMs - track.atMs[0]) / 1000 : undefined;
+}
+
+function ChangeSetPoint({ of, done }: { of: Stabiliser; done: () => void }) {
+  const { device, set, now } = of;
+  const [text, setText, taken] = useTyped(`set-point.${device.id}`);
+  const wanted = numberTyped(text);
+  const change = useCommand((degc: number) => withLease((leaseToken) => api.cell().setStabiliser({ leaseToken, deviceId: device.id, setPointDegc: degc })));
+  const wrong = text !== '' && (wanted === undefined ? 'A number in °C, like 23.000' : wanted < 5 || wanted > 60 ? 'From 5 to 60 °C' : undefined) || undefined;
+  const ask = async () => {
+    const yes = await confirm({
+      title: `Change the set-point of ${device.id}?`,
+      facts: [
+        ['Set-point', `${fixed(set.value.peek(), 3)} °C → ${fixed(wanted, 3)} °C`],
+        ['Now', `${fixed(now.value.peek(), 3)} °C`],
+        ['Affects', 'the instruments on this support: their zero drifts until it has settled'],
+      ],
+      verb: `Set ${fixed(wanted, 3)} °C`,
+      keep: 'Keep it as it is',
+    });
+    if (!yes || !(await change.send(wanted!))) return;
+    taken();
+    done();
+  };
+  return (
+    <form class="stack" onSubmit={(event) => { event.preventDefault(); if (!wrong && wanted !== undefined) void ask(); }}>
+      <Field label="New set-point" unit="°C" type="number" value={text} onInput={setText} wrong={wrong} autofocus />
+      <div class="actions">
+        <CommandButton kind="main" submit busy={change.busy} off={wrong ?? (wanted === undefined ? 'Type a set-point first' : undefined)}>Change…</CommandButton>
+        <Button onPress={done}>Cancel</Button>
+      </div>
+      {change.failure && <Failed asked={`Set ${device.id}`} failure={change.failure} />}
+    </form>
+  );
+}
+
+function controlPlot({ now, set, output }: Stabiliser, history: History): PlotSpec {
+  const startMs = localMidnight(history.fromMs);
+  const unit = output ? unitSign(output.column.unit) : '';
+  return {
+    title: 'Temperature and output',
+    what: output ? `°C against time of day; output in ${unit} on the right` : '°C against time of day',
+    x: { label: 'time_h', unit: 'h', startMs, clock: true },
+    y: { unit: 'degC', zero: false },
+    ...(output && { right: { unit: output.column.unit, low: 0, high: output.column.max ?? (output.column.unit === 'pct' ? 100 : undefined) } }),
+    series: [
+      seriesOfTrack(history.of(now.name), startMs, { name: 'temperature', colour: 'q1' }),
+      ...(output ? [seriesOfTrack(history.of(output.name), startMs, { name: 'output', colour: 's5', draw: 'dashed', axis: 'right' })] : []),
+    ],
+    limits: Number.isFinite(set.value.value) ? [{ at: set.value.value, label: `set-point ${fixed(set.value.value, 3)} °C` }] : [],
+    ...(history.waiting && { why: 'Waiting for the record …' }),
+  };
+}
+
+export function StabiliserPanel({ of, history }: { of: Stabiliser; history: History }) {
+  const [changing, setChanging] = useState(false);
+  const { device, now, set, output } = of;
+  const setPoint = set.value.value;
+  const spec = useMemo(() => controlPlot(of, history), [history, setPoint]);
+  const settled = settledFor(history, of);
+  const off = now.value.value - setPoint;
+  return (
+    <Panel title={device.id.replaceAll('-', ' ')} class="instrument instrument-two">
+      <div class="instrument-side">
+        <LiveValue channel={now} big />
+        <dl class="facts note">
+          <dt>set-point</dt><dd>{fixed(setPoint, 3)} °C</dd>
+          {output && <><dt>{splitChannel(output.name).symbol.split('_').pop()}</dt><dd><LiveValue channel={output} />{output.column.max !== undefined && ` of ${fixed(output.column.max)} ${unitSign(output.column.unit)}`}</dd></>}
+        </dl>
+        {settled !== undefined ? <Verdict kind="good">settled for {duration(settled)}</Verdict> : <Verdict kind="warn">{signed(off * 1000, 0)} mK off</Verdict>}
+        {changing ? <ChangeSetPoint of={of} done={() => setChanging(false)} /> : <CommandButton onPress={() => setChanging(true)}>Change the set-point…</CommandButton>}
+      </div>
+      <Plot spec={spec} live height={150} group="live" />
+    </Panel>
+  );
+}

@@ -1,0 +1,81 @@
+// The run under way: state in 44 px, how far, when ready.
+import { api } from '@/api/client';
+import { Run_State, type Run, type RunProgress } from '@/api/gen/driftwise/v1/run_pb';
+import { fixed } from '@/format/numbers';
+import { dateClock, dayClock, duration, ms } from '@/format/time';
+import { connection } from '@/live/connection';
+import { cell, cellTimeMs } from '@/live/state';
+import { RunButtons } from '@/parts/run_buttons';
+import { doneShare, isOver, stateWords, troubles, whereItIs } from '@/parts/run_words';
+import { Panel } from '@/ui/panel';
+import { Mark } from '@/ui/verdict';
+import { useAsked } from '@/ui/use_asked';
+
+// When the run will be over by the clock on the wall: a fast simulated cell gets there sooner than its own time says.
+function Ready({ progress }: { progress: RunProgress }) {
+  const endMs = ms(progress.estimatedEndTime);
+  const nowMs = cellTimeMs.value;
+  const speed = cell.value?.speed || 1;
+  if (endMs === undefined || nowMs === undefined) return null;
+  const leftS = (endMs - nowMs) / 1000 / speed;
+  if (leftS < -30) return <div class="ready"><span class="muted">estimated end passed</span><strong class="result">{duration(-leftS)} ago</strong></div>;
+  return (
+    <div class="ready" title="From the plan's moves and the time that points have taken so far, computed by the daemon">
+      <span class="muted">ready about</span>
+      <strong class="result">{dayClock(Date.now() + leftS * 1000)}</strong>
+      <span class="muted">in {duration(leftS < 120 ? leftS : Math.round(leftS / 60) * 60)}{speed !== 1 && `, at ${fixed(speed)} times speed`}</span>
+    </div>
+  );
+}
+
+export function RunPanel({ progress, buttons }: { progress: RunProgress; buttons: boolean }) {
+  const run = progress.run!;
+  const [kind, word] = stateWords[run.state];
+  const share = doneShare(run);
+  const held = run.state === Run_State.WAITING || run.state === Run_State.PAUSED;
+  return (
+    <Panel class={`run-panel${connection.value.phase === 'lost' ? ' stale' : ''}`}>
+      <div class="run-state">
+        <p class="state"><Mark kind={kind} size={32} /> {word}</p>
+        <p class="muted"><a class="quiet" href={`/runs/${run.id}`}>Run {String(run.id)}{run.name && ` · ${run.name}`}</a> · {whereItIs(progress)}</p>
+        {held && run.reason && <p class="finding">{run.reason}</p>}
+      </div>
+      <div class="run-progress">
+        <progress value={share} max={1} aria-label="Share of the plan that is decided" />
+        <p class="muted">{fixed(share * 100, share > 0 && share < 0.1 ? 1 : 0)} % · {troubles(run)}</p>
+      </div>
+      <Ready progress={progress} />
+      {buttons && <div class="run-buttons"><RunButtons run={run} /></div>}
+    </Panel>
+  );
+}
+
+function Last({ run }: { run: Run }) {
+  const [, word] = stateWords[run.state];
+  return (
+    <>
+      Last: <a href={`/runs/${run.id}`}>run {String(run.id)}{run.name && ` · ${run.name}`}</a>, {word.toLowerCase()}{' '}
+      {run.endTime && dateClock(ms(run.endTime))}, {String(run.acceptedCount)} of {String(run.rowCount)} points
+    </>
+  );
+}
+
+export function IdlePanel() {
+  const lately = useAsked('last run', async (signal) => (await api.run().listRuns({ limit: 1 }, { signal })).runs[0] ?? null);
+  const devices = cell.value?.devices ?? [];
+  return (
+    <Panel class="run-panel">
+      <div class="run-state">
+        <p class="state"><Mark kind="idle" size={32} /> No run</p>
+        <p class="muted">
+          {devices.length > 0 && `The environment of ${devices.length} devices is recorded all the same. `}
+          {lately.value && <Last run={lately.value} />}
+          {lately.value === null && <>No run yet. <a href="/trajectories">Upload or generate a trajectory</a></>}
+        </p>
+      </div>
+    </Panel>
+  );
+}
+
+export const underWay = (progress: RunProgress | undefined): RunProgress | undefined =>
+  progress?.run && !isOver(progress.run) ? progress : undefined;
