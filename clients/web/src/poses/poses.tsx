@@ -5,7 +5,7 @@ import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import { fixed, significant } from '@/format/numbers';
 import { palette } from '@/plot/palette';
 import { Button } from '@/ui/button';
-import { saveFile } from '@/ui/save_file';
+import { download } from '@/ui/download';
 import { homeCamera, turned, zoomed, type Camera } from './camera';
 import { paintShapes } from './canvas';
 import { mix } from './colours';
@@ -71,9 +71,9 @@ export function Poses({ scene, height = 420, chosen, onPick, file = 'poses' }: {
         <h2>{scene.title}</h2>
         <div class="actions">
           <Button small onPress={() => setCamera(homeCamera)}>Turn back</Button>
-          <Button small label="Picture as SVG" onPress={() => saveFile(`${file}.svg`, 'image/svg+xml', shapesSvg(shapes, width, height, scene.title, colours.panel))}>SVG</Button>
-          <Button small label="Picture as PNG" onPress={() => canvas.current?.toBlob((blob) => blob && saveFile(`${file}.png`, 'image/png', blob))}>PNG</Button>
-          <Button small label="Poses as CSV" onPress={() => saveFile(`${file}.csv`, 'text/csv', posesCsv(scene))}>CSV</Button>
+          <Button small label="Picture as SVG" onPress={() => download(`${file}.svg`, shapesSvg(shapes, width, height, scene.title, colours.panel), 'image/svg+xml')}>SVG</Button>
+          <Button small label="Picture as PNG" onPress={() => canvas.current?.toBlob((blob) => blob && download(`${file}.png`, blob, 'image/png'))}>PNG</Button>
+          <Button small label="Poses as CSV" onPress={() => download(`${file}.csv`, posesCsv(scene), 'text/csv')}>CSV</Button>
         </div>
       </figcaption>
       <Legend scene={scene} />

@@ -9,13 +9,13 @@ import { useEvents } from '@/live/events';
 import { Button, CommandButton } from '@/ui/button';
 import { U90 } from '@/ui/explained';
 import { Panel } from '@/ui/panel';
-import { saveFile } from '@/ui/save_file';
+import { download } from '@/ui/download';
 import { Awaiting, Failed, Warned } from '@/ui/states';
 import { useAsked } from '@/ui/use_asked';
 import { useCommand } from '@/ui/use_command';
 import { Mark } from '@/ui/verdict';
 import { ViewTitle } from '@/ui/view_title';
-import { SymbolChoice } from '@/views/models/output_choice';
+import { SymbolChoice } from '@/ui/choice';
 import { BeforeAfter } from './before_after';
 import { ExtensionPanel } from './extension';
 import { FindingPanel } from './finding';
@@ -33,7 +33,7 @@ export function DiagnosisPage({ id }: { id: bigint }) {
   });
   const page = useCommand(async () => {
     const { html, fileName } = await api.diagnosis().exportDiagnosis({ diagnosisId: id });
-    saveFile(fileName, 'text/html', html);
+    download(fileName, html, 'text/html');
   });
   const diagnosis = asked.value?.diagnosis;
   return (

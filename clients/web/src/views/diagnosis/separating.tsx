@@ -3,8 +3,8 @@ import type { Diagnosis, SeparatingExperiment } from '@/api/gen/driftwise/v1/dia
 import { duration } from '@/format/time';
 import { Button } from '@/ui/button';
 import { Panel } from '@/ui/panel';
-import { StartRun } from '@/views/trajectories/start_run';
-import { saveFile } from '@/ui/save_file';
+import { StartRun } from '@/trajectory/start_run';
+import { download } from '@/ui/download';
 
 export function SeparatingPanel({ experiment, diagnosis }: { experiment: SeparatingExperiment; diagnosis: Diagnosis }) {
   const rows = experiment.trajectoryText.split('\n').filter((line) => line !== '' && !line.startsWith('#')).length - 1;
@@ -15,7 +15,7 @@ export function SeparatingPanel({ experiment, diagnosis }: { experiment: Separat
       title="What would tell them apart"
       actions={
         <>
-          <Button onPress={() => saveFile(`${name}.csv`, 'text/csv', experiment.trajectoryText)}>Save the trajectory</Button>
+          <Button onPress={() => download(`${name}.csv`, experiment.trajectoryText, 'text/csv')}>Save the trajectory</Button>
           <StartRun text={experiment.trajectoryText} name={name} verb="Start the separating run" />
         </>
       }

@@ -2,7 +2,7 @@
 import type { DiscrepancyRows, FindingParameter, OutputDiscrepancy } from '@/api/gen/driftwise/v1/diagnosis_service_pb';
 import { unitSign } from '@/format/units';
 import type { Marker, PlotSeries, PlotSpec } from '@/plot/spec';
-import { spanOf } from '@/views/models/residual_specs';
+import { spanOf } from '@/plot/residual_specs';
 import { after, before, parameterWords } from './words';
 
 export interface PlotAxis {

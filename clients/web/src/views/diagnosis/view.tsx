@@ -5,7 +5,7 @@ import { ViewTitle } from '@/ui/view_title';
 import { ImprovementPage } from './improvement';
 import { DiagnosisList } from './list';
 import { DiagnosisPage } from './page';
-import './diagnosis.css';
+import './view.css';
 
 const isNumber = (text: string | undefined): text is string => text !== undefined && /^\d+$/.test(text);
 

@@ -5,7 +5,7 @@ import { api } from '@/api/client';
 import { cell } from '@/live/state';
 import { Button, CommandButton } from '@/ui/button';
 import { confirm } from '@/ui/confirm';
-import { saveFile } from '@/ui/save_file';
+import { download } from '@/ui/download';
 import { Failed } from '@/ui/states';
 import { useCommand } from '@/ui/use_command';
 import { accuracyText, summaryUnit } from './figures';
@@ -81,7 +81,7 @@ export function RollBack({ promotions, onDone }: { promotions: readonly Promotio
 export function ExportButtons({ id }: { id: bigint }) {
   const command = useCommand(async (format: ExportModelRequest_Format) => {
     const { text, fileName } = await api.model().exportModel({ modelId: id, format });
-    saveFile(fileName, 'text/plain', text);
+    download(fileName, text, 'text/plain');
   });
   return (
     <>

@@ -2,7 +2,7 @@
 import type { GetModelResponse, PoseBudget } from '@/api/gen/driftwise/v1/model_service_pb';
 import { significant } from '@/format/numbers';
 import { splitChannel, unitSign } from '@/format/units';
-import { BudgetTable } from '@/views/targets/budget';
+import { BudgetTable } from '@/model/budget_table';
 import { Panel } from '@/ui/panel';
 import { Empty } from '@/ui/states';
 import { Table } from '@/ui/table';

@@ -11,7 +11,7 @@ import { Awaiting, Failed, Warned } from '@/ui/states';
 import { useAsked } from '@/ui/use_asked';
 import { outputSymbol, summaryUnit } from './figures';
 import { OutputChoice, useOutput } from './output_choice';
-import { residualSpecs } from './residual_specs';
+import { residualSpecs } from '@/plot/residual_specs';
 
 export function ResidualsTab({ model }: { model: Model }) {
   const [file, setFile] = useState<{ name: string; bytes: Uint8Array }>();

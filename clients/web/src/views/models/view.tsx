@@ -5,7 +5,7 @@ import { ViewTitle } from '@/ui/view_title';
 import { ComparePage } from './compare';
 import { ModelList } from './list';
 import { ModelPage } from './page';
-import './models.css';
+import './view.css';
 
 export default function Models() {
   const [, which] = segments.value;

@@ -11,8 +11,8 @@ import { Button } from '@/ui/button';
 import { Panel } from '@/ui/panel';
 import { Awaiting, Failed } from '@/ui/states';
 import { useAsked } from '@/ui/use_asked';
-import { saveFile } from '@/ui/save_file';
-import { SymbolChoice } from '@/views/models/output_choice';
+import { download } from '@/ui/download';
+import { SymbolChoice } from '@/ui/choice';
 import { MapLegend } from './map_legend';
 import { mapCsv, mapOf, paintMap, placeOnMap, type MapPicture } from './map_picture';
 import type { Pose, PoseField } from './pose';
@@ -115,5 +115,5 @@ function Picture({ picture, fields, pose }: { picture: MapPicture; fields: reado
 }
 
 function Files({ picture }: { picture: MapPicture }) {
-  return <Button small label="Map as CSV" onPress={() => saveFile(`target-map-${picture.title.replaceAll(/[^a-z0-9]+/gi, '-')}.csv`, 'text/csv', mapCsv(picture))}>CSV</Button>;
+  return <Button small label="Map as CSV" onPress={() => download(`target-map-${picture.title.replaceAll(/[^a-z0-9]+/gi, '-')}.csv`, mapCsv(picture), 'text/csv')}>CSV</Button>;
 }

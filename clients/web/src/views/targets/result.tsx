@@ -11,7 +11,7 @@ import { Panel } from '@/ui/panel';
 import { Awaiting, Failed } from '@/ui/states';
 import { useCommand } from '@/ui/use_command';
 import { Verdict } from '@/ui/verdict';
-import { BudgetTable } from './budget';
+import { BudgetTable } from '@/model/budget_table';
 import { Parts } from './parts';
 import type { Pose } from './pose';
 import type { TargetState } from './use_target';

@@ -13,7 +13,7 @@ import { PoseForm } from './pose_form';
 import { fieldsOf, poseOf } from './pose';
 import { Result } from './result';
 import { useTarget } from './use_target';
-import './targets.css';
+import './view.css';
 
 export default function Targets() {
   const asked = useAsked('serving model', async (signal) => {

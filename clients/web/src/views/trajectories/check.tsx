@@ -3,17 +3,17 @@ import { useMemo } from 'preact/hooks';
 import { api } from '@/api/client';
 import type { CheckTrajectoryResponse } from '@/api/gen/driftwise/v1/run_service_pb';
 import { count, fixed } from '@/format/numbers';
-import { dayClock, duration, secondsOf } from '@/format/time';
+import { duration, secondsOf } from '@/format/time';
 import { splitChannel } from '@/format/units';
-import { cell, cellTimeMs } from '@/live/state';
 import { Plot } from '@/plot/plot';
 import { Poses } from '@/poses/poses';
 import { Panel } from '@/ui/panel';
 import { Awaiting, Failed, Warned } from '@/ui/states';
 import { useAsked } from '@/ui/use_asked';
 import { Verdict } from '@/ui/verdict';
-import { useLimits, type CellLimits } from './limits';
-import { forceStages, rangesOf, trajectoryRows, type TrajectoryRows } from './parse';
+import { estimatedEnd } from '@/trajectory/estimate';
+import { useLimits, type CellLimits } from '@/trajectory/limits';
+import { forceStages, rangesOf, trajectoryRows, type TrajectoryRows } from '@/trajectory/parse';
 import { lineSpec, sceneOf } from './scene';
 
 export function useTrajectoryCheck(text: string) {
@@ -44,11 +44,6 @@ function Picture({ rows, limits, name }: { rows: TrajectoryRows; limits: CellLim
   const spec = useMemo(() => lineSpec(rows, limits?.axes ?? [], title), [rows, limits, title]);
   return rows.coordinates.length < 2 ? <Plot spec={spec} height={320} /> : <Poses scene={scene} file={name || 'trajectory'} />;
 }
-
-export const estimatedEnd = (seconds: number): string => {
-  const speed = cell.value?.speed || 1;
-  return cellTimeMs.value === undefined ? '' : speed === 1 ? dayClock(cellTimeMs.value + seconds * 1000) : `${duration(seconds / speed)} on the wall, the cell runs at speed ${speed}`;
-};
 
 function Facts({ check, rows, limits }: { check: CheckTrajectoryResponse; rows: TrajectoryRows; limits: CellLimits | undefined }) {
   const seconds = secondsOf(check.estimatedDuration) ?? 0;

@@ -9,7 +9,7 @@ import { Field, numberTyped } from '@/ui/field';
 import { Failed } from '@/ui/states';
 import { useCommand } from '@/ui/use_command';
 import { useTyped } from '@/ui/use_typed';
-import { useLimits, type SoftLimit } from './limits';
+import { useLimits, type SoftLimit } from '@/trajectory/limits';
 
 interface AxisTyped {
   from: string;

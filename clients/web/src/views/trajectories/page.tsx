@@ -8,12 +8,12 @@ import { cell } from '@/live/state';
 import { Button } from '@/ui/button';
 import { Field } from '@/ui/field';
 import { Panel } from '@/ui/panel';
-import { saveFile } from '@/ui/save_file';
+import { download } from '@/ui/download';
 import { Awaiting, Failed } from '@/ui/states';
 import { useAsked } from '@/ui/use_asked';
 import { ViewTitle } from '@/ui/view_title';
 import { TrajectoryCheck, useTrajectoryCheck } from './check';
-import { StartRun } from './start_run';
+import { StartRun } from '@/trajectory/start_run';
 
 export function TrajectoryPage({ id }: { id: bigint }) {
   const asked = useAsked(`trajectory ${id}`, async (signal) => (await api.trajectory().getTrajectory({ trajectoryId: id }, { signal })).trajectory!);
@@ -22,7 +22,7 @@ export function TrajectoryPage({ id }: { id: bigint }) {
     <>
       <ViewTitle
         sub={one && `${count(one.rowCount)} rows, kept ${dateClock(ms(one.createTime))}${one.createdBy && ` by ${one.createdBy}`}`}
-        actions={one && <Button onPress={() => saveFile(`${one.name.replace(/\.csv$/, '')}.csv`, 'text/csv', one.text)}>Save as CSV</Button>}
+        actions={one && <Button onPress={() => download(`${one.name.replace(/\.csv$/, '')}.csv`, one.text, 'text/csv')}>Save as CSV</Button>}
       >
         {one ? `Trajectory ${id}, ${one.name}` : `Trajectory ${id}`}
       </ViewTitle>

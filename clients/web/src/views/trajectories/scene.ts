@@ -1,8 +1,8 @@
 // A trajectory as a picture: in 3-D where it has two coordinates or more, else position against order.
 import type { PlotSeries, PlotSpec } from '@/plot/spec';
 import type { Axis, PoseScene } from '@/poses/pose';
-import type { SoftLimit } from './limits';
-import { posesOf, rangesOf, type TrajectoryRows } from './parse';
+import type { SoftLimit } from '@/trajectory/limits';
+import { posesOf, rangesOf, type TrajectoryRows } from '@/trajectory/parse';
 
 export function sceneOf(of: TrajectoryRows, limits: readonly SoftLimit[], title: string): PoseScene {
   const ranges = rangesOf(of);

@@ -4,7 +4,7 @@ import { Empty } from '@/ui/states';
 import { ViewTitle } from '@/ui/view_title';
 import { TrajectoryList } from './list';
 import { TrajectoryPage } from './page';
-import './trajectories.css';
+import './view.css';
 
 export default function Trajectories() {
   const [, which] = segments.value;

@@ -11,7 +11,7 @@ import { confirm } from '@/ui/confirm';
 import { Failed } from '@/ui/states';
 import { useCommand } from '@/ui/use_command';
 import { useLimits } from './limits';
-import { estimatedEnd } from './check';
+import { estimatedEnd } from './estimate';
 import { forceStages, trajectoryRows } from './parse';
 
 const over = 5; // Run.State: DONE and what follows
