@@ -16,7 +16,10 @@ export function wholeRange(spec: PlotSpec): Range | undefined {
     to = Math.max(to, x[x.length - 1]);
   }
   if (from > to) return undefined;
-  return from === to ? { from: from - 0.5, to: to + 0.5 } : { from, to };
+  if (from === to) return { from: from - 0.5, to: to + 0.5 };
+  // A mark is as wide as it is: those at the ends would be cut in half.
+  const room = spec.series.every((one) => one.draw === 'markers') ? 0.02 * (to - from) : 0;
+  return { from: from - room, to: to + room };
 }
 
 function extent(series: readonly PlotSeries[], range: Range): [number, number] {

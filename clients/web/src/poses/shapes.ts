@@ -1,6 +1,6 @@
 // A scene seen by a camera, as flat shapes sorted from back to front: canvas and SVG draw the same list.
 import { mix } from './colours';
-import { projector, type Camera } from './camera';
+import { homeCamera, projector, type Camera } from './camera';
 import { colourRange, type Pose, type PoseScene } from './pose';
 import { fixed } from '@/format/numbers';
 import { niceStep } from '@/plot/ticks';
@@ -29,7 +29,10 @@ export function proportions(scene: PoseScene): [number, number, number] {
 
 export function shapesOf(scene: PoseScene, camera: Camera, seen: Seen, colours: Palette): Shape[] {
   const half = proportions(scene);
-  const pxPerUnit = Math.min(seen.width - 110, (seen.height - 60) * 1.25) / (2 * Math.hypot(half[0], half[1]) || 2);
+  // As large as fits at the height it is first looked at from, whatever the turn.
+  const across = 2 * Math.hypot(half[0], half[1]);
+  const upright = 2 * half[2] * Math.cos(homeCamera.lift) + across * Math.sin(homeCamera.lift);
+  const pxPerUnit = Math.min((seen.width - 130) / (across || 2), (seen.height - 60) / (upright || 2));
   const project = projector(camera, pxPerUnit);
   const [mx, my] = [seen.width / 2, seen.height / 2];
   const place = (unit: readonly number[]) => {
@@ -123,7 +126,7 @@ function poseShapes(scene: PoseScene, place: (pose: Pose) => { x: number; y: num
     if (scene.path && visited && before) {
       const newest = i === seen.upTo - 1 && seen.upTo < scene.poses.length;
       shapes.push({ kind: 'line', depth: Math.min(before.depth, at.depth) - 1e-6, x1: before.x, y1: before.y, x2: at.x, y2: at.y,
-        colour: newest ? colours.text : mix(colours.panel, colours.muted, 0.45), width: newest ? 1.5 : 0.75 });
+        colour: newest ? colours.text : mix(colours.panel, colours.muted, 0.35), width: newest ? 1.5 : 0.75 });
     }
     before = at;
     const value = scene.colour.by === 'order' ? i + 1 : pose.value;

@@ -1,6 +1,7 @@
 // A trajectory's text as rows, for the picture only. Whether the text is right is the daemon's to say: what this cannot
 // read it leaves out.
 import type { Pose } from '@/poses/pose';
+import { fixed } from '@/format/numbers';
 import { splitChannel } from '@/format/units';
 
 export interface TrajectoryRow {
@@ -50,6 +51,15 @@ export function forceStages(of: TrajectoryRows): { forceN: number; points: numbe
     else stages.push({ forceN: row.forceN, points: 1 });
   }
   return stages;
+}
+
+// "0 N, then 0.768 N"; where it goes to and fro, which forces and how often.
+export function forceText(of: TrajectoryRows): string {
+  const stages = forceStages(of);
+  const text = (forceN: number) => `${fixed(forceN, 3).replace(/\.?0+$/, '')} N`;
+  if (stages.length <= 6) return stages.map((stage) => text(stage.forceN)).join(', then ');
+  const different = [...new Set(stages.map((stage) => stage.forceN))];
+  return `${different.slice(0, 8).map(text).join(', ')}${different.length > 8 ? ' and more' : ''}, changed ${stages.length - 1} times`;
 }
 
 export function rangesOf(of: TrajectoryRows): { symbol: string; channel: string; low: number; high: number }[] {

@@ -3,7 +3,7 @@ import { useState } from 'preact/hooks';
 import { api } from '@/api/client';
 import { withLease } from '@/app/lease';
 import { go } from '@/app/router';
-import { count, fixed } from '@/format/numbers';
+import { count } from '@/format/numbers';
 import { duration, secondsOf } from '@/format/time';
 import { progress } from '@/live/state';
 import { CommandButton } from '@/ui/button';
@@ -12,7 +12,7 @@ import { Failed } from '@/ui/states';
 import { useCommand } from '@/ui/use_command';
 import { useLimits } from './limits';
 import { estimatedEnd } from './estimate';
-import { forceStages, trajectoryRows } from './parse';
+import { forceText, trajectoryRows } from './parse';
 
 const over = 5; // Run.State: DONE and what follows
 
@@ -34,7 +34,7 @@ export function StartRun({ text, name, runName, compensate, verb = 'Start a run'
   const look = useCommand(async () => {
     const check = await api.run().checkTrajectory({ trajectoryText: text });
     const seconds = secondsOf(check.estimatedDuration) ?? 0;
-    const stages = forceStages(trajectoryRows(text));
+    const forces = forceText(trajectoryRows(text));
     const byHand = limits.value?.actuator ? '' : '; by hand: the run waits for each';
     const yes = await confirm({
       title: `${verb}?`,
@@ -43,7 +43,7 @@ export function StartRun({ text, name, runName, compensate, verb = 'Start a run'
         ['it moves', check.coordinates.join(', ') + (compensate ? ', to the targets of the model that serves' : '')],
         ['soft limits', `${count(check.rowCount)} rows checked, all within`],
         ['takes about', `${duration(seconds)}${estimatedEnd(seconds) && `; ready ${estimatedEnd(seconds)}`}`],
-        ['weights', stages.length === 0 ? 'none' : stages.map((stage) => `${fixed(stage.forceN, 3)} N`).join(', then ') + byHand],
+        ['weights', forces === '' ? 'none' : forces + byHand],
         ...(check.warnings.length ? [['remarks', `${check.warnings.length}: see the page`] as const] : []),
       ],
       verb, keep: 'Do nothing',

@@ -5,11 +5,12 @@ import { query, setQuery } from '@/app/router';
 import { significant } from '@/format/numbers';
 import { unitSign } from '@/format/units';
 import { Plot } from '@/plot/plot';
+import { SymbolChoice } from '@/ui/choice';
 import { Panel } from '@/ui/panel';
 import { after, before } from './words';
 import { axisOf, axesOf, discrepancySpec } from './specs';
 
-export function BeforeAfter({ rows, output }: { rows: DiscrepancyRows; output: OutputDiscrepancy }) {
+export function BeforeAfter({ rows, output, symbols }: { rows: DiscrepancyRows; output: OutputDiscrepancy; symbols: readonly string[] }) {
   const axes = useMemo(() => axesOf(rows), [rows]);
   const wanted = query('against');
   const axis = axes.includes(wanted ?? '') ? wanted! : axes[0];
@@ -28,7 +29,8 @@ export function BeforeAfter({ rows, output }: { rows: DiscrepancyRows; output: O
   };
   return (
     <>
-      <div class="row">
+      <div class="row diagnosis-choices">
+        {symbols.length > 1 && <div class="field"><span>output</span><SymbolChoice symbols={symbols} /></div>}
         <label class="field diagnosis-axis"><span>against</span>
           <select value={axis} onChange={(event) => setQuery({ against: event.currentTarget.value === axes[0] ? undefined : event.currentTarget.value })}>
             {axes.map((symbol) => <option key={symbol} value={symbol}>{words(symbol)}</option>)}

@@ -12,7 +12,7 @@ import { appliesWords } from './words';
 
 const standing = (diagnosis: Diagnosis) => diagnosis.extension && !diagnosis.extension.undoTime;
 
-export function Accept({ diagnosis, findings, again }: { diagnosis: Diagnosis; findings: readonly Finding[]; again: () => void }) {
+export function Accept({ diagnosis, findings, again, plain }: { diagnosis: Diagnosis; findings: readonly Finding[]; again: () => void; plain?: boolean }) {
   const accept = useCommand(async () => {
     await api.diagnosis().acceptExtension({ diagnosisId: diagnosis.id, findingNumbers: findings.map((one) => one.number), promote: false });
     again();
@@ -35,7 +35,7 @@ export function Accept({ diagnosis, findings, again }: { diagnosis: Diagnosis; f
   };
   return (
     <>
-      <CommandButton kind="main" busy={accept.busy} off={standing(diagnosis) ? 'Something of this diagnosis was accepted already: undo that first' : undefined} onPress={ask}>{verb}…</CommandButton>
+      <CommandButton kind={plain ? 'plain' : 'main'} busy={accept.busy} off={standing(diagnosis) ? 'Something of this diagnosis was accepted already: undo that first' : undefined} onPress={ask}>{verb}…</CommandButton>
       {accept.failure && <Failed asked={verb} failure={accept.failure} />}
     </>
   );
@@ -55,7 +55,7 @@ export function ExtensionPanel({ diagnosis, again }: { diagnosis: Diagnosis; aga
     });
     if (yes) await undo.send();
   };
-  if (!made) return diagnosis.findings.length > 1 ? <div class="actions"><Accept diagnosis={diagnosis} findings={diagnosis.findings} again={again} /><span class="muted">all {diagnosis.findings.length} findings at once</span></div> : null;
+  if (!made) return diagnosis.findings.length > 1 ? <div class="actions"><Accept diagnosis={diagnosis} findings={diagnosis.findings} again={again} /><span class="muted">{diagnosis.findings.length === 2 ? 'both' : `all ${diagnosis.findings.length}`} findings at once</span></div> : null;
   return (
     <Panel title="What was made of it" actions={!made.undoTime && <CommandButton busy={undo.busy} onPress={ask}>Undo…</CommandButton>}>
       <p class="row">

@@ -43,7 +43,7 @@ export function FindingPanel({ finding, diagnosis, output, rows, again }: {
           )}
           <p class="note muted">adjusted p {probability(finding.pAdjusted)}; 2 ln L {significant(2 * finding.logLikelihoodRatio, 3)}</p>
           <div class="actions">
-            <Accept diagnosis={diagnosis} findings={[finding]} again={again} />
+            <Accept diagnosis={diagnosis} findings={[finding]} again={again} plain={diagnosis.findings.length > 1} />
             {rows && <Button onPress={() => setEvidence(!evidence)}>{evidence ? 'Hide evidence' : 'Evidence'}</Button>}
           </div>
         </div>
@@ -65,8 +65,8 @@ function Parameters({ finding }: { finding: Finding }) {
             return (
               <tr key={one.name}>
                 <td>{name}</td>
-                <td class="number">{parameterText(one.value)} {unit}</td>
-                <td class="number">{one.ci90 ? `${parameterText(one.ci90.low)} to ${parameterText(one.ci90.high)} ${unit}` : '–'}</td>
+                <td class="number">{parameterText(one.value, one.ci90)} {unit}</td>
+                <td class="number">{one.ci90 ? `${parameterText(one.ci90.low, one.ci90)} to ${parameterText(one.ci90.high, one.ci90)} ${unit}` : '–'}</td>
               </tr>
             );
           })}

@@ -69,8 +69,7 @@ function Body({ diagnosis, rows, step, again }: { diagnosis: Diagnosis; rows: Di
       {diagnosis.warnings.map((warning) => <Warned key={warning}>{warning}</Warned>)}
       {diagnosis.state === Diagnosis_State.DONE && output && (
         <>
-          <div class="row"><span class="muted">output</span><SymbolChoice symbols={symbolsOf(diagnosis, output.output)} /></div>
-          {rows && <BeforeAfter rows={rows} output={output} />}
+          {rows ? <BeforeAfter rows={rows} output={output} symbols={symbolsOf(diagnosis, output.output)} /> : <SymbolChoice symbols={symbolsOf(diagnosis, output.output)} />}
           <ExtensionPanel diagnosis={diagnosis} again={again} />
           {diagnosis.findings.map((finding) => (
             <FindingPanel key={finding.number} finding={finding} diagnosis={diagnosis} output={output} rows={rows} again={again} />

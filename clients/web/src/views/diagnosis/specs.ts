@@ -56,7 +56,7 @@ export function discrepancySpec(rows: DiscrepancyRows, output: OutputDiscrepancy
   const of = rows.outputs.find((one) => one.output === output.output);
   const y = (which === 'before' ? of?.before : of?.after) ?? [];
   const all = [...(of?.before ?? []), ...(of?.after ?? [])].filter(Number.isFinite);
-  const reach = all.reduce((most, value) => Math.max(most, Math.abs(value)), 1e-9);
+  const reach = all.reduce((most, value) => Math.max(most, Math.abs(value)), Math.max(before(output), after(output)));
   const u90 = which === 'before' ? before(output) : after(output);
   const series: PlotSeries[] = groupsOf(rows, output.output, colour).map((group) => {
     const wanted: number[] = [];

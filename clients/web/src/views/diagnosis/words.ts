@@ -1,6 +1,6 @@
 // States, verdicts and places as words and marks.
 import { Diagnosis_State, Verdict as V, type Diagnosis, type OutputDiscrepancy } from '@/api/gen/driftwise/v1/diagnosis_service_pb';
-import { significant } from '@/format/numbers';
+import { fixed, significant } from '@/format/numbers';
 import type { VerdictKind } from '@/ui/verdict';
 
 export interface Judgement {
@@ -43,7 +43,7 @@ export const after = (one: OutputDiscrepancy): number => one.u90ValidationAfter 
 export const rowsWord = (one: OutputDiscrepancy): string => (one.u90ValidationBefore !== undefined ? 'validation' : 'calibration');
 
 const units: readonly [RegExp, string][] = [
-  [/_nm_per_K_per_h$/, 'nm/(K/h)'], [/_?nm_per_N_per_mm$/, 'nm/(N mm)'], [/_?nm_per_K$/, 'nm/K'], [/_?nm_per_N$/, 'nm/N'],
+  [/_?nm_per_K_per_h$/, 'nm/(K/h)'], [/_?nm_per_N_per_mm$/, 'nm/(N mm)'], [/_?nm_per_K$/, 'nm/K'], [/_?nm_per_N$/, 'nm/N'],
   [/_?nm_per_h$/, 'nm/h'], [/_?ppm_per_K$/, 'ppm/K'], [/_s$/, 's'], [/_nm$/, 'nm'], [/_mm$/, 'mm'], [/_arcsec$/, 'arcsec'], [/_h$/, 'h'], [/_mK$/, 'mK'],
 ];
 
@@ -54,7 +54,12 @@ export function parameterWords(name: string): { name: string; unit: string } {
   return { name: name.replaceAll('_', ' '), unit: '' };
 }
 
-export const parameterText = (value: number): string => significant(value, 4);
+// No more digits than the interval supports: two of its width.
+export function parameterText(value: number, interval: { low: number; high: number } | undefined): string {
+  const width = interval ? interval.high - interval.low : 0;
+  if (!(width > 0)) return significant(value, 3);
+  return fixed(value, Math.min(9, Math.max(0, 1 - Math.floor(Math.log10(width)))));
+}
 
 export const appliesWords: Record<string, string> = {
   robot: 'extends simulation and served model',

@@ -40,7 +40,7 @@ function Terms({ output }: { output: ModelOutput }) {
     <>
       <p class="note muted">Contribution: standard deviation over the calibration rows, {unit}, with its standard error; bars on a logarithmic scale. Terms left out: as if each alone were added.</p>
       <Table
-        caption={`Terms of ${outputSymbol(output)}`}
+        caption={`Table of the terms of ${outputSymbol(output)}`}
         rows={rows}
         keyOf={(term) => term.term}
         rowClass={(term) => (term.included ? undefined : 'models-out')}

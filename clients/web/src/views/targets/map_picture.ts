@@ -72,17 +72,9 @@ export function paintMap(context: CanvasRenderingContext2D, picture: MapPicture,
   const f = frame(picture, how.width, how.height);
   context.fillStyle = colours.panel;
   context.fillRect(0, 0, how.width, how.height);
-  for (let row = 0; row < picture.rows; ++row)
-    for (let column = 0; column < picture.columns; ++column) {
-      const i = row * picture.columns + column;
-      context.globalAlpha = picture.outside[i] ? 0.35 : 1;
-      context.fillStyle = colourOf(picture, picture.values[i], colours);
-      const [left, right] = [Math.floor(f.px(picture.x(column - 0.5))), Math.floor(f.px(picture.x(column + 0.5)))];
-      const [top, bottom] = [Math.floor(f.py(picture.y(row + 0.5))), Math.floor(f.py(picture.y(row - 0.5)))];
-      context.fillRect(left, top, right - left, bottom - top);
-    }
-  context.globalAlpha = 1;
+  context.drawImage(cellsOf(picture, colours), margin.left, margin.top, f.inner.width, f.inner.height);
   const [hField, vField] = how.fields;
+  fadeOutside(context, f, how.fields, colours);
   context.strokeStyle = colours.text;
   context.lineWidth = 1.5;
   context.strokeRect(f.px(hField.min), f.py(vField.max), f.px(hField.max) - f.px(hField.min), f.py(vField.min) - f.py(vField.max));
@@ -95,6 +87,30 @@ export function paintMap(context: CanvasRenderingContext2D, picture: MapPicture,
   context.moveTo(cx, cy - 11);
   context.lineTo(cx, cy + 11);
   context.stroke();
+}
+
+// One pixel per pose: the browser smooths between them when it is drawn larger.
+function cellsOf(picture: MapPicture, colours: Palette): HTMLCanvasElement {
+  const cells = document.createElement('canvas');
+  [cells.width, cells.height] = [picture.columns, picture.rows];
+  const context = cells.getContext('2d')!;
+  picture.values.forEach((value, i) => {
+    context.fillStyle = colourOf(picture, value, colours);
+    context.fillRect(i % picture.columns, picture.rows - 1 - Math.floor(i / picture.columns), 1, 1);
+  });
+  return cells;
+}
+
+function fadeOutside(context: CanvasRenderingContext2D, f: ReturnType<typeof frame>, [h, v]: readonly PoseField[], colours: Palette): void {
+  context.save();
+  context.beginPath();
+  context.rect(margin.left, margin.top, f.inner.width, f.inner.height);
+  context.rect(f.px(h.min), f.py(v.max), f.px(h.max) - f.px(h.min), f.py(v.min) - f.py(v.max));
+  context.clip('evenodd');
+  context.globalAlpha = 0.6;
+  context.fillStyle = colours.panel;
+  context.fillRect(margin.left, margin.top, f.inner.width, f.inner.height);
+  context.restore();
 }
 
 function paintAxes(context: CanvasRenderingContext2D, f: ReturnType<typeof frame>, how: { height: number; fields: readonly PoseField[]; font: string }, colours: Palette): void {

@@ -33,7 +33,7 @@ export function Result({ state, pose }: { state: TargetState; pose: Pose }) {
               <h3>What the correction is made of</h3>
               <Parts coordinates={target.coordinates} />
             </div>
-            <details>
+            <details open>
               <summary>What the uncertainty is made of</summary>
               <BudgetTable coordinates={target.coordinates} />
             </details>

@@ -13,7 +13,7 @@ import { useAsked } from '@/ui/use_asked';
 import { Verdict } from '@/ui/verdict';
 import { estimatedEnd } from '@/trajectory/estimate';
 import { useLimits, type CellLimits } from '@/trajectory/limits';
-import { forceStages, rangesOf, trajectoryRows, type TrajectoryRows } from '@/trajectory/parse';
+import { forceText, rangesOf, trajectoryRows, type TrajectoryRows } from '@/trajectory/parse';
 import { lineSpec, sceneOf } from './scene';
 
 export function useTrajectoryCheck(text: string) {
@@ -47,7 +47,7 @@ function Picture({ rows, limits, name }: { rows: TrajectoryRows; limits: CellLim
 
 function Facts({ check, rows, limits }: { check: CheckTrajectoryResponse; rows: TrajectoryRows; limits: CellLimits | undefined }) {
   const seconds = secondsOf(check.estimatedDuration) ?? 0;
-  const stages = forceStages(rows);
+  const forces = forceText(rows);
   return (
     <div class="stack">
       <Panel title="What a run of it would do">
@@ -56,7 +56,7 @@ function Facts({ check, rows, limits }: { check: CheckTrajectoryResponse; rows: 
           <dt>lines</dt><dd>{count(check.lineCount)}</dd>
           <dt>coordinates</dt><dd>{check.coordinates.map((channel) => splitChannel(channel).symbol).join(', ')}, {check.coordinates[0]?.startsWith('q') ? 'motor coordinates' : 'wanted poses'}</dd>
           <dt>takes about</dt><dd>{duration(seconds)}{estimatedEnd(seconds) && `; begun now, ready ${estimatedEnd(seconds)}`}</dd>
-          {stages.length > 0 && (<><dt>forces</dt><dd>{stages.map((stage) => `${fixed(stage.forceN, 3)} N`).join(', then ')}; {limits?.actuator ? 'the load actuator changes them' : 'a person hangs the weights: the run waits'}</dd></>)}
+          {forces && (<><dt>forces</dt><dd>{forces}; {limits?.actuator ? 'the load actuator changes them' : 'a person hangs the weights: the run waits'}</dd></>)}
         </dl>
       </Panel>
       <LimitsPanel rows={rows} limits={limits} />

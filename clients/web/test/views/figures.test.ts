@@ -1,0 +1,73 @@
+import { describe, expect, it } from 'vitest';
+import { create } from '@bufbuild/protobuf';
+import { PromotionSchema, Promotion_Action, ModelTermSchema } from '@/api/gen/driftwise/v1/model_service_pb';
+import { residualSpecs } from '@/plot/residual_specs';
+import { forceText, trajectoryRows } from '@/trajectory/parse';
+import { parameterText, parameterWords } from '@/views/diagnosis/words';
+import { servedBefore } from '@/views/models/actions';
+import { contributionError, logScale } from '@/views/models/terms';
+
+const promoted = (modelId: bigint) => create(PromotionSchema, { modelId, action: Promotion_Action.PROMOTE });
+const back = create(PromotionSchema, { action: Promotion_Action.ROLLBACK });
+
+describe('which model served before', () => {
+  it('counts promotions and rollbacks as a stack, newest first in the list', () => {
+    expect(servedBefore([promoted(3n), back, promoted(2n), promoted(1n)])).toEqual({ now: 3n, before: 1n });
+    expect(servedBefore([back, promoted(1n)])).toEqual({ now: undefined, before: undefined });
+  });
+});
+
+describe('terms', () => {
+  it('gives a contribution the relative error of its coefficient, the larger one where rows are not independent', () => {
+    const term = create(ModelTermSchema, { contributionRms: 200, coefficient: -4, standardError: 0.1, standardErrorSerial: 0.2 });
+    expect(contributionError(term)).toBeCloseTo(10);
+  });
+  it('scales bars by whole decades', () => {
+    const scale = logScale([3, 30, 900]);
+    expect([scale(1), scale(1000), scale(0)]).toEqual([0, 1, 0]);
+  });
+});
+
+describe('residuals', () => {
+  const rows = {
+    timeS: [0, 10, 20, 30], validation: [false, true, false, false], excluded: [false, false, true, false],
+    variables: [{ symbol: 'x', unit: 'mm', values: [1, 0, 2, NaN] }, { symbol: 'y', unit: 'mm', values: [5, 5, 5, 5] }, { symbol: 'q1', unit: 'mm', values: [1, 2, 3, 4] }],
+    outputs: [{ output: 'q1', values: [-3, 1, 99, 2] }],
+  };
+  const specs = residualSpecs(rows, 'q1', 'nm', 4, 'model-1');
+  it('shows time and every channel that varies, but not the output itself', () => {
+    expect(specs.map((spec) => spec.title)).toEqual(['Over time', 'Against x']);
+  });
+  it('keeps the sets apart, leaves excluded and missing rows out, and has one symmetric scale', () => {
+    const [time, x] = specs;
+    expect(time.series.map((one) => [one.name, [...(one.y as number[])]])).toEqual([['calibration', [-3, 2]], ['validation', [1]]]);
+    expect(x.series[0].x).toEqual([1]);
+    expect([time.y.low, time.y.high]).toEqual([-3, 3]);
+  });
+});
+
+describe('parameters of a finding', () => {
+  it('shows no more digits than the interval supports', () => {
+    expect(parameterText(1830.4, { low: 1740.2, high: 1925.1 })).toBe('1830');
+    expect(parameterText(0.04712, { low: 0.0451, high: 0.0492 })).toBe('0.0471');
+    expect(parameterText(85, undefined)).toBe('85.0');
+  });
+  it('takes the unit from the name', () => {
+    expect(parameterWords('tau_s')).toEqual({ name: 'tau', unit: 's' });
+    expect(parameterWords('nm_per_K_per_h').unit).toBe('nm/(K/h)');
+  });
+});
+
+describe('a trajectory as rows', () => {
+  it('reads what the daemon accepts: byte order mark, blanks, comments, empty fields', () => {
+    const of = trajectoryRows('\ufeff# made by: hand\r\nq1_mm, q2_mm,set,zero,force_N\r\n0,0,calibration,1,\r\n1.5, -2,validation,0,0.768\r\n\r\n');
+    expect(of.coordinates).toEqual(['q1_mm', 'q2_mm']);
+    expect(of.rows).toHaveLength(2);
+    expect(of.rows[1]).toEqual({ at: [1.5, -2], validation: true, zero: false, line: 1, forceN: 0.768 });
+    expect(forceText(of)).toBe('0.768 N');
+  });
+  it('reads nothing from what is no trajectory', () => {
+    expect(trajectoryRows('hello\nworld').rows).toEqual([]);
+    expect(trajectoryRows('').coordinates).toEqual([]);
+  });
+});

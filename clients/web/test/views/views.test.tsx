@@ -1,0 +1,134 @@
+// The views before a daemon in memory: what a person reads, and that what was typed stays.
+import { cleanup, fireEvent, render, screen, waitFor, within } from '@testing-library/preact';
+import { afterEach, beforeAll, beforeEach, describe, expect, it, vi } from 'vitest';
+import { useTransport } from '@/api/client';
+import { go } from '@/app/router';
+import { connection } from '@/live/connection';
+import Diagnosis from '@/views/diagnosis/view';
+import Models from '@/views/models/view';
+import Targets from '@/views/targets/view';
+import Trajectories from '@/views/trajectories/view';
+import { fakeDaemon } from '../fake/daemon';
+
+// What jsdom lacks.
+beforeAll(() => {
+  vi.stubGlobal('ResizeObserver', class { observe() {} disconnect() {} unobserve() {} });
+  vi.stubGlobal('matchMedia', () => ({ matches: false, addEventListener() {}, addListener() {}, removeEventListener() {} }));
+  HTMLCanvasElement.prototype.getContext = (() => null) as never;
+});
+vi.mock('@/plot/plot', () => ({ Plot: ({ spec }: { spec: { title: string } }) => <figure>{spec.title}</figure> }));
+
+beforeEach(() => {
+  sessionStorage.clear();
+  useTransport(fakeDaemon());
+  connection.value = { phase: 'live' };
+});
+afterEach(cleanup);
+
+const show = (address: string, View: () => preact.ComponentChild) => {
+  go(address);
+  return render(<View />);
+};
+
+describe('a diagnosis', () => {
+  it('says verdict and gain first, then causes by rank with their intervals', async () => {
+    show('/diagnosis/9', Diagnosis);
+    await screen.findByText('Extended');
+    expect(screen.getByText('164 → 43 nm')).toBeTruthy();
+    const first = screen.getByRole('heading', { name: /1\. The robot follows thermometer t07/ }).closest('section')!;
+    expect(within(first).getByText('1740 to 1925 s')).toBeTruthy();
+    expect(within(first).getByText('lag(t07, 1830 s)')).toBeTruthy();
+    expect(screen.getByText(/These data do not tell it from/).textContent).toContain('creep');
+    expect(screen.getByText('no tilt channel')).toBeTruthy();
+    expect(screen.getByText('Before: ±164 nm')).toBeTruthy();
+  });
+  it('shows the evidence on demand, with the likelihood of the parameter', async () => {
+    show('/diagnosis/9', Diagnosis);
+    fireEvent.click((await screen.findAllByRole('button', { name: 'Evidence' }))[0]);
+    expect(await screen.findByText('Likelihood of tau')).toBeTruthy();
+  });
+  it('tells the loop turn by turn', async () => {
+    show('/diagnosis/improve/2', Diagnosis);
+    await screen.findByText('Turn 3');
+    expect(screen.getByText('nothing beyond noise is left')).toBeTruthy();
+    expect(screen.getByText(/found that the robot follows t07/)).toBeTruthy();
+  });
+});
+
+describe('models', () => {
+  it('keeps a formula with a typo, says what is wrong and where, and does not offer to fit it to nothing', async () => {
+    useTransport(fakeDaemon({ problem: (text) => (text.includes('to7') ? "formula: unknown channel 'to7', column 9" : '') }));
+    show('/models', Models);
+    const field = (await screen.findByRole('combobox', { name: 'Formula' })) as HTMLInputElement;
+    fireEvent.input(field, { target: { value: 'q ~ x + to7' } });
+    await screen.findByText(/unknown channel 'to7'/);
+    expect(field.getAttribute('aria-invalid')).toBe('true');
+    expect(field.value).toBe('q ~ x + to7');
+    cleanup();
+    render(<Models />); // a reload
+    expect(((await screen.findByRole('combobox', { name: 'Formula' })) as HTMLInputElement).value).toBe('q ~ x + to7');
+  });
+  it('completes by keyboard alone', async () => {
+    show('/models', Models);
+    const field = (await screen.findByRole('combobox', { name: 'Formula' })) as HTMLInputElement;
+    await screen.findByText(/rank 16 of 17/);
+    field.value = 'q ~ x + la';
+    field.setSelectionRange(10, 10);
+    fireEvent.input(field);
+    await waitFor(() => expect(field.getAttribute('aria-expanded')).toBe('true'));
+    expect(within(screen.getByRole('listbox', { name: /what could follow/ })).getByRole('option', { selected: true }).textContent).toContain('lag(t, tau s)');
+    fireEvent.keyDown(field, { key: 'Enter' });
+    expect(field.value).toBe('q ~ x + lag()');
+  });
+  it('shows terms with their contribution, residuals apart by set, and where the model comes from', async () => {
+    show('/models/12', Models);
+    const table = await screen.findByRole('region', { name: 'Table of the terms of q1' });
+    expect(within(table).getByText('cannot be told apart from t08')).toBeTruthy();
+    cleanup();
+    show('/models/12?tab=lineage', Models);
+    expect(await screen.findByText('model 11')).toBeTruthy();
+  });
+});
+
+describe('targets', () => {
+  it('gives motor coordinates in groups of digits, with uncertainty and parts', async () => {
+    show('/targets?x=0.2', Targets);
+    expect(await screen.findByText(/^0\.199\s987\s31/)).toBeTruthy();
+    expect(screen.getByText('inside the fitted domain, conditions fresh')).toBeTruthy();
+    expect(within(screen.getByRole('region', { name: 'Parts of the correction' })).getByText('−220.4')).toBeTruthy();
+  });
+  it('keeps what is no number in its field and says what is expected', async () => {
+    show('/targets', Targets);
+    const field = (await screen.findByLabelText('x, mm')) as HTMLInputElement;
+    fireEvent.input(field, { target: { value: '0.2x' } });
+    expect(await screen.findByText('a number in mm is expected')).toBeTruthy();
+    expect(field.value).toBe('0.2x');
+  });
+  it('says why there are none and what to do', async () => {
+    useTransport(fakeDaemon({ noModel: true }));
+    show('/targets', Targets);
+    expect(await screen.findByText(/No model serves/)).toBeTruthy();
+    expect(screen.getByRole('link', { name: 'Promote a model' })).toBeTruthy();
+  });
+});
+
+describe('trajectories', () => {
+  it('shows what a run would do, limits and what a fit could not tell apart', async () => {
+    show('/trajectories/3', Trajectories);
+    await screen.findByText('What a run of it would do');
+    expect(screen.getByText(/206 calibration, 34 validation/)).toBeTruthy();
+    expect(screen.getAllByText('−0.20 to 2.80 mm')).toHaveLength(3);
+    expect(screen.getByText(/force rises with time/)).toBeTruthy();
+    expect(screen.getByRole('slider')).toBeTruthy();
+  });
+  it('refuses an empty file before anything is sent, and keeps a text that is pasted', async () => {
+    show('/trajectories', Trajectories);
+    const input = (await screen.findByLabelText('a file, CSV')) as HTMLInputElement;
+    fireEvent.change(input, { target: { files: [new File([], 'nothing.csv')] } });
+    expect(await screen.findByText('nothing.csv is empty')).toBeTruthy();
+    fireEvent.input(screen.getByLabelText(/trajectory, CSV/), { target: { value: 'q1_mm\n0\n' } });
+    cleanup();
+    render(<Trajectories />);
+    expect(((await screen.findByLabelText(/trajectory, CSV/)) as HTMLTextAreaElement).value).toBe('q1_mm\n0\n');
+  });
+});
