@@ -1,7 +1,8 @@
 // [Export]: the plot as PNG for a message, SVG for a paper, CSV for anything; [Table] reads it on the page.
 import type uPlot from 'uplot';
 import { useRef } from 'preact/hooks';
-import { download, fileName } from '@/ui/download';
+import { fileName } from '@/ui/file_name';
+import { saveFile } from '@/ui/save_file';
 import { fontOf } from './draw';
 import { palette } from './palette';
 import type { Range } from './ranges';
@@ -38,7 +39,7 @@ function saveAsPng(spec: PlotSpec, u: uPlot): void {
   }
   ctx.fillStyle = colours.muted;
   ctx.fillText(spec.what, Math.max(x + 8, 12), 42);
-  canvas.toBlob((blob) => blob && download(`${stem(spec)}.png`, blob));
+  canvas.toBlob((blob) => blob && saveFile(`${stem(spec)}.png`, 'image/png', blob));
 }
 
 export function ExportMenu({ spec, range, drawing, table, onTable }: {
@@ -55,7 +56,7 @@ export function ExportMenu({ spec, range, drawing, table, onTable }: {
   };
   const svg = () => {
     const u = drawing();
-    download(`${stem(spec)}.svg`, svgOf(spec, range(), u?.width ?? 720, (u?.height ?? 260) + 64), 'image/svg+xml');
+    saveFile(`${stem(spec)}.svg`, 'image/svg+xml', svgOf(spec, range(), u?.width ?? 720, (u?.height ?? 260) + 64));
   };
   return (
     <span class="plot-tools">
@@ -65,7 +66,7 @@ export function ExportMenu({ spec, range, drawing, table, onTable }: {
         <div class="menu-items">
           <button type="button" onClick={choose(() => { const u = drawing(); if (u) saveAsPng(spec, u); })}>PNG</button>
           <button type="button" onClick={choose(svg)}>SVG</button>
-          <button type="button" onClick={choose(() => download(`${stem(spec)}.csv`, csvOf(spec, location.href), 'text/csv'))}>CSV</button>
+          <button type="button" onClick={choose(() => saveFile(`${stem(spec)}.csv`, 'text/csv', csvOf(spec, location.href)))}>CSV</button>
         </div>
       </details>
     </span>

@@ -10,10 +10,10 @@ export interface Command<A extends unknown[]> {
   forget: () => void;
 }
 
-export function useCommand<A extends unknown[]>(act: (...args: A) => Promise<unknown>): Command<A> {
+export function useCommand<A extends unknown[]>(act: (...args: A) => Promise<unknown>, changes: 'changes' | 'reads' = 'changes'): Command<A> {
   const [state, setState] = useState<{ busy: boolean; failure?: Failure }>({ busy: false });
   const send = async (...args: A): Promise<boolean> => {
-    if (state.busy || !(await named())) return false;
+    if (state.busy || (changes === 'changes' && !(await named()))) return false;
     setState({ busy: true });
     try {
       await act(...args);

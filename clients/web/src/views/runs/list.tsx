@@ -1,0 +1,103 @@
+// All runs, newest first, with search by number, name, trajectory, operator, and by state.
+import { useMemo, useState } from 'preact/hooks';
+import { api } from '@/api/client';
+import { Run_State, type Run } from '@/api/gen/driftwise/v1/run_pb';
+import { go, query, setQuery } from '@/app/router';
+import { count, fixed } from '@/format/numbers';
+import { dateClock, duration, ms } from '@/format/time';
+import { useEvents } from '@/live/events';
+import { doneShare, isOver, stateWords } from '@/parts/run_words';
+import { Button } from '@/ui/button';
+import { Field } from '@/ui/field';
+import { Panel } from '@/ui/panel';
+import { Awaiting, Empty, Failed } from '@/ui/states';
+import { Table } from '@/ui/table';
+import { useAsked } from '@/ui/use_asked';
+import { Verdict } from '@/ui/verdict';
+import { ViewTitle } from '@/ui/view_title';
+
+const pageSize = 200;
+const states = [Run_State.RUNNING, Run_State.PAUSED, Run_State.WAITING, Run_State.QUEUED, Run_State.DONE, Run_State.ABORTED, Run_State.FAILED];
+
+const newestFirst = (runs: readonly Run[]) => [...new Map(runs.map((run) => [run.id, run])).values()].sort((a, b) => (a.id < b.id ? 1 : -1));
+
+export function matches(run: Run, text: string, state: string): boolean {
+  if (state !== '' && stateWords[run.state][1].toLowerCase() !== state) return false;
+  const words = `${run.id} ${run.name} ${run.trajectoryName} ${run.operatorName} ${run.reason}`.toLowerCase();
+  return text.toLowerCase().split(/\s+/).every((word) => words.includes(word));
+}
+
+const took = (run: Run): string => {
+  const from = ms(run.startTime);
+  const to = ms(run.endTime);
+  return from === undefined ? '–' : to === undefined ? 'under way' : duration((to - from) / 1000);
+};
+
+function RunTable({ runs }: { runs: readonly Run[] }) {
+  return (
+    <Table
+      caption="Runs, newest first"
+      rows={runs}
+      keyOf={(run) => String(run.id)}
+      columns={[
+        { title: 'run', of: (run) => <a href={`/runs/${run.id}`}>{String(run.id)}</a>, sort: (run) => Number(run.id) },
+        { title: 'name', of: (run) => run.name || '–', sort: (run) => run.name },
+        {
+          title: 'state', sort: (run) => run.state,
+          of: (run) => <Verdict kind={stateWords[run.state][0]}>{stateWords[run.state][1]}{!isOver(run) && `, ${fixed(doneShare(run) * 100)} %`}</Verdict>,
+        },
+        { title: 'points', number: true, of: (run) => `${count(run.acceptedCount)} of ${count(run.rowCount)}`, sort: (run) => Number(run.acceptedCount) },
+        { title: 'given up', number: true, of: (run) => count(run.givenUpCount), sort: (run) => Number(run.givenUpCount) },
+        { title: 'started', of: (run) => <span class="nowrap">{dateClock(ms(run.startTime))}</span>, sort: (run) => ms(run.startTime) ?? 0 },
+        { title: 'took', of: took },
+        { title: 'trajectory', of: (run) => run.trajectoryName || '–', sort: (run) => run.trajectoryName },
+        { title: 'operator', of: (run) => run.operatorName || 'unknown', sort: (run) => run.operatorName },
+      ]}
+    />
+  );
+}
+
+export function RunList() {
+  const [older, setOlder] = useState<'idle' | 'asking' | 'all'>('idle');
+  const asked = useAsked('runs', async (signal) => (await api.run().listRuns({ limit: pageSize }, { signal })).runs);
+  useEvents('run', (run) => asked.set((old) => newestFirst([...old, run])));
+  useEvents('progress', ({ run }) => run && asked.set((old) => (old.some((one) => one.id === run.id) ? newestFirst([...old, run]) : old)));
+  const text = query('q') ?? '';
+  const state = query('state') ?? '';
+  const all = asked.value;
+  const shown = useMemo(() => all?.filter((run) => matches(run, text, state)), [all, text, state]);
+  const loadOlder = async () => {
+    setOlder('asking');
+    try {
+      const { runs } = await api.run().listRuns({ limit: pageSize, beforeRunId: all![all!.length - 1].id });
+      asked.set((old) => newestFirst([...old, ...runs]));
+      setOlder(runs.length < pageSize ? 'all' : 'idle');
+    } catch {
+      setOlder('idle');
+      asked.again();
+    }
+  };
+  return (
+    <>
+      <ViewTitle actions={<Button kind="main" onPress={() => go('/trajectories')}>Start a run…</Button>}>Runs</ViewTitle>
+      <Panel>
+        <div class="filters">
+          <Field label="Search" type="search" value={text} onInput={(q) => setQuery({ q })} />
+          <label class="field">
+            <span>State</span>
+            <select class="input" value={state} onChange={(event) => setQuery({ state: event.currentTarget.value })}>
+              <option value="">any</option>
+              {states.map((one) => <option key={one} value={stateWords[one][1].toLowerCase()}>{stateWords[one][1]}</option>)}
+            </select>
+          </label>
+        </div>
+        {asked.failure && <Failed asked="List the runs" failure={asked.failure} again={asked.again} />}
+        {!shown && !asked.failure && <Awaiting what="the runs" />}
+        {all?.length === 0 && <Empty next={<a href="/trajectories">Upload or generate a trajectory</a>}>No run yet.</Empty>}
+        {all && all.length > 0 && shown?.length === 0 && <Empty next={<a href="/runs">Show all {count(all.length)}</a>}>No run matches.</Empty>}
+        {shown && shown.length > 0 && <RunTable runs={shown} />}
+        {all && all.length >= pageSize && older !== 'all' && <p class="more"><Button small busy={older === 'asking'} onPress={() => void loadOlder()}>Load older runs</Button></p>}
+      </Panel>
+    </>
+  );
+}

@@ -1,0 +1,91 @@
+// One run: what it is at, and its tabs.
+import { useSignal } from '@preact/signals';
+import { useEffect } from 'preact/hooks';
+import { api } from '@/api/client';
+import type { GetRunResponse } from '@/api/gen/driftwise/v1/run_service_pb';
+import type { Run } from '@/api/gen/driftwise/v1/run_pb';
+import { query, setQuery } from '@/app/router';
+import { fixed } from '@/format/numbers';
+import { dateClock, duration, ms } from '@/format/time';
+import { useEvents } from '@/live/events';
+import { useRunPoints } from '@/live/points';
+import { RunButtons } from '@/parts/run_buttons';
+import { doneShare, isOver, stateWords, troubles } from '@/parts/run_words';
+import { Panel } from '@/ui/panel';
+import { Awaiting, Failed } from '@/ui/states';
+import { Tabs, tabOf } from '@/ui/tabs';
+import { useAsked } from '@/ui/use_asked';
+import { Mark } from '@/ui/verdict';
+import { ViewTitle } from '@/ui/view_title';
+import { DatasetTab } from './dataset_tab';
+import { LogTab } from './log_tab';
+import { PlotsTab } from './plots_tab';
+import { PointsTab } from './points_tab';
+
+const tabs = [
+  { id: 'points', title: 'Points' },
+  { id: 'plots', title: 'Plots' },
+  { id: 'dataset', title: 'Dataset' },
+  { id: 'log', title: 'Log' },
+];
+
+function Head({ run }: { run: Run }) {
+  const [kind, word] = stateWords[run.state];
+  const from = ms(run.startTime);
+  const to = ms(run.endTime);
+  return (
+    <Panel class="run-head">
+      <div>
+        <p class="run-word"><Mark kind={kind} size={22} /> {word}</p>
+        {run.reason && <p>{run.reason}</p>}
+      </div>
+      <dl class="facts note">
+        <dt>points</dt><dd>{String(run.acceptedCount)} of {String(run.rowCount)} ({fixed(doneShare(run) * 100)} %), {troubles(run)}</dd>
+        <dt>time</dt><dd>{dateClock(from)}{to !== undefined && from !== undefined && ` to ${dateClock(to)}, ${duration((to - from) / 1000)}`}</dd>
+        <dt>trajectory</dt><dd>{run.trajectoryName || '–'}</dd>
+        <dt>started by</dt><dd>{run.operatorName || 'unknown'}</dd>
+      </dl>
+      {!isOver(run) && <RunButtons run={run} />}
+    </Panel>
+  );
+}
+
+export function RunPage({ id }: { id: bigint }) {
+  const asked = useAsked<GetRunResponse>(`run ${id}`, (signal) => api.run().getRun({ runId: id }, { signal }));
+  const points = useRunPoints(id);
+  const newer = (run: Run | undefined) => run?.id === id && asked.set((old) => ({ ...old, run }));
+  useEvents('run', newer);
+  useEvents('progress', (progress) => newer(progress.run));
+  const row = query('point');
+  const chosen = useSignal<number | undefined>(row === undefined ? undefined : Number(row));
+  useEffect(() => {
+    chosen.value = row === undefined ? undefined : Number(row);
+  }, [row]);
+  const pick = (key: number) => setQuery({ point: String(key) === row ? undefined : String(key) });
+
+  const run = asked.value?.run;
+  const title = `Run ${id}${run?.name ? ` · ${run.name}` : ''}`;
+  if (!run) {
+    return (
+      <>
+        <ViewTitle sub={<a href="/runs">All runs</a>}>{title}</ViewTitle>
+        {asked.failure ? <Failed asked={`Open run ${id}`} failure={asked.failure} again={asked.again} /> : <Awaiting what={`run ${id}`} />}
+      </>
+    );
+  }
+  const tab = tabOf(tabs);
+  const part = { run, rulesJson: asked.value!.rulesJson, chosen, onPick: pick };
+  return (
+    <>
+      <ViewTitle sub={<a href="/runs">All runs</a>}>{title}</ViewTitle>
+      <Head run={run} />
+      <Tabs tabs={tabs} label={`Run ${id}`} />
+      {points.failure && <Failed asked="List the points" failure={points.failure} again={points.again} />}
+      {!points.value && !points.failure && <Awaiting what="the points" />}
+      {points.value && tab === 'points' && <PointsTab {...part} points={points.value} />}
+      {points.value && tab === 'plots' && <PlotsTab {...part} points={points.value} />}
+      {points.value && tab === 'dataset' && <DatasetTab {...part} points={points.value} />}
+      {tab === 'log' && <LogTab run={run} />}
+    </>
+  );
+}
