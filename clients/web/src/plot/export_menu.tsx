@@ -1,8 +1,7 @@
 // [Export]: the plot as PNG for a message, SVG for a paper, CSV for anything; [Table] reads it on the page.
 import type uPlot from 'uplot';
 import { useRef } from 'preact/hooks';
-import { fileName } from '@/ui/file_name';
-import { saveFile } from '@/ui/save_file';
+import { download, fileName } from '@/ui/download';
 import { fontOf } from './draw';
 import { palette } from './palette';
 import type { Range } from './ranges';
@@ -39,7 +38,7 @@ function saveAsPng(spec: PlotSpec, u: uPlot): void {
   }
   ctx.fillStyle = colours.muted;
   ctx.fillText(spec.what, Math.max(x + 8, 12), 42);
-  canvas.toBlob((blob) => blob && saveFile(`${stem(spec)}.png`, 'image/png', blob));
+  canvas.toBlob((blob) => blob && download(`${stem(spec)}.png`, blob));
 }
 
 export function ExportMenu({ spec, range, drawing, table, onTable }: {
@@ -56,7 +55,7 @@ export function ExportMenu({ spec, range, drawing, table, onTable }: {
   };
   const svg = () => {
     const u = drawing();
-    saveFile(`${stem(spec)}.svg`, 'image/svg+xml', svgOf(spec, range(), u?.width ?? 720, (u?.height ?? 260) + 64));
+    download(`${stem(spec)}.svg`, svgOf(spec, range(), u?.width ?? 720, (u?.height ?? 260) + 64), 'image/svg+xml');
   };
   return (
     <span class="plot-tools">
@@ -66,7 +65,7 @@ export function ExportMenu({ spec, range, drawing, table, onTable }: {
         <div class="menu-items">
           <button type="button" onClick={choose(() => { const u = drawing(); if (u) saveAsPng(spec, u); })}>PNG</button>
           <button type="button" onClick={choose(svg)}>SVG</button>
-          <button type="button" onClick={choose(() => saveFile(`${stem(spec)}.csv`, 'text/csv', csvOf(spec, location.href)))}>CSV</button>
+          <button type="button" onClick={choose(() => download(`${stem(spec)}.csv`, csvOf(spec, location.href), 'text/csv'))}>CSV</button>
         </div>
       </details>
     </span>

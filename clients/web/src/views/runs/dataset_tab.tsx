@@ -7,7 +7,7 @@ import type { RunPoints } from '@/live/points';
 import { Button } from '@/ui/button';
 import { Panel } from '@/ui/panel';
 import { Failed } from '@/ui/states';
-import { saveFile } from '@/ui/save_file';
+import { download } from '@/ui/download';
 import { useCommand } from '@/ui/use_command';
 import { Exclusions } from './exclusions';
 import { Notes } from './notes';
@@ -22,7 +22,7 @@ function ExportCsv({ run, withoutExcluded, children }: { run: Run; withoutExclud
       bytes += piece.chunk.length;
       setShare(bytes / Math.max(1, Number(piece.totalBytes)));
     }
-    saveFile(`run-${run.id}.csv`, 'text/csv', new Blob(chunks, { type: 'text/csv' }));
+    download(`run-${run.id}.csv`, new Blob(chunks, { type: 'text/csv' }));
   }, 'reads');
   return (
     <>

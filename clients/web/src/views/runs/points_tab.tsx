@@ -101,7 +101,7 @@ export function PointsTab({ run, points, chosen, onPick }: {
           </label>
         }
       >
-        <Table caption={`Points of run ${run.id}`} columns={columns} rows={shown} keyOf={({ row }) => row} page={100} rowClass={({ row }) => (row === chosen.value ? 'chosen' : undefined)} onRow={({ row }) => onPick(row)} />
+        <Table caption={`Points of run ${run.id}`} columns={columns} rows={shown} keyOf={({ row }) => row} page={50} rowClass={({ row }) => (row === chosen.value ? 'chosen' : undefined)} onRow={({ row }) => onPick(row)} />
       </Panel>
     </>
   );
