@@ -1,0 +1,86 @@
+// The data of a report (docs/web-report.md), read with care: a missing part is missing, an unknown one is passed over.
+export interface ReportRun {
+  id: number;
+  name: string;
+  state: string;
+  reason: string;
+  trajectory: string;
+  operator: string;
+  start: string | null;
+  end: string | null;
+  rows: number;
+  accepted: number;
+  given_up: number;
+  attempts: number;
+  restarts: number;
+}
+
+export interface ReportAttempt {
+  row: number;
+  number: number;
+  verdict: string;
+  reason: string;
+  spread_nm: number | null;
+  time_s: number;
+}
+
+interface Written {
+  schema: string;
+  cell: string;
+  version: string;
+  config_hash: string;
+  made: string;
+  run: ReportRun;
+  rules?: Record<string, number>;
+  points: {
+    count: number;
+    time_s: string;
+    row: string;
+    line: string;
+    set: string;
+    zero: string;
+    tries: string;
+    columns: { channel: string; base: number; scale: number; data: string }[];
+  };
+  attempts?: ReportAttempt[];
+  events?: { time: string; who: string; what: string; detail: string }[];
+  axes?: { channel: string; min_mm: number; max_mm: number }[];
+}
+
+export type Report = Omit<Written, 'points' | 'attempts' | 'events' | 'axes'> & {
+  attempts: ReportAttempt[];
+  events: NonNullable<Written['events']>;
+  axes: NonNullable<Written['axes']>;
+  points: { count: number; timeS: number[]; row: number[]; line: number[]; validation: boolean[]; zero: boolean[]; tries: number[]; columns: { channel: string; values: number[] }[] };
+};
+
+export const reportSchema = 'driftwise.run-report.v1';
+
+export function unpacked(base64: string | undefined, count: number): number[] {
+  const text = atob(base64 ?? '');
+  const bytes = new DataView(Uint8Array.from(text, (c) => c.charCodeAt(0)).buffer);
+  return Array.from({ length: count }, (_, i) => (4 * i + 4 <= bytes.byteLength ? bytes.getFloat32(4 * i, true) : NaN));
+}
+
+// Errors: what was found and expected, as a sentence.
+export function readReport(text: string): Report {
+  let written: Written;
+  try {
+    written = JSON.parse(text) as Written;
+  } catch (error) {
+    throw new Error(`The data in this page are no JSON (${(error as Error).message}): write the report again.`);
+  }
+  if (written === null) throw new Error('This page is the empty template. `driftwise report run N -o run.html` writes one with data.');
+  if (written.schema !== reportSchema) throw new Error(`The data have schema "${written.schema}", this page reads "${reportSchema}": write the report again with the page of the same version.`);
+  const { count, columns } = written.points;
+  const of = (packed: string) => unpacked(packed, count);
+  return {
+    ...written,
+    attempts: written.attempts ?? [], events: written.events ?? [], axes: written.axes ?? [],
+    points: {
+      count, timeS: of(written.points.time_s), row: of(written.points.row), line: of(written.points.line), tries: of(written.points.tries),
+      validation: of(written.points.set).map((one) => one === 1), zero: of(written.points.zero).map((one) => one === 1),
+      columns: columns.map((column) => ({ channel: column.channel, values: of(column.data).map((value) => column.base + value * column.scale) })),
+    },
+  };
+}

@@ -1,0 +1,103 @@
+// The page of a run, from the data that stand in it.
+import { useSignal } from '@preact/signals';
+import { count, fixed, significant } from '@/format/numbers';
+import { dateClock, duration } from '@/format/time';
+import { splitChannel, unitSign } from '@/format/units';
+import { Plot } from '@/plot/plot';
+import { Poses } from '@/poses/poses';
+import { Panel } from '@/ui/panel';
+import { Table, type Column } from '@/ui/table';
+import { Mark, Verdict, type VerdictKind } from '@/ui/verdict';
+import type { Report } from './data';
+import { forceSpec, poseScene, spreads, spreadSpec, temperatureSpec, zeroSpec } from './specs';
+
+const kinds: Record<string, VerdictKind> = { done: 'good', running: 'good', paused: 'idle', waiting: 'warn', aborted: 'warn', failed: 'bad' };
+const at = (text: string | null) => (text ? dateClock(Date.parse(text)) : '–');
+
+export function ReportPage({ report }: { report: Report }) {
+  const { run } = report;
+  const chosen = useSignal<number | undefined>(undefined);
+  const scene = poseScene(report);
+  const specs = [spreadSpec(report), zeroSpec(report), temperatureSpec(report), forceSpec(report)].filter((one) => one !== undefined);
+  const seconds = run.start && run.end ? (Date.parse(run.end) - Date.parse(run.start)) / 1000 : undefined;
+  return (
+    <main>
+      <header class="view-title">
+        <div>
+          <h1>Run {run.id}{run.name && `, ${run.name}`}</h1>
+          <p class="muted">cell {report.cell}; {run.trajectory}{run.operator && `; by ${run.operator}`}; written {at(report.made)} by Driftwise {report.version}</p>
+        </div>
+      </header>
+      <Panel>
+        <p class="state"><Mark kind={kinds[run.state] ?? 'idle'} size={32} /> {run.state[0].toUpperCase() + run.state.slice(1)}</p>
+        {run.reason && <p class="muted">{run.reason}</p>}
+        <dl class="facts">
+          <dt>from, to</dt><dd>{at(run.start)} to {at(run.end)}{seconds !== undefined && `, ${duration(seconds)}`}</dd>
+          <dt>points</dt><dd>{count(run.accepted)} of {count(run.rows)} accepted, {count(run.given_up)} given up, {count(run.attempts)} attempts</dd>
+          <dt>restarts</dt><dd>{run.restarts === 0 ? 'none' : `a restarted daemon went on with it ${count(run.restarts)} times`}</dd>
+          <dt>cell file</dt><dd><code>{report.config_hash}</code></dd>
+        </dl>
+      </Panel>
+      {scene && <Panel><Poses scene={scene} chosen={chosen} onPick={(key) => (chosen.value = key)} file={`run-${run.id}-poses`} /></Panel>}
+      <div class="columns">
+        {specs.map((spec) => <Panel key={spec.title}><Plot spec={spec} height={220} chosen={chosen} onPick={(key) => (chosen.value = key)} /></Panel>)}
+      </div>
+      <Panel title="Points"><Points report={report} /></Panel>
+      {report.attempts.length > 0 && <Panel title="Measured again and given up"><Attempts report={report} /></Panel>}
+      {report.events.length > 0 && <Panel title="Record"><Events report={report} /></Panel>}
+    </main>
+  );
+}
+
+const digits: Record<string, number> = { mm: 6, degC: 3, arcsec: 2, nm: 1, N: 3, hPa: 2, pct: 1 };
+
+function Points({ report }: { report: Report }) {
+  const spread = spreads(report);
+  const { points } = report;
+  const channels = points.columns.filter((one) => !/_std_nm$/.test(one.channel) && one.values.some(Number.isFinite));
+  const columns: Column<number>[] = [
+    { title: 'row', number: true, sort: (i) => points.row[i], of: (i) => count(points.row[i]) },
+    { title: 'line', number: true, of: (i) => count(points.line[i]) },
+    { title: 'set', of: (i) => (points.zero[i] ? 'zero' : points.validation[i] ? 'validation' : 'calibration') },
+    ...(spread ? [{ title: 'spread, nm', number: true, sort: (i: number) => spread[i], of: (i: number) => significant(spread[i], 2) }] : []),
+    { title: 'tries', number: true, sort: (i) => points.tries[i], of: (i) => count(points.tries[i]) },
+    ...channels.map((one): Column<number> => {
+      const { symbol, unit } = splitChannel(one.channel);
+      return { title: `${symbol}${unitSign(unit) && `, ${unitSign(unit)}`}`, number: true, of: (i) => fixed(one.values[i], digits[unit] ?? 3) };
+    }),
+  ];
+  return <Table caption="Points of the run, in order of time" rows={points.timeS.map((_, i) => i)} keyOf={(i) => i} columns={columns} page={40} />;
+}
+
+function Attempts({ report }: { report: Report }) {
+  return (
+    <Table
+      caption="Attempts that were not accepted"
+      rows={report.attempts}
+      keyOf={(one) => `${one.row} ${one.number}`}
+      columns={[
+        { title: 'row', number: true, of: (one) => count(one.row) },
+        { title: 'attempt', number: true, of: (one) => count(one.number) },
+        { title: 'verdict', of: (one) => <Verdict kind={one.verdict === 'given_up' ? 'bad' : 'warn'}>{one.verdict.replaceAll('_', ' ')}</Verdict> },
+        { title: 'why', of: (one) => one.reason },
+        { title: 'spread, nm', number: true, of: (one) => (one.spread_nm === null ? '–' : significant(one.spread_nm, 2)) },
+        { title: 'after', number: true, of: (one) => duration(one.time_s) },
+      ]}
+    />
+  );
+}
+
+function Events({ report }: { report: Report }) {
+  return (
+    <Table
+      caption="The record of the run, oldest first"
+      rows={report.events.map((one, i) => ({ ...one, i }))}
+      keyOf={(one) => one.i}
+      columns={[
+        { title: 'when', of: (one) => <span class="nowrap">{at(one.time)}</span> },
+        { title: 'who', of: (one) => one.who },
+        { title: 'what', of: (one) => one.detail || one.what },
+      ]}
+    />
+  );
+}

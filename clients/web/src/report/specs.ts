@@ -1,0 +1,98 @@
+// The plots of a report.
+import { splitChannel, unitSign } from '@/format/units';
+import type { Colour, PlotSeries, PlotSpec } from '@/plot/spec';
+import type { PoseScene } from '@/poses/pose';
+import type { Report } from './data';
+
+const colours: readonly Colour[] = ['q1', 'q2', 'q3', 's4', 's5', 's6'];
+const hours = (report: Report) => report.points.timeS.map((t) => t / 3600);
+const file = (report: Report, what: string) => `run-${report.run.id}-${what}`;
+const x = (report: Report) => ({ label: 'time_h', unit: 'h', ...(report.run.start ? { startMs: Date.parse(report.run.start) } : {}) });
+
+const valuesOf = (report: Report, channel: string) => report.points.columns.find((one) => one.channel === channel)?.values;
+
+// The worst of a point's interferometers, nm.
+export function spreads(report: Report): number[] | undefined {
+  const columns = report.points.columns.filter((one) => /_std_nm$/.test(one.channel));
+  if (columns.length === 0) return undefined;
+  return report.points.timeS.map((_, i) => {
+    const known = columns.map((one) => one.values[i]).filter(Number.isFinite);
+    return known.length ? Math.max(...known) : NaN;
+  });
+}
+
+export function spreadSpec(report: Report): PlotSpec {
+  const y = spreads(report) ?? [];
+  const time = hours(report);
+  const pick = (validation: boolean): PlotSeries => {
+    const rows = y.map((_, i) => i).filter((i) => report.points.validation[i] === validation && Number.isFinite(y[i]));
+    return {
+      name: validation ? 'validation' : 'calibration', unit: 'nm', colour: validation ? 'q2' : 'q1', draw: 'markers', marker: validation ? 'validation' : 'calibration',
+      x: rows.map((i) => time[i]), y: rows.map((i) => y[i]), keys: rows, digits: 1,
+    };
+  };
+  const again = report.attempts.filter((one) => one.spread_nm !== null).sort((a, b) => a.time_s - b.time_s);
+  const rejected: PlotSeries = {
+    name: 'measured again', unit: 'nm', colour: 'bad', draw: 'markers', marker: 'rejected', x: again.map((one) => one.time_s / 3600), y: again.map((one) => one.spread_nm ?? NaN), digits: 1,
+  };
+  const limit = report.rules?.['max_spread_nm'];
+  return {
+    title: 'Spread of the repeats', what: 'nm against hours since start', x: x(report), y: { unit: 'nm' }, series: [pick(false), pick(true), rejected].filter((one) => one.x.length > 0),
+    limits: limit === undefined ? [] : [{ at: limit, label: `limit ${limit} nm` }], file: file(report, 'spread'), ...(y.length === 0 ? { why: 'The points carry no spread.' } : {}),
+  };
+}
+
+// What the instruments read at each return to zero, against the first: the drift of the zero.
+export function zeroSpec(report: Report): PlotSpec {
+  const rows = report.points.zero.map((zero, i) => (zero ? i : -1)).filter((i) => i >= 0);
+  const time = hours(report);
+  const lengths = ['x_mm', 'y_mm', 'z_mm'].filter((channel) => valuesOf(report, channel));
+  const series = lengths.map((channel, k): PlotSeries => {
+    const all = valuesOf(report, channel)!;
+    return { name: splitChannel(channel).symbol, unit: 'nm', colour: colours[k], x: rows.map((i) => time[i]), y: rows.map((i) => (all[i] - all[rows[0]]) * 1e6), digits: 1 };
+  });
+  return {
+    title: 'Drift of the zero', what: 'nm against hours since start, at the returns to zero', x: x(report), y: { unit: 'nm', low: -5, high: 5 }, series, file: file(report, 'zero'),
+    ...(rows.length < 2 ? { why: 'The run returned to zero less than twice.' } : {}),
+  };
+}
+
+export function temperatureSpec(report: Report): PlotSpec {
+  const time = hours(report);
+  const columns = report.points.columns.filter((one) => /_degC$/.test(one.channel) && one.values.some(Number.isFinite));
+  return {
+    title: 'Temperatures', what: '°C against hours since start; the one pointed at is named', x: x(report), y: { unit: 'degC', zero: false },
+    series: columns.map((one): PlotSeries => ({ name: splitChannel(one.channel).symbol, unit: 'degC', colour: 's5', quiet: columns.length > 6, x: time, y: one.values, digits: 3 })),
+    file: file(report, 'temperatures'), ...(columns.length === 0 ? { why: 'No temperature was recorded with the points.' } : {}),
+  };
+}
+
+export function forceSpec(report: Report): PlotSpec | undefined {
+  const values = valuesOf(report, 'force_N');
+  if (!values?.some(Number.isFinite)) return undefined;
+  return {
+    title: 'Force', what: 'N against hours since start', x: x(report), y: { unit: 'N' }, series: [{ name: 'force', unit: 'N', colour: 's6', draw: 'steps', x: hours(report), y: values, digits: 3 }], file: file(report, 'force'),
+  };
+}
+
+export function poseScene(report: Report): PoseScene | undefined {
+  const channels = ['q1_mm', 'q2_mm', 'q3_mm'].filter((channel) => valuesOf(report, channel));
+  if (channels.length < 2) return undefined;
+  const spread = spreads(report);
+  const limited = channels.every((channel) => report.axes.some((axis) => axis.channel === channel));
+  const axes = [0, 1, 2].map((i) => {
+    const channel = channels[i];
+    if (!channel) return { name: '', unit: 'mm', low: 0, high: 0 };
+    const limit = report.axes.find((axis) => axis.channel === channel);
+    const values = valuesOf(report, channel)!.filter(Number.isFinite);
+    return { name: splitChannel(channel).symbol, unit: unitSign('mm'), low: limit?.min_mm ?? Math.min(...values), high: limit?.max_mm ?? Math.max(...values) };
+  });
+  return {
+    title: 'Poses', axes: axes as unknown as PoseScene['axes'], box: limited ? 'soft limits' : 'range of the points', path: true,
+    colour: spread ? { what: 'spread', unit: 'nm', by: 'value' } : { what: 'order of visit', unit: '', by: 'order' },
+    poses: report.points.timeS.map((_, i) => ({
+      at: [0, 1, 2].map((k) => (channels[k] ? valuesOf(report, channels[k])![i] : 0)) as [number, number, number],
+      key: i, set: report.points.zero[i] ? 'zero' : report.points.validation[i] ? 'validation' : 'calibration', value: spread?.[i],
+    })),
+  };
+}

@@ -1,0 +1,45 @@
+import { describe, expect, it } from 'vitest';
+import { readReport } from '@/report/data';
+import { poseScene, spreads, spreadSpec, zeroSpec } from '@/report/specs';
+import { sampleReport } from './sample';
+
+const report = readReport(JSON.stringify(sampleReport()));
+
+describe('the data of a report', () => {
+  it('resolves a tenth of a nanometre at 10 mm, as packed', () => {
+    const x = report.points.columns.find((one) => one.channel === 'x_mm')!.values;
+    expect((x[12] - x[0]) * 1e6).toBeCloseTo(12, 1);
+    expect(x[1]).toBeCloseTo(0.6, 9);
+  });
+  it('says what is wrong with other texts', () => {
+    expect(() => readReport('null')).toThrow(/empty template/);
+    expect(() => readReport('{"schema": "x"}')).toThrow(/schema "x"/);
+    expect(() => readReport('{')).toThrow(/no JSON/);
+  });
+  it('is the same through the escape that keeps it inside its element', () => {
+    const written = JSON.stringify(sampleReport()).replaceAll('<', '\\u003c');
+    expect(written).not.toContain('<');
+    expect(readReport(written).cell).toBe('micro-nano <lab>');
+  });
+});
+
+describe('the plots of a report', () => {
+  it('keep the sets apart and show what was measured again', () => {
+    const spec = spreadSpec(report);
+    expect(spec.series.map((one) => one.name)).toEqual(['calibration', 'validation', 'measured again']);
+    expect(spec.limits?.[0].at).toBe(20);
+    expect(spreads(report)![0]).toBeCloseTo(4);
+  });
+  it('count the zero from its first return', () => {
+    const spec = zeroSpec(report);
+    expect(spec.series[1].y[1]).toBeCloseTo(24, 1);
+    expect(spec.series[0].x).toHaveLength(5);
+  });
+  it('say why there is nothing', () => {
+    const bare = sampleReport();
+    bare.points.columns = [];
+    const empty = readReport(JSON.stringify(bare));
+    expect(spreadSpec(empty).why).toBeTruthy();
+    expect(poseScene(empty)).toBeUndefined();
+  });
+});
