@@ -7,6 +7,7 @@
 #include "clients/cli/cell_commands.h"
 #include "clients/cli/command_tree.h"
 #include "clients/cli/data_commands.h"
+#include "clients/cli/diagnose_command.h"
 #include "clients/cli/fit_commands.h"
 #include "clients/cli/manual_commands.h"
 #include "clients/cli/model_commands.h"
@@ -90,6 +91,7 @@ void add_everything(CLI::App& app, Session& session) {
   add_data_commands(app, session);
   add_note_commands(app, session);
   add_fit_command(app, session);
+  add_diagnose_command(app, session);
   add_model_commands(app, session);
   add_target_command(app, session);
   add_standard_commands(app, session);

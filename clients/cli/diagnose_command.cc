@@ -1,0 +1,77 @@
+#include "clients/cli/diagnose_command.h"
+
+#include <memory>
+
+#include "clients/cli/value_or_throw.h"
+#include "clients/cli/worker_threads.h"
+#include "server/diagnosis/diagnosis.h"
+#include "server/formats/dataset_csv.h"
+#include "server/formats/diagnosis_json.h"
+#include "server/formats/formula.h"
+
+namespace driftwise::cli {
+namespace {
+
+struct DiagnoseArguments {
+  std::string file, baseline;
+  double alpha = 0.003;
+  int nulls = 199, most = 8, threads = default_threads();
+  std::vector<std::string> without;
+  std::uint64_t seed = 1;
+};
+
+ExitCode diagnose_file(const Session& session, const DiagnoseArguments& a) {
+  const auto formula = value_or_throw(formats::Formula::parse(a.baseline));
+  const Dataset data = value_or_throw(formats::read_dataset_csv(read_input_file(a.file), a.file));
+  diagnosis::DiagnoseOptions options;
+  options.baseline = value_or_throw(formula.expand(data));
+  options.alpha = a.alpha;
+  options.nulls = a.nulls;
+  options.max_findings = a.most;
+  options.seed = a.seed;
+  options.exclude_symbols = a.without;
+  options.executor = worker_threads(a.threads);
+  if (session.console.err_is_terminal)
+    options.progress = [&session, last = std::string()](double, const std::string& step) mutable {
+      if (step != last) session.console.err << step << " ...\n" << std::flush;
+      last = step;
+      return true;
+    };
+  const auto found = value_or_throw(diagnosis::diagnose(data, options));
+  if (session.console.json)
+    session.console.print_json(formats::diagnosis_json(found));
+  else
+    session.console.out << formats::diagnosis_page(found);
+  return found.verdict == diagnosis::Verdict::unexplained ? ExitCode::negative : ExitCode::done;
+}
+
+}  // namespace
+
+void add_diagnose_command(CLI::App& app, Session& session) {
+  auto a = std::make_shared<DiagnoseArguments>();
+  CLI::App& command =
+      add_command(app, session, "diagnose", "What the simulation gets wrong in these data, and why",
+                  [&session, a] { return diagnose_file(session, *a); });
+  command.add_option("FILE", a->file, "dataset CSV, - for standard input")->required();
+  command
+      .add_option("--baseline", a->baseline,
+                  "the simulation as it is: \"q ~ x + x^2 + T\"; all of its terms are in")
+      ->required();
+  command.add_option("--alpha", a->alpha, "rate of a false name where nothing is wrong")
+      ->check(CLI::Range(1e-6, 0.5))
+      ->capture_default_str();
+  command.add_option("--nulls", a->nulls, "series of noise that the search is held against")
+      ->check(CLI::Range(20, 9999))
+      ->capture_default_str();
+  command.add_option("--most", a->most, "findings at most")
+      ->check(CLI::Range(1, 8))
+      ->capture_default_str();
+  command.add_option("--without", a->without, "channels that no cause may read: t03,air")
+      ->delimiter(',');
+  command.add_option("--threads", a->threads, "at work")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command.add_option("--seed", a->seed, "of those series")->capture_default_str();
+}
+
+}  // namespace driftwise::cli

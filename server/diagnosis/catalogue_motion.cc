@@ -1,0 +1,70 @@
+// What the robot's own motion leaves behind: play, creep, heat.
+
+#include <algorithm>
+
+#include "server/core/units.h"
+#include "server/diagnosis/catalogue_builder.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+using effects::AppliesTo;
+using effects::Term;
+
+constexpr double kWidestPlayNm = 1e5, kNarrowestPlayNm = 10;
+
+Cause of_motor(const std::string& id, const std::string& q, const std::string& parameter) {
+  return {.id = id,
+          .subject = q,
+          .where = "robot",
+          .applies_to = AppliesTo::robot,
+          .parameter = parameter,
+          .scale = ParameterScale::logarithmic};
+}
+
+}  // namespace
+
+void add_motion(CatalogueBuilder& builder) {
+  if (builder.motors().empty()) {
+    for (const char* id : {"backlash", "creep", "self_heating"})
+      builder.missing(id, "no motor coordinate in mm varies");
+    return;
+  }
+  const bool dwells = builder.timed() && builder.varies("dwell");
+  for (const auto& q : builder.motors()) {
+    Cause play = of_motor("backlash", q, "width_nm");
+    play.linear = LinearParameter::width_nm;
+    play.outputs = {q};
+    builder.add_values(play,
+                       log_grid(kNarrowestPlayNm,
+                                std::clamp(nm_from_mm(builder.range(q)) / 4, 20.0, kWidestPlayNm)),
+                       [&](double width) {
+                         return std::vector<Term>{call_term("play", {q}, {{width, "nm"}})};
+                       });
+    builder.take_cause(std::move(play));
+    if (!builder.timed()) continue;
+    Cause heat = of_motor("self_heating", q, "tau_s");
+    builder.add_values(heat, log_grid(std::max(4 * builder.step_s(), 1.0), builder.length_s() / 2),
+                       [&](double tau) {
+                         return std::vector<Term>{call_term("heat", {q}, {{tau, "s"}})};
+                       });
+    builder.take_cause(std::move(heat));
+    if (!dwells) continue;
+    Cause creep = of_motor("creep", q, "tau_s");
+    creep.outputs = {q};
+    builder.add_values(creep,
+                       log_grid(std::max(0.2 * builder.step_s(), 0.1),
+                                std::min(builder.length_s() / 2, 200 * builder.step_s())),
+                       [&](double tau) {
+                         return std::vector<Term>{call_term("creep", {q, "dwell"}, {{tau, "s"}})};
+                       });
+    builder.take_cause(std::move(creep));
+  }
+  if (!builder.timed()) builder.missing("self_heating", "the data have no time_s");
+  if (!dwells)
+    builder.missing("creep",
+                    "the data do not say how long each point dwelt, or always the same "
+                    "(time_s, dwell_s)");
+}
+
+}  // namespace driftwise::diagnosis

@@ -1,0 +1,32 @@
+#include "server/diagnosis/cause.h"
+
+#include "server/diagnosis/catalogue_builder.h"
+
+namespace driftwise::diagnosis {
+
+std::string name_of(const Cause& cause) {
+  return cause.subject.empty() ? cause.id : cause.id + " " + cause.subject;
+}
+
+std::vector<effects::Term> with_parameter(const std::vector<effects::Term>& terms, double value) {
+  std::vector<effects::Term> changed = terms;
+  for (auto& term : changed)
+    for (auto& factor : term.factors)
+      if (auto* call = std::get_if<effects::Call>(&factor); call && !call->parameters.empty())
+        call->parameters.front().value = value;
+  return changed;
+}
+
+Catalogue catalogue_for(const Dataset& dataset, const std::vector<effects::Term>& base,
+                        const std::vector<std::string>& excluded) {
+  CatalogueBuilder builder(dataset, base, excluded);
+  add_geometry(builder);
+  add_temperatures(builder);
+  add_force(builder);
+  add_motion(builder);
+  add_beams(builder);
+  add_time(builder);
+  return builder.take();
+}
+
+}  // namespace driftwise::diagnosis

@@ -1,0 +1,251 @@
+#include <algorithm>
+#include <cmath>
+
+#include "server/diagnosis/cause.h"
+#include "server/diagnosis/column_bank.h"
+#include "server/diagnosis/diagnosis.h"
+#include "server/diagnosis/extension.h"
+#include "server/diagnosis/left_over.h"
+#include "server/diagnosis/report.h"
+#include "server/diagnosis/screen.h"
+#include "server/diagnosis/sentence.h"
+#include "server/effects/term_order.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+constexpr std::size_t kMostBlocks = 4000;
+
+tl::unexpected<Error> cancelled() {
+  return fail(ErrorCode::cancelled, "CANCELLED", "the diagnosis was cancelled");
+}
+
+// How far it is: each look for one more cause takes a part of what is left of the way.
+class Progress {
+ public:
+  explicit Progress(const DiagnoseOptions& options) : options_(options) {}
+  bool at(double fraction, std::string step) {
+    fraction_ = std::max(fraction_, fraction);
+    step_ = std::move(step);
+    return tick();
+  }
+  bool further(double share, std::string step) {
+    return at(fraction_ + share * (1 - fraction_), std::move(step));
+  }
+  bool tick() { return !options_.progress || options_.progress(fraction_, step_); }
+
+ private:
+  const DiagnoseOptions& options_;
+  double fraction_ = 0;
+  std::string step_ = "reading the rows";
+};
+
+class Diagnoser {
+ public:
+  Diagnoser(const Dataset& dataset, Problem problem, const DiagnoseOptions& options)
+      : dataset_(dataset), problem_(std::move(problem)), options_(options), progress_(options) {}
+
+  Result<Diagnosis> run(std::vector<FaultySensor> sensors) {
+    result_.baseline_formula = options_.baseline.formula;
+    if (!progress_.at(0.02, "looking at sensors and rows")) return cancelled();
+    add_sensor_findings(sensors);
+    leave_out_outliers();
+    auto catalogue = catalogue_for(problem_.data(), problem_.base, options_.exclude_symbols);
+    result_.not_testable = std::move(catalogue.not_testable);
+    causes_ = std::move(catalogue.causes);
+    if (!progress_.at(0.04, "working out what each cause would do")) return cancelled();
+    auto bank = column_bank(problem_, causes_, [this] { return progress_.tick(); });
+    if (!bank) return tl::unexpected(bank.error());
+    series_.resize(problem_.timeline.rows(), static_cast<Eigen::Index>(problem_.outputs.size()));
+    for (std::size_t o = 0; o < problem_.outputs.size(); ++o)
+      series_.col(static_cast<Eigen::Index>(o)) = problem_.learned(problem_.outputs[o].measured);
+    if (auto ok = search(*bank); !ok) return tl::unexpected(ok.error());
+    return std::move(result_);
+  }
+
+ private:
+  SearchOptions search_options(std::uint64_t seed) {
+    return {options_.nulls, options_.alpha, seed, options_.executor,
+            [this] { return progress_.tick(); }};
+  }
+
+  void add_sensor_findings(const std::vector<FaultySensor>& sensors) {
+    for (const auto& sensor : sensors) {
+      Finding finding{.cause = "sensor_fault",
+                      .subject = sensor.channel,
+                      .where = "sensor",
+                      .applies_to = effects::AppliesTo::dataset,
+                      .rows = sensor.rows,
+                      .p_adjusted = 0,
+                      .sentence = sentence(sensor)};
+      if (!dataset_.time_s.empty())
+        finding.parameters.push_back({"time_s", dataset_.time_s[sensor.rows.front()], {}, {}});
+      result_.findings.push_back(std::move(finding));
+    }
+  }
+
+  void leave_out_outliers() {
+    const auto outliers = outlier_rows(problem_);
+    if (outliers.empty()) return;
+    Finding finding{.cause = "outliers",
+                    .where = "data",
+                    .applies_to = effects::AppliesTo::dataset,
+                    .p_adjusted = 0};
+    for (const auto& one : outliers)
+      if (finding.rows.empty() || finding.rows.back() != one.row) finding.rows.push_back(one.row);
+    finding.parameters.push_back({"count", static_cast<double>(finding.rows.size()), {}, {}});
+    finding.sentence = sentence(finding);
+    problem_.leave_out(finding.rows);
+    problem_.lay_blocks(kMostBlocks);
+    result_.findings.push_back(std::move(finding));
+  }
+
+  Result<void> search(const Bank& bank) {
+    Search search(problem_.timeline, series_, bank, search_options(options_.seed));
+    Extension extension(problem_, causes_, series_, search, [this] { return progress_.tick(); });
+    bool noise_looked_at = false;
+    while (static_cast<int>(extension.named().size()) < options_.max_findings) {
+      if (!progress_.further(0.3,
+                             "looking for cause " + std::to_string(extension.named().size() + 1)))
+        return cancelled();
+      const auto look = search.look(extension.learned(), extension.allowed());
+      if (!look) return cancelled();
+      result_.nulls = std::max(result_.nulls, look->nulls);
+      if (look->first && look->p_adjusted <= options_.alpha) {
+        if (auto ok = extension.add(*look); !ok) return ok;
+        continue;
+      }
+      if (noise_looked_at || !note_noise_changes(extension, look->shapes)) break;
+      noise_looked_at = true;  // and look once more, with every row's own spread
+    }
+    if (!progress_.further(0.3, "comparing what was found with all others")) return cancelled();
+    auto said = extension.settle();
+    if (!said) return tl::unexpected(said.error());
+    result_.warnings.insert(result_.warnings.end(), said->begin(), said->end());
+    if (auto ok = look_at_remainder(extension); !ok) return ok;
+    conclude(extension);
+    return {};
+  }
+
+  bool note_noise_changes(const Extension& extension, const std::vector<NoiseShape>& shapes) {
+    const auto changes = noise_changes(extension.ground({}, shapes));
+    if (changes.empty()) return false;
+    // One spread per row for all outputs: that of the strongest change.
+    const auto& strongest = *std::ranges::max_element(changes, {}, &NoiseChange::gain);
+    problem_.timeline.sd = Eigen::VectorXd::Ones(problem_.timeline.rows());
+    problem_.timeline.sd.tail(problem_.timeline.rows() - strongest.block)
+        .setConstant(strongest.ratio);
+    for (const auto& change : changes) {
+      const auto& output = problem_.outputs[change.output];
+      Finding finding{.cause = "noise_change",
+                      .subject = output.channel.symbol,
+                      .where = "data",
+                      .applies_to = effects::AppliesTo::dataset,
+                      .p_adjusted = std::exp(-change.gain / 2),
+                      .log_likelihood_ratio = change.gain / 2};
+      finding.parameters.push_back({"ratio", change.ratio, {}, {}});
+      finding.parameters.push_back({"time_s", problem_.timeline.time_s[change.block], {}, {}});
+      finding.sentence = sentence(finding);
+      result_.findings.push_back(std::move(finding));
+    }
+    return true;
+  }
+
+  Result<void> look_at_remainder(Extension& extension) {
+    if (!progress_.further(0.4, "looking at what is left")) return cancelled();
+    Remainder remainder(problem_, series_, options_.exclude_symbols,
+                        search_options(options_.seed + 1));
+    while (true) {
+      const auto left = remainder.look(extension);
+      if (!left) return tl::unexpected(left.error());
+      if (!*left || (*left)->p_adjusted > options_.alpha) return {};
+      result_.left_over = {**left};
+      const auto only_nearest = remainder.nearest_name(extension);
+      if (!only_nearest) return {};
+      result_.warnings.push_back(
+          name_of(causes_[extension.named()[*only_nearest].cause]) +
+          " came nearest and was withdrawn: more than half of what it explains was left, and " +
+          (*left)->goes_with + " in a free shape explains both");
+      extension.withdraw(*only_nearest);
+    }
+  }
+
+  void conclude(const Extension& extension) {
+    auto findings = findings_of(problem_, causes_, extension);
+    result_.findings.insert(result_.findings.end(), std::make_move_iterator(findings.begin()),
+                            std::make_move_iterator(findings.end()));
+    result_.extended_formula = extended_formula(result_.baseline_formula, result_.findings);
+    result_.outputs = outputs_of(problem_, dataset_, extension);
+    result_.rows_calibration = problem_.learn.size();
+    result_.rows_held_out = problem_.judge.size();
+    if (problem_.rows_per_block > 1)
+      result_.warnings.push_back("the search worked on averages of " +
+                                 std::to_string(problem_.rows_per_block) +
+                                 " rows: what is faster than that was not looked for");
+    if (!problem_.judged_by_validation)
+      result_.warnings.push_back(
+          "there is no validation set: two of ten blocks of time were kept out to judge by");
+    if (!result_.left_over.empty())
+      result_.verdict = Verdict::unexplained;
+    else
+      result_.verdict = result_.findings.empty() ? Verdict::adequate : Verdict::extended;
+    progress_.at(1, "done");
+  }
+
+  const Dataset& dataset_;
+  Problem problem_;
+  const DiagnoseOptions& options_;
+  Progress progress_;
+  std::vector<Cause> causes_;
+  Eigen::MatrixXd series_;
+  Diagnosis result_;
+};
+
+// A sensor that is frozen in more rows than the search can spare is left out of the baseline.
+calibration::Candidates without_dead_sensors(const calibration::Candidates& baseline,
+                                             const Dataset& dataset,
+                                             const std::vector<FaultySensor>& sensors,
+                                             std::vector<std::string>& dead) {
+  constexpr double kMostRows = 0.3;
+  calibration::Candidates result = baseline;
+  for (const auto& sensor : sensors) {
+    if (sensor.fault != SensorFault::frozen ||
+        static_cast<double>(sensor.rows.size()) < kMostRows * static_cast<double>(dataset.rows))
+      continue;
+    dead.push_back(sensor.channel);
+    std::erase_if(result.terms, [&](const effects::Term& term) {
+      const auto read = effects::symbols_of(term);
+      return std::ranges::find(read, sensor.channel) != read.end();
+    });
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string_view to_string(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::adequate:
+      return "adequate";
+    case Verdict::extended:
+      return "extended";
+    case Verdict::unexplained:
+      return "unexplained";
+  }
+  return "";
+}
+
+Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& options) {
+  if (options.progress && !options.progress(0, "reading the rows")) return cancelled();
+  Dataset mended = dataset;
+  auto sensors = mend_sensors(mended);
+  DiagnoseOptions asked = options;
+  std::vector<std::string> dead;
+  asked.baseline = without_dead_sensors(options.baseline, dataset, sensors, dead);
+  asked.exclude_symbols.insert(asked.exclude_symbols.end(), dead.begin(), dead.end());
+  auto problem = lay_out(mended, asked.baseline, kMostBlocks);
+  if (!problem) return tl::unexpected(problem.error());
+  return Diagnoser(dataset, std::move(*problem), asked).run(std::move(sensors));
+}
+
+}  // namespace driftwise::diagnosis

@@ -1,0 +1,58 @@
+#pragma once
+// What a search for one more cause stands on: the present simulation's columns under each shape of
+// noise that is in question, and the measured series of each output. Everything that asks "how much
+// better with this" does so here, and with the noise free to be another one with it than without:
+// a slow effect that the noise has swallowed is given back.
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "server/diagnosis/noise_model.h"
+#include "server/diagnosis/whitened_space.h"
+
+namespace driftwise::diagnosis {
+
+// One effect's columns beyond a base: an orthonormal basis, fewer columns where they are already
+// there (less than 1e-4 of the length is left) or alike.
+Eigen::MatrixXd beyond(const WhitenedSpace& space, const Eigen::MatrixXd& columns);
+
+struct Gain {
+  double gain = 0;  // growth of 2 ln L, all outputs asked
+  int dof = 0;      // that it took
+  std::vector<double> of_output;
+  std::vector<std::size_t> shape;             // of the noise with the effect, per output
+  std::vector<Eigen::VectorXd> contribution;  // per output, whitened; empty: not asked
+};
+
+class Ground {
+ public:
+  // base: rows x k, any columns; series: rows x outputs.
+  Ground(const Timeline& timeline, const std::vector<NoiseShape>& shapes,
+         const Eigen::MatrixXd& base, const Eigen::MatrixXd& series);
+
+  std::size_t shape_count() const { return spaces_.size(); }
+  Eigen::Index outputs() const { return series_.cols(); }
+  const WhitenedSpace& space(std::size_t shape) const { return spaces_[shape]; }
+  const Eigen::MatrixXd& series() const { return series_; }
+  std::size_t best_shape(Eigen::Index output) const {
+    return best_[static_cast<std::size_t>(output)];
+  }
+  const NoiseShape& noise(Eigen::Index output) const { return spaces_[best_shape(output)].shape(); }
+  double white_sd(Eigen::Index output) const;
+  // How much worse a shape explains an output than the best does, in 2 ln L.
+  double worse_by(std::size_t shape, Eigen::Index output) const;
+  // Correlation between the outputs of what is left, whitened.
+  Eigen::MatrixXd correlation() const;
+
+  // columns: rows x c, centred or not. on: one per output, does the effect act there?
+  Gain gain(const Eigen::MatrixXd& columns, const std::vector<char>& on) const;
+
+ private:
+  Eigen::MatrixXd series_;
+  std::vector<WhitenedSpace> spaces_;
+  std::vector<Eigen::MatrixXd> left_;  // per shape: of the series
+  Eigen::MatrixXd criterion_;          // shapes x outputs
+  std::vector<std::size_t> best_;
+};
+
+}  // namespace driftwise::diagnosis

@@ -1,0 +1,64 @@
+#include "server/diagnosis/held_out_gain.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "server/core/units.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+constexpr std::size_t kJudgeBlocks = 20;
+
+Eigen::VectorXd fitted_elsewhere(const Eigen::MatrixXd& columns, const Eigen::VectorXd& measured,
+                                 const std::vector<std::size_t>& learn) {
+  const Eigen::MatrixXd x = rows_of(columns, learn);
+  const Eigen::VectorXd scale = x.colwise().norm().cwiseMax(1e-300);
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(x * scale.cwiseInverse().asDiagonal());
+  qr.setThreshold(1e-9);
+  const Eigen::VectorXd b = qr.solve(rows_of(measured, learn)).cwiseQuotient(scale);
+  return measured - columns * b;
+}
+
+double sd(const Eigen::VectorXd& values) {
+  if (values.size() < 2) return NAN;
+  return std::sqrt((values.array() - values.mean()).square().sum() /
+                   static_cast<double>(values.size() - 1));
+}
+
+}  // namespace
+
+Eigen::VectorXd residuals(const Problem& problem, const ProblemOutput& output,
+                          const Eigen::MatrixXd& columns) {
+  return fitted_elsewhere(columns, output.measured, problem.learn);
+}
+
+HeldOut held_out(const Problem& problem, const ProblemOutput& output, const Eigen::MatrixXd& before,
+                 const Eigen::MatrixXd& after) {
+  const Eigen::VectorXd judged_before = rows_of(residuals(problem, output, before), problem.judge);
+  const Eigen::VectorXd judged = rows_of(residuals(problem, output, after), problem.judge);
+  HeldOut result{kSigmaToU90 * sd(judged_before), kSigmaToU90 * sd(judged), {}};
+  // Jackknife over contiguous blocks: autocorrelation stays inside them.
+  const auto n = static_cast<std::size_t>(judged.size());
+  const std::size_t blocks = std::min(kJudgeBlocks, n / 4);
+  result.after_ci90 = {result.u90_after, result.u90_after};
+  if (blocks < 4) return result;
+  std::vector<double> without;
+  for (std::size_t k = 0; k < blocks; ++k) {
+    std::vector<std::size_t> kept;
+    for (std::size_t i = 0; i < n; ++i)
+      if (i * blocks / n != k) kept.push_back(i);
+    without.push_back(std::log(kSigmaToU90 * sd(rows_of(judged, kept))));
+  }
+  double mean = 0, squares = 0;
+  for (const double one : without) mean += one / static_cast<double>(blocks);
+  for (const double one : without) squares += (one - mean) * (one - mean);
+  const double error =
+      std::sqrt(squares * static_cast<double>(blocks - 1) / static_cast<double>(blocks));
+  result.after_ci90 = {result.u90_after * std::exp(-kSigmaToU90 * error),
+                       result.u90_after * std::exp(kSigmaToU90 * error)};
+  return result;
+}
+
+}  // namespace driftwise::diagnosis

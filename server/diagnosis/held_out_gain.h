@@ -1,0 +1,26 @@
+#pragma once
+// What a finding is worth on rows that played no part in finding it.
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "server/diagnosis/finding.h"
+#include "server/diagnosis/problem.h"
+
+namespace driftwise::diagnosis {
+
+struct HeldOut {
+  double u90_before = 0, u90_after = 0;
+  Interval after_ci90;  // over blocks of the judging rows
+};
+
+// Fitted on the learning rows by least squares, judged on the judging rows. before, after: every
+// row of the dataset, the columns of the two simulations.
+HeldOut held_out(const Problem& problem, const ProblemOutput& output, const Eigen::MatrixXd& before,
+                 const Eigen::MatrixXd& after);
+
+// Residuals of every row of the dataset, from a fit to the learning rows; NaN where columns are.
+Eigen::VectorXd residuals(const Problem& problem, const ProblemOutput& output,
+                          const Eigen::MatrixXd& columns);
+
+}  // namespace driftwise::diagnosis

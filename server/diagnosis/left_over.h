@@ -1,0 +1,35 @@
+#pragma once
+// What no cause of the catalogue explains, and which findings were only its nearest name.
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/diagnosis/diagnosis.h"
+#include "server/diagnosis/extension.h"
+#include "server/diagnosis/structure.h"
+
+namespace driftwise::diagnosis {
+
+class Remainder {
+ public:
+  Remainder(const Problem& problem, const Eigen::MatrixXd& series,
+            const std::vector<std::string>& excluded, SearchOptions options);
+
+  // The free shape that what is left goes with beyond chance; none where nothing is. cancelled.
+  Result<std::optional<LeftOver>> look(const Extension& extension);
+
+  // Of the findings, the one that the last look's shape makes superfluous although more than half
+  // as much as it explains was left: a finding is withdrawn when it was only the nearest name for
+  // something that the catalogue does not have (NUMERICS.md section 3).
+  std::optional<std::size_t> nearest_name(const Extension& extension) const;
+
+ private:
+  const Problem& problem_;
+  FreeShapes shapes_;
+  Search search_;
+  std::optional<Look> last_;
+};
+
+}  // namespace driftwise::diagnosis

@@ -1,0 +1,53 @@
+#pragma once
+// The noise of a discrepancy: exponentially correlated (an Ornstein-Uhlenbeck process) plus white,
+// starting afresh where a run or a datum begins. Two numbers, a physical shape: it can neither
+// oscillate nor alternate, so it cannot swallow an effect as a free autoregression does
+// (NUMERICS.md section 3).
+//
+// As a state-space model its whitening is one pass of a Kalman filter, linear in the data, with
+// gains that depend on the instants only: unequal steps need no care, n rows cost n.
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+namespace driftwise::diagnosis {
+
+struct NoiseShape {
+  double slow_ratio = 0;  // variance of the correlated part over that of the white one
+  double tau_s = 1;       // its correlation time
+  bool operator==(const NoiseShape&) const = default;
+};
+
+// When each row was measured, where the noise starts afresh, and how large it is there.
+struct Timeline {
+  Eigen::VectorXd time_s;     // not decreasing within a stretch
+  std::vector<char> restart;  // one per row; the first is 1
+  Eigen::VectorXd sd;         // of each row's noise over the others'; empty: all alike
+  Eigen::Index rows() const { return time_s.size(); }
+};
+
+class Whitener {
+ public:
+  Whitener(const Timeline& timeline, NoiseShape shape);
+  // Each column becomes its innovations over their standard deviation, in units of the white
+  // part's.
+  void apply(Eigen::Ref<Eigen::MatrixXd> columns) const;
+  double log_determinant() const { return log_determinant_; }  // of the covariance, white part 1
+
+ private:
+  Eigen::VectorXd decay_, gain_, inverse_sd_, weight_;
+  double log_determinant_ = 0;
+};
+
+// What a fit of the noise chooses from: no correlation, or ratio x correlation time, the times
+// between one and a half typical steps and a quarter of the data's length.
+std::vector<NoiseShape> noise_grid(const Timeline& timeline);
+
+// Several series at once, rows x n, white standard deviation 1; mixing: n x n, how the series'
+// random numbers hang together (mixing mixing' is their correlation).
+Eigen::MatrixXd simulated_noise(const Timeline& timeline, const std::vector<NoiseShape>& shapes,
+                                const Eigen::MatrixXd& mixing, std::mt19937_64& random);
+
+}  // namespace driftwise::diagnosis

@@ -1,0 +1,30 @@
+#pragma once
+// The dataset as a search sees it: temperatures smoothed, and positions by the places they belong
+// to, from which periodic columns are taken. Positions sit on a lattice, so a wave over the
+// *measured* one, through zero at every place, reads the measurement's own noise back out
+// (NUMERICS.md section 3). Which of the two coordinates has the noise, motor or pose, cannot be
+// known: both are taken at their places.
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "server/core/dataset.h"
+#include "server/core/result.h"
+#include "server/effects/term.h"
+
+namespace driftwise::diagnosis {
+
+class Prepared {
+ public:
+  static Prepared of(const Dataset& dataset);
+
+  const Dataset& data() const { return data_; }
+  // Every row's value of every term. Untimed data count their rows: whoever asks knows which terms
+  // may be asked.
+  Result<Eigen::MatrixXd> columns(const std::vector<effects::Term>& terms) const;
+
+ private:
+  Dataset data_, clocked_, at_places_;
+};
+
+}  // namespace driftwise::diagnosis

@@ -1,0 +1,184 @@
+#include "server/diagnosis/problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "server/calibration/predict.h"
+#include "server/effects/term_order.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+constexpr std::size_t kBlocks = 10, kEvery = 5, kRowsBeyondBase = 10;
+
+Result<void> check_time(const Dataset& dataset) {
+  for (std::size_t i = 1; i < dataset.time_s.size(); ++i)
+    if (dataset.time_s[i] < dataset.time_s[i - 1])
+      return fail(ErrorCode::invalid_argument, "TIME_RUNS_BACK",
+                  "row " + std::to_string(i + 1) + " was measured at time_s " +
+                      effects::number_text(dataset.time_s[i]) + ", before row " +
+                      std::to_string(i) + " at " + effects::number_text(dataset.time_s[i - 1]) +
+                      ": sort the file by time");
+  return {};
+}
+
+// "1", datum(2), ...: what a fit always has in.
+std::vector<effects::Term> constants(const Dataset& dataset) {
+  std::vector<effects::Term> terms = {effects::Term{}};
+  std::map<std::int64_t, int> seen;
+  for (const auto id : dataset.datum) {
+    const auto next = static_cast<int>(seen.size()) + 1;
+    if (seen.emplace(id, next).second && next > 1) terms.push_back(effects::datum_term(next));
+  }
+  return terms;
+}
+
+bool begins(const Dataset& dataset, std::size_t row, std::size_t before) {
+  return (!dataset.run.empty() && dataset.run[row] != dataset.run[before]) ||
+         (!dataset.datum.empty() && dataset.datum[row] != dataset.datum[before]);
+}
+
+double time_of(const Dataset& dataset, std::size_t row) {
+  return dataset.time_s.empty() ? static_cast<double>(row) : dataset.time_s[row];
+}
+
+Result<void> add_outputs(const Dataset& dataset, const std::vector<std::string>& symbols,
+                         Problem& problem) {
+  for (const auto& symbol : symbols) {
+    const auto* column = dataset.find(symbol);
+    if (column == nullptr)
+      return fail(ErrorCode::invalid_argument, "UNKNOWN_CHANNEL",
+                  "the data have no column for output " + symbol);
+    const auto unit = summary_unit(column->channel.unit);
+    problem.outputs.push_back(
+        {column->channel, unit.unit, unit.factor,
+         Eigen::Map<const Eigen::VectorXd>(column->values.data(),
+                                           static_cast<Eigen::Index>(column->values.size())) *
+             unit.factor});
+  }
+  return {};
+}
+
+Result<void> divide_rows(const Dataset& dataset, Problem& problem) {
+  std::vector<std::size_t> complete;
+  for (std::size_t row = 0; row < dataset.rows; ++row) {
+    const auto at = static_cast<Eigen::Index>(row);
+    bool whole = problem.base_columns.row(at).allFinite() && !dataset.is_excluded(row);
+    for (const auto& output : problem.outputs) whole = whole && std::isfinite(output.measured[at]);
+    if (whole) complete.push_back(row);
+  }
+  std::size_t validation = 0;
+  for (const std::size_t row : complete)
+    validation += dataset.set_of(row) == PointSet::validation ? 1 : 0;
+  // validation rows only: there is nothing to learn from but them
+  problem.judged_by_validation = validation > 0 && validation < complete.size();
+  for (std::size_t i = 0; i < complete.size(); ++i) {
+    const bool judges = problem.judged_by_validation
+                            ? dataset.set_of(complete[i]) == PointSet::validation
+                            : i * kBlocks / complete.size() % kEvery == kEvery - 2;
+    (judges ? problem.judge : problem.learn).push_back(complete[i]);
+  }
+  const std::size_t wanted = problem.base.size() + kRowsBeyondBase;
+  if (problem.learn.size() < wanted)
+    return fail(ErrorCode::invalid_argument, "TOO_FEW_ROWS",
+                std::to_string(problem.learn.size()) +
+                    " rows to learn from have every value that the baseline needs (of " +
+                    std::to_string(dataset.rows) + " rows): a diagnosis of this baseline needs " +
+                    std::to_string(wanted) + " at least");
+  return {};
+}
+
+Result<void> check_variation(const Problem& problem) {
+  for (const auto& output : problem.outputs) {
+    const Eigen::VectorXd values = rows_of(output.measured, problem.learn);
+    if (values.maxCoeff() > values.minCoeff()) continue;
+    return fail(ErrorCode::invalid_argument, "NOTHING_VARIES",
+                "column " + output.channel.name() + " is " +
+                    effects::number_text(values[0] / output.factor) +
+                    " in every row: there is nothing to explain");
+  }
+  return {};
+}
+
+}  // namespace
+
+std::vector<std::string> Problem::output_symbols() const {
+  std::vector<std::string> symbols;
+  for (const auto& output : outputs) symbols.push_back(output.channel.symbol);
+  return symbols;
+}
+
+Eigen::MatrixXd rows_of(const Eigen::MatrixXd& columns, const std::vector<std::size_t>& rows) {
+  Eigen::MatrixXd taken(static_cast<Eigen::Index>(rows.size()), columns.cols());
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    taken.row(static_cast<Eigen::Index>(i)) = columns.row(static_cast<Eigen::Index>(rows[i]));
+  return taken;
+}
+
+Eigen::MatrixXd Problem::learned(const Eigen::MatrixXd& all) const {
+  if (rows_per_block == 1) return rows_of(all, learn);
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(timeline.rows(), all.cols());
+  Eigen::VectorXd count = Eigen::VectorXd::Zero(timeline.rows());
+  for (std::size_t i = 0; i < learn.size(); ++i) count[static_cast<Eigen::Index>(block_of[i])] += 1;
+  for (Eigen::Index j = 0; j < all.cols(); ++j)
+    for (std::size_t i = 0; i < learn.size(); ++i)
+      sums(static_cast<Eigen::Index>(block_of[i]), j) +=
+          all(static_cast<Eigen::Index>(learn[i]), j);
+  return count.cwiseInverse().asDiagonal() * sums;
+}
+
+void Problem::leave_out(const std::vector<std::size_t>& rows) {
+  const auto gone = [&rows](std::size_t row) { return std::ranges::binary_search(rows, row); };
+  std::erase_if(learn, gone);
+  std::erase_if(judge, gone);
+}
+
+void Problem::lay_blocks(std::size_t longest) {
+  const Dataset& dataset = data();
+  rows_per_block = (learn.size() + longest - 1) / longest;
+  block_of.assign(learn.size(), 0);
+  timeline = {};
+  std::vector<double> times, counts;
+  for (std::size_t i = 0; i < learn.size(); ++i) {
+    const bool restart = i == 0 || begins(dataset, learn[i], learn[i - 1]);
+    if (restart || counts.back() >= static_cast<double>(rows_per_block)) {
+      times.push_back(0);
+      counts.push_back(0);
+      timeline.restart.push_back(restart ? 1 : 0);
+    }
+    times.back() += time_of(dataset, learn[i]);
+    counts.back() += 1;
+    block_of[i] = times.size() - 1;
+  }
+  timeline.time_s.resize(static_cast<Eigen::Index>(times.size()));
+  for (std::size_t b = 0; b < times.size(); ++b)
+    timeline.time_s[static_cast<Eigen::Index>(b)] = times[b] / counts[b];
+}
+
+Result<Problem> lay_out(const Dataset& dataset, const calibration::Candidates& baseline,
+                        std::size_t longest) {
+  if (auto ok = check_time(dataset); !ok) return tl::unexpected(ok.error());
+  if (baseline.outputs.empty())
+    return fail(ErrorCode::invalid_argument, "NO_OUTPUT", "the baseline names no output");
+  std::vector<effects::Term> base = constants(dataset);
+  for (const auto& term : baseline.terms) base.push_back(effects::canonical(term));
+  for (const auto& symbol : baseline.outputs)
+    if (dataset.find(symbol) == nullptr)
+      return fail(ErrorCode::invalid_argument, "UNKNOWN_CHANNEL",
+                  "the data have no column for output " + symbol);
+  if (dataset.time_s.empty())  // a lag in the baseline needs more than the order of rows
+    if (auto ok = calibration::raw_columns(dataset, base); !ok) return tl::unexpected(ok.error());
+  Problem problem{Prepared::of(dataset), {}, {}, 1, {}, {}, {}, std::move(base), {}, false};
+  if (auto ok = add_outputs(dataset, baseline.outputs, problem); !ok)
+    return tl::unexpected(ok.error());
+  auto columns = problem.prepared.columns(problem.base);
+  if (!columns) return tl::unexpected(columns.error());
+  problem.base_columns = std::move(*columns);
+  if (auto ok = divide_rows(dataset, problem); !ok) return tl::unexpected(ok.error());
+  if (auto ok = check_variation(problem); !ok) return tl::unexpected(ok.error());
+  problem.lay_blocks(longest);
+  return problem;
+}
+
+}  // namespace driftwise::diagnosis

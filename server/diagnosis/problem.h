@@ -1,0 +1,58 @@
+#pragma once
+// A dataset laid out for the search: which rows learn, which judge, each output in its summary unit
+// with the baseline's columns.
+//
+// Long data are averaged over blocks of neighbouring rows. Averages are taken of the measured
+// values and of the finished columns, never of channels: a linear model of averages is the average
+// of the model, whatever the columns are.
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "server/calibration/fit.h"
+#include "server/core/dataset.h"
+#include "server/core/result.h"
+#include "server/diagnosis/noise_model.h"
+#include "server/diagnosis/prepared.h"
+
+namespace driftwise::diagnosis {
+
+struct ProblemOutput {
+  Channel channel;
+  std::string unit;          // summary unit
+  double factor = 1;         // summary unit per channel's unit
+  Eigen::VectorXd measured;  // every row of the dataset, in the summary unit
+};
+
+struct Problem {
+  Prepared prepared;
+  std::vector<std::size_t> learn, judge;  // complete rows, in time order
+  std::size_t rows_per_block = 1;
+  std::vector<std::size_t> block_of;  // of each learning row
+  Timeline timeline;                  // of the blocks
+  std::vector<ProblemOutput> outputs;
+  std::vector<effects::Term> base;    // the constant and further datums first
+  Eigen::MatrixXd base_columns;       // every row of the dataset, raw
+  bool judged_by_validation = false;  // else the judging rows are blocks of time taken out
+
+  const Dataset& data() const { return prepared.data(); }
+  std::vector<std::string> output_symbols() const;
+  // One row per block of learning rows: the mean of every column. all: one row per dataset row.
+  Eigen::MatrixXd learned(const Eigen::MatrixXd& all) const;
+  // Leaves these rows of the dataset out of learning and judging.
+  void leave_out(const std::vector<std::size_t>& rows);
+  // Blocks and timeline from `learn`; longest: blocks at most.
+  void lay_blocks(std::size_t longest);
+};
+
+Eigen::MatrixXd rows_of(const Eigen::MatrixXd& columns, const std::vector<std::size_t>& rows);
+
+// Rows marked validation judge; where there are none, every fifth of ten blocks of time does.
+// longest: blocks that the search works with at most.
+// Errors: invalid_argument UNKNOWN_CHANNEL, NO_OUTPUT, TOO_FEW_ROWS, TIME_RUNS_BACK, UNTIMED,
+// NOTHING_VARIES.
+Result<Problem> lay_out(const Dataset& dataset, const calibration::Candidates& baseline,
+                        std::size_t longest);
+
+}  // namespace driftwise::diagnosis

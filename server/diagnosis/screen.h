@@ -1,0 +1,51 @@
+#pragma once
+// What is wrong with the data themselves, found before anything becomes physics.
+
+#include <vector>
+
+#include "server/core/dataset.h"
+#include "server/diagnosis/ground.h"
+#include "server/diagnosis/problem.h"
+
+namespace driftwise::diagnosis {
+
+enum class SensorFault : std::uint8_t { frozen, jumped, spiked, swapped };
+
+struct FaultySensor {
+  SensorFault fault = SensorFault::frozen;
+  std::string channel, other;     // other: what it was swapped with
+  std::vector<std::size_t> rows;  // frozen, spiked: the wrong ones; jumped, swapped: from here on
+  double size = 0;                // of a jump, in the channel's unit
+};
+
+// Structure temperatures only, judged by themselves and each other, not by what they explain:
+// frozen: the same number to the last digit for a tenth of the rows or more, and ten times longer
+//   than anywhere else; spiked: single values off both neighbours, which agree; jumped: a change
+//   from one row to the next a dozen times its usual size, that stays, and that most others do not
+//   make; swapped: two sensors that take one another's place in one row.
+// A repaired sensor (jumped, swapped) and single wrong values (blanked) are mended in the dataset;
+// the values of a frozen stretch are blanked.
+std::vector<FaultySensor> mend_sensors(Dataset& dataset);
+
+struct OutlierRow {
+  std::size_t row = 0;  // of the dataset
+  std::string output;
+  double sigmas = 0;
+};
+
+// Isolated wrong rows: one that stands far off both its neighbours, which agree with one another.
+// Nothing when there are so many that they are no exceptions (2 %).
+std::vector<OutlierRow> outlier_rows(const Problem& problem);
+
+struct NoiseChange {
+  std::size_t output = 0;
+  Eigen::Index block = 0;  // from here on
+  double ratio = 1;        // of standard deviations, after over before
+  double gain = 0;         // of 2 ln L
+};
+
+// A change of spread at one instant in what is left, whitened. Nothing below a gain of 30: the
+// largest over all instants reaches that by chance less than once in ten thousand.
+std::vector<NoiseChange> noise_changes(const Ground& ground);
+
+}  // namespace driftwise::diagnosis

@@ -1,0 +1,146 @@
+#include <algorithm>
+#include <cmath>
+
+#include "server/core/reading.h"
+#include "server/diagnosis/screen.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+constexpr double kFarOff = 12;        // robust standard deviations
+constexpr double kSmallest_k = 0.02;  // no jump or spike below this is called a fault
+constexpr std::size_t kFewestRows = 40, kWindow = 6;
+constexpr double kMadToSd = 1.4826;
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double robust_sd(std::vector<double> values) {
+  for (auto& value : values) value = std::abs(value);
+  return kMadToSd * median(std::move(values));
+}
+
+struct Sensor {
+  DatasetColumn* column = nullptr;
+  double usual = 0;                // size of a change from row to row
+  std::vector<std::size_t> jumps;  // rows
+};
+
+std::vector<std::size_t> frozen_rows(const std::vector<double>& values) {
+  std::vector<std::size_t> lengths;
+  std::size_t longest = 0, begin = 0, second = 0;
+  for (std::size_t i = 0; i < values.size();) {
+    std::size_t end = i + 1;
+    while (end < values.size() && values[end] == values[i]) ++end;
+    if (end - i > longest) {
+      second = longest;
+      longest = end - i;
+      begin = i;
+    } else {
+      second = std::max(second, end - i);
+    }
+    i = end;
+  }
+  std::vector<std::size_t> rows;
+  if (longest < values.size() / 10 || longest < 10 * second || longest == values.size())
+    return rows;
+  for (std::size_t i = begin + 1; i < begin + longest; ++i) rows.push_back(i);
+  return rows;
+}
+
+std::vector<std::size_t> spiked_rows(const std::vector<double>& v) {
+  std::vector<double> apart(v.size(), 0), across(v.size(), 0);
+  for (std::size_t i = 1; i + 1 < v.size(); ++i) {
+    apart[i] = v[i] - (v[i - 1] + v[i + 1]) / 2;
+    across[i] = v[i + 1] - v[i - 1];
+  }
+  const double least = std::max(kFarOff * robust_sd(apart), kSmallest_k);
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 1; i + 1 < v.size(); ++i)
+    if (std::abs(apart[i]) > least && std::abs(across[i]) < least / 2) rows.push_back(i);
+  return rows;
+}
+
+// How far the level after a row stands off the level before it, each told by a few rows.
+double level_change(const std::vector<double>& v, std::size_t row) {
+  std::vector<double> before, after;
+  for (std::size_t k = 0; k < kWindow; ++k) {
+    if (row >= k + 1 && std::isfinite(v[row - 1 - k])) before.push_back(v[row - 1 - k]);
+    if (row + k < v.size() && std::isfinite(v[row + k])) after.push_back(v[row + k]);
+  }
+  return median(after) - median(before);
+}
+
+void find_jumps(Sensor& sensor, const std::vector<double>& time_s) {
+  const auto& v = sensor.column->values;
+  std::vector<double> changes, steps;
+  for (std::size_t i = 1; i < v.size(); ++i) {
+    if (std::isfinite(v[i]) && std::isfinite(v[i - 1])) changes.push_back(v[i] - v[i - 1]);
+    if (!time_s.empty()) steps.push_back(time_s[i] - time_s[i - 1]);
+  }
+  sensor.usual = robust_sd(changes);
+  const double step_s = median(steps);
+  for (std::size_t i = kWindow; i + kWindow < v.size(); ++i) {
+    if (!time_s.empty() && time_s[i] - time_s[i - 1] > 3 * step_s) continue;  // it had the time
+    const double least = std::max(kFarOff * sensor.usual, kSmallest_k);
+    if (std::abs(v[i] - v[i - 1]) > least && std::abs(level_change(v, i)) > 0.7 * least)
+      sensor.jumps.push_back(i);
+  }
+}
+
+}  // namespace
+
+std::vector<FaultySensor> mend_sensors(Dataset& dataset) {
+  std::vector<FaultySensor> found;
+  if (dataset.rows < kFewestRows) return found;
+  std::vector<Sensor> sensors;
+  for (auto& column : dataset.columns) {
+    if (!is_structure_temperature(column.channel)) continue;
+    const auto frozen = frozen_rows(column.values);
+    const auto spiked = spiked_rows(column.values);
+    for (const auto* rows : {&frozen, &spiked})
+      for (const std::size_t row : *rows) column.values[row] = kMissing;
+    if (!frozen.empty())
+      found.push_back({SensorFault::frozen, column.channel.symbol, "", frozen, 0});
+    if (!spiked.empty())
+      found.push_back({SensorFault::spiked, column.channel.symbol, "", spiked, 0});
+    sensors.push_back({&column, 0, {}});
+    find_jumps(sensors.back(), dataset.time_s);
+  }
+  for (std::size_t s = 0; s < sensors.size(); ++s)
+    for (const std::size_t row : sensors[s].jumps) {
+      std::vector<std::size_t> together;
+      for (std::size_t other = 0; other < sensors.size(); ++other)
+        if (std::ranges::find(sensors[other].jumps, row) != sensors[other].jumps.end())
+          together.push_back(other);
+      if (together.size() > 2 && 2 * together.size() > sensors.size()) continue;  // the room did
+      auto& values = sensors[s].column->values;
+      const double size = level_change(values, row);
+      std::vector<std::size_t> rows;
+      for (std::size_t i = row; i < dataset.rows; ++i) rows.push_back(i);
+      const auto partner = std::ranges::find_if(together, [&](std::size_t other) {
+        if (other == s) return false;
+        const auto& theirs = sensors[other].column->values;
+        const double apart = theirs[row - 1] - values[row - 1];
+        return std::abs(size - apart) < 0.1 * std::abs(apart) &&
+               std::abs(level_change(theirs, row) + apart) < 0.1 * std::abs(apart);
+      });
+      if (partner != together.end()) {
+        auto& theirs = sensors[*partner].column->values;
+        for (const std::size_t i : rows) std::swap(values[i], theirs[i]);
+        std::erase(sensors[*partner].jumps, row);
+        found.push_back({SensorFault::swapped, sensors[s].column->channel.symbol,
+                         sensors[*partner].column->channel.symbol, rows, size});
+        continue;
+      }
+      for (const std::size_t i : rows) values[i] -= size;
+      found.push_back({SensorFault::jumped, sensors[s].column->channel.symbol, "", rows, size});
+    }
+  return found;
+}
+
+}  // namespace driftwise::diagnosis

@@ -1,0 +1,104 @@
+#include "server/diagnosis/sentence.h"
+
+#include <array>
+#include <cstdio>
+#include <map>
+
+namespace driftwise::diagnosis {
+namespace {
+
+std::string three_digits(double value) {
+  std::array<char, 48> text{};
+  std::snprintf(text.data(), text.size(), "%.3g", value);
+  return text.data();
+}
+
+// "tau_s": the unit stands after the last _, or is the name: "nm_per_k".
+std::string parameter_text(const std::string& name, double value) {
+  const auto split = name.rfind('_');
+  if (name.find("_per_") != std::string::npos || split == std::string::npos)
+    return three_digits(value) + " " + name;
+  return name.substr(0, split) + " " + size_text(value, name.substr(split + 1));
+}
+
+std::string what(const Finding& finding) {
+  const std::string& of = finding.subject;
+  static const std::map<std::string, std::string> words = {
+      {"geometry_order", "the geometry needs terms in % that the simulation lacks"},
+      {"thermal_offset", "the robot moves with %, which the simulation does not use"},
+      {"thermal_lag", "the robot follows % with a delay"},
+      {"thermal_rate", "the robot's error goes with how fast % changes"},
+      {"thermal_expansion", "the error grows with position times %"},
+      {"self_heating", "the motion of % heats the robot where no sensor sees it"},
+      {"force_compliance", "the robot gives way in proportion to the force"},
+      {"force_nonlinearity", "the robot gives way to the force, and not in proportion"},
+      {"force_position_coupling", "how far the robot gives way depends on where it is"},
+      {"backlash", "% has play: it depends on the side it came from"},
+      {"creep", "the robot creeps after a move of %"},
+      {"cyclic_error", "a periodic error along %"},
+      {"abbe_offset", "the beam misses the centre of rotation: the error goes with the tilts"},
+      {"cosine_error", "the length of % shrinks with the tilt of its mirror"},
+      {"refractive_index", "the air on the beam's way changes the length"},
+      {"instrument_drift", "the zero drifts steadily and nothing sensed explains it"},
+      {"step_change", "a jump at one instant"},
+      {"periodic_disturbance", "something periodic in time that no channel shows"},
+      {"outliers", "isolated wrong rows, left out"},
+      {"noise_change", "the spread changes, not the mean"}};
+  const auto found = words.find(finding.cause);
+  std::string text = found == words.end() ? finding.cause + " of %" : found->second;
+  if (const auto at = text.find('%'); at != std::string::npos) text.replace(at, 1, of);
+  return text;
+}
+
+}  // namespace
+
+std::string size_text(double value, const std::string& unit) {
+  return three_digits(value) + " " + unit;
+}
+
+std::string sentence(const FaultySensor& sensor) {
+  const auto count = std::to_string(sensor.rows.size());
+  const auto from = "row " + std::to_string(sensor.rows.front() + 1) + " on";
+  switch (sensor.fault) {
+    case SensorFault::frozen:
+      return "Sensor " + sensor.channel + " gives one and the same value in " + count +
+             " rows from " + from + ": it is frozen, and those values are left out.";
+    case SensorFault::spiked:
+      return "Sensor " + sensor.channel + " gives " + count +
+             " single values far off their neighbours: they are left out.";
+    case SensorFault::jumped:
+      return "Sensor " + sensor.channel + " jumps by " + three_digits(sensor.size) + " K from " +
+             from + " and no other does: the jump is taken out.";
+    case SensorFault::swapped:
+      return "Sensors " + sensor.channel + " and " + sensor.other + " change places from " + from +
+             ": they are put back.";
+  }
+  return "";
+}
+
+std::string sentence(const Finding& finding) {
+  std::string text = what(finding);
+  text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  for (const auto& parameter : finding.parameters) {
+    text += ", " + parameter_text(parameter.name, parameter.value);
+    if (parameter.ci90)
+      text += " (90 %: " + three_digits(parameter.ci90->low) + " to " +
+              three_digits(parameter.ci90->high) + ")";
+  }
+  for (const auto& output : finding.outputs) {
+    if (!output.shown || !output.u90_before) continue;
+    text += "; " + output.output + ": " + size_text(output.amplitude, output.unit) +
+            " rms, held-out U90 " + three_digits(*output.u90_before) + " -> " +
+            size_text(*output.u90_after, output.unit);
+  }
+  text += ".";
+  if (!finding.indistinguishable_from.empty()) {
+    text += " These data cannot tell it from ";
+    for (std::size_t i = 0; i < finding.indistinguishable_from.size(); ++i)
+      text += (i == 0 ? "" : ", ") + finding.indistinguishable_from[i];
+    text += ".";
+  }
+  return text;
+}
+
+}  // namespace driftwise::diagnosis

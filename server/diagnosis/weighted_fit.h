@@ -1,0 +1,28 @@
+#pragma once
+// Coefficients with standard errors that know the noise: generalised least squares over the blocks.
+
+#include <Eigen/Core>
+
+#include "server/diagnosis/noise_model.h"
+#include "server/diagnosis/problem.h"
+
+namespace driftwise::diagnosis {
+
+class WeightedFit {
+ public:
+  // base, added: blocks x k and blocks x c (c may be 0); of one output. Columns that are
+  // combinations of those before them get coefficient 0 and error NaN.
+  WeightedFit(const Problem& problem, const Eigen::MatrixXd& base, const Eigen::MatrixXd& added,
+              std::size_t output, NoiseShape noise = {});
+
+  // In the output's summary unit per unit of the column.
+  double coefficient(Eigen::Index column) const { return coefficients_[column]; }
+  double added_coefficient(Eigen::Index column) const { return coefficients_[base_ + column]; }
+  double added_error(Eigen::Index column) const { return errors_[base_ + column]; }
+
+ private:
+  Eigen::Index base_ = 0;
+  Eigen::VectorXd coefficients_, errors_;
+};
+
+}  // namespace driftwise::diagnosis
