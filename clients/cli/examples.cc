@@ -69,6 +69,8 @@ constexpr auto kExamples = std::to_array<Example>({
      "a run; the daemon stores the model"},
     {"fit", "driftwise fit data.csv --model 'q ~ x + lag(t07, 1800 s)' --select all --json",
      "no selection, for a script"},
+    {"diagnose", "driftwise diagnose weekend.csv --baseline 'q1 ~ x + x^2 + T'",
+     "what this simulation gets wrong in these data, and why"},
     {"model list", "driftwise model list", "oldest first"},
     {"model show", "driftwise model show 3", "the page to sign"},
     {"model compare", "driftwise model compare 3 4", "term by term"},
