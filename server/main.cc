@@ -40,6 +40,7 @@
 #include "server/rpc/rpc_server.h"
 #include "server/service_manager.h"
 #include "server/web/http_server.h"
+#include "server/web/web_site.h"
 #include "storage/sqlite_store.h"
 
 namespace driftwise {
@@ -50,6 +51,7 @@ namespace fs = std::filesystem;
 struct Arguments {
   std::string cell_file;
   std::string log_level = "info";
+  std::string web_root;  // in place of [web] root
   bool check = false;
 };
 
@@ -171,54 +173,75 @@ class ExecutorThread {
   std::thread thread_;
 };
 
-// The cell with its doors, in the order in which they are made; destroyed in reverse.
+// The cell with its doors; the web's stands on gRPC's. Destroyed in reverse.
 struct Daemon {
   std::unique_ptr<application::Cell> cell;
   std::unique_ptr<application::TargetLineServer> target_line;
-  std::unique_ptr<web::HttpServer> http;
   std::unique_ptr<rpc::RpcServer> rpc;
+  std::unique_ptr<web::HttpServer> http;
 };
 
-Result<Daemon> put_together(CellDescription description, asio::io_context& context, bool check) {
+Result<void> open_doors(Daemon& daemon, const CellDescription& description,
+                        const std::string& web_root, const Clock& clock,
+                        asio::io_context& context) {
+  if (!description.target_line.empty()) {
+    auto line = application::TargetLineServer::start(
+        context.get_executor(), description.target_line, daemon.cell->snapshots(), clock);
+    if (!line) return tl::unexpected(line.error());
+    daemon.target_line = std::move(*line);
+  }
+  auto rpc = rpc::RpcServer::open(*daemon.cell, description.listen);
+  if (!rpc) return tl::unexpected(rpc.error());
+  daemon.rpc = std::move(*rpc);
+  if (daemon.http)
+    daemon.http->serve(web::make_web_site({*daemon.cell, daemon.rpc->in_process_channel(),
+                                           web::find_web_root(web_root), daemon.http->executor()}));
+  return {};
+}
+
+Result<Daemon> put_together(CellDescription description, asio::io_context& context,
+                            const Arguments& arguments) {
   auto clock = application::CellClock::open(context.get_executor(), description.clock);
   if (!clock) return tl::unexpected(clock.error());
   Clock& the_clock = **clock;
   auto devices = make_devices(description, context.get_executor(), the_clock);
   if (!devices) return tl::unexpected(devices.error());
-  if (check) return Daemon{};
+  if (arguments.check) return Daemon{};
 
-  const std::string listen = description.listen, target_line = description.target_line,
-                    http = description.http;
   Daemon daemon;
+  std::string web_address;
+  if (!description.http.empty()) {  // listens first: the cell tells where
+    auto http = web::HttpServer::open(description.http);
+    if (!http) return tl::unexpected(http.error());
+    daemon.http = std::move(*http);
+    web_address = "http://" + daemon.http->address() + "/";
+  }
   const OpenStore open_store = [](const std::string& path, bool read_only) {
     return storage::open_sqlite_store(path, read_only);
   };
-  auto cell = application::Cell::open(
-      context.get_executor(), {std::move(description), std::move(*devices), std::move(*clock),
-                               open_store, DRIFTWISE_VERSION});
+  auto cell = application::Cell::open(context.get_executor(), {.description = description,
+                                                               .devices = std::move(*devices),
+                                                               .clock = std::move(*clock),
+                                                               .open_store = open_store,
+                                                               .version = DRIFTWISE_VERSION,
+                                                               .web_address = web_address});
   if (!cell) return tl::unexpected(cell.error());
   daemon.cell = std::move(*cell);
-  if (!target_line.empty()) {
-    auto line = application::TargetLineServer::start(context.get_executor(), target_line,
-                                                     daemon.cell->snapshots(), the_clock);
-    if (!line) return tl::unexpected(line.error());
-    daemon.target_line = std::move(*line);
-  }
-  if (!http.empty()) {
-    auto server = web::HttpServer::open(context.get_executor(), http, *daemon.cell);
-    if (!server) return tl::unexpected(server.error());
-    daemon.http = std::move(*server);
-  }
-  auto rpc = rpc::RpcServer::open(*daemon.cell, listen);
-  if (!rpc) return tl::unexpected(rpc.error());
-  daemon.rpc = std::move(*rpc);
+  const std::string web_root = arguments.web_root.empty()
+                                   ? formats::web_root_of(description, arguments.cell_file)
+                                   : arguments.web_root;
+  if (auto doors = open_doors(daemon, description, web_root, the_clock, context); !doors)
+    return tl::unexpected(doors.error());
   return daemon;
 }
 
 nlohmann::ordered_json notice_of(const Daemon& daemon) {
   nlohmann::ordered_json notice = {{"grpc", daemon.rpc->address()}};
   if (daemon.target_line) notice["target_line"] = daemon.target_line->address();
-  if (daemon.http) notice["http"] = "127.0.0.1:" + std::to_string(daemon.http->port());
+  if (daemon.http) {
+    notice["http"] = daemon.http->address();
+    notice["web"] = "http://" + daemon.http->address() + "/";
+  }
   notice["pid"] = getpid();
   return notice;
 }
@@ -243,10 +266,10 @@ void serve_until_signal(Daemon& daemon, asio::io_context& context, const Argumen
   }
   pthread_sigmask(SIG_UNBLOCK, &signals,
                   nullptr);  // a second signal ends it at once: the record survives that
+  daemon.http.reset();
   daemon.rpc->shut_down(std::chrono::seconds(2));
   executor.run([&] {
     if (daemon.target_line) daemon.target_line->stop();
-    daemon.http.reset();
   });
   asio::co_spawn(context, daemon.cell->shut_down(), asio::use_future).wait();
 }
@@ -279,7 +302,7 @@ int run(const Arguments& arguments) {
   std::signal(SIGPIPE, SIG_IGN);
 
   asio::io_context context(1);
-  auto daemon = put_together(std::move(*description), context, arguments.check);
+  auto daemon = put_together(std::move(*description), context, arguments);
   if (!daemon) return complain(daemon.error());
   if (arguments.check) {
     std::cout << arguments.cell_file << ": good: cell '" << name << "' with " << devices
@@ -307,6 +330,8 @@ int main(int argc, char** argv) {
       ->required();
   app.add_flag("--check", arguments.check,
                "read the cell file, say what is wrong with it, start nothing");
+  app.add_option("--web-root", arguments.web_root,
+                 "folder of the web page, in place of [web] root in the cell file");
   app.add_option("--log-level", arguments.log_level, "trace, debug, info, warning, error or off")
       ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}))
       ->capture_default_str();

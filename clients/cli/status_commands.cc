@@ -47,6 +47,7 @@ void print_status(const Console& console, const v1::GetStatusResponse& status) {
               << (status.has_run() ? progress_line(status.run(), std::nan(""), 200)
                                    : "none under way")
               << '\n';
+  if (!status.web_address().empty()) console.out << "web      " << status.web_address() << '\n';
   for (const auto& device : status.devices())
     if (device.link() != v1::Device::LINK_CONNECTED)
       console.out << "device   " << device.id() << " " << link_text(paint, device.link()) << " "

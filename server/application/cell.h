@@ -71,7 +71,7 @@ struct RunProgress {  // one line of a watch
 };
 
 struct CellStatus {
-  std::string name, version, config_hash;
+  std::string name, version, config_hash, web_address;
   Stamp now;
   double speed = 1;
   std::vector<DeviceStatus> devices;
@@ -166,6 +166,7 @@ class Cell {
     // Empty: threads of the cell's own. A test hands in its one executor and has everything in
     // order.
     asio::any_io_executor storage_thread = {}, query_thread = {}, worker_thread = {};
+    std::string web_address = {};  // "http://127.0.0.1:8080/", told in status(); empty: no web door
   };
   static Result<std::unique_ptr<Cell>> open(asio::any_io_executor executor, Parts parts);
   virtual ~Cell() = default;

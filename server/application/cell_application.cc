@@ -24,6 +24,7 @@ CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
       description_(std::move(parts.description)),
       clock_(std::move(parts.clock)),
       version_(std::move(parts.version)),
+      web_address_(std::move(parts.web_address)),
       storage_thread_(parts.storage_thread),
       query_thread_(parts.query_thread),
       worker_thread_(parts.worker_thread),
@@ -219,6 +220,7 @@ CellStatus CellApplication::status() const {
   status.name = description_.name;
   status.version = version_;
   status.config_hash = description_.hash;
+  status.web_address = web_address_;
   status.now = clock_->now();
   status.speed = clock_->speed();
   status.devices = bench_.status();

@@ -133,7 +133,7 @@ class CellApplication final : public Cell {
   asio::any_io_executor executor_;
   CellDescription description_;
   std::unique_ptr<Clock> clock_;
-  std::string version_;
+  std::string version_, web_address_;
   Thread storage_thread_, query_thread_, worker_thread_;
   StoreWriter writer_;
   StoreReader reader_;

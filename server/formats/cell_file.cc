@@ -114,6 +114,10 @@ void read_file(const toml::table& root, CellDescription& out, TomlProblem& probl
     top.refuse("cell", "MISSING_KEY",
                "found no [cell] section, expected one with name and database");
   read_cell(std::move(cell), out);
+  std::string web_root;  // kept in the text: web_root_of()
+  TomlReader web = section("web");
+  web.text("root", web_root);
+  web.finish();
   TomlReader clock = section("clock");
   TomlReader speed = clock;
   read_clock(std::move(clock), out.clock);
@@ -161,6 +165,14 @@ Result<CellDescription> parse_cell_file(std::string_view text, const std::string
   cell.text = text;
   cell.hash = content_hash(text);
   return cell;
+}
+
+std::string web_root_of(const CellDescription& cell, const std::string& path) {
+  try {
+    return beside(toml::parse(cell.text)["web"]["root"].value_or(std::string()), path);
+  } catch (const toml::parse_error&) {  // it was not made from a cell file
+    return {};
+  }
 }
 
 Result<CellDescription> read_cell_file(const std::string& path) {

@@ -20,4 +20,7 @@ Result<CellDescription> parse_cell_file(std::string_view text, const std::string
 // Reads the file, then parses it. Errors: those above; not_found, NO_FILE.
 Result<CellDescription> read_cell_file(const std::string& path);
 
+// [web] root of the cell file at this path, absolute; empty: none is named.
+std::string web_root_of(const CellDescription& cell, const std::string& path);
+
 }  // namespace driftwise::formats

@@ -99,6 +99,7 @@ v1::GetStatusResponse status_from(const application::CellStatus& status) {
   out.set_cell_name(status.name);
   out.set_version(status.version);
   out.set_config_hash(status.config_hash);
+  out.set_web_address(status.web_address);
   *out.mutable_cell_time() = timestamp_from(status.now.utc);
   out.set_speed(status.speed);
   for (const auto& device : status.devices) *out.add_devices() = device_from(device);

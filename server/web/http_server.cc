@@ -1,97 +1,32 @@
 #include "server/web/http_server.h"
 
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
-#include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
-#include <boost/beast/http.hpp>
 #include <charconv>
+#include <exception>
 #include <list>
+#include <optional>
+#include <thread>
 
-#include "server/web/metrics.h"
+#include "server/web/http_connection.h"
 
 namespace driftwise::web {
 namespace {
 
-namespace beast = boost::beast;
-namespace http = beast::http;
 using asio::ip::tcp;
-
-constexpr auto kIdleLimit = std::chrono::seconds(30);
-constexpr std::size_t kMaxHeaderBytes = 8192, kMaxBodyBytes = 1024;  // nothing here takes a body
-
-using Response = http::response<http::string_body>;
-
-Response answer(const http::request<http::string_body>& request, const application::Cell& cell) {
-  Response response{http::status::ok, request.version()};
-  response.set(http::field::content_type, "text/plain; version=0.0.4; charset=utf-8");
-  response.set(http::field::cache_control, "no-store");
-  response.set("X-Content-Type-Options", "nosniff");
-  response.keep_alive(request.keep_alive());
-  if (request.method() != http::verb::get && request.method() != http::verb::head) {
-    response.result(http::status::method_not_allowed);
-    response.set(http::field::allow, "GET, HEAD");
-    response.body() = "only GET and HEAD are answered here\n";
-  } else if (request.target() == "/healthz") {
-    response.body() = "ok\n";
-  } else if (request.target() == "/metrics") {
-    response.body() = metrics_text(cell.status());
-  } else {
-    response.result(http::status::not_found);
-    response.body() = "nothing here; there are /healthz and /metrics\n";
-  }
-  response.prepare_payload();
-  if (request.method() == http::verb::head) response.body().clear();
-  return response;
-}
-
-// owner: alive as long as the server is; a connection that outlives it ends at its next request.
-Awaitable<void> serve(tcp::socket socket, const application::Cell& cell,
-                      std::weak_ptr<void> owner) {
-  beast::tcp_stream stream(std::move(socket));
-  beast::flat_buffer buffer(kMaxHeaderBytes + kMaxBodyBytes);
-  while (true) {
-    boost::system::error_code code;
-    http::request_parser<http::string_body> parser;
-    parser.header_limit(kMaxHeaderBytes);
-    parser.body_limit(kMaxBodyBytes);
-    stream.expires_after(kIdleLimit);
-    co_await http::async_read(stream, buffer, parser,
-                              asio::redirect_error(asio::use_awaitable, code));
-    if (code || owner.expired()) co_return;
-    Response response = answer(parser.get(), cell);
-    co_await http::async_write(stream, response, asio::redirect_error(asio::use_awaitable, code));
-    if (code || !response.keep_alive()) co_return;
-  }
-}
-
-Awaitable<void> accept_all(tcp::acceptor& acceptor, const application::Cell& cell,
-                           std::weak_ptr<void> owner) {
-  while (!owner.expired()) {
-    boost::system::error_code code;
-    tcp::socket socket =
-        co_await acceptor.async_accept(asio::redirect_error(asio::use_awaitable, code));
-    if (code == asio::error::operation_aborted || owner.expired()) co_return;
-    if (code) continue;
-    asio::co_spawn(socket.get_executor(), serve(std::move(socket), cell, owner), asio::detached);
-  }
-}
-
-class BeastHttpServer final : public HttpServer {
- public:
-  BeastHttpServer(tcp::acceptor acceptor, const application::Cell& cell)
-      : acceptor_(std::move(acceptor)) {
-    asio::co_spawn(acceptor_.get_executor(), accept_all(acceptor_, cell, alive_), asio::detached);
-  }
-  std::uint16_t port() const override { return acceptor_.local_endpoint().port(); }
-
- private:
-  tcp::acceptor acceptor_;
-  std::shared_ptr<int> alive_ = std::make_shared<int>();
-};
+using Connections = std::list<std::shared_ptr<HttpConnection>>;
+constexpr auto kGrace =
+    std::chrono::milliseconds(500);  // for answers under way when the daemon ends
 
 Result<tcp::endpoint> parse_loopback(const std::string& address) {
   const std::size_t cut = address.rfind(':');
@@ -111,24 +46,121 @@ Result<tcp::endpoint> parse_loopback(const std::string& address) {
   return tcp::endpoint(ip, static_cast<std::uint16_t>(port));
 }
 
+class ThreadedHttpServer final : public HttpServer {
+ public:
+  ThreadedHttpServer() : acceptor_(context_), grace_(context_) {}
+  ~ThreadedHttpServer() override {
+    asio::post(context_, [this] { end(); });
+    work_.reset();
+    if (!thread_.joinable()) thread_ = std::thread([this] { context_.run(); });
+    thread_.join();  // the context runs out of work when every call and connection is over
+  }
+
+  boost::system::error_code listen(const tcp::endpoint& endpoint) {
+    boost::system::error_code code;
+    acceptor_.open(endpoint.protocol(), code);
+    if (!code) acceptor_.set_option(tcp::acceptor::reuse_address(true), code);
+    if (!code) acceptor_.bind(endpoint, code);
+    if (!code) acceptor_.listen(asio::socket_base::max_listen_connections, code);
+    if (!code) endpoint_ = acceptor_.local_endpoint(code);
+    return code;
+  }
+
+  std::uint16_t port() const override { return endpoint_.port(); }
+  std::string address() const override {
+    const std::string host = endpoint_.address().to_string();
+    return (endpoint_.address().is_v6() ? "[" + host + "]" : host) + ":" + std::to_string(port());
+  }
+  asio::any_io_executor executor() const override {
+    return const_cast<asio::io_context&>(context_).get_executor();
+  }
+
+  void serve(std::unique_ptr<HttpSite> site) override {
+    site_ = std::move(site);
+    asio::co_spawn(context_, accept_all(), asio::detached);
+    thread_ = std::thread([this] { context_.run(); });
+  }
+
+ private:
+  Awaitable<void> accept_all() {
+    while (acceptor_.is_open()) {
+      boost::system::error_code code;
+      tcp::socket socket =
+          co_await acceptor_.async_accept(asio::redirect_error(asio::use_awaitable, code));
+      if (code == asio::error::operation_aborted) co_return;
+      if (code) {  // out of descriptors, or a client that left again
+        asio::steady_timer pause(context_, std::chrono::milliseconds(50));
+        co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, code));
+      } else if (make_room()) {
+        take(std::move(socket));
+      }
+    }
+  }
+
+  void take(tcp::socket socket) {
+    const auto place =
+        connections_.insert(connections_.end(), HttpConnection::make(std::move(socket), *site_));
+    asio::co_spawn(context_, (*place)->serve(), [this, place](const std::exception_ptr& bug) {
+      connections_.erase(place);
+      if (connections_.empty()) grace_.cancel();
+      try {
+        if (bug) std::rethrow_exception(bug);
+      } catch (const std::exception& what) {
+        spdlog::error("a web connection ended with an exception: {}", what.what());
+      }
+    });
+  }
+
+  bool make_room() {
+    if (connections_.size() < kMaxConnections) return true;
+    auto oldest = connections_.end();
+    for (auto one = connections_.begin(); one != connections_.end(); ++one)
+      if ((*one)->idle_since() &&
+          (oldest == connections_.end() || (*one)->idle_since() < (*oldest)->idle_since()))
+        oldest = one;
+    if (oldest == connections_.end()) return false;
+    (*oldest)->close();
+    return connections_.size() < kMaxConnections + 16;  // those closed are on their way out
+  }
+
+  void end() {
+    boost::system::error_code ignored;
+    acceptor_.close(ignored);
+    for_each_connection(&HttpConnection::end_soon);
+    if (connections_.empty()) return;
+    grace_.expires_after(kGrace);
+    grace_.async_wait([this](const boost::system::error_code& cancelled) {
+      if (!cancelled) for_each_connection(&HttpConnection::close);
+    });
+  }
+
+  void for_each_connection(void (HttpConnection::*what)()) {
+    const Connections present = connections_;  // one may end, and leave the list, meanwhile
+    for (const auto& one : present) ((*one).*what)();
+  }
+
+  asio::io_context context_{1};
+  std::optional<asio::executor_work_guard<asio::io_context::executor_type>> work_{
+      context_.get_executor()};
+  tcp::acceptor acceptor_;
+  tcp::endpoint endpoint_;
+  asio::steady_timer grace_;
+  std::unique_ptr<HttpSite> site_;
+  Connections connections_;
+  std::thread thread_;
+};
+
 }  // namespace
 
-Result<std::unique_ptr<HttpServer>> HttpServer::open(asio::any_io_executor executor,
-                                                     const std::string& address,
-                                                     const application::Cell& cell) {
+Result<std::unique_ptr<HttpServer>> HttpServer::open(const std::string& address) {
   const auto endpoint = parse_loopback(address);
   if (!endpoint) return tl::unexpected(endpoint.error());
-  tcp::acceptor acceptor(executor);
-  boost::system::error_code code;
-  acceptor.open(endpoint->protocol(), code);
-  if (!code) acceptor.set_option(tcp::acceptor::reuse_address(true), code);
-  if (!code) acceptor.bind(*endpoint, code);
-  if (!code) acceptor.listen(asio::socket_base::max_listen_connections, code);
-  if (code)
+  auto server = std::make_unique<ThreadedHttpServer>();
+  if (const auto code = server->listen(*endpoint))
     return fail(ErrorCode::unavailable, "CANNOT_LISTEN",
                 "http address '" + address + "': " + code.message() +
                     "; choose another port in [cell] http");
-  return std::make_unique<BeastHttpServer>(std::move(acceptor), cell);
+  return server;
 }
 
 }  // namespace driftwise::web

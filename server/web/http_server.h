@@ -1,29 +1,37 @@
 #pragma once
-// A small HTTP door on loopback: /healthz, /metrics. The GUI's files and the gRPC-Web gateway will
-// come in here.
+// The HTTP door on loopback, with a thread of its own: whatever clients do here, the cell's
+// executor does not feel it.
 //
-// Thread: the executor's. The destructor closes the listening socket; connections end at their next
-// read.
+// At most kMaxConnections at a time: a further client takes the place of the one that has been idle
+// longest, or is turned away when none is (a browser opens six; a forgotten one must not keep
+// another from stopping a motion).
 
-#include <boost/asio/any_io_executor.hpp>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 
-#include "server/application/cell.h"
 #include "server/core/result.h"
+#include "server/web/http_message.h"
 
 namespace driftwise::web {
 
 class HttpServer {
  public:
-  // address: "127.0.0.1:0" picks a free port. Errors: invalid_argument, BAD_ADDRESS (not host:port,
-  // or not loopback); unavailable, CANNOT_LISTEN (port taken).
-  static Result<std::unique_ptr<HttpServer>> open(asio::any_io_executor executor,
-                                                  const std::string& address,
-                                                  const application::Cell& cell);
+  static constexpr std::size_t kMaxConnections = 256;
+
+  // Listens, answers nobody yet: clients wait. address: "127.0.0.1:0" picks a free port. Errors:
+  // invalid_argument, BAD_ADDRESS (not host:port, or not loopback); unavailable, CANNOT_LISTEN
+  // (port taken).
+  static Result<std::unique_ptr<HttpServer>> open(const std::string& address);
+  // Ends what is under way and waits for it: the cell's executor and the gRPC server must still
+  // run.
   virtual ~HttpServer() = default;
+
   virtual std::uint16_t port() const = 0;
+  virtual std::string address() const = 0;                 // "127.0.0.1:40200", "[::1]:40200"
+  virtual asio::any_io_executor executor() const = 0;      // the web thread
+  virtual void serve(std::unique_ptr<HttpSite> site) = 0;  // once
 };
 
 }  // namespace driftwise::web

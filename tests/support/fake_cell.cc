@@ -216,6 +216,7 @@ Awaitable<Result<RunRecord>> FakeCell::confirm_force(app::Caller caller, RunId r
 
 Awaitable<Result<void>> FakeCell::stop_all(app::Caller caller) {
   if (auto error = take_failure()) co_return tl::unexpected(*error);
+  last_caller = caller;
   calls.push_back("stop_all " + caller.name);
   co_return Result<void>{};
 }

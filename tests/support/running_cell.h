@@ -42,7 +42,7 @@ class RunningCell {
   std::string database() const;  // path of the SQLite file
   std::string grpc_address() const { return grpc_; }
   std::string target_line_address() const { return target_line_; }
-  std::string http_address() const { return http_; }  // empty unless [cell] http is set
+  std::string http_address() const { return http_; }  // "127.0.0.1:40201"
   std::string device_address(const std::string& id) const;
   std::shared_ptr<grpc::Channel> channel() const { return channel_; }
   std::string daemon_log() const;  // all its starts

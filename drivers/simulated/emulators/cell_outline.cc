@@ -162,6 +162,7 @@ std::string instance_text(const CellOutline& outline, const CellChanges& changes
   if (const toml::table* cell = root["cell"].as_table()) {
     editor.set(*cell, "listen", quoted("127.0.0.1:0"));
     editor.set(*cell, "target_line", quoted("127.0.0.1:0"));
+    editor.set(*cell, "http", quoted("127.0.0.1:0"));
   }
   if (const toml::table* clock = root["clock"].as_table()) {
     editor.set(*clock, "epoch", quoted(changes.epoch));

@@ -257,6 +257,7 @@ TEST(CellOutline, AnInstanceKeepsEverythingElse) {
   EXPECT_EQ(text, R"(# a comment that stays
 [cell]
 target_line = "127.0.0.1:0"
+http = "127.0.0.1:0"
 name = "test"      # and this one
 listen = "127.0.0.1:0"
 

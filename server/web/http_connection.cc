@@ -1,0 +1,274 @@
+#include "server/web/http_connection.h"
+
+#include <sys/socket.h>
+
+#include <boost/asio/bind_cancellation_slot.hpp>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/cancellation_signal.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/beast/core/buffers_cat.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/string.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http.hpp>
+
+#include "server/web/security_headers.h"
+
+namespace driftwise::web {
+namespace {
+
+namespace beast = boost::beast;
+namespace http = beast::http;
+using asio::ip::tcp;
+using std::chrono::seconds;
+using Code = boost::system::error_code;
+using WallClock = std::chrono::steady_clock;
+
+constexpr std::size_t kMaxHeaderBytes = 16 * 1024;
+constexpr auto kIdleLimit = seconds(75), kHeaderLimit = seconds(10), kBodyPauseLimit = seconds(20),
+               kBodyLimit = seconds(300), kWriteLimit = seconds(60);
+
+using Parser = http::request_parser<http::string_body>;
+
+HttpRequest head_of(const Parser& parser, const std::string& peer) {
+  HttpRequest out;
+  out.peer = peer;
+  out.method = std::string(parser.get().method_string());
+  out.target = std::string(parser.get().target());
+  for (const auto& field : parser.get()) {
+    std::string name(field.name_string());
+    for (char& c : name)
+      if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    out.headers.push_back({std::move(name), std::string(field.value())});
+  }
+  return out;
+}
+
+std::string peer_of(const tcp::socket& socket) {
+  Code gone;
+  const auto end = socket.remote_endpoint(gone);
+  if (gone) return "unknown";
+  const bool v6 = end.address().is_v6();
+  return (v6 ? "ipv6:[" : "ipv4:") + end.address().to_string() + (v6 ? "]:" : ":") +
+         std::to_string(end.port());
+}
+
+HttpResponse refusal(Code why) {
+  if (why == http::error::header_limit)
+    return plain_answer(431, "the headers are longer than 16 KiB\n");
+  if (why == http::error::body_limit)
+    return plain_answer(413, "the body is longer than this address takes\n");
+  return plain_answer(400, "this is not an HTTP/1.1 request: " + why.message() + "\n");
+}
+
+class BeastConnection final : public HttpConnection,
+                              public std::enable_shared_from_this<BeastConnection> {
+ public:
+  BeastConnection(tcp::socket socket, HttpSite& site)
+      : peer_(peer_of(socket)), stream_(std::move(socket)), site_(site) {
+    Code ignored;
+    stream_.socket().set_option(tcp::no_delay(true), ignored);
+  }
+
+  Awaitable<void> serve() override { return serve_requests(); }
+
+  std::optional<WallClock::time_point> idle_since() const override { return idle_since_; }
+  void end_soon() override {
+    ending_ = true;
+    if (idle_since_) close();
+  }
+  void close() override {
+    ending_ = true;
+    if (answering_) answering_->abandon();
+    Code ignored;
+    stream_.socket().shutdown(tcp::socket::shutdown_both, ignored);
+    stream_.close();
+  }
+
+ private:
+  auto token() { return asio::redirect_error(asio::use_awaitable, code_); }
+
+  // GCC 12 lays the frame of this coroutine out wrongly when it is the virtual function itself.
+  Awaitable<void> serve_requests() {
+    bool goes_on = true;
+    while (goes_on && !ending_) {
+      goes_on = co_await first_byte();
+      if (!goes_on) break;
+      idle_since_.reset();
+      goes_on = co_await one_request();
+      idle_since_ = WallClock::now();
+    }
+    close();
+  }
+
+  Awaitable<bool> first_byte() {
+    if (buffer_.size() > 0) co_return true;  // sent ahead
+    stream_.expires_after(kIdleLimit);
+    const std::size_t bytes = co_await stream_.async_read_some(buffer_.prepare(4096), token());
+    buffer_.commit(bytes);
+    co_return !code_;
+  }
+
+  // True: the connection may be used for another one.
+  Awaitable<bool> one_request() {
+    Parser parser;
+    parser.header_limit(kMaxHeaderBytes);
+    parser.body_limit(boost::none);  // it depends on the address
+    stream_.expires_after(kHeaderLimit);
+    co_await http::async_read_header(stream_, buffer_, parser, token());
+    if (code_) co_return co_await refuse(code_);
+    HttpRequest request = head_of(parser, peer_);
+    const bool is_head = parser.get().method() == http::verb::head;
+    const bool is_last = !parser.get().keep_alive();
+    auto admitted = site_.admit(request);
+    if (auto* refused = std::get_if<HttpResponse>(&admitted)) {
+      const bool clean = parser.is_done() && !is_last;  // else the body would be read as a request
+      auto refusing = write_plain(std::move(*refused), is_head, clean);
+      co_return co_await std::move(refusing);
+    }
+    const std::size_t limit = std::get<std::size_t>(admitted);
+    parser.body_limit(limit);
+    if (parser.content_length() && *parser.content_length() > limit)
+      co_return co_await refuse(http::make_error_code(http::error::body_limit));
+    if (!co_await read_body(parser)) co_return false;
+    request.body = std::move(parser.get().body());
+    auto answering = site_.answer(std::move(request));
+    HttpResponse response = co_await std::move(answering);
+    const bool in_pieces = response.stream != nullptr;
+    auto writing = in_pieces ? write_stream(std::move(response), !is_last)
+                             : write_plain(std::move(response), is_head, !is_last);
+    co_return co_await std::move(writing);
+  }
+
+  Awaitable<bool> read_body(Parser& parser) {
+    if (beast::iequals(parser.get()[http::field::expect], "100-continue")) {
+      static constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
+      stream_.expires_after(kWriteLimit);
+      co_await asio::async_write(stream_, asio::buffer(kContinue), token());
+      if (code_) co_return false;
+    }
+    const auto until = WallClock::now() + kBodyLimit;
+    while (!parser.is_done()) {
+      stream_.expires_at(std::min(until, WallClock::now() + kBodyPauseLimit));
+      co_await http::async_read_some(stream_, buffer_, parser, token());
+      if (code_) co_return co_await refuse(code_);
+    }
+    co_return true;
+  }
+
+  // Says why where somebody may still listen. The connection ends.
+  Awaitable<bool> refuse(Code why) {
+    if (why.category() != http::make_error_code(http::error::bad_method).category() ||
+        why == http::error::end_of_stream || why == http::error::partial_message)
+      co_return false;
+    auto writing = write_plain(refusal(why), false, false);
+    co_await std::move(writing);
+    // What the client still sends is read away for a moment: closing on it would cut the answer.
+    Code ignored;
+    stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+    stream_.expires_after(seconds(2));
+    for (std::size_t left = 1 << 20; left > 0 && !code_;) {
+      buffer_.clear();
+      const std::size_t bytes = co_await stream_.async_read_some(buffer_.prepare(8192), token());
+      left -= std::min(left, bytes);
+    }
+    co_return false;
+  }
+
+  template <class Message>
+  void set_head(Message& message, const HttpResponse& response, bool keep) {
+    message.result(static_cast<unsigned>(response.status));
+    for (const auto& header : response.headers) message.set(header.name, header.value);
+    message.keep_alive(keep && !ending_);
+  }
+
+  Awaitable<bool> write_plain(HttpResponse response, bool is_head, bool keep) {
+    http::response<http::string_body> message{http::status::ok, 11};
+    set_head(message, response, keep);
+    message.body() = std::move(response.body);
+    if (response.status != 304) message.prepare_payload();
+    if (is_head) message.body().clear();
+    http::response_serializer<http::string_body> serializer(message);
+    stream_.expires_after(kWriteLimit);
+    if (is_head) {
+      co_await http::async_write_header(stream_, serializer, token());
+    } else {
+      co_await http::async_write(stream_, serializer, token());
+    }
+    co_return !code_ && message.keep_alive();
+  }
+
+  Awaitable<bool> write_stream(HttpResponse response, bool keep) {
+    http::response<http::empty_body> message{http::status::ok, 11};
+    set_head(message, response, keep);
+    message.chunked(true);
+    http::response_serializer<http::empty_body> serializer(message);
+    answering_ = response.stream;
+    auto watched = watch_for_close();
+    stream_.expires_after(kWriteLimit);
+    co_await http::async_write_header(stream_, serializer, token());
+    bool done = false;
+    while (!code_ && !done) {
+      stream_.expires_never();
+      BodyStream::Piece piece = co_await response.stream->next();
+      if (closed_) break;
+      done = piece.last;
+      stream_.expires_after(kWriteLimit);
+      co_await write_piece(piece);
+    }
+    if (!done) response.stream->abandon();
+    answering_.reset();
+    watched->emit(asio::cancellation_type::total);
+    co_return done && !code_ && message.keep_alive();
+  }
+
+  Awaitable<void> write_piece(const BodyStream::Piece& piece) {
+    const auto bytes = asio::buffer(piece.bytes);
+    if (piece.last && piece.bytes.empty()) {
+      const auto end = http::make_chunk_last();
+      co_await asio::async_write(stream_, end, token());
+    } else if (piece.last) {
+      const auto both = beast::buffers_cat(http::make_chunk(bytes), http::make_chunk_last());
+      co_await asio::async_write(stream_, both, token());
+    } else {
+      const auto chunk = http::make_chunk(bytes);
+      co_await asio::async_write(stream_, chunk, token());
+    }
+  }
+
+  // Reads nothing: what a client sends ahead stays where it is. Emit the signal to end the watch.
+  std::shared_ptr<asio::cancellation_signal> watch_for_close() {
+    auto signal = std::make_shared<asio::cancellation_signal>();
+    auto self = shared_from_this();
+    stream_.socket().async_wait(
+        tcp::socket::wait_read,
+        asio::bind_cancellation_slot(signal->slot(), [self, signal](const Code& code) {
+          if (code || !self->answering_) return;
+          char one = 0;
+          if (::recv(self->stream_.socket().native_handle(), &one, 1, MSG_PEEK | MSG_DONTWAIT) != 0)
+            return;
+          self->closed_ = true;
+          self->answering_->abandon();
+        }));
+    return signal;
+  }
+
+  std::string peer_;
+  beast::tcp_stream stream_;
+  HttpSite& site_;
+  beast::flat_buffer buffer_{kMaxHeaderBytes + 8192};
+  Code code_;  // of the last operation
+  std::optional<WallClock::time_point> idle_since_ = WallClock::now();
+  std::shared_ptr<BodyStream> answering_;
+  bool ending_ = false, closed_ = false;
+};
+
+}  // namespace
+
+std::shared_ptr<HttpConnection> HttpConnection::make(tcp::socket socket, HttpSite& site) {
+  return std::make_shared<BeastConnection>(std::move(socket), site);
+}
+
+}  // namespace driftwise::web

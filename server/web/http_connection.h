@@ -1,0 +1,36 @@
+#pragma once
+// One client's connection: requests in, answers out, one after the other, kept alive between them.
+// The only file of the project whose source includes Boost.Beast.
+//
+// What a client may cost: 16 KiB of headers within 10 s, a body of what the site admits within 5
+// min and never 20 s without a byte, 75 s of idleness, 60 s for each piece of the answer to leave.
+// Beyond that the connection is closed. A client that closes while its answer is still being made
+// is noticed at once. One that sends its next request meanwhile is not watched any more until its
+// answer is out.
+//
+// Thread: everything on the socket's executor, which is one thread.
+
+#include <boost/asio/ip/tcp.hpp>
+#include <chrono>
+#include <memory>
+#include <optional>
+
+#include "server/web/http_message.h"
+
+namespace driftwise::web {
+
+class HttpConnection {
+ public:
+  // site outlives the connection.
+  static std::shared_ptr<HttpConnection> make(asio::ip::tcp::socket socket, HttpSite& site);
+  virtual ~HttpConnection() = default;
+
+  // Until the connection is over. The caller keeps it alive meanwhile.
+  virtual Awaitable<void> serve() = 0;
+  // Since when it waits for a request; nothing while it answers one.
+  virtual std::optional<std::chrono::steady_clock::time_point> idle_since() const = 0;
+  virtual void end_soon() = 0;  // at once when idle, else after the present answer
+  virtual void close() = 0;     // at once: the answer under way is abandoned
+};
+
+}  // namespace driftwise::web

@@ -1,0 +1,68 @@
+#include "server/web/same_origin.h"
+
+#include <algorithm>
+#include <boost/asio/ip/address.hpp>
+#include <string>
+
+#include "server/web/security_headers.h"
+
+namespace driftwise::web {
+namespace {
+
+std::string lower(std::string_view text) {
+  std::string out(text);
+  for (char& c : out)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return out;
+}
+
+bool is_port_or_nothing(std::string_view text) {
+  return text.empty() ||
+         (text[0] == ':' && text.size() >= 2 && text.size() <= 6 &&
+          std::all_of(text.begin() + 1, text.end(), [](char c) { return c >= '0' && c <= '9'; }));
+}
+
+std::string shown(std::string_view text) {  // of a header: foreign bytes, for one line of text
+  std::string out(text.substr(0, 100));
+  for (char& c : out)
+    if (c < 0x20 || c == 0x7F) c = '?';
+  return "'" + out + "'";
+}
+
+}  // namespace
+
+bool is_loopback_host(std::string_view host_header) {
+  const std::string host = lower(host_header);
+  const std::size_t name_end = host.starts_with('[') ? host.find(']') + 1 : host.find(':');
+  const std::string name = host.substr(0, name_end);
+  if (name_end == 0 || (name_end < host.size() && !is_port_or_nothing(host.substr(name_end))))
+    return false;
+  if (name == "localhost" || name == "[::1]") return true;
+  boost::system::error_code bad;
+  const auto address = boost::asio::ip::make_address_v4(name, bad);
+  return !bad && address.is_loopback();
+}
+
+std::optional<HttpResponse> refuse_foreign(const HttpRequest& request) {
+  const std::string_view host = request.header("host");
+  if (host.empty()) return plain_answer(400, "the request has no Host header\n");
+  if (std::count_if(request.headers.begin(), request.headers.end(),
+                    [](const HttpHeader& header) { return header.name == "host"; }) > 1)
+    return plain_answer(400, "the request has several Host headers\n");
+  if (!is_loopback_host(host))
+    return plain_answer(421, "Host: found " + shown(host) +
+                                 ", expected localhost, 127.0.0.1 or [::1]; from another computer "
+                                 "use ssh -L (docs/web.md)\n");
+  if (request.method != "POST") return std::nullopt;
+  const std::string_view origin = request.header("origin"), site = request.header("sec-fetch-site");
+  const std::string here = lower(host);
+  if (!origin.empty() && lower(origin) != "http://" + here && lower(origin) != "https://" + here)
+    return plain_answer(403, "Origin: found " + shown(origin) + ", expected http://" + here +
+                                 ": a page of another site may not command this cell\n");
+  if (!site.empty() && site != "same-origin" && site != "none")
+    return plain_answer(403, "Sec-Fetch-Site: found " + shown(site) +
+                                 ": a page of another site may not command this cell\n");
+  return std::nullopt;
+}
+
+}  // namespace driftwise::web

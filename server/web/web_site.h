@@ -1,0 +1,29 @@
+#pragma once
+// What is to be found at the daemon's web address: the page's files, the calls of the API as
+// gRPC-Web, /healthz, /metrics.
+
+#include <grpcpp/channel.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "server/application/cell.h"
+#include "server/web/http_message.h"
+
+namespace driftwise::web {
+
+struct WebSiteParts {
+  application::Cell& cell;                 // outlives the site
+  std::shared_ptr<grpc::Channel> channel;  // to the services, inside the process
+  std::filesystem::path root;              // with index.html; empty: no page
+  asio::any_io_executor executor;          // the web thread
+};
+
+// /healthz answers "ok" when the cell's executor does: a daemon that hangs does not look healthy.
+std::unique_ptr<HttpSite> make_web_site(WebSiteParts parts);
+
+// asked, when it is not empty; else the page that was installed or built with this program
+// (../share/driftwise/web, or clients/web/dist of the source tree beside the build); else empty.
+std::filesystem::path find_web_root(const std::string& asked);
+
+}  // namespace driftwise::web

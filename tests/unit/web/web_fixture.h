@@ -1,0 +1,50 @@
+#pragma once
+// The web door as a browser meets it: a real HTTP server on a free port before a gRPC server over a
+// FakeCell, and a folder of files.
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <stdexcept>
+
+#include "server/rpc/rpc_server.h"
+#include "server/web/http_server.h"
+#include "server/web/web_site.h"
+#include "tests/support/fake_cell.h"
+#include "tests/support/http_client.h"
+#include "tests/support/process.h"
+
+namespace driftwise::tests {
+
+class WebTest : public testing::Test {
+ protected:
+  WebTest() {
+    auto opened = rpc::RpcServer::open(cell, "127.0.0.1:0");
+    if (!opened) throw std::runtime_error(opened.error().message);
+    server = std::move(*opened);
+    server->ready(true);
+    std::filesystem::create_directories(root() + "/assets");
+    write_file(root() + "/index.html", "<!doctype html><title>Driftwise</title>");
+    write_file(root() + "/assets/index-BWqQ7d2x.js", "console.log('whole')");
+    write_file(root() + "/assets/index-BWqQ7d2x.js.gz", "packed");
+    write_file(root() + "/favicon.svg", "<svg/>");
+    write_file(folder.path() + "/secret.txt", "not for you");
+    auto listening = web::HttpServer::open("127.0.0.1:0");
+    if (!listening) throw std::runtime_error(listening.error().message);
+    http = std::move(*listening);
+    http->serve(web::make_web_site({cell, server->in_process_channel(), root(), http->executor()}));
+  }
+  ~WebTest() override { http.reset(); }
+
+  std::string root() const { return folder.path() + "/web"; }
+  std::string address() const { return http->address(); }
+
+  TemporaryFolder folder;
+  FakeCell cell;
+  std::unique_ptr<rpc::RpcServer> server;
+  std::unique_ptr<web::HttpServer> http;
+};
+
+inline const std::string kGrpcWeb = "Content-Type: application/grpc-web+proto\r\n";
+
+}  // namespace driftwise::tests
