@@ -8,7 +8,6 @@ import { DataService } from './gen/driftwise/v1/data_service_pb';
 import { DiagnosisService } from './gen/driftwise/v1/diagnosis_service_pb';
 import { ModelService } from './gen/driftwise/v1/model_service_pb';
 import { RunService } from './gen/driftwise/v1/run_service_pb';
-import { StandardsService } from './gen/driftwise/v1/standards_service_pb';
 import { TargetService } from './gen/driftwise/v1/target_service_pb';
 import { TrajectoryService } from './gen/driftwise/v1/trajectory_service_pb';
 import { WatchService } from './gen/driftwise/v1/watch_service_pb';
@@ -57,7 +56,6 @@ export const api = {
   diagnosis: lazily(DiagnosisService),
   model: lazily(ModelService),
   run: lazily(RunService),
-  standards: lazily(StandardsService),
   target: lazily(TargetService),
   trajectory: lazily(TrajectoryService),
   watch: lazily(WatchService),

@@ -1,0 +1,70 @@
+// Chromium with an empty profile. Every page is watched: a message on its console, an error, a request beyond the daemon is a
+// fault of the test that opened it.
+import assert from 'node:assert/strict';
+import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { chromiumPath, ofWeb } from './places.mjs';
+
+const { chromium } = ofWeb('playwright-core');
+const axeText = readFileSync(ofWeb.resolve('axe-core/axe.min.js'), 'utf8');
+
+const flags = [
+  '--headless', '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking',
+  '--disable-component-update', '--disable-sync',
+];
+
+export class Browser {
+  static async open(origin) {
+    const browser = new Browser();
+    browser.profile = mkdtempSync(join(tmpdir(), 'driftwise-profile-'));
+    browser.context = await chromium.launchPersistentContext(browser.profile, { executablePath: chromiumPath, args: flags, acceptDownloads: true });
+    browser.faults = [];
+    browser.expected = []; // patterns of console messages that a test brings about itself (a daemon that was killed)
+    await browser.context.route('**/*', (route) => {
+      const { origin: asked } = new URL(route.request().url());
+      if (asked === origin) return route.continue();
+      browser.faults.push(`a request beyond the daemon: ${route.request().url()}`);
+      return route.abort();
+    });
+    browser.origin = origin;
+    return browser;
+  }
+
+  async page(path, { width = 1440, height = 900, dark = false, operator = 'Anna' } = {}) {
+    const page = await this.context.newPage();
+    page.on('console', (message) => ['error', 'warning'].includes(message.type()) && this.fault(`console: ${message.text()}`));
+    page.on('pageerror', (error) => this.fault(`page error: ${error.stack}`));
+    page.setDefaultTimeout(20_000);
+    await page.emulateMedia({ colorScheme: dark ? 'dark' : 'light', reducedMotion: 'reduce' });
+    await page.setViewportSize({ width, height });
+    if (operator) await page.addInitScript((name) => localStorage.setItem('driftwise.operator', name), operator);
+    await page.goto(this.origin + path);
+    return page;
+  }
+
+  fault(words) {
+    if (!this.expected.some((pattern) => pattern.test(words))) this.faults.push(words);
+  }
+
+  // Nothing on any console, nothing asked elsewhere, so far.
+  assertQuiet() {
+    assert.deepEqual(this.faults.splice(0), []);
+  }
+
+  async close() {
+    await this.context.close();
+    rmSync(this.profile, { recursive: true, force: true });
+  }
+}
+
+export const live = (page) => page.getByText('Live', { exact: true }).waitFor();
+
+// What axe finds, as sentences; [] is good.
+export async function axe(page) {
+  await page.evaluate(axeText);
+  const { violations } = await page.evaluate(() => globalThis.axe.run({ preload: false }));
+  return violations.flatMap(({ id, nodes }) => nodes.map((node) => `${id}: ${node.target.join(' ')}: ${node.failureSummary.split('\n').slice(1, 3).join(' ')}`));
+}
+
+export const overflow = (page) => page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
