@@ -1,11 +1,14 @@
 #pragma once
-// What a correction is made of, for people: motor coordinate minus wanted coordinate, parted by
-// what the terms read.
+// What a correction is made of, for people: motor coordinate minus what straight kinematics would
+// give, parted by what the terms read.
 //
-// geometry: terms of the pose alone with the constant, and the wanted coordinate taken off; force:
-// terms with the force and nothing slow; temperatures: terms with anything slow, since the zero of
-// the datum (or, in the model's own datum, from the middle of the fitted ranges, so that a
-// coefficient times 23 degrees does not stand against the constant). Their sum is the correction.
+// Straight kinematics: the wanted coordinate of the same number (q2: y) where the motor follows it,
+// that is where the model's slope is within 5 % of 1 along it and of 0 along the others; else (a
+// delta's motors follow no single coordinate) the model's own terms of first degree in the pose.
+// geometry: what terms of the pose alone add to that; force: terms with the force and nothing slow;
+// temperatures: terms with anything slow, since the zero of the datum (or, in the model's own
+// datum, from the middle of the fitted ranges, so that a coefficient times 23 degrees does not
+// stand against the constant). Their sum is the correction.
 
 #include <optional>
 
@@ -19,8 +22,7 @@ struct CorrectionParts {
   double sum_nm() const { return geometry_nm + force_nm + temperatures_nm; }
 };
 
-// None: the output has no wanted coordinate of its number (q2: y) in the request, or the request
-// cannot be answered. Pure, any thread.
+// None: the request cannot be answered, or the model reads no pose. Pure, any thread.
 std::optional<CorrectionParts> correction_parts(const Snapshot& snapshot,
                                                 const TargetRequest& request, std::size_t output);
 

@@ -32,9 +32,12 @@ TEST(CorrectionParts, CountTemperaturesFromTheMiddleOfTheirRangeInTheModelsOwnDa
   ASSERT_TRUE(parts);
   // q1 = 1 + 2 x + 0.5 x^2 + 1e-3 t + 2e-4 x t
   EXPECT_NEAR(parts->temperatures_nm, 1e6 * (1e-3 * 0.5 + 2e-4 * 2 * 0.5), 1e-3);
-  EXPECT_NEAR(parts->geometry_nm, 1e6 * (1 + 4 + 2 + 1e-3 * 21 + 2e-4 * 2 * 21 - 2), 1e-3);
+  // The slope is 2: the motor does not follow x, so its own straight line is taken off.
+  EXPECT_NEAR(parts->geometry_nm, 1e6 * 0.5 * 4, 1e-3);
   EXPECT_EQ(parts->force_nm, 0);
-  EXPECT_NEAR(parts->sum_nm(), 1e6 * (compute_target(snapshot, at_x(2)).q_mm[0] - 2), 1e-3);
+  const double straight_mm = 1 + 1e-3 * 21 + (2 + 2e-4 * 21) * 2;
+  EXPECT_NEAR(parts->sum_nm(), 1e6 * (compute_target(snapshot, at_x(2)).q_mm[0] - straight_mm),
+              1e-3);
 }
 
 TEST(CorrectionParts, CountTemperaturesSinceTheZeroOfAnotherDatum) {
@@ -45,17 +48,26 @@ TEST(CorrectionParts, CountTemperaturesSinceTheZeroOfAnotherDatum) {
   const auto parts = correction_parts(builder.build(kPartsTime), at_x(0), 0);
   ASSERT_TRUE(parts);
   EXPECT_NEAR(parts->temperatures_nm, 1e6 * 1e-3 * 0.2, 1e-3);
-  EXPECT_NEAR(parts->geometry_nm, 1e6 * 0.01, 1e-3) << "where the zero lies";
+  EXPECT_NEAR(parts->geometry_nm, 0, 1e-3) << "where the zero lies is no correction of this motor";
 }
 
-TEST(CorrectionParts, AreNoneWithoutAWantedCoordinateOfTheSameNumber) {
+TEST(CorrectionParts, CountFromTheWantedCoordinateWhereTheMotorFollowsIt) {
+  auto model = axis_model();
+  model.outputs[0].coefficients << 0.01, 1.002, 0.0, 0.0, 0.0;
+  auto made = SnapshotBuilder::create(model, ModelId{1}, axis_cell());
+  ASSERT_TRUE(made);
+  made->keep_model_datum();
+  const auto parts = correction_parts(made->build(kPartsTime), at_x(2), 0);
+  ASSERT_TRUE(parts);
+  EXPECT_NEAR(parts->geometry_nm, 1e6 * (0.01 + 0.002 * 2), 1e-3) << "offset and scale with it";
+}
+
+TEST(CorrectionParts, AreNoneWhereTheRequestCannotBeAnswered) {
   auto builder = warm_builder(21);
   builder.keep_model_datum();
-  auto snapshot = builder.build(kPartsTime);
+  const auto snapshot = builder.build(kPartsTime);
   EXPECT_FALSE(correction_parts(snapshot, TargetRequest{}, 0));
   EXPECT_FALSE(correction_parts(snapshot, at_x(1), 1)) << "no such output";
-  snapshot.outputs[0].channel = {"q4", "mm"};
-  EXPECT_FALSE(correction_parts(snapshot, at_x(1), 0));
 }
 
 }  // namespace

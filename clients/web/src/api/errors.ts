@@ -21,8 +21,14 @@ export function failureOf(error: unknown): Failure {
     lost,
     message: lost
       ? 'The daemon did not answer. Nothing was changed that is not in the record; try again when the page is live.'
-      : failed.rawMessage,
+      : failed.rawMessage || wordsFor(failed.code),
   };
+}
+
+// Of a refusal without a word.
+function wordsFor(code: Code): string {
+  if (code === Code.Unimplemented) return 'This daemon does not know that call: page and daemon are of different versions. Reload the page, or update the daemon.';
+  return `The daemon refused with ${Code[code]} and gave no reason; its log says more.`;
 }
 
 export const wasCancelled = (error: unknown) => ConnectError.from(error).code === Code.Canceled;

@@ -1,8 +1,9 @@
 // What the uncertainty of a target is made of, per coordinate: one table, a bar per line.
 import { BudgetLine_Source, type MotorCoordinate } from '@/api/gen/driftwise/v1/target_service_pb';
-import { significant } from '@/format/numbers';
+import { fixed } from '@/format/numbers';
 import { splitChannel } from '@/format/units';
 import { Bar } from '@/ui/bar';
+import './budget_table.css';
 
 export const sourceWords: Record<BudgetLine_Source, string> = {
   [BudgetLine_Source.UNSPECIFIED]: 'unknown',
@@ -20,6 +21,9 @@ export const sourceWords: Record<BudgetLine_Source, string> = {
   [BudgetLine_Source.FORCE]: 'force',
 };
 
+// A tenth of a nanometre is as fine as anything here is known.
+const nm = (value: number | undefined) => fixed(value, value !== undefined && value < 10 ? 1 : 0);
+
 export function BudgetTable({ coordinates }: { coordinates: readonly MotorCoordinate[] }) {
   const sources = [...new Set(coordinates.flatMap((one) => one.budget.map((line) => line.source)))];
   const of = (one: MotorCoordinate, source: BudgetLine_Source) => one.budget.find((line) => line.source === source)?.uNm;
@@ -27,7 +31,7 @@ export function BudgetTable({ coordinates }: { coordinates: readonly MotorCoordi
   const size = (source: BudgetLine_Source) => Math.max(...coordinates.map((one) => of(one, source) ?? 0));
   sources.sort((a, b) => size(b) - size(a));
   return (
-    <div class="table-scroll" tabIndex={0} role="region" aria-label="Uncertainty budget">
+    <div class="table-scroll budget" tabIndex={0} role="region" aria-label="Uncertainty budget">
       <table>
         <caption class="sr-only">Uncertainty budget: standard uncertainties in nm</caption>
         <thead>
@@ -42,18 +46,18 @@ export function BudgetTable({ coordinates }: { coordinates: readonly MotorCoordi
             <tr key={source}>
               <td>{sourceWords[source]}</td>
               <td class="budget-bar"><Bar share={size(source) / most} /></td>
-              {coordinates.map((one) => <td class="number" key={one.channel}>{significant(of(one, source), 2)}</td>)}
+              {coordinates.map((one) => <td class="number" key={one.channel}>{nm(of(one, source))}</td>)}
             </tr>
           ))}
           <tr class="strong">
             <td>together (root of the sum of squares)</td>
             <td />
-            {coordinates.map((one) => <td class="number" key={one.channel}>{significant(one.uNm, 2)}</td>)}
+            {coordinates.map((one) => <td class="number" key={one.channel}>{nm(one.uNm)}</td>)}
           </tr>
           <tr class="strong">
             <td>U90 = 1.645 × that</td>
             <td />
-            {coordinates.map((one) => <td class="number" key={one.channel}>{significant(one.u90Nm, 2)}</td>)}
+            {coordinates.map((one) => <td class="number" key={one.channel}>{nm(one.u90Nm)}</td>)}
           </tr>
         </tbody>
       </table>

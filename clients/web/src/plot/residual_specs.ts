@@ -38,7 +38,15 @@ export function spanOf(values: readonly number[]): number {
   return high - low;
 }
 
-const isReach = (symbol: string) => /^(x|y|z|rx|ry|rz|q\d+|t\d\d|force|air.*|pressure|humidity|dwell)$/.test(symbol);
+// In the order in which a person looks: position, force, structure temperatures, tilts, air; motor coordinates only where
+// there is no pose.
+const families = [/^[xyz]$/, /^force$/, /^t\d\d$/, /^r[xyz]$/, /^(air.*|pressure|humidity|dwell)$/];
+const motor = /^q\d+$/;
+
+export function inOrderOfInterest<V extends { symbol: string }>(variables: readonly V[]): V[] {
+  const wanted = variables.some((one) => families[0].test(one.symbol)) ? families : [motor, ...families];
+  return wanted.flatMap((family) => variables.filter((one) => family.test(one.symbol)));
+}
 
 export function residualSpecs(rows: ResidualRows, output: string, unit: string, u90: number | undefined, file: string): PlotSpec[] {
   const y = rows.outputs.find((one) => one.output === output)?.values ?? [];
@@ -59,8 +67,8 @@ export function residualSpecs(rows: ResidualRows, output: string, unit: string, 
   } else {
     specs.push(spec('In order', y.map((_, i) => i + 1), 'row', '1', 'row'));
   }
-  for (const variable of rows.variables) {
-    if (variable.symbol === output || !isReach(variable.symbol) || !(spanOf(variable.values.filter(Number.isFinite)) > 0)) continue;
+  for (const variable of inOrderOfInterest(rows.variables)) {
+    if (variable.symbol === output || !(spanOf(variable.values.filter(Number.isFinite)) > 0)) continue;
     specs.push(spec(`Against ${variable.symbol}`, variable.values, variable.symbol, variable.unit, `${variable.symbol}, ${unitSign(variable.unit)}`));
   }
   return specs;

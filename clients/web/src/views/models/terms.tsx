@@ -47,9 +47,9 @@ function Terms({ output }: { output: ModelOutput }) {
         columns={[
           { title: 'term', sort: (term) => term.term, of: (term) => <code>{term.term}</code> },
           { title: 'state', of: (term) => (term.included ? <Verdict kind="good">in</Verdict> : <Verdict kind="idle">out</Verdict>) },
-          { title: 'bar', of: (term) => term.contributionRms !== undefined && <TermBar term={term} scale={scale} /> },
+          { title: 'logarithmic', of: (term) => term.contributionRms !== undefined && <TermBar term={term} scale={scale} /> },
           { title: `contribution, ${unit}`, number: true, sort: (term) => term.contributionRms ?? -1, of: (term) => contributionText(term) },
-          { title: 'coefficient', number: true, of: (term) => `${exponent(term.coefficient)} ${term.unit}` },
+          { title: 'coefficient', number: true, of: (term) => `${exponent(term.coefficient)} ${unitText(term.unit)}` },
           { title: 'standard error', number: true, of: (term) => exponent(term.standardErrorSerial ?? term.standardError) },
           { title: 't', number: true, sort: (term) => Math.abs(term.t), of: (term) => significant(term.t, 3) },
           { title: 'p', number: true, sort: (term) => term.p, of: (term) => probability(term.p) },
@@ -66,7 +66,14 @@ function contributionText(term: ModelTerm): string {
   return `${significant(term.contributionRms, 3)}${error !== undefined ? ` ± ${significant(error, 2)}` : ''}`;
 }
 
-const exponent = (value: number): string => (value === 0 || !Number.isFinite(value) ? significant(value) : value.toExponential(3).replace('e+', 'e').replaceAll('-', '−'));
+function exponent(value: number): string {
+  if (value === 0 || !Number.isFinite(value)) return significant(value);
+  if (Math.abs(value) >= 0.01 && Math.abs(value) < 1000) return significant(value, 4);
+  return value.toExponential(3).replace('e+', 'e').replaceAll('-', '−');
+}
+
+// "mm/(mm^2 degC)" -> "mm/(mm² °C)"
+const unitText = (unit: string): string => unit.replaceAll('degC', '°C').replaceAll('^2', '²').replaceAll('^3', '³').replaceAll(/\^(\d)/g, '^$1');
 
 function TermBar({ term, scale }: { term: ModelTerm; scale: (value: number) => number }) {
   const value = term.contributionRms ?? 0;

@@ -43,7 +43,7 @@ export function colourOf(picture: MapPicture, value: number, colours: Palette): 
   return mix(colours.panel, colours.q1, 0.08 + 0.92 * Math.min(1, Math.max(0, share)));
 }
 
-const margin = { left: 52, right: 12, top: 8, bottom: 40 };
+const margin = { left: 52, right: 12, top: 24, bottom: 40 };
 
 function frame(picture: MapPicture, width: number, height: number) {
   const inner = { width: width - margin.left - margin.right, height: height - margin.top - margin.bottom };
@@ -127,7 +127,7 @@ function paintAxes(context: CanvasRenderingContext2D, f: ReturnType<typeof frame
   context.textBaseline = 'middle';
   tickTexts(up).forEach((text, i) => context.fillText(text, margin.left - 6, f.py(up[i])));
   context.textAlign = 'left';
-  context.fillText(`${how.fields[1].symbol}, mm`, 0, margin.top + 6);
+  context.fillText(`${how.fields[1].symbol}, mm`, 4, 10);
 }
 
 export function mapCsv(picture: MapPicture): string {
