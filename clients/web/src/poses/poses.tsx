@@ -26,7 +26,7 @@ const keyTurns: Record<string, (camera: Camera) => Camera> = {
   '0': () => homeCamera,
 };
 
-export function Poses({ scene, height = 420, chosen, onPick, file = 'poses' }: {
+export function Poses({ scene, height: wanted = 440, chosen, onPick, file = 'poses' }: {
   scene: PoseScene;
   height?: number; // px
   chosen?: Signal<number | undefined>; // key of the pose that is marked everywhere
@@ -37,6 +37,7 @@ export function Poses({ scene, height = 420, chosen, onPick, file = 'poses' }: {
   const [camera, setCamera] = useState(homeCamera);
   const [width, setWidth] = useState(600);
   const [upTo, setUpTo] = useState<number>();
+  const height = Math.min(wanted, Math.round(width * 0.9));
   const colours = palette();
   const seen = { width, height, upTo: upTo ?? scene.poses.length, chosen: chosen?.value };
   const shapes = useMemo(() => shapesOf(scene, camera, seen, colours), [scene, camera, width, height, seen.upTo, seen.chosen, colours]);
@@ -69,7 +70,7 @@ export function Poses({ scene, height = 420, chosen, onPick, file = 'poses' }: {
     <figure class="poses">
       <figcaption class="panel-head">
         <h2>{scene.title}</h2>
-        <div class="actions">
+        <div class="poses-tools">
           <Button small onPress={() => setCamera(homeCamera)}>Turn back</Button>
           <Button small label="Picture as SVG" onPress={() => download(`${file}.svg`, shapesSvg(shapes, width, height, scene.title, colours.panel), 'image/svg+xml')}>SVG</Button>
           <Button small label="Picture as PNG" onPress={() => canvas.current?.toBlob((blob) => blob && download(`${file}.png`, blob, 'image/png'))}>PNG</Button>

@@ -90,9 +90,9 @@ function Turn({ turn, most }: { turn: ImprovementTurn; most: number }) {
         <span>{dateClock(ms(turn.startTime))} to {dateClock(ms(turn.endTime))}</span>
       </p>
       {turn.gains.length > 0 && (
-        <div class="table-scroll" tabIndex={0} role="region" aria-label={`Gains of turn ${turn.number}`}>
+        <div class="table-scroll diagnosis-turn" tabIndex={0} role="region" aria-label={`Gains of turn ${turn.number}`}>
           <table>
-            <thead><tr><th scope="col">output</th><th scope="col">U90 before</th><th scope="col" class="number" /><th scope="col">measured on fresh points</th><th scope="col" class="number" /><th scope="col" class="number">predicted</th></tr></thead>
+            <thead><tr><th scope="col">output</th><th scope="col">U90 before</th><td /><th scope="col">measured on fresh points</th><td /><th scope="col" class="number">predicted</th></tr></thead>
             <tbody>
               {turn.gains.map((gain) => (
                 <tr key={gain.output}>
