@@ -1,0 +1,51 @@
+import { create } from '@bufbuild/protobuf';
+import { beforeEach, describe, expect, it } from 'vitest';
+import { ChannelLayoutSchema, ValuesUpdateSchema } from '@/api/gen/driftwise/v1/watch_service_pb';
+import { channel, paintChannels, resetCellTime, takeCellTime, takeLayout, takeValues } from '@/live/channels';
+import { connection } from '@/live/connection';
+
+const second = 1000;
+const layoutOf = (revision: bigint, ...names: string[]) =>
+  create(ChannelLayoutSchema, { revision, columns: names.map((name) => ({ channel: name, unit: 'degC', staleAfterS: 30 })) });
+
+beforeEach(() => {
+  resetCellTime();
+  connection.value = { phase: 'live' };
+  takeLayout(layoutOf(1n, 't01_degC', 't02_degC'));
+});
+
+const take = (atMs: number, values: number[], ageMs: bigint[]) => {
+  takeCellTime(atMs);
+  takeValues(create(ValuesUpdateSchema, { layoutRevision: 1n, values, ageMs }), atMs);
+  paintChannels();
+};
+
+describe('a channel', () => {
+  it('is stale by the daemon’s time, whatever this computer’s clock says', () => {
+    take(100 * second, [21.5, 22], [0n, 31_000n]);
+    expect(channel('t01_degC')!.stale.value).toBe(false);
+    expect(channel('t02_degC')!.stale.value).toBe(true);
+    takeCellTime(131 * second); // heartbeats without values
+    paintChannels();
+    expect(channel('t01_degC')!.stale.value).toBe(true);
+    expect(channel('t01_degC')!.ageS.value).toBe(31);
+  });
+  it('is stale when the page is not live, and when it was never read', () => {
+    take(100 * second, [21.5, NaN], [0n, -1n]);
+    expect(channel('t02_degC')!.stale.value).toBe(true);
+    connection.value = { phase: 'lost', lastMs: 0 };
+    expect(channel('t01_degC')!.stale.value).toBe(true);
+  });
+  it('keeps its signal over a new layout, so that components go on following it', () => {
+    take(100 * second, [21.5, 22], [0n, 0n]);
+    const before = channel('t01_degC')!.value;
+    takeLayout(layoutOf(2n, 't02_degC', 't01_degC', 't03_degC'));
+    expect(channel('t01_degC')!.value).toBe(before);
+  });
+  it('takes no values of another layout', () => {
+    take(100 * second, [21.5, 22], [0n, 0n]);
+    takeLayout(layoutOf(2n, 't02_degC', 't01_degC'));
+    take(101 * second, [30, 40], [0n, 0n]); // still of revision 1
+    expect(channel('t01_degC')!.value.value).toBe(21.5);
+  });
+});
