@@ -13,16 +13,3 @@ export function LiveDot() {
     </span>
   );
 }
-
-export function NotLiveBar() {
-  const now = connection.value;
-  if (now.phase !== 'lost') return null;
-  return (
-    <div class="not-live" role="alert">
-      <span aria-hidden="true">▲</span>
-      {now.lastMs === undefined
-        ? 'The daemon does not answer, trying again. Is driftwised running?'
-        : `Not live since ${clock(now.lastMs)}, trying again. What is shown is old; commands are off.`}
-    </div>
-  );
-}

@@ -3,10 +3,10 @@ import { useEffect } from 'preact/hooks';
 import { ConfirmDialog } from '@/ui/confirm';
 import { Bar, BottomTabs } from './bar';
 import { HelpDialog } from './help';
-import { NotLiveBar } from './live_dot';
 import { LiveRegion } from './live_region';
 import { NameDialog } from './name';
 import { Outlet } from './outlet';
+import { PageBars } from './page_bars';
 import { go, query, segments } from './router';
 import { views } from './views';
 
@@ -21,7 +21,7 @@ export function Shell() {
     <>
       {!wall && <a class="skip" href="#main">Skip to the content</a>}
       {!wall && <Bar current={entry} />}
-      <NotLiveBar />
+      <PageBars />
       <main id="main" tabIndex={-1} class={wall ? 'wall' : undefined}>{entry && <Outlet entry={entry} />}</main>
       {!wall && <BottomTabs current={entry} />}
       <ConfirmDialog />

@@ -3,3 +3,4 @@
 import { signal } from '@preact/signals';
 
 export const epoch = signal(0);
+export const loadedAfresh = signal(false); // the page says so until a person has read it

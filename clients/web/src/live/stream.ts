@@ -5,7 +5,7 @@ import { ms } from '@/format/time';
 import { keepStreaming } from './attempts';
 import { resetCellTime } from './channels';
 import { connection, serverTimeMs } from './connection';
-import { epoch } from './epoch';
+import { epoch, loadedAfresh } from './epoch';
 import { askForPaint } from './paint';
 import { closeGate, openGate } from './ready';
 import { takeBatch } from './take_batch';
@@ -40,6 +40,7 @@ function loadAfresh(): void {
   cursor = '';
   resetCellTime();
   epoch.value++;
+  loadedAfresh.value = true;
 }
 
 function stateForNewTab(): WatchResponse | undefined {
