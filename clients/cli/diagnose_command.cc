@@ -5,9 +5,12 @@
 #include "clients/cli/value_or_throw.h"
 #include "clients/cli/worker_threads.h"
 #include "server/diagnosis/diagnosis.h"
+#include "server/diagnosis/separating.h"
 #include "server/formats/dataset_csv.h"
+#include "server/formats/diagnosis_html.h"
 #include "server/formats/diagnosis_json.h"
 #include "server/formats/formula.h"
+#include "server/formats/separating_text.h"
 
 namespace driftwise::cli {
 namespace {
@@ -18,7 +21,32 @@ struct DiagnoseArguments {
   int nulls = 199, most = 8, threads = default_threads();
   std::vector<std::string> without;
   std::uint64_t seed = 1;
+  std::string report, separating;
+  double budget_h = 4;
 };
+
+constexpr double kSecondsPerHour = 3600;
+
+// The measurement that would tell an indistinguishable set apart, within what the data have seen.
+void add_separating(const Session& session, const DiagnoseArguments& a, const Dataset& data,
+                    const calibration::Candidates& baseline, diagnosis::Diagnosis& found) {
+  auto limits = diagnosis::limits_from(data);
+  limits.budget_s = a.budget_h * kSecondsPerHour;
+  const auto plan = diagnosis::separating_plan(data, baseline, found, limits);
+  if (!plan) {
+    found.warnings.push_back("no separating measurement was designed: " + plan.error().message);
+    return;
+  }
+  if (*plan) found.separating_experiment = formats::separating_text(**plan);
+  if (a.separating.empty()) return;
+  if (found.separating_experiment && !found.separating_experiment->trajectory_csv.empty())
+    write_output_file(a.separating, found.separating_experiment->trajectory_csv);
+  else
+    session.console.err << "no separating trajectory: "
+                        << (found.separating_experiment ? found.separating_experiment->why
+                                                        : "nothing is indistinguishable")
+                        << "\n";
+}
 
 ExitCode diagnose_file(const Session& session, const DiagnoseArguments& a) {
   const auto formula = value_or_throw(formats::Formula::parse(a.baseline));
@@ -37,7 +65,11 @@ ExitCode diagnose_file(const Session& session, const DiagnoseArguments& a) {
       last = step;
       return true;
     };
-  const auto found = value_or_throw(diagnosis::diagnose(data, options));
+  auto found = value_or_throw(diagnosis::diagnose(data, options));
+  if (a.budget_h > 0) add_separating(session, a, data, options.baseline, found);
+  if (!a.report.empty())
+    write_output_file(a.report,
+                      formats::diagnosis_html(found, data, {"Diagnosis of " + a.file, a.file}));
   if (session.console.json)
     session.console.print_json(formats::diagnosis_json(found));
   else
@@ -71,6 +103,13 @@ void add_diagnose_command(CLI::App& app, Session& session) {
   command.add_option("--threads", a->threads, "at work")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
+  command.add_option("--report", a->report, "write a page to look at: out.html");
+  command
+      .add_option("--budget", a->budget_h,
+                  "hours that a separating measurement may take; 0: design none")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  command.add_option("--separating", a->separating, "write its trajectory: plan.csv");
   command.add_option("--seed", a->seed, "of those series")->capture_default_str();
 }
 

@@ -1,0 +1,105 @@
+#include "server/diagnosis/separating_power.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "server/calibration/predict.h"
+#include "server/diagnosis/noise_model.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+// What each cell of each hypothesis predicts: all outputs one below the other, whitened, in units
+// of the white noise, freed of what the simulation's own terms could take up.
+struct Predicted {
+  std::vector<Eigen::MatrixXd> of;  // per hypothesis: (rows x outputs) x cells
+};
+
+Timeline timeline_of(const Dataset& rows) {
+  Timeline timeline;
+  timeline.time_s =
+      Eigen::Map<const Eigen::VectorXd>(rows.time_s.data(), static_cast<Eigen::Index>(rows.rows));
+  timeline.restart.assign(rows.rows, 0);
+  if (!timeline.restart.empty()) timeline.restart.front() = 1;
+  return timeline;
+}
+
+Result<Predicted> predicted(const Dataset& rows, const std::vector<effects::Term>& base,
+                            const std::vector<Hypothesis>& hypotheses,
+                            const std::vector<OutputSummary>& outputs) {
+  const auto n = static_cast<Eigen::Index>(rows.rows);
+  const auto base_columns = calibration::raw_columns(rows, base);
+  if (!base_columns) return tl::unexpected(base_columns.error());
+  const Timeline timeline = timeline_of(rows);
+  std::vector<Eigen::MatrixXd> columns;  // of every cell
+  Predicted out;
+  for (const auto& hypothesis : hypotheses) {
+    auto& all = out.of.emplace_back(n * static_cast<Eigen::Index>(outputs.size()),
+                                    static_cast<Eigen::Index>(hypothesis.cells.size()));
+    for (std::size_t c = 0; c < hypothesis.cells.size(); ++c) {
+      const auto& cell = hypothesis.cells[c];
+      const auto raw = calibration::raw_columns(rows, cell.terms);
+      if (!raw) return tl::unexpected(raw.error());
+      for (std::size_t o = 0; o < outputs.size(); ++o)
+        all.col(static_cast<Eigen::Index>(c)).segment(static_cast<Eigen::Index>(o) * n, n) =
+            *raw * cell.coefficients.col(static_cast<Eigen::Index>(o));
+    }
+  }
+  for (std::size_t o = 0; o < outputs.size(); ++o) {
+    const Whitener whitener(timeline, noise_of(outputs[o]));
+    Eigen::MatrixXd taken_up(n, base_columns->cols() + 1);
+    taken_up << Eigen::VectorXd::Ones(n), *base_columns;
+    whitener.apply(taken_up);
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(taken_up);
+    const double sd = outputs[o].noise_white_sd > 0 ? outputs[o].noise_white_sd : 1;
+    for (auto& all : out.of) {
+      Eigen::MatrixXd part = all.middleRows(static_cast<Eigen::Index>(o) * n, n);
+      whitener.apply(part);
+      all.middleRows(static_cast<Eigen::Index>(o) * n, n) = (part - taken_up * qr.solve(part)) / sd;
+    }
+  }
+  return out;
+}
+
+// Squared distance from y to the nearest cell.
+double nearest(const Eigen::VectorXd& y, const Eigen::MatrixXd& cells) {
+  return (cells.colwise() - y).colwise().squaredNorm().minCoeff();
+}
+
+}  // namespace
+
+Result<SeparatingPower> separating_power(const Dataset& rows,
+                                         const std::vector<effects::Term>& base,
+                                         const std::vector<Hypothesis>& hypotheses,
+                                         const std::vector<OutputSummary>& outputs, int simulations,
+                                         std::uint64_t seed) {
+  const auto all = predicted(rows, base, hypotheses, outputs);
+  if (!all) return tl::unexpected(all.error());
+  SeparatingPower result{.expected_2lnl = 1e300, .power = 1};
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> gaussian;
+  for (std::size_t truth = 0; truth < hypotheses.size(); ++truth) {
+    const Eigen::VectorXd signal = all->of[truth].col(0);
+    for (std::size_t other = 0; other < hypotheses.size(); ++other)
+      if (other != truth)
+        result.expected_2lnl = std::min(result.expected_2lnl, nearest(signal, all->of[other]));
+    int ahead = 0;
+    for (int k = 0; k < simulations; ++k) {
+      Eigen::VectorXd y = signal;
+      for (Eigen::Index i = 0; i < y.size(); ++i) y[i] += gaussian(random);
+      const double own = nearest(y, all->of[truth]);
+      bool first = true;
+      for (std::size_t other = 0; other < hypotheses.size() && first; ++other)
+        first = other == truth || nearest(y, all->of[other]) - own > kAhead2lnl;
+      ahead += first ? 1 : 0;
+    }
+    if (simulations > 0)
+      result.power = std::min(result.power, static_cast<double>(ahead) / simulations);
+  }
+  if (simulations == 0) result.power = 0;
+  return result;
+}
+
+}  // namespace driftwise::diagnosis

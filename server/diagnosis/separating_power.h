@@ -1,0 +1,32 @@
+#pragma once
+// How well a plan would tell hypotheses apart: both are run forward over it, and what they differ
+// by, beyond what the simulation could take up, is held against the noise.
+
+#include <cstdint>
+#include <vector>
+
+#include "server/calibration/fit.h"
+#include "server/core/dataset.h"
+#include "server/core/result.h"
+#include "server/diagnosis/hypothesis.h"
+
+namespace driftwise::diagnosis {
+
+struct SeparatingPower {
+  double expected_2lnl = 0;  // between the truth and the nearest other, the hardest pair
+  double power = 0;          // that the truth is ahead by more than kAhead2lnl, the hardest truth
+};
+
+// A rival further behind than this is not reported (NUMERICS.md section 3, point 6).
+inline constexpr double kAhead2lnl = 6;
+
+// rows: the planned ones. base: the simulation's terms; their coefficients are free again, as they
+// are in a new run. simulations: of the noise, per truth; 0: expected_2lnl only.
+// Errors: those of the effects.
+Result<SeparatingPower> separating_power(const Dataset& rows,
+                                         const std::vector<effects::Term>& base,
+                                         const std::vector<Hypothesis>& hypotheses,
+                                         const std::vector<OutputSummary>& outputs, int simulations,
+                                         std::uint64_t seed);
+
+}  // namespace driftwise::diagnosis
