@@ -112,14 +112,28 @@ void MicroNanoSession::load(double force_n) {
   while (!plant_->load(instant(now_s_)).resting) now_s_ += 1;
 }
 
-MicroNanoRow MicroNanoSession::visit(const Three& q_mm) {
+MicroNanoRow MicroNanoSession::visit(const Three& q_mm, std::optional<double> dwell_s) {
   for (int axis = 0; axis < kAxes; ++axis) {
     plant_->start_move(axis, q_mm[at(axis)], instant(now_s_));
   }
+  const double start_s = now_s_;
   const double reading_s = options_.readings * options_.samples / plant_->sample_rate_hz();
-  MicroNanoRow row = read(now_s_ + options_.point_s - reading_s - 1);
+  double end_s = start_s, read_s = start_s + options_.point_s - reading_s - 1;
+  if (dwell_s) {
+    const auto moving = [&] {
+      for (int axis = 0; axis < kAxes; ++axis) {
+        if (plant_->axis(axis, instant(end_s)).moving) return true;
+      }
+      return false;
+    };
+    end_s += 0.3;  // it is on its way by then
+    while (moving()) end_s += 0.1;
+    read_s = end_s + *dwell_s;
+  }
+  MicroNanoRow row = read(read_s);
   row.q_cmd_mm = q_mm;
-  now_s_ += options_.point_s;
+  row.dwell_s = row.time_s - end_s;
+  now_s_ = dwell_s ? read_s + reading_s + 1 : start_s + options_.point_s;
   return row;
 }
 

@@ -11,6 +11,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@ namespace driftwise::testing_support {
 
 struct MicroNanoRow {
   double time_s = 0;             // middle of the readings, since the epoch
+  double dwell_s = 0;            // from the end of the move to there
   std::array<double, 3> q_mm{};  // read back, mean over the readings
   std::array<double, 3> q_cmd_mm{};
   std::array<double, 3> path_mm{};      // x, y, z as the interferometers show them: not corrected
@@ -67,7 +69,8 @@ class MicroNanoSession {
 
   std::vector<MicroNanoRow> run_grids();
   void load(double force_n);  // waits until the weights rest
-  MicroNanoRow visit(const std::array<double, 3>& q_mm);
+  // dwell_s: from the end of the move to the readings; absent: what is left of point_s.
+  MicroNanoRow visit(const std::array<double, 3>& q_mm, std::optional<double> dwell_s = {});
 
   simulated::MicroNanoPlant& plant() { return *plant_; }
   double now_s() const { return now_s_; }

@@ -1,0 +1,15 @@
+# Effects hidden in the plants, which share no code with server/ (docs/diagnosis-plants.md).
+add_library(driftwise_hidden_plants STATIC
+  plant_cases.cc
+  plant_judge.cc
+  plant_plans.cc
+  plant_run.cc)
+target_include_directories(driftwise_hidden_plants PUBLIC ${PROJECT_SOURCE_DIR})
+target_compile_definitions(driftwise_hidden_plants PRIVATE DRIFTWISE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+target_link_libraries(driftwise_hidden_plants
+  PUBLIC driftwise_diagnosis driftwise_plant_campaign driftwise_plant
+  PRIVATE driftwise_test_statistics driftwise_formats driftwise_warnings)
+
+add_executable(plant_sweep
+  plant_sweep_main.cc)
+target_link_libraries(plant_sweep PRIVATE driftwise_hidden_plants driftwise_test_statistics driftwise_warnings)

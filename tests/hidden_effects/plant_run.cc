@@ -1,0 +1,154 @@
+#include "tests/hidden_effects/plant_run.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <random>
+
+#include "drivers/simulated/plant/make_plant.h"
+#include "tests/statistics/micro_nano_case.h"
+#include "tests/support/plant_campaign.h"
+
+namespace driftwise::hidden {
+namespace {
+
+using simulated::TimeNs;
+
+constexpr TimeNs kRunEpoch = 1'600'000'000'000'000'000;
+constexpr double kSettle_s = 1, kReading_s = 0.5;
+constexpr double kStarted_s = 0.3;  // after a command the axis is on its way
+constexpr int kReadingsOfPoint = 4;
+constexpr double kGrain_hpa = 0.1;  // of a barometer
+
+TimeNs instant_of(double seconds) {
+  return kRunEpoch + static_cast<TimeNs>(std::llround(seconds * 1e9));
+}
+
+std::string thermometer_name(std::size_t i) {
+  std::array<char, 8> name{};
+  std::snprintf(name.data(), name.size(), "t%02zu", i + 1);
+  return name.data();
+}
+
+std::size_t first_hidden(const std::vector<std::string>& columns) {
+  std::size_t at = 0;
+  while (at < columns.size() && !columns[at].starts_with("hidden_")) ++at;
+  return at;
+}
+
+void note_hidden(simulated::CellPlant& plant, TimeNs at, PlantRun& run) {
+  const auto columns = plant.truth_columns();
+  const std::size_t first = first_hidden(columns);
+  if (first == columns.size()) return;
+  const auto values = plant.truth_values(at);
+  run.hidden_nm.resize(columns.size() - first);
+  for (std::size_t i = first; i < columns.size(); ++i)
+    run.hidden_nm[i - first].push_back(values[i]);
+}
+
+class AxisRunner {
+ public:
+  explicit AxisRunner(const PlantStart& start)
+      : plant_(simulated::make_plant(
+            testing_support::linear_axis_plant_file(DRIFTWISE_SOURCE_DIR),
+            {.seed = start.seed, .overrides = start.overrides, .epoch_ns = kRunEpoch})) {
+    plant_->set_instants_per_reading(4);
+    auto& columns = run_.data.columns;
+    columns = {{{"q1", "mm"}, {}}, {{"x", "mm"}, {}}};
+    for (std::size_t i = 0; i < 10; ++i) columns.push_back({{thermometer_name(i), "degC"}, {}});
+    columns.push_back({{"air", "degC"}, {}});
+    columns.push_back({{"pressure", "hPa"}, {}});
+    plant_->start_reference(0, instant_of(0));
+    now_s_ = 15;
+    plant_->start_move(0, 0, instant_of(now_s_));
+    now_s_ += 3;
+    plant_->zero_length(0, instant_of(now_s_));
+  }
+
+  void visit(const TrajectoryPoint& point, std::int64_t run) {
+    plant_->start_move(0, point.target_mm.front(), instant_of(now_s_));
+    now_s_ += kStarted_s;
+    while (plant_->axis(0, instant_of(now_s_)).moving) now_s_ += 0.02;
+    const double end_s = now_s_;
+    now_s_ += kSettle_s + point.dwell_s.value_or(0);
+    const double middle_s = now_s_ + kReadingsOfPoint * kReading_s / 2;
+    const int samples = static_cast<int>(kReading_s * plant_->sample_rate_hz());
+    double q_mm = 0, x_nm = 0, air_degc = 0;
+    for (int k = 0; k < kReadingsOfPoint; ++k) {
+      const double begin_s = now_s_ + k * kReading_s;
+      const auto length = plant_->measure_length(0, instant_of(begin_s), samples);
+      q_mm += plant_->axis(0, instant_of(begin_s + kReading_s / 2)).q_mm / kReadingsOfPoint;
+      x_nm += length.mean_nm / kReadingsOfPoint;
+      air_degc = length.air_degc;
+    }
+    now_s_ += kReadingsOfPoint * kReading_s;
+    auto& data = run_.data;
+    data.time_s.push_back(middle_s);
+    data.dwell_s.push_back(middle_s - end_s);
+    data.set.push_back(point.set);
+    data.line.push_back(point.line);
+    data.zero.push_back(point.zero ? 1 : 0);
+    data.run.push_back(run);
+    data.columns[0].values.push_back(q_mm);
+    data.columns[1].values.push_back(x_nm * 1e-6);
+    const auto& probes = plant_->parameters().thermometers;
+    for (std::size_t i = 0; i < 10; ++i)
+      data.columns[2 + i].values.push_back(testing_support::degc_from_ohm(
+          plant_->probe_ohm(probes[i].input, instant_of(now_s_)), probes[i].certificate_r0_ohm,
+          probes[i].a_per_k, probes[i].b_per_k2));
+    const double hpa = plant_->truth(instant_of(middle_s)).pressure_hpa;
+    data.columns[12].values.push_back(air_degc);
+    data.columns[13].values.push_back(std::round(hpa / kGrain_hpa) * kGrain_hpa);
+    note_hidden(*plant_, instant_of(middle_s), run_);
+    ++data.rows;
+  }
+  PlantRun done() { return std::move(run_); }
+
+ private:
+  std::unique_ptr<simulated::LinearAxisPlant> plant_;
+  PlantRun run_;
+  double now_s_ = 0;
+};
+
+}  // namespace
+
+PlantRun run_on_axis(const PlantStart& start, const std::vector<Trajectory>& trajectories) {
+  AxisRunner runner(start);
+  for (std::size_t run = 0; run < trajectories.size(); ++run)
+    for (const auto& point : trajectories[run].points)
+      runner.visit(point, static_cast<std::int64_t>(run) + 1);
+  return runner.done();
+}
+
+PlantRun run_on_micro_nano(const PlantStart& start, const std::vector<Trajectory>& trajectories) {
+  testing_support::MicroNanoOptions options;
+  options.seed = start.seed;
+  options.overrides = start.overrides;
+  options.coarse = true;
+  testing_support::MicroNanoSession session(DRIFTWISE_SOURCE_DIR, options);
+  PlantRun out;
+  std::vector<testing_support::MicroNanoRow> rows;
+  std::vector<std::int64_t> runs;
+  std::vector<double> dwells;
+  double force_n = 0;
+  for (std::size_t run = 0; run < trajectories.size(); ++run)
+    for (const auto& point : trajectories[run].points) {
+      if (point.force_n && *point.force_n != force_n) session.load(force_n = *point.force_n);
+      std::array<double, 3> q_mm{};
+      std::copy_n(point.target_mm.begin(), 3, q_mm.begin());
+      auto row = session.visit(q_mm, kSettle_s + point.dwell_s.value_or(0));
+      row.calibration = point.set == PointSet::calibration;
+      row.zero = point.zero;
+      row.line = static_cast<int>(point.line);
+      note_hidden(session.plant(), instant_of(row.time_s), out);
+      dwells.push_back(row.dwell_s);
+      runs.push_back(static_cast<std::int64_t>(run) + 1);
+      rows.push_back(row);
+    }
+  out.data = statistics::micro_nano_dataset(rows, statistics::micro_nano_cell());
+  out.data.dwell_s = dwells;
+  out.data.run = runs;
+  return out;
+}
+
+}  // namespace driftwise::hidden
