@@ -48,6 +48,15 @@ function picked(u: uPlot, spec: PlotSpec, x: number, y: number): number | undefi
   return key;
 }
 
+// The plot in words, anew at most every five seconds: nobody is read a label that changes while it is read.
+function useWords(drawn: Drawn): string {
+  const kept = useRef({ words: '', atMs: -Infinity, key: '' });
+  const now = performance.now();
+  const key = `${drawn.spec.title} ${drawn.range?.from} ${drawn.range?.to} ${drawn.spec.series.length}`;
+  if (key !== kept.current.key || now - kept.current.atMs > 5000) kept.current = { words: inWords(drawn.spec, seenRange(drawn)), atMs: now, key };
+  return kept.current.words;
+}
+
 export function Plot(props: PlotProps) {
   const { height = 200, group, live, onPick, bare } = props;
   const own = useSignal<Range | undefined>(undefined);
@@ -60,6 +69,7 @@ export function Plot(props: PlotProps) {
   const [table, setTable] = useState(false);
   const spec = useMemo(() => ({ ...props.spec, series: props.spec.series.map(inOrder) }), [props.spec]);
   const drawn: Drawn = { spec, range: range.value, chosen: props.chosen?.value, pointed, colours: palette() };
+  const words = useWords(drawn);
   const latest = useRef(drawn);
   latest.current = drawn;
   const pick = useRef(onPick);
@@ -76,6 +86,7 @@ export function Plot(props: PlotProps) {
     },
   };
 
+  const visible = useRef(true);
   const shape = shapeOf(spec);
   useEffect(() => {
     if (empty || table || !box.current) return;
@@ -92,15 +103,22 @@ export function Plot(props: PlotProps) {
     followGestures(u.over, gestured);
     const sized = new ResizeObserver(() => root.clientWidth > 0 && u.setSize({ width: root.clientWidth, height }));
     sized.observe(root);
+    // What nobody sees is not painted; it catches up when it scrolls into view.
+    const seen = new IntersectionObserver(([entry]) => {
+      if (entry.isIntersecting && !visible.current && plot.current) redraw(plot.current, latest.current);
+      visible.current = entry.isIntersecting;
+    }, { rootMargin: '100px' });
+    seen.observe(root);
     return () => {
       sized.disconnect();
+      seen.disconnect();
       u.destroy();
       plot.current = undefined;
     };
   }, [shape, dark.value, height, group, empty, table]);
 
   useEffect(() => {
-    if (plot.current) redraw(plot.current, latest.current);
+    if (plot.current && visible.current) redraw(plot.current, latest.current);
   }, [spec, range.value, props.chosen?.value, pointed]);
 
   return (
@@ -122,7 +140,7 @@ export function Plot(props: PlotProps) {
           class="plot-box"
           role="group"
           tabIndex={0}
-          aria-label={inWords(spec, seenRange(drawn))}
+          aria-label={words}
           onKeyDown={(event) => {
             if (!event.ctrlKey && !event.metaKey && keyPressed(event.key, gestured)) event.preventDefault();
           }}
