@@ -56,10 +56,11 @@ function judge(): void {
   askForPaint();
 }
 
-export function startStream(): void {
+// Returns what ends it: for tests; a page streams until it is closed.
+export function startStream(): () => void {
   closeGate();
   heardAt = performance.now();
-  setInterval(judge, 500);
+  const judging = setInterval(judge, 500);
   const tabs: Tabs = new Tabs({
     lead: (signal) =>
       keepStreaming(
@@ -84,4 +85,8 @@ export function startStream(): void {
     state: stateForNewTab,
   });
   tabs.start();
+  return () => {
+    clearInterval(judging);
+    tabs.stop();
+  };
 }

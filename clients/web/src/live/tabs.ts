@@ -26,6 +26,7 @@ export class Tabs {
   private leading: AbortController | undefined;
   private queued: AbortController | undefined;
   private heardAt = performance.now();
+  private timer: ReturnType<typeof setInterval> | undefined;
   private readonly jitterMs = Math.random() * 500; // so that not all followers reach for the lock at once
 
   constructor(private readonly role: TabRole) {}
@@ -43,7 +44,14 @@ export class Tabs {
     this.channel.onmessage = (event: MessageEvent<TabMessage>) => this.heard(event.data);
     this.queue();
     this.say({ kind: 'hello' });
-    setInterval(() => this.everySecond(), 1000);
+    this.timer = setInterval(() => this.everySecond(), 1000);
+  }
+
+  stop(): void {
+    clearInterval(this.timer);
+    this.queued?.abort();
+    this.leading?.abort();
+    this.channel?.close();
   }
 
   say(message: TabMessage): void {
