@@ -57,6 +57,7 @@ it('shows the run, the numbers with their units, and what is stale', async () =>
 it('acknowledges one alarm by its own call, and says by whom', async () => {
   setOperatorName('Anna');
   render(<Shell />);
+  await screen.findByText('Live');
   fireEvent.click(await screen.findByRole('button', { name: /Acknowledge: Autocollimator 1/ }));
   await screen.findByText(/seen by Anna/);
   expect(calls).toContain('AcknowledgeAlarm');
