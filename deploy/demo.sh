@@ -25,6 +25,7 @@ if [ $build = yes ]; then
   install_missing build
   say "build (preset release)"
   configure_and_build release -DDRIFTWISE_BUILD_TESTS=OFF
+  build_web release
 fi
 need_programs
 demo
