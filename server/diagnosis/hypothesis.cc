@@ -19,7 +19,7 @@ constexpr std::size_t kLongestOpen = 4000;  // blocks
 constexpr std::size_t kMostOpenCells = 24;  // of one hypothesis, spread over what is open
 constexpr double kLooseShare = 0.04;        // of a period: how far off a lattice a point may be
 
-Eigen::MatrixXd beside(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+Eigen::MatrixXd base_and(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   Eigen::MatrixXd both(a.rows(), a.cols() + b.cols());
   both << a, b;
   return both;
@@ -178,7 +178,7 @@ Result<std::vector<Hypothesis>> open_hypotheses(const Dataset& dataset,
   if (!others.empty()) {
     const auto columns = filled_columns(*problem, others);
     if (!columns) return tl::unexpected(columns.error());
-    base = beside(base, *columns);
+    base = base_and(base, *columns);
   }
   const OpenFit fit(*problem, diagnosis, base);
   OpenSet open(dataset, *problem, fit);

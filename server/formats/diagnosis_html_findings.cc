@@ -23,7 +23,7 @@ std::string name_of_finding(const Finding& finding) {
   return finding.cause + (finding.subject.empty() ? "" : " " + finding.subject);
 }
 
-std::string joined(const std::vector<std::string>& words) {
+std::string comma_list(const std::vector<std::string>& words) {
   std::string text;
   for (const auto& word : words) text += (text.empty() ? "" : ", ") + html_escaped(word);
   return text;
@@ -99,7 +99,7 @@ std::string worth_of(const Finding& finding) {
     out += "<p class=\"note\">no other cause explains it as well</p>";
   else
     out += "<p><strong>These data cannot tell it from:</strong> " +
-           joined(finding.indistinguishable_from) + "</p>";
+           comma_list(finding.indistinguishable_from) + "</p>";
   return out + "</div>";
 }
 
@@ -146,7 +146,7 @@ std::string ranking_section(const Diagnosis& d) {
            figure_text(finding.log_likelihood_ratio) + "</td><td class=\"number\">" +
            chance_text(finding.p_adjusted) + "</td><td>" +
            (finding.indistinguishable_from.empty() ? std::string("\xE2\x80\x93")
-                                                   : joined(finding.indistinguishable_from)) +
+                                                   : comma_list(finding.indistinguishable_from)) +
            "</td></tr>";
   }
   return out + "</tbody></table></div></section>";
