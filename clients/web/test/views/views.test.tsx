@@ -40,7 +40,7 @@ describe('a diagnosis', () => {
     expect(within(first).getByText('lag(t07, 1830 s)')).toBeTruthy();
     expect(screen.getByText(/These data do not tell it from/).textContent).toContain('creep');
     expect(screen.getByText('no tilt channel')).toBeTruthy();
-    expect(screen.getByText('Before: ±164 nm')).toBeTruthy();
+    expect(await screen.findByText('Before: ±164 nm')).toBeTruthy();
   });
   it('shows the evidence on demand, with the likelihood of the parameter', async () => {
     show('/diagnosis/9', Diagnosis);

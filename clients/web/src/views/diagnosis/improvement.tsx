@@ -12,6 +12,7 @@ import { Panel } from '@/ui/panel';
 import { Awaiting, Empty, Failed } from '@/ui/states';
 import { useAsked } from '@/ui/use_asked';
 import { useCommand } from '@/ui/use_command';
+import { useWhile } from '@/ui/use_while';
 import { Mark } from '@/ui/verdict';
 import { ViewTitle } from '@/ui/view_title';
 import { improvementWords } from './list';
@@ -24,6 +25,7 @@ export function ImprovementPage({ id }: { id: bigint }) {
     setStep(`turn ${progress.turn}: ${progress.step}`);
     asked.again();
   });
+  useWhile(asked.value?.state === Improvement_State.RUNNING, asked.again);
   const cancel = useCommand(async () => {
     await api.diagnosis().cancelImprovement({ improvementId: id });
     asked.again();

@@ -13,6 +13,7 @@ import { download } from '@/ui/download';
 import { Awaiting, Failed, Warned } from '@/ui/states';
 import { useAsked } from '@/ui/use_asked';
 import { useCommand } from '@/ui/use_command';
+import { useWhile } from '@/ui/use_while';
 import { Mark } from '@/ui/verdict';
 import { ViewTitle } from '@/ui/view_title';
 import { SymbolChoice } from '@/ui/choice';
@@ -24,7 +25,11 @@ import { SeparatingPanel } from './separating';
 import { after, before, judgementOf, outputOf, rowsWord } from './words';
 
 export function DiagnosisPage({ id }: { id: bigint }) {
-  const asked = useAsked(`diagnosis ${id}`, (signal) => api.diagnosis().getDiagnosis({ diagnosisId: id, withRows: true }, { signal }));
+  const asked = useAsked(`diagnosis ${id}`, async (signal) => (await api.diagnosis().getDiagnosis({ diagnosisId: id }, { signal })).diagnosis!);
+  const diagnosis = asked.value;
+  useWhile(diagnosis?.state === Diagnosis_State.RUNNING, asked.again);
+  const whole = useAsked(diagnosis?.state === Diagnosis_State.DONE ? `rows of diagnosis ${id}` : undefined, async (signal) =>
+    (await api.diagnosis().getDiagnosis({ diagnosisId: id, withRows: true }, { signal })).rows);
   const [step, setStep] = useState<{ step: string; fraction: number }>();
   useEvents('diagnosis', (progress) => {
     if (progress.diagnosisId !== id) return;
@@ -35,18 +40,18 @@ export function DiagnosisPage({ id }: { id: bigint }) {
     const { html, fileName } = await api.diagnosis().exportDiagnosis({ diagnosisId: id });
     download(fileName, html, 'text/html');
   });
-  const diagnosis = asked.value?.diagnosis;
   return (
     <>
       <ViewTitle
-        sub={diagnosis && <>baseline <code>{diagnosis.baselineFormula}</code>{rowsText(asked.value?.rows)}{diagnosis.modelId !== undefined && <> · began from <a href={`/models/${diagnosis.modelId}`}>model {String(diagnosis.modelId)}</a></>}</>}
+        sub={diagnosis && <>baseline <code>{diagnosis.baselineFormula}</code>{rowsText(whole.value)}{diagnosis.modelId !== undefined && <> · began from <a href={`/models/${diagnosis.modelId}`}>model {String(diagnosis.modelId)}</a></>}</>}
         actions={diagnosis?.state === Diagnosis_State.DONE && <Button busy={page.busy} onPress={() => page.send()}>Save as a page</Button>}
       >
         {diagnosis ? `Diagnosis ${id} of ${ofText(diagnosis)}` : `Diagnosis ${id}`}
       </ViewTitle>
       {page.failure && <Failed asked="Save as a page" failure={page.failure} />}
       {asked.failure && <Failed asked={`Show diagnosis ${id}`} failure={asked.failure} again={asked.again} />}
-      {diagnosis ? <Body diagnosis={diagnosis} rows={asked.value?.rows} step={step} again={asked.again} /> : !asked.failure && <Awaiting what={`diagnosis ${id}`} />}
+      {whole.failure && <Failed asked="Read the rows for the plots" failure={whole.failure} again={whole.again} />}
+      {diagnosis ? <Body diagnosis={diagnosis} rows={whole.value} step={step} again={asked.again} /> : !asked.failure && <Awaiting what={`diagnosis ${id}`} />}
     </>
   );
 }
