@@ -21,8 +21,11 @@ constexpr std::ptrdiff_t kFewestPlaces = 8;
 // there are different places: a finer wave aliases into a coarser one.
 void add_cyclic(CatalogueBuilder& builder, const std::string& symbol, Cause cause) {
   std::vector<double> places_um;
-  for (const double value : builder.data().values_of(symbol))
-    if (std::isfinite(value)) places_um.push_back(std::round(value * 1e3));
+  const Dataset& data = builder.data();
+  const auto values = data.values_of(symbol);
+  for (std::size_t row = 0; row < data.rows; ++row)
+    if (std::isfinite(values[row]) && data.set_of(row) == PointSet::calibration)
+      places_um.push_back(std::round(values[row] * 1e3));
   std::ranges::sort(places_um);
   const auto places = std::distance(places_um.begin(), std::ranges::unique(places_um).begin());
   if (places < kFewestPlaces) {

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "server/diagnosis/cause.h"
 #include "server/diagnosis/column_bank.h"
@@ -15,6 +16,7 @@ namespace driftwise::diagnosis {
 namespace {
 
 constexpr std::size_t kMostBlocks = 4000;
+constexpr double kWorthTelling = 0.2;  // adjusted p of what is not named
 
 tl::unexpected<Error> cancelled() {
   return fail(ErrorCode::cancelled, "CANCELLED", "the diagnosis was cancelled");
@@ -115,6 +117,7 @@ class Diagnoser {
         if (auto ok = extension.add(*look); !ok) return ok;
         continue;
       }
+      if (look->first) nearest_ = {name_of(causes_[*look->first]), look->p_adjusted};
       if (noise_looked_at || !note_noise_changes(extension, look->shapes)) break;
       noise_looked_at = true;  // and look once more, with every row's own spread
     }
@@ -182,6 +185,13 @@ class Diagnoser {
       result_.warnings.push_back("the search worked on averages of " +
                                  std::to_string(problem_.rows_per_block) +
                                  " rows: what is faster than that was not looked for");
+    if (nearest_.p_adjusted < kWorthTelling && nearest_.p_adjusted > options_.alpha) {
+      char p_text[32];
+      std::snprintf(p_text, sizeof p_text, "%.2g", nearest_.p_adjusted);
+      result_.warnings.push_back("next would come " + nearest_.cause +
+                                 ", which chance imitates too often to be named (adjusted p " +
+                                 p_text + ")");
+    }
     if (!problem_.judged_by_validation)
       result_.warnings.push_back(
           "there is no validation set: two of ten blocks of time were kept out to judge by");
@@ -198,6 +208,10 @@ class Diagnoser {
   Progress progress_;
   std::vector<Cause> causes_;
   Eigen::MatrixXd series_;
+  struct {
+    std::string cause;
+    double p_adjusted = 1;
+  } nearest_;  // of those that were not named
   Diagnosis result_;
 };
 

@@ -36,7 +36,7 @@ struct FoundParameter {
 
 struct FindingOutput {
   std::string output{}, unit{};
-  double amplitude = 0;  // standard deviation of its contribution over the calibration rows
+  double amplitude = 0;  // rms over the calibration rows of what it adds to the rest
   double gain_2lnl = 0;  // of this output
   bool shown = false;    // this output by itself shows the cause
   std::optional<double> u90_before{}, u90_after{};  // on rows held out; none: no gain of its own

@@ -66,15 +66,21 @@ Profile of_instants(const Refined& at, const std::vector<double>& instants, cons
   const auto middle = std::ranges::lower_bound(instants, at.value) - instants.begin();
   for (const int direction : {-1, 1}) {
     bool within = true;
+    double last = at.value;
+    auto& end = direction < 0 ? result.ci90.low : result.ci90.high;
     for (std::ptrdiff_t i = middle + direction;
          i >= 0 && i < static_cast<std::ptrdiff_t>(instants.size()); i += direction) {
       const double value = instants[static_cast<std::size_t>(i)];
       const double below = at.gain - gain(value);
       result.curve.push_back({value, std::max(below, 0.0)});
-      within = within && below < kDrop90;
-      if (within) (direction < 0 ? result.ci90.low : result.ci90.high) = value;
+      if (within && below >= kDrop90) {
+        within = false;
+        end = (last + value) / 2;  // the row between the last possible instant and this one
+      }
+      last = value;
       if (below > kDropOfCurve) break;
     }
+    if (within) end = last;
   }
   std::ranges::sort(result.curve, {}, &CurvePoint::value);
   return result;

@@ -1,5 +1,6 @@
 #include "server/diagnosis/report.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -118,7 +119,9 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
       }
       finding.parameters.push_back(std::move(parameter));
     }
-    one.amplitude = std::sqrt((added.array() - added.mean()).square().mean());
+    // beyond what the rest of the simulation could do of it
+    const Eigen::VectorXd beyond_rest = added - base * base.colPivHouseholderQr().solve(added);
+    one.amplitude = std::sqrt(beyond_rest.squaredNorm() / static_cast<double>(added.size()));
     if (problem.judge.size() >= 4) {
       const auto held = held_out(problem, output, before, after);
       one.u90_before = held.u90_before;

@@ -24,11 +24,7 @@ Result<diagnosis::Diagnosis> asked(const Dataset& data, const std::string& basel
   return diagnosis::diagnose(data, options);
 }
 
-HiddenData typical() {
-  World world;
-  world.passes = 30;
-  return make(world, {{"geometry_order", 0, 300}}, 11);
-}
+HiddenData typical() { return make({}, {{"geometry_order", 0, 300}}, 11); }
 
 bool names(const diagnosis::Diagnosis& found, const std::string& cause) {
   return std::ranges::any_of(
@@ -101,11 +97,12 @@ TEST(BadInput, OneSetOnlyIsJudgedByBlocksOfTime) {
 
 TEST(BadInput, MissingChannelsAreListedWithWhatTheyWouldTest) {
   auto made = typical();
+  std::erase_if(made.data.columns,
+                [](const DatasetColumn& column) { return column.channel.symbol.starts_with("r"); });
   const auto found = asked(made.data, made.baseline);
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_THAT(why_not(*found, "force_compliance"), HasSubstr("force_N"));
   EXPECT_THAT(why_not(*found, "abbe_offset"), HasSubstr("tilt"));
-  EXPECT_THAT(why_not(*found, "refractive_index"), HasSubstr("pressure_hPa"));
 }
 
 TEST(BadInput, CancelEndsIt) {

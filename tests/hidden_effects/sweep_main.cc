@@ -1,79 +1,69 @@
-// hidden_effects_sweep CAUSE CHI2 COUNT [AUTOCORRELATION [SEED]]: hides one cause in COUNT data
-// sets and says what was named. CAUSE "nothing" hides nothing; "all" goes through every cause.
+// hidden_effects_sweep: hides effects in many data sets and counts what was named.
+//
+// Every data set's outcome is a line of the results file, under a key that says how it was made;
+// what is there already is not made again, so a sweep that was stopped goes on where it was.
 
-#include <chrono>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
 #include <cstdio>
-#include <cstdlib>
-#include <map>
+#include <fstream>
+#include <iostream>
+#include <set>
 
-#include "server/diagnosis/diagnosis.h"
-#include "server/formats/formula.h"
-#include "tests/hidden_effects/hidden_world.h"
+#include "tests/hidden_effects/sweep_plan.h"
 
 int main(int count, char** arguments) {
-  using namespace driftwise;
-  if (count < 4) return 2;
-  const std::string asked = arguments[1];
-  const double chi2 = std::atof(arguments[2]);
-  const int sets = std::atoi(arguments[3]);
-  hidden::World world;
-  if (count > 4) world.autocorrelation = std::atof(arguments[4]);
-  const int first_seed = count > 5 ? std::atoi(arguments[5]) : 1;
-  auto causes = hidden::hideable();
-  if (asked != "all") {
-    hidden::Hidden one{asked == "nothing" ? "" : asked, 0, chi2};
-    for (const auto& known : causes)
-      if (known.cause == asked) one.parameter = known.parameter;
-    causes = {one};
-  }
-  for (auto& cause : causes) {
-    cause.chi2 = chi2;
-    int exact = 0, in_set = 0, missed = 0, wrong = 0, unexplained = 0, cover = 0;
-    std::map<std::string, int> others;
-    const auto begin = std::chrono::steady_clock::now();
-    for (int k = 0; k < sets; ++k) {
-      const auto made = hidden::make(world, {cause}, static_cast<std::uint64_t>(first_seed + k));
-      diagnosis::DiagnoseOptions options;
-      options.baseline = *formats::Formula::parse(made.baseline)->expand(made.data);
-      const auto found = diagnosis::diagnose(made.data, options);
-      if (!found) {
-        std::fprintf(stderr, "%s\n", found.error().message.c_str());
-        return 1;
+  using namespace driftwise::hidden;
+  CLI::App app(
+      "Hides effects in data sets, diagnoses them and counts. The results file keeps every "
+      "outcome.");
+  SweepPlan plan;
+  std::string results = "hidden_effects.tsv";
+  bool report_only = false, check = false;
+  app.add_option("--kind", plan.kind, "null, single, pair, triple, uncatalogued, fault")
+      ->check(CLI::IsMember({"null", "single", "pair", "triple", "uncatalogued", "fault"}))
+      ->capture_default_str();
+  app.add_option("--robot", plan.robot, "linear, micro")
+      ->check(CLI::IsMember({"linear", "micro"}))
+      ->capture_default_str();
+  app.add_option("--cause", plan.cause, "only this one (single, pair)");
+  app.add_option("--chi2", plan.chi2, "strengths")->delimiter(',')->capture_default_str();
+  app.add_option("--rho", plan.autocorrelation, "autocorrelations")
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_option("--sets", plan.sets, "data sets per case")->capture_default_str();
+  app.add_option("--seed", plan.seed, "of the first")->capture_default_str();
+  app.add_flag("--two-times", plan.two_times, "noise with two correlation times");
+  app.add_option("--results", results, "outcomes, one per line")->capture_default_str();
+  app.add_flag("--report", report_only, "only counts what is there");
+  app.add_flag("--check", check, "fail where an interval excludes a promise");
+  CLI11_PARSE(app, count, arguments);
+
+  auto done = read_results(results);
+  if (!report_only) {
+    const auto cases = cases_of(plan);
+    std::set<std::string> known;
+    for (const auto& one : done) known.insert(one.key);
+    std::ofstream out(results, std::ios::app);
+    std::size_t made = 0;
+    for (const auto& one : cases) {
+      ++made;
+      if (known.contains(one.key)) continue;
+      try {
+        done.push_back({one.key, one.group, judged(one.world, one.hidden, one.seed)});
+      } catch (const std::exception& problem) {
+        std::cerr << one.key << ": " << problem.what() << "\n";
+        return 2;
       }
-      bool named = false, listed = false, other = false;
-      for (const auto& finding : found->findings) {
-        if (finding.cause == cause.cause) {
-          named = true;
-          for (const auto& parameter : finding.parameters)
-            if (parameter.ci90 && !parameter.curve.empty() &&
-                parameter.ci90->low <= cause.parameter && cause.parameter <= parameter.ci90->high)
-              ++cover;
-          continue;
-        }
-        bool mentions = false;
-        for (const auto& rival : finding.indistinguishable_from)
-          mentions |= rival.substr(0, rival.find(' ')) == cause.cause;
-        listed |= mentions;
-        if (!mentions) {
-          other = true;
-          ++others[finding.cause + " " + finding.subject];
-        }
-      }
-      exact += named && !other && found->findings.size() == 1;
-      in_set += (named || listed) && !other;
-      missed += !named && !listed && !other;
-      wrong += other;
-      unexplained += found->verdict == diagnosis::Verdict::unexplained;
+      out << line_of(done.back()) << std::flush;
+      if (isatty(STDERR_FILENO) != 0)
+        std::fprintf(stderr, "\r\x1b[K%zu of %zu  %s", made, cases.size(), one.key.c_str());
     }
-    const double seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    std::printf(
-        "%-22s chi2 %5.0f rho %.2f: exact %d, exact or in set %d, missed %d, wrong %d, unexplained "
-        "%d, ci %d of %d (%.2f s each)",
-        cause.cause.empty() ? "nothing" : cause.cause.c_str(), chi2, world.autocorrelation, exact,
-        in_set, missed, wrong, unexplained, cover, sets, seconds / sets);
-    for (const auto& [name, times] : others) std::printf(" %s:%d", name.c_str(), times);
-    std::printf("\n");
-    std::fflush(stdout);
+    if (isatty(STDERR_FILENO) != 0) std::fprintf(stderr, "\n");
   }
+  const auto broken = print_report(done, std::cout);
+  if (check)
+    for (const auto& one : broken) std::cout << "promise not kept: " << one << "\n";
+  return check && !broken.empty() ? 1 : 0;
 }
