@@ -5,6 +5,10 @@
 
 namespace driftwise::storage {
 
+// Inside the caller's transaction: those after one id and up to another, at most limit (-1: all).
+std::vector<EventRecord> read_events(Session& session, std::int64_t after, std::int64_t until,
+                                     int limit);
+
 class SqliteEventStore final : public EventStore {
  public:
   explicit SqliteEventStore(Session& session) : session_(session) {}

@@ -22,6 +22,53 @@ Verdict verdict_from(Session& session, const std::string& text) {
                     "', which no Driftwise wrote: restore what was edited");
 }
 
+#define DRIFTWISE_SELECT_ATTEMPT                                                                 \
+  "SELECT trajectory_row, number, verdict, reason, started_ns, started_monotonic_ns, ended_ns, " \
+  "ended_monotonic_ns, spread_nm"
+#define DRIFTWISE_SELECT_POINT                                                         \
+  "SELECT point_id, trajectory_row, datum_id, point_set, line, is_zero, measured_ns, " \
+  "measured_monotonic_ns, dwell_s, run_id"
+
+AttemptRecord attempt_from(Session& session, const Query& query) {
+  AttemptRecord attempt;
+  attempt.row = query.integer(0);
+  attempt.number = static_cast<int>(query.integer(1));
+  attempt.verdict = verdict_from(session, query.text(2));
+  attempt.reason = query.text(3);
+  attempt.started = {{query.integer(4)}, query.integer(5)};
+  attempt.ended = {{query.integer(6)}, query.integer(7)};
+  attempt.spread_nm = query.real(8);
+  return attempt;
+}
+
+std::vector<PointRecord> points_from(Session& session, Query& query) {
+  Query values(session.db,
+               "SELECT channel_id, value FROM point_value WHERE point_id = ? ORDER BY channel_id");
+  std::vector<PointRecord> points;
+  while (query.row()) {
+    PointRecord point;
+    point.id = {query.integer(0)};
+    point.run = {query.integer(9)};
+    point.row = query.integer(1);
+    point.datum = {query.integer(2)};
+    point.set = query.text(3) == "validation" ? PointSet::validation : PointSet::calibration;
+    point.line = query.integer(4);
+    point.zero = query.integer(5) != 0;
+    point.measured = {{query.integer(6)}, query.integer(7)};
+    point.dwell_s = query.real(8);
+    for (ChannelValue& value : values_of(session, values, point.id.value)) {
+      if (const std::size_t axis = commanded_axis(value.channel); axis != 0) {
+        if (point.commanded_mm.size() < axis) point.commanded_mm.resize(axis, kMissing);
+        point.commanded_mm[axis - 1] = value.value;
+      } else {
+        point.values.push_back(std::move(value));
+      }
+    }
+    points.push_back(std::move(point));
+  }
+  return points;
+}
+
 }  // namespace
 
 std::string commanded_channel(std::size_t axis) { return "q" + std::to_string(axis) + "_cmd_mm"; }
@@ -107,58 +154,42 @@ std::vector<DatumRecord> read_datums(Session& session, RunId run) {
 }
 
 std::vector<AttemptRecord> read_attempts(Session& session, RunId run) {
-  Query query(
-      session.db,
-      "SELECT trajectory_row, number, verdict, reason, started_ns, started_monotonic_ns, ended_ns, "
-      "ended_monotonic_ns, spread_nm FROM attempt WHERE run_id = ? ORDER BY attempt_id");
+  Query query(session.db,
+              DRIFTWISE_SELECT_ATTEMPT " FROM attempt WHERE run_id = ? ORDER BY attempt_id");
   query.bind(run.value);
   std::vector<AttemptRecord> attempts;
+  while (query.row()) attempts.push_back(attempt_from(session, query));
+  return attempts;
+}
+
+std::vector<RunAttempt> read_attempts_after(Session& session, std::int64_t after,
+                                            std::int64_t until, int limit, std::int64_t& last) {
+  Query query(session.db, DRIFTWISE_SELECT_ATTEMPT
+              ", run_id, attempt_id FROM attempt WHERE attempt_id > ? AND attempt_id <= ? ORDER BY "
+              "attempt_id LIMIT ?");
+  query.bind(after, until, limit);
+  std::vector<RunAttempt> attempts;
   while (query.row()) {
-    AttemptRecord attempt;
-    attempt.row = query.integer(0);
-    attempt.number = static_cast<int>(query.integer(1));
-    attempt.verdict = verdict_from(session, query.text(2));
-    attempt.reason = query.text(3);
-    attempt.started = {{query.integer(4)}, query.integer(5)};
-    attempt.ended = {{query.integer(6)}, query.integer(7)};
-    attempt.spread_nm = query.real(8);
-    attempts.push_back(std::move(attempt));
+    attempts.push_back({{query.integer(9)}, attempt_from(session, query)});
+    last = query.integer(10);
   }
   return attempts;
 }
 
 std::vector<PointRecord> read_points(Session& session, RunId run, std::int64_t after_id,
                                      int limit) {
-  Query query(session.db,
-              "SELECT point_id, trajectory_row, datum_id, point_set, line, is_zero, measured_ns, "
-              "measured_monotonic_ns, dwell_s FROM point WHERE run_id = ? AND point_id > ? ORDER "
-              "BY point_id LIMIT ?");
-  Query values(session.db,
-               "SELECT channel_id, value FROM point_value WHERE point_id = ? ORDER BY channel_id");
+  Query query(session.db, DRIFTWISE_SELECT_POINT
+              " FROM point WHERE run_id = ? AND point_id > ? ORDER BY point_id LIMIT ?");
   query.bind(run.value, after_id, limit > 0 ? limit : -1);
-  std::vector<PointRecord> points;
-  while (query.row()) {
-    PointRecord point;
-    point.id = {query.integer(0)};
-    point.run = run;
-    point.row = query.integer(1);
-    point.datum = {query.integer(2)};
-    point.set = query.text(3) == "validation" ? PointSet::validation : PointSet::calibration;
-    point.line = query.integer(4);
-    point.zero = query.integer(5) != 0;
-    point.measured = {{query.integer(6)}, query.integer(7)};
-    point.dwell_s = query.real(8);
-    for (ChannelValue& value : values_of(session, values, point.id.value)) {
-      if (const std::size_t axis = commanded_axis(value.channel); axis != 0) {
-        if (point.commanded_mm.size() < axis) point.commanded_mm.resize(axis, kMissing);
-        point.commanded_mm[axis - 1] = value.value;
-      } else {
-        point.values.push_back(std::move(value));
-      }
-    }
-    points.push_back(std::move(point));
-  }
-  return points;
+  return points_from(session, query);
+}
+
+std::vector<PointRecord> read_points_after(Session& session, std::int64_t after, std::int64_t until,
+                                           int limit) {
+  Query query(session.db, DRIFTWISE_SELECT_POINT
+              " FROM point WHERE point_id > ? AND point_id <= ? ORDER BY point_id LIMIT ?");
+  query.bind(after, until, limit);
+  return points_from(session, query);
 }
 
 }  // namespace driftwise::storage

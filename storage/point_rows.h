@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/core/records.h"
+#include "server/core/watch_records.h"
 #include "storage/session.h"
 
 namespace driftwise::storage {
@@ -26,6 +26,12 @@ std::vector<AttemptRecord> read_attempts(Session& session, RunId run);  // in th
 // Those of a greater id, at most limit (0: all). values without the q*_cmd_mm, which become
 // commanded_mm.
 std::vector<PointRecord> read_points(Session& session, RunId run, std::int64_t after_id, int limit);
+// Of all runs, those after one id and up to another, at most limit. last: the id of the last one
+// read, unchanged when there is none.
+std::vector<RunAttempt> read_attempts_after(Session& session, std::int64_t after,
+                                            std::int64_t until, int limit, std::int64_t& last);
+std::vector<PointRecord> read_points_after(Session& session, std::int64_t after, std::int64_t until,
+                                           int limit);
 
 // "q2_cmd_mm" for axis 2; and back: 0 for any other name.
 std::string commanded_channel(std::size_t axis);

@@ -1,13 +1,17 @@
 #include "storage/sqlite_store.h"
 
+#include "storage/alarm_store.h"
 #include "storage/diagnosis_store.h"
 #include "storage/event_store.h"
 #include "storage/model_store.h"
 #include "storage/reading_store.h"
+#include "storage/record_store.h"
 #include "storage/remark_store.h"
 #include "storage/run_store.h"
 #include "storage/schema.h"
+#include "storage/series_store.h"
 #include "storage/session.h"
+#include "storage/trajectory_store.h"
 
 namespace driftwise::storage {
 namespace {
@@ -33,7 +37,11 @@ class SqliteStore final : public Store {
         models_(session_),
         events_(session_),
         remarks_(session_),
-        diagnoses_(session_) {
+        diagnoses_(session_),
+        records_(session_),
+        alarms_(session_),
+        series_(session_),
+        trajectories_(session_) {
     Database& db = session_.db;
     sqlite3_busy_timeout(db.handle(), options.busy_timeout_ms);
     db.execute(kCommonPragmas);
@@ -57,7 +65,13 @@ class SqliteStore final : public Store {
   RemarkStore& remarks() override { return remarks_; }
   DiagnosisStore& diagnoses() override { return diagnoses_; }
 
+  RecordStore& records() override { return records_; }
+  AlarmStore& alarms() override { return alarms_; }
+  SeriesStore& series() override { return series_; }
+  TrajectoryStore& trajectories() override { return trajectories_; }
+
   Result<void> idle() override {
+    if (auto summarised = series_.keep_up(); !summarised) return tl::unexpected(summarised.error());
     return answered([this] {
       if (log_pages_ >= checkpoint_pages_) checkpoint();
     });
@@ -96,6 +110,10 @@ class SqliteStore final : public Store {
   SqliteEventStore events_;
   SqliteRemarkStore remarks_;
   SqliteDiagnosisStore diagnoses_;
+  SqliteRecordStore records_;
+  SqliteAlarmStore alarms_;
+  SqliteSeriesStore series_;
+  SqliteTrajectoryStore trajectories_;
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <CLI/Formatter.hpp>
 #include <algorithm>
 
+#include "clients/cli/alarm_commands.h"
 #include "clients/cli/cell_commands.h"
 #include "clients/cli/command_tree.h"
 #include "clients/cli/data_commands.h"
@@ -85,6 +86,7 @@ void add_everything(CLI::App& app, Session& session) {
   app.option_defaults()->always_capture_default(false);
   add_shared_options(app, session);
   add_status_commands(app, session);
+  add_alarm_commands(app, session);
   add_trajectory_commands(app, session);
   add_run_commands(app, session);
   add_motion_commands(app, session);

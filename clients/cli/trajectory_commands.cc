@@ -1,5 +1,6 @@
 #include <memory>
 
+#include "clients/cli/kept_trajectory_commands.h"
 #include "clients/cli/proto_json.h"
 #include "clients/cli/run_commands.h"
 #include "clients/cli/standard_commands.h"
@@ -60,6 +61,7 @@ void add_trajectory_commands(CLI::App& app, Session& session) {
         return ExitCode::done;
       });
   check.add_option("FILE", *file, "trajectory CSV, - for standard input")->required();
+  add_kept_trajectories(trajectory, session);
   add_trajectory_grid(trajectory, session);
   add_standard_trajectories(trajectory, session);
 }

@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "server/application/watching.h"
 #include "server/calibration/model.h"
 #include "server/calibration/offer.h"
 #include "server/compensation/snapshot_board.h"
@@ -257,6 +258,9 @@ class Cell {
   virtual Awaitable<Result<std::optional<ModelRecord>>> roll_back(
       Caller caller) = 0;  // to the one that served before
   virtual Awaitable<Result<std::vector<PromotionRecord>>> promotions() = 0;
+
+  // The record after a cursor, alarms, series, kept trajectories.
+  virtual Watching& watching() = 0;
 
   // What serves now. Readers take no lock.
   virtual const compensation::SnapshotBoard& snapshots() const = 0;

@@ -59,6 +59,8 @@ CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
              serving_.anchor(datum);
            }},
           tasks_),
+      alarm_book_(*clock_, writer_),
+      alarms_end_(executor),
       beginning_(executor) {}
 
 CellApplication::~CellApplication() {
@@ -72,7 +74,12 @@ void CellApplication::start() {
   keeper_.start();
   recorder_.start();
   serving_.start();
-  run_watch_ = engine_.watchers().add([this](const RunProgress& run) { check_after(run); });
+  run_watch_ = engine_.watchers().add([this](const RunProgress& run) {
+    check_after(run);
+    note_for_alarms(run);
+  });
+  tasks_.begin();
+  spawn(executor_, look_for_alarms());
   tasks_.begin();
   spawn(executor_, start_up());
 }
@@ -200,6 +207,8 @@ Awaitable<void> CellApplication::shut_down() {
   if (auto* control = engine_.control()) control->shut_down();
   if (by_hand_) by_hand_->shut_down();
   keeper_.shut_down();
+  ending_ = true;
+  alarms_end_.raise();
   recorder_.shut_down();
   serving_.shut_down();
   asio::steady_timer cut_off(executor_, kPatience);

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "server/application/alarm_book.h"
+#include "server/application/alarm_conditions.h"
 #include "server/application/cell.h"
 #include "server/application/device_bench.h"
 #include "server/application/device_keeper.h"
@@ -41,7 +43,7 @@ class Thread {
   std::optional<asio::thread_pool> own_;
 };
 
-class CellApplication final : public Cell {
+class CellApplication final : public Cell, private Watching {
  public:
   CellApplication(asio::any_io_executor executor, Parts parts, std::unique_ptr<Store> writing,
                   std::unique_ptr<Store> reading);
@@ -106,9 +108,24 @@ class CellApplication final : public Cell {
   Awaitable<Result<ModelRecord>> promote(Caller caller, ModelId id) override;
   Awaitable<Result<std::optional<ModelRecord>>> roll_back(Caller caller) override;
   Awaitable<Result<std::vector<PromotionRecord>>> promotions() override;
+  Watching& watching() override { return *this; }
   const compensation::SnapshotBoard& snapshots() const override { return serving_.board(); }
 
  private:
+  Awaitable<Result<RecordHead>> record_head() override;
+  Awaitable<Result<RecordPage>> records(RecordCursor after, RecordCursor until, int limit) override;
+  std::shared_ptr<void> watch_records(std::function<void()> on_news) override;
+  Awaitable<Result<std::vector<AlarmRecord>>> alarms(bool with_history, int limit) override;
+  Awaitable<Result<AlarmRecord>> acknowledge_alarm(Caller caller, AlarmId id) override;
+  Awaitable<Result<SeriesAnswer>> series(SeriesQuery query) override;
+  Awaitable<Result<KeptTrajectory>> keep_trajectory(Caller caller, std::string name,
+                                                    std::string text) override;
+  Awaitable<Result<KeptTrajectory>> trajectory(TrajectoryId id) override;
+  Awaitable<Result<std::vector<KeptTrajectory>>> trajectories() override;
+  Awaitable<void> look_for_alarms();
+  std::vector<AlarmCondition> alarms_now() const;
+  void note_for_alarms(const RunProgress& progress);
+
   class ByHand;
   Awaitable<void> start_up();
   Awaitable<Result<void>> restore_datum();
@@ -149,6 +166,11 @@ class CellApplication final : public Cell {
   Serving serving_;
   RunEngine engine_;
   LeaseBook leases_;
+  AlarmBook alarm_book_;
+  QualityTrend quality_;
+  std::optional<RunId> last_failed_;  // of which an alarm was made
+  Signal alarms_end_;
+  bool ending_ = false;
   Turn beginning_;  // one at a time decides whether a run or a movement may begin
   std::optional<RunControl> by_hand_;  // set while somebody homes or moves without a run
   std::string check_trouble_;          // "recalibrate now: ...", of the model that serves

@@ -24,7 +24,9 @@ constexpr const char* kServiceNames[] = {"",
                                          "driftwise.v1.RunService",
                                          "driftwise.v1.DataService",
                                          "driftwise.v1.ModelService",
-                                         "driftwise.v1.TargetService"};
+                                         "driftwise.v1.TargetService",
+                                         "driftwise.v1.TrajectoryService",
+                                         "driftwise.v1.WatchService"};
 
 struct Address {
   std::string host;
@@ -84,6 +86,8 @@ Result<std::unique_ptr<RpcServer>> RpcServer::open(application::Cell& cell,
   out->services_.push_back(make_model_service(cell));
   out->services_.push_back(make_target_service(cell));
   out->services_.push_back(make_standards_service(cell));
+  out->services_.push_back(make_trajectory_service(cell));
+  out->services_.push_back(make_watch_service(cell));
 
   grpc::EnableDefaultHealthCheckService(true);
   static const bool reflected = (grpc::reflection::InitProtoReflectionServerBuilderPlugin(), true);

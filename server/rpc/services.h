@@ -16,5 +16,7 @@ std::unique_ptr<grpc::Service> make_data_service(application::Cell& cell);
 std::unique_ptr<grpc::Service> make_model_service(application::Cell& cell);
 std::unique_ptr<grpc::Service> make_target_service(application::Cell& cell);
 std::unique_ptr<grpc::Service> make_standards_service(application::Cell& cell);
+std::unique_ptr<grpc::Service> make_trajectory_service(application::Cell& cell);
+std::unique_ptr<grpc::Service> make_watch_service(application::Cell& cell);
 
 }  // namespace driftwise::rpc

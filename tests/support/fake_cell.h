@@ -18,7 +18,7 @@ namespace driftwise::tests {
 
 namespace app = driftwise::application;
 
-class FakeCell final : public app::Cell {
+class FakeCell final : public app::Cell, private app::Watching {
  public:
   FakeCell();
   ~FakeCell() override;
@@ -60,6 +60,12 @@ class FakeCell final : public app::Cell {
   std::vector<NoteRecord> the_notes;
   std::string last_request_id;
   bool last_without_excluded = false;
+  std::vector<AlarmRecord> the_alarms;  // by change
+  std::vector<KeptTrajectory> the_trajectories;
+  SeriesQuery last_series;
+  SeriesAnswer the_series;
+  std::string the_database = "aa11";
+  int pages_read = 0;
   std::string the_csv = "time_s,q1_mm,x_mm\n0,0,0\n";
   int watchers = 0;  // streams that watch now
   compensation::SnapshotBoard board;
@@ -129,9 +135,20 @@ class FakeCell final : public app::Cell {
   Awaitable<Result<ModelRecord>> promote(app::Caller caller, ModelId id) override;
   Awaitable<Result<std::optional<ModelRecord>>> roll_back(app::Caller caller) override;
   Awaitable<Result<std::vector<PromotionRecord>>> promotions() override;
+  app::Watching& watching() override { return *this; }
   const compensation::SnapshotBoard& snapshots() const override { return board; }
 
  private:
+  Awaitable<Result<app::RecordHead>> record_head() override;
+  Awaitable<Result<RecordPage>> records(RecordCursor after, RecordCursor until, int limit) override;
+  std::shared_ptr<void> watch_records(std::function<void()> on_news) override;
+  Awaitable<Result<std::vector<AlarmRecord>>> alarms(bool with_history, int limit) override;
+  Awaitable<Result<AlarmRecord>> acknowledge_alarm(app::Caller caller, AlarmId id) override;
+  Awaitable<Result<SeriesAnswer>> series(SeriesQuery query) override;
+  Awaitable<Result<KeptTrajectory>> keep_trajectory(app::Caller caller, std::string name,
+                                                    std::string text) override;
+  Awaitable<Result<KeptTrajectory>> trajectory(TrajectoryId id) override;
+  Awaitable<Result<std::vector<KeptTrajectory>>> trajectories() override;
   std::optional<Error> take_failure();
   Result<RunRecord> find_run(RunId run) const;
   Result<void> check_lease(const std::string& token) const;

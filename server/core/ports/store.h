@@ -14,6 +14,7 @@
 
 #include "server/core/dataset.h"
 #include "server/core/diagnosis_records.h"
+#include "server/core/ports/watch_store.h"
 #include "server/core/records.h"
 #include "server/core/result.h"
 
@@ -142,7 +143,12 @@ class Store {
   virtual EventStore& events() = 0;
   virtual RemarkStore& remarks() = 0;
   virtual DiagnosisStore& diagnoses() = 0;
-  // Housekeeping that must not delay a point (SQLite: a checkpoint of the log): call it on the
+  virtual RecordStore& records() = 0;
+  virtual AlarmStore& alarms() = 0;
+  virtual SeriesStore& series() = 0;
+  virtual TrajectoryStore& trajectories() = 0;
+  // Housekeeping that must not delay a point (SQLite: a checkpoint of the log, a step of the
+  // summaries): call it on the
   // store's thread when there is time, between points; it does nothing when there is nothing to do.
   // An error costs no data.
   virtual Result<void> idle() { return {}; }

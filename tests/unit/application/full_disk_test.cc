@@ -19,6 +19,10 @@ class FullDisk final : public Store, RunStore, ReadingStore, EventStore {
   EventStore& events() override { return *this; }
   RemarkStore& remarks() override { return inner_->remarks(); }
   DiagnosisStore& diagnoses() override { return inner_->diagnoses(); }
+  RecordStore& records() override { return inner_->records(); }
+  AlarmStore& alarms() override { return inner_->alarms(); }
+  SeriesStore& series() override { return inner_->series(); }
+  TrajectoryStore& trajectories() override { return inner_->trajectories(); }
 
  private:
   template <class T>

@@ -1,0 +1,50 @@
+#pragma once
+// Alarms that stand, each with its beginning, its end and its acknowledgement, kept in the store:
+// what was acknowledged before a restart stays so, and what still holds goes on instead of
+// beginning anew. Executor's thread.
+
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "server/application/alarm_conditions.h"
+#include "server/application/store_writer.h"
+#include "server/application/watch_list.h"
+#include "server/core/ports/clock.h"
+
+namespace driftwise::application {
+
+class AlarmBook {
+ public:
+  // A condition is over when this many looks in a row did not find it: one that flickers is one
+  // alarm.
+  static constexpr int kLooksToClear = 3;
+
+  AlarmBook(Clock& clock, StoreWriter& writer) : clock_(clock), writer_(writer) {}
+
+  // Once, before the first look: what the store has standing.
+  Awaitable<Result<void>> restore();
+  // Raises what is new and clears what is over. What the store refuses (a full disk) is tried again
+  // at the next look.
+  Awaitable<void> look(std::vector<AlarmCondition> conditions);
+  // Something that happened and is over at once: stands until it is acknowledged.
+  Awaitable<void> note(AlarmCondition condition);
+  Awaitable<Result<AlarmRecord>> acknowledge(AlarmId id, std::string who);
+
+  WatchList<AlarmRecord>& watchers() { return watchers_; }
+
+ private:
+  using Key = std::pair<std::string, std::string>;  // kind, subject
+  struct Standing {
+    AlarmId id;
+    int looks_without = 0;
+  };
+  Awaitable<Result<AlarmRecord>> raise(AlarmCondition condition, bool over);
+
+  Clock& clock_;
+  StoreWriter& writer_;
+  std::map<Key, Standing> standing_;
+  WatchList<AlarmRecord> watchers_;
+};
+
+}  // namespace driftwise::application

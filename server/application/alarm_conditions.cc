@@ -1,0 +1,99 @@
+#include "server/application/alarm_conditions.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+namespace driftwise::application {
+namespace {
+
+std::string run_subject(RunId run) { return fmt::format("run {}", run.value); }
+
+void add_devices(const CellStatus& status, std::vector<AlarmCondition>& out,
+                 std::set<std::string>& lost) {
+  for (const auto& device : status.devices) {
+    const bool tried = device.health.exchanges > 0 || device.health.errors > 0;
+    if (device.health.link == LinkState::connected || !tried) continue;
+    const std::string& id = device.description.id;
+    lost.insert(id);
+    out.push_back({AlarmLevel::failed, "device.lost", id,
+                   fmt::format("{} at {} does not answer ({}); it is tried again until it does", id,
+                               device.description.address, device.health.last_error)});
+  }
+}
+
+void add_stale_channels(const CellStatus& status, const std::set<std::string>& lost,
+                        std::vector<AlarmCondition>& out) {
+  for (const auto& latest : status.values) {
+    const bool never = latest.at.utc_ns == 0;
+    // Lengths are read when they are asked for: only what is read at intervals can be late.
+    const auto device =
+        std::find_if(status.devices.begin(), status.devices.end(),
+                     [&](const DeviceStatus& one) { return one.description.id == latest.device; });
+    if (never || !latest.stale || device == status.devices.end() || lost.contains(latest.device) ||
+        device->description.period_s <= 0)
+      continue;
+    const std::string channel = latest.channel.name();
+    out.push_back({AlarmLevel::warning, "channel.stale", channel,
+                   fmt::format("{} is older than {:g} s although {} answers: it joins no point and "
+                               "targets carry a flag",
+                               channel, device->description.max_age_s, latest.device)});
+  }
+}
+
+void add_run(const RunProgress& progress, std::vector<AlarmCondition>& out) {
+  const RunRecord& run = progress.run;
+  if (run.state == RunState::waiting)
+    out.push_back({AlarmLevel::warning, "run.waiting", run_subject(run.id),
+                   fmt::format("run {} waits: {}", run.id.value, run.reason)});
+  if (run.state == RunState::paused)
+    out.push_back(
+        {AlarmLevel::notice, "run.paused", run_subject(run.id),
+         fmt::format("run {} stands still: {}; resume it to go on", run.id.value, run.reason)});
+  if (run.given_up > 0)
+    out.push_back({AlarmLevel::warning, "gate.given_up", run_subject(run.id),
+                   fmt::format("run {} gave up rows that failed the gate within all budgets: "
+                               "'driftwise run attempts {}' says why",
+                               run.id.value, run.id.value)});
+}
+
+}  // namespace
+
+std::vector<AlarmCondition> alarm_conditions(const CellStatus& status) {
+  std::vector<AlarmCondition> out;
+  std::set<std::string> lost;
+  add_devices(status, out, lost);
+  add_stale_channels(status, lost, out);
+  if (status.run) add_run(*status.run, out);
+  return out;
+}
+
+void QualityTrend::take(const RunProgress& progress) {
+  if (progress.run.id != run_) *this = {};
+  run_ = progress.run.id;
+  if (progress.run.accepted <= accepted_ || is_missing(progress.last_spread_nm)) return;
+  accepted_ = progress.run.accepted;
+  spreads_nm_.push_back(progress.last_spread_nm);
+  attempts_.push_back(progress.run.attempts);
+  if (spreads_nm_.size() <= kPoints) return;
+  attempts_before_ = attempts_.front();
+  spreads_nm_.erase(spreads_nm_.begin());
+  attempts_.erase(attempts_.begin());
+}
+
+std::optional<AlarmCondition> QualityTrend::condition(double max_spread_nm) const {
+  if (spreads_nm_.size() < kPoints) return std::nullopt;
+  std::vector<double> sorted = spreads_nm_;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  const double attempts_each = static_cast<double>(attempts_.back() - attempts_before_) / kPoints;
+  if (*middle <= 0.8 * max_spread_nm && attempts_each <= 1.5) return std::nullopt;
+  return AlarmCondition{
+      AlarmLevel::warning, "gate.spread", run_subject(run_),
+      fmt::format("the last {} points of run {} have a median spread of {:.1f} nm (limit {:g} nm) "
+                  "and took {:.1f} attempts each: look for turbulence or vibration",
+                  kPoints, run_.value, *middle, max_spread_nm, attempts_each)};
+}
+
+}  // namespace driftwise::application

@@ -1,0 +1,121 @@
+// What those who watch ask: records, alarms, series, kept trajectories.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "server/application/cell_application.h"
+#include "server/application/spawn.h"
+#include "server/formats/text.h"
+
+namespace driftwise::application {
+
+Awaitable<Result<RecordHead>> CellApplication::record_head() {
+  return reader_.call([](Store& store) -> Result<RecordHead> {
+    auto database = store.records().database_id();
+    if (!database) return tl::unexpected(database.error());
+    const auto newest = store.records().newest();
+    if (!newest) return tl::unexpected(newest.error());
+    return RecordHead{std::move(*database), *newest};
+  });
+}
+
+Awaitable<Result<RecordPage>> CellApplication::records(RecordCursor after, RecordCursor until,
+                                                       int limit) {
+  return reader_.call(
+      [after, until, limit](Store& store) { return store.records().records(after, until, limit); });
+}
+
+std::shared_ptr<void> CellApplication::watch_records(std::function<void()> on_news) {
+  auto watches = std::make_shared<std::vector<std::shared_ptr<void>>>();
+  watches->push_back(events_.watchers().add([on_news](const EventRecord&) { on_news(); }));
+  watches->push_back(engine_.watchers().add([on_news](const RunProgress&) { on_news(); }));
+  watches->push_back(alarm_book_.watchers().add([on_news](const AlarmRecord&) { on_news(); }));
+  return watches;
+}
+
+Awaitable<Result<std::vector<AlarmRecord>>> CellApplication::alarms(bool with_history, int limit) {
+  return reader_.call(
+      [with_history, limit](Store& store) { return store.alarms().alarms(with_history, limit); });
+}
+
+Awaitable<Result<AlarmRecord>> CellApplication::acknowledge_alarm(Caller caller, AlarmId id) {
+  auto storing = alarm_book_.acknowledge(id, caller.name);
+  auto alarm = co_await std::move(storing);
+  if (alarm)
+    events_.record(caller, "alarm.acknowledged",
+                   fmt::format("alarm {}, {}: {}", id.value, alarm->kind, alarm->message));
+  co_return alarm;
+}
+
+// Every two seconds of cell time, and at most twice a second of wall time.
+Awaitable<void> CellApplication::look_for_alarms() {
+  if (const auto restored = co_await alarm_book_.restore(); !restored)
+    events_.record_own("daemon.trouble", "reading the alarms: " + restored.error().message);
+  while (!ending_) {
+    auto looking = alarm_book_.look(alarms_now());
+    co_await std::move(looking);
+    const double seconds = std::max(2.0, 0.5 * clock_->speed());
+    co_await sleep_unless(*clock_, clock_->now().utc + nanoseconds_from_s(seconds), alarms_end_);
+  }
+  tasks_.end();
+}
+
+std::vector<AlarmCondition> CellApplication::alarms_now() const {
+  std::vector<AlarmCondition> out = alarm_conditions(status());
+  if (const auto trend = quality_.condition(description_.run.max_spread_nm);
+      trend && engine_.busy())
+    out.push_back(*trend);
+  if (!serving_.trouble().empty())
+    out.push_back({AlarmLevel::warning, "serving.trouble", "served model", serving_.trouble()});
+  if (!check_trouble_.empty())
+    out.push_back({AlarmLevel::warning, "model.doubtful", "served model", check_trouble_});
+  if (writer_.dropped() > 0)
+    out.push_back({AlarmLevel::failed, "record.dropped", "database",
+                   "slow readings were dropped because nothing could be written: make room on the "
+                   "disk; the record says from when to when"});
+  return out;
+}
+
+void CellApplication::note_for_alarms(const RunProgress& progress) {
+  quality_.take(progress);
+  const RunRecord& run = progress.run;
+  if (run.state != RunState::failed || last_failed_ == run.id) return;
+  last_failed_ = run.id;
+  spawn(executor_,
+        alarm_book_.note({AlarmLevel::failed, "run.failed", fmt::format("run {}", run.id.value),
+                          fmt::format("run {} failed: {}", run.id.value, run.reason)}));
+}
+
+Awaitable<Result<SeriesAnswer>> CellApplication::series(SeriesQuery query) {
+  return reader_.call([query](Store& store) { return store.series().series(query); });
+}
+
+Awaitable<Result<KeptTrajectory>> CellApplication::keep_trajectory(Caller caller, std::string name,
+                                                                   std::string text) {
+  const auto checked = check_trajectory(text);
+  if (!checked) co_return tl::unexpected(checked.error());
+  KeptTrajectory wanted;
+  wanted.name = name;
+  wanted.text = text;
+  wanted.hash = formats::content_hash(text);
+  wanted.rows = static_cast<std::int64_t>(checked->trajectory.points.size());
+  wanted.created = clock_->now().utc;
+  wanted.created_by = caller.name;
+  auto storing = writer_.call([wanted](Store& store) { return store.trajectories().keep(wanted); });
+  auto kept = co_await std::move(storing);
+  if (kept && kept->created.utc_ns == wanted.created.utc_ns)
+    events_.record(caller, "trajectory.kept",
+                   fmt::format("trajectory {} '{}', {} rows", kept->id.value, name, wanted.rows));
+  co_return kept;
+}
+
+Awaitable<Result<KeptTrajectory>> CellApplication::trajectory(TrajectoryId id) {
+  return reader_.call([id](Store& store) { return store.trajectories().trajectory(id); });
+}
+
+Awaitable<Result<std::vector<KeptTrajectory>>> CellApplication::trajectories() {
+  return reader_.call([](Store& store) { return store.trajectories().trajectories(); });
+}
+
+}  // namespace driftwise::application

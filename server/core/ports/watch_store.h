@@ -1,0 +1,54 @@
+#pragma once
+// What a database gives to those who watch. As server/core/ports/store.h: calls block, one thread.
+
+#include <string>
+#include <vector>
+
+#include "server/core/result.h"
+#include "server/core/watch_records.h"
+
+namespace driftwise {
+
+// The record after a cursor, whatever its kind.
+class RecordStore {
+ public:
+  virtual ~RecordStore() = default;
+  // Made with the database: a cursor of another one means nothing here.
+  virtual Result<std::string> database_id() = 0;
+  virtual Result<RecordCursor> newest() = 0;
+  // After one cursor and up to the other, at most limit of each kind (page.to says how far).
+  virtual Result<RecordPage> records(const RecordCursor& after, const RecordCursor& until,
+                                     int limit) = 0;
+};
+
+class AlarmStore {
+ public:
+  virtual ~AlarmStore() = default;
+  virtual Result<AlarmRecord> raise(const AlarmRecord& alarm) = 0;  // its id is ignored
+  // Errors: not_found NO_SUCH_ALARM. Done before: as it was.
+  virtual Result<AlarmRecord> clear(AlarmId id, CellTime at) = 0;
+  virtual Result<AlarmRecord> acknowledge(AlarmId id, CellTime at, const std::string& who) = 0;
+  // Newest first. Without history: those that still hold or nobody has acknowledged.
+  virtual Result<std::vector<AlarmRecord>> alarms(bool with_history, int limit) = 0;
+};
+
+class SeriesStore {
+ public:
+  virtual ~SeriesStore() = default;
+  // Errors: not_found NO_SUCH_RUN; invalid_argument NO_SUCH_CHANNEL (never recorded).
+  virtual Result<SeriesAnswer> series(const SeriesQuery& query) = 0;
+  // Takes some of the readings stored since the last time into the summaries that make series()
+  // quick. True: there are more. Costs about 20 ms.
+  virtual Result<bool> summarise() = 0;
+};
+
+class TrajectoryStore {
+ public:
+  virtual ~TrajectoryStore() = default;
+  virtual Result<KeptTrajectory> keep(
+      const KeptTrajectory& trajectory) = 0;                       // same hash: the first one
+  virtual Result<KeptTrajectory> trajectory(TrajectoryId id) = 0;  // not_found NO_SUCH_TRAJECTORY
+  virtual Result<std::vector<KeptTrajectory>> trajectories() = 0;  // newest first, without texts
+};
+
+}  // namespace driftwise

@@ -1,0 +1,104 @@
+// What those who watch cost: 40 channels, 20 updates a second, 0, 1 and 10 clients of Watch over
+// loopback, each for some seconds.
+//
+//   watch_bench [seconds]      prints one JSON object
+//
+// executor: the thread that runs the cell; what it spends is what a run could feel. process: all
+// threads, clients included.
+
+#include <grpcpp/create_channel.h>
+#include <grpcpp/security/credentials.h>
+#include <time.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "driftwise/v1/watch_service.grpc.pb.h"
+#include "server/rpc/rpc_server.h"
+#include "tests/support/fake_cell.h"
+
+namespace {
+
+using namespace driftwise;
+using tests::FakeCell;
+
+double cpu_s(clockid_t clock) {
+  timespec now{};
+  clock_gettime(clock, &now);
+  return static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec) * 1e-9;
+}
+
+struct Client {
+  Client(const std::string& address, std::atomic<std::int64_t>& batches)
+      : thread([this, address, &batches] {
+          auto stub = v1::WatchService::NewStub(
+              grpc::CreateChannel(address, grpc::InsecureChannelCredentials()));
+          v1::WatchRequest request;
+          request.set_max_hz(20);
+          const auto reader = stub->Watch(&context, request);
+          for (v1::WatchResponse batch; reader->Read(&batch);) ++batches;
+          reader->Finish();
+        }) {}
+  ~Client() {
+    context.TryCancel();
+    thread.join();
+  }
+  grpc::ClientContext context;
+  std::thread thread;
+};
+
+nlohmann::ordered_json measure(FakeCell& cell, const std::string& address, int clients,
+                               double seconds) {
+  std::atomic<std::int64_t> batches{0};
+  std::vector<std::unique_ptr<Client>> watching;
+  for (int i = 0; i < clients; ++i) watching.push_back(std::make_unique<Client>(address, batches));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  const auto executor_now = [&] {
+    return cell.on_executor([] { return cpu_s(CLOCK_THREAD_CPUTIME_ID); });
+  };
+  const double executor = executor_now(), process = cpu_s(CLOCK_PROCESS_CPUTIME_ID);
+  batches = 0;
+  const auto begin = std::chrono::steady_clock::now();
+  const auto end = begin + std::chrono::duration<double>(seconds);
+  for (int i = 0; std::chrono::steady_clock::now() < end; ++i) {
+    cell.on_executor([&] {
+      for (auto& value : cell.the_status.values) value.value += 1e-3;
+      cell.publish_reading({"scanner", cell.the_time, cell.the_time, i, {}});
+      if (i % 20 == 0) cell.add_event("bench");
+    });
+    std::this_thread::sleep_until(begin + std::chrono::milliseconds(50) * (i + 1));
+  }
+  return {
+      {"clients", clients},
+      {"batches_per_s", static_cast<double>(batches) / seconds},
+      {"executor_percent_of_a_core", 100 * (executor_now() - executor) / seconds},
+      {"process_percent_of_a_core", 100 * (cpu_s(CLOCK_PROCESS_CPUTIME_ID) - process) / seconds}};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const double seconds = argc > 1 ? std::stod(argv[1]) : 10;
+  FakeCell cell;
+  cell.on_executor([&] {
+    for (int i = 0; i < 40; ++i)
+      cell.the_status.values.push_back({.channel = {"t" + std::to_string(i), "degC"},
+                                        .value = 20,
+                                        .at = cell.the_time,
+                                        .age_s = 1,
+                                        .device = "scanner"});
+  });
+  auto server = rpc::RpcServer::open(cell, "127.0.0.1:0");
+  if (!server) return 1;
+  (*server)->ready(true);
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  for (const int clients : {0, 1, 10})
+    out.push_back(measure(cell, (*server)->address(), clients, seconds));
+  std::puts(out.dump(2).c_str());
+  return 0;
+}

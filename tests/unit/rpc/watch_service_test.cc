@@ -1,0 +1,278 @@
+// Watch as its clients meet it: states, records by cursor, slow and returning clients.
+
+#include "driftwise/v1/watch_service.grpc.pb.h"
+#include "tests/unit/rpc/rpc_fixture.h"
+
+namespace driftwise::tests {
+namespace {
+
+using WatchStub = v1::WatchService::Stub;
+
+class WatchServiceTest : public RpcTest {
+ protected:
+  struct Seen {
+    std::vector<std::int64_t> events, points;
+    std::vector<std::string> kinds;  // of everything, in order
+    std::string cursor;
+  };
+
+  // Reads batches until there is an event of this number.
+  Seen watch_until_event(std::int64_t last, const std::string& cursor,
+                         std::vector<v1::Topic> topics = {}) {
+    Call call;
+    v1::WatchRequest request;
+    request.set_cursor(cursor);
+    request.set_max_hz(20);
+    for (const auto topic : topics) request.add_topics(topic);
+    WatchStub stub(channel);
+    const auto reader = stub.Watch(&call, request);
+    Seen seen;
+    v1::WatchResponse batch;
+    while ((seen.events.empty() || seen.events.back() < last) && reader->Read(&batch)) {
+      seen.cursor = batch.cursor();
+      for (const auto& event : batch.events()) {
+        seen.kinds.push_back(event.GetDescriptor()->FindFieldByNumber(event.event_case())->name());
+        if (event.has_record()) seen.events.push_back(event.record().id());
+        if (event.has_point()) seen.points.push_back(event.point().id());
+      }
+    }
+    call.TryCancel();
+    reader->Finish();
+    return seen;
+  }
+
+  std::string cursor_now() {
+    Call call;
+    v1::WatchRequest request;
+    WatchStub stub(channel);
+    const auto reader = stub.Watch(&call, request);
+    v1::WatchResponse batch;
+    EXPECT_TRUE(reader->Read(&batch));
+    call.TryCancel();
+    return batch.cursor();
+  }
+
+  void add_points(int count) {
+    cell.on_executor([&] {
+      for (int i = 0; i < count; ++i) {
+        PointRecord point;
+        point.id = {static_cast<std::int64_t>(cell.the_points.size()) + 1};
+        cell.the_points.push_back(point);
+      }
+    });
+  }
+};
+
+std::vector<std::int64_t> numbers(std::int64_t from, std::int64_t to) {
+  std::vector<std::int64_t> out;
+  for (; from <= to; ++from) out.push_back(from);
+  return out;
+}
+
+TEST_F(WatchServiceTest, BeginsWithTheLayoutTheValuesAndTheCell) {
+  cell.on_executor([&] {
+    cell.the_status.name = "bench 3";
+    cell.the_status.values.push_back(
+        {.channel = {"t07", "degC"}, .value = 20.5, .at = {1}, .age_s = 2, .device = "scanner"});
+    cell.the_status.values.push_back({.channel = {"t08", "degC"}, .at = {}, .device = "scanner"});
+  });
+  Call call;
+  WatchStub stub(channel);
+  const auto reader = stub.Watch(&call, v1::WatchRequest{});
+  v1::WatchResponse batch;
+  ASSERT_TRUE(reader->Read(&batch));
+  ASSERT_GE(batch.events_size(), 3);
+  EXPECT_EQ(batch.events(0).layout().columns(0).channel(), "t07_degC");
+  EXPECT_EQ(batch.events(0).layout().columns(0).unit(), "degC");
+  EXPECT_EQ(batch.events(1).values().layout_revision(), batch.events(0).layout().revision());
+  EXPECT_EQ(batch.events(1).values().values(0), 20.5);
+  EXPECT_EQ(batch.events(1).values().age_ms(0), 2000);
+  EXPECT_TRUE(std::isnan(batch.events(1).values().values(1)));
+  EXPECT_EQ(batch.events(1).values().age_ms(1), -1);
+  EXPECT_EQ(batch.events(2).cell().cell_name(), "bench 3");
+  EXPECT_TRUE(batch.events(2).cell().values().empty());
+  EXPECT_TRUE(batch.has_server_time());
+  call.TryCancel();
+}
+
+TEST_F(WatchServiceTest, AHeartbeatComesEverySecondWhateverHappens) {
+  Call call;
+  v1::WatchRequest request;
+  request.add_topics(v1::TOPIC_ALARMS);
+  WatchStub stub(channel);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto reader = stub.Watch(&call, request);
+  v1::WatchResponse batch;
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(reader->Read(&batch));
+  EXPECT_TRUE(batch.events().empty());
+  EXPECT_FALSE(batch.cursor().empty());
+  const auto took = std::chrono::steady_clock::now() - begin;
+  EXPECT_GT(took, std::chrono::milliseconds(1500));
+  EXPECT_LT(took, std::chrono::seconds(10));
+  call.TryCancel();
+}
+
+TEST_F(WatchServiceTest, AReturningClientGetsEveryRecordOnceWhereItLeft) {
+  cell.on_executor([&] { cell.add_event("before"); });
+  std::string cursor = cursor_now();
+  std::vector<std::int64_t> events, points;
+  for (int visit = 0; visit < 4; ++visit) {
+    const int count = visit == 2 ? 1700 : 20;  // more than a page
+    add_points(count);
+    const auto last = cell.on_executor([&] {
+      for (int i = 0; i < count; ++i) cell.add_event("while away");
+      return cell.the_events.back().id.value;
+    });
+    const auto seen = watch_until_event(last, cursor);
+    events.insert(events.end(), seen.events.begin(), seen.events.end());
+    points.insert(points.end(), seen.points.begin(), seen.points.end());
+    cursor = seen.cursor;
+  }
+  EXPECT_EQ(events, numbers(2, 1 + 3 * 20 + 1700));
+  EXPECT_EQ(points, numbers(1, 3 * 20 + 1700));
+}
+
+TEST_F(WatchServiceTest, AStreamThatStaysGetsEveryRecordOnceAsItHappens) {
+  const std::string cursor = cursor_now();
+  std::thread happening([&] {
+    for (int i = 0; i < 300; ++i) {
+      cell.on_executor([&] { cell.add_event("now"); });
+      if (i % 10 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  });
+  EXPECT_EQ(watch_until_event(300, cursor).events, numbers(1, 300));
+  happening.join();
+}
+
+TEST_F(WatchServiceTest, TopicsLeaveOutTheRestAndTheCursorGoesOn) {
+  const std::string cursor = cursor_now();
+  add_points(3);
+  cell.on_executor([&] { cell.add_event("one"); });
+  const auto seen = watch_until_event(1, cursor, {v1::TOPIC_EVENTS});
+  EXPECT_EQ(seen.kinds, (std::vector<std::string>{"record"}));
+  cell.on_executor([&] { cell.add_event("two"); });
+  EXPECT_TRUE(watch_until_event(2, seen.cursor).points.empty());  // they were before this cursor
+}
+
+TEST_F(WatchServiceTest, RefusesACursorOfAnotherDatabaseOrOfTheFuture) {
+  for (const std::string cursor :
+       {"bb22.0.0.0.0.0.0", "aa11.99.0.0.0.0.0", "nonsense", "aa11.1.2.3", "aa11.-1.0.0.0.0.0"}) {
+    Call call;
+    v1::WatchRequest request;
+    request.set_cursor(cursor);
+    WatchStub stub(channel);
+    const auto reader = stub.Watch(&call, request);
+    v1::WatchResponse batch;
+    EXPECT_FALSE(reader->Read(&batch));
+    const auto error = rpc::to_error(reader->Finish());
+    EXPECT_EQ(error.code, ErrorCode::out_of_range) << cursor;
+    EXPECT_EQ(error.reason, "CURSOR_TOO_OLD") << cursor;
+  }
+}
+
+TEST_F(WatchServiceTest, RefusesARateOrATopicThatThereIsNot) {
+  for (const double hz : {-1.0, 21.0, std::nan("")}) {
+    Call call;
+    v1::WatchRequest request;
+    request.set_max_hz(hz);
+    const auto reader = WatchStub(channel).Watch(&call, request);
+    v1::WatchResponse batch;
+    EXPECT_FALSE(reader->Read(&batch));
+    EXPECT_EQ(rpc::to_error(reader->Finish()).reason, "BAD_RATE");
+  }
+}
+
+TEST_F(WatchServiceTest, ManyClientsCostTheCellOneLook) {
+  std::vector<std::unique_ptr<Call>> calls;
+  std::vector<std::unique_ptr<grpc::ClientReader<v1::WatchResponse>>> readers;
+  WatchStub stub(channel);
+  for (int i = 0; i < 10; ++i) {
+    calls.push_back(std::make_unique<Call>());
+    readers.push_back(stub.Watch(calls.back().get(), v1::WatchRequest{}));
+    v1::WatchResponse batch;
+    ASSERT_TRUE(readers.back()->Read(&batch));
+  }
+  const int before = cell.on_executor([&] { return cell.pages_read; });
+  cell.on_executor([&] { cell.add_event("news"); });
+  for (auto& reader : readers) {
+    v1::WatchResponse batch;
+    bool told = false;
+    while (!told && reader->Read(&batch))
+      for (const auto& event : batch.events()) told = told || event.has_record();
+    EXPECT_TRUE(told);
+  }
+  EXPECT_EQ(cell.on_executor([&] { return cell.pages_read; }), before + 1);
+  for (auto& call : calls) call->TryCancel();
+}
+
+TEST_F(WatchServiceTest, AlarmsAreListedAndAcknowledgedOneByOne) {
+  cell.on_executor([&] {
+    cell.the_alarms.push_back(
+        {{1}, AlarmLevel::failed, "device.lost", "laser-x", "it is gone", {5}, {}, {}, "", 1});
+    cell.the_alarms.push_back(
+        {{2}, AlarmLevel::warning, "channel.stale", "t07_degC", "old", {6}, {}, {}, "", 2});
+  });
+  v1::AcknowledgeAlarmRequest request;
+  request.set_alarm_id(1);
+  const auto done = ask(&WatchStub::AcknowledgeAlarm, request, "ada");
+  ASSERT_TRUE(done);
+  EXPECT_EQ(done->alarm().acknowledged_by(), "ada");
+  const auto list = ask(&WatchStub::ListAlarms, v1::ListAlarmsRequest{});
+  ASSERT_EQ(list->alarms_size(), 2);
+  EXPECT_TRUE(list->alarms(0).has_acknowledge_time());
+  EXPECT_FALSE(list->alarms(1).has_acknowledge_time());
+  request.set_alarm_id(9);
+  EXPECT_THAT(ask(&WatchStub::AcknowledgeAlarm, request),
+              FailsWith(ErrorCode::not_found, "NO_SUCH_ALARM"));
+}
+
+TEST_F(WatchServiceTest, ASeriesKeepsWhatFloatsWouldLose) {
+  cell.on_executor([&] {
+    cell.the_series.columns.push_back({"x_mm",
+                                       {10.000000001, kMissing},
+                                       {10.000000003, kMissing},
+                                       {10.000000002, kMissing},
+                                       {2, 0}});
+  });
+  v1::GetSeriesRequest request;
+  request.add_channels("x_mm");
+  request.set_bucket_count(2);
+  const auto answer = ask(&WatchStub::GetSeries, request);
+  ASSERT_TRUE(answer);
+  const auto& series = answer->series(0);
+  EXPECT_EQ(series.unit(), "mm");
+  EXPECT_NEAR(series.base() + static_cast<double>(series.min(0)), 10.000000001, 1e-12);
+  EXPECT_NEAR(series.base() + static_cast<double>(series.max(0)), 10.000000003, 1e-12);
+  EXPECT_TRUE(std::isnan(series.mean(1)));
+  EXPECT_FALSE(answer->raw());
+}
+
+TEST_F(WatchServiceTest, ASeriesRequestNamesWhatIsWrong) {
+  const auto reason = [&](auto change) {
+    v1::GetSeriesRequest request;
+    request.add_channels("x_mm");
+    request.set_bucket_count(100);
+    change(request);
+    const auto answer = ask(&WatchStub::GetSeries, request);
+    return answer ? "" : answer.error().reason;
+  };
+  EXPECT_EQ(reason([](auto& r) { r.clear_channels(); }), "BAD_CHANNEL");
+  EXPECT_EQ(reason([](auto& r) { r.add_channels("x"); }), "BAD_CHANNEL");
+  EXPECT_EQ(reason([](auto& r) { r.add_channels("x_mm"); }), "BAD_CHANNEL");
+  EXPECT_EQ(reason([](auto& r) { r.set_bucket_count(0); }), "BAD_BUCKETS");
+  EXPECT_EQ(reason([](auto& r) { r.set_bucket_count(10'001); }), "BAD_BUCKETS");
+  EXPECT_EQ(reason([](auto& r) {
+              r.mutable_from_time()->set_seconds(10);
+              r.mutable_to_time()->set_seconds(10);
+            }),
+            "BAD_RANGE");
+  EXPECT_EQ(reason([](auto& r) { r.mutable_to_time()->set_nanos(-1); }), "BAD_TIME");
+  EXPECT_EQ(reason([](auto& r) {
+              for (int i = 0; i < 150; ++i) r.add_channels("t" + std::to_string(i) + "_degC");
+              r.set_bucket_count(10'000);
+            }),
+            "TOO_MANY_BUCKETS");
+}
+
+}  // namespace
+}  // namespace driftwise::tests
