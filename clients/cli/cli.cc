@@ -9,7 +9,9 @@
 #include "clients/cli/command_tree.h"
 #include "clients/cli/data_commands.h"
 #include "clients/cli/diagnose_command.h"
+#include "clients/cli/diagnosis_commands.h"
 #include "clients/cli/fit_commands.h"
+#include "clients/cli/improve_commands.h"
 #include "clients/cli/manual_commands.h"
 #include "clients/cli/model_commands.h"
 #include "clients/cli/remark_commands.h"
@@ -94,6 +96,8 @@ void add_everything(CLI::App& app, Session& session) {
   add_note_commands(app, session);
   add_fit_command(app, session);
   add_diagnose_command(app, session);
+  add_diagnosis_commands(app, session);
+  add_improve_commands(app, session);
   add_model_commands(app, session);
   add_target_command(app, session);
   add_standard_commands(app, session);

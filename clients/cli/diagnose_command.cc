@@ -2,6 +2,8 @@
 
 #include <memory>
 
+#include "clients/cli/diagnosis_commands.h"
+#include "clients/cli/validators.h"
 #include "clients/cli/value_or_throw.h"
 #include "clients/cli/worker_threads.h"
 #include "server/diagnosis/diagnosis.h"
@@ -23,6 +25,9 @@ struct DiagnoseArguments {
   std::uint64_t seed = 1;
   std::string report, separating;
   double budget_h = 4;
+  std::vector<std::int64_t> runs;  // of the daemon, instead of a file
+  std::int64_t model = 0;
+  std::string name;
 };
 
 constexpr double kSecondsPerHour = 3600;
@@ -77,18 +82,40 @@ ExitCode diagnose_file(const Session& session, const DiagnoseArguments& a) {
   return found.verdict == diagnosis::Verdict::unexplained ? ExitCode::negative : ExitCode::done;
 }
 
+[[noreturn]] void misused(const std::string& message) {
+  throw Failure{ExitCode::usage, "usage", "USAGE", message};
+}
+
+ExitCode diagnose_any(const Session& session, const DiagnoseArguments& a) {
+  if (a.file.empty() == a.runs.empty())
+    misused("give a file or runs, one of the two: driftwise diagnose FILE.csv, or --run 3");
+  if (!a.runs.empty())
+    return diagnose_runs(session,
+                         {a.runs, a.model, a.baseline, a.name, a.alpha, a.seed, a.without});
+  if (a.model != 0) misused("--model names a model of the daemon: it goes with --run");
+  if (a.baseline.empty()) misused("a file needs --baseline: the simulation as it is");
+  return diagnose_file(session, a);
+}
+
 }  // namespace
 
 void add_diagnose_command(CLI::App& app, Session& session) {
   auto a = std::make_shared<DiagnoseArguments>();
   CLI::App& command =
       add_command(app, session, "diagnose", "What the simulation gets wrong in these data, and why",
-                  [&session, a] { return diagnose_file(session, *a); });
-  command.add_option("FILE", a->file, "dataset CSV, - for standard input")->required();
+                  [&session, a] { return diagnose_any(session, *a); });
+  command.add_option("FILE", a->file, "dataset CSV, - for standard input");
   command
-      .add_option("--baseline", a->baseline,
-                  "the simulation as it is: \"q ~ x + x^2 + T\"; all of its terms are in")
-      ->required();
+      .add_option("--run", a->runs, "these runs instead, such as 3,4: the daemon diagnoses them")
+      ->delimiter(',')
+      ->check(positive_number());
+  command.add_option(
+      "--baseline", a->baseline,
+      "the simulation as it is: \"q ~ x + x^2 + T\"; all of its terms are in. Of runs: "
+      "else that of --model, or of the model that serves");
+  command.add_option("--model", a->model, "of runs: begins from this model of the daemon")
+      ->check(positive_number());
+  command.add_option("--name", a->name, "of runs: of the diagnosis, for the record");
   command.add_option("--alpha", a->alpha, "rate of a false name where nothing is wrong")
       ->check(CLI::Range(1e-6, 0.5))
       ->capture_default_str();

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "server/application/watching.h"
+#include "server/application/diagnosis_request.h"
 #include "server/calibration/model.h"
 #include "server/calibration/offer.h"
 #include "server/compensation/snapshot_board.h"
@@ -28,6 +29,7 @@
 #include "server/core/ports/stabiliser.h"
 #include "server/core/ports/store.h"
 #include "server/diagnosis/check_standard.h"
+#include "server/formats/stored_diagnosis.h"
 
 namespace driftwise::application {
 
@@ -113,6 +115,7 @@ struct FitRequest {
   int starts = 1;
   std::int64_t seed = 1;
   std::vector<std::string> force_terms, without_terms;  // as a formula writes them
+  std::optional<ModelId> parent;                        // for the lineage
   std::string weight_symbol;
   int blocks = 10;
 };
@@ -163,11 +166,13 @@ class Cell {
     std::unique_ptr<Clock> clock;
     OpenStore open_store;
     std::string version;
-    // Where the writing store, the queries and the fits run: at most one thread each at a time.
-    // Empty: threads of the cell's own. A test hands in its one executor and has everything in
-    // order.
-    asio::any_io_executor storage_thread = {}, query_thread = {}, worker_thread = {};
+    // Where the writing store, the queries, the fits and the diagnoses run: at most one thread each
+    // at a time. Empty: threads of the cell's own. A test hands in its one executor and has
+    // everything in order.
+    asio::any_io_executor storage_thread = {}, query_thread = {}, worker_thread = {},
+                          diagnosis_thread = {};
     std::string web_address = {};  // "http://127.0.0.1:8080/", told in status(); empty: no web door
+    Diagnose diagnose = {};        // empty: diagnosis::diagnose
   };
   static Result<std::unique_ptr<Cell>> open(asio::any_io_executor executor, Parts parts);
   virtual ~Cell() = default;
@@ -261,6 +266,31 @@ class Cell {
 
   // The record after a cursor, alarms, series, kept trajectories.
   virtual Watching& watching() = 0;
+  // Diagnoses run on a thread of their own; created ones answer at once. Errors of create:
+  // invalid_argument (formula, channel, NO_DATA, what diagnosis::diagnose refuses before it
+  // searches); failed_precondition NO_MODEL (no baseline and nothing serves); not_found.
+  virtual Awaitable<Result<DiagnosisView>> create_diagnosis(Caller caller,
+                                                            DiagnosisRequest request) = 0;
+  virtual Awaitable<Result<DiagnosisView>> diagnosis(DiagnosisId id) = 0;
+  virtual Awaitable<Result<formats::DiscrepancyRows>> diagnosis_rows(DiagnosisId id) = 0;
+  virtual Awaitable<Result<std::vector<DiagnosisView>>> diagnoses() = 0;  // newest first
+  virtual Awaitable<Result<DiagnosisView>> cancel_diagnosis(Caller caller, DiagnosisId id) = 0;
+  // Makes of the findings what they apply to: extension_plan.h. Errors: failed_precondition
+  // NOT_DONE, NOTHING_FOUND, INDISTINGUISHABLE (a set without a choice), FROM_A_FILE; those of
+  // fit(); already_exists EXTENSION_STANDS.
+  virtual Awaitable<Result<ExtensionRecord>> accept_extension(Caller caller,
+                                                              AcceptRequest request) = 0;
+  virtual Awaitable<Result<ExtensionRecord>> undo_extension(Caller caller, DiagnosisId id) = 0;
+  // The loop of improvement.h. Errors of create: as create_run's.
+  virtual Awaitable<Result<ImprovementRecord>> create_improvement(Caller caller,
+                                                                  ImproveRequest request) = 0;
+  virtual Awaitable<Result<ImprovementRecord>> improvement(ImprovementId id) = 0;
+  virtual Awaitable<Result<std::vector<ImprovementRecord>>> improvements() = 0;  // newest first
+  virtual Awaitable<Result<ImprovementRecord>> cancel_improvement(Caller caller,
+                                                                  ImprovementId id) = 0;
+  // Of every diagnosis and improvement; at once with those under way.
+  virtual Watch watch_diagnoses(std::function<void(const DiagnosisProgress&)> on_change) = 0;
+  virtual Watch watch_improvements(std::function<void(const ImprovementProgress&)> on_change) = 0;
 
   // What serves now. Readers take no lock.
   virtual const compensation::SnapshotBoard& snapshots() const = 0;

@@ -14,8 +14,14 @@ Result<std::unique_ptr<Cell>> Cell::open(asio::any_io_executor executor, Parts p
   if (!writing) return tl::unexpected(writing.error());
   auto reading = parts.open_store(parts.description.database, true);
   if (!reading) return tl::unexpected(reading.error());
-  return std::make_unique<CellApplication>(executor, std::move(parts), std::move(*writing),
-                                           std::move(*reading));
+  // Before anybody can begin a new one.
+  const auto unfinished = (*writing)->diagnoses().fail_unfinished("the daemon ended while it ran",
+                                                                  parts.clock->now().utc);
+  if (!unfinished) return tl::unexpected(unfinished.error());
+  auto cell = std::make_unique<CellApplication>(executor, std::move(parts), std::move(*writing),
+                                                std::move(*reading));
+  cell->tell_of_unfinished(*unfinished);
+  return cell;
 }
 
 CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
@@ -28,6 +34,7 @@ CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
       storage_thread_(parts.storage_thread),
       query_thread_(parts.query_thread),
       worker_thread_(parts.worker_thread),
+      diagnosis_thread_(parts.diagnosis_thread),
       writer_(storage_thread_.executor(), std::move(writing)),
       reader_(query_thread_.executor(), std::move(reading)),
       events_(executor, *clock_, writer_),
@@ -61,6 +68,9 @@ CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
           tasks_),
       alarm_book_(*clock_, writer_),
       alarms_end_(executor),
+      desk_(executor, diagnosis_thread_.executor(), *clock_, writer_, events_, tasks_,
+            std::move(parts.diagnose)),
+      improver_(executor, *this, *clock_, writer_, events_, tasks_),
       beginning_(executor) {}
 
 CellApplication::~CellApplication() {
@@ -68,6 +78,7 @@ CellApplication::~CellApplication() {
   storage_thread_.join();
   query_thread_.join();
   worker_thread_.join();
+  diagnosis_thread_.join();
 }
 
 void CellApplication::start() {
@@ -211,6 +222,8 @@ Awaitable<void> CellApplication::shut_down() {
   alarms_end_.raise();
   recorder_.shut_down();
   serving_.shut_down();
+  improver_.shut_down();
+  desk_.shut_down();
   asio::steady_timer cut_off(executor_, kPatience);
   cut_off.async_wait([this](const boost::system::error_code& error) {
     if (!error) bench_.close_all();

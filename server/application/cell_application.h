@@ -13,7 +13,9 @@
 #include "server/application/cell.h"
 #include "server/application/device_bench.h"
 #include "server/application/device_keeper.h"
+#include "server/application/diagnosis_desk.h"
 #include "server/application/event_log.h"
+#include "server/application/improver.h"
 #include "server/application/lease_book.h"
 #include "server/application/loading.h"
 #include "server/application/recorder.h"
@@ -48,6 +50,9 @@ class CellApplication final : public Cell, private Watching {
   CellApplication(asio::any_io_executor executor, Parts parts, std::unique_ptr<Store> writing,
                   std::unique_ptr<Store> reading);
   ~CellApplication() override;
+
+  // How many diagnoses and improvements were under way when the daemon ended.
+  void tell_of_unfinished(std::int64_t count);
 
   asio::any_io_executor executor() const override { return executor_; }
   CellTime now() const override { return clock_->now().utc; }
@@ -109,6 +114,22 @@ class CellApplication final : public Cell, private Watching {
   Awaitable<Result<std::optional<ModelRecord>>> roll_back(Caller caller) override;
   Awaitable<Result<std::vector<PromotionRecord>>> promotions() override;
   Watching& watching() override { return *this; }
+  Awaitable<Result<DiagnosisView>> create_diagnosis(Caller caller,
+                                                    DiagnosisRequest request) override;
+  Awaitable<Result<DiagnosisView>> diagnosis(DiagnosisId id) override;
+  Awaitable<Result<formats::DiscrepancyRows>> diagnosis_rows(DiagnosisId id) override;
+  Awaitable<Result<std::vector<DiagnosisView>>> diagnoses() override;
+  Awaitable<Result<DiagnosisView>> cancel_diagnosis(Caller caller, DiagnosisId id) override;
+  Awaitable<Result<ExtensionRecord>> accept_extension(Caller caller,
+                                                      AcceptRequest request) override;
+  Awaitable<Result<ExtensionRecord>> undo_extension(Caller caller, DiagnosisId id) override;
+  Awaitable<Result<ImprovementRecord>> create_improvement(Caller caller,
+                                                          ImproveRequest request) override;
+  Awaitable<Result<ImprovementRecord>> improvement(ImprovementId id) override;
+  Awaitable<Result<std::vector<ImprovementRecord>>> improvements() override;
+  Awaitable<Result<ImprovementRecord>> cancel_improvement(Caller caller, ImprovementId id) override;
+  Watch watch_diagnoses(std::function<void(const DiagnosisProgress&)> on_change) override;
+  Watch watch_improvements(std::function<void(const ImprovementProgress&)> on_change) override;
   const compensation::SnapshotBoard& snapshots() const override { return serving_.board(); }
 
  private:
@@ -144,6 +165,7 @@ class CellApplication final : public Cell, private Watching {
                                          std::string action);
   std::vector<std::string> attention() const;
   Awaitable<Result<Dataset>> fit_data(FitRequest request);
+  Awaitable<Result<void>> resolve_baseline(DiagnosisRequest& request);
   void check_after(const RunProgress& progress);
   Awaitable<void> check_serving_model(std::optional<RunId> after);
 
@@ -151,7 +173,7 @@ class CellApplication final : public Cell, private Watching {
   CellDescription description_;
   std::unique_ptr<Clock> clock_;
   std::string version_, web_address_;
-  Thread storage_thread_, query_thread_, worker_thread_;
+  Thread storage_thread_, query_thread_, worker_thread_, diagnosis_thread_;
   StoreWriter writer_;
   StoreReader reader_;
   EventLog events_;
@@ -171,6 +193,8 @@ class CellApplication final : public Cell, private Watching {
   std::optional<RunId> last_failed_;  // of which an alarm was made
   Signal alarms_end_;
   bool ending_ = false;
+  DiagnosisDesk desk_;
+  Improver improver_;
   Turn beginning_;  // one at a time decides whether a run or a movement may begin
   std::optional<RunControl> by_hand_;  // set while somebody homes or moves without a run
   std::string check_trouble_;          // "recalibrate now: ...", of the model that serves

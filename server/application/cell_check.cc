@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "server/application/amended_dataset.h"
 #include "server/application/cell_application.h"
 #include "server/application/spawn.h"
 #include "server/formats/model_json.h"
@@ -79,7 +80,7 @@ Result<Material> gather(Store& store, ModelId id, const std::vector<RunId>& want
     material.runs.push_back(std::move(*one));
   }
   for (const auto& run : material.runs) {
-    auto data = store.runs().dataset(std::vector{run.id});
+    auto data = amended_dataset(store, std::vector{run.id});
     if (!data) return tl::unexpected(data.error());
     std::vector<std::vector<ChannelValue>> zeros;
     if (run.reason != "imported") {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "server/application/amended_dataset.h"
 #include "server/application/cell_application.h"
 #include "server/formats/dataset_csv.h"
 #include "server/formats/text.h"
@@ -20,6 +21,16 @@ std::optional<CellTime> time_zero(Store& store, const std::vector<RunId>& runs) 
     if (const auto points = store.runs().points(run, 0, 1); points && !points->empty())
       first = std::min(first.value_or(points->front().measured.utc), points->front().measured.utc);
   return first;
+}
+
+// "1, 3": whoever reads the file elsewhere shall know that its lengths are not as they were read.
+std::string corrections_in_force(Store& store) {
+  std::string numbers;
+  if (const auto records = store.diagnoses().corrections())
+    for (const auto& record : *records)
+      if (record.in_force())
+        numbers += (numbers.empty() ? "" : ", ") + std::to_string(record.id.value);
+  return numbers;
 }
 
 template <class T>
@@ -54,7 +65,7 @@ Awaitable<Result<std::string>> CellApplication::export_dataset(std::vector<RunId
                                                                bool without_excluded) {
   auto exporting = reader_.call(
       [runs, without_excluded, cell = description_.name](Store& store) -> Result<std::string> {
-        auto dataset = store.runs().dataset(runs);
+        auto dataset = amended_dataset(store, runs);
         if (!dataset) return tl::unexpected(dataset.error());
         if (without_excluded) leave_excluded_out(*dataset);
         if (dataset->metadata.empty()) {  // an imported file keeps its own
@@ -66,6 +77,8 @@ Awaitable<Result<std::string>> CellApplication::export_dataset(std::vector<RunId
           if (const auto zero = time_zero(store, runs))  // what time_s counts from
             dataset->metadata.emplace_back("time_zero", to_iso8601(*zero));
         }
+        if (const auto in_force = corrections_in_force(store); !in_force.empty())
+          dataset->metadata.emplace_back("corrections", in_force);
         return formats::write_dataset_csv(*dataset);
       });
   co_return co_await std::move(exporting);

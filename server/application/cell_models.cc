@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "server/application/amended_dataset.h"
 #include "server/application/cell_application.h"
 #include "server/application/crash_point.h"
 #include "server/application/fit_options.h"
@@ -12,23 +13,6 @@
 
 namespace driftwise::application {
 namespace {
-
-// From data and wishes to the record of a model; nothing here touches the cell: it runs on the
-// worker's thread.
-Result<ModelRecord> fit_record(const Dataset& dataset, const FitRequest& request,
-                               const std::string& source) {
-  auto options = fit_options_from(request, dataset, source);
-  if (!options) return tl::unexpected(options.error());
-  auto model = formats::fit_formula(dataset, request.formula, std::move(*options));
-  if (!model) return tl::unexpected(model.error());
-  ModelRecord record;
-  record.name = request.name.empty() ? model->formula : request.name;
-  record.note = request.note;
-  record.json = formats::write_model_json(*model);
-  record.hash = formats::model_hash(*model);
-  record.parent = model->lineage.parent;
-  return record;
-}
 
 Result<std::vector<calibration::OfferResult>> offers_of(const Dataset& dataset,
                                                         const FitRequest& request,
@@ -44,14 +28,6 @@ Result<std::vector<calibration::OfferResult>> offers_of(const Dataset& dataset,
   if (!model) return tl::unexpected(model.error());
   return calibration::weigh_offers(dataset, *options, *model,
                                    calibration::published_offers(dataset, options->candidates));
-}
-
-std::string source_of(const FitRequest& request) {
-  if (request.runs.empty()) return "dataset";
-  std::string text = request.runs.size() == 1 ? "run " : "runs ";
-  for (std::size_t i = 0; i < request.runs.size(); ++i)
-    text += (i == 0 ? "" : ", ") + std::to_string(request.runs[i].value);
-  return text;
 }
 
 // Which model served before each promotion, oldest first; the last is the one that serves now.
@@ -73,11 +49,12 @@ Awaitable<Result<Dataset>> CellApplication::fit_data(FitRequest request) {
   if (request.runs.empty() == request.csv.empty())
     co_return fail(ErrorCode::invalid_argument, "NO_DATA",
                    "a fit needs runs or a dataset, one of the two");
-  auto loading =
-      request.csv.empty()
-          ? reader_.call([runs = request.runs](Store& store) { return store.runs().dataset(runs); })
-          : run_on(worker_thread_.executor(),
-                   [csv = request.csv] { return formats::read_dataset_csv(csv, "dataset"); });
+  auto loading = request.csv.empty() ? reader_.call([runs = request.runs](Store& store) {
+    return amended_dataset(store, runs);
+  })
+                                     : run_on(worker_thread_.executor(), [csv = request.csv] {
+                                         return formats::read_dataset_csv(csv, "dataset");
+                                       });
   co_return co_await std::move(loading);
 }
 

@@ -6,6 +6,7 @@
 
 #include "server/formats/dataset_csv.h"
 #include "server/formats/formula.h"
+#include "server/formats/model_json.h"
 #include "server/formats/row_ranges.h"
 #include "server/formats/text.h"
 
@@ -56,9 +57,33 @@ Result<calibration::FitOptions> fit_options_from(const FitRequest& request, cons
   };
   options.lineage.runs = request.runs;
   options.lineage.source = source;
+  options.lineage.parent = request.parent;
   options.lineage.dataset_hash = formats::content_hash(formats::write_dataset_csv(dataset));
   options.lineage.exclusions_hash = formats::exclusions_hash(dataset);
   return options;
+}
+
+Result<ModelRecord> fit_record(const Dataset& dataset, const FitRequest& request,
+                               const std::string& source) {
+  auto options = fit_options_from(request, dataset, source);
+  if (!options) return tl::unexpected(options.error());
+  auto model = formats::fit_formula(dataset, request.formula, std::move(*options));
+  if (!model) return tl::unexpected(model.error());
+  ModelRecord record;
+  record.name = request.name.empty() ? model->formula : request.name;
+  record.note = request.note;
+  record.json = formats::write_model_json(*model);
+  record.hash = formats::model_hash(*model);
+  record.parent = model->lineage.parent;
+  return record;
+}
+
+std::string source_of(const FitRequest& request) {
+  if (request.runs.empty()) return "dataset";
+  std::string text = request.runs.size() == 1 ? "run " : "runs ";
+  for (std::size_t i = 0; i < request.runs.size(); ++i)
+    text += (i == 0 ? "" : ", ") + std::to_string(request.runs[i].value);
+  return text;
 }
 
 }  // namespace driftwise::application

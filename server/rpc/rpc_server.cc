@@ -26,7 +26,8 @@ constexpr const char* kServiceNames[] = {"",
                                          "driftwise.v1.ModelService",
                                          "driftwise.v1.TargetService",
                                          "driftwise.v1.TrajectoryService",
-                                         "driftwise.v1.WatchService"};
+                                         "driftwise.v1.WatchService",
+                                         "driftwise.v1.DiagnosisService"};
 
 struct Address {
   std::string host;
@@ -84,6 +85,7 @@ Result<std::unique_ptr<RpcServer>> RpcServer::open(application::Cell& cell,
   out->services_.push_back(make_run_service(cell));
   out->services_.push_back(make_data_service(cell));
   out->services_.push_back(make_model_service(cell));
+  out->services_.push_back(make_diagnosis_service(cell));
   out->services_.push_back(make_target_service(cell));
   out->services_.push_back(make_standards_service(cell));
   out->services_.push_back(make_trajectory_service(cell));

@@ -14,6 +14,7 @@ std::unique_ptr<grpc::Service> make_cell_service(application::Cell& cell);
 std::unique_ptr<grpc::Service> make_run_service(application::Cell& cell);
 std::unique_ptr<grpc::Service> make_data_service(application::Cell& cell);
 std::unique_ptr<grpc::Service> make_model_service(application::Cell& cell);
+std::unique_ptr<grpc::Service> make_diagnosis_service(application::Cell& cell);
 std::unique_ptr<grpc::Service> make_target_service(application::Cell& cell);
 std::unique_ptr<grpc::Service> make_standards_service(application::Cell& cell);
 std::unique_ptr<grpc::Service> make_trajectory_service(application::Cell& cell);

@@ -2,7 +2,7 @@
 // What the streaming calls send, each as a StreamSource (stream.h): how a slow client is treated is
 // decided here.
 //
-// progress, targets: the latest state only. events: all of them, by cursor from the record.
+// progress, jobs, targets: the latest state only. events: all of them, by cursor from the record.
 // readings: the newest 256, and a count of those missed. export: all of it, in pieces.
 
 #include <memory>
@@ -10,6 +10,7 @@
 
 #include "driftwise/v1/cell_service.pb.h"
 #include "driftwise/v1/data_service.pb.h"
+#include "driftwise/v1/diagnosis_service.pb.h"
 #include "driftwise/v1/run_service.pb.h"
 #include "driftwise/v1/target_service.pb.h"
 #include "server/application/cell.h"
@@ -22,6 +23,12 @@ namespace driftwise::rpc {
 // Errors: not_found; failed_precondition NO_RUN.
 std::unique_ptr<StreamSource<v1::WatchRunResponse>> watch_run(application::Cell& cell,
                                                               std::optional<RunId> run);
+
+// End after the state in which the job is over. Errors: not_found.
+std::unique_ptr<StreamSource<v1::WatchDiagnosisResponse>> watch_diagnosis(application::Cell& cell,
+                                                                          DiagnosisId id);
+std::unique_ptr<StreamSource<v1::WatchImprovementResponse>> watch_improvement(
+    application::Cell& cell, ImprovementId id);
 
 // after: none means from now on. Never ends by itself.
 std::unique_ptr<StreamSource<v1::WatchEventsResponse>> watch_events(application::Cell& cell,

@@ -24,7 +24,11 @@ Folder::~Folder() {
 
 CellInMemory::CellInMemory(SmallWorld& world, CellDescription description, OpenStore open_store,
                            CellTime begin)
-    : time_(begin) {
+    : CellInMemory(world, std::move(description), std::move(open_store), Further{.begin = begin}) {}
+
+CellInMemory::CellInMemory(SmallWorld& world, CellDescription description, OpenStore open_store,
+                           Further further)
+    : time_(further.begin) {
   application::Cell::Parts parts;
   parts.devices = small_devices(world, time_, description);
   parts.description = std::move(description);
@@ -32,6 +36,8 @@ CellInMemory::CellInMemory(SmallWorld& world, CellDescription description, OpenS
   parts.open_store = std::move(open_store);
   parts.version = "test";
   parts.storage_thread = parts.query_thread = parts.worker_thread = io_.get_executor();
+  parts.diagnosis_thread = further.diagnosis_thread ? further.diagnosis_thread : io_.get_executor();
+  parts.diagnose = std::move(further.diagnose);
   auto cell = application::Cell::open(io_.get_executor(), std::move(parts));
   if (!cell) throw std::runtime_error(cell.error().message);
   cell_ = std::move(*cell);

@@ -29,6 +29,13 @@ class Folder {
 
 class CellInMemory {
  public:
+  struct Further {
+    CellTime begin = kWorldBegin;
+    application::Diagnose diagnose = {};          // what stands in for the search for causes
+    asio::any_io_executor diagnosis_thread = {};  // where it runs; empty: with everything else
+  };
+  CellInMemory(SmallWorld& world, CellDescription description, OpenStore open_store,
+               Further further);
   // world: outlives this; begin: where cell time starts, later than any run that is gone on with.
   CellInMemory(SmallWorld& world, CellDescription description, OpenStore open_store,
                CellTime begin = kWorldBegin);
@@ -40,6 +47,7 @@ class CellInMemory {
   VirtualTime& time() { return time_; }
 
   void shut_down();
+  void forget() { cell_.reset(); }  // it was shut down by hand
   // Lets the world go on until the condition holds; throws when it does not within the limit of
   // cell time.
   void until(const std::function<bool()>& condition, double limit_s = 36'000);

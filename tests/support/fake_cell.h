@@ -58,6 +58,12 @@ class FakeCell final : public app::Cell, private app::Watching {
   app::ModelResiduals the_residuals;
   std::vector<ExclusionRecord> the_exclusions;  // of any run: rows as asked for
   std::vector<NoteRecord> the_notes;
+  std::vector<app::DiagnosisView> the_diagnoses;  // newest last
+  formats::DiscrepancyRows the_rows;
+  std::vector<ImprovementRecord> the_improvements;
+  app::DiagnosisRequest last_diagnosis;
+  app::AcceptRequest last_accept;
+  app::ImproveRequest last_improve;
   std::string last_request_id;
   bool last_without_excluded = false;
   std::vector<AlarmRecord> the_alarms;  // by change
@@ -73,6 +79,10 @@ class FakeCell final : public app::Cell, private app::Watching {
 
   void publish_progress(const app::RunProgress& progress) { progress_.publish(progress); }
   void publish_reading(const Reading& reading) { readings_.publish(reading); }
+  void publish_diagnosis(const app::DiagnosisProgress& progress) { diagnosing_.publish(progress); }
+  void publish_improvement(const app::ImprovementProgress& progress) {
+    improving_.publish(progress);
+  }
   void publish_snapshot(compensation::Snapshot snapshot);
   EventId add_event(const std::string& what);
   ModelId add_model(const std::string& formula);  // q1 = 1e-6 + x, with plausible figures
@@ -136,6 +146,24 @@ class FakeCell final : public app::Cell, private app::Watching {
   Awaitable<Result<std::optional<ModelRecord>>> roll_back(app::Caller caller) override;
   Awaitable<Result<std::vector<PromotionRecord>>> promotions() override;
   app::Watching& watching() override { return *this; }
+  Awaitable<Result<app::DiagnosisView>> create_diagnosis(app::Caller caller,
+                                                         app::DiagnosisRequest request) override;
+  Awaitable<Result<app::DiagnosisView>> diagnosis(DiagnosisId id) override;
+  Awaitable<Result<formats::DiscrepancyRows>> diagnosis_rows(DiagnosisId id) override;
+  Awaitable<Result<std::vector<app::DiagnosisView>>> diagnoses() override;
+  Awaitable<Result<app::DiagnosisView>> cancel_diagnosis(app::Caller caller,
+                                                         DiagnosisId id) override;
+  Awaitable<Result<ExtensionRecord>> accept_extension(app::Caller caller,
+                                                      app::AcceptRequest request) override;
+  Awaitable<Result<ExtensionRecord>> undo_extension(app::Caller caller, DiagnosisId id) override;
+  Awaitable<Result<ImprovementRecord>> create_improvement(app::Caller caller,
+                                                          app::ImproveRequest request) override;
+  Awaitable<Result<ImprovementRecord>> improvement(ImprovementId id) override;
+  Awaitable<Result<std::vector<ImprovementRecord>>> improvements() override;
+  Awaitable<Result<ImprovementRecord>> cancel_improvement(app::Caller caller,
+                                                          ImprovementId id) override;
+  Watch watch_diagnoses(std::function<void(const app::DiagnosisProgress&)> on_change) override;
+  Watch watch_improvements(std::function<void(const app::ImprovementProgress&)> on_change) override;
   const compensation::SnapshotBoard& snapshots() const override { return board; }
 
  private:
@@ -151,6 +179,7 @@ class FakeCell final : public app::Cell, private app::Watching {
   Awaitable<Result<std::vector<KeptTrajectory>>> trajectories() override;
   std::optional<Error> take_failure();
   Result<RunRecord> find_run(RunId run) const;
+  Result<app::DiagnosisView*> find_diagnosis(DiagnosisId id);
   Result<void> check_lease(const std::string& token) const;
   Result<RunRecord> change_state(const app::Caller& caller, RunId run, RunState state,
                                  std::string reason);
@@ -163,6 +192,8 @@ class FakeCell final : public app::Cell, private app::Watching {
   app::WatchList<EventRecord> event_watch_;
   app::WatchList<Reading> readings_;
   app::WatchList<> snapshots_;
+  app::WatchList<app::DiagnosisProgress> diagnosing_;
+  app::WatchList<app::ImprovementProgress> improving_;
   std::thread thread_;
 };
 

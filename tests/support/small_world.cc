@@ -129,8 +129,9 @@ class Laser final : public Simulated<Instrument> {
 
  private:
   double length_mm() const {
-    return position_mm() + kMmPerNm * world_.nm_per_k * world_.warming_k_per_h * hours() -
-           world_.zero_mm;
+    const double q_mm = position_mm();
+    return q_mm + kMmPerNm * world_.bend_nm_per_mm2 * q_mm * q_mm +
+           kMmPerNm * world_.nm_per_k * world_.warming_k_per_h * hours() - world_.zero_mm;
   }
   std::int64_t sequence_ = 0;
 };

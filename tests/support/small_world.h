@@ -31,6 +31,7 @@ struct SmallWorld {
   // Temperatures: t0n = 20 + n / 10 + warming * hours. The robot grows by nm_per_k of t01's
   // warming.
   double warming_k_per_h = 0.5, nm_per_k = 150;
+  double bend_nm_per_mm2 = 0;  // the end-effector runs ahead of the scale by this times q^2
   double support_degc = 23.0, support_set_degc = 23.0;
   double force_n = 0;                 // what hangs there
   std::int64_t load_rests_at_ns = 0;  // weights move until then

@@ -1,0 +1,96 @@
+#include "server/application/amended_dataset.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "server/formats/amendment_json.h"
+
+namespace driftwise::application {
+namespace {
+
+Result<std::vector<PointRecord>> points_of(Store& store, RunId run) {
+  constexpr int kPage = 5000;
+  std::vector<PointRecord> points;
+  for (std::int64_t after = 0;;) {
+    auto page = store.runs().points(run, after, kPage);
+    if (!page) return tl::unexpected(page.error());
+    if (page->empty()) return points;
+    after = page->back().id.value;
+    for (auto& point : *page) points.push_back(std::move(point));
+  }
+}
+
+// In the order of RunStore::dataset: measured points by their instant, then imported runs as they
+// were named, each by its rows.
+Result<void> find_origins(Store& store, std::span<const RunId> runs, RunsData& out) {
+  std::vector<PointRecord> measured, imported;
+  for (const RunId run : runs) {
+    const auto record = store.runs().run(run);
+    if (!record) return tl::unexpected(record.error());
+    auto points = points_of(store, run);
+    if (!points) return tl::unexpected(points.error());
+    const bool is_imported = record->reason == "imported";
+    if (is_imported) std::ranges::sort(*points, {}, &PointRecord::row);
+    auto& to = is_imported ? imported : measured;
+    std::ranges::move(*points, std::back_inserter(to));
+  }
+  std::ranges::sort(measured, {}, [](const PointRecord& point) {
+    return std::tuple(point.measured.utc, point.id.value);
+  });
+  if (!measured.empty()) out.time_zero = measured.front().measured.utc;
+  for (const auto* points : {&measured, &imported})
+    for (const auto& point : *points) out.origins.push_back({point.run, point.row});
+  if (out.origins.size() == out.data.rows) return {};
+  return fail(ErrorCode::internal, "ROWS_DIFFER",
+              "the runs have " + std::to_string(out.origins.size()) + " points and their dataset " +
+                  std::to_string(out.data.rows) + " rows");
+}
+
+}  // namespace
+
+Result<RunsData> measured_data(Store& store, std::span<const RunId> runs) {
+  auto dataset = store.runs().dataset(runs);
+  if (!dataset) return tl::unexpected(dataset.error());
+  RunsData out{std::move(*dataset), {}, {}};
+  if (auto ok = find_origins(store, runs, out); !ok) return tl::unexpected(ok.error());
+  return out;
+}
+
+Result<std::vector<correction::DataAmendment>> amendments_in_force(Store& store) {
+  const auto records = store.diagnoses().corrections();
+  if (!records) return tl::unexpected(records.error());
+  std::vector<correction::DataAmendment> amendments;
+  for (const auto& record : *records) {
+    if (!record.in_force()) continue;
+    auto amendment = formats::read_amendment_json(record.json);
+    if (!amendment)
+      return fail(
+          ErrorCode::data_loss, "BAD_CORRECTION",
+          "correction " + std::to_string(record.id.value) + ": " + amendment.error().message);
+    amendments.push_back(std::move(*amendment));
+  }
+  return amendments;
+}
+
+Result<RunsData> amended_data(Store& store, std::span<const RunId> runs) {
+  auto out = measured_data(store, runs);
+  if (!out) return out;
+  const auto amendments = amendments_in_force(store);
+  if (!amendments) return tl::unexpected(amendments.error());
+  for (const auto& amendment : *amendments)
+    if (auto ok = correction::amend(amendment, out->origins, out->time_zero, out->data); !ok)
+      return tl::unexpected(ok.error());
+  return out;
+}
+
+Result<Dataset> amended_dataset(Store& store, std::span<const RunId> runs) {
+  const auto records = store.diagnoses().corrections();
+  if (!records) return tl::unexpected(records.error());
+  if (std::ranges::none_of(*records, &CorrectionRecord::in_force))
+    return store.runs().dataset(runs);  // nothing to lay over: as ever
+  auto amended = amended_data(store, runs);
+  if (!amended) return tl::unexpected(amended.error());
+  return std::move(amended->data);
+}
+
+}  // namespace driftwise::application

@@ -1,0 +1,31 @@
+#pragma once
+// A dataset of runs as everybody who fits, diagnoses or exports sees it: the accepted points, with
+// the corrections that are in force laid over them. The points in the store stay as they were.
+// Called on the store's thread.
+
+#include <span>
+#include <vector>
+
+#include "server/core/ports/store.h"
+#include "server/correction/data_amendment.h"
+
+namespace driftwise::application {
+
+struct RunsData {
+  Dataset data;
+  std::vector<correction::RowOrigin> origins;  // one per row
+  CellTime time_zero;  // what data.time_s counts from; utc_ns 0: an imported run
+};
+
+// As it was measured. Errors: those of RunStore::dataset.
+Result<RunsData> measured_data(Store& store, std::span<const RunId> runs);
+
+// What is in force, oldest first.
+// Errors: data_loss BAD_CORRECTION.
+Result<std::vector<correction::DataAmendment>> amendments_in_force(Store& store);
+
+// With everything that is in force. Errors: those of both, and of correction::amend.
+Result<RunsData> amended_data(Store& store, std::span<const RunId> runs);
+Result<Dataset> amended_dataset(Store& store, std::span<const RunId> runs);
+
+}  // namespace driftwise::application

@@ -1,0 +1,56 @@
+#pragma once
+// The improvement under way, one at a time: on record from its first turn to its end. Executor's
+// thread.
+
+#include <boost/asio/any_io_executor.hpp>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "server/application/diagnosis_request.h"
+#include "server/application/event_log.h"
+#include "server/application/signal.h"
+#include "server/application/store_writer.h"
+#include "server/application/watch_list.h"
+
+namespace driftwise::application {
+
+class Cell;
+class ImprovementLoop;
+
+class Improver {
+ public:
+  // cell: outlives this.
+  Improver(asio::any_io_executor executor, Cell& cell, Clock& clock, StoreWriter& writer,
+           EventLog& events, TaskCount& tasks);
+  ~Improver();
+
+  // The same request_id again answers with the first one. Errors: failed_precondition
+  // IMPROVEMENT_UNDER_WAY.
+  Awaitable<Result<ImprovementRecord>> begin(Caller caller, ImproveRequest request,
+                                             std::string formula);
+  // Over at once, on record and for its watchers; does nothing to one that is over.
+  Awaitable<Result<void>> cancel(Caller caller, ImprovementId id);
+
+  void tell_present(const std::function<void(const ImprovementProgress&)>& to) const;
+  WatchList<ImprovementProgress>& watchers() { return watchers_; }
+  void shut_down();
+
+ private:
+  struct Active;
+  Awaitable<void> carry_out(std::shared_ptr<Active> active);
+  Awaitable<Result<void>> end(std::shared_ptr<Active> active, JobState state, std::string reason);
+  Awaitable<void> stop(std::shared_ptr<Active> active, bool leave_run);
+
+  asio::any_io_executor executor_;
+  Cell& cell_;
+  Clock& clock_;
+  StoreWriter& writer_;
+  EventLog& events_;
+  TaskCount& tasks_;
+  std::shared_ptr<Active> active_;
+  WatchList<ImprovementProgress> watchers_;
+  bool beginning_ = false, ending_ = false;
+};
+
+}  // namespace driftwise::application

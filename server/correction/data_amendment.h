@@ -1,0 +1,66 @@
+#pragma once
+// What a diagnosis found wrong with the instruments or the data, laid over a dataset before
+// anybody fits it. The points in the record stay as they were measured: an amendment that is undone
+// leaves no trace in them.
+//
+// A shift is what a length read too much: x_true = x_read - sum of mm * term. It counts from the
+// datum's zero, as every length does: where the zero was taken it is 0, with the lengths and tilts
+// there 0 and everything else as it stood at the datum's first row.
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/core/cell_time.h"
+#include "server/core/dataset.h"
+#include "server/core/ids.h"
+#include "server/core/result.h"
+#include "server/effects/term.h"
+
+namespace driftwise::correction {
+
+struct LengthShift {
+  std::string axis;                  // "x"
+  std::vector<effects::Term> terms;  // of what was measured
+  std::vector<double> mm;            // per unit of each term
+  // Terms that read the data's own clock (drift, a period in time) mean something in the runs they
+  // were found in only; empty: the shift holds for every run.
+  std::vector<RunId> runs;
+  CellTime clock_origin;  // what time_s counted from there
+  bool operator==(const LengthShift&) const = default;
+};
+
+struct DatumSplit {  // from this row of the trajectory on, in time, it is another datum
+  RunId run;
+  std::int64_t row = 0;
+  bool operator==(const DatumSplit&) const = default;
+};
+
+struct SensorLeftOut {
+  RunId run;
+  std::string symbol;  // "t07"
+  bool operator==(const SensorLeftOut&) const = default;
+};
+
+struct DataAmendment {
+  std::vector<LengthShift> shifts;
+  std::vector<DatumSplit> splits;
+  std::vector<SensorLeftOut> sensors;
+  bool operator==(const DataAmendment&) const = default;
+  bool empty() const { return shifts.empty() && splits.empty() && sensors.empty(); }
+};
+
+struct RowOrigin {  // where a row of a dataset comes from
+  RunId run;
+  std::int64_t row = 0;  // of its trajectory
+};
+
+// origins: one per row of the dataset; time_zero: what its time_s counts from (utc_ns 0: a file).
+// A length whose shift needs a channel that the dataset has not at all stays as it was measured; in
+// a row that misses only the value the length is missing. Sensors: the column goes when any of the
+// dataset's runs has it left out. Errors: those of effects::TermEvaluator::create.
+Result<void> amend(const DataAmendment& amendment, const std::vector<RowOrigin>& origins,
+                   CellTime time_zero, Dataset& dataset);
+
+}  // namespace driftwise::correction

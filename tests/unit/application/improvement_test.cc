@@ -1,0 +1,187 @@
+// The loop that improves, on virtual time: an axis that bends, and a search that looks for it.
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/formats/model_json.h"
+#include "tests/unit/application/diagnosed_cell.h"
+
+namespace driftwise::tests {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string kLines = lines_of(8, {-4, -2.5, -1, 1.5, 3, 4}, true);
+
+// Knows one cause: x^2. Names it while the baseline lacks it, with what it leaves on these rows.
+Result<dx::Diagnosis> looks_for_a_bend(const Dataset& data, const dx::DiagnoseOptions& options) {
+  const auto& terms = options.baseline.terms;
+  const auto bend = *formats::parse_term("x^2");
+  const bool known = std::ranges::find(terms, bend) != terms.end();
+  auto d = diagnosis_with(options.baseline.formula, {});
+  dx::OutputSummary q1;
+  q1.output = "q1";
+  q1.unit = "nm";
+  const auto& q = data.find("q1")->values;
+  const auto& x = data.find("x")->values;
+  double sum = 0, square = 0;
+  for (std::size_t row = 0; row < data.rows; ++row) {
+    sum += q[row] - x[row];
+    square += (q[row] - x[row]) * (q[row] - x[row]);
+  }
+  const auto n = static_cast<double>(data.rows);
+  q1.u90_calibration_before = 1.645e6 * std::sqrt(square / n - sum * sum / n / n);
+  q1.u90_calibration_after = known ? q1.u90_calibration_before : 20;
+  d.outputs = {q1};
+  if (known) return d;
+  d.verdict = dx::Verdict::extended;
+  d.findings = {finding_of("geometry_order", "x", effects::AppliesTo::robot, {"x^2"}, {-1e-4})};
+  return d;
+}
+
+class ImprovementTest : public testing::Test {
+ protected:
+  explicit ImprovementTest(application::Diagnose script = looks_for_a_bend) : d(script) {
+    d.world.bend_nm_per_mm2 = 30;
+    d.world.warming_k_per_h = 0.01;
+  }
+  Result<ImprovementRecord> begin(application::ImproveRequest request = {}) {
+    if (request.trajectory_text.empty()) request.trajectory_text = kLines;
+    request.trajectory_name = "lines.csv";
+    if (request.formula.empty()) request.formula = "q ~ x";
+    request.lease_token = d.cell.lease();
+    return d.cell.await(d.cell->create_improvement(d.cell.ada, std::move(request)));
+  }
+  ImprovementRecord look(ImprovementId id) { return *d.cell.await(d.cell->improvement(id)); }
+  ImprovementRecord finished(ImprovementId id) {
+    d.cell.until([&] { return look(id).state != JobState::running; }, 400'000);
+    return look(id);
+  }
+
+  DiagnosedCell d;
+};
+
+TEST_F(ImprovementTest, MeasuresFindsExtendsAndMeasuresAgainUntilNothingIsLeft) {
+  const auto begun = begin();
+  ASSERT_TRUE(begun) << begun.error().message;
+  const auto record = finished(begun->id);
+  EXPECT_EQ(record.state, JobState::done);
+  EXPECT_EQ(record.reason, "nothing beyond noise is left");
+  ASSERT_EQ(record.turns.size(), 2u);
+  const auto& first = record.turns[0];
+  EXPECT_EQ(first.runs.size(), 2u);  // the measurement, and the fresh points
+  ASSERT_EQ(first.gains.size(), 1u);
+  EXPECT_GT(first.gains[0].u90_before, 200);  // 30 nm/mm^2 over +-4 mm
+  ASSERT_TRUE(first.gains[0].u90_measured);
+  EXPECT_LT(*first.gains[0].u90_measured, 30);  // the axis holds to 8 nm
+  EXPECT_THAT(first.what, HasSubstr("geometry_order x"));
+  EXPECT_EQ(d.cell->status().serving, first.model);
+  EXPECT_EQ(formats::read_model_json(d.cell.await(d.cell->model(*first.model))->json)->formula,
+            "q ~ x + x^2");
+  EXPECT_TRUE(record.turns[1].diagnosis);
+  EXPECT_TRUE(record.turns[1].runs.empty());
+  EXPECT_EQ(d.cell.events_named("improvement.done").size(), 1u);
+}
+
+TEST_F(ImprovementTest, ProposesOnlyWhenNothingShallServe) {
+  application::ImproveRequest request;
+  request.promotes = false;
+  const auto record = finished(begin(request)->id);
+  EXPECT_EQ(record.state, JobState::done) << record.reason;
+  EXPECT_TRUE(record.turns[0].model);
+  EXPECT_FALSE(d.cell->status().serving);
+}
+
+TEST_F(ImprovementTest, StopsWhenTheBudgetDoesNotHoldAnotherMeasurement) {
+  application::ImproveRequest request;
+  request.budget_s = d.cell->check_trajectory(kLines)->estimated_s * 1.5;
+  const auto record = finished(begin(request)->id);
+  EXPECT_EQ(record.state, JobState::done);
+  EXPECT_THAT(record.reason, HasSubstr("budget"));
+  EXPECT_EQ(record.turns.size(), 1u);
+  EXPECT_FALSE(record.turns[0].gains[0].u90_measured);
+}
+
+TEST_F(ImprovementTest, APauseIsWaitedOut) {
+  const auto id = begin()->id;
+  d.cell.until([&] { return d.cell->status().run && d.cell->status().run->run.accepted > 3; });
+  const auto run = d.cell->status().run->run.id;
+  ASSERT_TRUE(d.cell.await(d.cell->pause_run(d.cell.ada, run)));
+  d.cell.pass(3600);
+  EXPECT_EQ(look(id).state, JobState::running);
+  ASSERT_TRUE(d.cell.await(d.cell->resume_run(d.cell.ada, run)));
+  EXPECT_EQ(finished(id).state, JobState::done);
+}
+
+TEST_F(ImprovementTest, AnAbortedRunEndsItWithTheReasonAndStays) {
+  const auto id = begin()->id;
+  d.cell.until([&] { return d.cell->status().run && d.cell->status().run->run.accepted > 3; });
+  const auto run = d.cell->status().run->run.id;
+  ASSERT_TRUE(d.cell.await(d.cell->abort_run(d.cell.ada, run, "fire alarm")));
+  const auto record = finished(id);
+  EXPECT_EQ(record.state, JobState::failed);
+  EXPECT_THAT(record.reason, HasSubstr("fire alarm"));
+  EXPECT_EQ(d.cell.await(d.cell->run(run))->state, RunState::aborted);
+}
+
+TEST_F(ImprovementTest, CancellingIsAtOnceAndStopsTheRobot) {
+  const auto id = begin()->id;
+  d.cell.until([&] { return d.cell->status().run && d.cell->status().run->run.accepted > 3; });
+  const auto run = d.cell->status().run->run.id;
+  const auto cancelled = d.cell.await(d.cell->cancel_improvement(d.cell.ada, id));
+  ASSERT_TRUE(cancelled);
+  EXPECT_EQ(cancelled->state, JobState::cancelled);
+  d.cell.until([&] { return !d.cell->status().run; });
+  EXPECT_EQ(d.cell.await(d.cell->run(run))->state, RunState::aborted);
+  EXPECT_EQ(look(id).state, JobState::cancelled);
+}
+
+TEST_F(ImprovementTest, ALeaseThatIsGivenUpEndsItBeforeTheNextMeasurement) {
+  const auto id = begin()->id;
+  d.cell.until([&] { return d.cell->status().run && d.cell->status().run->run.accepted > 3; });
+  ASSERT_TRUE(d.cell->give_up_lease(d.cell.ada, d.cell.lease()));
+  const auto record = finished(id);
+  EXPECT_EQ(record.state, JobState::failed);
+  EXPECT_THAT(record.reason, HasSubstr("lease"));
+  EXPECT_FALSE(record.turns[0].runs.empty());
+}
+
+TEST_F(ImprovementTest, RefusesWhatARunWouldBeRefusedFor) {
+  application::ImproveRequest request;
+  request.trajectory_text = "q1_mm\n99\n";
+  EXPECT_EQ(begin(request).error().reason, "SOFT_LIMIT");
+  request = {};
+  request.formula = "q ~";
+  EXPECT_EQ(begin(request).error().reason, "BAD_FORMULA");
+  request = {};
+  request.max_turns = 1000;
+  EXPECT_EQ(begin(request).error().reason, "BAD_TURNS");
+  request = {};
+  request.budget_s = 10;
+  EXPECT_EQ(begin(request).error().reason, "BAD_BUDGET");
+  ASSERT_TRUE(begin());
+  EXPECT_FALSE(begin());  // one at a time
+}
+
+// A search that sees a bend where there is none that lasts: the fresh points say no.
+class FalsePromiseTest : public ImprovementTest {
+ protected:
+  FalsePromiseTest()
+      : ImprovementTest([](const Dataset& data, const dx::DiagnoseOptions& options) {
+          auto found = looks_for_a_bend(data, options);
+          if (found)
+            for (auto& output : found->outputs) output.u90_calibration_before = 1;
+          return found;
+        }) {}
+};
+TEST_F(FalsePromiseTest, IsUndoneWhenTheFreshPointsDoNotShowIt) {
+  const auto record = finished(begin()->id);
+  EXPECT_EQ(record.state, JobState::done);
+  EXPECT_THAT(record.reason, HasSubstr("was undone"));
+  EXPECT_FALSE(d.cell->status().serving);
+}
+
+}  // namespace
+}  // namespace driftwise::tests

@@ -1,0 +1,139 @@
+// diagnose --run, diagnosis, improve: over the wire to a cell that answers as scripted.
+
+#include "clients/cli/diagnosis_commands.h"
+
+#include "server/formats/formula.h"
+#include "tests/unit/cli/cli_fixture.h"
+
+namespace driftwise::tests {
+namespace {
+
+namespace dx = driftwise::diagnosis;
+
+class DiagnosisCommands : public CliTest {
+ protected:
+  DiagnosisCommands() {
+    cell.on_executor([this] { cell.the_diagnoses = {lag_of_run_3()}; });
+  }
+  static app::DiagnosisView lag_of_run_3() {
+    app::DiagnosisView view;
+    view.record.id = {1};
+    view.record.state = JobState::done;
+    view.record.runs = {{3}};
+    view.record.baseline = "q ~ x";
+    view.record.created = {1'790'000'000'000'000'000};
+    view.record.created_by = "ada";
+    dx::Diagnosis found;
+    found.verdict = dx::Verdict::extended;
+    found.baseline_formula = "q ~ x";
+    found.extended_formula = "q ~ x + lag(t07, 1830 s)";
+    dx::OutputSummary q1;
+    q1.output = "q1";
+    q1.unit = "nm";
+    q1.u90_calibration_before = 84.2;
+    q1.u90_calibration_after = 12.4;
+    q1.explained_by = {{"t07", 0.41}};
+    found.outputs = {q1};
+    dx::Finding lag;
+    lag.cause = "thermal_lag";
+    lag.subject = "t07";
+    lag.parameters = {{"tau_s", 1830, dx::Interval{1740, 1925}, {}}};
+    lag.terms = {*formats::parse_term("lag(t07, 1830 s)")};
+    lag.sentence = "the structure follows t07 with a delay of 1830 s";
+    found.findings = {lag};
+    view.found = found;
+    return view;
+  }
+};
+
+TEST_F(DiagnosisCommands, ShowWhatWasFound) {
+  const auto said = run({"diagnosis", "show", "1"});
+  EXPECT_EQ(said.exit, 0) << said.err;
+  EXPECT_THAT(said.out, HasSubstr("verdict   extended"));
+  EXPECT_THAT(said.out, HasSubstr("1  thermal_lag t07"));
+  EXPECT_THAT(said.out, HasSubstr("tau_s = 1830  (90 %: 1740 to 1925)"));
+  EXPECT_THAT(said.out, HasSubstr("84.2"));
+  const auto as_json = json({"diagnosis", "show", "1"});
+  EXPECT_EQ(as_json["schema"], "driftwise.diagnosis.v1");
+  EXPECT_EQ(as_json["verdict"], "extended");
+  EXPECT_EQ(as_json["diagnosis"]["id"], 1);
+  EXPECT_EQ(json({"diagnosis", "list"})["diagnoses"][0]["findings"][0]["cause"], "thermal_lag");
+  EXPECT_EQ(run({"diagnosis", "show", "9"}).exit, 3);
+}
+
+TEST_F(DiagnosisCommands, AnUnexplainedOneSaysNoWithItsExitCode) {
+  cell.on_executor([this] {
+    cell.the_diagnoses[0].found->verdict = dx::Verdict::unexplained;
+    cell.the_diagnoses[0].found->left_over = {{"line", 0.002}};
+  });
+  const auto said = run({"diagnosis", "show", "1"});
+  EXPECT_EQ(said.exit, 1);
+  EXPECT_THAT(said.out, HasSubstr("left over: goes with line"));
+}
+
+TEST_F(DiagnosisCommands, AcceptAndUndo) {
+  const auto made = json({"diagnosis", "accept", "1", "--finding", "1", "--promote"});
+  EXPECT_EQ(made["model_id"], 7);
+  EXPECT_EQ(made["promoted"], true);
+  EXPECT_EQ(made["finding_numbers"], nlohmann::json({1}));
+  EXPECT_TRUE(made["undo_time"].is_null());
+  EXPECT_EQ(cell.on_executor([this] { return cell.last_caller.name; }), "ada");
+  EXPECT_FALSE(json({"diagnosis", "undo", "1"})["undo_time"].is_null());
+  EXPECT_THAT(run({"diagnosis", "show", "1"}).out, HasSubstr("undone at"));
+}
+
+TEST_F(DiagnosisCommands, DiagnoseARunWaitsForItsEnd) {
+  std::thread ends([this] {
+    while (!cell.on_executor([this] { return cell.the_diagnoses.size() > 1; }))
+      std::this_thread::yield();
+    cell.on_executor([this] {
+      auto done = lag_of_run_3();
+      done.record.id = {2};
+      cell.the_diagnoses[1] = done;
+      cell.publish_diagnosis({DiagnosisId{2}, JobState::done, "done", 1});
+    });
+  });
+  const auto said = run({"diagnose", "--run", "3", "--baseline", "q ~ x", "--without", "t03"});
+  ends.join();
+  EXPECT_EQ(said.exit, 0) << said.err;
+  EXPECT_THAT(said.out, HasSubstr("diagnosis 2: done"));
+  const auto asked = cell.on_executor([this] { return cell.last_diagnosis; });
+  EXPECT_EQ(asked.runs, std::vector<RunId>{RunId{3}});
+  EXPECT_EQ(asked.exclude_symbols, std::vector<std::string>{"t03"});
+}
+
+TEST_F(DiagnosisCommands, RefuseWhatMeansNothing) {
+  EXPECT_EQ(run({"diagnose"}).exit, 2);
+  EXPECT_EQ(run({"diagnose", "data.csv", "--run", "3"}).exit, 2);
+  EXPECT_EQ(run({"diagnose", "data.csv"}).exit, 2);  // no baseline
+  EXPECT_EQ(run({"diagnose", "--run", "3", "--alpha", "0.9"}).exit, 2);
+  EXPECT_EQ(run({"improve"}).exit, 2);
+}
+
+TEST_F(DiagnosisCommands, ImprovementsTurnByTurn) {
+  cell.on_executor([this] {
+    ImprovementRecord record;
+    record.id = {1};
+    record.state = JobState::done;
+    record.reason = "nothing beyond noise is left";
+    record.trajectory_name = "plan.csv";
+    record.formula = "q ~ x";
+    ImprovementTurn turn;
+    turn.runs = {{3}, {4}};
+    turn.model = ModelId{2};
+    turn.what = "found a lag";
+    turn.gains = {{"q1", "nm", 84.2, 12.4, 13.1}};
+    record.turns = {turn};
+    cell.the_improvements = {record};
+  });
+  const auto said = run({"improve", "show", "1"});
+  EXPECT_EQ(said.exit, 0) << said.err;
+  EXPECT_THAT(said.out, HasSubstr("improvement 1: done: nothing beyond noise is left"));
+  EXPECT_THAT(said.out, HasSubstr("84.2"));
+  EXPECT_THAT(said.out, HasSubstr("13.1"));
+  const auto as_json = json({"improve", "list"});
+  EXPECT_EQ(as_json["improvements"][0]["turns"][0]["gains"][0]["u90_measured"], 13.1);
+}
+
+}  // namespace
+}  // namespace driftwise::tests

@@ -1,0 +1,130 @@
+// What is laid over a dataset, against errors that were put into it by hand.
+
+#include "server/correction/data_amendment.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace driftwise::correction {
+namespace {
+
+using effects::Call;
+using effects::Power;
+using effects::Term;
+
+constexpr double kPeriodNm = 316.4;
+constexpr std::int64_t kBeginNs = 1'790'000'000'000'000'000;
+
+Term call(const std::string& effect, std::vector<std::string> symbols,
+          std::vector<effects::Quantity> parameters = {}) {
+  return {{Call{effect, std::move(symbols), std::move(parameters)}}};
+}
+
+// Run 3, rows 0 .. 39, 60 s apart: x_mm reads the truth and 5 nm of the interferometer's own cycle.
+struct CyclicData {
+  Dataset data;
+  std::vector<RowOrigin> origins;
+  std::vector<double> truth_mm;
+};
+CyclicData cyclic_data() {
+  CyclicData out;
+  DatasetColumn x{{"x", "mm"}, {}};
+  for (int row = 0; row < 40; ++row) {
+    const double truth_mm = row == 0 ? 0.0 : -2 + 0.1034 * row;
+    const double phase = 2 * std::numbers::pi * truth_mm * 1e6 / kPeriodNm;
+    out.truth_mm.push_back(truth_mm);
+    // Counted from the zero, where the cosine was 1: as an interferometer that was zeroed there.
+    x.values.push_back(truth_mm + 5e-6 * std::sin(phase) + 2e-6 * (std::cos(phase) - 1));
+    out.origins.push_back({{3}, row});
+    out.data.time_s.push_back(60.0 * row);
+  }
+  out.data.rows = 40;
+  out.data.columns = {x};
+  return out;
+}
+
+TEST(DataAmendment, GivesBackTheLengthThatTheInterferometersCycleWasLaidOver) {
+  auto data = cyclic_data();
+  DataAmendment amendment;
+  amendment.shifts = {
+      {"x",
+       {call("sin", {"x"}, {{kPeriodNm, "nm"}}), call("cos", {"x"}, {{kPeriodNm, "nm"}})},
+       {5e-6, 2e-6},
+       {},
+       {}}};
+  ASSERT_TRUE(amend(amendment, data.origins, {kBeginNs}, data.data));
+  // The phase is read off the length in error: 5.4 nm of 316 turn it by 0.11 rad, 0.6 nm at most.
+  for (int row = 0; row < 40; ++row)
+    EXPECT_NEAR(data.data.columns[0].values[static_cast<std::size_t>(row)],
+                data.truth_mm[static_cast<std::size_t>(row)], 0.7e-6)
+        << row;
+}
+
+TEST(DataAmendment, CountsFromTheZeroOfEachDatum) {
+  auto data = cyclic_data();
+  for (int row = 0; row < 40; ++row) data.data.datum.push_back(row < 20 ? 7 : 8);
+  DatasetColumn pressure{{"pressure", "hPa"}, {}};
+  for (int row = 0; row < 40; ++row) pressure.values.push_back(1000 + row);
+  data.data.columns.push_back(pressure);
+  const auto before = data.data.columns[0].values;
+  DataAmendment amendment;
+  amendment.shifts = {{"x", {{{Power{"pressure", 1}}}}, {1e-6}, {}, {}}};
+  ASSERT_TRUE(amend(amendment, data.origins, {kBeginNs}, data.data));
+  const auto shift_nm = [&](std::size_t row) {
+    return (before[row] - data.data.columns[0].values[row]) * 1e6;
+  };
+  EXPECT_NEAR(shift_nm(0), 0, 1e-9);
+  EXPECT_NEAR(shift_nm(19), 19, 1e-6);
+  EXPECT_NEAR(shift_nm(20), 0, 1e-9);  // zeroed again
+  EXPECT_NEAR(shift_nm(30), 10, 1e-6);
+}
+
+TEST(DataAmendment, ADriftHoldsForTheRunsItWasFoundInByTheirOwnClock) {
+  auto data = cyclic_data();
+  for (std::size_t row = 20; row < 40; ++row) data.origins[row].run = {4};
+  const auto before = data.data.columns[0].values;
+  DataAmendment amendment;
+  // Found in data that began an hour earlier: 10 nm an hour there.
+  amendment.shifts = {
+      {"x", {call("drift", {})}, {10e-6}, {RunId{3}}, {kBeginNs - 3'600'000'000'000}}};
+  ASSERT_TRUE(amend(amendment, data.origins, {kBeginNs}, data.data));
+  EXPECT_NEAR((before[18] - data.data.columns[0].values[18]) * 1e6, 10 * 18 / 60.0, 1e-6);
+  EXPECT_EQ(data.data.columns[0].values[25], before[25]);  // run 4 is another day
+}
+
+TEST(DataAmendment, LeavesALengthAloneWhenItsChannelIsNotThere) {
+  auto data = cyclic_data();
+  const auto before = data.data.columns[0].values;
+  DataAmendment amendment;
+  amendment.shifts = {{"x", {{{Power{"ry", 1}}}}, {1e-3}, {}, {}}};
+  ASSERT_TRUE(amend(amendment, data.origins, {kBeginNs}, data.data));
+  EXPECT_EQ(data.data.columns[0].values, before);
+}
+
+TEST(DataAmendment, SplitsADatumFromARowOn) {
+  auto data = cyclic_data();
+  DataAmendment amendment;
+  amendment.splits = {{{3}, 25}, {{9}, 1}};  // run 9 is not in this dataset
+  ASSERT_TRUE(amend(amendment, data.origins, {kBeginNs}, data.data));
+  ASSERT_EQ(data.data.datum.size(), 40u);
+  EXPECT_EQ(data.data.datum[24], 0);
+  EXPECT_NE(data.data.datum[25], 0);
+  EXPECT_EQ(data.data.datum[39], data.data.datum[25]);
+}
+
+TEST(DataAmendment, LeavesASensorOutOfTheRunsInWhichItLied) {
+  auto data = cyclic_data();
+  data.data.columns.push_back({{"t07", "degC"}, std::vector<double>(40, 20.5)});
+  DataAmendment other, this_one;
+  other.sensors = {{{9}, "t07"}};
+  this_one.sensors = {{{3}, "t07"}};
+  ASSERT_TRUE(amend(other, data.origins, {kBeginNs}, data.data));
+  EXPECT_NE(data.data.find("t07"), nullptr);
+  ASSERT_TRUE(amend(this_one, data.origins, {kBeginNs}, data.data));
+  EXPECT_EQ(data.data.find("t07"), nullptr);
+}
+
+}  // namespace
+}  // namespace driftwise::correction
