@@ -1,128 +1,105 @@
 #include "tests/statistics/case_b_oracle.h"
 
-#include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
-#include <stdexcept>
-
-#include "server/calibration/predict.h"
-#include "server/formats/formula.h"
-#include "tests/statistics/micro_nano_case.h"
+#include <string_view>
 
 namespace driftwise::statistics {
 namespace {
 
 using Eigen::Index;
-using testing_support::MicroNanoRow;
 
-constexpr int kValidationInside = 2;  // the grid at 0.768 N; that at 3.842 N lies outside
-constexpr double kU90 = 1.645;
+constexpr double kEnough_mm = 3e-6;  // below the noise of one reading by three
+constexpr double kLookAlike = 1e-6;  // of a column's own length: nothing of its own is left
+constexpr std::size_t kMostTerms = 100;
 
-double u90_nm(const std::vector<double>& errors_mm) {
-  double mean = 0, squares = 0;
-  for (const double e : errors_mm) mean += e / static_cast<double>(errors_mm.size());
-  for (const double e : errors_mm) squares += (e - mean) * (e - mean);
-  return 1e6 * kU90 * std::sqrt(squares / static_cast<double>(errors_mm.size() - 1));
+bool of_the_robot(std::string_view part) {
+  return part == "base" || part == "top" || part == "platform" || part.starts_with("column_") ||
+         part.starts_with("guide_") || part.starts_with("stage_") || part.starts_with("arms_");
 }
 
-// Gradient of the scale by the true pose: a cubic, which is enough for a Jacobian.
-Eigen::MatrixXd jacobian(const std::vector<MicroNanoRow>& rows, std::size_t axis) {
-  const auto n = static_cast<Index>(rows.size());
-  std::vector<std::array<int, 3>> powers;
-  for (int i = 0; i <= 3; ++i)
-    for (int j = 0; i + j <= 3; ++j)
-      for (int k = 0; i + j + k <= 3; ++k) powers.push_back({i, j, k});
-  const auto term = [](const MicroNanoRow& row, const std::array<int, 3>& p) {
-    return std::pow(row.true_mm[0], p[0]) * std::pow(row.true_mm[1], p[1]) *
-           std::pow(row.true_mm[2], p[2]);
+// Every term that the plant's robot may have, of every row.
+Eigen::MatrixXd library(const CaseBCampaign& campaign) {
+  std::vector<Eigen::VectorXd> columns;
+  const auto n = static_cast<Index>(campaign.rows.size());
+  const auto of_rows = [&](auto value_of) {
+    Eigen::VectorXd column(n);
+    for (Index r = 0; r < n; ++r) column[r] = value_of(campaign.rows[static_cast<std::size_t>(r)]);
+    return column;
   };
-  Eigen::MatrixXd columns(n, static_cast<Index>(powers.size()) + 2);
-  Eigen::VectorXd q(n);
-  for (Index r = 0; r < n; ++r) {
-    const auto& row = rows[static_cast<std::size_t>(r)];
-    for (std::size_t c = 0; c < powers.size(); ++c)
-      columns(r, static_cast<Index>(c)) = term(row, powers[c]);
-    columns(r, columns.cols() - 2) = row.t_degc[9] - 20;
-    columns(r, columns.cols() - 1) = row.force_n;
-    q[r] = row.true_q_mm[axis];
-  }
-  const Eigen::VectorXd b = columns.colPivHouseholderQr().solve(q);
-  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(n, 3);
-  for (Index r = 0; r < n; ++r)
-    for (std::size_t c = 0; c < powers.size(); ++c)
-      for (std::size_t k = 0; k < 3; ++k) {
-        auto lower = powers[c];
-        if (lower[k]-- == 0) continue;
-        out(r, static_cast<Index>(k)) += b[static_cast<Index>(c)] * powers[c][k] *
-                                         term(rows[static_cast<std::size_t>(r)], lower);
-      }
-  return out;
+  using testing_support::MicroNanoRow;
+  std::array<Eigen::VectorXd, 3> pose;  // as measured: nobody has another one
+  for (std::size_t k = 0; k < 3; ++k)
+    pose[k] = Eigen::Map<const Eigen::VectorXd>(campaign.measured.columns[3 + k].values.data(), n);
+  const auto times_pose = [&](const Eigen::VectorXd& factor, int order) {
+    for (int i = 0; i <= order; ++i)
+      for (int j = 0; i + j <= order; ++j)
+        for (int k = 0; i + j + k <= order; ++k)
+          columns.push_back(pose[0].array().pow(i) * pose[1].array().pow(j) *
+                            pose[2].array().pow(k) * factor.array());
+  };
+  const Eigen::VectorXd force = of_rows([](const MicroNanoRow& row) { return row.force_n; });
+  times_pose(Eigen::VectorXd::Ones(n), 4);
+  times_pose(force, 3);
+  times_pose(force.array().square(), 1);
+  columns.push_back(force.array().cube());
+  for (std::size_t part = 0; part < campaign.part_names.size(); ++part)
+    if (of_the_robot(campaign.part_names[part]))
+      times_pose(of_rows([=](const MicroNanoRow& row) { return row.true_part_degc[part] - 20; }),
+                 2);
+  Eigen::MatrixXd all(n, static_cast<Index>(columns.size()));
+  for (std::size_t c = 0; c < columns.size(); ++c) all.col(static_cast<Index>(c)) = columns[c];
+  return all;
 }
 
-double oracle_u90_nm(const std::vector<MicroNanoRow>& rows, const Dataset& data, std::size_t axis) {
-  const auto slope = jacobian(rows, axis);
-  const auto n = static_cast<Index>(rows.size());
-  Eigen::MatrixXd instruments(n, 8);
-  Eigen::VectorXd left(n);
-  std::vector<Index> fitted;
-  for (Index r = 0; r < n; ++r) {
-    const auto i = static_cast<std::size_t>(r);
-    const auto& row = rows[i];
-    double known = row.true_q_mm[axis];
-    for (std::size_t k = 0; k < 3; ++k)
-      known += slope(r, static_cast<Index>(k)) * (data.columns[3 + k].values[i] - row.true_mm[k]);
-    left[r] = row.q_mm[axis] - known;
-    instruments.row(r) << 1, row.true_mm[0], row.true_mm[1], row.true_mm[2], row.time_s / 3600,
-        row.r_arcsec[0], row.r_arcsec[1], row.r_arcsec[2];
-    if (row.calibration) fitted.push_back(r);
+// Forward, the column first that takes most off y; nothing random is in y.
+std::vector<Index> terms_of(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y) {
+  Eigen::MatrixXd left = columns.rowwise() - columns.colwise().mean();
+  const Eigen::RowVectorXd length = left.colwise().norm();
+  Eigen::VectorXd rest = y.array() - y.mean();
+  std::vector<Index> taken;
+  const double enough = kEnough_mm * std::sqrt(static_cast<double>(y.size()));
+  while (rest.norm() > enough && taken.size() < kMostTerms) {
+    Index best = -1;
+    double most = 0;
+    for (Index c = 0; c < left.cols(); ++c) {
+      const double own = left.col(c).norm();
+      if (own <= kLookAlike * length[c]) continue;
+      const double share = std::abs(left.col(c).dot(rest)) / own;
+      if (share > most) {
+        most = share;
+        best = c;
+      }
+    }
+    if (best < 0) break;
+    taken.push_back(best);
+    const Eigen::VectorXd along = left.col(best).normalized();
+    rest -= along * along.dot(rest);
+    left -= along * (along.transpose() * left);
+    left.col(best).setZero();
   }
-  const Eigen::VectorXd b =
-      Eigen::MatrixXd(instruments(fitted, Eigen::all)).colPivHouseholderQr().solve(left(fitted));
-  const Eigen::VectorXd error = left - instruments * b;
-  std::vector<double> errors;
-  for (Index r = 0; r < n; ++r)
-    if (rows[static_cast<std::size_t>(r)].grid == kValidationInside) errors.push_back(error[r]);
-  return u90_nm(errors);
+  return taken;
 }
 
 }  // namespace
 
-const std::vector<CaseBModel>& case_b_models() {
-  static const std::vector<CaseBModel> models = {
-      {"G", "q ~ poly(x, y, z, 3)"},
-      {"G+F", "q ~ poly(x, y, z, 3) + F + F^2 + F^3"},
-      {"G+T", "q ~ poly(x, y, z, 3) + t04..t10"},
-      {"G+T+F", "q ~ poly(x, y, z, 3) + F + F^2 + F^3 + t04..t10"},
-      {"cross",
-       "q ~ poly(x, y, z, 4) + F + F^2 + F^3 + t04..t10 + F:poly(x, y, z, 3) + "
-       "t10:poly(x, y, z, 3)"},
-  };
-  return models;
+double robot_oracle_u90_nm(const CaseBCampaign& campaign, std::size_t axis) {
+  Eigen::MatrixXd instruments(static_cast<Index>(campaign.rows.size()), 7);
+  for (Index r = 0; r < instruments.rows(); ++r) {
+    const auto& row = campaign.rows[static_cast<std::size_t>(r)];
+    instruments.row(r) << row.true_mm[0], row.true_mm[1], row.true_mm[2], row.time_s / 3600,
+        row.r_arcsec[0], row.r_arcsec[1], row.r_arcsec[2];
+  }
+  return u90_inside_nm(campaign,
+                       left_after_calibration(campaign, instruments, campaign.instruments[axis]));
 }
 
-CaseBFigures case_b_figures(std::uint64_t seed) {
-  testing_support::MicroNanoOptions options;
-  options.seed = seed;
-  options.coarse = true;
-  const auto rows = testing_support::run_micro_nano_campaign(DRIFTWISE_SOURCE_DIR, options);
-  const auto data = micro_nano_dataset(rows, micro_nano_cell());
-  CaseBFigures figures;
-  for (const auto& asked : case_b_models()) {
-    const auto model = formats::fit_formula(data, asked.formula, {});
-    if (!model) throw std::runtime_error(model.error().message);
-    auto& u90 = figures.models.emplace_back();
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto predicted = calibration::predict(data, model->outputs[axis]);
-      if (!predicted) throw std::runtime_error(predicted.error().message);
-      std::vector<double> errors;
-      for (std::size_t r = 0; r < rows.size(); ++r)
-        if (rows[r].grid == kValidationInside)
-          errors.push_back(rows[r].q_mm[axis] - (*predicted)[static_cast<Index>(r)]);
-      u90[axis] = u90_nm(errors);
-    }
-  }
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    figures.oracle[axis] = oracle_u90_nm(rows, data, axis);
-  return figures;
+TermsOracle terms_oracle(const CaseBCampaign& campaign, std::size_t axis) {
+  const Eigen::MatrixXd all = library(campaign);
+  const auto terms = terms_of(all, campaign.robot[axis]);
+  const Eigen::VectorXd q = campaign.robot[axis] + campaign.instruments[axis];
+  return {u90_inside_nm(campaign, left_after_calibration(campaign, all(Eigen::all, terms), q)),
+          terms.size()};
 }
 
 }  // namespace driftwise::statistics

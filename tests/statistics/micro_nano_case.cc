@@ -96,8 +96,7 @@ SimulatedCase micro_nano_case(std::uint64_t seed) {
   testing_support::MicroNanoSession session(DRIFTWISE_SOURCE_DIR, options);
   SimulatedCase out;
   out.cell = micro_nano_cell();
-  out.formula =
-      "q ~ poly(x, y, z, 3) + F + F^2 + F^3 + t04..t10 + F:poly(x, y, z, 2) + t10:poly(x, y, z, 2)";
+  out.formula = "q ~ poly(x, y, z, 3) + F + F^2 + F^3 + t04..t10 + (F + t04):poly(x, y, z, 2)";
   std::uniform_real_distribution<double> inside(0.0, 2.5);
   std::vector<MicroNanoRow> rows;
   double force_n = 0;

@@ -79,6 +79,7 @@ MicroNanoRow MicroNanoSession::read(double start_s) {
     }
     const auto truth = plant_->truth(middle);
     row.true_force_n += share * (truth.force_n - true_zero_.force_n);
+    row.true_part_degc = truth.node_degc;  // they move little within the readings
     for (std::size_t i = 0; i < 3; ++i) {
       row.true_mm[i] += share * (truth.position_nm[i] - true_zero_.position_nm[i]) / kNmInMm;
       row.true_r_arcsec[i] += share * (truth.rotation_arcsec[i] - true_zero_.rotation_arcsec[i]);

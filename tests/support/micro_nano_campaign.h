@@ -40,6 +40,7 @@ struct MicroNanoRow {
   std::array<double, 3> true_r_arcsec{};
   std::array<double, 3> true_q_mm{};  // the scales without quantisation and jitter
   double true_force_n = 0;
+  std::vector<double> true_part_degc{};  // of the plant's parts, in the order of its file
 };
 
 struct MicroNanoGrid {
