@@ -69,6 +69,21 @@ std::vector<PointRecord> points_from(Session& session, Query& query) {
   return points;
 }
 
+#define DRIFTWISE_SELECT_DATUM \
+  "SELECT datum_id, run_id, opened_ns, opened_monotonic_ns, reason FROM datum"
+
+DatumRecord datum_from(Session& session, const Query& row) {
+  Query values(session.db,
+               "SELECT channel_id, value FROM datum_value WHERE datum_id = ? ORDER BY channel_id");
+  DatumRecord datum;
+  datum.id = {row.integer(0)};
+  if (!row.is_null(1)) datum.run = RunId{row.integer(1)};
+  datum.opened = {{row.integer(2)}, row.integer(3)};
+  datum.reason = row.text(4);
+  datum.values = values_of(session, values, datum.id.value);
+  return datum;
+}
+
 }  // namespace
 
 std::string commanded_channel(std::size_t axis) { return "q" + std::to_string(axis) + "_cmd_mm"; }
@@ -137,20 +152,18 @@ PointId insert_point(Session& session, RunId run, const PointRecord& point, cons
 }
 
 std::vector<DatumRecord> read_datums(Session& session, RunId run) {
-  Query query(session.db,
-              "SELECT datum_id, opened_ns, opened_monotonic_ns, reason FROM datum WHERE run_id = ? "
-              "ORDER BY datum_id");
-  Query values(session.db,
-               "SELECT channel_id, value FROM datum_value WHERE datum_id = ? ORDER BY channel_id");
+  Query query(session.db, DRIFTWISE_SELECT_DATUM " WHERE run_id = ? ORDER BY datum_id");
   query.bind(run.value);
   std::vector<DatumRecord> datums;
-  while (query.row()) {
-    DatumRecord datum{
-        {query.integer(0)}, run, {{query.integer(1)}, query.integer(2)}, query.text(3), {}};
-    datum.values = values_of(session, values, datum.id.value);
-    datums.push_back(std::move(datum));
-  }
+  while (query.row()) datums.push_back(datum_from(session, query));
   return datums;
+}
+
+std::optional<DatumRecord> read_newest_datum(Session& session) {
+  Query query(session.db,
+              DRIFTWISE_SELECT_DATUM " WHERE reason <> 'imported' ORDER BY datum_id DESC LIMIT 1");
+  if (!query.row()) return std::nullopt;
+  return datum_from(session, query);
 }
 
 std::vector<AttemptRecord> read_attempts(Session& session, RunId run) {

@@ -22,6 +22,7 @@ std::int64_t insert_attempt(Session& session, RunId run, const AttemptRecord& at
 PointId insert_point(Session& session, RunId run, const PointRecord& point, const FromFile& file);
 
 std::vector<DatumRecord> read_datums(Session& session, RunId run);      // oldest first
+std::optional<DatumRecord> read_newest_datum(Session& session);         // measured here
 std::vector<AttemptRecord> read_attempts(Session& session, RunId run);  // in the order stored
 // Those of a greater id, at most limit (0: all). values without the q*_cmd_mm, which become
 // commanded_mm.

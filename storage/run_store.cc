@@ -94,6 +94,10 @@ Result<std::vector<DatumRecord>> SqliteRunStore::data(RunId run) {
   });
 }
 
+Result<std::optional<DatumRecord>> SqliteRunStore::newest_datum() {
+  return session_.read([&] { return read_newest_datum(session_); });
+}
+
 Result<RunRecord> SqliteRunStore::import_dataset(const NewRun& run, const Dataset& dataset) {
   return session_.write([&] {
     if (auto earlier = run_of_request(session_, run)) return *std::move(earlier);

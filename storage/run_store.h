@@ -19,6 +19,7 @@ class SqliteRunStore final : public RunStore {
   Result<std::vector<PointRecord>> points(RunId run, std::int64_t after_id, int limit) override;
   Result<std::vector<AttemptRecord>> attempts(RunId run) override;
   Result<std::vector<DatumRecord>> data(RunId run) override;
+  Result<std::optional<DatumRecord>> newest_datum() override;
   Result<RunRecord> import_dataset(const NewRun& run, const Dataset& dataset) override;
   Result<Dataset> dataset(std::span<const RunId> runs) override;
 

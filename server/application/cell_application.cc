@@ -61,10 +61,7 @@ CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
              if (!wanted.force_n) wanted.force_n = loading_.known_n();
              return serving_.targets(run.trajectory.coordinates, wanted, run.plan.compensate_with);
            },
-           [this](const DatumRecord& datum) {
-             pose_.set_zero(datum.values);
-             serving_.anchor(datum);
-           }},
+           [this](const DatumRecord& datum) { take_datum(datum); }},
           tasks_),
       alarm_book_(*clock_, writer_),
       alarms_end_(executor),
@@ -112,23 +109,9 @@ Awaitable<void> CellApplication::start_up() {
 }
 
 Awaitable<Result<void>> CellApplication::restore_datum() {
-  constexpr int kLook = 50;
-  auto datum = co_await reader_.call([](Store& store) -> Result<std::optional<DatumRecord>> {
-    auto runs = store.runs().runs(kLook, 0);
-    if (!runs) return tl::unexpected(runs.error());
-    for (const auto& run : *runs) {
-      if (run.reason == "imported") continue;
-      auto data = store.runs().data(run.id);
-      if (!data) return tl::unexpected(data.error());
-      if (!data->empty()) return data->back();
-    }
-    return std::nullopt;
-  });
+  auto datum = co_await reader_.call([](Store& store) { return store.runs().newest_datum(); });
   if (!datum) co_return tl::unexpected(datum.error());
-  if (*datum) {
-    pose_.set_zero((*datum)->values);
-    serving_.anchor(**datum);
-  }
+  if (*datum) take_datum(**datum);
   co_return Result<void>{};
 }
 
@@ -272,6 +255,8 @@ std::vector<std::string> CellApplication::attention() const {
     sentences.push_back(fmt::format("device {} does not answer", id));
   if (const auto* run = engine_.record(); run && run->state == RunState::waiting)
     sentences.push_back(fmt::format("run {} waits: {}", run->id.value, run->reason));
+  if (!by_hand_waits_.empty()) sentences.push_back(by_hand_waits_);
+  if (!datum_trouble_.empty()) sentences.push_back(datum_trouble_);
   if (!serving_.trouble().empty()) sentences.push_back(serving_.trouble());
   if (!check_trouble_.empty()) sentences.push_back(check_trouble_);
   if (writer_.dropped() > 0)

@@ -161,6 +161,8 @@ class CellApplication final : public Cell, private Watching {
   Awaitable<Result<RunRecord>> steer(Caller caller, RunId run, const char* verb, std::string detail,
                                      std::function<void(RunControl&)> act);
   Result<void> may_move(const std::string& lease_token) const;
+  Awaitable<Result<DatumRecord>> new_datum_by_hand(RunScope& scope, std::string reason);
+  void take_datum(const DatumRecord& datum);  // poses and targets count from it now
   Awaitable<Result<void>> put_in_service(Caller caller, std::optional<ModelRecord> next,
                                          std::string action);
   std::vector<std::string> attention() const;
@@ -197,6 +199,8 @@ class CellApplication final : public Cell, private Watching {
   Improver improver_;
   Turn beginning_;  // one at a time decides whether a run or a movement may begin
   std::optional<RunControl> by_hand_;  // set while somebody homes or moves without a run
+  std::string by_hand_waits_;          // what such a movement waits for: a sentence
+  std::string datum_trouble_;          // the axes were homed, and no datum is open since
   std::string check_trouble_;          // "recalibrate now: ...", of the model that serves
   std::optional<RunId> checked_;       // the last run that was looked at when it ended
   Watch run_watch_;

@@ -5,7 +5,9 @@
 #include <algorithm>
 
 #include "server/application/cell_application.h"
+#include "server/application/datum_opening.h"
 #include "server/application/motion.h"
+#include "server/application/start_checks.h"
 
 namespace driftwise::application {
 
@@ -46,20 +48,31 @@ class CellApplication::ByHand {
   }
   ~ByHand() {
     cell_.by_hand_.reset();
+    cell_.by_hand_waits_.clear();
     cell_.tasks_.end();
   }
   ByHand(const ByHand&) = delete;
-  RunScope scope() {
+  // what: "homing", for who asks what it waits for.
+  RunScope scope(const std::string& what) {
+    const auto wait = [this, what](const std::string& why) {
+      cell_.by_hand_waits_ = why.empty() ? why : fmt::format("{} waits: {}", what, why);
+      if (!why.empty()) cell_.events_.record_own("axes.waiting", cell_.by_hand_waits_);
+    };
     return {cell_.workbench_,
             *cell_.by_hand_,
             cell_.description_.run,
             std::nullopt,
             [](const std::string&) {},
-            {},
-            {}};
+            [wait](std::string why) { return at_once(wait, std::move(why)); },
+            [wait] { return at_once(wait, ""); }};
   }
 
  private:
+  static Awaitable<Result<void>> at_once(std::function<void(const std::string&)> act,
+                                         std::string why) {
+    act(why);
+    co_return Result<void>{};
+  }
   CellApplication& cell_;
 };
 
@@ -77,7 +90,41 @@ Awaitable<Result<void>> CellApplication::home(Caller caller, std::string lease_t
   ByHand hand(*this);
   turn.reset();
   events_.record(caller, "axes.home", fmt::format("{} references the axes", caller.name));
-  co_return co_await bench_.home();
+  auto scope = hand.scope("homing");
+  recorder_.lend_pose_instruments(true);
+  auto opened = co_await new_datum_by_hand(scope, "homed by " + caller.name);
+  recorder_.lend_pose_instruments(false);
+  if (!opened) co_return tl::unexpected(opened.error());
+  take_datum(*opened);
+  co_return Result<void>{};
+}
+
+// Referenced axes count from somewhere else by some nanometres, so the datum before is over, even
+// where no new one can be opened.
+Awaitable<Result<DatumRecord>> CellApplication::new_datum_by_hand(RunScope& scope,
+                                                                  std::string reason) {
+  if (auto ok = co_await make_homed(scope, true); !ok) co_return tl::unexpected(ok.error());
+  datum_trouble_ =
+      "the axes were homed and no datum has been opened since: targets still count "
+      "from the one before; home again, or start a run";
+  if (auto ok = co_await bench_.prepare_for_run(); !ok) co_return tl::unexpected(ok.error());
+  if (auto ok = co_await check_thermometers(scope); !ok) co_return tl::unexpected(ok.error());
+  if (description_.load)
+    if (auto ok = co_await loading_.look(bench_); !ok) co_return tl::unexpected(ok.error());
+  DatumOpening opening;
+  opening.reason = std::move(reason);
+  auto looking = reader_.call([](Store& store) { return store.runs().newest_datum(); });
+  auto before = co_await std::move(looking);
+  if (!before) co_return tl::unexpected(before.error());
+  opening.before = std::move(*before);
+  auto opened = open_datum(scope, std::move(opening));
+  co_return co_await std::move(opened);
+}
+
+void CellApplication::take_datum(const DatumRecord& datum) {
+  datum_trouble_.clear();
+  pose_.set_zero(datum.values);
+  serving_.anchor(datum);
 }
 
 Awaitable<Result<void>> CellApplication::move_to(Caller caller, std::string lease_token,
@@ -89,7 +136,7 @@ Awaitable<Result<void>> CellApplication::move_to(Caller caller, std::string leas
   turn.reset();
   events_.record(caller, "axes.move",
                  fmt::format("{} moves to {} mm", caller.name, fmt::join(q_mm, ", ")));
-  auto scope = hand.scope();
+  auto scope = hand.scope("the movement");
   const auto arrival = co_await go_to(scope, std::move(q_mm), "by hand: " + caller.name);
   if (!arrival) co_return tl::unexpected(arrival.error());
   if (arrival->trouble != Trouble::none)

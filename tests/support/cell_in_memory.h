@@ -56,12 +56,18 @@ class CellInMemory {
   template <class T>
   T await(Awaitable<T> call) {
     std::optional<T> answer;
+    begin(std::move(call), answer);
+    until([&answer] { return answer.has_value(); });
+    return std::move(*answer);
+  }
+
+  // The same without waiting: the answer is there when the world has gone on for long enough.
+  template <class T>
+  void begin(Awaitable<T> call, std::optional<T>& answer) {
     asio::co_spawn(io_, std::move(call), [&answer](std::exception_ptr error, T value) {
       if (error) std::rethrow_exception(error);
       answer.emplace(std::move(value));
     });
-    until([&answer] { return answer.has_value(); });
-    return std::move(*answer);
   }
 
   const application::Caller ada{"ada", "ipv4:127.0.0.1:5020"};

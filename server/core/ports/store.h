@@ -39,6 +39,8 @@ class RunStore {
   virtual Result<std::vector<PointRecord>> points(RunId run, std::int64_t after_id, int limit) = 0;
   virtual Result<std::vector<AttemptRecord>> attempts(RunId run) = 0;  // without their readings
   virtual Result<std::vector<DatumRecord>> data(RunId run) = 0;        // datums, oldest first
+  // The last one opened on this cell, in a run or by hand; not that of an imported dataset.
+  virtual Result<std::optional<DatumRecord>> newest_datum() = 0;
   // A dataset that was measured elsewhere becomes a run, done, in one transaction. The file's own
   // run and datum numbers, columns, order and metadata are kept: dataset() of this run alone gives
   // it back exactly. Errors: invalid_argument BAD_CHANNEL, BAD_DATASET (columns of unequal length).

@@ -57,6 +57,9 @@ class FullDisk final : public Store, RunStore, ReadingStore, EventStore {
     return inner_->runs().attempts(run);
   }
   Result<std::vector<DatumRecord>> data(RunId run) override { return inner_->runs().data(run); }
+  Result<std::optional<DatumRecord>> newest_datum() override {
+    return inner_->runs().newest_datum();
+  }
   Result<RunRecord> import_dataset(const NewRun& run, const Dataset& data) override {
     return or_full<RunRecord>([&] { return inner_->runs().import_dataset(run, data); });
   }

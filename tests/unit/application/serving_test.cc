@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "server/compensation/target.h"
@@ -112,6 +113,63 @@ TEST_F(ServingTest, ACompensatedRunArrivesWhereItWasAsked) {
         << point.row;  // the holding of this axis: sd 8 nm, and the datum's zero
     EXPECT_NE(point.commanded_mm[0], wanted);
   }
+}
+
+TEST_F(ServingTest, ATargetAfterHomingByHandCountsFromTheNewDatum) {
+  const auto model = fit_after_campaign();
+  ASSERT_TRUE(cell.await(cell->promote(cell.ada, model.id)));
+  const auto run_datum = cell.await(cell->data(RunId{1}))->back();
+  cell.pass(1800);         // 300 nm of growth since, which is what the instruments would show ...
+  world.homing_nm = 2000;  // ... and scales that begin elsewhere
+  ASSERT_TRUE(cell.await(cell->home(cell.ada, cell.lease())));
+  EXPECT_EQ(world.zeroings, 2);
+  const auto opened = cell.events_named("datum.opened");
+  EXPECT_EQ(opened.back(), "datum 2: homed by ada");
+  EXPECT_EQ(cell.events_named("zero.compared").size() + cell.events_named("zero.surprising").size(),
+            1u);
+  EXPECT_TRUE(cell->status().attention.empty());
+  // Zeroed here and now: the pose 0 is where the robot stands, whatever the model's own datum was.
+  EXPECT_NEAR(target_mm(0), world.to_mm + world.reference_mm, 60e-6);  // holding: sd 8 nm
+}
+
+TEST_F(ServingTest, TheDatumOfAHomingByHandIsThereAfterARestart) {
+  ASSERT_TRUE(cell.await(cell->home(cell.ada, cell.lease())));
+  cell.shut_down();
+  auto store = kSqlite(folder / "cell.sqlite", true);
+  ASSERT_TRUE(store);
+  const auto datum = (*store)->runs().newest_datum();
+  ASSERT_TRUE(datum && *datum);
+  EXPECT_FALSE((*datum)->run);
+  EXPECT_EQ((*datum)->reason, "homed by ada");
+}
+
+TEST_F(ServingTest, HomingWaitsForTheStabiliserAndSaysSo) {
+  world.support_degc = 22;
+  std::optional<Result<void>> done;
+  cell.begin(cell->home(cell.ada, cell.lease()), done);
+  cell.until([&] { return !cell->status().attention.empty(); });
+  cell.until([&] {
+    const auto attention = cell->status().attention;
+    return std::ranges::any_of(attention, [](const std::string& sentence) {
+      return sentence.starts_with("homing waits: the stabiliser support is at 22.");
+    });
+  });
+  EXPECT_FALSE(done);
+  world.support_degc = 23;
+  cell.until([&] { return done.has_value(); });
+  EXPECT_TRUE(*done);
+  EXPECT_TRUE(cell->status().attention.empty());
+}
+
+TEST_F(ServingTest, HomingThatEndsWithoutADatumIsSaid) {
+  world.scanner_away = true;
+  const auto homed = cell.await(cell->home(cell.ada, cell.lease()));
+  ASSERT_FALSE(homed);
+  EXPECT_EQ(world.homes, 1);
+  const auto attention = cell->status().attention;
+  EXPECT_TRUE(std::ranges::any_of(attention, [](const std::string& sentence) {
+    return sentence.starts_with("the axes were homed and no datum has been opened since");
+  }));
 }
 
 TEST_F(ServingTest, RollBackServesTheModelBefore) {

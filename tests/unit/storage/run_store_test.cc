@@ -169,5 +169,18 @@ TEST_F(RunStoreTest, RefusesAChannelWithoutUnit) {
   EXPECT_EQ(store->runs().run(run).value().accepted, 0);
 }
 
+TEST_F(RunStoreTest, TheNewestDatumIsTheLastThatWasOpenedHere) {
+  EXPECT_EQ(store->runs().newest_datum().value()->id, datum);
+  const auto by_hand =
+      store->runs().open_datum({{}, std::nullopt, at_s(900), "homed by ada", {{"x_mm", 0.25}}});
+  ASSERT_TRUE(by_hand);
+  const auto newest = store->runs().newest_datum().value();
+  ASSERT_TRUE(newest);
+  EXPECT_EQ(newest->id, *by_hand);
+  EXPECT_FALSE(newest->run);
+  EXPECT_EQ(newest->opened.utc, at_s(900).utc);
+  EXPECT_EQ(value_of(newest->values, "x_mm"), 0.25);
+}
+
 }  // namespace
 }  // namespace driftwise::storage
