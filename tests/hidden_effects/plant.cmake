@@ -13,3 +13,10 @@ target_link_libraries(driftwise_hidden_plants
 add_executable(plant_sweep
   plant_sweep_main.cc)
 target_link_libraries(plant_sweep PRIVATE driftwise_hidden_plants driftwise_test_statistics driftwise_warnings)
+
+driftwise_test(hidden_effects_plant
+  SOURCES
+    plant_separating_test.cc
+    plant_test.cc
+  LINKS driftwise_hidden_plants driftwise_diagnosis driftwise_formats
+  LABELS hidden_effects)
