@@ -15,6 +15,7 @@
 #include "clients/cli/manual_commands.h"
 #include "clients/cli/model_commands.h"
 #include "clients/cli/remark_commands.h"
+#include "clients/cli/report_command.h"
 #include "clients/cli/run_commands.h"
 #include "clients/cli/session.h"
 #include "clients/cli/standard_commands.h"
@@ -101,6 +102,7 @@ void add_everything(CLI::App& app, Session& session) {
   add_model_commands(app, session);
   add_target_command(app, session);
   add_standard_commands(app, session);
+  add_report_command(app, session);
   add_manual_commands(app, session);
   add_examples(app, kFooter);
 }

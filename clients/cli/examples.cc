@@ -53,6 +53,8 @@ constexpr auto kExamples = std::to_array<Example>({
     {"run points", "driftwise run points 17 --json", "every accepted point"},
     {"run attempts", "driftwise run attempts 17", "every attempt, and why it was not accepted"},
     {"run datums", "driftwise run datums 17", "every zeroing and its temperatures"},
+    {"report run", "driftwise report run 17 -o run.html",
+     "one page to send to a colleague; it opens without a daemon"},
     {"stop", "driftwise stop", "halts all axes, from any client"},
     {"home", "driftwise home --dry-run", "what it would do"},
     {"move", "driftwise move q1=0.5", "one axis, mm"},
