@@ -7,6 +7,7 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
+#include <mutex>
 
 #include "server/application/signal.h"
 #include "server/rpc/convert_cell.h"
@@ -35,10 +36,29 @@ bool same_columns(const v1::ChannelLayout& a, const v1::ChannelLayout& b) {
 
 }  // namespace
 
+// The cell's executor may still have news on its way when the watch thread ends.
+class WatchFeed::Back {
+ public:
+  explicit Back(asio::any_io_executor watch_thread) : watch_thread_(std::move(watch_thread)) {}
+  template <class Handler>
+  void post(Handler handler) {
+    const std::lock_guard lock(mutex_);
+    if (open_) asio::post(watch_thread_, std::move(handler));
+  }
+  void close() {
+    const std::lock_guard lock(mutex_);
+    open_ = false;
+  }
+
+ private:
+  std::mutex mutex_;
+  bool open_ = true;
+  asio::any_io_executor watch_thread_;
+};
+
 class WatchFeed::Look : public std::enable_shared_from_this<Look> {
  public:
-  Look(application::Cell& cell, asio::any_io_executor watch_thread)
-      : cell_(cell), watch_thread_(std::move(watch_thread)) {}
+  Look(application::Cell& cell, std::shared_ptr<Back> back) : cell_(cell), back_(std::move(back)) {}
 
   void begin(std::weak_ptr<WatchFeed> feed) {
     asio::post(cell_.executor(), [self = shared_from_this(), feed = std::move(feed)] {
@@ -121,13 +141,13 @@ class WatchFeed::Look : public std::enable_shared_from_this<Look> {
 
   void send(News news) {
     auto shared = std::make_shared<News>(std::move(news));
-    asio::post(watch_thread_, [feed = feed_, shared] {
+    back_->post([feed = feed_, shared] {
       if (const auto alive = feed.lock()) alive->take(std::move(*shared));
     });
   }
 
   application::Cell& cell_;
-  asio::any_io_executor watch_thread_;
+  std::shared_ptr<Back> back_;
   std::weak_ptr<WatchFeed> feed_;
   int wanted_ = 0;
   bool running_ = false;
@@ -140,9 +160,10 @@ class WatchFeed::Look : public std::enable_shared_from_this<Look> {
 WatchFeed::WatchFeed(application::Cell& cell, asio::any_io_executor watch_thread)
     : cell_(cell),
       watch_thread_(watch_thread),
-      look_(std::make_shared<Look>(cell, std::move(watch_thread))) {}
+      back_(std::make_shared<Back>(std::move(watch_thread))),
+      look_(std::make_shared<Look>(cell, back_)) {}
 
-WatchFeed::~WatchFeed() = default;
+WatchFeed::~WatchFeed() { back_->close(); }
 
 std::shared_ptr<void> WatchFeed::subscribe(std::function<void()> wake) {
   const std::int64_t key = ++last_subscription_;
@@ -213,12 +234,12 @@ std::shared_ptr<const WatchChunk> WatchFeed::chunk_after(const RecordCursor& cur
 void WatchFeed::fetch(const RecordCursor& after, const RecordCursor& until,
                       std::function<void(Result<WatchChunk>)> then) {
   const auto ask = [](application::Cell& cell, RecordCursor from, RecordCursor to,
-                      asio::any_io_executor back, std::weak_ptr<WatchFeed> feed,
+                      std::shared_ptr<Back> back, std::weak_ptr<WatchFeed> feed,
                       std::function<void(Result<WatchChunk>)> answer) -> Awaitable<void> {
     auto reading = cell.watching().records(from, to, kPageRecords);
     auto page = co_await std::move(reading);
     auto shared = std::make_shared<Result<RecordPage>>(std::move(page));
-    asio::post(back, [shared, from, feed, answer] {
+    back->post([shared, from, feed, answer] {
       if (feed.expired()) return;
       if (*shared)
         answer(chunk_of(from, **shared));
@@ -227,7 +248,7 @@ void WatchFeed::fetch(const RecordCursor& after, const RecordCursor& until,
     });
   };
   asio::co_spawn(cell_.executor(),
-                 ask(cell_, after, until, watch_thread_, weak_from_this(), std::move(then)),
+                 ask(cell_, after, until, back_, weak_from_this(), std::move(then)),
                  asio::detached);
 }
 

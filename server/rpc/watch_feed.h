@@ -53,6 +53,7 @@ class WatchFeed : public std::enable_shared_from_this<WatchFeed> {
 
  private:
   class Look;  // the half on the cell's executor
+  class Back;  // its way back, which ends with the feed
   struct News {
     std::shared_ptr<const application::CellStatus> status;
     bool values = false, cell = false, progress = false;
@@ -64,6 +65,7 @@ class WatchFeed : public std::enable_shared_from_this<WatchFeed> {
 
   application::Cell& cell_;
   asio::any_io_executor watch_thread_;
+  std::shared_ptr<Back> back_;
   std::shared_ptr<Look> look_;
   std::map<std::int64_t, std::function<void()>> wakes_;
   std::int64_t last_subscription_ = 0;
