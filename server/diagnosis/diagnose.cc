@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "server/diagnosis/cancelled.h"
 #include "server/diagnosis/cause.h"
 #include "server/diagnosis/column_bank.h"
 #include "server/diagnosis/diagnosis.h"
@@ -17,10 +18,6 @@ namespace {
 
 constexpr std::size_t kMostBlocks = 4000;
 constexpr double kWorthTelling = 0.2;  // adjusted p of what is not named
-
-tl::unexpected<Error> cancelled() {
-  return fail(ErrorCode::cancelled, "CANCELLED", "the diagnosis was cancelled");
-}
 
 // How far it is: each look for one more cause takes a part of what is left of the way.
 class Progress {

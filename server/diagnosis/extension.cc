@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/diagnosis/cancelled.h"
+
 namespace driftwise::diagnosis {
 namespace {
 
@@ -18,10 +20,6 @@ Eigen::MatrixXd beside(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   Eigen::MatrixXd both(a.rows(), a.cols() + b.cols());
   both << a, b;
   return both;
-}
-
-tl::unexpected<Error> cancelled() {
-  return fail(ErrorCode::cancelled, "CANCELLED", "the diagnosis was cancelled");
 }
 
 double correlation(const Gain& a, const Gain& b) {

@@ -4,23 +4,15 @@
 #include <cmath>
 
 #include "server/diagnosis/held_out_gain.h"
+#include "server/diagnosis/robust.h"
 
 namespace driftwise::diagnosis {
 namespace {
 
-constexpr double kFarOff = 8, kAgree = 4;  // robust standard deviations
-constexpr double kMostRows = 0.02;
-constexpr double kMadToSd = 1.4826;
+constexpr double kWrongRow = 8, kAgree = 4;  // robust standard deviations
+constexpr double kMostWrongRows = 0.02;
 constexpr double kNoiseChangeGain = 30;
 constexpr Eigen::Index kFewestEachSide = 25;
-
-double robust_sd(std::vector<double> values) {
-  if (values.empty()) return 0;
-  for (auto& value : values) value = std::abs(value);
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return kMadToSd * *middle;
-}
 
 }  // namespace
 
@@ -38,10 +30,11 @@ std::vector<OutlierRow> outlier_rows(const Problem& problem) {
     const double sd = robust_sd(apart), sd_across = robust_sd(across);
     if (!(sd > 0)) continue;
     for (std::size_t i = 1; i + 1 < learn.size(); ++i)
-      if (std::abs(apart[i]) > kFarOff * sd && std::abs(across[i]) < kAgree * sd_across)
+      if (std::abs(apart[i]) > kWrongRow * sd && std::abs(across[i]) < kAgree * sd_across)
         found.push_back({learn[i], output.channel.symbol, std::abs(apart[i]) / sd});
   }
-  if (static_cast<double>(found.size()) > kMostRows * static_cast<double>(learn.size())) return {};
+  if (static_cast<double>(found.size()) > kMostWrongRows * static_cast<double>(learn.size()))
+    return {};
   std::ranges::stable_sort(found, {}, &OutlierRow::row);
   return found;
 }

@@ -2,27 +2,15 @@
 #include <cmath>
 
 #include "server/core/reading.h"
+#include "server/diagnosis/robust.h"
 #include "server/diagnosis/screen.h"
 
 namespace driftwise::diagnosis {
 namespace {
 
-constexpr double kFarOff = 12;        // robust standard deviations
+constexpr double kFarOffSensor = 12;  // robust standard deviations
 constexpr double kSmallest_k = 0.02;  // no jump or spike below this is called a fault
 constexpr std::size_t kFewestRows = 40, kWindow = 6;
-constexpr double kMadToSd = 1.4826;
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-double robust_sd(std::vector<double> values) {
-  for (auto& value : values) value = std::abs(value);
-  return kMadToSd * median(std::move(values));
-}
 
 struct Sensor {
   DatasetColumn* column = nullptr;
@@ -58,7 +46,7 @@ std::vector<std::size_t> spiked_rows(const std::vector<double>& v) {
     apart[i] = v[i] - (v[i - 1] + v[i + 1]) / 2;
     across[i] = v[i + 1] - v[i - 1];
   }
-  const double least = std::max(kFarOff * robust_sd(apart), kSmallest_k);
+  const double least = std::max(kFarOffSensor * robust_sd(apart), kSmallest_k);
   std::vector<std::size_t> rows;
   for (std::size_t i = 1; i + 1 < v.size(); ++i)
     if (std::abs(apart[i]) > least && std::abs(across[i]) < least / 2) rows.push_back(i);
@@ -86,7 +74,7 @@ void find_jumps(Sensor& sensor, const std::vector<double>& time_s) {
   const double step_s = median(steps);
   for (std::size_t i = kWindow; i + kWindow < v.size(); ++i) {
     if (!time_s.empty() && time_s[i] - time_s[i - 1] > 3 * step_s) continue;  // it had the time
-    const double least = std::max(kFarOff * sensor.usual, kSmallest_k);
+    const double least = std::max(kFarOffSensor * sensor.usual, kSmallest_k);
     if (std::abs(v[i] - v[i - 1]) > least && std::abs(level_change(v, i)) > 0.7 * least)
       sensor.jumps.push_back(i);
   }

@@ -6,7 +6,7 @@
 namespace driftwise::diagnosis {
 namespace {
 
-constexpr double kDependent = 1e-9;  // of the largest pivot of columns of length 1
+constexpr double kDependentPivot = 1e-9;  // of the largest pivot of columns of length 1
 
 }  // namespace
 
@@ -23,7 +23,7 @@ WeightedFit::WeightedFit(const Problem& problem, const Eigen::MatrixXd& base,
   const Eigen::VectorXd scale = all.leftCols(p).colwise().norm().cwiseMax(1e-300);
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(all.leftCols(p) *
                                                  scale.cwiseInverse().asDiagonal());
-  qr.setThreshold(kDependent);
+  qr.setThreshold(kDependentPivot);
   const Eigen::VectorXd scaled = qr.solve(all.col(p));
   coefficients_ = scaled.cwiseQuotient(scale);
   const Eigen::VectorXd left = all.col(p) - all.leftCols(p) * coefficients_;
