@@ -20,6 +20,7 @@
 #include "clients/cli/session.h"
 #include "clients/cli/standard_commands.h"
 #include "clients/cli/target_command.h"
+#include "clients/cli/watch_command.h"
 
 namespace driftwise::cli {
 namespace {
@@ -90,6 +91,7 @@ void add_everything(CLI::App& app, Session& session) {
   add_shared_options(app, session);
   add_status_commands(app, session);
   add_alarm_commands(app, session);
+  add_watch_command(app, session);
   add_trajectory_commands(app, session);
   add_run_commands(app, session);
   add_motion_commands(app, session);

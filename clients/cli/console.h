@@ -53,7 +53,8 @@ struct Console {
   int err_width = 80;                              // characters, for the progress bar
   std::map<std::string, std::string> environment;  // DRIFTWISE_SERVER, USER, NO_COLOR, TERM
   std::string working_folder = ".";
-  bool json = false;  // --json
+  bool json = false;    // --json
+  int err_height = 24;  // lines, for a full screen
 
   std::string variable(const std::string& name) const {
     const auto found = environment.find(name);

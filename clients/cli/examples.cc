@@ -15,6 +15,8 @@ constexpr auto kExamples = std::to_array<Example>({
     {"events", "driftwise events --follow", "the record, and what happens next"},
     {"events", "driftwise events --after 120 --json", "what came after event 120"},
     {"readings", "driftwise readings laser", "the readings of one instrument as they come"},
+    {"watch", "driftwise watch", "the whole cell, in place, until Ctrl-C"},
+    {"watch", "driftwise watch --channels x,t07 --every 60 >> watch.log", "a line a minute"},
     {"trajectory check", "driftwise trajectory check plan.csv",
      "limits, counts, duration, what a fit could not tell apart"},
     {"trajectory upload", "driftwise trajectory upload plan.csv --name 'case B'",

@@ -17,12 +17,12 @@ int main(int argc, char** argv) {
   std::signal(SIGPIPE,
               SIG_IGN);  // `driftwise events | head` ends at the next write, not by a signal
   Interrupt interrupt;   // before any other thread
-  Console console{
-      std::cout, std::cerr, isatty(STDOUT_FILENO) != 0, isatty(STDERR_FILENO) != 0, 80, {},
-      ".",       false};
+  Console console{std::cout, std::cerr, isatty(STDOUT_FILENO) != 0, isatty(STDERR_FILENO) != 0};
   winsize size{};
-  if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20)
+  if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20) {
     console.err_width = size.ws_col;
+    if (size.ws_row > 4) console.err_height = size.ws_row;
+  }
   for (char** entry = environ; *entry != nullptr; ++entry) {
     const std::string text = *entry;
     if (const auto equals = text.find('='); equals != std::string::npos)
