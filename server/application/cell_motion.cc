@@ -92,7 +92,8 @@ Awaitable<Result<void>> CellApplication::home(Caller caller, std::string lease_t
   events_.record(caller, "axes.home", fmt::format("{} references the axes", caller.name));
   auto scope = hand.scope("homing");
   recorder_.lend_pose_instruments(true);
-  auto opened = co_await new_datum_by_hand(scope, "homed by " + caller.name);
+  auto opening = new_datum_by_hand(scope, "homed by " + caller.name);
+  auto opened = co_await std::move(opening);
   recorder_.lend_pose_instruments(false);
   if (!opened) co_return tl::unexpected(opened.error());
   take_datum(*opened);
