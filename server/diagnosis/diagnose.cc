@@ -31,10 +31,15 @@ class Progress {
   bool further(double share, std::string step) {
     return at(fraction_ + share * (1 - fraction_), std::move(step));
   }
-  bool tick() { return !options_.progress || options_.progress(fraction_, step_); }
+  // Once it was told to stop, it stays stopped.
+  bool tick() {
+    if (!stopped_ && options_.progress) stopped_ = !options_.progress(fraction_, step_);
+    return !stopped_;
+  }
 
  private:
   const DiagnoseOptions& options_;
+  bool stopped_ = false;
   double fraction_ = 0;
   std::string step_ = "reading the rows";
 };
@@ -59,6 +64,7 @@ class Diagnoser {
     for (std::size_t o = 0; o < problem_.outputs.size(); ++o)
       series_.col(static_cast<Eigen::Index>(o)) = problem_.learned(problem_.outputs[o].measured);
     if (auto ok = search(*bank); !ok) return tl::unexpected(ok.error());
+    if (!progress_.at(1, "done")) return cancelled();
     return std::move(result_);
   }
 
@@ -196,7 +202,6 @@ class Diagnoser {
       result_.verdict = Verdict::unexplained;
     else
       result_.verdict = result_.findings.empty() ? Verdict::adequate : Verdict::extended;
-    progress_.at(1, "done");
   }
 
   const Dataset& dataset_;

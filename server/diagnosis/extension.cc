@@ -71,6 +71,7 @@ Ground Extension::ground(std::optional<std::size_t> without,
 GainOf Extension::gain_of(const Ground& ground, const Cause& cause,
                           const std::vector<effects::Term>& terms) const {
   return [this, &ground, on = acts_on(problem_, cause), terms](double value) {
+    if (tick_ && !tick_()) return 0.0;  // whoever asked is to stop
     const auto columns = filled_columns(problem_, with_parameter(terms, value));
     return columns ? ground.gain(problem_.learned(*columns), on).gain : 0.0;
   };

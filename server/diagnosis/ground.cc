@@ -29,17 +29,20 @@ Eigen::MatrixXd beyond(const WhitenedSpace& space, const Eigen::MatrixXd& column
 }
 
 Ground::Ground(const Timeline& timeline, const std::vector<NoiseShape>& shapes,
-               const Eigen::MatrixXd& base, const Eigen::MatrixXd& series)
+               const Eigen::MatrixXd& base, const Eigen::MatrixXd& series,
+               const std::function<bool()>& tick)
     : series_(series), criterion_(static_cast<Eigen::Index>(shapes.size()), series.cols()) {
   const Eigen::MatrixXd independent = independent_columns(base);
   spaces_.reserve(shapes.size());
   for (const auto& shape : shapes) {
+    if (!spaces_.empty() && tick && !tick()) break;
     spaces_.emplace_back(timeline, shape, independent);
     left_.push_back(spaces_.back().left_over(series_));
     const auto row = static_cast<Eigen::Index>(left_.size()) - 1;
     for (Eigen::Index o = 0; o < series.cols(); ++o)
       criterion_(row, o) = spaces_.back().criterion(left_.back().col(o).squaredNorm());
   }
+  criterion_.conservativeResize(static_cast<Eigen::Index>(spaces_.size()), Eigen::NoChange);
   for (Eigen::Index o = 0; o < series.cols(); ++o) {
     Eigen::Index at = 0;
     criterion_.col(o).minCoeff(&at);

@@ -5,6 +5,7 @@
 // a slow effect that the noise has swallowed is given back.
 
 #include <Eigen/Core>
+#include <functional>
 #include <vector>
 
 #include "server/diagnosis/noise_model.h"
@@ -26,9 +27,11 @@ struct Gain {
 
 class Ground {
  public:
-  // base: rows x k, any columns; series: rows x outputs.
+  // base: rows x k, any columns; series: rows x outputs. tick: asked between shapes; where it says
+  // false the ground has fewer of them and its owner is to stop.
   Ground(const Timeline& timeline, const std::vector<NoiseShape>& shapes,
-         const Eigen::MatrixXd& base, const Eigen::MatrixXd& series);
+         const Eigen::MatrixXd& base, const Eigen::MatrixXd& series,
+         const std::function<bool()>& tick = {});
 
   std::size_t shape_count() const { return spaces_.size(); }
   Eigen::Index outputs() const { return series_.cols(); }

@@ -50,7 +50,7 @@ double Search::ln_p(std::size_t cause, double gain, int dof) const {
 std::vector<NoiseShape> Search::shapes_in_question(const Eigen::MatrixXd& base,
                                                    const std::vector<char>& allowed,
                                                    bool& stopped) const {
-  const Ground whole(timeline_, grid_, base, series_);
+  const Ground whole(timeline_, grid_, base, series_, options_.tick);
   const double step_s = grid_.size() > 1 ? grid_[1].tau_s : 1;
   std::vector<NoiseShape> shapes, guesses;
   for (Eigen::Index o = 0; o < whole.outputs(); ++o) {
@@ -85,6 +85,10 @@ std::vector<NoiseShape> Search::shapes_in_question(const Eigen::MatrixXd& base,
         return one.cause == order[i] && one.cell == cell;
       };
       if (std::ranges::any_of(candidates, known)) continue;
+      if (options_.tick && !options_.tick()) {
+        stopped = true;
+        return {};
+      }
       const auto& at = bank_.cells[entry.first + cell];
       candidates.push_back(
           {order[i], cell, whole.gain(bank_.columns.middleCols(at.first, at.count), entry.on)});
