@@ -13,7 +13,7 @@ struct Position {
   PointSet set = PointSet::calibration;
 };
 
-tl::unexpected<Error> bad_plan(const std::string& what) {
+tl::unexpected<Error> bad_request(const std::string& what) {
   return fail(ErrorCode::invalid_argument, "BAD_PLAN", what);
 }
 
@@ -21,28 +21,29 @@ Result<void> check_axis(const GeneratorAxis& axis) {
   const std::string name = "axis " + axis.coordinate.name();
   if (axis.coordinate.unit != "mm" ||
       !(is_motor_symbol(axis.coordinate.symbol) || is_pose_symbol(axis.coordinate.symbol)))
-    return bad_plan(name + ": expected a motor coordinate such as q1_mm or a pose in mm, x_mm");
+    return bad_request(name + ": expected a motor coordinate such as q1_mm or a pose in mm, x_mm");
   if (!std::isfinite(axis.from_mm) || !std::isfinite(axis.to_mm) || axis.to_mm < axis.from_mm)
-    return bad_plan(name + ": expected finite from_mm and to_mm, from_mm not above to_mm");
+    return bad_request(name + ": expected finite from_mm and to_mm, from_mm not above to_mm");
   if (axis.count < 1 || axis.count > 10'000 || (axis.count > 1 && axis.to_mm == axis.from_mm))
-    return bad_plan(name + ": count: found " + std::to_string(axis.count) +
-                    ", expected 1 to 10 000 different positions");
+    return bad_request(name + ": count: found " + std::to_string(axis.count) +
+                       ", expected 1 to 10 000 different positions");
   return {};
 }
 
 Result<void> check_plan(const GeneratorPlan& plan) {
   if (plan.axes.empty() || plan.axes.size() > 6)
-    return bad_plan("axes: found " + std::to_string(plan.axes.size()) + ", expected 1 to 6");
+    return bad_request("axes: found " + std::to_string(plan.axes.size()) + ", expected 1 to 6");
   for (std::size_t i = 0; i < plan.axes.size(); ++i) {
     if (auto good = check_axis(plan.axes[i]); !good) return good;
     for (std::size_t k = 0; k < i; ++k)
       if (plan.axes[k].coordinate == plan.axes[i].coordinate)
-        return bad_plan("axes: " + plan.axes[i].coordinate.name() + " is named twice");
+        return bad_request("axes: " + plan.axes[i].coordinate.name() + " is named twice");
   }
-  if (plan.line_length < 0) return bad_plan("line_length: expected 0 or more");
-  if (plan.repeats < 1 || plan.repeats > 1000) return bad_plan("repeat_count: expected 1 to 1000");
+  if (plan.line_length < 0) return bad_request("line_length: expected 0 or more");
+  if (plan.repeats < 1 || plan.repeats > 1000)
+    return bad_request("repeat_count: expected 1 to 1000");
   for (const double force : plan.forces_n)
-    if (!std::isfinite(force)) return bad_plan("forces_n: expected finite numbers");
+    if (!std::isfinite(force)) return bad_request("forces_n: expected finite numbers");
   return {};
 }
 
@@ -64,12 +65,12 @@ Result<void> check_row_count(const GeneratorPlan& plan) {
   return {};
 }
 
-double rounded_mm(double mm) { return std::round(mm * 1e9) / 1e9; }
+double to_picometres(double mm) { return std::round(mm * 1e9) / 1e9; }
 
 double level_mm(const GeneratorAxis& axis, double i) {
   const double step =
       axis.count > 1 ? (axis.to_mm - axis.from_mm) / static_cast<double>(axis.count - 1) : 0;
-  return rounded_mm(axis.from_mm + i * step);
+  return to_picometres(axis.from_mm + i * step);
 }
 
 // All positions of a grid, the first axis fastest; shift 0.5: the middles of its cells.

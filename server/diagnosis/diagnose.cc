@@ -7,6 +7,7 @@
 #include "server/diagnosis/column_bank.h"
 #include "server/diagnosis/diagnosis.h"
 #include "server/diagnosis/extension.h"
+#include "server/diagnosis/held_out_gate.h"
 #include "server/diagnosis/left_over.h"
 #include "server/diagnosis/report.h"
 #include "server/diagnosis/screen.h"
@@ -127,6 +128,8 @@ class Diagnoser {
     if (!progress_.further(0.3, "comparing what was found with all others")) return cancelled();
     auto said = extension.settle();
     if (!said) return tl::unexpected(said.error());
+    const auto harmful = withdraw_what_harms(problem_, causes_, extension);
+    said->insert(said->end(), harmful.begin(), harmful.end());
     result_.warnings.insert(result_.warnings.end(), said->begin(), said->end());
     if (auto ok = look_at_remainder(extension); !ok) return ok;
     conclude(extension);

@@ -148,7 +148,7 @@ dx::FindingOutput read_finding_output(const JsonPlace& from) {
   return o;
 }
 
-Json finding_json(const dx::Finding& f) {
+Json stored_finding(const dx::Finding& f) {
   Json one{{"cause", f.cause},
            {"subject", f.subject},
            {"where", f.where},
