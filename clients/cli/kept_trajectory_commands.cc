@@ -58,8 +58,8 @@ void print_kept(const Console& console, const v1::Trajectory& kept) {
               << '\n';
 }
 
-v1::Trajectory keep(const Connection& connection, const std::string& name,
-                    const std::string& text) {
+v1::Trajectory kept_in_daemon(const Connection& connection, const std::string& name,
+                              const std::string& text) {
   v1::CreateTrajectoryRequest request;
   request.set_name(name);
   request.set_text(text);
@@ -92,7 +92,7 @@ ExitCode show_kept(const Session& session, std::int64_t id) {
   return ExitCode::done;
 }
 
-ExitCode generate(const Session& session, const GenerateArguments& a) {
+ExitCode generate_grid(const Session& session, const GenerateArguments& a) {
   v1::GenerateTrajectoryRequest request;
   for (const auto& axis : a.axes) *request.add_axes() = grid_axis_from(axis);
   request.mutable_forces_n()->Assign(a.forces_n.begin(), a.forces_n.end());
@@ -105,7 +105,7 @@ ExitCode generate(const Session& session, const GenerateArguments& a) {
   const auto made = connection.ask(&TrajectoryStub::GenerateTrajectory, request);
   if (!a.file.empty()) write_output_file(a.file, made.text());
   if (!a.keep_as.empty()) {
-    print_kept(session.console, keep(connection, a.keep_as, made.text()));
+    print_kept(session.console, kept_in_daemon(connection, a.keep_as, made.text()));
   } else if (a.file.empty()) {
     session.console.out << made.text();
   } else if (session.console.json) {
@@ -123,14 +123,14 @@ void add_kept_trajectories(CLI::App& trajectory, Session& session) {
     std::string file, name;
   };
   auto a = std::make_shared<UploadArguments>();
-  CLI::App& upload =
-      add_command(trajectory, session, "upload", "Checks a trajectory and keeps it in the daemon",
-                  [&session, a] {
-                    print_kept(session.console, keep(session.connect(),
-                                                     a->name.empty() ? base_name(a->file) : a->name,
-                                                     read_input_file(a->file)));
-                    return ExitCode::done;
-                  });
+  CLI::App& upload = add_command(
+      trajectory, session, "upload", "Checks a trajectory and keeps it in the daemon",
+      [&session, a] {
+        print_kept(session.console,
+                   kept_in_daemon(session.connect(), a->name.empty() ? base_name(a->file) : a->name,
+                                  read_input_file(a->file)));
+        return ExitCode::done;
+      });
   upload.add_option("FILE", a->file, "trajectory CSV, - for standard input")->required();
   upload.add_option("--name", a->name, "for people; without it the file's name");
   add_command(trajectory, session, "list", "The trajectories kept in the daemon",
@@ -144,7 +144,7 @@ void add_kept_trajectories(CLI::App& trajectory, Session& session) {
   CLI::App& make = add_command(
       trajectory, session, "generate",
       "Makes a grid within the cell's limits: returns to zero, validation, forces, directions",
-      [&session, g] { return generate(session, *g); });
+      [&session, g] { return generate_grid(session, *g); });
   make.add_option("--axis", g->axes, "q1_mm=0:2.5:6, again for each axis; the first moves fastest")
       ->required();
   make.add_option("--force", g->forces_n, "newton; the whole grid under each")->delimiter(',');
