@@ -226,7 +226,7 @@ std::string write_stored_diagnosis(const dx::Diagnosis& d) {
             {"rows_held_out", d.rows_held_out},
             {"nulls", d.nulls},
             {"outputs", list(d.outputs, summary_json)},
-            {"findings", list(d.findings, finding_json)}};
+            {"findings", list(d.findings, stored_finding)}};
   json["not_testable"] = list(d.not_testable, [](const dx::NotTestable& one) {
     return Json{{"cause", one.cause}, {"why", one.why}};
   });

@@ -34,7 +34,7 @@ class CliTest : public testing::Test {
 
   Outcome run(std::vector<std::string> arguments, bool terminal = false) {
     std::ostringstream out, err;
-    cli::Console console{out, err, terminal, terminal, 80, environment, folder.path(), false};
+    cli::Console console{out, err, terminal, terminal, 80, environment, folder.path(), false, 24};
     const int exit = cli::run_cli(std::move(arguments), console);
     return {exit, out.str(), err.str()};
   }

@@ -62,7 +62,7 @@ class LivePictureTest : public testing::Test {
 
 TEST_F(LivePictureTest, ShowsValuesWithUnitAndAge) {
   EXPECT_THAT(screen(), HasSubstr("micro-nano  ● live"));
-  EXPECT_THAT(screen(), testing::ContainsRegex("x +1\\.500000 +mm +0\\.9 s"));
+  EXPECT_THAT(screen(), testing::ContainsRegex("x +1\\.500000 +mm +900\\.0 ms"));
 }
 
 TEST_F(LivePictureTest, AnOldValueIsCalledStale) {

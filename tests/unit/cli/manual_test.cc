@@ -24,14 +24,14 @@ class ManualTest : public testing::Test {
   }
 
   std::ostringstream out, err;
-  cli::Console console{out, err, false, false, 80, {}, ".", false};
+  cli::Console console{out, err, false, false, 80, {}, ".", false, 24};
   cli::CommandText program;
   TemporaryFolder folder;
 };
 
 // The words that a shell would hand to the program; what comes after a pipe or > is not its own.
 std::vector<std::string> words_of(std::string line) {
-  for (const char* beyond : {" > ", " | "})
+  for (const char* beyond : {" > ", " >> ", " | "})
     if (const auto at = line.find(beyond); at != std::string::npos) line.resize(at);
   wordexp_t expanded{};
   if (wordexp(line.c_str(), &expanded, WRDE_NOCMD) != 0) return {"a shell cannot read this"};

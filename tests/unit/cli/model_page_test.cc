@@ -30,7 +30,7 @@ TEST(ModelPage, IsTheOneThatWasReadAndApproved) {
       read_whole_file(kFolder + "model.textproto"), &shown));
   std::ostringstream out, err;
   const std::map<std::string, std::string> environment;
-  const Console console{out, err, false, false, 80, environment, ".", false};
+  const Console console{out, err, false, false, 80, environment, ".", false, 24};
   print_model_page(console, shown);
   if (std::getenv("DRIFTWISE_WRITE_GOLDEN") != nullptr)
     std::ofstream(kFolder + "page.txt") << out.str();

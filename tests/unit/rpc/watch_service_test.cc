@@ -72,6 +72,7 @@ std::vector<std::int64_t> numbers(std::int64_t from, std::int64_t to) {
 TEST_F(WatchServiceTest, BeginsWithTheLayoutTheValuesAndTheCell) {
   cell.on_executor([&] {
     cell.the_status.name = "bench 3";
+    cell.the_status.values.clear();
     cell.the_status.values.push_back(
         {.channel = {"t07", "degC"}, .value = 20.5, .at = {1}, .age_s = 2, .device = "scanner"});
     cell.the_status.values.push_back({.channel = {"t08", "degC"}, .at = {}, .device = "scanner"});

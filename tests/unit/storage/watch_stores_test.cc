@@ -30,9 +30,10 @@ TEST_F(WatchStoresTest, PagesHoldEveryRecordOnceWhateverTheirSize) {
   for (int i = 0; i < 23; ++i) {
     event("number " + std::to_string(i));
     if (i % 2 == 0) point(i);
-    if (i % 5 == 0)
+    if (i % 5 == 0) {
       ASSERT_TRUE(store->alarms().raise(
           {{}, AlarmLevel::warning, "k", std::to_string(i), "m", at_s(i).utc, {}, {}, "", 0}));
+    }
   }
   const auto newest = store->records().newest().value();
   for (const int limit : {1, 3, 7, 1000}) {
