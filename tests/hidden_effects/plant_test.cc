@@ -19,10 +19,11 @@ TEST_P(HiddenInAPlant, IsNamedAndNothingElseIs) {
     const auto run = run_case(one, 1);
     const auto verdict = judged_by_truth(one, run, diagnosed_run(one.baseline, run.data, 49));
     EXPECT_TRUE(verdict.exact) << verdict.named;
-    if (std::isfinite(verdict.u90_known))
+    if (std::isfinite(verdict.u90_known)) {
       EXPECT_LE(verdict.u90_after,
                 verdict.u90_known + 0.05 * (verdict.u90_before - verdict.u90_known) + 0.5)
           << "95 % of what knowing the truth gives";
+    }
     return;
   }
   FAIL() << "no such case";
