@@ -6,7 +6,7 @@ import { zeroDrift } from '@/parts/zero_plot';
 import { matches } from '@/views/runs/list';
 import { rowsOf } from '@/views/runs/points_tab';
 import { rowsText, rowsTyped } from '@/views/runs/row_ranges';
-import { fakeAttempts, fakePoints, fakeRun } from '../support/fake_cell';
+import { fakeAttempts, fakePoints, fakeRun } from '../fake/cell';
 
 describe('rows as people write them', () => {
   it('count from 1 and go to the daemon from 0', () => {

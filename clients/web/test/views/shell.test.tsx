@@ -1,4 +1,4 @@
-// The shell and Now over the real stream client, before a cell of make-believe.
+// The shell and Now over the real stream client, before a daemon in memory.
 import { cleanup, configure, fireEvent, render, screen, waitFor, within } from '@testing-library/preact';
 import { createRouterTransport, type Transport } from '@connectrpc/connect';
 import { afterAll, afterEach, beforeAll, beforeEach, expect, it, vi } from 'vitest';
@@ -10,7 +10,7 @@ import { setOperatorName } from '@/app/session';
 import { Shell } from '@/app/shell';
 import { connection } from '@/live/connection';
 import { startStream } from '@/live/stream';
-import { fakeTransport } from '../support/fake_cell';
+import { fakeDaemon } from '../fake/daemon';
 
 vi.mock('@/plot/plot', () => ({ Plot: ({ spec }: { spec: { title: string } }) => <figure>{spec.title}</figure> }));
 
@@ -32,7 +32,7 @@ configure({ asyncUtilTimeout: 15_000 });
 let endStream: () => void;
 beforeAll(() => {
   vi.stubGlobal('scrollTo', () => undefined);
-  useTransport(counting(fakeTransport()));
+  useTransport(counting(fakeDaemon()));
   endStream = startStream();
 });
 afterAll(() => endStream());

@@ -1,16 +1,14 @@
-// A daemon of make-believe behind the real API, for unit tests and for looking at the page without one (fake.html): a cell of
-// three axes with a run under way. Nothing here is measured; the browser tests use the real daemon.
+// The cell of the make-believe daemon: three axes with a run under way, its channels, points and batches of the stream.
+// Nothing here is measured.
 import { create, type MessageInitShape } from '@bufbuild/protobuf';
-import { createRouterTransport, type Transport } from '@connectrpc/connect';
-import { CellService, Device_Link, GetStatusResponseSchema } from '@/api/gen/driftwise/v1/cell_service_pb';
-import { DataService } from '@/api/gen/driftwise/v1/data_service_pb';
+import { Device_Link, GetStatusResponseSchema } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { Attempt_Verdict, AttemptSchema, PointSchema, PointSet, Run_State, RunSchema, type Attempt, type Point } from '@/api/gen/driftwise/v1/run_pb';
-import { RunService } from '@/api/gen/driftwise/v1/run_service_pb';
-import { AlarmSchema, Alarm_Level, ChannelLayoutSchema, WatchResponseSchema, WatchService, type WatchEventSchema } from '@/api/gen/driftwise/v1/watch_service_pb';
+import { AlarmSchema, Alarm_Level, ChannelLayoutSchema, type WatchEventSchema, type WatchResponseSchema } from '@/api/gen/driftwise/v1/watch_service_pb';
 import { timestampOf } from '@/format/time';
 
 const hours = 14;
-const startMs = Date.UTC(2026, 4, 15, 18, 0, 0);
+export const startMs = Date.UTC(2026, 4, 15, 18, 0, 0);
+export const at = (minutes: number) => timestampOf(startMs + minutes * 60_000);
 const wave = (t: number, period: number, size: number) => size * Math.sin((2 * Math.PI * t) / period);
 const noise = (i: number) => (Math.sin(i * 12.9898) * 43758.5453) % 1;
 
@@ -67,7 +65,7 @@ export const fakeAlarm = create(AlarmSchema, {
 
 const device = (id: string, more: object = {}) => ({ id, kind: id, link: Device_Link.CONNECTED, lastLatencyDuration: { seconds: 0n, nanos: 34_000_000 }, exchangeCount: 1200n, ...more });
 export const fakeStatus = create(GetStatusResponseSchema, {
-  cellName: 'micro-nano', version: '0.1.0', configHash: '91ab23cd45ef', speed: 1,
+  cellName: 'micro-nano', version: '0.1.0', configHash: '91ab23cd45ef', speed: 1, cellTime: timestampOf(fakeNowMs), servingModelId: 12n,
   devices: [
     device('robot', { axes: ['q1_mm', 'q2_mm', 'q3_mm'].map((channel) => ({ channel, minMm: -0.2, maxMm: 2.8 })) }),
     ...['x', 'y', 'z'].map((x) => device(`laser-${x}`, { lengthChannel: `${x}_mm` })),
@@ -96,51 +94,4 @@ export function fakeBatch(n: number): MessageInitShape<typeof WatchResponseSchem
   };
   const progress: Event = { event: { case: 'progress', value: { $typeName: 'driftwise.v1.RunProgress', run: fakeRun, phase: 'settling', row: 612n, line: 23n, lastSpreadNm: 3.8, sequence: BigInt(n), estimatedEndTime: timestampOf(fakeNowMs + 6.08 * 3600e3) } } };
   return { cursor: `c${n}`, serverTime: timestampOf(nowMs), cellTime: timestampOf(nowMs), events: n === 0 ? [layoutEvent, { event: { case: 'cell', value: fakeStatus } }, progress, values] : [values] };
-}
-
-const pause = (ms: number) => new Promise((done) => setTimeout(done, ms));
-
-export function fakeTransport(): Transport {
-  return createRouterTransport(({ service }) => {
-    service(WatchService, {
-      async *watch(_request, { signal }) {
-        for (let n = 0; !signal.aborted; n++) {
-          yield fakeBatch(n);
-          await pause(100);
-        }
-      },
-      listAlarms: () => ({ alarms: [fakeAlarm] }),
-      acknowledgeAlarm: () => ({ alarm: { ...fakeAlarm, acknowledgeTime: timestampOf(fakeNowMs), acknowledgedBy: 'Anna' } }),
-      getSeries: ({ channels, fromTime, toTime, bucketCount }) => {
-        const from = Number(fromTime?.seconds ?? 0n) * 1000;
-        const to = Number(toTime?.seconds ?? 0n) * 1000;
-        const at = Array.from({ length: bucketCount }, (_, i) => (from + ((i + 0.5) / bucketCount) * (to - from) - startMs) / 3600e3);
-        return {
-          fromTime, toTime, raw: true, bucketDuration: { seconds: BigInt(Math.floor((to - from) / 1000 / bucketCount)), nanos: 0 },
-          series: channels.map((channel) => {
-            const mean = at.map((t, i) => fakeValue(channel, t, i));
-            return { channel, unit: channel.split('_').pop()!, base: 0, mean, min: mean, max: mean, count: mean.map(() => 1) };
-          }),
-        };
-      },
-    });
-    service(RunService, {
-      getRun: () => ({ run: fakeRun, rulesJson: '{"max_spread_nm": 20}' }),
-      listRuns: () => ({ runs: [fakeRun, ...[16, 15, 14].map((id) => ({ ...fakeRun, id: BigInt(id), name: id === 15 ? 'proof-geometry' : 'campaign', state: id === 14 ? Run_State.ABORTED : Run_State.DONE, reason: id === 14 ? 'stopped by Ben' : '', acceptedCount: 1056n, endTime: timestampOf(startMs) }))] }),
-      listPoints: () => ({ points: fakePoints }),
-      listAttempts: () => ({ attempts: fakeAttempts }),
-      listDatums: () => ({ datums: [{ id: 3n, openTime: timestampOf(startMs), reason: 'homed' }] }),
-      pauseRun: () => ({ run: fakeRun }), resumeRun: () => ({ run: fakeRun }), abortRun: () => ({ run: fakeRun }),
-    });
-    service(CellService, {
-      getStatus: () => fakeStatus,
-      stopAll: () => ({}),
-      takeLease: () => ({ lease: { token: 'fake' } }),
-      setStabiliser: () => ({}),
-      listEvents: () => ({
-        events: Array.from({ length: 40 }, (_, i) => ({ id: BigInt(i + 1), eventTime: timestampOf(startMs + i * 60e3), who: i % 3 ? 'daemon' : 'Anna', peer: i % 3 ? '' : 'ipv4:127.0.0.1:50812', what: ['run.started', 'device.lost', 'device.back', 'datum.opened'][i % 4], detail: ['run 17 started', 'laser-x does not answer', 'laser-x answers again', 'datum 3: homed'][i % 4], ...(i % 4 === 0 && { runId: 17n }) })),
-      }),
-    });
-    service(DataService, { listNotes: () => ({ notes: [] }), listExclusions: () => ({ state: {} }) });
-  });
 }
