@@ -118,7 +118,7 @@ void add_motion_commands(CLI::App& app, Session& session) {
     command.add_option("--lease-token", a->lease_token,
                        "of a lease taken with `driftwise lease take`");
   };
-  add_command(app, session, "stop", "Halts all axes now and aborts a run under way; needs no lease",
+  add_command(app, session, "stop", "Halts all axes now and pauses a run under way; needs no lease",
               [&session] {
                 session.connect().ask(&CellStub::StopAll, v1::StopAllRequest{});
                 return say(session, "stopped");

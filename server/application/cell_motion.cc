@@ -79,7 +79,7 @@ class CellApplication::ByHand {
 Awaitable<Result<void>> CellApplication::stop_all(Caller caller) {
   events_.record(caller, "stop", fmt::format("{} stopped everything", caller.name));
   const auto why = fmt::format("stopped by {}", caller.name);
-  if (auto* control = engine_.control()) control->abort(why);
+  if (auto* control = engine_.control()) control->halt(why);
   if (by_hand_) by_hand_->abort(why);
   co_return co_await bench_.stop();
 }

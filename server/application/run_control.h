@@ -20,6 +20,14 @@ class RunControl {
     hold_reason_ = std::move(why);
     changed_.raise();
   }
+  // The axes were stopped: the step under way ends at once with RUN_HALTED, and the run holds as it
+  // does after hold(). The row under way is visited again.
+  void halt(std::string why) {
+    halted_ = true;
+    hold(std::move(why));
+  }
+  // The engine has seen the halt; the hold stays.
+  void take_halt() { halted_ = false; }
   void resume() {
     held_ = false;
     changed_.raise();
@@ -44,21 +52,23 @@ class RunControl {
   }
 
   bool held() const { return held_; }
+  bool halted() const { return halted_ && !aborted_ && !shutting_down_; }
   bool aborted() const { return aborted_; }
   bool shutting_down() const { return shutting_down_; }
   const std::string& hold_reason() const { return hold_reason_; }
-  // Errors: aborted RUN_ABORTED, cancelled SHUTTING_DOWN. A hold is no error: the engine asks
-  // held() after a point.
+  // Errors: aborted RUN_ABORTED or RUN_HALTED, cancelled SHUTTING_DOWN. A hold is no error: the
+  // engine asks held() after a point.
   Result<void> check() const {
     if (shutting_down_)
       return fail(ErrorCode::cancelled, "SHUTTING_DOWN", "the daemon is shutting down");
     if (aborted_) return fail(ErrorCode::aborted, "RUN_ABORTED", abort_reason_);
+    if (halted_) return fail(ErrorCode::aborted, "RUN_HALTED", hold_reason_);
     return {};
   }
   Signal& changed() { return changed_; }
 
  private:
-  bool held_ = false, aborted_ = false, shutting_down_ = false;
+  bool held_ = false, halted_ = false, aborted_ = false, shutting_down_ = false;
   std::string hold_reason_, abort_reason_;
   std::optional<double> wanted_force_n_;
   Signal changed_;

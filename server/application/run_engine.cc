@@ -14,7 +14,6 @@
 #include "server/application/sampling.h"
 #include "server/application/spawn.h"
 #include "server/application/start_checks.h"
-#include "server/application/trouble.h"
 
 namespace driftwise::application {
 
@@ -97,10 +96,27 @@ Awaitable<Result<void>> RunEngine::carry_out(ActiveRun& run) {
     if (outcome) co_return outcome;
     troubles_in_a_row =
         run.record.accepted + run.record.given_up > attempts_before ? 1 : troubles_in_a_row + 1;
-    // What a device says about being stopped matters less than who wanted it.
-    if (auto ok = run.control.check(); !ok) co_return ok;
-    if (auto ok = co_await overcome(run, outcome.error(), troubles_in_a_row); !ok) co_return ok;
+    const Error trouble = outcome.error();
+    do {
+      // What a device says about being stopped matters less than who wanted it.
+      if (run.control.halted()) {
+        outcome = co_await stand_still(run, trouble);
+      } else if (auto ok = run.control.check(); !ok) {
+        co_return ok;
+      } else {
+        outcome = co_await overcome(run, trouble, troubles_in_a_row);
+      }
+    } while (!outcome && run.control.halted());  // stopped while it waited
+    if (!outcome) co_return outcome;
   }
+}
+
+// Until a person resumes; then the devices are looked at as after any trouble.
+Awaitable<Result<void>> RunEngine::stand_still(ActiveRun& run, const Error& trouble) {
+  run.control.take_halt();
+  static_cast<void>(co_await bench_.devices.stop());
+  if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
+  co_return co_await look_again(run, remedy_for(trouble));
 }
 
 Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
@@ -219,6 +235,10 @@ Awaitable<Result<void>> RunEngine::overcome(ActiveRun& run, const Error& error,
   } else if (auto ok = co_await change(run, RunState::waiting, error.message); !ok) {
     co_return ok;
   }
+  co_return co_await look_again(run, remedy);
+}
+
+Awaitable<Result<void>> RunEngine::look_again(ActiveRun& run, Remedy remedy) {
   const auto recovery = co_await wait_for_devices(run.scope);
   if (!recovery) co_return tl::unexpected(recovery.error());
   const bool beam_lost = recovery->beam_lost || remedy == Remedy::new_datum;

@@ -9,6 +9,7 @@
 
 #include "server/application/active_run.h"
 #include "server/application/point_visit.h"
+#include "server/application/trouble.h"
 #include "server/application/watch_list.h"
 
 namespace driftwise::application {
@@ -47,6 +48,8 @@ class RunEngine {
   Awaitable<Result<void>> prepare(ActiveRun& run);
   Awaitable<Result<void>> walk(ActiveRun& run);
   Awaitable<Result<void>> overcome(ActiveRun& run, const Error& error, int troubles_in_a_row);
+  Awaitable<Result<void>> stand_still(ActiveRun& run, const Error& trouble);
+  Awaitable<Result<void>> look_again(ActiveRun& run, Remedy remedy);
   Awaitable<Result<void>> hold(ActiveRun& run, RunState state);
   Awaitable<Result<void>> bring_force(ActiveRun& run);
   Awaitable<Result<void>> new_datum(ActiveRun& run);

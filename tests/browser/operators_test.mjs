@@ -22,7 +22,7 @@ test('the name is asked for once, before the first command', { timeout: 60_000 }
   await cell.cli('Carla', 'run', 'start', cell.trajectory('plan.csv', diagonal(200)), '--name', 'shared');
   const page = await desks[0].page('/now', { operator: '' });
   await live(page);
-  await page.getByRole('button', { name: 'Pause' }).click();
+  await page.getByRole('button', { name: 'Pause', exact: true }).click();
   await page.getByLabel('Your name').fill('Anna');
   await page.getByRole('button', { name: 'Use this name' }).click();
   await page.getByText('Paused', { exact: true }).waitFor({ timeout: 60_000 });
@@ -34,14 +34,14 @@ test('the second desk sees who paused, resumes, and the first sees that', { time
   const anna = await desks[0].page('/now');
   const ben = await desks[1].page('/now', { operator: 'Ben' });
   await ben.getByText(/paused by Anna/).first().waitFor();
-  await ben.getByRole('button', { name: 'Resume' }).click();
+  await ben.getByRole('button', { name: 'Resume', exact: true }).click();
   await anna.getByText('Running', { exact: true }).waitFor();
   await anna.close();
   await ben.close();
 });
 
 test('a lease that somebody holds is refused with the holder’s name, and what was typed stays', { timeout: 60_000 }, async () => {
-  await cell.cli('Carla', 'lease', 'take', '--seconds', '3000');
+  await cell.cli('Carla', 'lease', 'take', '--hold', '3000');
   const page = await desks[1].page('/instruments', { operator: 'Ben' });
   await live(page);
   await page.getByRole('button', { name: /Change the set-point/ }).first().click();
@@ -56,7 +56,7 @@ test('a lease that somebody holds is refused with the holder’s name, and what 
   await page.close();
 });
 
-test('Stop motion acts on press, without a question, and the other desk sees the end', { timeout: 60_000 }, async () => {
+test('Stop motion acts on press, without a question, and the other desk sees it and can go on', { timeout: 60_000 }, async () => {
   const anna = await desks[0].page('/now');
   const ben = await desks[1].page('/runs/1', { operator: 'Ben' });
   await live(anna);
@@ -65,7 +65,9 @@ test('Stop motion acts on press, without a question, and the other desk sees the
   await anna.mouse.move(button.x + 20, button.y + 10);
   await anna.mouse.down(); // and never up
   await anna.getByText('Axes halted').first().waitFor();
-  await ben.locator('.run-word', { hasText: 'Aborted' }).waitFor();
+  await ben.locator('.run-word', { hasText: 'Paused' }).waitFor();
   await ben.getByText(/stopped by Anna/).first().waitFor();
+  await ben.getByRole('button', { name: 'Resume', exact: true }).click();
+  await ben.locator('.run-word', { hasText: 'Running' }).waitFor();
   for (const desk of desks) desk.assertQuiet();
 });

@@ -67,7 +67,7 @@ TEST(Improve, ADaemonThatIsKilledMeanwhileKeepsTheRunAndSaysThatTheLoopFailed) {
   EXPECT_EQ(improvement.at("state"), "failed");
   EXPECT_THAT(improvement.at("reason").get<std::string>(), HasSubstr("the daemon ended"));
   EXPECT_GE(cell.run(1).at("accepted_count").get<int>(), 3);
-  cell.say({"stop"});
+  cell.say({"run", "abort", "1"});
 }
 
 }  // namespace

@@ -151,9 +151,39 @@ TEST_F(RunTroubles, StopAllHaltsTheAxisAtOnceAndNeedsNoLease) {
   const int stops = world.stops;
   ASSERT_TRUE(cell.await(cell->stop_all({"bob", "peer"})));
   EXPECT_GT(world.stops, stops);
+  cell.until([&] { return cell->status().run->run.state == RunState::paused; });
+  EXPECT_EQ(cell->status().run->run.reason, "stopped by bob");
+  EXPECT_EQ(cell->status().run->run.accepted, 2);  // unlike a pause, the point was not finished
+  cell.pass(1000);
+  EXPECT_EQ(cell->status().run->run.accepted, 2);
+  ASSERT_TRUE(cell.await(cell->resume_run(cell.ada, run())));
+  expect_complete(cell.finish_run());
+  EXPECT_EQ(world.zeroings, 1);  // one slip costs one attempt, not the zero
+}
+
+TEST_F(RunTroubles, StopAllHoldsARunThatWaitsForADevice) {
+  begin_and_accept(2);
+  world.axis_away = true;
+  expect_waiting();
+  EXPECT_FALSE(cell.await(cell->stop_all({"bob", "peer"})));  // he hears that the axis is away
+  cell.until([&] { return cell->status().run->run.state == RunState::paused; });
+  world.axis_away = false;
+  cell.pass(600);
+  EXPECT_EQ(cell->status().run->run.state, RunState::paused);
+  // Stopped once more while it stands, it stands on, with who was last.
+  ASSERT_TRUE(cell.await(cell->stop_all({"eve", "peer"})));
+  cell.until([&] { return cell->status().run->run.reason == "stopped by eve"; });
+  ASSERT_TRUE(cell.await(cell->resume_run(cell.ada, run())));
+  expect_complete(cell.finish_run());
+}
+
+TEST_F(RunTroubles, AStoppedRunCanBeAborted) {
+  begin_and_accept(2);
+  ASSERT_TRUE(cell.await(cell->stop_all({"bob", "peer"})));
+  ASSERT_TRUE(cell.await(cell->abort_run(cell.ada, run(), "enough")));
   const auto ended = cell.finish_run();
   EXPECT_EQ(ended.state, RunState::aborted);
-  EXPECT_EQ(ended.reason, "stopped by bob");
+  EXPECT_EQ(ended.reason, "aborted by ada: enough");
 }
 
 TEST_F(RunTroubles, ShutDownLeavesTheRunToTheNextStart) {

@@ -7,7 +7,7 @@ import { say } from './live_region';
 type Outcome = { words: string; bad: boolean };
 
 const meaning =
-  'Halts all axes now and ends a run under way; points measured so far stay. A software stop: it does not replace the emergency switch';
+  'Halts all axes now. A run under way pauses, and resumed visits the point it was at again. A software stop: it does not replace the emergency switch';
 
 export function StopButton() {
   const [outcome, setOutcome] = useState<Outcome>();

@@ -44,7 +44,7 @@ export function ImproveForm() {
         ['it moves', `the robot, over ${name}, once a turn and over fresh points between`],
         ['at most', `${turns} turns, ${hours} h (time of the cell)`],
         ['who is affected', serve ? 'every controller that asks for targets: better models are promoted by themselves' : 'nobody: what it finds is only proposed'],
-        ['to end it', 'Cancel, or Stop motion'],
+        ['to end it', 'Cancel; Stop motion only halts it where it is'],
       ],
       verb: 'Start the improvement', keep: 'Do nothing',
     });
