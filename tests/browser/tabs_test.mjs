@@ -36,6 +36,6 @@ test('seven tabs share one stream, and survive their leader', { timeout: 120_000
   await new Promise((done) => setTimeout(done, 4500)); // longer than a silent page is taken for live
   for (const page of pages.slice(1, 6)) await live(page);
   assert.equal(streams.length, 2, 'one more stream: the next leader');
-  await pages[2].getByText(/^Done/).first().waitFor({ timeout: 60_000 });
+  await pages[2].getByRole('row', { name: /for all tabs/ }).getByText('Done').waitFor({ timeout: 60_000 });
   browser.assertQuiet();
 });

@@ -56,8 +56,16 @@ for (const [path, title] of views) {
   });
 }
 
-test('an address that is nobody’s goes to Now', async () => {
-  const page = await browser.page('/nowhere');
+test('an address that is nobody’s is refused by the daemon, and within the page goes to Now', async () => {
+  const refused = await fetch(`${cell.url}/nowhere`);
+  assert.equal(refused.status, 404);
+  assert.match(await refused.text(), /nothing here/);
+  const page = await browser.page('/runs');
+  await live(page);
+  await page.evaluate(() => {
+    history.pushState(null, '', '/nowhere');
+    dispatchEvent(new PopStateEvent('popstate'));
+  });
   await page.getByRole('heading', { level: 1, name: 'Now' }).waitFor({ state: 'attached' });
   assert.equal(new URL(page.url()).pathname, '/now');
   await page.close();

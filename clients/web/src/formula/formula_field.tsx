@@ -1,6 +1,6 @@
 // A field for a formula: the ARIA combobox with a list of what could follow, and below it what the daemon says of the
 // formula on these data. What was typed stays, whatever is said of it.
-import { useId, useRef, useState } from 'preact/hooks';
+import { useEffect, useId, useRef, useState } from 'preact/hooks';
 import { count } from '@/format/numbers';
 import { Mark } from '@/ui/verdict';
 import { completionAt, take, type Completion, type Known } from './complete';
@@ -24,16 +24,26 @@ export function FormulaField({ label, value, onInput, data, onEnter }: {
   const known = state.check ?? nothing;
   const offers = open?.offers ?? [];
 
+  const wanted = useRef(false); // offers were asked for, and not put away since
   const look = (text: string, caret: number) => {
+    wanted.current = true;
     const found = completionAt(text, caret, known);
     setOpen(found.offers.length > 0 ? found : undefined);
     setActive(0);
   };
+  const away = () => {
+    wanted.current = false;
+    setOpen(undefined);
+  };
+  // What the daemon knows may come after the key that asked for it.
+  useEffect(() => {
+    if (wanted.current && !open && document.activeElement === input.current) look(value, input.current?.selectionStart ?? value.length);
+  }, [state.check]);
   const choose = (index: number) => {
     if (!open) return;
     const next = take(value, open, open.offers[index]);
     onInput(next.text);
-    setOpen(undefined);
+    away();
     requestAnimationFrame(() => {
       input.current?.focus();
       input.current?.setSelectionRange(next.caret, next.caret);
@@ -41,7 +51,7 @@ export function FormulaField({ label, value, onInput, data, onEnter }: {
   };
   const onKey = (event: KeyboardEvent) => {
     if (event.key === 'Escape' && open) {
-      setOpen(undefined);
+      away();
       event.preventDefault();
     } else if ((event.key === 'ArrowDown' || event.key === 'ArrowUp') && !open) {
       look(value, input.current?.selectionStart ?? value.length);
@@ -79,7 +89,7 @@ export function FormulaField({ label, value, onInput, data, onEnter }: {
             look(event.currentTarget.value, event.currentTarget.selectionStart ?? 0);
           }}
           onKeyDown={onKey}
-          onBlur={() => setOpen(undefined)}
+          onBlur={away}
         />
         <ul id={`${id}-list`} class="formula-list" role="listbox" aria-label={`${label}: what could follow`} hidden={!open}>
           {offers.map((offer, i) => (

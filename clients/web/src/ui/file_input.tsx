@@ -45,7 +45,7 @@ export function FileInput({ label, accept, chosen, onFile, onClear, mostBytes }:
           onChange={(event) => { void read(event.currentTarget.files?.[0]); event.currentTarget.value = ''; }}
         />
         <span class="note muted">{chosen ?? 'or drop it here'}</span>
-        {chosen && onClear && <Button small onPress={onClear} label={`Take ${chosen} out`}>Take out</Button>}
+        {chosen && onClear && <Button small onPress={onClear} label={`Take out ${chosen}`}>Take out</Button>}
       </div>
       {wrong && <span id={`${id}-says`} class="wrong" role="alert">{wrong}</span>}
     </div>
