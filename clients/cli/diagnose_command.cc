@@ -6,19 +6,20 @@
 #include "clients/cli/validators.h"
 #include "clients/cli/value_or_throw.h"
 #include "clients/cli/worker_threads.h"
-#include "server/diagnosis/diagnosis.h"
+#include "server/diagnosis/robot_diagnosis.h"
 #include "server/diagnosis/separating.h"
 #include "server/formats/dataset_csv.h"
 #include "server/formats/diagnosis_html.h"
 #include "server/formats/diagnosis_json.h"
 #include "server/formats/formula.h"
+#include "server/formats/kinematics_section.h"
 #include "server/formats/separating_text.h"
 
 namespace driftwise::cli {
 namespace {
 
 struct DiagnoseArguments {
-  std::string file, baseline;
+  std::string file, baseline, kinematics, robot_out;
   double alpha = 0.003;
   int nulls = 199, most = 8, threads = default_threads();
   std::vector<std::string> without;
@@ -53,11 +54,22 @@ void add_separating(const Session& session, const DiagnoseArguments& a, const Da
                         << "\n";
 }
 
+// Against the drawing of a robot: a finding is a number of it, the rest comes beyond it.
+diagnosis::Diagnosis of_robot(const DiagnoseArguments& a, const Dataset& data,
+                              const diagnosis::DiagnoseOptions& options) {
+  const auto mechanism = value_or_throw(kinematics::make_mechanism(
+      value_or_throw(formats::parse_robot_file(read_input_file(a.kinematics), a.kinematics))));
+  auto found = value_or_throw(diagnosis::diagnose_robot(data, mechanism, options));
+  if (!a.robot_out.empty()) write_output_file(a.robot_out, formats::write_robot_file(found.robot));
+  return std::move(found.diagnosis);
+}
+
 ExitCode diagnose_file(const Session& session, const DiagnoseArguments& a) {
-  const auto formula = value_or_throw(formats::Formula::parse(a.baseline));
   const Dataset data = value_or_throw(formats::read_dataset_csv(read_input_file(a.file), a.file));
   diagnosis::DiagnoseOptions options;
-  options.baseline = value_or_throw(formula.expand(data));
+  if (!a.baseline.empty())
+    options.baseline =
+        value_or_throw(value_or_throw(formats::Formula::parse(a.baseline)).expand(data));
   options.alpha = a.alpha;
   options.nulls = a.nulls;
   options.max_findings = a.most;
@@ -70,8 +82,10 @@ ExitCode diagnose_file(const Session& session, const DiagnoseArguments& a) {
       last = step;
       return true;
     };
-  auto found = value_or_throw(diagnosis::diagnose(data, options));
-  if (a.budget_h > 0) add_separating(session, a, data, options.baseline, found);
+  auto found = a.kinematics.empty() ? value_or_throw(diagnosis::diagnose(data, options))
+                                    : of_robot(a, data, options);
+  if (a.budget_h > 0 && a.kinematics.empty())
+    add_separating(session, a, data, options.baseline, found);
   if (!a.report.empty())
     write_output_file(a.report,
                       formats::diagnosis_html(found, data, {"Diagnosis of " + a.file, a.file}));
@@ -89,11 +103,14 @@ ExitCode diagnose_file(const Session& session, const DiagnoseArguments& a) {
 ExitCode diagnose_any(const Session& session, const DiagnoseArguments& a) {
   if (a.file.empty() == a.runs.empty())
     misused("give a file or runs, one of the two: driftwise diagnose FILE.csv, or --run 3");
+  if (!a.runs.empty() && !a.kinematics.empty())
+    misused("--kinematics goes with a file: export the runs first (driftwise data export)");
   if (!a.runs.empty())
     return diagnose_runs(session,
                          {a.runs, a.model, a.baseline, a.name, a.alpha, a.seed, a.without});
   if (a.model != 0) misused("--model names a model of the daemon: it goes with --run");
-  if (a.baseline.empty()) misused("a file needs --baseline: the simulation as it is");
+  if (a.baseline.empty() && a.kinematics.empty())
+    misused("a file needs --baseline, the simulation as it is, or --kinematics robot.toml");
   return diagnose_file(session, a);
 }
 
@@ -113,6 +130,11 @@ void add_diagnose_command(CLI::App& app, Session& session) {
       "--baseline", a->baseline,
       "the simulation as it is: \"q ~ x + x^2 + T\"; all of its terms are in. Of runs: "
       "else that of --model, or of the model that serves");
+  command.add_option("--kinematics", a->kinematics,
+                     "of a file: the robot's drawing is the simulation; robot file or cell.toml "
+                     "(docs/kinematics.md)");
+  command.add_option("--robot-out", a->robot_out,
+                     "write the drawing with what was found: identified.toml");
   command.add_option("--model", a->model, "of runs: begins from this model of the daemon")
       ->check(positive_number());
   command.add_option("--name", a->name, "of runs: of the diagnosis, for the record");

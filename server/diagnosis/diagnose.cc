@@ -264,6 +264,10 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
   asked.exclude_symbols.insert(asked.exclude_symbols.end(), dead.begin(), dead.end());
   auto problem = lay_out(mended, asked.baseline, kMostBlocks);
   if (!problem) return tl::unexpected(problem.error());
+  if (options.simulated.size() > 0)
+    for (std::size_t o = 0; o < problem->outputs.size(); ++o)
+      problem->outputs[o].measured -=
+          problem->outputs[o].factor * options.simulated.col(static_cast<Eigen::Index>(o));
   return Diagnoser(dataset, std::move(*problem), asked).run(std::move(sensors));
 }
 

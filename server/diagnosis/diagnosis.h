@@ -15,6 +15,7 @@
 // Deterministic: the same data and options give the same diagnosis, whatever the executor. No
 // clock, no thread of its own.
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -85,6 +86,9 @@ struct DiagnoseOptions {
   int nulls = 199;  // series of noise at most; fewer are drawn where the answer is clear
   std::uint64_t seed = 1;
   std::vector<std::string> exclude_symbols;  // channels that no cause may read
+  // What the simulation gives beside the baseline's terms, such as a robot's kinematics: rows x
+  // outputs, each in its channel's unit. Empty: nothing.
+  Eigen::MatrixXd simulated;
   calibration::Executor executor;
   // Called here, in the thread of diagnose(), at least every 100 ms: how far it is (0 to 1, never
   // backwards) and what it does. false: cancel.

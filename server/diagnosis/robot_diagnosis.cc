@@ -1,0 +1,127 @@
+#include "server/diagnosis/robot_diagnosis.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/core/units.h"
+#include "server/diagnosis/cancelled.h"
+#include "server/diagnosis/geometry.h"
+#include "server/identification/pose_rows.h"
+#include "server/kinematics/drawing.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+using Eigen::Index;
+
+constexpr double kGeometryDone = 0.2;  // of the way
+
+std::vector<std::string> symbols_of(const std::vector<Channel>& channels) {
+  std::vector<std::string> symbols;
+  for (const auto& channel : channels) symbols.push_back(channel.symbol);
+  return symbols;
+}
+
+Result<calibration::Candidates> checked_baseline(const calibration::Candidates& baseline,
+                                                 const kinematics::Mechanism& mechanism) {
+  calibration::Candidates result = baseline;
+  result.outputs = symbols_of(mechanism.outputs());
+  if (result.formula.empty()) {
+    for (const auto& output : result.outputs)
+      result.formula += (result.formula.empty() ? "" : ", ") + output;
+    result.formula += " ~ kinematics";
+  }
+  auto asked = baseline.outputs, predicted = result.outputs;
+  std::ranges::sort(asked);
+  std::ranges::sort(predicted);
+  if (asked.empty() || asked == predicted) return result;
+  std::string left, right;
+  for (const auto& one : asked) left += (left.empty() ? "" : ", ") + one;
+  for (const auto& one : result.outputs) right += (right.empty() ? "" : ", ") + one;
+  return fail(ErrorCode::invalid_argument, "OTHER_OUTPUTS",
+              "the baseline's left side has " + left + ", but this robot's kinematics predicts " +
+                  right + ": write \"" + right + " ~ ...\"");
+}
+
+double u90_of(const Eigen::VectorXd& values, const std::vector<std::size_t>& rows) {
+  const Eigen::VectorXd some = rows_of(values, rows);
+  if (some.size() < 2) return NAN;
+  return kSigmaToU90 * std::sqrt((some.array() - some.mean()).square().sum() /
+                                 static_cast<double>(some.size() - 1));
+}
+
+// The figures "before" are the drawing's: what was found of it is part of the gain.
+void begin_at_drawing(const Problem& problem, const Dataset& data, const Eigen::MatrixXd& nominal,
+                      Diagnosis& diagnosis) {
+  for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
+    const auto& output = problem.outputs[o];
+    auto& summary = diagnosis.outputs[o];
+    const Eigen::VectorXd left =
+        output.measured - output.factor * nominal.col(static_cast<Index>(o));
+    summary.before.assign(left.data(), left.data() + left.size());
+    summary.u90 = summary.u90_calibration_before = u90_of(left, problem.learn);
+    if (summary.u90_validation_before) summary.u90_validation_before = u90_of(left, problem.judge);
+    for (auto& share : summary.explained_by)
+      share.share = share.variable == "time"
+                        ? marginal_share(data.time_s, summary.before)
+                        : marginal_share(data.find(share.variable)->values, summary.before);
+    std::ranges::stable_sort(summary.explained_by, std::ranges::greater{}, &Share::share);
+  }
+}
+
+}  // namespace
+
+Result<RobotDiagnosis> diagnose_robot(const Dataset& dataset,
+                                      const std::shared_ptr<const kinematics::Mechanism>& mechanism,
+                                      const DiagnoseOptions& options) {
+  DiagnoseOptions further = options;
+  auto baseline = checked_baseline(options.baseline, *mechanism);
+  if (!baseline) return tl::unexpected(baseline.error());
+  further.baseline = std::move(*baseline);
+  const Dataset data =
+      identification::without_incomplete_rows(dataset, symbols_of(mechanism->inputs()));
+  const auto problem = lay_out(data, further.baseline, std::max<std::size_t>(1, data.rows));
+  if (!problem) return tl::unexpected(problem.error());
+  // What an arm's kinematics predicts cannot be what a cause reads: its simulation starts from the
+  // joints.
+  if (mechanism->predicts_pose())
+    further.exclude_symbols.insert(further.exclude_symbols.end(), further.baseline.outputs.begin(),
+                                   further.baseline.outputs.end());
+  const auto tell = [&](double fraction, const std::string& step) {
+    return !options.progress || options.progress(fraction, step);
+  };
+  if (!tell(0, "identifying the robot")) return cancelled();
+  auto geometry = diagnose_geometry(data, *problem, mechanism, options.alpha, [&] {
+    return tell(kGeometryDone / 2, "comparing the numbers of the drawing");
+  });
+  if (!geometry) return tl::unexpected(geometry.error());
+  const auto nominal = identification::predict(data, geometry->nominal);
+  auto extended = identification::predict(data, geometry->extended);
+  if (!nominal) return tl::unexpected(nominal.error());
+  if (!extended) return tl::unexpected(extended.error());
+  further.simulated = std::move(*extended);
+  further.progress = [&](double fraction, const std::string& step) {
+    return tell(kGeometryDone + (1 - kGeometryDone) * fraction, step);
+  };
+  auto found = diagnose(data, further);
+  if (!found) return tl::unexpected(found.error());
+  begin_at_drawing(*problem, data, *nominal, *found);
+  found->findings.insert(found->findings.begin(),
+                         std::make_move_iterator(geometry->findings.begin()),
+                         std::make_move_iterator(geometry->findings.end()));
+  // Once the drawing has crooked numbers, data could tell these apart, but so faintly that the next
+  // identification would move them by decimetres for nothing.
+  const std::vector<std::string> held = geometry->held_names();
+  std::erase_if(found->not_testable,  // it was asked here
+                [](const NotTestable& one) { return one.cause == "geometry_parameter"; });
+  found->not_testable.insert(found->not_testable.begin(),
+                             std::make_move_iterator(geometry->held.begin()),
+                             std::make_move_iterator(geometry->held.end()));
+  if (found->verdict == Verdict::adequate && !found->findings.empty())
+    found->verdict = Verdict::extended;
+  KinematicsDescription robot = kinematics::with_values(*mechanism, geometry->extended.values());
+  robot.hold.insert(robot.hold.end(), held.begin(), held.end());
+  return RobotDiagnosis{std::move(*found), std::move(robot)};
+}
+
+}  // namespace driftwise::diagnosis
