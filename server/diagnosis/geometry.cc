@@ -10,6 +10,7 @@
 #include "server/diagnosis/cancelled.h"
 #include "server/diagnosis/parameter_selection.h"
 #include "server/diagnosis/sentence.h"
+#include "server/diagnosis/u90.h"
 #include "server/diagnosis/whitened_geometry.h"
 
 namespace driftwise::diagnosis {
@@ -54,12 +55,6 @@ Result<std::shared_ptr<const kinematics::Mechanism>> holding_others(
       description.hold.push_back(parameter.name);
   }
   return kinematics::make_mechanism(description);
-}
-
-double u90_of(const Eigen::VectorXd& values) {
-  if (values.size() < 2) return NAN;
-  return kSigmaToU90 * std::sqrt((values.array() - values.mean()).square().sum() /
-                                 static_cast<double>(values.size() - 1));
 }
 
 // What a drawing gets wrong is often a millimetre.

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "server/core/units.h"
+#include "server/diagnosis/u90.h"
 
 namespace driftwise::diagnosis {
 namespace {
@@ -21,12 +22,6 @@ Eigen::VectorXd fitted_elsewhere(const Eigen::MatrixXd& columns, const Eigen::Ve
   return measured - columns * b;
 }
 
-double sd(const Eigen::VectorXd& values) {
-  if (values.size() < 2) return NAN;
-  return std::sqrt((values.array() - values.mean()).square().sum() /
-                   static_cast<double>(values.size() - 1));
-}
-
 }  // namespace
 
 Eigen::VectorXd residuals(const Problem& problem, const ProblemOutput& output,
@@ -38,7 +33,7 @@ HeldOut held_out(const Problem& problem, const ProblemOutput& output, const Eige
                  const Eigen::MatrixXd& after) {
   const Eigen::VectorXd judged_before = rows_of(residuals(problem, output, before), problem.judge);
   const Eigen::VectorXd judged = rows_of(residuals(problem, output, after), problem.judge);
-  HeldOut result{kSigmaToU90 * sd(judged_before), kSigmaToU90 * sd(judged), {}};
+  HeldOut result{u90_of(judged_before), u90_of(judged), {}};
   // Jackknife over contiguous blocks: autocorrelation stays inside them.
   const auto n = static_cast<std::size_t>(judged.size());
   const std::size_t blocks = std::min(kJudgeBlocks, n / 4);
@@ -49,7 +44,7 @@ HeldOut held_out(const Problem& problem, const ProblemOutput& output, const Eige
     std::vector<std::size_t> kept;
     for (std::size_t i = 0; i < n; ++i)
       if (i * blocks / n != k) kept.push_back(i);
-    without.push_back(std::log(kSigmaToU90 * sd(rows_of(judged, kept))));
+    without.push_back(std::log(u90_of(rows_of(judged, kept))));
   }
   double mean = 0, squares = 0;
   for (const double one : without) mean += one / static_cast<double>(blocks);

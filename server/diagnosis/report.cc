@@ -8,18 +8,13 @@
 #include "server/diagnosis/held_out_gain.h"
 #include "server/diagnosis/linear_parameter.h"
 #include "server/diagnosis/sentence.h"
+#include "server/diagnosis/u90.h"
 #include "server/diagnosis/weighted_fit.h"
 
 namespace driftwise::diagnosis {
 namespace {
 
 constexpr double kShown2lnl = 8;  // of one output
-
-double u90_of(const Eigen::VectorXd& values) {
-  if (values.size() < 2) return NAN;
-  return kSigmaToU90 * std::sqrt((values.array() - values.mean()).square().sum() /
-                                 static_cast<double>(values.size() - 1));
-}
 
 // The only thing that a term of several is named after: "ppm_per_k" of x:t05 beside that of y:t05.
 std::string suffix(const effects::Term& term, std::size_t terms) {

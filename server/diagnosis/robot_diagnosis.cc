@@ -1,11 +1,10 @@
 #include "server/diagnosis/robot_diagnosis.h"
 
 #include <algorithm>
-#include <cmath>
 
-#include "server/core/units.h"
 #include "server/diagnosis/cancelled.h"
 #include "server/diagnosis/geometry.h"
+#include "server/diagnosis/u90.h"
 #include "server/identification/pose_rows.h"
 #include "server/kinematics/drawing.h"
 
@@ -43,13 +42,6 @@ Result<calibration::Candidates> checked_baseline(const calibration::Candidates& 
                   right + ": write \"" + right + " ~ ...\"");
 }
 
-double u90_of(const Eigen::VectorXd& values, const std::vector<std::size_t>& rows) {
-  const Eigen::VectorXd some = rows_of(values, rows);
-  if (some.size() < 2) return NAN;
-  return kSigmaToU90 * std::sqrt((some.array() - some.mean()).square().sum() /
-                                 static_cast<double>(some.size() - 1));
-}
-
 // The figures "before" are the drawing's: what was found of it is part of the gain.
 void begin_at_drawing(const Problem& problem, const Dataset& data, const Eigen::MatrixXd& nominal,
                       Diagnosis& diagnosis) {
@@ -59,8 +51,9 @@ void begin_at_drawing(const Problem& problem, const Dataset& data, const Eigen::
     const Eigen::VectorXd left =
         output.measured - output.factor * nominal.col(static_cast<Index>(o));
     summary.before.assign(left.data(), left.data() + left.size());
-    summary.u90 = summary.u90_calibration_before = u90_of(left, problem.learn);
-    if (summary.u90_validation_before) summary.u90_validation_before = u90_of(left, problem.judge);
+    summary.u90 = summary.u90_calibration_before = u90_of(rows_of(left, problem.learn));
+    if (summary.u90_validation_before)
+      summary.u90_validation_before = u90_of(rows_of(left, problem.judge));
     for (auto& share : summary.explained_by)
       share.share = share.variable == "time"
                         ? marginal_share(data.time_s, summary.before)
