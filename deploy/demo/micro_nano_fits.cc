@@ -24,6 +24,24 @@ constexpr PublishedModel kPublished[] = {{"G", "G", {449, 572, 533}, {13, 12, 12
                                          {"G + T + F", "GTF", {41, 42, 49}, {22, 24, 27}}};
 constexpr int kPublishedOutside[] = {164, 97, 93};
 
+void print_row(const json& fit) {
+  for (const char* output : kOutputs) {
+    const auto& q = fit.at("outputs").at(output);
+    std::printf("%6.1f (%2d) ", figure(q, "u90_validation_nm"), terms_in(q));
+  }
+  std::printf("%6.2f ms\n", figure(fit, "fit_us") / 1000);
+}
+
+void print_outside(const char* label, const json& fit, const int* published) {
+  std::printf("%-12s", label);
+  for (int i = 0; i < 3; ++i)
+    std::printf("%4s        ", published ? std::to_string(published[i]).c_str() : "");
+  std::printf(" ");
+  for (const char* output : kOutputs)
+    std::printf("%6.1f      ", figure(fit.at("outputs").at(output), "u90_validation_nm"));
+  std::printf("\n");
+}
+
 void print_models(const std::string& folder) {
   std::printf(
       "\nU90 in nm on validation points at 0.768 N, inside the fitted forces (terms in the model)\n"
@@ -34,19 +52,13 @@ void print_models(const std::string& folder) {
     std::printf("%-12s", model.label);
     for (int i = 0; i < 3; ++i) std::printf("%4d (%2d)   ", model.u90_nm[i], model.parameters[i]);
     std::printf(" ");
-    for (const char* output : kOutputs) {
-      const auto& q = fit.at("outputs").at(output);
-      std::printf("%6.1f (%2d) ", figure(q, "u90_validation_nm"), terms_in(q));
-    }
-    std::printf("%6.2f ms\n", figure(fit, "fit_us") / 1000);
+    print_row(fit);
   }
-  const json outside = read_json(folder + "/GTF_outside.json");
-  std::printf("%-12s", "... outside");
-  for (const int u90_nm : kPublishedOutside) std::printf("%4d        ", u90_nm);
-  std::printf(" ");
-  for (const char* output : kOutputs)
-    std::printf("%6.1f      ", figure(outside.at("outputs").at(output), "u90_validation_nm"));
-  std::printf("\n%-12sunder 3.842 N, beyond the largest calibrated force of 2.305 N\n", "");
+  std::printf("%-49s", "  and products of force and t04 with the pose");
+  print_row(read_json(folder + "/products_inside.json"));
+  print_outside("... outside", read_json(folder + "/GTF_outside.json"), kPublishedOutside);
+  print_outside("  products", read_json(folder + "/products_outside.json"), nullptr);
+  std::printf("%-12sunder 3.842 N, beyond the largest calibrated force of 2.305 N\n", "");
 }
 
 void print_offered(const json& offers) {

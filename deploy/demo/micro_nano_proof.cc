@@ -122,6 +122,9 @@ void print_micro_nano_proof(const std::string& folder) {
       "instruments", "truth", "instruments", "truth");
   print_rows("geometry, temperatures and force",
              judge_pose(folder + "/compensated.csv", truth, fit), kPublished_nm);
+  print_rows("the same with products of force and t04 with the pose",
+             judge_pose(folder + "/products.csv", truth, read_json(folder + "/products.json")),
+             nullptr);
   print_rows("geometry only", judge_pose(folder + "/geometry.csv", truth, fit), nullptr);
 }
 
