@@ -4,6 +4,7 @@
 
 #include "storage/alarm_store.h"
 #include "storage/event_store.h"
+#include "storage/job_changes.h"
 #include "storage/point_rows.h"
 #include "storage/run_rows.h"
 
@@ -83,7 +84,8 @@ Result<RecordCursor> SqliteRecordStore::newest() {
         .point = greatest(session_, "SELECT coalesce(max(point_id), 0) FROM point"),
         .alarm = greatest(session_, "SELECT coalesce(max(change), 0) FROM alarm"),
         .model = greatest(session_, "SELECT coalesce(max(model_id), 0) FROM model"),
-        .promotion = greatest(session_, "SELECT coalesce(max(promotion_id), 0) FROM promotion")};
+        .promotion = greatest(session_, "SELECT coalesce(max(promotion_id), 0) FROM promotion"),
+        .job = newest_job_change(session_)};
   });
 }
 
@@ -103,6 +105,7 @@ Result<RecordPage> SqliteRecordStore::records(const RecordCursor& after, const R
                             [](const PointRecord& point) { return point.id.value; });
     read_alarms(session_, after, until, limit, page);
     read_new_models(session_, after, until, limit, page);
+    read_job_changes(session_, after, until, limit, page);
     read_runs_of(session_, page);
     return page;
   });

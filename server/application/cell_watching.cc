@@ -31,6 +31,12 @@ std::shared_ptr<void> CellApplication::watch_records(std::function<void()> on_ne
   watches->push_back(events_.watchers().add([on_news](const EventRecord&) { on_news(); }));
   watches->push_back(engine_.watchers().add([on_news](const RunProgress&) { on_news(); }));
   watches->push_back(alarm_book_.watchers().add([on_news](const AlarmRecord&) { on_news(); }));
+  // What a diagnosis tells of its progress is on no record: only its end is.
+  watches->push_back(desk_.watchers().add([on_news](const DiagnosisProgress& progress) {
+    if (progress.state != JobState::running) on_news();
+  }));
+  watches->push_back(
+      improver_.watchers().add([on_news](const ImprovementProgress&) { on_news(); }));
   return watches;
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "server/core/diagnosis_records.h"
 #include "server/core/records.h"
 
 namespace driftwise {
@@ -49,13 +50,26 @@ struct KeptTrajectory {
 
 // The last record seen, of each kind.
 struct RecordCursor {
-  std::int64_t event = 0, attempt = 0, point = 0, alarm = 0, model = 0, promotion = 0;
+  std::int64_t event = 0, attempt = 0, point = 0, alarm = 0, model = 0, promotion = 0, job = 0;
   bool operator==(const RecordCursor&) const = default;
 };
 
 struct RunAttempt {
   RunId run;
   AttemptRecord attempt;  // without its readings
+};
+
+// Something was said of a job: made, ended; accepted or undone; a turn stored. As it is now.
+struct DiagnosisChange {
+  DiagnosisId id;
+  JobState state = JobState::running;
+  std::string reason;  // why it failed or was cancelled
+};
+struct ImprovementChange {
+  ImprovementId id;
+  JobState state = JobState::running;
+  std::string reason;
+  int turns = 0;  // stored so far
 };
 
 // Each list in the order in which it was stored.
@@ -67,6 +81,8 @@ struct RecordPage {
   std::vector<AlarmRecord> alarms;  // as they are now
   std::vector<ModelId> models;
   std::vector<PromotionRecord> promotions;
+  std::vector<DiagnosisChange> diagnoses;
+  std::vector<ImprovementChange> improvements;
   std::vector<RunRecord> runs;  // those the page is about, as they are now
 };
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "server/rpc/convert_cell.h"
+#include "server/rpc/convert_diagnosis.h"
 #include "server/rpc/convert_run.h"
 #include "server/rpc/convert_values.h"
 
@@ -104,6 +105,14 @@ std::vector<v1::WatchEvent> watch_events_from(const RecordPage& page) {
   }
   for (const auto& point : page.points) *out.emplace_back().mutable_point() = point_from(point);
   for (const auto& alarm : page.alarms) *out.emplace_back().mutable_alarm() = alarm_from(alarm);
+  for (const auto& job : page.diagnoses) {
+    const bool done = job.state == JobState::done;
+    *out.emplace_back().mutable_diagnosis() = diagnosis_progress_from(
+        {job.id, job.state, done ? std::string("done") : job.reason, done ? 1.0 : 0.0});
+  }
+  for (const auto& job : page.improvements)
+    *out.emplace_back().mutable_improvement() =
+        improvement_progress_from({job.id, job.state, job.turns, job.reason});
   return out;
 }
 

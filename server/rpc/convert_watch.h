@@ -17,7 +17,7 @@ v1::ChannelLayout layout_from(const application::CellStatus& status);
 v1::ValuesUpdate values_update_from(const application::CellStatus& status);
 
 // The page's records in the order of their kinds: models, promotions, events, runs, attempts,
-// points, alarms.
+// points, alarms, diagnoses, improvements.
 std::vector<v1::WatchEvent> watch_events_from(const RecordPage& page);
 v1::Topic topic_of(const v1::WatchEvent& event);
 

@@ -7,6 +7,7 @@
 
 #include "server/rpc/convert_values.h"
 #include "server/rpc/convert_watch.h"
+#include "server/rpc/jobs_told.h"
 
 namespace driftwise::rpc {
 namespace {
@@ -93,6 +94,11 @@ class BatchSource final : public StreamSource<v1::WatchResponse> {
       if (tick.progress) *out.add_events()->mutable_progress() = *tick.progress;
       progress_sent_ = tick.progress_number;
     }
+    if (wants(v1::TOPIC_DIAGNOSES) && tick.jobs_number > jobs_sent_) {
+      for (const auto& job : tick.jobs)
+        if (auto event = jobs_told_.from_cell(job)) *out.add_events() = std::move(*event);
+      jobs_sent_ = tick.jobs_number;
+    }
   }
 
   void add_records(const WatchTick& tick, v1::WatchResponse& out) {
@@ -100,8 +106,10 @@ class BatchSource final : public StreamSource<v1::WatchResponse> {
       auto chunk = fetched_ && fetched_->from == *at_ ? std::exchange(fetched_, nullptr)
                                                       : feed_->chunk_after(*at_);
       if (!chunk) return fetch(tick.head.records);
-      for (const auto& event : chunk->events)
-        if (wants(topic_of(event))) *out.add_events() = event;
+      for (const auto& one : chunk->events) {
+        if (!wants(topic_of(one))) continue;
+        if (auto event = jobs_told_.from_record(one)) *out.add_events() = std::move(*event);
+      }
       at_ = chunk->to;
     }
     if (*at_ != tick.head.records) wake_();  // the rest with the next batch
@@ -128,7 +136,9 @@ class BatchSource final : public StreamSource<v1::WatchResponse> {
   std::optional<RecordCursor> at_;
   std::shared_ptr<const WatchChunk> fetched_;
   bool fetching_ = false;
-  std::int64_t layout_sent_ = 0, values_sent_ = 0, cell_sent_ = 0, progress_sent_ = 0;
+  std::int64_t layout_sent_ = 0, values_sent_ = 0, cell_sent_ = 0, progress_sent_ = 0,
+               jobs_sent_ = 0;
+  JobsTold jobs_told_;
   std::function<void()> wake_;
   std::optional<Result<void>> end_;
   std::shared_ptr<int> alive_ = std::make_shared<int>();

@@ -6,9 +6,9 @@
 namespace driftwise::rpc {
 namespace {
 
-constexpr std::array kFields = {&RecordCursor::event, &RecordCursor::attempt,
-                                &RecordCursor::point, &RecordCursor::alarm,
-                                &RecordCursor::model, &RecordCursor::promotion};
+constexpr std::array kFields = {
+    &RecordCursor::event, &RecordCursor::attempt,   &RecordCursor::point, &RecordCursor::alarm,
+    &RecordCursor::model, &RecordCursor::promotion, &RecordCursor::job};
 
 }  // namespace
 

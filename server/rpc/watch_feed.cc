@@ -11,6 +11,7 @@
 
 #include "server/application/signal.h"
 #include "server/rpc/convert_cell.h"
+#include "server/rpc/convert_diagnosis.h"
 #include "server/rpc/convert_run.h"
 #include "server/rpc/convert_watch.h"
 
@@ -63,6 +64,7 @@ class WatchFeed::Look : public std::enable_shared_from_this<Look> {
   void begin(std::weak_ptr<WatchFeed> feed) {
     asio::post(cell_.executor(), [self = shared_from_this(), feed = std::move(feed)] {
       self->feed_ = feed;
+      self->values_news_ = self->progress_news_ = self->jobs_news_ = true;  // for who comes anew
       if (self->wanted_++ == 0 && !self->running_) {
         self->running_ = true;
         asio::co_spawn(self->cell_.executor(), look_for_ever(self), asio::detached);
@@ -85,7 +87,7 @@ class WatchFeed::Look : public std::enable_shared_from_this<Look> {
         co_await std::move(reading);
       }
       news.head = self->head_;
-      if (news.values || news.cell || news.progress || !news.pages.empty())
+      if (news.values || news.cell || news.progress || news.jobs || !news.pages.empty())
         self->send(std::move(news));
       timer.expires_after(kLookEvery);
       co_await timer.async_wait(asio::as_tuple(asio::use_awaitable));
@@ -102,10 +104,31 @@ class WatchFeed::Look : public std::enable_shared_from_this<Look> {
     watches_.push_back(
         cell_.watch_progress([this](const application::RunProgress&) { progress_news_ = true; }));
     watches_.push_back(cell_.watching().watch_records([this] { records_news_ = true; }));
+    diagnoses_.clear();
+    improvements_.clear();
+    watches_.push_back(cell_.watch_diagnoses(
+        [this](const application::DiagnosisProgress& job) { note(diagnoses_, job); }));
+    watches_.push_back(cell_.watch_improvements(
+        [this](const application::ImprovementProgress& job) { note(improvements_, job); }));
+  }
+
+  // How one ended is on record: who has left the list here is told from there.
+  template <class Id, class Progress>
+  void note(std::map<Id, Progress>& under_way, const Progress& job) {
+    jobs_news_ = true;
+    if (job.state == JobState::running)
+      under_way[job.id] = job;
+    else
+      under_way.erase(job.id);
   }
 
   void look_at_states(News& news) {
     const auto now = WallClock::now();
+    news.jobs = std::exchange(jobs_news_, false);
+    if (news.jobs) {
+      for (const auto& [id, job] : diagnoses_) news.diagnoses.push_back(job);
+      for (const auto& [id, job] : improvements_) news.improvements.push_back(job);
+    }
     news.values = std::exchange(values_news_, false);
     news.progress = std::exchange(progress_news_, false);
     news.cell = records_news_ || now >= cell_due_;
@@ -151,7 +174,9 @@ class WatchFeed::Look : public std::enable_shared_from_this<Look> {
   std::weak_ptr<WatchFeed> feed_;
   int wanted_ = 0;
   bool running_ = false;
-  bool values_news_ = false, progress_news_ = false, records_news_ = false;
+  bool values_news_ = false, progress_news_ = false, records_news_ = false, jobs_news_ = false;
+  std::map<DiagnosisId, application::DiagnosisProgress> diagnoses_;  // under way
+  std::map<ImprovementId, application::ImprovementProgress> improvements_;
   WallClock::time_point cell_due_{};
   application::RecordHead head_;
   std::vector<application::Cell::Watch> watches_;
@@ -180,29 +205,40 @@ std::shared_ptr<void> WatchFeed::subscribe(std::function<void()> wake) {
   });
 }
 
+void WatchFeed::take_states(const News& news, WatchTick& tick) {
+  if (news.jobs) {
+    tick.jobs.clear();
+    for (const auto& job : news.diagnoses)
+      *tick.jobs.emplace_back().mutable_diagnosis() = diagnosis_progress_from(job);
+    for (const auto& job : news.improvements)
+      *tick.jobs.emplace_back().mutable_improvement() = improvement_progress_from(job);
+    ++tick.jobs_number;
+  }
+  if (!news.status) return;
+  const auto& status = *news.status;
+  tick.cell_time = status.now.utc;
+  auto layout = layout_from(status);
+  if (!same_columns(layout, tick.layout)) {
+    layout.set_revision(tick.layout.revision() + 1);
+    tick.layout = std::move(layout);
+  }
+  tick.values = values_update_from(status);
+  tick.values.set_layout_revision(tick.layout.revision());
+  tick.values_number += news.values ? 1 : 0;
+  if (news.cell) {
+    tick.cell = status_from(status);
+    tick.cell.clear_values();
+    ++tick.cell_number;
+  }
+  if (news.progress) {
+    tick.progress = status.run ? std::optional(progress_from(*status.run)) : std::nullopt;
+    ++tick.progress_number;
+  }
+}
+
 void WatchFeed::take(News news) {
   auto tick = tick_ ? std::make_shared<WatchTick>(*tick_) : std::make_shared<WatchTick>();
-  if (news.status) {
-    const auto& status = *news.status;
-    tick->cell_time = status.now.utc;
-    auto layout = layout_from(status);
-    if (!same_columns(layout, tick->layout)) {
-      layout.set_revision(tick->layout.revision() + 1);
-      tick->layout = std::move(layout);
-    }
-    tick->values = values_update_from(status);
-    tick->values.set_layout_revision(tick->layout.revision());
-    tick->values_number += news.values ? 1 : 0;
-    if (news.cell) {
-      tick->cell = status_from(status);
-      tick->cell.clear_values();
-      ++tick->cell_number;
-    }
-    if (news.progress) {
-      tick->progress = status.run ? std::optional(progress_from(*status.run)) : std::nullopt;
-      ++tick->progress_number;
-    }
-  }
+  take_states(news, *tick);
   if (!news.head.database.empty()) tick->head = {news.head.database, news.head.newest};
   tick_ = std::move(tick);
   for (const auto& [from, page] : news.pages) {

@@ -13,6 +13,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "driftwise/v1/watch_service.pb.h"
 #include "server/application/cell.h"
@@ -26,7 +27,8 @@ struct WatchTick {  // states; each with a number that grows when it is news
   v1::ValuesUpdate values;
   v1::GetStatusResponse cell;  // without values
   std::optional<v1::RunProgress> progress;
-  std::int64_t values_number = 0, cell_number = 0, progress_number = 0;
+  std::vector<v1::WatchEvent> jobs;  // diagnoses and improvements under way
+  std::int64_t values_number = 0, cell_number = 0, progress_number = 0, jobs_number = 0;
   CellTime cell_time;
   WatchCursor head;  // the newest records there are
 };
@@ -56,11 +58,14 @@ class WatchFeed : public std::enable_shared_from_this<WatchFeed> {
   class Back;  // its way back, which ends with the feed
   struct News {
     std::shared_ptr<const application::CellStatus> status;
-    bool values = false, cell = false, progress = false;
+    bool values = false, cell = false, progress = false, jobs = false;
+    std::vector<application::DiagnosisProgress> diagnoses;  // under way, when there is news of jobs
+    std::vector<application::ImprovementProgress> improvements;
     application::RecordHead head;
     std::vector<std::pair<RecordCursor, RecordPage>> pages;  // each with where it begins
   };
   void take(News news);
+  static void take_states(const News& news, WatchTick& tick);
   void forget_oldest();
 
   application::Cell& cell_;

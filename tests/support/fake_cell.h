@@ -66,7 +66,9 @@ class FakeCell final : public app::Cell, private app::Watching {
   app::ImproveRequest last_improve;
   std::string last_request_id;
   bool last_without_excluded = false;
-  std::vector<AlarmRecord> the_alarms;  // by change
+  std::vector<AlarmRecord> the_alarms;                     // by change
+  std::vector<DiagnosisChange> the_diagnosis_changes;      // numbered from 1, and after them ...
+  std::vector<ImprovementChange> the_improvement_changes;  // ... these
   std::vector<KeptTrajectory> the_trajectories;
   SeriesQuery last_series;
   SeriesAnswer the_series;

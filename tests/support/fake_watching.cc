@@ -26,6 +26,7 @@ Awaitable<Result<app::RecordHead>> FakeCell::record_head() {
   if (!the_events.empty()) head.newest.event = the_events.back().id.value;
   if (!the_points.empty()) head.newest.point = the_points.back().id.value;
   if (!the_alarms.empty()) head.newest.alarm = the_alarms.back().change;
+  head.newest.job = std::ssize(the_diagnosis_changes) + std::ssize(the_improvement_changes);
   co_return head;
 }
 
@@ -42,6 +43,13 @@ Awaitable<Result<RecordPage>> FakeCell::records(RecordCursor after, RecordCursor
   page.to.alarm = take_between(
       the_alarms, after.alarm, until.alarm, limit,
       [](const AlarmRecord& alarm) { return alarm.change; }, page.alarms);
+  for (std::int64_t change = after.job; change < until.job; ++change) {
+    const auto at = static_cast<std::size_t>(change), diagnoses = the_diagnosis_changes.size();
+    if (at < diagnoses)
+      page.diagnoses.push_back(the_diagnosis_changes[at]);
+    else
+      page.improvements.push_back(the_improvement_changes[at - diagnoses]);
+  }
   co_return page;
 }
 

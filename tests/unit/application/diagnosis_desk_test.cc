@@ -44,6 +44,22 @@ TEST(DiagnosisDesk, StoresWhatWasFoundAndSaysSo) {
   EXPECT_EQ(d.cell.await(d.cell->diagnoses())->size(), 1u);
 }
 
+TEST(DiagnosisDesk, WhoWatchesTheRecordIsCalledForItsEndAndFindsItThere) {
+  DiagnosedCell d(finds_a_bend);
+  const auto run = d.measured(kPlan);
+  const auto head = d.cell.await(d.cell->watching().record_head()).value();
+  int called = 0;
+  const auto watch = d.cell->watching().watch_records([&] { ++called; });
+  const auto id = d.begin_diagnosis(run, "q ~ x").record.id;
+  d.cell.until([&] { return d.look(id).record.state != JobState::running; });
+  EXPECT_GT(called, 0);
+  const auto now = d.cell.await(d.cell->watching().record_head()).value();
+  const auto page = d.cell.await(d.cell->watching().records(head.newest, now.newest, 100)).value();
+  ASSERT_EQ(page.diagnoses.size(), 1u);
+  EXPECT_EQ(page.diagnoses[0].id, id);
+  EXPECT_EQ(page.diagnoses[0].state, JobState::done);
+}
+
 TEST(DiagnosisDesk, ACancelledOneIsOverBeforeItsThreadHasNoticed) {
   DiagnosedCell d(finds_a_bend, true);  // its thread does not get a turn
   const auto run = d.measured(kPlan);

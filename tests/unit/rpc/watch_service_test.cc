@@ -157,7 +157,8 @@ TEST_F(WatchServiceTest, TopicsLeaveOutTheRestAndTheCursorGoesOn) {
 
 TEST_F(WatchServiceTest, RefusesACursorOfAnotherDatabaseOrOfTheFuture) {
   for (const std::string cursor :
-       {"bb22.0.0.0.0.0.0", "aa11.99.0.0.0.0.0", "nonsense", "aa11.1.2.3", "aa11.-1.0.0.0.0.0"}) {
+       {"bb22.0.0.0.0.0.0.0", "aa11.99.0.0.0.0.0.0", "nonsense", "aa11.1.2.3",
+        "aa11.0.0.0.0.0.0" /* of a version before this one */, "aa11.-1.0.0.0.0.0.0"}) {
     Call call;
     v1::WatchRequest request;
     request.set_cursor(cursor);
