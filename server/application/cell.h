@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-#include "server/application/watching.h"
 #include "server/application/diagnosis_request.h"
+#include "server/application/watching.h"
 #include "server/calibration/model.h"
 #include "server/calibration/offer.h"
 #include "server/compensation/snapshot_board.h"
@@ -118,6 +118,7 @@ struct FitRequest {
   std::optional<ModelId> parent;                        // for the lineage
   std::string weight_symbol;
   int blocks = 10;
+  int threads = 0;  // at most; 0: one, beside the cell's own work. The model is the same
 };
 
 struct ModelCheck {  // does the robot still do what a model says? server/diagnosis/check_standard.h
@@ -157,6 +158,8 @@ struct ExclusionState {
   std::string hash;                      // of the run's dataset, as in Lineage; empty: none is out
   std::vector<ExclusionRecord> history;  // oldest first
 };
+
+class Studies;
 
 class Cell {
  public:
@@ -266,6 +269,8 @@ class Cell {
 
   // The record after a cursor, alarms, series, kept trajectories.
   virtual Watching& watching() = 0;
+  // Methods side by side, which thermometers suffice: studies.h.
+  virtual Studies& studies() = 0;
   // Diagnoses run on a thread of their own; created ones answer at once. Errors of create:
   // invalid_argument (formula, channel, NO_DATA, what diagnosis::diagnose refuses before it
   // searches); failed_precondition NO_MODEL (no baseline and nothing serves); not_found.

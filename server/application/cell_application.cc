@@ -68,6 +68,7 @@ CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
       desk_(executor, diagnosis_thread_.executor(), *clock_, writer_, events_, tasks_,
             std::move(parts.diagnose)),
       improver_(executor, *this, *clock_, writer_, events_, tasks_),
+      study_desk_(executor, diagnosis_thread_.executor(), tasks_),
       beginning_(executor) {}
 
 CellApplication::~CellApplication() {
@@ -207,6 +208,7 @@ Awaitable<void> CellApplication::shut_down() {
   serving_.shut_down();
   improver_.shut_down();
   desk_.shut_down();
+  study_desk_.shut_down();
   asio::steady_timer cut_off(executor_, kPatience);
   cut_off.async_wait([this](const boost::system::error_code& error) {
     if (!error) bench_.close_all();

@@ -23,6 +23,8 @@
 #include "server/application/serving.h"
 #include "server/application/store_reader.h"
 #include "server/application/store_writer.h"
+#include "server/application/studies.h"
+#include "server/application/study_desk.h"
 #include "server/application/workbench.h"
 
 namespace driftwise::application {
@@ -45,7 +47,7 @@ class Thread {
   std::optional<asio::thread_pool> own_;
 };
 
-class CellApplication final : public Cell, private Watching {
+class CellApplication final : public Cell, private Watching, private Studies {
  public:
   CellApplication(asio::any_io_executor executor, Parts parts, std::unique_ptr<Store> writing,
                   std::unique_ptr<Store> reading);
@@ -114,6 +116,7 @@ class CellApplication final : public Cell, private Watching {
   Awaitable<Result<std::optional<ModelRecord>>> roll_back(Caller caller) override;
   Awaitable<Result<std::vector<PromotionRecord>>> promotions() override;
   Watching& watching() override { return *this; }
+  Studies& studies() override { return *this; }
   Awaitable<Result<DiagnosisView>> create_diagnosis(Caller caller,
                                                     DiagnosisRequest request) override;
   Awaitable<Result<DiagnosisView>> diagnosis(DiagnosisId id) override;
@@ -143,6 +146,10 @@ class CellApplication final : public Cell, private Watching {
                                                     std::string text) override;
   Awaitable<Result<KeptTrajectory>> trajectory(TrajectoryId id) override;
   Awaitable<Result<std::vector<KeptTrajectory>>> trajectories() override;
+  Awaitable<Result<std::vector<identification::Judgement>>> compare_methods(
+      MethodsRequest request, std::shared_ptr<Study> study) override;
+  Awaitable<Result<SensorChoice>> study_sensors(SensorsRequest request,
+                                                std::shared_ptr<Study> study) override;
   Awaitable<void> look_for_alarms();
   std::vector<AlarmCondition> alarms_now() const;
   void note_for_alarms(const RunProgress& progress);
@@ -197,6 +204,7 @@ class CellApplication final : public Cell, private Watching {
   bool ending_ = false;
   DiagnosisDesk desk_;
   Improver improver_;
+  StudyDesk study_desk_;
   Turn beginning_;  // one at a time decides whether a run or a movement may begin
   std::optional<RunControl> by_hand_;  // set while somebody homes or moves without a run
   std::string by_hand_waits_;          // what such a movement waits for: a sentence

@@ -4,6 +4,7 @@
 
 #include <chrono>
 
+#include "server/application/fit_threads.h"
 #include "server/formats/dataset_csv.h"
 #include "server/formats/formula.h"
 #include "server/formats/model_json.h"
@@ -50,6 +51,7 @@ Result<calibration::FitOptions> fit_options_from(const FitRequest& request, cons
   options.weight_symbol = request.weight_symbol;
   options.first_rows = request.first_rows;
   options.blocks = request.blocks;
+  options.executor = fit_threads(request.threads);
   options.stopwatch_us = [] {
     return std::chrono::duration<double, std::micro>(
                std::chrono::steady_clock::now().time_since_epoch())

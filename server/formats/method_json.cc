@@ -103,4 +103,12 @@ ordered_json method_json(const Judgement& judgement, const std::string& formula)
   return json;
 }
 
+ordered_json comparison_json(const std::vector<Judgement>& judgements, const std::string& formula) {
+  ordered_json json{{"schema", "driftwise.comparison.v1"}, {"formula", formula}};
+  json["methods"] = ordered_json::array();
+  for (const auto& judgement : judgements)
+    json["methods"].push_back(method_json(judgement, formula));
+  return json;
+}
+
 }  // namespace driftwise::formats

@@ -14,6 +14,10 @@ namespace driftwise::formats {
 nlohmann::ordered_json method_json(const identification::Judgement& judgement,
                                    const std::string& formula);
 
+// driftwise.comparison.v1: several of them on the same rows.
+nlohmann::ordered_json comparison_json(const std::vector<identification::Judgement>& judgements,
+                                       const std::string& formula);
+
 // One method: its parameters with standard errors, what is held and why, its accuracy.
 std::string method_page(const identification::Judgement& judgement, const std::string& formula);
 

@@ -81,6 +81,15 @@ std::optional<Method> method_from(const std::string& name) {
   return std::nullopt;
 }
 
+std::vector<Method> methods_possible(bool formula, bool mechanism) {
+  std::vector<Method> methods;
+  if (mechanism) methods.push_back(Method::nominal);
+  if (mechanism && formula) methods.push_back(Method::classic);
+  if (mechanism) methods.push_back(Method::kinematic);
+  if (formula) methods.push_back(Method::stepwise);
+  return methods;
+}
+
 int FittedMethod::parameters(std::size_t output) const {
   int count = 0;
   if (kinematics) {

@@ -24,6 +24,8 @@ enum class Method { stepwise, nominal, classic, kinematic };
 
 std::string name_of(Method method);
 std::optional<Method> method_from(const std::string& name);
+// All that can be had with a formula, a mechanism or both, the simplest first.
+std::vector<Method> methods_possible(bool formula, bool mechanism);
 
 struct MethodOptions {
   calibration::FitOptions fit;  // its candidates: what the formula says of this dataset; outputs

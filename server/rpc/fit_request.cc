@@ -17,7 +17,7 @@ Result<void> check_probabilities(const application::FitRequest& fit) {
 
 // What the fit of a file has as options: ranges as there.
 Result<void> read_selection(const v1::CreateFitRequest& request, application::FitRequest& fit) {
-  constexpr int kMostStarts = 10'000, kMostBlocks = 1000, kMostTerms = 1000;
+  constexpr int kMostStarts = 10'000, kMostBlocks = 1000, kMostTerms = 1000, kMostThreads = 1024;
   const auto bad = [](const std::string& field, auto found, const std::string& expected) {
     return fail(ErrorCode::invalid_argument, "BAD_OPTION",
                 field + ": found " + std::to_string(found) + ", expected " + expected);
@@ -47,12 +47,16 @@ Result<void> read_selection(const v1::CreateFitRequest& request, application::Fi
   fit.force_terms.assign(request.force_terms().begin(), request.force_terms().end());
   fit.without_terms.assign(request.without_terms().begin(), request.without_terms().end());
   fit.weight_symbol = request.weight_symbol();
+  fit.threads = request.thread_count();
+  if (fit.threads < 0 || fit.threads > kMostThreads)
+    return bad("thread_count", fit.threads, "0 to 1024");
   return {};
 }
 
 }  // namespace
 
-Result<application::FitRequest> fit_request_from(const v1::CreateFitRequest& request) {
+Result<application::FitRequest> fit_request_from(const v1::CreateFitRequest& request,
+                                                 FormulaIs formula) {
   for (const auto& good : {check_size(request.csv(), kMostDatasetBytes, "csv"),
                            check_size(request.formula(), kMostFormulaBytes, "formula"),
                            check_size(request.name(), kMostNameBytes, "name"),
@@ -64,7 +68,7 @@ Result<application::FitRequest> fit_request_from(const v1::CreateFitRequest& req
                 std::string("found ") +
                     (request.csv().empty() ? "neither run_ids nor csv" : "run_ids and csv") +
                     ", expected one of them");
-  if (request.formula().empty())
+  if (request.formula().empty() && formula == FormulaIs::required)
     return fail(ErrorCode::invalid_argument, "EMPTY_FORMULA",
                 "formula: found nothing, expected something like q ~ x + x^2 + T");
   application::FitRequest fit;

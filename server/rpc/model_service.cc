@@ -4,12 +4,14 @@
 #include "server/rpc/convert_check.h"
 #include "server/rpc/convert_model.h"
 #include "server/rpc/convert_residuals.h"
+#include "server/rpc/convert_study.h"
 #include "server/rpc/convert_values.h"
 #include "server/rpc/export_model.h"
 #include "server/rpc/fit_request.h"
 #include "server/rpc/model_budget.h"
 #include "server/rpc/request_checks.h"
 #include "server/rpc/services.h"
+#include "server/rpc/study_source.h"
 #include "server/rpc/unary.h"
 
 namespace driftwise::rpc {
@@ -166,7 +168,48 @@ class ModelService final : public v1::ModelService::CallbackService {
     });
   }
 
+  grpc::ServerWriteReactor<v1::CompareMethodsResponse>* CompareMethods(
+      Context*, const v1::CompareMethodsRequest* request) override {
+    using Response = v1::CompareMethodsResponse;
+    auto asked = methods_request_from(*request);
+    if (!asked) return refuse_stream<Response>(asked.error());
+    return Stream<Response>::open(
+        cell_.executor(), std::make_unique<StudySource<Response>>(
+                              cell_.executor(), [this, wanted = std::move(*asked)](auto study) {
+                                return compared(wanted, std::move(study));
+                              }));
+  }
+
+  grpc::ServerWriteReactor<v1::StudySensorsResponse>* StudySensors(
+      Context*, const v1::StudySensorsRequest* request) override {
+    using Response = v1::StudySensorsResponse;
+    auto asked = sensors_request_from(*request);
+    if (!asked) return refuse_stream<Response>(asked.error());
+    return Stream<Response>::open(
+        cell_.executor(), std::make_unique<StudySource<Response>>(
+                              cell_.executor(), [this, wanted = std::move(*asked)](auto study) {
+                                return sensors_chosen(wanted, std::move(study));
+                              }));
+  }
+
  private:
+  Awaitable<Result<v1::CompareMethodsResponse>> compared(
+      application::MethodsRequest asked, std::shared_ptr<application::Study> study) {
+    const std::string formula = asked.fit.formula;
+    auto comparing = cell_.studies().compare_methods(std::move(asked), std::move(study));
+    const auto judgements = co_await std::move(comparing);
+    if (!judgements) co_return tl::unexpected(judgements.error());
+    co_return comparison_from(*judgements, formula);
+  }
+
+  Awaitable<Result<v1::StudySensorsResponse>> sensors_chosen(
+      application::SensorsRequest asked, std::shared_ptr<application::Study> study) {
+    auto choosing = cell_.studies().study_sensors(std::move(asked), std::move(study));
+    const auto choice = co_await std::move(choosing);
+    if (!choice) co_return tl::unexpected(choice.error());
+    co_return sensor_choice_from(*choice);
+  }
+
   Result<v1::Model> whole(const Result<ModelRecord>& record) const {
     if (!record) return tl::unexpected(record.error());
     return model_from(*record, cell_.status().serving, ModelDetail::whole);

@@ -11,14 +11,14 @@
 #include <future>
 #include <thread>
 
-#include "server/application/cell.h"
+#include "server/application/studies.h"
 #include "server/application/watch_list.h"
 
 namespace driftwise::tests {
 
 namespace app = driftwise::application;
 
-class FakeCell final : public app::Cell, private app::Watching {
+class FakeCell final : public app::Cell, private app::Watching, private app::Studies {
  public:
   FakeCell();
   ~FakeCell() override;
@@ -44,6 +44,8 @@ class FakeCell final : public app::Cell, private app::Watching {
   app::Caller last_caller;
   app::CreateRun last_create;
   app::FitRequest last_fit;
+  app::MethodsRequest last_methods;
+  app::SensorsRequest last_sensors;
   app::CellStatus the_status;
   std::map<std::int64_t, RunRecord> the_runs;
   std::vector<PointRecord> the_points;
@@ -69,6 +71,10 @@ class FakeCell final : public app::Cell, private app::Watching {
   std::vector<AlarmRecord> the_alarms;                     // by change
   std::vector<DiagnosisChange> the_diagnosis_changes;      // numbered from 1, and after them ...
   std::vector<ImprovementChange> the_improvement_changes;  // ... these
+  std::vector<identification::Judgement> the_judgements;
+  app::SensorChoice the_choice;
+  std::shared_ptr<app::Study> last_study;  // the asker's
+  bool studies_wait = false;               // until they are stopped
   std::vector<KeptTrajectory> the_trajectories;
   SeriesQuery last_series;
   SeriesAnswer the_series;
@@ -148,6 +154,7 @@ class FakeCell final : public app::Cell, private app::Watching {
   Awaitable<Result<std::optional<ModelRecord>>> roll_back(app::Caller caller) override;
   Awaitable<Result<std::vector<PromotionRecord>>> promotions() override;
   app::Watching& watching() override { return *this; }
+  app::Studies& studies() override { return *this; }
   Awaitable<Result<app::DiagnosisView>> create_diagnosis(app::Caller caller,
                                                          app::DiagnosisRequest request) override;
   Awaitable<Result<app::DiagnosisView>> diagnosis(DiagnosisId id) override;
@@ -179,6 +186,11 @@ class FakeCell final : public app::Cell, private app::Watching {
                                                     std::string text) override;
   Awaitable<Result<KeptTrajectory>> trajectory(TrajectoryId id) override;
   Awaitable<Result<std::vector<KeptTrajectory>>> trajectories() override;
+  Awaitable<Result<std::vector<identification::Judgement>>> compare_methods(
+      app::MethodsRequest request, std::shared_ptr<app::Study> study) override;
+  Awaitable<Result<app::SensorChoice>> study_sensors(app::SensorsRequest request,
+                                                     std::shared_ptr<app::Study> study) override;
+  Awaitable<bool> studied(std::shared_ptr<app::Study> study);  // false: it was stopped
   std::optional<Error> take_failure();
   Result<RunRecord> find_run(RunId run) const;
   Result<app::DiagnosisView*> find_diagnosis(DiagnosisId id);
