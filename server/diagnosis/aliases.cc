@@ -5,24 +5,40 @@
 
 namespace driftwise::diagnosis {
 
-double lattice_spacing(const std::vector<double>& values, double loose) {
+namespace {
+
+// Middles of what lies closer together than `loose` allows of one place, ascending.
+std::vector<double> distinct_places(std::vector<double> values, double loose) {
+  std::erase_if(values, [](double value) { return !std::isfinite(value); });
+  std::ranges::sort(values);
   std::vector<double> places;
-  for (const double value : values)
-    if (std::isfinite(value)) places.push_back(value);
-  if (places.size() < 3) return 0;
-  std::ranges::sort(places);
-  // The closest of what is not the same place is the spacing, or a multiple of it.
-  double spacing = 0;
-  for (std::size_t i = 1; i < places.size(); ++i) {
-    const double gap = places[i] - places[i - 1];
-    if (gap > 2 * loose && (spacing == 0 || gap < spacing)) spacing = gap;
+  for (std::size_t i = 0; i < values.size();) {
+    std::size_t end = i + 1;
+    double sum = values[i];
+    while (end < values.size() && values[end] - values[end - 1] <= 2 * loose) sum += values[end++];
+    places.push_back(sum / static_cast<double>(end - i));
+    i = end;
   }
-  if (spacing == 0) return 0;
-  // Over the whole range it must fit better than a gap of two loose ends tells.
-  const double steps = std::round((places.back() - places.front()) / spacing);
-  spacing = (places.back() - places.front()) / steps;
-  for (const double place : places)
-    if (std::abs(std::remainder(place - places.front(), spacing)) > 2 * loose) return 0;
+  return places;
+}
+
+}  // namespace
+
+double lattice_spacing(const std::vector<double>& values, double loose) {
+  const auto places = distinct_places(values, loose);
+  if (places.size() < 3) return 0;
+  // The closest neighbours give the spacing roughly; each place further out, counted in it, gives
+  // it better, so that the count never slips over a long range.
+  double spacing = places[1] - places[0];
+  for (std::size_t i = 2; i < places.size(); ++i)
+    spacing = std::min(spacing, places[i] - places[i - 1]);
+  for (std::size_t i = 1; i < places.size(); ++i)
+    if (const double steps = std::round((places[i] - places[0]) / spacing); steps > 0)
+      spacing = (places[i] - places[0]) / steps;
+  for (const double value : values)
+    if (std::isfinite(value) &&
+        std::abs(std::remainder(value - places.front(), spacing)) > 2 * loose)
+      return 0;
   return spacing;
 }
 

@@ -2,8 +2,9 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <map>
+#include <cstdio>
 
 #include "server/core/units.h"
 #include "server/diagnosis/aliases.h"
@@ -106,6 +107,14 @@ std::vector<double> phase_values(const Dataset& dataset, const effects::Term& te
   return nm;
 }
 
+// "2000 nm", "57.1 s"
+std::string period_text(const Cause& cause, double period) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.4g %s", period,
+                cause.parameter == "period_nm" ? "nm" : "s");
+  return text.data();
+}
+
 class OpenSet {
  public:
   OpenSet(const Dataset& dataset, const Problem& problem, const OpenFit& fit)
@@ -128,7 +137,8 @@ class OpenSet {
     const double spacing = lattice_spacing(values, kLooseShare * period);
     for (const double alias : aliased_periods(period, spacing)) {
       if (lattice_spacing(values, kLooseShare * alias) == 0) continue;  // not a lattice for it
-      Hypothesis hypothesis{.cause = cause.id, .name = name_of(cause) + " with a shorter period"};
+      Hypothesis hypothesis{.cause = cause.id,
+                            .name = name_of(cause) + " of " + period_text(cause, alias)};
       if (auto ok = add_cell(hypothesis, cause, with_parameter(terms, alias)); !ok) return ok;
       keep_open(hypothesis);
       hypotheses.push_back(std::move(hypothesis));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "server/diagnosis/hypothesis.h"
 #include "server/diagnosis/separating_power.h"
@@ -10,14 +11,35 @@
 namespace driftwise::diagnosis {
 namespace {
 
-constexpr double kIdentifiable2lnl = 20;  // of DESIGN.md's statistical contract
 constexpr std::size_t kFewestPoints = 24, kMostPoints = 3072;
+constexpr std::size_t kMostForces = 12;
 
-std::string listed(const std::vector<Hypothesis>& hypotheses) {
+std::string listed(const std::vector<std::string>& names) {
   std::string text;
-  for (std::size_t i = 0; i < hypotheses.size(); ++i)
-    text += (i == 0 ? "" : i + 1 == hypotheses.size() ? " and " : ", ") + hypotheses[i].name;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
   return text;
+}
+
+std::vector<std::string> names_of(const std::vector<Hypothesis>& hypotheses) {
+  std::vector<std::string> names;
+  for (const auto& one : hypotheses) names.push_back(one.name);
+  return names;
+}
+
+// "force_compliance F and (thermal_offset t04 or thermal_offset t05)"
+std::string listed_by_class(const std::vector<Hypothesis>& hypotheses,
+                            const SeparatingPower& power) {
+  std::vector<std::string> names(power.classes);
+  std::vector<int> members(power.classes, 0);
+  for (std::size_t i = 0; i < hypotheses.size(); ++i) {
+    auto& name = names[power.class_of[i]];
+    name += (name.empty() ? "" : " or ") + hypotheses[i].name;
+    ++members[power.class_of[i]];
+  }
+  for (std::size_t c = 0; c < names.size(); ++c)
+    if (members[c] > 1) names[c] = "(" + names[c] + ")";
+  return listed(names);
 }
 
 // What is past, or what nobody in the cell can move.
@@ -55,6 +77,10 @@ struct Tried {
   SeparatingPower power;
 };
 
+std::size_t hypotheses_left(const Tried& one) {
+  return one.power.class_of.size() - one.power.classes;
+}
+
 class Designer {
  public:
   Designer(const Dataset& dataset, const calibration::Candidates& baseline,
@@ -78,11 +104,13 @@ class Designer {
         auto power = separating_power(*rows, model_terms(), hypotheses, diagnosis_.outputs, 0, 1);
         if (!power) return tl::unexpected(power.error());
         best.expected_2lnl = std::max(best.expected_2lnl, power->expected_2lnl);
-        if (power->expected_2lnl > kIdentifiable2lnl)
-          promising.push_back({std::move(plan), total_s, *power});
+        if (power->classes > 1) promising.push_back({std::move(plan), total_s, *power});
       }
     }
-    std::ranges::stable_sort(promising, {}, &Tried::total_s);
+    // What tells most apart, and of those the shortest.
+    std::ranges::stable_sort(promising, {}, [](const Tried& one) {
+      return std::pair(hypotheses_left(one), one.total_s);
+    });
     for (auto& one : promising) {
       auto rows = rows_of_plan(*model, one.plan.trajectory);
       if (!rows) return tl::unexpected(rows.error());
@@ -91,8 +119,12 @@ class Designer {
       if (!power) return tl::unexpected(power.error());
       best.power = std::max(best.power, power->power);
       if (power->power < limits_.min_power) continue;
-      return SeparatingPlan{.why = listed(hypotheses) + " are told apart by " + one.plan.what +
-                                   ", if the room stays as it is",
+      std::string why = listed_by_class(hypotheses, *power) + " are told apart by " +
+                        one.plan.what + ", if the room stays as it is";
+      if (power->classes < hypotheses.size())
+        why +=
+            "; what is joined by \"or\" stays together: nothing within the limits tells it apart";
+      return SeparatingPlan{.why = std::move(why),
                             .predicted_power = power->power,
                             .trajectory = std::move(one.plan.trajectory),
                             .estimated_s = one.total_s};
@@ -122,9 +154,10 @@ class Designer {
         why += " and a power of " + std::to_string(std::lround(100 * limits_.min_power)) +
                " %, of which it reaches " + std::to_string(std::lround(100 * best.power)) + " %";
     }
-    return {.why = "none within the limits because " + why + " (" + listed(hypotheses) + ")",
-            .predicted_power = {},
-            .trajectory = {}};
+    return {
+        .why = "none within the limits because " + why + " (" + listed(names_of(hypotheses)) + ")",
+        .predicted_power = {},
+        .trajectory = {}};
   }
 
   const Dataset& dataset_;
@@ -146,6 +179,15 @@ std::optional<double> period_mm(const std::vector<Hypothesis>& hypotheses) {
   return shortest;
 }
 
+// Of ascending forces at most kMostForces, with the smallest and the largest.
+std::vector<double> spread_forces(std::vector<double> forces_n) {
+  if (forces_n.size() <= kMostForces) return forces_n;
+  std::vector<double> kept;
+  for (std::size_t i = 0; i < kMostForces; ++i)
+    kept.push_back(forces_n[i * (forces_n.size() - 1) / (kMostForces - 1)]);
+  return kept;
+}
+
 }  // namespace
 
 SeparatingLimits limits_from(const Dataset& dataset) {
@@ -164,8 +206,8 @@ SeparatingLimits limits_from(const Dataset& dataset) {
   }
   std::set<double> forces;
   for (const double value : dataset.values_of("force"))
-    if (std::isfinite(value) && forces.size() < 12) forces.insert(value);
-  limits.plan.forces_n.assign(forces.begin(), forces.end());
+    if (std::isfinite(value)) forces.insert(value);
+  limits.plan.forces_n = spread_forces({forces.begin(), forces.end()});
   return limits;
 }
 
@@ -173,6 +215,7 @@ Result<std::optional<SeparatingPlan>> separating_plan(const Dataset& dataset,
                                                       const calibration::Candidates& baseline,
                                                       const Diagnosis& diagnosis,
                                                       const SeparatingLimits& limits) {
+  std::optional<SeparatingPlan> first;
   for (std::size_t i = 0; i < diagnosis.findings.size(); ++i) {
     const auto& finding = diagnosis.findings[i];
     if (finding.terms.empty() ||
@@ -187,9 +230,10 @@ Result<std::optional<SeparatingPlan>> separating_plan(const Dataset& dataset,
     own.plan.period_mm = period_mm(*hypotheses);
     auto plan = Designer(dataset, baseline, diagnosis, own).design(std::move(*hypotheses));
     if (!plan) return tl::unexpected(plan.error());
-    return std::optional(std::move(*plan));
+    if (plan->trajectory) return std::optional(std::move(*plan));
+    if (!first) first = std::move(*plan);
   }
-  return std::optional<SeparatingPlan>();
+  return first;
 }
 
 }  // namespace driftwise::diagnosis

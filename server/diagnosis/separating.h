@@ -37,8 +37,10 @@ struct SeparatingPlan {
 SeparatingLimits limits_from(const Dataset& dataset);
 
 // Nothing where no finding has rivals. baseline: the one that was diagnosed. The plan is for the
-// first finding that has some; it is judged by itself, without the old rows, with the baseline's
-// coefficients free. Errors: those of open_hypotheses() and of the forward model.
+// first finding whose rivals some design tells apart, wholly or into classes (sensors of one
+// temperature stay together while the room does not change): the design that leaves the fewest
+// together, of those the shortest. It is judged by itself, without the old rows, with the
+// baseline's coefficients free. Errors: those of open_hypotheses() and of the forward model.
 Result<std::optional<SeparatingPlan>> separating_plan(const Dataset& dataset,
                                                       const calibration::Candidates& baseline,
                                                       const Diagnosis& diagnosis,

@@ -68,6 +68,37 @@ double nearest(const Eigen::VectorXd& y, const Eigen::MatrixXd& cells) {
   return (cells.colwise() - y).colwise().squaredNorm().minCoeff();
 }
 
+// Classes from the distances between hypotheses; fills everything but the power.
+SeparatingPower classified(const Predicted& all) {
+  const std::size_t count = all.of.size();
+  SeparatingPower result;
+  Eigen::MatrixXd apart(count, count);
+  for (std::size_t a = 0; a < count; ++a)
+    for (std::size_t b = 0; b < count; ++b)
+      apart(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)) =
+          nearest(all.of[a].col(0), all.of[b]);
+  apart = apart.cwiseMin(apart.transpose()).eval();
+  for (std::size_t i = 0; i < count; ++i) result.class_of.push_back(i);
+  for (std::size_t a = 0; a < count; ++a)
+    for (std::size_t b = 0; b < a; ++b) {
+      const std::size_t from = result.class_of[a], to = result.class_of[b];
+      if (apart(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)) <= kIdentifiable2lnl)
+        std::ranges::replace(result.class_of, std::max(from, to), std::min(from, to));
+    }
+  // Numbered without gaps: each class still has the number of its first member.
+  for (std::size_t i = 0; i < count; ++i)
+    if (result.class_of[i] == i) std::ranges::replace(result.class_of, i, result.classes++);
+  double widest = 0, nearest_other = 1e300;
+  for (std::size_t a = 0; a < count; ++a)
+    for (std::size_t b = 0; b < a; ++b) {
+      const double pair = apart(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
+      widest = std::max(widest, pair);
+      if (result.class_of[a] != result.class_of[b]) nearest_other = std::min(nearest_other, pair);
+    }
+  result.expected_2lnl = result.classes > 1 ? nearest_other : widest;
+  return result;
+}
+
 }  // namespace
 
 Result<SeparatingPower> separating_power(const Dataset& rows,
@@ -77,28 +108,26 @@ Result<SeparatingPower> separating_power(const Dataset& rows,
                                          std::uint64_t seed) {
   const auto all = predicted(rows, base, hypotheses, outputs);
   if (!all) return tl::unexpected(all.error());
-  SeparatingPower result{.expected_2lnl = 1e300, .power = 1};
+  SeparatingPower result = classified(*all);
+  if (simulations == 0 || result.classes < 2) return result;
   std::mt19937_64 random(seed);
   std::normal_distribution<double> gaussian;
+  result.power = 1;
   for (std::size_t truth = 0; truth < hypotheses.size(); ++truth) {
     const Eigen::VectorXd signal = all->of[truth].col(0);
-    for (std::size_t other = 0; other < hypotheses.size(); ++other)
-      if (other != truth)
-        result.expected_2lnl = std::min(result.expected_2lnl, nearest(signal, all->of[other]));
     int ahead = 0;
     for (int k = 0; k < simulations; ++k) {
       Eigen::VectorXd y = signal;
       for (Eigen::Index i = 0; i < y.size(); ++i) y[i] += gaussian(random);
-      const double own = nearest(y, all->of[truth]);
-      bool first = true;
-      for (std::size_t other = 0; other < hypotheses.size() && first; ++other)
-        first = other == truth || nearest(y, all->of[other]) - own > kAhead2lnl;
-      ahead += first ? 1 : 0;
+      double own = 1e300, others = 1e300;
+      for (std::size_t h = 0; h < hypotheses.size(); ++h) {
+        double& side = result.class_of[h] == result.class_of[truth] ? own : others;
+        side = std::min(side, nearest(y, all->of[h]));
+      }
+      ahead += others - own > kAhead2lnl ? 1 : 0;
     }
-    if (simulations > 0)
-      result.power = std::min(result.power, static_cast<double>(ahead) / simulations);
+    result.power = std::min(result.power, static_cast<double>(ahead) / simulations);
   }
-  if (simulations == 0) result.power = 0;
   return result;
 }
 

@@ -19,4 +19,5 @@ driftwise_test(hidden_effects_plant
     plant_separating_test.cc
     plant_test.cc
   LINKS driftwise_hidden_plants driftwise_diagnosis driftwise_formats
-  LABELS hidden_effects)
+  LABELS hidden_effects
+  TIMEOUT 300)

@@ -16,6 +16,9 @@ struct PlantRun {
   // Per mechanism hidden, in the order of the plant file: its share of every row, nm. Those that
   // have no length of their own (air, thermometers, a beam's place) are not in it.
   std::vector<std::vector<double>> hidden_nm;
+  // Per pose axis: where the end-effector was at every row since the lengths were zeroed, in the
+  // robot's own frame. What a target is judged by.
+  std::vector<std::vector<double>> true_mm;
 };
 
 struct PlantStart {

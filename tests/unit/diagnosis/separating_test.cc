@@ -31,6 +31,30 @@ TEST(Lattice, IsFoundThroughTheHoldingError) {
   EXPECT_EQ(lattice_spacing(places, 1e-4), 0);
 }
 
+// Each visit of a place ends a twelfth of a step elsewhere: the gaps between places are all too
+// short, and a count in them slips over forty steps.
+TEST(Lattice, IsFoundWhereVisitsOfOnePlaceSpread) {
+  std::vector<double> places;
+  for (int k = 0; k < 400; ++k)
+    places.push_back(1500.0 * (k * 17 % 41 - 20) + 125.0 * ((k * 7 % 11) / 10.0 - 0.7));
+  EXPECT_NEAR(lattice_spacing(places, 80), 1500, 5);
+}
+
+// More forces than a plan can hang: those kept span the range.
+TEST(SeparatingLimits, KeepTheSmallestAndTheLargestForce) {
+  Dataset rows;
+  rows.columns = {{{"q1", "mm"}, {}}, {{"force", "N"}, {}}};
+  for (int k = 0; k <= 60; ++k) {
+    rows.columns[0].values.push_back(k);
+    rows.columns[1].values.push_back(0.005 * k);
+  }
+  rows.rows = 61;
+  const auto forces_n = limits_from(rows).plan.forces_n;
+  ASSERT_EQ(forces_n.size(), 12U);
+  EXPECT_EQ(forces_n.front(), 0);
+  EXPECT_DOUBLE_EQ(forces_n.back(), 0.3);
+}
+
 PlanLimits two_axes() {
   return {.coordinates = {{"q1", "mm"}, {"q2", "mm"}},
           .min_mm = {-4, 0},
@@ -139,6 +163,19 @@ TEST(SeparatingPower, IsNoneBetweenEquals) {
   const auto power = *separating_power(rows_with_dwells(false), base, twice, {noisy(5)}, 100, 3);
   EXPECT_NEAR(power.expected_2lnl, 0, 1e-9);
   EXPECT_EQ(power.power, 0);
+  EXPECT_EQ(power.classes, 1U);
+}
+
+// Two names for one thing stay together, and the plan is judged by what it does tell apart.
+TEST(SeparatingPower, LeavesWhatItCannotTellInOneClass) {
+  const auto base = std::vector<effects::Term>{{{effects::Power{"x", 1}}}};
+  auto three = play_or_creep();
+  three.insert(three.begin() + 1, three[0]);
+  const auto power = *separating_power(rows_with_dwells(false), base, three, {noisy(5)}, 200, 3);
+  EXPECT_EQ(power.classes, 2U);
+  EXPECT_EQ(power.class_of, (std::vector<std::size_t>{0, 0, 1}));
+  EXPECT_GT(power.expected_2lnl, kIdentifiable2lnl);
+  EXPECT_GT(power.power, 0.95);
 }
 
 // 2 ln L of a known difference in white noise: its squared length over the variance, less what the
