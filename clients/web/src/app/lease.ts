@@ -3,14 +3,20 @@
 import { api } from '@/api/client';
 import { cell } from '@/live/state';
 
-export async function withLease<T>(act: (token: string) => Promise<T>): Promise<T> {
+// handOver: what was started goes on with the lease and renews it itself (the improve loop), so it is given back only when
+// nothing was started.
+export async function withLease<T>(act: (token: string) => Promise<T>, handOver = false): Promise<T> {
   // A minute on the wall; a fast simulated cell counts in its own time, and no lease is longer than its hour.
   const seconds = Math.min(3600, Math.max(1, Math.round(60 * (cell.value?.speed || 1))));
   const { lease } = await api.cell().takeLease({ leaseDuration: { seconds: BigInt(seconds), nanos: 0 } });
   const token = lease?.token ?? '';
+  const giveBack = () => void api.cell().giveUpLease({ token }).catch(() => undefined); // it runs out by itself
   try {
-    return await act(token);
-  } finally {
-    api.cell().giveUpLease({ token }).catch(() => undefined); // it runs out by itself
+    const done = await act(token);
+    if (!handOver) giveBack();
+    return done;
+  } catch (error) {
+    giveBack();
+    throw error;
   }
 }

@@ -29,7 +29,7 @@ export function ImproveForm() {
       api.diagnosis().createImprovement({
         leaseToken, trajectoryName: trajectory!.name, trajectoryText: trajectory!.text, formula, maxTurns: most ?? 0, budgetS: (budget ?? 0) * 3600,
         noPromotion: !serve, requestId: crypto.randomUUID(),
-      }));
+      }), true);
     formulaTaken();
     go(`/diagnosis/improve/${improvement!.id}`);
   });
