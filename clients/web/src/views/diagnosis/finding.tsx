@@ -9,7 +9,7 @@ import { U90 } from '@/ui/explained';
 import { Panel } from '@/ui/panel';
 import { Accept } from './extension';
 import { axisOf, discrepancySpec, likelihoodSpec } from './specs';
-import { appliesWords, parameterText, parameterWords } from './words';
+import { appliesWords, headline, parameterText, parameterWords } from './words';
 
 export function FindingPanel({ finding, diagnosis, output, rows, again }: {
   finding: Finding;
@@ -24,7 +24,7 @@ export function FindingPanel({ finding, diagnosis, output, rows, again }: {
     <Panel class="diagnosis-finding">
       <div class="diagnosis-finding-head">
         <div class="stack">
-          <h2 class="finding">{finding.number}. {finding.sentence}</h2>
+          <h2 class="finding" title={finding.sentence}>{finding.number}. {headline(finding.sentence)}</h2>
           <p>
             Where: {finding.where}{finding.subject && `, ${finding.subject}`} · cause <code>{finding.cause}</code> · {appliesWords[finding.appliesTo] ?? finding.appliesTo}
           </p>

@@ -16,6 +16,7 @@ import { useWhile } from '@/ui/use_while';
 import { Mark } from '@/ui/verdict';
 import { ViewTitle } from '@/ui/view_title';
 import { improvementWords } from './list';
+import { turnLines } from './words';
 
 export function ImprovementPage({ id }: { id: bigint }) {
   const asked = useAsked(`improvement ${id}`, async (signal) => (await api.diagnosis().getImprovement({ improvementId: id }, { signal })).improvement!);
@@ -84,7 +85,7 @@ function Summary({ turns }: { turns: readonly ImprovementTurn[] }) {
 function Turn({ turn, most }: { turn: ImprovementTurn; most: number }) {
   return (
     <Panel title={`Turn ${turn.number}`}>
-      <p class="finding">{turn.what}</p>
+      <ul class="diagnosis-list">{turnLines(turn.what).map((line) => <li key={line}>{line}</li>)}</ul>
       <p class="row muted">
         {turn.runIds.map((run) => <a key={String(run)} href={`/runs/${run}`}>run {String(run)}</a>)}
         {turn.modelId !== undefined && <a href={`/models/${turn.modelId}`}>model {String(turn.modelId)}</a>}

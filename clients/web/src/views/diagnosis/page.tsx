@@ -71,7 +71,7 @@ function Body({ diagnosis, rows, step, again }: { diagnosis: Diagnosis; rows: Di
     <>
       <Banner diagnosis={diagnosis} output={output} />
       {running && <Running diagnosis={diagnosis} step={step} again={again} />}
-      {diagnosis.warnings.map((warning) => <Warned key={warning}>{warning}</Warned>)}
+      <Remarks warnings={diagnosis.warnings} />
       {diagnosis.state === Diagnosis_State.DONE && output && (
         <>
           {rows ? <BeforeAfter rows={rows} output={output} symbols={symbolsOf(diagnosis, output.output)} /> : <SymbolChoice symbols={symbolsOf(diagnosis, output.output)} />}
@@ -90,6 +90,18 @@ function Body({ diagnosis, rows, step, again }: { diagnosis: Diagnosis; rows: Di
         </>
       )}
     </>
+  );
+}
+
+// One is shown, more wait: they tell how the search went, not what it found.
+function Remarks({ warnings }: { warnings: readonly string[] }) {
+  const lines = warnings.map((warning) => <Warned key={warning}>{warning.replaceAll(' -> ', ' → ')}</Warned>);
+  if (lines.length < 2) return <>{lines}</>;
+  return (
+    <details class="diagnosis-remarks">
+      <summary><Mark kind="warn" /> {lines.length} remarks of the search</summary>
+      <div class="stack">{lines}</div>
+    </details>
   );
 }
 

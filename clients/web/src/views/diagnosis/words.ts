@@ -47,12 +47,18 @@ const units: readonly [RegExp, string][] = [
   [/_?nm_per_h$/, 'nm/h'], [/_?ppm_per_K$/, 'ppm/K'], [/_s$/, 's'], [/_nm$/, 'nm'], [/_mm$/, 'mm'], [/_arcsec$/, 'arcsec'], [/_h$/, 'h'], [/_mK$/, 'mK'],
 ];
 
-// "tau_s" -> name "tau", unit "s".
+// "tau_s" -> name "tau", unit "s"; "offset_mm_rx_q1" -> name "offset rx, q1", unit "mm".
 export function parameterWords(name: string): { name: string; unit: string } {
+  const words = (text: string) => (text || 'size').replace(/_(q\d)$/, ', $1').replaceAll('_', ' ');
   for (const [pattern, unit] of units)
-    if (pattern.test(name)) return { name: (name.replace(pattern, '') || 'size').replaceAll('_', ' '), unit };
-  return { name: name.replaceAll('_', ' '), unit: '' };
+    if (pattern.test(name)) return { name: words(name.replace(pattern, '')), unit };
+  const within = /^(.+)_(mm|nm|arcsec)_(.+)$/.exec(name);
+  return within ? { name: words(`${within[1]}_${within[3]}`), unit: within[2] } : { name: words(name), unit: '' };
 }
+
+// The daemon's sentence ends in all figures; the page has them in a table below.
+// A formula has commas and numbers of its own.
+export const headline = (sentence: string): string => (sentence.includes('~') ? sentence : sentence.split(/, (?:[A-Za-z]\w* )?-?\d[^,;]*(?=[,;.(]|$)|; \w+: /)[0]).replace(/\.$/, '');
 
 // No more digits than the interval supports: two of its width.
 export function parameterText(value: number, interval: { low: number; high: number } | undefined): string {
@@ -60,6 +66,10 @@ export function parameterText(value: number, interval: { low: number; high: numb
   if (!(width > 0)) return significant(value, 3);
   return fixed(value, Math.min(9, Math.max(0, 1 - Math.floor(Math.log10(width)))));
 }
+
+// What a turn did, a sentence each, without the figures that stand in tables.
+export const turnLines = (what: string): string[] =>
+  what.split(/\.+ (?=[A-Z]|stopped)/).map(headline).filter((line) => line !== '').map((line) => line[0].toUpperCase() + line.slice(1));
 
 export const appliesWords: Record<string, string> = {
   robot: 'extends simulation and served model',
