@@ -49,21 +49,27 @@ export function ReportPage({ report }: { report: Report }) {
   );
 }
 
+// Where it stood first, what went with it after, what the stabilisers did last.
+const order = [/^(x|y|z)_mm$/, /^r[xyz]_arcsec$/, /^q\d_mm$/, /^force_N$/, /^t\d/, /^air/];
+const rank = (channel: string) => (order.findIndex((pattern) => pattern.test(channel)) + order.length + 1) % (order.length + 1);
+
 const digits: Record<string, number> = { mm: 6, degC: 3, arcsec: 2, nm: 1, N: 3, hPa: 2, pct: 1 };
 
 function Points({ report }: { report: Report }) {
   const spread = spreads(report);
   const { points } = report;
-  const channels = points.columns.filter((one) => !/_std_nm$/.test(one.channel) && one.values.some(Number.isFinite));
+  const channels = points.columns
+    .filter((one) => !/_std_nm$/.test(one.channel) && one.values.some(Number.isFinite))
+    .sort((a, b) => rank(a.channel) - rank(b.channel));
   const columns: Column<number>[] = [
-    { title: 'row', number: true, sort: (i) => points.row[i], of: (i) => count(points.row[i]) },
+    { title: 'row', number: true, sort: (i) => points.row[i], of: (i) => count(points.row[i] + 1) },
     { title: 'line', number: true, of: (i) => count(points.line[i]) },
     { title: 'set', of: (i) => (points.zero[i] ? 'zero' : points.validation[i] ? 'validation' : 'calibration') },
     ...(spread ? [{ title: 'spread, nm', number: true, sort: (i: number) => spread[i], of: (i: number) => significant(spread[i], 2) }] : []),
     { title: 'tries', number: true, sort: (i) => points.tries[i], of: (i) => count(points.tries[i]) },
     ...channels.map((one): Column<number> => {
       const { symbol, unit } = splitChannel(one.channel);
-      return { title: `${symbol}${unitSign(unit) && `, ${unitSign(unit)}`}`, number: true, of: (i) => fixed(one.values[i], digits[unit] ?? 3) };
+      return { title: `${symbol.replaceAll('_', ' ')}${unitSign(unit) && `, ${unitSign(unit)}`}`, number: true, of: (i) => fixed(one.values[i], digits[unit] ?? 3) };
     }),
   ];
   return <Table caption="Points of the run, in order of time" rows={points.timeS.map((_, i) => i)} keyOf={(i) => i} columns={columns} page={40} />;
@@ -76,7 +82,7 @@ function Attempts({ report }: { report: Report }) {
       rows={report.attempts}
       keyOf={(one) => `${one.row} ${one.number}`}
       columns={[
-        { title: 'row', number: true, of: (one) => count(one.row) },
+        { title: 'row', number: true, of: (one) => count(one.row + 1) },
         { title: 'attempt', number: true, of: (one) => count(one.number) },
         { title: 'verdict', of: (one) => <Verdict kind={one.verdict === 'given_up' ? 'bad' : 'warn'}>{one.verdict.replaceAll('_', ' ')}</Verdict> },
         { title: 'why', of: (one) => one.reason },
@@ -93,6 +99,7 @@ function Events({ report }: { report: Report }) {
       caption="The record of the run, oldest first"
       rows={report.events.map((one, i) => ({ ...one, i }))}
       keyOf={(one) => one.i}
+      page={40}
       columns={[
         { title: 'when', of: (one) => <span class="nowrap">{at(one.time)}</span> },
         { title: 'who', of: (one) => one.who },

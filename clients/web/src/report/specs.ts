@@ -59,10 +59,10 @@ export function zeroSpec(report: Report): PlotSpec {
 
 export function temperatureSpec(report: Report): PlotSpec {
   const time = hours(report);
-  const columns = report.points.columns.filter((one) => /_degC$/.test(one.channel) && one.values.some(Number.isFinite));
+  const columns = report.points.columns.filter((one) => /_degC$/.test(one.channel) && !/_set_degC$/.test(one.channel) && one.values.some(Number.isFinite));
   return {
     title: 'Temperatures', what: '°C against hours since start; the one pointed at is named', x: x(report), y: { unit: 'degC', zero: false },
-    series: columns.map((one): PlotSeries => ({ name: splitChannel(one.channel).symbol, unit: 'degC', colour: 's5', quiet: columns.length > 6, x: time, y: one.values, digits: 3 })),
+    series: columns.map((one): PlotSeries => ({ name: splitChannel(one.channel).symbol.replaceAll('_', ' '), unit: 'degC', colour: 's5', quiet: columns.length > 6, x: time, y: one.values, digits: 3 })),
     file: file(report, 'temperatures'), ...(columns.length === 0 ? { why: 'No temperature was recorded with the points.' } : {}),
   };
 }
