@@ -93,6 +93,10 @@ export class Cell {
     return end(this.daemon, 'SIGKILL');
   }
 
+  stopDaemon() {
+    return end(this.daemon, 'SIGTERM');
+  }
+
   // The command line as another person at another desk would use it; the answer of --json (the last one of a watch).
   async cli(operator, ...command) {
     const child = spawn(join(binFolder, 'driftwise'), ['--operator', operator, ...command, '--json'], { cwd: this.folder });
