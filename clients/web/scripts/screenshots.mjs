@@ -1,8 +1,9 @@
 // Pictures of every view, light and dark, into a folder: deploy/screenshots.sh builds what this needs and calls it.
-//   node scripts/screenshots.mjs [--out FOLDER] [--speed N] [--trajectory FILE]   makes a cell, a campaign, a diagnosis first
+//   node scripts/screenshots.mjs [--out FOLDER] [--speed N] [--keep]                       makes a cell and a campaign first
 //   node scripts/screenshots.mjs --url http://127.0.0.1:8080 [--out FOLDER] [view ...]     photographs a page that runs
-// Everything shown is real: a daemon, a simulated Micro-Nano, what they measured. It fails, after taking the pictures, when the
-// page wrote to its console, asked for anything elsewhere or was wider than its window.
+// Everything shown is real: a daemon, a simulated Micro-Nano, what they measured, fitted, found and improved. --keep leaves the
+// cell running afterwards, until a signal. It fails, after taking the pictures, when the page wrote to its console, asked for
+// anything elsewhere or was wider than its window.
 import { mkdirSync, writeFileSync } from 'node:fs';
 import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -17,7 +18,8 @@ const { values: wanted, positionals: only } = parseArgs({
   options: {
     url: { type: 'string' },
     out: { type: 'string', default: join(dirname(fileURLToPath(import.meta.url)), '../../../docs/screenshots') },
-    speed: { type: 'string', default: '200' },
+    speed: { type: 'string', default: '60' },
+    keep: { type: 'boolean', default: false },
     trajectory: { type: 'string', default: join(sourceFolder, 'deploy/cells/micro-nano/trajectories/published.csv') },
   },
 });
@@ -26,28 +28,28 @@ mkdirSync(folder, { recursive: true });
 const troubles = new Set();
 let bytes = 0;
 
-// name, address, what has to be seen before the picture is taken, whether a phone's picture is taken too
+// name, address, what has to be seen before the picture is taken, whether a phone's picture is taken too, how tall at most
 const views = [
   { name: 'now', path: '/now', while: 'running', phone: true, pause: 4000 },
-  { name: 'instruments', path: '/instruments?since=1h', while: 'running', pause: 4000 },
-  { name: 'trajectory', path: '/trajectories/1', while: 'running', seen: 'What a run of it would do', phone: true },
+  { name: 'instruments', path: '/instruments?since=1h', while: 'running', pause: 4000, tall: 1700 },
+  { name: 'trajectory', path: '/trajectories/1', while: 'running', seen: 'What a run of it would do' },
   { name: 'runs', path: '/runs' },
-  { name: 'run', path: '/runs/1', phone: true },
+  { name: 'run', path: '/runs/1', tall: 1300 },
   { name: 'run-plots', path: '/runs/1?tab=plots' },
   { name: 'models', path: '/models', prepare: typeFormula },
-  { name: 'model', path: '/models/2', seen: 'Terms of' },
-  { name: 'model-residuals', path: '/models/2?tab=residuals', seen: 'Over time' },
-  { name: 'diagnosis', path: '/diagnosis/1', seen: 'What the discrepancy goes with', phone: true },
-  { name: 'improvement', path: '/diagnosis/improve/1', optional: true },
-  { name: 'targets', path: '/targets?x=0.2&y=-0.1&z=1.2&force=0.392', seen: 'What the correction is made of', pause: 9000, phone: true },
-  { name: 'record', path: '/record' },
+  { name: 'model', path: '/models/3', seen: 'Terms of' },
+  { name: 'model-residuals', path: '/models/3?tab=residuals', seen: 'Over time', tall: 1300 },
+  { name: 'diagnosis', path: '/diagnosis/1', seen: 'What the discrepancy goes with', tall: 1700 },
+  { name: 'improvement', path: '/diagnosis/improve/1', seen: 'Turn 1' },
+  { name: 'targets', path: '/targets?x=0.2&y=-0.1&z=1.2&force=0.768', seen: 'What the correction is made of', pause: 6000, tall: 1600 },
+  { name: 'record', path: '/record', tall: 1100 },
 ];
 
 async function typeFormula(page) {
   const field = page.getByRole('combobox', { name: 'Formula' });
-  await field.fill('q ~ poly(x, y, z, 3) + F + ');
-  await page.getByText(/calibration and|expected/).first().waitFor();
-  await field.fill('q ~ poly(x, y, z, 3) + F + la');
+  await field.fill('q ~ poly(x, y, z, 3) + F + t07');
+  await page.getByText(/calibration and/).first().waitFor();
+  await field.fill('q ~ poly(x, y, z, 3) + F + t0');
   await page.getByRole('listbox').waitFor();
 }
 
@@ -60,18 +62,20 @@ async function photograph(browser, view) {
     if (view.seen) await page.getByText(view.seen).first().waitFor();
     await view.prepare?.(page);
   } catch (error) {
-    if (!view.optional) note(String(error.message).split('\n')[0]);
+    note(String(error.message).split('\n')[0]);
   }
   await page.waitForTimeout(view.pause ?? 1500);
   for (const [width, themes] of [[1440, ['light', 'dark']], ...(view.phone ? [[390, ['light']]] : [])]) {
+    // As tall as the page, so that what sticks to an edge of the window does; a phone's window is a phone's.
     await page.setViewportSize({ width, height: width === 390 ? 844 : 900 });
+    const height = await page.evaluate(() => document.documentElement.scrollHeight);
+    if (width !== 390) await page.setViewportSize({ width, height: Math.max(600, Math.min(height, view.tall ?? 1500)) });
     for (const theme of themes) {
       await page.emulateMedia({ colorScheme: theme });
-      await page.waitForTimeout(600);
+      await page.waitForTimeout(1200);
       const wide = await overflow(page);
       if (wide > 0) note(`${wide} px wider than a window of ${width} px`);
-      const height = await page.evaluate(() => Math.max(document.documentElement.scrollHeight, innerHeight));
-      const picture = smallPng(await page.screenshot({ fullPage: true, clip: { x: 0, y: 0, width, height: Math.min(height, width === 390 ? 1700 : 1500) } }));
+      const picture = smallPng(await page.screenshot());
       writeFileSync(join(folder, `${view.name}-${theme}-${width}.png`), picture);
       bytes += picture.length;
     }
@@ -84,10 +88,30 @@ const photographAll = async (browser, which) => {
   for (const view of which) await photograph(browser, view);
 };
 
-// A campaign as a person makes it, the trajectory brought through the page; pictures on the way.
+// A short grid for the loop: one layer after the other with a return to zero before each.
+function loopPlan() {
+  const rows = ['q1_mm,q2_mm,q3_mm,set,line,zero'];
+  for (let i = 0; i < 5; ++i) {
+    rows.push(`0,0,0,calibration,${i},1`);
+    for (let j = 0; j < 25; ++j) rows.push([0.2 + 0.5 * (j % 5), 0.2 + 0.5 * Math.floor(j / 5), 0.2 + 0.5 * i].map((q) => q.toFixed(2)).join(',') + `,${(25 * i + j) % 4 === 2 ? 'validation' : 'calibration'},${i},0`);
+  }
+  return rows.join('\n') + '\n';
+}
+
+async function bring(browser, file, name) {
+  const page = await browser.page('/trajectories');
+  await page.getByLabel('a file, CSV').setInputFiles(file);
+  await page.getByText('What a run of it would do').waitFor();
+  await page.getByRole('button', { name: 'Keep it' }).click();
+  await page.getByRole('heading', { level: 1, name }).waitFor();
+  await page.close();
+}
+
+// A campaign as a person makes it, through the page; pictures on the way.
 async function wholeStory() {
   const cell = await Cell.start({ cell: 'micro-nano', speed: Number(wanted.speed) });
   const browser = await Browser.open(cell.url);
+  console.log(`the cell: ${cell.url} in ${cell.folder}`);
   const done = async () => (await cell.cli('Anna', 'run', 'show', '1')).run;
   const until = async (test) => {
     for (let run = await done(); !test(run); run = await done()) {
@@ -96,35 +120,51 @@ async function wholeStory() {
     }
   };
   try {
-    const page = await browser.page('/trajectories');
-    await page.getByLabel('a file, CSV').setInputFiles(wanted.trajectory);
-    await page.getByText('What a run of it would do').waitFor();
-    await page.getByRole('button', { name: 'Keep it' }).click();
-    await page.getByRole('heading', { level: 1, name: /^Trajectory 1/ }).waitFor();
-    await page.close();
+    await bring(browser, wanted.trajectory, /^Trajectory 1/);
     await cell.cli('Anna', 'run', 'start', wanted.trajectory, '--name', 'weekend');
     await until((run) => run.accepted_count > 0.55 * run.row_count);
     await photographAll(browser, views.filter((view) => view.while === 'running'));
     await until((run) => run.state === 'done');
     console.log('measured; now fitted, diagnosed, improved');
-    await cell.cli('Anna', 'fit', '--run', '1', '--model', 'q ~ poly(x, y, z, 3)', '--name', 'geometry');
-    await cell.cli('Anna', 'fit', '--run', '1', '--model', 'q ~ poly(x, y, z, 3) + F + F^2 + t04..t10', '--name', 'geometry, force, heat');
-    await cell.cli('Anna', 'model', 'promote', '2');
-    await diagnose(browser, cell);
+    const geometry = 'q ~ poly(x, y, z, 3)';
+    await cell.cli('Anna', 'fit', '--run', '1', '--model', geometry, '--name', 'geometry');
+    await cell.cli('Anna', 'fit', '--run', '1', '--model', `${geometry} + F`, '--name', 'geometry, force');
+    await cell.cli('Anna', 'fit', '--run', '1', '--model', `${geometry} + F + T`, '--name', 'geometry, force, heat');
+    await cell.cli('Anna', 'model', 'promote', '3');
+    await diagnose(browser);
+    await improve(browser, cell);
     await photographAll(browser, views.filter((view) => view.while !== 'running'));
+    if (wanted.keep) {
+      console.log(`kept: ${cell.url}`);
+      await new Promise((end) => ['SIGINT', 'SIGTERM'].forEach((signal) => process.once(signal, end)));
+    }
   } finally {
     await browser.close();
     await cell.stop();
   }
 }
 
-// Against geometry alone, so that there is something to find; through the page.
-async function diagnose(browser, cell) {
-  const page = await browser.page('/diagnosis?model=1');
+// Of the model that serves; through the page.
+async function diagnose(browser) {
+  const page = await browser.page('/diagnosis?model=3');
   await page.getByRole('button', { name: 'Diagnose' }).click();
   await page.locator('.state', { hasText: /Adequate|Extended|Unexplained|Failed/ }).waitFor({ timeout: 600_000 });
   await page.close();
-  void cell;
+}
+
+// The loop from a plane, through the page, until it ends by itself.
+async function improve(browser, cell) {
+  const plan = join(cell.folder, 'loop.csv');
+  writeFileSync(plan, loopPlan());
+  await bring(browser, plan, /^Trajectory 2/);
+  const page = await browser.page('/diagnosis');
+  await page.getByLabel('trajectory of every turn').selectOption({ label: 'loop.csv, 130 rows' });
+  await page.getByLabel('formula of the first model').fill('q ~ poly(x, y, z, 2)');
+  await page.getByLabel('turns, at most').fill('3');
+  await page.getByRole('button', { name: 'Start the improvement…' }).click();
+  await page.getByRole('dialog').getByRole('button', { name: 'Start the improvement' }).click();
+  await page.locator('.state', { hasText: /Done|Failed|Cancelled/ }).waitFor({ timeout: 1_800_000 });
+  await page.close();
 }
 
 if (wanted.url) {

@@ -44,7 +44,8 @@ function pixelsOf(png) {
   return { width, height, bytes, lines };
 }
 
-// The 256 most frequent colours; every other becomes the nearest of them.
+// At most 256 colours, the frequent ones first, but none close to one that is there already, as long as there is room: a
+// mark of a few pixels keeps its own colour. Every other colour becomes the nearest of them.
 function paletteOf({ bytes, lines }) {
   const counts = new Map();
   for (let at = 0; at < lines.length; at += bytes) {
@@ -52,15 +53,17 @@ function paletteOf({ bytes, lines }) {
     counts.set(colour, (counts.get(colour) ?? 0) + 1);
   }
   const colours = [...counts].sort((a, b) => b[1] - a[1]).map(([colour]) => colour);
-  // Half by frequency, half spread over the rest, so that a thin line of its own colour keeps it.
-  const rest = colours.slice(160);
-  const step = Math.max(1, Math.floor(rest.length / 96));
-  const palette = [...colours.slice(0, 160), ...rest.filter((_, i) => i % step === 0).slice(0, 96)];
-  const index = new Map(palette.map((colour, i) => [colour, i]));
   const distance = (a, b) => {
     const [r, g, b2] = [(a >> 16) - (b >> 16), ((a >> 8) & 255) - ((b >> 8) & 255), (a & 255) - (b & 255)];
     return 2 * r * r + 4 * g * g + 3 * b2 * b2;
   };
+  const palette = [];
+  for (const apart of [6000, 2500, 1000, 400, 150, 0]) {
+    for (const colour of colours) {
+      if (palette.length < 256 && !palette.includes(colour) && palette.every((one) => distance(one, colour) > apart)) palette.push(colour);
+    }
+  }
+  const index = new Map(palette.map((colour, i) => [colour, i]));
   for (const colour of colours) {
     if (index.has(colour)) continue;
     let best = 0;
