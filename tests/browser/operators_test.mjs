@@ -44,14 +44,14 @@ test('a lease that somebody holds is refused with the holder’s name, and what 
   await cell.cli('Carla', 'lease', 'take', '--hold', '3000');
   const page = await desks[1].page('/instruments', { operator: 'Ben' });
   await live(page);
-  await page.getByRole('button', { name: /Change the set-point/ }).first().click();
+  await page.getByRole('button', { name: /^Set-point/ }).first().click();
   await page.getByLabel('New set-point, °C').fill('23.5');
   await page.getByRole('button', { name: 'Change…' }).click();
   await page.getByRole('button', { name: 'Set 23.500 °C' }).click();
   await page.getByRole('alert').getByText(/Carla/).waitFor();
   assert.equal(await page.getByLabel('New set-point, °C').inputValue(), '23.5');
   await page.reload();
-  await page.getByRole('button', { name: /Change the set-point/ }).first().click();
+  await page.getByRole('button', { name: /^Set-point/ }).first().click();
   assert.equal(await page.getByLabel('New set-point, °C').inputValue(), '23.5');
   await page.close();
 });

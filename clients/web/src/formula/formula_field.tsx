@@ -64,7 +64,7 @@ export function FormulaField({ label, value, onInput, data, onEnter }: {
       event.preventDefault();
     } else if (event.key === 'Enter') onEnter?.();
   };
-  const wrong = state.of === value && state.check?.problem ? state.check.problem : undefined;
+  const wrong = !open && state.of === value && state.check?.problem ? state.check.problem : undefined;
   return (
     <div class="field formula">
       <label for={id}>{label}</label>
@@ -108,7 +108,7 @@ export function FormulaField({ label, value, onInput, data, onEnter }: {
         </ul>
       </div>
       <div id={`${id}-says`} class="formula-says" role="status">
-        <Says state={state} text={value} data={data} />
+        {!open && <Says state={state} text={value} data={data} />}
       </div>
     </div>
   );

@@ -72,7 +72,7 @@ export function makePlot(root: HTMLElement, now: () => Drawn, wishes: Wishes, si
   return new uPlot(
     {
       ...size,
-      padding: [8, hasRight ? 0 : now().spec.x.clock ? 24 : 12, 0, 0],
+      padding: [8, hasRight ? 0 : now().spec.x.clock ? 24 : 20, 0, 0],
       legend: { show: false },
       scales: {
         x: { time: false, range: () => [seenRange(now()).from, seenRange(now()).to] },

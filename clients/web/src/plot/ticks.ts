@@ -10,7 +10,14 @@ export function niceStep(range: number, wanted: number): number {
 
 export function ticks(low: number, high: number, wanted: number): number[] {
   if (!(high > low)) return [low];
-  const step = niceStep(high - low, wanted);
+  // A scale needs two numbers to be read; a low plot may have room for one of the wanted step only. A step of a fifth always does.
+  for (let n = wanted; ; n += 1) {
+    const at = ticksEvery(niceStep(high - low, n), low, high);
+    if (at.length > 1 || n > 5) return at;
+  }
+}
+
+function ticksEvery(step: number, low: number, high: number): number[] {
   const first = Math.ceil(low / step - 1e-9);
   const last = Math.floor(high / step + 1e-9);
   return Array.from({ length: last - first + 1 }, (_, i) => (first + i) * step);

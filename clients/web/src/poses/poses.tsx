@@ -154,7 +154,7 @@ function Legend({ scene }: { scene: PoseScene }) {
 function textOf(scene: PoseScene): string {
   const box = scene.axes
     .filter((axis) => axis.high > axis.low)
-    .map((axis) => `${axis.name} ${significant(axis.low, 3)} to ${significant(axis.high, 3)} ${axis.unit}`)
+    .map((axis) => `${axis.name} ${fixed(axis.low, 2)} to ${fixed(axis.high, 2)} ${axis.unit}`)
     .join(', ');
   return `${scene.poses.length} poses; box: ${scene.box}, ${box}`;
 }

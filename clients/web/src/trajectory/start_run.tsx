@@ -54,6 +54,7 @@ export function StartRun({ text, name, runName, compensate, verb = 'Start a run'
   return (
     <>
       <CommandButton kind="main" busy={start.busy || look.busy} off={off ?? other} onPress={() => look.send()}>{verb}…</CommandButton>
+      {(off ?? other) && <span class="note muted" aria-hidden="true">{off ?? other}</span>}
       {look.failure && <Failed asked="Check the trajectory" failure={look.failure} />}
       {start.failure && <Failed asked={verb} failure={start.failure} />}
     </>

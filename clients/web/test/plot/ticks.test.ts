@@ -10,6 +10,10 @@ describe('ticks', () => {
     expect(tickTexts(ticks(20.8, 21.8, 5))).toEqual(['20.8', '21.0', '21.2', '21.4', '21.6', '21.8']);
     expect(tickTexts([-20, 0, 20])).toEqual(['−20', '0', '20']);
   });
+  it('are at least two, or a scale cannot be read', () => {
+    expect(ticks(-1.7, 1.8, 2)).toEqual([-1, 0, 1]);
+    for (let low = -9.7; low < 10; low += 0.37) for (const wanted of [1.5, 2, 3]) expect(ticks(low, low + 3.1, wanted).length).toBeGreaterThan(1);
+  });
   it('survive a constant', () => {
     const [low, high] = paddedRange(5, 5);
     expect(low).toBeLessThan(5);

@@ -45,7 +45,7 @@ afterEach(cleanup);
 it('shows the run, the numbers with their units, and what is stale', async () => {
   render(<Shell />);
   await screen.findByText('Running');
-  const spread = (await screen.findByText('Spread of the last point')).closest('.tile')! as HTMLElement;
+  const spread = (await screen.findByText('Spread of last point')).closest('.tile')! as HTMLElement;
   expect(within(spread).getByText('3.8')).toBeTruthy();
   expect(within(spread).getByText('nm')).toBeTruthy();
   const tilt = (await screen.findByText('Autocollimator, ry')).closest('.tile')!;

@@ -29,6 +29,7 @@ export interface Stabiliser {
 }
 
 const settledK = 0.02;
+const spoken = (id: string) => id.charAt(0).toUpperCase() + id.slice(1).replaceAll('-', ' ');
 
 // Seconds since the temperature last left the band about its set-point, as far as the window shows; undefined: it is outside.
 export function settledFor(history: History, { now, set }: Stabiliser): number | undefined {
@@ -100,7 +101,7 @@ export function StabiliserPanel({ of, history }: { of: Stabiliser; history: Hist
   const settled = settledFor(history, of);
   const off = now.value.value - setPoint;
   return (
-    <Panel title={device.id.replaceAll('-', ' ')} class="instrument instrument-two">
+    <Panel title={spoken(device.id)} class="instrument instrument-two">
       <div class="instrument-side">
         <LiveValue channel={now} big />
         <dl class="facts note">
@@ -108,7 +109,7 @@ export function StabiliserPanel({ of, history }: { of: Stabiliser; history: Hist
           {output && <><dt>{splitChannel(output.name).symbol.split('_').pop()}</dt><dd><LiveValue channel={output} />{output.column.max !== undefined && ` of ${fixed(output.column.max)} ${unitSign(output.column.unit)}`}</dd></>}
         </dl>
         {settled !== undefined ? <Verdict kind="good">settled for {duration(settled)}</Verdict> : <Verdict kind="warn">{signed(off * 1000, 0)} mK off</Verdict>}
-        {changing ? <ChangeSetPoint of={of} done={() => setChanging(false)} /> : <CommandButton onPress={() => setChanging(true)}>Change the set-point…</CommandButton>}
+        {changing ? <ChangeSetPoint of={of} done={() => setChanging(false)} /> : <CommandButton label={`Set-point… of ${device.id}: change it`} onPress={() => setChanging(true)}>Set-point…</CommandButton>}
       </div>
       <Plot spec={spec} live height={150} group="live" />
     </Panel>

@@ -48,7 +48,7 @@ export default function Instruments() {
       <Interferometers devices={lengths} history={history} drift={drift} startMs={columns.startMs} last={all?.[all.length - 1]} />
       <div class="columns">{angles.map((device) => <Autocollimator key={device.id} device={device} history={history} />)}</div>
       {rooms.length > 0 && <Temperatures names={rooms} history={history} />}
-      <div class="columns">{stable.map((one) => <StabiliserPanel key={one.device.id} of={one} history={history} />)}</div>
+      <div class="columns columns-three">{stable.map((one) => <StabiliserPanel key={one.device.id} of={one} history={history} />)}</div>
     </>
   );
 }

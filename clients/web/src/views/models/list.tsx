@@ -80,7 +80,7 @@ function ModelTable({ models, chosen, toggle }: { models: readonly Model[]; chos
           { title: 'state', of: (model) => (model.serving ? <Verdict kind="good">serves</Verdict> : '') },
           { title: 'name', of: (model) => model.name !== model.formula && model.name },
           { title: 'formula', of: (model) => <code class="models-formula">{model.formula}</code> },
-          { title: 'from', of: (model) => sourceText(model) },
+          { title: 'from', of: (model) => <span class="nowrap">{sourceText(model)}</span> },
           { title: 'rows', number: true, of: (model) => count(model.lineage?.calibrationRowCount) },
           { title: 'U90', of: (model) => <span class="nowrap">{accuracyText(model)}</span> },
           { title: 'made', of: (model) => <span class="nowrap">{dateClock(ms(model.createTime))}</span> },

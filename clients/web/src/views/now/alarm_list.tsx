@@ -1,9 +1,11 @@
-// What needs attention: one line per alarm, each acknowledged by itself.
+// What needs attention: one line per alarm, each acknowledged by itself. Those that are over stand behind those that last, and
+// from the fourth line on they wait behind a button, so that the numbers stay in sight.
+import { useState } from 'preact/hooks';
 import { api } from '@/api/client';
 import { Alarm_Level, type Alarm } from '@/api/gen/driftwise/v1/watch_service_pb';
 import { dayClock, ms } from '@/format/time';
 import { levelWords, useAlarms } from '@/live/alarms';
-import { CommandButton } from '@/ui/button';
+import { Button, CommandButton } from '@/ui/button';
 import { Failed } from '@/ui/states';
 import { useCommand } from '@/ui/use_command';
 import { Verdict, type VerdictKind } from '@/ui/verdict';
@@ -39,10 +41,21 @@ function AlarmLine({ alarm, taken }: { alarm: Alarm; taken: (alarm: Alarm) => vo
   );
 }
 
+const linesShown = 3;
+
 export function AlarmList() {
   const alarms = useAlarms();
+  const [all, setAll] = useState(false);
   if (alarms.failure) return <Failed asked="List the alarms" failure={alarms.failure} again={alarms.again} />;
   if (!alarms.value?.length) return null;
   const taken = (alarm: Alarm) => alarms.set((old) => old.map((one) => (one.id === alarm.id ? alarm : one)));
-  return <ul class="alarms" aria-label="What needs attention">{alarms.value.map((alarm) => <AlarmLine key={String(alarm.id)} alarm={alarm} taken={taken} />)}</ul>;
+  const lasting = alarms.value.filter((alarm) => !alarm.clearedTime);
+  const sorted = [...lasting, ...alarms.value.filter((alarm) => alarm.clearedTime)];
+  const shown = all ? sorted : sorted.slice(0, Math.max(linesShown, lasting.length));
+  return (
+    <>
+      <ul class="alarms" aria-label="What needs attention">{shown.map((alarm) => <AlarmLine key={String(alarm.id)} alarm={alarm} taken={taken} />)}</ul>
+      {sorted.length > shown.length && <p><Button small onPress={() => setAll(true)}>Show {sorted.length - shown.length} more that are over</Button></p>}
+    </>
+  );
 }

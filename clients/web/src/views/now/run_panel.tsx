@@ -11,7 +11,7 @@ import { Panel } from '@/ui/panel';
 import { Mark } from '@/ui/verdict';
 import { useAsked } from '@/ui/use_asked';
 
-// When the run will be over by the clock on the wall: a fast simulated cell gets there sooner than its own time says.
+// When the run will be over by the cell's clock, as all times of the page, and how long that is on the wall.
 function Ready({ progress }: { progress: RunProgress }) {
   const endMs = ms(progress.estimatedEndTime);
   const nowMs = cellTimeMs.value;
@@ -22,8 +22,8 @@ function Ready({ progress }: { progress: RunProgress }) {
   return (
     <div class="ready" title="From the plan's moves and the time that points have taken so far, computed by the daemon">
       <span class="muted">ready about</span>
-      <strong class="result">{dayClock(Date.now() + leftS * 1000)}</strong>
-      <span class="muted">in {duration(leftS < 120 ? leftS : Math.round(leftS / 60) * 60)}{speed !== 1 && `, at ${fixed(speed)} times speed`}</span>
+      <strong class="result">{dayClock(endMs)}</strong>
+      <span class="muted">in {duration(leftS < 120 ? leftS : Math.round(leftS / 60) * 60)}{speed !== 1 && ` on the wall, at ${fixed(speed, speed < 10 ? 1 : 0)} times speed`}</span>
     </div>
   );
 }

@@ -12,7 +12,7 @@ import { Verdict } from '@/ui/verdict';
 function SpreadTile({ progress, limitNm }: { progress: RunProgress; limitNm: number | undefined }) {
   const spread = progress.lastSpreadNm;
   return (
-    <Tile label="Spread of the last point" value={significant(spread, 2)} unit="nm">
+    <Tile label="Spread of last point" value={significant(spread, 2)} unit="nm">
       {spread !== undefined && limitNm !== undefined && (
         <Verdict kind={spread <= limitNm ? 'good' : 'warn'}>{spread <= limitNm ? 'below' : 'over'} {fixed(limitNm)} nm</Verdict>
       )}
@@ -45,7 +45,7 @@ function SupportTile({ device, now }: { device: Device; now: Channel }) {
   const output = outputOf(device);
   const off = now.value.value - (set?.value.value ?? NaN);
   return (
-    <ChannelTile channel={now} label={`${spoken(device.id)}${set ? `, ${fixed(set.value.value, 3)} °C` : ''}`}>
+    <ChannelTile channel={now} label={`${spoken(device.id)}${set ? `, ${fixed(set.value.value, 3)}\u00a0°C` : ''}`}>
       {Math.abs(off) <= 0.02
         ? <Verdict kind="good">{output ? `settled, ${fixed(output.value.value, 1)} ${unitSign(output.column.unit)}` : 'settled'}</Verdict>
         : <Verdict kind="warn">{signed(off * 1000)} mK off{output && `, ${fixed(output.value.value, 1)} ${unitSign(output.column.unit)}`}</Verdict>}

@@ -41,7 +41,7 @@ function Head({ run }: { run: Run }) {
       </div>
       <dl class="facts note">
         <dt>points</dt><dd>{String(run.acceptedCount)} of {String(run.rowCount)} ({fixed(doneShare(run) * 100)} %), {troubles(run)}</dd>
-        <dt>time</dt><dd>{dateClock(from)}{to !== undefined && from !== undefined && ` to ${dateClock(to)}, ${duration((to - from) / 1000)}`}</dd>
+        <dt>{to === undefined ? 'started' : 'measured'}</dt><dd>{dateClock(from)}{to !== undefined && from !== undefined && ` to ${dateClock(to)}, ${duration((to - from) / 1000)}`}</dd>
         <dt>trajectory</dt><dd>{run.trajectoryName || '–'}</dd>
         <dt>started by</dt><dd>{run.operatorName || 'unknown'}</dd>
       </dl>

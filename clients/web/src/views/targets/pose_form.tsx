@@ -1,6 +1,6 @@
 import { useState } from 'preact/hooks';
 import { place, setQuery } from '@/app/router';
-import { significant } from '@/format/numbers';
+import { fixed } from '@/format/numbers';
 import { Field, numberTyped } from '@/ui/field';
 import { Panel } from '@/ui/panel';
 import { startOf, type PoseField } from './pose';
@@ -20,7 +20,8 @@ function PoseInput({ field }: { field: PoseField }) {
   const shown = numberTyped(text) === Number(fromAddress) || numberTyped(text) === undefined ? text : fromAddress;
   const value = numberTyped(shown);
   const outside = value !== undefined && (value < field.min || value > field.max);
-  const range = `fitted from ${significant(field.min, 3)} to ${significant(field.max, 3)}`;
+  const digits = field.unit === 'arcsec' ? 1 : 2;
+  const range = `fitted from ${fixed(field.min, digits)} to ${fixed(field.max, digits)}`;
   return (
     <Field
       label={field.symbol}

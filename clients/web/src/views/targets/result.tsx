@@ -11,8 +11,6 @@ import { Panel } from '@/ui/panel';
 import { Awaiting, Failed } from '@/ui/states';
 import { useCommand } from '@/ui/use_command';
 import { Verdict } from '@/ui/verdict';
-import { BudgetTable } from '@/model/budget_table';
-import { Parts } from './parts';
 import type { Pose } from './pose';
 import type { TargetState } from './use_target';
 
@@ -28,16 +26,6 @@ export function Result({ state, pose }: { state: TargetState; pose: Pose }) {
           <p class="note muted">
             conditions of {clock(ms(target.conditionsTime))}, good until {clock(ms(target.validUntilTime))} (time of the cell)
           </p>
-          <div class="columns targets-why">
-            <div>
-              <h3>What the correction is made of</h3>
-              <Parts coordinates={target.coordinates} />
-            </div>
-            <details open>
-              <summary>What the uncertainty is made of</summary>
-              <BudgetTable coordinates={target.coordinates} />
-            </details>
-          </div>
         </>
       ) : !failure && <Awaiting what="the target" />}
     </Panel>

@@ -4,10 +4,13 @@ import { api } from '@/api/client';
 import type { Model } from '@/api/gen/driftwise/v1/model_service_pb';
 import { cell } from '@/live/state';
 import { useEvents } from '@/live/events';
+import { BudgetTable } from '@/model/budget_table';
+import { Panel } from '@/ui/panel';
 import { Awaiting, Empty, Failed } from '@/ui/states';
 import { useAsked } from '@/ui/use_asked';
 import { ViewTitle } from '@/ui/view_title';
 import { Live } from './live';
+import { Parts } from './parts';
 import { CorrectionMap } from './map';
 import { PoseForm } from './pose_form';
 import { fieldsOf, poseOf } from './pose';
@@ -40,10 +43,14 @@ function Served({ model }: { model: Model }) {
     <>
       <PoseForm fields={fields} />
       <Result state={target} pose={pose} />
-      <div class="columns targets-pictures">
+      <div class="columns">
+        <div class="stack targets-side">
+          {target.target && <Panel title="What the correction is made of"><Parts coordinates={target.target.coordinates} /></Panel>}
+          <Live history={target.history} outputs={model.outputs.map((output) => output.channel)} />
+        </div>
         <CorrectionMap fields={fields} pose={pose} outputs={model.outputs.map((output) => output.channel)} conditions={target.target?.conditionsTime} />
-        <Live history={target.history} outputs={model.outputs.map((output) => output.channel)} />
       </div>
+      {target.target && <Panel title="What the uncertainty is made of"><BudgetTable coordinates={target.target.coordinates} /></Panel>}
     </>
   );
 }

@@ -60,7 +60,7 @@ function Facts({ check, rows, limits }: { check: CheckTrajectoryResponse; rows: 
         </dl>
       </Panel>
       <LimitsPanel rows={rows} limits={limits} />
-      <Panel title="What a fit could not tell apart afterwards">
+      <Panel title="Remarks before it runs">
         {check.warnings.length === 0 ? <Verdict kind="good">nothing found</Verdict> : <div class="stack">{check.warnings.map((warning) => <Warned key={warning}>{warning}</Warned>)}</div>}
       </Panel>
     </div>
