@@ -55,6 +55,8 @@ describe('parameters of a finding', () => {
   it('takes the unit from the name', () => {
     expect(parameterWords('tau_s')).toEqual({ name: 'tau', unit: 's' });
     expect(parameterWords('nm_per_K_per_h').unit).toBe('nm/(K/h)');
+    expect(parameterWords('ppm_per_k_x_q1')).toEqual({ name: 'x, q1', unit: 'ppm/K' });
+    expect(parameterWords('nm_per_k_q2')).toEqual({ name: 'size, q2', unit: 'nm/K' });
     expect(parameterWords('offset_mm_rx_q1')).toEqual({ name: 'offset rx, q1', unit: 'mm' });
   });
   it('leave the heading, which keeps what it says', () => {

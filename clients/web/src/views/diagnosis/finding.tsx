@@ -2,7 +2,7 @@
 // shows it.
 import { useMemo, useState } from 'preact/hooks';
 import type { Diagnosis, DiscrepancyRows, Finding, OutputDiscrepancy } from '@/api/gen/driftwise/v1/diagnosis_service_pb';
-import { probability, significant } from '@/format/numbers';
+import { fixed, probability, significant } from '@/format/numbers';
 import { Plot } from '@/plot/plot';
 import { Button } from '@/ui/button';
 import { U90 } from '@/ui/explained';
@@ -65,7 +65,7 @@ function Parameters({ finding }: { finding: Finding }) {
             return (
               <tr key={one.name}>
                 <td>{name}</td>
-                <td class="number">{parameterText(one.value, one.ci90)} {unit}</td>
+                <td class="number">{name === 'count' ? fixed(one.value) : parameterText(one.value, one.ci90)} {unit}</td>
                 <td class="number">{one.ci90 ? `${parameterText(one.ci90.low, one.ci90)} to ${parameterText(one.ci90.high, one.ci90)} ${unit}` : '–'}</td>
               </tr>
             );

@@ -47,11 +47,18 @@ const units: readonly [RegExp, string][] = [
   [/_?nm_per_h$/, 'nm/h'], [/_?ppm_per_K$/, 'ppm/K'], [/_s$/, 's'], [/_nm$/, 'nm'], [/_mm$/, 'mm'], [/_arcsec$/, 'arcsec'], [/_h$/, 'h'], [/_mK$/, 'mK'],
 ];
 
+// As the daemon writes rates that stand for several coordinates: "ppm_per_k_x_q1".
+const rates: readonly [string, string][] = [
+  ['nm_per_k_per_h_', 'nm/(K/h)'], ['nm_per_n_per_mm_', 'nm/(N mm)'], ['nm_per_k_', 'nm/K'], ['nm_per_n_', 'nm/N'], ['nm_per_h_', 'nm/h'], ['ppm_per_k_', 'ppm/K'],
+];
+
 // "tau_s" -> name "tau", unit "s"; "offset_mm_rx_q1" -> name "offset rx, q1", unit "mm".
 export function parameterWords(name: string): { name: string; unit: string } {
-  const words = (text: string) => (text || 'size').replace(/_(q\d)$/, ', $1').replaceAll('_', ' ');
+  const words = (text: string) => (text || 'size').replace(/^(q\d)$/, 'size, $1').replace(/_(q\d)$/, ', $1').replaceAll('_', ' ');
   for (const [pattern, unit] of units)
     if (pattern.test(name)) return { name: words(name.replace(pattern, '')), unit };
+  for (const [begin, unit] of rates)
+    if (name.startsWith(begin)) return { name: words(name.slice(begin.length)), unit };
   const within = /^(.+)_(mm|nm|arcsec)_(.+)$/.exec(name);
   return within ? { name: words(`${within[1]}_${within[3]}`), unit: within[2] } : { name: words(name), unit: '' };
 }
