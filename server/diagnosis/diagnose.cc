@@ -54,6 +54,11 @@ class Diagnoser {
     result_.baseline_formula = options_.baseline.formula;
     if (!progress_.at(0.02, "looking at sensors and rows")) return cancelled();
     add_sensor_findings(sensors);
+    for (const auto& term : problem_.undetermined)
+      result_.warnings.push_back(
+          effects::notation(term) +
+          " of the baseline is left out: the rows that it learns from do not "
+          "tell it apart from the terms before it");
     leave_out_outliers();
     auto catalogue = catalogue_for(problem_.data(), problem_.base, options_.exclude_symbols);
     result_.not_testable = std::move(catalogue.not_testable);

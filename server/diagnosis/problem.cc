@@ -5,6 +5,7 @@
 #include <map>
 
 #include "server/calibration/predict.h"
+#include "server/diagnosis/undetermined.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::diagnosis {
@@ -89,6 +90,23 @@ Result<void> divide_rows(const Dataset& dataset, Problem& problem) {
   return {};
 }
 
+void leave_out_undetermined(Problem& problem, std::size_t constants) {
+  const auto gone = undetermined(rows_of(problem.base_columns, problem.learn),
+                                 static_cast<Eigen::Index>(constants));
+  std::vector<effects::Term> kept;
+  Eigen::Index count = 0;
+  for (std::size_t k = 0; k < gone.size(); ++k) {
+    if (gone[k] != 0) {
+      problem.undetermined.push_back(problem.base[k]);
+      continue;
+    }
+    kept.push_back(problem.base[k]);
+    problem.base_columns.col(count++) = problem.base_columns.col(static_cast<Eigen::Index>(k));
+  }
+  problem.base = std::move(kept);
+  problem.base_columns.conservativeResize(Eigen::NoChange, count);
+}
+
 Result<void> check_variation(const Problem& problem) {
   for (const auto& output : problem.outputs) {
     const Eigen::VectorXd values = rows_of(output.measured, problem.learn);
@@ -162,6 +180,7 @@ Result<Problem> lay_out(const Dataset& dataset, const calibration::Candidates& b
   if (baseline.outputs.empty())
     return fail(ErrorCode::invalid_argument, "NO_OUTPUT", "the baseline names no output");
   std::vector<effects::Term> base = constants(dataset);
+  const std::size_t always = base.size();
   for (const auto& term : baseline.terms) base.push_back(effects::canonical(term));
   for (const auto& symbol : baseline.outputs)
     if (dataset.find(symbol) == nullptr)
@@ -169,7 +188,7 @@ Result<Problem> lay_out(const Dataset& dataset, const calibration::Candidates& b
                   "the data have no column for output " + symbol);
   if (dataset.time_s.empty())  // a lag in the baseline needs more than the order of rows
     if (auto ok = calibration::raw_columns(dataset, base); !ok) return tl::unexpected(ok.error());
-  Problem problem{Prepared::of(dataset), {}, {}, 1, {}, {}, {}, std::move(base), {}, false};
+  Problem problem{Prepared::of(dataset), {}, {}, 1, {}, {}, {}, std::move(base), {}, {}, false};
   if (auto ok = add_outputs(dataset, baseline.outputs, problem); !ok)
     return tl::unexpected(ok.error());
   auto columns = problem.prepared.columns(problem.base);
@@ -177,6 +196,7 @@ Result<Problem> lay_out(const Dataset& dataset, const calibration::Candidates& b
   problem.base_columns = std::move(*columns);
   if (auto ok = divide_rows(dataset, problem); !ok) return tl::unexpected(ok.error());
   if (auto ok = check_variation(problem); !ok) return tl::unexpected(ok.error());
+  leave_out_undetermined(problem, always);
   problem.lay_blocks(longest);
   return problem;
 }

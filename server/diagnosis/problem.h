@@ -32,9 +32,10 @@ struct Problem {
   std::vector<std::size_t> block_of;  // of each learning row
   Timeline timeline;                  // of the blocks
   std::vector<ProblemOutput> outputs;
-  std::vector<effects::Term> base;    // the constant and further datums first
-  Eigen::MatrixXd base_columns;       // every row of the dataset, raw
-  bool judged_by_validation = false;  // else the judging rows are blocks of time taken out
+  std::vector<effects::Term> base;          // the constant and further datums first
+  Eigen::MatrixXd base_columns;             // every row of the dataset, raw
+  std::vector<effects::Term> undetermined;  // of the baseline, left out: undetermined.h
+  bool judged_by_validation = false;        // else the judging rows are blocks of time taken out
 
   const Dataset& data() const { return prepared.data(); }
   std::vector<std::string> output_symbols() const;

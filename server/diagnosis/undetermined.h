@@ -1,0 +1,15 @@
+#pragma once
+// Terms of a baseline that the rows it learns from do not determine: of a force that took three
+// values, the cube. All of a baseline's terms are in, so least squares would give such a term a
+// coefficient that means nothing, and at other values it would be believed.
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace driftwise::diagnosis {
+
+// columns: rows x k at the learning rows. Of each column whether less than 1e-4 of its variation is
+// left beyond those before it. The first `kept` columns are never asked.
+std::vector<char> undetermined(const Eigen::MatrixXd& columns, Eigen::Index kept);
+
+}  // namespace driftwise::diagnosis
