@@ -11,6 +11,7 @@
 #include "clients/cli/diagnose_command.h"
 #include "clients/cli/diagnosis_commands.h"
 #include "clients/cli/fit_commands.h"
+#include "clients/cli/formula_commands.h"
 #include "clients/cli/improve_commands.h"
 #include "clients/cli/manual_commands.h"
 #include "clients/cli/model_commands.h"
@@ -97,6 +98,7 @@ void add_everything(CLI::App& app, Session& session) {
   add_motion_commands(app, session);
   add_data_commands(app, session);
   add_note_commands(app, session);
+  add_formula_commands(app, session);
   add_fit_command(app, session);
   add_diagnose_command(app, session);
   add_diagnosis_commands(app, session);

@@ -7,6 +7,7 @@
 
 #include "clients/cli/residuals_file.h"
 #include "clients/cli/session.h"
+#include "clients/cli/validation_file.h"
 #include "clients/cli/value_or_throw.h"
 #include "clients/cli/worker_threads.h"
 #include "server/calibration/offer.h"
@@ -97,6 +98,15 @@ void exclude_rows(Dataset& data, const std::string& text, const std::string& nam
   }
 }
 
+void add_validation(Dataset& data, const FitOfFile& fit, const std::string& name) {
+  if (fit.first_rows > 0)
+    throw Failure{ExitCode::usage, "usage", "USAGE",
+                  "--first and --validation do not go together: both say which rows calibrate"};
+  const auto validation =
+      value_or_throw(formats::read_dataset_csv(read_input_file(fit.validation), fit.validation));
+  data = with_validation_rows(data, name, validation, fit.validation);
+}
+
 }  // namespace
 
 void add_fit_options(CLI::App& command, FitOfFile& fit) {
@@ -127,8 +137,9 @@ void add_fit_options(CLI::App& command, FitOfFile& fit) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command
-      .add_option("--threads", fit.threads,
-                  "0: one per processor; the model is the same whatever the number")
+      .add_option(
+          "--threads", fit.threads,
+          "0: one per processor, or with --run one; the model is the same whatever the number")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   command.add_option("--force", fit.force, "a term that is always in; repeatable")
@@ -150,6 +161,8 @@ void add_fit_options(CLI::App& command, FitOfFile& fit) {
       ->capture_default_str();
   command.add_option("--residuals", fit.residuals,
                      "write measured, model and residual of every row to this file (dataset CSV)");
+  command.add_option("--validation", fit.validation,
+                     "a second dataset file, whose rows are the validation set of the first");
   command.add_flag("--history", fit.history, "show the selection step by step");
   command.add_flag("--offers", fit.offers,
                    "show what cross terms, derivatives and 4th order would add");
@@ -180,6 +193,14 @@ calibration::FitOptions fit_options(const FitOfFile& fit) {
   return options;
 }
 
+Dataset dataset_of_file(const FitOfFile& fit, std::string_view text, const std::string& name,
+                        const calibration::Executor& executor) {
+  Dataset data = value_or_throw(formats::read_dataset_csv(text, name, executor));
+  exclude_rows(data, fit.exclude_rows, name);
+  if (!fit.validation.empty()) add_validation(data, fit, name);
+  return data;
+}
+
 void print_fit(const Console& console, const FitOfFile& fit, const calibration::Model& model,
                const std::vector<calibration::OfferResult>& offers,
                std::optional<std::int64_t> model_id) {
@@ -199,8 +220,7 @@ ExitCode fit_file(const Console& console, const FitOfFile& fit, std::string_view
   calibration::FitOptions options = fit_options(fit);
   options.lineage.source = name;
   const auto formula = value_or_throw(formats::Formula::parse(fit.formula));
-  Dataset data = value_or_throw(formats::read_dataset_csv(text, name, options.executor));
-  exclude_rows(data, fit.exclude_rows, name);
+  const Dataset data = dataset_of_file(fit, text, name, options.executor);
   options.lineage.exclusions_hash = formats::exclusions_hash(data);
   options.candidates = value_or_throw(formula.expand(data));
   const calibration::Model model = value_or_throw(calibration::fit(data, options));

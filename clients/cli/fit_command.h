@@ -29,9 +29,10 @@ struct FitOfFile {
   std::string exclude_rows;                 // of a file, counted from 1: "12,40-45"
   std::int64_t first_rows = 0;
   int blocks = 10;
-  std::string residuals;  // a file to write them to
-  bool history = false;   // print the selection step by step
-  bool offers = false;    // print what the published study's further terms would add
+  std::string residuals;   // a file to write them to
+  std::string validation;  // a file whose rows are the validation set: validation_file.h
+  bool history = false;    // print the selection step by step
+  bool offers = false;     // print what the published study's further terms would add
 };
 
 // Adds the options of a fit to a command: --model to --offers. fit outlives the command.
@@ -40,6 +41,11 @@ void add_fit_options(CLI::App& command, FitOfFile& fit);
 // What the options say, without the formula. Throws Failure (bad_input) for a term that does not
 // parse.
 calibration::FitOptions fit_options(const FitOfFile& fit);
+
+// The rows of a file as the options have them: those of --exclude-rows kept out, those of
+// --validation beside them. Throws Failure (bad_input) with the reader's reason.
+Dataset dataset_of_file(const FitOfFile& fit, std::string_view text, const std::string& name,
+                        const calibration::Executor& executor);
 
 // A page, or with --json driftwise.fit.v1; offers only where fit.offers asks for them. model_id:
 // where a daemon stored it.

@@ -2,7 +2,6 @@
 
 #include <memory>
 
-#include "clients/cli/fit_command.h"
 #include "clients/cli/input_text.h"
 #include "clients/cli/method_commands.h"
 #include "clients/cli/proto_json.h"
@@ -34,29 +33,10 @@ void refuse_file_options(const FitOfFile& fit) {
     throw Failure{ExitCode::usage, "usage", "USAGE",
                   "--residuals works on a file only: driftwise data export RUN -o data.csv, then "
                   "driftwise fit data.csv"};
-}
-
-v1::CreateFitRequest request_from(const FitArguments& a) {
-  v1::CreateFitRequest request;
-  for (const std::int64_t run : a.runs) request.add_run_ids(run);
-  request.set_formula(a.fit.formula);
-  request.set_select(a.fit.select);
-  request.set_p_enter(a.fit.p_enter);
-  request.set_p_remove(a.fit.p_remove);
-  request.set_name(a.name);
-  request.set_note(a.note);
-  for (const auto& symbol : a.fit.exclude) request.add_exclude_symbols(symbol);
-  request.set_first_rows(a.fit.first_rows);
-  request.set_criterion(a.fit.criterion);
-  request.set_hierarchy(a.fit.hierarchy);
-  request.set_start_count(a.fit.starts);
-  request.set_seed(a.fit.seed);
-  for (const auto& term : a.fit.force) request.add_force_terms(term);
-  for (const auto& term : a.fit.without) request.add_without_terms(term);
-  request.set_weight_symbol(a.fit.weights);
-  request.set_block_count(a.fit.blocks);
-  request.set_with_offers(a.fit.offers);
-  return request;
+  if (!fit.validation.empty())
+    throw Failure{ExitCode::usage, "usage", "USAGE",
+                  "--validation works on a file only: rows of a run are validation where its "
+                  "trajectory says so"};
 }
 
 std::vector<effects::Term> terms_from(
@@ -94,9 +74,12 @@ std::vector<calibration::OfferResult> offers_from(const v1::CreateFitResponse& r
 
 // Printed as a file's fit is printed: from the stored model itself, every digit of it.
 ExitCode fit_at_daemon(const Session& session, const FitArguments& a) {
-  refuse_file_options(a.fit);
+  auto wanted = fit_request_of(a.fit, a.runs);
+  wanted.set_name(a.name);
+  wanted.set_note(a.note);
+  wanted.set_with_offers(a.fit.offers);
   const auto connection = session.connect();
-  const auto response = connection.ask(&ModelStub::CreateFit, request_from(a), 300);
+  const auto response = connection.ask(&ModelStub::CreateFit, wanted, 300);
   const auto& created = response.model();
   v1::ExportModelRequest request;
   request.set_model_id(created.id());
@@ -139,6 +122,28 @@ ExitCode fit(const Session& session, FitArguments& a) {
 }
 
 }  // namespace
+
+v1::CreateFitRequest fit_request_of(const FitOfFile& fit, const std::vector<std::int64_t>& runs) {
+  refuse_file_options(fit);
+  v1::CreateFitRequest request;
+  for (const std::int64_t run : runs) request.add_run_ids(run);
+  request.set_formula(fit.formula);
+  request.set_select(fit.select);
+  request.set_p_enter(fit.p_enter);
+  request.set_p_remove(fit.p_remove);
+  for (const auto& symbol : fit.exclude) request.add_exclude_symbols(symbol);
+  request.set_first_rows(fit.first_rows);
+  request.set_criterion(fit.criterion);
+  request.set_hierarchy(fit.hierarchy);
+  request.set_start_count(fit.starts);
+  request.set_seed(fit.seed);
+  for (const auto& term : fit.force) request.add_force_terms(term);
+  for (const auto& term : fit.without) request.add_without_terms(term);
+  request.set_weight_symbol(fit.weights);
+  request.set_block_count(fit.blocks);
+  request.set_thread_count(fit.threads);
+  return request;
+}
 
 void add_fit_command(CLI::App& app, Session& session) {
   auto a = std::make_shared<FitArguments>();

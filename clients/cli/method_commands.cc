@@ -1,8 +1,10 @@
 #include "clients/cli/method_commands.h"
 
+#include "clients/cli/fit_commands.h"
 #include "clients/cli/session.h"
+#include "clients/cli/study_stream.h"
 #include "clients/cli/value_or_throw.h"
-#include "server/formats/dataset_csv.h"
+#include "driftwise/v1/model_service.grpc.pb.h"
 #include "server/formats/formula.h"
 #include "server/formats/kinematics_section.h"
 #include "server/formats/method_json.h"
@@ -20,8 +22,8 @@ struct Asked {
 Asked read_question(const FitOfFile& fit, const MethodsOfFile& methods, std::string_view text,
                     const std::string& name) {
   Asked asked;
-  asked.data = value_or_throw(formats::read_dataset_csv(text, name));
   asked.options.fit = fit_options(fit);
+  asked.data = dataset_of_file(fit, text, name, asked.options.fit.executor);
   asked.options.fit.lineage.source = name;
   if (!fit.formula.empty())
     asked.options.fit.candidates =
@@ -67,29 +69,39 @@ ExitCode fit_file_by_method(const Console& console, const FitOfFile& fit,
 ExitCode compare_methods(const Console& console, const FitOfFile& fit, const MethodsOfFile& methods,
                          std::string_view text, const std::string& name) {
   const Asked asked = read_question(fit, methods, text, name);
-  std::vector<std::string> names = methods.methods;
-  if (names.empty()) {
-    const bool formula = !fit.formula.empty(), drawing = asked.options.mechanism != nullptr;
-    if (drawing) names.push_back("nominal");
-    if (drawing && formula) names.push_back("classic");
-    if (drawing) names.push_back("kinematic");
-    if (formula) names.push_back("stepwise");
-  }
-  if (names.empty())
+  std::vector<identification::Method> chosen;
+  for (const auto& one : methods.methods)
+    chosen.push_back(identification::method_from(one).value());
+  if (chosen.empty())
+    chosen =
+        identification::methods_possible(!fit.formula.empty(), asked.options.mechanism != nullptr);
+  if (chosen.empty())
     throw Failure{ExitCode::usage, "usage", "USAGE",
                   "compare what? give --model FORMULA, --kinematics robot.toml, or both"};
   std::vector<identification::Judgement> judgements;
-  for (const auto& one : names)
-    judgements.push_back(judged(asked, identification::method_from(one).value()));
-  if (!console.json) {
+  for (const auto method : chosen) judgements.push_back(judged(asked, method));
+  if (console.json)
+    console.print_json(formats::comparison_json(judgements, fit.formula));
+  else
     console.out << formats::comparison_table(judgements);
-    return ExitCode::done;
-  }
-  nlohmann::ordered_json json{{"schema", "driftwise.comparison.v1"}, {"formula", fit.formula}};
-  json["methods"] = nlohmann::ordered_json::array();
-  for (const auto& judgement : judgements)
-    json["methods"].push_back(formats::method_json(judgement, fit.formula));
-  console.print_json(json);
+  return ExitCode::done;
+}
+
+ExitCode compare_methods_of_runs(const Session& session, const FitOfFile& fit,
+                                 const MethodsOfFile& methods,
+                                 const std::vector<std::int64_t>& runs) {
+  v1::CompareMethodsRequest request;
+  *request.mutable_fit() = fit_request_of(fit, runs);
+  for (const auto& method : methods.methods) request.add_methods(method);
+  if (!methods.kinematics.empty()) request.set_robot_toml(read_input_file(methods.kinematics));
+  request.set_together(methods.together);
+  request.set_fold_count(methods.folds);
+  const auto answer =
+      follow_study(session, &v1::ModelService::Stub::CompareMethods, request, "comparing methods");
+  if (session.console.json)
+    session.console.print_json(nlohmann::ordered_json::parse(answer.json()));
+  else
+    session.console.out << answer.table();
   return ExitCode::done;
 }
 

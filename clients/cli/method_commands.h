@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "clients/cli/fit_command.h"
+#include "clients/cli/session.h"
 
 namespace driftwise::cli {
 
@@ -26,8 +27,12 @@ ExitCode fit_file_by_method(const Console& console, const FitOfFile& fit,
                             const MethodsOfFile& methods, std::string_view text,
                             const std::string& name);
 
-// All asked for, side by side: a table or driftwise.comparison.v1.
+// All asked for, side by side: a table or driftwise.comparison.v1. Of a file here, ...
 ExitCode compare_methods(const Console& console, const FitOfFile& fit, const MethodsOfFile& methods,
                          std::string_view text, const std::string& name);
+// ... of runs at the daemon, whose cell file has the geometry unless --kinematics gives another.
+ExitCode compare_methods_of_runs(const Session& session, const FitOfFile& fit,
+                                 const MethodsOfFile& methods,
+                                 const std::vector<std::int64_t>& runs);
 
 }  // namespace driftwise::cli

@@ -9,6 +9,7 @@
 #include "clients/cli/model_page.h"
 #include "clients/cli/proto_json.h"
 #include "clients/cli/remark_commands.h"
+#include "clients/cli/residuals_command.h"
 #include "clients/cli/sensors_command.h"
 #include "clients/cli/table.h"
 #include "clients/cli/text.h"
@@ -22,7 +23,8 @@ using ModelStub = v1::ModelService::Stub;
 
 struct ModelArguments {
   std::int64_t id = 0;
-  std::vector<std::string> what;  // of compare: numbers of models, or one file
+  std::vector<std::string> what;   // of compare: numbers of models, or one file; or else ...
+  std::vector<std::int64_t> runs;  // ... these, whose methods are compared
   FitOfFile fit;
   MethodsOfFile methods;
   std::string format = "json", file;
@@ -60,6 +62,12 @@ ExitCode list(const Session& session) {
 }
 
 ExitCode compare(const Session& session, const ModelArguments& a) {
+  if (a.what.empty() == a.runs.empty())
+    throw Failure{ExitCode::usage, "usage", "USAGE",
+                  std::string("compare what? found ") +
+                      (a.what.empty() ? "nothing" : "models or a file, and --run") +
+                      "; give numbers of models, or one dataset file, or --run N"};
+  if (!a.runs.empty()) return compare_methods_of_runs(session, a.fit, a.methods, a.runs);
   v1::CompareModelsRequest request;
   for (const auto& one : a.what) {
     const auto id = number_from(one);
@@ -165,16 +173,21 @@ void add_model_commands(CLI::App& app, Session& session) {
                  [&session, a] { return show(session, a->id); }));
   CLI::App& comparing = add_command(
       model, session, "compare",
-      "Several stored models side by side, term by term; or the methods on a dataset file",
+      "Several stored models side by side, term by term; or the methods on a dataset file or on "
+      "runs",
       [&session, a] { return compare(session, *a); });
   comparing.add_option("MODEL|FILE", a->what, "numbers of the models, or one dataset CSV")
-      ->required()
-      ->expected(1, 16);
+      ->expected(0, 16);
+  comparing.add_option("--run", a->runs, "the methods on a run at the daemon; repeatable")
+      ->allow_extra_args(false)
+      ->check(positive_number());
   add_fit_options(comparing, a->fit);
   add_method_options(comparing, a->methods);
   comparing
-      .add_option("--methods", a->methods.methods,
-                  "of a file: nominal, classic, kinematic, stepwise; else all that the files allow")
+      .add_option(
+          "--methods", a->methods.methods,
+          "of a file or a run: nominal, classic, kinematic, stepwise; else all that formula and "
+          "geometry allow")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CLI::IsMember({"stepwise", "classic", "kinematic", "nominal"}));
@@ -185,6 +198,7 @@ void add_model_commands(CLI::App& app, Session& session) {
   promoting.add_flag("--dry-run", a->dry_run, "say which model it would be, change nothing");
   add_check_command(model, session);
   add_sensors_command(model, session);
+  add_residuals_command(model, session);
   add_command(model, session, "rollback", "The model that served before serves again",
               [&session] { return roll_back(session); });
   add_command(model, session, "history", "Every promotion and rollback",

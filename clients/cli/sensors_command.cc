@@ -4,15 +4,16 @@
 #include <memory>
 #include <set>
 
-#include "clients/cli/exported_csv.h"
 #include "clients/cli/fit_command.h"
+#include "clients/cli/fit_commands.h"
+#include "clients/cli/input_text.h"
+#include "clients/cli/study_stream.h"
 #include "clients/cli/table.h"
 #include "clients/cli/text.h"
 #include "clients/cli/validators.h"
 #include "clients/cli/value_or_throw.h"
-#include "clients/cli/worker_threads.h"
+#include "driftwise/v1/model_service.grpc.pb.h"
 #include "server/calibration/sensor_sets.h"
-#include "server/formats/dataset_csv.h"
 #include "server/formats/formula.h"
 
 namespace driftwise::cli {
@@ -85,6 +86,60 @@ void print_study(const Console& console, const calibration::SensorStudy& study,
                  "it is.\n";
 }
 
+ExitCode show_study(const Console& console, const calibration::SensorStudy& found,
+                    const SummaryUnit& unit) {
+  if (console.json)
+    console.print_json(study_json(found, unit));
+  else
+    print_study(console, found, unit);
+  return ExitCode::done;
+}
+
+ExitCode study_file(const Console& console, const SensorsArguments& a) {
+  auto options = fit_options(a.fit);
+  const Dataset data = dataset_of_file(a.fit, InputText(a.file).text(), a.file, options.executor);
+  options.stopwatch_us = {};
+  options.candidates =
+      value_or_throw(value_or_throw(formats::Formula::parse(a.fit.formula)).expand(data));
+  const auto found =
+      value_or_throw(calibration::study_sensors(data, options, a.tolerance_pct / 100));
+  const auto* output = data.find(found.best.front().outputs.front().output);
+  return show_study(console, found, summary_unit(output->channel.unit));
+}
+
+// The daemon's figures are in the summary's unit already.
+calibration::SensorStudy study_from(const v1::StudySensorsResponse& answer) {
+  calibration::SensorStudy study;
+  for (const auto& set : answer.best()) {
+    auto& one = study.best.emplace_back();
+    one.sensors.assign(set.sensors().begin(), set.sensors().end());
+    for (const auto& output : set.outputs()) {
+      auto& figure = one.outputs.emplace_back();
+      figure.output = output.output();
+      figure.u90_blocks = output.u90_blocks();
+      if (output.has_u90_validation()) figure.u90_validation = output.u90_validation();
+    }
+    one.u90_blocks_rms = set.u90_blocks_rms();
+    if (set.has_u90_validation_rms()) one.u90_validation_rms = set.u90_validation_rms();
+  }
+  study.recommended = static_cast<std::size_t>(answer.recommended());
+  study.sets_tried = static_cast<std::size_t>(answer.tried_set_count());
+  study.tolerance = answer.tolerance();
+  return study;
+}
+
+ExitCode study_runs(const Session& session, const SensorsArguments& a) {
+  v1::StudySensorsRequest request;
+  *request.mutable_fit() = fit_request_of(a.fit, a.runs);
+  request.set_tolerance(a.tolerance_pct / 100);
+  const auto answer = follow_study(session, &v1::ModelService::Stub::StudySensors, request,
+                                   "choosing thermometers");
+  const auto study = study_from(answer);
+  if (study.recommended >= study.best.size())
+    throw Failure{ExitCode::refused, "internal", "BUG", "the daemon answered with no set at all"};
+  return show_study(session.console, study, {answer.unit(), 1});
+}
+
 ExitCode study(const Session& session, const SensorsArguments& a) {
   if (a.file.empty() == a.runs.empty())
     throw Failure{ExitCode::usage, "usage", "USAGE",
@@ -92,23 +147,7 @@ ExitCode study(const Session& session, const SensorsArguments& a) {
                       (a.file.empty() ? "neither" : "both") + " a file and --run; give one"};
   if (a.fit.formula.empty())
     throw Failure{ExitCode::usage, "usage", "USAGE", "--model is required: a formula with T in it"};
-  const std::string name = a.file.empty() ? "the runs" : a.file;
-  const Dataset data = value_or_throw(formats::read_dataset_csv(
-      a.file.empty() ? exported_csv(session, a.runs, false) : read_input_file(a.file), name));
-  auto options = fit_options(a.fit);
-  options.stopwatch_us = {};
-  options.candidates =
-      value_or_throw(value_or_throw(formats::Formula::parse(a.fit.formula)).expand(data));
-  options.executor = worker_threads(default_threads());
-  const auto found =
-      value_or_throw(calibration::study_sensors(data, options, a.tolerance_pct / 100));
-  const auto* output = data.find(found.best.front().outputs.front().output);
-  const SummaryUnit unit = summary_unit(output->channel.unit);
-  if (session.console.json)
-    session.console.print_json(study_json(found, unit));
-  else
-    print_study(session.console, found, unit);
-  return ExitCode::done;
+  return a.file.empty() ? study_runs(session, a) : study_file(session.console, a);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "clients/cli/budget_table.h"
 #include "clients/cli/proto_json.h"
 #include "clients/cli/table.h"
+#include "clients/cli/target_map_command.h"
 #include "clients/cli/text.h"
 #include "driftwise/v1/target_service.grpc.pb.h"
 
@@ -128,21 +129,29 @@ ExitCode follow(const Session& session, const v1::ComputeTargetRequest& asked, d
 
 void add_target_command(CLI::App& app, Session& session) {
   auto a = std::make_shared<TargetArguments>();
-  CLI::App& command = add_command(
-      app, session, "target", "Compensated motor coordinates of a pose; moves nothing",
-      [&session, a] {
-        v1::ComputeTargetRequest request;
-        *request.mutable_pose() = assignments_from(a->pose);
-        request.set_with_budget(a->budget);
-        return a->watch ? follow(session, request, a->every_s) : ask_once(session, request);
-      });
-  command.add_option("POSE", a->pose, "x=1.5 ..., mm, arcsec, N")->required();
+  CLI::App& command =
+      *app.add_subcommand("target", "Compensated motor coordinates of a pose; moves nothing");
+  command.require_subcommand(0, 1);
+  command.callback([&session, &command, a] {
+    if (!command.get_subcommands().empty()) return;
+    session.action = [&session, a] {
+      if (a->pose.empty())
+        throw Failure{ExitCode::usage, "usage", "USAGE",
+                      "target of which pose? give it: driftwise target x=1.5"};
+      v1::ComputeTargetRequest request;
+      *request.mutable_pose() = assignments_from(a->pose);
+      request.set_with_budget(a->budget);
+      return a->watch ? follow(session, request, a->every_s) : ask_once(session, request);
+    };
+  });
+  command.add_option("POSE", a->pose, "x=1.5 ..., mm, arcsec, N");
   command.add_flag("--budget", a->budget, "what the uncertainty is made of");
   auto* watch =
       command.add_flag("--watch", a->watch, "again whenever the conditions change, one line each");
   command.add_option("--every", a->every_s, "at least so many seconds between two lines")
       ->needs(watch)
       ->check(CLI::Range(0.0, 86400.0));
+  add_target_map_command(command, session);
 }
 
 }  // namespace driftwise::cli
