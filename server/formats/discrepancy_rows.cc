@@ -1,5 +1,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "server/core/channel.h"
 #include "server/formats/stored_diagnosis.h"
@@ -28,6 +29,57 @@ std::vector<double> every(const std::vector<T>& values, std::size_t step) {
 }
 
 std::vector<double> read_doubles(const Binary& json) { return json.get<std::vector<double>>(); }
+
+tl::unexpected<Error> bad_rows(const std::string& why) {
+  return fail(ErrorCode::data_loss, "BAD_ROWS",
+              "the stored rows of the diagnosis cannot be read: " + why);
+}
+
+// The library reads nested values by calling itself: a few thousand bytes of open brackets would
+// run through the stack. Ours are three deep.
+class DepthGuard final : public nlohmann::json_sax<Binary> {
+ public:
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(std::int64_t) override { return true; }
+  bool number_unsigned(std::uint64_t) override { return true; }
+  bool number_float(double, const std::string&) override { return true; }
+  bool string(std::string&) override { return true; }
+  bool binary(Binary::binary_t&) override { return true; }
+  bool key(std::string&) override { return true; }
+  bool start_object(std::size_t) override { return ++depth_ <= kDeepest; }
+  bool end_object() override { return --depth_ >= 0; }
+  bool start_array(std::size_t) override { return ++depth_ <= kDeepest; }
+  bool end_array() override { return --depth_ >= 0; }
+  bool parse_error(std::size_t, const std::string&, const Binary::exception&) override {
+    return false;
+  }
+
+ private:
+  static constexpr int kDeepest = 16;
+  int depth_ = 0;
+};
+
+// Whoever plots goes through all of them by the number of rows.
+std::optional<std::string> uneven_column(const DiscrepancyRows& rows) {
+  const std::size_t count = rows.time_s.size();
+  const auto length = [&](const std::string& name,
+                          std::size_t found) -> std::optional<std::string> {
+    if (found == count) return std::nullopt;
+    return name + ": found " + std::to_string(found) + " values, expected " + std::to_string(count);
+  };
+  if (auto bad = length("validation", rows.validation.size())) return bad;
+  if (auto bad = length("line", rows.line.size())) return bad;
+  for (const double line : rows.line)
+    if (!(std::abs(line) < 1e15)) return "line: found " + std::to_string(line);
+  for (const auto& column : rows.variables)
+    if (auto bad = length(column.symbol, column.values.size())) return bad;
+  for (const auto& output : rows.outputs) {
+    if (auto bad = length(output.output + ", before", output.before.size())) return bad;
+    if (auto bad = length(output.output + ", after", output.after.size())) return bad;
+  }
+  return std::nullopt;
+}
 
 }  // namespace
 
@@ -93,6 +145,9 @@ std::string write_discrepancy_rows(const DiscrepancyRows& rows) {
 Result<DiscrepancyRows> read_discrepancy_rows(std::string_view bytes) {
   DiscrepancyRows rows;
   if (bytes.empty()) return rows;
+  DepthGuard guard;
+  if (!Binary::sax_parse(bytes.begin(), bytes.end(), &guard, Binary::input_format_t::cbor))
+    return bad_rows("they are no CBOR, or too deep");
   try {
     const auto json = Binary::from_cbor(bytes.begin(), bytes.end());
     rows.time_s = read_doubles(json.at("time_s"));
@@ -107,9 +162,9 @@ Result<DiscrepancyRows> read_discrepancy_rows(std::string_view bytes) {
                               one.at("unit").get<std::string>(), read_doubles(one.at("before")),
                               read_doubles(one.at("after"))});
   } catch (const nlohmann::json::exception& problem) {
-    return fail(ErrorCode::data_loss, "BAD_ROWS",
-                std::string("the stored rows of the diagnosis cannot be read: ") + problem.what());
+    return bad_rows(problem.what());
   }
+  if (const auto uneven = uneven_column(rows)) return bad_rows(*uneven);
   return rows;
 }
 

@@ -45,7 +45,7 @@ DiscrepancyRows discrepancy_rows(const Dataset& dataset, const diagnosis::Diagno
 Dataset dataset_of(const DiscrepancyRows& rows, diagnosis::Diagnosis& diagnosis);
 
 std::string write_discrepancy_rows(const DiscrepancyRows& rows);
-// Errors: data_loss BAD_ROWS.
+// Errors: data_loss BAD_ROWS (no CBOR, deeper than ours, columns of unequal length).
 Result<DiscrepancyRows> read_discrepancy_rows(std::string_view bytes);
 
 // Without OutputSummary::before and after: those are in the rows.

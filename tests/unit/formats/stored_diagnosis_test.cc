@@ -116,6 +116,25 @@ TEST(StoredDiagnosis, AnyDamageIsAnError) {
   }
 }
 
+TEST(DiscrepancyRows, UnevenOrEndlesslyNestedOnesAreRefused) {
+  const DiscrepancyRows good{
+      {0, 1}, {0, 1}, {1, 1}, {{"x", "mm", {1, 2}}}, {{"q1", "nm", {1, 2}, {3, 4}}}};
+  ASSERT_TRUE(read_discrepancy_rows(write_discrepancy_rows(good)));
+  auto short_sets = good, short_column = good, short_after = good, no_line = good;
+  short_sets.validation.pop_back();
+  short_column.variables[0].values.pop_back();
+  short_after.outputs[0].after.pop_back();
+  no_line.line[1] = 1e300;
+  for (const auto& rows : {short_sets, short_column, short_after, no_line}) {
+    const auto back = read_discrepancy_rows(write_discrepancy_rows(rows));
+    ASSERT_FALSE(back);
+    EXPECT_EQ(back.error().reason, "BAD_ROWS");
+    EXPECT_EQ(back.error().code, ErrorCode::data_loss);
+  }
+  // An array in an array in an array ...: the stack of whoever reads them by calling himself.
+  EXPECT_EQ(read_discrepancy_rows(std::string(1'000'000, '\x81')).error().reason, "BAD_ROWS");
+}
+
 TEST(DiscrepancyRows, HoldWhatAPlotNeeds) {
   Dataset data;
   data.rows = 3;
