@@ -1,6 +1,8 @@
 // What could stand where the caret is: channels of the data, short forms, poly and effects. It only proposes; what is
 // right is the daemon's to say (ModelService.CheckFormula).
 
+import { unitSign } from '@/format/units';
+
 export interface Offer {
   insert: string; // takes the place of the word under the caret
   back: number; // characters the caret steps back after it: into the parentheses
@@ -58,7 +60,7 @@ function outputs(known: Known): Offer[] {
 }
 
 function terms(known: Known, channelsOnly: boolean): Offer[] {
-  const channels = known.channels.map((channel) => plain(channel.symbol, channel.unit));
+  const channels = known.channels.map((channel) => plain(channel.symbol, unitSign(channel.unit)));
   if (channelsOnly) return channels;
   const pose = ['x', 'y', 'z', 'rx', 'ry', 'rz'].filter((symbol) => known.channels.some((c) => c.symbol === symbol));
   const lengths = pose.filter((symbol) => symbol.length === 1);
