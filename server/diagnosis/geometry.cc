@@ -38,9 +38,10 @@ Dataset marked(Dataset data, const Problem& problem) {
 
 Result<Identification> identify_with(const Dataset& data,
                                      std::shared_ptr<const kinematics::Mechanism> mechanism,
-                                     bool placement_only) {
+                                     const std::vector<effects::Term>& terms, bool placement_only) {
   identification::IdentifyOptions options;
   options.mechanism = std::move(mechanism);
+  options.terms = terms;
   options.placement_only = placement_only;
   return identification::identify(data, options);
 }
@@ -183,12 +184,12 @@ std::vector<std::string> GeometryDiagnosis::held_names() const {
 
 Result<GeometryDiagnosis> diagnose_geometry(
     const Dataset& dataset, const Problem& problem,
-    const std::shared_ptr<const kinematics::Mechanism>& mechanism, double alpha,
-    const std::function<bool()>& tick) {
+    const std::shared_ptr<const kinematics::Mechanism>& mechanism,
+    const std::vector<effects::Term>& terms, double alpha, const std::function<bool()>& tick) {
   const Dataset data = marked(dataset, problem);
-  auto nominal = identify_with(data, mechanism, true);
+  auto nominal = identify_with(data, mechanism, terms, true);
   if (!nominal) return tl::unexpected(nominal.error());
-  const auto identified = identify_with(data, mechanism, false);
+  const auto identified = identify_with(data, mechanism, terms, false);
   if (!identified) return tl::unexpected(identified.error());
   if (tick && !tick()) return cancelled();
   auto whole = whitened_geometry(data, problem, *identified, tick);
@@ -202,7 +203,7 @@ Result<GeometryDiagnosis> diagnose_geometry(
       result.held.push_back({std::string(kCause) + one.parameter.name, one.note});
   const auto extended = holding_others(*mechanism, geometry.named());
   if (!extended) return tl::unexpected(extended.error());
-  auto fitted = identify_with(data, *extended, false);
+  auto fitted = identify_with(data, *extended, terms, false);
   if (!fitted) return tl::unexpected(fitted.error());
   result.extended = std::move(*fitted);
   return result;

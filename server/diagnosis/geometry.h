@@ -30,11 +30,12 @@ struct GeometryDiagnosis {
 };
 
 // problem: of this dataset, its outputs those of the mechanism in its order, one row per block.
-// Learns from the rows that learn, judges by those that judge. Errors: those of
-// identification::identify; cancelled (tick said false).
+// Learns from the rows that learn, judges by those that judge. terms: linear in every output,
+// always in beside the drawing. Errors: those of identification::identify; cancelled (tick said
+// false).
 Result<GeometryDiagnosis> diagnose_geometry(
     const Dataset& dataset, const Problem& problem,
-    const std::shared_ptr<const kinematics::Mechanism>& mechanism, double alpha,
-    const std::function<bool()>& tick);
+    const std::shared_ptr<const kinematics::Mechanism>& mechanism,
+    const std::vector<effects::Term>& terms, double alpha, const std::function<bool()>& tick);
 
 }  // namespace driftwise::diagnosis

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "server/calibration/predict.h"
-#include "server/diagnosis/undetermined.h"
+#include "server/calibration/undetermined.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::diagnosis {
@@ -91,8 +91,8 @@ Result<void> divide_rows(const Dataset& dataset, Problem& problem) {
 }
 
 void leave_out_undetermined(Problem& problem, std::size_t constants) {
-  const auto gone = undetermined(rows_of(problem.base_columns, problem.learn),
-                                 static_cast<Eigen::Index>(constants));
+  const auto gone = calibration::undetermined(rows_of(problem.base_columns, problem.learn),
+                                              static_cast<Eigen::Index>(constants));
   std::vector<effects::Term> kept;
   Eigen::Index count = 0;
   for (std::size_t k = 0; k < gone.size(); ++k) {

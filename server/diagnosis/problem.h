@@ -34,7 +34,7 @@ struct Problem {
   std::vector<ProblemOutput> outputs;
   std::vector<effects::Term> base;          // the constant and further datums first
   Eigen::MatrixXd base_columns;             // every row of the dataset, raw
-  std::vector<effects::Term> undetermined;  // of the baseline, left out: undetermined.h
+  std::vector<effects::Term> undetermined;  // of the baseline, left out: calibration/undetermined.h
   bool judged_by_validation = false;        // else the judging rows are blocks of time taken out
 
   const Dataset& data() const { return prepared.data(); }

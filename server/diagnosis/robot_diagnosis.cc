@@ -84,9 +84,9 @@ Result<RobotDiagnosis> diagnose_robot(const Dataset& dataset,
     return !options.progress || options.progress(fraction, step);
   };
   if (!tell(0, "identifying the robot")) return cancelled();
-  auto geometry = diagnose_geometry(data, *problem, mechanism, options.alpha, [&] {
-    return tell(kGeometryDone / 2, "comparing the numbers of the drawing");
-  });
+  auto geometry = diagnose_geometry(
+      data, *problem, mechanism, further.baseline.terms, options.alpha,
+      [&] { return tell(kGeometryDone / 2, "comparing the numbers of the drawing"); });
   if (!geometry) return tl::unexpected(geometry.error());
   const auto nominal = identification::predict(data, geometry->nominal);
   auto extended = identification::predict(data, geometry->extended);

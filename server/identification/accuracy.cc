@@ -233,6 +233,11 @@ Result<Judgement> judge_method(const Dataset& whole, Method method, const Method
   const auto calibration = rows_in(dataset, PointSet::calibration);
   const auto validation = validation_rows_known(dataset, calibration, bench.datums);
   Judgement result;
+  if (fitted->kinematics)
+    for (const auto& term : fitted->kinematics->undetermined)
+      result.warnings.push_back(name_of(method) + ": " + effects::notation(term) +
+                                " is left out: the calibration rows do not tell it apart from the "
+                                "terms before it");
   result.rows_calibration = static_cast<std::int64_t>(calibration.size());
   result.rows_validation = static_cast<std::int64_t>(validation.size());
   const FoldErrors blocks = bench.errors_of(time_folds(calibration, judge.blocks, judge.gap),

@@ -6,6 +6,7 @@
 
 #include "server/calibration/design.h"
 #include "server/calibration/predict.h"
+#include "server/calibration/undetermined.h"
 #include "server/effects/term_order.h"
 #include "server/identification/identifiability.h"
 #include "server/identification/least_squares.h"
@@ -40,6 +41,27 @@ std::vector<effects::Term> linear_terms(const Dataset& dataset, const IdentifyOp
     if (!geometric && !term.is_constant()) terms.push_back(term);
   }
   return terms;
+}
+
+// Takes out the terms that the calibration rows do not determine, and gives them back.
+std::vector<effects::Term> take_undetermined(const Dataset& dataset, const Eigen::MatrixXd& columns,
+                                             std::vector<effects::Term>& terms) {
+  std::vector<std::size_t> rows;
+  for (std::size_t row = 0; row < dataset.rows; ++row)
+    if (dataset.set_of(row) == PointSet::calibration && !dataset.is_excluded(row) &&
+        columns.row(static_cast<Index>(row)).allFinite())
+      rows.push_back(row);
+  Eigen::MatrixXd learned(static_cast<Index>(rows.size()), columns.cols() + 1);
+  learned.col(0).setOnes();
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    learned.row(static_cast<Index>(i)).tail(columns.cols()) =
+        columns.row(static_cast<Index>(rows[i]));
+  const auto gone = calibration::undetermined(learned, 1);
+  std::vector<effects::Term> kept, out;
+  for (std::size_t k = 0; k < terms.size(); ++k)
+    (gone[k + 1] != 0 ? out : kept).push_back(terms[k]);
+  terms = std::move(kept);
+  return out;
 }
 
 // What the least squares works on. Unknowns: free parameters in natural units, then per output the
@@ -213,9 +235,11 @@ std::vector<char> Identification::free() const {
 Result<Identification> identify(const Dataset& dataset, const IdentifyOptions& options) {
   const auto data = mechanism_data(dataset, *options.mechanism);
   if (!data) return tl::unexpected(data.error());
-  const auto terms = linear_terms(dataset, options);
-  const auto columns = calibration::raw_columns(dataset, terms);
+  auto terms = linear_terms(dataset, options);
+  auto columns = calibration::raw_columns(dataset, terms);
   if (!columns) return tl::unexpected(columns.error());
+  auto undetermined = take_undetermined(dataset, *columns, terms);
+  if (!undetermined.empty()) columns = calibration::raw_columns(dataset, terms);
   const Eigen::MatrixXd inputs_by_row = data->inputs.transpose();
   const auto rows =
       complete_rows(dataset, PointSet::calibration, {&inputs_by_row, &data->outputs, &*columns});
@@ -249,6 +273,7 @@ Result<Identification> identify(const Dataset& dataset, const IdentifyOptions& o
   if (!solution) return tl::unexpected(solution.error());
   Identification result = describe(work, chosen, terms, *solution);
   result.mechanism = options.mechanism;
+  result.undetermined = std::move(undetermined);
   return result;
 }
 

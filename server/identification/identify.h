@@ -37,11 +37,12 @@ struct Identification {
   std::vector<IdentifiedParameter> parameters;
   std::vector<effects::Term> terms;  // the constant first, then datum(k), then those offered; none
                                      // where none was offered and there is one datum
-  Eigen::MatrixXd coefficients;      // terms x outputs
-  Eigen::MatrixXd standard_errors;   // terms x outputs; 0 for the constant
-  Eigen::VectorXd rss;               // per output, over the calibration rows
-  std::int64_t rows = 0;             // calibration rows
-  int unknowns = 0;                  // parameters and coefficients estimated
+  std::vector<effects::Term> undetermined;  // offered, and left out: calibration/undetermined.h
+  Eigen::MatrixXd coefficients;             // terms x outputs
+  Eigen::MatrixXd standard_errors;          // terms x outputs; 0 for the constant
+  Eigen::VectorXd rss;                      // per output, over the calibration rows
+  std::int64_t rows = 0;                    // calibration rows
+  int unknowns = 0;                         // parameters and coefficients estimated
   int evaluations = 0;
   double condition = 1;  // of the free parameters
 

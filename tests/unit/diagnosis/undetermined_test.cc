@@ -1,4 +1,4 @@
-#include "server/diagnosis/undetermined.h"
+#include "server/calibration/undetermined.h"
 
 #include <gtest/gtest.h>
 
@@ -24,8 +24,8 @@ TEST(Undetermined, OfThreeForcesTheCubeIsAndAPolynomialOverManyPlacesIsNot) {
     for (Eigen::Index k = 0; k < 4; ++k) of_force(i, k) = std::pow(force, k);
     for (Eigen::Index k = 0; k < 6; ++k) of_place(i, k) = std::pow(x, k);
   }
-  EXPECT_EQ(undetermined(of_force, 1), (std::vector<char>{0, 0, 0, 1}));
-  EXPECT_EQ(undetermined(of_place, 1), (std::vector<char>(6, 0)));
+  EXPECT_EQ(calibration::undetermined(of_force, 1), (std::vector<char>{0, 0, 0, 1}));
+  EXPECT_EQ(calibration::undetermined(of_place, 1), (std::vector<char>(6, 0)));
 }
 
 // Calibrated under three forces, validated under two others, as in the published case B.

@@ -93,6 +93,21 @@ TEST(IdentifyDelta, TakesHeatAndForceAlong) {
   }
 }
 
+// Otherwise its coefficient is noise over nothing, and a fourth force is missed by millimetres.
+TEST(IdentifyDelta, LeavesOutTheCubeOfThreeForces) {
+  Dataset data = robots::delta_campaign(crooked_delta(), 7, {.mm = 20e-6}, 48);
+  auto* force = const_cast<DatasetColumn*>(data.find("force"));
+  ASSERT_NE(force, nullptr);
+  const double levels[] = {0, 1.5, 2.3};
+  for (std::size_t row = 0; row < data.rows; ++row)
+    force->values[row] = levels[row % 3] + 1e-6 * static_cast<double>(row % 7);
+  const auto found =
+      identified_delta(data, robots::nominal_delta(), "q1 + q2 + q3 ~ F + F^2 + F^3");
+  ASSERT_EQ(found.undetermined.size(), 1U);
+  EXPECT_EQ(found.terms.size(), 3U);                          // the constant, F, F^2
+  EXPECT_LT(found.coefficients.cwiseAbs().maxCoeff(), 1e-4);  // mm per N
+}
+
 TEST(IdentifyDelta, PredictsRowsItHasNotSeen) {
   const auto truth = crooked_delta();
   Dataset data = robots::delta_campaign(truth, 6, {}, 45);

@@ -1,6 +1,6 @@
-#include "server/diagnosis/undetermined.h"
+#include "server/calibration/undetermined.h"
 
-namespace driftwise::diagnosis {
+namespace driftwise::calibration {
 namespace {
 
 constexpr double kAlreadyThere = 1e-4;  // NUMERICS.md section 3: what keeps less is there already
@@ -26,4 +26,4 @@ std::vector<char> undetermined(const Eigen::MatrixXd& columns, Eigen::Index kept
   return result;
 }
 
-}  // namespace driftwise::diagnosis
+}  // namespace driftwise::calibration
