@@ -142,6 +142,7 @@ class CellApplication final : public Cell, private Watching, private Studies {
   Awaitable<Result<std::vector<AlarmRecord>>> alarms(bool with_history, int limit) override;
   Awaitable<Result<AlarmRecord>> acknowledge_alarm(Caller caller, AlarmId id) override;
   Awaitable<Result<SeriesAnswer>> series(SeriesQuery query) override;
+  Awaitable<Result<PastTargets>> past_targets(PastTargetsQuery query) override;
   Awaitable<Result<KeptTrajectory>> keep_trajectory(Caller caller, std::string name,
                                                     std::string text) override;
   Awaitable<Result<KeptTrajectory>> trajectory(TrajectoryId id) override;

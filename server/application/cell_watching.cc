@@ -97,6 +97,10 @@ Awaitable<Result<SeriesAnswer>> CellApplication::series(SeriesQuery query) {
   return reader_.call([query](Store& store) { return store.series().series(query); });
 }
 
+Awaitable<Result<PastTargets>> CellApplication::past_targets(PastTargetsQuery query) {
+  return serving_.past(std::move(query));
+}
+
 Awaitable<Result<KeptTrajectory>> CellApplication::keep_trajectory(Caller caller, std::string name,
                                                                    std::string text) {
   const auto checked = check_trajectory(text);

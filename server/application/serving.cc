@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "server/application/past_targets.h"
 #include "server/application/spawn.h"
 #include "server/compensation/target.h"
 #include "server/formats/model_json.h"
@@ -131,6 +132,19 @@ Awaitable<void> Serving::rebuild_for_ever() {
     co_await sleep_unless(clock_, clock_.now().utc + period, ended_);
   }
   tasks_.end();
+}
+
+Awaitable<Result<PastTargets>> Serving::past(PastTargetsQuery query) const {
+  if (!serving_)
+    co_return fail(ErrorCode::failed_precondition, "NO_MODEL", "no model serves: promote one");
+  const Followed& followed = followed_.at(*serving_);
+  PastModel from{followed.builder.model(), *serving_, datum_,
+                 datum_ && followed.own_datum == datum_->id};
+  auto working = reader_.call([&cell = description_, from = std::move(from), query,
+                               now = clock_.now().utc](Store& store) mutable {
+    return past_targets(store, cell, std::move(from), query, now);
+  });
+  co_return co_await std::move(working);
 }
 
 Result<std::vector<double>> Serving::targets(const std::vector<Channel>& coordinates,

@@ -10,6 +10,7 @@
 #include "server/application/lag_meter.h"
 #include "server/application/recorder.h"
 #include "server/application/store_reader.h"
+#include "server/application/watching.h"
 #include "server/compensation/snapshot_board.h"
 #include "server/compensation/snapshot_builder.h"
 #include "server/core/trajectory.h"
@@ -42,6 +43,10 @@ class Serving {
   Result<std::vector<double>> targets(const std::vector<Channel>& coordinates,
                                       const TrajectoryPoint& point,
                                       std::optional<ModelId> model) const;
+
+  // What the model that serves would have answered (past_targets.h), worked out on the reader's
+  // thread. Errors: failed_precondition NO_MODEL; those of past_targets().
+  Awaitable<Result<PastTargets>> past(PastTargetsQuery query) const;
 
   std::optional<ModelId> model() const { return serving_; }
   const compensation::SnapshotBoard& board() const { return board_; }

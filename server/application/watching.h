@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "server/compensation/target.h"
 #include "server/core/ports/awaitable.h"
 #include "server/core/result.h"
 #include "server/core/watch_records.h"
@@ -18,6 +19,23 @@ struct Caller;
 struct RecordHead {
   std::string database;  // its own name
   RecordCursor newest;
+};
+
+// A pose whose correction is wanted as it would have been in the time before now.
+struct PastTargetsQuery {
+  compensation::TargetRequest pose;  // now is not looked at
+  Nanoseconds past = std::chrono::hours(1);
+  int count = 120;  // of instants, about
+};
+
+struct PastTargets {
+  struct Track {
+    Channel channel;                    // of an output: q1_mm
+    std::vector<double> correction_nm;  // per instant; kMissing: nothing was measured then
+  };
+  ModelId model;
+  std::vector<CellTime> at;  // oldest first; none: the model reads nothing slow
+  std::vector<Track> tracks;
 };
 
 class Watching {
@@ -38,6 +56,8 @@ class Watching {
 
   // Errors: those of SeriesStore::series.
   virtual Awaitable<Result<SeriesAnswer>> series(SeriesQuery query) = 0;
+  // Of the model that serves. Errors: failed_precondition NO_MODEL; those of past_targets().
+  virtual Awaitable<Result<PastTargets>> past_targets(PastTargetsQuery query) = 0;
 
   // Checked as Cell::check_trajectory does. The same text again: the first one.
   virtual Awaitable<Result<KeptTrajectory>> keep_trajectory(Caller caller, std::string name,

@@ -1,6 +1,7 @@
 // Unary targets are answered on gRPC's own thread: no hop to the executor, no lock.
 
 #include "driftwise/v1/target_service.grpc.pb.h"
+#include "server/rpc/convert_past_targets.h"
 #include "server/rpc/convert_target.h"
 #include "server/rpc/convert_values.h"
 #include "server/rpc/map_targets.h"
@@ -28,6 +29,20 @@ class TargetService final : public v1::TargetService::CallbackService {
     const auto snapshot = cell_.snapshots().read();
     return answer_now(
         context, map_targets(snapshot ? *snapshot : nothing, *request, cell_.now(), *response));
+  }
+
+  grpc::ServerUnaryReactor* ListPastTargets(grpc::CallbackServerContext* context,
+                                            const v1::ListPastTargetsRequest* request,
+                                            v1::ListPastTargetsResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      auto query = past_targets_query_from(*request);
+      if (!query) co_return tl::unexpected(query.error());
+      auto asking = cell_.watching().past_targets(std::move(*query));
+      const auto past = co_await std::move(asking);
+      if (!past) co_return tl::unexpected(past.error());
+      fill_past_targets(*past, *response);
+      co_return Result<void>{};
+    });
   }
 
   grpc::ServerWriteReactor<v1::WatchTargetsResponse>* WatchTargets(

@@ -78,6 +78,8 @@ class FakeCell final : public app::Cell, private app::Watching, private app::Stu
   std::vector<KeptTrajectory> the_trajectories;
   SeriesQuery last_series;
   SeriesAnswer the_series;
+  app::PastTargetsQuery last_past;
+  app::PastTargets the_past;
   std::string the_database = "aa11";
   int pages_read = 0;
   std::string the_csv = "time_s,q1_mm,x_mm\n0,0,0\n";
@@ -182,6 +184,7 @@ class FakeCell final : public app::Cell, private app::Watching, private app::Stu
   Awaitable<Result<std::vector<AlarmRecord>>> alarms(bool with_history, int limit) override;
   Awaitable<Result<AlarmRecord>> acknowledge_alarm(app::Caller caller, AlarmId id) override;
   Awaitable<Result<SeriesAnswer>> series(SeriesQuery query) override;
+  Awaitable<Result<app::PastTargets>> past_targets(app::PastTargetsQuery query) override;
   Awaitable<Result<KeptTrajectory>> keep_trajectory(app::Caller caller, std::string name,
                                                     std::string text) override;
   Awaitable<Result<KeptTrajectory>> trajectory(TrajectoryId id) override;

@@ -76,6 +76,12 @@ Awaitable<Result<AlarmRecord>> FakeCell::acknowledge_alarm(app::Caller caller, A
   co_return fail(ErrorCode::not_found, "NO_SUCH_ALARM", "there is no such alarm");
 }
 
+Awaitable<Result<app::PastTargets>> FakeCell::past_targets(app::PastTargetsQuery query) {
+  if (auto error = take_failure()) co_return tl::unexpected(*error);
+  last_past = query;
+  co_return the_past;
+}
+
 Awaitable<Result<SeriesAnswer>> FakeCell::series(SeriesQuery query) {
   if (auto error = take_failure()) co_return tl::unexpected(*error);
   last_series = std::move(query);

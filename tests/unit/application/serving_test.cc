@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/compensation/correction_parts.h"
 #include "server/compensation/target.h"
+#include "server/core/units.h"
 #include "server/formats/model_json.h"
 #include "tests/support/cell_in_memory.h"
 #include "tests/unit/application/sqlite.h"
@@ -56,6 +58,35 @@ TEST_F(ServingTest, ThePromotedModelFollowsTheTemperature) {
   cell.pass(600);  // two thirds of a kelvin: the world grows by 150 nm/K
   const double moved_nm = (target_mm(1.0) - before_mm) * 1e6;
   EXPECT_NEAR(moved_nm, -150 * 4 / 6.0, 5);
+}
+
+TEST_F(ServingTest, ThePastOfATargetIsMadeFromTheRecordedTemperatures) {
+  application::PastTargetsQuery query;
+  query.pose.set(compensation::Variable::x, 1.0);
+  EXPECT_EQ(cell.await(cell->watching().past_targets(query)).error().reason, "NO_MODEL");
+  const auto model = fit_after_campaign();
+  cell.pass(1800);  // before it serves: what it would have said is known all the same
+  ASSERT_TRUE(cell.await(cell->promote(cell.ada, model.id)));
+  query.past = std::chrono::minutes(20);
+  query.count = 40;
+  const auto past = cell.await(cell->watching().past_targets(query));
+  ASSERT_TRUE(past) << past.error().message;
+  ASSERT_EQ(past->tracks.size(), 1u);
+  EXPECT_EQ(past->tracks[0].channel.name(), "q1_mm");
+  const auto& nm = past->tracks[0].correction_nm;
+  ASSERT_EQ(nm.size(), past->at.size());
+  ASSERT_GE(nm.size(), 25u);
+  // The world grows by 150 nm/K and warms by 4 K/h, a bucket is about half a minute.
+  const double hours = seconds_from(past->at.back() - past->at.front()) / 3600;
+  EXPECT_GT(hours, 0.25);
+  EXPECT_NEAR((nm.back() - nm.front()) / hours, -150 * 4, 40);
+  // It ends where the target of this moment stands.
+  const auto snapshot = cell->snapshots().read();
+  const auto now = compensation::correction_parts(*snapshot, query.pose, 0);
+  ASSERT_TRUE(now);
+  EXPECT_NEAR(nm.back(), now->sum_nm(), 12);
+  query.pose = {};
+  EXPECT_EQ(cell.await(cell->watching().past_targets(query)).error().reason, "MISSING_COORDINATE");
 }
 
 TEST_F(ServingTest, TheResidualsOfAFitAreThoseOfItsAccuracy) {

@@ -190,6 +190,45 @@ TEST_F(TargetServiceTest, AStreamWaitsItsIntervalAndThenTellsTheLatest) {
   EXPECT_DOUBLE_EQ(response.target().coordinates(0).position_mm(), 1 + 9e-6);
 }
 
+TEST_F(TargetServiceTest, PastTargetsComeWithTheirTimesAndGapsStayGaps) {
+  cell.on_executor([&] {
+    cell.the_past.model = {3};
+    cell.the_past.at = {cell.the_time, cell.the_time + std::chrono::seconds(30)};
+    cell.the_past.tracks = {{{"q1", "mm"}, {-12.5, kMissing}}};
+  });
+  v1::ListPastTargetsRequest request;
+  *request.mutable_pose() = at("x_mm", 1).pose();
+  request.mutable_past_duration()->set_seconds(600);
+  request.set_count(60);
+  const auto answer = ask(&TargetStub::ListPastTargets, request);
+  ASSERT_TRUE(answer) << answer.error().message;
+  EXPECT_EQ(answer->model_id(), 3);
+  EXPECT_EQ(answer->times(1).seconds() - answer->times(0).seconds(), 30);
+  EXPECT_EQ(answer->tracks(0).channel(), "q1_mm");
+  EXPECT_EQ(answer->tracks(0).correction_nm(0), -12.5);
+  EXPECT_TRUE(std::isnan(answer->tracks(0).correction_nm(1)));
+  cell.on_executor([&] {
+    EXPECT_EQ(cell.last_past.past, std::chrono::minutes(10));
+    EXPECT_EQ(cell.last_past.count, 60);
+  });
+}
+
+TEST_F(TargetServiceTest, ARequestForThePastNamesWhatIsWrong) {
+  const auto reason = [&](auto change) {
+    v1::ListPastTargetsRequest request;
+    *request.mutable_pose() = at("x_mm", 1).pose();
+    change(request);
+    const auto answer = ask(&TargetStub::ListPastTargets, request);
+    return answer ? "" : answer.error().reason;
+  };
+  EXPECT_EQ(reason([](auto&) {}), "");
+  EXPECT_EQ(reason([](auto& r) { r.mutable_pose(0)->set_channel("t07_degC"); }), "BAD_POSE");
+  EXPECT_EQ(reason([](auto& r) { r.mutable_past_duration()->set_seconds(59); }), "BAD_PAST");
+  EXPECT_EQ(reason([](auto& r) { r.mutable_past_duration()->set_seconds(86'401); }), "BAD_PAST");
+  EXPECT_EQ(reason([](auto& r) { r.set_count(501); }), "BAD_COUNT");
+  EXPECT_EQ(reason([](auto& r) { r.set_count(-1); }), "BAD_COUNT");
+}
+
 TEST_F(TargetServiceTest, AStreamEndsWithTheReasonWhenNothingServes) {
   Call call;
   v1::WatchTargetsRequest request;

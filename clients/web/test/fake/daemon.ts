@@ -104,6 +104,10 @@ export function fakeDaemon(wishes: FakeWishes = {}): Transport {
         if (wishes.noModel) throw new ConnectError('no model serves', Code.FailedPrecondition);
         return { target: target(pose[0]?.value) };
       },
+      listPastTargets: () => ({
+        modelId: 12n, times: Array.from({ length: 60 }, (_, i) => at(i - 60)),
+        tracks: outputs.map((q, k) => ({ channel: `${q}_mm`, correctionNm: Array.from({ length: 60 }, (_, i) => -12.7 * (k + 1) - 0.3 * (60 - i)) })),
+      }),
       mapTargets: ({ horizontal, vertical }) => {
         const place = (axis: typeof horizontal, i: number) => axis!.from! + ((axis!.to! - axis!.from!) * i) / (axis!.count - 1);
         const cells = Array.from({ length: horizontal!.count * vertical!.count }, (_, i) => [place(horizontal, i % horizontal!.count), place(vertical, Math.floor(i / horizontal!.count))]);

@@ -1,5 +1,6 @@
-// How the correction of this pose moves while temperatures do.
+// How the correction of this pose moved in the last hour, and moves, while temperatures do.
 import { useMemo } from 'preact/hooks';
+import { localMidnight } from '@/format/time';
 import { splitChannel } from '@/format/units';
 import { Plot } from '@/plot/plot';
 import type { Colour, PlotSpec } from '@/plot/spec';
@@ -9,20 +10,20 @@ import type { HistoryRow } from './use_target';
 const colours: readonly Colour[] = ['q1', 'q2', 'q3', 's4', 's5', 's6'];
 
 export function liveSpec(history: readonly HistoryRow[], outputs: readonly string[]): PlotSpec {
-  const startMs = history[0]?.atMs ?? 0;
-  const x = history.map((row) => (row.atMs - startMs) / 60_000);
-  const first = history[0]?.correctionNm ?? [];
+  const startMs = localMidnight(history[0]?.atMs ?? 0);
+  const x = history.map((row) => (row.atMs - startMs) / 3_600_000);
+  const last = history.findLast((row) => row.correctionNm.some(Number.isFinite))?.correctionNm ?? [];
   const series = outputs.slice(0, 6).map((channel, i) => ({
-    name: splitChannel(channel).symbol, unit: 'nm', colour: colours[i], x, y: history.map((row) => row.correctionNm[i] - first[i]), digits: 1,
+    name: splitChannel(channel).symbol, unit: 'nm', colour: colours[i], x, y: history.map((row) => row.correctionNm[i] - last[i]), digits: 1,
   }));
   return {
-    title: 'Change of the correction', what: 'nm against minutes since this pose was asked for, time of the cell', x: { label: 'time_min', unit: 'min' },
+    title: 'The correction in the last hour', what: 'nm, against what it is now; against time of day', x: { label: 'time_h', unit: 'h', startMs, clock: true },
     y: { unit: 'nm', low: -5, high: 5 }, series: series.filter((one) => one.y.some(Number.isFinite)), file: 'target-change',
-    ...(history.length < 2 ? { why: 'It begins with the second look at the conditions: a few seconds.' } : {}),
+    ...(history.length < 2 ? { why: 'Waiting for the record …' } : {}),
   };
 }
 
 export function Live({ history, outputs }: { history: readonly HistoryRow[]; outputs: readonly string[] }) {
   const spec = useMemo(() => liveSpec(history, outputs), [history, outputs.join()]);
-  return <Panel><Plot spec={spec} height={300} /></Panel>;
+  return <Panel><Plot spec={spec} height={200} /></Panel>;
 }

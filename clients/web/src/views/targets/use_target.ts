@@ -1,5 +1,6 @@
 // The target of a pose, asked again every second while the page is looked at: temperatures move, and with them the
-// target. By single calls, not by a stream of its own: a browser has six connections to one place over all its tabs.
+// target. By single calls, not by a stream of its own: a browser has six connections to one place over all its tabs. What it
+// was in the hour before comes from the daemon, so that a page that was just opened has it.
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { api } from '@/api/client';
 import { failureOf, wasCancelled, type Failure } from '@/api/errors';
@@ -42,6 +43,10 @@ export function useTarget(pose: Pose): TargetState {
       if (!abort.signal.aborted) timer = setTimeout(ask, everyMs);
     };
     void ask();
+    theHourBefore(latest.current, abort.signal).then(
+      (before) => setState((old) => (old.key === key ? { ...old, history: joined(before, old.history) } : { key, history: before })),
+      () => undefined, // the target itself says what is wrong; the picture then begins now
+    );
     return () => {
       clearTimeout(timer);
       abort.abort();
@@ -49,6 +54,14 @@ export function useTarget(pose: Pose): TargetState {
   }, [key]);
   return state.key === key ? state : { history: [] };
 }
+
+async function theHourBefore(pose: Pose, signal: AbortSignal): Promise<readonly HistoryRow[]> {
+  const { times, tracks } = await api.target().listPastTargets({ pose: [...pose] }, { signal });
+  return times.map((time, i) => ({ atMs: ms(time) ?? 0, correctionNm: tracks.map((track) => track.correctionNm[i]) }));
+}
+
+// What was before goes before what was seen since.
+const joined = (before: readonly HistoryRow[], since: readonly HistoryRow[]) => [...before.filter((row) => !since[0] || row.atMs < since[0].atMs), ...since];
 
 function taken(history: readonly HistoryRow[], target: Target, key: string) {
   const atMs = ms(target.conditionsTime) ?? 0;
