@@ -80,6 +80,7 @@ async function daemonAlone(cell, seconds = 10) {
 
 // When the record of the run is there and drawn, on the page's own clock, and how long the daemon took to answer.
 async function openRun(browser, path) {
+  const before = cpuOf(browserPids(browser.profile));
   const page = await browser.page(path);
   const figures = await page.evaluate(async () => {
     const series = () => performance.getEntriesByType('resource').filter((one) => one.name.endsWith('/GetSeries') && one.responseEnd > 0);
@@ -88,7 +89,7 @@ async function openRun(browser, path) {
     await new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(drawn))));
     return { drawn: performance.now(), answer: last.responseEnd - last.requestStart, bytes: last.encodedBodySize };
   });
-  return { page, ...figures };
+  return { page, ...figures, cpu: 1000 * (cpuOf(browserPids(browser.profile)) - before) };
 }
 
 // Zoom steps by the wheel: what the page's main thread spends on one, in processor time (CDP), script, layout and painting.
@@ -142,7 +143,8 @@ try {
   await daemonAlone(cell);
   const browser = await Browser.open(cell.url);
   await share('Now', cell, browser, '/now');
-  await share('Instruments', cell, browser, '/instruments?since=10min');
+  await share('Instruments, 10 min', cell, browser, '/instruments?since=10min');
+  await share('Instruments, 1 h', cell, browser, '/instruments?since=1h');
   const channels = await longRun(cell, hours);
   const opened = [];
   for (let i = 0; i < 5; i++) {
@@ -151,7 +153,7 @@ try {
     if (i === 4) await zoom(browser, page, `run of ${hours} h, 30 channels`);
     await page.close();
   }
-  console.log(`run of ${hours} h opens in ${median(opened.map((one) => one.drawn)).toFixed(0)} ms (median of 5: ${opened.map((one) => one.drawn.toFixed(0)).join(', ')}), of that the daemon's answer ${median(opened.map((one) => one.answer)).toFixed(0)} ms, ${(opened[0].bytes / 1000).toFixed(0)} kB`);
+  console.log(`run of ${hours} h opens in ${median(opened.map((one) => one.drawn)).toFixed(0)} ms (median of 5: ${opened.map((one) => one.drawn.toFixed(0)).join(', ')}), of that the daemon's answer ${median(opened.map((one) => one.answer)).toFixed(0)} ms, ${(opened[0].bytes / 1000).toFixed(0)} kB; ${median(opened.map((one) => one.cpu)).toFixed(0)} ms of processor time over all browser processes`);
   await browser.close();
   console.log(`load of the machine after: ${loadavg().map((one) => one.toFixed(1)).join(' ')}`);
 } finally {

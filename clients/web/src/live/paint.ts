@@ -1,14 +1,23 @@
-// One animation frame for everything that moves: numbers at most ten times a second, plots five. A hidden page gets no
-// frames, so it draws nothing; what came meanwhile is painted when it is looked at again.
+// One animation frame for everything that moves: numbers at most ten times a second, plots five, or as much less often as there
+// are more than twelve of them: painting is what a page costs. A hidden page gets no frames, so it draws nothing; what came
+// meanwhile is painted when it is looked at again.
 import { signal } from '@preact/signals';
 import { paintChannels } from './channels';
 
 const numbersEveryMs = 100;
 const plotsEveryMs = 200;
+const fewPlots = 12;
 
 export const plotTick = signal(0); // live plots redraw when it changes
 
+let livePlots = 0;
 let asked = false;
+
+// Returns what ends it.
+export function countLivePlot(): () => void {
+  livePlots++;
+  return () => void livePlots--;
+}
 let numbersAt = 0;
 let plotsAt = 0;
 
@@ -16,7 +25,7 @@ function paint(now: number): void {
   asked = false;
   numbersAt = now;
   paintChannels();
-  if (now - plotsAt >= plotsEveryMs - 20) {
+  if (now - plotsAt >= plotsEveryMs * Math.max(1, livePlots / fewPlots) - 20) {
     plotsAt = now;
     plotTick.value++;
   }

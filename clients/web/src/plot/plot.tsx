@@ -6,7 +6,7 @@ import type uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import './plot.css';
 import { dark } from '@/app/theme';
-import { plotTick } from '@/live/paint';
+import { countLivePlot, plotTick } from '@/live/paint';
 import { inOrder, nearest } from './aligned';
 import { makePlot, redraw, seenRange, shapeOf, type Drawn } from './draw';
 import { ExportMenu } from './export_menu';
@@ -76,6 +76,7 @@ export function Plot(props: PlotProps) {
   pick.current = onPick;
   const empty = spec.why !== undefined || spec.series.every((one) => one.x.length === 0);
   if (live) void plotTick.value;
+  useEffect(() => (live ? countLivePlot() : undefined), [live]);
 
   const gestured: Gestured = {
     seen: () => seenRange(latest.current),
