@@ -21,3 +21,24 @@ driftwise_test(hidden_effects_plant
   LINKS driftwise_hidden_plants driftwise_diagnosis driftwise_formats
   LABELS hidden_effects
   TIMEOUT 300)
+
+# What the daemon makes of a diagnosis, judged by the plant's truth.
+if(TARGET driftwise_application)
+  add_library(driftwise_hidden_accepted STATIC
+    plant_accept.cc)
+  target_compile_definitions(driftwise_hidden_accepted PRIVATE DRIFTWISE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  target_link_libraries(driftwise_hidden_accepted
+    PUBLIC driftwise_hidden_plants
+    PRIVATE driftwise_application driftwise_compensation driftwise_formats driftwise_warnings)
+
+  add_executable(plant_accept
+    plant_accept_main.cc)
+  target_link_libraries(plant_accept PRIVATE driftwise_hidden_accepted driftwise_warnings)
+
+  driftwise_test(hidden_effects_accept
+    SOURCES
+      plant_accept_test.cc
+    LINKS driftwise_hidden_accepted
+    LABELS hidden_effects
+    TIMEOUT 300)
+endif()

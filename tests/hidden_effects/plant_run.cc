@@ -66,6 +66,7 @@ class AxisRunner {
     plant_->zero_length(0, instant_of(now_s_));
     zero_nm_ = plant_->truth(instant_of(now_s_)).end_effector_nm;
     run_.true_mm.resize(1);
+    run_.zero_q_mm = {plant_->axis(0, instant_of(now_s_)).q_mm};
   }
 
   void visit(const TrajectoryPoint& point, std::int64_t run) {
@@ -154,6 +155,8 @@ PlantRun run_on_micro_nano(const PlantStart& start, const std::vector<Trajectory
   std::vector<double> dwells;
   double force_n = 0;
   out.true_mm.resize(3);
+  for (int axis = 0; axis < 3; ++axis)
+    out.zero_q_mm.push_back(session.plant().axis(axis, instant_of(session.now_s())).q_mm);
   for (std::size_t run = 0; run < trajectories.size(); ++run)
     for (const auto& point : trajectories[run].points) {
       if (point.force_n && *point.force_n != force_n) session.load(force_n = *point.force_n);

@@ -19,6 +19,7 @@ struct PlantRun {
   // Per pose axis: where the end-effector was at every row since the lengths were zeroed, in the
   // robot's own frame. What a target is judged by.
   std::vector<std::vector<double>> true_mm;
+  std::vector<double> zero_q_mm;  // motor coordinates where the lengths were zeroed
 };
 
 struct PlantStart {
