@@ -6,6 +6,7 @@
 #include "server/core/reading.h"
 #include "server/core/units.h"
 #include "server/diagnosis/catalogue_builder.h"
+#include "server/diagnosis/places.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::diagnosis {
@@ -15,19 +16,17 @@ using effects::AppliesTo;
 using effects::Term;
 
 constexpr int kMostPeriods = 4000;
-constexpr std::ptrdiff_t kFewestPlaces = 8;
+constexpr std::size_t kFewestPlaces = 8;
 
-// Uniform in 1/period, step 1/(2 range), from half a period of it over the range to as many as
-// there are different places: a finer wave aliases into a coarser one.
+// Uniform in 1/period, step 1/(2 range), from two periods over the range to half as many as there
+// are different places: a finer wave aliases into a coarser one.
 void add_cyclic(CatalogueBuilder& builder, const std::string& symbol, Cause cause) {
-  std::vector<double> places_um;
+  std::vector<double> visited;
   const Dataset& data = builder.data();
   const auto values = data.values_of(symbol);
   for (std::size_t row = 0; row < data.rows; ++row)
-    if (std::isfinite(values[row]) && data.set_of(row) == PointSet::calibration)
-      places_um.push_back(std::round(values[row] * 1e3));
-  std::ranges::sort(places_um);
-  const auto places = std::distance(places_um.begin(), std::ranges::unique(places_um).begin());
+    if (data.set_of(row) == PointSet::calibration) visited.push_back(values[row]);
+  const std::size_t places = place_count(visited);
   if (places < kFewestPlaces) {
     builder.missing("cyclic_error", symbol + " is visited at fewer than " +
                                         std::to_string(kFewestPlaces) + " places");
@@ -60,6 +59,20 @@ std::vector<std::string> tilts_across(const CatalogueBuilder& builder, const std
   return tilts;
 }
 
+// What turns is as long as the beam, and that begins somewhere before x = 0: the tilt alone may
+// come with the product.
+void add_turned(CatalogueBuilder& builder, const std::string& axis) {
+  Cause cause = of_instrument("cosine_error", axis, LinearParameter::angle_arcsec);
+  std::vector<Term> all;
+  for (const auto& tilt : tilts_across(builder, axis)) {
+    all.push_back(effects::product(power_term(axis), power_term(tilt)));
+    builder.add_terms(cause, {all.back()}, kMissing);
+    builder.add_terms(cause, {all.back(), power_term(tilt)}, kMissing);
+  }
+  builder.add_terms(cause, all, kMissing);
+  builder.take_cause(std::move(cause));
+}
+
 void each_and_all(CatalogueBuilder& builder, Cause cause, const std::vector<Term>& terms) {
   for (const auto& term : terms) builder.add_terms(cause, {term}, kMissing);
   builder.add_terms(cause, terms, kMissing);
@@ -90,28 +103,17 @@ void add_beams(CatalogueBuilder& builder) {
   // told from the outputs afterwards.
   if (builder.axes().size() == 1) {
     const auto& axis = builder.axes().front();
-    std::vector<Term> levers, turned;
-    for (const auto& tilt : tilts_across(builder, axis)) {
-      levers.push_back(power_term(tilt));
-      turned.push_back(effects::product(power_term(axis), power_term(tilt)));
-    }
+    std::vector<Term> levers;
+    for (const auto& tilt : tilts_across(builder, axis)) levers.push_back(power_term(tilt));
     any_tilt = !levers.empty();
     each_and_all(builder, of_instrument("abbe_offset", axis, LinearParameter::offset_mm), levers);
-    each_and_all(builder, of_instrument("cosine_error", axis, LinearParameter::angle_arcsec),
-                 turned);
   } else {
     std::vector<Term> levers;
     for (const auto& tilt : builder.tilts()) levers.push_back(power_term(tilt));
     any_tilt = !levers.empty();
     each_and_all(builder, of_instrument("abbe_offset", "", LinearParameter::offset_mm), levers);
-    for (const auto& axis : builder.axes()) {
-      std::vector<Term> turned;
-      for (const auto& tilt : tilts_across(builder, axis))
-        turned.push_back(effects::product(power_term(axis), power_term(tilt)));
-      each_and_all(builder, of_instrument("cosine_error", axis, LinearParameter::angle_arcsec),
-                   turned);
-    }
   }
+  for (const auto& axis : builder.axes()) add_turned(builder, axis);
   if (!any_tilt)
     for (const char* id : {"abbe_offset", "cosine_error"})
       builder.missing(id, "no tilt channel rx, ry, rz in arcsec that varies");
@@ -133,9 +135,14 @@ void add_beams(CatalogueBuilder& builder) {
     }
   if (!varies)
     builder.missing("refractive_index", "none of air_degC, pressure_hPa, humidity_pct varies");
-  else if (whole)
-    builder.add_terms(air, {call_term("air_index", {"air", "pressure", "humidity"})}, kMissing);
-  else
+  else if (whole) {  // on the dead path, on the way measured, on both
+    const Term index = call_term("air_index", {"air", "pressure", "humidity"});
+    builder.add_terms(air, {index}, kMissing);
+    for (const auto& axis : builder.axes()) {
+      builder.add_terms(air, {effects::product(power_term(axis), index)}, kMissing);
+      builder.add_terms(air, {index, effects::product(power_term(axis), index)}, kMissing);
+    }
+  } else
     for (const auto& part : parts) builder.add_terms(air, {part}, kMissing);
   builder.take_cause(std::move(air));
 }

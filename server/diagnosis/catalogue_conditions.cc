@@ -12,8 +12,9 @@ namespace {
 using effects::AppliesTo;
 using effects::Term;
 
-// A rate is a lag in the limit of a short time constant; the thermometers are smoothed before.
-constexpr double kRateSteps = 2;
+// A rate is a lag in the limit of a short time constant, and what follows one takes a minute or
+// two.
+constexpr double kRateSteps = 2, kLongestRateSteps = 8, kLongestRate_s = 120;
 constexpr double kShortestLagSteps = 4;
 
 Cause of_robot(const std::string& id, const std::string& subject, LinearParameter linear) {
@@ -60,9 +61,10 @@ void add_temperatures(CatalogueBuilder& builder) {
         });
     builder.take_cause(std::move(lag));
     Cause rate = of_robot("thermal_rate", t, LinearParameter::nm_per_k_per_h);
-    builder.add_terms(
-        rate, {call_term("rate", {t}, {{std::max(kRateSteps * builder.step_s(), 1.0), "s"}})},
-        kMissing);
+    const double longest_s = std::max(kLongestRateSteps * builder.step_s(), kLongestRate_s);
+    for (double over_s = std::max(kRateSteps * builder.step_s(), 1.0); over_s <= longest_s;
+         over_s *= 2)
+      builder.add_terms(rate, {call_term("rate", {t}, {{over_s, "s"}})}, kMissing);
     builder.take_cause(std::move(rate));
   }
   if (builder.axes().empty()) builder.missing("thermal_expansion", "no pose axis varies");

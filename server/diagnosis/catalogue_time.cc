@@ -4,6 +4,7 @@
 
 #include "server/core/reading.h"
 #include "server/diagnosis/catalogue_builder.h"
+#include "server/effects/term_order.h"
 
 namespace driftwise::diagnosis {
 namespace {
@@ -29,7 +30,13 @@ void add_time(CatalogueBuilder& builder) {
               .where = "instrument",
               .applies_to = AppliesTo::correction,
               .linear = LinearParameter::nm_per_h};
-  builder.add_terms(drift, {call_term("drift", {})}, kMissing);
+  const Term zero = call_term("drift", {});
+  builder.add_terms(drift, {zero}, kMissing);
+  for (const auto& of : builder.axes()) {  // and its scale: a laser that warms up, air that ages
+    const Term scale = effects::product(power_term(of), zero);
+    builder.add_terms(drift, {scale}, kMissing);
+    builder.add_terms(drift, {zero, scale}, kMissing);
+  }
   builder.take_cause(std::move(drift));
 
   Cause step{.id = "step_change",

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/diagnosis/wave_columns.h"
+
 namespace driftwise::diagnosis {
 namespace {
 
@@ -66,37 +68,45 @@ std::vector<char> acts_on(const Problem& problem, const Cause& cause) {
 Result<Bank> column_bank(const Problem& problem, std::vector<Cause>& causes,
                          const std::function<bool()>& tick) {
   Bank bank;
-  std::vector<Eigen::MatrixXd> parts;
-  Eigen::Index width = 0;
-  const std::size_t at_once = std::max<std::size_t>(1, kNumbers / problem.data().rows / 2);
   std::erase_if(causes, [&](const Cause& cause) {
     return std::ranges::count(acts_on(problem, cause), 1) == 0;
   });
+  Eigen::Index most = 0, width = 0;
+  for (const auto& cause : causes)
+    for (const auto& cell : cause.cells) most += static_cast<Eigen::Index>(cell.terms.size());
+  bank.columns.resize(problem.timeline.rows(), most);
+  const auto keep = [&](const auto& columns) {
+    bank.cells.push_back({width, columns.cols()});
+    bank.columns.middleCols(width, columns.cols()) = columns;
+    width += columns.cols();
+  };
+  const std::size_t at_once = std::max<std::size_t>(1, kNumbers / problem.data().rows / 2);
   for (auto& cause : causes) {
-    Bank::Entry entry{bank.cells.size(), 0, acts_on(problem, cause)};
-    std::vector<Cell> kept;
-    for (std::size_t begin = 0; begin < cause.cells.size(); begin += at_once) {
-      if (tick && !tick()) return fail(ErrorCode::cancelled, "CANCELLED", "it was cancelled");
-      const std::size_t count = std::min(at_once, cause.cells.size() - begin);
-      auto columns = columns_of(problem, std::span(cause.cells).subspan(begin, count));
-      if (!columns) return tl::unexpected(columns.error());
-      for (std::size_t i = 0; i < count; ++i) {
-        if (!kept.empty() && cause.scale == ParameterScale::logarithmic &&
-            same(parts.back(), (*columns)[i]))
-          continue;
-        kept.push_back(std::move(cause.cells[begin + i]));
-        bank.cells.push_back({width, (*columns)[i].cols()});
-        width += (*columns)[i].cols();
-        parts.push_back(std::move((*columns)[i]));
-        ++entry.count;
+    const std::size_t first = bank.cells.size();
+    if (tick && !tick()) return fail(ErrorCode::cancelled, "CANCELLED", "it was cancelled");
+    if (const auto waves = wave_columns(problem, cause, tick)) {
+      for (Eigen::Index c = 0; c < waves->cols() / 2; ++c) keep(waves->middleCols(2 * c, 2));
+    } else {
+      std::vector<Cell> kept;
+      for (std::size_t begin = 0; begin < cause.cells.size(); begin += at_once) {
+        if (tick && !tick()) return fail(ErrorCode::cancelled, "CANCELLED", "it was cancelled");
+        const std::size_t count = std::min(at_once, cause.cells.size() - begin);
+        const auto columns = columns_of(problem, std::span(cause.cells).subspan(begin, count));
+        if (!columns) return tl::unexpected(columns.error());
+        for (std::size_t i = 0; i < count; ++i) {
+          if (!kept.empty() && cause.scale == ParameterScale::logarithmic &&
+              same(bank.columns.middleCols(bank.cells.back().first, bank.cells.back().count),
+                   (*columns)[i]))
+            continue;
+          kept.push_back(std::move(cause.cells[begin + i]));
+          keep((*columns)[i]);
+        }
       }
+      cause.cells = std::move(kept);
     }
-    cause.cells = std::move(kept);
-    bank.entries.push_back(std::move(entry));
+    bank.entries.push_back({first, bank.cells.size() - first, acts_on(problem, cause)});
   }
-  bank.columns.resize(problem.timeline.rows(), width);
-  for (std::size_t i = 0; i < parts.size(); ++i)
-    bank.columns.middleCols(bank.cells[i].first, bank.cells[i].count) = parts[i];
+  bank.columns.conservativeResize(Eigen::NoChange, width);
   return bank;
 }
 

@@ -69,7 +69,7 @@ class Diagnoser {
     series_.resize(problem_.timeline.rows(), static_cast<Eigen::Index>(problem_.outputs.size()));
     for (std::size_t o = 0; o < problem_.outputs.size(); ++o)
       series_.col(static_cast<Eigen::Index>(o)) = problem_.learned(problem_.outputs[o].measured);
-    if (auto ok = search(*bank); !ok) return tl::unexpected(ok.error());
+    if (auto ok = search(std::move(*bank)); !ok) return tl::unexpected(ok.error());
     if (!progress_.at(1, "done")) return cancelled();
     return std::move(result_);
   }
@@ -111,8 +111,8 @@ class Diagnoser {
     result_.findings.push_back(std::move(finding));
   }
 
-  Result<void> search(const Bank& bank) {
-    Search search(problem_.timeline, series_, bank, search_options(options_.seed));
+  Result<void> search(Bank bank) {
+    Search search(problem_.timeline, series_, std::move(bank), search_options(options_.seed));
     Extension extension(problem_, causes_, series_, search, [this] { return progress_.tick(); });
     bool noise_looked_at = false;
     while (static_cast<int>(extension.named().size()) < options_.max_findings) {
@@ -167,7 +167,7 @@ class Diagnoser {
 
   Result<void> look_at_remainder(Extension& extension) {
     if (!progress_.further(0.4, "looking at what is left")) return cancelled();
-    Remainder remainder(problem_, series_, options_.exclude_symbols,
+    Remainder remainder(problem_, kMostBlocks, options_.exclude_symbols,
                         search_options(options_.seed + 1));
     while (true) {
       const auto left = remainder.look(extension);

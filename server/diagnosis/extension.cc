@@ -8,13 +8,10 @@
 namespace driftwise::diagnosis {
 namespace {
 
-constexpr double kWithinReach_ln_p = 6;  // before refinement, of the best
 constexpr std::size_t kMostContenders = 8;
-constexpr double kRival_ln_p = 3;           // 6 in 2 ln L
-constexpr double kRivalCorrelation = 0.95;  // of fitted contributions, whitened
-constexpr double kNoticed_ln_p = -7;        // nobody is a rival who would not be noticed alone
-constexpr double kSuperfluous_ln_p = -4;    // a finding that the others explain
+constexpr double kLargestExpansion = 30;  // ppm/K (NUMERICS.md section 3)
 constexpr int kRounds = 2;
+constexpr std::size_t kMostFurther = 2;
 
 Eigen::MatrixXd beside(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   Eigen::MatrixXd both(a.rows(), a.cols() + b.cols());
@@ -22,15 +19,21 @@ Eigen::MatrixXd beside(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   return both;
 }
 
-double correlation(const Gain& a, const Gain& b) {
-  double across = 0, aa = 0, bb = 0;
-  for (std::size_t o = 0; o < a.contribution.size(); ++o) {
-    const auto &u = a.contribution[o], &v = b.contribution[o];
-    if (u.size() > 0) aa += u.squaredNorm();
-    if (v.size() > 0) bb += v.squaredNorm();
-    if (u.size() > 0 && v.size() > 0) across += u.dot(v);
+std::vector<double> values_of(const Named& named) {
+  std::vector<double> values = {named.parameter};
+  values.insert(values.end(), named.further.begin(), named.further.end());
+  return values;
+}
+
+// terms: of one value.
+std::vector<effects::Term> at_values(const std::vector<effects::Term>& terms,
+                                     const std::vector<double>& values) {
+  std::vector<effects::Term> result;
+  for (const double value : values) {
+    const auto there = with_parameter(terms, value);
+    result.insert(result.end(), there.begin(), there.end());
   }
-  return aa > 0 && bb > 0 ? across / std::sqrt(aa * bb) : 0;
+  return result;
 }
 
 }  // namespace
@@ -59,7 +62,8 @@ Eigen::MatrixXd Extension::all(std::optional<std::size_t> without) const {
 
 std::vector<char> Extension::allowed() const {
   std::vector<char> allowed(causes_.size(), 1);
-  for (const auto& one : named_) allowed[one.cause] = 0;
+  for (const auto& one : named_)
+    allowed[one.cause] = has_values(causes_[one.cause]) && one.further.size() < kMostFurther;
   return allowed;
 }
 
@@ -69,10 +73,13 @@ Ground Extension::ground(std::optional<std::size_t> without,
 }
 
 GainOf Extension::gain_of(const Ground& ground, const Cause& cause,
-                          const std::vector<effects::Term>& terms) const {
-  return [this, &ground, on = acts_on(problem_, cause), terms](double value) {
+                          std::vector<effects::Term> terms, std::vector<double> values,
+                          std::size_t at) const {
+  return [this, &ground, on = acts_on(problem_, cause), terms = std::move(terms),
+          values = std::move(values), at](double value) mutable {
     if (tick_ && !tick_()) return 0.0;  // whoever asked is to stop
-    const auto columns = filled_columns(problem_, with_parameter(terms, value));
+    values[at] = value;
+    const auto columns = filled_columns(problem_, at_values(terms, values));
     return columns ? ground.gain(problem_.learned(*columns), on).gain : 0.0;
   };
 }
@@ -82,28 +89,50 @@ Extension::Candidate Extension::refined(std::size_t cause, std::size_t cell,
   const Cause& what = causes_[cause];
   Candidate result{cause, {what.cells[cell].parameter, 0}, 0, {}, what.cells[cell].terms};
   if (what.scale != ParameterScale::none) {
-    result.refined =
-        refine(what, result.refined.value, instants_, gain_of(ground, what, result.terms));
+    result.refined = refine(what, result.refined.value, instants_,
+                            gain_of(ground, what, result.terms, {result.refined.value}, 0));
     result.terms = with_parameter(result.terms, result.refined.value);
   }
   if (const auto columns = filled_columns(problem_, result.terms))
     result.gain = ground.gain(problem_.learned(*columns), acts_on(problem_, what));
   result.refined.gain = result.gain.gain;
   result.ln_p = search_.ln_p(cause, result.gain.gain, result.gain.dof);
+  if (what.linear == LinearParameter::ppm_per_k && !expands_so_much(result, ground))
+    result.gain.gain = result.refined.gain = result.ln_p = 0;
   return result;
 }
 
-std::vector<Extension::Candidate> Extension::contenders(const Look& look, const Ground& ground,
-                                                        std::optional<std::size_t> present) const {
+// No material grows by more than 30 ppm/K of what a sensor on it sees.
+bool Extension::expands_so_much(const Candidate& candidate, const Ground& ground) const {
+  const auto columns = filled_columns(problem_, candidate.terms);
+  if (!columns || columns->cols() != 1) return true;
+  for (std::size_t o = 0; o < problem_.outputs.size(); ++o) {
+    const auto at = static_cast<Eigen::Index>(o);
+    if (problem_.outputs[o].unit != "nm") continue;
+    const auto& space = ground.space(candidate.gain.shape[o]);
+    const Eigen::VectorXd column = space.left_over(problem_.learned(*columns));
+    const Eigen::VectorXd left = space.left_over(ground.series().col(at));
+    const double ppm_per_k = column.dot(left) / column.squaredNorm();
+    if (std::abs(ppm_per_k) - 2 * ground.white_sd(at) / column.norm() > kLargestExpansion)
+      return false;
+  }
+  return true;
+}
+
+std::vector<Extension::Candidate> Extension::contenders(
+    const Look& look, const Ground& ground, const std::vector<std::size_t>& present) const {
+  const auto is_present = [&](std::size_t c) {
+    return std::ranges::find(present, c) != present.end();
+  };
   std::vector<std::size_t> near;
   for (std::size_t c = 0; c < look.causes.size(); ++c)
     if (look.causes[c].gain > 0 &&
-        (c == present || look.causes[c].ln_p < look.causes[*look.first].ln_p + kWithinReach_ln_p))
+        (is_present(c) || look.causes[c].ln_p < look.causes[*look.first].ln_p + kWithinReach_ln_p))
       near.push_back(c);
   std::ranges::stable_sort(near, {}, [&](std::size_t c) { return look.causes[c].ln_p; });
   std::vector<Candidate> result;
   for (std::size_t i = 0; i < near.size(); ++i) {
-    if (i >= kMostContenders && near[i] != present) continue;
+    if (i >= kMostContenders && !is_present(near[i])) continue;
     result.push_back(refined(near[i], look.causes[near[i]].cell, ground));
     if (tick_ && !tick_()) break;
   }
@@ -129,8 +158,15 @@ Result<Named> Extension::made(const Candidate& candidate, double p_adjusted) con
 Result<void> Extension::add(const Look& look) {
   shapes_ = look.shapes;
   const Ground here = ground({}, shapes_);
-  const auto best = contenders(look, here, {});
+  std::vector<std::size_t> present;
+  for (const auto& one : named_)
+    if (has_values(causes_[one.cause])) present.push_back(one.cause);
+  const auto best = contenders(look, here, present);
   if (best.empty()) return cancelled();
+  for (const auto& candidate : best)
+    if (const auto index = index_of(candidate.cause);
+        index && candidate.ln_p < best.front().ln_p + kWithinReach_ln_p)
+      return add_value(*index, candidate.refined.value);
   auto one = made(best.front(), look.p_adjusted);
   if (!one) return tl::unexpected(one.error());
   named_.push_back(std::move(*one));
@@ -144,58 +180,53 @@ Result<void> Extension::reoptimise() {
       if (cause.scale == ParameterScale::none) continue;
       if (tick_ && !tick_()) return cancelled();
       const Ground here = ground(i, shapes_);
-      Candidate again{named_[i].cause, {}, 0, {}, named_[i].terms};
-      const auto gain = gain_of(here, cause, again.terms);
-      again.refined = refine(cause, named_[i].parameter, instants_, gain);
-      again.terms = with_parameter(again.terms, again.refined.value);
-      again.gain.gain = again.refined.gain;
-      again.ln_p = named_[i].ln_p;
-      auto one = made(again, named_[i].p_adjusted);
-      if (!one) return tl::unexpected(one.error());
-      named_[i] = std::move(*one);
+      auto values = values_of(named_[i]);
+      for (std::size_t k = 0; k < values.size(); ++k) {
+        const auto again = refine(cause, values[k], instants_,
+                                  gain_of(here, cause, cause.cells.front().terms, values, k));
+        values[k] = again.value;
+        named_[i].gain = again.gain;
+      }
+      if (auto ok = set_values(named_[i], values); !ok) return ok;
     }
   return {};
+}
+
+std::optional<std::size_t> Extension::index_of(std::size_t cause) const {
+  for (std::size_t i = 0; i < named_.size(); ++i)
+    if (named_[i].cause == cause) return i;
+  return std::nullopt;
+}
+
+Result<void> Extension::set_values(Named& named, const std::vector<double>& values) const {
+  named.terms = at_values(causes_[named.cause].cells.front().terms, values);
+  auto columns = filled_columns(problem_, named.terms);
+  if (!columns) return tl::unexpected(columns.error());
+  named.parameter = values.front();
+  named.further.assign(values.begin() + 1, values.end());
+  named.all = std::move(*columns);
+  named.learned = problem_.learned(named.all);
+  return {};
+}
+
+Result<void> Extension::add_value(std::size_t index, double value) {
+  auto values = values_of(named_[index]);
+  values.push_back(value);
+  if (auto ok = set_values(named_[index], values); !ok) return ok;
+  return reoptimise();
 }
 
 void Extension::withdraw(std::size_t index) {
   named_.erase(named_.begin() + static_cast<std::ptrdiff_t>(index));
 }
 
-Result<std::vector<std::string>> Extension::settle() {
-  std::vector<std::string> said;
-  for (std::size_t i = 0; i < named_.size();) {
-    auto allowed = this->allowed();
-    allowed[named_[i].cause] = 1;
-    const auto look = search_.compare(learned(i), allowed);
-    if (!look) return cancelled();
-    if (!look->first) {
-      withdraw(i);
-      continue;
-    }
-    shapes_ = look->shapes;
-    const Ground here = ground(i, shapes_);
-    const auto best = contenders(*look, here, named_[i].cause);
-    if (best.empty()) return cancelled();
-    if (best.front().ln_p > kSuperfluous_ln_p) {
-      said.push_back(name_of(causes_[named_[i].cause]) +
-                     " was named and is explained by what was found after it");
-      withdraw(i);
-      continue;
-    }
-    auto one = made(best.front(), named_[i].p_adjusted);
-    if (!one) return tl::unexpected(one.error());
-    if (one->cause != named_[i].cause)
-      said.push_back(name_of(causes_[named_[i].cause]) + " was named first; with the rest known, " +
-                     name_of(causes_[one->cause]) + " explains more");
-    for (std::size_t k = 1; k < best.size(); ++k)
-      if (best[k].ln_p < one->ln_p + kRival_ln_p ||
-          (best[k].ln_p < kNoticed_ln_p &&
-           correlation(best[k].gain, best.front().gain) > kRivalCorrelation))
-        one->rivals.push_back(best[k].cause);
-    named_[i] = std::move(*one);
-    ++i;
-  }
-  return said;
+Extension::Candidate Extension::as_it_stands(std::size_t index, const Ground& ground) const {
+  const Named& named = named_[index];
+  Candidate result{named.cause, {named.parameter, 0}, 0, {}, named.terms};
+  result.gain = ground.gain(named.learned, acts_on(problem_, causes_[named.cause]));
+  result.refined.gain = result.gain.gain;
+  result.ln_p = search_.ln_p(named.cause, result.gain.gain, result.gain.dof);
+  return result;
 }
 
 std::optional<Profile> Extension::profile_of(std::size_t index) const {
@@ -203,7 +234,7 @@ std::optional<Profile> Extension::profile_of(std::size_t index) const {
   const Cause& cause = causes_[one.cause];
   if (cause.scale == ParameterScale::none) return std::nullopt;
   const Ground here = ground(index, shapes_);
-  const auto gain = gain_of(here, cause, one.terms);
+  const auto gain = gain_of(here, cause, cause.cells.front().terms, values_of(one), 0);
   return profile(cause, {one.parameter, gain(one.parameter)}, instants_, gain);
 }
 

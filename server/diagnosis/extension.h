@@ -18,13 +18,23 @@ namespace driftwise::diagnosis {
 
 struct Named {
   std::size_t cause = 0;
-  std::vector<effects::Term> terms;  // at the parameter's best value
+  std::vector<effects::Term> terms;  // at the parameter's best value, then at each further one
   double parameter = 0;
+  std::vector<double> further;  // what one value leaves: glue that creeps with three time constants
   Eigen::MatrixXd all, learned;  // its columns: every row of the dataset; blocks
   double p_adjusted = 1;         // when it was found
   double gain = 0, ln_p = 0;     // beyond the baseline and the others
   std::vector<std::size_t> rivals;
 };
+
+// Before refinement, of the best; and the reach of another value of a named cause.
+inline constexpr double kWithinReach_ln_p = 6;
+
+// Of a time constant, a width or a period: a continuum of values, of which a cause may have
+// several.
+inline bool has_values(const Cause& cause) {
+  return cause.scale == ParameterScale::logarithmic || cause.scale == ParameterScale::inverse;
+}
 
 class Extension {
  public:
@@ -37,10 +47,13 @@ class Extension {
   // one of the named out.
   Eigen::MatrixXd learned(std::optional<std::size_t> without = {}) const;
   Eigen::MatrixXd all(std::optional<std::size_t> without = {}) const;
-  std::vector<char> allowed() const;  // causes that are not named
+  // Causes that are not named, and those named that may take a further value of their parameter.
+  std::vector<char> allowed() const;
 
   // Adds the best of a look, its parameter refined; of several that are close before they are
-  // refined, the one that is best after. Nothing: stopped.
+  // refined, the one that is best after. Where one that is named already comes as close with
+  // another value of its parameter, that is no new cause: it takes the further value. Nothing:
+  // stopped.
   Result<void> add(const Look& look);
   // Every parameter again, given the others; then each finding against all other causes: another
   // that does clearly better takes its place, one that the others make superfluous goes, and what
@@ -63,13 +76,26 @@ class Extension {
     std::vector<effects::Term> terms;
   };
   Candidate refined(std::size_t cause, std::size_t cell, const Ground& ground) const;
-  GainOf gain_of(const Ground& ground, const Cause& cause,
-                 const std::vector<effects::Term>& terms) const;
-  // Those within reach of the first, refined, the best first.
+  // terms: of one value; values: those of its parameter, the one at `at` to be tried.
+  GainOf gain_of(const Ground& ground, const Cause& cause, std::vector<effects::Term> terms,
+                 std::vector<double> values, std::size_t at) const;
+  // Those within reach of the first, and these, refined, the best first.
   std::vector<Candidate> contenders(const Look& look, const Ground& ground,
-                                    std::optional<std::size_t> present) const;
+                                    const std::vector<std::size_t>& present) const;
   Result<Named> made(const Candidate& candidate, double p_adjusted) const;
+  std::optional<std::size_t> index_of(std::size_t cause) const;  // among the named
+  // Another value of its parameter for one of the named.
+  Result<void> add_value(std::size_t index, double value);
+  Result<void> set_values(Named& named, const std::vector<double>& values) const;
   Result<void> reoptimise();
+  Candidate as_it_stands(std::size_t index, const Ground& ground) const;
+  std::optional<std::vector<Candidate>> stand_ins(std::size_t index);
+  std::optional<std::size_t> value_of_another(std::size_t index,
+                                              const std::vector<Candidate>& best) const;
+  std::size_t preferred(const std::vector<Candidate>& best) const;
+  bool expands_so_much(const Candidate& candidate, const Ground& ground) const;
+  void leave_misfits(std::vector<std::string>& said);
+  void name_rivals(std::size_t index, const std::vector<Candidate>& best, std::size_t first);
 
   const Problem& problem_;
   const std::vector<Cause>& causes_;

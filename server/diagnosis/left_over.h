@@ -1,5 +1,7 @@
 #pragma once
-// What no cause of the catalogue explains, and which findings were only its nearest name.
+// What no cause of the catalogue explains, and which findings were only its nearest name. Asked of
+// all rows, those held out too: nine places can be joined by anything, and what lies between them
+// tells.
 
 #include <functional>
 #include <optional>
@@ -14,8 +16,9 @@ namespace driftwise::diagnosis {
 
 class Remainder {
  public:
-  Remainder(const Problem& problem, const Eigen::MatrixXd& series,
-            const std::vector<std::string>& excluded, SearchOptions options);
+  // longest: blocks that it works with at most.
+  Remainder(const Problem& problem, std::size_t longest, const std::vector<std::string>& excluded,
+            SearchOptions options);
 
   // The free shape that what is left goes with beyond chance; none where nothing is. cancelled.
   Result<std::optional<LeftOver>> look(const Extension& extension);
@@ -26,7 +29,8 @@ class Remainder {
   std::optional<std::size_t> nearest_name(const Extension& extension) const;
 
  private:
-  const Problem& problem_;
+  Problem whole_;  // every row learns
+  Eigen::MatrixXd series_;
   FreeShapes shapes_;
   Search search_;
   std::optional<Look> last_;

@@ -30,12 +30,13 @@ LinearNumber linear_number(LinearParameter parameter, const effects::Term& term,
       return {"width_nm", value / kNmPerMm};
     case LinearParameter::offset_mm:  // nm per arcsec
       return {"offset_mm", 1 / (kRadPerArcsec * kNmPerMm)};
-    case LinearParameter::angle_arcsec:  // nm per mm and arcsec
+    case LinearParameter::angle_arcsec:  // nm per mm and arcsec; a tilt alone is the beam's start
+      if (term.factors.size() < 2) return {};
       return {"angle_arcsec", 1 / (kRadPerArcsec * kRadPerArcsec * kNmPerMm)};
     case LinearParameter::dead_path_mm:  // nm per ppm
       return is_air_index(term) ? LinearNumber{"dead_path_mm", 1} : LinearNumber{};
     case LinearParameter::nm_per_h:
-      return {"nm_per_h", 1};
+      return term.factors.size() > 1 ? LinearNumber{"ppm_per_h", 1} : LinearNumber{"nm_per_h", 1};
     case LinearParameter::size_nm:
       return {"size_nm", 1};
   }

@@ -1,9 +1,9 @@
 #include "server/diagnosis/prepared.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "server/calibration/predict.h"
+#include "server/diagnosis/places.h"
 #include "server/diagnosis/smoothing.h"
 
 namespace driftwise::diagnosis {
@@ -16,30 +16,11 @@ bool is_wave_in_length(const effects::Term& term) {
   });
 }
 
-constexpr double kGap = 7e-4, kWidest = 2e-3;  // of the channel's range
-constexpr std::size_t kFewestVisits = 3;
-
-// Values that come in tight groups, each group at its mean; the others as they are.
-std::vector<double> by_places(const std::vector<double>& values) {
-  std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (std::isfinite(values[i])) order.push_back(i);
-  std::vector<double> result = values;
-  if (order.empty()) return result;
-  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return values[i]; });
-  const double range = values[order.back()] - values[order.front()];
-  for (std::size_t begin = 0; begin < order.size();) {
-    std::size_t end = begin + 1;
-    double sum = values[order[begin]];
-    for (; end < order.size() && values[order[end]] - values[order[end - 1]] < kGap * range; ++end)
-      sum += values[order[end]];
-    if (end - begin >= kFewestVisits &&
-        values[order[end - 1]] - values[order[begin]] < kWidest * range)
-      for (std::size_t k = begin; k < end; ++k)
-        result[order[k]] = sum / static_cast<double>(end - begin);
-    begin = end;
-  }
-  return result;
+bool observes_path(const effects::Term& term) {
+  return std::ranges::any_of(term.factors, [](const effects::Factor& factor) {
+    const auto* call = std::get_if<effects::Call>(&factor);
+    return call != nullptr && !call->symbols.empty() && is_motor_symbol(call->symbols.front());
+  });
 }
 
 }  // namespace
@@ -59,13 +40,44 @@ Prepared Prepared::of(const Dataset& dataset) {
     if (column.channel.unit == "mm" &&
         (is_pose_symbol(column.channel.symbol) || is_motor_symbol(column.channel.symbol)))
       column.values = by_places(column.values);
+  prepared.on_path_ = prepared.clocked_;
   return prepared;
 }
 
+void Prepared::set_path(const std::string& symbol, const std::vector<double>& values) {
+  for (auto& column : on_path_.columns)
+    if (column.channel.symbol == symbol) column.values = values;
+  for (auto& column : at_places_.columns)
+    if (column.channel.symbol == symbol) column.values = by_places(values);
+}
+
 Result<Eigen::MatrixXd> Prepared::columns(const std::vector<effects::Term>& terms) const {
-  if (std::ranges::none_of(terms, is_wave_in_length))
-    return calibration::raw_columns(clocked_, terms);
-  return calibration::raw_columns(at_places_, terms);
+  const auto from = [&](const effects::Term& term) {
+    if (is_wave_in_length(term)) return &at_places_;
+    return observes_path(term) ? &on_path_ : &clocked_;
+  };
+  Eigen::MatrixXd columns(static_cast<Eigen::Index>(data_.rows),
+                          static_cast<Eigen::Index>(terms.size()));
+  for (const Dataset* source : {&clocked_, &at_places_, &on_path_}) {
+    std::vector<effects::Term> some;
+    std::vector<Eigen::Index> places;
+    for (std::size_t k = 0; k < terms.size(); ++k) {
+      if (from(terms[k]) != source) continue;
+      some.push_back(terms[k]);
+      places.push_back(static_cast<Eigen::Index>(k));
+    }
+    if (some.empty()) continue;
+    auto made = calibration::raw_columns(*source, some);
+    if (!made || some.size() == terms.size()) return made;
+    for (std::size_t k = 0; k < places.size(); ++k)
+      columns.col(places[k]) = made->col(static_cast<Eigen::Index>(k));
+  }
+  return columns;
+}
+
+std::span<const double> Prepared::phase_values(const std::string& symbol) const {
+  if (symbol.empty()) return clocked_.time_s;
+  return at_places_.values_of(symbol);
 }
 
 }  // namespace driftwise::diagnosis

@@ -3,9 +3,12 @@
 // to, from which periodic columns are taken. Positions sit on a lattice, so a wave over the
 // *measured* one, through zero at every place, reads the measurement's own noise back out
 // (NUMERICS.md section 3). Which of the two coordinates has the noise, motor or pose, cannot be
-// known: both are taken at their places.
+// known: both are taken at their places. Play and creep read their motor's own path back in the
+// same way, which matters where moves are short: they run on the path that the simulation predicts.
 
 #include <Eigen/Core>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "server/core/dataset.h"
@@ -18,13 +21,18 @@ class Prepared {
  public:
   static Prepared of(const Dataset& dataset);
 
+  // The path of a motor coordinate as the simulation predicts it, one value per row.
+  void set_path(const std::string& symbol, const std::vector<double>& values);
+
   const Dataset& data() const { return data_; }
   // Every row's value of every term. Untimed data count their rows: whoever asks knows which terms
   // may be asked.
   Result<Eigen::MatrixXd> columns(const std::vector<effects::Term>& terms) const;
+  // What a wave's phase goes with: an axis or motor in mm at its places; "" for the clock in s.
+  std::span<const double> phase_values(const std::string& symbol) const;
 
  private:
-  Dataset data_, clocked_, at_places_;
+  Dataset data_, clocked_, at_places_, on_path_;
 };
 
 }  // namespace driftwise::diagnosis

@@ -6,6 +6,7 @@
 
 #include "server/calibration/predict.h"
 #include "server/calibration/undetermined.h"
+#include "server/diagnosis/held_out_gain.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::diagnosis {
@@ -119,6 +120,24 @@ Result<void> check_variation(const Problem& problem) {
   return {};
 }
 
+// Where the baseline knows the geometry: a motor's path without the noise of its reading.
+void predict_paths(Problem& problem) {
+  constexpr double kKnown = 0.02;  // of the path's spread left
+  for (const auto& output : problem.outputs) {
+    if (!is_motor_symbol(output.channel.symbol)) continue;
+    const Eigen::VectorXd left = residuals(problem, output, problem.base_columns);
+    const Eigen::VectorXd learned = rows_of(output.measured, problem.learn);
+    const double spread = (learned.array() - learned.mean()).matrix().norm();
+    if (!(rows_of(left, problem.learn).norm() < kKnown * spread)) continue;
+    const auto measured = problem.data().values_of(output.channel.symbol);
+    std::vector<double> path(measured.begin(), measured.end());
+    for (std::size_t row = 0; row < path.size(); ++row)
+      if (const double miss = left[static_cast<Eigen::Index>(row)]; std::isfinite(miss))
+        path[row] -= miss / output.factor;
+    problem.prepared.set_path(output.channel.symbol, path);
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> Problem::output_symbols() const {
@@ -197,6 +216,7 @@ Result<Problem> lay_out(const Dataset& dataset, const calibration::Candidates& b
   if (auto ok = divide_rows(dataset, problem); !ok) return tl::unexpected(ok.error());
   if (auto ok = check_variation(problem); !ok) return tl::unexpected(ok.error());
   leave_out_undetermined(problem, always);
+  predict_paths(problem);
   problem.lay_blocks(longest);
   return problem;
 }

@@ -24,6 +24,12 @@ std::string suffix(const effects::Term& term, std::size_t terms) {
   return "";
 }
 
+// "further_tau_s", "further2_tau_s": of the values that one alone leaves.
+std::string numbered(std::size_t value, const std::string& name) {
+  if (value == 0) return name;
+  return "further" + (value > 1 ? std::to_string(value) : "") + "_" + name;
+}
+
 // Which axis an instrument's error belongs to: the one whose own column is spread over the outputs
 // as the finding's is.
 std::string axis_of(const Problem& problem, const Finding& finding) {
@@ -75,7 +81,10 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
       parameter.curve = std::move(curve->curve);
     }
     finding.parameters.push_back(std::move(parameter));
+    for (std::size_t v = 0; v < named.further.size(); ++v)
+      finding.parameters.push_back({numbered(v + 1, cause.parameter), named.further[v], {}, {}});
   }
+  const std::size_t of_one_value = named.terms.size() / (1 + named.further.size());
   for (const std::size_t rival : named.rivals)
     finding.indistinguishable_from.push_back(name_of(causes[rival]));
   const Ground ground = extension.ground(index, extension.shapes());
@@ -98,16 +107,18 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
       added += coefficient * named.learned.col(k);
       one.coefficients.push_back(coefficient / output.factor);
       const auto& term = named.terms[static_cast<std::size_t>(k)];
-      const auto number = linear_number(cause.linear, term, named.parameter);
+      const std::size_t v = static_cast<std::size_t>(k) / of_one_value;
+      const auto number =
+          linear_number(cause.linear, term, v == 0 ? named.parameter : named.further[v - 1]);
       if (number.name.empty() || output.unit != "nm" || !one.shown || !std::isfinite(error))
         continue;
       const double value = coefficient * number.factor,
                    reach = kSigmaToU90 * error * std::abs(number.factor);
-      FoundParameter parameter{
-          number.name + suffix(term, named.terms.size()) + (shown > 1 ? "_" + one.output : ""),
-          value,
-          Interval{value - reach, value + reach},
-          {}};
+      FoundParameter parameter{numbered(v, number.name) + suffix(term, of_one_value) +
+                                   (shown > 1 ? "_" + one.output : ""),
+                               value,
+                               Interval{value - reach, value + reach},
+                               {}};
       if (cause.linear == LinearParameter::width_nm && value < 0) {
         parameter.value = -value;
         parameter.ci90 = Interval{-value - reach, -value + reach};

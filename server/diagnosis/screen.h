@@ -33,8 +33,10 @@ struct OutlierRow {
   double sigmas = 0;
 };
 
-// Isolated wrong rows: one that stands far off both its neighbours, which agree with one another.
-// Nothing when there are so many that they are no exceptions (2 %).
+// Isolated wrong rows, of those that learn and those that judge: one that stands far off both its
+// neighbours in time, which agree with one another. Nothing when there are so many that they are no
+// exceptions (5 %); not where those measured beside it in position are half as far off: then the
+// place is wrong.
 std::vector<OutlierRow> outlier_rows(const Problem& problem);
 
 struct NoiseChange {

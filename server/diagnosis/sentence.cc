@@ -1,5 +1,6 @@
 #include "server/diagnosis/sentence.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <map>
@@ -18,7 +19,9 @@ std::string parameter_text(const std::string& name, double value) {
   const auto split = name.rfind('_');
   if (name.find("_per_") != std::string::npos || split == std::string::npos)
     return three_digits(value) + " " + name;
-  return name.substr(0, split) + " " + size_text(value, name.substr(split + 1));
+  std::string what = name.substr(0, split);
+  std::ranges::replace(what, '_', ' ');
+  return what + " " + size_text(value, name.substr(split + 1));
 }
 
 std::string what(const Finding& finding) {
@@ -46,6 +49,9 @@ std::string what(const Finding& finding) {
       {"noise_change", "the spread changes, not the mean"}};
   const auto found = words.find(finding.cause);
   std::string text = found == words.end() ? finding.cause + " of %" : found->second;
+  if (finding.cause == "instrument_drift" && !finding.terms.empty() &&
+      finding.terms.back().factors.size() > 1)
+    text = "the scale of % drifts steadily and nothing sensed explains it";
   if (const auto at = text.find('%'); at != std::string::npos) text.replace(at, 1, of);
   return text;
 }

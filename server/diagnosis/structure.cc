@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/diagnosis/places.h"
+
 namespace driftwise::diagnosis {
 namespace {
 
-constexpr std::size_t kKnots = 13, kKnotsOfProducts = 5;
+constexpr std::size_t kKnots = 13, kKnotsOfProducts = 5, kMostPlaces = 20;
 
 // Hat functions between neighbouring quantiles; no columns for fewer than 4 different ones.
 Eigen::MatrixXd hats(const Eigen::VectorXd& values, std::size_t most) {
@@ -14,10 +16,15 @@ Eigen::MatrixXd hats(const Eigen::VectorXd& values, std::size_t most) {
   std::ranges::sort(sorted);
   std::vector<double> knots;
   const double apart = (sorted.back() - sorted.front()) / (4 * static_cast<double>(most));
-  for (std::size_t k = 0; k < most; ++k) {
-    const double at = sorted[k * (sorted.size() - 1) / (most - 1)];
-    if (knots.empty() || at > knots.back() + apart) knots.push_back(at);
-  }
+  std::vector<double> places = by_places(sorted);  // few of them: each its own knot
+  places.erase(std::ranges::unique(places).begin(), places.end());
+  if (most == kKnots && places.size() <= kMostPlaces)
+    knots = std::move(places);
+  else
+    for (std::size_t k = 0; k < most; ++k) {
+      const double at = sorted[k * (sorted.size() - 1) / (most - 1)];
+      if (knots.empty() || at > knots.back() + apart) knots.push_back(at);
+    }
   if (knots.size() < 4) return {};
   Eigen::MatrixXd columns =
       Eigen::MatrixXd::Zero(values.size(), static_cast<Eigen::Index>(knots.size()));

@@ -144,9 +144,10 @@ Shape shape_of(const Hidden& hidden, const Scene& scene, std::mt19937_64& random
   if (cause == "thermal_rate")
     return {by_row(scene,
                    [&](std::size_t i) {
+                     // over a minute: what bends is no thinner than heat travels in that time
                      const auto& s = scene.weather.sensor_degc[sensor];
-                     const auto at = static_cast<std::size_t>(path.time_s[i]);
-                     return s[at + 1] - s[at];
+                     const double at = path.time_s[i];
+                     return at_time(s, at) - at_time(s, std::max(at - 60, 0.0));
                    }) *
                 anywhere,
             name, ""};

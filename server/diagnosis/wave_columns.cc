@@ -1,0 +1,101 @@
+#include "server/diagnosis/wave_columns.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "server/core/units.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+constexpr std::size_t kFewestCells = 8;
+constexpr std::size_t kRowsAtOnce = 2048;  // stay in the cache
+constexpr double kUniform = 1e-9;          // of the first frequency
+
+struct Grid {
+  double first = 0, step = 0;  // turns per unit of the value
+  std::string symbol;          // "" for time
+};
+
+// "sin(x, 2000 nm)" beside "cos(x, 2000 nm)"; frequencies per mm or per s.
+std::optional<Grid> grid_of(const Cause& cause) {
+  if (cause.scale != ParameterScale::inverse || cause.cells.size() < kFewestCells)
+    return std::nullopt;
+  const auto& terms = cause.cells.front().terms;
+  if (terms.size() != 2) return std::nullopt;
+  Grid grid;
+  for (std::size_t k = 0; k < 2; ++k) {
+    if (terms[k].factors.size() != 1) return std::nullopt;
+    const auto* call = std::get_if<effects::Call>(&terms[k].factors.front());
+    const std::string name = k == 0 ? "sin" : "cos";
+    if (call == nullptr || (call->effect != name && call->effect != name + "_t"))
+      return std::nullopt;
+    grid.symbol = call->symbols.empty() ? "" : call->symbols.front();
+  }
+  const auto frequency = [&](std::size_t c) {
+    const double period = cause.cells[c].parameter;
+    return 1 / (grid.symbol.empty() ? period : mm_from_nm(period));
+  };
+  grid.first = frequency(0);
+  grid.step = frequency(1) - grid.first;
+  for (std::size_t c = 2; c < cause.cells.size(); ++c)
+    if (std::abs(frequency(c) - grid.first - static_cast<double>(c) * grid.step) >
+        kUniform * static_cast<double>(c) * grid.first)
+      return std::nullopt;
+  return grid;
+}
+
+}  // namespace
+
+std::optional<Eigen::MatrixXd> wave_columns(const Problem& problem, const Cause& cause,
+                                            const std::function<bool()>& tick) {
+  const auto grid = grid_of(cause);
+  if (!grid) return std::nullopt;
+  const auto values = problem.prepared.phase_values(grid->symbol);
+  if (values.empty()) return std::nullopt;
+  for (const std::size_t row : problem.learn)
+    if (!std::isfinite(values[row])) return std::nullopt;
+  const auto cells = static_cast<Eigen::Index>(cause.cells.size());
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(problem.timeline.rows(), 2 * cells);
+  Eigen::VectorXd count = Eigen::VectorXd::Zero(problem.timeline.rows());
+  const auto& learn = problem.learn;
+  const std::vector<std::size_t>& block = problem.block_of;
+  for (std::size_t begin = 0; begin < learn.size(); begin += kRowsAtOnce) {
+    if (tick && !tick()) return std::nullopt;
+    const std::size_t rows = std::min(kRowsAtOnce, learn.size() - begin);
+    const auto n = static_cast<Eigen::Index>(rows);
+    Eigen::ArrayXd sine(n), cosine(n), turn_sine(n), turn_cosine(n), kept(n);
+    for (std::size_t i = 0; i < rows; ++i) {
+      const auto at = static_cast<Eigen::Index>(i);
+      const double value = values[learn[begin + i]];
+      const auto turned = [value](double frequency) {
+        return 2 * std::numbers::pi * std::remainder(value * frequency, 1.0);
+      };
+      sine[at] = std::sin(turned(grid->first));
+      cosine[at] = std::cos(turned(grid->first));
+      turn_sine[at] = std::sin(turned(grid->step));
+      turn_cosine[at] = std::cos(turned(grid->step));
+      count[static_cast<Eigen::Index>(block[begin + i])] += 1;
+    }
+    for (Eigen::Index c = 0; c < cells; ++c) {
+      for (std::size_t from = 0; from < rows;) {
+        const std::size_t here = block[begin + from];
+        std::size_t to = from + 1;
+        while (to < rows && block[begin + to] == here) ++to;
+        const auto first = static_cast<Eigen::Index>(from);
+        const auto length = static_cast<Eigen::Index>(to - from);
+        columns(static_cast<Eigen::Index>(here), 2 * c) += sine.segment(first, length).sum();
+        columns(static_cast<Eigen::Index>(here), 2 * c + 1) += cosine.segment(first, length).sum();
+        from = to;
+      }
+      kept = sine * turn_cosine + cosine * turn_sine;
+      cosine = cosine * turn_cosine - sine * turn_sine;
+      sine.swap(kept);
+    }
+  }
+  columns.array().colwise() /= count.array();
+  return columns;
+}
+
+}  // namespace driftwise::diagnosis
