@@ -172,6 +172,16 @@ class Diagnoser {
     while (true) {
       const auto left = remainder.look(extension);
       if (!left) return tl::unexpected(left.error());
+      if (const auto series = remainder.spelled_out(extension); !series.empty()) {
+        std::string names;
+        for (const std::size_t i : series)
+          names += (names.empty() ? "" : " and ") + name_of(causes_[extension.named()[i].cause]);
+        result_.warnings.push_back(names +
+                                   ": withdrawn, because they only spell out a free shape "
+                                   "that describes these data as well");
+        for (std::size_t k = series.size(); k-- > 0;) extension.withdraw(series[k]);
+        continue;
+      }
       if (!*left || (*left)->p_adjusted > options_.alpha) return {};
       result_.left_over = {**left};
       const auto only_nearest = remainder.nearest_name(extension);

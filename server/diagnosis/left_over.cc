@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/effects/term_order.h"
+
 namespace driftwise::diagnosis {
 namespace {
 
@@ -32,6 +34,26 @@ Eigen::MatrixXd series_of(const Problem& problem) {
   return series;
 }
 
+// x, x^3, sin(x, ..): of this axis and nothing else.
+bool reads_only(const effects::Term& term, const std::string& axis) {
+  const auto read = effects::symbols_of(term);
+  return read.size() == 1 && *read.begin() == axis;
+}
+
+// x:t05, x:drift(): in proportion to this axis.
+bool is_scale_of(const effects::Term& term, const std::string& axis) {
+  return term.factors.size() > 1 && std::ranges::any_of(term.factors, [&](const auto& factor) {
+           const auto* power = std::get_if<effects::Power>(&factor);
+           return power != nullptr && power->symbol == axis && power->exponent == 1;
+         });
+}
+
+Eigen::MatrixXd beside_each_other(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  Eigen::MatrixXd both(a.rows(), a.cols() + b.cols());
+  both << a, b;
+  return both;
+}
+
 }  // namespace
 
 Remainder::Remainder(const Problem& problem, std::size_t longest,
@@ -59,14 +81,46 @@ std::optional<std::size_t> Remainder::nearest_name(const Extension& extension) c
   for (std::size_t i = 0; i < extension.named().size(); ++i) {
     const Ground without(whole_.timeline, last_->shapes, whole_.learned(extension.all(i)), series_);
     const Eigen::MatrixXd own = whole_.learned(extension.named()[i].all);
-    Eigen::MatrixXd both(shape.rows(), shape.cols() + own.cols());
-    both << shape, own;
+    const Eigen::MatrixXd both = beside_each_other(shape, own);
     const double by_shape = without.gain(shape, on).gain;
     const double by_both = without.gain(both, on).gain;
     const double by_finding = without.gain(own, on).gain;
     if (by_both - by_shape < kSuperfluous && left > kHalf * by_finding) return i;
   }
   return std::nullopt;
+}
+
+std::vector<std::size_t> Remainder::spelled_out(const Extension& extension) const {
+  static const std::string kWithTime = " with time";
+  if (!last_) return {};
+  const auto& named = extension.named();
+  const std::vector<char> on(whole_.outputs.size(), 1);
+  for (std::size_t v = 0; v < shapes_.variables.size(); ++v) {
+    const std::string& variable = shapes_.variables[v];
+    const bool scale = variable.ends_with(kWithTime);
+    const std::string axis =
+        scale ? variable.substr(0, variable.size() - kWithTime.size()) : variable;
+    if (!is_pose_symbol(axis)) continue;
+    std::vector<std::size_t> group;
+    std::size_t values = 0;
+    Eigen::MatrixXd rest = whole_.base_columns, own(rest.rows(), 0);
+    for (std::size_t i = 0; i < named.size(); ++i) {
+      const bool belongs = std::ranges::all_of(named[i].terms, [&](const effects::Term& term) {
+        return scale ? is_scale_of(term, axis) : reads_only(term, axis);
+      });
+      (belongs ? own : rest) = beside_each_other(belongs ? own : rest, named[i].all);
+      if (!belongs) continue;
+      group.push_back(i);
+      values += 1 + named[i].further.size();
+    }
+    if (values < 2) continue;
+    const auto& cell = shapes_.bank.cells[shapes_.bank.entries[v].first];
+    const Ground without(whole_.timeline, last_->shapes, whole_.learned(rest), series_);
+    const double by_shape =
+        without.gain(shapes_.bank.columns.middleCols(cell.first, cell.count), on).gain;
+    if (without.gain(whole_.learned(own), on).gain - by_shape < kSuperfluous) return group;
+  }
+  return {};
 }
 
 }  // namespace driftwise::diagnosis

@@ -28,6 +28,11 @@ class Remainder {
   // something that the catalogue does not have (NUMERICS.md section 3).
   std::optional<std::size_t> nearest_name(const Extension& extension) const;
 
+  // Findings that together only spell out one free shape of an axis, or of its scale in time, as a
+  // series does: a wave and a polynomial on seventeen places, the expansions of two thermometers.
+  // Two values or more, and the shape does as well. Ascending; after a look.
+  std::vector<std::size_t> spelled_out(const Extension& extension) const;
+
  private:
   Problem whole_;  // every row learns
   Eigen::MatrixXd series_;

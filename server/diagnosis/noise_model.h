@@ -37,6 +37,9 @@ class Whitener {
   double log_determinant() const { return log_determinant_; }  // of the covariance, white part 1
 
  private:
+  template <int columns_at_once>
+  void run(double* first, Eigen::Index stride) const;
+
   Eigen::VectorXd decay_, gain_, inverse_sd_, weight_;
   double log_determinant_ = 0;
 };

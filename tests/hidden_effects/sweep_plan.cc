@@ -160,8 +160,13 @@ std::vector<std::string> print_report(const std::vector<SweepResult>& results, s
     if (group.starts_with("pair") || group.starts_with("triple"))
       group = group.substr(0, group.find(' ', group.find(' ') + 1)) + " (all)" +
               group.substr(group.find(" chi2"));
-    if (group.starts_with("single"))
-      group += one.outcome.identifiable > kIdentifiable ? "" : " (not identifiable)";
+    if (group.starts_with("single")) {
+      const std::string suffix =
+          one.outcome.identifiable > kIdentifiable ? "" : " (not identifiable)";
+      group += suffix;
+      const std::string robot = group.substr(0, group.find(' ', group.find(' ') + 1));
+      groups[robot + " (all)" + group.substr(group.find(" chi2"))].add(one.outcome);
+    }
     groups[group].add(one.outcome);
   }
   for (auto& [name, count] : groups) {
