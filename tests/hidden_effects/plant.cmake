@@ -18,6 +18,7 @@ driftwise_test(hidden_effects_plant
   SOURCES
     plant_separating_test.cc
     plant_test.cc
+    plant_unexplained_test.cc
   LINKS driftwise_hidden_plants driftwise_diagnosis driftwise_formats
   LABELS hidden_effects
   TIMEOUT 300)

@@ -53,6 +53,61 @@ diagnosis::Diagnosis after(const std::string& baseline, const PlantRun& both) {
   return diagnosed_run(baseline, both.data, kNulls);
 }
 
+// One dwell for all points: friction looks like creep, and creep like friction.
+TEST(SeparatingOnThePlant, TellsBacklashFromCreepByDwells) {
+  const std::string baseline = "q1 ~ x + x^2 + T";
+  const auto published = published_axis_plan(56);
+  const PlantStart start{
+      .seed = 1,
+      .overrides = {"hidden.rub={kind=\"friction\",axis=1,friction_n=0.3,stiffness_n_um=10,"
+                    "presliding_um=1}"}};
+  const auto confounded = run_on_axis(start, {published});
+  const auto first = diagnosed_run(baseline, confounded.data, kNulls);
+  ASSERT_TRUE(in_a_set(first, "backlash") && in_a_set(first, "creep")) << said(first);
+  const auto plan = plan_for(baseline, confounded.data, first);
+  ASSERT_TRUE(plan.trajectory) << plan.why;
+  EXPECT_GE(*plan.predicted_power, 0.95);
+  const auto second = after(baseline, run_on_axis(start, {published, *plan.trajectory}));
+  EXPECT_TRUE(in_a_set(second, "backlash")) << plan.why << ": " << said(second);
+  EXPECT_FALSE(in_a_set(second, "creep")) << plan.why << ": " << said(second);
+}
+
+// Steps of 1.5 um under a scale whose signals repeat every 2 um: a wave of 6 um passes through the
+// same values.
+TEST(SeparatingOnThePlant, FindsTheShorterPeriodBehindAGridThatAliasesIt) {
+  const std::string baseline = "q1 ~ x";
+  const PlantStart start{
+      .seed = 2,
+      .overrides = {"hidden.signals={kind=\"scale_signals\",axis=1,period_nm=2000,offset_pct=6,"
+                    "amplitude_pct=0,phase_deg=0}"}};
+  Trajectory grid;
+  grid.coordinates = {{"q1", "mm"}};
+  for (int k = 0; k < 400; ++k) {
+    TrajectoryPoint point;
+    point.target_mm = {1.5e-3 * (k * 17 % 41 - 20)};
+    point.set = k % 3 == 2 ? PointSet::validation : PointSet::calibration;
+    point.line = k / 40;
+    grid.points.push_back(point);
+  }
+  const auto confounded = run_on_axis(start, {grid});
+  const auto first = diagnosed_run(baseline, confounded.data, kNulls);
+  const auto periodic = [](const diagnosis::Diagnosis& found) -> const diagnosis::Finding* {
+    for (const auto& finding : found.findings)
+      if (finding.cause == "cyclic_error") return &finding;
+    return nullptr;
+  };
+  ASSERT_NE(periodic(first), nullptr) << said(first);
+  const double seen_nm = periodic(first)->parameters.front().value;
+  EXPECT_TRUE(std::abs(seen_nm - 6000) < 150 || std::abs(seen_nm - 2000) < 30) << seen_nm;
+  const auto plan = plan_for(baseline, confounded.data, first);
+  ASSERT_TRUE(plan.trajectory) << plan.why;
+  EXPECT_GE(*plan.predicted_power, 0.95);
+  EXPECT_NE(plan.why.find(seen_nm > 4000 ? "of 2000 nm" : "of 6"), std::string::npos) << plan.why;
+  const auto second = after(baseline, run_on_axis(start, {grid, *plan.trajectory}));
+  ASSERT_NE(periodic(second), nullptr) << plan.why << ": " << said(second);
+  EXPECT_NEAR(periodic(second)->parameters.front().value, 2000, 30);
+}
+
 // A Micro-Nano whose parts do not expand, in a room that warms, without autocollimators, under a
 // force that rises as t05 does: force or temperature, nobody can say.
 class ForceThatRisesWithTheRoom : public testing::Test {
