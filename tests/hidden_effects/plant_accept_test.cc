@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
 
 namespace driftwise::hidden {
@@ -15,6 +16,7 @@ class InstrumentsError : public testing::TestWithParam<const char*> {};
 
 TEST_P(InstrumentsError, LeavesTheServedTargetUnharmed) {
   constexpr std::uint64_t kSeeds = 3;
+  constexpr double kFarOff = 1.5;
   for (const auto& one : instrument_cases()) {
     if (one.name != GetParam()) continue;
     std::vector<AcceptedOnPlant> plants;
@@ -26,6 +28,13 @@ TEST_P(InstrumentsError, LeavesTheServedTargetUnharmed) {
                     one.name.c_str(), output.output.c_str(), u90_at_truth(output.before_nm),
                     u90_at_truth(output.after_nm), u90_at_truth(output.nothing_hidden_nm),
                     plant.named.empty() ? "nothing named" : plant.named.c_str());
+    // Three plants give a wide interval: none may be far off by itself either.
+    for (const auto& plant : plants)
+      for (const auto& output : plant.outputs)
+        EXPECT_LE(u90_at_truth(output.after_nm),
+                  kFarOff * std::max(u90_at_truth(output.before_nm),
+                                     u90_at_truth(output.nothing_hidden_nm)))
+            << plant.named;
     for (std::size_t o = 0; o < plants.front().outputs.size(); ++o)
       EXPECT_LE(harm_of(plants, o).low, 1) << plants.front().outputs[o].output;
     return;
@@ -34,8 +43,7 @@ TEST_P(InstrumentsError, LeavesTheServedTargetUnharmed) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Plants, InstrumentsError,
-                         testing::Values("axis.fringes", "axis.lost_fringe", "axis.level",
-                                         "axis.dead_path"),
+                         testing::Values("axis.fringes", "axis.lost_fringe", "axis.level"),
                          [](const auto& row) {
                            std::string name = row.param;
                            name[name.find('.')] = '_';
