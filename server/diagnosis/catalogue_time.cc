@@ -12,7 +12,7 @@ namespace {
 using effects::AppliesTo;
 using effects::Term;
 
-constexpr std::size_t kFewestBesideStep = 4, kMostInstants = 250;
+constexpr std::size_t kFewestBesideStep = 4, kMostInstants = 800;
 constexpr int kMostPeriodsInTime = 4000;
 
 }  // namespace
@@ -46,12 +46,15 @@ void add_time(CatalogueBuilder& builder) {
              .parameter = "time_s",
              .scale = ParameterScale::instant,
              .linear = LinearParameter::size_nm};
-  std::vector<double> instants;
-  const std::size_t every = std::max<std::size_t>(1, data.rows / kMostInstants);
+  // Before every row that learns: an instant that is one row off leaves a strong jump standing
+  // there, and slow noise then describes it better.
+  std::vector<double> all, instants;
   for (std::size_t i = kFewestBesideStep; i + kFewestBesideStep < data.rows; ++i)
-    if (data.time_s[i] > data.time_s[i - 1] &&
-        (i % every == 0 || i < 5 * every || i + 5 * every > data.rows))
-      instants.push_back((data.time_s[i - 1] + data.time_s[i]) / 2);
+    if (data.time_s[i] > data.time_s[i - 1] && data.set_of(i) == PointSet::calibration)
+      all.push_back((data.time_s[i - 1] + data.time_s[i]) / 2);
+  const std::size_t every = std::max<std::size_t>(1, all.size() / kMostInstants);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (i % every == 0 || i < 5 * every || i + 5 * every > all.size()) instants.push_back(all[i]);
   builder.add_values(step, instants, [](double at) {
     return std::vector<Term>{call_term("step", {}, {{at, "s"}})};
   });
