@@ -38,7 +38,7 @@ TEST(BadInput, IsRefusedWithASentenceAndLeavesNothing) {
   const auto ragged = cell.write("ragged.csv", "time_s,q1_mm,x_mm\n0,1,1\n1,2\n");
   const auto pose = cell.write("pose.csv", "x_mm\n1\n");
   const std::vector<Case> cases = {
-      {{"target"}, 2, "USAGE", {"POSE"}},
+      {{"target"}, 2, "USAGE", {"pose", "x=1.5"}},
       {{"frobnicate"}, 2, "USAGE", {"frobnicate"}},
       {{"run", "start", "/nowhere/t.csv"}, 3, "NO_FILE", {"/nowhere/t.csv"}},
       {{"run", "start", bad_number}, 3, "BAD_NUMBER", {"number.csv:3", "q1_mm", "1.2.3"}},
