@@ -16,7 +16,7 @@ struct Basis {
 inline void fill_basis(const Snapshot& snapshot, const TargetRequest& request, Basis& basis) {
   std::array<double, kVariables> column;
   for (std::size_t v = 0; v < kVariables; ++v)
-    column[v] = request.value[v] * snapshot.column_per_unit[v];
+    column[v] = request.value[v] * snapshot.column_per_unit[v] + snapshot.column_shift[v];
   basis.b[0] = 1.0;
   for (std::size_t k = 0; k < snapshot.products.size(); ++k)
     basis.b[k + 1] = basis.b[snapshot.products[k].base] * column[snapshot.products[k].variable];

@@ -68,8 +68,9 @@ struct Snapshot {
   std::vector<Product> products;
   std::size_t basis_size() const { return products.size() + 1; }
   std::uint32_t needed = 0;  // bit per Variable
-  std::array<double, kVariables>
-      column_per_unit{};  // value in the model's column = this * value in the request's unit
+  // Value in the model's column = column_per_unit * value in the request's unit + column_shift.
+  std::array<double, kVariables> column_per_unit{};
+  std::array<double, kVariables> column_shift{};  // of another datum: SnapshotBuilder::anchor
 
   struct UncertaintyLine {
     UncertaintySource source = UncertaintySource::fit;

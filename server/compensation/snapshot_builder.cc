@@ -154,63 +154,6 @@ Result<void> SnapshotBuilder::add_fast_input(const Channel& channel,
   return {};
 }
 
-Result<void> SnapshotBuilder::anchor(std::span<const ChannelValue> values) {
-  const auto find = [&](const std::string& name) {
-    for (const auto& value : values)
-      if (value.channel == name && !is_missing(value.value)) return std::optional(value.value);
-    return std::optional<double>();
-  };
-  const auto incomplete = [](const std::string& name) {
-    return fail(
-        ErrorCode::failed_precondition, "INCOMPLETE_DATUM",
-        "the zero of this datum has no " + name +
-            ", which the model needs to be carried over to it: zero again with every sensor alive");
-  };
-  std::vector<double> channels;
-  for (const auto& channel : slow_.channels()) {
-    const auto value = find(channel.name());
-    if (!value) return incomplete(channel.name());
-    channels.push_back(*value);
-  }
-  const auto calls = slow_.call_values();
-  for (std::size_t i = 0; i < calls.size(); ++i)
-    if (is_missing(calls[i]))
-      return incomplete("history of " + slow_.channels()[slow_.channels_of_call(i).front()].name());
-  std::array<double, kVariables> pose{};  // zeroed here, so all 0 but the force
-  if (basis_.needed() & bit(Variable::force)) {
-    const auto force = find(channel_of(Variable::force).name());
-    if (!force) return incomplete(channel_of(Variable::force).name());
-    pose[static_cast<std::size_t>(Variable::force)] =
-        *force * column_per_unit_[static_cast<std::size_t>(Variable::force)];
-  }
-  std::vector<double> basis;
-  basis_.evaluate(pose, basis);
-
-  std::vector<Datum> data;
-  for (const auto& output : outputs_) {
-    Datum datum;
-    const auto q_mm = find(output.channel.name());
-    if (!q_mm) return incomplete(output.channel.name());
-    datum.q_mm = *q_mm;
-    for (const auto& term : output.terms)
-      datum.term_values.push_back(basis[term.basis] * value_of(term.slow, channels, calls));
-    for (std::size_t j = 0; j < channels.size(); ++j) {
-      auto& slopes = datum.term_slopes.emplace_back();
-      for (const auto& term : output.terms)
-        slopes.push_back(basis[term.basis] * derivative_of(term.slow, j, channels, calls));
-    }
-    data.push_back(std::move(datum));
-  }
-  datum_ = std::move(data);
-  anchored_ = true;
-  return {};
-}
-
-void SnapshotBuilder::keep_model_datum() {
-  datum_.clear();
-  anchored_ = true;
-}
-
 Snapshot SnapshotBuilder::build(CellTime now) const {
   Snapshot snapshot;
   snapshot.model = id_;
@@ -220,6 +163,7 @@ Snapshot SnapshotBuilder::build(CellTime now) const {
   snapshot.products = basis_.products();
   snapshot.needed = basis_.needed();
   snapshot.column_per_unit = column_per_unit_;
+  snapshot.column_shift = column_shift_;
   snapshot.anchored = anchored_;
   snapshot.refuse_stale = rules_.refuse_stale;
   snapshot.refuse_outside_domain = rules_.refuse_outside_domain;

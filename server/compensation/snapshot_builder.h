@@ -34,9 +34,11 @@ class SnapshotBuilder {
   void observe(std::span<const ChannelValue> values, CellTime at) { slow_.observe(values, at); }
 
   // The zero of the present datum: motor coordinates read back (and force, where the model has it)
-  // at pose 0, with every temperature at that instant. From here on q = q_zero + f(pose, now) -
-  // f(0, then), coefficients' covariance included, so that the constant of the model's own datum
-  // drops out. Effects with memory count as they stand when this is called. Without it targets stay
+  // at pose 0, with every temperature at that instant. From here on q = q_zero + f(pose + p0, now)
+  // - f(p0, then), coefficients' covariance included, so that the constant of the model's own datum
+  // drops out. p0: where that zero lies in the model's datum, f(p0, then) = q_zero; 0 where the
+  // model has another number of motors than of axes, or that is more than 2 % of a fitted range
+  // away. Effects with memory count as they stand when this is called. Without it targets stay
   // in the model's datum and are flagged. Errors: failed_precondition, INCOMPLETE_DATUM, naming the
   // channel that is not among the values; nothing changes.
   Result<void> anchor(std::span<const ChannelValue> values);
@@ -88,6 +90,11 @@ class SnapshotBuilder {
   };
 
   SnapshotBuilder() = default;
+  // p0 of anchor(), in the columns' units; pose: of the zero, with its force.
+  std::array<double, kVariables> pose_at_zero(std::array<double, kVariables> pose,
+                                              const std::vector<double>& channels,
+                                              const std::vector<double>& calls,
+                                              const std::vector<double>& q_mm) const;
   Result<void> add_output(const calibration::OutputModel& output);
   void add_uncertainty(const calibration::OutputModel& from, const CellDescription& cell,
                        Output& output) const;
@@ -104,7 +111,7 @@ class SnapshotBuilder {
   SlowState slow_;
   std::vector<Output> outputs_;
   std::vector<FastInput> fast_inputs_;
-  std::array<double, kVariables> column_per_unit_{};
+  std::array<double, kVariables> column_per_unit_{}, column_shift_{};
   std::vector<SlowInput> slow_inputs_;
   std::vector<Datum> datum_;  // one per output when anchored
   bool anchored_ = false;

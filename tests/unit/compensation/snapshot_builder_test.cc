@@ -43,6 +43,53 @@ TEST(SnapshotBuilder, CarriesTheModelToTheZeroOfAnotherDatum) {
   EXPECT_EQ(target_at(builder, 2).flags, 0u);
 }
 
+// The robot has warmed and stands 20 um from where pose 0 was in the model's data: the instruments
+// were zeroed there, and the curve goes on from there.
+TEST(SnapshotBuilder, FindsWhereTheZeroOfAnotherDatumLiesInItsOwn) {
+  auto builder = builder_of(axis_model());
+  const auto f = [](double x, double t) {
+    return 1.0 + 2 * x + 0.5 * x * x + 1e-3 * t + 2e-4 * x * t;
+  };
+  ASSERT_TRUE(
+      builder.anchor(std::vector<ChannelValue>{{"q1_mm", f(0.02, 20.5)}, {"t07_degC", 20.5}}));
+  observe(builder, 20.5);
+  EXPECT_NEAR(target_at(builder, 0).q_mm[0], f(0.02, 20.5), 1e-12);
+  observe(builder, 21.5);
+  EXPECT_NEAR(target_at(builder, 2).q_mm[0], f(2.02, 21.5), 1e-12);
+  builder.keep_model_datum();
+  EXPECT_NEAR(target_at(builder, 2).q_mm[0], f(2, 21.5), 1e-12);
+}
+
+// Two motors under one model: the pose at the zero is that of all of them together.
+TEST(SnapshotBuilder, FindsTheZeroOfSeveralAxes) {
+  calibration::Model model;
+  const double slope[2][2] = {{1.2, 0.4}, {-0.3, 0.9}}, bend[2] = {0.01, -0.02};
+  for (int i = 0; i < 2; ++i) {
+    calibration::OutputModel q;
+    q.channel = {"q" + std::to_string(i + 1), "mm"};
+    q.terms = {term({}), term({power("x")}), term({power("y")}), term({power("x"), power("y")})};
+    q.coefficients.resize(4);
+    q.coefficients << 0.5, slope[i][0], slope[i][1], bend[i];
+    q.covariance = Eigen::MatrixXd::Identity(4, 4) * 1e-12;
+    q.dof = 100;
+    q.accuracy.rmse = 8e-6;
+    model.outputs.push_back(q);
+  }
+  model.domain = {{{"x", "mm"}, -2, 2}, {{"y", "mm"}, -2, 2}};
+  const auto f = [&](int i, double x, double y) {
+    return 0.5 + slope[i][0] * x + slope[i][1] * y + bend[i] * x * y;
+  };
+  auto builder = builder_of(model);
+  ASSERT_TRUE(builder.anchor(
+      std::vector<ChannelValue>{{"q1_mm", f(0, 0.01, -0.03)}, {"q2_mm", f(1, 0.01, -0.03)}}));
+  TargetRequest request;
+  request.set(Variable::x, 1.5);
+  request.set(Variable::y, -1);
+  const auto target = compute_target(builder.build(kBuiltAt), request);
+  for (int i = 0; i < 2; ++i)
+    EXPECT_NEAR(target.q_mm[static_cast<std::size_t>(i)], f(i, 1.51, -1.03), 1e-12);
+}
+
 // Oracle: a' C a with a = terms(pose, now) - terms(0, then), and the thermometer's own error in the
 // difference only.
 TEST(SnapshotBuilder, GivesAnAnchoredTargetTheUncertaintyOfTheDifference) {

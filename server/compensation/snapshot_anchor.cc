@@ -1,0 +1,144 @@
+// Carrying a model to the datum that it serves in.
+//
+// A datum zeroes the instruments, not the robot: when the robot has warmed since the data were
+// taken, pose 0 of the new datum is another place in theirs. Where the geometry is curved, or terms
+// are products of pose and temperature, f(pose) - f(0) is not f(pose + p0) - f(p0): for the
+// Micro-Nano's arms of 70 mm and a p0 of 5 um they differ by 70 nm per mm of pose. p0 is where the
+// model itself has the motor coordinates that were read back at the zero.
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "server/compensation/snapshot_builder.h"
+
+namespace driftwise::compensation {
+namespace {
+
+constexpr int kIterations = 8;
+constexpr double kStep = 1e-4;        // of an axis' fitted range, for slopes
+constexpr double kConverged = 1e-10;  // of an axis' fitted range
+constexpr double kFarthest = 0.02;    // of it: what is farther is a scale that was homed elsewhere
+
+}  // namespace
+
+std::array<double, kVariables> SnapshotBuilder::pose_at_zero(
+    std::array<double, kVariables> pose, const std::vector<double>& channels,
+    const std::vector<double>& calls, const std::vector<double>& q_mm) const {
+  constexpr std::array<double, kVariables> kNowhere{};
+  std::vector<std::size_t> axes;
+  std::vector<double> range;  // column unit
+  for (const auto& fast : fast_inputs_)
+    if (is_length(channel_of(fast.variable).unit)) {
+      axes.push_back(static_cast<std::size_t>(fast.variable));
+      range.push_back((fast.max - fast.min) * column_per_unit_[axes.back()]);
+    }
+  const auto n = static_cast<Eigen::Index>(axes.size());
+  if (axes.size() != outputs_.size() ||
+      std::ranges::any_of(range, [](double r) { return !(r > 0); }))
+    return kNowhere;
+  std::vector<double> basis;
+  const auto left = [&](const std::array<double, kVariables>& at) {
+    basis_.evaluate(at, basis);
+    Eigen::VectorXd rest(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const auto& output = outputs_[static_cast<std::size_t>(i)];
+      rest[i] = q_mm[static_cast<std::size_t>(i)] / output.mm_per_unit;
+      for (const auto& term : output.terms)
+        rest[i] -= term.coefficient * basis[term.basis] * value_of(term.slow, channels, calls);
+    }
+    return rest;
+  };
+  std::array<double, kVariables> shift{};
+  for (int turn = 0; turn < kIterations; ++turn) {
+    const auto moved = [&](Eigen::Index axis, double by) {
+      auto at = pose;
+      for (std::size_t v = 0; v < kVariables; ++v) at[v] += shift[v];
+      if (axis >= 0) at[axes[static_cast<std::size_t>(axis)]] += by;
+      return at;
+    };
+    Eigen::MatrixXd slopes(n, n);
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const double step = kStep * range[static_cast<std::size_t>(j)];
+      slopes.col(j) = (left(moved(j, -step)) - left(moved(j, step))) / (2 * step);
+    }
+    const Eigen::VectorXd by = slopes.partialPivLu().solve(left(moved(-1, 0)));
+    double farthest = 0, largest = 0;  // of the ranges
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const auto axis = static_cast<std::size_t>(j);
+      shift[axes[axis]] += by[j];
+      farthest = std::max(farthest, std::abs(shift[axes[axis]]) / range[axis]);
+      largest = std::max(largest, std::abs(by[j]) / range[axis]);
+    }
+    if (!by.allFinite() || !(farthest < kFarthest)) return kNowhere;
+    if (largest < kConverged) return shift;
+  }
+  return kNowhere;
+}
+
+Result<void> SnapshotBuilder::anchor(std::span<const ChannelValue> values) {
+  const auto find = [&](const std::string& name) {
+    for (const auto& value : values)
+      if (value.channel == name && !is_missing(value.value)) return std::optional(value.value);
+    return std::optional<double>();
+  };
+  const auto incomplete = [](const std::string& name) {
+    return fail(
+        ErrorCode::failed_precondition, "INCOMPLETE_DATUM",
+        "the zero of this datum has no " + name +
+            ", which the model needs to be carried over to it: zero again with every sensor alive");
+  };
+  std::vector<double> channels;
+  for (const auto& channel : slow_.channels()) {
+    const auto value = find(channel.name());
+    if (!value) return incomplete(channel.name());
+    channels.push_back(*value);
+  }
+  const auto calls = slow_.call_values();
+  for (std::size_t i = 0; i < calls.size(); ++i)
+    if (is_missing(calls[i]))
+      return incomplete("history of " + slow_.channels()[slow_.channels_of_call(i).front()].name());
+  std::array<double, kVariables> pose{};  // zeroed here, so all 0 but the force
+  if (basis_.needed() & bit(Variable::force)) {
+    const auto force = find(channel_of(Variable::force).name());
+    if (!force) return incomplete(channel_of(Variable::force).name());
+    pose[static_cast<std::size_t>(Variable::force)] =
+        *force * column_per_unit_[static_cast<std::size_t>(Variable::force)];
+  }
+  std::vector<double> q_mm;
+  for (const auto& output : outputs_) {
+    const auto q = find(output.channel.name());
+    if (!q) return incomplete(output.channel.name());
+    q_mm.push_back(*q);
+  }
+  const auto shift = pose_at_zero(pose, channels, calls, q_mm);
+  for (std::size_t v = 0; v < kVariables; ++v) pose[v] += shift[v];
+  std::vector<double> basis;
+  basis_.evaluate(pose, basis);
+
+  std::vector<Datum> data;
+  for (const auto& output : outputs_) {
+    Datum datum;
+    datum.q_mm = q_mm[data.size()];
+    for (const auto& term : output.terms)
+      datum.term_values.push_back(basis[term.basis] * value_of(term.slow, channels, calls));
+    for (std::size_t j = 0; j < channels.size(); ++j) {
+      auto& slopes = datum.term_slopes.emplace_back();
+      for (const auto& term : output.terms)
+        slopes.push_back(basis[term.basis] * derivative_of(term.slow, j, channels, calls));
+    }
+    data.push_back(std::move(datum));
+  }
+  datum_ = std::move(data);
+  column_shift_ = shift;
+  anchored_ = true;
+  return {};
+}
+
+void SnapshotBuilder::keep_model_datum() {
+  datum_.clear();
+  column_shift_ = {};
+  anchored_ = true;
+}
+
+}  // namespace driftwise::compensation
