@@ -12,7 +12,7 @@ let cell;
 let browser;
 before(async () => {
   cell = await Cell.start({ speed: 100 });
-  await cell.cli('Anna', 'run', 'start', cell.trajectory('plan.csv', diagonal(30)), '--name', 'survivor');
+  await cell.cli('Anna', 'run', 'start', cell.trajectory('plan.csv', diagonal(120)), '--name', 'survivor');
   browser = await Browser.open(cell.url);
   browser.expected.push(/ERR_CONNECTION_REFUSED|ERR_INCOMPLETE_CHUNKED|ERR_CONNECTION_RESET|ERR_EMPTY_RESPONSE|Failed to load resource|ERR_NETWORK/);
 }, { timeout: 120_000 });

@@ -22,6 +22,14 @@ after(async () => {
   await cell?.stop();
 });
 
+// First, while the run is surely under way.
+test('across a room: numbers, and nothing to press', async () => {
+  const page = await browser.page('/now?wall=1');
+  await page.getByText('Running', { exact: true }).waitFor();
+  assert.equal(await page.locator('main').getByRole('button').count(), 0);
+  await page.close();
+});
+
 const views = [
   ['/now', 'Now'],
   ['/instruments?since=10min', 'Instruments'],
@@ -70,11 +78,4 @@ test('an address that is nobody’s is refused by the daemon, and within the pag
   assert.equal(new URL(page.url()).pathname, '/now');
   await page.close();
   browser.assertQuiet();
-});
-
-test('across a room: numbers, and nothing to press', async () => {
-  const page = await browser.page('/now?wall=1');
-  await page.getByText('Running', { exact: true }).waitFor();
-  assert.equal(await page.locator('main').getByRole('button').count(), 0);
-  await page.close();
 });

@@ -4,7 +4,7 @@ import { aligned } from './aligned';
 import { drawBehind, drawMarkers, scaleOf } from './decorations';
 import type { Palette } from './palette';
 import { wholeRange, yRange, type Range } from './ranges';
-import type { PlotSpec } from './spec';
+import type { PlotSeries, PlotSpec } from './spec';
 import { tickTexts, ticks, xTexts, xTicks } from './ticks';
 
 export interface Drawn {
@@ -46,7 +46,8 @@ function axis(now: () => Drawn, scale: string, side: 0 | 1 | 2 | 3, pxPerTick: n
 }
 
 const inks = (drawn: Drawn, at: number): string => {
-  const one = drawn.spec.series[at];
+  const one: PlotSeries | undefined = drawn.spec.series[at];
+  if (!one) return drawn.colours.idle; // a plot of before its series changed, drawn once more before it is made anew
   return one.quiet && drawn.pointed !== at ? drawn.colours.idle : drawn.colours[one.quiet ? 's5' : one.colour];
 };
 
