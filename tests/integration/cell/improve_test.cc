@@ -1,5 +1,5 @@
-// The whole loop on the wire: a cell that hides a mechanism in its plant, a daemon that knows nothing
-// of it, `driftwise improve`, and the plant's private truth to judge by.
+// The whole loop on the wire: a cell that hides a mechanism in its plant, a daemon that knows
+// nothing of it, `driftwise improve`, and the plant's private truth to judge by.
 
 #include <gmock/gmock.h>
 
@@ -52,7 +52,10 @@ TEST(Improve, FindsTheFrictionThatThePlantHidesAndLowersTheErrorOnFreshPoints) {
   EXPECT_LT(gain.at("u90_measured").get<double>(), 0.8 * gain.at("u90_before").get<double>())
       << turn.dump(2);
   EXPECT_EQ(cell.events("improvement.done"), 1);
-  EXPECT_EQ(cell.events("extension.accepted"), 1);
+  // Each turn measures anew: the second may find more than noise, or nothing.
+  const auto accepted = cell.events("extension.accepted");
+  EXPECT_GE(accepted, 1);
+  EXPECT_LE(accepted, static_cast<int>(improvement.at("turns").size()));
 }
 
 TEST(Improve, ADaemonThatIsKilledMeanwhileKeepsTheRunAndSaysThatTheLoopFailed) {
