@@ -9,8 +9,8 @@
 #include "clients/cli/session.h"
 #include "clients/cli/validation_file.h"
 #include "clients/cli/value_or_throw.h"
-#include "clients/cli/worker_threads.h"
 #include "server/calibration/offer.h"
+#include "server/calibration/threads.h"
 #include "server/effects/term_order.h"
 #include "server/formats/dataset_csv.h"
 #include "server/formats/fit_json.h"
@@ -176,7 +176,8 @@ calibration::FitOptions fit_options(const FitOfFile& fit) {
   options.hierarchy = fit.hierarchy;
   options.starts = fit.starts;
   options.seed = fit.seed;
-  options.executor = worker_threads(fit.threads == 0 ? default_threads() : fit.threads);
+  options.executor =
+      calibration::threaded_executor(fit.threads == 0 ? calibration::processors() : fit.threads);
   options.p_enter = fit.p_enter;
   options.p_remove = fit.p_remove;
   options.forced = terms_of(fit.force);

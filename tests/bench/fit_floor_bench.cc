@@ -20,11 +20,11 @@
 #include <string>
 #include <vector>
 
-#include "clients/cli/worker_threads.h"
 #include "server/calibration/design.h"
 #include "server/calibration/row_reduction.h"
 #include "server/calibration/solution.h"
 #include "server/calibration/stepwise.h"
+#include "server/calibration/threads.h"
 #include "tests/bench/fit_problems.h"
 
 namespace {
@@ -152,9 +152,9 @@ void growth(int rounds, const Executor& executor) {
 
 int main(int argc, char** argv) {
   const int rounds = argc > 1 ? std::atoi(argv[1]) : 7;
-  const int threads = argc > 2 ? std::atoi(argv[2]) : cli::default_threads();
+  const int threads = argc > 2 ? std::atoi(argv[2]) : cli::calibration::processors();
   openblas_set_num_threads(1);  // its own threads do not split a tall matrix
-  const Executor executor = cli::worker_threads(threads);
+  const Executor executor = calibration::threaded_executor(threads);
   small("560x12", bench::case_a(), 50, rounds);
   small("756x29x3", bench::case_b(), 400, rounds);
   large(100000, 60, rounds, threads, executor);

@@ -1,17 +1,18 @@
-#include "clients/cli/worker_threads.h"
+#include "server/calibration/threads.h"
 
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <functional>
 #include <mutex>
 #include <thread>
 #include <vector>
 
-namespace driftwise::cli {
+namespace driftwise::calibration {
 
-int default_threads() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
+int processors() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
 
-calibration::Executor worker_threads(int threads) {
+Executor threaded_executor(int threads) {
   if (threads <= 1) return {};
   return [threads](std::size_t count, const std::function<void(std::size_t)>& job) {
     std::atomic<std::size_t> next = 0;
@@ -26,8 +27,9 @@ calibration::Executor worker_threads(int threads) {
       }
     };
     {
-      std::vector<std::jthread> helpers(std::min(count, static_cast<std::size_t>(threads)) -
-                                        (count > 0 ? 1 : 0));
+      const std::size_t helping =
+          count < 2 ? 0 : std::min(count, static_cast<std::size_t>(threads)) - 1;
+      std::vector<std::jthread> helpers(helping);
       for (auto& helper : helpers) helper = std::jthread(work);
       work();
     }
@@ -35,4 +37,4 @@ calibration::Executor worker_threads(int threads) {
   };
 }
 
-}  // namespace driftwise::cli
+}  // namespace driftwise::calibration
