@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <map>
 
+#include "server/core/channel.h"
+
 namespace driftwise::diagnosis {
 namespace {
 
@@ -14,14 +16,25 @@ std::string three_digits(double value) {
   return text.data();
 }
 
-// "tau_s": the unit stands after the last _, or is the name: "nm_per_k".
-std::string parameter_text(const std::string& name, double value) {
-  const auto split = name.rfind('_');
-  if (name.find("_per_") != std::string::npos || split == std::string::npos)
-    return three_digits(value) + " " + name;
-  std::string what = name.substr(0, split);
-  std::ranges::replace(what, '_', ' ');
-  return what + " " + size_text(value, name.substr(split + 1));
+// "tau_s", "nm_per_k", "offset_mm_rx", and with the output where several show the cause:
+// "size_nm_q1". The unit is the last part that is one; what stands behind it says of which term.
+std::string parameter_text(std::string name, double value, const Finding& finding) {
+  std::string of;
+  for (const auto& output : finding.outputs)
+    if (name.ends_with("_" + output.output)) {
+      name.resize(name.size() - output.output.size() - 1);
+      of = " (" + output.output + ")";
+      break;
+    }
+  if (name.find("_per_") != std::string::npos) return three_digits(value) + " " + name + of;
+  for (auto at = name.rfind('_'); at != std::string::npos && at > 0; at = name.rfind('_', at - 1)) {
+    const auto end = name.find('_', at + 1);
+    const auto unit = name.substr(at + 1, end == std::string::npos ? end : end - at - 1);
+    if (std::ranges::find(known_units(), unit) == known_units().end()) continue;
+    const auto rest = end == std::string::npos ? "" : name.substr(end);
+    return name.substr(0, at) + rest + " " + size_text(value, unit) + of;
+  }
+  return three_digits(value) + " " + name + of;
 }
 
 std::string what(const Finding& finding) {
@@ -86,7 +99,7 @@ std::string sentence(const Finding& finding) {
   std::string text = what(finding);
   text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
   for (const auto& parameter : finding.parameters) {
-    text += ", " + parameter_text(parameter.name, parameter.value);
+    text += ", " + parameter_text(parameter.name, parameter.value, finding);
     if (parameter.ci90)
       text += " (90 %: " + three_digits(parameter.ci90->low) + " to " +
               three_digits(parameter.ci90->high) + ")";
