@@ -152,7 +152,7 @@ void growth(int rounds, const Executor& executor) {
 
 int main(int argc, char** argv) {
   const int rounds = argc > 1 ? std::atoi(argv[1]) : 7;
-  const int threads = argc > 2 ? std::atoi(argv[2]) : cli::calibration::processors();
+  const int threads = argc > 2 ? std::atoi(argv[2]) : calibration::processors();
   openblas_set_num_threads(1);  // its own threads do not split a tall matrix
   const Executor executor = calibration::threaded_executor(threads);
   small("560x12", bench::case_a(), 50, rounds);
