@@ -5,7 +5,7 @@
 #include "clients/cli/diagnosis_commands.h"
 #include "clients/cli/validators.h"
 #include "clients/cli/value_or_throw.h"
-#include "server/calibration/threads.h"
+#include "server/threads/threaded_executor.h"
 #include "server/diagnosis/robot_diagnosis.h"
 #include "server/diagnosis/separating.h"
 #include "server/formats/dataset_csv.h"
@@ -21,7 +21,7 @@ namespace {
 struct DiagnoseArguments {
   std::string file, baseline, kinematics, robot_out;
   double alpha = 0.003;
-  int nulls = 199, most = 8, threads = calibration::processors();
+  int nulls = 199, most = 8, threads = threads::processors();
   std::vector<std::string> without;
   std::uint64_t seed = 1;
   std::string report, separating;
@@ -75,7 +75,7 @@ ExitCode diagnose_file(const Session& session, const DiagnoseArguments& a) {
   options.max_findings = a.most;
   options.seed = a.seed;
   options.exclude_symbols = a.without;
-  options.executor = calibration::threaded_executor(a.threads);
+  options.executor = threads::threaded_executor(a.threads);
   if (session.console.err_is_terminal)
     options.progress = [&session, last = std::string()](double, const std::string& step) mutable {
       if (step != last) session.console.err << step << " ...\n" << std::flush;

@@ -10,7 +10,7 @@
 #include "clients/cli/validation_file.h"
 #include "clients/cli/value_or_throw.h"
 #include "server/calibration/offer.h"
-#include "server/calibration/threads.h"
+#include "server/threads/threaded_executor.h"
 #include "server/effects/term_order.h"
 #include "server/formats/dataset_csv.h"
 #include "server/formats/fit_json.h"
@@ -177,7 +177,7 @@ calibration::FitOptions fit_options(const FitOfFile& fit) {
   options.starts = fit.starts;
   options.seed = fit.seed;
   options.executor =
-      calibration::threaded_executor(fit.threads == 0 ? calibration::processors() : fit.threads);
+      threads::threaded_executor(fit.threads == 0 ? threads::processors() : fit.threads);
   options.p_enter = fit.p_enter;
   options.p_remove = fit.p_remove;
   options.forced = terms_of(fit.force);

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
-#include "server/calibration/threads.h"
+#include "server/threads/threaded_executor.h"
 
 namespace driftwise::application {
 
 calibration::Executor fit_threads(int wanted) {
-  return calibration::threaded_executor(std::min(wanted, calibration::processors()));
+  return threads::threaded_executor(std::min(wanted, threads::processors()));
 }
 
 }  // namespace driftwise::application

@@ -27,7 +27,7 @@
 #include <vector>
 
 #include "server/calibration/fit.h"
-#include "server/calibration/threads.h"
+#include "server/threads/threaded_executor.h"
 #include "server/formats/dataset_csv.h"
 #include "server/formats/formula.h"
 
@@ -169,8 +169,8 @@ int main(int argc, char** argv) {
   if (argc < 2) return std::fprintf(stderr, "csv_bench make FILE | FILE | parse FILE\n"), 2;
   const std::string_view text = map_file(argv[1]);
   const int rounds = argc > 2 ? std::atoi(argv[2]) : 5;
-  const int threads = argc > 3 ? std::atoi(argv[3]) : calibration::processors();
-  const auto executor = calibration::threaded_executor(threads);
+  const int threads = argc > 3 ? std::atoi(argv[3]) : threads::processors();
+  const auto executor = threads::threaded_executor(threads);
   std::vector<double> floor, floor_on, reader, reader_on, fit_on;
   const auto read = [&](const calibration::Executor& on) {
     const auto data = formats::read_dataset_csv(text, argv[1], on);

@@ -24,7 +24,7 @@
 #include "server/calibration/row_reduction.h"
 #include "server/calibration/solution.h"
 #include "server/calibration/stepwise.h"
-#include "server/calibration/threads.h"
+#include "server/threads/threaded_executor.h"
 #include "tests/bench/fit_problems.h"
 
 namespace {
@@ -152,9 +152,9 @@ void growth(int rounds, const Executor& executor) {
 
 int main(int argc, char** argv) {
   const int rounds = argc > 1 ? std::atoi(argv[1]) : 7;
-  const int threads = argc > 2 ? std::atoi(argv[2]) : calibration::processors();
+  const int threads = argc > 2 ? std::atoi(argv[2]) : threads::processors();
   openblas_set_num_threads(1);  // its own threads do not split a tall matrix
-  const Executor executor = calibration::threaded_executor(threads);
+  const Executor executor = threads::threaded_executor(threads);
   small("560x12", bench::case_a(), 50, rounds);
   small("756x29x3", bench::case_b(), 400, rounds);
   large(100000, 60, rounds, threads, executor);

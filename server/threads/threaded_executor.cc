@@ -1,4 +1,4 @@
-#include "server/calibration/threads.h"
+#include "server/threads/threaded_executor.h"
 
 #include <algorithm>
 #include <atomic>
@@ -8,11 +8,11 @@
 #include <thread>
 #include <vector>
 
-namespace driftwise::calibration {
+namespace driftwise::threads {
 
 int processors() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
 
-Executor threaded_executor(int threads) {
+calibration::Executor threaded_executor(int threads) {
   if (threads <= 1) return {};
   return [threads](std::size_t count, const std::function<void(std::size_t)>& job) {
     std::atomic<std::size_t> next = 0;
@@ -37,4 +37,4 @@ Executor threaded_executor(int threads) {
   };
 }
 
-}  // namespace driftwise::calibration
+}  // namespace driftwise::threads

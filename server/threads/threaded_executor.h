@@ -1,15 +1,15 @@
 #pragma once
 // An executor that shares jobs among threads of its own, which end with the call. The mathematics
-// start none themselves: whoever asks them for something hands this one in.
+// start none themselves: the daemon and the command line hand this one in.
 
 #include "server/calibration/executor.h"
 
-namespace driftwise::calibration {
+namespace driftwise::threads {
 
 // threads: at work, the caller's among them; below 2: none, the caller does all of it. The first
 // exception of a job comes out of the call, the other threads' jobs under way are finished first.
-Executor threaded_executor(int threads);
+calibration::Executor threaded_executor(int threads);
 
 int processors();  // at least 1
 
-}  // namespace driftwise::calibration
+}  // namespace driftwise::threads
