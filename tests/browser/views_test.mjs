@@ -41,6 +41,8 @@ const views = [
   ['/runs/1?tab=log', 'Run 1 · first'],
   ['/models', 'Models'],
   ['/models/1', undefined],
+  ['/models/methods', 'Models'],
+  ['/models/sensors', 'Models'],
   ['/diagnosis', 'Diagnosis'],
   ['/targets', 'Targets'],
   ['/record', 'Record'],
@@ -63,6 +65,34 @@ for (const [path, title] of views) {
     browser.assertQuiet();
   });
 }
+
+// An axis that grows with t01; t02 and t03 wander by themselves.
+function warmAxis(rows = 120) {
+  const lines = ['time_s,set,line,zero,dwell_s,q1_mm,x_mm,t01_degC,t02_degC,t03_degC'];
+  for (let i = 0; i < rows; i++) {
+    const [x, t01, t02, t03] = [(i * 7) % 11, 21 + Math.sin(i / 17), 21 + Math.cos(i / 13), 21 + Math.sin(i / 29)].map((value) => value.toFixed(6));
+    const noise = 1e-6 * (((i * 7919) % 101) - 50);
+    lines.push(`${60 * i},${i % 5 === 4 ? 'validation' : 'calibration'},${Math.floor(i / 10)},0,10,${(Number(x) + 1e-3 * (t01 - 21) + noise).toFixed(9)},${x},${t01},${t02},${t03}`);
+  }
+  return `${lines.join('\n')}\n`;
+}
+
+// The answer's tables and pictures come only after the daemon's work, so they have a test of their own.
+test('which thermometers suffice, by keyboard: progress, then an answer that is accessible and fits', { timeout: 180_000 }, async () => {
+  for (const width of [1440, 390]) {
+    const page = await browser.page('/models/sensors?formula=q1 ~ x %2B t01..t03', { width });
+    await page.getByLabel('or a dataset, CSV').setInputFiles({ name: 'warm.csv', mimeType: 'text/csv', buffer: Buffer.from(warmAxis()) });
+    await page.getByText(/terms for q1/).waitFor();
+    await page.getByRole('button', { name: 'Try all sets' }).focus();
+    await page.keyboard.press('Enter');
+    await page.getByText('1 of 3 thermometers suffice').waitFor({ timeout: 90_000 });
+    await page.getByRole('table', { name: 'The best set of each number of thermometers' }).waitFor();
+    assert.deepEqual(await axe(page), []);
+    assert.ok((await overflow(page)) <= 0, `wider than ${width} px by ${await overflow(page)}`);
+    await page.close();
+  }
+  browser.assertQuiet();
+});
 
 test('an address that is nobody’s is refused by the daemon, and within the page goes to Now', async () => {
   const refused = await fetch(`${cell.url}/nowhere`);

@@ -15,8 +15,14 @@ import { timestampOf } from '@/format/time';
 import { at, fakeAlarm, fakeAttempts, fakeBatch, fakeNowMs, fakePoints, fakeRun, fakeStatus, fakeValue, startMs } from './cell';
 import { afterNm, beforeNm, diagnosis, improvement, rows } from './diagnoses';
 import { model, outputs, target, termNames } from './models';
+import { comparison, sensorStudy } from './studies';
 
 const pause = (ms: number) => new Promise((done) => setTimeout(done, ms));
+const untilLeft = async (signal: AbortSignal, tell: (ended: boolean) => void) => {
+  tell(false);
+  while (!signal.aborted) await pause(5);
+  tell(true);
+};
 const text = ['# driftwise-trajectory: 1', 'q1_mm,q2_mm,q3_mm,set,line,zero,force_N',
   ...Array.from({ length: 240 }, (_, i) => (i % 12 === 0 ? `0,0,0,calibration,${Math.floor(i / 12) + 1},1,0` : `${((i % 12) - 1) / 4.4},${(Math.floor(i / 12) % 5) / 2},${Math.floor(i / 60) / 1.5},${i % 7 === 3 ? 'validation' : 'calibration'},${Math.floor(i / 12) + 1},0,${i < 120 ? 0 : 0.768}`))].join('\n') + '\n';
 export const trajectory = { id: 3n, name: 'published.csv', text, rowCount: 240n, createdBy: 'anna', createTime: at(2) };
@@ -24,6 +30,7 @@ export const trajectory = { id: 3n, name: 'published.csv', text, rowCount: 240n,
 export interface FakeWishes {
   problem?: (formula: string) => string; // what CheckFormula says of it
   noModel?: boolean;
+  endless?: (ended: boolean) => void; // studies never end; called when one begins, and when its client left
 }
 
 export function fakeDaemon(wishes: FakeWishes = {}): Transport {
@@ -85,6 +92,17 @@ export function fakeDaemon(wishes: FakeWishes = {}): Transport {
         channels: [{ symbol: 'q1', unit: 'mm' }, ...rows.variables.map(({ symbol, unit }) => ({ symbol, unit }))],
         effects: [{ name: 'lag', usage: 'lag(t, tau s)', sentence: 'the channel behind a first-order lag', cause: 'thermal_lag' }, { name: 'rate', usage: 'rate(t, tau s)', sentence: 'its smoothed derivative', cause: 'thermal_rate' }],
       }),
+      async *compareMethods(request, { signal }) {
+        yield { progress: { step: 'classic, 2 of 3', fraction: 0.4 } };
+        if (wishes.endless) await untilLeft(signal, wishes.endless);
+        yield comparison(request.methods);
+      },
+      async *studySensors({ tolerance }, { signal }) {
+        yield { progress: { step: '512 of 1024 sets', fraction: 0.5 } };
+        if (wishes.endless) await untilLeft(signal, wishes.endless);
+        yield sensorStudy(tolerance ?? 0.1);
+      },
+      createFit: () => ({ model: model(12) }),
       listResiduals: () => create(ListResidualsResponseSchema, {
         timeS: rows.timeS, validation: rows.validation, excluded: rows.validation.map(() => false), line: rows.line, variables: rows.variables,
         outputs: outputs.map((output, k) => ({ output, unit: 'nm', values: afterNm[k] })), rowCount: BigInt(rows.timeS.length), rowStep: 1n, sameRows: true,

@@ -14,6 +14,7 @@ import { ViewTitle } from '@/ui/view_title';
 import { RollBack } from './actions';
 import { accuracyText, sourceText, summaryUnit } from './figures';
 import { FitForm } from './fit_form';
+import { Sections } from './sections';
 import { useModels } from './use_models';
 
 export function ModelList() {
@@ -29,6 +30,7 @@ export function ModelList() {
       >
         Models
       </ViewTitle>
+      <Sections />
       <FitForm />
       {asked.failure && <Failed asked="List the models" failure={asked.failure} again={asked.again} />}
       {asked.value ? (
