@@ -40,8 +40,8 @@ function axis(now: () => Drawn, scale: string, side: 0 | 1 | 2 | 3, pxPerTick: n
     grid: { show: scale !== 'r', stroke: colours.grid, width: 1 },
     ticks: { show: false },
     splits: (u, _, low, high) =>
-      (scale === 'x' ? xTicks(now().spec.x.clock) : ticks)(low, high, (upright ? u.bbox.height : u.bbox.width) / devicePixelRatio / pxPerTick),
-    values: (_, at) => (scale === 'x' ? xTexts(now().spec.x.clock) : tickTexts)(at),
+      (scale === 'x' ? xTicks(now().spec.x) : ticks)(low, high, (upright ? u.bbox.height : u.bbox.width) / devicePixelRatio / pxPerTick),
+    values: (_, at) => (scale === 'x' ? xTexts(now().spec.x) : tickTexts)(at),
   };
 }
 

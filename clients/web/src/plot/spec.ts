@@ -51,6 +51,7 @@ export interface PlotSpec {
     label: string; // CSV column: "time_h"
     unit: string; // "h"
     startMs?: number; // x is hours since this instant: the legend then shows clock time
+    whole?: boolean; // counts: ticks at whole numbers only
     clock?: boolean; // ticks as time of day; startMs is then a local midnight
   };
   y: {

@@ -67,10 +67,10 @@ function axes(spec: PlotSpec, frame: Frame, range: Range, left: [number, number]
   const grid = `stroke="${colours.grid}"`;
   const end = frame.left + frame.width;
   const foot = frame.top + frame.height;
-  const xs = xTicks(spec.x.clock)(range.from, range.to, frame.width / 70);
+  const xs = xTicks(spec.x)(range.from, range.to, frame.width / 70);
   const ys = ticks(left[0], left[1], frame.height / 30);
   const rs = right ? ticks(right[0], right[1], frame.height / 30) : [];
-  const below = xTexts(spec.x.clock)(xs), yTexts = tickTexts(ys), rTexts = tickTexts(rs);
+  const below = xTexts(spec.x)(xs), yTexts = tickTexts(ys), rTexts = tickTexts(rs);
   return [
     ...xs.flatMap((at, i) => [line(frame.x(at), frame.top, frame.x(at), foot, grid), text(frame.x(at), foot + 16, below[i], 'middle')]),
     ...ys.flatMap((at, i) => [line(frame.left, frame.y(at), end, frame.y(at), grid), text(frame.left - 6, frame.y(at) + 4, yTexts[i], 'end')]),

@@ -57,5 +57,8 @@ export function clockTexts(at: readonly number[]): string[] {
 }
 
 // The x axis of a plot, as its spec wants it.
-export const xTicks = (clock: boolean | undefined) => (clock ? clockTicks : ticks);
-export const xTexts = (clock: boolean | undefined) => (clock ? clockTexts : tickTexts);
+const wholeTicks = (low: number, high: number, wanted: number): number[] =>
+  ticksEvery(Math.max(1, niceStep(Math.max(high - low, 1), wanted)), low, high);
+
+export const xTicks = (x: { clock?: boolean; whole?: boolean }) => (x.clock ? clockTicks : x.whole ? wholeTicks : ticks);
+export const xTexts = (x: { clock?: boolean }) => (x.clock ? clockTexts : tickTexts);

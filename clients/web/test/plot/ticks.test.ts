@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { paddedRange, tickTexts, ticks } from '@/plot/ticks';
+import { paddedRange, tickTexts, ticks, xTicks } from '@/plot/ticks';
 
 describe('ticks', () => {
   it('stand at 1, 2 or 5 times a power of ten within the range', () => {
@@ -13,6 +13,10 @@ describe('ticks', () => {
   it('are at least two, or a scale cannot be read', () => {
     expect(ticks(-1.7, 1.8, 2)).toEqual([-1, 0, 1]);
     for (let low = -9.7; low < 10; low += 0.37) for (const wanted of [1.5, 2, 3]) expect(ticks(low, low + 3.1, wanted).length).toBeGreaterThan(1);
+  });
+  it('of counts stand at whole numbers', () => {
+    expect(xTicks({ whole: true })(0, 6, 20)).toEqual([0, 1, 2, 3, 4, 5, 6]);
+    expect(xTicks({})(0, 6, 20)[1]).toBe(0.5);
   });
   it('survive a constant', () => {
     const [low, high] = paddedRange(5, 5);

@@ -1,8 +1,12 @@
 import { describe, expect, it } from 'vitest';
 import { create } from '@bufbuild/protobuf';
 import { PromotionSchema, Promotion_Action, ModelTermSchema } from '@/api/gen/driftwise/v1/model_service_pb';
+import { FindingSchema } from '@/api/gen/driftwise/v1/diagnosis_service_pb';
 import { residualSpecs } from '@/plot/residual_specs';
 import { forceText, trajectoryRows } from '@/trajectory/parse';
+import { causeText } from '@/views/diagnosis/causes';
+import { parameterTables } from '@/views/diagnosis/parameters';
+import { standing } from '@/views/diagnosis/improvement';
 import { headline, parameterText, parameterWords, turnLines } from '@/views/diagnosis/words';
 import { servedBefore } from '@/views/models/actions';
 import { contributionError, logScale } from '@/views/models/terms';
@@ -66,6 +70,41 @@ describe('parameters of a finding', () => {
     expect(turnLines('fitted model 4: q ~ poly(x, y, z, 2). The geometry needs terms in x:y that the simulation lacks, 3 degree; q1: 42 nm rms, held-out U90 77 -> 10.5 nm.. Q1 has play: it depends on the side it came from, width 23.4 nm (90 %: 17.3 to 29.5); q1: 2.61 nm rms. stopped: no lease'))
       .toEqual(['Fitted model 4: q ~ poly(x, y, z, 2)', 'The geometry needs terms in x:y that the simulation lacks', 'Q1 has play: it depends on the side it came from', 'Stopped: no lease']);
     expect(headline('The robot follows t07 with a delay; q1: 84 nm rms, held-out U90 164 -> 61 nm.')).toBe('The robot follows t07 with a delay');
+  });
+});
+
+describe('parameters of a finding in tables', () => {
+  const finding = create(FindingSchema, {
+    outputs: ['q1', 'q2'].map((output) => ({ output, unit: 'nm', amplitude: 20, shown: true })),
+    parameters: ['ppm_per_k_x_q1', 'ppm_per_k_x_q2', 'ppm_per_k_y_q1', 'tau_s'].map((name, value) => ({ name, value })),
+  });
+  it('give each output a column, and what holds for all a row of its own', () => {
+    const { single, shared, outputs } = parameterTables(finding);
+    expect(single.map((one) => one.name)).toEqual(['tau_s']);
+    expect(outputs).toEqual(['q1', 'q2']);
+    expect(shared.map((row) => [row.name, row.unit, row.of.get('q1')?.value, row.of.get('q2')?.value])).toEqual([['x', 'ppm/K', 0, 1], ['y', 'ppm/K', 2, undefined]]);
+  });
+});
+
+describe('an improvement', () => {
+  it('counts what stands: not the turn that was undone in the end', () => {
+    const turns = [{ number: 1, diagnosisId: 2n }, { number: 2, diagnosisId: 3n }] as never;
+    expect(standing({ turns, reason: 'fresh points do not show the gain of diagnosis 3: it was undone' }).map((turn) => turn.number)).toEqual([1]);
+    expect(standing({ turns, reason: 'nothing beyond noise is left' })).toHaveLength(2);
+  });
+});
+
+describe('causes and turns in words', () => {
+  it('say a cause with its subject, and leave an unknown one as it is', () => {
+    expect(causeText('thermal_expansion t03')).toBe('expansion with t03');
+    expect(causeText('sensor_fault', 't07')).toBe('a faulty sensor, t07');
+    expect(causeText('sensor_fault')).toBe('a faulty sensor');
+    expect(causeText('moon_phase', 'x')).toBe('moon_phase x');
+  });
+  it('put sentences that differ in a term only into one, and ids into words', () => {
+    const needs = (of: string) => `The geometry needs terms in ${of} that the simulation lacks, 3 degree; q1: 42 nm rms, held-out U90 77 -> 10.5 nm.`;
+    expect(turnLines(`fitted model 4: q ~ poly(x, y, z, 2). geometry_order y cannot be told apart from cyclic_error y: measured what separates them. ${needs('x:y')} ${needs('x')} ${needs('z')}`))
+      .toEqual(['Fitted model 4: q ~ poly(x, y, z, 2)', 'Missing terms of the geometry in y cannot be told apart from a periodic error along y: measured what separates them', 'The geometry needs terms in x:y, x and z that the simulation lacks']);
   });
 });
 

@@ -83,6 +83,10 @@ describe('which thermometers suffice', () => {
     const { best, recommended, tolerance, unit } = sensorStudy(0.1);
     const spec = sensorsSpec(best as never, recommended, tolerance, unit);
     expect([...(spec.series[0].x as number[])]).toEqual([0, 1, 2, 3, 4, 5, 6, 7]);
+    expect(spec.note).toBeUndefined();
+    const far = sensorsSpec(best.map((set) => (set.sensors.length === 0 ? { ...set, u90BlocksRms: 5000 } : set)) as never, recommended, tolerance, unit);
+    expect([...(far.series[0].x as number[])]).toEqual([1, 2, 3, 4, 5, 6, 7]);
+    expect(far.note).toBe('beyond the picture: 0 thermometers');
     expect(spec.limits![0].at).toBeCloseTo(105.6);
     expect(spec.series.at(-1)!.x).toEqual([2]);
   });

@@ -50,7 +50,7 @@ describe('a diagnosis', () => {
   it('tells the loop turn by turn', async () => {
     show('/diagnosis/improve/2', Diagnosis);
     await screen.findByText('Turn 3');
-    expect(screen.getByText('nothing beyond noise is left')).toBeTruthy();
+    expect(screen.getByText('Nothing beyond noise is left')).toBeTruthy();
     expect(screen.getByText(/found that the robot follows t07/)).toBeTruthy();
   });
 });

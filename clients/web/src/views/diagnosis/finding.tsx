@@ -2,14 +2,16 @@
 // shows it.
 import { useMemo, useState } from 'preact/hooks';
 import type { Diagnosis, DiscrepancyRows, Finding, OutputDiscrepancy } from '@/api/gen/driftwise/v1/diagnosis_service_pb';
-import { fixed, probability, significant } from '@/format/numbers';
+import { probability, significant } from '@/format/numbers';
 import { Plot } from '@/plot/plot';
 import { Button } from '@/ui/button';
 import { U90 } from '@/ui/explained';
 import { Panel } from '@/ui/panel';
+import { causeText } from './causes';
 import { Accept } from './extension';
+import { Parameters } from './parameter_table';
 import { axisOf, discrepancySpec, likelihoodSpec } from './specs';
-import { appliesWords, headline, parameterText, parameterWords } from './words';
+import { appliesWords, headline } from './words';
 
 export function FindingPanel({ finding, diagnosis, output, rows, again }: {
   finding: Finding;
@@ -29,14 +31,14 @@ export function FindingPanel({ finding, diagnosis, output, rows, again }: {
             Where: {finding.where}{finding.subject && `, ${finding.subject}`} · cause <code>{finding.cause}</code> · {appliesWords[finding.appliesTo] ?? finding.appliesTo}
           </p>
           {finding.indistinguishableFrom.length > 0 && (
-            <p class="diagnosis-ambiguous">These data do not tell it from {finding.indistinguishableFrom.map((cause, i) => <>{i > 0 && ', '}<code>{cause}</code></>)}.</p>
+            <p class="diagnosis-ambiguous">These data do not tell it from {finding.indistinguishableFrom.map((cause) => causeText(cause)).join(', ')}.</p>
           )}
           <Parameters finding={finding} />
         </div>
         <div class="diagnosis-side">
           {shown && shown.u90Before !== undefined && (
             <>
-              <p class="muted"><U90 /> held out, {shown.output}</p>
+              <p class="muted"><U90 /> held out, {shown.output}: without it → with it</p>
               <p class="diagnosis-change nowrap"><span class="muted">{significant(shown.u90Before)}</span> → <strong>{significant(shown.u90After)}</strong> {shown.unit}</p>
               {shown.u90AfterCi90 && <p class="note muted">90 % sure: {significant(shown.u90AfterCi90.low)} to {significant(shown.u90AfterCi90.high)} {shown.unit}</p>}
             </>
@@ -50,33 +52,6 @@ export function FindingPanel({ finding, diagnosis, output, rows, again }: {
       </div>
       {evidence && rows && <Evidence finding={finding} output={output} rows={rows} />}
     </Panel>
-  );
-}
-
-function Parameters({ finding }: { finding: Finding }) {
-  const amplitudes = finding.outputs.filter((one) => one.shown || finding.outputs.length === 1);
-  return (
-    <div class="table-scroll" tabIndex={0} role="region" aria-label={`Parameters of finding ${finding.number}`}>
-      <table>
-        <thead><tr><th scope="col">parameter</th><th scope="col" class="number">value</th><th scope="col" class="number">90 % interval</th></tr></thead>
-        <tbody>
-          {finding.parameters.map((one) => {
-            const { name, unit } = parameterWords(one.name);
-            return (
-              <tr key={one.name}>
-                <td>{name}</td>
-                <td class="number">{name === 'count' ? fixed(one.value) : parameterText(one.value, one.ci90)} {unit}</td>
-                <td class="number">{one.ci90 ? `${parameterText(one.ci90.low, one.ci90)} to ${parameterText(one.ci90.high, one.ci90)} ${unit}` : '–'}</td>
-              </tr>
-            );
-          })}
-          {amplitudes.map((one) => (
-            <tr key={one.output}><td>amplitude, {one.output}</td><td class="number">{significant(one.amplitude, 3)} {one.unit}</td><td class="number">–</td></tr>
-          ))}
-          {finding.terms.length > 0 && <tr><td>terms</td><td colSpan={2} class="number"><code>{finding.terms.join('  ')}</code></td></tr>}
-        </tbody>
-      </table>
-    </div>
   );
 }
 

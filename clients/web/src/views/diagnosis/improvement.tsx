@@ -13,10 +13,10 @@ import { Awaiting, Empty, Failed } from '@/ui/states';
 import { useAsked } from '@/ui/use_asked';
 import { useCommand } from '@/ui/use_command';
 import { useWhile } from '@/ui/use_while';
-import { Mark } from '@/ui/verdict';
+import { Mark, Verdict } from '@/ui/verdict';
 import { ViewTitle } from '@/ui/view_title';
 import { improvementWords } from './list';
-import { turnLines } from './words';
+import { sentenceCase, turnLines } from './words';
 
 export function ImprovementPage({ id }: { id: bigint }) {
   const asked = useAsked(`improvement ${id}`, async (signal) => (await api.diagnosis().getImprovement({ improvementId: id }, { signal })).improvement!);
@@ -55,25 +55,31 @@ function Turns({ one, step }: { one: Improvement; step: string }) {
       <Panel class="diagnosis-banner">
         <div>
           <p class="state"><Mark kind={kind} size={32} /> {word[0].toUpperCase() + word.slice(1)}</p>
-          <p class="muted">{one.reason || step || 'waiting for the first turn'}</p>
+          <p class="muted">{sentenceCase(one.reason) || step || 'waiting for the first turn'}</p>
         </div>
-        <Summary turns={one.turns} />
+        <Summary turns={standing(one)} all={standing(one).length === one.turns.length} />
       </Panel>
       {one.turns.length === 0 && <Empty>No turn is complete yet.</Empty>}
-      {one.turns.map((turn) => <Turn key={turn.number} turn={turn} most={most} />)}
+      {one.turns.map((turn) => <Turn key={turn.number} turn={turn} most={most} undone={!standing(one).includes(turn)} />)}
     </>
   );
 }
 
+// Turns whose extension was not taken back in the end.
+export function standing({ turns, reason }: Pick<Improvement, 'turns' | 'reason'>): ImprovementTurn[] {
+  const undone = /diagnosis (\d+): it was undone/.exec(reason)?.[1];
+  return turns.filter((turn) => undone === undefined || String(turn.diagnosisId) !== undone);
+}
+
 const reached = (gain: ImprovementTurn_Gain) => gain.u90Measured ?? gain.u90Predicted ?? gain.u90Before;
 
-function Summary({ turns }: { turns: readonly ImprovementTurn[] }) {
+function Summary({ turns, all }: { turns: readonly ImprovementTurn[]; all: boolean }) {
   const gains = turns.flatMap((turn) => turn.gains);
   const outputs = [...new Set(gains.map((gain) => gain.output))];
   if (outputs.length === 0) return null;
   return (
     <div class="diagnosis-figure">
-      <p class="muted"><U90 />, first to last turn</p>
+      <p class="muted"><U90 />, {all ? 'first to last turn' : 'at first and of what stands'}</p>
       {outputs.map((output) => {
         const of = gains.filter((gain) => gain.output === output);
         return <p class="diagnosis-change nowrap" key={output}>{output} <span class="muted">{significant(of[0].u90Before)}</span> → <strong>{significant(reached(of[of.length - 1]))}</strong> {of[0].unit}</p>;
@@ -82,9 +88,18 @@ function Summary({ turns }: { turns: readonly ImprovementTurn[] }) {
   );
 }
 
-function Turn({ turn, most }: { turn: ImprovementTurn; most: number }) {
+// What fresh points said of a turn.
+function Worth({ gains, undone }: { gains: readonly ImprovementTurn_Gain[]; undone: boolean }) {
+  const measured = gains.filter((gain) => gain.u90Measured !== undefined);
+  if (measured.length === 0) return <Verdict kind="idle">no fresh points yet</Verdict>;
+  const worse = measured.filter((gain) => gain.u90Measured! >= gain.u90Before).map((gain) => gain.output);
+  if (worse.length === 0) return <Verdict kind="good">better on fresh points</Verdict>;
+  return <Verdict kind="warn">{undone && 'undone: '}not better on fresh points: {worse.join(', ')}</Verdict>;
+}
+
+function Turn({ turn, most, undone }: { turn: ImprovementTurn; most: number; undone: boolean }) {
   return (
-    <Panel title={`Turn ${turn.number}`}>
+    <Panel title={`Turn ${turn.number}`} actions={<Worth gains={turn.gains} undone={undone} />}>
       <ul class="diagnosis-list">{turnLines(turn.what).map((line) => <li key={line}>{line}</li>)}</ul>
       <p class="row muted">
         {turn.runIds.map((run) => <a key={String(run)} href={`/runs/${run}`}>run {String(run)}</a>)}

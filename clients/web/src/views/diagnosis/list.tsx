@@ -9,9 +9,10 @@ import { Table } from '@/ui/table';
 import { useAsked } from '@/ui/use_asked';
 import { Verdict } from '@/ui/verdict';
 import { ViewTitle } from '@/ui/view_title';
+import { causeText } from './causes';
 import { ImproveForm } from './improve_form';
 import { DiagnoseForm } from './start_form';
-import { after, before, judgementOf } from './words';
+import { after, before, judgementOf, sentenceCase } from './words';
 
 export function DiagnosisList() {
   const diagnoses = useAsked('diagnoses', async (signal) => (await api.diagnosis().listDiagnoses({}, { signal })).diagnoses);
@@ -47,7 +48,7 @@ function Diagnoses({ rows }: { rows: readonly Diagnosis[] }) {
         { title: 'verdict', of: (one) => <Verdict kind={judgementOf(one).kind}>{judgementOf(one).word.toLowerCase()}</Verdict> },
         { title: 'of', of: (one) => (one.runIds.length ? `${one.runIds.length === 1 ? 'run' : 'runs'} ${one.runIds.join(', ')}` : 'a file') },
         { title: 'baseline', of: (one) => <code class="models-formula">{one.baselineFormula}</code> },
-        { title: 'causes', of: (one) => one.findings.map((finding) => `${finding.cause}${finding.subject && ` (${finding.subject})`}`).join(', ') || '–' },
+        { title: 'causes', of: (one) => one.findings.map((finding) => causeText(finding.cause, finding.subject)).join('; ') || '–' },
         { title: 'U90', of: (one) => one.outputs.map((output) => <span class="nowrap diagnosis-gain">{output.output} {significant(before(output))} → {significant(after(output))} {output.unit}</span>) },
         { title: 'made', of: (one) => <span class="nowrap">{dateClock(ms(one.createTime))}</span> },
         { title: 'by', of: (one) => one.createdBy },
@@ -75,7 +76,7 @@ function Improvements({ rows }: { rows: readonly Improvement[] }) {
         { title: 'improvement', number: true, of: (one) => <a href={`/diagnosis/improve/${one.id}`}>{String(one.id)}</a> },
         { title: 'state', of: (one) => <Verdict kind={improvementWords(one.state)[0]}>{improvementWords(one.state)[1]}</Verdict> },
         { title: 'turns', number: true, of: (one) => one.turns.length },
-        { title: 'ended because', of: (one) => one.reason || '–' },
+        { title: 'ended because', of: (one) => sentenceCase(one.reason) || '–' },
         { title: 'trajectory', of: (one) => one.trajectoryName },
         { title: 'begun', of: (one) => <span class="nowrap">{dateClock(ms(one.createTime))}</span> },
         { title: 'by', of: (one) => one.createdBy },

@@ -3,6 +3,7 @@ import type { Diagnosis, OutputDiscrepancy } from '@/api/gen/driftwise/v1/diagno
 import { probability } from '@/format/numbers';
 import { Bar } from '@/ui/bar';
 import { Panel } from '@/ui/panel';
+import { causeText } from './causes';
 
 const shown = 12;
 
@@ -39,7 +40,7 @@ export function NotTestablePanel({ diagnosis }: { diagnosis: Diagnosis }) {
   if (diagnosis.notTestable.length === 0) return null;
   return (
     <Panel title="What these data could not say">
-      <dl class="facts">{diagnosis.notTestable.map((one) => [<dt><code>{one.cause}</code></dt>, <dd>{one.why}</dd>])}</dl>
+      <dl class="facts">{diagnosis.notTestable.map((one) => [<dt title={one.cause}>{causeText(one.cause)}</dt>, <dd>{one.why}</dd>])}</dl>
     </Panel>
   );
 }

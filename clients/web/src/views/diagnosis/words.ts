@@ -2,6 +2,7 @@
 import { Diagnosis_State, Verdict as V, type Diagnosis, type OutputDiscrepancy } from '@/api/gen/driftwise/v1/diagnosis_service_pb';
 import { fixed, significant } from '@/format/numbers';
 import type { VerdictKind } from '@/ui/verdict';
+import { causeText } from './causes';
 
 export interface Judgement {
   kind: VerdictKind;
@@ -74,9 +75,20 @@ export function parameterText(value: number, interval: { low: number; high: numb
   return fixed(value, Math.min(9, Math.max(0, 1 - Math.floor(Math.log10(width)))));
 }
 
-// What a turn did, a sentence each, without the figures that stand in tables.
-export const turnLines = (what: string): string[] =>
-  what.split(/\.+ (?=[A-Z]|stopped)/).map(headline).filter((line) => line !== '').map((line) => line[0].toUpperCase() + line.slice(1));
+export const sentenceCase = (text: string): string => text && text[0].toUpperCase() + text.slice(1);
+
+// The daemon's ids within a sentence: "geometry_order y cannot be told apart from cyclic_error y: ..." -> in words.
+const withCauses = (line: string): string => line.replace(/\b([a-z]+_[a-z_]+) ([\w:^]+)(?= cannot| and |,|:|\.|$)/g, (_, id: string, of: string) => causeText(id, of));
+
+// What a turn did, a sentence each, without the figures that stand in tables; sentences that differ in one name only are one.
+export function turnLines(what: string): string[] {
+  const lines = what.split(/\.+ (?=[A-Z]|stopped|\w+_\w+ \w+ cannot)/).map(headline).filter((line) => line !== '').map((line) => sentenceCase(withCauses(line)));
+  const terms = /^The geometry needs terms in (\S+) that the simulation lacks$/;
+  const needed = lines.flatMap((line) => terms.exec(line)?.[1] ?? []);
+  if (needed.length < 2) return lines;
+  const first = lines.findIndex((line) => terms.test(line));
+  return lines.flatMap((line, at) => (at === first ? [`The geometry needs terms in ${needed.slice(0, -1).join(', ')} and ${needed.at(-1)} that the simulation lacks`] : terms.test(line) ? [] : [line]));
+}
 
 export const appliesWords: Record<string, string> = {
   robot: 'extends simulation and served model',

@@ -21,7 +21,7 @@ export function GeometryPanel({ method }: { method: MethodJson }) {
       <Table
         caption={`Parameters of the geometry by the method ${method.method}`}
         rows={rows}
-        page={60}
+        page={12}
         keyOf={(one) => one.name}
         rowClass={(one) => (one.free ? undefined : 'models-out')}
         columns={[
