@@ -137,6 +137,9 @@ Target compute_target(const Snapshot& snapshot, const TargetRequest& request) no
                          ? std::sqrt(std::max(0.0, variance(output.variance_nm2, squares))) *
                                extrapolation_factor(largest_excess)
                          : kNan;
+    if (!std::isfinite(target.q_mm[i]) ||
+        (request.with_uncertainty && !std::isfinite(target.u_nm[i])))
+      return refused(target, Refusal::outside_domain);
   }
   return target;
 }
@@ -200,8 +203,11 @@ Error refusal_error(const Snapshot& snapshot, const Target& target) {
     case Refusal::outside_domain:
       return {ErrorCode::out_of_range, "OUTSIDE_DOMAIN",
               names(snapshot, target.outside) +
-                  " outside what the model was fitted on, and this cell refuses such targets "
-                  "([serving] refuse_outside_domain)"};
+                  (snapshot.refuse_outside_domain
+                       ? " outside what the model was fitted on, and this cell refuses such "
+                         "targets ([serving] refuse_outside_domain)"
+                       : " so far outside what the model was fitted on that it gives no number: "
+                         "ask within its domain")};
     case Refusal::stale: {
       const std::string who = names(snapshot, target.stale | target.missing);
       return {

@@ -46,7 +46,7 @@ enum class Refusal : std::uint8_t {
   missing_coordinate,  // the model needs a coordinate or a force that the request lacks: see
                        // missing
   not_finite,          // the request holds NaN or an infinity: see missing
-  outside_domain,      // [serving] refuse_outside_domain
+  outside_domain,      // [serving] refuse_outside_domain; or so far out that no number comes
   stale,               // [serving] refuse_stale: stale, missing or expired
 };
 

@@ -164,6 +164,30 @@ TEST_F(ServedAxis, RefusesARequestWithoutItsCoordinate) {
   EXPECT_EQ(target.refusal, Refusal::not_finite);
 }
 
+// A controller must not be told to move to infinity, whatever it asked for.
+TEST_F(ServedAxis, RefusesAPoseSoFarOutThatTheModelGivesNoNumber) {
+  serve(axis_model(), axis_cell());
+  read_t07(21.25);
+  for (const double x_mm : {1e308, -1e308, 1e160}) {
+    TargetRequest request;
+    request.set(Variable::x, x_mm);
+    const auto snapshot = builder->build(kNow);
+    const auto target = compute_target(snapshot, request);
+    EXPECT_EQ(target.refusal, Refusal::outside_domain) << x_mm;
+    EXPECT_TRUE(std::isnan(target.q_mm[0])) << x_mm;
+    const auto error = refusal_error(snapshot, target);
+    EXPECT_EQ(error.code, ErrorCode::out_of_range);
+    EXPECT_EQ(error.reason, "OUTSIDE_DOMAIN");
+    EXPECT_NE(error.message.find("x_mm so far outside"), std::string::npos) << error.message;
+  }
+  // The coordinate is a number, its uncertainty is none: without it the question can be answered.
+  TargetRequest far;
+  far.set(Variable::x, 1e120);
+  EXPECT_EQ(compute_target(builder->build(kNow), far).refusal, Refusal::outside_domain);
+  far.with_uncertainty = false;
+  EXPECT_EQ(compute_target(builder->build(kNow), far).refusal, Refusal::none);
+}
+
 TEST(ComputeTarget, RefusesWithoutAModel) {
   const Snapshot nothing;
   const auto target = compute_target(nothing, {});
