@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "server/core/channel.h"
+#include "server/core/utf8.h"
 
 namespace driftwise::rpc {
 namespace {
@@ -47,30 +48,7 @@ Result<Nanoseconds> nanoseconds_from(const google::protobuf::Duration& duration,
   return Nanoseconds(duration.seconds() * kNsPerS + duration.nanos());
 }
 
-std::string utf8_from(std::string text) {
-  const auto continues = [&text](std::size_t at) {
-    return at < text.size() && (static_cast<unsigned char>(text[at]) & 0xC0) == 0x80;
-  };
-  for (std::size_t i = 0; i < text.size();) {
-    const auto lead = static_cast<unsigned char>(text[i]);
-    std::size_t length = lead < 0x80                   ? 1
-                         : lead >= 0xC2 && lead < 0xE0 ? 2
-                         : (lead & 0xF0) == 0xE0       ? 3
-                         : lead >= 0xF0 && lead < 0xF5 ? 4
-                                                       : 0;
-    for (std::size_t k = 1; k < length; ++k)
-      if (!continues(i + k)) length = 0;
-    if (length >= 3) {  // overlong forms, surrogates and what lies beyond U+10FFFF
-      const auto second = static_cast<unsigned char>(text[i + 1]);
-      if ((lead == 0xE0 && second < 0xA0) || (lead == 0xED && second >= 0xA0) ||
-          (lead == 0xF0 && second < 0x90) || (lead == 0xF4 && second >= 0x90))
-        length = 0;
-    }
-    if (length == 0) text[i] = '?';
-    i += length == 0 ? 1 : length;
-  }
-  return text;
-}
+std::string utf8_from(std::string text) { return with_bad_utf8_replaced(std::move(text)); }
 
 void set_value(v1::ChannelValue& out, const std::string& channel, double value) {
   out.set_channel(channel);
