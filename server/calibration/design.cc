@@ -6,6 +6,7 @@
 #include <map>
 
 #include "server/calibration/candidate_terms.h"
+#include "server/effects/direct_symbols.h"
 #include "server/effects/term_evaluator.h"
 #include "server/effects/term_order.h"
 
@@ -256,6 +257,13 @@ Result<Design> make_design(const Dataset& dataset, const FitOptions& options) {
   for (const auto& symbol : options.exclude_channels)
     if (auto values = channel_values(dataset, symbol, "the list of channels to leave out"); !values)
       return tl::unexpected(values.error());
+  // The formula refuses it for its own terms; a term that is forced comes beside the formula.
+  for (const auto& term : options.forced)
+    for (const auto& symbol : effects::symbols_read_at_once(term))
+      if (std::ranges::find(options.candidates.outputs, symbol) != options.candidates.outputs.end())
+        return fail(ErrorCode::invalid_argument, "BAD_OPTIONS",
+                    "the output " + symbol + " stands among its own terms, in the forced term " +
+                        effects::notation(term) + ": it would explain itself");
   OfferedTerms offered = offered_terms(options, datums);
   design.terms = std::move(offered.terms);
   design.always = std::move(offered.always);

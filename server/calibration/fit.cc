@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <set>
 
 #include "server/calibration/design.h"
+#include "server/calibration/enough_rows.h"
 #include "server/calibration/held_out.h"
 #include "server/calibration/influence.h"
 #include "server/calibration/predict.h"
@@ -25,23 +27,6 @@ namespace driftwise::calibration {
 namespace {
 
 using Eigen::Index;
-
-Result<void> check_rows(const Design& design, const FitOptions& options) {
-  const auto rows = static_cast<std::int64_t>(design.rows.size());
-  const auto certain = std::ranges::count(design.always, 1);
-  const auto needed = options.select == Select::all
-                          ? static_cast<std::int64_t>(design.terms.size()) + 1
-                          : certain + 2;
-  if (rows >= needed) return {};
-  return fail(ErrorCode::failed_precondition, "TOO_FEW_ROWS",
-              std::to_string(rows) + " complete calibration rows (" +
-                  std::to_string(design.dropped) + " dropped for missing values), at least " +
-                  std::to_string(needed) + " are needed for " +
-                  std::to_string(options.select == Select::all
-                                     ? static_cast<std::int64_t>(design.terms.size())
-                                     : certain) +
-                  " terms: measure more, or offer fewer terms");
-}
 
 // Every term concerned and what it equals, by letting the terms in one by one.
 tl::unexpected<Error> rank_error(const Design& design, const Triangle& triangle,
@@ -185,8 +170,10 @@ std::vector<ChannelRange> domain_of(const Design& design, const Dataset& dataset
   return domain;
 }
 
-void general_warnings(const Design& design, const FitOptions& options, const SelectionRule& rule,
-                      std::int64_t no_datum, Model& model) {
+// Returns the sentences of terms that hardly vary: said here once, not again for every output.
+std::set<std::string> general_warnings(const Design& design, const FitOptions& options,
+                                       const SelectionRule& rule, std::int64_t no_datum,
+                                       Model& model) {
   auto& warnings = model.warnings;
   if (design.dropped > 0)
     warnings.push_back(std::to_string(design.dropped) + " rows dropped for missing values");
@@ -194,15 +181,18 @@ void general_warnings(const Design& design, const FitOptions& options, const Sel
     warnings.push_back(
         std::to_string(no_datum) +
         " validation rows left out: their datum has no calibration rows to take its constant from");
+  std::set<std::string> hardly_vary;
   for (int j = 0; j < static_cast<int>(design.terms.size()); ++j) {
     if (design.terms[static_cast<std::size_t>(j)].is_constant()) continue;
     const std::string sentence = constant_sentence(design, j);
-    if (!sentence.empty()) warnings.push_back(sentence + ": its coefficient means little");
+    if (!sentence.empty() && hardly_vary.insert(sentence).second)
+      warnings.push_back(sentence + ": these rows say nothing about it");
   }
   for (const auto& sentence : barred_sentences(design, rule)) warnings.push_back(sentence);
   if (options.select == Select::stepwise)
     warnings.push_back(
         "p-values after selection are not error probabilities: trust the held-out figures");
+  return hardly_vary;
 }
 
 }  // namespace
@@ -215,7 +205,8 @@ Result<Model> fit(const Dataset& dataset, const FitOptions& options) {
   if (!asked) return tl::unexpected(asked.error());
   const SelectionRule& rule = *asked;
   const Design& design = *prepared;
-  if (auto enough = check_rows(design, options); !enough) return tl::unexpected(enough.error());
+  if (auto enough = check_enough_rows(dataset, design, options); !enough)
+    return tl::unexpected(enough.error());
   if (auto apart = check_sets_apart(dataset, design); !apart) return tl::unexpected(apart.error());
 
   const double start_us = options.stopwatch_us ? options.stopwatch_us() : 0;
@@ -284,8 +275,11 @@ Result<Model> fit(const Dataset& dataset, const FitOptions& options) {
   }
   if (!whole.note().empty()) model.warnings.push_back(whole.note());
   model.domain = domain_of(design, dataset, model.outputs);
-  general_warnings(design, options, rule, no_datum, model);
-  model.warnings.insert(model.warnings.end(), warnings.begin(), warnings.end());
+  const auto said = general_warnings(design, options, rule, no_datum, model);
+  std::ranges::copy_if(warnings, std::back_inserter(model.warnings), [&said](const auto& warning) {
+    const auto colon = warning.find(": ");  // after the output's name
+    return colon == std::string::npos || !said.contains(warning.substr(colon + 2));
+  });
   return model;
 }
 

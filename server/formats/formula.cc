@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/effects/direct_symbols.h"
 #include "server/effects/effect.h"
 #include "server/effects/term_order.h"
 #include "server/formats/formula_lexer.h"
@@ -56,18 +57,6 @@ Result<std::vector<std::string>> outputs_of(const std::vector<FormulaOutput>& na
   return outputs;
 }
 
-// What a term needs to know at the very reading that it predicts. The path of a motor coordinate,
-// its past, may stand among that coordinate's own terms.
-std::vector<std::string> read_at_once(const effects::Term& term) {
-  effects::Term direct;
-  for (const auto& factor : term.factors) {
-    const auto* call = std::get_if<effects::Call>(&factor);
-    const auto* kind = call == nullptr ? nullptr : effects::find_effect(call->effect);
-    if (kind == nullptr || !kind->observes_path) direct.factors.push_back(factor);
-  }
-  return effects::symbols_of(direct);
-}
-
 // "" when every effect observes channels of the units it needs.
 std::string wrong_unit(const effects::Term& term, const std::vector<Channel>& channels) {
   for (const auto& factor : term.factors) {
@@ -107,7 +96,7 @@ Result<calibration::Candidates> Formula::expand(const std::vector<Channel>& chan
     }
     if (const auto wrong = wrong_unit(term, channels); !wrong.empty())
       return bad_formula(text, parsed.sum.at, wrong, "BAD_UNIT");
-    for (const auto& symbol : read_at_once(term))
+    for (const auto& symbol : effects::symbols_read_at_once(term))
       if (std::ranges::find(candidates.outputs, symbol) != candidates.outputs.end())
         return bad_formula(
             text, parsed.sum.at,

@@ -2,8 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <limits>
 
+#include "server/core/reading.h"
 #include "server/formats/formula.h"
 #include "tests/unit/calibration/campaign.h"
 
@@ -57,7 +59,8 @@ TEST(FitErrors, StepwiseLeavesOutWhatCannotBeToldApartAndSaysSo) {
   data.columns.push_back({{"t08", "degC"}, data.columns[2].values});  // a copy of t01
   const auto model = formats::fit_formula(data, "q1 ~ x + x^2 + T", {});
   ASSERT_TRUE(model.has_value());
-  EXPECT_THAT(model->warnings, Contains(HasSubstr("t01 and t08 cannot be told apart on these rows")));
+  EXPECT_THAT(model->warnings,
+              Contains(HasSubstr("t01 and t08 cannot be told apart on these rows")));
 }
 
 TEST(FitErrors, WarnsOfAThermometerThatHardlyMoves) {
@@ -74,6 +77,50 @@ TEST(FitErrors, RefusesTooFewRows) {
   EXPECT_EQ(error.reason, "TOO_FEW_ROWS");
   EXPECT_THAT(error.message,
               AllOf(HasSubstr("4 complete calibration rows"), HasSubstr("at least 7")));
+}
+
+TEST(FitErrors, NamesTheChannelThatIsMissingInMostRows) {
+  Dataset data = make_campaign({.rows = 30});
+  for (double& value : data.columns[3].values) value = kMissing;  // t02
+  data.columns[2].values[0] = kMissing;
+  const Error error = error_of(data, "q1 ~ x + T");
+  EXPECT_EQ(error.reason, "TOO_FEW_ROWS");
+  EXPECT_THAT(error.message, AllOf(HasSubstr("0 complete calibration rows"),
+                                   HasSubstr("t02 has no value in 20 of 20 calibration rows"),
+                                   HasSubstr("leave it out of the formula")));
+}
+
+TEST(FitErrors, SaysThatEveryRowIsMarkedValidation) {
+  Dataset data = make_campaign({.rows = 30});
+  data.set.assign(data.rows, PointSet::validation);
+  const Error error = error_of(data, "q1 ~ x + T");
+  EXPECT_EQ(error.reason, "TOO_FEW_ROWS");
+  EXPECT_THAT(error.message, HasSubstr("every row is marked validation"));
+}
+
+TEST(FitErrors, SaysOnceOfAConstantThermometerThatItTellsNothing) {
+  Dataset data = make_campaign({});
+  for (double& value : data.columns[4].values) value = 23;  // t03
+  const auto model = formats::fit_formula(data, "q1 ~ x + x^2 + T", {});
+  ASSERT_TRUE(model.has_value());
+  EXPECT_EQ(std::ranges::count_if(model->warnings,
+                                  [](const auto& warning) {
+                                    return warning.find("t03 is constant") != std::string::npos;
+                                  }),
+            1)
+      << testing::PrintToString(model->warnings);
+}
+
+// It would be a perfect model.
+TEST(FitErrors, RefusesAForcedTermThatIsTheOutputItself) {
+  for (const bool with_product : {false, true}) {
+    FitOptions options;
+    options.forced.push_back({{effects::Power{"q1", 1}}});
+    if (with_product) options.forced[0].factors.push_back(effects::Power{"t01", 1});
+    const Error error = error_of(make_campaign({}), "q1 ~ x + T", options);
+    EXPECT_EQ(error.reason, "BAD_OPTIONS");
+    EXPECT_THAT(error.message, HasSubstr("the output q1 stands among its own terms"));
+  }
 }
 
 TEST(FitErrors, RefusesInfinityWithItsPlace) {
