@@ -176,6 +176,11 @@ std::string web_root_of(const CellDescription& cell, const std::string& path) {
 }
 
 Result<CellDescription> read_cell_file(const std::string& path) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored))
+    return fail(ErrorCode::invalid_argument, "NOT_A_FILE",
+                shown(path) + " is a folder, expected the cell file itself, such as " +
+                    shown((std::filesystem::path(path) / "cell.toml").string()));
   std::ifstream file(path, std::ios::binary);
   if (!file)
     return fail(

@@ -17,7 +17,8 @@ namespace driftwise::formats {
 //   DUPLICATE_CHANNEL, BAD_LIMITS, LISTEN_NOT_LOOPBACK; failed_precondition: SPEED_NEEDS_LOOPBACK.
 Result<CellDescription> parse_cell_file(std::string_view text, const std::string& path);
 
-// Reads the file, then parses it. Errors: those above; not_found, NO_FILE.
+// Reads the file, then parses it. Errors: those above; not_found, NO_FILE; invalid_argument,
+// NOT_A_FILE (a folder).
 Result<CellDescription> read_cell_file(const std::string& path);
 
 // [web] root of the cell file at this path, absolute; empty: none is named.

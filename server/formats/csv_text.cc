@@ -72,6 +72,11 @@ Result<CsvHeader> read_csv_header(std::string_view text, const std::string& file
   if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
     return bad("NOT_TEXT", file_name, 1,
                "found UTF-16 text, expected UTF-8 or plain ASCII: save the file as UTF-8");
+  if (text.find('\n') == std::string_view::npos)
+    if (const auto cr = text.find('\r'); cr != std::string_view::npos && cr + 1 < text.size())
+      return bad("NOT_TEXT", file_name, 1,
+                 "found lines that end in a carriage return alone, expected LF or CR LF: save the "
+                 "file as CSV for Windows or Unix");
   CsvHeader header;
   std::string_view line;
   do {

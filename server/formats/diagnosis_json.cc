@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/effects/term_order.h"
+#include "server/formats/size_text.h"
 
 namespace driftwise::formats {
 namespace {
@@ -95,12 +96,6 @@ Json experiment_json(const std::optional<diagnosis::SeparatingExperiment>& exper
   return one;
 }
 
-std::string fixed1(double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.1f", value);
-  return text;
-}
-
 }  // namespace
 
 Json diagnosis_json(const diagnosis::Diagnosis& d) {
@@ -144,8 +139,8 @@ std::string diagnosis_page(const diagnosis::Diagnosis& d) {
   page += "\nU90 held out, before -> after\n";
   for (const auto& output : d.outputs)
     if (output.u90_validation_before)
-      page += "  " + output.output + "  " + fixed1(*output.u90_validation_before) + " -> " +
-              fixed1(*output.u90_validation_after) + " " + output.unit + "\n";
+      page += "  " + output.output + "  " + size_text(*output.u90_validation_before, output.unit) +
+              " -> " + size_text(*output.u90_validation_after, output.unit) + "\n";
   page += d.findings.empty() ? "\nno cause is supported by these data\n" : "\nfindings\n";
   int number = 0;
   for (const auto& finding : d.findings) {

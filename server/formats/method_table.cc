@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdio>
 
 #include "server/effects/term_order.h"
 #include "server/formats/fit_json.h"
 #include "server/formats/method_json.h"
+#include "server/formats/size_text.h"
 
 namespace driftwise::formats {
 namespace {
@@ -19,15 +19,10 @@ std::string formatted(const char* format, Values... values) {
   return text.data();
 }
 
-// A length at the size people say it in: 41.3 nm, 432 um, 3.01 mm; angles in arcsec.
 std::string size_text(const std::optional<double>& value, const std::string& unit) {
   if (!value) return "-";
   const SummaryUnit summary = summary_unit(unit);
-  const double size = *value * summary.factor;
-  if (summary.unit != "nm") return formatted("%.3g %s", size, summary.unit.c_str());
-  if (std::abs(size) < 9999.5) return formatted("%.4g nm", size);
-  if (std::abs(size) < 999.5e3) return formatted("%.4g um", size / 1e3);
-  return formatted("%.4g mm", size / 1e6);
+  return formats::size_text(*value * summary.factor, summary.unit);
 }
 
 std::optional<double> u90_of(const std::optional<calibration::HeldOut>& held) {

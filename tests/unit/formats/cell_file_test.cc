@@ -191,6 +191,14 @@ INSTANTIATE_TEST_SUITE_P(
                         "options: poll_ms: found an array"}),
     [](const auto& row) { return std::string(row.param.name); });
 
+TEST(ReadCellFile, RefusesAFolderAndNamesTheFileThatMayBeMeant) {
+  const auto cell = read_cell_file("/");
+  ASSERT_FALSE(cell);
+  EXPECT_EQ(cell.error().reason, "NOT_A_FILE");
+  EXPECT_EQ(cell.error().message,
+            "'/' is a folder, expected the cell file itself, such as '/cell.toml'");
+}
+
 TEST(ParseCellFile, RefusesSpeedWithHardwareAsAPrecondition) {
   std::string text = kCell;
   text.replace(text.find("127.0.0.1:502\""), 13, "/dev/ttyUSB0");

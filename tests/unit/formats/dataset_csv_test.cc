@@ -113,6 +113,7 @@ INSTANTIATE_TEST_SUITE_P(
         DatasetMistake{"NoLine", "line,x_mm\n,1\n", "BAD_INTEGER", "column line: found nothing"},
         DatasetMistake{"Version", "# driftwise-dataset: 2\nx_mm\n1\n", "UNSUPPORTED_VERSION",
                        "found driftwise-dataset '2', expected version 1"},
+        DatasetMistake{"OldMacintosh", "x_mm\r1\r2\r", "NOT_TEXT", "carriage return alone"},
         DatasetMistake{"Utf16", "\xFF\xFEx", "NOT_TEXT", "UTF-16"}),
     [](const auto& row) { return std::string(row.param.name); });
 
