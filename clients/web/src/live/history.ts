@@ -96,8 +96,8 @@ export function useHistory(names: readonly string[], windowS: number, buckets: n
       }
     };
     void ask();
-    // A fast simulated cell goes through its window in seconds.
-    const timer = setInterval(() => !document.hidden && void ask(), Math.max(1000, Math.min(askAgainMs, (windowS * 1000) / speed / 20)));
+    // A fast simulated cell goes through its window in seconds; what comes live in a fifth of it is as fine as a pixel.
+    const timer = setInterval(() => !document.hidden && void ask(), Math.max(1000, Math.min(askAgainMs, (windowS * 1000) / speed / 5)));
     return () => {
       abort.abort();
       clearInterval(timer);
@@ -111,6 +111,7 @@ export function useHistory(names: readonly string[], windowS: number, buckets: n
   return useMemo(() => {
     const toMs = cellTimeMs.peek() ?? tracks?.toMs ?? 0;
     const fromMs = toMs - windowS * 1000;
+    const joined = new Map<string, Track>(); // several parts of a view ask for the same channel
     return {
       fromMs,
       toMs,
@@ -119,8 +120,12 @@ export function useHistory(names: readonly string[], windowS: number, buckets: n
       waiting: tracks === undefined && failure === undefined,
       again: () => setTurn((n) => n + 1),
       of: (name: string) => {
+        const known = joined.get(name);
+        if (known) return known;
         const limit = channel(name)?.column.staleAfterS || 0;
-        return tail.current.behind(tracks?.of.get(name) ?? empty(name), fromMs, Math.max(limit * 1000, 3000 * (tracks?.bucketS ?? 1)));
+        const track = tail.current.behind(tracks?.of.get(name) ?? empty(name), fromMs, Math.max(limit * 1000, 3000 * (tracks?.bucketS ?? 1)));
+        joined.set(name, track);
+        return track;
       },
     };
   }, [tracks, step, failure, windowS]);

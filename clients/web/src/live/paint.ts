@@ -10,6 +10,13 @@ const fewPlots = 12;
 
 export const plotTick = signal(0); // live plots redraw when it changes
 
+let before = (): void => undefined;
+
+// What is done first within the frame: the stream's news are taken, so that whatever they change is painted with the numbers.
+export function paintFirst(what: () => void): void {
+  before = what;
+}
+
 let livePlots = 0;
 let asked = false;
 
@@ -24,6 +31,7 @@ let plotsAt = 0;
 function paint(now: number): void {
   asked = false;
   numbersAt = now;
+  before();
   paintChannels();
   if (now - plotsAt >= plotsEveryMs * Math.max(1, livePlots / fewPlots) - 20) {
     plotsAt = now;

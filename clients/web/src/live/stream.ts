@@ -1,12 +1,13 @@
 // The page's one stream of events: from the daemon or from the tab that leads, into signals and listeners.
 import { create } from '@bufbuild/protobuf';
+import { batch as atOnce } from '@preact/signals';
 import { WatchEventSchema, WatchResponseSchema, type WatchEvent, type WatchResponse } from '@/api/gen/driftwise/v1/watch_service_pb';
 import { ms } from '@/format/time';
 import { keepStreaming } from './attempts';
 import { resetCellTime } from './channels';
 import { connection, serverTimeMs } from './connection';
 import { epoch, loadedAfresh } from './epoch';
-import { askForPaint } from './paint';
+import { askForPaint, paintFirst } from './paint';
 import { closeGate, openGate } from './ready';
 import { takeBatch } from './take_batch';
 import { Tabs } from './tabs';
@@ -20,6 +21,20 @@ let heardClockMs: number | undefined; // Date.now() of it
 let lastBatch: WatchResponse | undefined;
 const states = new Map<string, WatchEvent>();
 
+// Batches that came since the last frame. News that a run's every point brings would each cost a frame of their own, and a frame
+// is what a page costs; so they wait for the next one, a tenth of a second at most. A page that gets no frames (hidden), or none
+// in time, takes them as they come.
+const waiting: WatchResponse[] = [];
+const mostWaiting = 40;
+
+function takeWaiting(): void {
+  if (waiting.length === 0) return;
+  atOnce(() => {
+    for (const batch of waiting.splice(0)) takeBatch(batch);
+    serverTimeMs.value = Math.floor((ms(lastBatch?.serverTime) ?? 0) / 1000) * 1000;
+  });
+}
+
 function take(batch: WatchResponse): void {
   cursor = batch.cursor || cursor;
   heardAt = performance.now();
@@ -28,9 +43,8 @@ function take(batch: WatchResponse): void {
   for (const event of batch.events) {
     if ((kept as readonly (string | undefined)[]).includes(event.event.case)) states.set(event.event.case!, event);
   }
-  const second = Math.floor((ms(batch.serverTime) ?? 0) / 1000) * 1000;
-  serverTimeMs.value = second;
-  takeBatch(batch);
+  waiting.push(batch);
+  if (connection.value.phase !== 'live' || document.hidden || waiting.length > mostWaiting) takeWaiting();
   if (connection.value.phase !== 'live') connection.value = { phase: 'live' };
   openGate();
   askForPaint();
@@ -38,6 +52,7 @@ function take(batch: WatchResponse): void {
 
 function loadAfresh(): void {
   cursor = '';
+  waiting.length = 0;
   resetCellTime();
   epoch.value++;
   loadedAfresh.value = true;
@@ -59,6 +74,7 @@ function judge(): void {
 // Returns what ends it: for tests; a page streams until it is closed.
 export function startStream(): () => void {
   closeGate();
+  paintFirst(takeWaiting);
   heardAt = performance.now();
   const judging = setInterval(judge, 500);
   const tabs: Tabs = new Tabs({

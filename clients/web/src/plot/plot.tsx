@@ -1,7 +1,7 @@
 // Draws a PlotSpec: title, legend, unit in words, the drawing, and its tools. Zoom, cursor and the chosen point can be shared
 // with other plots.
 import { useSignal, type Signal } from '@preact/signals';
-import { useEffect, useId, useMemo, useRef, useState } from 'preact/hooks';
+import { useEffect, useId, useLayoutEffect, useMemo, useRef, useState } from 'preact/hooks';
 import type uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import './plot.css';
@@ -75,7 +75,7 @@ export function Plot(props: PlotProps) {
   const pick = useRef(onPick);
   pick.current = onPick;
   const empty = spec.why !== undefined || spec.series.every((one) => one.x.length === 0);
-  if (live) void plotTick.value;
+  const tick = live ? plotTick.value : 0;
   useEffect(() => (live ? countLivePlot() : undefined), [live]);
 
   const gestured: Gestured = {
@@ -118,9 +118,15 @@ export function Plot(props: PlotProps) {
     };
   }, [shape, dark.value, height, group, empty, table]);
 
-  useEffect(() => {
-    if (plot.current && visible.current) redraw(plot.current, latest.current);
-  }, [spec, range.value, props.chosen?.value, pointed]);
+  // In the frame that brought the numbers: an ordinary effect runs after it, and each picture would cost a frame of its own. A live
+  // plot waits for the tick of all of them with what came in between.
+  const shown = useRef<readonly unknown[]>([]);
+  const wish = [spec, range.value, props.chosen?.value, pointed];
+  useLayoutEffect(() => {
+    if (!plot.current || !visible.current || wish.every((one, at) => one === shown.current[at])) return;
+    shown.current = wish;
+    redraw(plot.current, latest.current);
+  }, live ? [tick, ...wish.slice(1)] : wish);
 
   return (
     <figure class={`plot${bare ? ' plot-bare' : ''}`}>
