@@ -94,6 +94,7 @@ Awaitable<Result<DiagnosisView>> CellApplication::create_diagnosis(Caller caller
   const auto shared = std::make_shared<const Dataset>(std::move(*dataset));
   auto options = options_for(*shared, request);
   if (!options) co_return tl::unexpected(options.error());
+  if (request.csv.empty()) options->levers = diagnosis::declared_lever_limits(description_);
   DiagnosisRecord fresh;
   fresh.name = request.name;
   fresh.runs = request.runs;

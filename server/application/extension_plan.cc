@@ -7,6 +7,7 @@
 #include <map>
 
 #include "server/core/units.h"
+#include "server/correction/first_conditions.h"
 #include "server/effects/effect.h"
 #include "server/effects/term_order.h"
 #include "server/formats/formula.h"
@@ -140,6 +141,7 @@ class Planner {
       shift.axis = axes_[static_cast<std::size_t>(first + i)];
       shift.terms = finding.terms;
       for (Eigen::Index j = 0; j < terms; ++j) shift.mm.push_back(error_mm(i, j));
+      if (auto ok = correction::count_from_first(data_.data, shift.terms, shift.mm); !ok) return ok;
       if (is_timed) {
         shift.runs = runs_in(data_);
         shift.clock_origin = data_.time_zero;

@@ -123,6 +123,19 @@ void add_beams(CatalogueBuilder& builder) {
             .where = "environment",
             .applies_to = AppliesTo::correction,
             .linear = LinearParameter::dead_path_mm};
+  // An instrument that is told the air's temperature but not its pressure takes out a part of the
+  // index, so the parts are tried as well as the whole; on the dead path, on the way measured, on
+  // both.
+  const auto on_the_path = [&](const std::vector<Term>& parts) {
+    builder.add_terms(air, parts, kMissing);
+    for (const auto& axis : builder.axes()) {
+      std::vector<Term> along, both = parts;
+      for (const auto& part : parts) along.push_back(effects::product(power_term(axis), part));
+      both.insert(both.end(), along.begin(), along.end());
+      builder.add_terms(air, along, kMissing);
+      builder.add_terms(air, both, kMissing);
+    }
+  };
   const bool whole = !builder.data().values_of("air").empty() &&
                      !builder.data().values_of("pressure").empty() &&
                      !builder.data().values_of("humidity").empty();
@@ -135,15 +148,11 @@ void add_beams(CatalogueBuilder& builder) {
     }
   if (!varies)
     builder.missing("refractive_index", "none of air_degC, pressure_hPa, humidity_pct varies");
-  else if (whole) {  // on the dead path, on the way measured, on both
-    const Term index = call_term("air_index", {"air", "pressure", "humidity"});
-    builder.add_terms(air, {index}, kMissing);
-    for (const auto& axis : builder.axes()) {
-      builder.add_terms(air, {effects::product(power_term(axis), index)}, kMissing);
-      builder.add_terms(air, {index, effects::product(power_term(axis), index)}, kMissing);
-    }
-  } else
-    for (const auto& part : parts) builder.add_terms(air, {part}, kMissing);
+  else {
+    if (whole) on_the_path({call_term("air_index", {"air", "pressure", "humidity"})});
+    for (const auto& part : parts) on_the_path({part});
+    if (!whole && parts.size() > 1) on_the_path(parts);
+  }
   builder.take_cause(std::move(air));
 }
 

@@ -113,7 +113,8 @@ class Diagnoser {
 
   Result<void> search(Bank bank) {
     Search search(problem_.timeline, series_, std::move(bank), search_options(options_.seed));
-    Extension extension(problem_, causes_, series_, search, [this] { return progress_.tick(); });
+    Extension extension(problem_, causes_, series_, search, options_.levers,
+                        [this] { return progress_.tick(); });
     bool noise_looked_at = false;
     while (static_cast<int>(extension.named().size()) < options_.max_findings) {
       if (!progress_.further(0.3,

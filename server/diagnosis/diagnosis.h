@@ -29,6 +29,7 @@
 #include "server/core/result.h"
 #include "server/diagnosis/discrepancy.h"
 #include "server/diagnosis/finding.h"
+#include "server/diagnosis/lever_limits.h"
 
 namespace driftwise::diagnosis {
 
@@ -86,6 +87,7 @@ struct DiagnoseOptions {
   int nulls = 199;  // series of noise at most; fewer are drawn where the answer is clear
   std::uint64_t seed = 1;
   std::vector<std::string> exclude_symbols;  // channels that no cause may read
+  std::optional<LeverLimits> levers;         // of the cell's beams; nothing: any
   // What the simulation gives beside the baseline's terms, such as a robot's kinematics: rows x
   // outputs, each in its channel's unit. Empty: nothing.
   Eigen::MatrixXd simulated;

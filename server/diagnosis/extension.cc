@@ -9,7 +9,6 @@ namespace driftwise::diagnosis {
 namespace {
 
 constexpr std::size_t kMostContenders = 8;
-constexpr double kLargestExpansion = 30;  // ppm/K (NUMERICS.md section 3)
 constexpr int kRounds = 2;
 constexpr std::size_t kMostFurther = 2;
 
@@ -39,8 +38,15 @@ std::vector<effects::Term> at_values(const std::vector<effects::Term>& terms,
 }  // namespace
 
 Extension::Extension(const Problem& problem, const std::vector<Cause>& causes,
-                     const Eigen::MatrixXd& series, Search& search, std::function<bool()> tick)
-    : problem_(problem), causes_(causes), series_(series), search_(search), tick_(std::move(tick)) {
+                     const Eigen::MatrixXd& series, Search& search,
+                     const std::optional<LeverLimits>& levers, std::function<bool()> tick)
+    : problem_(problem),
+      causes_(causes),
+      series_(series),
+      search_(search),
+      tick_(std::move(tick)),
+      plausible_(problem, levers),
+      ruled_out_(causes.size(), 0) {
   const auto& time_s = problem.data().time_s;
   for (std::size_t i = 1; i < time_s.size(); ++i)
     if (time_s[i] > time_s[i - 1]) instants_.push_back((time_s[i] + time_s[i - 1]) / 2);
@@ -62,6 +68,8 @@ Eigen::MatrixXd Extension::all(std::optional<std::size_t> without) const {
 
 std::vector<char> Extension::allowed() const {
   std::vector<char> allowed(causes_.size(), 1);
+  for (std::size_t c = 0; c < causes_.size(); ++c)
+    if (ruled_out_[c] != 0) allowed[c] = 0;
   for (const auto& one : named_)
     allowed[one.cause] = has_values(causes_[one.cause]) && one.further.size() < kMostFurther;
   return allowed;
@@ -84,7 +92,7 @@ GainOf Extension::gain_of(const Ground& ground, const Cause& cause,
   };
 }
 
-Extension::Candidate Extension::refined(std::size_t cause, std::size_t cell,
+Extension::Candidate Extension::of_cell(std::size_t cause, std::size_t cell,
                                         const Ground& ground) const {
   const Cause& what = causes_[cause];
   Candidate result{cause, {what.cells[cell].parameter, 0}, 0, {}, what.cells[cell].terms};
@@ -93,30 +101,28 @@ Extension::Candidate Extension::refined(std::size_t cause, std::size_t cell,
                             gain_of(ground, what, result.terms, {result.refined.value}, 0));
     result.terms = with_parameter(result.terms, result.refined.value);
   }
-  if (const auto columns = filled_columns(problem_, result.terms))
-    result.gain = ground.gain(problem_.learned(*columns), acts_on(problem_, what));
+  const auto columns = filled_columns(problem_, result.terms);
+  if (!columns) return result;
+  const Eigen::MatrixXd learned = problem_.learned(*columns);
+  result.gain = ground.gain(learned, acts_on(problem_, what));
+  if (!plausible_.allows(what, result.terms, learned, result.gain.shape, ground)) result.gain = {};
   result.refined.gain = result.gain.gain;
   result.ln_p = search_.ln_p(cause, result.gain.gain, result.gain.dof);
-  if (what.linear == LinearParameter::ppm_per_k && !expands_so_much(result, ground))
-    result.gain.gain = result.refined.gain = result.ln_p = 0;
   return result;
 }
 
-// No material grows by more than 30 ppm/K of what a sensor on it sees.
-bool Extension::expands_so_much(const Candidate& candidate, const Ground& ground) const {
-  const auto columns = filled_columns(problem_, candidate.terms);
-  if (!columns || columns->cols() != 1) return true;
-  for (std::size_t o = 0; o < problem_.outputs.size(); ++o) {
-    const auto at = static_cast<Eigen::Index>(o);
-    if (problem_.outputs[o].unit != "nm") continue;
-    const auto& space = ground.space(candidate.gain.shape[o]);
-    const Eigen::VectorXd column = space.left_over(problem_.learned(*columns));
-    const Eigen::VectorXd left = space.left_over(ground.series().col(at));
-    const double ppm_per_k = column.dot(left) / column.squaredNorm();
-    if (std::abs(ppm_per_k) - 2 * ground.white_sd(at) / column.norm() > kLargestExpansion)
-      return false;
+// Where the best cell takes more than the cause can do, the best of those that do not.
+Extension::Candidate Extension::refined(std::size_t cause, std::size_t cell,
+                                        const Ground& ground) const {
+  Candidate best = of_cell(cause, cell, ground);
+  const Cause& what = causes_[cause];
+  if (best.gain.gain > 0 || what.scale != ParameterScale::none) return best;
+  for (std::size_t other = 0; other < what.cells.size(); ++other) {
+    if (other == cell) continue;
+    Candidate one = of_cell(cause, other, ground);
+    if (one.ln_p < best.ln_p) best = std::move(one);
   }
-  return true;
+  return best;
 }
 
 std::vector<Extension::Candidate> Extension::contenders(
@@ -163,6 +169,10 @@ Result<void> Extension::add(const Look& look) {
     if (has_values(causes_[one.cause])) present.push_back(one.cause);
   const auto best = contenders(look, here, present);
   if (best.empty()) return cancelled();
+  if (!(best.front().gain.gain > 0)) {
+    for (const auto& candidate : best) ruled_out_[candidate.cause] = 1;
+    return {};
+  }
   for (const auto& candidate : best)
     if (const auto index = index_of(candidate.cause);
         index && candidate.ln_p < best.front().ln_p + kWithinReach_ln_p)
@@ -170,6 +180,7 @@ Result<void> Extension::add(const Look& look) {
   auto one = made(best.front(), look.p_adjusted);
   if (!one) return tl::unexpected(one.error());
   named_.push_back(std::move(*one));
+  std::ranges::fill(ruled_out_, char{0});  // beside it, others may be asked for less
   return named_.size() > 1 ? reoptimise() : Result<void>{};
 }
 

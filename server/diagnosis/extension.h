@@ -11,6 +11,7 @@
 #include "server/diagnosis/cause.h"
 #include "server/diagnosis/column_bank.h"
 #include "server/diagnosis/parameter.h"
+#include "server/diagnosis/plausible.h"
 #include "server/diagnosis/problem.h"
 #include "server/diagnosis/search.h"
 
@@ -40,20 +41,21 @@ class Extension {
  public:
   // All outlive it.
   Extension(const Problem& problem, const std::vector<Cause>& causes, const Eigen::MatrixXd& series,
-            Search& search, std::function<bool()> tick);
+            Search& search, const std::optional<LeverLimits>& levers, std::function<bool()> tick);
 
   const std::vector<Named>& named() const { return named_; }
   // Baseline and named columns: one row per block, one row per row of the dataset. without: leaves
   // one of the named out.
   Eigen::MatrixXd learned(std::optional<std::size_t> without = {}) const;
   Eigen::MatrixXd all(std::optional<std::size_t> without = {}) const;
-  // Causes that are not named, and those named that may take a further value of their parameter.
+  // Causes that are not named nor ruled out, and those named that may take a further value of their
+  // parameter.
   std::vector<char> allowed() const;
 
   // Adds the best of a look, its parameter refined; of several that are close before they are
   // refined, the one that is best after. Where one that is named already comes as close with
-  // another value of its parameter, that is no new cause: it takes the further value. Nothing:
-  // stopped.
+  // another value of its parameter, that is no new cause: it takes the further value. Where nothing
+  // that is near is plausible, those causes are ruled out instead. Nothing: stopped.
   Result<void> add(const Look& look);
   // Every parameter again, given the others; then each finding against all other causes: another
   // that does clearly better takes its place, one that the others make superfluous goes, and what
@@ -93,7 +95,7 @@ class Extension {
   std::optional<std::size_t> value_of_another(std::size_t index,
                                               const std::vector<Candidate>& best) const;
   std::size_t preferred(const std::vector<Candidate>& best) const;
-  bool expands_so_much(const Candidate& candidate, const Ground& ground) const;
+  Candidate of_cell(std::size_t cause, std::size_t cell, const Ground& ground) const;
   void leave_misfits(std::vector<std::string>& said);
   void name_rivals(std::size_t index, const std::vector<Candidate>& best, std::size_t first);
 
@@ -104,6 +106,8 @@ class Extension {
   std::function<bool()> tick_;
   std::vector<double> instants_;
   std::vector<NoiseShape> shapes_;
+  Plausibility plausible_;
+  std::vector<char> ruled_out_;
   std::vector<Named> named_;
 };
 

@@ -133,17 +133,16 @@ std::optional<std::size_t> Extension::value_of_another(std::size_t index,
   return std::nullopt;
 }
 
-// An instrument's drift, or its air, that does as well as the robot's cause is the safer name: what
-// is said of the robot is served, and the set has both.
+// An instrument's air, or its drift, that does as well as the robot's cause is the safer name: what
+// is said of the robot is served, and the set has both. A drift is what nothing sensed explains, so
+// the air comes before it.
 std::size_t Extension::preferred(const std::vector<Candidate>& best) const {
   const auto close = [&](const Candidate& one) {
     return one.ln_p < best.front().ln_p + kRival_ln_p;
   };
-  const auto is_safer = [](const Cause& cause) {
-    return cause.id == "instrument_drift" || cause.id == "refractive_index";
-  };
-  for (std::size_t k = 0; k < best.size(); ++k)
-    if (is_safer(causes_[best[k].cause]) && close(best[k])) return k;
+  for (const char* safer : {"refractive_index", "instrument_drift"})
+    for (std::size_t k = 0; k < best.size(); ++k)
+      if (causes_[best[k].cause].id == safer && close(best[k])) return k;
   // Nor is a cause named for what a simpler one does with some of its terms.
   for (std::size_t k = 1; k < best.size(); ++k)
     if (close(best[k]) && best[k].terms.size() < best.front().terms.size() &&

@@ -12,7 +12,6 @@
 #include "server/compensation/target.h"
 #include "server/core/channel.h"
 #include "server/core/units.h"
-#include "server/formats/cell_file.h"
 #include "server/formats/model_json.h"
 
 namespace driftwise::hidden {
@@ -26,13 +25,6 @@ template <class T>
 T must(Result<T> result, const char* what) {
   if (!result) throw std::runtime_error(std::string(what) + ": " + result.error().message);
   return std::move(*result);
-}
-
-CellDescription cell_of(const PlantCase& one) {
-  const std::string folder = one.micro_nano ? "micro-nano" : "linear-axis";
-  return must(formats::read_cell_file(std::string(DRIFTWISE_SOURCE_DIR) + "/deploy/cells/" +
-                                      folder + "/cell.toml"),
-              "cell");
 }
 
 application::RunsData runs_data(const PlantRun& run) {
@@ -163,7 +155,7 @@ AcceptedOnPlant accepted_on_plant(const PlantCase& one, std::uint64_t seed, int 
   const auto best = must(errors_at_truth(must(fitted(nothing_hidden.data, one.baseline), "clean"),
                                          cell, nothing_hidden),
                          "clean");
-  const auto found = diagnosed_run(one.baseline, run.data, nulls);
+  const auto found = diagnosed_case(one, run.data, nulls);
 
   AcceptedOnPlant result;
   result.named = names_of(found);

@@ -1,9 +1,11 @@
 #pragma once
 // What is hidden in the plants, and what a diagnosis should say of it.
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "server/core/cell_description.h"
 #include "server/core/trajectory.h"
 #include "server/diagnosis/diagnosis.h"
 #include "tests/hidden_effects/plant_run.h"
@@ -40,6 +42,11 @@ struct PlantVerdict {
 PlantVerdict judged_by_truth(const PlantCase& one, const PlantRun& run,
                              const diagnosis::Diagnosis& diagnosis);
 // diagnose() with few nulls; throws std::runtime_error when it refuses.
-diagnosis::Diagnosis diagnosed_run(const std::string& baseline, const Dataset& data, int nulls);
+diagnosis::Diagnosis diagnosed_run(const std::string& baseline, const Dataset& data, int nulls,
+                                   const std::optional<diagnosis::LeverLimits>& levers = {});
+// The same with the case's baseline, and with what its cell declares of its beams.
+diagnosis::Diagnosis diagnosed_case(const PlantCase& one, const Dataset& data, int nulls);
+// deploy/cells/*/cell.toml of the case's robot.
+CellDescription cell_of(const PlantCase& one);
 
 }  // namespace driftwise::hidden

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "server/calibration/fit.h"
+#include "server/formats/cell_file.h"
 #include "server/formats/formula.h"
 #include "tests/hidden_effects/plant_cases.h"
 
@@ -38,7 +39,20 @@ std::vector<double> validation_u90_nm(const Dataset& data, const std::string& fo
 
 }  // namespace
 
-diagnosis::Diagnosis diagnosed_run(const std::string& baseline, const Dataset& data, int nulls) {
+CellDescription cell_of(const PlantCase& one) {
+  const std::string folder = one.micro_nano ? "micro-nano" : "linear-axis";
+  auto cell = formats::read_cell_file(std::string(DRIFTWISE_SOURCE_DIR) + "/deploy/cells/" +
+                                      folder + "/cell.toml");
+  if (!cell) throw std::runtime_error(cell.error().message);
+  return std::move(*cell);
+}
+
+diagnosis::Diagnosis diagnosed_case(const PlantCase& one, const Dataset& data, int nulls) {
+  return diagnosed_run(one.baseline, data, nulls, diagnosis::declared_lever_limits(cell_of(one)));
+}
+
+diagnosis::Diagnosis diagnosed_run(const std::string& baseline, const Dataset& data, int nulls,
+                                   const std::optional<diagnosis::LeverLimits>& levers) {
   diagnosis::DiagnoseOptions options;
   const auto formula = formats::Formula::parse(baseline);
   if (!formula) throw std::runtime_error(formula.error().message);
@@ -46,6 +60,7 @@ diagnosis::Diagnosis diagnosed_run(const std::string& baseline, const Dataset& d
   if (!candidates) throw std::runtime_error(candidates.error().message);
   options.baseline = std::move(*candidates);
   options.nulls = nulls;
+  options.levers = levers;
   auto found = diagnosis::diagnose(data, options);
   if (!found) throw std::runtime_error(found.error().message);
   return std::move(*found);

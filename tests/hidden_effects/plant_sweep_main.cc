@@ -27,7 +27,7 @@ int main(int count, char** arguments) {
       const auto run = hidden::run_case(one, static_cast<std::uint64_t>(first + k));
       const auto begin = std::chrono::steady_clock::now();
       const auto verdict =
-          hidden::judged_by_truth(one, run, hidden::diagnosed_run(one.baseline, run.data, nulls));
+          hidden::judged_by_truth(one, run, hidden::diagnosed_case(one, run.data, nulls));
       seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
       exact += verdict.exact;
       in_set += verdict.in_set;

@@ -17,7 +17,7 @@ TEST_P(HiddenInAPlant, IsNamedAndNothingElseIs) {
   for (const auto& one : plant_cases()) {
     if (one.name != GetParam()) continue;
     const auto run = run_case(one, 1);
-    const auto verdict = judged_by_truth(one, run, diagnosed_run(one.baseline, run.data, 49));
+    const auto verdict = judged_by_truth(one, run, diagnosed_case(one, run.data, 49));
     EXPECT_TRUE(verdict.exact) << verdict.named;
     if (std::isfinite(verdict.u90_known)) {
       EXPECT_LE(verdict.u90_after,
