@@ -77,6 +77,10 @@ class Planner {
       return {};
     }
     if (is_jump) return split_datum(finding);
+    if (diagnosis::correction_is_uncertain(finding))
+      return fail(ErrorCode::failed_precondition, "UNCERTAIN_CORRECTION",
+                  fmt::format("finding {} {} stands, but nothing can be accepted of it: {}",
+                              finding.cause, finding.subject, finding.sentence));
     if (finding.applies_to == AppliesTo::correction) return correct(finding);
     if (finding.cause == "sensor_fault") return leave_sensor_out(finding);
     if (finding.cause == "outliers") keep_rows_out(finding);
@@ -194,7 +198,10 @@ Result<std::vector<int>> chosen_findings(const diagnosis::Diagnosis& found,
     return fail(ErrorCode::failed_precondition, "NOTHING_FOUND",
                 "the diagnosis names no cause: there is nothing to accept");
   const bool all = wanted.empty();
-  for (int number = 1; all && number <= count; ++number) wanted.push_back(number);
+  for (int number = 1; all && number <= count; ++number)
+    if (count == 1 ||
+        !diagnosis::correction_is_uncertain(found.findings[static_cast<std::size_t>(number - 1)]))
+      wanted.push_back(number);
   std::ranges::sort(wanted);
   const auto again = std::ranges::unique(wanted);
   wanted.erase(again.begin(), again.end());

@@ -26,14 +26,16 @@ struct ExtensionPlan {
   std::vector<ExclusionRecord> exclusions;  // one per run; without who and when
 };
 
-// wanted: numbers from 1; empty: all. Errors: failed_precondition NOTHING_FOUND, INDISTINGUISHABLE
-// (all are wanted, and one of them stands for a set); not_found NO_SUCH_FINDING.
+// wanted: numbers from 1; empty: all but corrections that are not known well enough
+// (diagnosis::correction_is_uncertain). Errors: failed_precondition NOTHING_FOUND,
+// INDISTINGUISHABLE (all are wanted, and one of them stands for a set); not_found NO_SUCH_FINDING.
 Result<std::vector<int>> chosen_findings(const diagnosis::Diagnosis& found,
                                          std::vector<int> wanted);
 
 // data: of the diagnosis' runs, as it saw them. Errors: failed_precondition NOTHING_TO_MAKE (only
-// findings that change nothing), NO_LENGTH (an instrument's error that no length of these data can
-// take); those of formats::fit_formula and motor_slopes.
+// findings that change nothing), UNCERTAIN_CORRECTION (a finding that is chosen), NO_LENGTH (an
+// instrument's error that no length of these data can take); those of formats::fit_formula and
+// motor_slopes.
 Result<ExtensionPlan> plan_extension(DiagnosisId id, const diagnosis::Diagnosis& found,
                                      const std::vector<int>& chosen, const RunsData& data);
 

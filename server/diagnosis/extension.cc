@@ -92,6 +92,10 @@ GainOf Extension::gain_of(const Ground& ground, const Cause& cause,
   };
 }
 
+bool Extension::before(const Candidate& a, const Candidate& b) {
+  return a.nameable != b.nameable ? a.nameable : a.ln_p < b.ln_p;
+}
+
 Extension::Candidate Extension::of_cell(std::size_t cause, std::size_t cell,
                                         const Ground& ground) const {
   const Cause& what = causes_[cause];
@@ -102,10 +106,13 @@ Extension::Candidate Extension::of_cell(std::size_t cause, std::size_t cell,
     result.terms = with_parameter(result.terms, result.refined.value);
   }
   const auto columns = filled_columns(problem_, result.terms);
+  result.nameable = false;
   if (!columns) return result;
   const Eigen::MatrixXd learned = problem_.learned(*columns);
   result.gain = ground.gain(learned, acts_on(problem_, what));
   if (!plausible_.allows(what, result.terms, learned, result.gain.shape, ground)) result.gain = {};
+  result.nameable = result.gain.gain > 0 &&
+                    plausible_.told_from_geometry(what, learned, result.gain.shape, ground);
   result.refined.gain = result.gain.gain;
   result.ln_p = search_.ln_p(cause, result.gain.gain, result.gain.dof);
   return result;
@@ -116,11 +123,11 @@ Extension::Candidate Extension::refined(std::size_t cause, std::size_t cell,
                                         const Ground& ground) const {
   Candidate best = of_cell(cause, cell, ground);
   const Cause& what = causes_[cause];
-  if (best.gain.gain > 0 || what.scale != ParameterScale::none) return best;
+  if (best.nameable || what.scale != ParameterScale::none) return best;
   for (std::size_t other = 0; other < what.cells.size(); ++other) {
     if (other == cell) continue;
     Candidate one = of_cell(cause, other, ground);
-    if (one.ln_p < best.ln_p) best = std::move(one);
+    if (before(one, best)) best = std::move(one);
   }
   return best;
 }
@@ -142,7 +149,7 @@ std::vector<Extension::Candidate> Extension::contenders(
     result.push_back(refined(near[i], look.causes[near[i]].cell, ground));
     if (tick_ && !tick_()) break;
   }
-  std::ranges::stable_sort(result, {}, &Candidate::ln_p);
+  std::ranges::stable_sort(result, before);
   return result;
 }
 
@@ -169,7 +176,7 @@ Result<void> Extension::add(const Look& look) {
     if (has_values(causes_[one.cause])) present.push_back(one.cause);
   const auto best = contenders(look, here, present);
   if (best.empty()) return cancelled();
-  if (!(best.front().gain.gain > 0)) {
+  if (!best.front().nameable) {
     for (const auto& candidate : best) ruled_out_[candidate.cause] = 1;
     return {};
   }

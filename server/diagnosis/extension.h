@@ -76,12 +76,13 @@ class Extension {
     double ln_p = 0;
     Gain gain;
     std::vector<effects::Term> terms;
+    bool nameable = true;  // false: geometry does as well, so that it can be a rival only
   };
   Candidate refined(std::size_t cause, std::size_t cell, const Ground& ground) const;
   // terms: of one value; values: those of its parameter, the one at `at` to be tried.
   GainOf gain_of(const Ground& ground, const Cause& cause, std::vector<effects::Term> terms,
                  std::vector<double> values, std::size_t at) const;
-  // Those within reach of the first, and these, refined, the best first.
+  // Those within reach of the first, and these, refined: what can be named first, then the best.
   std::vector<Candidate> contenders(const Look& look, const Ground& ground,
                                     const std::vector<std::size_t>& present) const;
   Result<Named> made(const Candidate& candidate, double p_adjusted) const;
@@ -95,6 +96,7 @@ class Extension {
   std::optional<std::size_t> value_of_another(std::size_t index,
                                               const std::vector<Candidate>& best) const;
   std::size_t preferred(const std::vector<Candidate>& best) const;
+  static bool before(const Candidate& a, const Candidate& b);
   Candidate of_cell(std::size_t cause, std::size_t cell, const Ground& ground) const;
   void leave_misfits(std::vector<std::string>& said);
   void name_rivals(std::size_t index, const std::vector<Candidate>& best, std::size_t first);

@@ -55,7 +55,7 @@ std::optional<std::vector<Extension::Candidate>> Extension::stand_ins(std::size_
   if (!named_[index].further.empty())
     for (auto& one : best)
       if (one.cause == own) one = as_it_stands(index, here);
-  std::ranges::stable_sort(best, {}, &Candidate::ln_p);
+  std::ranges::stable_sort(best, before);
   return best;
 }
 
@@ -65,7 +65,7 @@ Result<std::vector<std::string>> Extension::settle() {
     const auto best = stand_ins(i);
     if (!best || (tick_ && !tick_())) return cancelled();
     const std::string name = name_of(causes_[named_[i].cause]);
-    if (best->empty() || best->front().ln_p > kSuperfluous_ln_p) {
+    if (best->empty() || !best->front().nameable || best->front().ln_p > kSuperfluous_ln_p) {
       if (!best->empty())
         said.push_back(name + " was named and is explained by what was found after it");
       withdraw(i);
@@ -138,7 +138,7 @@ std::optional<std::size_t> Extension::value_of_another(std::size_t index,
 // the air comes before it.
 std::size_t Extension::preferred(const std::vector<Candidate>& best) const {
   const auto close = [&](const Candidate& one) {
-    return one.ln_p < best.front().ln_p + kRival_ln_p;
+    return one.nameable && one.ln_p < best.front().ln_p + kRival_ln_p;
   };
   for (const char* safer : {"refractive_index", "instrument_drift"})
     for (std::size_t k = 0; k < best.size(); ++k)

@@ -42,6 +42,9 @@ struct FindingOutput {
   std::optional<double> u90_before{}, u90_after{};  // on rows held out; none: no gain of its own
   std::optional<Interval> u90_after_ci90{};
   std::vector<double> coefficients{};  // one per term of the finding
+  // Of an instrument's error: rms over the calibration rows of the correction that it would make,
+  // and U90 of how far that may be off (correction_reach.h).
+  std::optional<double> correction_rms{}, correction_u90{};
 };
 
 struct Finding {
@@ -58,5 +61,9 @@ struct Finding {
   std::vector<FindingOutput> outputs{};               // every output that it may act on
   std::string sentence{};
 };
+
+// An instrument's error whose correction would be known worse than the discrepancy is large, and
+// not to a quarter of its own size either: a name, but nothing to be accepted.
+bool correction_is_uncertain(const Finding& finding);
 
 }  // namespace driftwise::diagnosis

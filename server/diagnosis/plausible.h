@@ -7,6 +7,10 @@
 //   cosine_error       one degree: a beam further off does not come back to its head
 //
 // Limits are of pose axes; on a motor they count with the slopes of the motor over the pose.
+//
+// And what tilts do must be told from geometry: a robot that tilts where it goes carries the shape
+// of its tilts over the workspace, and a lever on them is a polynomial of the pose. Only what tilts
+// do beyond such a polynomial (under force, with heat) speaks for the lever.
 
 #include <Eigen/Core>
 #include <optional>
@@ -28,16 +32,21 @@ class Plausibility {
   bool allows(const Cause& cause, const std::vector<effects::Term>& terms,
               const Eigen::MatrixXd& columns, const std::vector<std::size_t>& shape,
               const Ground& ground) const;
-  // Are there limits to what this cause can do?
-  bool limits(const Cause& cause) const;
+  // Does at least half of what the columns of a lever on tilts explain stay when geometry is free?
+  // True for every other cause.
+  bool told_from_geometry(const Cause& cause, const Eigen::MatrixXd& columns,
+                          const std::vector<std::size_t>& shape, const Ground& ground) const;
 
  private:
+  // Are there limits to what this cause can do?
+  bool limits(const Cause& cause) const;
   // Largest coefficient of a term of the cause on an output, nm per unit of the term.
   double largest(const Cause& cause, const effects::Term& term, std::size_t output) const;
 
   const Problem& problem_;
   std::optional<LeverLimits> levers_;
-  Eigen::MatrixXd slopes_;  // outputs x 3, nm per mm of x y z; 0 where an axis does not vary
+  Eigen::MatrixXd slopes_;    // outputs x 3, nm per mm of x y z; 0 where an axis does not vary
+  Eigen::MatrixXd geometry_;  // blocks x monomials of the pose
 };
 
 }  // namespace driftwise::diagnosis

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "server/core/units.h"
+#include "server/diagnosis/correction_reach.h"
 #include "server/diagnosis/held_out_gain.h"
 #include "server/diagnosis/linear_parameter.h"
 #include "server/diagnosis/sentence.h"
@@ -14,7 +15,8 @@
 namespace driftwise::diagnosis {
 namespace {
 
-constexpr double kShown2lnl = 8;  // of one output
+constexpr double kShown2lnl = 8;      // of one output
+constexpr double kKnownShare = 0.25;  // of a correction: how well it is known at least
 
 // The only thing that a term of several is named after: "ppm_per_k" of x:t05 beside that of y:t05.
 std::string suffix(const effects::Term& term, std::size_t terms) {
@@ -125,6 +127,11 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
       }
       finding.parameters.push_back(std::move(parameter));
     }
+    if (cause.applies_to == effects::AppliesTo::correction)
+      if (const auto reach = correction_reach(problem, named.terms, fit); reach) {
+        one.correction_rms = reach->rms;
+        one.correction_u90 = reach->u90;
+      }
     // beyond what the rest of the simulation could do of it
     const Eigen::VectorXd beyond_rest = added - base * base.colPivHouseholderQr().solve(added);
     one.amplitude = std::sqrt(beyond_rest.squaredNorm() / static_cast<double>(added.size()));
@@ -180,6 +187,13 @@ std::optional<double> noise_floor(const Problem& problem, const Eigen::VectorXd&
 }
 
 }  // namespace
+
+bool correction_is_uncertain(const Finding& finding) {
+  return std::ranges::any_of(finding.outputs, [](const FindingOutput& one) {
+    return one.correction_u90 && one.u90_before && *one.correction_u90 > *one.u90_before &&
+           *one.correction_u90 > kKnownShare * kSigmaToU90 * one.correction_rms.value_or(0);
+  });
+}
 
 std::vector<Finding> findings_of(const Problem& problem, const std::vector<Cause>& causes,
                                  const Extension& extension) {

@@ -111,6 +111,13 @@ std::string sentence(const Finding& finding) {
             size_text(*output.u90_after, output.unit);
   }
   text += ".";
+  if (correction_is_uncertain(finding)) {
+    text += " The correction that would follow is not known well enough to be made:";
+    for (const auto& output : finding.outputs)
+      if (output.correction_u90)
+        text += " +-" + size_text(*output.correction_u90, output.unit) + " in " + output.output +
+                (&output == &finding.outputs.back() ? "." : ",");
+  }
   if (!finding.indistinguishable_from.empty()) {
     text += " These data cannot tell it from ";
     for (std::size_t i = 0; i < finding.indistinguishable_from.size(); ++i)

@@ -35,10 +35,18 @@ WeightedFit::WeightedFit(const Problem& problem, const Eigen::MatrixXd& base,
                                       .triangularView<Eigen::Upper>()
                                       .solve(Eigen::MatrixXd::Identity(rank, rank));
   errors_ = Eigen::VectorXd::Constant(p, NAN);
+  root_ = Eigen::MatrixXd::Constant(p, rank, NAN);
   for (Eigen::Index k = 0; k < rank; ++k) {
     const Eigen::Index column = qr.colsPermutation().indices()[k];
-    errors_[column] = sigma * inverse.row(k).norm() / scale[column];
+    root_.row(column) = sigma / scale[column] * inverse.row(k);
+    errors_[column] = root_.row(column).norm();
   }
+}
+
+double WeightedFit::added_spread(const Eigen::MatrixXd& columns) const {
+  const Eigen::MatrixXd reached = columns * root_.middleRows(base_, columns.cols());
+  return std::sqrt(reached.squaredNorm() /
+                   static_cast<double>(std::max<Eigen::Index>(columns.rows(), 1)));
 }
 
 }  // namespace driftwise::diagnosis

@@ -19,10 +19,14 @@ class WeightedFit {
   double coefficient(Eigen::Index column) const { return coefficients_[column]; }
   double added_coefficient(Eigen::Index column) const { return coefficients_[base_ + column]; }
   double added_error(Eigen::Index column) const { return errors_[base_ + column]; }
+  // Root mean square over rows of the standard error of columns times added coefficients.
+  // columns: any rows x c. NaN where a coefficient is not determined.
+  double added_spread(const Eigen::MatrixXd& columns) const;
 
  private:
   Eigen::Index base_ = 0;
   Eigen::VectorXd coefficients_, errors_;
+  Eigen::MatrixXd root_;  // all columns x rank: its square is their covariance
 };
 
 }  // namespace driftwise::diagnosis

@@ -47,6 +47,8 @@ Json finding_json(const diagnosis::Finding& finding) {
   Json gain = Json::object();
   for (const auto& output : finding.outputs) {
     one["amplitude_" + output.unit][output.output] = output.amplitude;
+    if (output.correction_u90)
+      one["correction_u90_" + output.unit][output.output] = *output.correction_u90;
     if (!output.u90_before || !output.u90_after) continue;
     Json judged{{"u90_before_" + output.unit, number_or_null(*output.u90_before)},
                 {"u90_after_" + output.unit, number_or_null(*output.u90_after)}};

@@ -130,6 +130,8 @@ Json finding_output_json(const dx::FindingOutput& o) {
   put(one, "u90_before", o.u90_before);
   put(one, "u90_after", o.u90_after);
   put(one, "u90_after_ci90", o.u90_after_ci90);
+  put(one, "correction_rms", o.correction_rms);
+  put(one, "correction_u90", o.correction_u90);
   one["coefficients"] = list(o.coefficients, [](double value) { return json_number(value); });
   return one;
 }
@@ -144,6 +146,8 @@ dx::FindingOutput read_finding_output(const JsonPlace& from) {
   o.u90_before = maybe_number(from, "u90_before");
   o.u90_after = maybe_number(from, "u90_after");
   o.u90_after_ci90 = maybe_interval(from, "u90_after_ci90");
+  o.correction_rms = maybe_number(from, "correction_rms");
+  o.correction_u90 = maybe_number(from, "correction_u90");
   o.coefficients = read_numbers(from["coefficients"]);
   return o;
 }

@@ -78,6 +78,8 @@ void add_finding(const dx::Finding& from, int number, DiagnosisDetail detail, v1
     if (output.u90_after) one.set_u90_after(*output.u90_after);
     if (output.u90_after_ci90) set_interval(one.mutable_u90_after_ci90(), output.u90_after_ci90);
     one.set_shown(output.shown);
+    if (output.correction_rms) one.set_correction_rms(*output.correction_rms);
+    if (output.correction_u90) one.set_correction_u90(*output.correction_u90);
   }
   out.set_sentence(utf8_from(from.sentence));
   for (const auto& term : from.terms) out.add_terms(effects::notation(term));

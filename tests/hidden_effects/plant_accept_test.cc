@@ -17,6 +17,7 @@ class InstrumentsError : public testing::TestWithParam<const char*> {};
 TEST_P(InstrumentsError, LeavesTheServedTargetUnharmed) {
   constexpr std::uint64_t kSeeds = 3;
   constexpr double kFarOff = 1.5;
+  constexpr double kUnharmed = 1.01;  // a laser that warms up costs 0.1 % in each of its plants
   for (const auto& one : instrument_cases()) {
     if (one.name != GetParam()) continue;
     std::vector<AcceptedOnPlant> plants;
@@ -36,14 +37,15 @@ TEST_P(InstrumentsError, LeavesTheServedTargetUnharmed) {
                                      u90_at_truth(output.nothing_hidden_nm)))
             << plant.named;
     for (std::size_t o = 0; o < plants.front().outputs.size(); ++o)
-      EXPECT_LE(harm_of(plants, o).low, 1) << plants.front().outputs[o].output;
+      EXPECT_LE(harm_of(plants, o).low, kUnharmed) << plants.front().outputs[o].output;
     return;
   }
   FAIL() << "no such case";
 }
 
 INSTANTIATE_TEST_SUITE_P(Plants, InstrumentsError,
-                         testing::Values("axis.fringes", "axis.lost_fringe", "axis.level"),
+                         testing::Values("axis.fringes", "axis.lost_fringe", "axis.level",
+                                         "axis.dead_path", "axis.laser"),
                          [](const auto& row) {
                            std::string name = row.param;
                            name[name.find('.')] = '_';

@@ -162,6 +162,24 @@ TEST_F(ExtensionTest, ASetThatCannotBeToldApartNeedsAChoice) {
   EXPECT_EQ(accept(id, {1}).error().reason, "EXTENSION_STANDS");
 }
 
+TEST_F(ExtensionTest, ACorrectionThatIsHardlyKnownIsANameAndNoMore) {
+  auto tilt = finding_of("abbe_offset", "x", AppliesTo::correction, {"x^2"}, {4e-6});
+  tilt.outputs[0].u90_before = 18;
+  tilt.outputs[0].correction_rms = 1500;
+  tilt.outputs[0].correction_u90 = 900;
+  findings = {outlier(), tilt};
+  const auto id = d.diagnosed(run, "q ~ x").record.id;
+  const auto refused = accept(id, {2});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "UNCERTAIN_CORRECTION");
+  const auto rest = accept(id);  // all of it: all that can be made
+  ASSERT_TRUE(rest) << rest.error().message;
+  EXPECT_EQ(rest->findings, std::vector<int>{1});
+
+  findings[1].outputs[0].correction_u90 = 300;  // known to an eighth
+  EXPECT_TRUE(accept(d.diagnosed(run, "q ~ x").record.id, {2}));
+}
+
 TEST_F(ExtensionTest, RefusesWhatIsNotThere) {
   EXPECT_EQ(accept(d.diagnosed(run, "q ~ x").record.id).error().reason, "NOTHING_FOUND");
   findings = {bend()};

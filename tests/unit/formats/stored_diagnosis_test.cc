@@ -47,7 +47,8 @@ dx::Diagnosis lag_and_outliers() {
   lag.p_adjusted = 0.001;
   lag.log_likelihood_ratio = 412;
   lag.indistinguishable_from = {"self_heating q1"};
-  lag.outputs = {{"q1", "nm", 51.0, 800.5, true, 85.0, 12.0, dx::Interval{11, 13}, {-1.5e-4}}};
+  lag.outputs = {
+      {"q1", "nm", 51.0, 800.5, true, 85.0, 12.0, dx::Interval{11, 13}, {-1.5e-4}, 60.0, 3.5}};
   lag.sentence = "the structure follows t07 with a delay of 1830 s";
   dx::Finding outliers;
   outliers.cause = "outliers";
@@ -79,6 +80,8 @@ TEST(StoredDiagnosis, ComesBackAsItWas) {
   EXPECT_EQ(lag.parameters[0].curve[0].below_2lnl, 6.1);
   EXPECT_EQ(lag.outputs[0].coefficients, d.findings[0].outputs[0].coefficients);
   EXPECT_EQ(lag.outputs[0].u90_after_ci90->low, 11);
+  EXPECT_EQ(lag.outputs[0].correction_rms, 60);
+  EXPECT_EQ(lag.outputs[0].correction_u90, 3.5);
   EXPECT_EQ(lag.indistinguishable_from, d.findings[0].indistinguishable_from);
   EXPECT_EQ(back->findings[1].applies_to, effects::AppliesTo::dataset);
   EXPECT_EQ(back->findings[1].rows, d.findings[1].rows);
