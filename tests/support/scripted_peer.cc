@@ -58,6 +58,7 @@ Awaitable<void> ScriptedPeer::play(tcp::socket socket, Script script) {
       asio::steady_timer pause(context_, std::chrono::milliseconds(2));
       (void)co_await pause.async_wait(kAsTuple);
       (void)co_await asio::async_write(socket, asio::buffer(step.bytes), kAsTuple);
+      ++sent_;
       continue;
     }
     std::string got(step.bytes.size(), '\0');

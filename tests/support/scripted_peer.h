@@ -34,6 +34,7 @@ class ScriptedPeer {
   void stop_listening();  // connections are refused from now on
   void listen_again();    // on the same port
   int connections() const { return connections_; }
+  int sent() const { return sent_; }  // segments that are on their way, of all connections
   const std::vector<std::string>& problems() const {
     return problems_;
   }  // what came instead of the expected bytes
@@ -48,7 +49,7 @@ class ScriptedPeer {
   std::uint16_t port_ = 0;
   std::deque<Script> scripts_;
   std::vector<std::string> problems_;
-  int connections_ = 0, running_ = 0;
+  int connections_ = 0, running_ = 0, sent_ = 0;
 };
 
 }  // namespace driftwise::tests

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <chrono>
+
 #include "drivers/transport/link.h"
 #include "tests/support/manual_clock.h"
 #include "tests/support/run_awaitable.h"
@@ -20,6 +22,15 @@ class DriverFixture : public testing::Test {
   void let_pass(std::chrono::milliseconds time) {
     context.restart();
     context.run_for(time);
+  }
+  // Lets everything go on until this is so; gives up after 10 s, when the test will say what is
+  // not.
+  template <class Condition>
+  void until(Condition condition) {
+    context.restart();
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    while (!condition() && std::chrono::steady_clock::now() < end)
+      context.run_one_for(std::chrono::milliseconds(100));
   }
   DeviceDescription device(std::string id, std::string kind) const {
     DeviceDescription out;
