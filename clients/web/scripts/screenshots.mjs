@@ -39,6 +39,8 @@ const views = [
   { name: 'models', path: '/models', prepare: typeFormula },
   { name: 'model', path: '/models/3', seen: 'Terms of' },
   { name: 'model-residuals', path: '/models/3?tab=residuals', seen: 'Over time', tall: 1300 },
+  { name: 'methods', path: '/models/methods?run=1', prepare: study('Compare methods', 'Methods, least error first'), tall: 1300 },
+  { name: 'sensors', path: '/models/sensors?run=1&formula=q ~ poly(x, y, z, 3) %2B F %2B t04..t09', prepare: study('Try all sets', 'The best set of each size'), tall: 1600 },
   { name: 'diagnosis', path: '/diagnosis/1', seen: 'What the discrepancy goes with', tall: 1700 },
   { name: 'improvement', path: '/diagnosis/improve/1', seen: 'Turn 1' },
   { name: 'targets', path: '/targets?x=0.2&y=-0.1&z=1.2&force=0.768', seen: 'What the correction is made of', pause: 6000, tall: 1600 },
@@ -51,6 +53,15 @@ async function typeFormula(page) {
   await page.getByText(/calibration and/).first().waitFor();
   await field.fill('q ~ poly(x, y, z, 3) + F + t0');
   await page.getByRole('listbox').waitFor();
+}
+
+// What a daemon works out for the page takes its time.
+function study(verb, seen) {
+  return async (page) => {
+    await page.getByText(/terms for q1/).first().waitFor();
+    await page.getByRole('button', { name: verb, exact: true }).click();
+    await page.getByText(seen).first().waitFor({ timeout: 300_000 });
+  };
 }
 
 async function photograph(browser, view) {

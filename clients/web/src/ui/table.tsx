@@ -12,6 +12,10 @@ export interface Column<R> {
   sort?: (row: R) => number | string; // can be sorted by
 }
 
+// A row is a card of half a screen there.
+const mostCards = 12;
+const phone = () => typeof matchMedia === 'function' && matchMedia('(max-width: 720px)').matches;
+
 export function Table<R>({ caption, columns, rows, keyOf, page = 200, rowClass, onRow, sorted }: {
   caption: string; // for screen readers
   columns: readonly Column<R>[];
@@ -22,7 +26,7 @@ export function Table<R>({ caption, columns, rows, keyOf, page = 200, rowClass, 
   onRow?: (row: R) => void; // a click on the row, beside the links within it
   sorted?: { by: string; down: boolean }; // at first
 }) {
-  const [shown, setShown] = useState(page);
+  const [shown, setShown] = useState(() => (phone() ? Math.min(page, mostCards) : page));
   const [order, setOrder] = useState(sorted);
   const by = order && columns.find((column) => column.title === order.by)?.sort;
   const all = by

@@ -47,7 +47,7 @@ function Terms({ output }: { output: ModelOutput }) {
         columns={[
           { title: 'term', sort: (term) => term.term, of: (term) => <code>{term.term}</code> },
           { title: 'state', of: (term) => (term.included ? <Verdict kind="good">in</Verdict> : <Verdict kind="idle">out</Verdict>) },
-          { title: 'logarithmic', of: (term) => term.contributionRms !== undefined && <TermBar term={term} scale={scale} /> },
+          { title: 'on a log scale', of: (term) => term.contributionRms !== undefined && <TermBar term={term} scale={scale} /> },
           { title: `contribution, ${unit}`, number: true, sort: (term) => term.contributionRms ?? -1, of: (term) => contributionText(term) },
           { title: 'coefficient', number: true, of: (term) => `${exponent(term.coefficient)} ${unitText(term.unit)}` },
           { title: 'standard error', number: true, of: (term) => exponent(term.standardErrorSerial ?? term.standardError) },

@@ -22,9 +22,12 @@ function AlarmLine({ alarm, taken }: { alarm: Alarm; taken: (alarm: Alarm) => vo
     const answer = await api.watch().acknowledgeAlarm({ alarmId: alarm.id });
     if (answer.alarm) taken(answer.alarm);
   });
+  // One that is over waits to be acknowledged; it must not look like one that lasts.
+  const over = alarm.clearedTime !== undefined;
+  const kind = over ? 'idle' : kinds[alarm.level];
   return (
-    <li class={`panel alarm alarm-${kinds[alarm.level]}`}>
-      <Verdict kind={kinds[alarm.level]}>{levelWords[alarm.level]}</Verdict>
+    <li class={`panel alarm alarm-${kind}${over ? ' alarm-over' : ''}`}>
+      <Verdict kind={kind}>{levelWords[alarm.level]}{over && ', over'}</Verdict>
       <p>
         {alarm.message}{' '}
         <span class="muted">

@@ -1,13 +1,16 @@
-// The points of a run: a table with what became of each row, and the poses in 3-D coloured by spread.
+// The points of a run: the poses in 3-D coloured by spread, beside them spread and zero over time, and a table with what became of
+// each row. A point chosen in one of them is marked in all.
 import type { Signal } from '@preact/signals';
 import { useMemo } from 'preact/hooks';
 import { Attempt_Verdict, PointSet, type Attempt, type Point, type Run } from '@/api/gen/driftwise/v1/run_pb';
 import { query, setQuery } from '@/app/router';
 import { fixed, significant } from '@/format/numbers';
-import { secondsOf } from '@/format/time';
-import type { RunPoints } from '@/live/points';
-import { valueOf } from '@/live/points';
-import { lengthsOf } from '@/parts/zero_plot';
+import { ms, secondsOf } from '@/format/time';
+import { usePointColumns, valueOf, type RunPoints } from '@/live/points';
+import { isOver, ruleOf } from '@/parts/run_words';
+import { spreadPlot } from '@/parts/spread_plot';
+import { lengthsOf, zeroDrift, zeroPlot } from '@/parts/zero_plot';
+import { Plot } from '@/plot/plot';
 import { Poses } from '@/poses/poses';
 import { Panel } from '@/ui/panel';
 import { Empty } from '@/ui/states';
@@ -63,15 +66,20 @@ const shows: readonly [string, string, (row: RunRow) => boolean][] = [
   ['zero', 'returns to zero', (row) => row.point?.zero === true],
 ];
 
-export function PointsTab({ run, points, chosen, onPick }: {
-  run: Run; points: RunPoints; chosen: Signal<number | undefined>; onPick: (row: number) => void;
+export function PointsTab({ run, rulesJson, points, chosen, onPick }: {
+  run: Run; rulesJson: string; points: RunPoints; chosen: Signal<number | undefined>; onPick: (row: number) => void;
 }) {
   const rows = useMemo(() => rowsOf(points), [points]);
   const show = shows.find(([id]) => id === (query('show') ?? '')) ?? shows[0];
   const shown = useMemo(() => rows.filter(show[2]), [rows, show]);
   const scene = useMemo(() => sceneOfPoints(points), [points]);
   const channels = points.points[0]?.values.map((one) => one.channel) ?? [];
-  const pose = [...lengthsOf(channels), ...channels.filter((name) => /^r[xyz]_arcsec$/.test(name))];
+  const pose = [...lengthsOf(channels), ...channels.filter((name) => /^r[xyz]_arcsec$/.test(name)).sort()];
+  const timed = usePointColumns(points.points, ms(run.startTime));
+  const limitNm = ruleOf(rulesJson, 'max_spread_nm');
+  const spread = useMemo(() => ({ ...spreadPlot(points.attempts, timed.startMs, limitNm), file: `run-${run.id}-spread` }), [points.attempts, timed.startMs, limitNm]);
+  const zero = useMemo(() => ({ ...zeroPlot(zeroDrift(points.points, timed.startMs, lengthsOf(timed.channels)), timed.startMs), file: `run-${run.id}-zero` }), [timed]);
+  const shared = { live: !isOver(run), chosen, onPick, group: `points-${run.id}`, height: 172 };
   const columns: Column<RunRow>[] = [
     { title: 'row', number: true, of: ({ row }) => <button type="button" class="link" onClick={(event) => { event.stopPropagation(); onPick(row); }}>{row + 1}</button>, sort: ({ row }) => row },
     { title: 'line', number: true, of: ({ point }) => (point ? String(point.line) : ''), sort: ({ point }) => Number(point?.line ?? -1) },
@@ -89,7 +97,10 @@ export function PointsTab({ run, points, chosen, onPick }: {
   if (rows.length === 0) return <Panel><Empty>No point of run {String(run.id)} has been measured yet.</Empty></Panel>;
   return (
     <>
-      {scene && <Panel><Poses scene={scene} chosen={chosen} onPick={onPick} height={380} file={`run-${run.id}-poses`} /></Panel>}
+      <div class="columns">
+        {scene && <Panel><Poses scene={scene} chosen={chosen} onPick={onPick} height={420} file={`run-${run.id}-poses`} /></Panel>}
+        <Panel class="stack"><Plot spec={spread} {...shared} /><Plot spec={zero} {...shared} /></Panel>
+      </div>
       <Panel
         title={`${shown.length} of ${rows.length} rows`}
         actions={
