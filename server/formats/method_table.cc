@@ -19,7 +19,7 @@ std::string formatted(const char* format, Values... values) {
   return text.data();
 }
 
-std::string size_text(const std::optional<double>& value, const std::string& unit) {
+std::string figure_text(const std::optional<double>& value, const std::string& unit) {
   if (!value) return "-";
   const SummaryUnit summary = summary_unit(unit);
   return formats::size_text(*value * summary.factor, summary.unit);
@@ -96,7 +96,7 @@ std::string comparison_table(const std::vector<Judgement>& judgements) {
             (best == nullptr || *output.pure_error < *best->pure_error))
           best = &output;
     if (best != nullptr)
-      text += ": visits of a group agree to " + size_text(best->pure_error, channel.unit) +
+      text += ": visits of a group agree to " + figure_text(best->pure_error, channel.unit) +
               " (standard deviation)";
     text += "\n" + method_heading();
     for (const auto& one : judgements) {
@@ -105,10 +105,10 @@ std::string comparison_table(const std::vector<Judgement>& judgements) {
       if (at == one.outputs.end()) continue;
       text += formatted("  %-10s %-8s %10d %12s %12s %12s %12s %12s\n",
                         identification::name_of(one.fitted.method).c_str(), "U90", at->parameters,
-                        size_text(at->u90_calibration, channel.unit).c_str(),
-                        size_text(at->u90_validation, channel.unit).c_str(),
-                        size_text(u90_of(at->blocks), channel.unit).c_str(),
-                        size_text(u90_of(at->groups), channel.unit).c_str(),
+                        figure_text(at->u90_calibration, channel.unit).c_str(),
+                        figure_text(at->u90_validation, channel.unit).c_str(),
+                        figure_text(u90_of(at->blocks), channel.unit).c_str(),
+                        figure_text(u90_of(at->groups), channel.unit).c_str(),
                         time_text(one.fitted.fit_us).c_str());
     }
   }
@@ -119,10 +119,10 @@ std::string comparison_table(const std::vector<Judgement>& judgements) {
       const auto& position = *one.position;
       text += formatted("  %-10s %-8s %10d %12s %12s %12s %12s %12s\n",
                         identification::name_of(one.fitted.method).c_str(), "rms",
-                        one.fitted.parameters(), size_text(position.rms, position.unit).c_str(),
-                        size_text(position.rms_validation, position.unit).c_str(),
-                        size_text(position.rms_blocks, position.unit).c_str(),
-                        size_text(position.rms_groups, position.unit).c_str(),
+                        one.fitted.parameters(), figure_text(position.rms, position.unit).c_str(),
+                        figure_text(position.rms_validation, position.unit).c_str(),
+                        figure_text(position.rms_blocks, position.unit).c_str(),
+                        figure_text(position.rms_groups, position.unit).c_str(),
                         time_text(one.fitted.fit_us).c_str());
     }
     std::optional<double> agree;
@@ -130,7 +130,7 @@ std::string comparison_table(const std::vector<Judgement>& judgements) {
       if (one.position && one.position->pure_error)
         agree = std::min(agree.value_or(HUGE_VAL), *one.position->pure_error);
     if (agree)
-      text += "  visits of a group agree to " + size_text(agree, first.position->unit) + " rms\n";
+      text += "  visits of a group agree to " + figure_text(agree, first.position->unit) + " rms\n";
   }
   std::string notes;
   for (const auto& one : judgements) notes += note_lines(one);
