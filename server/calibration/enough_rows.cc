@@ -60,8 +60,11 @@ Result<void> check_enough_rows(const Dataset& dataset, const Design& design,
               std::to_string(rows) + " complete calibration rows (" +
                   std::to_string(design.dropped) + " dropped for missing values), at least " +
                   std::to_string(needed) + " are needed for " + std::to_string(terms) +
-                  (terms == 1 ? " term" : " terms") + (all ? "" : " that are always in") + ": " +
-                  advice(dataset, design));
+                  (terms == 1 ? " term" : " terms") +
+                  (all          ? ""
+                   : terms == 1 ? " that is always in"
+                                : " that are always in") +
+                  ": " + advice(dataset, design));
 }
 
 }  // namespace driftwise::calibration
