@@ -5,6 +5,7 @@
 #include "clients/cli/proto_json.h"
 #include "clients/cli/table.h"
 #include "clients/cli/text.h"
+#include "clients/cli/validators.h"
 #include "driftwise/v1/watch_service.grpc.pb.h"
 
 namespace driftwise::cli {
@@ -74,7 +75,7 @@ void add_alarm_commands(CLI::App& app, Session& session) {
   // CLI11 calls the parent's action last: both are the same one.
   CLI::App& acknowledge =
       add_command(alarms, session, "acknowledge", "Says that you have seen one alarm", act);
-  acknowledge.add_option("ALARM", *id, "its number")->required()->check(CLI::PositiveNumber);
+  acknowledge.add_option("ALARM", *id, "its number")->required()->check(positive_number());
 }
 
 }  // namespace driftwise::cli

@@ -21,6 +21,7 @@
 #include "clients/cli/session.h"
 #include "clients/cli/standard_commands.h"
 #include "clients/cli/target_command.h"
+#include "clients/cli/validators.h"
 #include "clients/cli/watch_command.h"
 
 namespace driftwise::cli {
@@ -54,6 +55,35 @@ void complain(const Console& console, const Failure& failure) {
   console.err << std::flush;
 }
 
+// The last command that was understood.
+const CLI::App& deepest(const CLI::App& app) {
+  const auto inner = app.get_subcommands();
+  return inner.empty() ? app : deepest(*inner.back());
+}
+
+std::string what_is_wrong(const CLI::App& app, const CLI::App& named,
+                          const CLI::ParseError& error) {
+  const std::string what = error.what();
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError)) {
+    // CLI11 misses a command before it looks at what stands in its place.
+    const auto unknown = app.remaining(true);
+    if (!unknown.empty()) return "there is no '" + unknown.front() + "'";
+    if (what == "A subcommand is required") {
+      std::string verbs;
+      for (const CLI::App* one : named.get_subcommands({}))
+        verbs += (verbs.empty() ? "" : ", ") + one->get_name();
+      return "expected one of " + verbs;
+    }
+  }
+  const std::string cannot =
+      "Could not convert: ";  // of numbers alone; "Could not convert: RUN = x"
+  const auto equals = what.find(" = ");
+  if (what.starts_with(cannot) && equals != std::string::npos)
+    return what.substr(cannot.size(), equals - cannot.size()) + ": found '" +
+           what.substr(equals + 3) + "', expected a number";
+  return what;
+}
+
 // CLI11 has codes of its own; here a line that cannot be understood is 2, and --help and --version
 // are 0.
 int after_parse(const CLI::App& app, const CLI::ParseError& error, const Console& console) {
@@ -61,13 +91,12 @@ int after_parse(const CLI::App& app, const CLI::ParseError& error, const Console
     app.exit(error, console.out, console.err);
     return static_cast<int>(ExitCode::done);
   }
-  // CLI11 misses a command before it looks at what stands in its place.
-  const auto unknown = app.remaining(true);
-  const bool no_command =
-      error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError) && !unknown.empty();
-  const std::string what = no_command ? "there is no '" + unknown.front() + "'" : error.what();
-  complain(console,
-           {ExitCode::usage, "usage", "USAGE", what + " (driftwise --help shows the way)"});
+  const CLI::App& named = deepest(app);
+  std::string path = named.get_name();
+  for (const CLI::App* one = &named; one != &app; path = one->get_name() + " " + path)
+    one = one->get_parent();
+  complain(console, {ExitCode::usage, "usage", "USAGE",
+                     what_is_wrong(app, named, error) + " (" + path + " --help shows the way)"});
   return static_cast<int>(ExitCode::usage);
 }
 
@@ -80,7 +109,7 @@ void add_shared_options(CLI::App& app, Session& session) {
       ->default_str("$USER");
   app.add_option("--timeout", session.timeout_s,
                  "seconds to wait for an answer, or for a run's end")
-      ->check(CLI::Range(0.001, 31536000.0));
+      ->check(number_between(0.001, 31536000.0));
   app.add_flag("--json", session.console.json, "results for programs; docs/cli.md has the keys");
 }
 

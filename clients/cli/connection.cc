@@ -7,8 +7,11 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <vector>
 
 #include "driftwise/v1/error_detail.pb.h"
+#include "server/core/utf8.h"
 
 namespace driftwise::cli {
 namespace {
@@ -54,12 +57,58 @@ v1::ErrorDetail detail_of(const grpc::Status& status) {
   return detail;
 }
 
+// What gRPC would try for ever, or look up as a name: "localhost", "127.0.0.1:70000". Its own forms
+// (unix:/path, dns:///name) pass.
+std::string checked_address(const std::string& address, const char* from) {
+  const auto colon = address.rfind(':');
+  const std::string port = colon == std::string::npos ? "" : address.substr(colon + 1);
+  const bool number = !port.empty() && port.find_first_not_of("0123456789") == std::string::npos;
+  const bool beyond = number && (port.size() > 5 || std::stoi(port) > 65535 || std::stoi(port) < 1);
+  if (colon == std::string::npos || port.empty() || beyond)
+    throw Failure{ExitCode::usage, "usage", "BAD_ADDRESS",
+                  std::string(from) + ": found '" + address +
+                      "', expected host:port such as 127.0.0.1:50051"};
+  return address;
+}
+
+using google::protobuf::FieldDescriptor;
+
+// "text", "pose[2].channel": the first field whose bytes are no text.
+std::string field_without_text(const google::protobuf::Message& message) {
+  const auto& reflection = *message.GetReflection();
+  std::vector<const FieldDescriptor*> set;
+  reflection.ListFields(message, &set);
+  for (const FieldDescriptor* field : set) {
+    const bool text = field->type() == FieldDescriptor::TYPE_STRING;
+    if (!text && field->cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE) continue;
+    const int count = field->is_repeated() ? reflection.FieldSize(message, field) : 1;
+    for (int i = 0; i < count; ++i) {
+      const bool repeated = field->is_repeated();
+      const std::string name = field->name() + (repeated ? "[" + std::to_string(i) + "]" : "");
+      std::string scratch;
+      if (text) {
+        const std::string& value =
+            repeated ? reflection.GetRepeatedStringReference(message, field, i, &scratch)
+                     : reflection.GetStringReference(message, field, &scratch);
+        if (const auto bad = first_bad_utf8(value))
+          return name + ": byte " + std::to_string(*bad + 1);
+        continue;
+      }
+      const auto inner =
+          field_without_text(repeated ? reflection.GetRepeatedMessage(message, field, i)
+                                      : reflection.GetMessage(message, field));
+      if (!inner.empty()) return name + "." + inner;
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string server_address(const std::string& flag, const Console& console) {
-  if (!flag.empty()) return flag;
+  if (!flag.empty()) return checked_address(flag, "--server");
   if (const auto variable = console.variable("DRIFTWISE_SERVER"); !variable.empty())
-    return variable;
+    return checked_address(variable, "DRIFTWISE_SERVER");
   const auto notice = std::filesystem::path(console.working_folder) / "driftwised.json";
   std::ifstream file(notice);
   if (!file) return "127.0.0.1:50051";
@@ -98,6 +147,13 @@ Connection::Connection(std::string address, std::string operator_name, double ti
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY,
                    0);  // the daemon listens on loopback, or at the end of a tunnel
   channel_ = grpc::CreateCustomChannel(address_, grpc::InsecureChannelCredentials(), arguments);
+}
+
+void Connection::check_text(const google::protobuf::Message& request) {
+  const std::string where = field_without_text(request);
+  if (where.empty()) return;
+  throw Failure{ExitCode::bad_input, "invalid_argument", "NOT_TEXT",
+                where + " is no UTF-8 text: is this the right file? If it is, save it as UTF-8"};
 }
 
 void Connection::prepare(grpc::ClientContext& context, double usual_s) const {

@@ -2,6 +2,7 @@
 // The client's way to the daemon: address, deadline, who is asking, and errors as Failures with an
 // exit code.
 
+#include <google/protobuf/message.h>
 #include <grpcpp/channel.h>
 #include <grpcpp/client_context.h>
 #include <grpcpp/support/status.h>
@@ -18,7 +19,8 @@
 namespace driftwise::cli {
 
 // Flag, else DRIFTWISE_SERVER, else "grpc" of driftwised.json in the working folder, else
-// 127.0.0.1:50051. Throws Failure (bad_input) for a driftwised.json that cannot be read.
+// 127.0.0.1:50051. Throws Failure: bad_input for a driftwised.json that cannot be read, usage for
+// an address without a port.
 std::string server_address(const std::string& flag, const Console& console);
 
 // Exit codes of a failed call: input 3, daemon or device away 4, interrupted 130, everything
@@ -42,6 +44,10 @@ class Connection {
   }
   bool interrupted() const { return interrupt_ != nullptr && interrupt_->raised(); }
 
+  // Throws Failure (bad_input, NOT_TEXT) naming the field that holds bytes which are no UTF-8: a
+  // binary file taken for a trajectory. gRPC itself would send nothing and say nothing.
+  static void check_text(const google::protobuf::Message& request);
+
   // Sets operator and deadline. usual_s: when no --timeout was given; 0: no deadline.
   void prepare(grpc::ClientContext& context, double usual_s) const;
 
@@ -49,6 +55,7 @@ class Connection {
   template <class Stub, class Request, class Response>
   Response ask(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
                const std::type_identity_t<Request>& request, double usual_s = 10.0) const {
+    check_text(request);
     grpc::ClientContext context;
     prepare(context, usual_s);
     const Interrupt::Scope scope(interrupt_, [&context] { context.TryCancel(); });
@@ -64,6 +71,7 @@ class Connection {
                                                                             const Request&),
               const std::type_identity_t<Request>& request,
               const std::type_identity_t<std::function<bool(const Response&)>>& on_message) const {
+    check_text(request);
     grpc::ClientContext context;
     prepare(context, 0);
     const Interrupt::Scope scope(interrupt_, [&context] { context.TryCancel(); });

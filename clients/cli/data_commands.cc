@@ -131,7 +131,7 @@ void add_data_commands(CLI::App& app, Session& session) {
       "with --mapping: write the dataset CSV here, no daemon needed; - for standard output");
   in.add_flag("--dry-run", a->dry_run,
               "with --mapping: show what was understood and the first rows, change nothing");
-  in.add_option("--rows", a->rows, "rows that a dry run shows")->check(CLI::Range(1, 1000));
+  in.add_option("--rows", a->rows, "rows that a dry run shows")->check(number_between(1, 1000));
   in.add_option("--name", a->name, "of the run; else the file's");
   in.add_option("--request-id", a->request_id,
                 "the same id again answers with the run of the first time");

@@ -5,7 +5,6 @@
 #include "clients/cli/diagnosis_commands.h"
 #include "clients/cli/validators.h"
 #include "clients/cli/value_or_throw.h"
-#include "server/threads/threaded_executor.h"
 #include "server/diagnosis/robot_diagnosis.h"
 #include "server/diagnosis/separating.h"
 #include "server/formats/dataset_csv.h"
@@ -14,6 +13,7 @@
 #include "server/formats/formula.h"
 #include "server/formats/kinematics_section.h"
 #include "server/formats/separating_text.h"
+#include "server/threads/threaded_executor.h"
 
 namespace driftwise::cli {
 namespace {
@@ -64,6 +64,18 @@ diagnosis::Diagnosis of_robot(const DiagnoseArguments& a, const Dataset& data,
   return std::move(found.diagnosis);
 }
 
+std::vector<std::string> known_channels(const std::vector<std::string>& asked, const Dataset& data,
+                                        const std::string& file) {
+  for (const auto& symbol : asked) {
+    if (data.find(symbol) != nullptr) continue;
+    std::string known;
+    for (const auto& column : data.columns) known += " " + column.channel.symbol;
+    throw Failure{ExitCode::bad_input, "invalid_argument", "UNKNOWN_CHANNEL",
+                  "--without: unknown channel '" + symbol + "', " + file + " has:" + known};
+  }
+  return asked;
+}
+
 ExitCode diagnose_file(const Session& session, const DiagnoseArguments& a) {
   const Dataset data = value_or_throw(formats::read_dataset_csv(read_input_file(a.file), a.file));
   diagnosis::DiagnoseOptions options;
@@ -74,7 +86,7 @@ ExitCode diagnose_file(const Session& session, const DiagnoseArguments& a) {
   options.nulls = a.nulls;
   options.max_findings = a.most;
   options.seed = a.seed;
-  options.exclude_symbols = a.without;
+  options.exclude_symbols = known_channels(a.without, data, a.file);
   options.executor = threads::threaded_executor(a.threads);
   if (session.console.err_is_terminal)
     options.progress = [&session, last = std::string()](double, const std::string& step) mutable {
@@ -139,24 +151,24 @@ void add_diagnose_command(CLI::App& app, Session& session) {
       ->check(positive_number());
   command.add_option("--name", a->name, "of runs: of the diagnosis, for the record");
   command.add_option("--alpha", a->alpha, "rate of a false name where nothing is wrong")
-      ->check(CLI::Range(1e-6, 0.5))
+      ->check(number_between(1e-6, 0.5))
       ->capture_default_str();
   command.add_option("--nulls", a->nulls, "series of noise that the search is held against")
-      ->check(CLI::Range(20, 9999))
+      ->check(number_between(20, 9999))
       ->capture_default_str();
   command.add_option("--most", a->most, "findings at most")
-      ->check(CLI::Range(1, 8))
+      ->check(number_between(1, 8))
       ->capture_default_str();
   command.add_option("--without", a->without, "channels that no cause may read: t03,air")
       ->delimiter(',');
   command.add_option("--threads", a->threads, "at work")
-      ->check(CLI::Range(1, 64))
+      ->check(number_between(1, 64))
       ->capture_default_str();
   command.add_option("--report", a->report, "write a page to look at: out.html");
   command
       .add_option("--budget", a->budget_h,
                   "hours that a separating measurement may take; 0: design none")
-      ->check(CLI::Range(0.0, 1000.0))
+      ->check(number_between(0.0, 1000.0))
       ->capture_default_str();
   command.add_option("--separating", a->separating, "write its trajectory: plan.csv");
   command.add_option("--seed", a->seed, "of those series")->capture_default_str();

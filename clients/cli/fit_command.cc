@@ -8,14 +8,15 @@
 #include "clients/cli/residuals_file.h"
 #include "clients/cli/session.h"
 #include "clients/cli/validation_file.h"
+#include "clients/cli/validators.h"
 #include "clients/cli/value_or_throw.h"
 #include "server/calibration/offer.h"
-#include "server/threads/threaded_executor.h"
 #include "server/effects/term_order.h"
 #include "server/formats/dataset_csv.h"
 #include "server/formats/fit_json.h"
 #include "server/formats/formula.h"
 #include "server/formats/row_ranges.h"
+#include "server/threads/threaded_executor.h"
 
 namespace driftwise::cli {
 namespace {
@@ -131,16 +132,16 @@ void add_fit_options(CLI::App& command, FitOfFile& fit) {
       .add_option("--starts", fit.starts,
                   "the best of N starts: none, all, then random subsets; the lowest BIC (with "
                   "--criterion aic: AIC) wins")
-      ->check(CLI::Range(1, 10000))
+      ->check(number_between(1, 10000))
       ->capture_default_str();
   command.add_option("--seed", fit.seed, "of the random starts")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number_from_zero())
       ->capture_default_str();
   command
       .add_option(
           "--threads", fit.threads,
           "0: one per processor, or with --run one; the model is the same whatever the number")
-      ->check(CLI::Range(0, 1024))
+      ->check(number_between(0, 1024))
       ->capture_default_str();
   command.add_option("--force", fit.force, "a term that is always in; repeatable")
       ->allow_extra_args(false);
@@ -155,9 +156,9 @@ void add_fit_options(CLI::App& command, FitOfFile& fit) {
   command.add_option("--exclude-rows", fit.exclude_rows,
                      "rows of the file kept out of the fit, such as 12,40-45; the first is 1");
   command.add_option("--first,--first-rows", fit.first_rows, "calibrate on the first N rows only")
-      ->check(CLI::NonNegativeNumber);
+      ->check(number_from_zero());
   command.add_option("--blocks", fit.blocks, "blocks of time held out in turn; 0: none")
-      ->check(CLI::Range(0, 1000))
+      ->check(number_between(0, 1000))
       ->capture_default_str();
   command.add_option("--residuals", fit.residuals,
                      "write measured, model and residual of every row to this file (dataset CSV)");
@@ -224,7 +225,9 @@ ExitCode fit_file(const Console& console, const FitOfFile& fit, std::string_view
   const Dataset data = dataset_of_file(fit, text, name, options.executor);
   options.lineage.exclusions_hash = formats::exclusions_hash(data);
   options.candidates = value_or_throw(formula.expand(data));
-  const calibration::Model model = value_or_throw(calibration::fit(data, options));
+  auto fitted = calibration::fit(data, options);
+  if (!fitted) fitted.error().message.insert(0, name + ": ");  // which of many files
+  const calibration::Model model = value_or_throw(std::move(fitted));
   std::vector<calibration::OfferResult> offers;
   if (fit.offers)
     offers = value_or_throw(calibration::weigh_offers(

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "clients/cli/table.h"
+#include "clients/cli/text.h"
 #include "server/formats/dataset_csv.h"
 #include "server/formats/text.h"
 
@@ -55,8 +56,8 @@ void print_import(std::ostream& out, const Paint& paint, const formats::ImportRe
                {"max", Align::right},
                {"missing", Align::right}});
   for (const auto& column : report.columns)
-    table.add({column.source, column.unit, column.channel, column.first,
-               formats::number_text(column.min), formats::number_text(column.max),
+    table.add({column.source, column.unit, column.channel, column.first, significant(column.min, 9),
+               significant(column.max, 9),
                column.missing == 0 ? "" : std::to_string(column.missing)});
   table.print(out, paint);
 }

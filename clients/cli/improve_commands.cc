@@ -186,7 +186,7 @@ void add_improve_commands(CLI::App& app, Session& session) {
   command.add_option("--model", a->formula,
                      "formula of the first model; else that of the model that serves");
   command.add_option("--max-turns", a->max_turns, "at most so many")
-      ->check(CLI::Range(1, 50))
+      ->check(number_between(1, 50))
       ->capture_default_str();
   command.add_option("--budget", a->budget_s, "seconds of cell time; else no limit")
       ->check(positive_number());

@@ -8,6 +8,7 @@
 #include "clients/cli/proto_json.h"
 #include "clients/cli/table.h"
 #include "clients/cli/text.h"
+#include "clients/cli/validators.h"
 #include "driftwise/v1/trajectory_service.grpc.pb.h"
 
 namespace driftwise::cli {
@@ -138,7 +139,7 @@ void add_kept_trajectories(CLI::App& trajectory, Session& session) {
   auto id = std::make_shared<std::int64_t>(0);
   CLI::App& show = add_command(trajectory, session, "show", "A kept trajectory as it was uploaded",
                                [&session, id] { return show_kept(session, *id); });
-  show.add_option("TRAJECTORY", *id, "its number")->required()->check(CLI::PositiveNumber);
+  show.add_option("TRAJECTORY", *id, "its number")->required()->check(positive_number());
 
   auto g = std::make_shared<GenerateArguments>();
   CLI::App& make = add_command(

@@ -1,5 +1,6 @@
 // driftwise: the command line. Everything is in cli.h; here only what belongs to a process.
 
+#include <poll.h>
 #include <pwd.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -11,6 +12,16 @@
 #include "clients/cli/cli.h"
 
 extern char** environ;
+
+namespace {
+
+// `driftwise events | head`: whoever stops reading has what he wanted.
+bool reader_left() {
+  pollfd out{STDOUT_FILENO, POLLOUT, 0};
+  return poll(&out, 1, 0) == 1 && (out.revents & (POLLERR | POLLHUP)) != 0;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   using namespace driftwise::cli;
@@ -33,5 +44,9 @@ int main(int argc, char** argv) {
   if (console.variable("USER").empty())  // cron and containers set none
     if (const passwd* user = getpwuid(geteuid()); user != nullptr)
       console.environment["USER"] = user->pw_name;
-  return run_cli({argv + 1, argv + argc}, console, &interrupt);
+  const int exit = run_cli({argv + 1, argv + argc}, console, &interrupt);
+  std::cout.flush();
+  if (std::cout.good() || reader_left()) return exit;
+  std::cerr << "driftwise: standard output could not be written whole: is its disk full?\n";
+  return static_cast<int>(ExitCode::refused);
 }

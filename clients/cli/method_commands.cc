@@ -3,6 +3,7 @@
 #include "clients/cli/fit_commands.h"
 #include "clients/cli/session.h"
 #include "clients/cli/study_stream.h"
+#include "clients/cli/validators.h"
 #include "clients/cli/value_or_throw.h"
 #include "driftwise/v1/model_service.grpc.pb.h"
 #include "server/formats/formula.h"
@@ -50,7 +51,7 @@ void add_method_options(CLI::App& command, MethodsOfFile& methods) {
   command.add_option("--together", methods.together,
                      "rows that are held out together: line, or channels such as goal_x,goal_y");
   command.add_option("--folds", methods.folds, "of those groups")
-      ->check(CLI::Range(2, 1000))
+      ->check(number_between(2, 1000))
       ->capture_default_str();
 }
 

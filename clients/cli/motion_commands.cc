@@ -5,6 +5,7 @@
 #include "clients/cli/held_lease.h"
 #include "clients/cli/proto_json.h"
 #include "clients/cli/text.h"
+#include "clients/cli/validators.h"
 #include "driftwise/v1/cell_service.grpc.pb.h"
 
 namespace driftwise::cli {
@@ -145,7 +146,7 @@ void add_motion_commands(CLI::App& app, Session& session) {
   CLI::App& take = add_command(lease, session, "take", "Takes or renews it and prints its token",
                                [&session, a] { return take_lease(session, *a); });
   take.add_option("--hold", a->hold_s, "seconds of cell time")
-      ->check(CLI::Range(1.0, 3600.0))
+      ->check(number_between(1.0, 3600.0))
       ->capture_default_str();
   take.add_option("--renew", a->lease_token, "the token of a lease one holds");
   CLI::App& give_up = add_command(lease, session, "give-up", "Lets others move", [&session, a] {

@@ -124,7 +124,7 @@ ExitCode list_notes(const Session& session, const NoteArguments& a) {
 void add_subject(CLI::App& command, NoteArguments& a) {
   auto* run = command.add_option("--run", a.run, "on this run")->check(positive_number());
   command.add_option("--row", a.row, "on the point in this row of it, as `run points` counts")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number_from_zero())
       ->needs(run);
   command.add_option("--model", a.model, "on this model")->check(positive_number())->excludes(run);
 }

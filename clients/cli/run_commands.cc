@@ -8,6 +8,7 @@
 #include "clients/cli/run_tables.h"
 #include "clients/cli/run_text.h"
 #include "clients/cli/run_watch.h"
+#include "clients/cli/validators.h"
 #include "driftwise/v1/run_service.grpc.pb.h"
 
 namespace driftwise::cli {
@@ -79,11 +80,18 @@ ExitCode confirm_force(const Session& session, std::int64_t id, double force_n) 
   return show_changed(session, session.connect().ask(&RunStub::ConfirmForce, request).run());
 }
 
+// The engine looks at what is wanted of it between two steps, so the answer may still show the
+// state before: then `what_follows` says what will happen.
 template <class Request, class Method>
-ExitCode change(const Session& session, Method method, std::int64_t id) {
+ExitCode change(const Session& session, Method method, std::int64_t id, v1::Run::State wanted,
+                const std::string& what_follows) {
   Request request;
   request.set_run_id(id);
-  return show_changed(session, session.connect().ask(method, request).run());
+  const auto run = session.connect().ask(method, request).run();
+  const ExitCode exit = show_changed(session, run);
+  if (run.state() != wanted && !session.console.json)
+    session.console.err << what_follows << ": follow it with `driftwise run watch " << id << "`\n";
+  return exit;
 }
 
 }  // namespace
@@ -99,7 +107,7 @@ void add_run_commands(CLI::App& app, Session& session) {
   CLI::App& list = add_command(run, session, "list", "Runs, newest first",
                                [&session, a] { return list_runs(session, a->limit); });
   list.add_option("--limit", a->limit, "how many")
-      ->check(CLI::Range(1, 1000))
+      ->check(number_between(1, 1000))
       ->capture_default_str();
   id(add_command(run, session, "show", "One run",
                  [&session, a] { return show_run(session, a->id); }));
@@ -108,10 +116,12 @@ void add_run_commands(CLI::App& app, Session& session) {
   });
   watched.add_option("RUN", a->id, "number of the run; without it the one under way");
   id(add_command(run, session, "pause", "Pauses after the point under way", [&session, a] {
-    return change<v1::PauseRunRequest>(session, &RunStub::PauseRun, a->id);
+    return change<v1::PauseRunRequest>(session, &RunStub::PauseRun, a->id, v1::Run::STATE_PAUSED,
+                                       "it pauses after the point under way");
   }));
   id(add_command(run, session, "resume", "Goes on with a paused run", [&session, a] {
-    return change<v1::ResumeRunRequest>(session, &RunStub::ResumeRun, a->id);
+    return change<v1::ResumeRunRequest>(session, &RunStub::ResumeRun, a->id, v1::Run::STATE_RUNNING,
+                                        "it goes on as soon as the devices were looked at");
   }));
   CLI::App& ended =
       add_command(run, session, "abort", "Ends a run at once; what was accepted stays",
@@ -122,7 +132,9 @@ void add_run_commands(CLI::App& app, Session& session) {
       add_command(run, session, "confirm", "Says that the force a run waits for acts now",
                   [&session, a] { return confirm_force(session, a->id, a->force_n); });
   id(confirmed);
-  confirmed.add_option("--force", a->force_n, "what hangs there, N")->required();
+  confirmed.add_option("--force", a->force_n, "what hangs there, N")
+      ->required()
+      ->check(finite_number());
   id(add_command(run, session, "points", "Accepted points",
                  [&session, a] { return show_points(session, a->id); }));
   id(add_command(run, session, "attempts", "Every attempt, with its verdict",

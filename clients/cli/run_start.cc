@@ -89,7 +89,7 @@ void add_run_start(CLI::App& run, Session& session) {
       ->needs(compensate)
       ->check(positive_number());
   command.add_option("--readings", a->readings, "readings per point instead of the cell's")
-      ->check(CLI::Range(2, 1000));
+      ->check(number_between(2, 1000));
   command
       .add_option("--max-spread-nm", a->max_spread_nm,
                   "gate on their standard deviation instead of the cell's")

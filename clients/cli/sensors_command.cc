@@ -165,7 +165,7 @@ void add_sensors_command(CLI::App& model, Session& session) {
   command
       .add_option("--tolerance", a->tolerance_pct,
                   "percent of the best U90 that fewer thermometers may cost")
-      ->check(CLI::Range(0.0, 1000.0))
+      ->check(number_between(0.0, 1000.0))
       ->capture_default_str();
 }
 

@@ -26,17 +26,41 @@ std::string base_name(const std::string& path) {
   return std::filesystem::path(path).filename().string();
 }
 
+namespace {
+
+Failure cannot_write(const std::string& path, const std::string& why) {
+  return {ExitCode::bad_input, "invalid_argument", "CANNOT_WRITE",
+          "cannot write " + path + ": " + why};
+}
+
+// Says why not, or nothing.
+std::string write_to(const std::filesystem::path& file, const std::string& text) {
+  errno = 0;
+  std::ofstream out(file, std::ios::binary | std::ios::trunc);
+  if (out && (out << text).flush()) return {};
+  return std::strerror(errno != 0 ? errno : EIO);
+}
+
+}  // namespace
+
 void write_output_file(const std::string& path, const std::string& text) {
-  const std::string temporary = path + ".part";
-  const auto fail = [&](const std::string& file) {
-    throw Failure{ExitCode::bad_input, "invalid_argument", "CANNOT_WRITE",
-                  "cannot write " + file + ": " + std::strerror(errno)};
-  };
-  {
-    std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
-    if (!file || !(file << text).flush()) fail(temporary);
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored))
+    throw cannot_write(path, "it is a folder, expected the name of a file");
+  // A file renamed over a device would take its place: as root even that of /dev/null.
+  if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) {
+    if (const auto why = write_to(path, text); !why.empty()) throw cannot_write(path, why);
+    return;
   }
-  if (std::rename(temporary.c_str(), path.c_str()) != 0) fail(path);
+  const fs::path file =
+      fs::is_symlink(path, ignored) ? fs::weakly_canonical(path, ignored) : fs::path(path);
+  const fs::path part = file.string() + ".part";
+  auto why = write_to(part, text);
+  if (why.empty() && std::rename(part.c_str(), file.c_str()) != 0) why = std::strerror(errno);
+  if (why.empty()) return;
+  fs::remove(part, ignored);
+  throw cannot_write(path, why);
 }
 
 }  // namespace driftwise::cli

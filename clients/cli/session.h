@@ -36,7 +36,9 @@ inline CLI::App& add_command(CLI::App& parent, Session& session, const std::stri
 std::string read_input_file(const std::string& path);
 // The same path's last part: how a run is named when nobody named it.
 std::string base_name(const std::string& path);
-// Writes a file in one piece (a temporary beside it, then renamed). Throws Failure.
+// Writes a file in one piece (a temporary beside it, then renamed), or nothing. A link stays a
+// link, a device or pipe (/dev/stdout, /dev/null) is written to as it is. Throws Failure (bad_input
+// CANNOT_WRITE) naming it; what stood there before still does then.
 void write_output_file(const std::string& path, const std::string& text);
 
 }  // namespace driftwise::cli

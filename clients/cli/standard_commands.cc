@@ -75,7 +75,7 @@ void add_iso230_2(CLI::App& parent, Session& session) {
   add_source(command, *a);
   add_axis(command, a->iso230_2.columns);
   command.add_option("--approaches", a->iso230_2.approaches, "from each side")
-      ->check(CLI::Range(5, 1000))
+      ->check(number_between(5, 1000))
       ->capture_default_str();
 }
 
@@ -121,10 +121,10 @@ void add_iso9283(CLI::App& parent, Session& session) {
   command.add_option("--rotation-measured", options.rotation_measured, "else rx, ry, rz")
       ->delimiter(',');
   command.add_option("--poses", options.poses, "different ones that must be there")
-      ->check(CLI::Range(1, 1000))
+      ->check(number_between(1, 1000))
       ->capture_default_str();
   command.add_option("--cycles", options.cycles, "visits of each pose at least")
-      ->check(CLI::Range(2, 100000))
+      ->check(number_between(2, 100000))
       ->capture_default_str();
   command.add_option("--same-pose-mm", options.same_pose_mm, "commands so near are one pose")
       ->check(positive_number());

@@ -5,6 +5,7 @@
 #include "clients/cli/proto_json.h"
 #include "clients/cli/table.h"
 #include "clients/cli/text.h"
+#include "clients/cli/validators.h"
 #include "driftwise/v1/cell_service.grpc.pb.h"
 
 namespace driftwise::cli {
@@ -186,7 +187,7 @@ void add_status_commands(CLI::App& app, Session& session) {
       add_command(app, session, "events", "What happened, and who did it; one line each",
                   [&session, a] { return show_events(session, a->after, a->follow); });
   events.add_option("--after", a->after, "events after this number only")
-      ->check(CLI::NonNegativeNumber);
+      ->check(number_from_zero());
   events.add_flag("--follow", a->follow, "go on with what happens next");
   auto device = std::make_shared<std::string>();
   CLI::App& readings =

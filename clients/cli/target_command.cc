@@ -8,6 +8,7 @@
 #include "clients/cli/table.h"
 #include "clients/cli/target_map_command.h"
 #include "clients/cli/text.h"
+#include "clients/cli/validators.h"
 #include "driftwise/v1/target_service.grpc.pb.h"
 
 namespace driftwise::cli {
@@ -150,7 +151,7 @@ void add_target_command(CLI::App& app, Session& session) {
       command.add_flag("--watch", a->watch, "again whenever the conditions change, one line each");
   command.add_option("--every", a->every_s, "at least so many seconds between two lines")
       ->needs(watch)
-      ->check(CLI::Range(0.0, 86400.0));
+      ->check(number_between(0.0, 86400.0));
   add_target_map_command(command, session);
 }
 

@@ -105,9 +105,11 @@ std::string map_csv(const v1::MapTargetsResponse& map) {
 
 ExitCode map_targets(const Session& session, const MapArguments& a) {
   if (a.axes.size() != 2)
-    throw Failure{ExitCode::usage, "usage", "USAGE",
-                  "found " + std::to_string(a.axes.size()) +
-                      " axes, expected two: --axis x --axis y=0:2.5:11"};
+    throw Failure{
+        ExitCode::usage, "usage", "USAGE",
+        "found " + std::to_string(a.axes.size()) + (a.axes.size() == 1 ? " axis" : " axes") +
+            ", expected two: --axis x --axis y=0:2.5:11 (a robot of one axis has no plane: "
+            "ask for `driftwise target x=1.5`)"};
   v1::MapTargetsRequest request;
   *request.mutable_horizontal() = map_axis_from(a.axes[0]);
   *request.mutable_vertical() = map_axis_from(a.axes[1]);

@@ -6,6 +6,7 @@
 
 #include "clients/cli/live_picture.h"
 #include "clients/cli/proto_json.h"
+#include "clients/cli/validators.h"
 #include "driftwise/v1/cell_service.grpc.pb.h"
 #include "driftwise/v1/watch_service.grpc.pb.h"
 
@@ -163,7 +164,7 @@ void add_watch_command(CLI::App& app, Session& session) {
   watch.add_option("--channels", a->channels, "these only, such as x,t07; repeatable")
       ->delimiter(',');
   watch.add_option("--every", a->every_s, "seconds between two lines where there is no terminal")
-      ->check(CLI::Range(0.0, 86400.0))
+      ->check(number_between(0.0, 86400.0))
       ->capture_default_str();
   watch.add_flag("--once", a->once, "show the first picture and end");
 }

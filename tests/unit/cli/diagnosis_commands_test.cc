@@ -106,6 +106,11 @@ TEST_F(DiagnosisCommands, RefuseWhatMeansNothing) {
   EXPECT_EQ(run({"diagnose"}).exit, 2);
   EXPECT_EQ(run({"diagnose", "data.csv", "--run", "3"}).exit, 2);
   EXPECT_EQ(run({"diagnose", "data.csv"}).exit, 2);  // no baseline
+  const auto unknown = run({"diagnose", file("d.csv", "q1_mm,x_mm\n1,1\n2,2\n"), "--baseline",
+                            "q ~ x", "--without", "t03"});
+  EXPECT_EQ(unknown.exit, 3);
+  EXPECT_THAT(unknown.err, HasSubstr("--without: unknown channel 't03'"));
+  EXPECT_THAT(unknown.err, HasSubstr("d.csv has: q1 x"));
   EXPECT_EQ(run({"diagnose", "--run", "3", "--alpha", "0.9"}).exit, 2);
   EXPECT_EQ(run({"improve"}).exit, 2);
 }

@@ -154,6 +154,27 @@ TEST_F(RunCommandsTest, ShowsPointsWithNullForWhatWasNotMeasured) {
   EXPECT_THAT(run({"run", "attempts", "1"}).out, HasSubstr("given_up        7.3"));
 }
 
+// A point whose thermometer was not read must not move the other values under wrong headers.
+TEST_F(RunCommandsTest, PutsEveryValueOfAPointUnderItsOwnHeader) {
+  json({"run", "start", trajectory()});
+  cell.on_executor([&] {
+    PointRecord first, second;
+    first.id = {1};
+    first.values = {{"t01_degC", 20.25}, {"x_mm", 1.5}, {"q1_cmd_mm", 1.0}, {"q1_mm", 1.25}};
+    second.id = {2};
+    second.values = {{"x_mm", 2.5}, {"t02_degC", 21.75}, {"q1_mm", 2.25}};
+    cell.the_points = {first, second};
+  });
+  std::istringstream table(run({"run", "points", "1"}).out);
+  std::string header, one, two;
+  std::getline(table, header);
+  std::getline(table, one);
+  std::getline(table, two);
+  EXPECT_THAT(header, testing::EndsWith("q1_mm  q1_cmd_mm      x_mm  t01_degC  t02_degC"));
+  EXPECT_THAT(one, testing::EndsWith("1.250000   1.000000  1.500000   20.2500         -"));
+  EXPECT_THAT(two, testing::EndsWith("2.250000          -  2.500000         -   21.7500"));
+}
+
 TEST_F(RunCommandsTest, ExportsToAFileInOnePiece) {
   json({"run", "start", trajectory()});
   EXPECT_EQ(run({"data", "export", "1"}).out, "time_s,q1_mm,x_mm\n0,0,0\n");

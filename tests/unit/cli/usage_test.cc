@@ -42,6 +42,41 @@ TEST_F(CliTest, AnUnknownCommandIsNamed) {
   EXPECT_THAT(run({"run", "wild"}).err, HasSubstr("'wild'"));
 }
 
+TEST_F(CliTest, AMistakeIsToldWithWhatWasFoundAndTheCommandsOwnHelp) {
+  struct Row {
+    std::vector<std::string> line;
+    const char* sentence;
+  };
+  for (const Row& row :
+       {Row{{"run"},
+            "expected one of start, list, show, watch, pause, resume, abort, confirm, points, "
+            "attempts, datums (driftwise run --help shows the way)"},
+        Row{{"run", "show"}, "RUN is required (driftwise run show --help shows the way)"},
+        Row{{"run", "show", "three"}, "RUN: found 'three', expected a number"},
+        Row{{"events", "--after", "-1"}, "--after: found '-1', expected a number from 0 up"},
+        Row{{"status", "--timeout", "nan"},
+            "--timeout: found 'nan', expected a number from 0.001 to 31536000"},
+        Row{{"run", "confirm", "1", "--force", "nan"},
+            "--force: found 'nan', expected a finite number"},
+        Row{{"status", "--server", "localhost"},
+            "--server: found 'localhost', expected host:port such as 127.0.0.1:50051"},
+        Row{{"status", "--server", "127.0.0.1:70000"}, "found '127.0.0.1:70000'"}}) {
+    const auto outcome = run(row.line);
+    EXPECT_EQ(outcome.exit, 2);
+    EXPECT_THAT(outcome.err, HasSubstr(row.sentence));
+  }
+}
+
+// gRPC would send nothing, say nothing, and log a line of its own.
+TEST_F(CliTest, ABinaryFileIsNoTrajectory) {
+  const auto outcome = run({"trajectory", "upload", file("plan.csv", "q1_mm\n0\n\xff\xfe\n")});
+  EXPECT_EQ(outcome.exit, 3);
+  EXPECT_EQ(
+      outcome.err,
+      "driftwise: text: byte 9 is no UTF-8 text: is this the right file? If it is, save it as "
+      "UTF-8\n");
+}
+
 TEST_F(CliTest, HelpOpensWithExamples) {
   const auto outcome = run({"--help"});
   EXPECT_EQ(outcome.exit, 0);

@@ -1,0 +1,80 @@
+// What -o does to what stood there before.
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "clients/cli/session.h"
+#include "tests/unit/cli/cli_fixture.h"
+
+namespace driftwise::tests {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string text_of(const std::string& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// What it says when it cannot; "" when it can.
+std::string complaint_of(const std::string& path) {
+  try {
+    cli::write_output_file(path, "new");
+  } catch (const cli::Failure& failure) {
+    EXPECT_EQ(failure.exit, cli::ExitCode::bad_input);
+    EXPECT_EQ(failure.reason, "CANNOT_WRITE");
+    return failure.message;
+  }
+  return {};
+}
+
+TEST(OutputFile, TakesThePlaceOfAFile) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path() + "/a.csv";
+  std::ofstream(path) << "old and longer";
+  cli::write_output_file(path, "new");
+  EXPECT_EQ(text_of(path), "new");
+  EXPECT_FALSE(fs::exists(path + ".part"));
+}
+
+// A file renamed over /dev/null would be the end of /dev/null.
+TEST(OutputFile, IsWrittenIntoAPipeOrDeviceAndDoesNotReplaceIt) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path() + "/pipe";
+  ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
+  const int reader = ::open(path.c_str(), O_RDONLY | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  cli::write_output_file(path, "new");
+  char got[8] = {};
+  EXPECT_EQ(::read(reader, got, sizeof got), 3);
+  EXPECT_STREQ(got, "new");
+  ::close(reader);
+  EXPECT_TRUE(fs::is_fifo(path));
+}
+
+TEST(OutputFile, FollowsALink) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() + "/real.csv") << "old";
+  fs::create_symlink("real.csv", folder.path() + "/link.csv");
+  cli::write_output_file(folder.path() + "/link.csv", "new");
+  EXPECT_TRUE(fs::is_symlink(folder.path() + "/link.csv"));
+  EXPECT_EQ(text_of(folder.path() + "/real.csv"), "new");
+}
+
+TEST(OutputFile, SaysWhyNotAndLeavesNothingBehind) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(complaint_of(folder.path() + "/none/a.csv"),
+              testing::EndsWith("none/a.csv: No such file or directory"));
+  EXPECT_THAT(complaint_of(folder.path()), HasSubstr("it is a folder"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 0);
+  EXPECT_FALSE(fs::exists(folder.path() + ".part"));
+  // A device that is always full, behind a link so that nothing could replace it.
+  fs::create_symlink("/dev/full", folder.path() + "/full");
+  EXPECT_THAT(complaint_of(folder.path() + "/full"), HasSubstr("No space left on device"));
+}
+
+}  // namespace
+}  // namespace driftwise::tests
