@@ -4,7 +4,7 @@ import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import { failureOf, type Failure } from '@/api/errors';
 import { channel } from './channels';
 import { connection } from './connection';
-import { plotTick } from './paint';
+import { onNumbers, plotTick } from './paint';
 import { streamBegun } from './ready';
 import { getTracks, type Track, type Tracks } from './series';
 import { cell, cellTimeMs } from './state';
@@ -23,6 +23,12 @@ export interface History {
 }
 
 const empty = (name: string): Track => ({ channel: name, unit: '', atMs: [], mean: [] });
+
+// The middle one of the distances between instants in order; 0 for fewer than two.
+export function usualStep(at: readonly number[]): number {
+  const steps = at.slice(1).map((one, i) => one - at[i]).sort((a, b) => a - b);
+  return steps[steps.length >> 1] ?? 0;
+}
 
 class Tail {
   private readonly of = new Map<string, { atMs: number[]; value: number[] }>();
@@ -50,9 +56,10 @@ class Tail {
     const last = track.atMs[track.atMs.length - 1] ?? fromMs;
     const joined: Track = { ...track, atMs: track.atMs.slice(start), mean: track.mean.slice(start), min: track.min?.slice(start), max: track.max?.slice(start) };
     let before = last;
+    const gap = Math.max(gapMs, 4 * usualStep(tail?.atMs ?? []));
     tail?.atMs.forEach((at, i) => {
       if (at <= last) return;
-      if (at - before > gapMs && joined.atMs.length > 0) this.put(joined, (at + before) / 2, NaN);
+      if (at - before > gap && joined.atMs.length > 0) this.put(joined, (at + before) / 2, NaN);
       this.put(joined, at, tail.value[i]);
       before = at;
     });
@@ -104,8 +111,9 @@ export function useHistory(names: readonly string[], windowS: number, buckets: n
     };
   }, [key, windowS, buckets, turn, live]);
 
+  // As often as numbers are painted: the pictures of many plots are too far apart for a fast cell.
+  useEffect(() => onNumbers(() => tail.current.take(names)), [key]);
   void plotTick.value;
-  tail.current.take(names);
   // A window moves on by whole pixels: ten minutes on 400 of them need no picture more often than every 1.5 s.
   const step = Math.floor((cellTimeMs.peek() ?? 0) / ((windowS * 1000) / buckets));
   return useMemo(() => {

@@ -17,6 +17,14 @@ export function paintFirst(what: () => void): void {
   before = what;
 }
 
+const listeners = new Set<() => void>();
+
+// Calls what is given after every painting of the numbers, in the same frame; returns what ends it.
+export function onNumbers(listener: () => void): () => void {
+  listeners.add(listener);
+  return () => void listeners.delete(listener);
+}
+
 let livePlots = 0;
 let asked = false;
 
@@ -33,6 +41,7 @@ function paint(now: number): void {
   numbersAt = now;
   before();
   paintChannels();
+  for (const listener of listeners) listener();
   if (now - plotsAt >= plotsEveryMs * Math.max(1, livePlots / fewPlots) - 20) {
     plotsAt = now;
     plotTick.value++;

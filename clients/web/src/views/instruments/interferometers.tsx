@@ -13,6 +13,7 @@ import { axisColours, zeroPlot, type ZeroDrift } from '@/parts/zero_plot';
 import { Plot } from '@/plot/plot';
 import type { PlotSpec } from '@/plot/spec';
 import { Panel } from '@/ui/panel';
+import { StaleNote } from '@/ui/tile';
 import { LiveValue } from './live_value';
 
 // In nm from the middle of what is seen: a trace about 2.5 mm would be a flat line.
@@ -45,7 +46,7 @@ function Side({ device, now, last }: { device: Device; now: Channel; last: Point
       <LiveValue channel={now} big />
       <dl class="facts note">
         <dt>spread of the last point</dt><dd>{Number.isFinite(spread) ? `${significant(spread)} nm` : '–'}</dd>
-        {level && <><dt>signal</dt><dd><LiveValue channel={level} /></dd></>}
+        {level && <><dt>signal</dt><dd><LiveValue channel={level} bare /></dd>{level.stale.value && <dd class="wide"><StaleNote channel={level} /></dd>}</>}
         <dt>device</dt><dd>{device.id}</dd>
       </dl>
     </div>
