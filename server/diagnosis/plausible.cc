@@ -14,7 +14,6 @@ namespace driftwise::diagnosis {
 namespace {
 
 constexpr double kLargestExpansion_ppm_per_k = 30;  // NUMERICS.md section 3
-constexpr double kLargestAngle_arcsec = 3600;
 constexpr double kShareBeyondGeometry = 0.5;
 constexpr int kDegreeOfOneAxis = 6;  // of two axes 5, of three 4
 constexpr Eigen::Index kFewestRowsPerMonomial = 5;
@@ -131,7 +130,6 @@ bool Plausibility::told_from_geometry(const Cause& cause, const Eigen::MatrixXd&
 
 bool Plausibility::limits(const Cause& cause) const {
   return cause.linear == LinearParameter::ppm_per_k ||
-         cause.linear == LinearParameter::angle_arcsec ||
          (cause.linear == LinearParameter::offset_mm && levers_);
 }
 
@@ -154,9 +152,6 @@ double Plausibility::largest(const Cause& cause, const effects::Term& term,
               levers_->mm[static_cast<std::size_t>(of)][static_cast<std::size_t>(tilt)];
       return nm_per_arcsec;
     }
-    case LinearParameter::angle_arcsec:  // the tilt alone is the beam's length: any
-      if (tilt < 0 || axis < 0) return kUnlimited;
-      return slope(axis) * kRadPerArcsec * kRadPerArcsec * kLargestAngle_arcsec;
     default:
       return kUnlimited;
   }

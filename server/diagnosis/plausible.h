@@ -4,7 +4,6 @@
 //
 //   thermal_expansion  30 ppm/K of what a sensor sees: no material of machines grows more
 //   abbe_offset        what the cell declares of its beams (lever_limits.h); unlimited without
-//   cosine_error       one degree: a beam further off does not come back to its head
 //
 // Limits are of pose axes; on a motor they count with the slopes of the motor over the pose.
 //
