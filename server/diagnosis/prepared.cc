@@ -44,11 +44,13 @@ Prepared Prepared::of(const Dataset& dataset) {
   return prepared;
 }
 
+// At its places: an axis that stands 30 nm from where it was sent, measured to 5 nm, otherwise has
+// plays of 10 to 100 nm that only spell out the measurement's noise.
 void Prepared::set_path(const std::string& symbol, const std::vector<double>& values) {
-  for (auto& column : on_path_.columns)
-    if (column.channel.symbol == symbol) column.values = values;
-  for (auto& column : at_places_.columns)
-    if (column.channel.symbol == symbol) column.values = by_places(values);
+  const auto places = by_places(values);
+  for (Dataset* data : {&on_path_, &at_places_})
+    for (auto& column : data->columns)
+      if (column.channel.symbol == symbol) column.values = places;
 }
 
 Result<Eigen::MatrixXd> Prepared::columns(const std::vector<effects::Term>& terms) const {
