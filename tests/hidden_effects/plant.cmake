@@ -12,7 +12,8 @@ target_link_libraries(driftwise_hidden_plants
 
 add_executable(plant_sweep
   plant_sweep_main.cc)
-target_link_libraries(plant_sweep PRIVATE driftwise_hidden_plants driftwise_test_statistics driftwise_warnings)
+target_link_libraries(plant_sweep PRIVATE
+  driftwise_hidden_plants driftwise_formats CLI11::CLI11 driftwise_warnings)
 
 driftwise_test(hidden_effects_plant
   SOURCES

@@ -137,8 +137,9 @@ HarmRatio harm_of(const std::vector<AcceptedOnPlant>& plants, std::size_t output
 
 std::vector<PlantCase> instrument_cases() {
   std::vector<PlantCase> cases;
-  for (const char* name : {"axis.fringes", "axis.laser", "axis.lost_fringe", "axis.level",
-                           "axis.dead_path", "micro.beam_place", "micro.beam_angle", "micro.laser"})
+  for (const char* name :
+       {"axis.fringes", "axis.laser", "axis.lost_fringe", "axis.level", "axis.dead_path",
+        "micro.lost_fringe", "micro.beam_place", "micro.beam_angle", "micro.laser"})
     for (const auto& one : plant_cases())
       if (one.name == name) cases.push_back(one);
   return cases;

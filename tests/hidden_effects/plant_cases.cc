@@ -5,8 +5,11 @@ namespace {
 
 const std::string kAxisAll = "q1 ~ x + x^2 + T";
 const std::string kAxisFine = "q1 ~ x + T";
-const std::string kMicroNano =
-    "q ~ poly(x, y, z, 3) + F + F^2 + t04..t10 + F:poly(x, y, z, 2) + t10:poly(x, y, z, 2)";
+// What the plant needs when nothing is hidden in it, found once, on seeds 1 to 6
+// (docs/diagnosis-plants.md): what docs/fitting.md recommends for it, the products with the force
+// one order higher, every thermometer, as for the axis; F^3 is F and F^2 again under three loads.
+const std::string kMicroNanoWithout = "q ~ poly(x, y, z, 4) + F + F^2 + T";
+const std::string kMicroNano = kMicroNanoWithout + " + F:poly(x, y, z, 3) + t04:poly(x, y, z, 2)";
 
 Trajectory published() { return published_axis_plan(56); }
 Trajectory varied() { return varied_axis_plan(500, 5); }
@@ -208,14 +211,15 @@ std::vector<PlantCase> axis_cases() {
   };
 }
 
+// What hides in the robot as it is leaves its terms out of the baseline; what is put into the plant
+// does not.
 std::vector<PlantCase> micro_nano_cases() {
-  const std::string bare = "q ~ poly(x, y, z, 3) + F + F^2 + t04..t10";
   return {
       {"micro.nothing", true, {}, kMicroNano, micro, "", {}, ""},
       {"micro.force_position",
        true,
        {},
-       bare + " + t10:poly(x, y, z, 2)",
+       kMicroNanoWithout + " + t04:poly(x, y, z, 2)",
        micro,
        "force_position_coupling",
        {},
@@ -223,15 +227,16 @@ std::vector<PlantCase> micro_nano_cases() {
       {"micro.compliance",
        true,
        {},
-       "q ~ poly(x, y, z, 3) + t04..t10",
+       "q ~ poly(x, y, z, 4) + T + t04:poly(x, y, z, 2)",
        micro,
        "force_compliance",
        {},
-       "robot"},
+       "robot",
+       {"force_nonlinearity", "force_position_coupling"}},
       {"micro.ball",
        true,
        {on("ball", "kind=\"ball_contact\",axis=2,radius_mm=0.5,youngs_gpa=70")},
-       "q ~ poly(x, y, z, 3) + F + t04..t10 + F:poly(x, y, z, 2) + t10:poly(x, y, z, 2)",
+       kMicroNano + " - F^2",
        micro,
        "force_nonlinearity",
        {},
@@ -239,7 +244,7 @@ std::vector<PlantCase> micro_nano_cases() {
       {"micro.expansion",
        true,
        {"delta.scale_material=glass"},
-       bare + " + F:poly(x, y, z, 2)",
+       kMicroNanoWithout + " + F:poly(x, y, z, 3)",
        micro,
        "thermal_expansion",
        {},
@@ -273,7 +278,7 @@ std::vector<PlantCase> micro_nano_cases() {
       {"micro.beam_place",
        true,
        {on("spot", "kind=\"beam_place\",beam=1,u_mm=2,v_mm=0,angle_arcsec=0")},
-       "q ~ poly(x, y, z, 2) + F + F^2 + t04..t10",
+       kMicroNano,
        micro,
        "abbe_offset",
        {},

@@ -1,6 +1,7 @@
 #pragma once
 // What is hidden in the plants, and what a diagnosis should say of it.
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,13 +26,23 @@ struct PlantCase {
   // has none.
   std::vector<std::string> subjects{};
   std::string where{};  // "" for any
+  // Causes that the baseline lacks beside it, and that may be named with it: a robot that gives
+  // under force does so differently in every pose.
+  std::vector<std::string> also{};
 };
 
 const std::vector<PlantCase>& plant_cases();
 PlantRun run_case(const PlantCase& one, std::uint64_t seed);
 
+// What there is to be found beyond the case's baseline: the case against the same plant without
+// what was put into it, same seed and baseline, the difference of what the two fits leave on the
+// calibration rows; rms in nm, of the output where it is largest. Nothing: nothing was put in (the
+// baseline lacks terms), or the plants did not stay in step (a group was read again in one only).
+std::optional<double> left_to_find_nm(const PlantCase& one, const PlantRun& run,
+                                      std::uint64_t seed);
+
 struct PlantVerdict {
-  bool exact = false;   // named, in the right place, and nothing else
+  bool exact = false;   // named, in the right place, and nothing else but what it comes with
   bool in_set = false;  // named, or in the indistinguishable set of what was named; nothing else
   bool wrong = false;   // something else was named
   std::string named;    // "backlash q1 + ..."

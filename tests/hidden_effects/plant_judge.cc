@@ -5,6 +5,8 @@
 #include <stdexcept>
 
 #include "server/calibration/fit.h"
+#include "server/calibration/predict.h"
+#include "server/core/units.h"
 #include "server/formats/cell_file.h"
 #include "server/formats/formula.h"
 #include "tests/hidden_effects/plant_cases.h"
@@ -23,13 +25,19 @@ bool right_place(const PlantCase& one, const std::string& cause, const std::stri
   return one.subjects.empty() || std::ranges::find(one.subjects, subject) != one.subjects.end();
 }
 
-// U90 over the validation rows of the output that is worst, by plain least squares of these terms.
-std::vector<double> validation_u90_nm(const Dataset& data, const std::string& formula) {
+std::optional<calibration::Model> plain_fit(const Dataset& data, const std::string& formula) {
   calibration::FitOptions options;
   options.candidates = *formats::Formula::parse(formula)->expand(data);
   options.select = calibration::Select::all;
   options.blocks = 0;
-  const auto model = calibration::fit(data, options);
+  auto model = calibration::fit(data, options);
+  if (!model) return std::nullopt;
+  return std::move(*model);
+}
+
+// U90 over the validation rows of the output that is worst, by plain least squares of these terms.
+std::vector<double> validation_u90_nm(const Dataset& data, const std::string& formula) {
+  const auto model = plain_fit(data, formula);
   std::vector<double> u90;
   if (!model) return u90;
   for (const auto& output : model->outputs)
@@ -37,7 +45,39 @@ std::vector<double> validation_u90_nm(const Dataset& data, const std::string& fo
   return u90;
 }
 
+// Measured minus predicted at the calibration rows, nm, of one output.
+std::vector<double> left_by(const calibration::OutputModel& output, const Dataset& data) {
+  const auto predicted = *calibration::predict(data, output);
+  const auto measured = data.values_of(output.channel.symbol);
+  std::vector<double> left;
+  for (std::size_t row = 0; row < data.rows; ++row)
+    if (data.set_of(row) == PointSet::calibration)
+      left.push_back((measured[row] - predicted[static_cast<Eigen::Index>(row)]) * kNmPerMm);
+  return left;
+}
+
 }  // namespace
+
+std::optional<double> left_to_find_nm(const PlantCase& one, const PlantRun& run,
+                                      std::uint64_t seed) {
+  if (one.overrides.empty()) return std::nullopt;
+  auto clean = one;
+  clean.overrides.clear();
+  const auto without = run_case(clean, seed);
+  if (run.data.time_s != without.data.time_s) return std::nullopt;
+  const auto here = plain_fit(run.data, one.baseline);
+  const auto there = plain_fit(without.data, one.baseline);
+  if (!here || !there) return std::nullopt;
+  double largest = 0;
+  for (std::size_t o = 0; o < here->outputs.size(); ++o) {
+    const auto a = left_by(here->outputs[o], run.data);
+    const auto b = left_by(there->outputs[o], without.data);
+    double square = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) square += (a[i] - b[i]) * (a[i] - b[i]);
+    largest = std::max(largest, std::sqrt(square / static_cast<double>(a.size())));
+  }
+  return largest;
+}
 
 CellDescription cell_of(const PlantCase& one) {
   const std::string folder = one.micro_nano ? "micro-nano" : "linear-axis";
@@ -69,7 +109,8 @@ diagnosis::Diagnosis diagnosed_run(const std::string& baseline, const Dataset& d
 PlantVerdict judged_by_truth(const PlantCase& one, const PlantRun& run,
                              const diagnosis::Diagnosis& diagnosis) {
   PlantVerdict verdict;
-  bool named = false, listed = false, other = false;
+  int named = 0;
+  bool listed = false, other = false, beside = false;
   for (const auto& finding : diagnosis.findings) {
     verdict.named += (verdict.named.empty() ? "" : " + ") + name_of_one(finding);
     for (const auto& rival : finding.indistinguishable_from) verdict.named += " ~ " + rival;
@@ -80,9 +121,11 @@ PlantVerdict judged_by_truth(const PlantCase& one, const PlantRun& run,
       const std::string subject = space < rival.size() ? rival.substr(space + 1) : "";
       mentions |= right_place(one, rival.substr(0, space), subject, "");
     }
-    named |= right;
+    const bool comes_with = std::ranges::find(one.also, finding.cause) != one.also.end();
+    named += right ? 1 : 0;
     listed |= mentions;
-    other |= !right && !mentions;
+    beside |= !right && !comes_with;
+    other |= !right && !mentions && !comes_with;
   }
   if (diagnosis.verdict == diagnosis::Verdict::unexplained)
     verdict.named += " (unexplained: " + diagnosis.left_over.front().goes_with + ")";
@@ -92,8 +135,8 @@ PlantVerdict judged_by_truth(const PlantCase& one, const PlantRun& run,
   } else if (one.cause == "unexplained") {
     verdict.exact = verdict.in_set = diagnosis.verdict == diagnosis::Verdict::unexplained && !other;
   } else {
-    verdict.exact = named && nothing_more && diagnosis.findings.size() == 1;
-    verdict.in_set = (named || listed) && !other;
+    verdict.exact = named == 1 && nothing_more && !beside;
+    verdict.in_set = (named > 0 || listed) && !other;
   }
   verdict.wrong = other;
 

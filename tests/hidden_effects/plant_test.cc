@@ -32,7 +32,8 @@ TEST_P(HiddenInAPlant, IsNamedAndNothingElseIs) {
 INSTANTIATE_TEST_SUITE_P(Plants, HiddenInAPlant,
                          testing::Values("axis.nothing", "axis.geometry", "axis.expansion",
                                          "axis.scale_signals", "axis.fringes", "axis.laser",
-                                         "axis.lost_fringe", "axis.slip", "axis.level"),
+                                         "axis.lost_fringe", "axis.slip", "axis.level",
+                                         "micro.nothing"),
                          [](const auto& row) {
                            std::string name = row.param;
                            name[name.find('.')] = '_';

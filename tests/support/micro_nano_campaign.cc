@@ -138,6 +138,12 @@ MicroNanoRow MicroNanoSession::visit(const Three& q_mm, std::optional<double> dw
   return row;
 }
 
+MicroNanoRow MicroNanoSession::read_again() {
+  const MicroNanoRow row = read(now_s_);
+  now_s_ += options_.readings * options_.samples / plant_->sample_rate_hz() + 1;
+  return row;
+}
+
 std::vector<MicroNanoRow> MicroNanoSession::run_grids() {
   std::vector<MicroNanoRow> rows;
   for (int grid = 0; grid < static_cast<int>(options_.grids.size()); ++grid) {

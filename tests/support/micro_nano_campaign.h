@@ -72,6 +72,7 @@ class MicroNanoSession {
   void load(double force_n);  // waits until the weights rest
   // dwell_s: from the end of the move to the readings; absent: what is left of point_s.
   MicroNanoRow visit(const std::array<double, 3>& q_mm, std::optional<double> dwell_s = {});
+  MicroNanoRow read_again();  // where it stands; as a visit without a move, its dwell is 0
 
   simulated::MicroNanoPlant& plant() { return *plant_; }
   double now_s() const { return now_s_; }
