@@ -103,6 +103,27 @@ Column uncatalogued_shape(const std::string& kind, const Scene& scene) {
     });
   if (kind == "steps_in_x")  // a staircase
     return by_row(scene, [&](std::size_t i) { return std::floor(std::pow(std::abs(x(i)), 1.5)); });
+  if (kind == "notch")  // a particle on the guide
+    return by_row(scene, [&](std::size_t i) {
+      const double u = (x(i) - 0.4 * top) / (0.17 * top);
+      return std::exp(-u * u);
+    });
+  if (kind == "ring_down")  // a table that is read before it is at rest, whatever moved
+    return by_row(scene, [&](std::size_t i) { return std::exp(-path.dwell_s[i] / 2); });
+  if (kind == "chirp")  // a pump that slows down: 150 to 450 s
+    return by_row(scene, [&](std::size_t i) {
+      const double u = path.time_s[i] / end_s;
+      return std::sin(kPi * end_s / 150 * std::log1p(2 * u));
+    });
+  if (kind == "scale_step")  // a beam knocked to another angle
+    return by_row(scene, [&](std::size_t i) { return path.time_s[i] < 0.4 * end_s ? 0 : x(i); });
+  if (kind == "warm_stop") {  // a part that touches its neighbour when it is warm
+    auto read = scene.read_degc[3];
+    std::ranges::nth_element(read, read.begin() + static_cast<std::ptrdiff_t>(read.size() / 2));
+    const double touches_degc = read[read.size() / 2];
+    return by_row(
+        scene, [&](std::size_t i) { return std::max(0.0, scene.read_degc[3][i] - touches_degc); });
+  }
   throw std::invalid_argument("nothing hides uncatalogued:" + kind);
 }
 

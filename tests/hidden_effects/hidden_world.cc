@@ -99,11 +99,21 @@ Eigen::MatrixXd baseline_columns(const Scene& scene, const std::vector<std::size
   return result;
 }
 
-Scene make_scene(Robot robot, std::mt19937_64& random) {
+// From a source of its own: with 0 everything else is drawn as it always was.
+void stand_off(Path& path, double hold_nm, std::uint64_t seed) {
+  std::mt19937_64 random(seed * 6151 + 7);
+  std::uniform_real_distribution<double> off_mm(-hold_nm * 1e-6, hold_nm * 1e-6);
+  for (auto& at : path.at_mm)
+    for (double& one : at) one += off_mm(random);
+}
+
+Scene make_scene(const World& world, std::uint64_t seed, std::mt19937_64& random) {
+  const Robot robot = world.robot;
   std::normal_distribution<double> normal(0, 1);
   Scene scene;
   scene.robot = robot;
   scene.path = make_path(robot, random);
+  if (world.hold_nm > 0) stand_off(scene.path, world.hold_nm, seed);
   const bool linear = robot == Robot::linear_axis;
   scene.first_sensor = linear ? 1 : 4;
   scene.weather = make_weather(linear ? 10 : 7, scene.path.time_s.back(), random);
@@ -193,15 +203,14 @@ std::vector<Hidden> faults() {
 }
 
 std::vector<Hidden> uncatalogued() {
-  return {{"uncatalogued:kink"},
-          {"uncatalogued:scale_drift"},
-          {"uncatalogued:burst"},
-          {"uncatalogued:steps_in_x"}};
+  return {{"uncatalogued:kink"},       {"uncatalogued:scale_drift"}, {"uncatalogued:burst"},
+          {"uncatalogued:steps_in_x"}, {"uncatalogued:notch"},       {"uncatalogued:ring_down"},
+          {"uncatalogued:chirp"},      {"uncatalogued:scale_step"},  {"uncatalogued:warm_stop"}};
 }
 
 HiddenData make(const World& world, const std::vector<Hidden>& hidden, std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  Scene scene = make_scene(world.robot, random);
+  Scene scene = make_scene(world, seed, random);
   const auto& path = scene.path;
   const std::size_t n = path.rows();
   const auto outputs = static_cast<Eigen::Index>(scene.outputs());
@@ -241,6 +250,13 @@ HiddenData make(const World& world, const std::vector<Hidden>& hidden, std::uint
   for (const auto& one : hidden)
     if (is_fault(one.cause)) spoil(one, scene, made, noise, random);
 
+  // What the noise of the motors' readings is in the pose: through the geometry.
+  Eigen::MatrixXd pose_noise = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(n), 3);
+  if (world.noise_in_pose) {
+    const Eigen::MatrixXd geometry = scene.motor_from_pose.topLeftCorner(outputs, outputs);
+    pose_noise.leftCols(outputs) = -noise * geometry.inverse().transpose();
+    noise.setZero();
+  }
   Dataset& data = made.data;
   data.rows = n;
   data.time_s = path.time_s;
@@ -272,7 +288,9 @@ HiddenData make(const World& world, const std::vector<Hidden>& hidden, std::uint
   }
   for (std::size_t k = 0; k < static_cast<std::size_t>(outputs); ++k) {
     std::vector<double> x;
-    for (const auto& at : path.at_mm) x.push_back(at[k]);
+    for (std::size_t i = 0; i < n; ++i)
+      x.push_back(path.at_mm[i][k] +
+                  1e-6 * pose_noise(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)));
     add_channel(data, std::string(1, static_cast<char>('x' + k)), "mm", std::move(x));
   }
   for (std::size_t k = 0; k < 3; ++k) {

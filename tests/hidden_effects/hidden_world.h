@@ -31,6 +31,10 @@ struct World {
   double autocorrelation = 0;  // of the slow part from one calibration row to the next
   double slow_share = 0.5;     // of the variance, when autocorrelation is not 0
   bool two_times = false;      // half of the slow part five times as slow: no model has that
+  // Real robots stand a little off the places they are sent to, evenly within this; and it is the
+  // instruments that have the noise. false: the motors' readings have it.
+  double hold_nm = 0;
+  bool noise_in_pose = false;
 };
 
 struct HiddenData {

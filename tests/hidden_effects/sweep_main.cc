@@ -35,6 +35,8 @@ int main(int count, char** arguments) {
   app.add_option("--sets", plan.sets, "data sets per case")->capture_default_str();
   app.add_option("--seed", plan.seed, "of the first")->capture_default_str();
   app.add_flag("--two-times", plan.two_times, "noise with two correlation times");
+  app.add_option("--hold", plan.hold_nm,
+                 "nm that the robot stands off its places at most; the noise is then the pose's");
   app.add_option("--results", results, "outcomes, one per line")->capture_default_str();
   app.add_flag("--report", report_only, "only counts what is there");
   app.add_flag("--check", check, "fail where an interval excludes a promise");

@@ -2,17 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/math/distributions/beta.hpp>
 #include <cstdio>
 #include <fstream>
-#include <map>
-#include <ostream>
 #include <sstream>
+
+#include "tests/hidden_effects/sweep_triples.h"
 
 namespace driftwise::hidden {
 namespace {
-
-constexpr double kConfidence = 0.95, kIdentifiable = 20;
 
 std::string number(double value) {
   std::array<char, 32> text{};
@@ -31,16 +28,16 @@ std::vector<std::vector<Hidden>> hidden_of(const SweepPlan& plan, Robot robot, s
   const auto wanted = [&](const Hidden& one) {
     return plan.cause.empty() || one.cause == plan.cause;
   };
-  if (plan.kind == "pair" || plan.kind == "triple") {
+  if (plan.kind == "pair") {
     const std::size_t n = all.size();
     for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = i + 1; j < n; ++j) {
-        if (!wanted(all[i]) && !wanted(all[j])) continue;
-        if (plan.kind == "pair")
-          sets.push_back({all[i], all[j]});
-        else if ((i + j) % 5 == 0 && j + 2 < n)
-          sets.push_back({all[i], all[j], all[j + 2]});
-      }
+      for (std::size_t j = i + 1; j < n; ++j)
+        if (wanted(all[i]) || wanted(all[j])) sets.push_back({all[i], all[j]});
+    return sets;
+  }
+  if (plan.kind == "triple") {
+    for (auto& three : triples_of(all))
+      if (std::ranges::any_of(three, wanted)) sets.push_back(std::move(three));
     return sets;
   }
   for (const auto& one : all)
@@ -56,46 +53,7 @@ std::string joined(const std::vector<Hidden>& hidden) {
   return text.empty() ? "nothing" : text;
 }
 
-std::string percent(const Rate& rate) {
-  std::array<char, 80> text{};
-  std::snprintf(text.data(), text.size(), "%4d of %4d  %5.1f %% (%.1f to %.1f)", rate.hits,
-                rate.sets, rate.sets > 0 ? 100.0 * rate.hits / rate.sets : 0.0, 100 * rate.low(),
-                100 * rate.high());
-  return text.data();
-}
-
-struct Count {
-  Rate exact, set, subject, false_name, covers, unexplained;
-  double gain = 0, gain_of_truth = 0, seconds = 0;
-  std::vector<double> widths;
-  std::map<std::string, int> wrong;
-  void add(const Outcome& one) {
-    const auto count = [](Rate& rate, bool hit) { rate.hits += hit ? 1 : 0, ++rate.sets; };
-    count(exact, one.exact);
-    count(set, one.exact_or_set);
-    count(subject, one.subject);
-    count(false_name, one.false_names > 0);
-    count(unexplained, one.verdict == "unexplained");
-    if (one.covers >= 0) count(covers, one.covers == 1);
-    if (one.width_over_bound > 0) widths.push_back(one.width_over_bound);
-    gain += one.gain, gain_of_truth += one.gain_of_truth, seconds += one.seconds;
-    if (!one.exact) ++wrong[one.named.empty() ? "-" : one.named];
-  }
-};
-
 }  // namespace
-
-double Rate::low() const {
-  if (hits == 0 || sets == 0) return 0;
-  return boost::math::quantile(boost::math::beta_distribution<double>(hits, sets - hits + 1),
-                               (1 - kConfidence) / 2);
-}
-
-double Rate::high() const {
-  if (hits == sets) return 1;
-  return boost::math::quantile(boost::math::beta_distribution<double>(hits + 1, sets - hits),
-                               (1 + kConfidence) / 2);
-}
 
 std::vector<SweepCase> cases_of(const SweepPlan& plan) {
   std::vector<SweepCase> cases;
@@ -111,11 +69,14 @@ std::vector<SweepCase> cases_of(const SweepPlan& plan) {
           one.world.robot = robot;
           one.world.autocorrelation = rho;
           one.world.two_times = plan.two_times;
+          one.world.hold_nm = plan.hold_nm;
+          one.world.noise_in_pose = plan.hold_nm > 0;
           if (rho > 0.9) one.world.slow_share = 0.9;
           one.seed = seed;
           one.group = plan.kind + " " + plan.robot + " " + joined(hidden) +
                       (strong ? " chi2=" + number(chi2) : "") + " rho=" + number(rho) +
-                      (plan.two_times ? " two" : "");
+                      (plan.two_times ? " two" : "") +
+                      (plan.hold_nm > 0 ? " hold=" + number(plan.hold_nm) : "");
           one.key = one.group + " seed=" + std::to_string(seed);
           one.hidden = std::move(hidden);
           cases.push_back(std::move(one));
@@ -150,67 +111,6 @@ std::vector<SweepResult> read_results(const std::string& path) {
                         std::stod(f[10]), std::stod(f[11]), std::stod(f[12]), std::stod(f[13])}});
   }
   return results;
-}
-
-std::vector<std::string> print_report(const std::vector<SweepResult>& results, std::ostream& out) {
-  std::map<std::string, Count> groups;
-  std::vector<std::string> broken;
-  for (const auto& one : results) {
-    std::string group = one.group;
-    if (group.starts_with("pair") || group.starts_with("triple"))
-      group = group.substr(0, group.find(' ', group.find(' ') + 1)) + " (all)" +
-              group.substr(group.find(" chi2"));
-    if (group.starts_with("single")) {
-      const std::string suffix =
-          one.outcome.identifiable > kIdentifiable ? "" : " (not identifiable)";
-      group += suffix;
-      const std::string robot = group.substr(0, group.find(' ', group.find(' ') + 1));
-      groups[robot + " (all)" + group.substr(group.find(" chi2"))].add(one.outcome);
-    }
-    groups[group].add(one.outcome);
-  }
-  for (auto& [name, count] : groups) {
-    const bool null = name.starts_with("null"), unknown = name.starts_with("uncatalogued");
-    out << name << "\n  exact " << percent(count.exact) << "   or in its set " << percent(count.set)
-        << "\n  false name " << percent(count.false_name) << "   unexplained "
-        << count.unexplained.hits << "   right subject " << count.subject.hits << "   "
-        << number(count.seconds / count.exact.sets) << " s each\n";
-    if (count.covers.sets > 0) {
-      std::ranges::sort(count.widths);
-      out << "  interval covers " << percent(count.covers) << "   width over bound, median "
-          << (count.widths.empty() ? "-" : number(count.widths[count.widths.size() / 2])) << "\n";
-    }
-    if (!null && count.gain_of_truth > 0)
-      out << "  held-out gain " << number(count.gain / count.gain_of_truth)
-          << " of what the truth gives\n";
-    std::vector<std::pair<int, std::string>> wrong;
-    for (const auto& [what, times] : count.wrong) wrong.emplace_back(times, what);
-    std::ranges::sort(wrong, std::ranges::greater{});
-    for (std::size_t i = 0; i < std::min<std::size_t>(wrong.size(), 4); ++i)
-      if (!null || wrong[i].second != "-")
-        out << "    " << wrong[i].first << " x " << wrong[i].second << "\n";
-    const auto promise = [&](const Rate& rate, double least, const std::string& what) {
-      if (rate.sets > 0 && rate.high() < least)
-        broken.push_back(name + ": " + what + " " + percent(rate));
-    };
-    const auto at_most = [&](const Rate& rate, double most, const std::string& what) {
-      if (rate.sets > 0 && rate.low() > most)
-        broken.push_back(name + ": " + what + " " + percent(rate));
-    };
-    if (null) at_most(count.false_name, 0.01, "false names");
-    if (unknown) at_most(count.false_name, 0.03, "misnamed");
-    if (name.starts_with("pair")) promise(count.set, 0.9, "exact or in its set");
-    if (!name.starts_with("single")) continue;
-    const bool identifiable = !name.ends_with("(not identifiable)");
-    const double chi2 = std::stod(name.substr(name.find("chi2=") + 5));
-    const double rho = std::stod(name.substr(name.find("rho=") + 4));
-    if (chi2 < 50 || rho > 0.5) continue;
-    if (identifiable) promise(count.exact, chi2 > 100 ? 0.98 : 0.95, "named exactly");
-    if (!identifiable) promise(count.set, 0.9, "the set");
-    promise(count.covers, 0.85, "interval covers");
-    at_most(count.covers, 0.95, "interval covers");
-  }
-  return broken;
 }
 
 }  // namespace driftwise::hidden

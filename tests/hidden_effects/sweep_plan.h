@@ -15,6 +15,7 @@ struct SweepPlan {
   int sets = 20;
   std::uint64_t seed = 1;
   bool two_times = false;
+  double hold_nm = 0;  // of the World; not 0: the noise is in the pose
 };
 
 struct SweepCase {
@@ -38,7 +39,9 @@ struct Rate {
   double high() const;
 };
 
-// Counts per group with Clopper-Pearson intervals. Result: promises that an interval excludes.
+// Counts per group with Clopper-Pearson intervals, how often the intervals of each cause's
+// parameter cover, and the detection curve as a table of docs/diagnosis.md. Result: promises that
+// an interval excludes.
 std::vector<std::string> print_report(const std::vector<SweepResult>& results, std::ostream& out);
 
 }  // namespace driftwise::hidden
