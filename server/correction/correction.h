@@ -55,8 +55,8 @@ struct Stage {
   bool cosine = false;
 };
 
-// Cosine, then directions, then Abbe with the offsets at the pose so found (they differ by less
-// than a micrometre between the two, which matters by less than 1e-9 mm at tilts of an arcminute).
+// Cosine, then directions, then Abbe with the offsets at the lengths so found: they differ from the
+// pose by the Abbe error itself, which moves a lever by 1 um for each 0.3 nm at an arcminute.
 Vector3 pose_from_paths(const Vector3& path_mm, const Tilt& tilt, const Stage& stage);
 
 }  // namespace driftwise::correction

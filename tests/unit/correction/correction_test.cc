@@ -55,6 +55,37 @@ TEST(AbbeError, AgreesWithTheExactRotationOfThePointToSecondOrder) {
     EXPECT_NEAR(error[i], moved[i] - a[i], 20.0 * (60 * kArcsec) * (60 * kArcsec));
 }
 
+// Every beam has a lever of its own. Oracle: the displacement of that beam's own point.
+TEST(AbbeError, TakesForEachLengthTheLeverOfItsOwnBeam) {
+  const std::array<Vector3, 3> beams = {Vector3{1, 20, 300}, Vector3{4, 50, 600},
+                                        Vector3{7, 80, 900}};
+  const Tilt tilt{.rx_arcsec = 10, .ry_arcsec = -20, .rz_arcsec = 30};
+  const Vector3 r = {10 * kArcsec, -20 * kArcsec, 30 * kArcsec};
+  const Vector3 error = abbe_error(beams, tilt);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vector3& a = beams[i];
+    const Vector3 cross = {r[1] * a[2] - r[2] * a[1], r[2] * a[0] - r[0] * a[2],
+                           r[0] * a[1] - r[1] * a[0]};
+    EXPECT_NEAR(error[i], cross[i], 1e-15) << i;
+  }
+}
+
+TEST(PoseFromPaths, TakesOffEachLengthWhatItsOwnBeamSawTooMuch) {
+  Stage stage;
+  stage.beams[0].at_zero_mm = {0, 5, -8};
+  stage.beams[1] = {.at_zero_mm = {3, 0, 11}, .per_pose = {-1, 0, 0}};
+  stage.beams[2] = {.at_zero_mm = {-2, 9, 0}, .per_pose = {0, -1, 0}};
+  const Tilt tilt{.rx_arcsec = 25, .ry_arcsec = 20, .rz_arcsec = -35};
+  const Vector3 pose = {1.5, -0.5, 2};
+  const double rx = 25 * kArcsec, ry = 20 * kArcsec, rz = -35 * kArcsec;
+  // The y beam stands 3 - 1.5 mm beside, the z beam 9 + 0.5 mm: mirrors that pass fixed beams.
+  const Vector3 read = {pose[0] + ry * -8 - rz * 5, pose[1] + rz * 1.5 - rx * 11,
+                        pose[2] + rx * 9.5 - ry * -2};
+  const Vector3 found = pose_from_paths(read, tilt, stage);
+  // The lever is taken at the length as read: y reads 1.6 um beside, which times 25" is 0.19 nm.
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(found[i], pose[i], 2.5e-7) << i;
+}
+
 TEST(CosineCorrected, ShortensEveryPathByTheTiltsAcrossIt) {
   const Vector3 corrected =
       cosine_corrected({4, 4, 4}, {.rx_arcsec = 100, .ry_arcsec = 200, .rz_arcsec = 0});

@@ -62,6 +62,41 @@ TEST(DataAmendment, GivesBackTheLengthThatTheInterferometersCycleWasLaidOver) {
         << row;
 }
 
+// The zero is where the pose is zero, also when no row of the datum was measured there.
+TEST(DataAmendment, CountsAPeriodicErrorFromPoseZeroWhereverTheDatumBegins) {
+  auto data = cyclic_data();
+  data.data.columns[0].values.erase(data.data.columns[0].values.begin());
+  data.data.time_s.erase(data.data.time_s.begin());
+  data.truth_mm.erase(data.truth_mm.begin());
+  data.origins.erase(data.origins.begin());
+  data.data.rows = 39;
+  DataAmendment amendment;
+  amendment.shifts = {
+      {"x",
+       {call("sin", {"x"}, {{kPeriodNm, "nm"}}), call("cos", {"x"}, {{kPeriodNm, "nm"}})},
+       {5e-6, 2e-6},
+       {},
+       {}}};
+  ASSERT_TRUE(amend(amendment, data.origins, {kBeginNs}, data.data));
+  for (std::size_t row = 0; row < 39; ++row)
+    EXPECT_NEAR(data.data.columns[0].values[row], data.truth_mm[row], 0.7e-6) << row;
+}
+
+TEST(DataAmendment, CorrectsALengthInItsOwnUnit) {
+  auto data = cyclic_data();
+  auto& x = data.data.columns[0];
+  x.channel.unit = "um";
+  for (double& value : x.values) value *= 1e3;
+  DatasetColumn pressure{{"pressure", "hPa"}, {}};
+  for (int row = 0; row < 40; ++row) pressure.values.push_back(1000 + row);
+  data.data.columns.push_back(pressure);
+  const auto before = data.data.columns[0].values;
+  DataAmendment amendment;
+  amendment.shifts = {{"x", {{{Power{"pressure", 1}}}}, {1e-6}, {}, {}}};
+  ASSERT_TRUE(amend(amendment, data.origins, {kBeginNs}, data.data));
+  EXPECT_NEAR(before[10] - data.data.columns[0].values[10], 0.010, 1e-9) << "10 nm in um";
+}
+
 TEST(DataAmendment, CountsFromTheZeroOfEachDatum) {
   auto data = cyclic_data();
   for (int row = 0; row < 40; ++row) data.data.datum.push_back(row < 20 ? 7 : 8);
@@ -94,6 +129,26 @@ TEST(DataAmendment, ADriftHoldsForTheRunsItWasFoundInByTheirOwnClock) {
   EXPECT_EQ(data.data.columns[0].values[25], before[25]);  // run 4 is another day
 }
 
+// A drift alone would not tell: it counts from the zero, whatever the clock says there.
+TEST(DataAmendment, AJumpStandsAtItsInstantOfTheClockItWasFoundBy) {
+  auto data = cyclic_data();
+  const auto before = data.data.columns[0].values;
+  DataAmendment amendment;
+  // 4500 s after a beginning that was an hour before this one: 900 s, row 15.
+  amendment.shifts = {{"x",
+                       {call("step", {}, {{4500, "s"}})},
+                       {20e-6},
+                       {RunId{3}},
+                       {kBeginNs - 3'600'000'000'000}}};
+  ASSERT_TRUE(amend(amendment, data.origins, {kBeginNs}, data.data));
+  const auto shift_nm = [&](std::size_t row) {
+    return (before[row] - data.data.columns[0].values[row]) * 1e6;
+  };
+  EXPECT_NEAR(shift_nm(14), 0, 1e-9);
+  EXPECT_NEAR(shift_nm(15), 20, 1e-6);
+  EXPECT_NEAR(shift_nm(39), 20, 1e-6);
+}
+
 TEST(DataAmendment, LeavesALengthAloneWhenItsChannelIsNotThere) {
   auto data = cyclic_data();
   const auto before = data.data.columns[0].values;
@@ -112,6 +167,25 @@ TEST(DataAmendment, SplitsADatumFromARowOn) {
   EXPECT_EQ(data.data.datum[24], 0);
   EXPECT_NE(data.data.datum[25], 0);
   EXPECT_EQ(data.data.datum[39], data.data.datum[25]);
+}
+
+TEST(DataAmendment, SplitsThatDatumOnlyAndEachSplitIsADatumOfItsOwn) {
+  auto data = cyclic_data();
+  for (int row = 0; row < 40; ++row) data.data.datum.push_back(row < 30 ? 7 : 8);
+  DataAmendment amendment;
+  amendment.splits = {{{3}, 10}, {{3}, 20}};
+  ASSERT_TRUE(amend(amendment, data.origins, {kBeginNs}, data.data));
+  const auto& datum = data.data.datum;
+  EXPECT_EQ(datum[9], 7);
+  EXPECT_EQ(datum[30], 8) << "zeroed again: the jump is behind it";
+  EXPECT_EQ(datum[39], 8);
+  for (const auto fresh : {datum[10], datum[20]}) {
+    EXPECT_NE(fresh, 7);
+    EXPECT_NE(fresh, 8);
+  }
+  EXPECT_NE(datum[10], datum[20]);
+  EXPECT_EQ(datum[19], datum[10]);
+  EXPECT_EQ(datum[29], datum[20]);
 }
 
 TEST(DataAmendment, LeavesASensorOutOfTheRunsInWhichItLied) {
