@@ -4,10 +4,10 @@ import { PromotionSchema, Promotion_Action, ModelTermSchema } from '@/api/gen/dr
 import { FindingSchema } from '@/api/gen/driftwise/v1/diagnosis_service_pb';
 import { residualSpecs } from '@/plot/residual_specs';
 import { forceText, trajectoryRows } from '@/trajectory/parse';
-import { causeText } from '@/views/diagnosis/causes';
+import { causeText, withCauses } from '@/views/diagnosis/causes';
 import { parameterTables } from '@/views/diagnosis/parameters';
 import { standing } from '@/views/diagnosis/improvement';
-import { headline, parameterText, parameterWords, turnLines } from '@/views/diagnosis/words';
+import { headline, parameterText, parameterWords, sentenceCase, turnLines } from '@/views/diagnosis/words';
 import { servedBefore } from '@/views/models/actions';
 import { contributionError, logScale } from '@/views/models/terms';
 
@@ -100,6 +100,14 @@ describe('causes and turns in words', () => {
     expect(causeText('sensor_fault', 't07')).toBe('a faulty sensor, t07');
     expect(causeText('sensor_fault')).toBe('a faulty sensor');
     expect(causeText('moon_phase', 'x')).toBe('moon_phase x');
+  });
+  it('begin with a capital, but for a channel', () => {
+    expect(['nothing is left', 'q1: too few rows', 'x grows'].map(sentenceCase)).toEqual(['Nothing is left', 'q1: too few rows', 'x grows']);
+  });
+  it('put the ids of a remark into words, where they have a subject', () => {
+    expect(withCauses('thermal_expansion t04 was named first; with the rest known, thermal_expansion t06 explains more')).toBe('expansion with t04 was named first; with the rest known, expansion with t06 explains more');
+    expect(withCauses('geometry_order x:y and backlash q1')).toBe('missing terms of the geometry in x:y and play of q1');
+    expect(withCauses('no creep in these data')).toBe('no creep in these data');
   });
   it('put sentences that differ in a term only into one, and ids into words', () => {
     const needs = (of: string) => `The geometry needs terms in ${of} that the simulation lacks, 3 degree; q1: 42 nm rms, held-out U90 77 -> 10.5 nm.`;

@@ -32,3 +32,8 @@ export function causeText(cause: string, subject = ''): string {
   if (!known) return [id, of].filter((part) => part !== '').join(' ');
   return of === '' ? known[0].replace(/,$/, '') : [known[0], known[1], of].filter((part) => part !== '').join(' ');
 }
+
+// The daemon's ids within a sentence: "thermal_expansion t04 was named first" -> "expansion with t04 was named first". Only where a
+// subject follows: "creep" and "backlash" are words of their own.
+const within = new RegExp(`\\b(${Object.keys(words).join('|')}) ((?:[a-z]+\\d+|r?[xyz]|F|force)(?:[:^][\\w]+)*)(?![\\w])`, 'g');
+export const withCauses = (sentence: string): string => sentence.replace(within, (_, id: string, of: string) => causeText(id, of));

@@ -99,7 +99,7 @@ function Worth({ gains, undone }: { gains: readonly ImprovementTurn_Gain[]; undo
 
 function Turn({ turn, most, undone }: { turn: ImprovementTurn; most: number; undone: boolean }) {
   return (
-    <Panel title={`Turn ${turn.number}`} actions={<Worth gains={turn.gains} undone={undone} />}>
+    <Panel title={`Turn ${turn.number}`} actions={turn.gains.length > 0 && <Worth gains={turn.gains} undone={undone} />}>
       <ul class="diagnosis-list">{turnLines(turn.what).map((line) => <li key={line}>{line}</li>)}</ul>
       <p class="row muted">
         {turn.runIds.map((run) => <a key={String(run)} href={`/runs/${run}`}>run {String(run)}</a>)}

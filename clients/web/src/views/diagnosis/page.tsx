@@ -18,11 +18,12 @@ import { Mark } from '@/ui/verdict';
 import { ViewTitle } from '@/ui/view_title';
 import { SymbolChoice } from '@/ui/choice';
 import { BeforeAfter } from './before_after';
+import { withCauses } from './causes';
 import { ExtensionPanel } from './extension';
 import { FindingPanel } from './finding';
 import { GoesWith, LeftOverPanel, NotTestablePanel } from './rest';
 import { SeparatingPanel } from './separating';
-import { after, before, judgementOf, outputOf, rowsWord } from './words';
+import { after, before, judgementOf, outputOf, rowsWord, sentenceCase } from './words';
 
 export function DiagnosisPage({ id }: { id: bigint }) {
   const asked = useAsked(`diagnosis ${id}`, async (signal) => (await api.diagnosis().getDiagnosis({ diagnosisId: id }, { signal })).diagnosis!);
@@ -95,7 +96,7 @@ function Body({ diagnosis, rows, step, again }: { diagnosis: Diagnosis; rows: Di
 
 // One is shown, more wait: they tell how the search went, not what it found.
 function Remarks({ warnings }: { warnings: readonly string[] }) {
-  const lines = warnings.map((warning) => <Warned key={warning}>{warning.replaceAll(' -> ', ' → ')}</Warned>);
+  const lines = warnings.map((warning) => <Warned key={warning}>{sentenceCase(withCauses(warning)).replaceAll(' -> ', ' → ')}</Warned>);
   if (lines.length < 2) return <>{lines}</>;
   return (
     <details class="diagnosis-remarks">

@@ -2,7 +2,7 @@
 import { Diagnosis_State, Verdict as V, type Diagnosis, type OutputDiscrepancy } from '@/api/gen/driftwise/v1/diagnosis_service_pb';
 import { fixed, significant } from '@/format/numbers';
 import type { VerdictKind } from '@/ui/verdict';
-import { causeText } from './causes';
+import { withCauses } from './causes';
 
 export interface Judgement {
   kind: VerdictKind;
@@ -75,10 +75,8 @@ export function parameterText(value: number, interval: { low: number; high: numb
   return fixed(value, Math.min(9, Math.max(0, 1 - Math.floor(Math.log10(width)))));
 }
 
-export const sentenceCase = (text: string): string => text && text[0].toUpperCase() + text.slice(1);
-
-// The daemon's ids within a sentence: "geometry_order y cannot be told apart from cyclic_error y: ..." -> in words.
-const withCauses = (line: string): string => line.replace(/\b([a-z]+_[a-z_]+) ([\w:^]+)(?= cannot| and |,|:|\.|$)/g, (_, id: string, of: string) => causeText(id, of));
+// A channel at the beginning (q1, x) keeps its letter.
+export const sentenceCase = (text: string): string => (/^[a-z]{2,}([\s,:]|$)/.test(text) ? text[0].toUpperCase() + text.slice(1) : text);
 
 // What a turn did, a sentence each, without the figures that stand in tables; sentences that differ in one name only are one.
 export function turnLines(what: string): string[] {
