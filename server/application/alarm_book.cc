@@ -2,7 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include <set>
+#include <algorithm>
 
 namespace driftwise::application {
 
@@ -18,17 +18,16 @@ Awaitable<Result<void>> AlarmBook::restore() {
 
 Awaitable<void> AlarmBook::look(std::vector<AlarmCondition> conditions) {
   std::set<Key> found;
-  for (auto& condition : conditions) {
-    const Key key{condition.kind, condition.subject};
-    found.insert(key);
-    if (const auto known = standing_.find(key); known != standing_.end()) {
+  for (const auto& condition : conditions) {
+    Key key{condition.kind, condition.subject};
+    if (const auto known = standing_.find(key); known != standing_.end())
       known->second.looks_without = 0;
-      continue;
-    }
-    auto raising = raise(condition, false);
-    const auto raised = co_await std::move(raising);
-    if (raised) standing_[key] = {raised->id, 0};
+    else if (!unstored_.contains(key))
+      unstored_.emplace(key, begun(condition));
+    found.insert(std::move(key));
   }
+  auto storing = store_what_waits(found);
+  co_await std::move(storing);
   std::vector<Key> over;
   for (auto& [key, standing] : standing_)
     if (!found.contains(key) && ++standing.looks_without >= kLooksToClear) over.push_back(key);
@@ -43,26 +42,52 @@ Awaitable<void> AlarmBook::look(std::vector<AlarmCondition> conditions) {
   }
 }
 
-Awaitable<void> AlarmBook::note(AlarmCondition condition) {
-  auto raising = raise(std::move(condition), true);
-  co_await std::move(raising);
+Awaitable<void> AlarmBook::store_what_waits(const std::set<Key>& found) {
+  std::vector<Key> waiting;
+  for (auto& [key, alarm] : unstored_) {
+    if (!found.contains(key) && alarm.cleared.utc_ns == 0) alarm.cleared = clock_.now().utc;
+    waiting.push_back(key);
+  }
+  for (const Key& key : waiting) {
+    auto storing = store(unstored_.at(key));
+    const auto stored = co_await std::move(storing);
+    if (!stored) co_return;  // no room yet
+    unstored_.erase(key);
+    if (found.contains(key)) standing_[key] = {stored->id, 0};
+  }
 }
 
-Awaitable<Result<AlarmRecord>> AlarmBook::raise(AlarmCondition condition, bool over) {
+Awaitable<void> AlarmBook::note(AlarmCondition condition) {
+  AlarmRecord alarm = begun(condition);
+  alarm.cleared = alarm.since;
+  auto storing = store(alarm);
+  const auto stored = co_await std::move(storing);
+  if (!stored) unstored_.emplace(Key{condition.kind, condition.subject}, std::move(alarm));
+}
+
+AlarmRecord AlarmBook::begun(const AlarmCondition& condition) const {
   AlarmRecord alarm;
   alarm.level = condition.level;
   alarm.kind = condition.kind;
   alarm.subject = condition.subject;
   alarm.message = condition.message;
   alarm.since = clock_.now().utc;
-  if (over) alarm.cleared = alarm.since;
+  spdlog::warn("alarm {}: {}", alarm.kind, alarm.message);
+  return alarm;
+}
+
+Awaitable<Result<AlarmRecord>> AlarmBook::store(AlarmRecord alarm) {
   auto storing = writer_.call([alarm](Store& store) { return store.alarms().raise(alarm); });
   auto stored = co_await std::move(storing);
-  if (stored) {
-    spdlog::warn("alarm {}: {}", stored->kind, stored->message);
-    watchers_.publish(*stored);
-  }
+  if (stored) watchers_.publish(*stored);
   co_return stored;
+}
+
+std::vector<AlarmRecord> AlarmBook::unstored() const {
+  std::vector<AlarmRecord> out;
+  for (const auto& [key, alarm] : unstored_) out.push_back(alarm);
+  std::ranges::sort(out, {}, [](const AlarmRecord& alarm) { return alarm.since.utc_ns; });
+  return out;
 }
 
 Awaitable<Result<AlarmRecord>> AlarmBook::acknowledge(AlarmId id, std::string who) {

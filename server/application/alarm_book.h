@@ -4,6 +4,8 @@
 // beginning anew. Executor's thread.
 
 #include <map>
+#include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -24,12 +26,15 @@ class AlarmBook {
 
   // Once, before the first look: what the store has standing.
   Awaitable<Result<void>> restore();
-  // Raises what is new and clears what is over. What the store refuses (a full disk) is tried again
-  // at the next look.
+  // Raises what is new and clears what is over. What the store refuses (a full disk) is kept with
+  // its beginning, and its end where it has one, and tried again at every look: the alarm of the
+  // full disk itself is over by the time that it can be written.
   Awaitable<void> look(std::vector<AlarmCondition> conditions);
   // Something that happened and is over at once: stands until it is acknowledged.
   Awaitable<void> note(AlarmCondition condition);
   Awaitable<Result<AlarmRecord>> acknowledge(AlarmId id, std::string who);
+  // What the store has not taken yet, without an id: newest last.
+  std::vector<AlarmRecord> unstored() const;
 
   WatchList<AlarmRecord>& watchers() { return watchers_; }
 
@@ -39,11 +44,14 @@ class AlarmBook {
     AlarmId id;
     int looks_without = 0;
   };
-  Awaitable<Result<AlarmRecord>> raise(AlarmCondition condition, bool over);
+  AlarmRecord begun(const AlarmCondition& condition) const;
+  Awaitable<Result<AlarmRecord>> store(AlarmRecord alarm);
+  Awaitable<void> store_what_waits(const std::set<Key>& found);
 
   Clock& clock_;
   StoreWriter& writer_;
   std::map<Key, Standing> standing_;
+  std::map<Key, AlarmRecord> unstored_;
   WatchList<AlarmRecord> watchers_;
 };
 

@@ -161,8 +161,12 @@ Awaitable<Result<void>> CellApplication::set_stabiliser(Caller caller, std::stri
                      fmt::format("{} set {} to {:g} degC", caller.name, device, degc));
     co_return set;
   }
-  co_return fail(ErrorCode::not_found, "NO_STABILISER",
-                 fmt::format("the cell has no stabiliser '{}'", device));
+  std::string known;
+  for (std::size_t i = 0; i < bench_.stabilisers(); ++i)
+    known += (known.empty() ? "" : ", ") + bench_.stabiliser_description(i).id;
+  auto sentence = fmt::format("the cell has no stabiliser '{}', {}", device,
+                              known.empty() ? "nor any other" : "it has " + known);
+  co_return fail(ErrorCode::not_found, "NO_STABILISER", std::move(sentence));
 }
 
 }  // namespace driftwise::application

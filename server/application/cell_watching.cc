@@ -41,8 +41,15 @@ std::shared_ptr<void> CellApplication::watch_records(std::function<void()> on_ne
 }
 
 Awaitable<Result<std::vector<AlarmRecord>>> CellApplication::alarms(bool with_history, int limit) {
-  return reader_.call(
+  auto asking = reader_.call(
       [with_history, limit](Store& store) { return store.alarms().alarms(with_history, limit); });
+  auto alarms = co_await std::move(asking);
+  if (!alarms) co_return alarms;
+  // While the disk is full these stand nowhere else.
+  for (auto& alarm : alarm_book_.unstored()) alarms->insert(alarms->begin(), std::move(alarm));
+  if (alarms->size() > static_cast<std::size_t>(std::max(limit, 0)))
+    alarms->resize(static_cast<std::size_t>(std::max(limit, 0)));
+  co_return alarms;
 }
 
 Awaitable<Result<AlarmRecord>> CellApplication::acknowledge_alarm(Caller caller, AlarmId id) {

@@ -153,14 +153,19 @@ Awaitable<Result<std::optional<PointId>>> commit_until_stored(RunScope& scope, P
   while (true) {
     auto stored = co_await scope.bench.writer.commit(commit);
     if (stored) {
-      if (waiting)
+      if (waiting) {
+        scope.bench.events.record_own("run.resumed", "there is room on the disk again", commit.run);
         if (auto ok = co_await scope.leave_waiting(); !ok) co_return tl::unexpected(ok.error());
+      }
       co_return stored;
     }
     if (stored.error().code != ErrorCode::resource_exhausted) co_return stored;
-    if (!std::exchange(waiting, true))
+    if (!std::exchange(waiting, true)) {
+      // Written when there is room again: the record must say why the run stood.
+      scope.bench.events.record_own("run.trouble", stored.error().message, commit.run);
       if (auto ok = co_await scope.enter_waiting(stored.error().message); !ok)
         co_return tl::unexpected(ok.error());
+    }
     scope.phase("waiting for room on the disk");
     if (auto ok = co_await scope.sleep_s(kRetry_s); !ok) co_return tl::unexpected(ok.error());
   }

@@ -20,10 +20,11 @@ void add_warnings(TrajectoryCheck& check) {
     if (points[row].target_mm == points[row - 1].target_mm && !points[row].zero && repeated++ == 0)
       first_repeated = row + 1;
   if (repeated > 0)
-    check.warnings.push_back(fmt::format(
-        "{} rows repeat the position of the row before (the first is row {}): they are not "
-        "approached anew",
-        repeated, first_repeated));
+    check.warnings.push_back(
+        fmt::format("{} the position of the row before{}: not approached anew",
+                    repeated == 1 ? fmt::format("row {} repeats", first_repeated)
+                                  : fmt::format("{} rows repeat", repeated),
+                    repeated == 1 ? "" : fmt::format(" (the first is row {})", first_repeated)));
   if (check.validation == 0)
     check.warnings.push_back("no validation rows: the accuracy will be known by calibration only");
   if (check.calibration == 0)

@@ -104,10 +104,17 @@ Result<std::string> check_poses(const CellDescription& description,
 Result<std::string> check_trajectory_limits(const CellDescription& description,
                                             const Trajectory& trajectory, const std::string& name) {
   const auto axes = axes_of(description);
-  if (axes.size() != trajectory.coordinates.size())
-    return fail(ErrorCode::invalid_argument, "WRONG_COORDINATES",
-                fmt::format("the trajectory has {} coordinates, the cell {} axes",
-                            trajectory.coordinates.size(), axes.size()));
+  if (axes.size() != trajectory.coordinates.size()) {
+    std::string found, expected;
+    for (const auto& channel : trajectory.coordinates)
+      found += (found.empty() ? "" : ", ") + channel.name();
+    for (const auto& axis : axes) expected += (expected.empty() ? "" : ", ") + axis.channel.name();
+    return fail(
+        ErrorCode::invalid_argument, "WRONG_COORDINATES",
+        fmt::format("{}: found the coordinates {}, expected one for each axis of cell '{}': "
+                    "{}, or a pose with as many coordinates",
+                    name, found, description.name, expected));
+  }
   if (axes.size() > 1 && is_pose_symbol(trajectory.coordinates.front().symbol))
     return check_poses(description, axes, trajectory, name);
   std::vector<std::size_t> axis_of_column;

@@ -121,9 +121,10 @@ class CellService final : public v1::CellService::CallbackService {
       Context*, const v1::WatchReadingsRequest* request) override {
     if (!request->device_id().empty() &&
         cell_.description().find_device(request->device_id()) == nullptr)
-      return refuse_stream<v1::WatchReadingsResponse>(
-          {ErrorCode::not_found, "NO_DEVICE",
-           "device_id: this cell has no device '" + request->device_id() + "'"});
+      return refuse_stream<v1::WatchReadingsResponse>({ErrorCode::not_found, "NO_DEVICE",
+                                                       "device_id: this cell has no device '" +
+                                                           request->device_id() +
+                                                           "': 'driftwise devices' lists them"});
     return Stream<v1::WatchReadingsResponse>::open(cell_.executor(),
                                                    watch_readings(cell_, request->device_id()));
   }

@@ -199,6 +199,26 @@ TEST_F(AlarmBookTest, AFullDiskDelaysAnAlarmAndLosesNone) {
   EXPECT_NE(standing()[0].cleared.utc_ns, 0);
 }
 
+// The full disk is such a one: when its alarm can be written, the disk is full no longer.
+TEST_F(AlarmBookTest, AnAlarmThatWasOverBeforeItCouldBeWrittenIsOnRecordWithItsBeginningAndEnd) {
+  store->disk.full = true;
+  look({lost("laser-x")});
+  ASSERT_EQ(book->unstored().size(), 1u) << "whoever asks meanwhile is told";
+  const CellTime since = book->unstored()[0].since;
+  EXPECT_EQ(since, clock.now().utc);
+  look({lost("laser-x")});
+  EXPECT_EQ(book->unstored().size(), 1u);
+  look({});
+  store->disk.full = false;
+  look({});
+  EXPECT_THAT(book->unstored(), IsEmpty());
+  ASSERT_EQ(standing().size(), 1u) << "nobody has seen it yet";
+  EXPECT_EQ(standing()[0].since, since);
+  EXPECT_GT(standing()[0].cleared, since);
+  look({lost("laser-x")});
+  EXPECT_EQ(standing().size(), 2u) << "its return is another";
+}
+
 TEST_F(AlarmBookTest, AnAlarmThatThereIsNotCannotBeAcknowledged) {
   const auto none = done(book->acknowledge(AlarmId{77}, "ada"));
   ASSERT_FALSE(none);

@@ -74,8 +74,9 @@ TEST_F(Commands, SetsTheStabiliserWithinReason) {
   EXPECT_EQ(world.support_set_degc, 23.5);
   EXPECT_EQ(cell.await(cell->set_stabiliser(cell.ada, cell.lease(), "support", 200)).error().reason,
             "SET_POINT");
-  EXPECT_EQ(cell.await(cell->set_stabiliser(cell.ada, cell.lease(), "oven", 23)).error().reason,
-            "NO_STABILISER");
+  const auto oven = cell.await(cell->set_stabiliser(cell.ada, cell.lease(), "oven", 23));
+  EXPECT_EQ(oven.error().reason, "NO_STABILISER");
+  EXPECT_EQ(oven.error().message, "the cell has no stabiliser 'oven', it has support");
 }
 
 TEST_F(Commands, ADatasetGoesOutAndComesBackExactly) {

@@ -125,6 +125,10 @@ TEST_F(FullDiskTest, TheRunWaitsWithTheSentenceAndLosesNothing) {
   const auto stored = *store->readings().readings("scanner", kWorldBegin, cell.now(), 100'000);
   EXPECT_GE(static_cast<int>(stored.size()) + 5, world.scans);
   EXPECT_EQ(cell.events_named("run.done").size(), 1u);
+  // The record says why the run stood, and that it went on.
+  EXPECT_EQ(cell.events_named("run.trouble"),
+            std::vector<std::string>{"the disk is full: make room"});
+  EXPECT_EQ(cell.events_named("run.resumed").size(), 1u);
 }
 
 TEST_F(FullDiskTest, ShutDownDoesNotWaitForRoom) {

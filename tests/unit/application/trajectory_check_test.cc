@@ -40,8 +40,13 @@ TEST(CheckTrajectory, NamesRowFieldValueAndLimit) {
 
 TEST(CheckTrajectory, RefusesCoordinatesThatTheCellLacks) {
   EXPECT_EQ(check_trajectory_text(cell(), "p", "q2_mm\n0\n").error().reason, "WRONG_COORDINATES");
-  EXPECT_EQ(check_trajectory_text(cell(), "p", "q1_mm,q2_mm\n0,0\n").error().reason,
-            "WRONG_COORDINATES");
+  const auto two = check_trajectory_text(cell(), "p", "q1_mm,q2_mm\n0,0\n");
+  EXPECT_EQ(two.error().reason, "WRONG_COORDINATES");
+  EXPECT_NE(two.error().message.find("p: found the coordinates q1_mm, q2_mm, expected one for each "
+                                     "axis of cell '"),
+            std::string::npos)
+      << two.error().message;
+  EXPECT_NE(two.error().message.find("': q1_mm, or a pose"), std::string::npos);
 }
 
 CellDescription delta_cell() {
