@@ -199,13 +199,33 @@ Result<void> open_doors(Daemon& daemon, const CellDescription& description,
   return {};
 }
 
+// Empty: the page that came with the program.
+Result<void> check_web_page(const std::string& web_root) {
+  std::error_code ignored;
+  if (web_root.empty() || fs::is_regular_file(fs::path(web_root) / "index.html", ignored))
+    return {};
+  return fail(ErrorCode::not_found, "NO_WEB_PAGE",
+              "[web] root: found no index.html in " + web_root +
+                  ", expected the folder of the web page (leave the key out for the one that came "
+                  "with the program)");
+}
+
 Result<Daemon> put_together(CellDescription description, asio::io_context& context,
                             const Arguments& arguments) {
-  auto clock = application::CellClock::open(context.get_executor(), description.clock);
+  // A check starts nothing, so it does not ask for the clock that a simulated cell would share.
+  const ClockDescription wanted = arguments.check ? ClockDescription{} : description.clock;
+  auto clock = application::CellClock::open(context.get_executor(), wanted);
   if (!clock) return tl::unexpected(clock.error());
   Clock& the_clock = **clock;
   auto devices = make_devices(description, context.get_executor(), the_clock);
   if (!devices) return tl::unexpected(devices.error());
+  const std::string web_root = arguments.web_root.empty()
+                                   ? formats::web_root_of(description, arguments.cell_file)
+                                   : arguments.web_root;
+  if (auto page = check_web_page(web_root); !page) {
+    if (arguments.check) return tl::unexpected(page.error());
+    spdlog::warn("{}", page.error().message);  // no reason not to measure
+  }
   if (arguments.check) return Daemon{};
 
   Daemon daemon;
@@ -227,9 +247,6 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
                                                                .web_address = web_address});
   if (!cell) return tl::unexpected(cell.error());
   daemon.cell = std::move(*cell);
-  const std::string web_root = arguments.web_root.empty()
-                                   ? formats::web_root_of(description, arguments.cell_file)
-                                   : arguments.web_root;
   if (auto doors = open_doors(daemon, description, web_root, the_clock, context); !doors)
     return tl::unexpected(doors.error());
   return daemon;
@@ -289,7 +306,10 @@ int run(const Arguments& arguments) {
     std::cerr << "driftwised: " << error.message << " (" << error.reason << ")\n";
     return exit_code_of(error);
   };
-  if (!description) return complain(description.error());
+  if (!description) {
+    complain(description.error());
+    return 3;  // whatever is wrong with it: who restarts daemons shall leave this one
+  }
   const std::string name = description->name;
   const std::size_t devices = description->devices.size();
 
