@@ -1,12 +1,14 @@
 #include "clients/cli/residuals_file.h"
 
 #include "clients/cli/console.h"
+#include "server/calibration/datum_zeros.h"
 #include "server/calibration/predict.h"
 #include "server/formats/dataset_csv.h"
 
 namespace driftwise::cli {
 
 std::string residuals_csv(const Dataset& data, const calibration::Model& model) {
+  const Dataset moved = calibration::in_first_datum(data, model.datum_zeros);
   Dataset table;
   table.metadata = {{"residuals of", model.formula}};
   table.rows = data.rows;
@@ -18,7 +20,7 @@ std::string residuals_csv(const Dataset& data, const calibration::Model& model) 
   table.datum = data.datum;
   table.excluded = data.excluded;
   for (const auto& output : model.outputs) {
-    const auto predicted = calibration::predict(data, output);
+    const auto predicted = calibration::predict(moved, output);
     if (!predicted)
       throw Failure{ExitCode::bad_input, std::string(to_string(predicted.error().code)),
                     predicted.error().reason, predicted.error().message};

@@ -2,6 +2,7 @@
 
 #include "server/application/cell_application.h"
 #include "server/application/formula_check.h"
+#include "server/calibration/datum_zeros.h"
 #include "server/calibration/predict.h"
 #include "server/core/units.h"
 #include "server/formats/dataset_csv.h"
@@ -13,8 +14,9 @@ namespace {
 
 Result<ModelResiduals> residuals_of(const calibration::Model& model, Dataset data) {
   ModelResiduals found;
+  const Dataset moved = calibration::in_first_datum(data, model.datum_zeros);
   for (const auto& output : model.outputs) {
-    const auto predicted = calibration::predict(data, output);
+    const auto predicted = calibration::predict(moved, output);
     if (!predicted) return tl::unexpected(predicted.error());
     const auto* measured = data.find(output.channel.symbol);
     if (measured == nullptr)

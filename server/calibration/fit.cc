@@ -1,11 +1,14 @@
 #include "server/calibration/fit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <iterator>
 #include <map>
 #include <set>
 
+#include "server/calibration/datum_zeros.h"
 #include "server/calibration/design.h"
 #include "server/calibration/enough_rows.h"
 #include "server/calibration/held_out.h"
@@ -15,10 +18,10 @@
 #include "server/calibration/report.h"
 #include "server/calibration/residual_statistics.h"
 #include "server/calibration/row_reduction.h"
+#include "server/calibration/selected.h"
 #include "server/calibration/selection_rule.h"
 #include "server/calibration/serial_errors.h"
 #include "server/calibration/set_overlap.h"
-#include "server/calibration/starts.h"
 #include "server/calibration/tail.h"
 #include "server/core/units.h"
 #include "server/effects/term_order.h"
@@ -27,53 +30,6 @@ namespace driftwise::calibration {
 namespace {
 
 using Eigen::Index;
-
-// Every term concerned and what it equals, by letting the terms in one by one.
-tl::unexpected<Error> rank_error(const Design& design, const Triangle& triangle,
-                                 const std::vector<int>& deficient) {
-  const Eigen::VectorXd norms = triangle.columns.colwise().norm();
-  OrthogonalSet set(triangle.columns, triangle.outputs.col(0), triangle.beyond[0], triangle.rows,
-                    norms);
-  for (int j = 0; j < static_cast<int>(design.terms.size()); ++j)
-    if (std::ranges::find(deficient, j) == deficient.end() && !set.collinear(j)) set.enter(j);
-  std::string sentences;
-  for (const int j : deficient)
-    sentences += (sentences.empty() ? "" : "; ") + collinear_sentence(design, set, j);
-  return fail(ErrorCode::failed_precondition, "RANK_DEFICIENT",
-              sentences + ": leave these terms out, or measure where they differ");
-}
-
-struct Fitted {
-  Selection selection;
-  std::vector<StartOutcome> starts;
-  Solution solution;
-};
-
-Result<std::vector<Fitted>> select_and_solve(const Design& design, const Triangle& triangle,
-                                             const SelectionRule& rule, const Executor& executor) {
-  std::vector<Fitted> fitted;
-  for (Index o = 0; o < static_cast<Index>(design.outputs.size()); ++o) {
-    if (!rule.stepwise && o == 0) {
-      std::vector<int> every(design.terms.size());
-      for (std::size_t j = 0; j < every.size(); ++j) every[j] = static_cast<int>(j);
-      const Solution trial = solve(triangle, design.basis, every, o);
-      if (!trial.deficient.empty()) return rank_error(design, triangle, trial.deficient);
-    }
-    auto [selection, starts] =
-        select_from_starts(triangle, design.basis, design.always, o, rule, executor);
-    for (const int column : selection.unestimable)
-      if (!effects::datum_of(design.terms[static_cast<std::size_t>(column)]))
-        return rank_error(design, triangle, {column});
-    Solution solution = solve(triangle, design.basis, selection.set.order(), o);
-    if (!solution.deficient.empty()) return rank_error(design, triangle, solution.deficient);
-    if (!solution.coefficients.allFinite())
-      return fail(ErrorCode::invalid_argument, "BAD_VALUE",
-                  "the coefficients of " + design.outputs[static_cast<std::size_t>(o)].symbol +
-                      " leave the range of double precision: use other units");
-    fitted.push_back({std::move(selection), std::move(starts), std::move(solution)});
-  }
-  return fitted;
-}
 
 // The largest departure of each term from its mean over the calibration rows.
 void add_largest_contributions(const std::vector<TermRange>& ranges, OutputModel& model) {
@@ -195,10 +151,23 @@ std::set<std::string> general_warnings(const Design& design, const FitOptions& o
   return hardly_vary;
 }
 
-}  // namespace
+// What became of the further datums.
+std::string datum_note(const DatumZero& zero) {
+  const std::string name = "datum " + std::to_string(zero.ordinal);
+  if (zero.pose.empty())
+    return name +
+           " has a constant of its own and is not moved to where its zero lies: " + zero.why_not;
+  std::string at;
+  for (const auto& [channel, value] : zero.pose) {
+    std::array<char, 64> text{};
+    std::snprintf(text.data(), text.size(), " %s = %.6g", channel.c_str(), value);
+    at += (at.empty() ? "" : ",") + std::string(text.data());
+  }
+  return "the zero of " + name + " lies at" + at + " of the first: its rows are fitted there";
+}
 
-Result<Model> fit(const Dataset& dataset, const FitOptions& options) {
-  if (auto checked = check_options(options); !checked) return tl::unexpected(checked.error());
+// The rows as they are, every datum with its constant.
+Result<Model> fit_rows(const Dataset& dataset, const FitOptions& options) {
   auto prepared = make_design(dataset, options);
   if (!prepared) return tl::unexpected(prepared.error());
   auto asked = selection_rule(options, *prepared);
@@ -280,6 +249,22 @@ Result<Model> fit(const Dataset& dataset, const FitOptions& options) {
     const auto colon = warning.find(": ");  // after the output's name
     return colon == std::string::npos || !said.contains(warning.substr(colon + 2));
   });
+  return model;
+}
+
+}  // namespace
+
+Result<Model> fit(const Dataset& dataset, const FitOptions& options) {
+  if (auto checked = check_options(options); !checked) return tl::unexpected(checked.error());
+  const double start_us = options.stopwatch_us ? options.stopwatch_us() : 0;
+  auto zeros = find_datum_zeros(dataset, options);
+  const double took_us = options.stopwatch_us ? options.stopwatch_us() - start_us : 0;
+  auto model = any_moved(zeros) ? fit_rows(in_first_datum(dataset, zeros), options)
+                                : fit_rows(dataset, options);
+  if (!model) return model;
+  for (const auto& zero : zeros) model->warnings.push_back(datum_note(zero));
+  model->datum_zeros = std::move(zeros);
+  if (!model->datum_zeros.empty()) model->fit_us += took_us;
   return model;
 }
 

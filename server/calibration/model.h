@@ -11,6 +11,7 @@
 
 #include "server/core/channel.h"
 #include "server/core/ids.h"
+#include "server/core/reading.h"
 #include "server/effects/term.h"
 
 namespace driftwise::calibration {
@@ -96,6 +97,14 @@ struct ChannelRange {
   double min = 0, max = 0;
 };
 
+// A datum but the first of a fit (datum_zeros.h).
+struct DatumZero {
+  int ordinal = 2;                 // the k of its datum(k)
+  std::vector<ChannelValue> pose;  // where its pose 0 lies in the first datum's frame, "x_mm" ...,
+                                   // units of the columns; empty: not moved
+  std::string why_not;             // a clause: why it has its constant alone
+};
+
 struct Lineage {
   std::vector<RunId> runs;  // empty: a file
   std::string source;       // file name, or "runs 3, 4"
@@ -115,7 +124,9 @@ struct Model {
   int starts = 1;         // of the selection
   std::int64_t seed = 1;  // of the random starts
   std::vector<OutputModel> outputs;
-  std::vector<ChannelRange> domain;  // of every channel used by a term, over the calibration rows
+  std::vector<ChannelRange> domain;    // of every channel used by a term, over the calibration rows
+  std::vector<DatumZero> datum_zeros;  // of every further datum; poses of their rows are moved by
+                                       // them before a term sees them (in_first_datum())
   Lineage lineage;
   std::vector<std::string> warnings;
   double fit_us = 0;

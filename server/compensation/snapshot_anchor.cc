@@ -6,26 +6,16 @@
 // Micro-Nano's arms of 70 mm and a p0 of 5 um they differ by 70 nm per mm of pose. p0 is where the
 // model itself has the motor coordinates that were read back at the zero.
 
-#include <Eigen/LU>
-#include <algorithm>
-#include <cmath>
+#include <Eigen/Core>
 
+#include "server/calibration/pose_of_zero.h"
 #include "server/compensation/snapshot_builder.h"
 
 namespace driftwise::compensation {
-namespace {
-
-constexpr int kIterations = 8;
-constexpr double kStep = 1e-4;        // of an axis' fitted range, for slopes
-constexpr double kConverged = 1e-10;  // of an axis' fitted range
-constexpr double kFarthest = 0.02;    // of it: what is farther is a scale that was homed elsewhere
-
-}  // namespace
 
 std::array<double, kVariables> SnapshotBuilder::pose_at_zero(
     std::array<double, kVariables> pose, const std::vector<double>& channels,
     const std::vector<double>& calls, const std::vector<double>& q_mm) const {
-  constexpr std::array<double, kVariables> kNowhere{};
   std::vector<std::size_t> axes;
   std::vector<double> range;  // column unit
   for (const auto& fast : fast_inputs_)
@@ -33,47 +23,26 @@ std::array<double, kVariables> SnapshotBuilder::pose_at_zero(
       axes.push_back(static_cast<std::size_t>(fast.variable));
       range.push_back((fast.max - fast.min) * column_per_unit_[axes.back()]);
     }
-  const auto n = static_cast<Eigen::Index>(axes.size());
-  if (axes.size() != outputs_.size() ||
-      std::ranges::any_of(range, [](double r) { return !(r > 0); }))
-    return kNowhere;
+  std::array<double, kVariables> shift{};
+  if (axes.size() != outputs_.size()) return shift;
   std::vector<double> basis;
-  const auto left = [&](const std::array<double, kVariables>& at) {
+  const auto left = [&](const Eigen::VectorXd& by) {
+    auto at = pose;
+    for (std::size_t k = 0; k < axes.size(); ++k) at[axes[k]] += by[static_cast<Eigen::Index>(k)];
     basis_.evaluate(at, basis);
-    Eigen::VectorXd rest(n);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const auto& output = outputs_[static_cast<std::size_t>(i)];
-      rest[i] = q_mm[static_cast<std::size_t>(i)] / output.mm_per_unit;
-      for (const auto& term : output.terms)
-        rest[i] -= term.coefficient * basis[term.basis] * value_of(term.slow, channels, calls);
+    Eigen::VectorXd rest(by.size());
+    for (std::size_t i = 0; i < outputs_.size(); ++i) {
+      double& one = rest[static_cast<Eigen::Index>(i)];
+      one = q_mm[i] / outputs_[i].mm_per_unit;
+      for (const auto& term : outputs_[i].terms)
+        one -= term.coefficient * basis[term.basis] * value_of(term.slow, channels, calls);
     }
     return rest;
   };
-  std::array<double, kVariables> shift{};
-  for (int turn = 0; turn < kIterations; ++turn) {
-    const auto moved = [&](Eigen::Index axis, double by) {
-      auto at = pose;
-      for (std::size_t v = 0; v < kVariables; ++v) at[v] += shift[v];
-      if (axis >= 0) at[axes[static_cast<std::size_t>(axis)]] += by;
-      return at;
-    };
-    Eigen::MatrixXd slopes(n, n);
-    for (Eigen::Index j = 0; j < n; ++j) {
-      const double step = kStep * range[static_cast<std::size_t>(j)];
-      slopes.col(j) = (left(moved(j, -step)) - left(moved(j, step))) / (2 * step);
-    }
-    const Eigen::VectorXd by = slopes.partialPivLu().solve(left(moved(-1, 0)));
-    double farthest = 0, largest = 0;  // of the ranges
-    for (Eigen::Index j = 0; j < n; ++j) {
-      const auto axis = static_cast<std::size_t>(j);
-      shift[axes[axis]] += by[j];
-      farthest = std::max(farthest, std::abs(shift[axes[axis]]) / range[axis]);
-      largest = std::max(largest, std::abs(by[j]) / range[axis]);
-    }
-    if (!by.allFinite() || !(farthest < kFarthest)) return kNowhere;
-    if (largest < kConverged) return shift;
-  }
-  return kNowhere;
+  const Eigen::VectorXd found = calibration::pose_of_zero(range, left);
+  for (std::size_t k = 0; k < axes.size(); ++k)
+    shift[axes[k]] = found[static_cast<Eigen::Index>(k)];
+  return shift;
 }
 
 Result<void> SnapshotBuilder::anchor(std::span<const ChannelValue> values) {

@@ -4,7 +4,8 @@
 // The model is inverse: q = f(pose, temperatures, force). The error of a point is what the scales
 // read back minus f(measured pose, ...): the commanded coordinates, and with them the axis' holding
 // error, play no part. In a datum of its own a run is compared as a model serves there
-// (docs/decisions/0005): error = (q - q at the zero) - (f(now) - f(0, at the zero)).
+// (docs/decisions/0005): error = (q - q at the zero) - (f(pose + p0, now) - f(p0, at the zero)), p0
+// being where that zero lies in the model's own datum.
 
 #include <string>
 #include <vector>
@@ -21,7 +22,15 @@ struct RunToCheck {
   // Per datum of the data, in order of appearance: what the datum's record holds (q where the zero
   // lies, the temperatures at that instant). Empty or incomplete: the datum has no known zero.
   std::vector<std::vector<ChannelValue>> zeros;
+  // Per datum of the data: p0 of every axis by channel; poses of the data count from it. Empty: 0.
+  // in_model_datum() fills it.
+  std::vector<std::vector<ChannelValue>> zero_poses = {};
 };
+
+// The run's poses as the model has them: those of every datum from its p0. With a known zero p0 is
+// what serving finds from it; without, where the model has the datum's rows on average. 0 where the
+// model cannot tell (calibration/pose_of_zero.h).
+RunToCheck in_model_datum(const calibration::Model& model, RunToCheck run);
 
 struct RunErrors {                 // of one output, in its summary unit (nm)
   std::vector<double> values;      // one per row; NaN: excluded, or a channel is missing
@@ -31,7 +40,8 @@ struct RunErrors {                 // of one output, in its summary unit (nm)
   double model_mean_variance = 0;  // ... and the variance of its mean, common to every run
 };
 
-// Errors: invalid_argument UNKNOWN_CHANNEL (the run lacks one that the model reads), UNTIMED.
+// run: as in_model_datum() gives it. Errors: invalid_argument UNKNOWN_CHANNEL (the run lacks one
+// that the model reads), UNTIMED.
 Result<RunErrors> run_errors(const calibration::OutputModel& output, std::int64_t calibration_rows,
                              const RunToCheck& run);
 

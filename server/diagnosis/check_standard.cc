@@ -208,8 +208,10 @@ OutputCheck check_output(const calibration::Model& model, const calibration::Out
 
 CheckReport check_model(const calibration::Model& model, std::span<const RunToCheck> runs) {
   CheckReport report;
+  std::vector<RunToCheck> moved;
+  for (const auto& run : runs) moved.push_back(in_model_datum(model, run));
   for (const auto& output : model.outputs)
-    report.outputs.push_back(check_output(model, output, runs));
+    report.outputs.push_back(check_output(model, output, moved));
   for (std::size_t back = runs.size(); back-- > 0;) {
     bool judged = false;
     for (const auto& output : report.outputs) {

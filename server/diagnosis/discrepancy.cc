@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/calibration/datum_zeros.h"
 #include "server/calibration/predict.h"
 #include "server/core/units.h"
 
@@ -56,12 +57,13 @@ double marginal_share(const std::vector<double>& variable, const std::vector<dou
 Result<std::vector<OutputDiscrepancy>> discrepancy(const calibration::Model& model,
                                                    const Dataset& dataset) {
   std::vector<OutputDiscrepancy> outputs;
+  const Dataset moved = calibration::in_first_datum(dataset, model.datum_zeros);
   for (const auto& output : model.outputs) {
     const DatasetColumn* measured = dataset.find(output.channel.symbol);
     if (!measured)
       return fail(ErrorCode::invalid_argument, "UNKNOWN_CHANNEL",
                   "the dataset has no column " + output.channel.name());
-    const auto prediction = calibration::predict(dataset, output);
+    const auto prediction = calibration::predict(moved, output);
     if (!prediction) return tl::unexpected(prediction.error());
     const Eigen::VectorXd& predicted = *prediction;
     OutputDiscrepancy out;

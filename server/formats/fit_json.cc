@@ -131,6 +131,12 @@ ordered_json fit_json(const calibration::Model& model) {
   for (const auto& range : model.domain)
     json["domain"][range.channel.name()] = {range.min, range.max};
   json["fit_us"] = number(model.fit_us);
+  for (const auto& zero : model.datum_zeros) {
+    ordered_json one = {{"datum", zero.ordinal}, {"pose", ordered_json::object()}};
+    for (const auto& [channel, value] : zero.pose) one["pose"][channel] = number(value);
+    if (!zero.why_not.empty()) one["why_not"] = zero.why_not;
+    json["datum_zeros"].push_back(std::move(one));
+  }
   json["warnings"] = model.warnings;
   return json;
 }

@@ -22,7 +22,8 @@ constexpr const char* kSchema = "driftwise.model.v1";
                                               const calibration::TermReport& report,
                                               const calibration::SelectionStep& step,
                                               const Lineage& lineage) {
-  [[maybe_unused]] const auto& [m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11, m12, m13] = model;
+  [[maybe_unused]] const auto& [m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11, m12, m13, m14] =
+      model;
   [[maybe_unused]] const auto& [o1, o2, o3, o4, o5, o6, o7, o8, o9, o10, o11] = output;
   [[maybe_unused]] const auto& [a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11, a12, a13, a14, a15,
                                 a16, a17, a18] = accuracy;
@@ -291,6 +292,32 @@ Lineage read_lineage(const JsonPlace& from) {
   return lineage;
 }
 
+Json datum_zeros_json(const std::vector<calibration::DatumZero>& zeros) {
+  Json out = Json::array();
+  for (const auto& zero : zeros) {
+    Json& one = out.emplace_back(Json{{"datum", zero.ordinal}});
+    if (!zero.why_not.empty()) one["why_not"] = zero.why_not;
+    Json pose = Json::array();
+    for (const auto& [channel, value] : zero.pose)
+      pose.push_back({{"channel", channel}, {"value", value}});
+    one["pose"] = std::move(pose);
+  }
+  return out;
+}
+
+std::vector<calibration::DatumZero> read_datum_zeros(const JsonPlace& from) {
+  std::vector<calibration::DatumZero> zeros;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    auto& zero = zeros.emplace_back();
+    zero.ordinal = static_cast<int>(from[i]["datum"].integer(2, INT32_MAX));
+    if (from[i].has("why_not")) zero.why_not = from[i]["why_not"].text();
+    const auto pose = from[i]["pose"];
+    for (std::size_t k = 0; k < pose.size(); ++k)
+      zero.pose.push_back({pose[k]["channel"].text(), pose[k]["value"].finite()});
+  }
+  return zeros;
+}
+
 Model read_whole(const JsonPlace& from) {
   if (from["schema"].text() != kSchema) from["schema"].refuse(std::string("'") + kSchema + "'");
   Model model;
@@ -309,6 +336,7 @@ Model read_whole(const JsonPlace& from) {
     model.domain.push_back(
         {domain[i]["channel"].channel(), domain[i]["min"].finite(), domain[i]["max"].finite()});
   for (std::size_t i = 0; i < warnings.size(); ++i) model.warnings.push_back(warnings[i].text());
+  if (from.has("datum_zeros")) model.datum_zeros = read_datum_zeros(from["datum_zeros"]);
   model.fit_us = from["fit_us"].finite();
   return model;
 }
@@ -320,20 +348,21 @@ std::string write_model_json(const Model& model, int indent) {
   for (const auto& output : model.outputs) outputs.push_back(output_json(output));
   for (const auto& range : model.domain)
     domain.push_back({{"channel", range.channel.name()}, {"min", range.min}, {"max", range.max}});
-  const Json out = {{"schema", kSchema},
-                    {"formula", model.formula},
-                    {"select", model.select},
-                    {"criterion", model.criterion},
-                    {"hierarchy", model.hierarchy},
-                    {"starts", model.starts},
-                    {"seed", model.seed},
-                    {"p_enter", model.p_enter},
-                    {"p_remove", model.p_remove},
-                    {"outputs", std::move(outputs)},
-                    {"domain", std::move(domain)},
-                    {"lineage", lineage_json(model.lineage)},
-                    {"warnings", model.warnings},
-                    {"fit_us", model.fit_us}};
+  Json out = {{"schema", kSchema},
+              {"formula", model.formula},
+              {"select", model.select},
+              {"criterion", model.criterion},
+              {"hierarchy", model.hierarchy},
+              {"starts", model.starts},
+              {"seed", model.seed},
+              {"p_enter", model.p_enter},
+              {"p_remove", model.p_remove},
+              {"outputs", std::move(outputs)},
+              {"domain", std::move(domain)},
+              {"lineage", lineage_json(model.lineage)},
+              {"warnings", model.warnings},
+              {"fit_us", model.fit_us}};
+  if (!model.datum_zeros.empty()) out["datum_zeros"] = datum_zeros_json(model.datum_zeros);
   return out.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 

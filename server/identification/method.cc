@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "server/calibration/datum_zeros.h"
 #include "server/calibration/predict.h"
 
 namespace driftwise::identification {
@@ -131,7 +132,10 @@ Result<FittedMethod> fit_method(const Dataset& dataset, Method method,
     data = &errors;
   }
   if (method == Method::stepwise || method == Method::classic) {
-    auto model = calibration::fit(*data, options.fit);
+    auto asked = options.fit;
+    // What a drawing leaves over hardly follows the pose: it cannot tell where a zero lies.
+    asked.move_datums = asked.move_datums && method == Method::stepwise;
+    auto model = calibration::fit(*data, asked);
     if (!model) return tl::unexpected(model.error());
     if (method == Method::stepwise) {
       for (const auto& output : model->outputs) fitted.outputs.push_back(output.channel);
@@ -152,8 +156,9 @@ Result<Eigen::MatrixXd> predict(const Dataset& dataset, const FittedMethod& fitt
     predicted = std::move(*geometric);
   }
   if (!fitted.linear) return predicted;
+  const Dataset moved = calibration::in_first_datum(dataset, fitted.linear->datum_zeros);
   for (const auto& model : fitted.linear->outputs) {
-    const auto own = calibration::predict(dataset, model);
+    const auto own = calibration::predict(moved, model);
     if (!own) return tl::unexpected(own.error());
     const auto at = std::ranges::find(fitted.outputs, model.channel) - fitted.outputs.begin();
     predicted.col(at) += *own;

@@ -42,10 +42,23 @@ MicroNanoSession::MicroNanoSession(const std::string& source_dir, MicroNanoOptio
   now_s_ = 15;
   for (int axis = 0; axis < kAxes; ++axis) plant_->start_move(axis, 0, instant(now_s_));
   now_s_ += 5;
+  zero_instruments();
+}
+
+void MicroNanoSession::zero_instruments() {
   for (int beam = 0; beam < kAxes; ++beam) plant_->zero_length(beam, instant(now_s_));
   true_zero_ = plant_->truth(instant(now_s_));
+  zero_r_arcsec_ = {};
   zero_r_arcsec_ = angles_arcsec(now_s_);
   now_s_ += 3;
+}
+
+void MicroNanoSession::wait(double seconds) { now_s_ += seconds; }
+
+MicroNanoRow MicroNanoSession::zero() {
+  const MicroNanoRow before = visit({0, 0, 0});
+  zero_instruments();
+  return before;
 }
 
 // Both devices over two seconds. Angles are relative to the zero pose, as the lengths are.

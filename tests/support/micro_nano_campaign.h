@@ -73,11 +73,16 @@ class MicroNanoSession {
   // dwell_s: from the end of the move to the readings; absent: what is left of point_s.
   MicroNanoRow visit(const std::array<double, 3>& q_mm, std::optional<double> dwell_s = {});
   MicroNanoRow read_again();  // where it stands; as a visit without a move, its dwell is 0
+  void wait(double seconds);
+  // Another datum: q = 0, lengths and angles zeroed there; from here on rows count from it. What is
+  // given back still counts from the datum before.
+  MicroNanoRow zero();
 
   simulated::MicroNanoPlant& plant() { return *plant_; }
   double now_s() const { return now_s_; }
 
  private:
+  void zero_instruments();
   MicroNanoRow read(double start_s);
   std::array<double, 3> angles_arcsec(double start_s);
 

@@ -22,7 +22,22 @@ TEST(Datum, GetsAConstantOfItsOwnThatIsNeverTested) {
   const auto model = formats::fit_formula(make_campaign({.datums = 3}), "q1 ~ x + x^2 + T", {});
   ASSERT_TRUE(model.has_value()) << model.error().message;
   const auto& output = model->outputs[0];
-  EXPECT_NEAR(coefficient(output, "datum(2)"), 5e-4, 2e-6);  // made with 0.5 um per datum
+  // Made with 0.5 um of the scale per datum: as if the zeros lay that far along the axis.
+  ASSERT_EQ(model->datum_zeros.size(), 2u);
+  EXPECT_NEAR(coefficient(output, "datum(3)"), 0, 1e-9);
+  EXPECT_NEAR(model->datum_zeros[1].pose[0].value, 1e-3, 2e-6);
+  EXPECT_NEAR(output.accuracy.rmse, 3e-6, 0.5e-6);
+}
+
+TEST(Datum, KeepsItsConstantWhereItIsNotMoved) {
+  FitOptions options;
+  options.move_datums = false;
+  const auto model =
+      formats::fit_formula(make_campaign({.datums = 3}), "q1 ~ x + x^2 + T", options);
+  ASSERT_TRUE(model.has_value()) << model.error().message;
+  const auto& output = model->outputs[0];
+  EXPECT_TRUE(model->datum_zeros.empty());
+  EXPECT_NEAR(coefficient(output, "datum(2)"), 5e-4, 2e-6);
   EXPECT_NEAR(coefficient(output, "datum(3)"), 1e-3, 2e-6);
   for (const auto& step : output.history)
     EXPECT_FALSE(effects::datum_of(step.term)) << "was tested";
