@@ -52,7 +52,7 @@ Dataset measure(const std::vector<Measured>& datums, double noise_mm = 1e-5) {
   return data;
 }
 
-Model fitted(const Dataset& data, const std::string& left = "q", bool move = true) {
+Model fitted_over_datums(const Dataset& data, const std::string& left = "q", bool move = true) {
   FitOptions options;
   options.move_datums = move;
   auto model = formats::fit_formula(data, left + " ~ poly(x, y, 2) + t01 + t01:(x + y)", options);
@@ -69,7 +69,7 @@ double coefficient_of(const Model& model, std::size_t output, const std::string&
 }
 
 TEST(DatumZeros, AreFoundWhereTheRobotHadThem) {
-  const auto model = fitted(
+  const auto model = fitted_over_datums(
       measure({{}, {.x_mm = 0.01, .y_mm = -0.02, .degc = 23}, {.x_mm = -0.015, .degc = 21}}));
   ASSERT_EQ(model.datum_zeros.size(), 2u);
   ASSERT_EQ(model.datum_zeros[0].pose.size(), 2u) << model.datum_zeros[0].why_not;
@@ -87,14 +87,14 @@ TEST(DatumZeros, AreFoundWhereTheRobotHadThem) {
 
 TEST(DatumZeros, ShiftingADatumByAKnownVectorChangesNothingThatIsServed) {
   const Dataset data = measure({{}, {.x_mm = 0.01, .y_mm = -0.02, .degc = 23}});
-  const auto before = fitted(data);
+  const auto before = fitted_over_datums(data);
   Dataset shifted = data;
   for (std::size_t row = 0; row < shifted.rows; ++row)
     if (shifted.datum[row] == 11) {
       shifted.columns[2].values[row] += 0.03;
       shifted.columns[3].values[row] -= 0.025;
     }
-  const auto after = fitted(shifted);
+  const auto after = fitted_over_datums(shifted);
   for (std::size_t o = 0; o < 2; ++o) {
     ASSERT_EQ(before.outputs[o].terms, after.outputs[o].terms);
     for (Eigen::Index k = 0; k < before.outputs[o].coefficients.size(); ++k)
@@ -106,27 +106,27 @@ TEST(DatumZeros, ShiftingADatumByAKnownVectorChangesNothingThatIsServed) {
 }
 
 TEST(DatumZeros, AFewRowsAreEnough) {
-  const auto model = fitted(measure({{}, {.x_mm = 0.01, .y_mm = -0.02, .rows = 2}}));
+  const auto model = fitted_over_datums(measure({{}, {.x_mm = 0.01, .y_mm = -0.02, .rows = 2}}));
   ASSERT_EQ(model.datum_zeros.size(), 1u);
   ASSERT_FALSE(model.datum_zeros[0].pose.empty()) << model.datum_zeros[0].why_not;
   EXPECT_NEAR(model.datum_zeros[0].pose[1].value, -0.02, 1e-4);
 }
 
 TEST(DatumZeros, ScalesHomedElsewhereKeepAConstantAndItIsSaid) {
-  const auto near = fitted(measure({{}, {.homed_mm = 0.04}}));
+  const auto near = fitted_over_datums(measure({{}, {.homed_mm = 0.04}}));
   ASSERT_EQ(near.datum_zeros.size(), 1u);
   EXPECT_TRUE(near.datum_zeros[0].pose.empty());
   EXPECT_NEAR(coefficient_of(near, 0, "datum(2)"), 0.04, 1e-4);
   EXPECT_THAT(near.datum_zeros[0].why_not, HasSubstr("fit better where they were measured"));
   EXPECT_THAT(near.warnings, testing::Contains(HasSubstr("datum 2 has a constant of its own")));
-  const auto far = fitted(measure({{}, {.homed_mm = 0.5}}));
+  const auto far = fitted_over_datums(measure({{}, {.homed_mm = 0.5}}));
   EXPECT_THAT(far.datum_zeros[0].why_not, HasSubstr("more than 2 % of the range fitted"));
   EXPECT_NEAR(coefficient_of(far, 1, "datum(2)"), 0.5, 1e-4);
 }
 
 TEST(DatumZeros, OneBeyondDoesNotHoldTheOthersBack) {
-  const auto model =
-      fitted(measure({{}, {.homed_mm = 0.04}, {.x_mm = 0.01, .y_mm = -0.02, .degc = 22}}));
+  const auto model = fitted_over_datums(
+      measure({{}, {.homed_mm = 0.04}, {.x_mm = 0.01, .y_mm = -0.02, .degc = 22}}));
   ASSERT_EQ(model.datum_zeros.size(), 2u);
   EXPECT_TRUE(model.datum_zeros[0].pose.empty());
   ASSERT_FALSE(model.datum_zeros[1].pose.empty()) << model.datum_zeros[1].why_not;
@@ -135,7 +135,7 @@ TEST(DatumZeros, OneBeyondDoesNotHoldTheOthersBack) {
 }
 
 TEST(DatumZeros, CannotBeToldByFewerMotorsThanAxes) {
-  const auto model = fitted(measure({{}, {.x_mm = 0.01}}), "q1");
+  const auto model = fitted_over_datums(measure({{}, {.x_mm = 0.01}}), "q1");
   ASSERT_EQ(model.datum_zeros.size(), 1u);
   EXPECT_TRUE(model.datum_zeros[0].pose.empty());
   EXPECT_THAT(model.datum_zeros[0].why_not,
@@ -144,7 +144,7 @@ TEST(DatumZeros, CannotBeToldByFewerMotorsThanAxes) {
 
 TEST(DatumZeros, AreLeftAloneWhereOneDatumIsFitted) {
   const Dataset data = measure({{}});
-  EXPECT_TRUE(fitted(data).datum_zeros.empty());
+  EXPECT_TRUE(fitted_over_datums(data).datum_zeros.empty());
   EXPECT_TRUE(find_datum_zeros(data, {}).empty());
 }
 
