@@ -16,7 +16,7 @@ using testing_support::MicroNanoRow;
 using testing_support::MicroNanoSession;
 
 constexpr CellTime kDatumsEpoch{1'600'000'000'000'000'000};
-constexpr double kRoomStart_degc = 19;
+constexpr double kFirstRoom_degc = 19;
 constexpr int kSteps = 6, kJudged = 100;
 
 std::vector<ChannelValue> conditions_of(const MicroNanoRow& row) {
@@ -60,7 +60,7 @@ TwoDatums two_datums_case(std::uint64_t seed, const TwoDatumsOptions& options) {
   testing_support::MicroNanoOptions plant;
   plant.seed = seed;
   plant.coarse = options.coarse;
-  plant.overrides = {"room.balance_degc=" + std::to_string(kRoomStart_degc + options.room_k)};
+  plant.overrides = {"room.balance_degc=" + std::to_string(kFirstRoom_degc + options.room_k)};
   MicroNanoSession session(DRIFTWISE_SOURCE_DIR, plant);
   TwoDatums made;
   made.cell = micro_nano_cell();
