@@ -7,7 +7,7 @@
 namespace driftwise::diagnosis {
 namespace {
 
-constexpr double kHalf = 0.5;        // of what a finding explains
+constexpr double kShareLeft = 0.2;   // of what a finding explains
 constexpr double kSuperfluous = 10;  // 2 ln L: what a finding adds to the free shape
 
 Problem with_all_rows(const Problem& problem, std::size_t longest) {
@@ -85,7 +85,7 @@ std::optional<std::size_t> Remainder::nearest_name(const Extension& extension) c
     const double by_shape = without.gain(shape, on).gain;
     const double by_both = without.gain(both, on).gain;
     const double by_finding = without.gain(own, on).gain;
-    if (by_both - by_shape < kSuperfluous && left > kHalf * by_finding) return i;
+    if (by_both - by_shape < kSuperfluous && left > kShareLeft * by_finding) return i;
   }
   return std::nullopt;
 }
