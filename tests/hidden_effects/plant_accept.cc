@@ -102,6 +102,10 @@ struct Made {
 Result<Made> accepted(const diagnosis::Diagnosis& found, const PlantRun& run) {
   std::vector<int> all(found.findings.size());
   std::iota(all.begin(), all.end(), 1);
+  std::erase_if(all, [&](int number) {  // what cannot be accepted, as the daemon leaves it out
+    return diagnosis::correction_is_uncertain(found.findings[static_cast<std::size_t>(number - 1)]);
+  });
+  if (all.empty()) return fail(ErrorCode::failed_precondition, "NOTHING_FOUND", "nothing to make");
   auto chosen = application::chosen_findings(found, all);
   if (!chosen) return tl::unexpected(chosen.error());
   auto data = runs_data(run);
