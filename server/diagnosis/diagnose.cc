@@ -189,7 +189,7 @@ class Diagnoser {
       if (!only_nearest) return {};
       result_.warnings.push_back(
           name_of(causes_[extension.named()[*only_nearest].cause]) +
-          " came nearest and was withdrawn: more than half of what it explains was left, and " +
+          " came nearest and was withdrawn: a good part of what it explains was left, and " +
           (*left)->goes_with + " in a free shape explains both");
       extension.withdraw(*only_nearest);
     }
