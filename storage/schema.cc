@@ -9,6 +9,7 @@
 #include "storage/schema_v3.h"
 #include "storage/schema_v4.h"
 #include "storage/schema_v5.h"
+#include "storage/schema_v6.h"
 
 namespace driftwise::storage {
 
@@ -28,8 +29,8 @@ void refuse_foreign_or_newer(Database& db, int newest) {
 }
 
 std::span<const std::string_view> migrations() {
-  static constexpr std::array<std::string_view, 5> kSteps = {kSchemaV1, kSchemaV2, kSchemaV3,
-                                                             kSchemaV4, kSchemaV5};
+  static constexpr std::array<std::string_view, 6> kSteps = {kSchemaV1, kSchemaV2, kSchemaV3,
+                                                             kSchemaV4, kSchemaV5, kSchemaV6};
   return kSteps;
 }
 
