@@ -63,7 +63,7 @@ struct DeviceDescription {
   std::vector<ProbeDescription> probes;  // scanners
   std::optional<Channel> length;         // interferometers: x_mm
   double u_length_nm = 0;                // ... declared standard uncertainty of one reading
-  double u_drift_nm_per_h = 0;      // ... of its steady drift since the zero
+  double u_drift_nm_per_h = 0;           // ... of its steady drift since the zero
   std::vector<AngleDescription> angles;  // autocollimators
   std::optional<Channel> force;          // load actuators: force_N
   // What the protocol leaves open (unit, word order, terminator, averaging, ...), by the driver's

@@ -1,5 +1,6 @@
 #pragma once
-// The part of a model's JSON that its uncertainty is computed from: covariances and influences. Only for model_json.cc.
+// The part of a model's JSON that its uncertainty is computed from: covariances and influences.
+// Only for model_json.cc.
 
 #include <cstddef>
 

@@ -3,9 +3,10 @@
 //
 //   frame . prod_i [ Rz(theta_i + q_i) Tz(d_i) Tx(a_i) Rx(alpha_i) Ry(beta_i) ] . tool
 //
-// Where a link's axis and the next are nearly parallel (alpha within 5 degrees of 0 or 180) the common normal,
-// and with it d, jumps for the smallest misalignment. There Hayati's form is identified: beta_i
-// turns about y, d_i stays nominal. Elsewhere beta_i stays nominal and d_i is identified.
+// Where a link's axis and the next are nearly parallel (alpha within 5 degrees of 0 or 180) the
+// common normal, and with it d, jumps for the smallest misalignment. There Hayati's form is
+// identified: beta_i turns about y, d_i stays nominal. Elsewhere beta_i stays nominal and d_i is
+// identified.
 //
 // References: J. Denavit, R. Hartenberg, J. Appl. Mech. 22 (1955) 215; S. Hayati, Proc. 22nd IEEE
 // Conf. on Decision and Control (1983) 1477; J. M. Hollerbach, C. W. Wampler, Int. J. Robotics

@@ -27,9 +27,9 @@
 #include <vector>
 
 #include "server/calibration/fit.h"
-#include "server/threads/threaded_executor.h"
 #include "server/formats/dataset_csv.h"
 #include "server/formats/formula.h"
+#include "server/threads/threaded_executor.h"
 
 namespace {
 

@@ -47,10 +47,9 @@ double by_grpc(const CellAtWork& cell) {
 
 std::optional<double> by_python(const CellAtWork& cell) {
   const std::string source = DRIFTWISE_SOURCE_DIR;
-  const auto done =
-      run_process({"/usr/bin/python3", source + "/clients/examples/python/target.py",
-                   cell.grpc_address(), source + "/proto", "x_mm=1.234567"},
-                  std::chrono::seconds(60), {"no_grpc_proxy=127.0.0.1"});
+  const auto done = run_process({"/usr/bin/python3", source + "/clients/examples/python/target.py",
+                                 cell.grpc_address(), source + "/proto", "x_mm=1.234567"},
+                                std::chrono::seconds(60), {"no_grpc_proxy=127.0.0.1"});
   if (done.code == 77) return std::nullopt;
   if (done.code != 0) throw std::runtime_error("target.py: " + done.err);
   return nlohmann::json::parse(done.out).at("q1_mm").get<double>();

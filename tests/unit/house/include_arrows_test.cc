@@ -50,10 +50,9 @@ const std::vector<std::string> kRooms = {"server/core",
                                          "driftwise/v1"};
 
 const std::set<std::string> kMathematics = {
-    "server/core",       "server/effects",     "server/correction",
-    "server/kinematics", "server/calibration", "server/identification",
-    "server/simulation", "server/diagnosis",   "server/compensation",
-    "server/standards"};
+    "server/core",         "server/effects",        "server/correction", "server/kinematics",
+    "server/calibration",  "server/identification", "server/simulation", "server/diagnosis",
+    "server/compensation", "server/standards"};
 
 std::set<std::string> with(std::set<std::string> base, const std::set<std::string>& more) {
   base.insert(more.begin(), more.end());
