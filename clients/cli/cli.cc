@@ -23,6 +23,7 @@
 #include "clients/cli/target_command.h"
 #include "clients/cli/validators.h"
 #include "clients/cli/watch_command.h"
+#include "server/core/clean_text.h"
 
 namespace driftwise::cli {
 namespace {
@@ -50,7 +51,7 @@ void complain(const Console& console, const Failure& failure) {
          {{"code", failure.code}, {"reason", failure.reason}, {"message", failure.message}}}};
     console.err << json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
   } else {
-    console.err << console.paint_err().bad("driftwise: ") << failure.message << '\n';
+    console.err << console.paint_err().bad("driftwise: ") << clean_text(failure.message) << '\n';
   }
   console.err << std::flush;
 }

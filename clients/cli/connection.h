@@ -13,6 +13,7 @@
 #include <string>
 #include <type_traits>
 
+#include "clients/cli/clean_message.h"
 #include "clients/cli/console.h"
 #include "clients/cli/interrupt.h"
 
@@ -62,6 +63,7 @@ class Connection {
     Stub stub(channel_);
     Response response;
     check((stub.*method)(&context, request, &response));
+    clean_message(response);
     return response;
   }
 
@@ -79,7 +81,10 @@ class Connection {
     const auto reader = (stub.*method)(&context, request);
     Response response;
     bool left = false;
-    while (!left && reader->Read(&response)) left = !on_message(response);
+    while (!left && reader->Read(&response)) {
+      clean_message(response);
+      left = !on_message(response);
+    }
     if (left) context.TryCancel();
     const grpc::Status status = reader->Finish();
     if (!left) check(status);

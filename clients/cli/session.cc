@@ -5,12 +5,13 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <iterator>
+
+#include "clients/cli/read_stream.h"
 
 namespace driftwise::cli {
 
 std::string read_input_file(const std::string& path) {
-  if (path == "-") return {std::istreambuf_iterator<char>(std::cin), {}};
+  if (path == "-") return read_stream(std::cin, "standard input");
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored))
     throw Failure{ExitCode::bad_input, "invalid_argument", "NOT_A_FILE",
@@ -19,7 +20,7 @@ std::string read_input_file(const std::string& path) {
   if (!file)
     throw Failure{ExitCode::bad_input, "not_found", "NO_FILE",
                   "cannot read " + path + ": " + std::strerror(errno)};
-  return {std::istreambuf_iterator<char>(file), {}};
+  return read_stream(file, path);
 }
 
 std::string base_name(const std::string& path) {

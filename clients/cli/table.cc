@@ -2,12 +2,19 @@
 
 #include <algorithm>
 
+#include "server/core/clean_text.h"
+
 namespace driftwise::cli {
 
 std::size_t width_of(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
   }));
+}
+
+void Table::add(std::vector<std::string> row) {
+  for (auto& cell : row) cell = clean_line(cell);
+  rows_.push_back(std::move(row));
 }
 
 void Table::print(std::ostream& out, const Paint& paint) const {

@@ -20,7 +20,7 @@ class Table {
   explicit Table(std::vector<Column> columns) : columns_(std::move(columns)) {}
 
   // One text per column; missing ones are empty.
-  void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
+  void add(std::vector<std::string> row);
   bool empty() const { return rows_.empty(); }
 
   // Two spaces between columns, none at the end of a line; UTF-8 counts by character.

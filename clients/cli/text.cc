@@ -1,5 +1,6 @@
 #include "clients/cli/text.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -17,7 +18,8 @@ std::string print(const char* format, int digits, double value) {
 }
 
 CellTime cell_time_from(const google::protobuf::Timestamp& time) {
-  return {time.seconds() * 1'000'000'000 + time.nanos()};
+  constexpr std::int64_t kMostS = 9'000'000'000;  // what 64 bits of nanoseconds hold
+  return {std::clamp(time.seconds(), -kMostS, kMostS) * 1'000'000'000 + time.nanos()};
 }
 
 }  // namespace
@@ -53,8 +55,9 @@ double seconds_between(const google::protobuf::Timestamp& from,
 std::string span_text(double seconds) {
   if (std::isnan(seconds)) return "-";
   char buffer[64];
-  const auto whole = static_cast<long long>(std::llround(seconds));
   if (seconds < 0) return "-" + span_text(-seconds);
+  if (!(seconds < 1e12)) return significant(seconds, 3) + " s";  // no number of days
+  const auto whole = static_cast<long long>(std::llround(seconds));
   if (seconds < 1)
     std::snprintf(buffer, sizeof buffer, "%.1f ms", seconds * 1e3);
   else if (seconds < 60)

@@ -29,9 +29,16 @@ struct Stamp {
 };
 
 constexpr double seconds_from(Nanoseconds d) { return static_cast<double>(d.count()) * 1e-9; }
+// The longest duration: 100 years. An instant of this century and such a duration add up within 64
+// bits. A number of seconds beyond it, which no door lets in, becomes it; NaN becomes 0.
+constexpr double kLongest_s = 100 * 365.25 * 86'400;
 constexpr Nanoseconds nanoseconds_from_s(double seconds) {
+  if (!(seconds > -kLongest_s)) seconds = seconds < 0 ? -kLongest_s : 0;
+  if (seconds > kLongest_s) seconds = kLongest_s;
   return Nanoseconds(static_cast<std::int64_t>(seconds * 1e9 + (seconds < 0 ? -0.5 : 0.5)));
 }
+// What a request or a cell file may ask for: a year.
+constexpr double kMostAsked_s = 366 * 86'400.0;
 
 // "2026-11-21T08:04:59.123456789Z"; trailing zeros of the fraction are dropped.
 std::string to_iso8601(CellTime time);

@@ -1,5 +1,6 @@
 #include "server/formats/dataset_csv.h"
 
+#include "server/core/clean_text.h"
 #include "server/formats/text.h"
 
 namespace driftwise::formats {
@@ -12,10 +13,7 @@ std::string write_dataset_csv(const Dataset& data) {
     has_version = has_version || key == kDatasetVersionKey;
   if (!has_version) out += "# driftwise-dataset: 1\n";
   for (const auto& [key, value] : data.metadata) {
-    std::string line = key.empty() ? "# " + value : "# " + key + ": " + value;
-    for (char& c : line)
-      if (c == '\n' || c == '\r') c = ' ';
-    out += line + "\n";
+    out += clean_line(key.empty() ? "# " + value : "# " + key + ": " + value) + "\n";
   }
 
   const std::size_t header_start = out.size();

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "server/core/clean_text.h"
 #include "server/formats/text.h"
 
 namespace driftwise::formats {
@@ -140,7 +141,7 @@ void append_error_answer(std::string& out, const Error& error) {
   out += "ERR ";
   out += error.reason;
   out += ' ';
-  for (const char c : error.message) out += c == '\n' || c == '\r' ? ' ' : c;
+  out += clean_line(error.message);
   out += '\n';
 }
 

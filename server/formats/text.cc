@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <numeric>
 
+#include "server/core/clean_text.h"
+
 namespace driftwise::formats {
 namespace {
 
@@ -58,6 +60,7 @@ std::string shown(std::string_view text) {
       out += hex;
     }
   }
+  out = clean_line(out);  // what is obeyed without being a control character of ASCII
   return out + (text.size() > kLongest ? "...'" : "'");
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <sstream>
 
+#include "server/core/clean_text.h"
 #include "server/formats/text.h"
 
 namespace driftwise::formats {
@@ -79,6 +80,10 @@ void TomlReader::text(const char* key, std::string& value, Need need) {
   if (!found) return wrong_type(key, *node, "a string");
   if (found->get().empty() && need == Need::required)
     return refuse(key, "OUT_OF_RANGE", "found an empty string, expected some text");
+  if (clean_line(found->get()) != found->get())
+    return refuse(
+        key, "BAD_TEXT",
+        "found " + shown(found->get()) + ", expected one line without control characters");
   value = found->get();
 }
 
@@ -102,6 +107,10 @@ void TomlReader::number(const char* key, double& value, Range range, Need need) 
   if (!node) return;
   if (!node->is_number()) return wrong_type(key, *node, "a number");
   const double found = *node->value<double>();
+  // Seconds become a time: whatever the key allows, it is a duration that fits into one.
+  const std::string_view name(key);
+  if (name.ends_with("_s") && !name.ends_with("mm_s"))
+    range.max = std::min(range.max, kMostAsked_s);
   const bool inside = std::isfinite(found) && found <= range.max &&
                       (range.above_min ? found > range.min : found >= range.min);
   if (inside) {
@@ -194,7 +203,12 @@ void TomlReader::strings(const char* key, std::map<std::string, std::string>& va
       return refuse(key, "WRONG_TYPE",
                     std::string(name.str()) + ": found " + std::string(type_name(node)) +
                         ", expected a string, a number, true or false");
-    values[std::string(name.str())] = plain_text(node);
+    const std::string text = plain_text(node);
+    if (clean_line(text) != text)
+      return refuse(key, "BAD_TEXT",
+                    std::string(name.str()) + ": found " + shown(text) +
+                        ", expected one line without control characters");
+    values[std::string(name.str())] = text;
   }
 }
 

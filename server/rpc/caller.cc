@@ -1,6 +1,6 @@
 #include "server/rpc/caller.h"
 
-#include "server/rpc/convert_values.h"
+#include "server/core/clean_text.h"
 
 namespace driftwise::rpc {
 
@@ -13,16 +13,12 @@ application::Caller caller_of(const grpc::CallbackServerContext& context) {
   if (caller.peer == "unknown" || caller.peer.starts_with("inproc")) {
     const auto behind = metadata.find("driftwise-peer");
     if (behind != metadata.end())
-      caller.peer = utf8_from(std::string(behind->second.data(), behind->second.size()));
+      caller.peer = clean_line({behind->second.data(), behind->second.size()});
   }
   for (const char* key : {"driftwise-operator", "driftwise-operator-bin"}) {
     const auto found = metadata.find(key);
     if (found == metadata.end() || found->second.empty()) continue;
-    std::string name =
-        utf8_from(std::string(found->second.data(), std::min(found->second.size(), kMostBytes)));
-    for (char& c : name)
-      if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
-    caller.name = std::move(name);
+    caller.name = clean_line({found->second.data(), std::min(found->second.size(), kMostBytes)});
   }
   return caller;
 }

@@ -29,7 +29,8 @@ Result<ExclusionRecord> exclusion_of(const Request& request, bool excluded) {
   auto rows = rows_from(request.rows());
   if (!rows) return tl::unexpected(rows.error());
   return ExclusionRecord{
-      0, RunId{request.run_id()}, excluded, std::move(*rows), request.reason(), {}, {}, {}};
+      0, RunId{request.run_id()}, excluded, std::move(*rows), clean_line(request.reason()), {}, {},
+      {}};
 }
 
 }  // namespace

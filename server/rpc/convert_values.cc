@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "server/core/channel.h"
-#include "server/core/utf8.h"
+#include "server/core/clean_text.h"
 
 namespace driftwise::rpc {
 namespace {
@@ -48,7 +48,7 @@ Result<Nanoseconds> nanoseconds_from(const google::protobuf::Duration& duration,
   return Nanoseconds(duration.seconds() * kNsPerS + duration.nanos());
 }
 
-std::string utf8_from(std::string text) { return with_bad_utf8_replaced(std::move(text)); }
+std::string utf8_from(std::string text) { return clean_text(text); }
 
 void set_value(v1::ChannelValue& out, const std::string& channel, double value) {
   out.set_channel(channel);

@@ -23,8 +23,8 @@ google::protobuf::Duration duration_from_s(double seconds);  // not finite or be
 // year.
 Result<Nanoseconds> nanoseconds_from(const google::protobuf::Duration& duration, const char* field);
 
-// The text with every byte that is no part of valid UTF-8 as '?': a proto string must hold nothing
-// else, and messages quote what devices and files really sent.
+// The door out: a proto string must hold valid UTF-8, and what devices, files and older records
+// hold must not command a terminal (core/clean_text.h).
 std::string utf8_from(std::string text);
 
 void set_value(v1::ChannelValue& out, const std::string& channel,

@@ -20,8 +20,8 @@ Result<application::CreateRun> create_run_from(const v1::CreateRunRequest& reque
                 "trajectory_text: found nothing, expected a CSV file");
 
   application::CreateRun asked;
-  asked.name = request.name();
-  asked.trajectory_name = request.trajectory_name();
+  asked.name = clean_line(request.name());
+  asked.trajectory_name = clean_line(request.trajectory_name());
   asked.trajectory_text = request.trajectory_text();
   asked.request_id = request.request_id();
   asked.lease_token = request.lease_token();

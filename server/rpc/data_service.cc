@@ -32,12 +32,13 @@ class DataService final : public v1::DataService::CallbackService {
                                           const v1::ImportDatasetRequest* request,
                                           v1::ImportDatasetResponse* response) override {
     return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
-      if (auto good = check_size(request->name(), kMostNameBytes, "name"); !good) co_return good;
+      const auto name = line_from(request->name(), kMostNameBytes, "name");
+      if (!name) co_return tl::unexpected(name.error());
       if (auto good = check_size(request->csv(), kMostDatasetBytes, "csv"); !good) co_return good;
       if (auto good = check_size(request->request_id(), kMostRequestIdBytes, "request_id"); !good)
         co_return good;
-      auto importing = cell_.import_dataset(caller_of(*context), request->name(), request->csv(),
-                                            request->request_id());
+      auto importing =
+          cell_.import_dataset(caller_of(*context), *name, request->csv(), request->request_id());
       const auto run = co_await std::move(importing);
       if (!run) co_return tl::unexpected(run.error());
       *response->mutable_run() = run_from(*run);
@@ -73,7 +74,7 @@ class DataService final : public v1::DataService::CallbackService {
       if (auto good = check_size(request->text(), kMostNoteBytes, "text"); !good) co_return good;
       if (request->text().empty())
         co_return fail(ErrorCode::invalid_argument, "NO_TEXT", "text: found nothing to note");
-      auto noting = cell_.add_note(caller_of(*context), *on, request->text());
+      auto noting = cell_.add_note(caller_of(*context), *on, clean_text(request->text()));
       const auto note = co_await std::move(noting);
       if (!note) co_return tl::unexpected(note.error());
       *response->mutable_note() = note_from(*note);

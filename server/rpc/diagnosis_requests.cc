@@ -22,7 +22,7 @@ Result<application::DiagnosisRequest> diagnosis_request_from(
   asked.runs = std::move(*runs);
   asked.csv = request.csv();
   asked.baseline = request.baseline();
-  asked.name = request.name();
+  asked.name = clean_line(request.name());
   if (request.has_model_id()) {
     if (auto good = check_id(request.model_id(), "model_id"); !good)
       return tl::unexpected(good.error());
@@ -72,7 +72,7 @@ Result<application::ImproveRequest> improve_request_from(
   if (request.trajectory_text().empty())
     return fail(ErrorCode::invalid_argument, "EMPTY_TRAJECTORY",
                 "trajectory_text: found nothing, expected a CSV file");
-  if (!std::isfinite(request.budget_s()) || request.budget_s() < 0)
+  if (!(request.budget_s() >= 0 && request.budget_s() <= kMostAsked_s))
     return fail(ErrorCode::invalid_argument, "BAD_BUDGET",
                 "budget_s: found " + std::to_string(request.budget_s()) +
                     ", expected 0 (no limit) or seconds of cell time");
@@ -83,7 +83,7 @@ Result<application::ImproveRequest> improve_request_from(
   application::ImproveRequest asked;
   asked.lease_token = request.lease_token();
   asked.trajectory_name =
-      request.trajectory_name().empty() ? "trajectory" : request.trajectory_name();
+      request.trajectory_name().empty() ? "trajectory" : clean_line(request.trajectory_name());
   asked.trajectory_text = request.trajectory_text();
   asked.formula = request.formula();
   if (request.max_turns() > 0) asked.max_turns = request.max_turns();

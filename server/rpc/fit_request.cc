@@ -84,8 +84,8 @@ Result<application::FitRequest> fit_request_from(const v1::CreateFitRequest& req
   if (request.has_p_enter()) fit.p_enter = request.p_enter();
   if (request.has_p_remove()) fit.p_remove = request.p_remove();
   if (auto good = check_probabilities(fit); !good) return tl::unexpected(good.error());
-  fit.name = request.name();
-  fit.note = request.note();
+  fit.name = clean_line(request.name());
+  fit.note = clean_text(request.note());
   fit.exclude_channels.assign(request.exclude_symbols().begin(), request.exclude_symbols().end());
   fit.first_rows = request.first_rows();
   if (auto good = read_selection(request, fit); !good) return tl::unexpected(good.error());

@@ -32,6 +32,12 @@ Result<void> check_size(std::string_view text, std::size_t most_bytes, std::stri
                   " bytes, expected at most " + std::to_string(most_bytes));
 }
 
+Result<std::string> line_from(std::string_view text, std::size_t most_bytes,
+                              std::string_view field) {
+  if (auto good = check_size(text, most_bytes, field); !good) return tl::unexpected(good.error());
+  return clean_line(text);
+}
+
 Result<std::vector<RunId>> run_ids_from(const google::protobuf::RepeatedField<std::int64_t>& ids) {
   constexpr int kMostRuns = 1000;
   if (ids.size() > kMostRuns)

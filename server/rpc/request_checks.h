@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "server/core/clean_text.h"
 #include "server/core/ids.h"
 #include "server/core/result.h"
 
@@ -24,6 +25,11 @@ Result<int> limit_from(std::int32_t limit, int usual, int most);
 
 // Errors: invalid_argument, TOO_LONG, naming the field and the size found.
 Result<void> check_size(std::string_view text, std::size_t most_bytes, std::string_view field);
+
+// One line of text for people, as it is stored: a name, a reason. Control characters are replaced
+// (core/clean_text.h). Errors: TOO_LONG.
+Result<std::string> line_from(std::string_view text, std::size_t most_bytes,
+                              std::string_view field);
 
 // Runs of a request. Errors: BAD_ID; TOO_MANY_RUNS (more than 1000); DUPLICATE_RUN.
 Result<std::vector<RunId>> run_ids_from(const google::protobuf::RepeatedField<std::int64_t>& ids);

@@ -13,7 +13,11 @@
 namespace driftwise::simulated {
 
 constexpr TimeNs kSecondNs = 1'000'000'000;
+// Held within 100 years, so that an instant and a duration add up within 64 bits; NaN is 0.
 constexpr TimeNs nanoseconds_from(double seconds) {
+  constexpr double kLongestS = 100 * 365.25 * 86'400;
+  if (!(seconds > -kLongestS)) seconds = seconds < 0 ? -kLongestS : 0;
+  if (seconds > kLongestS) seconds = kLongestS;
   return static_cast<TimeNs>(seconds * 1e9 + (seconds < 0 ? -0.5 : 0.5));
 }
 constexpr double seconds_between(TimeNs from, TimeNs to) {

@@ -160,7 +160,7 @@ TEST_F(CellServiceTest, ANameIsCutAndFreedOfControlCharacters) {
   call.AddMetadata("driftwise-operator-bin", "J\xc3\xbcrg\n\xff");
   v1::StopAllResponse response;
   EXPECT_TRUE(CellStub(channel).StopAll(&call, {}, &response).ok());
-  EXPECT_EQ(cell.on_executor([&] { return cell.calls.at(1); }), "stop_all J\xc3\xbcrg??");
+  EXPECT_EQ(cell.on_executor([&] { return cell.calls.at(1); }), "stop_all J\xc3\xbcrg ?");
 }
 
 }  // namespace
