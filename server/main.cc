@@ -36,6 +36,8 @@
 #include "server/application/cell.h"
 #include "server/application/cell_clock.h"
 #include "server/application/target_line_server.h"
+#include "server/clean_log.h"
+#include "server/descriptor_limit.h"
 #include "server/formats/cell_file.h"
 #include "server/rpc/rpc_server.h"
 #include "server/service_manager.h"
@@ -47,6 +49,9 @@ namespace driftwise {
 namespace {
 
 namespace fs = std::filesystem;
+
+// All three doors full, devices and database beside them.
+constexpr std::size_t kFewDescriptors = 1024;
 
 struct Arguments {
   std::string cell_file;
@@ -244,7 +249,8 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
                                                                .clock = std::move(*clock),
                                                                .open_store = open_store,
                                                                .version = DRIFTWISE_VERSION,
-                                                               .web_address = web_address});
+                                                               .web_address = web_address,
+                                                               .measure_pauses = true});
   if (!cell) return tl::unexpected(cell.error());
   daemon.cell = std::move(*cell);
   if (auto doors = open_doors(daemon, description, web_root, the_clock, context); !doors)
@@ -295,7 +301,7 @@ void set_up_logging(const Arguments& arguments) {
   auto logger = std::make_shared<spdlog::logger>("driftwised",
                                                  std::make_shared<spdlog::sinks::stderr_sink_mt>());
   logger->set_level(spdlog::level::from_str(arguments.log_level));
-  logger->set_pattern("%Y-%m-%dT%H:%M:%S.%e %^%l%$ %v");
+  logger->set_formatter(clean_log_formatter("%Y-%m-%dT%H:%M:%S.%e %^%l%$ %v"));
   logger->flush_on(spdlog::level::info);
   spdlog::set_default_logger(logger);
 }
@@ -321,6 +327,11 @@ int run(const Arguments& arguments) {
                   nullptr);  // before any thread: all of them leave signals to main
   std::signal(SIGPIPE, SIG_IGN);
 
+  if (const auto descriptors = raise_descriptor_limit(); descriptors < kFewDescriptors)
+    spdlog::warn(
+        "this process may open {} files and sockets, {} are needed when all doors are "
+        "busy: raise the limit (LimitNOFILE, ulimit -n)",
+        descriptors, kFewDescriptors);
   asio::io_context context(1);
   auto daemon = put_together(std::move(*description), context, arguments);
   if (!daemon) return complain(daemon.error());

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <set>
 
+#include "server/application/pause_meter.h"
+
 namespace driftwise::application {
 namespace {
 
@@ -66,6 +68,13 @@ std::vector<AlarmCondition> alarm_conditions(const CellStatus& status) {
   add_devices(status, out, lost);
   add_stale_channels(status, lost, out);
   if (status.run) add_run(*status.run, out);
+  if (status.recent_pause_s >= PauseMeter::kAlarm_s)
+    out.push_back(
+        {AlarmLevel::failed, "daemon.paused", "daemon",
+         fmt::format("for {:.1f} s the daemon answered nobody, a stop neither (limit {:g} "
+                     "s): look for an overloaded computer or disk; if it was not, report "
+                     "what was asked of the daemon then",
+                     status.recent_pause_s, PauseMeter::kAlarm_s)});
   return out;
 }
 

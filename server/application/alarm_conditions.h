@@ -16,7 +16,8 @@ struct AlarmCondition {
   std::string kind, subject, message;
 };
 
-// device.lost; channel.stale, of devices that answer; run.waiting, run.paused; gate.given_up.
+// device.lost; channel.stale, of devices that answer; run.waiting, run.paused; gate.given_up;
+// daemon.paused, for a minute after a pause of the executor.
 std::vector<AlarmCondition> alarm_conditions(const CellStatus& status);
 
 // The quality gate's trend over the last points of a run: before points are given up, their spread

@@ -82,7 +82,8 @@ struct CellStatus {
   std::optional<RunProgress> run;  // the one under way
   std::optional<Lease> lease;      // its token blanked
   std::optional<ModelId> serving;
-  std::vector<std::string> attention;  // sentences: what a person should look at
+  std::vector<std::string> attention;              // sentences: what a person should look at
+  double longest_pause_s = 0, recent_pause_s = 0;  // of the executor (pause_meter.h)
 };
 
 struct CreateRun {
@@ -173,14 +174,18 @@ class Cell {
     // at a time. Empty: threads of the cell's own. A test hands in its one executor and has
     // everything in order.
     asio::any_io_executor storage_thread = {}, query_thread = {}, worker_thread = {},
-                          diagnosis_thread = {};
+                          diagnosis_thread = {}, text_thread = {};
     std::string web_address = {};  // "http://127.0.0.1:8080/", told in status(); empty: no web door
     Diagnose diagnose = {};        // empty: diagnosis::diagnose
+    bool measure_pauses = false;   // of the executor: by the wall clock, so not in virtual time
   };
   static Result<std::unique_ptr<Cell>> open(asio::any_io_executor executor, Parts parts);
   virtual ~Cell() = default;
 
   virtual asio::any_io_executor executor() const = 0;
+  // A thread beside the executor for what takes longer than a moment: texts that are read or
+  // written, figures. Nothing there may touch the cell.
+  virtual asio::any_io_executor background() const = 0;
   virtual CellTime now()
       const = 0;  // any thread, as snapshots(): a target's age is looked at where it is answered
   // Starts the recorder and, where a run was under way when the daemon ended, its continuation.
@@ -196,7 +201,8 @@ class Cell {
                                    const std::string& token /* renews */) = 0;
   virtual Result<void> give_up_lease(const Caller& caller, const std::string& token) = 0;
 
-  virtual Result<TrajectoryCheck> check_trajectory(const std::string& text) const = 0;
+  // Worked out in the background.
+  virtual Awaitable<Result<TrajectoryCheck>> check_trajectory(std::string text) = 0;
   virtual Awaitable<Result<RunRecord>> create_run(Caller caller, CreateRun request) = 0;
   virtual Awaitable<Result<RunRecord>> pause_run(Caller caller, RunId run) = 0;
   virtual Awaitable<Result<RunRecord>> resume_run(Caller caller, RunId run) = 0;

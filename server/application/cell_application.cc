@@ -35,6 +35,7 @@ CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
       query_thread_(parts.query_thread),
       worker_thread_(parts.worker_thread),
       diagnosis_thread_(parts.diagnosis_thread),
+      text_thread_(parts.text_thread),
       writer_(storage_thread_.executor(), std::move(writing)),
       reader_(query_thread_.executor(), std::move(reading)),
       events_(executor, *clock_, writer_),
@@ -47,7 +48,9 @@ CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
                                                                device.address));
              }),
       lag_(*clock_),
+      pauses_(executor),
       tasks_(executor),
+      stop_events_(executor, *clock_, events_, tasks_),
       keeper_(executor, *clock_, bench_, tasks_, [this] { return engine_.busy() || by_hand_; }),
       pose_(description_),
       recorder_(executor, *clock_, bench_, writer_, events_, lag_, pose_, tasks_),
@@ -65,6 +68,7 @@ CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
           tasks_),
       alarm_book_(*clock_, writer_),
       alarms_end_(executor),
+      measure_pauses_(parts.measure_pauses),
       desk_(executor, diagnosis_thread_.executor(), *clock_, writer_, events_, tasks_,
             std::move(parts.diagnose)),
       improver_(executor, *this, *clock_, writer_, events_, tasks_),
@@ -77,9 +81,11 @@ CellApplication::~CellApplication() {
   query_thread_.join();
   worker_thread_.join();
   diagnosis_thread_.join();
+  text_thread_.join();
 }
 
 void CellApplication::start() {
+  if (measure_pauses_) pauses_.start();
   keeper_.start();
   recorder_.start();
   serving_.start();
@@ -156,7 +162,11 @@ Awaitable<Result<void>> CellApplication::go_on_with_run() {
   if (!unfinished) co_return tl::unexpected(unfinished.error());
   if (!*unfinished) co_return Result<void>{};
   auto record = std::move(**unfinished);
-  auto trajectory = formats::read_trajectory_csv(record.trajectory_text, record.trajectory_name);
+  auto reading =
+      run_on(background(), [text = record.trajectory_text, name = record.trajectory_name] {
+        return formats::read_trajectory_csv(text, name);
+      });
+  auto trajectory = co_await std::move(reading);
   if (!trajectory) co_return tl::unexpected(trajectory.error());
   auto plan = read_run_plan(record.rules_json);
   if (!plan) co_return tl::unexpected(plan.error());
@@ -203,6 +213,8 @@ Awaitable<void> CellApplication::shut_down() {
   if (by_hand_) by_hand_->shut_down();
   keeper_.shut_down();
   ending_ = true;
+  pauses_.shut_down();
+  stop_events_.shut_down();
   alarms_end_.raise();
   recorder_.shut_down();
   serving_.shut_down();
@@ -248,6 +260,8 @@ CellStatus CellApplication::status() const {
   status.lease = leases_.present(status.now.utc);
   status.serving = serving_.model();
   status.attention = attention();
+  status.longest_pause_s = pauses_.longest_s();
+  status.recent_pause_s = pauses_.recent_s();
   return status;
 }
 

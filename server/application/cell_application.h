@@ -18,9 +18,11 @@
 #include "server/application/improver.h"
 #include "server/application/lease_book.h"
 #include "server/application/loading.h"
+#include "server/application/pause_meter.h"
 #include "server/application/recorder.h"
 #include "server/application/run_engine.h"
 #include "server/application/serving.h"
+#include "server/application/stop_events.h"
 #include "server/application/store_reader.h"
 #include "server/application/store_writer.h"
 #include "server/application/studies.h"
@@ -35,7 +37,7 @@ class Thread {
   explicit Thread(asio::any_io_executor given) : given_(std::move(given)) {
     if (!given_) own_.emplace(1);
   }
-  asio::any_io_executor executor() {
+  asio::any_io_executor executor() const {
     return own_ ? asio::any_io_executor(own_->get_executor()) : given_;
   }
   void join() {
@@ -44,7 +46,7 @@ class Thread {
 
  private:
   asio::any_io_executor given_;
-  std::optional<asio::thread_pool> own_;
+  mutable std::optional<asio::thread_pool> own_;  // its executor is no part of its state
 };
 
 class CellApplication final : public Cell, private Watching, private Studies {
@@ -57,6 +59,7 @@ class CellApplication final : public Cell, private Watching, private Studies {
   void tell_of_unfinished(std::int64_t count);
 
   asio::any_io_executor executor() const override { return executor_; }
+  asio::any_io_executor background() const override { return text_thread_.executor(); }
   CellTime now() const override { return clock_->now().utc; }
   void start() override;
   Awaitable<void> devices_looked_at() override { return keeper_.looked(); }
@@ -68,7 +71,7 @@ class CellApplication final : public Cell, private Watching, private Studies {
                            const std::string& token) override;
   Result<void> give_up_lease(const Caller& caller, const std::string& token) override;
 
-  Result<TrajectoryCheck> check_trajectory(const std::string& text) const override;
+  Awaitable<Result<TrajectoryCheck>> check_trajectory(std::string text) override;
   Awaitable<Result<RunRecord>> create_run(Caller caller, CreateRun request) override;
   Awaitable<Result<RunRecord>> pause_run(Caller caller, RunId run) override;
   Awaitable<Result<RunRecord>> resume_run(Caller caller, RunId run) override;
@@ -165,6 +168,7 @@ class CellApplication final : public Cell, private Watching, private Studies {
   Awaitable<Result<void>> follow_for(const RunPlan& plan);
   Awaitable<Result<RunRecord>> start_run(Caller caller, CreateRun request, RunPlan plan,
                                          Trajectory trajectory);
+  Awaitable<Result<TrajectoryCheck>> checked(std::string name, std::string text);
   Result<RunControl*> control_of(RunId run, const char* verb);
   Awaitable<Result<RunRecord>> steer(Caller caller, RunId run, const char* verb, std::string detail,
                                      std::function<void(RunControl&)> act);
@@ -183,13 +187,15 @@ class CellApplication final : public Cell, private Watching, private Studies {
   CellDescription description_;
   std::unique_ptr<Clock> clock_;
   std::string version_, web_address_;
-  Thread storage_thread_, query_thread_, worker_thread_, diagnosis_thread_;
+  Thread storage_thread_, query_thread_, worker_thread_, diagnosis_thread_, text_thread_;
   StoreWriter writer_;
   StoreReader reader_;
   EventLog events_;
   DeviceBench bench_;
   LagMeter lag_;
+  PauseMeter pauses_;
   TaskCount tasks_;
+  StopEvents stop_events_;
   DeviceKeeper keeper_;
   PoseStage pose_;
   Loading loading_;
@@ -202,7 +208,7 @@ class CellApplication final : public Cell, private Watching, private Studies {
   QualityTrend quality_;
   std::optional<RunId> last_failed_;  // of which an alarm was made
   Signal alarms_end_;
-  bool ending_ = false;
+  bool ending_ = false, measure_pauses_ = false;
   DiagnosisDesk desk_;
   Improver improver_;
   StudyDesk study_desk_;

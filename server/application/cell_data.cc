@@ -59,6 +59,18 @@ void leave_excluded_out(Dataset& dataset) {
   dataset.rows = rows.size();
 }
 
+struct ParsedFile {
+  Dataset dataset;
+  std::string hash;  // of the text
+};
+
+Result<ParsedFile> parsed(const std::string& csv, const std::string& name) {
+  auto dataset =
+      formats::read_dataset_csv(csv, name.empty() ? "dataset" : name, {}, formats::kRequestLimits);
+  if (!dataset) return tl::unexpected(dataset.error());
+  return ParsedFile{std::move(*dataset), formats::content_hash(csv)};
+}
+
 }  // namespace
 
 Awaitable<Result<std::string>> CellApplication::export_dataset(std::vector<RunId> runs,
@@ -87,13 +99,15 @@ Awaitable<Result<std::string>> CellApplication::export_dataset(std::vector<RunId
 Awaitable<Result<RunRecord>> CellApplication::import_dataset(Caller caller, std::string name,
                                                              std::string csv,
                                                              std::string request_id) {
-  auto dataset = formats::read_dataset_csv(csv, name.empty() ? "dataset" : name);
-  if (!dataset) co_return tl::unexpected(dataset.error());
+  auto parsing = run_on(background(), [csv = std::move(csv), name] { return parsed(csv, name); });
+  auto file = co_await std::move(parsing);
+  if (!file) co_return tl::unexpected(file.error());
+  Dataset* const dataset = &file->dataset;
   NewRun fresh;
   fresh.name = name;
   fresh.rows = static_cast<std::int64_t>(dataset->rows);
   // An import follows no rules; what it was made of tells a repeat from another import.
-  fresh.rules_json = nlohmann::json{{"imported_hash", formats::content_hash(csv)}}.dump();
+  fresh.rules_json = nlohmann::json{{"imported_hash", file->hash}}.dump();
   fresh.request_id = std::move(request_id);
   fresh.config_hash = description_.hash;
   fresh.config_text = description_.text;

@@ -92,7 +92,9 @@ Awaitable<Result<DiagnosisView>> CellApplication::create_diagnosis(Caller caller
   auto dataset = co_await std::move(loading);
   if (!dataset) co_return tl::unexpected(dataset.error());
   const auto shared = std::make_shared<const Dataset>(std::move(*dataset));
-  auto options = options_for(*shared, request);
+  auto preparing =
+      run_on(background(), [shared, request] { return options_for(*shared, request); });
+  auto options = co_await std::move(preparing);
   if (!options) co_return tl::unexpected(options.error());
   if (request.csv.empty()) options->levers = diagnosis::declared_lever_limits(description_);
   DiagnosisRecord fresh;

@@ -30,7 +30,8 @@ Awaitable<Result<ImprovementRecord>> CellApplication::create_improvement(Caller 
   if (auto ok = check_limits(request); !ok) co_return tl::unexpected(ok.error());
   // What the first run would be refused for is said now.
   if (auto ok = may_move(request.lease_token); !ok) co_return tl::unexpected(ok.error());
-  const auto check = check_trajectory(request.trajectory_text);
+  auto checking = check_trajectory(request.trajectory_text);
+  const auto check = co_await std::move(checking);
   if (!check) co_return tl::unexpected(check.error());
   if (request.budget_s > 0 && check->estimated_s > request.budget_s)
     co_return fail(

@@ -52,8 +52,9 @@ Awaitable<Result<Dataset>> CellApplication::fit_data(FitRequest request) {
   auto loading = request.csv.empty() ? reader_.call([runs = request.runs](Store& store) {
     return amended_dataset(store, runs);
   })
-                                     : run_on(worker_thread_.executor(), [csv = request.csv] {
-                                         return formats::read_dataset_csv(csv, "dataset");
+                                     : run_on(background(), [csv = request.csv] {
+                                         return formats::read_dataset_csv(csv, "dataset", {},
+                                                                          formats::kRequestLimits);
                                        });
   co_return co_await std::move(loading);
 }

@@ -77,7 +77,7 @@ class CellApplication::ByHand {
 };
 
 Awaitable<Result<void>> CellApplication::stop_all(Caller caller) {
-  events_.record(caller, "stop", fmt::format("{} stopped everything", caller.name));
+  stop_events_.record(caller);
   const auto why = fmt::format("stopped by {}", caller.name);
   if (auto* control = engine_.control()) control->halt(why);
   if (by_hand_) by_hand_->abort(why);

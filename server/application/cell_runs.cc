@@ -8,8 +8,16 @@
 
 namespace driftwise::application {
 
-Result<TrajectoryCheck> CellApplication::check_trajectory(const std::string& text) const {
-  return check_trajectory_text(description_, "trajectory", text);
+Awaitable<Result<TrajectoryCheck>> CellApplication::checked(std::string name, std::string text) {
+  auto checking = run_on(background(), [&cell = description_, name, text] {
+    return check_trajectory_text(cell, name, text);
+  });
+  co_return co_await std::move(checking);
+}
+
+Awaitable<Result<TrajectoryCheck>> CellApplication::check_trajectory(std::string text) {
+  auto checking = checked("trajectory", std::move(text));
+  co_return co_await std::move(checking);
 }
 
 Awaitable<Result<RunRecord>> CellApplication::create_run(Caller caller, CreateRun request) {
@@ -24,7 +32,8 @@ Awaitable<Result<RunRecord>> CellApplication::create_run(Caller caller, CreateRu
   if (auto ok = check_rules(plan.rules); !ok) co_return tl::unexpected(ok.error());
   const auto name =
       request.trajectory_name.empty() ? std::string("trajectory") : request.trajectory_name;
-  auto check = check_trajectory_text(description_, name, request.trajectory_text);
+  auto checking = checked(name, request.trajectory_text);
+  auto check = co_await std::move(checking);
   if (!check) co_return tl::unexpected(check.error());
   const bool is_pose = is_pose_symbol(check->trajectory.coordinates.front().symbol);
   if (plan.compensate && !is_pose)

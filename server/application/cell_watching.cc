@@ -110,7 +110,8 @@ Awaitable<Result<PastTargets>> CellApplication::past_targets(PastTargetsQuery qu
 
 Awaitable<Result<KeptTrajectory>> CellApplication::keep_trajectory(Caller caller, std::string name,
                                                                    std::string text) {
-  const auto checked = check_trajectory(text);
+  auto checking = check_trajectory(text);
+  const auto checked = co_await std::move(checking);
   if (!checked) co_return tl::unexpected(checked.error());
   KeptTrajectory wanted;
   wanted.name = name;

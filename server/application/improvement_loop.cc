@@ -90,7 +90,8 @@ Awaitable<Result<std::string>> ImprovementLoop::carry_out() {
 // What is known before the robot moves.
 Awaitable<Result<void>> ImprovementLoop::begin() {
   turn_.started = began_;
-  auto check = cell_.check_trajectory(request_.trajectory_text);
+  auto checking = cell_.check_trajectory(request_.trajectory_text);
+  auto check = co_await std::move(checking);
   if (!check) co_return tl::unexpected(check.error());
   plan_ = std::move(check->trajectory);
   estimated_s_ = check->estimated_s;
@@ -281,9 +282,13 @@ Awaitable<Result<std::vector<diagnosis::OutputDiscrepancy>>> ImprovementLoop::er
   auto exporting = cell_.export_dataset({run}, true);
   const auto csv = co_await std::move(exporting);
   if (!csv) co_return tl::unexpected(csv.error());
-  const auto dataset = formats::read_dataset_csv(*csv, fmt::format("run {}", run.value));
-  if (!dataset) co_return tl::unexpected(dataset.error());
-  co_return diagnosis::discrepancy(*model, *dataset);
+  auto comparing =
+      run_on(cell_.background(), [text = *csv, run, model = *model]() -> Result<Errors> {
+        const auto dataset = formats::read_dataset_csv(text, fmt::format("run {}", run.value));
+        if (!dataset) return tl::unexpected(dataset.error());
+        return diagnosis::discrepancy(model, *dataset);
+      });
+  co_return co_await std::move(comparing);
 }
 
 Awaitable<Result<RunRecord>> ImprovementLoop::measure(std::string what,

@@ -1,5 +1,9 @@
 #include "server/application/target_line_server.h"
 
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+
+#include <algorithm>
 #include <array>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -16,6 +20,7 @@ namespace {
 
 using asio::ip::tcp;
 using boost::system::error_code;
+using WallClock = std::chrono::steady_clock;
 
 Result<tcp::endpoint> endpoint_from(const std::string& address) {
   const auto bad = [&] {
@@ -38,6 +43,19 @@ Result<tcp::endpoint> endpoint_from(const std::string& address) {
     return fail(ErrorCode::failed_precondition, "LISTEN_NOT_LOOPBACK",
                 "target_line: found '" + address + "', expected an address on loopback");
   return tcp::endpoint(ip, port);
+}
+
+// A peer that vanished is noticed after about a minute and a half.
+void watch_peer(tcp::socket& socket) {
+  error_code ignored;
+  socket.set_option(tcp::no_delay(true), ignored);
+  socket.set_option(asio::socket_base::keep_alive(true), ignored);
+  const auto set = [&](int name, int value) {
+    ::setsockopt(socket.native_handle(), IPPROTO_TCP, name, &value, sizeof value);
+  };
+  set(TCP_KEEPIDLE, 30);
+  set(TCP_KEEPINTVL, 20);
+  set(TCP_KEEPCNT, 3);
 }
 
 }  // namespace
@@ -65,6 +83,8 @@ class TargetLineServer::Door : public std::enable_shared_from_this<Door> {
   void forget(Session* session) { sessions_.erase(session); }
 
  private:
+  bool make_room();
+
   tcp::acceptor acceptor_;
   asio::steady_timer pause_;
   std::string address_;
@@ -95,14 +115,19 @@ class TargetLineServer::Door::Session : public std::enable_shared_from_this<Sess
     write();
   }
   void close() {
+    last_ = true;
+    door_->forget(this);  // its place is free at once, whenever the last handler lets go of it
     error_code ignored;
     socket_.close(ignored);
   }
+  // Since when it asked for nothing and took no answer.
+  WallClock::time_point idle_since() const { return active_; }
 
  private:
   void on_read(error_code error, std::size_t count) {
-    if (error || door_->is_shut()) return;  // the last owner of this session goes with the handler
+    if (error || door_->is_shut() || last_) return;  // the last owner goes with the handler
     filled_ += count;
+    active_ = WallClock::now();
     std::size_t start = 0;
     while (const void* end = std::memchr(in_.data() + start, '\n', filled_ - start)) {
       const auto length =
@@ -122,6 +147,7 @@ class TargetLineServer::Door::Session : public std::enable_shared_from_this<Sess
     asio::async_write(socket_, asio::buffer(out_),
                       [self = shared_from_this()](error_code error, std::size_t) {
                         if (error || self->last_ || self->door_->is_shut()) return self->close();
+                        self->active_ = WallClock::now();
                         self->out_.clear();
                         self->read_on();
                       });
@@ -132,21 +158,32 @@ class TargetLineServer::Door::Session : public std::enable_shared_from_this<Sess
   std::array<char, 2048> in_;
   std::size_t filled_ = 0;
   std::string out_;
+  WallClock::time_point active_ = WallClock::now();
   bool last_ = false;
 };
+
+bool TargetLineServer::Door::make_room() {
+  if (sessions_.size() < kMaxClients) return true;
+  const auto oldest = std::min_element(
+      sessions_.begin(), sessions_.end(),
+      [](const Session* a, const Session* b) { return a->idle_since() < b->idle_since(); });
+  if (WallClock::now() - (*oldest)->idle_since() < kIdle) return false;
+  (*oldest)->close();
+  return true;
+}
 
 void TargetLineServer::Door::accept_next() {
   acceptor_.async_accept([self = shared_from_this()](error_code error, tcp::socket socket) {
     if (self->is_shut()) return;
     if (!error) {
-      error_code ignored;
-      socket.set_option(tcp::no_delay(true), ignored);
+      watch_peer(socket);
+      const bool room = self->make_room();
       auto session = std::make_shared<Session>(std::move(socket), self);
       self->sessions_.insert(session.get());
-      if (self->sessions_.size() > kMaxClients)
-        session->refuse("TOO_MANY_CLIENTS", "64 connections are open: close one first");
-      else
+      if (room)
         session->read_on();
+      else
+        session->refuse("TOO_MANY_CLIENTS", "64 connections are at work: close one first");
     }
     if (!error) return self->accept_next();
     // Out of descriptors, for one: a new attempt at once would fail at once, again and again.
@@ -163,7 +200,8 @@ void TargetLineServer::Door::shut() {
   error_code ignored;
   acceptor_.close(ignored);
   pause_.cancel();
-  for (auto* session : sessions_) session->close();
+  const auto open = sessions_;
+  for (auto* session : open) session->close();
 }
 
 void TargetLineServer::Door::answer(std::string_view line, std::string& out) const {

@@ -4,11 +4,16 @@
 //
 // Thread: everything on the executor's thread, which must be one. Lifetime: the board and the clock
 // outlive stop() (or the destructor, which stops too); after it nothing of them is touched,
-// whatever handlers are still queued. Limits: kMaxClients connections (a further one gets ERR
-// TOO_MANY_CLIENTS and is closed), formats::kMaxTargetLine bytes a line (ERR LINE_TOO_LONG,
-// closed). Requests may be sent ahead; answers come in their order.
+// whatever handlers are still queued. Limits: kMaxClients connections, formats::kMaxTargetLine
+// bytes a line (ERR LINE_TOO_LONG, closed). Requests may be sent ahead; answers come in their
+// order.
+//
+// A further client takes the place of the one that has been idle longest: that asked nothing, or
+// took no answer, for kIdle at least. It gets ERR TOO_MANY_CLIENTS and is closed when every other
+// one is at work. TCP's keep-alive notices a peer that vanished without closing.
 
 #include <boost/asio/any_io_executor.hpp>
+#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -22,6 +27,7 @@ namespace driftwise::application {
 class TargetLineServer {
  public:
   static constexpr std::size_t kMaxClients = 64;
+  static constexpr std::chrono::seconds kIdle{1};
 
   // address: "127.0.0.1:50052", "localhost:0", "[::1]:0"; port 0 picks a free one.
   // Errors: invalid_argument, BAD_ADDRESS; failed_precondition, LISTEN_NOT_LOOPBACK; unavailable,

@@ -4,7 +4,9 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <unordered_map>
 
+#include "server/core/clean_text.h"
 #include "server/core/reading.h"
 #include "server/formats/text.h"
 
@@ -48,8 +50,8 @@ std::pair<std::string, std::string> metadata_from(std::string_view line) {
   const auto body = trimmed_remark(line.substr(1));
   const auto colon = body.find(':');
   const auto key = trimmed_remark(body.substr(0, colon));
-  if (colon == std::string_view::npos || key.empty()) return {"", std::string(body)};
-  return {std::string(key), std::string(trimmed_remark(body.substr(colon + 1)))};
+  if (colon == std::string_view::npos || key.empty()) return {"", clean_line(body)};
+  return {clean_line(key), clean_line(trimmed_remark(body.substr(colon + 1)))};
 }
 
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
@@ -65,15 +67,58 @@ std::size_t lines_in(std::string_view text) {
   return lines;
 }
 
+// Names of the header row, left to right.
+Result<void> read_names(std::string_view line, const std::string& file_name,
+                        const CsvLimits& limits, CsvHeader& header) {
+  std::unordered_map<std::string_view, std::size_t> places;  // views into the text
+  for (std::string_view rest = line;
+       !rest.empty() || header.names.empty() || line.ends_with(',');) {
+    const auto comma = rest.find(',');
+    const std::string_view name = trimmed(rest.substr(0, comma));
+    const std::size_t number = header.names.size() + 1;
+    const auto refuse = [&](const char* reason, const std::string& sentence) {
+      return bad(reason, file_name, header.line, sentence);
+    };
+    if (number > limits.columns)
+      return refuse("TOO_MANY_COLUMNS", "found more than " + std::to_string(limits.columns) +
+                                            " columns, expected one per channel: is it a table "
+                                            "with one row per point?");
+    if (name.size() > limits.name_bytes)
+      return refuse("NAME_TOO_LONG", "column " + std::to_string(number) + ": found " + shown(name) +
+                                         " of " + std::to_string(name.size()) +
+                                         " bytes, expected at most " +
+                                         std::to_string(limits.name_bytes));
+    if (name.find('"') != std::string_view::npos)
+      return refuse("QUOTED_FIELD", "column " + std::to_string(number) + ": found " + shown(name) +
+                                        ", expected a name without quotes");
+    if (name.empty())
+      return refuse("NO_HEADER", "column " + std::to_string(number) + " has no name");
+    if (name.find(';') != std::string_view::npos)
+      return refuse("NO_HEADER", "found " + shown(name) +
+                                     ": fields are separated by commas and decimals by points");
+    const auto [twin, is_new] = places.emplace(name, number);
+    if (!is_new)
+      return refuse("DUPLICATE_COLUMN", "columns " + std::to_string(twin->second) + " and " +
+                                            std::to_string(number) + " are both named " +
+                                            shown(name));
+    header.names.emplace_back(name);
+    if (comma == std::string_view::npos) break;
+    rest.remove_prefix(comma + 1);
+  }
+  return {};
+}
+
 }  // namespace
 
-Result<CsvHeader> read_csv_header(std::string_view text, const std::string& file_name) {
+Result<CsvHeader> read_csv_header(std::string_view text, const std::string& file_name,
+                                  const CsvLimits& limits) {
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
     return bad("NOT_TEXT", file_name, 1,
                "found UTF-16 text, expected UTF-8 or plain ASCII: save the file as UTF-8");
-  if (text.find('\n') == std::string_view::npos)
-    if (const auto cr = text.find('\r'); cr != std::string_view::npos && cr + 1 < text.size())
+  const std::string_view first = text.substr(0, limits.header_bytes);
+  if (first.find('\n') == std::string_view::npos)
+    if (const auto cr = first.find('\r'); cr != std::string_view::npos && cr + 1 < text.size())
       return bad("NOT_TEXT", file_name, 1,
                  "found lines that end in a carriage return alone, expected LF or CR LF: save the "
                  "file as CSV for Windows or Unix");
@@ -87,39 +132,29 @@ Result<CsvHeader> read_csv_header(std::string_view text, const std::string& file
                  : bad("NO_HEADER", file_name, header.line,
                        "found no header row before the end of the file, expected names such as "
                        "time_s,q1_mm,x_mm");
-    line = take_line(text);
     ++header.line;
-    if (line.starts_with('#')) header.metadata.push_back(metadata_from(line));
+    const std::string_view start = text.substr(0, limits.header_bytes);
+    if (const auto zero = start.substr(0, start.find('\n')).find('\0');
+        zero != std::string_view::npos)
+      return bad("NOT_TEXT", file_name, header.line, "found a zero byte, expected text");
+    if (start.size() < text.size() && start.find('\n') == std::string_view::npos) {
+      if (const auto names = read_names(start, file_name, limits, header);
+          !names && names.error().reason == "TOO_MANY_COLUMNS")
+        return tl::unexpected(names.error());  // says more than the length of the line
+      return bad("HEADER_TOO_LONG", file_name, header.line,
+                 "found no end of the line within " + std::to_string(limits.header_bytes) +
+                     " bytes, expected a header row such as time_s,q1_mm,x_mm");
+    }
+    line = take_line(text);
+    if (!line.starts_with('#')) continue;
+    if (header.metadata.size() >= limits.metadata_lines)
+      return bad("TOO_MUCH_METADATA", file_name, header.line,
+                 "found more than " + std::to_string(limits.metadata_lines) +
+                     " lines of metadata before the header row");
+    header.metadata.push_back(metadata_from(line));
   } while (line.empty() || line.starts_with('#'));
-
-  if (line.find('\0') != std::string_view::npos)
-    return bad("NOT_TEXT", file_name, header.line,
-               "found a zero byte in the header row, expected text");
-  for (std::string_view rest = line;
-       !rest.empty() || header.names.empty() || line.ends_with(',');) {
-    const auto comma = rest.find(',');
-    const std::string_view name = trimmed(rest.substr(0, comma));
-    const std::size_t number = header.names.size() + 1;
-    if (name.find('"') != std::string_view::npos)
-      return bad("QUOTED_FIELD", file_name, header.line,
-                 "column " + std::to_string(number) + ": found " + shown(name) +
-                     ", expected a name without quotes");
-    if (name.empty())
-      return bad("NO_HEADER", file_name, header.line,
-                 "column " + std::to_string(number) + " has no name");
-    if (name.find(';') != std::string_view::npos)
-      return bad(
-          "NO_HEADER", file_name, header.line,
-          "found " + shown(name) + ": fields are separated by commas and decimals by points");
-    const auto twin = std::ranges::find(header.names, name);
-    if (twin != header.names.end())
-      return bad("DUPLICATE_COLUMN", file_name, header.line,
-                 "columns " + std::to_string(twin - header.names.begin() + 1) + " and " +
-                     std::to_string(number) + " are both named " + shown(name));
-    header.names.emplace_back(name);
-    if (comma == std::string_view::npos) break;
-    rest.remove_prefix(comma + 1);
-  }
+  if (auto names = read_names(line, file_name, limits, header); !names)
+    return tl::unexpected(names.error());
   header.rows = text;
   return header;
 }

@@ -4,6 +4,7 @@
 // the caller's business.
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -13,6 +14,19 @@
 #include "server/core/result.h"
 
 namespace driftwise::formats {
+
+// Bounds on a table, whoever sent it: what is beyond them is refused before memory is taken for it.
+struct CsvLimits {
+  std::size_t columns = 4096;           // a cell has tens of channels
+  std::size_t name_bytes = 128;         // of a column's name
+  std::size_t header_bytes = 1u << 20;  // of the header row
+  std::size_t metadata_lines = 10'000;
+  // Rows x columns; the time and memory of what follows are proportional to it.
+  std::size_t values = std::numeric_limits<std::size_t>::max();
+};
+
+// Of a table that a client hands to the daemon: 32 MB of doubles.
+constexpr CsvLimits kRequestLimits{.values = 4'000'000};
 
 struct CsvHeader {
   // Leading '#' lines: "# key: value"; a line without a colon has an empty key and is its value.
@@ -34,9 +48,12 @@ struct CsvChunk {
 std::vector<CsvChunk> chunks_of(const CsvHeader& header,
                                 const calibration::Executor& executor = {});
 
-// Errors: EMPTY_FILE, NO_HEADER, NOT_TEXT, QUOTED_FIELD, DUPLICATE_COLUMN; an empty name is
-// NO_HEADER's too.
-Result<CsvHeader> read_csv_header(std::string_view text, const std::string& file_name);
+// Linear in the size of the header. Errors: EMPTY_FILE, NO_HEADER, NOT_TEXT, QUOTED_FIELD,
+// DUPLICATE_COLUMN; an empty name is NO_HEADER's too; TOO_MANY_COLUMNS, NAME_TOO_LONG,
+// HEADER_TOO_LONG, TOO_MUCH_METADATA (the limits). Control characters in metadata are replaced
+// (core/clean_text.h).
+Result<CsvHeader> read_csv_header(std::string_view text, const std::string& file_name,
+                                  const CsvLimits& limits = {});
 
 // Walks over the rows. Each field is asked for once, in order, by the function of its kind; false
 // means that error() says what is wrong, with file:line and the column's name, and the walk is

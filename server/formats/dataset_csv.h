@@ -14,6 +14,7 @@
 
 #include "server/calibration/executor.h"
 #include "server/core/dataset.h"
+#include "server/formats/csv_text.h"
 
 namespace driftwise::formats {
 
@@ -24,10 +25,12 @@ constexpr std::string_view kDatasetVersionKey = "driftwise-dataset";
 // expected:
 //   EMPTY_FILE, NO_HEADER, NO_ROWS, BAD_CHANNEL (no unit), DUPLICATE_COLUMN, RAGGED_ROW,
 //   BAD_NUMBER, BAD_SET, BAD_FLAG, BAD_INTEGER, TIME_NOT_INCREASING, QUOTED_FIELD, BAD_METADATA,
-//   UNSUPPORTED_VERSION, NOT_TEXT.
+//   UNSUPPORTED_VERSION, NOT_TEXT; TOO_MANY_VALUES and the other limits (csv_text.h).
+// Time and memory are proportional to the text.
 // executor: large files are read on its threads; the dataset and the errors are the same on any.
 Result<Dataset> read_dataset_csv(std::string_view text, const std::string& file_name,
-                                 const calibration::Executor& executor = {});
+                                 const calibration::Executor& executor = {},
+                                 const CsvLimits& limits = {});
 
 // The metadata lines as they stand (driftwise-dataset: 1 is put first when it is missing), then the
 // rows. Columns in this order: time_s, run, datum, set, line, zero, dwell_s,

@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 #include <optional>
+#include <unordered_map>
 
 #include "server/formats/csv_text.h"
 #include "server/formats/dataset_csv.h"
@@ -49,6 +50,7 @@ Result<void> check_version(const CsvHeader& header, const std::string& file_name
 Result<std::vector<CsvColumn>> sort_columns(const CsvHeader& header, const std::string& file_name,
                                             Dataset& data) {
   std::vector<CsvColumn> kinds(header.names.size(), CsvColumn::channel);
+  std::unordered_map<std::string, std::size_t> places;  // by symbol, into data.columns
   for (std::size_t i = 0; i < kinds.size(); ++i) {
     const auto& name = header.names[i];
     for (const auto& own : kOwnColumns)
@@ -60,12 +62,15 @@ Result<std::vector<CsvColumn>> sort_columns(const CsvHeader& header, const std::
                             ": " + channel.error().message;
       return fail(ErrorCode::invalid_argument, channel.error().reason, std::move(message));
     }
-    if (const auto* other = data.find(channel->symbol))
+    const auto [place, is_new] = places.emplace(channel->symbol, data.columns.size());
+    if (!is_new) {
+      const Channel& other = data.columns[place->second].channel;
       return fail(ErrorCode::invalid_argument, "UNITS_DISAGREE",
                   at_line(file_name, header.line) + "column " + std::to_string(i + 1) + ": " +
                       name + " gives " + channel->symbol + " in " + channel->unit + ", and " +
-                      other->channel.name() + " gives it in " + other->channel.unit +
+                      other.name() + " gives it in " + other.unit +
                       " already; expected each quantity once, in one unit");
+    }
     data.columns.push_back({std::move(*channel), {}});
   }
   return kinds;
@@ -240,8 +245,8 @@ void close_gaps(std::vector<Value>& values, const std::vector<CsvChunk>& chunks,
 }  // namespace
 
 Result<Dataset> read_dataset_csv(std::string_view text, const std::string& file_name,
-                                 const calibration::Executor& executor) {
-  const auto header = read_csv_header(text, file_name);
+                                 const calibration::Executor& executor, const CsvLimits& limits) {
+  const auto header = read_csv_header(text, file_name, limits);
   if (!header) return tl::unexpected(header.error());
   if (auto version = check_version(*header, file_name); !version)
     return tl::unexpected(version.error());
@@ -251,8 +256,14 @@ Result<Dataset> read_dataset_csv(std::string_view text, const std::string& file_
   if (!kinds) return tl::unexpected(kinds.error());
 
   const auto chunks = chunks_of(*header, executor);
-  const auto columns =
-      make_room(data, *kinds, chunks.back().first_row + chunks.back().most_rows, executor);
+  const std::size_t most_rows = chunks.back().first_row + chunks.back().most_rows;
+  if (most_rows > limits.values / header->names.size())
+    return fail(ErrorCode::invalid_argument, "TOO_MANY_VALUES",
+                at_line(file_name, header->line) + "found up to " + std::to_string(most_rows) +
+                    " rows of " + std::to_string(header->names.size()) +
+                    " columns, expected at most " + std::to_string(limits.values) +
+                    " values in all: split the file, or work on it with the command line");
+  const auto columns = make_room(data, *kinds, most_rows, executor);
   const Reader reader(*header, file_name, columns);
   std::vector<Found> found(chunks.size());
   calibration::run_on(executor, chunks.size(),

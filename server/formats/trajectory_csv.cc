@@ -86,9 +86,10 @@ Result<TrajectoryPoint> read_point(CsvRows& rows, const std::vector<TrajectoryCo
         break;
       case TrajectoryColumn::dwell:
         good = rows.number(number);
-        if (good && number < 0)
-          return tl::unexpected(rows.problem(
-              "BAD_DWELL", i, "found " + number_text(number) + ", expected 0 s or more"));
+        if (good && (number < 0 || number > kMostDwell_s))
+          return tl::unexpected(rows.problem("BAD_DWELL", i,
+                                             "found " + number_text(number) + ", expected 0 to " +
+                                                 number_text(kMostDwell_s) + " s (a week)"));
         if (!is_missing(number)) point.dwell_s = number;
         break;
     }
@@ -126,6 +127,10 @@ Result<Trajectory> read_trajectory_csv(std::string_view text, const std::string&
       return tl::unexpected(
           rows.problem("ZERO_NOT_AT_ZERO", first_column(*kinds, TrajectoryColumn::zero),
                        "found 1 with coordinates that are not all 0: a return to zero goes to 0"));
+    if (trajectory.points.size() >= kMostTrajectoryRows)
+      return tl::unexpected(rows.problem(
+          "TOO_MANY_ROWS", kinds->size(),
+          "found more than " + std::to_string(kMostTrajectoryRows) + " rows: split the plan"));
     trajectory.points.push_back(std::move(*point));
   }
   if (rows.failed()) return tl::unexpected(rows.error());

@@ -11,12 +11,15 @@
 
 namespace driftwise::formats {
 
+constexpr std::size_t kMostTrajectoryRows = 200'000;  // as of a generated plan; 60 h have 15 000
+constexpr double kMostDwell_s = 7 * 86'400.0;
+
 // file_name: stands in front of every message; the file itself is not opened.
 // Errors, all invalid_argument, naming file:line, column, found, expected: those of
 // read_dataset_csv, and
 //   NO_COORDINATES, MIXED_COORDINATES (q and pose), UNKNOWN_COLUMN, MISSING_COORDINATE (empty
 //   field), LINE_DECREASES, ZERO_NOT_AT_ZERO (a zero row whose coordinates are not all 0),
-//   BAD_DWELL.
+//   BAD_DWELL, TOO_MANY_ROWS.
 Result<Trajectory> read_trajectory_csv(std::string_view text, const std::string& file_name);
 
 // Writes set, line and zero always; force_N and dwell_s when some point has them.

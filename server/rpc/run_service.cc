@@ -92,7 +92,8 @@ class RunService final : public v1::RunService::CallbackService {
               check_size(request->trajectory_text(), kMostTrajectoryBytes, "trajectory_text");
           !good)
         co_return good;
-      const auto check = cell_.check_trajectory(request->trajectory_text());
+      auto checking = cell_.check_trajectory(request->trajectory_text());
+      const auto check = co_await std::move(checking);
       if (!check) co_return tl::unexpected(check.error());
       *response = check_response_from(*check);
       co_return Result<void>{};
@@ -148,10 +149,10 @@ class RunService final : public v1::RunService::CallbackService {
                     v1::AbortRunResponse* response) override {
     return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
-      if (auto good = check_size(request->reason(), kMostNameBytes, "reason"); !good)
-        co_return good;
-      const auto run = co_await cell_.abort_run(caller_of(*context), RunId{request->run_id()},
-                                                request->reason());
+      const auto reason = line_from(request->reason(), kMostNameBytes, "reason");
+      if (!reason) co_return tl::unexpected(reason.error());
+      auto aborting = cell_.abort_run(caller_of(*context), RunId{request->run_id()}, *reason);
+      const auto run = co_await std::move(aborting);
       if (!run) co_return tl::unexpected(run.error());
       *response->mutable_run() = run_from(*run);
       co_return Result<void>{};

@@ -1,4 +1,5 @@
 #include "driftwise/v1/standards_service.grpc.pb.h"
+#include "server/application/signal.h"
 #include "server/formats/dataset_csv.h"
 #include "server/rpc/convert_standards.h"
 #include "server/rpc/request_checks.h"
@@ -44,9 +45,14 @@ class StandardsService final : public v1::StandardsService::CallbackService {
               cell_.export_dataset(std::move(*runs), true);  // rows kept out are no figures either
           const auto csv = co_await std::move(exporting);
           if (!csv) co_return tl::unexpected(csv.error());
-          const auto dataset = formats::read_dataset_csv(*csv, "run");
-          if (!dataset) co_return tl::unexpected(dataset.error());
-          const auto figures = figures_of(*dataset, options_from(*request));
+          auto calculating = application::run_on(
+              cell_.background(), [text = *csv, options = options_from(*request), figures_of] {
+                const auto dataset = formats::read_dataset_csv(text, "run");
+                using Answer = decltype(figures_of(*dataset, options));
+                if (!dataset) return Answer(tl::unexpected(dataset.error()));
+                return figures_of(*dataset, options);
+              });
+          const auto figures = co_await std::move(calculating);
           if (!figures) co_return tl::unexpected(figures.error());
           put(*figures, *response);
           co_return Result<void>{};

@@ -1,4 +1,5 @@
 #include "driftwise/v1/trajectory_service.grpc.pb.h"
+#include "server/application/signal.h"
 #include "server/core/trajectory_generator.h"
 #include "server/formats/trajectory_csv.h"
 #include "server/rpc/caller.h"
@@ -43,18 +44,10 @@ Result<GeneratorPlan> generator_plan_from(const v1::GenerateTrajectoryRequest& r
   return plan;
 }
 
-// Stores nothing and moves nothing, but what it makes must be fit for this cell.
-Result<std::string> generated_text(const v1::GenerateTrajectoryRequest& request,
-                                   const application::Cell& cell, std::int64_t& rows) {
-  const auto plan = generator_plan_from(request);
-  if (!plan) return tl::unexpected(plan.error());
-  const auto trajectory = generate_trajectory(*plan);
+Result<std::string> generated_text(const GeneratorPlan& plan) {
+  const auto trajectory = generate_trajectory(plan);
   if (!trajectory) return tl::unexpected(trajectory.error());
-  std::string text = formats::write_trajectory_csv(*trajectory);
-  if (const auto checked = cell.check_trajectory(text); !checked)
-    return tl::unexpected(checked.error());
-  rows = static_cast<std::int64_t>(trajectory->points.size());
-  return text;
+  return formats::write_trajectory_csv(*trajectory);
 }
 
 class TrajectoryService final : public v1::TrajectoryService::CallbackService {
@@ -64,11 +57,11 @@ class TrajectoryService final : public v1::TrajectoryService::CallbackService {
   Reactor* CreateTrajectory(Context* context, const v1::CreateTrajectoryRequest* request,
                             v1::CreateTrajectoryResponse* response) override {
     return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
-      if (auto good = check_size(request->name(), kMostNameBytes, "name"); !good) co_return good;
+      const auto name = line_from(request->name(), kMostNameBytes, "name");
+      if (!name) co_return tl::unexpected(name.error());
       if (auto good = check_size(request->text(), kMostTrajectoryBytes, "text"); !good)
         co_return good;
-      auto keeping =
-          cell_.watching().keep_trajectory(caller_of(*context), request->name(), request->text());
+      auto keeping = cell_.watching().keep_trajectory(caller_of(*context), *name, request->text());
       const auto kept = co_await std::move(keeping);
       if (!kept) co_return tl::unexpected(kept.error());
       *response->mutable_trajectory() = kept_trajectory_from(*kept);
@@ -99,12 +92,19 @@ class TrajectoryService final : public v1::TrajectoryService::CallbackService {
 
   Reactor* GenerateTrajectory(Context* context, const v1::GenerateTrajectoryRequest* request,
                               v1::GenerateTrajectoryResponse* response) override {
+    // Stores nothing and moves nothing, but what it makes must be fit for this cell.
     return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
-      std::int64_t rows = 0;
-      auto text = generated_text(*request, cell_, rows);
+      const auto plan = generator_plan_from(*request);
+      if (!plan) co_return tl::unexpected(plan.error());
+      auto generating =
+          application::run_on(cell_.background(), [plan = *plan] { return generated_text(plan); });
+      auto text = co_await std::move(generating);
       if (!text) co_return tl::unexpected(text.error());
+      auto checking = cell_.check_trajectory(*text);
+      const auto checked = co_await std::move(checking);
+      if (!checked) co_return tl::unexpected(checked.error());
       response->set_text(std::move(*text));
-      response->set_row_count(rows);
+      response->set_row_count(static_cast<std::int64_t>(checked->trajectory.points.size()));
       co_return Result<void>{};
     });
   }

@@ -4,17 +4,15 @@
 
 #include <iterator>
 
+#include "server/core/clean_text.h"
+
 namespace driftwise::web {
 namespace {
 
 std::string label(std::string_view text) {
   std::string out;
-  for (const char c : text) {
+  for (const char c : clean_line(text)) {
     if (c == '\\' || c == '"') out += '\\';
-    if (c == '\n') {
-      out += "\\n";
-      continue;
-    }
     out += c;
   }
   return out;
@@ -95,6 +93,12 @@ std::string metrics_text(const application::CellStatus& status) {
               1);
   text.family("driftwise_attention", "gauge", "Sentences that ask for a person.");
   text.sample("driftwise_attention", "", static_cast<double>(status.attention.size()));
+  text.family("driftwise_executor_longest_pause_seconds", "gauge",
+              "Longest time since the start in which the daemon answered nobody.");
+  text.sample("driftwise_executor_longest_pause_seconds", "", status.longest_pause_s);
+  text.family("driftwise_executor_recent_pause_seconds", "gauge",
+              "The same of the last minute; an alarm from 1 on.");
+  text.sample("driftwise_executor_recent_pause_seconds", "", status.recent_pause_s);
   devices(text, status);
   values(text, status);
   if (status.run) run(text, *status.run);

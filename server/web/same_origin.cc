@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <boost/asio/ip/address.hpp>
 #include <string>
+#include <utility>
 
+#include "server/core/clean_text.h"
 #include "server/web/security_headers.h"
 
 namespace driftwise::web {
@@ -23,10 +25,7 @@ bool is_port_or_nothing(std::string_view text) {
 }
 
 std::string shown(std::string_view text) {  // of a header: foreign bytes, for one line of text
-  std::string out(text.substr(0, 100));
-  for (char& c : out)
-    if (c < 0x20 || c == 0x7F) c = '?';
-  return "'" + out + "'";
+  return "'" + clean_line(text.substr(0, 100)) + "'";
 }
 
 }  // namespace
@@ -46,9 +45,12 @@ bool is_loopback_host(std::string_view host_header) {
 std::optional<HttpResponse> refuse_foreign(const HttpRequest& request) {
   const std::string_view host = request.header("host");
   if (host.empty()) return plain_answer(400, "the request has no Host header\n");
-  if (std::count_if(request.headers.begin(), request.headers.end(),
-                    [](const HttpHeader& header) { return header.name == "host"; }) > 1)
-    return plain_answer(400, "the request has several Host headers\n");
+  // Only one of several would be looked at here, and another one by whoever stands before us.
+  for (const auto& [name, title] : {std::pair{"host", "Host"}, std::pair{"origin", "Origin"},
+                                    std::pair{"sec-fetch-site", "Sec-Fetch-Site"}})
+    if (std::count_if(request.headers.begin(), request.headers.end(),
+                      [name = name](const HttpHeader& header) { return header.name == name; }) > 1)
+      return plain_answer(400, "the request has several " + std::string(title) + " headers\n");
   if (!is_loopback_host(host))
     return plain_answer(421, "Host: found " + shown(host) +
                                  ", expected localhost, 127.0.0.1 or [::1]; from another computer "

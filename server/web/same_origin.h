@@ -14,8 +14,9 @@ namespace driftwise::web {
 // another one, the name is not.
 bool is_loopback_host(std::string_view host_header);
 
-// Nothing: it may come in. Else 400 (no Host), 421 (a foreign name), or for a POST 403 (Origin of
-// another site, or Sec-Fetch-Site saying so). Programs that send no Origin are let in.
+// Nothing: it may come in. Else 400 (no Host; Host, Origin or Sec-Fetch-Site twice), 421 (a foreign
+// name), or for a POST 403 (Origin of another site, or Sec-Fetch-Site saying so). Programs that
+// send no Origin are let in.
 std::optional<HttpResponse> refuse_foreign(const HttpRequest& request);
 
 }  // namespace driftwise::web

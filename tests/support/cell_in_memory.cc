@@ -36,6 +36,7 @@ CellInMemory::CellInMemory(SmallWorld& world, CellDescription description, OpenS
   parts.open_store = std::move(open_store);
   parts.version = "test";
   parts.storage_thread = parts.query_thread = parts.worker_thread = io_.get_executor();
+  parts.text_thread = further.text_thread ? further.text_thread : io_.get_executor();
   parts.diagnosis_thread = further.diagnosis_thread ? further.diagnosis_thread : io_.get_executor();
   parts.diagnose = std::move(further.diagnose);
   auto cell = application::Cell::open(io_.get_executor(), std::move(parts));

@@ -33,6 +33,7 @@ class CellInMemory {
     CellTime begin = kWorldBegin;
     application::Diagnose diagnose = {};          // what stands in for the search for causes
     asio::any_io_executor diagnosis_thread = {};  // where it runs; empty: with everything else
+    asio::any_io_executor text_thread = {};       // where texts are read; empty: likewise
   };
   CellInMemory(SmallWorld& world, CellDescription description, OpenStore open_store,
                Further further);

@@ -145,10 +145,10 @@ Result<void> FakeCell::give_up_lease(const app::Caller&, const std::string& toke
   return {};
 }
 
-Result<app::TrajectoryCheck> FakeCell::check_trajectory(const std::string& text) const {
+Awaitable<Result<app::TrajectoryCheck>> FakeCell::check_trajectory(std::string text) {
   if (text.find("bad") != std::string::npos)
-    return fail(ErrorCode::invalid_argument, "BAD_NUMBER",
-                "line 3, column x_mm: found 'bad', expected a number");
+    co_return fail(ErrorCode::invalid_argument, "BAD_NUMBER",
+                   "line 3, column x_mm: found 'bad', expected a number");
   app::TrajectoryCheck check;
   check.trajectory.coordinates = {{"x", "mm"}};
   check.trajectory.points.resize(3);
@@ -158,7 +158,7 @@ Result<app::TrajectoryCheck> FakeCell::check_trajectory(const std::string& text)
   check.zeros = 1;
   check.estimated_s = 42.5;
   check.warnings = {"only one line"};
-  return check;
+  co_return check;
 }
 
 Awaitable<Result<RunRecord>> FakeCell::create_run(app::Caller caller, app::CreateRun request) {

@@ -99,6 +99,7 @@ class FakeCell final : public app::Cell, private app::Watching, private app::Stu
 
   // --- Cell ---
   asio::any_io_executor executor() const override;
+  asio::any_io_executor background() const override { return executor(); }
   CellTime now() const override { return the_time; }
   void start() override {}
   Awaitable<void> devices_looked_at() override { co_return; }
@@ -108,7 +109,7 @@ class FakeCell final : public app::Cell, private app::Watching, private app::Stu
   Result<app::Lease> take_lease(const app::Caller& caller, Nanoseconds duration,
                                 const std::string& token) override;
   Result<void> give_up_lease(const app::Caller& caller, const std::string& token) override;
-  Result<app::TrajectoryCheck> check_trajectory(const std::string& text) const override;
+  Awaitable<Result<app::TrajectoryCheck>> check_trajectory(std::string text) override;
   Awaitable<Result<RunRecord>> create_run(app::Caller caller, app::CreateRun request) override;
   Awaitable<Result<RunRecord>> pause_run(app::Caller caller, RunId run) override;
   Awaitable<Result<RunRecord>> resume_run(app::Caller caller, RunId run) override;

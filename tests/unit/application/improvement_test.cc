@@ -96,7 +96,7 @@ TEST_F(ImprovementTest, ProposesOnlyWhenNothingShallServe) {
 
 TEST_F(ImprovementTest, StopsWhenTheBudgetDoesNotHoldAnotherMeasurement) {
   application::ImproveRequest request;
-  request.budget_s = d.cell->check_trajectory(kLines)->estimated_s * 1.5;
+  request.budget_s = d.cell.await(d.cell->check_trajectory(kLines))->estimated_s * 1.5;
   const auto record = finished(begin(request)->id);
   EXPECT_EQ(record.state, JobState::done);
   EXPECT_THAT(record.reason, HasSubstr("budget"));

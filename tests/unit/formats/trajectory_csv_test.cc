@@ -66,7 +66,7 @@ INSTANTIATE_TEST_SUITE_P(
                     TrajectoryMistake{"ZeroElsewhere", "q1_mm,zero\n0.5,1\n", "ZERO_NOT_AT_ZERO",
                                       "plan.csv:2: column zero"},
                     TrajectoryMistake{"NegativeDwell", "q1_mm,dwell_s\n0,-1\n", "BAD_DWELL",
-                                      "found -1, expected 0 s or more"},
+                                      "found -1, expected 0 to 604800 s"},
                     TrajectoryMistake{"BadSet", "q1_mm,set\n0,test\n", "BAD_SET", "found 'test'"},
                     TrajectoryMistake{"Infinity", "q1_mm\ninf\n", "BAD_NUMBER", "found 'inf'"}),
     [](const auto& row) { return std::string(row.param.name); });

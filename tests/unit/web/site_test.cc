@@ -87,6 +87,9 @@ TEST_F(Site, RefusesForeignNamesAndForeignPages) {
   EXPECT_EQ(with_origin("Origin: null\r\n"), 403);
   EXPECT_EQ(with_origin("Origin: http://localhost:1\r\n"), 403);
   EXPECT_EQ(with_origin("Sec-Fetch-Site: cross-site\r\n"), 403);
+  const std::string ours = "Origin: http://" + address() + "\r\n";
+  EXPECT_EQ(with_origin(ours + "Origin: http://evil.example\r\n"), 400) << "the first is ours";
+  EXPECT_EQ(with_origin("Sec-Fetch-Site: none\r\nSec-Fetch-Site: cross-site\r\n"), 400);
   EXPECT_EQ(cell.on_executor([&] { return cell.calls.size(); }), 0U);
   EXPECT_EQ(with_origin("Origin: http://" + address() + "\r\n"), 200);
   EXPECT_EQ(with_origin(""), 200);

@@ -1,0 +1,39 @@
+#pragma once
+// Stops on record: the first of a burst at once, all that follow it as one event with their count.
+//
+// A burst is over when nobody has asked for a stop for kQuiet. While it lasts the count is told
+// every kTold. Stopping itself is not delayed or dropped: only the record is. Executor's thread.
+
+#include <set>
+#include <string>
+
+#include "server/application/event_log.h"
+
+namespace driftwise::application {
+
+class StopEvents {
+ public:
+  static constexpr std::chrono::seconds kQuiet{10}, kTold{60};  // cell time
+
+  StopEvents(asio::any_io_executor executor, Clock& clock, EventLog& events, TaskCount& tasks)
+      : executor_(executor), clock_(clock), events_(events), tasks_(tasks), ended_(executor) {}
+
+  void record(const Caller& caller);
+  void shut_down();  // what was counted is told
+
+ private:
+  Awaitable<void> wait_out();
+  void tell();
+
+  asio::any_io_executor executor_;
+  Clock& clock_;
+  EventLog& events_;
+  TaskCount& tasks_;
+  Signal ended_;
+  CellTime last_, told_;
+  std::int64_t further_ = 0, in_all_ = 0;
+  std::set<std::string> names_;  // of those who asked again, the first few
+  bool bursting_ = false, ending_ = false;
+};
+
+}  // namespace driftwise::application
