@@ -35,6 +35,20 @@ std::string joined(const google::protobuf::RepeatedPtrField<std::string>& names)
   return out;
 }
 
+std::string unreachable_text(const v1::Target& target) {
+  std::string out = "not reachable:";
+  const char* separator = " ";
+  for (const auto& one : target.coordinates()) {
+    if (!one.has_min_mm()) continue;
+    out += separator + one.channel() + " has soft limits " + significant(one.min_mm(), 6) + " .. " +
+           significant(one.max_mm(), 6);
+    separator = ", ";
+  }
+  return out;
+}
+
+bool reachable(const v1::Target& target) { return target.unreachable_channels().empty(); }
+
 void print_flags(const Console& console, const v1::Target& target) {
   const Paint paint = console.paint_out();
   for (const int flag : target.flags()) {
@@ -43,6 +57,12 @@ void print_flags(const Console& console, const v1::Target& target) {
     if (flag == v1::Target::FLAG_STALE_TEMPERATURE) line += ": " + joined(target.stale_channels());
     if (flag == v1::Target::FLAG_MISSING_TEMPERATURE)
       line += ": " + joined(target.missing_channels());
+    if (flag == v1::Target::FLAG_UNKNOWN_LIMITS)
+      line += ": " + joined(target.unlimited_channels()) +
+              " (the cell file has no such axis, so nothing says whether it can be reached)";
+    if (flag == v1::Target::FLAG_IGNORED_COORDINATE)
+      line += ": the model does not depend on " + joined(target.ignored_channels());
+    if (flag == v1::Target::FLAG_OUTSIDE_LIMITS) line = unreachable_text(target);
     console.out << paint.warn("! ") << line << '\n';
   }
 }
@@ -72,7 +92,8 @@ void print_target(const Console& console, const v1::ComputeTargetRequest& reques
     const auto* pose = beside(request, i);
     const std::string channel = coordinate.channel().substr(0, coordinate.channel().rfind('_'));
     table.add(
-        {channel, fixed(coordinate.position_mm(), 7),
+        {channel + (coordinate.has_min_mm() ? " (not reachable)" : ""),
+         fixed(coordinate.position_mm(), 7),
          pose != nullptr ? signed_fixed((coordinate.position_mm() - pose->value()) * 1e6, 1) : "-",
          fixed(coordinate.u_nm(), 1), fixed(coordinate.u90_nm(), 1),
          fixed(coordinate.expanded_nm(), 1)});
@@ -93,12 +114,13 @@ ExitCode ask_once(const Session& session, const v1::ComputeTargetRequest& reques
     session.console.print_json(json_from(target));
   else
     print_target(session.console, request, target);
-  return ExitCode::done;
+  return reachable(target) ? ExitCode::done : ExitCode::negative;
 }
 
 ExitCode follow(const Session& session, const v1::ComputeTargetRequest& asked, double every_s) {
   v1::WatchTargetsRequest request;
   *request.mutable_pose() = asked.pose();
+  request.set_show_unreachable(true);
   if (every_s > 0) {
     request.mutable_min_interval_duration()->set_seconds(static_cast<std::int64_t>(every_s));
     request.mutable_min_interval_duration()->set_nanos(static_cast<std::int32_t>(
@@ -115,7 +137,8 @@ ExitCode follow(const Session& session, const v1::ComputeTargetRequest& asked, d
         for (const auto& coordinate : target.coordinates())
           session.console.out << "  " << coordinate.channel() << " "
                               << fixed(coordinate.position_mm(), 7) << "  U90 "
-                              << fixed(coordinate.u90_nm(), 1) << " nm";
+                              << fixed(coordinate.u90_nm(), 1) << " nm"
+                              << (coordinate.has_min_mm() ? " not reachable" : "");
         for (const int flag : target.flags())
           session.console.out << "  "
                               << lower(v1::Target::Flag_Name(static_cast<v1::Target::Flag>(flag)),
@@ -142,6 +165,7 @@ void add_target_command(CLI::App& app, Session& session) {
       v1::ComputeTargetRequest request;
       *request.mutable_pose() = assignments_from(a->pose);
       request.set_with_budget(a->budget);
+      request.set_show_unreachable(true);
       return a->watch ? follow(session, request, a->every_s) : ask_once(session, request);
     };
   });

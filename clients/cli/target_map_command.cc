@@ -52,7 +52,8 @@ double place(const v1::MapAxis& axis, int index) {
   return axis.from() + (axis.to() - axis.from()) * index / (axis.count() - 1);
 }
 
-// Highest row first, as on a drawing; * where the pose lies outside the fitted domain.
+// Highest row first, as on a drawing; * where the pose lies outside the fitted domain, # where it
+// lies beyond the soft limits of an axis.
 void print_plane(const Console& console, const v1::MapTargetsResponse& map,
                  const v1::MapTargetsResponse::Plane& plane) {
   const auto& h = map.horizontal();
@@ -69,7 +70,9 @@ void print_plane(const Console& console, const v1::MapTargetsResponse& map,
     for (int column = 0; column < h.count(); ++column) {
       const int at = row * h.count() + column;
       cells.push_back((corrects ? signed_fixed(values[at], 1) : fixed(values[at], 6)) +
-                      (map.outside(at) ? "*" : ""));
+                      (map.unreachable(at) ? "#"
+                       : map.outside(at)   ? "*"
+                                           : ""));
     }
     table.add(cells);
   }
@@ -88,7 +91,7 @@ std::string map_csv(const v1::MapTargetsResponse& map) {
     const std::string symbol = plane.channel().substr(0, plane.channel().rfind('_'));
     text += "," + plane.channel() + "," + symbol + "_correction_nm," + symbol + "_u90_nm";
   }
-  text += ",outside\n";
+  text += ",outside,unreachable\n";
   for (int row = 0; row < v.count(); ++row)
     for (int column = 0; column < h.count(); ++column) {
       const int at = row * h.count() + column;
@@ -98,7 +101,8 @@ std::string map_csv(const v1::MapTargetsResponse& map) {
             "," + formats::number_text(plane.position_mm(at)) + "," +
             (plane.correction_nm().empty() ? "" : formats::number_text(plane.correction_nm(at))) +
             "," + formats::number_text(plane.u90_nm(at));
-      text += map.outside(at) ? ",1\n" : ",0\n";
+      text += map.outside(at) ? ",1" : ",0";
+      text += map.unreachable(at) ? ",1\n" : ",0\n";
     }
   return text;
 }
@@ -129,6 +133,8 @@ ExitCode map_targets(const Session& session, const MapArguments& a) {
                       << clock_text(map.conditions_time()) << " UTC\n";
   if (std::any_of(map.outside().begin(), map.outside().end(), [](bool out) { return out; }))
     session.console.out << "* outside the fitted domain\n";
+  if (std::any_of(map.unreachable().begin(), map.unreachable().end(), [](bool out) { return out; }))
+    session.console.out << "# not reachable: beyond the soft limits of an axis\n";
   return ExitCode::done;
 }
 

@@ -17,6 +17,14 @@ std::string with_names(std::string flag, const Names& names) {
   return joined.empty() ? flag : flag + "(" + joined + ")";
 }
 
+// "q3_mm" -> "q3", as the text line has it.
+template <class Names>
+std::vector<std::string> without_unit(const Names& names) {
+  std::vector<std::string> out;
+  for (const auto& name : names) out.push_back(name.substr(0, name.rfind('_')));
+  return out;
+}
+
 std::string flag_text(v1::Target::Flag flag, const v1::Target& target) {
   switch (flag) {
     case v1::Target::FLAG_OUTSIDE_DOMAIN:
@@ -25,6 +33,12 @@ std::string flag_text(v1::Target::Flag flag, const v1::Target& target) {
       return with_names("STALE_TEMPERATURE", target.stale_channels());
     case v1::Target::FLAG_MISSING_TEMPERATURE:
       return with_names("MISSING_TEMPERATURE", target.missing_channels());
+    case v1::Target::FLAG_OUTSIDE_LIMITS:
+      return with_names("OUTSIDE_LIMITS", without_unit(target.unreachable_channels()));
+    case v1::Target::FLAG_UNKNOWN_LIMITS:
+      return with_names("UNKNOWN_LIMITS", without_unit(target.unlimited_channels()));
+    case v1::Target::FLAG_IGNORED_COORDINATE:
+      return with_names("IGNORED_COORDINATE", target.ignored_channels());
     default: {
       constexpr std::string_view kPrefix = "FLAG_";
       const std::string name = v1::Target::Flag_Name(flag);

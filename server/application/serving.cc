@@ -163,6 +163,7 @@ Result<std::vector<double>> Serving::targets(const std::vector<Channel>& coordin
   compensation::TargetRequest request;
   request.now = now;
   request.with_uncertainty = false;
+  request.show_unreachable = true;  // whoever moves there checks the limits, and names the row
   for (std::size_t i = 0; i < coordinates.size(); ++i)
     if (const auto variable = compensation::variable_from(coordinates[i].symbol))
       request.set(*variable, point.target_mm[i]);

@@ -14,6 +14,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -88,6 +89,9 @@ struct Snapshot {
                        // or from the middle of their ranges; empty: nothing slow
     std::vector<double> variance_nm2;  // sum of the lines, packed; off-diagonal entries doubled
     std::vector<UncertaintyLine> lines;
+    // The axis' soft limits in force when the snapshot was built; infinite: see unlimited.
+    double min_mm = -std::numeric_limits<double>::infinity();
+    double max_mm = std::numeric_limits<double>::infinity();
   };
   std::vector<Output> outputs;  // empty: no model serves
 
@@ -102,9 +106,10 @@ struct Snapshot {
   std::vector<Input> inputs;
   // Of the slow inputs, worked out once: a bit per input.
   std::uint64_t outside = 0, stale = 0, missing = 0;
-  double slow_excess = 0;  // see extrapolation_factor in target.cc
+  std::uint32_t unlimited = 0;  // a bit per output without known soft limits
+  double slow_excess = 0;       // see extrapolation_factor in target.cc
   bool anchored = true;
-  bool refuse_stale = false, refuse_outside_domain = false;
+  bool refuse_stale = false, refuse_outside_domain = false, refuse_outside_limits = true;
 };
 
 }  // namespace driftwise::compensation

@@ -25,6 +25,16 @@ const Eigen::MatrixXd& uncertainty_of(const calibration::OutputModel& output) {
   return output.covariance_serial.size() > 0 ? output.covariance_serial : output.covariance;
 }
 
+// Soft limits of an axis; none: the cell file has no such axis, or no limits of it.
+std::optional<std::pair<double, double>> travel_of(const Channel& channel,
+                                                   const CellDescription& cell) {
+  for (const auto& device : cell.devices)
+    for (const auto& axis : device.axes)
+      if (axis.channel.symbol == channel.symbol && axis.min_mm < axis.max_mm)
+        return std::pair(axis.min_mm, axis.max_mm);
+  return std::nullopt;
+}
+
 }  // namespace
 
 Result<SnapshotBuilder> SnapshotBuilder::create(calibration::Model model, ModelId id,
@@ -44,6 +54,7 @@ Result<SnapshotBuilder> SnapshotBuilder::create(calibration::Model model, ModelI
       for (const auto& probe : device.probes)
         if (probe.channel == channel) made.slow_inputs_.back().u = probe.u_k;
   }
+  for (auto& output : made.outputs_) output.travel_mm = travel_of(output.channel, cell);
   for (std::size_t i = 0; i < made.outputs_.size(); ++i)
     made.add_uncertainty(made.model_.outputs[i], cell, made.outputs_[i]);
   if (made.outputs_.empty() || made.outputs_.size() > kMaxOutputs ||
@@ -168,7 +179,16 @@ Snapshot SnapshotBuilder::build(CellTime now) const {
   snapshot.refuse_stale = rules_.refuse_stale;
   snapshot.refuse_outside_domain = rules_.refuse_outside_domain;
   const Conditions conditions = look_at_inputs(now, snapshot);
-  for (std::size_t i = 0; i < outputs_.size(); ++i) snapshot.outputs.push_back(fold(i, conditions));
+  snapshot.refuse_outside_limits = rules_.refuse_outside_limits;
+  for (std::size_t i = 0; i < outputs_.size(); ++i) {
+    snapshot.outputs.push_back(fold(i, conditions));
+    if (!outputs_[i].travel_mm) {
+      snapshot.unlimited |= 1u << i;
+      continue;
+    }
+    snapshot.outputs.back().min_mm = outputs_[i].travel_mm->first;
+    snapshot.outputs.back().max_mm = outputs_[i].travel_mm->second;
+  }
   return snapshot;
 }
 

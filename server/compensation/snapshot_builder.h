@@ -5,7 +5,9 @@
 // first). Only this observed stream advances effects with memory; asking for a snapshot or a target
 // never does. One thread.
 
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "server/calibration/model.h"
@@ -71,6 +73,7 @@ class SnapshotBuilder {
                                             // error, empty: not known
     double unfollowed_nm = 0;               // of the residual, beyond the instruments' own noise
     double u_scale_nm = 0;
+    std::optional<std::pair<double, double>> travel_mm;  // soft limits; none: not known
   };
   struct SlowInput {
     double min = 0, max = 0, u = 0;

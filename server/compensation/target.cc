@@ -1,7 +1,9 @@
 #include "server/compensation/target.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "server/compensation/basis_values.h"
@@ -100,6 +102,60 @@ void set_flags(const Snapshot& snapshot, const TargetRequest& request, Target& t
   if (target.missing) target.flags |= kMissingTemperature;
   if (!snapshot.anchored) target.flags |= kUnanchoredDatum;
   if (request.now > snapshot.valid_until) target.flags |= kExpiredConditions;
+  target.unlimited = snapshot.unlimited;
+  if (target.unlimited) target.flags |= kUnknownLimits;
+  target.ignored = request.given & ~snapshot.needed;
+  if (target.ignored) target.flags |= kIgnoredCoordinate;
+}
+
+// Soft limits are compared with the coordinate as computed. It is never clamped.
+Target held_to_limits(const Snapshot& snapshot, const TargetRequest& request, Target target) {
+  for (std::size_t i = target.outputs; i-- > 0;) {
+    const auto& output = snapshot.outputs[i];
+    if (target.q_mm[i] >= output.min_mm && target.q_mm[i] <= output.max_mm) continue;
+    target.unreachable |= 1u << i;
+    target.unreachable_mm = target.q_mm[i];
+  }
+  if (target.unreachable == 0) return target;
+  target.flags |= kOutsideLimits;
+  if (snapshot.refuse_outside_limits && !request.show_unreachable)
+    return refused(target, Refusal::outside_limits);
+  return target;
+}
+
+// "q1+q3": one word, so that it can stand in a reason.
+std::string axis_names(const Snapshot& snapshot, std::uint32_t bits) {
+  std::string out;
+  for (std::size_t i = 0; i < snapshot.outputs.size(); ++i)
+    if (bits >> i & 1) out += (out.empty() ? "" : "+") + snapshot.outputs[i].channel.symbol;
+  return out;
+}
+
+std::string variable_names(std::uint32_t bits) {
+  std::string out;
+  for (std::size_t i = 0; i < kVariables; ++i)
+    if (bits >> i & 1)
+      out += (out.empty() ? "" : " ") + channel_of(static_cast<Variable>(i)).name();
+  return out;
+}
+
+std::string digits_of(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.7g", value);
+  return text;
+}
+
+Error beyond_limits(const Snapshot& snapshot, const Target& target) {
+  const auto first = static_cast<std::size_t>(std::countr_zero(target.unreachable));
+  const std::string axes = axis_names(snapshot, target.unreachable);
+  if (first >= snapshot.outputs.size())
+    return {ErrorCode::out_of_range, "OUTSIDE_LIMITS", "beyond the soft limits"};
+  const auto& output = snapshot.outputs[first];
+  return {ErrorCode::out_of_range, "OUTSIDE_LIMITS(" + axes + ")",
+          output.channel.name() + " = " + digits_of(target.unreachable_mm) +
+              " lies beyond its soft limits " + digits_of(output.min_mm) + " .. " +
+              digits_of(output.max_mm) +
+              " mm: the pose cannot be reached; ask for one within the travel"};
 }
 
 std::string names(const Snapshot& snapshot, std::uint64_t bits) {
@@ -141,7 +197,7 @@ Target compute_target(const Snapshot& snapshot, const TargetRequest& request) no
         (request.with_uncertainty && !std::isfinite(target.u_nm[i])))
       return refused(target, Refusal::outside_domain);
   }
-  return target;
+  return held_to_limits(snapshot, request, target);
 }
 
 Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request,
@@ -173,15 +229,24 @@ Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request,
 
 std::string describe_flags(const Snapshot& snapshot, const Target& target) {
   std::string out;
-  const auto add = [&](const char* name, std::uint64_t bits) {
+  const auto add_named = [&](const char* name, const std::string& whom) {
     out += (out.empty() ? "" : ",") + std::string(name);
-    if (bits) out += "(" + names(snapshot, bits) + ")";
+    if (!whom.empty()) out += "(" + whom + ")";
+  };
+  const auto add = [&](const char* name, std::uint64_t bits) {
+    add_named(name, names(snapshot, bits));
   };
   if (target.flags & kOutsideDomain) add("OUTSIDE_DOMAIN", target.outside);
   if (target.flags & kStaleTemperature) add("STALE_TEMPERATURE", target.stale);
   if (target.flags & kMissingTemperature) add("MISSING_TEMPERATURE", target.missing);
   if (target.flags & kExpiredConditions) add("EXPIRED_CONDITIONS", 0);
   if (target.flags & kUnanchoredDatum) add("UNANCHORED_DATUM", 0);
+  if (target.flags & kOutsideLimits)
+    add_named("OUTSIDE_LIMITS", axis_names(snapshot, target.unreachable));
+  if (target.flags & kUnknownLimits)
+    add_named("UNKNOWN_LIMITS", axis_names(snapshot, target.unlimited));
+  if (target.flags & kIgnoredCoordinate)
+    add_named("IGNORED_COORDINATE", variable_names(target.ignored));
   return out;
 }
 
@@ -216,6 +281,8 @@ Error refusal_error(const Snapshot& snapshot, const Target& target) {
                        : who + " too old or never read") +
               ", and this cell refuses such targets ([serving] refuse_stale): look at the scanner"};
     }
+    case Refusal::outside_limits:
+      return beyond_limits(snapshot, target);
   }
   return {ErrorCode::internal, "NOT_REFUSED",
           "asked for the refusal of a target that was not refused"};

@@ -20,7 +20,8 @@ struct TargetRequest {
   std::array<double, kVariables> value{};  // by Variable: mm, arcsec, N
   std::uint32_t given = 0;                 // bit per Variable: which of them the caller stated
   bool with_uncertainty = true;
-  CellTime now;  // utc_ns 0: the snapshot's age is not looked at
+  bool show_unreachable = false;  // numbers beyond the soft limits too, flagged: for people
+  CellTime now;                   // utc_ns 0: the snapshot's age is not looked at
 
   void set(Variable variable, double v) {
     value[static_cast<std::size_t>(variable)] = v;
@@ -38,6 +39,9 @@ enum TargetFlag : std::uint32_t {
       1u << 3,  // nobody rebuilt the snapshot in time: request.now is past valid_until
   kUnanchoredDatum =
       1u << 4,  // the present datum is not known: the constant is that of the model's own datum
+  kOutsideLimits = 1u << 5,      // beyond the axes' soft limits: see unreachable
+  kUnknownLimits = 1u << 6,      // the cell knows no soft limits of an axis: see unlimited
+  kIgnoredCoordinate = 1u << 7,  // the model does not depend on a stated coordinate: see ignored
 };
 
 enum class Refusal : std::uint8_t {
@@ -48,6 +52,7 @@ enum class Refusal : std::uint8_t {
   not_finite,          // the request holds NaN or an infinity: see missing
   outside_domain,      // [serving] refuse_outside_domain; or so far out that no number comes
   stale,               // [serving] refuse_stale: stale, missing or expired
+  outside_limits,      // [serving] refuse_outside_limits: see unreachable
 };
 
 struct Target {
@@ -56,6 +61,9 @@ struct Target {
   std::array<double, kMaxOutputs> u_nm{};  // standard uncertainty; NaN when it was not asked for
   std::uint32_t flags = 0;                 // TargetFlag
   std::uint64_t outside = 0, stale = 0, missing = 0;  // a bit per entry of Snapshot::inputs
+  std::uint32_t unreachable = 0, unlimited = 0;  // a bit per output: beyond its limits; none known
+  std::uint32_t ignored = 0;                     // a bit per Variable
+  double unreachable_mm = 0;                     // of the lowest output in unreachable
   Refusal refusal = Refusal::none;  // with one, q_mm is NaN: there is nothing to move to
   CellTime valid_until;
 
@@ -83,7 +91,7 @@ Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request,
 std::string describe_flags(const Snapshot& snapshot, const Target& target);
 
 // The refusal as the error a client sees: NO_MODEL, MISSING_COORDINATE, NOT_FINITE, OUTSIDE_DOMAIN,
-// STALE.
+// STALE, OUTSIDE_LIMITS(q3) with the motor coordinates that lie beyond, joined by '+'.
 Error refusal_error(const Snapshot& snapshot, const Target& target);
 
 }  // namespace driftwise::compensation

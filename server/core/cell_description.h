@@ -123,7 +123,8 @@ struct ServingRules {  // [serving]
   double rebuild_period_s = 5.0;
   bool refuse_stale = false;
   bool refuse_outside_domain = false;
-  double max_age_s = 60.0;  // older than this a temperature is stale
+  bool refuse_outside_limits = true;  // beyond the axes' soft limits
+  double max_age_s = 60.0;            // older than this a temperature is stale
 };
 
 struct CellDescription {

@@ -86,6 +86,7 @@ void read_serving(TomlReader&& serving, ServingRules& out) {
   serving.number("rebuild_period_s", out.rebuild_period_s, {.min = 0.1, .max = 3600});
   serving.truth("refuse_stale", out.refuse_stale);
   serving.truth("refuse_outside_domain", out.refuse_outside_domain);
+  serving.truth("refuse_outside_limits", out.refuse_outside_limits);
   serving.number("max_age_s", out.max_age_s, {.min = 0, .above_min = true});
   serving.finish();
 }

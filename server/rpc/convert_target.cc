@@ -65,6 +65,17 @@ void add_flags(const compensation::Snapshot& snapshot, const compensation::Targe
   add(compensation::kMissingTemperature, v1::Target::FLAG_MISSING_TEMPERATURE);
   add(compensation::kExpiredConditions, v1::Target::FLAG_EXPIRED_CONDITIONS);
   add(compensation::kUnanchoredDatum, v1::Target::FLAG_UNANCHORED_DATUM);
+  add(compensation::kOutsideLimits, v1::Target::FLAG_OUTSIDE_LIMITS);
+  add(compensation::kUnknownLimits, v1::Target::FLAG_UNKNOWN_LIMITS);
+  add(compensation::kIgnoredCoordinate, v1::Target::FLAG_IGNORED_COORDINATE);
+  for (std::size_t i = 0; i < target.outputs; ++i) {
+    const auto name = snapshot.outputs[i].channel.name();
+    if ((target.unreachable >> i & 1) != 0) out.add_unreachable_channels(name);
+    if ((target.unlimited >> i & 1) != 0) out.add_unlimited_channels(name);
+  }
+  for (std::size_t i = 0; i < compensation::kVariables; ++i)
+    if ((target.ignored >> i & 1) != 0)
+      out.add_ignored_channels(compensation::channel_of(static_cast<Variable>(i)).name());
   for (std::size_t i = 0; i < snapshot.inputs.size(); ++i) {
     const std::uint64_t mine = std::uint64_t{1} << i;
     if ((target.outside & mine) != 0) out.add_outside_channels(snapshot.inputs[i].channel.name());
@@ -123,6 +134,10 @@ Result<void> answer_target(const compensation::Snapshot& snapshot,
     coordinate.set_u_nm(target.u_nm[i]);
     coordinate.set_u90_nm(target.u90_nm(i));
     coordinate.set_expanded_nm(target.expanded_nm(i));
+    if ((target.unreachable >> i & 1) != 0) {
+      coordinate.set_min_mm(snapshot.outputs[i].min_mm);
+      coordinate.set_max_mm(snapshot.outputs[i].max_mm);
+    }
     const auto parts = compensation::correction_parts(snapshot, request, i);
     if (parts) coordinate.set_correction_nm(parts->sum_nm());
     if (!with_budget) continue;

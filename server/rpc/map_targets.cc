@@ -78,6 +78,7 @@ Result<void> add_pose(const compensation::Snapshot& snapshot,
   for (std::size_t i = 0; i < snapshot.inputs.size(); ++i)
     if (snapshot.inputs[i].variable) fast |= std::uint64_t{1} << i;
   response.add_outside((target.outside & fast) != 0);
+  response.add_unreachable(target.unreachable != 0);
   for (std::size_t i = 0; i < target.outputs; ++i) {
     auto& plane = *response.mutable_planes(static_cast<int>(i));
     plane.add_position_mm(target.q_mm[i]);
@@ -114,8 +115,9 @@ Result<void> map_targets(const compensation::Snapshot& snapshot,
     for (int column = 0; column < horizontal->count(); ++column) {
       pose[pose.size() - 2].set_value(position(*horizontal, column));
       pose[pose.size() - 1].set_value(position(*vertical, row));
-      const auto asked = pose_from(pose, now);
+      auto asked = pose_from(pose, now);
       if (!asked) return tl::unexpected(asked.error());
+      asked->show_unreachable = true;  // marked: a picture has no gaps
       if (auto added = add_pose(snapshot, *asked, response); !added) return added;
     }
   add_domain(snapshot, response);

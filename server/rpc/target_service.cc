@@ -47,8 +47,9 @@ class TargetService final : public v1::TargetService::CallbackService {
 
   grpc::ServerWriteReactor<v1::WatchTargetsResponse>* WatchTargets(
       grpc::CallbackServerContext*, const v1::WatchTargetsRequest* request) override {
-    const auto pose = pose_from(request->pose(), CellTime{});
+    auto pose = pose_from(request->pose(), CellTime{});
     if (!pose) return refuse_stream<v1::WatchTargetsResponse>(pose.error());
+    pose->show_unreachable = request->show_unreachable();
     const auto interval =
         nanoseconds_from(request->min_interval_duration(), "min_interval_duration");
     if (!interval) return refuse_stream<v1::WatchTargetsResponse>(interval.error());
@@ -59,8 +60,9 @@ class TargetService final : public v1::TargetService::CallbackService {
  private:
   Result<void> compute(const v1::ComputeTargetRequest& request,
                        v1::ComputeTargetResponse& response) const {
-    const auto pose = pose_from(request.pose(), cell_.now());
+    auto pose = pose_from(request.pose(), cell_.now());
     if (!pose) return tl::unexpected(pose.error());
+    pose->show_unreachable = request.show_unreachable();
     static const compensation::Snapshot nothing;  // its refusal says that no model serves
     const auto snapshot = cell_.snapshots().read();
     return answer_target(snapshot ? *snapshot : nothing, *pose, request.with_budget(),

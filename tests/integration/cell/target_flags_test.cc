@@ -46,12 +46,42 @@ TEST(TargetFlags, SayThatThePoseLiesOutsideTheDomain) {
   cell.start_daemon();
   serve_known_model(cell);
   wait_for_temperatures(cell);
-  const auto inside = cell.ask({"target", "x=3.9"}), outside = cell.ask({"target", "x=4.5"});
+  const auto inside = cell.ask({"target", "x=3.9"}), outside = cell.ask({"target", "x=4.4"});
   EXPECT_THAT(inside.at("flags").dump(), testing::Not(HasSubstr("outside_domain")));
   EXPECT_THAT(outside.at("flags"), Contains("outside_domain"));
   EXPECT_THAT(outside.at("outside_channels"), Contains("x_mm"));
   EXPECT_GT(outside.at("coordinates").at(0).at("u_nm").get<double>(),
             inside.at("coordinates").at(0).at("u_nm").get<double>());
+}
+
+TEST(TargetFlags, RefuseWhatTheAxisCannotReachAndShowItToPeople) {
+  CellAtWork cell;  // its axis travels from -4.5 to 4.5 mm
+  cell.start_daemon();
+  serve_known_model(cell);
+  wait_for_temperatures(cell);
+  EXPECT_THAT(ask_line(cell.target_line_address(), "TARGET x_mm=-801"),
+              StartsWith("ERR OUTSIDE_LIMITS(q1) q1_mm = -80"));
+  EXPECT_THAT(ask_line(cell.target_line_address(), "TARGET x_mm=1 rx_arcsec=2"),
+              HasSubstr("IGNORED_COORDINATE(rx_arcsec)"));
+  const auto shown = cell.cli({"target", "x=-801", "--json"});
+  EXPECT_EQ(shown.code, 1) << "the answer is that it cannot be reached";
+  const auto target = nlohmann::json::parse(shown.out);
+  EXPECT_THAT(target.at("flags"), Contains("outside_limits"));
+  EXPECT_THAT(target.at("unreachable_channels"), Contains("q1_mm"));
+  EXPECT_LT(target.at("coordinates").at(0).at("position_mm").get<double>(), -800);
+  EXPECT_THAT(cell.cli({"target", "x=-801"}).out, HasSubstr("not reachable"));
+}
+
+TEST(TargetFlags, OnlyNameTheLimitsWhereTheCellFileSaysSo) {
+  CellAtWork cell;
+  cell.edit_cell_file("refuse_outside_domain = false",
+                      "refuse_outside_domain = false\nrefuse_outside_limits = false");
+  cell.start_daemon();
+  serve_known_model(cell);
+  wait_for_temperatures(cell);
+  const auto answer = ask_line(cell.target_line_address(), "TARGET x_mm=-801");
+  EXPECT_THAT(answer, StartsWith("OK q1_mm=-80"));
+  EXPECT_THAT(answer, HasSubstr("OUTSIDE_LIMITS(q1)"));
 }
 
 TEST(TargetFlags, BecomeRefusalsWhereTheCellSaysSo) {

@@ -35,8 +35,11 @@ inline CellDescription axis_cell() {
   CellDescription cell;
   DeviceDescription axis;
   axis.id = "axis";
-  axis.axes = {
-      {.channel = {"q1", "mm"}, .device_axis = "X", .min_mm = -5, .max_mm = 5, .u_scale_nm = 3}};
+  axis.axes = {{.channel = {"q1", "mm"},
+                .device_axis = "X",
+                .min_mm = -250,
+                .max_mm = 250,
+                .u_scale_nm = 3}};
   DeviceDescription scanner;
   scanner.id = "scanner";
   scanner.probes.emplace_back();

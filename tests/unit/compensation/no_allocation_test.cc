@@ -33,11 +33,19 @@ TEST(ComputeTarget, AllocatesNothing) {
   TargetRequest request;
   request.set(Variable::x,
               9);  // outside the domain, missing temperature, no datum: every flag is set
+  request.set(Variable::rx, 1);     // a coordinate that the model does not know
+  request.show_unreachable = true;  // beyond the soft limits
+  ASSERT_TRUE(compute_target(*board.read(), request).flags & kIgnoredCoordinate);
+  TargetRequest refused = request;
+  refused.show_unreachable = false;
+  refused.set(Variable::x, 90);
+  ASSERT_EQ(compute_target(*board.read(), refused).refusal, Refusal::outside_limits);
   double sum = 0;
   const long before = allocations;
   for (int i = 0; i < 100; ++i) {
     const auto read = board.read();
     sum += compute_target(*read, request).u_nm[0] + compute_budget(*read, request, 0).u_nm;
+    sum += static_cast<double>(compute_target(*read, refused).unreachable);
   }
   EXPECT_EQ(allocations - before, 0);
   EXPECT_GT(sum, 0);

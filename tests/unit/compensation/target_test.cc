@@ -185,6 +185,7 @@ TEST_F(ServedAxis, RefusesAPoseSoFarOutThatTheModelGivesNoNumber) {
   far.set(Variable::x, 1e120);
   EXPECT_EQ(compute_target(builder->build(kNow), far).refusal, Refusal::outside_domain);
   far.with_uncertainty = false;
+  far.show_unreachable = true;
   EXPECT_EQ(compute_target(builder->build(kNow), far).refusal, Refusal::none);
 }
 
@@ -193,6 +194,80 @@ TEST(ComputeTarget, RefusesWithoutAModel) {
   const auto target = compute_target(nothing, {});
   EXPECT_EQ(target.refusal, Refusal::no_model);
   EXPECT_EQ(refusal_error(nothing, target).reason, "NO_MODEL");
+}
+
+class LimitedAxis : public ServedAxis {
+ protected:
+  // q1(x) = 1 + 2 x + 0.5 x^2 + ... : 3.5 at x = 1, 7 at x = 2.
+  void SetUp() override {
+    cell.devices[0].axes[0].min_mm = -0.2;
+    cell.devices[0].axes[0].max_mm = 5;
+  }
+  Target asked(double x_mm, bool show_unreachable) {
+    TargetRequest request;
+    request.set(Variable::x, x_mm);
+    request.show_unreachable = show_unreachable;
+    return compute_target(builder->build(kNow), request);
+  }
+  CellDescription cell = axis_cell();
+};
+
+TEST_F(LimitedAxis, RefusesACoordinateBeyondTheSoftLimits) {
+  serve(axis_model(), cell);
+  read_t07(21);
+  EXPECT_EQ(asked(1, false).refusal, Refusal::none);
+  const auto beyond = asked(2, false);
+  EXPECT_EQ(beyond.refusal, Refusal::outside_limits);
+  EXPECT_TRUE(std::isnan(beyond.q_mm[0])) << "never clamped";
+  EXPECT_TRUE(std::isnan(beyond.u_nm[0]));
+  const auto error = refusal_error(builder->build(kNow), beyond);
+  EXPECT_EQ(error.code, ErrorCode::out_of_range);
+  EXPECT_EQ(error.reason, "OUTSIDE_LIMITS(q1)");
+  EXPECT_EQ(error.message,
+            "q1_mm = 7.0294 lies beyond its soft limits -0.2 .. 5 mm: the pose cannot be reached; "
+            "ask for one within the travel");
+}
+
+TEST_F(LimitedAxis, ShowsTheNumbersToWhoAsksForThem) {
+  serve(axis_model(), cell);
+  read_t07(21);
+  const auto shown = asked(2, true);
+  EXPECT_EQ(shown.refusal, Refusal::none);
+  EXPECT_NEAR(shown.q_mm[0], 7.0294, 1e-12) << "as computed, not clamped";
+  EXPECT_EQ(describe_flags(builder->build(kNow), shown), "OUTSIDE_LIMITS(q1)");
+  EXPECT_EQ(asked(1, true).flags, 0u);
+}
+
+TEST_F(LimitedAxis, OnlyFlagsWhereTheCellFileSaysSo) {
+  cell.serving.refuse_outside_limits = false;
+  serve(axis_model(), cell);
+  read_t07(21);
+  const auto flagged = asked(2, false);
+  EXPECT_EQ(flagged.refusal, Refusal::none);
+  EXPECT_EQ(flagged.flags, static_cast<std::uint32_t>(kOutsideLimits));
+}
+
+TEST_F(LimitedAxis, SaysThatNoLimitsAreKnown) {
+  cell.devices[0].axes.clear();
+  serve(axis_model(), cell);
+  read_t07(21);
+  const auto target = asked(2, false);
+  EXPECT_EQ(target.refusal, Refusal::none);
+  EXPECT_EQ(describe_flags(builder->build(kNow), target), "UNKNOWN_LIMITS(q1)");
+}
+
+TEST_F(ServedAxis, NamesTheCoordinatesThatTheModelDoesNotKnow) {
+  serve(axis_model(), axis_cell());
+  read_t07(21);
+  TargetRequest request;
+  request.set(Variable::x, 1);
+  request.set(Variable::rx, 2);
+  request.set(Variable::force, 0);
+  const auto snapshot = builder->build(kNow);
+  const auto target = compute_target(snapshot, request);
+  EXPECT_EQ(target.refusal, Refusal::none);
+  EXPECT_EQ(describe_flags(snapshot, target), "IGNORED_COORDINATE(rx_arcsec force_N)");
+  EXPECT_EQ(target.q_mm[0], at_x(1).q_mm[0]);
 }
 
 TEST_F(ServedAxis, IsValidUntilTheNextRebuildOrAThermometerGrowsStale) {

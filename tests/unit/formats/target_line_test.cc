@@ -93,6 +93,18 @@ TEST_F(TargetAnswer, NamesTheChannelOfAFlag) {
   EXPECT_TRUE(answer("TARGET x_mm=9").ends_with("flags=OUTSIDE_DOMAIN(x_mm)\n"));
 }
 
+TEST_F(TargetAnswer, RefusesWhatCannotBeReachedInOneWord) {
+  EXPECT_EQ(
+      answer("TARGET x_mm=-30"),
+      "ERR OUTSIDE_LIMITS(q1) q1_mm = 390.895 lies beyond its soft limits -250 .. 250 mm: the "
+      "pose cannot be reached; ask for one within the travel\n");
+}
+
+TEST_F(TargetAnswer, NamesWhatTheModelDoesNotKnow) {
+  EXPECT_TRUE(answer("TARGET x_mm=1 rx_arcsec=0 force_N=2")
+                  .ends_with("flags=IGNORED_COORDINATE(rx_arcsec+force_N)\n"));
+}
+
 TEST_F(TargetAnswer, SaysWhatIsMissingInOneLine) {
   EXPECT_EQ(answer("TARGET y_mm=1"),
             "ERR MISSING_COORDINATE the request lacks x_mm, which the model needs: state it, 0 "

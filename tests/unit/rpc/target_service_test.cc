@@ -117,6 +117,36 @@ TEST_F(TargetServiceTest, MapsTheCorrectionOverAPlane) {
               FailsWith(ErrorCode::invalid_argument, "DUPLICATE_CHANNEL"));
 }
 
+TEST_F(TargetServiceTest, RefusesAPoseBeyondTheTravelAndShowsItToPeopleWithAMark) {
+  serve(0, [](Snapshot& snapshot) {
+    snapshot.outputs[0].min_mm = -0.2;
+    snapshot.outputs[0].max_mm = 2.8;
+  });
+  auto request = at("x_mm", -801);
+  EXPECT_THAT(ask(&TargetStub::ComputeTarget, request),
+              FailsWith(ErrorCode::out_of_range, "OUTSIDE_LIMITS(q1)"));
+  request.set_show_unreachable(true);
+  const auto answer = ask(&TargetStub::ComputeTarget, request);
+  ASSERT_TRUE(answer) << answer.error().message;
+  const auto& target = answer->target();
+  EXPECT_DOUBLE_EQ(target.coordinates(0).position_mm(), -801);
+  EXPECT_DOUBLE_EQ(target.coordinates(0).min_mm(), -0.2);
+  EXPECT_DOUBLE_EQ(target.coordinates(0).max_mm(), 2.8);
+  EXPECT_THAT(target.flags(), testing::Contains(v1::Target::FLAG_OUTSIDE_LIMITS));
+  EXPECT_THAT(target.unreachable_channels(), testing::ElementsAre("q1_mm"));
+}
+
+TEST_F(TargetServiceTest, NamesIgnoredCoordinatesAndUnknownLimits) {
+  serve(0, [](Snapshot& snapshot) { snapshot.unlimited = 1; });
+  auto request = at("x_mm", 1);
+  request.add_pose()->set_channel("rx_arcsec");
+  request.mutable_pose(1)->set_value(3);
+  const auto answer = ask(&TargetStub::ComputeTarget, request);
+  ASSERT_TRUE(answer) << answer.error().message;
+  EXPECT_THAT(answer->target().ignored_channels(), testing::ElementsAre("rx_arcsec"));
+  EXPECT_THAT(answer->target().unlimited_channels(), testing::ElementsAre("q1_mm"));
+}
+
 TEST_F(TargetServiceTest, FlagsAPoseOutsideTheDomainByName) {
   serve(0);
   const auto answer = ask(&TargetStub::ComputeTarget, at("x_mm", 4.2));

@@ -118,7 +118,8 @@ export function fakeDaemon(wishes: FakeWishes = {}): Transport {
       getImprovement: () => ({ improvement: improvement() }),
     });
     service(TargetService, {
-      computeTarget: ({ pose }) => {
+      computeTarget: ({ pose, showUnreachable }) => {
+        if (Math.abs(pose[0]?.value ?? 0) > 2 && !showUnreachable) throw new ConnectError('q1_mm lies beyond its soft limits', Code.OutOfRange);
         if (wishes.noModel) throw new ConnectError('no model serves', Code.FailedPrecondition);
         return { target: target(pose[0]?.value) };
       },
@@ -130,7 +131,7 @@ export function fakeDaemon(wishes: FakeWishes = {}): Transport {
         const place = (axis: typeof horizontal, i: number) => axis!.from! + ((axis!.to! - axis!.from!) * i) / (axis!.count - 1);
         const cells = Array.from({ length: horizontal!.count * vertical!.count }, (_, i) => [place(horizontal, i % horizontal!.count), place(vertical, Math.floor(i / horizontal!.count))]);
         return create(MapTargetsResponseSchema, {
-          horizontal, vertical, modelId: 12n, outside: cells.map(([x, y]) => Math.abs(x) > 1.1 || Math.abs(y) > 1.1),
+          horizontal, vertical, modelId: 12n, outside: cells.map(([x, y]) => Math.abs(x) > 1.1 || Math.abs(y) > 1.1), unreachable: cells.map(([x]) => Math.abs(x) > 2),
           planes: outputs.map((q, k) => ({ channel: `${q}_mm`, correctionNm: cells.map(([x, y]) => 300 * x * y + 90 * x - 120 * k * y * y), u90Nm: cells.map(([x, y]) => 40 + 15 * (x * x + y * y)), positionMm: [] })),
         });
       },

@@ -1,7 +1,7 @@
 // Models and targets of the make-believe daemon, fitted to nothing: messages of the right shape with figures of the right size.
 import { create } from '@bufbuild/protobuf';
 import { ModelSchema } from '@/api/gen/driftwise/v1/model_service_pb';
-import { BudgetLine_Source, CorrectionPart_Source, TargetSchema } from '@/api/gen/driftwise/v1/target_service_pb';
+import { BudgetLine_Source, CorrectionPart_Source, TargetSchema, Target_Flag } from '@/api/gen/driftwise/v1/target_service_pb';
 import { timestampOf } from '@/format/time';
 import { at, startMs } from './cell';
 
@@ -31,10 +31,13 @@ export function model(id: number) {
 }
 
 export function target(x = 0.2) {
+  const beyond = Math.abs(x) > 2; // the make-believe axes travel from -2 to 2 mm
   return create(TargetSchema, {
+    flags: beyond ? [Target_Flag.OUTSIDE_LIMITS] : [], unreachableChannels: beyond ? outputs.map((q) => `${q}_mm`) : [],
     modelId: 12n, conditionsTime: timestampOf(startMs + Date.now() % 3_600_000), validUntilTime: at(510),
     coordinates: outputs.map((q, k) => ({
       channel: `${q}_mm`, positionMm: x - 12.69e-6 * (k + 1), uNm: 26, u90Nm: 43, correctionNm: -12.69 * (k + 1) + Math.sin(Date.now() / 9000 + k),
+      ...(beyond ? { minMm: -2, maxMm: 2 } : {}),
       parts: [{ source: CorrectionPart_Source.GEOMETRY, nm: -220.4 + 40 * k }, { source: CorrectionPart_Source.FORCE, nm: 160.2 - 20 * k }, { source: CorrectionPart_Source.TEMPERATURES, nm: 47.5 }],
       budget: [[BudgetLine_Source.FIT, 4], [BudgetLine_Source.RESIDUAL, 21], [BudgetLine_Source.TEMPERATURES, 12], [BudgetLine_Source.LASER, 8], [BudgetLine_Source.SCALE, 2.1]].map(([source, uNm]) => ({ source, uNm })),
     })),

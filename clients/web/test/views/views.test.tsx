@@ -97,6 +97,12 @@ describe('targets', () => {
     expect(screen.getByText('inside the fitted domain, conditions fresh')).toBeTruthy();
     expect(within(screen.getByRole('region', { name: 'Parts of the correction' })).getByText('−220.4')).toBeTruthy();
   });
+  it('shows the numbers of a pose beyond the travel, marked, and offers no move there', async () => {
+    show('/targets?x=801', Targets);
+    expect(await screen.findByText(/not reachable: beyond the soft limits \(q1, q2, q3\)/)).toBeTruthy();
+    expect(screen.getAllByText(/not reachable: limits/)).toHaveLength(3);
+    expect(screen.queryByRole('button', { name: /Move there/ })).toBeNull();
+  });
   it('keeps what is no number in its field and says what is expected', async () => {
     show('/targets', Targets);
     const field = (await screen.findByLabelText('x, mm')) as HTMLInputElement;

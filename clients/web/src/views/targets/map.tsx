@@ -57,7 +57,7 @@ export function CorrectionMap({ fields, pose, outputs, conditions }: {
       </div>
       {asked.failure && <Failed asked="Map the correction" failure={asked.failure} again={asked.again} />}
       {picture ? <Picture picture={picture} fields={[h, v]} pose={pose} /> : !asked.failure && <Awaiting what="the map" />}
-      {rest.length > 0 && <p class="note muted">at {rest.map((one) => `${splitChannel(one.channel).symbol} ${fixed(one.value, 3)} ${splitChannel(one.channel).unit}`).join(', ')}; outlined: the domain the model was fitted in</p>}
+      {rest.length > 0 && <p class="note muted">at {rest.map((one) => `${splitChannel(one.channel).symbol} ${fixed(one.value, 3)} ${splitChannel(one.channel).unit}`).join(', ')}; outlined: the domain the model was fitted in; grey: not reachable</p>}
     </Panel>
   );
 }
@@ -107,7 +107,7 @@ function Picture({ picture, fields, pose }: { picture: MapPicture; fields: reado
       <MapLegend picture={picture} />
       <p class="note muted targets-pointed">
         {pointed && shown !== undefined
-          ? `${fields[0].symbol} ${fixed(picture.x(pointed.column), 3)}, ${fields[1].symbol} ${fixed(picture.y(pointed.row), 3)} mm: ${fixed(shown, 1)} nm`
+          ? `${fields[0].symbol} ${fixed(picture.x(pointed.column), 3)}, ${fields[1].symbol} ${fixed(picture.y(pointed.row), 3)} mm: ${fixed(shown, 1)} nm${picture.unreachable[pointed.row * picture.columns + pointed.column] ? ', not reachable' : ''}`
           : 'Point at a place for its value; press to take that pose.'}
       </p>
     </div>

@@ -13,6 +13,7 @@ export interface MapPicture {
   rows: number;
   values: readonly number[]; // nm, row by row, the lowest first
   outside: readonly boolean[];
+  unreachable: readonly boolean[]; // beyond the soft limits of an axis
   x: (column: number) => number; // mm
   y: (row: number) => number;
   names: readonly [string, string];
@@ -32,7 +33,7 @@ export function mapOf(answer: MapTargetsResponse, channel: string, kind: MapPict
     high = Math.max(high, value);
   });
   return {
-    title: `${kind} of ${channel}`, kind: values === plane.u90Nm ? 'uncertainty' : kind, columns: h.count, rows: v.count, values, outside: answer.outside,
+    title: `${kind} of ${channel}`, kind: values === plane.u90Nm ? 'uncertainty' : kind, columns: h.count, rows: v.count, values, outside: answer.outside, unreachable: answer.unreachable,
     x: position(h), y: position(v), names: [h.channel, v.channel], low: low <= high ? low : 0, high: low <= high ? high : 1,
   };
 }
@@ -95,7 +96,7 @@ function cellsOf(picture: MapPicture, colours: Palette): HTMLCanvasElement {
   [cells.width, cells.height] = [picture.columns, picture.rows];
   const context = cells.getContext('2d')!;
   picture.values.forEach((value, i) => {
-    context.fillStyle = colourOf(picture, value, colours);
+    context.fillStyle = picture.unreachable[i] ? colours.muted : colourOf(picture, value, colours);
     context.fillRect(i % picture.columns, picture.rows - 1 - Math.floor(i / picture.columns), 1, 1);
   });
   return cells;
@@ -131,9 +132,9 @@ function paintAxes(context: CanvasRenderingContext2D, f: ReturnType<typeof frame
 }
 
 export function mapCsv(picture: MapPicture): string {
-  const lines = [`# ${picture.title}`, `${picture.names[0]},${picture.names[1]},${picture.kind}_nm,outside`];
+  const lines = [`# ${picture.title}`, `${picture.names[0]},${picture.names[1]},${picture.kind}_nm,outside,unreachable`];
   picture.values.forEach((value, i) => {
-    lines.push(`${fixedPlain(picture.x(i % picture.columns))},${fixedPlain(picture.y(Math.floor(i / picture.columns)))},${value},${picture.outside[i] ? 1 : 0}`);
+    lines.push(`${fixedPlain(picture.x(i % picture.columns))},${fixedPlain(picture.y(Math.floor(i / picture.columns)))},${value},${picture.outside[i] ? 1 : 0},${picture.unreachable[i] ? 1 : 0}`);
   });
   return lines.join('\n') + '\n';
 }

@@ -39,6 +39,7 @@ function Coordinate({ one }: { one: MotorCoordinate }) {
       <dd>
         <span class="result nowrap">{grouped(one.positionMm, 8)} <span class="unit">mm</span></span>
         <span class="nowrap">± {significant(one.u90Nm, 2)} nm (<U90 />)</span>
+        {one.minMm !== undefined && <span class="nowrap">not reachable: limits {significant(one.minMm, 4)} to {significant(one.maxMm ?? NaN, 4)} mm</span>}
         {one.correctionNm !== undefined && <span class="nowrap muted">correction {correctionText(one.correctionNm)}</span>}
       </dd>
     </div>
@@ -55,18 +56,27 @@ const flagWords: Record<number, string> = {
   [Target_Flag.STALE_TEMPERATURE]: 'a temperature is too old',
   [Target_Flag.MISSING_TEMPERATURE]: 'a temperature was never read: the middle of its range stands in',
   [Target_Flag.EXPIRED_CONDITIONS]: 'the conditions were not looked at in time',
+  [Target_Flag.OUTSIDE_LIMITS]: 'not reachable: beyond the soft limits',
+  [Target_Flag.UNKNOWN_LIMITS]: 'no soft limits are known: whether it can be reached is not checked',
+  [Target_Flag.IGNORED_COORDINATE]: 'the model does not depend on a stated coordinate',
   [Target_Flag.UNANCHORED_DATUM]: 'the present datum is not known: the constant is that of the model\'s own',
 };
 
 function Flags({ target }: { target: Target }) {
   if (target.flags.length === 0) return <Verdict kind="good">inside the fitted domain, conditions fresh</Verdict>;
-  const names = (flag: Target_Flag) =>
-    (flag === Target_Flag.OUTSIDE_DOMAIN ? target.outsideChannels : flag === Target_Flag.STALE_TEMPERATURE ? target.staleChannels : flag === Target_Flag.MISSING_TEMPERATURE ? target.missingChannels : [])
-      .map((channel) => splitChannel(channel).symbol);
+  const named: Partial<Record<Target_Flag, readonly string[]>> = {
+    [Target_Flag.OUTSIDE_DOMAIN]: target.outsideChannels,
+    [Target_Flag.STALE_TEMPERATURE]: target.staleChannels,
+    [Target_Flag.MISSING_TEMPERATURE]: target.missingChannels,
+    [Target_Flag.OUTSIDE_LIMITS]: target.unreachableChannels,
+    [Target_Flag.UNKNOWN_LIMITS]: target.unlimitedChannels,
+    [Target_Flag.IGNORED_COORDINATE]: target.ignoredChannels,
+  };
+  const names = (flag: Target_Flag) => (named[flag] ?? []).map((channel) => splitChannel(channel).symbol);
   return (
     <>
       {target.flags.map((flag) => (
-        <Verdict kind="warn" key={flag}>{flagWords[flag] ?? `flag ${flag}`}{names(flag).length > 0 && ` (${names(flag).join(', ')})`}</Verdict>
+        <Verdict kind={flag === Target_Flag.OUTSIDE_LIMITS ? 'bad' : 'warn'} key={flag}>{flagWords[flag] ?? `flag ${flag}`}{names(flag).length > 0 && ` (${names(flag).join(', ')})`}</Verdict>
       ))}
     </>
   );
@@ -94,7 +104,7 @@ function Actions({ target, pose }: { target: Target; pose: Pose }) {
   return (
     <>
       <Button small busy={copy.busy} onPress={() => copy.send()}>Copy</Button>
-      <CommandButton small busy={move.busy} onPress={ask}>Move there…</CommandButton>
+      {target.unreachableChannels.length === 0 && <CommandButton small busy={move.busy} onPress={ask}>Move there…</CommandButton>}
       {move.failure && <Failed asked="Move there" failure={move.failure} />}
       {copy.failure && <span class="note muted">This browser does not let the page copy: mark the numbers by hand.</span>}
     </>

@@ -33,7 +33,7 @@ export function useTarget(pose: Pose): TargetState {
     const ask = async () => {
       if (!document.hidden) {
         try {
-          const { target } = await api.target().computeTarget({ pose: [...latest.current], withBudget: true }, { signal: abort.signal });
+          const { target } = await api.target().computeTarget({ pose: [...latest.current], withBudget: true, showUnreachable: true }, { signal: abort.signal });
           if (target && !abort.signal.aborted) setState((old) => taken(old.key === key ? old.history : [], target, key));
         } catch (error) {
           if (abort.signal.aborted || wasCancelled(error)) return;
