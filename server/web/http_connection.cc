@@ -1,5 +1,6 @@
 #include "server/web/http_connection.h"
 
+#include <netinet/tcp.h>
 #include <sys/socket.h>
 
 #include <boost/asio/bind_cancellation_slot.hpp>
@@ -26,6 +27,7 @@ using std::chrono::seconds;
 using Code = boost::system::error_code;
 using WallClock = std::chrono::steady_clock;
 
+constexpr std::string_view kStopPath = "/driftwise.v1.CellService/StopAll";
 constexpr std::size_t kMaxHeaderBytes = 16 * 1024;
 constexpr auto kIdleLimit = seconds(75), kHeaderLimit = seconds(10), kBodyPauseLimit = seconds(20),
                kBodyLimit = seconds(300), kWriteLimit = seconds(60);
@@ -55,6 +57,21 @@ std::string peer_of(const tcp::socket& socket) {
          std::to_string(end.port());
 }
 
+// "ipv4:127.0.0.1:5020" -> "ipv4:127.0.0.1"
+std::string without_port(const std::string& peer) { return peer.substr(0, peer.rfind(':')); }
+
+// A peer that vanished is noticed after about a minute and a half.
+void watch_peer(tcp::socket& socket) {
+  Code ignored;
+  socket.set_option(asio::socket_base::keep_alive(true), ignored);
+  const auto set = [&](int name, int value) {
+    ::setsockopt(socket.native_handle(), IPPROTO_TCP, name, &value, sizeof value);
+  };
+  set(TCP_KEEPIDLE, 30);
+  set(TCP_KEEPINTVL, 20);
+  set(TCP_KEEPCNT, 3);
+}
+
 HttpResponse refusal(Code why) {
   if (why == http::error::header_limit)
     return plain_answer(431, "the headers are longer than 16 KiB\n");
@@ -66,21 +83,30 @@ HttpResponse refusal(Code why) {
 class BeastConnection final : public HttpConnection,
                               public std::enable_shared_from_this<BeastConnection> {
  public:
-  BeastConnection(tcp::socket socket, HttpSite& site)
-      : peer_(peer_of(socket)), stream_(std::move(socket)), site_(site) {
+  BeastConnection(tcp::socket socket, HttpSite& site, BodyBudget& budget)
+      : peer_(peer_of(socket)), stream_(std::move(socket)), site_(site), budget_(budget) {
     Code ignored;
     stream_.socket().set_option(tcp::no_delay(true), ignored);
+    watch_peer(stream_.socket());
   }
 
   Awaitable<void> serve() override { return serve_requests(); }
 
-  std::optional<WallClock::time_point> idle_since() const override { return idle_since_; }
+  // An answer counts as blocked when it has not left for a second, and a call without an answer for
+  // two seconds as a stream without news.
+  ConnectionState state() const override {
+    const auto age = WallClock::now() - since_;
+    const bool waits = (activity_ == Activity::blocked && age < seconds(1)) ||
+                       (activity_ == Activity::answering && age > seconds(2));
+    return {without_port(peer_), waits ? Activity::waiting : activity_, since_};
+  }
+  bool closing() const override { return closing_; }
   void end_soon() override {
     ending_ = true;
-    if (idle_since_) close();
+    if (activity_ == Activity::idle) close();
   }
   void close() override {
-    ending_ = true;
+    ending_ = closing_ = true;
     if (answering_) answering_->abandon();
     Code ignored;
     stream_.socket().shutdown(tcp::socket::shutdown_both, ignored);
@@ -96,9 +122,9 @@ class BeastConnection final : public HttpConnection,
     while (goes_on && !ending_) {
       goes_on = co_await first_byte();
       if (!goes_on) break;
-      idle_since_.reset();
+      now(Activity::receiving);
       goes_on = co_await one_request();
-      idle_since_ = WallClock::now();
+      now(Activity::idle);
     }
     close();
   }
@@ -132,8 +158,14 @@ class BeastConnection final : public HttpConnection,
     parser.body_limit(limit);
     if (parser.content_length() && *parser.content_length() > limit)
       co_return co_await refuse(http::make_error_code(http::error::body_limit));
-    if (!co_await read_body(parser)) co_return false;
+    const std::weak_ptr<BeastConnection> weak = weak_from_this();
+    BodyBudget::Share share(budget_, without_port(peer_), [weak] {
+      if (const auto alive = weak.lock()) alive->close();
+    });
+    if (!co_await read_body(parser, share)) co_return false;
+    share.complete();
     request.body = std::move(parser.get().body());
+    now(request.path() == kStopPath ? Activity::stopping : Activity::answering);
     auto answering = site_.answer(std::move(request));
     HttpResponse response = co_await std::move(answering);
     const bool in_pieces = response.stream != nullptr;
@@ -142,7 +174,12 @@ class BeastConnection final : public HttpConnection,
     co_return co_await std::move(writing);
   }
 
-  Awaitable<bool> read_body(Parser& parser) {
+  void now(Activity activity) {
+    activity_ = activity;
+    since_ = WallClock::now();
+  }
+
+  Awaitable<bool> read_body(Parser& parser, BodyBudget::Share& share) {
     if (beast::iequals(parser.get()[http::field::expect], "100-continue")) {
       static constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
       stream_.expires_after(kWriteLimit);
@@ -154,6 +191,8 @@ class BeastConnection final : public HttpConnection,
       stream_.expires_at(std::min(until, WallClock::now() + kBodyPauseLimit));
       co_await http::async_read_some(stream_, buffer_, parser, token());
       if (code_) co_return co_await refuse(code_);
+      now(Activity::receiving);
+      if (!share.grow_to(parser.get().body().size(), since_)) co_return co_await refuse_body();
     }
     co_return true;
   }
@@ -163,7 +202,20 @@ class BeastConnection final : public HttpConnection,
     if (why.category() != http::make_error_code(http::error::bad_method).category() ||
         why == http::error::end_of_stream || why == http::error::partial_message)
       co_return false;
-    auto writing = write_plain(refusal(why), false, false);
+    auto refusing = refuse_with(refusal(why));
+    co_return co_await std::move(refusing);
+  }
+
+  Awaitable<bool> refuse_body() {
+    HttpResponse busy = plain_answer(
+        503, "other requests hold the memory that there is for bodies: try again in a moment\n");
+    busy.headers.push_back({"Retry-After", "2"});
+    auto refusing = refuse_with(std::move(busy));
+    co_return co_await std::move(refusing);
+  }
+
+  Awaitable<bool> refuse_with(HttpResponse response) {
+    auto writing = write_plain(std::move(response), false, false);
     co_await std::move(writing);
     // What the client still sends is read away for a moment: closing on it would cut the answer.
     Code ignored;
@@ -210,13 +262,18 @@ class BeastConnection final : public HttpConnection,
     stream_.expires_after(kWriteLimit);
     co_await http::async_write_header(stream_, serializer, token());
     bool done = false;
+    bool began = false;  // until its first message a call is at work
+    const Activity kind = activity_;
     while (!code_ && !done) {
       stream_.expires_never();
+      if (kind != Activity::stopping && began) now(Activity::waiting);
       BodyStream::Piece piece = co_await response.stream->next();
       if (closed_) break;
       done = piece.last;
       stream_.expires_after(kWriteLimit);
+      if (kind != Activity::stopping) now(Activity::blocked);
       co_await write_piece(piece);
+      began = true;
     }
     if (!done) response.stream->abandon();
     answering_.reset();
@@ -259,16 +316,19 @@ class BeastConnection final : public HttpConnection,
   beast::tcp_stream stream_;
   HttpSite& site_;
   beast::flat_buffer buffer_{kMaxHeaderBytes + 8192};
+  BodyBudget& budget_;
   Code code_;  // of the last operation
-  std::optional<WallClock::time_point> idle_since_ = WallClock::now();
+  Activity activity_ = Activity::idle;
+  DoorInstant since_ = WallClock::now();
   std::shared_ptr<BodyStream> answering_;
-  bool ending_ = false, closed_ = false;
+  bool ending_ = false, closed_ = false, closing_ = false;
 };
 
 }  // namespace
 
-std::shared_ptr<HttpConnection> HttpConnection::make(tcp::socket socket, HttpSite& site) {
-  return std::make_shared<BeastConnection>(std::move(socket), site);
+std::shared_ptr<HttpConnection> HttpConnection::make(tcp::socket socket, HttpSite& site,
+                                                     BodyBudget& budget) {
+  return std::make_shared<BeastConnection>(std::move(socket), site, budget);
 }
 
 }  // namespace driftwise::web

@@ -17,6 +17,7 @@
 #include <list>
 #include <optional>
 #include <thread>
+#include <vector>
 
 #include "server/web/http_connection.h"
 
@@ -25,6 +26,7 @@ namespace {
 
 using asio::ip::tcp;
 using Connections = std::list<std::shared_ptr<HttpConnection>>;
+constexpr std::size_t kMostClosing = 64;  // that were told to close and are on their way out
 constexpr auto kGrace =
     std::chrono::milliseconds(500);  // for answers under way when the daemon ends
 
@@ -91,15 +93,15 @@ class ThreadedHttpServer final : public HttpServer {
       if (code) {  // out of descriptors, or a client that left again
         asio::steady_timer pause(context_, std::chrono::milliseconds(50));
         co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, code));
-      } else if (make_room()) {
+      } else if (make_room(socket)) {
         take(std::move(socket));
       }
     }
   }
 
   void take(tcp::socket socket) {
-    const auto place =
-        connections_.insert(connections_.end(), HttpConnection::make(std::move(socket), *site_));
+    const auto place = connections_.insert(
+        connections_.end(), HttpConnection::make(std::move(socket), *site_, budget_));
     asio::co_spawn(context_, (*place)->serve(), [this, place](const std::exception_ptr& bug) {
       connections_.erase(place);
       if (connections_.empty()) grace_.cancel();
@@ -111,16 +113,23 @@ class ThreadedHttpServer final : public HttpServer {
     });
   }
 
-  bool make_room() {
-    if (connections_.size() < kMaxConnections) return true;
-    auto oldest = connections_.end();
-    for (auto one = connections_.begin(); one != connections_.end(); ++one)
-      if ((*one)->idle_since() &&
-          (oldest == connections_.end() || (*one)->idle_since() < (*oldest)->idle_since()))
-        oldest = one;
-    if (oldest == connections_.end()) return false;
-    (*oldest)->close();
-    return connections_.size() < kMaxConnections + 16;  // those closed are on their way out
+  bool make_room(const tcp::socket& socket) {
+    boost::system::error_code gone;
+    const auto end = socket.remote_endpoint(gone);
+    if (gone) return false;
+    std::vector<ConnectionState> present;
+    std::vector<HttpConnection*> places;
+    for (const auto& one : connections_) {
+      if (one->closing()) continue;
+      present.push_back(one->state());
+      places.push_back(one.get());
+    }
+    const std::string peer = (end.address().is_v6() ? "ipv6:[" + end.address().to_string() + "]"
+                                                    : "ipv4:" + end.address().to_string());
+    const auto slowest = makes_room(present, peer, {});
+    if (slowest && *slowest >= places.size()) return false;
+    if (slowest) places[*slowest]->close();
+    return connections_.size() < kMaxConnections + kMostClosing;
   }
 
   void end() {
@@ -146,6 +155,7 @@ class ThreadedHttpServer final : public HttpServer {
   tcp::endpoint endpoint_;
   asio::steady_timer grace_;
   std::unique_ptr<HttpSite> site_;
+  BodyBudget budget_;  // the connections hold shares of it
   Connections connections_;
   std::thread thread_;
 };

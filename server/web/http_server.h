@@ -2,9 +2,9 @@
 // The HTTP door on loopback, with a thread of its own: whatever clients do here, the cell's
 // executor does not feel it.
 //
-// At most kMaxConnections at a time: a further client takes the place of the one that has been idle
-// longest, or is turned away when none is (a browser opens six; a forgotten one must not keep
-// another from stopping a motion).
+// At most kMaxConnections at a time, kMaxPerPeer of one address. A further client takes the place
+// of the slowest of them (door_quotas.h), streams and unfinished requests included: it may be the
+// one that stops a motion. Bodies share a budget of memory (body_budget.h).
 
 #include <cstdint>
 #include <functional>
@@ -12,13 +12,15 @@
 #include <string>
 
 #include "server/core/result.h"
+#include "server/web/door_quotas.h"
 #include "server/web/http_message.h"
 
 namespace driftwise::web {
 
 class HttpServer {
  public:
-  static constexpr std::size_t kMaxConnections = 256;
+  static constexpr std::size_t kMaxConnections = DoorQuotas{}.in_all;
+  static constexpr std::size_t kMaxPerPeer = DoorQuotas{}.per_peer;
 
   // Listens, answers nobody yet: clients wait. address: "127.0.0.1:0" picks a free port. Errors:
   // invalid_argument, BAD_ADDRESS (not host:port, or not loopback); unavailable, CANNOT_LISTEN
