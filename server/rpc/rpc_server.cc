@@ -95,21 +95,33 @@ Result<std::unique_ptr<RpcServer>> RpcServer::open(application::Cell& cell,
   static const bool reflected = (grpc::reflection::InitProtoReflectionServerBuilderPlugin(), true);
   static_cast<void>(reflected);
   grpc::ServerBuilder builder;
-  int port = 0;
-  builder.AddListeningPort(listen, grpc::InsecureServerCredentials(), &port);
+  out->calls_ = std::make_shared<CallBook>();
+  auto gate = ConnectionGate::open(listen, out->calls_);
+  if (!gate) return tl::unexpected(gate.error());
+  out->gate_ = std::move(*gate);
+  auto acceptor = builder.experimental().AddExternalConnectionAcceptor(
+      grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
+      grpc::InsecureServerCredentials());
+  std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors;
+  interceptors.push_back(entering(out->calls_));
+  builder.experimental().SetInterceptorCreators(std::move(interceptors));
+  grpc::ResourceQuota memory("doors");
+  memory.Resize(kMostBufferBytes);
+  builder.SetResourceQuota(memory);
   builder.SetMaxReceiveMessageSize(kMostReceiveBytes);
   builder.SetMaxSendMessageSize(kMostSendBytes);
   builder.AddChannelArgument(GRPC_ARG_MAX_METADATA_SIZE, 16 * 1024);
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT,
-                             0);  // two daemons on one port would share its calls
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, 128);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 60'000);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 20'000);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   for (const auto& service : out->services_) builder.RegisterService(service.get());
   for (grpc::Service* service : further) builder.RegisterService(service);
   out->server_ = builder.BuildAndStart();
-  if (!out->server_ || port == 0)
-    return fail(ErrorCode::unavailable, "ADDRESS_IN_USE",
-                "cannot listen on " + listen +
-                    ": is another driftwised running? Stop it, or change [cell] listen");
-  out->address_ = address->host + ":" + std::to_string(port);
+  if (!out->server_)
+    return fail(ErrorCode::internal, "NO_SERVER", "the gRPC library made no server: see its log");
+  out->gate_->accept_for(std::move(acceptor));
+  out->address_ = address->host + ":" + std::to_string(out->gate_->port());
   out->ready(false);
   return out;
 }
@@ -123,6 +135,7 @@ void RpcServer::ready(bool is_ready) {
 
 void RpcServer::shut_down(std::chrono::milliseconds grace) {
   if (!server_) return;
+  gate_.reset();
   server_->GetHealthCheckService()->Shutdown();
   server_->Shutdown(std::chrono::system_clock::now() + grace);
   server_->Wait();

@@ -3,8 +3,11 @@
 //
 // Health is NOT_SERVING for "" and for each service until ready(true). Limits: a request of at most
 // 33 MiB (a dataset of 32 MiB and its envelope), an answer of at most 64 MiB (10 000 points are
-// about 4 MiB); metadata of 16 KiB. A call's deadline is the client's; without one it waits. The
-// callbacks run on gRPC's own threads and never block.
+// about 4 MiB); metadata of 16 KiB; connections as connection_gate.h has it, streams as call_book.h
+// has it, 128 calls of one connection at a time; kMostBufferBytes of what the network has brought
+// and no service has taken yet: beyond it gRPC closes idle connections and ends calls. An idle peer
+// is asked for a sign of life every minute. A call's deadline is the client's; without one it
+// waits. The callbacks run on gRPC's own threads and never block.
 //
 // Thread: made, used and destroyed on one thread that is not the cell's executor; shut_down()
 // blocks until every call has ended, so the cell's executor must still be running then. The cell
@@ -17,11 +20,15 @@
 #include <vector>
 
 #include "server/application/cell.h"
+#include "server/rpc/call_book.h"
+#include "server/rpc/connection_gate.h"
 
 namespace driftwise::rpc {
 
 class RpcServer {
  public:
+  static constexpr std::size_t kMostBufferBytes = std::size_t{192} << 20;
+
   // listen: "127.0.0.1:50051"; port 0 picks a free one. further: services beside ours, for the
   // in-process gateway of the web and for benchmarks; borrowed. Errors: invalid_argument
   // NOT_LOOPBACK (only loopback, until TLS and roles are configured), BAD_ADDRESS; unavailable,
@@ -42,6 +49,8 @@ class RpcServer {
  private:
   RpcServer() = default;
   std::vector<std::unique_ptr<grpc::Service>> services_;  // outlive the server
+  std::shared_ptr<CallBook> calls_;
+  std::unique_ptr<ConnectionGate> gate_;  // ends before the server
   std::unique_ptr<grpc::Server> server_;
   std::string address_;
 };

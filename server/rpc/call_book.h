@@ -1,0 +1,70 @@
+#pragma once
+// The calls that are open at the gRPC door, by connection: which connections are idle, and which
+// stream makes room when there are too many.
+//
+// An interceptor enters each call but single targets, whose path stays as short as it was. A stream
+// beyond the quotas ends the slowest: the one whose client has not taken a message for longest,
+// else the one without a message for longest. A new stream is always let in, as a new page must be;
+// unary calls (a stop) are not counted. Any thread.
+
+#include <grpcpp/support/server_interceptor.h>
+
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+
+namespace driftwise::rpc {
+
+class CallBook {
+ public:
+  using Instant = std::chrono::steady_clock::time_point;
+  struct Quotas {
+    std::size_t streams_in_all = 512;
+    std::size_t streams_per_connection = 64;
+  };
+  // A stream that blocks for less than this is not slow.
+  static constexpr std::chrono::seconds kSlow{1};
+
+  CallBook() : CallBook(Quotas{}) {}
+  explicit CallBook(Quotas quotas);
+  ~CallBook();
+  CallBook(const CallBook&) = delete;
+  CallBook& operator=(const CallBook&) = delete;
+
+  // peer: as gRPC prints it, "ipv4:127.0.0.1:5020". end: cancels the call; it is called with the
+  // book's lock held, on the thread of whoever needs the room.
+  class Entry;
+  std::unique_ptr<Entry> enter(std::string peer, bool is_stream, std::function<void()> end);
+
+  std::size_t open_calls(const std::string& peer) const;
+  std::size_t streams() const;
+
+ private:
+  struct Calls;
+  std::shared_ptr<Calls> calls_;
+};
+
+// One open call; it leaves the book when it goes.
+class CallBook::Entry {
+ public:
+  Entry(std::shared_ptr<Calls> calls, std::size_t id) : calls_(std::move(calls)), id_(id) {}
+  ~Entry();
+  Entry(const Entry&) = delete;
+  Entry& operator=(const Entry&) = delete;
+
+  void message_begun();  // to be written
+  void message_taken();
+
+ private:
+  std::shared_ptr<Calls> calls_;
+  std::size_t id_;
+};
+
+// Enters every call of a server into the book.
+std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface> entering(
+    std::shared_ptr<CallBook> book);
+
+}  // namespace driftwise::rpc
