@@ -1,13 +1,25 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds, runs the tests but those in a browser (deploy/browser.sh)
-# and the long part of the hidden effects (ctest --preset dev -L hidden_effects_long). Safe to repeat. Usage: deploy/test.sh [ctest options]
+# Installs what is missing, checks the format, builds, runs the tests. Safe to repeat. Not here: the browser (deploy/browser.sh) and
+# everything that takes hours (deploy/nightly.sh).
+# Usage: deploy/test.sh [--sanitize] [ctest options]
+#   --sanitize   one build with the address and undefined-behaviour sanitizers instead of the plain one; counts and packages are left out
 source "$(dirname "$0")/lib/common.sh"
+source "$root/deploy/lib/checks.sh"
 
-say "packages"
-install_missing build test web
-say "build (preset dev)"
-configure_and_build dev
-build_web dev
-say "tests"
-run_tests dev -LE "browser|hidden_effects_long" "$@" || die "tests failed: the list is above; one again: ctest --preset dev -R NAME"
-say "all tests passed; the build is in build/dev"
+preset=dev without="browser|hidden_effects_long|lies_long"
+if [ "${1:-}" = --sanitize ]; then
+  shift
+  preset=asan without="$without|statistics|hidden_effects|packaging|web"
+fi
+
+part "packages"
+install_missing build test check web bench
+part "format"
+check_format
+part "build (preset $preset: programs, tests, benchmarks, examples)"
+configure_and_build $preset -DDRIFTWISE_BUILD_BENCHMARKS=ON
+[ $preset = asan ] || build_web $preset
+part "tests"
+run_tests $preset -LE "$without" "$@" || die "tests failed: the list is above; one again: ctest --preset $preset -R NAME"
+parts_summary
+say "all tests passed; the build is in build/$preset"

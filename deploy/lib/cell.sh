@@ -61,6 +61,30 @@ same_offline() {
   fi
 }
 
+page_address() { sed -n 's/.*"web": *"\([^"]*\)".*/\1/p' "$out/driftwised.json"; }
+
+next_words() {
+  cat <<TXT
+
+Next
+  deploy/demo.sh $robot --no-build --keep   the same, and its page stays open
+  source deploy/tour.sh                     a cell of your own to type into: README.md, "A tour in six lines"
+TXT
+}
+
+# keep_running: the page and the command line stay usable until a person ends them.
+keep_running() {
+  cat <<TXT
+
+The cell and its daemon run on.
+  the page      $(page_address)
+  type          cd $out && PATH=$bin:\$PATH && driftwise status
+  then          driftwise target x=1.5 --budget;   driftwise diagnose --run 1;   driftwise --help
+Enter or Ctrl-C ends them.
+TXT
+  if [ -t 0 ]; then read -r || true; else wait "$daemon"; fi
+}
+
 closing_words() {
   say "done. Everything is in $out"
   cat <<TXT
@@ -68,6 +92,5 @@ closing_words() {
   campaign.csv          the measured points;   truth.csv  where the end-effector really was (the plant's private log)
   *.json                the fits;              $1
   logs                  driftwised.log, cellsim.log
-Next: driftwise --help, README.md
 TXT
 }

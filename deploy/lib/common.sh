@@ -5,6 +5,19 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 started=$(date +%s)
 
 say() { printf '\n== %s  (%d s)\n' "$*" "$(($(date +%s) - started))"; }
+
+# part NAME: a titled part whose duration appears in the table of parts_summary. The part before it ends here.
+part_names=() part_starts=()
+part() { part_names+=("$1"); part_starts+=("$(date +%s)"); say "$1"; }
+parts_summary() {
+  local i end now; now=$(date +%s)
+  printf '\n%-44s %8s\n' "part" "seconds"
+  for i in "${!part_names[@]}"; do
+    end=${part_starts[$((i + 1))]:-$now}
+    printf '%-44s %8d\n' "${part_names[$i]}" "$((end - part_starts[i]))"
+  done
+  printf '%-44s %8d\n' "whole" "$((now - started))"
+}
 die() { printf '\nfailed: %s\n' "$*" >&2; exit 1; }
 
 as_root() {
