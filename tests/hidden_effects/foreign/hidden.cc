@@ -6,6 +6,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "tests/hidden_effects/foreign/constants.h"
 #include "tests/hidden_effects/foreign/monomials.h"
 #include "tests/hidden_effects/foreign/periods.h"
 #include "tests/hidden_effects/foreign/shapes.h"
@@ -15,8 +16,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double kRadPerArcsec = std::numbers::pi / (180.0 * 3600.0);
 
 [[noreturn]] void refuse(const std::string& why) { throw std::runtime_error(why); }
 

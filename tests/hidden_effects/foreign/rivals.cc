@@ -5,6 +5,7 @@
 #include <map>
 #include <numbers>
 
+#include "tests/hidden_effects/foreign/constants.h"
 #include "tests/hidden_effects/foreign/monomials.h"
 #include "tests/hidden_effects/foreign/periods.h"
 #include "tests/hidden_effects/foreign/shapes.h"
@@ -14,8 +15,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double kTurn = 2.0 * std::numbers::pi;
 
 // Share of a column's norm that must be left beyond the baseline for it to explain anything.
 constexpr double kLeastLeft = 1e-3;

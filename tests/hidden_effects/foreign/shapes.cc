@@ -4,13 +4,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/hidden_effects/foreign/constants.h"
+
 namespace driftwise::foreign {
 
 using Eigen::VectorXd;
 
 namespace {
-
-constexpr double kRadPerArcsec = std::numbers::pi / (180.0 * 3600.0);
 
 // Walks the moves up to each row and asks for the state there.
 template <class OnMove, class AtRow>

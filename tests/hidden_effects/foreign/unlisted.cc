@@ -3,6 +3,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "tests/hidden_effects/foreign/constants.h"
 #include "tests/hidden_effects/foreign/hidden.h"
 #include "tests/hidden_effects/foreign/shapes.h"
 
@@ -11,8 +12,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double kTurn = 2.0 * std::numbers::pi;
 
 // A smooth random wave of the place: -1 .. 1, about one and a half periods over the stroke.
 VectorXd place_wave(const MatrixXd& u, Random& random) {
