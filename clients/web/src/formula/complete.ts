@@ -14,6 +14,7 @@ export interface Completion {
   from: number; // the word under the caret
   to: number;
   offers: Offer[];
+  exact: boolean; // the word is a name already: longer names are offered only to a person who asks for them
 }
 
 export interface Known {
@@ -35,8 +36,10 @@ export function completionAt(text: string, caret: number, known: Known): Complet
   const afterOperator = /[~+:*(,-]\s*$/.test(text.slice(0, from));
   const all = left ? outputs(known) : terms(known, insideEffect(text.slice(0, from)));
   const offers = all.filter((offer) => offer.insert.toLowerCase().startsWith(typed) && offer.insert !== text.slice(from, to));
+  // Exact names are case-sensitive, as in the formula itself: t is not T.
+  const exact = all.some((offer) => offer.insert === text.slice(from, to));
   // Nothing typed yet: propose only where something has to follow.
-  return { from, to, offers: typed === '' && !left && !afterOperator ? [] : typed === '' && left && from > 0 ? [] : offers };
+  return { from, to, exact, offers: typed === '' && !left && !afterOperator ? [] : typed === '' && left && from > 0 ? [] : offers };
 }
 
 // Within the parentheses of an effect or of poly only channels make sense.

@@ -37,7 +37,9 @@ export function FitForm() {
   return (
     <Panel title="Fit a model">
       <form class="stack" onSubmit={(event) => { event.preventDefault(); if (!off) void fit.send(); }}>
-        <FormulaField label="Formula" value={formula} onInput={setFormula} data={choice.data} onEnter={() => !off && fit.send()} />
+        <FormulaField label="Formula" value={formula} onInput={setFormula} data={choice.data} onEnter={() => !off && fit.send()}>
+          {fit.failure && <Failed asked="Fit" failure={fit.failure} />}
+        </FormulaField>
         <DataFields choice={choice} label="Runs to fit from" />
         <details>
           <summary>How terms are chosen: {select === 'all' ? 'all of them' : criterion === 'p' ? `stepwise, p to enter ${pEnter}, to remove ${pRemove}` : `stepwise, by ${criterion.toUpperCase()}`}</summary>
@@ -70,7 +72,6 @@ export function FitForm() {
           <CommandButton kind="main" submit busy={fit.busy} off={off}>Fit</CommandButton>
           {fit.busy && <span class="muted">Fitting on the daemon's worker …</span>}
         </div>
-        {fit.failure && <Failed asked="Fit" failure={fit.failure} />}
       </form>
     </Panel>
   );
