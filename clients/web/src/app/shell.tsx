@@ -1,6 +1,7 @@
 // Around every view: skip link, bar, what is not live, the dialogs, the live region.
 import { useEffect } from 'preact/hooks';
 import { ConfirmDialog } from '@/ui/confirm';
+import { AlarmWatch } from './alarm_watch';
 import { Bar, BottomTabs } from './bar';
 import { HelpDialog } from './help';
 import { LiveRegion } from './live_region';
@@ -22,6 +23,7 @@ export function Shell() {
       {!wall && <a class="skip" href="#main">Skip to the content</a>}
       {!wall && <Bar current={entry} />}
       <PageBars />
+      <AlarmWatch />
       <main id="main" tabIndex={-1} class={wall ? 'wall' : undefined}>{entry && <Outlet entry={entry} />}</main>
       {!wall && <BottomTabs current={entry} />}
       <ConfirmDialog />

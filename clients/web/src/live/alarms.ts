@@ -1,4 +1,5 @@
 // What stands now and what nobody has acknowledged: asked once, then as it happens. Each alarm is acknowledged by itself.
+import { signal } from '@preact/signals';
 import { useMemo } from 'preact/hooks';
 import { api } from '@/api/client';
 import { Alarm_Level, type Alarm } from '@/api/gen/driftwise/v1/watch_service_pb';
@@ -13,8 +14,15 @@ export const levelWords: Record<Alarm_Level, string> = {
   [Alarm_Level.FAILED]: 'Failed',
 };
 
+// What the shell's one watcher knows (app/alarm_watch.tsx): lasting ones first, the worst first; undefined: nothing asked yet.
+export const standing = signal<Asked<Alarm[]> | undefined>(undefined);
+
+const inOrder = (a: Alarm, b: Alarm): number =>
+  Number(a.clearedTime !== undefined) - Number(b.clearedTime !== undefined) || b.level - a.level || Number(b.id - a.id);
+
 export const stands = (alarm: Alarm): boolean => alarm.clearedTime === undefined || alarm.acknowledgeTime === undefined;
 
+// Asks for itself: one watcher, so that a new alarm is said once.
 export function useAlarms(): Asked<Alarm[]> {
   const asked = useAsked('alarms', async (signal) => (await api.watch().listAlarms({}, { signal })).alarms);
   useEvents('alarm', (alarm) => {
@@ -24,7 +32,7 @@ export function useAlarms(): Asked<Alarm[]> {
     });
   });
   const sorted = useMemo(
-    () => asked.value && [...asked.value].sort((a, b) => b.level - a.level || Number(b.id - a.id)),
+    () => asked.value && [...asked.value].sort(inOrder),
     [asked.value],
   );
   return { ...asked, ...(sorted && { value: sorted }) };

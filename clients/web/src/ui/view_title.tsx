@@ -1,6 +1,7 @@
 // The one h1 of a view. It takes the focus after a change of view, so that a screen reader says where it is.
 import type { ComponentChildren } from 'preact';
 import { useEffect } from 'preact/hooks';
+import { viewTitle } from '@/app/page_title';
 
 export function ViewTitle({ children, sub, actions, hidden }: {
   children: string;
@@ -9,7 +10,7 @@ export function ViewTitle({ children, sub, actions, hidden }: {
   hidden?: boolean; // for screen readers only, where the content says it all
 }) {
   useEffect(() => {
-    document.title = `${children} – Driftwise`;
+    viewTitle.value = children;
   }, [children]);
   return (
     <header class={hidden ? 'sr-only' : 'view-title'}>

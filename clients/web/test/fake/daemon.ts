@@ -10,7 +10,7 @@ import { Run_State } from '@/api/gen/driftwise/v1/run_pb';
 import { CheckTrajectoryResponseSchema, RunService } from '@/api/gen/driftwise/v1/run_service_pb';
 import { MapTargetsResponseSchema, TargetService } from '@/api/gen/driftwise/v1/target_service_pb';
 import { TrajectoryService } from '@/api/gen/driftwise/v1/trajectory_service_pb';
-import { WatchService } from '@/api/gen/driftwise/v1/watch_service_pb';
+import { WatchService, type Alarm } from '@/api/gen/driftwise/v1/watch_service_pb';
 import { timestampOf } from '@/format/time';
 import { at, fakeAlarm, fakeAttempts, fakeBatch, fakeNowMs, fakePoints, fakeRun, fakeStatus, fakeValue, startMs } from './cell';
 import { afterNm, beforeNm, diagnosis, improvement, rows } from './diagnoses';
@@ -30,6 +30,7 @@ export const trajectory = { id: 3n, name: 'published.csv', text, rowCount: 240n,
 export interface FakeWishes {
   problem?: (formula: string) => string; // what CheckFormula says of it
   noModel?: boolean;
+  alarms?: Alarm[]; // that stand; absent: one
   endless?: (ended: boolean) => void; // studies never end; called when one begins, and when its client left
 }
 
@@ -42,8 +43,8 @@ export function fakeDaemon(wishes: FakeWishes = {}): Transport {
           await pause(100);
         }
       },
-      listAlarms: () => ({ alarms: [fakeAlarm] }),
-      acknowledgeAlarm: () => ({ alarm: { ...fakeAlarm, acknowledgeTime: timestampOf(fakeNowMs), acknowledgedBy: 'Anna' } }),
+      listAlarms: () => ({ alarms: wishes.alarms ?? [fakeAlarm] }),
+      acknowledgeAlarm: ({ alarmId }) => ({ alarm: { ...(wishes.alarms?.find((one) => one.id === alarmId) ?? fakeAlarm), acknowledgeTime: timestampOf(fakeNowMs), acknowledgedBy: 'Anna' } }),
       getSeries: ({ channels, fromTime, toTime, bucketCount }) => {
         const from = Number(fromTime?.seconds ?? 0n) * 1000;
         const to = Number(toTime?.seconds ?? 0n) * 1000;

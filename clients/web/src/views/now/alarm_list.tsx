@@ -1,14 +1,15 @@
-// What needs attention: one line per alarm, each acknowledged by itself. Those that are over stand behind those that last, and
-// from the fourth line on they wait behind a button, so that the numbers stay in sight.
+// What needs attention: one line per alarm, each acknowledged by itself or all that are listed at once. Those that are over
+// stand behind those that last, and from the fourth line on they wait behind a button, so that the numbers stay in sight.
 import { useState } from 'preact/hooks';
 import { api } from '@/api/client';
 import { Alarm_Level, type Alarm } from '@/api/gen/driftwise/v1/watch_service_pb';
 import { dayClock, ms } from '@/format/time';
-import { levelWords, useAlarms } from '@/live/alarms';
+import { levelWords, standing } from '@/live/alarms';
 import { Button, CommandButton } from '@/ui/button';
 import { Failed } from '@/ui/states';
 import { useCommand } from '@/ui/use_command';
 import { Verdict, type VerdictKind } from '@/ui/verdict';
+import { AcknowledgeAll } from './acknowledge_all';
 
 const kinds: Record<Alarm_Level, VerdictKind> = {
   [Alarm_Level.UNSPECIFIED]: 'idle',
@@ -17,17 +18,13 @@ const kinds: Record<Alarm_Level, VerdictKind> = {
   [Alarm_Level.FAILED]: 'bad',
 };
 
-function AlarmLine({ alarm, taken }: { alarm: Alarm; taken: (alarm: Alarm) => void }) {
-  const acknowledge = useCommand(async () => {
-    const answer = await api.watch().acknowledgeAlarm({ alarmId: alarm.id });
-    if (answer.alarm) taken(answer.alarm);
-  });
-  // One that is over waits to be acknowledged; it must not look like one that lasts.
-  const over = alarm.clearedTime !== undefined;
-  const kind = over ? 'idle' : kinds[alarm.level];
+// One that is over waits to be acknowledged; it must not look like one that lasts.
+const kindOf = (alarm: Alarm): VerdictKind => (alarm.clearedTime ? 'idle' : kinds[alarm.level]);
+
+function Words({ alarm }: { alarm: Alarm }) {
   return (
-    <li class={`panel alarm alarm-${kind}${over ? ' alarm-over' : ''}`}>
-      <Verdict kind={kind}>{levelWords[alarm.level]}{over && ', over'}</Verdict>
+    <>
+      <Verdict kind={kindOf(alarm)}>{levelWords[alarm.level]}{alarm.clearedTime && ', over'}</Verdict>
       <p>
         {alarm.message}{' '}
         <span class="muted">
@@ -36,6 +33,20 @@ function AlarmLine({ alarm, taken }: { alarm: Alarm; taken: (alarm: Alarm) => vo
           {alarm.acknowledgeTime ? `, seen by ${alarm.acknowledgedBy}` : ', not acknowledged'}
         </span>
       </p>
+    </>
+  );
+}
+
+const classOf = (alarm: Alarm): string => `panel alarm alarm-${kindOf(alarm)}${alarm.clearedTime ? ' alarm-over' : ''}`;
+
+function AlarmLine({ alarm, taken }: { alarm: Alarm; taken: (alarm: Alarm) => void }) {
+  const acknowledge = useCommand(async () => {
+    const answer = await api.watch().acknowledgeAlarm({ alarmId: alarm.id });
+    if (answer.alarm) taken(answer.alarm);
+  });
+  return (
+    <li class={classOf(alarm)}>
+      <Words alarm={alarm} />
       {!alarm.acknowledgeTime && (
         <CommandButton busy={acknowledge.busy} onPress={() => void acknowledge.send()} label={`Acknowledge: ${alarm.message}`}>Acknowledge</CommandButton>
       )}
@@ -47,18 +58,33 @@ function AlarmLine({ alarm, taken }: { alarm: Alarm; taken: (alarm: Alarm) => vo
 const linesShown = 3;
 
 export function AlarmList() {
-  const alarms = useAlarms();
+  const alarms = standing.value;
   const [all, setAll] = useState(false);
-  if (alarms.failure) return <Failed asked="List the alarms" failure={alarms.failure} again={alarms.again} />;
-  if (!alarms.value?.length) return null;
+  if (alarms?.failure) return <Failed asked="List the alarms" failure={alarms.failure} again={alarms.again} />;
+  if (!alarms?.value?.length) return null;
   const taken = (alarm: Alarm) => alarms.set((old) => old.map((one) => (one.id === alarm.id ? alarm : one)));
   const lasting = alarms.value.filter((alarm) => !alarm.clearedTime);
-  const sorted = [...lasting, ...alarms.value.filter((alarm) => alarm.clearedTime)];
-  const shown = all ? sorted : sorted.slice(0, Math.max(linesShown, lasting.length));
+  const shown = all ? alarms.value : alarms.value.slice(0, Math.max(linesShown, lasting.length));
+  const more = alarms.value.length - shown.length;
   return (
     <>
       <ul class="alarms" aria-label="What needs attention">{shown.map((alarm) => <AlarmLine key={String(alarm.id)} alarm={alarm} taken={taken} />)}</ul>
-      {sorted.length > shown.length && <p><Button small onPress={() => setAll(true)}>Show {sorted.length - shown.length} more that are over</Button></p>}
+      {more > 0 && <p><Button small onPress={() => setAll(true)}>Show {more} more that are over</Button></p>}
+      <AcknowledgeAll alarms={alarms.value} taken={taken} />
     </>
+  );
+}
+
+// Across a room: above everything else, without controls.
+export function WallAlarms() {
+  const alarms = standing.value;
+  if (alarms?.failure) return <Failed asked="List the alarms" failure={alarms.failure} />;
+  if (!alarms?.value?.length) return null;
+  const more = alarms.value.length - linesShown;
+  return (
+    <section aria-label="What needs attention">
+      <ul class="alarms">{alarms.value.slice(0, linesShown).map((alarm) => <li key={String(alarm.id)} class={classOf(alarm)}><Words alarm={alarm} /></li>)}</ul>
+      {more > 0 && <p>and {more} more {more === 1 ? 'alarm' : 'alarms'}</p>}
+    </section>
   );
 }

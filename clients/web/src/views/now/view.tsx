@@ -14,7 +14,7 @@ import { airOf, lengthsOf, zeroDrift } from '@/parts/zero_plot';
 import { Awaiting, Failed } from '@/ui/states';
 import { useAsked } from '@/ui/use_asked';
 import { ViewTitle } from '@/ui/view_title';
-import { AlarmList } from './alarm_list';
+import { AlarmList, WallAlarms } from './alarm_list';
 import { DeviceList } from './device_list';
 import { EnvironmentPlot, RunPlots } from './plots';
 import { IdlePanel, RunPanel, underWay } from './run_panel';
@@ -38,6 +38,7 @@ export default function Now() {
   return (
     <>
       <ViewTitle hidden>Now</ViewTitle>
+      {wall && <WallAlarms />}
       {progress ? <RunPanel progress={progress} buttons={!wall} /> : <IdlePanel />}
       {!wall && <AlarmList />}
       <Tiles

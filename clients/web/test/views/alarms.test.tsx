@@ -1,0 +1,94 @@
+// Alarms stand first: across a room and in the tab's title. One answer to many covers those that were read, and no other.
+import { cleanup, configure, fireEvent, render, screen, waitFor, within } from '@testing-library/preact';
+import type { Transport } from '@connectrpc/connect';
+import { create } from '@bufbuild/protobuf';
+import { afterAll, afterEach, beforeAll, beforeEach, expect, it, vi } from 'vitest';
+import { useTransport } from '@/api/client';
+import { Alarm_Level, AlarmSchema, WatchEventSchema, type Alarm } from '@/api/gen/driftwise/v1/watch_service_pb';
+import { pageTitle } from '@/app/page_title';
+import { go } from '@/app/router';
+import { setOperatorName } from '@/app/session';
+import { Shell } from '@/app/shell';
+import { announce } from '@/live/events';
+import { startStream } from '@/live/stream';
+import { at } from '../fake/cell';
+import { fakeDaemon } from '../fake/daemon';
+
+vi.mock('@/plot/plot', () => ({ Plot: ({ spec }: { spec: { title: string } }) => <figure>{spec.title}</figure> }));
+vi.setConfig({ testTimeout: 30_000 }); // a busy machine
+configure({ asyncUtilTimeout: 15_000 });
+
+const alarm = (id: bigint, level: Alarm_Level, message: string, over = false): Alarm =>
+  create(AlarmSchema, { id, level, kind: 'device.late', subject: `device-${id}`, message, sinceTime: at(1), ...(over && { clearedTime: at(2) }) });
+const late = alarm(1n, Alarm_Level.WARNING, 'Scanner answered late.');
+const lost = alarm(2n, Alarm_Level.FAILED, 'Laser x does not answer.');
+const warm = alarm(3n, Alarm_Level.FAILED, 'Air was at 24 °C.', true);
+const arrives = (one: Alarm) => announce(create(WatchEventSchema, { event: { case: 'alarm', value: one } }));
+
+const acknowledged: bigint[] = [];
+function counting(inner: Transport): Transport {
+  return {
+    unary: (method, signal, timeoutMs, header, input, ...rest) => {
+      if (method.name === 'AcknowledgeAlarm') acknowledged.push((input as { alarmId: bigint }).alarmId);
+      return inner.unary(method, signal, timeoutMs, header, input, ...rest);
+    },
+    stream: (method, ...rest) => inner.stream(method, ...rest),
+  };
+}
+
+let endStream: () => void;
+beforeAll(() => {
+  vi.stubGlobal('scrollTo', () => undefined);
+  useTransport(counting(fakeDaemon({ alarms: [warm, late, lost] })));
+  endStream = startStream();
+});
+afterAll(() => endStream());
+beforeEach(() => {
+  acknowledged.length = 0;
+  setOperatorName('Anna');
+});
+afterEach(cleanup);
+
+it('says alarms before the view in the title of the tab, on every view', async () => {
+  go('/record');
+  render(<Shell />);
+  await waitFor(() => expect(document.title).toBe('▲ 3 alarms, Failed: Laser x does not answer. – Record – Driftwise'));
+  expect(pageTitle('Now', [])).toBe('Now – Driftwise');
+  expect(pageTitle('Now', [late])).toBe('▲ Warning: Scanner answered late. – Now – Driftwise');
+});
+
+it('shows alarms first across a room, those that last before those that are over, and nothing to press', async () => {
+  go('/now?wall=1');
+  render(<Shell />);
+  const list = await screen.findByRole('region', { name: 'What needs attention' });
+  expect(within(list).getAllByRole('listitem').map((line) => line.querySelector('p')!.firstChild!.textContent)).toEqual([lost.message, late.message, warm.message]);
+  const run = await screen.findByText('Running');
+  expect(list.compareDocumentPosition(run) & Node.DOCUMENT_POSITION_FOLLOWING).toBeTruthy();
+  expect(within(screen.getByRole('main')).queryAllByRole('button')).toEqual([]);
+});
+
+it('acknowledges all that were shown, and neither what arrived since nor what became worse', async () => {
+  go('/now');
+  render(<Shell />);
+  await screen.findByText('Live');
+  fireEvent.click(await screen.findByRole('button', { name: 'Acknowledge all…' }));
+  const dialog = (await screen.findByText('Acknowledge 3 alarms?')).closest('dialog')!;
+  for (const one of [late, lost, warm]) expect(within(dialog).getByText(one.message)).toBeTruthy();
+  arrives(alarm(4n, Alarm_Level.FAILED, 'Laser y does not answer.'));
+  arrives({ ...late, level: Alarm_Level.FAILED, message: 'Scanner does not answer.' });
+  await screen.findByText(/Laser y does not answer/, { selector: 'li p' });
+  fireEvent.click(within(dialog).getByRole('button', { name: 'Acknowledge these 3' }));
+  await waitFor(() => expect(acknowledged).toEqual([lost.id, warm.id]));
+  await waitFor(() => expect(screen.getByText(/Laser x does not answer/, { selector: 'li p' }).textContent).toContain('seen by Anna'));
+  expect(screen.getByRole('button', { name: /Acknowledge: Laser y/ })).toBeTruthy();
+});
+
+it('acknowledges nothing without the second press', async () => {
+  go('/now');
+  render(<Shell />);
+  await screen.findByText('Live');
+  fireEvent.click(await screen.findByRole('button', { name: 'Acknowledge all…' }));
+  fireEvent.click(await screen.findByRole('button', { name: 'Not yet' }));
+  await waitFor(() => expect(screen.queryByText('Acknowledge 3 alarms?')).toBeNull());
+  expect(acknowledged).toEqual([]);
+});
