@@ -8,6 +8,7 @@ import { LiveRegion } from './live_region';
 import { NameDialog } from './name';
 import { Outlet } from './outlet';
 import { PageBars } from './page_bars';
+import { PrintHead } from './print_head';
 import { go, query, segments } from './router';
 import { views } from './views';
 
@@ -24,6 +25,7 @@ export function Shell() {
       {!wall && <Bar current={entry} />}
       <PageBars />
       <AlarmWatch />
+      <PrintHead />
       <main id="main" tabIndex={-1} class={wall ? 'wall' : undefined}>{entry && <Outlet entry={entry} />}</main>
       {!wall && <BottomTabs current={entry} />}
       <ConfirmDialog />

@@ -5,6 +5,7 @@ import { useEffect, useId, useLayoutEffect, useMemo, useRef, useState } from 'pr
 import type uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import './plot.css';
+import { printing } from '@/app/printing';
 import { dark } from '@/app/theme';
 import { countLivePlot, plotTick } from '@/live/paint';
 import { inOrder, nearest } from './aligned';
@@ -17,6 +18,7 @@ import { palette } from './palette';
 import { PlotTable } from './plot_table';
 import type { Range } from './ranges';
 import type { PlotSpec } from './spec';
+import { svgOf } from './svg';
 import { inWords } from './values';
 
 export type { Range } from './ranges';
@@ -139,6 +141,7 @@ export function Plot(props: PlotProps) {
         {spec.what}{spec.note && ` · ${spec.note}`}
         <Held spec={spec} range={range} live={live === true} />
       </p>
+      {printing.value && !empty && <div class="plot-paper" dangerouslySetInnerHTML={{ __html: svgOf(spec, seenRange(drawn), 680, height + 100, id) }} />}
       {empty && <p class="plot-why muted">{spec.why ?? 'Nothing was measured in this range.'}</p>}
       {!empty && table && <PlotTable spec={spec} />}
       {!empty && !table && (

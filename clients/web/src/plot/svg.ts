@@ -81,7 +81,8 @@ function axes(spec: PlotSpec, frame: Frame, range: Range, left: [number, number]
   ].join('');
 }
 
-export function svgOf(spec: PlotSpec, range: Range, width: number, height: number): string {
+// unique: start of the ids within, for several pictures in one document.
+export function svgOf(spec: PlotSpec, range: Range, width: number, height: number, unique = ''): string {
   const left = yRange(spec, 'left', range);
   const right = spec.right ? yRange(spec, 'right', range) : undefined;
   const frame: Frame = {
@@ -97,17 +98,17 @@ export function svgOf(spec: PlotSpec, range: Range, width: number, height: numbe
     return `<tspan fill="${colour}">${one.draw === 'markers' ? '●' : one.draw === 'dashed' ? '╌' : '—'} </tspan><tspan fill="${colours.muted}">${escaped(withUnit(one.name, one.axis === 'right' ? one.unit : ''))}   </tspan>`;
   });
   const clip = `M${frame.left} ${frame.top}h${frame.width}v${frame.height}h${-frame.width}Z`;
-  const marks = spec.series.map((one, at) => (one.draw === 'markers' ? markersOf(one, frame, range, `m${at}`) : bandOf(one, frame, range) + lineOf(one, frame, range)));
+  const marks = spec.series.map((one, at) => (one.draw === 'markers' ? markersOf(one, frame, range, `${unique}m${at}`) : bandOf(one, frame, range) + lineOf(one, frame, range)));
   const gaps = gapsOf(spec).map(({ from, to }) =>
-    `<rect x="${r(frame.x(from))}" y="${frame.top}" width="${r(frame.x(to) - frame.x(from))}" height="${frame.height}" fill="url(#gap)"/>`);
+    `<rect x="${r(frame.x(from))}" y="${frame.top}" width="${r(frame.x(to) - frame.x(from))}" height="${frame.height}" fill="url(#${unique}gap)"/>`);
   const bands = (spec.bands ?? []).map((band) =>
     `<rect x="${frame.left}" y="${r(frame.y(band.to))}" width="${frame.width}" height="${r(frame.y(band.from) - frame.y(band.to))}" fill="${colours[band.colour]}" fill-opacity="0.12"/>`);
   return `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}" ${font} font-size="12">
 <title>${escaped(spec.title)}</title><rect width="${width}" height="${height}" fill="#fff"/>
-<defs><clipPath id="in"><path d="${clip}"/></clipPath><pattern id="gap" width="8" height="8" patternUnits="userSpaceOnUse"><path d="M0 8 8 0" stroke="${colours.line}" stroke-width="2"/></pattern></defs>
+<defs><clipPath id="${unique}in"><path d="${clip}"/></clipPath><pattern id="${unique}gap" width="8" height="8" patternUnits="userSpaceOnUse"><path d="M0 8 8 0" stroke="${colours.line}" stroke-width="2"/></pattern></defs>
 <text x="0" y="16" font-size="15" font-weight="600" fill="${colours.text}">${escaped(spec.title)}</text>
 <text x="0" y="35" xml:space="preserve">${legend.join('')}</text><text x="0" y="52" fill="${colours.muted}">${escaped(spec.what)}</text>
-<g clip-path="url(#in)">${gaps.join('')}${bands.join('')}</g>${axes(spec, frame, range, left, right)}
-<g clip-path="url(#in)">${marks.join('')}</g></svg>
+<g clip-path="url(#${unique}in)">${gaps.join('')}${bands.join('')}</g>${axes(spec, frame, range, left, right)}
+<g clip-path="url(#${unique}in)">${marks.join('')}</g></svg>
 `;
 }

@@ -3,12 +3,15 @@ import '@/styles/tokens.css';
 import '@/styles/base.css';
 import '@/styles/shell.css';
 import '@/styles/ui.css';
+import '@/styles/print.css';
+import { followPrinting } from '@/app/printing';
 import { followTheme } from '@/app/theme';
 import { readReport } from './data';
 import { ReportPage } from './page';
 
 const root = document.getElementById('app')!;
 followTheme();
+followPrinting();
 try {
   const report = readReport(document.getElementById('report-data')?.textContent ?? 'null');
   document.title = `Run ${report.run.id} – Driftwise`;

@@ -1,5 +1,6 @@
 // The page of a run, from the data that stand in it.
 import { useSignal } from '@preact/signals';
+import { zoneWords } from '@/format/zone';
 import { count, fixed, significant } from '@/format/numbers';
 import { dateClock, duration } from '@/format/time';
 import { splitChannel, unitSign } from '@/format/units';
@@ -35,6 +36,7 @@ export function ReportPage({ report }: { report: Report }) {
           <dt>from, to</dt><dd>{at(run.start)} to {at(run.end)}{seconds !== undefined && `, ${duration(seconds)}`}</dd>
           <dt>points</dt><dd>{count(run.accepted)} of {count(run.rows)} accepted, {count(run.given_up)} given up, {count(run.attempts)} attempts</dd>
           <dt>restarts</dt><dd>{run.restarts === 0 ? 'none' : `a restarted daemon went on with it ${count(run.restarts)} times`}</dd>
+          <dt>times in</dt><dd>{zoneWords(Date.parse(run.start ?? report.made))}</dd>
           <dt>cell file</dt><dd><code>{report.config_hash}</code></dd>
         </dl>
       </Panel>

@@ -1,7 +1,8 @@
 // A real table; on a phone each row becomes a card with the column's name beside its value. Rows are drawn a page at a
-// time, so that ten thousand open as fast as ten.
+// time, so that ten thousand open as fast as ten; on paper all of them, a wide table in parts that repeat its first column.
 import type { ComponentChildren } from 'preact';
 import { useState } from 'preact/hooks';
+import { printing } from '@/app/printing';
 import { Button } from './button';
 import { count } from '@/format/numbers';
 
@@ -10,6 +11,17 @@ export interface Column<R> {
   of: (row: R) => ComponentChildren;
   number?: boolean; // right, not wrapped
   sort?: (row: R) => number | string; // can be sorted by
+}
+
+// Columns side by side on a sheet.
+const mostOnPaper = 13;
+
+export function sheets<R>(columns: readonly Column<R>[]): (readonly Column<R>[])[] {
+  if (columns.length <= mostOnPaper) return [columns];
+  const [first, ...rest] = columns;
+  const parts = Math.ceil(rest.length / (mostOnPaper - 1));
+  const each = Math.ceil(rest.length / parts);
+  return Array.from({ length: parts }, (_, i) => [first, ...rest.slice(i * each, (i + 1) * each)]);
 }
 
 // A row is a card of half a screen there.
@@ -36,35 +48,40 @@ export function Table<R>({ caption, columns, rows, keyOf, page = 200, rowClass, 
         .map(({ row }) => row)
     : rows;
   const press = (title: string) => setOrder((old) => ({ by: title, down: old?.by === title ? !old.down : false }));
+  const paper = printing.value;
+  const parts = paper ? sheets(columns) : [columns];
+  const rowsShown = paper ? all : all.slice(0, shown);
   return (
     <div class="table-scroll" tabIndex={0} role="region" aria-label={caption}>
-      <table class="cards">
-        <caption class="sr-only">{caption}</caption>
-        <thead>
-          <tr>
-            {columns.map((column) => (
-              <th
-                key={column.title}
-                scope="col"
-                class={column.number ? 'number' : undefined}
-                aria-sort={order?.by === column.title ? (order.down ? 'descending' : 'ascending') : undefined}
-              >
-                {column.sort ? <button type="button" class="sort" onClick={() => press(column.title)}>{column.title}</button> : column.title}
-              </th>
-            ))}
-          </tr>
-        </thead>
-        <tbody>
-          {all.slice(0, shown).map((row) => (
-            <tr key={keyOf(row)} class={rowClass?.(row)} onClick={onRow && (() => onRow(row))} data-row>
-              {columns.map((column) => (
-                <td key={column.title} class={column.number ? 'number' : undefined} data-title={column.title}>{column.of(row)}</td>
+      {parts.map((part, at) => (
+        <table class="cards" key={at}>
+          <caption class="sr-only">{caption}{parts.length > 1 && `, part ${at + 1} of ${parts.length}`}</caption>
+          <thead>
+            <tr>
+              {part.map((column) => (
+                <th
+                  key={column.title}
+                  scope="col"
+                  class={column.number ? 'number' : undefined}
+                  aria-sort={order?.by === column.title ? (order.down ? 'descending' : 'ascending') : undefined}
+                >
+                  {column.sort ? <button type="button" class="sort" onClick={() => press(column.title)}>{column.title}</button> : column.title}
+                </th>
               ))}
             </tr>
-          ))}
-        </tbody>
-      </table>
-      {all.length > shown && (
+          </thead>
+          <tbody>
+            {rowsShown.map((row) => (
+              <tr key={keyOf(row)} class={rowClass?.(row)} onClick={onRow && (() => onRow(row))} data-row>
+                {part.map((column) => (
+                  <td key={column.title} class={column.number ? 'number' : undefined} data-title={column.title}>{column.of(row)}</td>
+                ))}
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      ))}
+      {!paper && all.length > shown && (
         <p class="more">
           <span class="muted">{count(shown)} of {count(all.length)} rows </span>
           <Button small onPress={() => setShown(shown + 5 * page)}>Show more</Button>

@@ -1,5 +1,6 @@
 // One model in full.
 import { api } from '@/api/client';
+import { usePrintFacts } from '@/app/print_head';
 import type { GetModelResponse, Model, ModelOutput } from '@/api/gen/driftwise/v1/model_service_pb';
 import { count, fixed, significant } from '@/format/numbers';
 import { dateClock, ms, secondsOf } from '@/format/time';
@@ -30,6 +31,7 @@ export function ModelPage({ id }: { id: bigint }) {
   const asked = useAsked(`model ${id}`, (signal) => api.model().getModel({ modelId: id }, { signal }));
   useEvents('model', (change) => change.modelId === id && asked.again());
   const model = asked.value?.model;
+  usePrintFacts([['hash of the model', model?.hash ?? ''], ['its data set', model?.lineage?.datasetHash ?? ''], ['rows kept out', model?.lineage?.exclusionsHash ?? '']]);
   return (
     <>
       <ViewTitle

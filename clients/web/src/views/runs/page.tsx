@@ -4,6 +4,7 @@ import { useEffect } from 'preact/hooks';
 import { api } from '@/api/client';
 import type { GetRunResponse } from '@/api/gen/driftwise/v1/run_service_pb';
 import type { Run } from '@/api/gen/driftwise/v1/run_pb';
+import { usePrintFacts } from '@/app/print_head';
 import { query, setQuery } from '@/app/router';
 import { fixed } from '@/format/numbers';
 import { dateClock, duration, ms } from '@/format/time';
@@ -64,6 +65,7 @@ export function RunPage({ id }: { id: bigint }) {
   const pick = (key: number) => setQuery({ point: String(key) === row ? undefined : String(key) });
 
   const run = asked.value?.run;
+  usePrintFacts([['cell file of the run', run?.configHash ?? '']]);
   const title = `Run ${id}${run?.name ? ` · ${run.name}` : ''}`;
   if (!run) {
     return (
