@@ -38,7 +38,7 @@ void print_output(const Console& console, const v1::OutputCheck& output) {
                {"bias " + output.unit() + " (limit)", Align::right},
                {"bias within its limits"},
                {"sd " + output.unit() + " (limit)", Align::right},
-               {"U90 " + output.unit(), Align::right},
+               {"A90 " + output.unit(), Align::right},
                {"EWMA bias (limit)", Align::right},
                {""}});
   for (const auto& run : output.runs()) {
@@ -51,7 +51,7 @@ void print_output(const Console& console, const v1::OutputCheck& output) {
     table.add({std::to_string(run.run_id()), started, std::to_string(run.row_count()),
                with_limit(run.has_bias_limit(), run.bias(), run.bias_limit(), "+-"),
                run.has_bias_limit() ? chart_line(run.bias(), run.bias_limit()) : "zero not known",
-               fixed(run.sd(), 1) + " (" + fixed(run.sd_limit(), 1) + ")", fixed(run.u90(), 1),
+               fixed(run.sd(), 1) + " (" + fixed(run.sd_limit(), 1) + ")", fixed(run.a90(), 1),
                with_limit(run.has_ewma_bias(), run.ewma_bias(), run.ewma_bias_limit(), "+-"),
                run.out_of_control().empty() ? "" : paint.bad("out of control")});
   }

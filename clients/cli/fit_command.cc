@@ -62,6 +62,11 @@ nlohmann::ordered_json offers_json(const std::vector<calibration::OfferResult>& 
     put("u90_validation_forced", offer.u90_validation_forced);
     put("u90_blocks_before", offer.u90_blocks_before);
     put("u90_blocks_after", offer.u90_blocks_after);
+    put("a90_validation_before", offer.a90_validation_before);
+    put("a90_validation_after", offer.a90_validation_after);
+    put("a90_validation_forced", offer.a90_validation_forced);
+    put("a90_blocks_before", offer.a90_blocks_before);
+    put("a90_blocks_after", offer.a90_blocks_after);
     list.push_back(std::move(one));
   }
   return list;
@@ -69,14 +74,14 @@ nlohmann::ordered_json offers_json(const std::vector<calibration::OfferResult>& 
 
 void print_offers(std::ostream& out, const std::vector<calibration::OfferResult>& offers,
                   const calibration::Model& model) {
-  out << "\nWhat more terms would add to the held-out U90\n";
+  out << "\nWhat more terms would add to the held-out A90\n";
   for (const auto& offer : offers) {
     const SummaryUnit summary = unit_of(model, offer.output);
     char text[256];
     std::snprintf(text, sizeof text, "%+.2f %s on the validation rows, %+.2f %s by blocks of time",
-                  change(offer.u90_validation_before, offer.u90_validation_after, summary.factor),
+                  change(offer.a90_validation_before, offer.a90_validation_after, summary.factor),
                   summary.unit.c_str(),
-                  change(offer.u90_blocks_before, offer.u90_blocks_after, summary.factor),
+                  change(offer.a90_blocks_before, offer.a90_blocks_after, summary.factor),
                   summary.unit.c_str());
     out << "  " << offer.output << ", " << offer.name << ": ";
     if (offer.taken_any())

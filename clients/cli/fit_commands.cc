@@ -67,6 +67,14 @@ std::vector<calibration::OfferResult> offers_from(const v1::CreateFitResponse& r
         optional(offer.has_u90_validation_forced(), offer.u90_validation_forced());
     one.u90_blocks_before = optional(offer.has_u90_blocks_before(), offer.u90_blocks_before());
     one.u90_blocks_after = optional(offer.has_u90_blocks_after(), offer.u90_blocks_after());
+    one.a90_validation_before =
+        optional(offer.has_a90_validation_before(), offer.a90_validation_before());
+    one.a90_validation_after =
+        optional(offer.has_a90_validation_after(), offer.a90_validation_after());
+    one.a90_validation_forced =
+        optional(offer.has_a90_validation_forced(), offer.a90_validation_forced());
+    one.a90_blocks_before = optional(offer.has_a90_blocks_before(), offer.a90_blocks_before());
+    one.a90_blocks_after = optional(offer.has_a90_blocks_after(), offer.a90_blocks_after());
     offers.push_back(std::move(one));
   }
   return offers;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <memory>
 
+#include "clients/cli/accuracy_line.h"
 #include "clients/cli/check_command.h"
 #include "clients/cli/input_text.h"
 #include "clients/cli/method_commands.h"
@@ -92,10 +93,13 @@ ExitCode compare(const Session& session, const ModelArguments& a) {
 ExitCode serving_now(const Session& session, bool any, const v1::Model& model) {
   if (session.console.json)
     session.console.print_json({{"model", any ? json_from(model) : nullptr}});
-  else if (any)
+  else if (any) {
     session.console.out << "model " << model.id() << " serves now: " << model.formula() << '\n';
-  else
+    for (const auto& one : model.accuracy())
+      session.console.out << "accuracy (A90) " << accuracy_text(one) << '\n';
+  } else {
     session.console.out << "no model serves now\n";
+  }
   return ExitCode::done;
 }
 
@@ -107,9 +111,12 @@ ExitCode promote(const Session& session, const ModelArguments& a) {
     const auto model = connection.ask(&ModelStub::GetModel, request).model();
     if (session.console.json)
       session.console.print_json({{"dry_run", true}, {"model", json_from(model)}});
-    else
+    else {
       session.console.out << "dry run: model " << model.id() << " would serve: " << model.formula()
                           << '\n';
+      for (const auto& one : model.accuracy())
+        session.console.out << "accuracy (A90) " << accuracy_text(one) << '\n';
+    }
     return ExitCode::done;
   }
   v1::PromoteModelRequest request;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "clients/cli/accuracy_line.h"
 #include "clients/cli/budget_table.h"
 #include "clients/cli/table.h"
 #include "clients/cli/text.h"
@@ -31,6 +32,7 @@ void print_heading(const Console& console, const v1::GetModelResponse& shown) {
               << (model.serving() ? paint.good("  serving") : "") << '\n';
   if (!shown.cell_name().empty())
     line("cell", shown.cell_name() + ", description " + shown.config_hash());
+  for (const auto& one : model.accuracy()) line("accuracy", "A90 " + accuracy_text(one));
   line("formula", model.formula());
   line("selection", model.select() == "all"
                         ? "every term kept"
@@ -101,16 +103,24 @@ void print_terms(const Console& console, const v1::ModelOutput& output) {
 void print_accuracy(const Console& console, const v1::ModelOutput& output) {
   const auto& a = output.accuracy();
   const std::string unit = " " + output.summary_unit();
-  console.out << "U90 calibration " << fixed(a.u90_calibration(), 2) << unit;
-  if (a.has_u90_validation())
-    console.out << ", validation " << fixed(a.u90_validation(), 2) << unit;
-  if (a.has_u90_blocks()) {
-    console.out << ", held out by blocks of time " << fixed(a.u90_blocks(), 2) << unit;
-    if (a.has_u90_blocks_low() && a.has_u90_blocks_high())
-      console.out << " (90 %: " << fixed(a.u90_blocks_low(), 2) << " to "
-                  << fixed(a.u90_blocks_high(), 2) << ")";
+  const auto line = [&](const char* rows, double mean, double u90, double a90) {
+    console.out << "A90 " << fixed(a90, 2) << unit << " on " << rows << " (mean "
+                << signed_fixed(mean, 2) << ", U90 " << fixed(u90, 2) << ")";
+  };
+  line("the calibration rows", a.mean_calibration(), a.u90_calibration(), a.a90_calibration());
+  console.out << '\n';
+  if (a.has_a90_validation()) {
+    line("the validation rows", a.mean_validation(), a.u90_validation(), a.a90_validation());
+    console.out << '\n';
   }
-  console.out << "\nresidual sd " << fixed(a.rmse(), 2) << unit << ", lag-1 autocorrelation "
+  if (a.has_a90_blocks()) {
+    line("held-out blocks of time", a.mean_blocks(), a.u90_blocks(), a.a90_blocks());
+    if (a.has_a90_blocks_low() && a.has_a90_blocks_high())
+      console.out << ", 90 % interval of A90 " << fixed(a.a90_blocks_low(), 2) << " to "
+                  << fixed(a.a90_blocks_high(), 2);
+    console.out << '\n';
+  }
+  console.out << "residual sd " << fixed(a.rmse(), 2) << unit << ", lag-1 autocorrelation "
               << fixed(a.lag1_autocorrelation(), 2) << ", worth "
               << fixed(a.effective_row_count(), 0) << " independent rows, condition index "
               << fixed(a.condition_index(), 1);
@@ -163,6 +173,13 @@ void print_budgets(const Console& console, const v1::GetModelResponse& shown) {
   }
 }
 
+// The model's accuracy in the line of the output that sets it; empty: another one does.
+std::string heads(const v1::Model& model, const v1::ModelOutput& output) {
+  for (const auto& one : model.accuracy())
+    if (output.channel().starts_with(one.output() + "_")) return fixed(one.figures().a90(), 2);
+  return "";
+}
+
 const v1::ModelOutput* output_of(const v1::Model& model, const std::string& channel) {
   for (const auto& output : model.outputs())
     if (output.channel() == channel) return &output;
@@ -205,9 +222,11 @@ void print_models(const Console& console, const std::vector<v1::Model>& models) 
                {"name"},
                {""},
                {"output"},
-               {"U90 cal.", Align::right},
-               {"U90 val.", Align::right},
-               {"U90 blocks", Align::right},
+               {"A90", Align::right},
+               {"val.", Align::right},
+               {"mean", Align::right},
+               {"blocks", Align::right},
+               {"mean", Align::right},
                {"unit"},
                {"rows", Align::right},
                {"formula"},
@@ -217,10 +236,12 @@ void print_models(const Console& console, const std::vector<v1::Model>& models) 
     for (const auto& output : model.outputs()) {
       const auto& a = output.accuracy();
       table.add({first ? std::to_string(model.id()) : "", first ? model.name() : "",
-                 first && model.serving() ? "serving" : "", output.channel(),
-                 fixed(a.u90_calibration(), 2),
-                 optional_text(a.has_u90_validation(), a.u90_validation(), 2),
-                 optional_text(a.has_u90_blocks(), a.u90_blocks(), 2), output.summary_unit(),
+                 first && model.serving() ? "serving" : "", output.channel(), heads(model, output),
+                 optional_text(a.has_a90_validation(), a.a90_validation(), 2),
+                 a.has_mean_validation() ? signed_fixed(a.mean_validation(), 2) : "-",
+                 optional_text(a.has_a90_blocks(), a.a90_blocks(), 2),
+                 a.has_mean_blocks() ? signed_fixed(a.mean_blocks(), 2) : "-",
+                 output.summary_unit(),
                  first ? std::to_string(model.lineage().calibration_row_count()) : "",
                  first ? model.formula() : "", first ? model.lineage().source() : ""});
       first = false;
@@ -247,18 +268,22 @@ void print_comparison(const Console& console, const v1::CompareModelsResponse& c
   for (const auto& row : comparison.rows())
     if (channels.empty() || channels.back() != row.channel()) channels.push_back(row.channel());
   for (const auto& channel : channels) {
-    figure(channel, "U90 calibration", [](const v1::ModelOutput& o) {
-      return fixed(o.accuracy().u90_calibration(), 2) + " " + o.summary_unit();
+    const auto judged = [](bool has, double a90, double mean, const std::string& unit) {
+      return has ? fixed(a90, 2) + " " + unit + " (mean " + signed_fixed(mean, 2) + ")"
+                 : std::string("-");
+    };
+    figure(channel, "A90 validation", [&](const v1::ModelOutput& o) {
+      const auto& a = o.accuracy();
+      return judged(a.has_a90_validation(), a.a90_validation(), a.mean_validation(),
+                    o.summary_unit());
     });
-    figure(channel, "U90 validation", [](const v1::ModelOutput& o) {
-      return o.accuracy().has_u90_validation()
-                 ? fixed(o.accuracy().u90_validation(), 2) + " " + o.summary_unit()
-                 : "-";
+    figure(channel, "A90 blocks", [&](const v1::ModelOutput& o) {
+      const auto& a = o.accuracy();
+      return judged(a.has_a90_blocks(), a.a90_blocks(), a.mean_blocks(), o.summary_unit());
     });
-    figure(channel, "U90 blocks", [](const v1::ModelOutput& o) {
-      return o.accuracy().has_u90_blocks()
-                 ? fixed(o.accuracy().u90_blocks(), 2) + " " + o.summary_unit()
-                 : "-";
+    figure(channel, "A90 calibration", [&](const v1::ModelOutput& o) {
+      const auto& a = o.accuracy();
+      return judged(true, a.a90_calibration(), a.mean_calibration(), o.summary_unit());
     });
     figure(channel, "terms in", [](const v1::ModelOutput& o) {
       int count = 0;
@@ -276,6 +301,9 @@ void print_comparison(const Console& console, const v1::CompareModelsResponse& c
     }
   }
   table.print(console.out, console.paint_out());
+  for (const auto& model : comparison.models())
+    for (const auto& one : model.accuracy())
+      console.out << "accuracy (A90) of model " << model.id() << ": " << accuracy_text(one) << '\n';
   console.out << "coefficients in the output's unit per unit of the term; out: offered, not taken; "
                  "-: not offered";
   for (const auto& model : comparison.models())

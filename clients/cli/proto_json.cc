@@ -88,8 +88,8 @@ std::string key_of(const FieldDescriptor* field) {
 
 // The figures that stand in the summary unit, which is nm, arcsec or whatever the output has.
 bool in_summary_unit(std::string_view key) {
-  return key == "rmse" || key.starts_with("u90_") || key == "pure_error" ||
-         key.starts_with("contribution_");
+  return key == "rmse" || key.starts_with("u90_") || key.starts_with("a90_") ||
+         key.starts_with("mean_") || key == "pure_error" || key.starts_with("contribution_");
 }
 
 void add_unit(Json& node, const std::string& unit) {

@@ -8,7 +8,7 @@
 #include "clients/cli/text.h"
 #include "clients/cli/validators.h"
 #include "driftwise/v1/model_service.grpc.pb.h"
-#include "server/core/units.h"
+#include "server/core/accuracy.h"
 #include "server/formats/dataset_csv.h"
 
 namespace driftwise::cli {
@@ -33,7 +33,7 @@ std::size_t rows_of(const v1::ListResidualsResponse& residuals) {
                                      : static_cast<std::size_t>(residuals.outputs(0).values_size());
 }
 
-// Residual columns as `fit --residuals` names them: q1_residual_nm.
+// Columns as `fit --residuals` names them: q1_residual_nm, q1_held_out_nm.
 Dataset table_of(const v1::ListResidualsResponse& residuals, std::int64_t model) {
   Dataset table;
   table.metadata = {{"residuals of", "model " + std::to_string(model)}};
@@ -46,55 +46,53 @@ Dataset table_of(const v1::ListResidualsResponse& residuals, std::int64_t model)
   for (const auto& column : residuals.variables())
     table.columns.push_back(
         {{column.symbol(), column.unit()}, numbers_of<double>(column.values())});
-  for (const auto& output : residuals.outputs())
+  for (const auto& output : residuals.outputs()) {
     table.columns.push_back(
         {{output.output() + "_residual", output.unit()}, numbers_of<double>(output.values())});
+    if (output.held_out_size() == output.values_size())
+      table.columns.push_back(
+          {{output.output() + "_held_out", output.unit()}, numbers_of<double>(output.held_out())});
+  }
   return table;
 }
 
-struct Scatter {
-  std::int64_t count = 0;
-  double sum = 0, squares = 0;
-  void add(double value) {
-    if (std::isnan(value)) return;
-    ++count;
-    sum += value;
-    squares += value * value;
-  }
-  double mean() const { return sum / static_cast<double>(count); }
-  double sd() const {
-    const auto n = static_cast<double>(count);
-    return std::sqrt(std::max(0.0, squares - sum * sum / n) / (n - 1));
-  }
-};
+using ResidualOutput = v1::ListResidualsResponse::Output;
 
-// On standard error, beside the rows: how much is left, and where most.
+// One line of the summary: figures over the rows of one set, and where the largest error is.
+void add_summary(Table& table, const v1::ListResidualsResponse& residuals,
+                 const ResidualOutput& output,
+                 const google::protobuf::RepeatedField<double>& values, bool validation,
+                 const std::string& rows) {
+  std::vector<double> errors;
+  int largest = -1;
+  for (int row = 0; row < values.size(); ++row) {
+    const bool out = row < residuals.excluded_size() && residuals.excluded(row);
+    if (out || residuals.validation(row) != validation || std::isnan(values[row])) continue;
+    errors.push_back(values[row]);
+    if (largest < 0 || std::abs(values[row]) > std::abs(values[largest])) largest = row;
+  }
+  if (errors.size() < 2) return;
+  const ErrorFigures figures = error_figures(errors);
+  table.add({output.output() + " " + output.unit(), rows, std::to_string(figures.rows),
+             fixed(figures.a90, 1), signed_fixed(figures.mean, 1), fixed(figures.u90, 1),
+             signed_fixed(values[largest], 1), std::to_string(largest * residuals.row_step() + 1)});
+}
+
+// On standard error, with the rows on standard output: how much is left, and where most.
 void print_summary(const Console& console, const v1::ListResidualsResponse& residuals) {
   Table table({{"output"},
                {"rows"},
                {"count", Align::right},
+               {"A90", Align::right},
                {"mean", Align::right},
                {"U90", Align::right},
                {"largest", Align::right},
                {"in row", Align::right}});
-  for (const auto& output : residuals.outputs())
-    for (const bool validation : {false, true}) {
-      Scatter scatter;
-      int largest = -1;
-      for (int row = 0; row < output.values_size(); ++row) {
-        const bool out = row < residuals.excluded_size() && residuals.excluded(row);
-        if (out || residuals.validation(row) != validation || std::isnan(output.values(row)))
-          continue;
-        scatter.add(output.values(row));
-        if (largest < 0 || std::abs(output.values(row)) > std::abs(output.values(largest)))
-          largest = row;
-      }
-      if (scatter.count < 2) continue;
-      table.add({output.output() + " " + output.unit(), validation ? "validation" : "calibration",
-                 std::to_string(scatter.count), signed_fixed(scatter.mean(), 1),
-                 fixed(kSigmaToU90 * scatter.sd(), 1), signed_fixed(output.values(largest), 1),
-                 std::to_string(largest * residuals.row_step() + 1)});
-    }
+  for (const auto& output : residuals.outputs()) {
+    add_summary(table, residuals, output, output.values(), false, "calibration");
+    add_summary(table, residuals, output, output.values(), true, "validation");
+    add_summary(table, residuals, output, output.held_out(), false, "held-out blocks");
+  }
   table.print(console.err, console.paint_err());
   if (residuals.row_step() > 1)
     console.err << "every " << residuals.row_step() << "th of " << residuals.row_count()

@@ -33,6 +33,10 @@ std::string residuals_csv(const Dataset& data, const calibration::Model& model) 
     table.columns.push_back({output.channel, measured});
     table.columns.push_back({{symbol + "_model", unit}, std::move(values)});
     table.columns.push_back({{symbol + "_residual", summary.unit}, std::move(residuals)});
+    if (output.held_out.size() != data.rows) continue;
+    std::vector<double> held_out = output.held_out;
+    for (double& error : held_out) error *= summary.factor;
+    table.columns.push_back({{symbol + "_held_out", summary.unit}, std::move(held_out)});
   }
   return formats::write_dataset_csv(table);
 }

@@ -41,13 +41,20 @@ nlohmann::ordered_json study_json(const calibration::SensorStudy& study, const S
   for (const auto& set : study.best) {
     nlohmann::ordered_json one{{"count", set.sensors.size()}, {"sensors", set.sensors}};
     one["u90_blocks_rms_" + unit.unit] = set.u90_blocks_rms * unit.factor;
+    one["a90_blocks_rms_" + unit.unit] = set.a90_blocks_rms * unit.factor;
     one["cost_" + unit.unit] =
-        (set.u90_blocks_rms - study.best.front().u90_blocks_rms) * unit.factor;
+        (set.a90_blocks_rms - study.best.front().a90_blocks_rms) * unit.factor;
     for (const auto& figure : set.outputs) {
       auto& output = one["outputs"][figure.output];
       output["u90_blocks_" + unit.unit] = figure.u90_blocks * unit.factor;
-      if (figure.u90_validation)
-        output["u90_validation_" + unit.unit] = *figure.u90_validation * unit.factor;
+      output["mean_blocks_" + unit.unit] = figure.mean_blocks * unit.factor;
+      output["a90_blocks_" + unit.unit] = figure.a90_blocks * unit.factor;
+      const auto put = [&](const char* key, const std::optional<double>& value) {
+        if (value) output[key + unit.unit] = *value * unit.factor;
+      };
+      put("u90_validation_", figure.u90_validation);
+      put("mean_validation_", figure.mean_validation);
+      put("a90_validation_", figure.a90_validation);
     }
     json["sets"].push_back(std::move(one));
   }
@@ -57,28 +64,28 @@ nlohmann::ordered_json study_json(const calibration::SensorStudy& study, const S
 void print_study(const Console& console, const calibration::SensorStudy& study,
                  const SummaryUnit& unit) {
   std::vector<Table::Column> columns = {
-      {"thermometers", Align::right}, {"U90 " + unit.unit, Align::right}, {"cost", Align::right}};
+      {"thermometers", Align::right}, {"A90 " + unit.unit, Align::right}, {"cost", Align::right}};
   for (const auto& figure : study.best.front().outputs) {
     columns.push_back({figure.output, Align::right});
-    if (figure.u90_validation) columns.push_back({"(validation)", Align::right});
+    if (figure.a90_validation) columns.push_back({"(validation)", Align::right});
   }
   columns.push_back({"the best set"});
   Table table(columns);
   for (std::size_t i = 0; i < study.best.size(); ++i) {
     const auto& set = study.best[i];
-    const double cost = (set.u90_blocks_rms - study.best.front().u90_blocks_rms) * unit.factor;
+    const double cost = (set.a90_blocks_rms - study.best.front().a90_blocks_rms) * unit.factor;
     std::vector<std::string> row = {std::to_string(set.sensors.size()),
-                                    fixed(set.u90_blocks_rms * unit.factor, 1),
+                                    fixed(set.a90_blocks_rms * unit.factor, 1),
                                     (cost < 0 ? "" : "+") + fixed(cost, 1)};
     for (const auto& figure : set.outputs) {
-      row.push_back(fixed(figure.u90_blocks * unit.factor, 1));
-      if (figure.u90_validation) row.push_back(fixed(*figure.u90_validation * unit.factor, 1));
+      row.push_back(fixed(figure.a90_blocks * unit.factor, 1));
+      if (figure.a90_validation) row.push_back(fixed(*figure.a90_validation * unit.factor, 1));
     }
     row.push_back(listed(set.sensors) + (i == study.recommended ? "   <- suffices" : ""));
     table.add(row);
   }
   console.out << "Which thermometers suffice: the best of all " << study.sets_tried
-              << " sets for each number of them, by U90 held out by blocks of time\n\n";
+              << " sets for each number of them, by A90 held out by blocks of time\n\n";
   table.print(console.out, console.paint_out());
   console.out << "\nsuffices: the fewest within " << fixed(100 * study.tolerance, 0)
               << " % of the best, on the validation rows as well where there are any: they rank "
@@ -117,9 +124,15 @@ calibration::SensorStudy study_from(const v1::StudySensorsResponse& answer) {
       auto& figure = one.outputs.emplace_back();
       figure.output = output.output();
       figure.u90_blocks = output.u90_blocks();
+      figure.mean_blocks = output.mean_blocks();
+      figure.a90_blocks = output.a90_blocks();
       if (output.has_u90_validation()) figure.u90_validation = output.u90_validation();
+      if (output.has_mean_validation()) figure.mean_validation = output.mean_validation();
+      if (output.has_a90_validation()) figure.a90_validation = output.a90_validation();
     }
     one.u90_blocks_rms = set.u90_blocks_rms();
+    one.a90_blocks_rms = set.a90_blocks_rms();
+    if (set.has_a90_validation_rms()) one.a90_validation_rms = set.a90_validation_rms();
     if (set.has_u90_validation_rms()) one.u90_validation_rms = set.u90_validation_rms();
   }
   study.recommended = static_cast<std::size_t>(answer.recommended());
@@ -164,7 +177,7 @@ void add_sensors_command(CLI::App& model, Session& session) {
   add_fit_options(command, a->fit);
   command
       .add_option("--tolerance", a->tolerance_pct,
-                  "percent of the best U90 that fewer thermometers may cost")
+                  "percent of the best A90 that fewer thermometers may cost")
       ->check(number_between(0.0, 1000.0))
       ->capture_default_str();
 }

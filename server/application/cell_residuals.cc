@@ -23,7 +23,7 @@ Result<ModelResiduals> residuals_of(const calibration::Model& model, Dataset dat
       return fail(ErrorCode::invalid_argument, "UNKNOWN_CHANNEL",
                   "the rows have no channel " + output.channel.name() + ", which the model gives");
     const double factor = summary_unit(output.channel.unit).factor;
-    auto& column = found.outputs.emplace_back(ModelResiduals::Output{output.channel, {}});
+    auto& column = found.outputs.emplace_back(ModelResiduals::Output{output.channel, {}, {}});
     column.values.resize(data.rows);
     for (std::size_t row = 0; row < data.rows; ++row)
       column.values[row] =
@@ -31,6 +31,13 @@ Result<ModelResiduals> residuals_of(const calibration::Model& model, Dataset dat
   }
   found.dataset_hash = formats::content_hash(formats::write_dataset_csv(data));
   found.same_rows = found.dataset_hash == model.lineage.dataset_hash;
+  for (std::size_t o = 0; o < model.outputs.size() && found.same_rows; ++o) {
+    const auto& output = model.outputs[o];
+    if (output.held_out.size() != data.rows) continue;
+    found.outputs[o].held_out = output.held_out;
+    for (double& error : found.outputs[o].held_out)
+      error *= summary_unit(output.channel.unit).factor;
+  }
   found.data = std::move(data);
   return found;
 }

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <map>
 #include <set>
+#include <span>
 
 #include "server/calibration/datum_zeros.h"
 #include "server/calibration/design.h"
@@ -23,7 +24,7 @@
 #include "server/calibration/serial_errors.h"
 #include "server/calibration/set_overlap.h"
 #include "server/calibration/tail.h"
-#include "server/core/units.h"
+#include "server/core/accuracy.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::calibration {
@@ -78,7 +79,11 @@ std::vector<std::size_t> validation_rows(const Design& design, const Dataset& da
 
 void add_accuracy(const Design& design, const Eigen::VectorXd& residuals, const Solution& solution,
                   Index output, Accuracy& accuracy) {
-  accuracy.u90_calibration = kSigmaToU90 * standard_deviation(residuals);
+  const ErrorFigures figures =
+      error_figures(std::span(residuals.data(), static_cast<std::size_t>(residuals.size())));
+  accuracy.u90_calibration = figures.u90;
+  accuracy.mean_calibration = figures.mean;
+  accuracy.a90_calibration = figures.a90;
   accuracy.lag1_autocorrelation = lag1_autocorrelation(residuals);
   accuracy.effective_rows = effective_rows(residuals.size(), accuracy.lag1_autocorrelation);
   const auto pure = pure_error(design, output, residuals);
@@ -89,6 +94,38 @@ void add_accuracy(const Design& design, const Eigen::VectorXd& residuals, const 
   const int dof = solution.dof - pure->dof;
   accuracy.lack_of_fit_f = std::max(0.0, solution.rss - pure_squares) / dof / (pure->sd * pure->sd);
   accuracy.lack_of_fit_p = f_upper_p(*accuracy.lack_of_fit_f, dof, pure->dof);
+}
+
+// Validation rows, and blocks of time held out; the rows' errors where there are not too many.
+void add_held_out(const Design& design, const Dataset& dataset, const Eigen::VectorXd& errors,
+                  const std::vector<std::size_t>& validation,
+                  const std::optional<BlockOutcome>& blocks, OutputModel& output) {
+  Accuracy& accuracy = output.accuracy;
+  const Eigen::VectorXd on_validation = values_at(errors, validation);
+  if (validation.size() >= 2) {
+    const ErrorFigures figures = error_figures(
+        std::span(on_validation.data(), static_cast<std::size_t>(on_validation.size())));
+    accuracy.u90_validation = figures.u90;
+    accuracy.mean_validation = figures.mean;
+    accuracy.a90_validation = figures.a90;
+  }
+  if (blocks) {
+    const HeldOut& held = blocks->figure;
+    accuracy.u90_blocks = held.figures.u90;
+    accuracy.mean_blocks = held.figures.mean;
+    accuracy.a90_blocks = held.figures.a90;
+    accuracy.u90_blocks_low = held.u90_low;
+    accuracy.u90_blocks_high = held.u90_high;
+    accuracy.a90_blocks_low = held.low;
+    accuracy.a90_blocks_high = held.high;
+  }
+  if (dataset.rows > kMostHeldOutRows || (validation.size() < 2 && !blocks)) return;
+  output.held_out.assign(dataset.rows, std::nan(""));
+  if (validation.size() >= 2)
+    for (const std::size_t row : validation) output.held_out[row] = errors[static_cast<Index>(row)];
+  if (blocks)
+    for (std::size_t i = 0; i < design.rows.size(); ++i)
+      output.held_out[design.rows[i]] = blocks->errors[i];
 }
 
 void add_serial_errors(const Design& design, const Eigen::VectorXd& residuals,
@@ -205,7 +242,7 @@ Result<Model> fit_rows(const Dataset& dataset, const FitOptions& options) {
   model.lineage.rows_excluded = design.excluded;
 
   const auto held_out =
-      cuts.empty() ? std::vector<std::optional<HeldOut>>(design.outputs.size())
+      cuts.empty() ? std::vector<std::optional<BlockOutcome>>(design.outputs.size())
       : shared
           ? held_out_by_blocks(design, whole, rule, options.executor)
           : held_out_by_blocks(design, RowReduction(design, cuts, whole.solver(), options.executor),
@@ -230,14 +267,7 @@ Result<Model> fit_rows(const Dataset& dataset, const FitOptions& options) {
     if (auto done = add_influences(dataset, design.rows, options.weight_symbol, output); !done)
       return tl::unexpected(done.error());
     const auto validation = validation_rows(design, dataset, errors, no_datum);
-    if (validation.size() >= 2)
-      output.accuracy.u90_validation =
-          kSigmaToU90 * standard_deviation(values_at(errors, validation));
-    if (held_out[o]) {
-      output.accuracy.u90_blocks = held_out[o]->u90;
-      output.accuracy.u90_blocks_low = held_out[o]->low;
-      output.accuracy.u90_blocks_high = held_out[o]->high;
-    }
+    add_held_out(design, dataset, errors, validation, held_out[o], output);
     for (auto& sentence : output_warnings(triangle, selection, output))
       warnings.push_back(std::move(sentence));
     model.outputs.push_back(std::move(output));

@@ -82,11 +82,9 @@ Eigen::MatrixXd errors_on(const Design& design, Index begin, Index end,
   return errors;
 }
 
-// What one block adds: rows, and per output the sum of squares of its errors; none where nothing
-// could be fitted.
+// What one block adds: the errors of its rows per output; none where nothing could be fitted.
 struct BlockErrors {
-  double rows = 0;
-  std::vector<std::optional<double>> squares;
+  std::vector<std::optional<Eigen::VectorXd>> errors;
 };
 
 std::optional<BlockErrors> judge(const Design& design, const SelectionRule& rule,
@@ -96,7 +94,7 @@ std::optional<BlockErrors> judge(const Design& design, const SelectionRule& rule
   if (!triangle) return std::nullopt;
   const auto outputs = static_cast<Index>(design.outputs.size());
   BlockErrors result;
-  result.squares.resize(design.outputs.size());
+  result.errors.resize(design.outputs.size());
   Eigen::MatrixXd monomials = Eigen::MatrixXd::Zero(design.monomials(), outputs);
   std::vector<Index> fitted;
   for (Index o = 0; o < outputs; ++o) {
@@ -116,23 +114,27 @@ std::optional<BlockErrors> judge(const Design& design, const SelectionRule& rule
     fitted.push_back(o);
   }
   const Index begin = reduction.cuts()[3 * held], end = reduction.cuts()[3 * held + 3];
-  result.rows = static_cast<double>(end - begin);
   const Eigen::MatrixXd errors = errors_on(design, begin, end, monomials);
   for (const Index o : fitted) {
     Eigen::VectorXd one = errors.col(o);
     if (design.constant) centre_untrained(design, begin, training.datums, one);
-    result.squares[static_cast<std::size_t>(o)] = one.squaredNorm();
+    result.errors[static_cast<std::size_t>(o)] = std::move(one);
   }
   return result;
 }
 
-std::optional<HeldOut> summarise(const std::vector<BlockErrors>& blocks, std::size_t output) {
-  std::vector<FoldSquares> folds;
+std::optional<BlockOutcome> summarise(const std::vector<BlockErrors>& blocks, std::size_t output) {
+  std::vector<ErrorSums> folds;
+  BlockOutcome outcome;
   for (const auto& block : blocks) {
-    if (!block.squares[output]) return std::nullopt;
-    folds.push_back({*block.squares[output], block.rows});
+    if (!block.errors[output]) return std::nullopt;
+    auto& fold = folds.emplace_back();
+    for (const double error : *block.errors[output]) fold.add(error);
+    outcome.errors.insert(outcome.errors.end(), block.errors[output]->begin(),
+                          block.errors[output]->end());
   }
-  return held_out_figure(folds);
+  outcome.figure = held_out_figure(folds);
+  return outcome;
 }
 
 }  // namespace
@@ -151,10 +153,10 @@ std::vector<Index> block_cuts(const Design& design, int blocks, double gap) {
   return cuts;
 }
 
-std::vector<std::optional<HeldOut>> held_out_by_blocks(const Design& design,
-                                                       const RowReduction& reduction,
-                                                       const SelectionRule& rule,
-                                                       const Executor& executor) {
+std::vector<std::optional<BlockOutcome>> held_out_by_blocks(const Design& design,
+                                                            const RowReduction& reduction,
+                                                            const SelectionRule& rule,
+                                                            const Executor& executor) {
   std::vector<std::optional<BlockErrors>> errors(reduction.pieces() / 3);
   run_on(executor, errors.size(),
          [&](std::size_t b) { errors[b] = judge(design, rule, reduction, b); });
@@ -165,7 +167,7 @@ std::vector<std::optional<HeldOut>> held_out_by_blocks(const Design& design,
   }
   std::vector<BlockErrors> blocks;
   for (auto& one : errors) blocks.push_back(std::move(*one));
-  std::vector<std::optional<HeldOut>> results;
+  std::vector<std::optional<BlockOutcome>> results;
   for (std::size_t o = 0; o < design.outputs.size(); ++o) results.push_back(summarise(blocks, o));
   return results;
 }

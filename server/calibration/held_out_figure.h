@@ -1,21 +1,20 @@
 #pragma once
-// One figure of merit from the errors of rows that were held out fold by fold.
+// Figures of merit from the errors of rows that were held out fold by fold.
 
 #include <vector>
 
+#include "server/core/accuracy.h"
+
 namespace driftwise::calibration {
 
-struct HeldOut {
-  double u90 = 0;            // 1.645 x root mean square of the errors of all folds; column unit
-  double low = 0, high = 0;  // 90 %: jackknife over the folds on the logarithm of the mean square,
-                             // t with folds - 1
-};
-
-struct FoldSquares {  // of the errors of one fold
-  double squares = 0, rows = 0;
+struct HeldOut {                     // column unit
+  ErrorFigures figures;              // of the errors of all folds together
+  double low = 0, high = 0;          // 90 % interval of A90: jackknife over the folds on the
+                                     // logarithm of the mean square, t with folds - 1
+  double u90_low = 0, u90_high = 0;  // of U90, likewise on the variance
 };
 
 // At least two folds.
-HeldOut held_out_figure(const std::vector<FoldSquares>& folds);
+HeldOut held_out_figure(const std::vector<ErrorSums>& folds);
 
 }  // namespace driftwise::calibration

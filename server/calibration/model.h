@@ -49,12 +49,16 @@ struct StartOutcome {  // of one of several starts of a selection: starts.h
   bool won = false;
 };
 
-struct Accuracy {                        // of one output, column unit; U90 = 1.645 sigma
-  double rmse = 0;                       // residual standard deviation, sqrt(RSS / dof)
-  double u90_calibration = 0;            // 1.645 * sd of the calibration residuals
-  std::optional<double> u90_validation;  // on the rows marked validation
-  std::optional<double> u90_blocks;      // held out by contiguous blocks of time
-  std::optional<double> u90_blocks_low, u90_blocks_high;  // its 90 % interval over the blocks
+// Of one output, column unit. mean, U90 and A90 as server/core/accuracy.h computes them: each U90
+// has its mean, each A90 holds it.
+struct Accuracy {
+  double rmse = 0;             // residual standard deviation, sqrt(RSS / dof)
+  double u90_calibration = 0;  // of the calibration residuals
+  double mean_calibration = 0, a90_calibration = 0;
+  std::optional<double> u90_validation, mean_validation, a90_validation;  // rows marked validation
+  std::optional<double> u90_blocks, mean_blocks, a90_blocks;  // held out by blocks of time
+  std::optional<double> u90_blocks_low, u90_blocks_high;      // 90 % intervals over the blocks
+  std::optional<double> a90_blocks_low, a90_blocks_high;
   double lag1_autocorrelation = 0, effective_rows = 0;
   // Residuals in time order: the share of their variance that is slow, and over how many rows it
   // keeps (serial_noise.h). 0: white.
@@ -77,6 +81,8 @@ struct Influence {
   Eigen::VectorXd shift;  // of the coefficients, for 1 of it; output's unit
 };
 
+constexpr std::size_t kMostHeldOutRows = 20'000;  // whose errors a model keeps, row by row
+
 struct OutputModel {
   Channel channel;                   // q1_mm
   std::vector<effects::Term> terms;  // those in; the constant first where there is one
@@ -87,6 +93,11 @@ struct OutputModel {
   Eigen::MatrixXd covariance_serial;  // allowing for rows that are not independent
                                       // (serial_errors.h); empty: not known
   std::vector<Influence> influences;
+  // Per row of the dataset, column unit: the residual of a row marked validation, the error of a
+  // calibration row as predicted without its block of time; NaN where a row has neither. What
+  // u90_, mean_ and a90_ of validation and blocks are computed from. Empty: a file of more than
+  // kMostHeldOutRows rows, or nothing was held out.
+  std::vector<double> held_out;
   std::vector<TermReport> report;
   std::vector<SelectionStep> history;
   std::vector<StartOutcome> starts;  // empty: there was one, from none

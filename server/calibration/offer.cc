@@ -63,7 +63,14 @@ Result<std::vector<OfferResult>> weigh_offers(const Dataset& dataset, const FitO
       result.u90_validation_after = after.accuracy.u90_validation;
       result.u90_blocks_before = before.accuracy.u90_blocks;
       result.u90_blocks_after = after.accuracy.u90_blocks;
-      if (forced) result.u90_validation_forced = forced->outputs[o].accuracy.u90_validation;
+      result.a90_validation_before = before.accuracy.a90_validation;
+      result.a90_validation_after = after.accuracy.a90_validation;
+      result.a90_blocks_before = before.accuracy.a90_blocks;
+      result.a90_blocks_after = after.accuracy.a90_blocks;
+      if (forced) {
+        result.u90_validation_forced = forced->outputs[o].accuracy.u90_validation;
+        result.a90_validation_forced = forced->outputs[o].accuracy.a90_validation;
+      }
       results.push_back(std::move(result));
     }
   }

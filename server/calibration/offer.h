@@ -1,6 +1,6 @@
 #pragma once
 // "What would more terms add?" Offers groups of terms on top of a formula and says, in the figure a
-// user sees, what each is worth: held-out U90 before and after.
+// user sees, what each is worth: held-out A90 before and after, U90 with it.
 
 #include <optional>
 #include <string>
@@ -25,6 +25,9 @@ struct OfferResult {  // of one offer for one output; column unit of the output
       u90_blocks_after;                         // by blocks of time, selection repeated inside
   std::optional<double> u90_validation_forced;  // with every offered term forced in, wanted or not;
                                                 // none where that cannot be fitted (rank, rows)
+  // The same of A90 (server/core/accuracy.h): what decides.
+  std::optional<double> a90_validation_before, a90_validation_after, a90_blocks_before,
+      a90_blocks_after, a90_validation_forced;
   bool taken_any() const { return !taken.empty(); }
 };
 

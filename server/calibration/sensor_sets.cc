@@ -37,18 +37,25 @@ std::optional<SensorSet> tried(const Dataset& dataset, FitOptions options,
     if (why != nullptr) *why = model.error();
     return std::nullopt;
   }
-  double squares = 0, validation = 0;
+  double u90 = 0, a90 = 0, u90_validation = 0, a90_validation = 0;
   for (const auto& output : model->outputs) {
-    if (!output.accuracy.u90_blocks) return std::nullopt;
-    set.outputs.push_back(
-        {output.channel.symbol, *output.accuracy.u90_blocks, output.accuracy.u90_validation});
-    squares += *output.accuracy.u90_blocks * *output.accuracy.u90_blocks;
-    const double judged = output.accuracy.u90_validation.value_or(NAN);
-    validation += judged * judged;
+    const auto& accuracy = output.accuracy;
+    if (!accuracy.a90_blocks) return std::nullopt;
+    set.outputs.push_back({output.channel.symbol, *accuracy.u90_blocks, *accuracy.mean_blocks,
+                           *accuracy.a90_blocks, accuracy.u90_validation, accuracy.mean_validation,
+                           accuracy.a90_validation});
+    u90 += std::pow(*accuracy.u90_blocks, 2);
+    a90 += std::pow(*accuracy.a90_blocks, 2);
+    u90_validation += std::pow(accuracy.u90_validation.value_or(NAN), 2);
+    a90_validation += std::pow(accuracy.a90_validation.value_or(NAN), 2);
   }
   const auto count = static_cast<double>(set.outputs.size());
-  set.u90_blocks_rms = std::sqrt(squares / count);
-  if (std::isfinite(validation)) set.u90_validation_rms = std::sqrt(validation / count);
+  set.u90_blocks_rms = std::sqrt(u90 / count);
+  set.a90_blocks_rms = std::sqrt(a90 / count);
+  if (std::isfinite(a90_validation)) {
+    set.u90_validation_rms = std::sqrt(u90_validation / count);
+    set.a90_validation_rms = std::sqrt(a90_validation / count);
+  }
   return set;
 }
 
@@ -88,18 +95,18 @@ Result<SensorStudy> study_sensors(const Dataset& dataset, const FitOptions& base
     const SensorSet* best = nullptr;
     for (std::size_t chosen = 0; chosen < count; ++chosen)
       if (sets[chosen] && static_cast<std::size_t>(std::popcount(chosen)) == many &&
-          (best == nullptr || sets[chosen]->u90_blocks_rms < best->u90_blocks_rms))
+          (best == nullptr || sets[chosen]->a90_blocks_rms < best->a90_blocks_rms))
         best = &*sets[chosen];
     if (best != nullptr) study.best.push_back(*best);
   }
   double lowest = INFINITY, lowest_validation = INFINITY;
   for (const auto& set : study.best) {
-    lowest = std::min(lowest, set.u90_blocks_rms);
-    lowest_validation = std::min(lowest_validation, set.u90_validation_rms.value_or(INFINITY));
+    lowest = std::min(lowest, set.a90_blocks_rms);
+    lowest_validation = std::min(lowest_validation, set.a90_validation_rms.value_or(INFINITY));
   }
   for (std::size_t i = 0; i < study.best.size(); ++i)
-    if (study.best[i].u90_blocks_rms <= (1 + tolerance) * lowest &&
-        study.best[i].u90_validation_rms.value_or(0) <= (1 + tolerance) * lowest_validation)
+    if (study.best[i].a90_blocks_rms <= (1 + tolerance) * lowest &&
+        study.best[i].a90_validation_rms.value_or(0) <= (1 + tolerance) * lowest_validation)
       study.recommended = i;
   return study;
 }

@@ -10,17 +10,19 @@
 
 namespace driftwise::calibration {
 
-struct SensorFigure {  // of one output, its column unit
+struct SensorFigure {  // of one output, its column unit; figures of server/core/accuracy.h
   std::string output;
-  double u90_blocks = 0;                 // held out by blocks of time, selection repeated inside
-  std::optional<double> u90_validation;  // rows marked validation
+  // Held out by blocks of time, selection repeated inside.
+  double u90_blocks = 0, mean_blocks = 0, a90_blocks = 0;
+  std::optional<double> u90_validation, mean_validation, a90_validation;  // rows marked validation
 };
 
 struct SensorSet {
   std::vector<std::string> sensors;  // "t05"; the terms of all others were left out
   std::vector<SensorFigure> outputs;
-  double u90_blocks_rms = 0;  // root mean square over the outputs: what sets are ranked by
-  std::optional<double> u90_validation_rms;
+  double a90_blocks_rms = 0;  // root mean square over the outputs: what sets are ranked by
+  double u90_blocks_rms = 0;
+  std::optional<double> a90_validation_rms, u90_validation_rms;
 };
 
 struct SensorStudy {

@@ -6,6 +6,7 @@
 
 #include "server/calibration/residual_statistics.h"
 #include "server/calibration/tail.h"
+#include "server/core/accuracy.h"
 #include "server/core/units.h"
 #include "server/diagnosis/discrepancy.h"
 
@@ -37,18 +38,18 @@ CheckReference reference_of(const calibration::OutputModel& output, std::int64_t
       kFewestDof, thinned_for_variance(static_cast<double>(rows), reference.lag1_autocorrelation) -
                       static_cast<double>(output.terms.size()));
   reference.dof = most_dof;
-  if (accuracy.u90_blocks && *accuracy.u90_blocks > 0) {
-    reference.sd = *accuracy.u90_blocks / kSigmaToU90 * factor;
+  if (accuracy.a90_blocks && *accuracy.a90_blocks > 0) {
+    reference.sd = *accuracy.a90_blocks / kSigmaToU90 * factor;
     reference.source = "blocks of time";
-    if (accuracy.u90_blocks_high && *accuracy.u90_blocks_high > *accuracy.u90_blocks) {
+    if (accuracy.a90_blocks_high && *accuracy.a90_blocks_high > *accuracy.a90_blocks) {
       // The interval is 90 % by t over (usually ten) blocks on ln(mean square), whose variance is
       // 2 / dof for a variance with that many degrees of freedom.
       constexpr double kT = 1.833;
-      const double se = 2 * std::log(*accuracy.u90_blocks_high / *accuracy.u90_blocks) / kT;
+      const double se = 2 * std::log(*accuracy.a90_blocks_high / *accuracy.a90_blocks) / kT;
       reference.dof = std::clamp(2 / (se * se), kFewestDof, most_dof);
     }
-  } else if (accuracy.u90_validation && *accuracy.u90_validation > 0) {
-    reference.sd = *accuracy.u90_validation / kSigmaToU90 * factor;
+  } else if (accuracy.a90_validation && *accuracy.a90_validation > 0) {
+    reference.sd = *accuracy.a90_validation / kSigmaToU90 * factor;
     reference.source = "validation rows";
   } else {
     reference.sd = accuracy.rmse * factor;
@@ -65,7 +66,9 @@ std::string what_it_goes_with(const RunToCheck& run, const std::vector<double>& 
   std::string name;
   for (const auto& column : run.data.columns) {
     const auto& symbol = column.channel.symbol;
-    if (symbol == output || symbol.ends_with("_cmd") || symbol.ends_with("_std")) continue;
+    if (symbol == output || symbol.ends_with("_cmd") || symbol.ends_with("_std") ||
+        symbol.ends_with("_target"))
+      continue;
     const double share = marginal_share(column.values, errors);
     if (share <= most) continue;
     most = share;
@@ -105,14 +108,14 @@ class Charts {
     std::vector<double> known;
     for (const double value : errors.values)
       if (std::isfinite(value)) known.push_back(value);
-    const Eigen::Map<const Eigen::VectorXd> values(known.data(),
-                                                   static_cast<Eigen::Index>(known.size()));
     const double n = static_cast<double>(known.size());
     const double r = reference_.lag1_autocorrelation;
     point.effective_rows = calibration::effective_rows(point.rows, r);
-    point.bias = values.mean();
-    point.sd = calibration::standard_deviation(values);
-    point.u90 = kSigmaToU90 * point.sd;
+    const ErrorFigures figures = error_figures(known);
+    point.bias = figures.mean;
+    point.sd = figures.u90 / kSigmaToU90;
+    point.u90 = figures.u90;
+    point.a90 = figures.a90;
     const double dof = thinned_for_variance(n, r) - 1;
     if (dof < kFewestDof || !(reference_.sd > 0)) {
       point.why_not = reference_.sd > 0

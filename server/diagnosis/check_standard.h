@@ -12,7 +12,7 @@
 //   both again as EWMA with lambda 0.2 and 3 sigma limits (6.3.2.4), from the second run on, for
 //           what a single run does not show. What all runs share (the model's coefficients, the
 //           reference) does not average out, and the limits say so.
-// s, the reference: held-out U90 by blocks of time / 1.645, its dof from the interval over the
+// s, the reference: held-out A90 by blocks of time / 1.645, its dof from the interval over the
 // blocks; without blocks the validation rows, without those the residuals. n_eff and the dof of a
 // run: rows thinned by the model's own lag-1 autocorrelation r: n (1 - r)/(1 + r) for a mean
 // (Bayley and Hammersley 1946), n (1 - r^2)/(1 + r^2) for a variance (Bartlett 1946).
@@ -37,7 +37,7 @@ struct CheckPoint {  // one run on the charts of one output; summary unit
   double effective_rows = 0;
   bool judged = false;
   std::string why_not;  // when it is not
-  double bias = 0, sd = 0, u90 = 0;
+  double bias = 0, sd = 0, u90 = 0, a90 = 0;
   std::optional<double> bias_limit;  // none: the run's zero is not known, its mean says nothing
   double sd_limit = 0;
   std::optional<double> ewma_bias, ewma_bias_limit;      // from the second judged run on

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "server/calibration/accuracy.h"
 #include "server/effects/term_order.h"
 #include "server/formats/coefficient_unit.h"
 
@@ -52,6 +53,19 @@ ordered_json covariance_json(const Eigen::MatrixXd& covariance) {
   return rows;
 }
 
+// "a90_nm": the figures of one heading, with what it was before on the same output and rows.
+ordered_json judged_json(const JudgedAccuracy& one) {
+  const auto figures = [&one](const ErrorFigures& of) {
+    return ordered_json{{"a90_" + one.unit, number(of.a90)},
+                        {"mean_" + one.unit, number(of.mean)},
+                        {"u90_" + one.unit, number(of.u90)}};
+  };
+  ordered_json json{{"output", one.output}, {"rows", to_string(one.rows)}};
+  json.update(figures(one.figures));
+  if (one.before) json["before"] = figures(*one.before);
+  return json;
+}
+
 ordered_json output_summary(const calibration::OutputModel& output,
                             const calibration::Model& model) {
   const SummaryUnit summary = summary_unit(output.channel.unit);
@@ -62,11 +76,20 @@ ordered_json output_summary(const calibration::OutputModel& output,
   json["dof"] = output.dof;
   json[key("rmse")] = number(accuracy.rmse * summary.factor);
   json[key("u90_calibration")] = number(accuracy.u90_calibration * summary.factor);
+  json[key("mean_calibration")] = number(accuracy.mean_calibration * summary.factor);
+  json[key("a90_calibration")] = number(accuracy.a90_calibration * summary.factor);
   put(json, key("u90_validation"), accuracy.u90_validation, summary.factor);
+  put(json, key("mean_validation"), accuracy.mean_validation, summary.factor);
+  put(json, key("a90_validation"), accuracy.a90_validation, summary.factor);
   put(json, key("u90_blocks"), accuracy.u90_blocks, summary.factor);
-  if (accuracy.u90_blocks_low && accuracy.u90_blocks_high)
-    json[key("u90_blocks_ci90")] = {number(*accuracy.u90_blocks_low * summary.factor),
-                                    number(*accuracy.u90_blocks_high * summary.factor)};
+  put(json, key("mean_blocks"), accuracy.mean_blocks, summary.factor);
+  put(json, key("a90_blocks"), accuracy.a90_blocks, summary.factor);
+  const auto interval = [&](const char* name, const auto& low, const auto& high) {
+    if (low && high)
+      json[key(name)] = {number(*low * summary.factor), number(*high * summary.factor)};
+  };
+  interval("u90_blocks_ci90", accuracy.u90_blocks_low, accuracy.u90_blocks_high);
+  interval("a90_blocks_ci90", accuracy.a90_blocks_low, accuracy.a90_blocks_high);
   json["lag1_autocorrelation"] = number(accuracy.lag1_autocorrelation);
   json["effective_rows"] = number(accuracy.effective_rows);
   json["slow_noise"] = {{"share", number(accuracy.slow_share)},
@@ -109,6 +132,12 @@ ordered_json output_summary(const calibration::OutputModel& output,
 
 }  // namespace
 
+ordered_json heading_json(const std::vector<JudgedAccuracy>& heading) {
+  auto json = ordered_json::array();
+  for (const auto& one : heading) json.push_back(judged_json(one));
+  return json;
+}
+
 ordered_json fit_json(const calibration::Model& model) {
   ordered_json json;
   json["schema"] = "driftwise.fit.v1";
@@ -124,6 +153,7 @@ ordered_json fit_json(const calibration::Model& model) {
                   {"validation", model.lineage.rows_validation},
                   {"dropped", model.lineage.rows_dropped},
                   {"excluded", model.lineage.rows_excluded}};
+  json["accuracy"] = heading_json(calibration::heading_of(model));
   json["outputs"] = ordered_json::object();
   for (const auto& output : model.outputs)
     json["outputs"][output.channel.symbol] = output_summary(output, model);

@@ -4,8 +4,10 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "server/calibration/model.h"
+#include "server/core/accuracy.h"
 
 namespace driftwise::formats {
 
@@ -13,6 +15,10 @@ namespace driftwise::formats {
 // output's own unit, which is named in each key. Numbers are written so that they read back
 // exactly. covariance: of the coefficients in, in the order of the terms in.
 nlohmann::ordered_json fit_json(const calibration::Model& model);
+
+// [{"output": "q1", "rows": "validation", "a90_nm": .., "mean_nm": .., "u90_nm": ..}]: the accuracy
+// that heads a page, one per unit; "before" where it is compared.
+nlohmann::ordered_json heading_json(const std::vector<JudgedAccuracy>& heading);
 
 struct FitTableOptions {
   bool history = false;  // step by step

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "server/calibration/accuracy.h"
+#include "server/core/quantity_text.h"
 #include "server/effects/term_order.h"
 #include "server/formats/coefficient_unit.h"
 #include "server/formats/fit_json.h"
@@ -67,16 +69,27 @@ std::string accuracy_lines(const calibration::OutputModel& output) {
   const SummaryUnit summary = summary_unit(output.channel.unit);
   const auto& accuracy = output.accuracy;
   const char* unit = summary.unit == "1" ? "" : summary.unit.c_str();
-  const auto figure = [&](double value) { return print("%.4g %s", value * summary.factor, unit); };
-  std::string text = "  RMSE " + figure(accuracy.rmse) +
-                     print(", %d degrees of freedom", output.dof) + "; U90 calibration " +
-                     figure(accuracy.u90_calibration);
-  if (accuracy.u90_validation) text += ", validation " + figure(*accuracy.u90_validation);
-  if (accuracy.u90_blocks)
-    text += ", by blocks of time " + figure(*accuracy.u90_blocks) +
-            print(" (90 %%: %.4g to %.4g)", *accuracy.u90_blocks_low * summary.factor,
-                  *accuracy.u90_blocks_high * summary.factor);
-  text += "\n";
+  const auto figure = [&](double value) {
+    return digits_text(value * summary.factor) + (*unit == '\0' ? "" : " ") + unit;
+  };
+  // "A90 42.0 nm (mean +24.3 nm, U90 12.8 nm)"
+  const auto judged = [&](double mean, double u90, double a90) {
+    return "A90 " + figure(a90) + " (mean " + digits_text(mean * summary.factor, 3, true) + " " +
+           unit + ", U90 " + figure(u90) + ")";
+  };
+  std::string text =
+      "  RMSE " + figure(accuracy.rmse) + print(", %d degrees of freedom\n", output.dof) +
+      "  calibration rows: " +
+      judged(accuracy.mean_calibration, accuracy.u90_calibration, accuracy.a90_calibration) + "\n";
+  if (accuracy.a90_validation)
+    text += "  validation rows: " +
+            judged(*accuracy.mean_validation, *accuracy.u90_validation, *accuracy.a90_validation) +
+            "\n";
+  if (accuracy.a90_blocks)
+    text += "  held-out blocks of time: " +
+            judged(*accuracy.mean_blocks, *accuracy.u90_blocks, *accuracy.a90_blocks) +
+            ", 90 % interval of A90 " + digits_text(*accuracy.a90_blocks_low * summary.factor) +
+            " to " + figure(*accuracy.a90_blocks_high) + "\n";
   text += print("  lag-1 autocorrelation %.2f, %.0f effective rows, condition index %.3g",
                 accuracy.lag1_autocorrelation, accuracy.effective_rows, accuracy.condition_index);
   if (accuracy.pure_error)
@@ -158,6 +171,8 @@ std::string fit_table(const calibration::Model& model, const FitTableOptions& op
   text += rule_text(model);
   if (model.fit_us > 0) text += print("; %.0f us", model.fit_us);
   text += "\n";
+  for (const auto& one : calibration::heading_of(model))
+    text += "accuracy (A90) " + accuracy_text(one) + "\n";
   for (const auto& output : model.outputs) {
     const bool any_out =
         std::ranges::any_of(output.report, [](const auto& report) { return !report.in; });

@@ -21,12 +21,16 @@ void put_figure(ordered_json& json, const std::string& key, const std::optional<
   if (value) json[key + "_" + summary.unit] = finite(*value * summary.factor);
 }
 
-void put_held_out(ordered_json& json, const std::string& key,
+void put_held_out(ordered_json& json, const std::string& rows,
                   const std::optional<calibration::HeldOut>& held, const SummaryUnit& summary) {
   if (!held) return;
-  put_figure(json, key, held->u90, summary);
-  json[key + "_ci90_" + summary.unit] = {finite(held->low * summary.factor),
-                                         finite(held->high * summary.factor)};
+  put_figure(json, "u90_" + rows, held->figures.u90, summary);
+  json["u90_" + rows + "_ci90_" + summary.unit] = {finite(held->u90_low * summary.factor),
+                                                   finite(held->u90_high * summary.factor)};
+  put_figure(json, "mean_" + rows, held->figures.mean, summary);
+  put_figure(json, "a90_" + rows, held->figures.a90, summary);
+  json["a90_" + rows + "_ci90_" + summary.unit] = {finite(held->low * summary.factor),
+                                                   finite(held->high * summary.factor)};
 }
 
 ordered_json output_figures(const identification::OutputFigures& output) {
@@ -34,9 +38,13 @@ ordered_json output_figures(const identification::OutputFigures& output) {
   ordered_json json{{"unit", output.channel.unit}, {"parameters", output.parameters}};
   put_figure(json, "rms", output.rms, summary);
   put_figure(json, "u90_calibration", output.u90_calibration, summary);
+  put_figure(json, "mean_calibration", output.mean_calibration, summary);
+  put_figure(json, "a90_calibration", output.a90_calibration, summary);
   put_figure(json, "u90_validation", output.u90_validation, summary);
-  put_held_out(json, "u90_blocks", output.blocks, summary);
-  put_held_out(json, "u90_groups", output.groups, summary);
+  put_figure(json, "mean_validation", output.mean_validation, summary);
+  put_figure(json, "a90_validation", output.a90_validation, summary);
+  put_held_out(json, "blocks", output.blocks, summary);
+  put_held_out(json, "groups", output.groups, summary);
   put_figure(json, "pure_error", output.pure_error, summary);
   return json;
 }

@@ -1,11 +1,12 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 
+#include "server/core/quantity_text.h"
 #include "server/effects/term_order.h"
 #include "server/formats/fit_json.h"
 #include "server/formats/method_json.h"
-#include "server/formats/size_text.h"
 
 namespace driftwise::formats {
 namespace {
@@ -19,14 +20,28 @@ std::string formatted(const char* format, Values... values) {
   return text.data();
 }
 
-std::string figure_text(const std::optional<double>& value, const std::string& unit) {
-  if (!value) return "-";
-  const SummaryUnit summary = summary_unit(unit);
-  return formats::size_text(*value * summary.factor, summary.unit);
-}
+// Figures that are compared stand in one unit: that of the largest of them.
+class ComparedFigures {
+ public:
+  explicit ComparedFigures(const std::string& unit) : summary_(summary_unit(unit)) {}
+  void see(const std::optional<double>& value) {
+    if (value && std::isfinite(*value))
+      largest_ = std::max(largest_, std::abs(*value * summary_.factor));
+  }
+  std::string text(const std::optional<double>& value) const {
+    if (!value) return "-";
+    const SizeUnit shown = size_unit({largest_}, summary_.unit);
+    return digits_text(*value * summary_.factor * shown.factor) +
+           (shown.unit == "1" ? "" : " " + shown.unit);
+  }
 
-std::optional<double> u90_of(const std::optional<calibration::HeldOut>& held) {
-  return held ? std::optional(held->u90) : std::nullopt;
+ private:
+  SummaryUnit summary_;
+  double largest_ = 0;
+};
+
+std::optional<double> a90_of(const std::optional<calibration::HeldOut>& held) {
+  return held ? std::optional(held->figures.a90) : std::nullopt;
 }
 
 std::string method_heading() {
@@ -84,7 +99,7 @@ std::string comparison_table(const std::vector<Judgement>& judgements) {
                     static_cast<long long>(first.rows_calibration),
                     static_cast<long long>(first.rows_validation));
   if (first.groups > 0) text += formatted(", %lld groups", static_cast<long long>(first.groups));
-  text += "; U90 = 1.645 sigma\n";
+  text += "; A90 = 1.645 x rms of the error, mean included\n";
   for (std::size_t o = 0; o < first.outputs.size(); ++o) {
     const Channel& channel = first.outputs[o].channel;
     text += "\n" + channel.name();
@@ -95,42 +110,52 @@ std::string comparison_table(const std::vector<Judgement>& judgements) {
         if (output.channel == channel && output.pure_error &&
             (best == nullptr || *output.pure_error < *best->pure_error))
           best = &output;
+    ComparedFigures shown(channel.unit);
+    for (const auto& one : judgements)
+      for (const auto& output : one.outputs)
+        if (output.channel == channel)
+          for (const auto& figure : {std::optional(output.a90_calibration), output.a90_validation,
+                                     a90_of(output.blocks), a90_of(output.groups)})
+            shown.see(figure);
     if (best != nullptr)
-      text += ": visits of a group agree to " + figure_text(best->pure_error, channel.unit) +
-              " (standard deviation)";
+      text +=
+          ": visits of a group agree to " + shown.text(best->pure_error) + " (standard deviation)";
     text += "\n" + method_heading();
     for (const auto& one : judgements) {
       const auto at = std::ranges::find_if(
           one.outputs, [&](const auto& output) { return output.channel == channel; });
       if (at == one.outputs.end()) continue;
-      text += formatted("  %-10s %-8s %10d %12s %12s %12s %12s %12s\n",
-                        identification::name_of(one.fitted.method).c_str(), "U90", at->parameters,
-                        figure_text(at->u90_calibration, channel.unit).c_str(),
-                        figure_text(at->u90_validation, channel.unit).c_str(),
-                        figure_text(u90_of(at->blocks), channel.unit).c_str(),
-                        figure_text(u90_of(at->groups), channel.unit).c_str(),
-                        time_text(one.fitted.fit_us).c_str());
+      text +=
+          formatted("  %-10s %-8s %10d %12s %12s %12s %12s %12s\n",
+                    identification::name_of(one.fitted.method).c_str(), "A90", at->parameters,
+                    shown.text(at->a90_calibration).c_str(), shown.text(at->a90_validation).c_str(),
+                    shown.text(a90_of(at->blocks)).c_str(), shown.text(a90_of(at->groups)).c_str(),
+                    time_text(one.fitted.fit_us).c_str());
     }
   }
   if (first.position) {
     text += "\nall outputs together, sqrt(mean |e|^2)\n" + method_heading();
+    ComparedFigures shown(first.position->unit);
+    for (const auto& one : judgements)
+      if (one.position)
+        for (const auto& figure : {std::optional(one.position->rms), one.position->rms_validation,
+                                   one.position->rms_blocks, one.position->rms_groups})
+          shown.see(figure);
     for (const auto& one : judgements) {
       if (!one.position) continue;
       const auto& position = *one.position;
-      text += formatted("  %-10s %-8s %10d %12s %12s %12s %12s %12s\n",
-                        identification::name_of(one.fitted.method).c_str(), "rms",
-                        one.fitted.parameters(), figure_text(position.rms, position.unit).c_str(),
-                        figure_text(position.rms_validation, position.unit).c_str(),
-                        figure_text(position.rms_blocks, position.unit).c_str(),
-                        figure_text(position.rms_groups, position.unit).c_str(),
-                        time_text(one.fitted.fit_us).c_str());
+      text += formatted(
+          "  %-10s %-8s %10d %12s %12s %12s %12s %12s\n",
+          identification::name_of(one.fitted.method).c_str(), "rms", one.fitted.parameters(),
+          shown.text(position.rms).c_str(), shown.text(position.rms_validation).c_str(),
+          shown.text(position.rms_blocks).c_str(), shown.text(position.rms_groups).c_str(),
+          time_text(one.fitted.fit_us).c_str());
     }
     std::optional<double> agree;
     for (const auto& one : judgements)
       if (one.position && one.position->pure_error)
         agree = std::min(agree.value_or(HUGE_VAL), *one.position->pure_error);
-    if (agree)
-      text += "  visits of a group agree to " + figure_text(agree, first.position->unit) + " rms\n";
+    if (agree) text += "  visits of a group agree to " + shown.text(agree) + " rms\n";
   }
   std::string notes;
   for (const auto& one : judgements) notes += note_lines(one);

@@ -24,9 +24,9 @@ constexpr const char* kSchema = "driftwise.model.v1";
                                               const Lineage& lineage) {
   [[maybe_unused]] const auto& [m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11, m12, m13, m14] =
       model;
-  [[maybe_unused]] const auto& [o1, o2, o3, o4, o5, o6, o7, o8, o9, o10, o11] = output;
+  [[maybe_unused]] const auto& [o1, o2, o3, o4, o5, o6, o7, o8, o9, o10, o11, o12] = output;
   [[maybe_unused]] const auto& [a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11, a12, a13, a14, a15,
-                                a16, a17, a18] = accuracy;
+                                a16, a17, a18, a19, a20, a21, a22, a23, a24, a25, a26] = accuracy;
   [[maybe_unused]] const auto& [r1, r2, r3, r4, r5, r6, r7, r8, r9, r10, r11, r12] = report;
   [[maybe_unused]] const auto& [s1, s2, s3, s4, s5, s6, s7] = step;
   [[maybe_unused]] const auto& [l1, l2, l3, l4, l5, l6, l7, l8, l9] = lineage;
@@ -85,6 +85,12 @@ void each_optional(A& accuracy, Visit visit) {
   visit("u90_blocks", accuracy.u90_blocks);
   visit("u90_blocks_low", accuracy.u90_blocks_low);
   visit("u90_blocks_high", accuracy.u90_blocks_high);
+  visit("mean_validation", accuracy.mean_validation);
+  visit("a90_validation", accuracy.a90_validation);
+  visit("mean_blocks", accuracy.mean_blocks);
+  visit("a90_blocks", accuracy.a90_blocks);
+  visit("a90_blocks_low", accuracy.a90_blocks_low);
+  visit("a90_blocks_high", accuracy.a90_blocks_high);
   visit("pure_error", accuracy.pure_error);
   visit("lack_of_fit_f", accuracy.lack_of_fit_f);
   visit("lack_of_fit_p", accuracy.lack_of_fit_p);
@@ -107,6 +113,8 @@ template <class A, class Visit>
 void each_later_figure(A& accuracy, Visit visit) {
   visit("slow_share", accuracy.slow_share);
   visit("slow_rows", accuracy.slow_rows);
+  visit("mean_calibration", accuracy.mean_calibration);
+  visit("a90_calibration", accuracy.a90_calibration);
 }
 
 Json accuracy_json(const Accuracy& accuracy) {
@@ -123,6 +131,8 @@ Json accuracy_json(const Accuracy& accuracy) {
 Accuracy read_accuracy(const JsonPlace& from) {
   Accuracy accuracy;
   each_figure(accuracy, [&](const char* key, double& value) { value = from[key].number(); });
+  // A fit with a constant has residuals of mean 0: what a model without A90 is read with.
+  accuracy.a90_calibration = accuracy.u90_calibration;
   each_later_figure(accuracy, [&](const char* key, double& value) {
     if (from.has(key)) value = from[key].number();
   });
@@ -233,6 +243,10 @@ Json output_json(const OutputModel& output) {
               {"history", std::move(history)},
               {"starts", std::move(starts)}};
   write_uncertainty(output, out);
+  if (!output.held_out.empty()) {
+    Json& held_out = out["held_out"] = Json::array();
+    for (const double error : output.held_out) held_out.push_back(json_number(error));
+  }
   return out;
 }
 
@@ -255,6 +269,11 @@ OutputModel read_output(const JsonPlace& from) {
   if (from.has("starts"))  // models stored by 0.1 have none
     for (std::size_t i = 0; i < from["starts"].size(); ++i)
       output.starts.push_back(read_start(from["starts"][i]));
+  if (from.has("held_out")) {
+    const auto held_out = from["held_out"];
+    for (std::size_t i = 0; i < held_out.size(); ++i)
+      output.held_out.push_back(held_out[i].number());
+  }
   return output;
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <span>
 
 #include "server/calibration/design.h"
 #include "server/calibration/held_out_figure.h"
@@ -130,10 +131,12 @@ struct Bench {
 
 std::optional<calibration::HeldOut> of_output(const FoldErrors& folds, std::size_t output) {
   if (folds.empty()) return std::nullopt;
-  std::vector<calibration::FoldSquares> squares;
-  for (const auto& fold : folds)
-    squares.push_back({fold[output].squaredNorm(), static_cast<double>(fold[output].size())});
-  return calibration::held_out_figure(squares);
+  std::vector<ErrorSums> sums;
+  for (const auto& fold : folds) {
+    auto& one = sums.emplace_back();
+    for (const double error : fold[output]) one.add(error);
+  }
+  return calibration::held_out_figure(sums);
 }
 
 std::optional<double> position_rms(const FoldErrors& folds) {
@@ -261,10 +264,19 @@ Result<Judgement> judge_method(const Dataset& whole, Method method, const Method
     figures.channel = fitted->outputs[o];
     figures.parameters = fitted->parameters(o);
     figures.rms = std::sqrt(residuals.squaredNorm() / static_cast<double>(residuals.size()));
-    figures.u90_calibration = kSigmaToU90 * calibration::standard_deviation(residuals);
-    if (validation.size() >= 2)
-      figures.u90_validation =
-          kSigmaToU90 * calibration::standard_deviation(picked(errors, validation, column));
+    const auto figures_of = [](const Eigen::VectorXd& values) {
+      return error_figures(std::span(values.data(), static_cast<std::size_t>(values.size())));
+    };
+    const ErrorFigures own = figures_of(residuals);
+    figures.u90_calibration = own.u90;
+    figures.mean_calibration = own.mean;
+    figures.a90_calibration = own.a90;
+    if (validation.size() >= 2) {
+      const ErrorFigures held_out = figures_of(picked(errors, validation, column));
+      figures.u90_validation = held_out.u90;
+      figures.mean_validation = held_out.mean;
+      figures.a90_validation = held_out.a90;
+    }
     figures.blocks = of_output(blocks, o);
     figures.groups = of_output(groups, o);
     if (!labels.empty()) figures.pure_error = spread_within(residuals, calibration, labels);

@@ -17,12 +17,12 @@ struct JudgeOptions {
   int folds = 10;          // of whole groups
 };
 
-struct OutputFigures {  // column unit; U90 = 1.645 sigma
+struct OutputFigures {  // column unit; figures of server/core/accuracy.h
   Channel channel;
   int parameters = 0;
   double rms = 0;  // of the calibration residuals
-  double u90_calibration = 0;
-  std::optional<double> u90_validation;
+  double u90_calibration = 0, mean_calibration = 0, a90_calibration = 0;
+  std::optional<double> u90_validation, mean_validation, a90_validation;
   std::optional<calibration::HeldOut> blocks, groups;
   std::optional<double> pure_error;  // standard deviation of a residual about its group's mean
 };

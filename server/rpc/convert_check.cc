@@ -31,6 +31,7 @@ v1::CheckedRun checked_run_from(const diagnosis::CheckPoint& point) {
   out.set_sd(point.sd);
   out.set_sd_limit(point.sd_limit);
   out.set_u90(point.u90);
+  out.set_a90(point.a90);
   if (point.ewma_bias) out.set_ewma_bias(*point.ewma_bias);
   if (point.ewma_bias_limit) out.set_ewma_bias_limit(*point.ewma_bias_limit);
   if (point.ewma_spread) out.set_ewma_spread(*point.ewma_spread);
@@ -80,6 +81,11 @@ v1::OfferOutcome offer_from(const calibration::OfferResult& offer) {
   if (offer.u90_validation_forced) out.set_u90_validation_forced(*offer.u90_validation_forced);
   if (offer.u90_blocks_before) out.set_u90_blocks_before(*offer.u90_blocks_before);
   if (offer.u90_blocks_after) out.set_u90_blocks_after(*offer.u90_blocks_after);
+  if (offer.a90_validation_before) out.set_a90_validation_before(*offer.a90_validation_before);
+  if (offer.a90_validation_after) out.set_a90_validation_after(*offer.a90_validation_after);
+  if (offer.a90_validation_forced) out.set_a90_validation_forced(*offer.a90_validation_forced);
+  if (offer.a90_blocks_before) out.set_a90_blocks_before(*offer.a90_blocks_before);
+  if (offer.a90_blocks_after) out.set_a90_blocks_after(*offer.a90_blocks_after);
   return out;
 }
 

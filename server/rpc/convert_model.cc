@@ -2,8 +2,10 @@
 
 #include <cmath>
 
+#include "server/calibration/accuracy.h"
 #include "server/formats/coefficient_unit.h"
 #include "server/formats/model_json.h"
+#include "server/rpc/convert_accuracy.h"
 #include "server/rpc/convert_values.h"
 
 namespace driftwise::rpc {
@@ -17,6 +19,14 @@ v1::Accuracy accuracy_from(const calibration::Accuracy& accuracy, double factor)
   if (accuracy.u90_blocks) out.set_u90_blocks(*accuracy.u90_blocks * factor);
   if (accuracy.u90_blocks_low) out.set_u90_blocks_low(*accuracy.u90_blocks_low * factor);
   if (accuracy.u90_blocks_high) out.set_u90_blocks_high(*accuracy.u90_blocks_high * factor);
+  out.set_mean_calibration(accuracy.mean_calibration * factor);
+  out.set_a90_calibration(accuracy.a90_calibration * factor);
+  if (accuracy.mean_validation) out.set_mean_validation(*accuracy.mean_validation * factor);
+  if (accuracy.a90_validation) out.set_a90_validation(*accuracy.a90_validation * factor);
+  if (accuracy.mean_blocks) out.set_mean_blocks(*accuracy.mean_blocks * factor);
+  if (accuracy.a90_blocks) out.set_a90_blocks(*accuracy.a90_blocks * factor);
+  if (accuracy.a90_blocks_low) out.set_a90_blocks_low(*accuracy.a90_blocks_low * factor);
+  if (accuracy.a90_blocks_high) out.set_a90_blocks_high(*accuracy.a90_blocks_high * factor);
   out.set_lag1_autocorrelation(accuracy.lag1_autocorrelation);
   out.set_effective_row_count(accuracy.effective_rows);
   if (accuracy.pure_error) out.set_pure_error(*accuracy.pure_error * factor);
@@ -118,7 +128,7 @@ bool has_row(const v1::CompareModelsResponse& response, const std::string& chann
 }  // namespace
 
 Result<v1::Model> model_from(const ModelRecord& record, std::optional<ModelId> serving,
-                             ModelDetail detail) {
+                             ModelDetail detail, const ModelRecord* before) {
   const auto model = formats::read_model_json(record.json);
   if (!model)
     return fail(ErrorCode::data_loss, "DAMAGED_MODEL",
@@ -148,6 +158,11 @@ Result<v1::Model> model_from(const ModelRecord& record, std::optional<ModelId> s
   *out.mutable_lineage() = lineage_from(model->lineage);
   for (const auto& warning : model->warnings) out.add_warnings(warning);
   *out.mutable_fit_duration() = duration_from_s(model->fit_us * 1e-6);
+  std::vector<JudgedAccuracy> heading = calibration::heading_of(*model);
+  if (before != nullptr && before->id != record.id)
+    if (const auto earlier = formats::read_model_json(before->json))
+      heading = calibration::heading_of(*model, *earlier);
+  for (const auto& one : heading) *out.add_accuracy() = judged_from(one);
   return out;
 }
 

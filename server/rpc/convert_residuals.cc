@@ -46,7 +46,7 @@ v1::CheckFormulaResponse formula_check_from(const application::FormulaCheck& che
 v1::ListResidualsResponse residuals_from(const application::ModelResiduals& residuals,
                                          std::size_t most_numbers) {
   const Dataset& data = residuals.data;
-  const std::size_t columns = data.columns.size() + residuals.outputs.size() + 4;
+  const std::size_t columns = data.columns.size() + 2 * residuals.outputs.size() + 4;
   const std::size_t step = data.rows * columns / most_numbers + 1;
   v1::ListResidualsResponse out;
   take_every(data.time_s, step, *out.mutable_time_s());
@@ -66,6 +66,7 @@ v1::ListResidualsResponse residuals_from(const application::ModelResiduals& resi
     added.set_output(output.channel.symbol);
     added.set_unit(std::string(summary_unit(output.channel.unit).unit));
     take_every(output.values, step, *added.mutable_values());
+    if (!output.held_out.empty()) take_every(output.held_out, step, *added.mutable_held_out());
   }
   out.set_row_count(static_cast<std::int64_t>(data.rows));
   out.set_row_step(static_cast<std::int64_t>(step));

@@ -27,8 +27,21 @@ v1::MethodOutcome outcome_from(const identification::Judgement& judgement) {
     output.set_rms(figures.rms * summary.factor);
     output.set_u90_calibration(figures.u90_calibration * summary.factor);
     if (figures.u90_validation) output.set_u90_validation(*figures.u90_validation * summary.factor);
-    if (figures.blocks) output.set_u90_blocks(figures.blocks->u90 * summary.factor);
-    if (figures.groups) output.set_u90_groups(figures.groups->u90 * summary.factor);
+    output.set_mean_calibration(figures.mean_calibration * summary.factor);
+    output.set_a90_calibration(figures.a90_calibration * summary.factor);
+    if (figures.mean_validation)
+      output.set_mean_validation(*figures.mean_validation * summary.factor);
+    if (figures.a90_validation) output.set_a90_validation(*figures.a90_validation * summary.factor);
+    if (figures.blocks) {
+      output.set_u90_blocks(figures.blocks->figures.u90 * summary.factor);
+      output.set_mean_blocks(figures.blocks->figures.mean * summary.factor);
+      output.set_a90_blocks(figures.blocks->figures.a90 * summary.factor);
+    }
+    if (figures.groups) {
+      output.set_u90_groups(figures.groups->figures.u90 * summary.factor);
+      output.set_mean_groups(figures.groups->figures.mean * summary.factor);
+      output.set_a90_groups(figures.groups->figures.a90 * summary.factor);
+    }
   }
   *out.mutable_fit_duration() = duration_from(std::chrono::duration_cast<Nanoseconds>(
       std::chrono::duration<double, std::micro>(judgement.fitted.fit_us)));
@@ -92,11 +105,19 @@ v1::StudySensorsResponse sensor_choice_from(const application::SensorChoice& cho
       auto& output = *one.add_outputs();
       output.set_output(figure.output);
       output.set_u90_blocks(figure.u90_blocks * summary.factor);
+      output.set_mean_blocks(figure.mean_blocks * summary.factor);
+      output.set_a90_blocks(figure.a90_blocks * summary.factor);
       if (figure.u90_validation) output.set_u90_validation(*figure.u90_validation * summary.factor);
+      if (figure.mean_validation)
+        output.set_mean_validation(*figure.mean_validation * summary.factor);
+      if (figure.a90_validation) output.set_a90_validation(*figure.a90_validation * summary.factor);
     }
     one.set_u90_blocks_rms(set.u90_blocks_rms * summary.factor);
+    one.set_a90_blocks_rms(set.a90_blocks_rms * summary.factor);
     if (set.u90_validation_rms)
       one.set_u90_validation_rms(*set.u90_validation_rms * summary.factor);
+    if (set.a90_validation_rms)
+      one.set_a90_validation_rms(*set.a90_validation_rms * summary.factor);
   }
   out.set_recommended(static_cast<int>(study.recommended));
   out.set_tried_set_count(static_cast<std::int64_t>(study.sets_tried));

@@ -85,8 +85,12 @@ class ModelService final : public v1::ModelService::CallbackService {
                        "model_ids: found " + std::to_string(request->model_ids_size()) +
                            " models, expected 2 to 16");
       std::vector<v1::Model> models;
+      std::optional<ModelRecord> first;
       for (const std::int64_t id : request->model_ids()) {
-        auto model = co_await whole_model(id);
+        if (auto good = check_id(id, "model_id"); !good) co_return good;
+        auto record = co_await cell_.model(ModelId{id});
+        if (!first && record) first = *record;
+        auto model = whole(record, first ? &*first : nullptr);
         if (!model) co_return tl::unexpected(model.error());
         models.push_back(std::move(*model));
       }
@@ -99,9 +103,12 @@ class ModelService final : public v1::ModelService::CallbackService {
                         v1::PromoteModelResponse* response) override {
     return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->model_id(), "model_id"); !good) co_return good;
-      co_return put(
-          whole(co_await cell_.promote(caller_of(*context), ModelId{request->model_id()})),
-          *response->mutable_model());
+      std::optional<ModelRecord> before;
+      if (const auto serving = cell_.status().serving)
+        if (auto record = co_await cell_.model(*serving)) before = std::move(*record);
+      auto promoting = cell_.promote(caller_of(*context), ModelId{request->model_id()});
+      const auto promoted = co_await std::move(promoting);
+      co_return put(whole(promoted, before ? &*before : nullptr), *response->mutable_model());
     });
   }
 
@@ -210,9 +217,10 @@ class ModelService final : public v1::ModelService::CallbackService {
     co_return sensor_choice_from(*choice);
   }
 
-  Result<v1::Model> whole(const Result<ModelRecord>& record) const {
+  Result<v1::Model> whole(const Result<ModelRecord>& record,
+                          const ModelRecord* before = nullptr) const {
     if (!record) return tl::unexpected(record.error());
-    return model_from(*record, cell_.status().serving, ModelDetail::whole);
+    return model_from(*record, cell_.status().serving, ModelDetail::whole, before);
   }
 
   // What its page says beyond the model. It could be read: whole() did.
@@ -223,11 +231,6 @@ class ModelService final : public v1::ModelService::CallbackService {
     add_declared(description, response);
     if (const auto model = formats::read_model_json(record.json))
       add_budgets(*model, description, response);
-  }
-
-  Awaitable<Result<v1::Model>> whole_model(std::int64_t id) {
-    if (auto good = check_id(id, "model_id"); !good) co_return tl::unexpected(good.error());
-    co_return whole(co_await cell_.model(ModelId{id}));
   }
 
   template <class Message>

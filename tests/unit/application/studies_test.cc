@@ -77,7 +77,7 @@ TEST_F(StudiesTest, MethodsOfARunAreThoseOfItsRows) {
   const auto& here = judged->back();
   EXPECT_EQ(here.fitted.method, identification::Method::stepwise);
   EXPECT_EQ(here.outputs[0].u90_calibration, alone->outputs[0].u90_calibration);
-  EXPECT_EQ(here.outputs[0].blocks->u90, alone->outputs[0].blocks->u90);
+  EXPECT_EQ(here.outputs[0].blocks->figures, alone->outputs[0].blocks->figures);
 }
 
 TEST_F(StudiesTest, AsksForAFormulaOrAGeometry) {

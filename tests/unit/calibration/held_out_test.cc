@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/calibration/accuracy.h"
 #include "server/calibration/solution.h"
 #include "server/formats/formula.h"
 #include "tests/unit/calibration/campaign.h"
@@ -41,7 +42,7 @@ TEST(HeldOut, EqualsFittingEachBlockAwayByHand) {
     }
   }
   const double by_hand = 1.645 * std::sqrt(squares / static_cast<double>(rows.size()));
-  EXPECT_NEAR(*model->outputs[0].accuracy.u90_blocks / by_hand, 1, 1e-8);
+  EXPECT_NEAR(*model->outputs[0].accuracy.a90_blocks / by_hand, 1, 1e-8);
 }
 
 TEST(HeldOut, IntervalHoldsTheFigureAndNarrowsWithData) {
@@ -50,7 +51,9 @@ TEST(HeldOut, IntervalHoldsTheFigureAndNarrowsWithData) {
     const auto& accuracy = model->outputs[0].accuracy;
     EXPECT_LT(*accuracy.u90_blocks_low, *accuracy.u90_blocks);
     EXPECT_GT(*accuracy.u90_blocks_high, *accuracy.u90_blocks);
-    return *accuracy.u90_blocks_high / *accuracy.u90_blocks_low;
+    EXPECT_LT(*accuracy.a90_blocks_low, *accuracy.a90_blocks);
+    EXPECT_GT(*accuracy.a90_blocks_high, *accuracy.a90_blocks);
+    return *accuracy.a90_blocks_high / *accuracy.a90_blocks_low;
   };
   EXPECT_LT(width(6000), width(300));
 }
@@ -67,10 +70,53 @@ TEST(HeldOut, SeesADriftThatNoTermExplains) {
   EXPECT_LT(accuracy.effective_rows, 100);
 }
 
+// What the model keeps row by row is what its figures are computed from.
+TEST(HeldOut, RowsGiveTheFigures) {
+  const Dataset data = make_campaign({});
+  const auto model = formats::fit_formula(data, kHeldOutFormula, {});
+  ASSERT_TRUE(model.has_value());
+  const auto& output = model->outputs[0];
+  ASSERT_EQ(output.held_out.size(), data.rows);
+  std::vector<double> validation, blocks;
+  for (std::size_t row = 0; row < data.rows; ++row)
+    (data.set[row] == PointSet::validation ? validation : blocks).push_back(output.held_out[row]);
+  const auto on_validation = error_figures(validation), on_blocks = error_figures(blocks);
+  EXPECT_EQ(on_blocks.rows, model->lineage.rows_calibration);
+  EXPECT_DOUBLE_EQ(on_validation.mean, *output.accuracy.mean_validation);
+  EXPECT_DOUBLE_EQ(on_validation.u90, *output.accuracy.u90_validation);
+  EXPECT_DOUBLE_EQ(on_validation.a90, *output.accuracy.a90_validation);
+  EXPECT_NEAR(on_blocks.mean, *output.accuracy.mean_blocks, 1e-12 * on_blocks.a90);
+  EXPECT_NEAR(on_blocks.u90 / *output.accuracy.u90_blocks, 1, 1e-12);
+  EXPECT_NEAR(on_blocks.a90 / *output.accuracy.a90_blocks, 1, 1e-12);
+}
+
+// A shift of all validation rows is in A90 and in the mean, and not in U90.
+TEST(HeldOut, ValidationRowsThatAreShiftedWidenA90) {
+  Dataset data = make_campaign({});
+  const auto before = formats::fit_formula(data, kHeldOutFormula, {});
+  for (std::size_t i = 0; i < data.rows; ++i)
+    if (data.set[i] == PointSet::validation) data.columns[0].values[i] += 25e-6;
+  const auto after = formats::fit_formula(data, kHeldOutFormula, {});
+  ASSERT_TRUE(before.has_value() && after.has_value());
+  const auto &a = before->outputs[0].accuracy, &b = after->outputs[0].accuracy;
+  EXPECT_NEAR(*b.mean_validation - *a.mean_validation, 25e-6, 1e-12);
+  EXPECT_NEAR(*b.u90_validation / *a.u90_validation, 1, 1e-6);
+  EXPECT_GT(*b.a90_validation, 1.645 * 24e-6);
+  const auto heading = heading_of(*after, *before);
+  ASSERT_EQ(heading.size(), 1u);
+  EXPECT_EQ(heading[0].output, "q1");
+  EXPECT_EQ(heading[0].unit, "nm");
+  EXPECT_EQ(heading[0].rows, JudgedRows::validation);
+  EXPECT_NEAR(heading[0].figures.a90, *b.a90_validation * 1e6, 1e-9);
+  ASSERT_TRUE(heading[0].before.has_value());
+  EXPECT_NEAR(heading[0].before->a90, *a.a90_validation * 1e6, 1e-9);
+}
+
 TEST(HeldOut, IsLeftOutWhereBlocksWouldBeTooSmall) {
   const auto model = formats::fit_formula(make_campaign({.rows = 30}), "q1 ~ x", {});
   ASSERT_TRUE(model.has_value());
   EXPECT_FALSE(model->outputs[0].accuracy.u90_blocks.has_value());
+  EXPECT_FALSE(model->outputs[0].accuracy.a90_blocks.has_value());
 }
 
 }  // namespace

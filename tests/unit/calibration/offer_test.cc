@@ -54,6 +54,8 @@ TEST(Offers, SayWhatATermThatMattersIsWorth) {
   EXPECT_GT(*result.u90_validation_before, 1e-4);
   EXPECT_LT(*result.u90_validation_after, 7e-6);
   EXPECT_LT(*result.u90_blocks_after, *result.u90_blocks_before / 10);
+  EXPECT_LT(*result.a90_blocks_after, *result.a90_blocks_before / 10);
+  EXPECT_LT(*result.a90_validation_after, 7e-6);
 }
 
 TEST(Offers, SayWhatForcingAUselessTermWouldDo) {

@@ -56,10 +56,10 @@ TEST(SensorSets, FindTheTwoThatMatter) {
   ASSERT_EQ(study->best.size(), 6u);
   EXPECT_THAT(study->best[study->recommended].sensors, ElementsAre("t05", "t07"));
   const auto& two = study->best[3];
-  EXPECT_NEAR(two.u90_blocks_rms * 1e6, 1.645 * 5, 1);
+  EXPECT_NEAR(two.a90_blocks_rms * 1e6, 1.645 * 5, 1);
   EXPECT_NEAR(*two.outputs[0].u90_validation * 1e6, 1.645 * 5, 1);
-  EXPECT_GT(study->best[4].u90_blocks_rms, 2 * two.u90_blocks_rms);  // one alone
-  EXPECT_GT(study->best[5].u90_blocks_rms, study->best[4].u90_blocks_rms);
+  EXPECT_GT(study->best[4].a90_blocks_rms, 2 * two.a90_blocks_rms);  // one alone
+  EXPECT_GT(study->best[5].a90_blocks_rms, study->best[4].a90_blocks_rms);
 }
 
 TEST(SensorSets, AreTheSameOnAnyExecutor) {
@@ -73,7 +73,7 @@ TEST(SensorSets, AreTheSameOnAnyExecutor) {
   ASSERT_TRUE(here && backwards);
   for (std::size_t i = 0; i < here->best.size(); ++i) {
     EXPECT_EQ(here->best[i].sensors, backwards->best[i].sensors);
-    EXPECT_EQ(here->best[i].u90_blocks_rms, backwards->best[i].u90_blocks_rms);
+    EXPECT_EQ(here->best[i].a90_blocks_rms, backwards->best[i].a90_blocks_rms);
   }
 }
 

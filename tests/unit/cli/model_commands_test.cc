@@ -17,7 +17,8 @@ TEST_F(ModelCommandsTest, ShowsAPageToSign) {
        {"Model 1  first\n", "formula     q ~ x + T\n",
         "data        runs 1: 560 rows calibration, 448 validation, 0 dropped\n",
         "fitted      2023-11-14 22:13:20 UTC by ada\n",
-        "U90 calibration 8.20 nm, validation 9.10 nm\n",
+        "accuracy    A90 9.7 nm (q1, validation rows, mean +2 nm, U90 9.1 nm)\n",
+        "A90 9.70 nm on the validation rows (mean +2.00, U90 9.10)\n",
         "q1_mm: coefficients in mm per unit of the term, 558 degrees of freedom; standard errors "
         "classical, and serial: allowing for rows that are not independent\n"})
     EXPECT_THAT(page.out, HasSubstr(line));
@@ -28,6 +29,10 @@ TEST_F(ModelCommandsTest, JsonCarriesTheUnitInTheKey) {
   const auto& output = model["outputs"][0];
   EXPECT_NEAR(output["accuracy"]["u90_calibration_nm"].get<double>(), 8.2, 1e-9);
   EXPECT_EQ(output["accuracy"]["u90_blocks_nm"], nullptr);
+  EXPECT_NEAR(output["accuracy"]["a90_validation_nm"].get<double>(), 9.7, 1e-9);
+  EXPECT_NEAR(output["accuracy"]["mean_validation_nm"].get<double>(), 2.0, 1e-9);
+  EXPECT_EQ(model["accuracy"][0]["rows"], "validation");
+  EXPECT_NEAR(model["accuracy"][0]["figures"]["a90"].get<double>(), 9.7, 1e-9);
   EXPECT_NEAR(output["history"][0]["rmse_nm"].get<double>(), 5.0, 1e-9);
   EXPECT_TRUE(output["terms"][1].contains("contribution_rms_nm"));
   EXPECT_NEAR(model["fit_s"].get<double>(), 48.1e-6, 1e-12);
@@ -38,7 +43,9 @@ TEST_F(ModelCommandsTest, PromotesComparesAndRollsBack) {
   cell.on_executor([&] { cell.add_model("q ~ x"); });
   EXPECT_EQ(run({"model", "promote", "2", "--dry-run"}).exit, 0);
   EXPECT_EQ(json({"model", "list"})["models"][1]["serving"], false);
-  EXPECT_EQ(run({"model", "promote", "2"}).out, "model 2 serves now: q ~ x\n");
+  EXPECT_EQ(run({"model", "promote", "2"}).out,
+            "model 2 serves now: q ~ x\n"
+            "accuracy (A90) 9.7 nm (q1, validation rows, mean +2 nm, U90 9.1 nm)\n");
   EXPECT_THAT(run({"model", "compare", "1", "2"}).out, HasSubstr("model 2*"));
   EXPECT_EQ(run({"model", "rollback"}).out, "no model serves now\n");
   EXPECT_EQ(json({"model", "history"})["promotions"].size(), 2U);

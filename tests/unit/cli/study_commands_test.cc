@@ -13,10 +13,10 @@ class StudyCommandsTest : public CliTest {
       cell.the_choice.unit = "mm";
       calibration::SensorSet one, none;
       one.sensors = {"t04"};
-      one.outputs = {{"q1", 30e-6, std::nullopt}};
-      one.u90_blocks_rms = 30e-6;
-      none.outputs = {{"q1", 90e-6, std::nullopt}};
-      none.u90_blocks_rms = 90e-6;
+      one.outputs = {{.output = "q1", .u90_blocks = 30e-6, .a90_blocks = 30e-6}};
+      one.a90_blocks_rms = 30e-6;
+      none.outputs = {{.output = "q1", .u90_blocks = 90e-6, .a90_blocks = 90e-6}};
+      none.a90_blocks_rms = 90e-6;
       cell.the_choice.study = {{one, none}, 0, 2, 0.1};
     });
   }
@@ -47,7 +47,7 @@ TEST_F(StudyCommandsTest, MethodsOfARunAreComparedAtTheDaemon) {
     one.fitted.outputs = {{"q1", "mm"}};
     identification::OutputFigures figures;
     figures.channel = {"q1", "mm"};
-    figures.u90_calibration = 41e-6;
+    figures.a90_calibration = 41e-6;
     one.outputs = {figures};
     cell.the_judgements = {one};
   });

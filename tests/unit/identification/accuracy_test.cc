@@ -52,8 +52,9 @@ TEST(JudgeMethod, GivesStepwiseTheFiguresThatTheFitItselfGives) {
     EXPECT_NEAR(figures.u90_calibration, expected.u90_calibration, 1e-9 * expected.u90_calibration);
     EXPECT_NEAR(*figures.u90_validation, *expected.u90_validation, 1e-9 * *expected.u90_validation);
     // Two roads to the same folds: the whole fit again, and segments of one triangle.
-    EXPECT_NEAR(figures.blocks->u90, *expected.u90_blocks, 1e-5 * *expected.u90_blocks);
-    EXPECT_NEAR(figures.blocks->low, *expected.u90_blocks_low, 1e-5 * *expected.u90_blocks_low);
+    EXPECT_NEAR(figures.blocks->figures.a90, *expected.a90_blocks, 1e-5 * *expected.a90_blocks);
+    EXPECT_NEAR(figures.blocks->figures.u90, *expected.u90_blocks, 1e-5 * *expected.u90_blocks);
+    EXPECT_NEAR(figures.blocks->low, *expected.a90_blocks_low, 1e-5 * *expected.a90_blocks_low);
     EXPECT_EQ(figures.parameters, static_cast<int>(model->outputs[o].terms.size()));
   }
   EXPECT_EQ(result.rows_validation, 44);
@@ -63,8 +64,8 @@ TEST(JudgeMethod, TheRightGeometryPredictsAsWellAsItsNoise) {
   const auto kinematic = judged(campaign(), Method::kinematic);
   const auto nominal = judged(campaign(), Method::nominal);
   for (std::size_t o = 0; o < 3; ++o) {
-    EXPECT_LT(kinematic.outputs[o].blocks->u90, 1.3 * 1.645 * 20e-6);
-    EXPECT_GT(nominal.outputs[o].blocks->u90, 300e-6);
+    EXPECT_LT(kinematic.outputs[o].blocks->figures.a90, 1.3 * 1.645 * 20e-6);
+    EXPECT_GT(nominal.outputs[o].blocks->figures.a90, 300e-6);
   }
 }
 
@@ -96,7 +97,7 @@ TEST(JudgeMethod, KeepsGroupsTogetherAndFindsTheirPureError) {
     ASSERT_TRUE(output.pure_error);
     // 432 degrees of freedom, three outputs: 20 nm within 12 % at 3.5 standard deviations.
     EXPECT_NEAR(*output.pure_error, 20e-6, 2.4e-6);
-    EXPECT_LT(output.groups->u90, 1.3 * 1.645 * 20e-6);
+    EXPECT_LT(output.groups->figures.a90, 1.3 * 1.645 * 20e-6);
   }
   ASSERT_TRUE(result.position);
   EXPECT_NEAR(*result.position->pure_error, std::sqrt(3.0) * 20e-6, 2e-6);

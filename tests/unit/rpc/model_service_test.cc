@@ -91,6 +91,7 @@ TEST_F(ModelServiceTest, GivesFiguresInTheSummaryUnitAndCoefficientsInTheColumns
   EXPECT_EQ(output.summary_unit(), "nm");
   EXPECT_NEAR(output.accuracy().u90_calibration(), 8.2, 1e-9);
   EXPECT_FALSE(output.accuracy().has_u90_blocks());
+  EXPECT_NEAR(output.accuracy().a90_validation(), 9.7, 1e-9);
   ASSERT_EQ(output.terms_size(), 3);
   EXPECT_EQ(output.terms(1).term(), "x");
   EXPECT_DOUBLE_EQ(output.terms(1).coefficient(), 1.0);

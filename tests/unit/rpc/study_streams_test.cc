@@ -123,9 +123,14 @@ TEST_F(StudyStreamsTest, SetsOfThermometersComeInTheSummaryUnit) {
     cell.the_choice.unit = "mm";
     calibration::SensorSet two, none;
     two.sensors = {"t01", "t04"};
-    two.outputs = {{"q1", 30e-6, 35e-6}};
+    two.outputs = {{.output = "q1",
+                    .u90_blocks = 30e-6,
+                    .mean_blocks = 4e-6,
+                    .a90_blocks = 31e-6,
+                    .u90_validation = 35e-6}};
     two.u90_blocks_rms = 30e-6;
-    none.outputs = {{"q1", 90e-6, std::nullopt}};
+    two.a90_blocks_rms = 31e-6;
+    none.outputs = {{.output = "q1", .u90_blocks = 90e-6}};
     none.u90_blocks_rms = 90e-6;
     cell.the_choice.study = {{two, none}, 0, 4, 0.2};
   });
@@ -140,6 +145,8 @@ TEST_F(StudyStreamsTest, SetsOfThermometersComeInTheSummaryUnit) {
   EXPECT_EQ(answer.best(0).sensors(1), "t04");
   EXPECT_DOUBLE_EQ(answer.best(0).outputs(0).u90_validation(), 35);
   EXPECT_DOUBLE_EQ(answer.best(1).u90_blocks_rms(), 90);
+  EXPECT_DOUBLE_EQ(answer.best(0).a90_blocks_rms(), 31);
+  EXPECT_DOUBLE_EQ(answer.best(0).outputs(0).mean_blocks(), 4);
   EXPECT_EQ(answer.unit(), "nm");
   EXPECT_EQ(answer.tried_set_count(), 4);
   EXPECT_EQ(cell.on_executor([&] { return cell.last_sensors.tolerance; }), 0.2);
