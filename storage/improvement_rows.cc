@@ -11,18 +11,26 @@ namespace {
                     session.db.path() + ": 'driftwise improve list' shows those there are");
 }
 
+// Figures of a gain: three columns from this one on; none: U90 is null.
+std::optional<ErrorFigures> read_figures(const Query& query, int column) {
+  if (query.is_null(column)) return std::nullopt;
+  ErrorFigures figures{.u90 = query.real(column), .a90 = query.real(column)};
+  if (!query.is_null(column + 1)) figures.mean = query.real(column + 1);
+  if (!query.is_null(column + 2)) figures.a90 = query.real(column + 2);
+  return figures;
+}
+
 std::vector<TurnGain> read_gains(Session& session, ImprovementId id, int number) {
   Query query(session.db,
-              "SELECT output, unit, u90_before, u90_predicted, u90_measured FROM improvement_gain "
-              "WHERE improvement_id = ? AND number = ? ORDER BY position");
+              "SELECT output, unit, u90_before, mean_before, a90_before, u90_predicted, "
+              "mean_predicted, a90_predicted, u90_measured_before, mean_measured_before, "
+              "a90_measured_before, u90_measured, mean_measured, a90_measured FROM "
+              "improvement_gain WHERE improvement_id = ? AND number = ? ORDER BY position");
   query.bind(id, number);
   std::vector<TurnGain> gains;
-  while (query.row()) {
-    TurnGain gain{query.text(0), query.text(1), query.real(2), {}, {}};
-    if (!query.is_null(3)) gain.u90_predicted = query.real(3);
-    if (!query.is_null(4)) gain.u90_measured = query.real(4);
-    gains.push_back(std::move(gain));
-  }
+  while (query.row())
+    gains.push_back({query.text(0), query.text(1), read_figures(query, 2).value_or(ErrorFigures{}),
+                     read_figures(query, 5), read_figures(query, 8), read_figures(query, 11)});
   return gains;
 }
 
@@ -100,12 +108,23 @@ void put_turn_row(Session& session, ImprovementId id, const ImprovementTurn& tur
       .bind(id, turn.number)
       .run();
   int position = 0;
+  const auto part = [](const std::optional<ErrorFigures>& of, double ErrorFigures::*figure) {
+    return of ? std::optional((*of).*figure) : std::nullopt;
+  };
   for (const auto& gain : turn.gains)
     Query(session.db,
           "INSERT INTO improvement_gain (improvement_id, number, position, output, unit, "
-          "u90_before, u90_predicted, u90_measured) VALUES (?, ?, ?, ?, ?, ?, ?, ?)")
-        .bind(id, turn.number, position++, gain.output, gain.unit, gain.u90_before,
-              gain.u90_predicted, gain.u90_measured)
+          "u90_before, mean_before, a90_before, u90_predicted, mean_predicted, a90_predicted, "
+          "u90_measured_before, mean_measured_before, a90_measured_before, u90_measured, "
+          "mean_measured, a90_measured) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
+        .bind(id, turn.number, position++, gain.output, gain.unit, gain.before.u90,
+              gain.before.mean, gain.before.a90, part(gain.predicted, &ErrorFigures::u90),
+              part(gain.predicted, &ErrorFigures::mean), part(gain.predicted, &ErrorFigures::a90),
+              part(gain.measured_before, &ErrorFigures::u90),
+              part(gain.measured_before, &ErrorFigures::mean),
+              part(gain.measured_before, &ErrorFigures::a90),
+              part(gain.measured, &ErrorFigures::u90), part(gain.measured, &ErrorFigures::mean),
+              part(gain.measured, &ErrorFigures::a90))
         .run();
 }
 

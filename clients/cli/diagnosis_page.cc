@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "clients/cli/accuracy_line.h"
 #include "clients/cli/diagnosis_commands.h"
 #include "clients/cli/table.h"
 #include "clients/cli/text.h"
@@ -38,21 +39,27 @@ std::string verdict_of(const v1::Diagnosis& diagnosis) {
 std::string or_dash(bool there, double value) { return there ? fixed(value, 1) : "-"; }
 
 void print_outputs(const Console& console, const v1::Diagnosis& diagnosis) {
+  for (const auto& one : diagnosis.accuracy())
+    console.out << "accuracy (A90), before -> after: " << accuracy_text(one) << '\n';
   Table table({{"output"},
-               {"U90 before", Align::right},
+               {"A90 before", Align::right},
                {"after", Align::right},
                {"held out before", Align::right},
                {"after", Align::right},
+               {"mean after", Align::right},
                {"goes with"}});
   for (const auto& output : diagnosis.outputs()) {
     std::string shares;
     for (int i = 0; i < std::min(3, output.explained_by_size()); ++i)
       shares += (i == 0 ? "" : ", ") + output.explained_by(i).variable() + " " +
                 fixed(100 * output.explained_by(i).marginal_share(), 0) + " %";
-    table.add({output.output() + " (" + output.unit() + ")",
-               fixed(output.u90_calibration_before(), 1), fixed(output.u90_calibration_after(), 1),
-               or_dash(output.has_u90_validation_before(), output.u90_validation_before()),
-               or_dash(output.has_u90_validation_after(), output.u90_validation_after()), shares});
+    table.add(
+        {output.output() + " (" + output.unit() + ")", fixed(output.a90_calibration_before(), 1),
+         fixed(output.a90_calibration_after(), 1),
+         or_dash(output.has_a90_validation_before(), output.a90_validation_before()),
+         or_dash(output.has_a90_validation_after(), output.a90_validation_after()),
+         output.has_mean_validation_after() ? signed_fixed(output.mean_validation_after(), 1) : "-",
+         shares});
   }
   if (!table.empty()) table.print(console.out, console.paint_out());
 }

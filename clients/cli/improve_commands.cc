@@ -50,9 +50,11 @@ void print_improvement(const Console& console, const v1::Improvement& improvemen
                {"runs"},
                {"model", Align::right},
                {"output"},
-               {"U90 before", Align::right},
+               {"A90 held out", Align::right},
                {"promised", Align::right},
-               {"measured", Align::right}});
+               {"fresh: before", Align::right},
+               {"after", Align::right},
+               {"mean", Align::right}});
   for (const auto& turn : improvement.turns()) {
     std::string runs;
     for (const auto run : turn.run_ids()) runs += (runs.empty() ? "" : ", ") + std::to_string(run);
@@ -60,9 +62,11 @@ void print_improvement(const Console& console, const v1::Improvement& improvemen
     if (turn.gains().empty()) table.add({std::to_string(turn.number()), runs, model});
     for (const auto& gain : turn.gains())
       table.add({std::to_string(turn.number()), runs, model,
-                 gain.output() + " (" + gain.unit() + ")", fixed(gain.u90_before(), 1),
-                 gain.has_u90_predicted() ? fixed(gain.u90_predicted(), 1) : "-",
-                 gain.has_u90_measured() ? fixed(gain.u90_measured(), 1) : "-"});
+                 gain.output() + " (" + gain.unit() + ")", fixed(gain.before().a90(), 1),
+                 gain.has_predicted() ? fixed(gain.predicted().a90(), 1) : "-",
+                 gain.has_measured_before() ? fixed(gain.measured_before().a90(), 1) : "-",
+                 gain.has_measured() ? fixed(gain.measured().a90(), 1) : "-",
+                 gain.has_measured() ? signed_fixed(gain.measured().mean(), 1) : "-"});
   }
   if (!table.empty()) table.print(console.out, paint);
   for (const auto& turn : improvement.turns())

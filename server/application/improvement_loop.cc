@@ -6,8 +6,8 @@
 
 #include "server/application/extension_plan.h"
 #include "server/application/fresh_points.h"
-#include "server/diagnosis/discrepancy.h"
-#include "server/formats/dataset_csv.h"
+#include "server/core/quantity_text.h"
+#include "server/diagnosis/heading.h"
 #include "server/formats/model_json.h"
 #include "server/formats/trajectory_csv.h"
 
@@ -19,14 +19,45 @@ constexpr auto kRenewEvery = std::chrono::minutes(5);
 
 std::vector<TurnGain> promised_gains(const diagnosis::Diagnosis& found) {
   std::vector<TurnGain> gains;
-  for (const auto& output : found.outputs)
-    gains.push_back(
-        {output.output,
-         output.unit,
-         output.u90_validation_before.value_or(output.u90_calibration_before),
-         output.u90_validation_after ? output.u90_validation_after : output.u90_calibration_after,
-         {}});
+  for (const auto& judged : diagnosis::judged_accuracies(found))
+    gains.push_back({judged.output, judged.unit, judged.before.value_or(judged.figures),
+                     judged.figures, std::nullopt, std::nullopt});
   return gains;
+}
+
+// What fresh points say of a gain, by A90 of both models on the same points.
+struct FreshVerdict {
+  bool judged = false;  // any output
+  bool better = false;  // any output, beyond kSame
+  std::string worse;    // outputs that got worse, beyond kSame
+  std::string measured;
+};
+FreshVerdict judge_fresh(const std::vector<TurnGain>& gains) {
+  constexpr double kSame = 1.05;  // a twentieth: what a refit moves by itself
+  FreshVerdict verdict;
+  for (const auto& gain : gains) {
+    if (!gain.measured || !gain.measured_before) continue;
+    verdict.judged = true;
+    const double before = gain.measured_before->a90, after = gain.measured->a90;
+    const std::string change =
+        fmt::format("{} {} -> {} {} (mean {} -> {})", gain.output, digits_text(before),
+                    digits_text(after), gain.unit, digits_text(gain.measured_before->mean, 3, true),
+                    digits_text(gain.measured->mean, 3, true));
+    verdict.better |= after * kSame < before;
+    if (after > kSame * before) verdict.worse += (verdict.worse.empty() ? "" : ", ") + change;
+    verdict.measured += (verdict.measured.empty() ? "" : ", ") + change;
+  }
+  return verdict;
+}
+
+std::optional<ErrorFigures> fresh_figures(const ModelCheck& check, const std::string& symbol) {
+  for (const auto& output : check.report.outputs)
+    if (output.channel.symbol == symbol && !output.points.empty() && output.points[0].rows > 1) {
+      const auto& point = output.points[0];
+      return ErrorFigures{
+          .rows = point.rows, .mean = point.bias, .u90 = point.u90, .a90 = point.a90};
+    }
+  return std::nullopt;
 }
 
 std::string name_of(const diagnosis::Finding& finding) {
@@ -235,6 +266,7 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::extend(const Diagnosi
 
 Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::measure_again(
     ExtensionRecord extension) {
+  const auto before = model_;
   model_ = extension.model;
   if (!has_time_for(estimated_s_)) {
     reason_ = fmt::format("the budget of {:g} s does not hold another measurement of {:.0f} s",
@@ -247,48 +279,39 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::measure_again(
                            text_of_repeat(repeats_));
   const auto run = co_await std::move(measuring);
   if (!run) co_return tl::unexpected(run.error());
-  const auto errors = co_await errors_on(run->id);
-  if (!errors) co_return tl::unexpected(errors.error());
-  bool any_better = false, any = false;
-  std::string measured;
-  for (auto& gain : turn_.gains)
-    for (const auto& output : *errors) {
-      if (output.channel.symbol != gain.output) continue;
-      gain.u90_measured = output.u90;
-      any = true;
-      any_better |= output.u90 < gain.u90_before;
-      measured += fmt::format("{}{} {:.1f} -> {:.1f} {}", measured.empty() ? "" : ", ", gain.output,
-                              gain.u90_before, output.u90, gain.unit);
-    }
-  say(fmt::format("measured on fresh points, run {}: {}", run->id.value, measured));
-  if (!any || any_better) co_return After::next_turn;
+  if (!before || !model_) {
+    say(fmt::format("measured again, run {}", run->id.value));
+    co_return After::next_turn;
+  }
+  const auto by_before = co_await errors_on(*before, run->id);
+  if (!by_before) co_return tl::unexpected(by_before.error());
+  const auto by_after = co_await errors_on(*model_, run->id);
+  if (!by_after) co_return tl::unexpected(by_after.error());
+  for (auto& gain : turn_.gains) {
+    gain.measured_before = fresh_figures(*by_before, gain.output);
+    gain.measured = fresh_figures(*by_after, gain.output);
+  }
+  const FreshVerdict verdict = judge_fresh(turn_.gains);
+  say(fmt::format("A90 on fresh points, run {}, by the model before and by the new one: {}",
+                  run->id.value, verdict.measured));
+  if (!verdict.judged || (verdict.better && verdict.worse.empty())) co_return After::next_turn;
   auto undoing = cell_.undo_extension(caller_, extension.diagnosis);
   const auto undone = co_await std::move(undoing);
   if (!undone) co_return tl::unexpected(undone.error());
-  reason_ = fmt::format("fresh points do not show the gain of diagnosis {}: it was undone",
-                        extension.diagnosis.value);
+  reason_ = verdict.worse.empty()
+                ? fmt::format("fresh points do not show the gain of diagnosis {}: it was undone",
+                              extension.diagnosis.value)
+                : fmt::format("fresh points are worse with it, {}: diagnosis {}: it was undone",
+                              verdict.worse, extension.diagnosis.value);
   say(reason_);
   co_return After::end;
 }
 
-// U90 of the present model on a run that it was not fitted from.
-Awaitable<Result<std::vector<diagnosis::OutputDiscrepancy>>> ImprovementLoop::errors_on(RunId run) {
-  using Errors = std::vector<diagnosis::OutputDiscrepancy>;
-  if (!model_) co_return Errors{};
-  const auto record = co_await cell_.model(*model_);
-  if (!record) co_return tl::unexpected(record.error());
-  const auto model = formats::read_model_json(record->json);
-  if (!model) co_return tl::unexpected(model.error());
-  auto exporting = cell_.export_dataset({run}, true);
-  const auto csv = co_await std::move(exporting);
-  if (!csv) co_return tl::unexpected(csv.error());
-  auto comparing =
-      run_on(cell_.background(), [text = *csv, run, model = *model]() -> Result<Errors> {
-        const auto dataset = formats::read_dataset_csv(text, fmt::format("run {}", run.value));
-        if (!dataset) return tl::unexpected(dataset.error());
-        return diagnosis::discrepancy(model, *dataset);
-      });
-  co_return co_await std::move(comparing);
+// A model's errors on a run that it was not fitted from, as a check standard has them: counted from
+// the run's own zero, so that their mean counts.
+Awaitable<Result<ModelCheck>> ImprovementLoop::errors_on(ModelId model, RunId run) {
+  auto checking = cell_.check_model(model, {run});
+  co_return co_await std::move(checking);
 }
 
 Awaitable<Result<RunRecord>> ImprovementLoop::measure(std::string what,

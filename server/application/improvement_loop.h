@@ -21,7 +21,6 @@
 
 #include "server/application/cell.h"
 #include "server/application/signal.h"
-#include "server/diagnosis/discrepancy.h"
 
 namespace driftwise::application {
 
@@ -49,7 +48,7 @@ class ImprovementLoop {
   Awaitable<Result<DiagnosisView>> separate(DiagnosisView view);
   Awaitable<Result<After>> extend(const DiagnosisView& view, std::vector<int> findings);
   Awaitable<Result<After>> measure_again(ExtensionRecord extension);
-  Awaitable<Result<std::vector<diagnosis::OutputDiscrepancy>>> errors_on(RunId run);
+  Awaitable<Result<ModelCheck>> errors_on(ModelId model, RunId run);
   Awaitable<Result<void>> keep();
   void say(const std::string& sentence);
   bool has_time_for(double seconds) const;

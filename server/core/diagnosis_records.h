@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "server/core/accuracy.h"
 #include "server/core/ids.h"
 #include "server/core/records.h"
 
@@ -77,10 +78,12 @@ struct NewExtension {
   std::string who, from;
 };
 
-struct TurnGain {
+struct TurnGain {  // of one output; the numbers of rows are not kept
   std::string output, unit;
-  double u90_before = 0;
-  std::optional<double> u90_predicted, u90_measured;
+  ErrorFigures before;                    // on rows that the diagnosis held out
+  std::optional<ErrorFigures> predicted;  // ... with its findings
+  // On the fresh points, by the model before and by the model after: these two decide.
+  std::optional<ErrorFigures> measured_before, measured;
 };
 
 struct ImprovementTurn {

@@ -7,7 +7,9 @@
 #include "server/diagnosis/column_bank.h"
 #include "server/diagnosis/diagnosis.h"
 #include "server/diagnosis/extension.h"
+#include "server/diagnosis/heading.h"
 #include "server/diagnosis/held_out_gate.h"
+#include "server/diagnosis/held_out_mean.h"
 #include "server/diagnosis/left_over.h"
 #include "server/diagnosis/report.h"
 #include "server/diagnosis/screen.h"
@@ -214,6 +216,12 @@ class Diagnoser {
                                  ", which chance imitates too often to be named (adjusted p " +
                                  p_text + ")");
     }
+    result_.judged_on = problem_.judged_by_validation ? JudgedRows::validation : JudgedRows::blocks;
+    for (auto& mean :
+         means_beyond_noise(problem_, result_.outputs, extension.all(), options_.alpha))
+      result_.left_over.push_back(std::move(mean));
+    for (const auto& worse : outputs_made_worse(result_))
+      result_.warnings.push_back("held-out A90 got worse with the findings: " + worse);
     if (!problem_.judged_by_validation)
       result_.warnings.push_back(
           "there is no validation set: two of ten blocks of time were kept out to judge by");

@@ -25,6 +25,7 @@
 
 #include "server/calibration/executor.h"
 #include "server/calibration/fit.h"
+#include "server/core/accuracy.h"
 #include "server/core/dataset.h"
 #include "server/core/result.h"
 #include "server/diagnosis/discrepancy.h"
@@ -39,10 +40,16 @@ std::string_view to_string(Verdict verdict);
 struct OutputSummary {
   std::string output, unit;                 // "q1", "nm": of everything here
   double u90 = 0;                           // of the discrepancy, calibration rows
+  double mean = 0, a90 = 0;                 // ... figures of server/core/accuracy.h
   std::optional<double> noise_floor_u90{};  // from repeated poses, where there are any
   double u90_calibration_before = 0, u90_calibration_after = 0;
-  std::optional<double> u90_validation_before{}, u90_validation_after{};  // rows held out
-  double noise_white_sd = 0, noise_slow_sd = 0, noise_tau_s = 0;          // of what is left
+  double mean_calibration_before = 0, mean_calibration_after = 0;
+  double a90_calibration_before = 0, a90_calibration_after = 0;
+  // Rows held out: Diagnosis::judged_on says which.
+  std::optional<double> u90_validation_before{}, u90_validation_after{};
+  std::optional<double> mean_validation_before{}, mean_validation_after{};
+  std::optional<double> a90_validation_before{}, a90_validation_after{};
+  double noise_white_sd = 0, noise_slow_sd = 0, noise_tau_s = 0;  // of what is left
   std::vector<Share> explained_by{};  // of the discrepancy, largest first
   std::vector<double> before{},
       after{};  // one per row of the dataset; NaN where a value is missing
@@ -77,6 +84,7 @@ struct Diagnosis {
   std::optional<SeparatingExperiment> separating_experiment;
   std::vector<std::string> warnings;
   std::size_t rows_calibration = 0, rows_held_out = 0;
+  JudgedRows judged_on = JudgedRows::validation;  // or blocks of time, where none are marked
   int nulls = 0;
 };
 

@@ -6,10 +6,10 @@
 #include <cstdio>
 #include <string_view>
 
+#include "server/core/quantity_text.h"
 #include "server/core/units.h"
 #include "server/diagnosis/cancelled.h"
 #include "server/diagnosis/parameter_selection.h"
-#include "server/diagnosis/sentence.h"
 #include "server/diagnosis/u90.h"
 #include "server/diagnosis/whitened_geometry.h"
 
@@ -58,12 +58,6 @@ Result<std::shared_ptr<const kinematics::Mechanism>> holding_others(
   return kinematics::make_mechanism(description);
 }
 
-// What a drawing gets wrong is often a millimetre.
-std::string readable(double value, const std::string& unit) {
-  return unit == "nm" && std::abs(value) >= 1e5 ? size_text(1e-6 * value, "mm")
-                                                : size_text(value, unit);
-}
-
 std::string sentence_of(const Finding& finding, double nominal, const std::string& unit) {
   const auto& value = finding.parameters.front();
   char text[160];
@@ -72,10 +66,13 @@ std::string sentence_of(const Finding& finding, double nominal, const std::strin
                 value.ci90->high, nominal);
   std::string all = text;
   for (const auto& output : finding.outputs) {
-    all += "; " + output.output + ": " + readable(output.amplitude, output.unit) + " rms";
-    if (output.u90_before)
-      all += ", held-out U90 " + readable(*output.u90_before, output.unit) + " -> " +
-             readable(*output.u90_after, output.unit);
+    const double before = output.a90_before.value_or(0), after = output.a90_after.value_or(0);
+    const SizeUnit shown = size_unit({output.amplitude, before, after}, output.unit);
+    all += "; " + output.output + ": " + digits_text(output.amplitude * shown.factor) + " " +
+           shown.unit + " rms";
+    if (output.a90_before)
+      all += ", held-out A90 " + digits_text(before * shown.factor) + " -> " +
+             digits_text(after * shown.factor) + " " + shown.unit;
   }
   all += ".";
   for (std::size_t i = 0; i < finding.indistinguishable_from.size(); ++i)
@@ -159,8 +156,14 @@ class Geometry {
       one.gain_2lnl = evidence.segment(first * n, n).squaredNorm();
       one.shown = true;  // one number moves all outputs
       if (m >= 4) {
-        one.u90_before = u90_of(before.segment(first * m, m));
-        one.u90_after = u90_of(after.segment(first * m, m));
+        const ErrorFigures judged_before = figures_of(before.segment(first * m, m)),
+                           judged_after = figures_of(after.segment(first * m, m));
+        one.u90_before = judged_before.u90;
+        one.u90_after = judged_after.u90;
+        one.mean_before = judged_before.mean;
+        one.mean_after = judged_after.mean;
+        one.a90_before = judged_before.a90;
+        one.a90_after = judged_after.a90;
       }
       found.outputs.push_back(std::move(one));
     }

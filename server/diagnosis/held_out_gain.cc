@@ -33,26 +33,28 @@ HeldOut held_out(const Problem& problem, const ProblemOutput& output, const Eige
                  const Eigen::MatrixXd& after) {
   const Eigen::VectorXd judged_before = rows_of(residuals(problem, output, before), problem.judge);
   const Eigen::VectorXd judged = rows_of(residuals(problem, output, after), problem.judge);
-  HeldOut result{u90_of(judged_before), u90_of(judged), {}};
+  HeldOut result{figures_of(judged_before), figures_of(judged), {}, {}};
   // Jackknife over contiguous blocks: autocorrelation stays inside them.
   const auto n = static_cast<std::size_t>(judged.size());
   const std::size_t blocks = std::min(kJudgeBlocks, n / 4);
-  result.after_ci90 = {result.u90_after, result.u90_after};
-  if (blocks < 4) return result;
-  std::vector<double> without;
-  for (std::size_t k = 0; k < blocks; ++k) {
+  std::vector<ErrorFigures> without;
+  for (std::size_t k = 0; k < blocks && blocks >= 4; ++k) {
     std::vector<std::size_t> kept;
     for (std::size_t i = 0; i < n; ++i)
       if (i * blocks / n != k) kept.push_back(i);
-    without.push_back(std::log(u90_of(rows_of(judged, kept))));
+    without.push_back(figures_of(rows_of(judged, kept)));
   }
-  double mean = 0, squares = 0;
-  for (const double one : without) mean += one / static_cast<double>(blocks);
-  for (const double one : without) squares += (one - mean) * (one - mean);
-  const double error =
-      std::sqrt(squares * static_cast<double>(blocks - 1) / static_cast<double>(blocks));
-  result.after_ci90 = {result.u90_after * std::exp(-kSigmaToU90 * error),
-                       result.u90_after * std::exp(kSigmaToU90 * error)};
+  const auto interval = [&without](double whole, double ErrorFigures::*figure) -> Interval {
+    if (without.empty()) return {whole, whole};
+    const auto count = static_cast<double>(without.size());
+    double mean = 0, squares = 0;
+    for (const auto& one : without) mean += std::log(one.*figure) / count;
+    for (const auto& one : without) squares += std::pow(std::log(one.*figure) - mean, 2);
+    const double error = std::sqrt(squares * (count - 1) / count);
+    return {whole * std::exp(-kSigmaToU90 * error), whole * std::exp(kSigmaToU90 * error)};
+  };
+  result.u90_after_ci90 = interval(result.after.u90, &ErrorFigures::u90);
+  result.a90_after_ci90 = interval(result.after.a90, &ErrorFigures::a90);
   return result;
 }
 

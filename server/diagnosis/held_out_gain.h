@@ -4,14 +4,15 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "server/core/accuracy.h"
 #include "server/diagnosis/finding.h"
 #include "server/diagnosis/problem.h"
 
 namespace driftwise::diagnosis {
 
 struct HeldOut {
-  double u90_before = 0, u90_after = 0;
-  Interval after_ci90;  // over blocks of the judging rows
+  ErrorFigures before, after;               // of the judging rows
+  Interval u90_after_ci90, a90_after_ci90;  // over blocks of them
 };
 
 // Fitted on the learning rows by least squares, judged on the judging rows. before, after: every

@@ -1,8 +1,8 @@
 #include "server/diagnosis/held_out_gate.h"
 
-#include <cstdio>
 #include <optional>
 
+#include "server/core/quantity_text.h"
 #include "server/diagnosis/held_out_gain.h"
 
 namespace driftwise::diagnosis {
@@ -12,7 +12,7 @@ constexpr std::size_t kFewestJudges = 20;
 
 struct Harm {
   std::size_t index = 0;  // of the named
-  double ratio = 1;       // lower end of U90 with it, to U90 without it
+  double ratio = 1;       // lower end of A90 with it, to A90 without it
   std::string sentence;
 };
 
@@ -27,12 +27,11 @@ std::optional<Harm> harm_of(const Problem& problem, const std::vector<Cause>& ca
     if (on[o] == 0) continue;
     const auto& output = problem.outputs[o];
     const HeldOut held = held_out(problem, output, without, with);
-    const double ratio = held.after_ci90.low / held.u90_before;
+    const double ratio = held.a90_after_ci90.low / held.before.a90;
     if (!(ratio > 1) || (worst && ratio <= worst->ratio)) continue;
-    char figures[96];
-    std::snprintf(figures, sizeof figures, "U90 of %s %.3g -> %.3g %s",
-                  output.channel.symbol.c_str(), held.u90_before, held.u90_after,
-                  output.unit.c_str());
+    const std::string figures = "A90 of " + output.channel.symbol + " " +
+                                digits_text(held.before.a90) + " -> " +
+                                digits_text(held.after.a90) + " " + output.unit;
     worst = {index, ratio,
              name_of(cause) +
                  " was withdrawn: with it the rows that took no part in finding it "

@@ -137,9 +137,14 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
     one.amplitude = std::sqrt(beyond_rest.squaredNorm() / static_cast<double>(added.size()));
     if (problem.judge.size() >= 4) {
       const auto held = held_out(problem, output, before, after);
-      one.u90_before = held.u90_before;
-      one.u90_after = held.u90_after;
-      one.u90_after_ci90 = held.after_ci90;
+      one.u90_before = held.before.u90;
+      one.u90_after = held.after.u90;
+      one.mean_before = held.before.mean;
+      one.mean_after = held.after.mean;
+      one.a90_before = held.before.a90;
+      one.a90_after = held.after.a90;
+      one.u90_after_ci90 = held.u90_after_ci90;
+      one.a90_after_ci90 = held.a90_after_ci90;
     }
     finding.outputs.push_back(std::move(one));
   }
@@ -222,12 +227,24 @@ std::vector<OutputSummary> outputs_of(const Problem& problem, const Dataset& dat
     const Eigen::VectorXd after = residuals(problem, output, now);
     one.before.assign(before.data(), before.data() + before.size());
     one.after.assign(after.data(), after.data() + after.size());
-    one.u90_calibration_before = one.u90 = u90_of(rows_of(before, problem.learn));
-    one.u90_calibration_after = u90_of(rows_of(after, problem.learn));
+    const ErrorFigures learned_before = figures_of(rows_of(before, problem.learn)),
+                       learned_after = figures_of(rows_of(after, problem.learn));
+    one.u90_calibration_before = one.u90 = learned_before.u90;
+    one.mean_calibration_before = one.mean = learned_before.mean;
+    one.a90_calibration_before = one.a90 = learned_before.a90;
+    one.u90_calibration_after = learned_after.u90;
+    one.mean_calibration_after = learned_after.mean;
+    one.a90_calibration_after = learned_after.a90;
     one.noise_floor_u90 = noise_floor(problem, after);
     if (problem.judge.size() >= 4) {
-      one.u90_validation_before = u90_of(rows_of(before, problem.judge));
-      one.u90_validation_after = u90_of(rows_of(after, problem.judge));
+      const ErrorFigures judged_before = figures_of(rows_of(before, problem.judge)),
+                         judged_after = figures_of(rows_of(after, problem.judge));
+      one.u90_validation_before = judged_before.u90;
+      one.mean_validation_before = judged_before.mean;
+      one.a90_validation_before = judged_before.a90;
+      one.u90_validation_after = judged_after.u90;
+      one.mean_validation_after = judged_after.mean;
+      one.a90_validation_after = judged_after.a90;
     }
     const auto at = static_cast<Eigen::Index>(o);
     one.noise_white_sd = ground.white_sd(at);

@@ -51,9 +51,16 @@ void begin_at_drawing(const Problem& problem, const Dataset& data, const Eigen::
     const Eigen::VectorXd left =
         output.measured - output.factor * nominal.col(static_cast<Index>(o));
     summary.before.assign(left.data(), left.data() + left.size());
-    summary.u90 = summary.u90_calibration_before = u90_of(rows_of(left, problem.learn));
-    if (summary.u90_validation_before)
-      summary.u90_validation_before = u90_of(rows_of(left, problem.judge));
+    const ErrorFigures learned = figures_of(rows_of(left, problem.learn));
+    summary.u90 = summary.u90_calibration_before = learned.u90;
+    summary.mean = summary.mean_calibration_before = learned.mean;
+    summary.a90 = summary.a90_calibration_before = learned.a90;
+    if (summary.u90_validation_before) {
+      const ErrorFigures judged = figures_of(rows_of(left, problem.judge));
+      summary.u90_validation_before = judged.u90;
+      summary.mean_validation_before = judged.mean;
+      summary.a90_validation_before = judged.a90;
+    }
     for (auto& share : summary.explained_by)
       share.share = share.variable == "time"
                         ? marginal_share(data.time_s, summary.before)

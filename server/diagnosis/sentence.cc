@@ -1,20 +1,15 @@
 #include "server/diagnosis/sentence.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <map>
 
 #include "server/core/channel.h"
+#include "server/core/quantity_text.h"
 
 namespace driftwise::diagnosis {
 namespace {
 
-std::string three_digits(double value) {
-  std::array<char, 48> text{};
-  std::snprintf(text.data(), text.size(), "%.3g", value);
-  return text.data();
-}
+std::string three_digits(double value) { return digits_text(value); }
 
 // "tau_s", "nm_per_k", "offset_mm_rx", and with the output where several show the cause:
 // "size_nm_q1". The unit is the last part that is one; what stands behind it says of which term.
@@ -105,10 +100,12 @@ std::string sentence(const Finding& finding) {
               three_digits(parameter.ci90->high) + ")";
   }
   for (const auto& output : finding.outputs) {
-    if (!output.shown || !output.u90_before) continue;
-    text += "; " + output.output + ": " + size_text(output.amplitude, output.unit) +
-            " rms, held-out U90 " + three_digits(*output.u90_before) + " -> " +
-            size_text(*output.u90_after, output.unit);
+    if (!output.shown || !output.a90_before) continue;
+    const SizeUnit unit =
+        size_unit({output.amplitude, *output.a90_before, *output.a90_after}, output.unit);
+    text += "; " + output.output + ": " + digits_text(output.amplitude * unit.factor) + " " +
+            unit.unit + " rms, held-out A90 " + digits_text(*output.a90_before * unit.factor) +
+            " -> " + digits_text(*output.a90_after * unit.factor) + " " + unit.unit;
   }
   text += ".";
   if (correction_is_uncertain(finding)) {

@@ -1,15 +1,16 @@
 #include "server/diagnosis/u90.h"
 
 #include <cmath>
-
-#include "server/core/units.h"
+#include <span>
 
 namespace driftwise::diagnosis {
 
+ErrorFigures figures_of(const Eigen::VectorXd& residuals) {
+  return error_figures(std::span(residuals.data(), static_cast<std::size_t>(residuals.size())));
+}
+
 double u90_of(const Eigen::VectorXd& residuals) {
-  if (residuals.size() < 2) return NAN;
-  return kSigmaToU90 * std::sqrt((residuals.array() - residuals.mean()).square().sum() /
-                                 static_cast<double>(residuals.size() - 1));
+  return residuals.size() < 2 ? NAN : figures_of(residuals).u90;
 }
 
 }  // namespace driftwise::diagnosis

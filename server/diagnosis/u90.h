@@ -1,10 +1,13 @@
 #pragma once
-// The figure that diagnoses state: U90 = 1.645 standard deviations of residuals about their mean.
+// The figures that diagnoses state, of residuals: server/core/accuracy.h.
 
 #include <Eigen/Core>
 
+#include "server/core/accuracy.h"
+
 namespace driftwise::diagnosis {
 
-double u90_of(const Eigen::VectorXd& residuals);  // in their unit; NaN of fewer than two
+double u90_of(const Eigen::VectorXd& residuals);            // in their unit; NaN of fewer than two
+ErrorFigures figures_of(const Eigen::VectorXd& residuals);  // all of them; rows without a value out
 
 }  // namespace driftwise::diagnosis

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/core/quantity_text.h"
+#include "server/diagnosis/heading.h"
 #include "server/formats/diagnosis_html_parts.h"
 #include "server/formats/html_text.h"
 #include "server/formats/report_style.h"
@@ -50,40 +52,31 @@ std::string summary_text(const Diagnosis& d) {
          " found; structure remains that no entry of the catalogue explains";
 }
 
-// The output that the findings improve most, by ratio; the first where none is judged.
-const OutputSummary* headline(const Diagnosis& d) {
-  const OutputSummary* best = d.outputs.empty() ? nullptr : &d.outputs.front();
-  double best_ratio = 1;
-  for (const auto& output : d.outputs) {
-    if (!output.u90_validation_before || !output.u90_validation_after) continue;
-    const double ratio = *output.u90_validation_after / *output.u90_validation_before;
-    if (ratio < best_ratio) {
-      best = &output;
-      best_ratio = ratio;
-    }
-  }
-  return best;
-}
-
-// Of the last finding that changed this output: it was judged with all of them in.
-std::string result_text(const Diagnosis& d, const OutputSummary& output) {
-  const bool judged = output.u90_validation_before && output.u90_validation_after;
-  std::string text = "<div class=\"result\"><p class=\"note\">accuracy (U90) of " +
-                     html_escaped(output.output) +
-                     (judged ? " on rows held out" : " on the rows it was fitted to") + "</p>";
-  const double before = judged ? *output.u90_validation_before : output.u90_calibration_before;
-  const double after = judged ? *output.u90_validation_after : output.u90_calibration_after;
-  text += "<b><span class=\"from\">" + figure_text(before) + " \xE2\x86\x92 </span>" +
-          figure_text(after) + " <span class=\"unit\">" + html_escaped(output.unit) +
-          "</span></b><p class=\"note\">";
-  if (output.noise_floor_u90)
-    text += "noise floor, from repeats: " + sized(*output.noise_floor_u90, output.unit);
+// The accuracy of one unit: the output with the largest A90 after the findings, its figures, and
+// every other output of that unit.
+std::string result_text(const Diagnosis& d, const JudgedAccuracy& heads) {
+  const std::string unit = html_escaped(heads.unit);
+  std::string text = "<div class=\"result\"><p class=\"note\">accuracy (A90) of " +
+                     html_escaped(heads.output) + ", " + std::string(in_words(heads.rows)) + "</p>";
+  const auto change = [](const ErrorFigures& before, const ErrorFigures& after) {
+    return figure_text(before.a90) + " \xE2\x86\x92 " + figure_text(after.a90);
+  };
+  const ErrorFigures& before = *heads.before;
+  text += "<b><span class=\"from\">" + figure_text(before.a90) + " \xE2\x86\x92 </span>" +
+          figure_text(heads.figures.a90) + " <span class=\"unit\">" + unit +
+          "</span></b><p class=\"note\">mean " + digits_text(before.mean, 3, true) +
+          " \xE2\x86\x92 " + digits_text(heads.figures.mean, 3, true) + ", U90 " +
+          digits_text(before.u90) + " \xE2\x86\x92 " + digits_text(heads.figures.u90) + " " + unit +
+          "<br>";
+  const auto floor = std::ranges::find(d.outputs, heads.output, &OutputSummary::output);
+  if (floor != d.outputs.end() && floor->noise_floor_u90)
+    text += "noise floor, from repeats: " + sized(*floor->noise_floor_u90, floor->unit);
   else
     text += "nothing was repeated: no noise floor";
-  for (const auto& other : d.outputs) {
-    if (&other == &output || !other.u90_validation_before || !other.u90_validation_after) continue;
-    text += "<br>" + html_escaped(other.output) + ": " + figure_text(*other.u90_validation_before) +
-            " \xE2\x86\x92 " + sized(*other.u90_validation_after, other.unit);
+  for (const auto& other : diagnosis::judged_accuracies(d)) {
+    if (other.output == heads.output || other.unit != heads.unit) continue;
+    text += "<br>" + html_escaped(other.output) + ": " + change(*other.before, other.figures) +
+            " " + unit + (other.figures.a90 > other.before->a90 ? " (worse)" : "");
   }
   return text + "</p></div>";
 }
@@ -95,7 +88,7 @@ std::string verdict_section(const Diagnosis& d) {
       "aria-hidden=\"true\">" +
       std::string(look.shape) + "</svg><span>" + look.word + "</span></div><p class=\"note\">" +
       summary_text(d) + "</p></div>";
-  if (const auto* output = headline(d)) out += result_text(d, *output);
+  for (const auto& one : diagnosis::heading_of(d)) out += result_text(d, one);
   return out + "</section>";
 }
 
@@ -123,7 +116,10 @@ std::string diagnosis_html(const Diagnosis& d, const Dataset& dataset, const Dia
                     "</code> \xC2\xB7 " + std::to_string(d.rows_calibration) + " rows searched, " +
                     std::to_string(d.rows_held_out) + " held out</p></header>";
   out += verdict_section(d);
-  const auto* first = headline(d);
+  const auto heading = diagnosis::heading_of(d);
+  const OutputSummary* first = nullptr;
+  for (const auto& output : d.outputs)
+    if (!heading.empty() && output.output == heading.front().output) first = &output;
   if (first != nullptr) out += discrepancy_section(*first, dataset, true);
   out += ranking_section(d);
   for (std::size_t i = 0; i < d.findings.size(); ++i) out += finding_section(d.findings[i], i + 1);
@@ -134,8 +130,8 @@ std::string diagnosis_html(const Diagnosis& d, const Dataset& dataset, const Dia
     if (&output != first) out += discrepancy_section(output, dataset, false);
   out += not_testable_section(d);
   out +=
-      "<footer><p class=\"note\">U90 = 1.645 \xC3\x97 standard deviation of the error. Before and "
-      "after: "
+      "<footer><p class=\"note\">A90 = 1.645 \xC3\x97 root mean square of the error, its mean "
+      "included; U90 = 1.645 \xC3\x97 standard deviation about the mean. Before and after: "
       "measured minus simulated, in motor coordinates. Held out: rows that took no part in "
       "finding or fitting. p: adjusted for the search over causes and parameters.";
   if (d.extended_formula != d.baseline_formula)

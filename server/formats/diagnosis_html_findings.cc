@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/core/quantity_text.h"
 #include "server/effects/term_order.h"
 #include "server/formats/diagnosis_html_parts.h"
 #include "server/formats/html_text.h"
@@ -84,14 +85,19 @@ std::string worth_of(const Finding& finding) {
   std::string out = "<div class=\"worth\">";
   bool any = false;
   for (const auto& output : finding.outputs) {
-    if (!output.u90_before || !output.u90_after) continue;
+    if (!output.a90_before || !output.a90_after) continue;
     any = true;
-    out += "<p class=\"note\">U90 of " + html_escaped(output.output) +
-           " held out</p><b><span class=\"from\">" + figure_text(*output.u90_before) +
-           " \xE2\x86\x92 </span>" + sized(*output.u90_after, output.unit) + "</b>";
-    if (output.u90_after_ci90)
-      out += "<p class=\"note\">90 % interval " + figure_text(output.u90_after_ci90->low) + " to " +
-             sized(output.u90_after_ci90->high, output.unit) + "</p>";
+    out += "<p class=\"note\">A90 of " + html_escaped(output.output) +
+           " held out</p><b><span class=\"from\">" + figure_text(*output.a90_before) +
+           " \xE2\x86\x92 </span>" + sized(*output.a90_after, output.unit) + "</b>";
+    if (output.mean_before && output.mean_after && output.u90_before && output.u90_after)
+      out += "<p class=\"note\">mean " + digits_text(*output.mean_before, 3, true) +
+             " \xE2\x86\x92 " + digits_text(*output.mean_after, 3, true) + ", U90 " +
+             digits_text(*output.u90_before) + " \xE2\x86\x92 " + digits_text(*output.u90_after) +
+             " " + html_escaped(output.unit) + "</p>";
+    if (output.a90_after_ci90)
+      out += "<p class=\"note\">90 % interval of A90 " + figure_text(output.a90_after_ci90->low) +
+             " to " + sized(output.a90_after_ci90->high, output.unit) + "</p>";
   }
   if (!any) out += "<p class=\"note\">a fault of the data: no gain of its own</p>";
   out += "<p class=\"note\">" + chance_text(finding.p_adjusted) + ", adjusted for the search</p>";

@@ -63,7 +63,7 @@ std::string colour_of(const std::string& output) {
 std::string one_plot(const OutputSummary& output, const Dataset& dataset, const Across& across,
                      bool after, PlotRange scale) {
   const auto& values = after ? output.after : output.before;
-  const double u90 = after ? output.u90_calibration_after : output.u90_calibration_before;
+  const double a90 = after ? output.a90_calibration_after : output.a90_calibration_before;
   PlotSeries calibration{.mark = PlotSeries::Mark::points, .css = colour_of(output.output)};
   PlotSeries validation{.mark = PlotSeries::Mark::diamonds, .css = "s6"};
   for (std::size_t i = 0; i < std::min(values.size(), across.values.size()); ++i) {
@@ -74,18 +74,18 @@ std::string one_plot(const OutputSummary& output, const Dataset& dataset, const 
   const std::string when = after ? "after" : "before";
   PlotSpec spec{.title = output.output + " " + when + ": measured minus simulated, " + output.unit +
                          ", against " + across.words,
-                .description = std::to_string(values.size()) + " rows, U90 " + figure_text(u90) +
+                .description = std::to_string(values.size()) + " rows, A90 " + figure_text(a90) +
                                " " + output.unit + " " + when,
                 .x = plot_range({&across.values}, 0.01),
                 .y = scale,
                 .series = {std::move(calibration), std::move(validation)},
-                .band = PlotRange{-u90, u90},
+                .band = PlotRange{-a90, a90},
                 .zero_line = true};
   return "<div><h3>" + std::string(after ? "After" : "Before") + ": \xC2\xB1" +
-         sized(u90, output.unit) + "</h3><p class=\"note\">" +
+         sized(a90, output.unit) + "</h3><p class=\"note\">" +
          (after ? "same scale"
                 : html_escaped(output.unit) + " against " + html_escaped(across.words) +
-                      "; band = U90") +
+                      "; band = A90 of the rows searched") +
          "</p>" + svg_plot(spec) + "</div>";
 }
 
@@ -125,9 +125,9 @@ std::string discrepancy_section(const OutputSummary& output, const Dataset& data
                             pair_of(output, dataset, position_across(dataset, output.output)) +
                             keys(dataset, output.output);
   if (opened) return "<section><h2>" + heading + "</h2>" + plots + "</section>";
-  return "<section><h2>" + heading + "</h2><p class=\"note\">U90 " +
-         figure_text(output.u90_calibration_before) + " \xE2\x86\x92 " +
-         sized(output.u90_calibration_after, output.unit) +
+  return "<section><h2>" + heading + "</h2><p class=\"note\">A90 " +
+         figure_text(output.a90_calibration_before) + " \xE2\x86\x92 " +
+         sized(output.a90_calibration_after, output.unit) +
          " on the rows searched</p><details><summary>Show " + html_escaped(output.output) +
          "</summary>" + plots + "</details></section>";
 }

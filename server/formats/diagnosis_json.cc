@@ -3,8 +3,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "server/diagnosis/heading.h"
 #include "server/effects/term_order.h"
-#include "server/formats/size_text.h"
+#include "server/formats/fit_json.h"
 
 namespace driftwise::formats {
 namespace {
@@ -54,6 +55,15 @@ Json finding_json(const diagnosis::Finding& finding) {
                 {"u90_after_" + output.unit, number_or_null(*output.u90_after)}};
     if (output.u90_after_ci90)
       judged["ci90_" + output.unit] = interval_json(*output.u90_after_ci90);
+    const auto put = [&](const char* key, const std::optional<double>& value) {
+      if (value) judged[key + output.unit] = number_or_null(*value);
+    };
+    put("mean_before_", output.mean_before);
+    put("mean_after_", output.mean_after);
+    put("a90_before_", output.a90_before);
+    put("a90_after_", output.a90_after);
+    if (output.a90_after_ci90)
+      judged["a90_ci90_" + output.unit] = interval_json(*output.a90_after_ci90);
     gain[output.output] = std::move(judged);
   }
   if (!finding.rows.empty()) {
@@ -68,15 +78,26 @@ Json finding_json(const diagnosis::Finding& finding) {
   return one;
 }
 
-Json output_json(const diagnosis::OutputSummary& output, double calibration,
-                 const std::optional<double>& validation) {
-  Json one{{"u90_calibration_" + output.unit, calibration}};
-  if (validation) one["u90_validation_" + output.unit] = *validation;
+// Of one simulation: the baseline, or the extended one.
+struct JudgedSimulation {
+  double u90, mean, a90;  // calibration rows
+  const std::optional<double>&u90_held_out, &mean_held_out, &a90_held_out;
+};
+
+Json output_json(const std::string& unit, const JudgedSimulation& judged) {
+  Json one{{"u90_calibration_" + unit, number_or_null(judged.u90)},
+           {"mean_calibration_" + unit, number_or_null(judged.mean)},
+           {"a90_calibration_" + unit, number_or_null(judged.a90)}};
+  if (judged.u90_held_out) one["u90_validation_" + unit] = number_or_null(*judged.u90_held_out);
+  if (judged.mean_held_out) one["mean_validation_" + unit] = number_or_null(*judged.mean_held_out);
+  if (judged.a90_held_out) one["a90_validation_" + unit] = number_or_null(*judged.a90_held_out);
   return one;
 }
 
 Json discrepancy_json(const diagnosis::OutputSummary& output) {
-  Json one{{"u90_" + output.unit, output.u90}};
+  Json one{{"u90_" + output.unit, output.u90},
+           {"mean_" + output.unit, output.mean},
+           {"a90_" + output.unit, output.a90}};
   if (output.noise_floor_u90) one["noise_floor_" + output.unit] = *output.noise_floor_u90;
   one["explained_by"] = Json::array();
   for (const auto& share : output.explained_by)
@@ -104,16 +125,21 @@ Json diagnosis_json(const diagnosis::Diagnosis& d) {
   Json json;
   json["schema"] = "driftwise.diagnosis.v1";
   json["verdict"] = std::string(diagnosis::to_string(d.verdict));
+  json["accuracy"] = heading_json(diagnosis::heading_of(d));
   json["rows"] = {{"calibration", d.rows_calibration}, {"held_out", d.rows_held_out}};
   json["baseline"] = {{"formula", d.baseline_formula}, {"outputs", Json::object()}};
   json["discrepancy"] = Json::object();
   Json extended{{"formula", d.extended_formula}, {"outputs", Json::object()}};
   for (const auto& output : d.outputs) {
     json["baseline"]["outputs"][output.output] =
-        output_json(output, output.u90_calibration_before, output.u90_validation_before);
+        output_json(output.unit, {output.u90_calibration_before, output.mean_calibration_before,
+                                  output.a90_calibration_before, output.u90_validation_before,
+                                  output.mean_validation_before, output.a90_validation_before});
     json["discrepancy"][output.output] = discrepancy_json(output);
     extended["outputs"][output.output] =
-        output_json(output, output.u90_calibration_after, output.u90_validation_after);
+        output_json(output.unit, {output.u90_calibration_after, output.mean_calibration_after,
+                                  output.a90_calibration_after, output.u90_validation_after,
+                                  output.mean_validation_after, output.a90_validation_after});
   }
   json["findings"] = Json::array();
   for (const auto& finding : d.findings) json["findings"].push_back(finding_json(finding));
@@ -138,11 +164,10 @@ std::string diagnosis_page(const diagnosis::Diagnosis& d) {
   for (const auto& rest : d.left_over)
     page += "  structure remains that no cause of the catalogue explains; it goes with " +
             rest.goes_with + "\n";
-  page += "\nU90 held out, before -> after\n";
-  for (const auto& output : d.outputs)
-    if (output.u90_validation_before)
-      page += "  " + output.output + "  " + size_text(*output.u90_validation_before, output.unit) +
-              " -> " + size_text(*output.u90_validation_after, output.unit) + "\n";
+  for (const auto& one : diagnosis::heading_of(d))
+    page += "accuracy (A90), before -> after: " + accuracy_text(one) + "\n";
+  page += "\nA90, before -> after\n";
+  for (const auto& one : diagnosis::judged_accuracies(d)) page += "  " + accuracy_text(one) + "\n";
   page += d.findings.empty() ? "\nno cause is supported by these data\n" : "\nfindings\n";
   int number = 0;
   for (const auto& finding : d.findings) {

@@ -64,6 +64,35 @@ std::string name_in(const std::array<std::string_view, n>& names, Enum value) {
   return std::string(names[static_cast<std::size_t>(value)]);
 }
 
+// Means and A90 by name: written with their U90.
+template <class S, class Visit>
+void each_mean(S& s, Visit visit) {
+  visit("mean", s.mean);
+  visit("a90", s.a90);
+  visit("mean_calibration_before", s.mean_calibration_before);
+  visit("mean_calibration_after", s.mean_calibration_after);
+  visit("a90_calibration_before", s.a90_calibration_before);
+  visit("a90_calibration_after", s.a90_calibration_after);
+}
+template <class S, class Visit>
+void each_held_out(S& s, Visit visit) {
+  visit("u90_validation_before", s.u90_validation_before);
+  visit("u90_validation_after", s.u90_validation_after);
+  visit("mean_validation_before", s.mean_validation_before);
+  visit("mean_validation_after", s.mean_validation_after);
+  visit("a90_validation_before", s.a90_validation_before);
+  visit("a90_validation_after", s.a90_validation_after);
+}
+template <class O, class Visit>
+void each_judged(O& o, Visit visit) {
+  visit("u90_before", o.u90_before);
+  visit("u90_after", o.u90_after);
+  visit("mean_before", o.mean_before);
+  visit("mean_after", o.mean_after);
+  visit("a90_before", o.a90_before);
+  visit("a90_after", o.a90_after);
+}
+
 Json summary_json(const dx::OutputSummary& s) {
   Json one{{"output", s.output},
            {"unit", s.unit},
@@ -74,8 +103,8 @@ Json summary_json(const dx::OutputSummary& s) {
            {"noise_slow_sd", json_number(s.noise_slow_sd)},
            {"noise_tau_s", json_number(s.noise_tau_s)}};
   put(one, "noise_floor_u90", s.noise_floor_u90);
-  put(one, "u90_validation_before", s.u90_validation_before);
-  put(one, "u90_validation_after", s.u90_validation_after);
+  each_mean(s, [&](const char* key, double value) { one[key] = json_number(value); });
+  each_held_out(s, [&](const char* key, const auto& value) { put(one, key, value); });
   one["explained_by"] = list(s.explained_by, [](const dx::Share& share) {
     return Json{{"variable", share.variable}, {"share", json_number(share.share)}};
   });
@@ -93,8 +122,15 @@ dx::OutputSummary read_summary(const JsonPlace& from) {
   s.noise_slow_sd = from["noise_slow_sd"].number();
   s.noise_tau_s = from["noise_tau_s"].number();
   s.noise_floor_u90 = maybe_number(from, "noise_floor_u90");
-  s.u90_validation_before = maybe_number(from, "u90_validation_before");
-  s.u90_validation_after = maybe_number(from, "u90_validation_after");
+  // Diagnoses without A90 had residuals about their mean.
+  s.a90 = s.u90;
+  s.a90_calibration_before = s.u90_calibration_before;
+  s.a90_calibration_after = s.u90_calibration_after;
+  each_mean(s, [&](const char* key, double& value) {
+    if (from.has(key)) value = from[key].number();
+  });
+  each_held_out(
+      s, [&](const char* key, std::optional<double>& value) { value = maybe_number(from, key); });
   s.explained_by = read_list(from["explained_by"], [](const JsonPlace& one) {
     return dx::Share{one["variable"].text(), one["share"].number()};
   });
@@ -127,9 +163,9 @@ Json finding_output_json(const dx::FindingOutput& o) {
            {"amplitude", json_number(o.amplitude)},
            {"gain_2lnl", json_number(o.gain_2lnl)},
            {"shown", o.shown}};
-  put(one, "u90_before", o.u90_before);
-  put(one, "u90_after", o.u90_after);
+  each_judged(o, [&](const char* key, const auto& value) { put(one, key, value); });
   put(one, "u90_after_ci90", o.u90_after_ci90);
+  put(one, "a90_after_ci90", o.a90_after_ci90);
   put(one, "correction_rms", o.correction_rms);
   put(one, "correction_u90", o.correction_u90);
   one["coefficients"] = list(o.coefficients, [](double value) { return json_number(value); });
@@ -143,9 +179,10 @@ dx::FindingOutput read_finding_output(const JsonPlace& from) {
   o.amplitude = from["amplitude"].number();
   o.gain_2lnl = from["gain_2lnl"].number();
   o.shown = from["shown"].truth();
-  o.u90_before = maybe_number(from, "u90_before");
-  o.u90_after = maybe_number(from, "u90_after");
+  each_judged(
+      o, [&](const char* key, std::optional<double>& value) { value = maybe_number(from, key); });
   o.u90_after_ci90 = maybe_interval(from, "u90_after_ci90");
+  o.a90_after_ci90 = maybe_interval(from, "a90_after_ci90");
   o.correction_rms = maybe_number(from, "correction_rms");
   o.correction_u90 = maybe_number(from, "correction_u90");
   o.coefficients = read_numbers(from["coefficients"]);
@@ -204,6 +241,11 @@ dx::Diagnosis read_diagnosis(const JsonPlace& from) {
   d.extended_formula = from["extended_formula"].text();
   d.rows_calibration = static_cast<std::size_t>(from["rows_calibration"].integer(0));
   d.rows_held_out = static_cast<std::size_t>(from["rows_held_out"].integer(0));
+  if (from.has("judged_on")) {
+    const auto rows = judged_rows_from(from["judged_on"].text());
+    if (!rows) from["judged_on"].refuse("validation, blocks, calibration or fresh");
+    d.judged_on = *rows;
+  }
   d.nulls = static_cast<int>(from["nulls"].integer(0, INT32_MAX));
   d.outputs = read_list(from["outputs"], read_summary);
   d.findings = read_list(from["findings"], read_finding);
@@ -228,6 +270,7 @@ std::string write_stored_diagnosis(const dx::Diagnosis& d) {
             {"extended_formula", d.extended_formula},
             {"rows_calibration", d.rows_calibration},
             {"rows_held_out", d.rows_held_out},
+            {"judged_on", to_string(d.judged_on)},
             {"nulls", d.nulls},
             {"outputs", list(d.outputs, summary_json)},
             {"findings", list(d.findings, stored_finding)}};

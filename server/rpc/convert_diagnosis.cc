@@ -2,8 +2,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "server/diagnosis/heading.h"
 #include "server/effects/term_order.h"
 #include "server/formats/diagnosis_json.h"
+#include "server/rpc/convert_accuracy.h"
 #include "server/rpc/convert_values.h"
 
 namespace driftwise::rpc {
@@ -36,6 +38,16 @@ void add_output(const dx::OutputSummary& from, v1::OutputDiscrepancy& out) {
   out.set_u90_calibration_after(from.u90_calibration_after);
   if (from.u90_validation_before) out.set_u90_validation_before(*from.u90_validation_before);
   if (from.u90_validation_after) out.set_u90_validation_after(*from.u90_validation_after);
+  out.set_mean(from.mean);
+  out.set_a90(from.a90);
+  out.set_mean_calibration_before(from.mean_calibration_before);
+  out.set_mean_calibration_after(from.mean_calibration_after);
+  out.set_a90_calibration_before(from.a90_calibration_before);
+  out.set_a90_calibration_after(from.a90_calibration_after);
+  if (from.mean_validation_before) out.set_mean_validation_before(*from.mean_validation_before);
+  if (from.mean_validation_after) out.set_mean_validation_after(*from.mean_validation_after);
+  if (from.a90_validation_before) out.set_a90_validation_before(*from.a90_validation_before);
+  if (from.a90_validation_after) out.set_a90_validation_after(*from.a90_validation_after);
   out.set_noise_white_sd(from.noise_white_sd);
   out.set_noise_slow_sd(from.noise_slow_sd);
   out.set_noise_tau_s(from.noise_tau_s);
@@ -77,6 +89,11 @@ void add_finding(const dx::Finding& from, int number, DiagnosisDetail detail, v1
     if (output.u90_before) one.set_u90_before(*output.u90_before);
     if (output.u90_after) one.set_u90_after(*output.u90_after);
     if (output.u90_after_ci90) set_interval(one.mutable_u90_after_ci90(), output.u90_after_ci90);
+    if (output.mean_before) one.set_mean_before(*output.mean_before);
+    if (output.mean_after) one.set_mean_after(*output.mean_after);
+    if (output.a90_before) one.set_a90_before(*output.a90_before);
+    if (output.a90_after) one.set_a90_after(*output.a90_after);
+    if (output.a90_after_ci90) set_interval(one.mutable_a90_after_ci90(), output.a90_after_ci90);
     one.set_shown(output.shown);
     if (output.correction_rms) one.set_correction_rms(*output.correction_rms);
     if (output.correction_u90) one.set_correction_u90(*output.correction_u90);
@@ -89,6 +106,7 @@ void add_found(const dx::Diagnosis& from, DiagnosisDetail detail, v1::Diagnosis&
   out.set_extended_formula(from.extended_formula);
   out.set_verdict(verdict_from(from.verdict));
   for (const auto& output : from.outputs) add_output(output, *out.add_outputs());
+  for (const auto& one : dx::heading_of(from)) *out.add_accuracy() = judged_from(one);
   int number = 0;
   for (const auto& finding : from.findings)
     add_finding(finding, ++number, detail, *out.add_findings());
@@ -124,8 +142,8 @@ void add_ranges(const RowsOfRun& rows, v1::Extension& out) {
     while (end < rows.rows.size() && rows.rows[end] == rows.rows[end - 1] + 1) ++end;
     auto& range = *out.add_excluded();
     range.set_run_id(rows.run.value);
-    range.set_first_row(rows.rows[i]);
-    range.set_last_row(rows.rows[end - 1]);
+    range.set_first_row(shown_row(rows.rows[i]));
+    range.set_last_row(shown_row(rows.rows[end - 1]));
     i = end;
   }
 }
@@ -219,9 +237,14 @@ v1::Improvement improvement_from(const ImprovementRecord& record) {
       auto& one = *to.add_gains();
       one.set_output(gain.output);
       one.set_unit(gain.unit);
-      one.set_u90_before(gain.u90_before);
-      if (gain.u90_predicted) one.set_u90_predicted(*gain.u90_predicted);
-      if (gain.u90_measured) one.set_u90_measured(*gain.u90_measured);
+      one.set_u90_before(gain.before.u90);
+      if (gain.predicted) one.set_u90_predicted(gain.predicted->u90);
+      if (gain.measured) one.set_u90_measured(gain.measured->u90);
+      *one.mutable_before() = figures_from(gain.before);
+      if (gain.predicted) *one.mutable_predicted() = figures_from(*gain.predicted);
+      if (gain.measured_before)
+        *one.mutable_measured_before() = figures_from(*gain.measured_before);
+      if (gain.measured) *one.mutable_measured() = figures_from(*gain.measured);
     }
     *to.mutable_start_time() = timestamp_from(turn.started);
     if (turn.ended.utc_ns != 0) *to.mutable_end_time() = timestamp_from(turn.ended);

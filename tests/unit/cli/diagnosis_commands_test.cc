@@ -32,6 +32,9 @@ class DiagnosisCommands : public CliTest {
     q1.unit = "nm";
     q1.u90_calibration_before = 84.2;
     q1.u90_calibration_after = 12.4;
+    q1.mean_calibration_after = 1.5;
+    q1.a90_calibration_before = 91.7;
+    q1.a90_calibration_after = 12.7;
     q1.explained_by = {{"t07", 0.41}};
     found.outputs = {q1};
     dx::Finding lag;
@@ -52,7 +55,8 @@ TEST_F(DiagnosisCommands, ShowWhatWasFound) {
   EXPECT_THAT(said.out, HasSubstr("verdict   extended"));
   EXPECT_THAT(said.out, HasSubstr("1  thermal_lag t07"));
   EXPECT_THAT(said.out, HasSubstr("tau_s = 1830  (90 %: 1740 to 1925)"));
-  EXPECT_THAT(said.out, HasSubstr("84.2"));
+  EXPECT_THAT(said.out, HasSubstr("accuracy (A90), before -> after: 91.7 -> 12.7 nm (q1, the fit's "
+                                  "own rows, none held out, mean +1.5 nm, U90 12.4 nm)"));
   const auto as_json = json({"diagnosis", "show", "1"});
   EXPECT_EQ(as_json["schema"], "driftwise.diagnosis.v1");
   EXPECT_EQ(as_json["verdict"], "extended");
@@ -127,7 +131,12 @@ TEST_F(DiagnosisCommands, ImprovementsTurnByTurn) {
     turn.runs = {{3}, {4}};
     turn.model = ModelId{2};
     turn.what = "found a lag";
-    turn.gains = {{"q1", "nm", 84.2, 12.4, 13.1}};
+    turn.gains = {{"q1",
+                   "nm",
+                   {.u90 = 80, .a90 = 84.2},
+                   ErrorFigures{.u90 = 12.4, .a90 = 12.4},
+                   ErrorFigures{.u90 = 81, .a90 = 85.5},
+                   ErrorFigures{.mean = 2.5, .u90 = 12.6, .a90 = 13.1}}};
     record.turns = {turn};
     cell.the_improvements = {record};
   });
@@ -137,7 +146,7 @@ TEST_F(DiagnosisCommands, ImprovementsTurnByTurn) {
   EXPECT_THAT(said.out, HasSubstr("84.2"));
   EXPECT_THAT(said.out, HasSubstr("13.1"));
   const auto as_json = json({"improve", "list"});
-  EXPECT_EQ(as_json["improvements"][0]["turns"][0]["gains"][0]["u90_measured"], 13.1);
+  EXPECT_EQ(as_json["improvements"][0]["turns"][0]["gains"][0]["measured"]["a90"], 13.1);
 }
 
 }  // namespace

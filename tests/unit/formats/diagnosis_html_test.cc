@@ -9,6 +9,7 @@
 #include <fstream>
 #include <random>
 
+#include "server/diagnosis/heading.h"
 #include "server/formats/html_text.h"
 #include "server/formats/report_style.h"
 #include "server/formats/svg_plot.h"
@@ -38,6 +39,12 @@ Diagnosed diagnosed(std::size_t rows = 700) {
   q1.u90_calibration_after = 15.1;
   q1.u90_validation_before = 118;
   q1.u90_validation_after = 16.4;
+  q1.a90_calibration_before = 112;
+  q1.a90_calibration_after = 15.1;
+  q1.mean_validation_before = -11;
+  q1.mean_validation_after = 6.2;
+  q1.a90_validation_before = 119.5;
+  q1.a90_validation_after = 19.3;
   q1.explained_by = {{"t07", 0.62}, {"time", 0.21}, {"x", 0.03}};
   for (std::size_t i = 0; i < rows; ++i) {
     const double time_s = 14.3 * static_cast<double>(i);
@@ -80,6 +87,11 @@ Diagnosed diagnosed(std::size_t rows = 700) {
   out.u90_before = 118;
   out.u90_after = 16.4;
   out.u90_after_ci90 = diagnosis::Interval{14.9, 18.2};
+  out.mean_before = -11;
+  out.mean_after = 6.2;
+  out.a90_before = 119.5;
+  out.a90_after = 19.3;
+  out.a90_after_ci90 = diagnosis::Interval{17.2, 21.6};
   finding.outputs = {out};
   finding.sentence = "the robot follows t07 with a delay: tau 1830 s (90 % 1740 to 1925 s)";
   d.findings = {finding};
@@ -118,9 +130,24 @@ TEST(DiagnosisPage, SaysWhatADiagnosisSays) {
   const auto page = page_of(diagnosed());
   for (const char* said :
        {"Extended", "The robot follows t07 with a delay", "self_heating q1", "no tilt channel",
-        "14.9 to 18.2", "lag(t07, 1830 s)", "Predicted power <strong>98 %", "p &lt; 0.001",
-        "&lt;script&gt;alert(&#39;&amp;&#39;)"})
+        "17.2 to 21.6", "accuracy (A90) of q1, validation rows", "mean -11", "lag(t07, 1830 s)",
+        "Predicted power <strong>98 %", "p &lt; 0.001", "&lt;script&gt;alert(&#39;&amp;&#39;)"})
     EXPECT_NE(page.find(said), std::string::npos) << said;
+}
+
+// q1 got better, q2 worse, and q2 is the worse one now: it heads the page, before and after.
+TEST(DiagnosisPage, IsHeadedByTheWorstOutput) {
+  auto made = diagnosed();
+  auto q2 = made.diagnosis.outputs[0];
+  q2.output = "q2";
+  q2.u90_validation_before = q2.a90_validation_before = 13.5;
+  q2.u90_validation_after = q2.a90_validation_after = 21.0;
+  made.diagnosis.outputs.push_back(q2);
+  const auto page = page_of(made);
+  EXPECT_NE(page.find("accuracy (A90) of q2, validation rows"), std::string::npos);
+  EXPECT_EQ(page.find("accuracy (A90) of q1"), std::string::npos);
+  EXPECT_EQ(diagnosis::outputs_made_worse(made.diagnosis),
+            std::vector<std::string>{"q2: 13.5 -> 21 nm"});
 }
 
 TEST(DiagnosisPage, EveryPlotHasATextAndEveryTagIsClosed) {

@@ -23,6 +23,7 @@ dx::Diagnosis lag_and_outliers() {
   d.extended_formula = "q ~ x + lag(t07, 1830 s)";
   d.rows_calibration = 560;
   d.rows_held_out = 448;
+  d.judged_on = JudgedRows::blocks;
   d.nulls = 199;
   dx::OutputSummary q1;
   q1.output = "q1";
@@ -31,6 +32,9 @@ dx::Diagnosis lag_and_outliers() {
   q1.u90_calibration_before = 84.1;
   q1.u90_calibration_after = 12.5;
   q1.u90_validation_before = 85.0;
+  q1.mean_validation_before = -7.5;
+  q1.a90_validation_before = 86.0;
+  q1.a90 = 84.5;
   q1.noise_white_sd = 7.5;
   q1.noise_slow_sd = 3.25;
   q1.noise_tau_s = 600;
@@ -72,6 +76,10 @@ TEST(StoredDiagnosis, ComesBackAsItWas) {
   EXPECT_EQ(back->verdict, d.verdict);
   EXPECT_EQ(back->outputs[0].u90, d.outputs[0].u90);
   EXPECT_EQ(back->outputs[0].u90_validation_after, std::nullopt);
+  EXPECT_EQ(back->outputs[0].mean_validation_before, -7.5);
+  EXPECT_EQ(back->outputs[0].a90_validation_before, 86.0);
+  EXPECT_EQ(back->outputs[0].a90, 84.5);
+  EXPECT_EQ(back->judged_on, JudgedRows::blocks);
   EXPECT_EQ(back->outputs[0].explained_by[0].variable, "t07");
   ASSERT_EQ(back->findings.size(), 2u);
   const auto& lag = back->findings[0];

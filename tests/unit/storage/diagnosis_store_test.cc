@@ -160,7 +160,10 @@ TEST_F(DiagnosisStoreTest, KeepsAnImprovementTurnByTurn) {
   ASSERT_TRUE(store->diagnoses().put_turn(made.id, turn));
   turn.what = "measured, and found a lag";
   turn.diagnosis = done();
-  turn.gains = {{"q1", "nm", 41.0, 12.5, {}}, {"q2", "nm", 40.0, {}, 13.0}};
+  const ErrorFigures before{.mean = 9, .u90 = 41, .a90 = 44}, promised{.u90 = 12.5, .a90 = 12.5},
+      fresh_before{.mean = -8, .u90 = 43, .a90 = 45}, fresh{.mean = 1, .u90 = 13, .a90 = 13.1};
+  turn.gains = {{"q1", "nm", before, promised, {}, {}},
+                {"q2", "nm", before, {}, fresh_before, fresh}};
   turn.ended = at_s(600).utc;
   ASSERT_TRUE(store->diagnoses().put_turn(made.id, turn));
   ASSERT_TRUE(store->diagnoses().end_improvement(made.id, JobState::done, "enough", at_s(601).utc));
@@ -173,9 +176,11 @@ TEST_F(DiagnosisStoreTest, KeepsAnImprovementTurnByTurn) {
   EXPECT_EQ(record.turns[0].what, "measured, and found a lag");
   EXPECT_THAT(record.turns[0].runs, ElementsAre(run));
   ASSERT_EQ(record.turns[0].gains.size(), 2u);
-  EXPECT_EQ(record.turns[0].gains[0].u90_predicted, 12.5);
-  EXPECT_EQ(record.turns[0].gains[0].u90_measured, std::nullopt);
-  EXPECT_EQ(record.turns[0].gains[1].u90_measured, 13.0);
+  EXPECT_EQ(record.turns[0].gains[0].before, before);
+  EXPECT_EQ(record.turns[0].gains[0].predicted, promised);
+  EXPECT_EQ(record.turns[0].gains[0].measured, std::nullopt);
+  EXPECT_EQ(record.turns[0].gains[1].measured_before, fresh_before);
+  EXPECT_EQ(record.turns[0].gains[1].measured, fresh);
 }
 
 // What 0.1.0 left gets the new tables, and a diagnosis of its run finds a place in them.
