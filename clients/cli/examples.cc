@@ -47,6 +47,8 @@ constexpr auto kExamples = std::to_array<Example>({
     {"run start", "driftwise run start plan.csv --dry-run", "only say what it would do"},
     {"run list", "driftwise run list --limit 5", "the last five"},
     {"run show", "driftwise run show 17", "one run, with its notes"},
+    {"run verify", "driftwise run verify 18", "target minus measured of a compensated run"},
+    {"run verify", "driftwise run verify 18 17", "against run 17, on the positions of both"},
     {"run watch", "driftwise run watch", "the one under way, to its end"},
     {"run pause", "driftwise run pause 17", "after the point under way"},
     {"run resume", "driftwise run resume 17", "goes on where it was"},

@@ -1,5 +1,6 @@
 #include "clients/cli/report_command.h"
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <memory>
@@ -63,6 +64,16 @@ std::vector<v1::Event> events_of(const Connection& connection, std::int64_t run)
   }
 }
 
+// Enough points but returns to zero that have a wanted pose: then the run can be verified.
+bool wanted_poses(const std::vector<v1::Point>& points) {
+  int found = 0;
+  for (const auto& point : points)
+    found += !point.zero() && std::ranges::any_of(point.values(), [](const auto& value) {
+      return value.channel().find("_target_") != std::string::npos && value.has_value();
+    });
+  return found >= 2;
+}
+
 std::string now_text() {
   google::protobuf::Timestamp now;
   now.set_seconds(std::chrono::duration_cast<std::chrono::seconds>(
@@ -86,6 +97,11 @@ ExitCode report_run(const Session& session, const ReportArguments& a) {
   const auto tries = connection.ask(&RunStub::ListAttempts, attempts);
   source.attempts.assign(tries.attempts().begin(), tries.attempts().end());
   source.events = events_of(connection, a.run);
+  if (wanted_poses(source.points)) {
+    v1::VerifyRunsRequest verify;
+    verify.add_run_ids(a.run);
+    source.verification = connection.ask(&RunStub::VerifyRuns, verify, 120);
+  }
   source.made = now_text();
   source.version = DRIFTWISE_VERSION;
   const std::string written = report_page(page, report_json(source));

@@ -9,6 +9,7 @@
 
 #include "clients/cli/console.h"
 #include "clients/cli/proto_json.h"
+#include "clients/cli/run_text.h"
 #include "clients/cli/text.h"
 
 namespace driftwise::cli {
@@ -54,7 +55,8 @@ Json run_json(const v1::Run& run) {
           {"accepted", run.accepted_count()},
           {"given_up", run.given_up_count()},
           {"attempts", run.attempt_count()},
-          {"restarts", run.restart_count()}};
+          {"restarts", run.restart_count()},
+          {"compensation", compensation_text(run)}};
 }
 
 // What the points measured, channel by channel, in the order in which they first appear.
@@ -139,6 +141,24 @@ std::string packed(const std::vector<double>& values) {
   return base64(bytes);
 }
 
+namespace {
+
+// The figures only: the rows' errors follow from the points.
+Json verification_json(const v1::VerifyRunsResponse& found) {
+  const Json all = json_from(found);
+  Json out{{"accuracy", all["accuracy"]}};
+  for (const char* key : {"row_count", "outside_row_count", "zero_row_count", "outside"})
+    out[key] = all["runs"][0][key];
+  out["coordinates"] = Json::array();
+  for (auto coordinate : all["runs"][0]["coordinates"]) {
+    coordinate.erase("errors");
+    out["coordinates"].push_back(std::move(coordinate));
+  }
+  return out;
+}
+
+}  // namespace
+
 Json report_json(const ReportSource& source) {
   Json events = Json::array(), axes = Json::array();
   for (const auto& event : source.events)
@@ -150,17 +170,20 @@ Json report_json(const ReportSource& source) {
     for (const auto& axis : device.axes())
       axes.push_back(
           {{"channel", axis.channel()}, {"min_mm", axis.min_mm()}, {"max_mm", axis.max_mm()}});
-  return {{"schema", "driftwise.run-report.v1"},
-          {"cell", source.cell.cell_name()},
-          {"config_hash", source.run.run().config_hash()},
-          {"version", source.version},
-          {"made", source.made},
-          {"run", run_json(source.run.run())},
-          {"rules", rules_json(source.run.rules_json())},
-          {"points", points_json(source)},
-          {"attempts", attempts_json(source)},
-          {"events", events},
-          {"axes", axes}};
+  Json report{{"schema", "driftwise.run-report.v1"},
+              {"cell", source.cell.cell_name()},
+              {"config_hash", source.run.run().config_hash()},
+              {"version", source.version},
+              {"made", source.made},
+              {"run", run_json(source.run.run())},
+              {"rules", rules_json(source.run.rules_json())},
+              {"points", points_json(source)},
+              {"attempts", attempts_json(source)},
+              {"events", events},
+              {"axes", axes}};
+  if (source.verification && source.verification->runs_size() > 0)
+    report["verification"] = verification_json(*source.verification);
+  return report;
 }
 
 std::string report_page(const std::string& page_template, const Json& data) {

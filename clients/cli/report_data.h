@@ -2,6 +2,7 @@
 // A run as the page of a report reads it: driftwise.run-report.v1, docs/web-report.md. Pure.
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,9 @@ struct ReportSource {
   std::vector<v1::Point> points;  // oldest first
   std::vector<v1::Attempt> attempts;
   std::vector<v1::Event> events;  // of this run
-  std::string made;               // ISO 8601 UTC
+  // What compensation achieved; nothing: a run without wanted poses.
+  std::optional<v1::VerifyRunsResponse> verification;
+  std::string made;  // ISO 8601 UTC
   std::string version;
 };
 

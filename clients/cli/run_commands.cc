@@ -9,6 +9,7 @@
 #include "clients/cli/run_text.h"
 #include "clients/cli/run_watch.h"
 #include "clients/cli/validators.h"
+#include "clients/cli/verify_command.h"
 #include "driftwise/v1/run_service.grpc.pb.h"
 
 namespace driftwise::cli {
@@ -135,6 +136,7 @@ void add_run_commands(CLI::App& app, Session& session) {
   confirmed.add_option("--force", a->force_n, "what hangs there, N")
       ->required()
       ->check(finite_number());
+  add_verify_command(run, session);
   id(add_command(run, session, "points", "Accepted points",
                  [&session, a] { return show_points(session, a->id); }));
   id(add_command(run, session, "attempts", "Every attempt, with its verdict",

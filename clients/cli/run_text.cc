@@ -47,6 +47,13 @@ ExitCode exit_code_of(v1::Run::State state) {
                                                                            : ExitCode::done;
 }
 
+std::string compensation_text(const v1::Run& run) {
+  if (!run.compensated()) return "uncompensated";
+  return run.has_compensate_model_id()
+             ? "compensated with model " + std::to_string(run.compensate_model_id())
+             : "compensated with the model that served";
+}
+
 void print_runs(const Console& console, const std::vector<v1::Run>& runs) {
   if (runs.empty()) {
     console.out << "no runs yet: driftwise run start TRAJECTORY.csv\n";
@@ -60,6 +67,7 @@ void print_runs(const Console& console, const std::vector<v1::Run>& runs) {
                {"attempts", Align::right},
                {"started (UTC)"},
                {"took", Align::right},
+               {"compensated"},
                {"operator"}});
   for (const auto& run : runs) {
     const bool began = run.has_start_time(), ended = began && run.has_end_time();
@@ -68,6 +76,10 @@ void print_runs(const Console& console, const std::vector<v1::Run>& runs) {
                std::to_string(run.given_up_count()), std::to_string(run.attempt_count()),
                began ? clock_text(run.start_time()) : "-",
                ended ? span_text(seconds_between(run.start_time(), run.end_time())) : "-",
+               !run.compensated() ? "no"
+               : run.has_compensate_model_id()
+                   ? "model " + std::to_string(run.compensate_model_id())
+                   : "yes",
                run.operator_name()});
   }
   table.print(console.out, console.paint_out());
@@ -83,6 +95,7 @@ void print_run(const Console& console, const v1::Run& run) {
   line("state", painted_state(paint, run.state()) +
                     (run.reason().empty() ? "" : "  (" + run.reason() + ")"));
   line("trajectory", run.trajectory_name() + ", " + std::to_string(run.row_count()) + " rows");
+  line("compensation", compensation_text(run));
   line("points", std::to_string(run.accepted_count()) + " accepted, " +
                      std::to_string(run.given_up_count()) + " given up, " +
                      std::to_string(run.attempt_count()) + " attempts");

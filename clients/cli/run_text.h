@@ -12,6 +12,9 @@ namespace driftwise::cli {
 std::string state_text(v1::Run::State state);  // "running"
 bool is_over(v1::Run::State state);
 
+// "uncompensated", "compensated with model 3".
+std::string compensation_text(const v1::Run& run);
+
 void print_runs(const Console& console, const std::vector<v1::Run>& runs);
 void print_run(const Console& console, const v1::Run& run);  // one run, a line per fact
 

@@ -10,7 +10,6 @@
 #include <stdexcept>
 
 #include "server/core/cell_time.h"
-#include "server/core/units.h"
 #include "server/formats/dataset_csv.h"
 
 namespace driftwise::demo {
@@ -40,19 +39,26 @@ int terms_in(const nlohmann::json& output) {
   return in;
 }
 
-Spread spread(const std::vector<double>& errors_nm) {
-  Spread out;
-  for (const double e : errors_nm) out.mean_nm += e / static_cast<double>(errors_nm.size());
-  double square = 0;
-  for (const double e : errors_nm) square += (e - out.mean_nm) * (e - out.mean_nm);
-  out.u90_nm = kSigmaToU90 * std::sqrt(square / static_cast<double>(errors_nm.size() - 1));
+std::string text(const ErrorFigures& figures) {
+  char out[48];
+  std::snprintf(out, sizeof out, "%.1f (%+.1f, %.1f)", figures.a90, figures.mean, figures.u90);
   return out;
 }
 
-std::string text(const Spread& spread) {
-  char out[32];
-  std::snprintf(out, sizeof out, "%.1f (%+.1f)", spread.u90_nm, spread.mean_nm);
-  return out;
+ByInstrument by_instrument(const nlohmann::json& verification, const std::string& coordinate) {
+  const auto figures = [](const nlohmann::json& of) {
+    return ErrorFigures{.rows = of.at("row_count").get<std::int64_t>(),
+                        .mean = of.at("mean").get<double>(),
+                        .u90 = of.at("u90").get<double>(),
+                        .a90 = of.at("a90").get<double>()};
+  };
+  for (const auto& one : verification.at("runs").at(0).at("coordinates"))
+    if (one.at("coordinate") == coordinate) {
+      ByInstrument found{figures(one.at("all")), std::nullopt};
+      if (one.at("by_model").is_object()) found.by_model = figures(one.at("by_model"));
+      return found;
+    }
+  throw std::runtime_error("the verification has no coordinate " + coordinate);
 }
 
 std::int64_t time_zero_ns(const Dataset& data, const std::string& path) {

@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "server/core/accuracy.h"
 #include "server/core/dataset.h"
 
 namespace driftwise::demo {
@@ -19,11 +21,15 @@ Dataset read_dataset(const std::string& path);
 double figure(const nlohmann::json& object, const char* key);
 int terms_in(const nlohmann::json& output);
 
-struct Spread {
-  double mean_nm = 0, u90_nm = 0;  // 1.645 standard deviations about the mean
+std::string text(const ErrorFigures& figures);  // A90 (mean, U90): "41.2 (+3.0, 40.8)"
+
+// What `driftwise run verify N --json` printed of a coordinate: of all its points, and without what
+// the axes missed of their own targets (nothing: not known). Target minus measured, nm.
+struct ByInstrument {
+  ErrorFigures all;
+  std::optional<ErrorFigures> by_model;
 };
-Spread spread(const std::vector<double>& errors_nm);
-std::string text(const Spread& spread);  // "41.2 (+3.0)"
+ByInstrument by_instrument(const nlohmann::json& verification, const std::string& coordinate);
 
 // "# time_zero:" of an exported run: what its time_s counts from, UTC.
 std::int64_t time_zero_ns(const Dataset& data, const std::string& path);

@@ -74,43 +74,37 @@ void print_linear_axis_fits(const std::string& folder) {
 
 namespace {
 
-// instrument, truth: where the axis came to rest. The model_* figures leave out how far the axis
-// rested from its own command (its holding error, read back from the scale): what the model alone
-// is responsible for.
+// By the instrument: as `driftwise run verify` says. In truth: by the plant's private log, which no
+// user has; model_in_truth leaves out how far the axis rested from its own command.
 struct Proof {
   std::size_t points = 0;
-  Spread instrument, truth, model_by_instrument, model_in_truth;
+  ByInstrument instrument;
+  ErrorFigures truth, model_in_truth;
   double air_change_k = 0;
 };
 
-// Where the end-effector was at each accepted point, relative to the run's zero.
-Proof judge(const std::string& csv_path, const TruthTable& truth) {
+// Where the end-effector was at each accepted point but returns to zero, relative to the run's
+// zero: target minus truth, as the verification counts it.
+Proof judge(const std::string& stem, const TruthTable& truth) {
+  const auto csv_path = stem + ".csv";
   const auto data = read_dataset(csv_path);
   const auto zero_ns = time_zero_ns(data, csv_path);
-  const auto* x = data.find("x");
   const auto* wanted = data.find("x_target") ? data.find("x_target") : data.find("q1_cmd");
   const auto* air = data.find("t04");
   const auto* q = data.find("q1");
   const auto* q_cmd = data.find("q1_cmd");
-  if (!x || !wanted || !q || !q_cmd)
-    throw std::runtime_error(csv_path + ": no x_mm, q1_mm or wanted position");
+  if (!wanted || !q || !q_cmd) throw std::runtime_error(csv_path + ": no q1_mm or wanted position");
   const double at_zero_nm = truth.at_zero("end_effector_nm", zero_ns + 1'000'000'000);
-  std::vector<double> by_instrument, by_truth, model_by_instrument, model_in_truth;
+  std::vector<double> in_truth, model_in_truth;
   for (std::size_t i = 0; i < data.rows; ++i) {
+    if (!data.zero.empty() && data.zero[i] != 0) continue;
     const auto middle_ns = zero_ns + static_cast<std::int64_t>(data.time_s[i] * 1e9);
-    by_instrument.push_back(1e6 * (x->values[i] - wanted->values[i]));
-    by_truth.push_back(truth.mean_about("end_effector_nm", middle_ns) - at_zero_nm -
-                       1e6 * wanted->values[i]);
-    const double holding_nm = 1e6 * (q->values[i] - q_cmd->values[i]);
-    model_by_instrument.push_back(by_instrument.back() - holding_nm);
-    model_in_truth.push_back(by_truth.back() - holding_nm);
+    in_truth.push_back(1e6 * wanted->values[i] -
+                       (truth.mean_about("end_effector_nm", middle_ns) - at_zero_nm));
+    model_in_truth.push_back(in_truth.back() + 1e6 * (q->values[i] - q_cmd->values[i]));
   }
-  Proof proof{data.rows,
-              spread(by_instrument),
-              spread(by_truth),
-              spread(model_by_instrument),
-              spread(model_in_truth),
-              0};
+  Proof proof{in_truth.size(), by_instrument(read_json(stem + ".verify.json"), "x"),
+              error_figures(in_truth), error_figures(model_in_truth), 0};
   if (air) {
     const auto [low, high] = std::ranges::minmax(air->values);
     proof.air_change_k = high - low;
@@ -131,27 +125,32 @@ void print_linear_axis_proof(const std::string& folder) {
                            {"ten sensors", "ten", {}},
                            {"six sensors on the robot", "six", {}}};
   std::printf(
-      "\nU90 (mean) in nm at new positions       where the axis came to rest         holding error "
-      "taken out\n");
-  std::printf("%-28s%6s%8s   %-16s%-16s  %-16s%-16s\n", "", "points", "air", "interferometer",
+      "\nA90 (mean, U90) in nm, target minus measured       where the axis came to rest            "
+      "   "
+      "holding error taken out\n");
+  std::printf("%-28s%6s%8s   %-22s%-22s  %-22s%-22s\n", "", "points", "air", "interferometer",
               "truth", "interferometer", "truth");
+  const auto by_model = [](const Proof& proof) { return proof.instrument.by_model; };
   for (auto& row : rows) {
-    row.proof = judge(folder + "/" + row.file + ".csv", truth);
-    std::printf("%-28s%6zu%6.2f K   %-16s%-16s  %-16s%-16s\n", row.label, row.proof.points,
-                row.proof.air_change_k, text(row.proof.instrument).c_str(),
-                text(row.proof.truth).c_str(), text(row.proof.model_by_instrument).c_str(),
+    row.proof = judge(folder + "/" + row.file, truth);
+    std::printf("%-28s%6zu%6.2f K   %-22s%-22s  %-22s%-22s\n", row.label, row.proof.points,
+                row.proof.air_change_k, text(row.proof.instrument.all).c_str(),
+                text(row.proof.truth).c_str(),
+                by_model(row.proof) ? text(*by_model(row.proof)).c_str() : "-",
                 text(row.proof.model_in_truth).c_str());
   }
   const Proof &ten = rows[2].proof, &six = rows[3].proof;
+  const auto a90_by_model = [&](const Proof& proof) {
+    return by_model(proof).value_or(proof.instrument.all).a90;
+  };
   std::printf(
       "\nThe ten-sensor model learnt robot and interferometer together: by the interferometer it "
       "is right to %.1f nm, in truth to\n"
       "%.1f nm, for it teaches the robot the instrument's drift. The six-sensor model sees the "
       "robot alone: %.1f nm by the\n"
       "interferometer, %.1f nm in truth. %s\n",
-      ten.model_by_instrument.u90_nm, ten.model_in_truth.u90_nm, six.model_by_instrument.u90_nm,
-      six.model_in_truth.u90_nm,
-      six.model_in_truth.u90_nm < ten.model_in_truth.u90_nm
+      a90_by_model(ten), ten.model_in_truth.a90, a90_by_model(six), six.model_in_truth.a90,
+      six.model_in_truth.a90 < ten.model_in_truth.a90
           ? "That is the one to serve, though the instrument likes the other better."
           : "In this hour the instrument hardly drifted, so the two do not differ in the sense one "
             "expects.");

@@ -9,12 +9,13 @@ namespace driftwise::demo {
 
 // geometry.json, first300.json, six.json, ten.json, offers.json
 void print_linear_axis_fits(const std::string& folder);
-// none.csv, geometry.csv, ten.csv, six.csv (exported runs) and truth.csv (the plant's private log)
+// {none,geometry,ten,six}.{csv,verify.json} (exported and verified runs) and truth.csv (the plant's
+// private log)
 void print_linear_axis_proof(const std::string& folder);
 
 // {G,GF,GT,GTF}_{inside,outside}.json, GTF.json, offers.json, campaign.csv
 void print_micro_nano_fits(const std::string& folder);
-// compensated.csv, geometry.csv, GTF.json and truth.csv
+// {compensated,products,geometry}.{csv,verify.json} and truth.csv
 void print_micro_nano_proof(const std::string& folder);
 
 }  // namespace driftwise::demo

@@ -33,7 +33,13 @@ demo() {
   prove six --compensate
   prove geometry --compensate --model "$(model geometry)"
   local i=2 name
-  for name in none ten six geometry; do driftwise data export $i -o "$out/$name.csv"; i=$((i + 1)); done
+  for name in none ten six geometry; do
+    driftwise data export $i -o "$out/$name.csv"
+    driftwise run verify $i --json >"$out/$name.verify.json"
+    i=$((i + 1))
+  done
+  say "what compensation achieved: six sensors against no compensation"
+  driftwise run verify 4 2
   report linear-axis proof "$out"
   closing_words "linear_axis_model.c  the served model for a controller"
 }

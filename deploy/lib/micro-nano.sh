@@ -61,7 +61,13 @@ demo() {
   prove products --compensate --model "$(model products)"
   prove geometry --compensate --model "$(model G)"
   local i=2
-  for name in compensated products geometry; do driftwise data export $i -o "$out/$name.csv"; i=$((i + 1)); done
+  for name in compensated products geometry; do
+    driftwise data export $i -o "$out/$name.csv"
+    driftwise run verify $i --json >"$out/$name.verify.json"
+    i=$((i + 1))
+  done
+  say "what compensation achieved: force and temperatures against geometry only"
+  driftwise run verify 2 4
   report micro-nano proof "$out"
   closing_words "micro_nano_model.c  the served model for a controller"
 }

@@ -29,6 +29,7 @@
 #include "server/core/ports/stabiliser.h"
 #include "server/core/ports/store.h"
 #include "server/diagnosis/check_standard.h"
+#include "server/diagnosis/verification.h"
 #include "server/formats/stored_diagnosis.h"
 
 namespace driftwise::application {
@@ -143,8 +144,9 @@ struct FormulaCheck {
 // What a model leaves unexplained on the rows of a dataset.
 struct ModelResiduals {
   struct Output {
-    Channel channel;             // q1_mm
-    std::vector<double> values;  // measured minus model, summary unit; NaN: cannot be said
+    Channel channel;               // q1_mm
+    std::vector<double> values;    // measured minus model, summary unit; NaN: cannot be said
+    std::vector<double> held_out;  // as OutputModel::held_out, summary unit; empty: other rows
   };
   Dataset data;
   std::vector<Output> outputs;
@@ -264,6 +266,10 @@ class Cell {
   virtual Awaitable<Result<FormulaCheck>> check_formula(FitRequest request) = 0;
   // runs and csv empty: the runs that it was fitted to. Errors: not_found; failed_precondition
   // NO_ROWS (it was fitted to a file); invalid_argument UNKNOWN_CHANNEL, UNTIMED.
+  // Target minus measured of runs: server/diagnosis/verification.h. range: whose range says inside
+  // and outside; none: each run's own model. Errors: those of verify_runs(); NO_SUCH_RUN, _MODEL.
+  virtual Awaitable<Result<diagnosis::Verification>> verify_runs(std::vector<RunId> runs,
+                                                                 std::optional<ModelId> range) = 0;
   virtual Awaitable<Result<ModelResiduals>> residuals(ModelId model, std::vector<RunId> runs,
                                                       std::string csv) = 0;
   virtual Awaitable<Result<std::vector<ModelRecord>>> models() = 0;

@@ -109,6 +109,8 @@ class CellApplication final : public Cell, private Watching, private Studies {
   Awaitable<Result<std::vector<calibration::OfferResult>>> weigh_offers(
       FitRequest request) override;
   Awaitable<Result<FormulaCheck>> check_formula(FitRequest request) override;
+  Awaitable<Result<diagnosis::Verification>> verify_runs(std::vector<RunId> runs,
+                                                         std::optional<ModelId> range) override;
   Awaitable<Result<ModelResiduals>> residuals(ModelId model, std::vector<RunId> runs,
                                               std::string csv) override;
   Awaitable<Result<ModelCheck>> check_model(std::optional<ModelId> id,

@@ -8,6 +8,7 @@
 
 #include "server/application/amended_dataset.h"
 #include "server/application/cell_application.h"
+#include "server/application/run_plan.h"
 #include "server/formats/dataset_csv.h"
 #include "server/formats/text.h"
 
@@ -21,6 +22,21 @@ std::optional<CellTime> time_zero(Store& store, const std::vector<RunId>& runs) 
     if (const auto points = store.runs().points(run, 0, 1); points && !points->empty())
       first = std::min(first.value_or(points->front().measured.utc), points->front().measured.utc);
   return first;
+}
+
+// "run 4 with model 3, run 5 none": a compensated run is told from an uncompensated one.
+std::string compensations(Store& store, const std::vector<RunId>& runs) {
+  std::string text;
+  for (const auto& run : runs) {
+    const auto record = store.runs().run(run);
+    if (!record) continue;
+    const Compensation of = compensation_of(*record);
+    text += fmt::format("{}run {} {}", text.empty() ? "" : ", ", run.value,
+                        !of.compensated ? "none"
+                        : of.model      ? fmt::format("with model {}", of.model->value)
+                                        : "with the model that served");
+  }
+  return text;
 }
 
 // "1, 3": whoever reads the file elsewhere shall know that its lengths are not as they were read.
@@ -86,6 +102,7 @@ Awaitable<Result<std::string>> CellApplication::export_dataset(std::vector<RunId
           for (const auto& run : runs)
             numbers += (numbers.empty() ? "" : ", ") + std::to_string(run.value);
           dataset->metadata.emplace_back("runs", numbers);
+          dataset->metadata.emplace_back("compensation", compensations(store, runs));
           if (const auto zero = time_zero(store, runs))  // what time_s counts from
             dataset->metadata.emplace_back("time_zero", to_iso8601(*zero));
         }

@@ -28,7 +28,9 @@ Awaitable<Result<RunRecord>> CellApplication::create_run(Caller caller, CreateRu
     co_return *run;
   if (auto ok = may_move(request.lease_token); !ok) co_return tl::unexpected(ok.error());
   RunPlan plan{request.rules.value_or(description_.run),
-               request.compensate || request.compensate_with, request.compensate_with};
+               request.compensate || request.compensate_with, request.compensate_with,
+               std::nullopt};
+  if (plan.compensate && !plan.compensate_with) plan.served_at_start = serving_.model();
   if (auto ok = check_rules(plan.rules); !ok) co_return tl::unexpected(ok.error());
   const auto name =
       request.trajectory_name.empty() ? std::string("trajectory") : request.trajectory_name;

@@ -66,7 +66,8 @@ PointRecord make_point(const ActiveRun& run, const Visit& visit,
   const auto force = run.scope.bench.description.force_channel();
   if (const auto known_n = run.scope.bench.loading.known_n(); force && known_n)
     point.values.push_back({force->name(), *known_n});
-  if (run.plan.compensate)  // the pose that was wanted, beside what came of it
+  // The pose that was wanted, with what came of it: compensated or not, for a comparison.
+  if (is_pose_symbol(run.trajectory.coordinates.front().symbol))
     for (std::size_t i = 0; i < run.trajectory.coordinates.size(); ++i) {
       const auto& wanted = run.trajectory.coordinates[i];
       point.values.push_back({wanted.symbol + "_target_" + wanted.unit, row.target_mm[i]});
@@ -105,13 +106,14 @@ Awaitable<Result<void>> come_to_row(ActiveRun& run, const Visit& visit,
   const auto& row = row_of(run, visit.row);
   if (anew) {
     const auto away = co_await go_to(run.scope, aside_of(run, stand.commanded_mm),
-                                     fmt::format("aside of row {}", visit.row));
+                                     fmt::format("aside of row {}", visit.row + 1));
     if (!away) co_return tl::unexpected(away.error());
   }
   auto commanded = command_for(run, row);
   if (!commanded) co_return tl::unexpected(commanded.error());
   stand.commanded_mm = std::move(*commanded);
-  auto arrival = co_await go_to(run.scope, stand.commanded_mm, fmt::format("row {}", visit.row));
+  auto arrival =
+      co_await go_to(run.scope, stand.commanded_mm, fmt::format("row {}", visit.row + 1));
   if (!arrival) co_return tl::unexpected(arrival.error());
   stand.arrival = std::move(*arrival);
   if (row.dwell_s && stand.arrival.trouble == Trouble::none) {

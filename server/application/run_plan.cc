@@ -32,6 +32,7 @@ std::string write_run_plan(const RunPlan& plan) {
             [&json](const char* name, const auto& value, auto, auto) { json[name] = value; });
   json["compensate"] = plan.compensate;
   if (plan.compensate_with) json["compensate_with"] = plan.compensate_with->value;
+  if (plan.served_at_start) json["served_at_start"] = plan.served_at_start->value;
   return json.dump();
 }
 
@@ -54,10 +55,19 @@ Result<RunPlan> read_run_plan(const std::string& text) {
   if (const auto found = json.find("compensate_with");
       found != json.end() && found->is_number_integer())
     plan.compensate_with = ModelId{found->get<std::int64_t>()};
+  if (const auto found = json.find("served_at_start");
+      found != json.end() && found->is_number_integer())
+    plan.served_at_start = ModelId{found->get<std::int64_t>()};
   if (!bad.empty())
     return fail(ErrorCode::data_loss, "BAD_RUN_PLAN",
                 fmt::format("the stored rule {} is no number", bad));
   return plan;
+}
+
+Compensation compensation_of(const RunRecord& run) {
+  const auto plan = read_run_plan(run.rules_json);
+  if (!plan || !plan->compensate) return {};
+  return {true, plan->compensate_with ? plan->compensate_with : plan->served_at_start};
 }
 
 Result<void> check_rules(const RunRules& rules) {

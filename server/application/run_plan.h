@@ -7,6 +7,7 @@
 
 #include "server/core/cell_description.h"
 #include "server/core/ids.h"
+#include "server/core/records.h"
 #include "server/core/result.h"
 
 namespace driftwise::application {
@@ -15,7 +16,15 @@ struct RunPlan {
   RunRules rules;
   bool compensate = false;
   std::optional<ModelId> compensate_with;  // none: the model that serves when a row is moved to
+  std::optional<ModelId> served_at_start;  // then the one that did so when the run was created
 };
+
+// What a run was compensated with, as far as its record says.
+struct Compensation {
+  bool compensated = false;
+  std::optional<ModelId> model;
+};
+Compensation compensation_of(const RunRecord& run);
 
 std::string write_run_plan(const RunPlan& plan);
 // Errors: data_loss BAD_RUN_PLAN. Keys that are absent keep their default, so that old records stay

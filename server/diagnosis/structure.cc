@@ -61,7 +61,9 @@ std::vector<Variable> variables_of(const Problem& problem,
   };
   for (const auto& column : data.columns) {
     const auto& symbol = column.channel.symbol;
-    if (is_motor_symbol(symbol) || symbol.ends_with("_std") || symbol.ends_with("_cmd")) continue;
+    if (is_motor_symbol(symbol) || symbol.ends_with("_std") || symbol.ends_with("_cmd") ||
+        symbol.ends_with("_target"))
+      continue;
     add(symbol, column.values, is_pose_symbol(symbol) && column.channel.unit == "mm");
   }
   add("dwell", data.dwell_s, false);

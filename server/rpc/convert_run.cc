@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "server/application/run_plan.h"
 #include "server/rpc/convert_values.h"
 
 namespace driftwise::rpc {
@@ -84,6 +85,9 @@ v1::Run run_from(const RunRecord& run) {
   *out.mutable_max_lag_duration() = duration_from_s(run.max_lag_s);
   out.set_config_hash(run.config_hash);
   out.set_request_id(run.request_id);
+  const auto compensation = application::compensation_of(run);
+  out.set_compensated(compensation.compensated);
+  if (compensation.model) out.set_compensate_model_id(compensation.model->value);
   return out;
 }
 
@@ -91,7 +95,7 @@ v1::RunProgress progress_from(const application::RunProgress& progress) {
   v1::RunProgress out;
   *out.mutable_run() = run_from(progress.run);
   out.set_phase(progress.phase);
-  out.set_row(progress.row);
+  out.set_row(shown_row(progress.row));
   out.set_line(progress.line);
   if (!is_missing(progress.last_spread_nm)) out.set_last_spread_nm(progress.last_spread_nm);
   if (!is_missing(progress.last_closure_nm)) out.set_last_closure_nm(progress.last_closure_nm);
@@ -105,7 +109,7 @@ v1::Point point_from(const PointRecord& point) {
   v1::Point out;
   out.set_id(point.id.value);
   out.set_run_id(point.run.value);
-  out.set_row(point.row);
+  out.set_row(shown_row(point.row));
   out.set_datum_id(point.datum.value);
   out.set_set(point.set == PointSet::validation ? v1::POINT_SET_VALIDATION
                                                 : v1::POINT_SET_CALIBRATION);
@@ -120,7 +124,7 @@ v1::Point point_from(const PointRecord& point) {
 
 v1::Attempt attempt_from(const AttemptRecord& attempt) {
   v1::Attempt out;
-  out.set_row(attempt.row);
+  out.set_row(shown_row(attempt.row));
   out.set_number(attempt.number);
   out.set_verdict(verdict_from(attempt.verdict));
   out.set_reason(utf8_from(attempt.reason));

@@ -4,6 +4,7 @@
 #include "server/rpc/caller.h"
 #include "server/rpc/convert_run.h"
 #include "server/rpc/convert_values.h"
+#include "server/rpc/convert_verification.h"
 #include "server/rpc/create_run_request.h"
 #include "server/rpc/request_checks.h"
 #include "server/rpc/services.h"
@@ -155,6 +156,34 @@ class RunService final : public v1::RunService::CallbackService {
       const auto run = co_await std::move(aborting);
       if (!run) co_return tl::unexpected(run.error());
       *response->mutable_run() = run_from(*run);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* VerifyRuns(Context* context, const v1::VerifyRunsRequest* request,
+                      v1::VerifyRunsResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (request->run_ids_size() < 1 || request->run_ids_size() > 16)
+        co_return fail(ErrorCode::invalid_argument, "BAD_RUN_COUNT",
+                       "run_ids: found " + std::to_string(request->run_ids_size()) +
+                           " runs, expected 1 to 16");
+      auto ids = run_ids_from(request->run_ids());
+      if (!ids) co_return tl::unexpected(ids.error());
+      std::optional<ModelId> range;
+      if (request->has_model_id()) {
+        if (auto good = check_id(request->model_id(), "model_id"); !good) co_return good;
+        range = ModelId{request->model_id()};
+      }
+      std::vector<RunRecord> records;
+      for (const RunId id : *ids) {
+        auto record = co_await cell_.run(id);
+        if (!record) co_return tl::unexpected(record.error());
+        records.push_back(std::move(*record));
+      }
+      auto verifying = cell_.verify_runs(std::move(*ids), range);
+      const auto verification = co_await std::move(verifying);
+      if (!verification) co_return tl::unexpected(verification.error());
+      *response = verification_from(*verification, records);
       co_return Result<void>{};
     });
   }

@@ -37,7 +37,10 @@ calibration::Model small_model(const std::string& formula) {
   output.dof = 558;
   output.accuracy.rmse = 5e-6;
   output.accuracy.u90_calibration = 8.2e-6;
+  output.accuracy.a90_calibration = 8.2e-6;
   output.accuracy.u90_validation = 9.1e-6;
+  output.accuracy.mean_validation = 2e-6;
+  output.accuracy.a90_validation = 9.7e-6;
   output.report = {report(constant, true, 1e-6, 0), report(x, true, 1.0, 2.3),
                    report(t07, false, 1e-7, 1.1e-8)};
   output.history = {{1, "enter", x, 0.0, 5e-6, 558}};
@@ -371,6 +374,10 @@ Awaitable<Result<app::FormulaCheck>> FakeCell::check_formula(app::FitRequest req
   if (auto error = take_failure()) co_return tl::unexpected(*error);
   last_fit = request;
   co_return the_formula_check;
+}
+Awaitable<Result<diagnosis::Verification>> FakeCell::verify_runs(std::vector<RunId>,
+                                                                 std::optional<ModelId>) {
+  co_return the_verification;
 }
 Awaitable<Result<app::ModelResiduals>> FakeCell::residuals(ModelId id, std::vector<RunId>,
                                                            std::string) {

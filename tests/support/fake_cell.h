@@ -58,6 +58,7 @@ class FakeCell final : public app::Cell, private app::Watching, private app::Stu
   diagnosis::CheckReport the_check;
   app::FormulaCheck the_formula_check;
   app::ModelResiduals the_residuals;
+  diagnosis::Verification the_verification;
   std::vector<ExclusionRecord> the_exclusions;  // of any run: rows as asked for
   std::vector<NoteRecord> the_notes;
   std::vector<app::DiagnosisView> the_diagnoses;  // newest last
@@ -147,6 +148,8 @@ class FakeCell final : public app::Cell, private app::Watching, private app::Stu
   Awaitable<Result<std::vector<calibration::OfferResult>>> weigh_offers(
       app::FitRequest request) override;
   Awaitable<Result<app::FormulaCheck>> check_formula(app::FitRequest request) override;
+  Awaitable<Result<diagnosis::Verification>> verify_runs(std::vector<RunId> runs,
+                                                         std::optional<ModelId> range) override;
   Awaitable<Result<app::ModelResiduals>> residuals(ModelId model, std::vector<RunId> runs,
                                                    std::string csv) override;
   Awaitable<Result<app::ModelCheck>> check_model(std::optional<ModelId> model,

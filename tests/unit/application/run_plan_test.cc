@@ -14,11 +14,13 @@ TEST(RunPlan, ReadsBackAsItWasWritten) {
   plan.rules.max_temperature_age_s = 1e-3;
   plan.compensate = true;
   plan.compensate_with = ModelId{12};
+  plan.served_at_start = ModelId{11};
   const auto again = read_run_plan(write_run_plan(plan));
   ASSERT_TRUE(again);
   EXPECT_EQ(write_run_plan(*again), write_run_plan(plan));
   EXPECT_EQ(again->rules.max_spread_nm, 0.1);
   EXPECT_EQ(again->compensate_with, ModelId{12});
+  EXPECT_EQ(again->served_at_start, ModelId{11});
 }
 
 TEST(RunPlan, KeepsDefaultsForKeysOfLaterVersions) {

@@ -146,6 +146,65 @@ TEST_F(ServingTest, ACompensatedRunArrivesWhereItWasAsked) {
   }
 }
 
+TEST_F(ServingTest, AVerificationSaysWhatCompensationAchieved) {
+  const auto model = fit_after_campaign();
+  ASSERT_TRUE(cell.await(cell->promote(cell.ada, model.id)));
+  world.bend_nm_per_mm2 = 0;
+  auto request = application::CreateRun{};
+  request.trajectory_text =
+      "x_mm,set,line,zero\n0,validation,1,1\n1,validation,1,0\n-2.5,validation,1,0\n"
+      "3.7,validation,1,0\n5.2,validation,1,0\n";
+  request.compensate = true;
+  const auto with = cell.try_run(request);
+  ASSERT_TRUE(with) << with.error().message;
+  ASSERT_EQ(cell.finish_run().state, RunState::done);
+  request.compensate = false;
+  const auto without = cell.try_run(request);
+  ASSERT_TRUE(without) << without.error().message;
+  ASSERT_EQ(cell.finish_run().state, RunState::done);
+
+  const auto found = cell.await(cell->verify_runs({with->id, without->id}, std::nullopt));
+  ASSERT_TRUE(found) << found.error().message;
+  ASSERT_EQ(found->runs.size(), 2u);
+  const auto& run = found->runs[0];
+  EXPECT_TRUE(run.compensated);
+  EXPECT_EQ(run.with, model.id);
+  EXPECT_FALSE(found->runs[1].compensated);
+  EXPECT_EQ(run.rows, 4);
+  EXPECT_EQ(run.rows_zero, 1);
+  ASSERT_EQ(run.coordinates.size(), 1u);
+  const auto& x = run.coordinates[0];
+  EXPECT_EQ(x.unit, "nm");
+  EXPECT_GE(run.rows_outside, 1);  // 5.2 mm: the campaign went to 4
+  EXPECT_EQ(x.inside.rows + x.outside.rows, 4);
+  ASSERT_TRUE(x.by_model.has_value());
+  std::vector<double> errors;
+  for (const auto& point : *cell.await(cell->points(with->id, 0, 100))) {
+    double measured = kMissing, wanted = kMissing;
+    for (const auto& v : point.values) {
+      if (v.channel == "x_mm") measured = v.value;
+      if (v.channel == "x_target_mm") wanted = v.value;
+    }
+    if (!point.zero) errors.push_back((wanted - measured) * 1e6);
+  }
+  const auto by_hand = error_figures(errors);
+  EXPECT_NEAR(x.all.mean, by_hand.mean, 1e-6);
+  EXPECT_NEAR(x.all.u90, by_hand.u90, 1e-6);
+  EXPECT_NEAR(x.all.a90, by_hand.a90, 1e-6);
+  ASSERT_EQ(found->changes.size(), 1u);
+  EXPECT_EQ(found->changes[0].positions, 4);
+  ASSERT_EQ(found->heading.size(), 1u);
+  EXPECT_EQ(found->heading[0].figures, x.all);
+  ASSERT_TRUE(found->heading[0].before.has_value());
+  EXPECT_EQ(*found->heading[0].before, found->runs[1].coordinates[0].all);
+  // What the file of the run says of it.
+  EXPECT_NE(cell.await(cell->export_dataset({with->id, without->id}, false))
+                ->find("# compensation: run 2 with model 1, run 3 none\n"),
+            std::string::npos);
+  EXPECT_EQ(cell.await(cell->verify_runs({RunId{99}}, std::nullopt)).error().code,
+            ErrorCode::not_found);
+}
+
 TEST_F(ServingTest, ATargetAfterHomingByHandCountsFromTheNewDatum) {
   const auto model = fit_after_campaign();
   ASSERT_TRUE(cell.await(cell->promote(cell.ada, model.id)));

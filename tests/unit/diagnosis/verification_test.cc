@@ -1,0 +1,113 @@
+// Verification on points that are written down here.
+
+#include "server/diagnosis/verification.h"
+
+#include <gtest/gtest.h>
+
+#include "server/formats/formula.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+// Targets 0 .. n - 1 mm; measured 40 nm short of them and 10 nm to and fro.
+RunToVerify run_of(std::int64_t id, int points, double short_nm) {
+  RunToVerify run;
+  run.run = RunId{id};
+  run.compensated = true;
+  auto& data = run.data;
+  data.columns = {{{"x", "mm"}, {}}, {{"x_target", "mm"}, {}}, {{"t01", "degC"}, {}}};
+  for (int i = 0; i < points; ++i) {
+    data.zero.push_back(i == 0 ? 1 : 0);
+    data.columns[0].values.push_back(i - (short_nm + (i % 2 == 0 ? 10 : -10)) * 1e-6);
+    data.columns[1].values.push_back(i);
+    data.columns[2].values.push_back(20 + 0.1 * i);
+    ++data.rows;
+  }
+  return run;
+}
+
+TEST(Verification, IsTargetMinusMeasuredWithoutTheReturnsToZero) {
+  const auto found = verify_runs(std::vector{run_of(3, 9, 40)}, nullptr);
+  ASSERT_TRUE(found) << found.error().message;
+  const auto& run = found->runs.front();
+  EXPECT_EQ(run.rows, 8);
+  EXPECT_EQ(run.rows_zero, 1);
+  ASSERT_EQ(run.coordinates.size(), 1u);
+  const auto& x = run.coordinates.front();
+  EXPECT_NEAR(x.all.mean, 40, 1e-6);
+  EXPECT_NEAR(x.all.u90, 1.645 * std::sqrt(8 * 100.0 / 7), 1e-6);
+  EXPECT_NEAR(x.all.a90, 1.645 * std::sqrt(1600 + 100.0), 1e-6);
+  EXPECT_NEAR(x.largest, 50, 1e-6);
+  EXPECT_EQ(x.largest_row, 2u);
+  EXPECT_FALSE(x.by_model.has_value());
+  EXPECT_EQ(found->heading.front().figures, x.all);
+  EXPECT_FALSE(found->heading.front().before.has_value());
+}
+
+TEST(Verification, TellsInsideFromOutsideTheModelsRange) {
+  calibration::Model model;
+  model.domain = {{{"x", "mm"}, 0, 5}, {{"t01", "degC"}, 20, 20.75}};
+  const auto found = verify_runs(std::vector{run_of(3, 9, 40)}, &model);
+  ASSERT_TRUE(found) << found.error().message;
+  const auto& run = found->runs.front();
+  EXPECT_EQ(run.rows_outside, 3);  // x = 6, 7, 8; t01 at 8 alone
+  EXPECT_EQ(run.coordinates.front().inside.rows, 5);
+  EXPECT_EQ(run.coordinates.front().outside.rows, 3);
+  EXPECT_EQ(run.outside, (std::vector<std::string>{"x_mm above 5", "t01_degC above 20.75"}));
+}
+
+TEST(Verification, ComparesOnThePositionsThatBothVisited) {
+  const auto found =
+      verify_runs(std::vector{run_of(3, 9, 40), run_of(4, 7, 400), run_of(5, 9, -20)}, nullptr);
+  ASSERT_TRUE(found) << found.error().message;
+  ASSERT_EQ(found->changes.size(), 2u);
+  EXPECT_EQ(found->changes[0].positions, 6);
+  const auto& x = found->changes[0].coordinates.front();
+  EXPECT_NEAR(x.before->mean, 400, 1e-6);
+  EXPECT_NEAR(x.figures.mean, 40, 1e-6);
+  EXPECT_EQ(x.figures.rows, 6);
+  EXPECT_EQ(found->heading.front().before->a90, x.before->a90);
+}
+
+// What the axis missed of its own target is no error of the model.
+TEST(Verification, TakesTheAxesOwnMissesOut) {
+  RunToVerify run = run_of(3, 9, 0);
+  auto& data = run.data;
+  data.columns.push_back({{"q1", "mm"}, {}});
+  data.columns.push_back({{"q1_cmd", "mm"}, {}});
+  // q = 2 x: 30 nm too far in q is 15 nm too far in x.
+  for (int i = 0; i < 9; ++i) {
+    const double target = i, missed_mm = (i % 3 - 1) * 30e-6;
+    data.columns[0].values[static_cast<std::size_t>(i)] = target + missed_mm / 2;
+    data.columns[3].values.push_back(2 * target + missed_mm);
+    data.columns[4].values.push_back(2 * target);
+  }
+  calibration::Model model;
+  calibration::OutputModel q1;
+  q1.channel = {"q1", "mm"};
+  q1.terms = {effects::Term{}, *formats::parse_term("x")};
+  q1.coefficients = Eigen::Vector2d(0, 2);
+  model.outputs = {q1};
+  run.model = std::make_shared<const calibration::Model>(model);
+  const auto found = verify_runs(std::vector{run}, nullptr);
+  ASSERT_TRUE(found) << found.error().message;
+  const auto& x = found->runs.front().coordinates.front();
+  EXPECT_GT(x.all.a90, 15);
+  ASSERT_TRUE(x.by_model.has_value());
+  EXPECT_LT(x.by_model->a90, 0.01);
+}
+
+TEST(Verification, SaysWhatARunLacks) {
+  RunToVerify none;
+  none.run = RunId{7};
+  none.data = run_of(7, 5, 0).data;
+  none.data.columns.erase(none.data.columns.begin() + 1);
+  EXPECT_EQ(verify_runs(std::vector{none}, nullptr).error().reason, "NO_TARGETS");
+  EXPECT_EQ(verify_runs(std::vector{run_of(3, 2, 0)}, nullptr).error().reason, "TOO_FEW_ROWS");
+  // One axis that was told positions: what was commanded is what was wanted.
+  none.data.columns.push_back({{"q1_cmd", "mm"}, {0, 1, 2, 3, 4}});
+  EXPECT_TRUE(verify_runs(std::vector{none}, nullptr));
+}
+
+}  // namespace
+}  // namespace driftwise::diagnosis
