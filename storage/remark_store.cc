@@ -13,8 +13,8 @@ void require_point(Session& session, RunId run, std::int64_t row) {
   if (!query.bind(run.value, row).row())
     throw_failure(ErrorCode::invalid_argument, "NO_SUCH_ROW",
                   "run " + std::to_string(run.value) + " has no accepted point in row " +
-                      std::to_string(row) + ": 'driftwise run points " + std::to_string(run.value) +
-                      "' shows the rows there are");
+                      std::to_string(row + 1) + ": 'driftwise run points " +
+                      std::to_string(run.value) + "' shows the rows there are");
 }
 
 std::set<std::int64_t> excluded_rows(Session& session, RunId run) {

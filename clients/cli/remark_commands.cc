@@ -21,7 +21,7 @@ struct ExclusionArguments {
 };
 
 struct NoteArguments {
-  std::int64_t run = 0, model = 0, row = -1;
+  std::int64_t run = 0, model = 0, row = 0;
   std::string text;
 };
 
@@ -85,7 +85,7 @@ ExitCode list_exclusions(const Session& session, std::int64_t run) {
 v1::NoteSubject subject_of(const NoteArguments& a) {
   v1::NoteSubject on;
   if (a.run > 0) on.set_run_id(a.run);
-  if (a.row >= 0) on.set_row(a.row);
+  if (a.row > 0) on.set_row(a.row);
   if (a.model > 0) on.set_model_id(a.model);
   return on;
 }
@@ -124,7 +124,7 @@ ExitCode list_notes(const Session& session, const NoteArguments& a) {
 void add_subject(CLI::App& command, NoteArguments& a) {
   auto* run = command.add_option("--run", a.run, "on this run")->check(positive_number());
   command.add_option("--row", a.row, "on the point in this row of it, as `run points` counts")
-      ->check(number_from_zero())
+      ->check(positive_number())
       ->needs(run);
   command.add_option("--model", a.model, "on this model")->check(positive_number())->excludes(run);
 }

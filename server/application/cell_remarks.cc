@@ -33,7 +33,7 @@ Result<ExclusionState> state_of(Store& store, RunId run) {
 
 std::string subject_text(const NoteSubject& on) {
   if (on.model) return fmt::format("model {}", on.model->value);
-  if (on.row) return fmt::format("run {}, row {}", on.run->value, *on.row);
+  if (on.row) return fmt::format("run {}, row {}", on.run->value, *on.row + 1);
   return fmt::format("run {}", on.run->value);
 }
 
@@ -48,7 +48,9 @@ Awaitable<Result<ExclusionState>> CellApplication::exclude_rows(Caller caller,
   auto stored = co_await std::move(storing);
   if (!stored) co_return tl::unexpected(stored.error());
   if (!stored->rows.empty()) {
-    const auto rows = formats::row_ranges_text(stored->rows);
+    std::vector<std::int64_t> from_one = stored->rows;  // the record counts from 0
+    for (auto& row : from_one) ++row;
+    const auto rows = formats::row_ranges_text(from_one);
     auto detail =
         fmt::format("{} {} of run {} {} fits: {}", caller.name,
                     stored->excluded ? "keeps rows " + rows : "puts rows " + rows,

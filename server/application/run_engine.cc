@@ -76,9 +76,9 @@ Awaitable<Result<void>> RunEngine::take_up(ActiveRun& run) {
   const std::string what = before_->killed ? "restart after a kill" : "restart";
   wanted_datum_ = continue_from(bench_.description, what, *this->before_);
   ++run.record.restarts;
-  bench_.events.record_own("run.restarted",
-                           fmt::format("{}: goes on with row {}", what, run.record.place.next_row),
-                           run.record.id);
+  bench_.events.record_own(
+      "run.restarted", fmt::format("{}: goes on with row {}", what, run.record.place.next_row + 1),
+      run.record.id);
   if (before_->killed)
     if (auto ok = co_await record_interruption(run); !ok) co_return ok;
   const bool was_paused = run.record.state == RunState::paused;

@@ -13,8 +13,9 @@ constexpr std::int64_t kMostRows = 1'000'000;
 void add_ranges(const std::vector<std::int64_t>& rows,
                 google::protobuf::RepeatedPtrField<v1::RowRange>& out) {
   for (const std::int64_t row : rows) {
-    if (out.empty() || out.rbegin()->last_row() + 1 != row) out.Add()->set_first_row(row);
-    out.rbegin()->set_last_row(row);
+    const std::int64_t shown = shown_row(row);
+    if (out.empty() || out.rbegin()->last_row() + 1 != shown) out.Add()->set_first_row(shown);
+    out.rbegin()->set_last_row(shown);
   }
 }
 
@@ -42,15 +43,16 @@ Result<std::vector<std::int64_t>> rows_from(
                 "rows: found none, expected at least one range");
   std::vector<std::int64_t> rows;
   for (const auto& range : ranges) {
-    if (range.first_row() < 0 || range.last_row() < range.first_row())
+    if (range.first_row() < 1 || range.last_row() < range.first_row())
       return fail(ErrorCode::invalid_argument, "BAD_ROWS",
                   "rows: found " + std::to_string(range.first_row()) + " to " +
                       std::to_string(range.last_row()) +
-                      ", expected a first row from 0 and a last row not before it");
+                      ", expected a first row from 1 and a last row not before it");
     if (range.last_row() - range.first_row() >= kMostRows - static_cast<std::int64_t>(rows.size()))
       return fail(ErrorCode::invalid_argument, "TOO_MANY_ROWS",
                   "rows: found more than " + std::to_string(kMostRows) + " of them");
-    for (std::int64_t row = range.first_row(); row <= range.last_row(); ++row) rows.push_back(row);
+    for (std::int64_t row = range.first_row(); row <= range.last_row(); ++row)
+      rows.push_back(stored_row(row));
   }
   std::ranges::sort(rows);
   rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
@@ -95,9 +97,8 @@ Result<NoteSubject> subject_from(const v1::NoteSubject& subject) {
     on.run = RunId{subject.run_id()};
   }
   if (subject.has_row()) {
-    if (auto good = check_cursor(subject.row(), "on.row"); !good)
-      return tl::unexpected(good.error());
-    on.row = subject.row();
+    if (auto good = check_id(subject.row(), "on.row"); !good) return tl::unexpected(good.error());
+    on.row = stored_row(subject.row());
   }
   if (subject.has_model_id()) {
     if (auto good = check_id(subject.model_id(), "on.model_id"); !good)
@@ -111,7 +112,7 @@ v1::Note note_from(const NoteRecord& note) {
   v1::Note out;
   out.set_id(note.id);
   if (note.on.run) out.mutable_on()->set_run_id(note.on.run->value);
-  if (note.on.row) out.mutable_on()->set_row(*note.on.row);
+  if (note.on.row) out.mutable_on()->set_row(shown_row(*note.on.row));
   if (note.on.model) out.mutable_on()->set_model_id(note.on.model->value);
   out.set_text(utf8_from(note.text));
   *out.mutable_create_time() = timestamp_from(note.at.utc);

@@ -6,6 +6,7 @@
 #include <google/protobuf/repeated_field.h>
 #include <google/protobuf/timestamp.pb.h>
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,10 @@
 #include "server/core/result.h"
 
 namespace driftwise::rpc {
+
+// Rows of a run's trajectory: the record counts from 0, the API and every client from 1.
+constexpr std::int64_t shown_row(std::int64_t stored) { return stored + 1; }
+constexpr std::int64_t stored_row(std::int64_t shown) { return shown - 1; }
 
 google::protobuf::Timestamp timestamp_from(CellTime time);
 google::protobuf::Duration duration_from(Nanoseconds duration);

@@ -82,9 +82,9 @@ TEST_F(Remarks, SayWhoKeptWhatOutAndWhy) {
   ASSERT_TRUE(exclude({8}, false));
   EXPECT_THAT(
       cell.events_named("data.excluded"),
-      ElementsAre("ada keeps rows 3,8-9 of run 1 out of fits: someone leaned on the table"));
+      ElementsAre("ada keeps rows 4,9-10 of run 1 out of fits: someone leaned on the table"));
   EXPECT_THAT(cell.events_named("data.restored"),
-              ElementsAre("ada puts rows 8 of run 1 back into fits: someone leaned on the table"));
+              ElementsAre("ada puts rows 9 of run 1 back into fits: someone leaned on the table"));
   const auto state = cell.await(cell->exclusions(run));
   ASSERT_TRUE(state);
   EXPECT_THAT(state->rows, ElementsAre(3, 9));
@@ -104,7 +104,7 @@ TEST_F(Remarks, KeepNotes) {
   ASSERT_TRUE(notes);
   EXPECT_EQ(notes->at(0).text, "a cough");
   EXPECT_EQ(notes->at(0).who, "ada");
-  EXPECT_THAT(cell.events_named("note.added"), ElementsAre("ada on run 1, row 2: a cough"));
+  EXPECT_THAT(cell.events_named("note.added"), ElementsAre("ada on run 1, row 3: a cough"));
 }
 
 TEST_F(Remarks, ImportOfTheSameRequestTwiceIsOneRun) {
