@@ -1,4 +1,4 @@
-// Instants and durations for people. Instants are shown in the browser's time zone, written into addresses in UTC.
+// Instants and durations for people. Instants are in UTC and say so, as on the command line and on paper.
 import type { Duration, Timestamp } from '@bufbuild/protobuf/wkt';
 
 export const ms = (t: Timestamp | undefined): number | undefined =>
@@ -13,23 +13,23 @@ export const timestampOf = (atMs: number): Timestamp => {
 const days = ['Sun', 'Mon', 'Tue', 'Wed', 'Thu', 'Fri', 'Sat'];
 const two = (n: number) => String(n).padStart(2, '0');
 
-// "10:21:07"
+// "10:21:07 UTC"
 export function clock(atMs: number | undefined): string {
   if (atMs === undefined) return '–';
   const d = new Date(atMs);
-  return `${two(d.getHours())}:${two(d.getMinutes())}:${two(d.getSeconds())}`;
+  return `${two(d.getUTCHours())}:${two(d.getUTCMinutes())}:${two(d.getUTCSeconds())} UTC`;
 }
-// "Sun 07:40"
+// "Sun 07:40 UTC"
 export function dayClock(atMs: number | undefined): string {
   if (atMs === undefined) return '–';
   const d = new Date(atMs);
-  return `${days[d.getDay()]} ${two(d.getHours())}:${two(d.getMinutes())}`;
+  return `${days[d.getUTCDay()]} ${two(d.getUTCHours())}:${two(d.getUTCMinutes())} UTC`;
 }
-// "2011-05-13 07:40:12"
+// "2011-05-13 07:40:12 UTC"
 export function dateClock(atMs: number | undefined): string {
   if (atMs === undefined) return '–';
   const d = new Date(atMs);
-  return `${d.getFullYear()}-${two(d.getMonth() + 1)}-${two(d.getDate())} ${clock(atMs)}`;
+  return `${d.getUTCFullYear()}-${two(d.getUTCMonth() + 1)}-${two(d.getUTCDate())} ${clock(atMs)}`;
 }
 // "48 s", "9 min 20 s", "6 h 05 min", "2 d 13 h"
 export function duration(seconds: number | undefined): string {
@@ -47,8 +47,7 @@ export function fromUtc(text: string | undefined): number | undefined {
   return Number.isNaN(at) ? undefined : at;
 }
 
-// The last midnight by the clock on the wall, where axes of time of day start.
-export function localMidnight(atMs: number): number {
-  const d = new Date(atMs);
-  return new Date(d.getFullYear(), d.getMonth(), d.getDate()).getTime();
+// The last midnight in UTC, where axes of time of day start.
+export function lastMidnight(atMs: number): number {
+  return Math.floor(atMs / 86400e3) * 86400e3;
 }

@@ -1,5 +1,5 @@
 // Recorded channels over time of day, as a plot.
-import { localMidnight } from '@/format/time';
+import { lastMidnight } from '@/format/time';
 import { splitChannel, unitSign } from '@/format/units';
 import type { History } from '@/live/history';
 import type { Track } from '@/live/series';
@@ -21,7 +21,7 @@ export function seriesOfTrack(track: Track, startMs: number, more: Partial<PlotS
 
 // Channels of one unit; more than six are grey lines, the pointed one in colour.
 export function environmentPlot(title: string, names: readonly string[], history: History): PlotSpec {
-  const startMs = localMidnight(history.fromMs);
+  const startMs = lastMidnight(history.fromMs);
   const unit = splitChannel(names[0] ?? '').unit;
   const many = names.length > 6;
   return {

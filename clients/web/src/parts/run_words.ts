@@ -17,6 +17,10 @@ export const stateWords: Record<Run_State, readonly [VerdictKind, string]> = {
 export const isOver = (run: Run): boolean =>
   run.state === Run_State.DONE || run.state === Run_State.ABORTED || run.state === Run_State.FAILED;
 
+// "uncompensated", "compensated with model 3": as the command line says it.
+export const compensationText = (run: Run): string =>
+  !run.compensated ? 'uncompensated' : run.compensateModelId !== undefined ? `compensated with model ${run.compensateModelId}` : 'compensated with the model that served';
+
 export const runName = (run: Run): string => `run ${run.id}${run.name ? ` · ${run.name}` : ''}`;
 
 // "line 23 · point 612 of 1056 · settling"

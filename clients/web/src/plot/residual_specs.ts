@@ -48,10 +48,10 @@ export function inOrderOfInterest<V extends { symbol: string }>(variables: reado
   return wanted.flatMap((family) => variables.filter((one) => family.test(one.symbol)));
 }
 
-export function residualSpecs(rows: ResidualRows, output: string, unit: string, u90: number | undefined, file: string): PlotSpec[] {
+export function residualSpecs(rows: ResidualRows, output: string, unit: string, a90: number | undefined, file: string): PlotSpec[] {
   const y = rows.outputs.find((one) => one.output === output)?.values ?? [];
   const reach = Math.max(...y.filter((value, i) => Number.isFinite(value) && !rows.excluded[i]).map(Math.abs), 1e-9);
-  const bands = u90 === undefined ? [] : [{ from: -u90, to: u90, colour: 'q1' as const, label: 'U90 of calibration' }];
+  const bands = a90 === undefined ? [] : [{ from: -a90, to: a90, colour: 'q1' as const, label: 'A90 of calibration' }];
   const spec = (title: string, x: readonly number[], label: string, xUnit: string, words: string): PlotSpec => {
     const both = [false, true].map((validation) => seriesOf(rows, x, y, validation, unit)).filter((series) => series.x.length > 0);
     return {

@@ -13,6 +13,22 @@ export interface ReportRun {
   given_up: number;
   attempts: number;
   restarts: number;
+  compensation?: string;
+}
+
+interface WrittenFigures {
+  mean: number;
+  u90: number;
+  a90: number;
+  row_count: number;
+}
+export interface ReportVerification {
+  accuracy: { output: string; unit: string; rows: string; figures: WrittenFigures }[];
+  row_count: number;
+  outside_row_count: number;
+  zero_row_count: number;
+  outside: string[];
+  coordinates: { coordinate: string; unit: string; all: WrittenFigures | null; inside: WrittenFigures | null; outside: WrittenFigures | null; by_model: WrittenFigures | null; largest: number; largest_row: number }[];
 }
 
 export interface ReportAttempt {
@@ -45,6 +61,7 @@ interface Written {
   attempts?: ReportAttempt[];
   events?: { time: string; who: string; what: string; detail: string }[];
   axes?: { channel: string; min_mm: number; max_mm: number }[];
+  verification?: ReportVerification;
 }
 
 export type Report = Omit<Written, 'points' | 'attempts' | 'events' | 'axes'> & {

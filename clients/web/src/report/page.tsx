@@ -6,10 +6,12 @@ import { dateClock, duration } from '@/format/time';
 import { splitChannel, unitSign } from '@/format/units';
 import { Plot } from '@/plot/plot';
 import { Poses } from '@/poses/poses';
+import { VerificationTable, type Figures } from '@/parts/verification';
+import { figure, meanFigure, rowsInWords } from '@/ui/accuracy';
 import { Panel } from '@/ui/panel';
 import { Table, type Column } from '@/ui/table';
 import { Mark, Verdict, type VerdictKind } from '@/ui/verdict';
-import type { Report } from './data';
+import type { Report, ReportVerification } from './data';
 import { forceSpec, poseScene, spreads, spreadSpec, temperatureSpec, zeroSpec } from './specs';
 
 const kinds: Record<string, VerdictKind> = { done: 'good', running: 'good', paused: 'idle', waiting: 'warn', aborted: 'warn', failed: 'bad' };
@@ -35,11 +37,13 @@ export function ReportPage({ report }: { report: Report }) {
         <dl class="facts">
           <dt>from, to</dt><dd>{at(run.start)} to {at(run.end)}{seconds !== undefined && `, ${duration(seconds)}`}</dd>
           <dt>points</dt><dd>{count(run.accepted)} of {count(run.rows)} accepted, {count(run.given_up)} given up, {count(run.attempts)} attempts</dd>
+          {run.compensation && <><dt>compensation</dt><dd>{run.compensation}</dd></>}
           <dt>restarts</dt><dd>{run.restarts === 0 ? 'none' : `a restarted daemon went on with it ${count(run.restarts)} times`}</dd>
           <dt>times in</dt><dd>{zoneWords(Date.parse(run.start ?? report.made))}</dd>
           <dt>cell file</dt><dd><code>{report.config_hash}</code></dd>
         </dl>
       </Panel>
+      {report.verification && <Panel title="Verification"><Verification of={report.verification} run={String(run.id)} /></Panel>}
       {scene && <Panel><Poses scene={scene} chosen={chosen} onPick={(key) => (chosen.value = key)} file={`run-${run.id}-poses`} /></Panel>}
       <div class="columns">
         {specs.map((spec) => <Panel key={spec.title}><Plot spec={spec} height={220} chosen={chosen} onPick={(key) => (chosen.value = key)} /></Panel>)}
@@ -57,6 +61,27 @@ const rank = (channel: string) => (order.findIndex((pattern) => pattern.test(cha
 
 const digits: Record<string, number> = { mm: 6, degC: 3, arcsec: 2, nm: 1, N: 3, hPa: 2, pct: 1 };
 
+function Verification({ of, run }: { of: ReportVerification; run: string }) {
+  const figuresOf = (one: ReportVerification['coordinates'][number]['all']): Figures | undefined =>
+    one === null ? undefined : { mean: one.mean, u90: one.u90, a90: one.a90, rowCount: one.row_count };
+  return (
+    <>
+      {of.accuracy.map((one) => (
+        <p key={one.unit} data-accuracy={one.figures.a90}>
+          accuracy (A90) <strong>{figure(one.figures.a90)} {unitSign(one.unit)}</strong> ({one.output}, {rowsInWords(one.rows)}, mean {meanFigure(one.figures.mean)} {unitSign(one.unit)}, U90 {figure(one.figures.u90)} {unitSign(one.unit)})
+        </p>
+      ))}
+      <VerificationTable run={run} of={{
+        rows: of.row_count, outsideRows: of.outside_row_count, zeroRows: of.zero_row_count, outside: of.outside,
+        coordinates: of.coordinates.map((one) => ({
+          coordinate: one.coordinate, unit: one.unit, all: figuresOf(one.all), inside: figuresOf(one.inside), outside: figuresOf(one.outside),
+          byModel: figuresOf(one.by_model), largest: one.largest, largestRow: one.largest_row,
+        })),
+      }} />
+    </>
+  );
+}
+
 function Points({ report }: { report: Report }) {
   const spread = spreads(report);
   const { points } = report;
@@ -64,7 +89,7 @@ function Points({ report }: { report: Report }) {
     .filter((one) => !/_std_nm$/.test(one.channel) && one.values.some(Number.isFinite))
     .sort((a, b) => rank(a.channel) - rank(b.channel));
   const columns: Column<number>[] = [
-    { title: 'row', number: true, sort: (i) => points.row[i], of: (i) => count(points.row[i] + 1) },
+    { title: 'row', number: true, sort: (i) => points.row[i], of: (i) => count(points.row[i]) },
     { title: 'line', number: true, of: (i) => count(points.line[i]) },
     { title: 'set', of: (i) => (points.zero[i] ? 'zero' : points.validation[i] ? 'validation' : 'calibration') },
     ...(spread ? [{ title: 'spread, nm', number: true, sort: (i: number) => spread[i], of: (i: number) => significant(spread[i], 2) }] : []),
@@ -84,7 +109,7 @@ function Attempts({ report }: { report: Report }) {
       rows={report.attempts}
       keyOf={(one) => `${one.row} ${one.number}`}
       columns={[
-        { title: 'row', number: true, of: (one) => count(one.row + 1) },
+        { title: 'row', number: true, of: (one) => count(one.row) },
         { title: 'attempt', number: true, of: (one) => count(one.number) },
         { title: 'verdict', of: (one) => <Verdict kind={one.verdict === 'given_up' ? 'bad' : 'warn'}>{one.verdict.replaceAll('_', ' ')}</Verdict> },
         { title: 'why', of: (one) => one.reason },

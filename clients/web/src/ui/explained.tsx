@@ -15,6 +15,12 @@ export function Explained({ word, children }: { word: string; children: Componen
 
 export const U90 = () => (
   <Explained word="U90">
-    The accuracy figure used throughout: 1.645 times the standard deviation of the error. Nine of ten errors are smaller, were they normally distributed.
+    1.645 times the standard deviation of the error about its mean: the mean is not in it, and stands with it.
+  </Explained>
+);
+
+export const A90 = () => (
+  <Explained word="A90">
+    The accuracy used throughout: 1.645 times the root mean square of the error, its mean included. Nine of ten errors are smaller, were they normally distributed about zero.
   </Explained>
 );

@@ -59,6 +59,14 @@ export function fakeDaemon(wishes: FakeWishes = {}): Transport {
       },
     });
     service(RunService, {
+      verifyRuns: ({ runIds }) => ({
+        runs: runIds.map((id) => ({
+          run: { ...fakeRun, id, compensated: id === 17n, ...(id === 17n ? { compensateModelId: 12n } : {}) }, rowCount: 40n, outsideRowCount: 3n, zeroRowCount: 4n, outside: ['t05_degC above 23.1'],
+          coordinates: [{ coordinate: 'x', unit: 'nm', all: { mean: 24.3, u90: 12.8, a90: 42, rowCount: 40n }, inside: { mean: 22, u90: 12, a90: 38.2, rowCount: 37n }, outside: { mean: 51, u90: 9, a90: 84.5, rowCount: 3n }, byModel: { mean: 21, u90: 8, a90: 35.6, rowCount: 40n }, largest: 66.2, largestRow: 31n }],
+        })),
+        changes: runIds.slice(1).map((id) => ({ runId: runIds[0], againstRunId: id, positionCount: 38n, coordinates: [{ output: 'x', unit: 'nm', rows: 'fresh', figures: { mean: 24.3, u90: 12.8, a90: 42, rowCount: 38n }, before: { mean: -400, u90: 900, a90: 1110, rowCount: 38n } }] })),
+        accuracy: [{ output: 'x', unit: 'nm', rows: 'fresh', figures: { mean: 24.3, u90: 12.8, a90: 42, rowCount: 40n }, ...(runIds.length > 1 ? { before: { mean: -400, u90: 900, a90: 1110, rowCount: 38n } } : {}) }],
+      }),
       getRun: () => ({ run: fakeRun, rulesJson: '{"max_spread_nm": 20}' }),
       listRuns: () => ({ runs: [fakeRun, ...[16, 15, 14].map((id) => ({ ...fakeRun, id: BigInt(id), name: id === 15 ? 'proof-geometry' : 'campaign', state: id === 14 ? Run_State.ABORTED : Run_State.DONE, reason: id === 14 ? 'stopped by Ben' : '', acceptedCount: 1056n, endTime: timestampOf(startMs) }))] }),
       listPoints: () => ({ points: fakePoints }),

@@ -21,9 +21,11 @@ export function model(id: number) {
     fitDuration: { seconds: 0n, nanos: 5_400_000 }, warnings: ['p-values after selection are not error probabilities: trust the held-out figures'],
     lineage: { runIds: [17n], source: 'run 17', datasetHash: '9f31aa', calibrationRowCount: 756n, validationRowCount: 300n },
     domain: [...['x', 'y', 'z'].map((symbol) => ({ channel: `${symbol}_mm`, min: -1.1, max: 1.1 })), { channel: 'force_N', min: 0, max: 2.305 }, { channel: 't07_degC', min: 21.2, max: 22.9 }],
+    accuracy: [{ output: 'q3', unit: 'nm', rows: 'validation', figures: { mean: 14, u90: 49, a90: 53, rowCount: 300n } }],
     outputs: outputs.map((q, k) => ({
       channel: `${q}_mm`, unit: 'mm', summaryUnit: 'nm', dof: 740,
-      accuracy: { rmse: 21 + k, u90Calibration: 36 + 2 * k, u90Validation: 43 + 3 * k, u90Blocks: 45 + 2 * k, u90BlocksLow: 39, u90BlocksHigh: 54, pureError: 16 },
+      accuracy: { rmse: 21 + k, u90Calibration: 36 + 2 * k, u90Validation: 43 + 3 * k, u90Blocks: 45 + 2 * k, u90BlocksLow: 39, u90BlocksHigh: 54, pureError: 16,
+        a90Calibration: 36 + 2 * k, meanValidation: 12 + k, a90Validation: 47 + 3 * k, meanBlocks: -4, a90Blocks: 45.5 + 2 * k, a90BlocksLow: 39.5, a90BlocksHigh: 54.5 },
       terms: termNames.map((name, i) => term(name, i, i < 13)),
       history: [{ step: 0, action: 'start', rmse: 812000, dof: 755 }, ...termNames.slice(1, 13).map((name, i) => ({ step: i + 1, action: i === 9 ? 'remove' : 'enter', term: name, p: 10 ** (i - 14), rmse: 400000 / 2.3 ** i + 21, dof: 754 - i }))],
     })),

@@ -9,9 +9,9 @@ import { rowsText, rowsTyped } from '@/views/runs/row_ranges';
 import { fakeAttempts, fakePoints, fakeRun } from '../fake/cell';
 
 describe('rows as people write them', () => {
-  it('count from 1 and go to the daemon from 0', () => {
+  it('count from 1, as the daemon does', () => {
     const ranges = rowsTyped('12-15, 40', 100);
-    expect(ranges).toEqual([{ firstRow: 11n, lastRow: 14n }, { firstRow: 39n, lastRow: 39n }]);
+    expect(ranges).toEqual([{ firstRow: 12n, lastRow: 15n }, { firstRow: 40n, lastRow: 40n }]);
     expect(rowsText(ranges as never)).toBe('12-15, 40');
   });
   it.each([['', 'Rows like'], ['3-x', '"3-x" is no row'], ['0', 'from 1 to 9'], ['4-11', 'from 1 to 9'], ['7-5', 'from 1 to 9']])('%s is refused', (text, words) =>

@@ -33,7 +33,7 @@ describe('methods side by side', () => {
   it('names the best, ranks the rest by rows held out, and shows the geometry found', async () => {
     await begin('/models/methods', 'Compare methods');
     await screen.findByRole('heading', { name: 'Methods, least error first' });
-    const table = within(screen.getByRole('table', { name: 'Methods by U90 on validation rows' }));
+    const table = within(screen.getByRole('table', { name: 'Methods by A90 on validation rows' }));
     const rows = table.getAllByRole('row').slice(1).map((row) => row.querySelector('strong')!.textContent);
     expect(table.getByText('least error')).toBeTruthy();
     expect(table.getByText('as good within 5 %')).toBeTruthy();
@@ -43,7 +43,7 @@ describe('methods side by side', () => {
   });
   it('judges by blocks of time when asked to, with the interval', async () => {
     await begin('/models/methods?judged=blocks', 'Compare methods');
-    await screen.findByRole('table', { name: 'Methods by U90 on blocks of time held out' });
+    await screen.findByRole('table', { name: 'Methods by A90 on blocks of time held out' });
     expect(screen.getAllByText(/\(88 to 123\)/)).toHaveLength(3);
   });
   it('compares only what was marked', async () => {
@@ -60,9 +60,9 @@ describe('methods side by side', () => {
     expect(overOutputs({ ...method, outputs: [{ unit: 'nm' }, { unit: 'arcsec' }] } as never, () => 3)).toBeUndefined();
   });
   it('reads what only the JSON says, and does without it', () => {
-    expect(intervalOf(methodsOf(comparison(['stepwise']).json)[0], 'q1', 'u90_blocks', 'nm')!.map(Math.round)).toEqual([88, 122]);
+    expect(intervalOf(methodsOf(comparison(['stepwise']).json)[0], 'q1', 'a90_blocks', 'nm')!.map(Math.round)).toEqual([88, 122]);
     expect(methodsOf('no JSON')).toEqual([]);
-    expect(intervalOf(undefined, 'q1', 'u90_blocks', 'nm')).toBeUndefined();
+    expect(intervalOf(undefined, 'q1', 'a90_blocks', 'nm')).toBeUndefined();
   });
   it('prints no more digits of a length than its standard error supports', () => {
     expect([0.0021, 12, null].map(supportedDigits)).toEqual([4, 0, 4]);
@@ -84,7 +84,7 @@ describe('which thermometers suffice', () => {
     const spec = sensorsSpec(best as never, recommended, tolerance, unit);
     expect([...(spec.series[0].x as number[])]).toEqual([0, 1, 2, 3, 4, 5, 6, 7]);
     expect(spec.note).toBeUndefined();
-    const far = sensorsSpec(best.map((set) => (set.sensors.length === 0 ? { ...set, u90BlocksRms: 5000 } : set)) as never, recommended, tolerance, unit);
+    const far = sensorsSpec(best.map((set) => (set.sensors.length === 0 ? { ...set, a90BlocksRms: 5000 } : set)) as never, recommended, tolerance, unit);
     expect([...(far.series[0].x as number[])]).toEqual([1, 2, 3, 4, 5, 6, 7]);
     expect(far.note).toBe('beyond the picture: 0 thermometers');
     expect(spec.limits![0].at).toBeCloseTo(105.6);

@@ -34,7 +34,10 @@ describe('a diagnosis', () => {
   it('says verdict and gain first, then causes by rank with their intervals', async () => {
     show('/diagnosis/9', Diagnosis);
     await screen.findByText('Extended');
-    expect(screen.getByText('164 → 43 nm')).toBeTruthy();
+    const heading = document.querySelector('.accuracy-heading')!;
+    expect(heading.textContent).toContain('of q1, validation rows');
+    expect(heading.textContent).toContain('164 → 43 nm');
+    expect(heading.textContent).toContain('mean +22 → −9, U90 160 → 40 nm');
     const first = screen.getByRole('heading', { name: /1\. The robot follows thermometer t07/ }).closest('section')!;
     expect(within(first).getByText('1740 to 1925 s')).toBeTruthy();
     expect(within(first).getByText('lag(t07, 1830 s)')).toBeTruthy();

@@ -5,7 +5,8 @@ import type { Diagnosis, DiscrepancyRows, Finding, OutputDiscrepancy } from '@/a
 import { probability, significant } from '@/format/numbers';
 import { Plot } from '@/plot/plot';
 import { Button } from '@/ui/button';
-import { U90 } from '@/ui/explained';
+import { figure, meanFigure } from '@/ui/accuracy';
+import { A90 } from '@/ui/explained';
 import { Panel } from '@/ui/panel';
 import { causeText } from './causes';
 import { Accept } from './extension';
@@ -36,11 +37,12 @@ export function FindingPanel({ finding, diagnosis, output, rows, again }: {
           <Parameters finding={finding} />
         </div>
         <div class="diagnosis-side">
-          {shown && shown.u90Before !== undefined && (
+          {shown && shown.a90Before !== undefined && (
             <>
-              <p class="muted"><U90 /> held out, {shown.output}: without it → with it</p>
-              <p class="diagnosis-change nowrap"><span class="muted">{significant(shown.u90Before)}</span> → <strong>{significant(shown.u90After)}</strong> {shown.unit}</p>
-              {shown.u90AfterCi90 && <p class="note muted">90 % sure: {significant(shown.u90AfterCi90.low)} to {significant(shown.u90AfterCi90.high)} {shown.unit}</p>}
+              <p class="muted"><A90 /> held out, {shown.output}: without it → with it</p>
+              <p class="diagnosis-change nowrap"><span class="muted">{significant(shown.a90Before)}</span> → <strong>{significant(shown.a90After)}</strong> {shown.unit}</p>
+              <p class="note muted">mean {meanFigure(shown.meanBefore)} → {meanFigure(shown.meanAfter)}, U90 {figure(shown.u90Before)} → {figure(shown.u90After)} {shown.unit}</p>
+              {shown.a90AfterCi90 && <p class="note muted">90 % interval of A90: {significant(shown.a90AfterCi90.low)} to {significant(shown.a90AfterCi90.high)} {shown.unit}</p>}
             </>
           )}
           <p class="note muted">adjusted p {probability(finding.pAdjusted)}; 2 ln L {significant(2 * finding.logLikelihoodRatio, 3)}</p>

@@ -7,7 +7,8 @@ import { dateClock, ms } from '@/format/time';
 import { useEvents } from '@/live/events';
 import { Bar } from '@/ui/bar';
 import { CommandButton } from '@/ui/button';
-import { U90 } from '@/ui/explained';
+import { meanFigure } from '@/ui/accuracy';
+import { A90 } from '@/ui/explained';
 import { Panel } from '@/ui/panel';
 import { Awaiting, Empty, Failed } from '@/ui/states';
 import { useAsked } from '@/ui/use_asked';
@@ -49,7 +50,7 @@ export function ImprovementPage({ id }: { id: bigint }) {
 
 function Turns({ one, step }: { one: Improvement; step: string }) {
   const [kind, word] = improvementWords(one.state);
-  const most = Math.max(...one.turns.flatMap((turn) => turn.gains.map((gain) => gain.u90Before)), 1e-9);
+  const most = Math.max(...one.turns.flatMap((turn) => turn.gains.map((gain) => startOf(gain) || 0)), 1e-9);
   return (
     <>
       <Panel class="diagnosis-banner">
@@ -71,7 +72,9 @@ export function standing({ turns, reason }: Pick<Improvement, 'turns' | 'reason'
   return turns.filter((turn) => undone === undefined || String(turn.diagnosisId) !== undone);
 }
 
-const reached = (gain: ImprovementTurn_Gain) => gain.u90Measured ?? gain.u90Predicted ?? gain.u90Before;
+// A90 of a gain: on the fresh points by both models where they were measured, else as the diagnosis held it out.
+const startOf = (gain: ImprovementTurn_Gain): number => (gain.measuredBefore ?? gain.before)?.a90 ?? NaN;
+const reached = (gain: ImprovementTurn_Gain): number => (gain.measured ?? gain.predicted ?? gain.before)?.a90 ?? NaN;
 
 function Summary({ turns, all }: { turns: readonly ImprovementTurn[]; all: boolean }) {
   const gains = turns.flatMap((turn) => turn.gains);
@@ -79,10 +82,10 @@ function Summary({ turns, all }: { turns: readonly ImprovementTurn[]; all: boole
   if (outputs.length === 0) return null;
   return (
     <div class="diagnosis-figure">
-      <p class="muted"><U90 />, {all ? 'first to last turn' : 'at first and of what stands'}</p>
+      <p class="muted"><A90 />, {all ? 'first to last turn' : 'at first and of what stands'}</p>
       {outputs.map((output) => {
         const of = gains.filter((gain) => gain.output === output);
-        return <p class="diagnosis-change nowrap" key={output}>{output} <span class="muted">{significant(of[0].u90Before)}</span> → <strong>{significant(reached(of[of.length - 1]))}</strong> {of[0].unit}</p>;
+        return <p class="diagnosis-change nowrap" key={output}>{output} <span class="muted">{significant(startOf(of[0]))}</span> → <strong>{significant(reached(of[of.length - 1]))}</strong> {of[0].unit}</p>;
       })}
     </div>
   );
@@ -90,9 +93,9 @@ function Summary({ turns, all }: { turns: readonly ImprovementTurn[]; all: boole
 
 // What fresh points said of a turn.
 function Worth({ gains, undone }: { gains: readonly ImprovementTurn_Gain[]; undone: boolean }) {
-  const measured = gains.filter((gain) => gain.u90Measured !== undefined);
+  const measured = gains.filter((gain) => gain.measured !== undefined && gain.measuredBefore !== undefined);
   if (measured.length === 0) return <Verdict kind="idle">no fresh points yet</Verdict>;
-  const worse = measured.filter((gain) => gain.u90Measured! >= gain.u90Before).map((gain) => gain.output);
+  const worse = measured.filter((gain) => gain.measured!.a90 >= gain.measuredBefore!.a90).map((gain) => gain.output);
   if (worse.length === 0) return <Verdict kind="good">better on fresh points</Verdict>;
   return <Verdict kind="warn">{undone && 'undone: '}not better on fresh points: {worse.join(', ')}</Verdict>;
 }
@@ -110,16 +113,17 @@ function Turn({ turn, most, undone }: { turn: ImprovementTurn; most: number; und
       {turn.gains.length > 0 && (
         <div class="table-scroll diagnosis-turn" tabIndex={0} role="region" aria-label={`Gains of turn ${turn.number}`}>
           <table>
-            <thead><tr><th scope="col">output</th><th scope="col">U90 before</th><td /><th scope="col">measured on fresh points</th><td /><th scope="col" class="number">predicted</th></tr></thead>
+            <thead><tr><th scope="col">output</th><th scope="col">A90 before</th><td /><th scope="col">measured on fresh points</th><td /><th scope="col" class="number">mean</th><th scope="col" class="number">held out, promised</th></tr></thead>
             <tbody>
               {turn.gains.map((gain) => (
                 <tr key={gain.output}>
                   <td>{gain.output}</td>
-                  <td><Bar share={gain.u90Before / most} colour="idle" /></td>
-                  <td class="number">{significant(gain.u90Before)} {gain.unit}</td>
-                  <td>{gain.u90Measured !== undefined && <Bar share={gain.u90Measured / most} />}</td>
-                  <td class="number">{gain.u90Measured !== undefined ? `${significant(gain.u90Measured)} ${gain.unit}` : '–'}</td>
-                  <td class="number">{gain.u90Predicted !== undefined ? `${significant(gain.u90Predicted)} ${gain.unit}` : '–'}</td>
+                  <td><Bar share={startOf(gain) / most} colour="idle" /></td>
+                  <td class="number">{significant(startOf(gain))} {gain.unit}</td>
+                  <td>{gain.measured && <Bar share={gain.measured.a90 / most} />}</td>
+                  <td class="number">{gain.measured ? `${significant(gain.measured.a90)} ${gain.unit}` : '–'}</td>
+                  <td class="number">{gain.measured ? `${meanFigure(gain.measured.mean)} ${gain.unit}` : '–'}</td>
+                  <td class="number">{gain.predicted ? `${significant(gain.before?.a90)} → ${significant(gain.predicted.a90)} ${gain.unit}` : '–'}</td>
                 </tr>
               ))}
             </tbody>

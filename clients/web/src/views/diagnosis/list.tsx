@@ -49,7 +49,7 @@ function Diagnoses({ rows }: { rows: readonly Diagnosis[] }) {
         { title: 'of', of: (one) => (one.runIds.length ? `${one.runIds.length === 1 ? 'run' : 'runs'} ${one.runIds.join(', ')}` : 'a file') },
         { title: 'baseline', of: (one) => <code class="models-formula">{one.baselineFormula}</code> },
         { title: 'causes', of: (one) => one.findings.map((finding) => causeText(finding.cause, finding.subject)).join('; ') || '–' },
-        { title: 'U90', of: (one) => one.outputs.map((output) => <span class="nowrap diagnosis-gain">{output.output} {significant(before(output))} → {significant(after(output))} {output.unit}</span>) },
+        { title: 'A90', of: (one) => one.outputs.map((output) => <span class="nowrap diagnosis-gain">{output.output} {significant(before(output))} → {significant(after(output))} {output.unit}</span>) },
         { title: 'made', of: (one) => <span class="nowrap">{dateClock(ms(one.createTime))}</span> },
         { title: 'by', of: (one) => one.createdBy },
       ]}

@@ -7,7 +7,7 @@ import { query } from '@/app/router';
 import { count, significant } from '@/format/numbers';
 import { useEvents } from '@/live/events';
 import { Button, CommandButton } from '@/ui/button';
-import { U90 } from '@/ui/explained';
+import { AccuracyHeading, figure } from '@/ui/accuracy';
 import { Panel } from '@/ui/panel';
 import { download } from '@/ui/download';
 import { Awaiting, Failed, Warned } from '@/ui/states';
@@ -23,7 +23,7 @@ import { ExtensionPanel } from './extension';
 import { FindingPanel } from './finding';
 import { GoesWith, LeftOverPanel, NotTestablePanel } from './rest';
 import { SeparatingPanel } from './separating';
-import { after, before, judgementOf, outputOf, rowsWord, sentenceCase } from './words';
+import { after, before, judgementOf, outputOf, sentenceCase } from './words';
 
 export function DiagnosisPage({ id }: { id: bigint }) {
   const asked = useAsked(`diagnosis ${id}`, async (signal) => (await api.diagnosis().getDiagnosis({ diagnosisId: id }, { signal })).diagnosis!);
@@ -122,8 +122,12 @@ function Banner({ diagnosis, output }: { diagnosis: Diagnosis; output: ReturnTyp
       </div>
       {output && diagnosis.state === Diagnosis_State.DONE && (
         <div class="diagnosis-figure">
-          <p class="muted">accuracy (<U90 />) on {rowsWord(output)} rows, {output.output}</p>
-          <p class="result nowrap">{significant(before(output))} → {significant(after(output))} {output.unit}</p>
+          <AccuracyHeading of={diagnosis.accuracy} />
+          {diagnosis.outputs.length > 1 && (
+            <p class="note muted">
+              all outputs: {diagnosis.outputs.map((one) => `${one.output} ${figure(before(one))} → ${figure(after(one))} ${one.unit}${after(one) > before(one) ? ' (worse)' : ''}`).join('; ')}
+            </p>
+          )}
           <p class="muted">{output.noiseFloor !== undefined ? `noise floor ${significant(output.noiseFloor)} ${output.unit}` : 'nothing was repeated: no noise floor'}</p>
         </div>
       )}

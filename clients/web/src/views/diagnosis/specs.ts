@@ -57,7 +57,7 @@ export function discrepancySpec(rows: DiscrepancyRows, output: OutputDiscrepancy
   const y = (which === 'before' ? of?.before : of?.after) ?? [];
   const all = [...(of?.before ?? []), ...(of?.after ?? [])].filter(Number.isFinite);
   const reach = all.reduce((most, value) => Math.max(most, Math.abs(value)), Math.max(before(output), after(output)));
-  const u90 = which === 'before' ? before(output) : after(output);
+  const a90 = which === 'before' ? before(output) : after(output);
   const series: PlotSeries[] = groupsOf(rows, output.output, colour).map((group) => {
     const wanted: number[] = [];
     for (let i = 0; i < y.length; ++i) if (group.has(i) && Number.isFinite(y[i]) && Number.isFinite(x.values[i])) wanted.push(i);
@@ -68,9 +68,9 @@ export function discrepancySpec(rows: DiscrepancyRows, output: OutputDiscrepancy
     };
   });
   return {
-    title, what: `measured − simulated, ${output.output}, ${output.unit}, against ${x.words}; band = U90`,
+    title, what: `measured − simulated, ${output.output}, ${output.unit}, against ${x.words}; band = A90`,
     x: { label: x.symbol, unit: x.unit }, y: { unit: output.unit, symmetric: true, low: -reach, high: reach },
-    series: series.filter((one) => one.x.length > 0), bands: [{ from: -u90, to: u90, colour: 'q1', label: 'U90' }],
+    series: series.filter((one) => one.x.length > 0), bands: [{ from: -a90, to: a90, colour: 'q1', label: 'A90' }],
     file: `discrepancy-${which}-${output.output}`, ...(y.length === 0 ? { why: 'No rows were kept of this output.' } : {}),
   };
 }

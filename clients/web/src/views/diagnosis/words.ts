@@ -31,17 +31,15 @@ export function judgementOf(diagnosis: Diagnosis): Judgement {
 }
 
 export const outputOf = (diagnosis: Diagnosis, symbol: string | undefined): OutputDiscrepancy | undefined =>
-  diagnosis.outputs.find((one) => one.output === symbol) ?? worst(diagnosis.outputs);
+  diagnosis.outputs.find((one) => one.output === symbol) ?? diagnosis.outputs.find((one) => one.output === diagnosis.accuracy[0]?.output) ?? worst(diagnosis.outputs);
 
-// Where the gain is largest, else the discrepancy: what a person wants to see first.
+// The one with the largest error after the findings: it heads the page.
 function worst(outputs: readonly OutputDiscrepancy[]): OutputDiscrepancy | undefined {
-  const gain = (one: OutputDiscrepancy) => before(one) - after(one);
-  return [...outputs].sort((a, b) => gain(b) - gain(a) || b.u90 - a.u90)[0];
+  return [...outputs].sort((a, b) => after(b) - after(a) || b.a90 - a.a90)[0];
 }
 
-export const before = (one: OutputDiscrepancy): number => one.u90ValidationBefore ?? one.u90CalibrationBefore;
-export const after = (one: OutputDiscrepancy): number => one.u90ValidationAfter ?? one.u90CalibrationAfter;
-export const rowsWord = (one: OutputDiscrepancy): string => (one.u90ValidationBefore !== undefined ? 'validation' : 'calibration');
+export const before = (one: OutputDiscrepancy): number => one.a90ValidationBefore ?? one.a90CalibrationBefore;
+export const after = (one: OutputDiscrepancy): number => one.a90ValidationAfter ?? one.a90CalibrationAfter;
 
 const units: readonly [RegExp, string][] = [
   [/_?nm_per_K_per_h$/, 'nm/(K/h)'], [/_?nm_per_N_per_mm$/, 'nm/(N mm)'], [/_?nm_per_K$/, 'nm/K'], [/_?nm_per_N$/, 'nm/N'],

@@ -2,7 +2,7 @@
 import { useMemo } from 'preact/hooks';
 import type { Device } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { fixed } from '@/format/numbers';
-import { localMidnight } from '@/format/time';
+import { lastMidnight } from '@/format/time';
 import { splitChannel } from '@/format/units';
 import { channel, type Channel } from '@/live/channels';
 import type { History } from '@/live/history';
@@ -28,7 +28,7 @@ function RangeBar({ now }: { now: Channel }) {
 }
 
 function tilts(names: readonly string[], history: History): PlotSpec {
-  const startMs = localMidnight(history.fromMs);
+  const startMs = lastMidnight(history.fromMs);
   return {
     title: `${names.map((name) => splitChannel(name).symbol).join(', ')}, live`,
     what: 'arcsec against time of day',

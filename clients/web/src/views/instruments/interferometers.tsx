@@ -3,7 +3,7 @@ import { useMemo } from 'preact/hooks';
 import type { Device } from '@/api/gen/driftwise/v1/cell_service_pb';
 import type { Point } from '@/api/gen/driftwise/v1/run_pb';
 import { fixed, significant } from '@/format/numbers';
-import { localMidnight } from '@/format/time';
+import { lastMidnight } from '@/format/time';
 import { nmFromMm, splitChannel } from '@/format/units';
 import { channel, layout, type Channel } from '@/live/channels';
 import type { History } from '@/live/history';
@@ -18,7 +18,7 @@ import { LiveValue } from './live_value';
 
 // In nm from the middle of what is seen: a trace about 2.5 mm would be a flat line.
 function tracePlot(name: string, at: number, history: History): PlotSpec {
-  const startMs = localMidnight(history.fromMs);
+  const startMs = lastMidnight(history.fromMs);
   const track = history.of(name);
   const seen = track.mean.filter(Number.isFinite);
   const base = Math.max(...seen) - Math.min(...seen) < 0.1 ? (seen[seen.length - 1] ?? 0) : undefined;

@@ -4,7 +4,7 @@ import { api } from '@/api/client';
 import type { Device } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { withLease } from '@/app/lease';
 import { fixed, signed } from '@/format/numbers';
-import { duration, localMidnight } from '@/format/time';
+import { duration, lastMidnight } from '@/format/time';
 import { splitChannel, unitSign } from '@/format/units';
 import type { Channel } from '@/live/channels';
 import type { History } from '@/live/history';
@@ -76,7 +76,7 @@ function ChangeSetPoint({ of, done }: { of: Stabiliser; done: () => void }) {
 }
 
 function controlPlot({ now, set, output }: Stabiliser, history: History): PlotSpec {
-  const startMs = localMidnight(history.fromMs);
+  const startMs = lastMidnight(history.fromMs);
   const unit = output ? unitSign(output.column.unit) : '';
   return {
     title: 'Temperature and output',

@@ -2,7 +2,7 @@
 // glued to.
 import { useMemo } from 'preact/hooks';
 import { signed } from '@/format/numbers';
-import { localMidnight } from '@/format/time';
+import { lastMidnight } from '@/format/time';
 import { mkFromKelvin, splitChannel } from '@/format/units';
 import { channel, type Channel } from '@/live/channels';
 import type { History } from '@/live/history';
@@ -32,7 +32,7 @@ export function trend(track: Track): { change: number; slope: number } {
 }
 
 function Small({ now, history, low, high }: { now: Channel; history: History; low: number; high: number }) {
-  const startMs = localMidnight(history.fromMs);
+  const startMs = lastMidnight(history.fromMs);
   const track = history.of(now.name);
   const { change, slope } = trend(track);
   const spec = useMemo(() => ({

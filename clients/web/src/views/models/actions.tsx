@@ -8,7 +8,7 @@ import { confirm } from '@/ui/confirm';
 import { download } from '@/ui/download';
 import { Failed } from '@/ui/states';
 import { useCommand } from '@/ui/use_command';
-import { accuracyText, summaryUnit } from './figures';
+import { headingText } from './figures';
 
 const served = (id: bigint | undefined) => (id === undefined ? 'no model' : `model ${id}`);
 
@@ -22,7 +22,8 @@ export function Promote({ model, onDone }: { model: Model; onDone: () => void })
       title: `Promote model ${model.id}?`,
       facts: [
         ['served now', served(cell.value?.servingModelId)],
-        ['from then on', `model ${model.id}, U90 ${accuracyText(model)} ${summaryUnit(model.outputs[0])}`],
+        ['from then on', `model ${model.id}`],
+        ['accuracy (A90)', headingText(model)],
         ['who is affected', 'every controller and run that asks for targets, from its next target on'],
         ['to undo', 'Roll back'],
       ],

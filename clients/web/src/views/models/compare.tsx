@@ -4,12 +4,13 @@ import type { CompareModelsResponse_Row, CompareModelsResponse_Row_Cell } from '
 import { query } from '@/app/router';
 import { significant } from '@/format/numbers';
 import { splitChannel } from '@/format/units';
+import { AccuracyHeading, figure, meanFigure } from '@/ui/accuracy';
 import { Panel } from '@/ui/panel';
 import { Awaiting, Empty, Failed } from '@/ui/states';
 import { Table } from '@/ui/table';
 import { useAsked } from '@/ui/use_asked';
 import { ViewTitle } from '@/ui/view_title';
-import { heldOut, outputSymbol, sourceText, summaryUnit } from './figures';
+import { outputSymbol, sourceText, summaryUnit } from './figures';
 
 const idOf = (text: string | undefined): bigint | undefined => (text && /^\d+$/.test(text) ? BigInt(text) : undefined);
 
@@ -31,14 +32,17 @@ export function ComparePage() {
               <Panel key={String(model.id)} title={<a href={`/models/${model.id}`}>Model {String(model.id)}{model.serving ? ', serves' : ''}</a>}>
                 <p><code>{model.formula}</code></p>
                 <p class="muted">from {sourceText(model)}</p>
+                <AccuracyHeading of={model.accuracy} />
                 <Table
                   caption={`Accuracy of model ${model.id}`}
                   rows={model.outputs}
                   keyOf={(output) => output.channel}
                   columns={[
                     { title: 'output', of: outputSymbol },
-                    { title: 'U90 calibration', number: true, of: (output) => `${significant(output.accuracy?.u90Calibration)} ${summaryUnit(output)}` },
-                    { title: 'U90 held out', number: true, of: (output) => `${significant(heldOut(output.accuracy)?.value)} ${summaryUnit(output)}` },
+                    { title: 'A90 validation', number: true, of: (output) => `${figure(output.accuracy?.a90Validation)} ${summaryUnit(output)}` },
+                    { title: 'mean', number: true, of: (output) => `${meanFigure(output.accuracy?.meanValidation)} ${summaryUnit(output)}` },
+                    { title: 'A90 blocks', number: true, of: (output) => `${figure(output.accuracy?.a90Blocks)} ${summaryUnit(output)}` },
+                    { title: 'A90 calibration', number: true, of: (output) => `${figure(output.accuracy?.a90Calibration)} ${summaryUnit(output)}` },
                     { title: 'terms', number: true, of: (output) => output.terms.filter((term) => term.included).length },
                   ]}
                 />

@@ -4,15 +4,17 @@ import { Promotion_Action } from '@/api/gen/driftwise/v1/model_service_pb';
 import { go } from '@/app/router';
 import { count } from '@/format/numbers';
 import { dateClock, ms } from '@/format/time';
+import { unitSign } from '@/format/units';
 import { Button } from '@/ui/button';
-import { U90 } from '@/ui/explained';
+import { figure, rowsInWords } from '@/ui/accuracy';
+import { A90 } from '@/ui/explained';
 import { Panel } from '@/ui/panel';
 import { Awaiting, Empty, Failed } from '@/ui/states';
 import { Table } from '@/ui/table';
 import { Verdict } from '@/ui/verdict';
 import { ViewTitle } from '@/ui/view_title';
 import { RollBack } from './actions';
-import { accuracyText, sourceText, summaryUnit } from './figures';
+import { sourceText } from './figures';
 import { FitForm } from './fit_form';
 import { Sections } from './sections';
 import { useModels } from './use_models';
@@ -63,7 +65,7 @@ export function ModelList() {
 function ModelTable({ models, chosen, toggle }: { models: readonly Model[]; chosen: readonly bigint[]; toggle: (id: bigint) => void }) {
   return (
     <>
-      <p class="note muted"><U90 />, {summaryUnit(models[0].outputs[0])}, on rows held out of the fit; of calibration where none were</p>
+      <p class="note muted"><A90 />: the worst output on the rows held out of the fit, per unit; of calibration where none were</p>
       <Table
         caption="Models, newest first"
         rows={models}
@@ -84,7 +86,7 @@ function ModelTable({ models, chosen, toggle }: { models: readonly Model[]; chos
           { title: 'formula', of: (model) => <code class="models-formula">{model.formula}</code> },
           { title: 'from', of: (model) => <span class="nowrap">{sourceText(model)}</span> },
           { title: 'rows', number: true, of: (model) => count(model.lineage?.calibrationRowCount) },
-          { title: 'U90', of: (model) => <span class="nowrap">{accuracyText(model)}</span> },
+          { title: 'A90', of: (model) => model.accuracy.map((one) => <span class="nowrap" key={one.unit}>{figure(one.figures?.a90)} {unitSign(one.unit)} <span class="note muted">{one.output}, {rowsInWords(one.rows)}</span></span>) },
           { title: 'made', of: (model) => <span class="nowrap">{dateClock(ms(model.createTime))}</span> },
           { title: 'by', of: (model) => model.createdBy },
         ]}

@@ -25,7 +25,7 @@ export function methodsOf(json: string): readonly MethodJson[] {
   }
 }
 
-// 90 % interval of a held-out figure: "u90_blocks" of "q1", in its summary unit.
+// 90 % interval of a held-out figure: "a90_blocks" of "q1", in its summary unit.
 export function intervalOf(method: MethodJson | undefined, symbol: string, figure: string, unit: string): readonly [number, number] | undefined {
   const found = method?.outputs[symbol]?.[`${figure}_ci90_${unit}`];
   return Array.isArray(found) && found.length === 2 && found.every(Number.isFinite) ? [found[0], found[1]] : undefined;

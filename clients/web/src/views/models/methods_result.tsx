@@ -8,7 +8,7 @@ import { Bar } from '@/ui/bar';
 import { Button } from '@/ui/button';
 import { SymbolChoice } from '@/ui/choice';
 import { download } from '@/ui/download';
-import { U90 } from '@/ui/explained';
+import { A90 } from '@/ui/explained';
 import { Panel } from '@/ui/panel';
 import { Empty, Warned } from '@/ui/states';
 import { Table } from '@/ui/table';
@@ -26,10 +26,10 @@ export const methodWords: Record<string, { title: string; what: string }> = {
 
 // Which figure a method is judged by, best first; "calibration" is no rows held out.
 const figures = [
-  { id: 'validation', key: 'u90_validation', words: 'U90 on validation rows', of: (one: MethodOutcome_Output) => one.u90Validation },
-  { id: 'together', key: 'u90_groups', words: 'U90 on rows held out together', of: (one: MethodOutcome_Output) => one.u90Groups },
-  { id: 'blocks', key: 'u90_blocks', words: 'U90 on blocks of time held out', of: (one: MethodOutcome_Output) => one.u90Blocks },
-  { id: 'calibration', key: 'u90_calibration', words: 'U90 on calibration rows', of: (one: MethodOutcome_Output): number | undefined => one.u90Calibration },
+  { id: 'validation', key: 'a90_validation', words: 'A90 on validation rows', of: (one: MethodOutcome_Output) => one.a90Validation },
+  { id: 'together', key: 'a90_groups', words: 'A90 on rows held out together', of: (one: MethodOutcome_Output) => one.a90Groups },
+  { id: 'blocks', key: 'a90_blocks', words: 'A90 on blocks of time held out', of: (one: MethodOutcome_Output) => one.a90Blocks },
+  { id: 'calibration', key: 'a90_calibration', words: 'A90 on calibration rows', of: (one: MethodOutcome_Output): number | undefined => one.a90Calibration },
 ] as const;
 
 // Root of the mean square over the outputs; undefined where units differ or a figure is missing.
@@ -58,7 +58,7 @@ export function MethodsResult({ answer, of, tookMs }: { answer: CompareMethodsRe
         actions={<><SymbolChoice symbols={possible.map((one) => one.id)} name="judged" label="Judged by" /><Button small onPress={() => download('methods.json', answer.json, 'application/json')}>JSON</Button></>}
       >
         <p class="note muted">
-          <U90 /> {figure.words.slice(4)}, {unit}; bars on one logarithmic scale{possible.some((one) => one.id !== 'calibration') && figure.id === 'calibration' && '; these rows were fitted to: they flatter'}.
+          <A90 /> {figure.words.slice(4)}, {unit}; bars on one logarithmic scale{possible.some((one) => one.id !== 'calibration') && figure.id === 'calibration' && '; these rows were fitted to: they flatter'}.
           {' '}<code>{of}</code>, worked out in {fixed(tookMs / 1000, 1)} s
         </p>
         <Table
@@ -77,7 +77,7 @@ export function MethodsResult({ answer, of, tookMs }: { answer: CompareMethodsRe
             { title: 'fit, ms', number: true, sort: (method) => secondsOf(method.fitDuration) ?? 0, of: (method) => significant((secondsOf(method.fitDuration) ?? 0) * 1000, 2) },
           ]}
         />
-        <p class="note muted">all outputs: root mean square over {symbols.join(', ')}{figure.key !== 'u90_validation' && figure.key !== 'u90_calibration' && '; in brackets: 90 % interval'}</p>
+        <p class="note muted">all outputs: root mean square over {symbols.join(', ')}{figure.key !== 'a90_validation' && figure.key !== 'a90_calibration' && '; in brackets: 90 % interval'}</p>
         {warned.length > 0 && (
           <details>
             <summary><Warned>remarks</Warned></summary>

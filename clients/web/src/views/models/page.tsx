@@ -5,7 +5,9 @@ import type { GetModelResponse, Model, ModelOutput } from '@/api/gen/driftwise/v
 import { count, fixed, significant } from '@/format/numbers';
 import { dateClock, ms, secondsOf } from '@/format/time';
 import { useEvents } from '@/live/events';
-import { U90 } from '@/ui/explained';
+import { AccuracyHeading, figure, meanFigure } from '@/ui/accuracy';
+import { A90 } from '@/ui/explained';
+import { Panel } from '@/ui/panel';
 import { Awaiting, Failed, Warned } from '@/ui/states';
 import { Tabs, tabOf } from '@/ui/tabs';
 import { useAsked } from '@/ui/use_asked';
@@ -13,7 +15,7 @@ import { Verdict } from '@/ui/verdict';
 import { ViewTitle } from '@/ui/view_title';
 import { ExportButtons, Promote } from './actions';
 import { BudgetTab } from './budget';
-import { outputSymbol, sourceText, summaryUnit } from './figures';
+import { heldOut, outputSymbol, sourceText, summaryUnit } from './figures';
 import { LineageTab } from './lineage';
 import { ResidualsTab } from './residuals';
 import { StepsTab } from './steps';
@@ -57,6 +59,7 @@ function Page({ answer, model }: { answer: GetModelResponse; model: Model }) {
           fitted in {fixed((secondsOf(model.fitDuration) ?? 0) * 1000, 1)} ms, {dateClock(ms(model.createTime))}{model.createdBy && `, by ${model.createdBy}`}
         </span>
       </p>
+      <Panel class="models-heading"><AccuracyHeading of={model.accuracy} /></Panel>
       <div class="tiles models-outputs">{model.outputs.map((output) => <OutputTile output={output} />)}</div>
       {model.warnings.length > 0 && (
         <details class="panel">
@@ -77,15 +80,19 @@ function Page({ answer, model }: { answer: GetModelResponse; model: Model }) {
 function OutputTile({ output }: { output: ModelOutput }) {
   const accuracy = output.accuracy;
   const unit = summaryUnit(output);
+  const held = heldOut(accuracy);
   const offered = output.terms.filter((term) => term.term !== '1');
   return (
     <section class="tile" aria-label={`Accuracy of ${outputSymbol(output)}`}>
-      <p class="label">{outputSymbol(output)}, <U90 /> on {accuracy?.u90Validation !== undefined ? 'validation rows' : 'calibration rows'}</p>
-      <p class="value">{significant(accuracy?.u90Validation ?? accuracy?.u90Calibration, 2)} <span class="unit">{unit}</span></p>
-      <p class="note muted">
-        calibration {significant(accuracy?.u90Calibration, 2)} {unit}
-        {accuracy?.u90Blocks !== undefined && `; held-out blocks ${significant(accuracy.u90Blocks, 2)} (${significant(accuracy.u90BlocksLow, 2)} to ${significant(accuracy.u90BlocksHigh, 2)}) ${unit}`}
-      </p>
+      <p class="label">{outputSymbol(output)}, <A90 /> on {held?.from ?? 'the fit’s own rows'}</p>
+      <p class="value">{figure(held?.value ?? accuracy?.a90Calibration)} <span class="unit">{unit}</span></p>
+      {accuracy?.a90Validation !== undefined && <p class="note muted">validation {figure(accuracy.a90Validation)} (mean {meanFigure(accuracy.meanValidation)}, U90 {figure(accuracy.u90Validation)}) {unit}</p>}
+      {accuracy?.a90Blocks !== undefined && (
+        <p class="note muted">
+          held-out blocks {figure(accuracy.a90Blocks)} (mean {meanFigure(accuracy.meanBlocks)}, U90 {figure(accuracy.u90Blocks)}; 90 %: {figure(accuracy.a90BlocksLow)} to {figure(accuracy.a90BlocksHigh)}) {unit}
+        </p>
+      )}
+      <p class="note muted">calibration {figure(accuracy?.a90Calibration)} (mean {meanFigure(accuracy?.meanCalibration)}) {unit}</p>
       <p class="note muted">
         RMSE {significant(accuracy?.rmse, 2)} {unit}; {offered.filter((term) => term.included).length} of {offered.length} terms in
         {accuracy?.pureError !== undefined && `; repeats ${significant(accuracy.pureError, 2)} ${unit}`}

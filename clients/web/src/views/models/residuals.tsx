@@ -32,12 +32,12 @@ export function ResidualsTab({ model }: { model: Model }) {
 
 function Pictures({ answer, model, output }: { answer: ListResidualsResponse; model: Model; output: ModelOutput }) {
   const symbol = outputSymbol(output);
-  const specs = useMemo(() => residualSpecs(answer, symbol, summaryUnit(output), output.accuracy?.u90Calibration, `model-${model.id}`), [answer, symbol]);
+  const specs = useMemo(() => residualSpecs(answer, symbol, summaryUnit(output), output.accuracy?.a90Calibration, `model-${model.id}`), [answer, symbol]);
   return (
     <>
       <p class="note muted">
-        {count(answer.rowCount)} rows{answer.rowStep > 1n && `, every ${answer.rowStep}th drawn`}; ● calibration, ◇ validation; band: U90 of calibration, ±
-        {significant(output.accuracy?.u90Calibration, 2)} {summaryUnit(output)}; one scale for all
+        {count(answer.rowCount)} rows{answer.rowStep > 1n && `, every ${answer.rowStep}th drawn`}; ● calibration, ◇ validation; band: A90 of calibration, ±
+        {significant(output.accuracy?.a90Calibration, 2)} {summaryUnit(output)}; one scale for all
       </p>
       {!answer.sameRows && <Warned>These are not the very rows the model was fitted from: rows were excluded or put back since, or it is another file.</Warned>}
       <div class="models-residuals">{specs.map((spec) => <Plot key={spec.title} spec={spec} height={200} />)}</div>

@@ -33,7 +33,7 @@ export function SensorsPage() {
           <FormulaField label="Formula" value={formula} onInput={setFormula} data={choice.data} />
           <DataFields choice={choice} label="Runs to study" />
           <div class="models-tolerance">
-            <Field label="what fewer may cost" unit="%" hint="of the best U90" type="number" value={percent} onInput={setPercent} wrong={wrong ? '0 to 1000' : undefined} />
+            <Field label="what fewer may cost" unit="%" hint="of the best A90" type="number" value={percent} onInput={setPercent} wrong={wrong ? '0 to 1000' : undefined} />
           </div>
           <StudyBar study={study} verb="Try all sets" off={off} />
         </form>

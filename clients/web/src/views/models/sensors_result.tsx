@@ -8,7 +8,7 @@ import { count, fixed, signed, significant } from '@/format/numbers';
 import { unitSign } from '@/format/units';
 import { Plot } from '@/plot/plot';
 import { CommandButton } from '@/ui/button';
-import { U90 } from '@/ui/explained';
+import { A90 } from '@/ui/explained';
 import { Panel } from '@/ui/panel';
 import { Empty, Failed } from '@/ui/states';
 import { Table } from '@/ui/table';
@@ -28,8 +28,8 @@ export function SensorsResult({ answer, fit, of, tookMs }: { answer: Omit<StudyS
   const suffices = answer.best[answer.recommended];
   const spec = useMemo(() => sensorsSpec(answer.best, answer.recommended, answer.tolerance, answer.unit), [answer]);
   if (!suffices) return <Panel><Empty>The daemon answered with no set at all.</Empty></Panel>;
-  const lowest = Math.min(...answer.best.map((set) => set.u90BlocksRms));
-  const costOf = (set: SensorSet) => set.u90BlocksRms - answer.best[0].u90BlocksRms;
+  const lowest = Math.min(...answer.best.map((set) => set.a90BlocksRms));
+  const costOf = (set: SensorSet) => set.a90BlocksRms - answer.best[0].a90BlocksRms;
   const outputs = suffices.outputs;
   return (
     <>
@@ -38,12 +38,12 @@ export function SensorsResult({ answer, fit, of, tookMs }: { answer: Omit<StudyS
           <p class="result">{suffices.sensors.length === 0 ? 'No thermometer is needed' : `${suffices.sensors.length} of ${all.length} thermometers suffice`}</p>
           <p class="models-chips"><Chips all={all} set={suffices.sensors} /></p>
           <p class="muted">
-            the fewest within {fixed(100 * answer.tolerance)} % of the best{outputs.some((one) => one.u90Validation !== undefined) && ', on the validation rows as well'}; the best of {count(answer.triedSetCount)} sets tried in {fixed(tookMs / 1000, 1)} s
+            the fewest within {fixed(100 * answer.tolerance)} % of the best{outputs.some((one) => one.a90Validation !== undefined) && ', on the validation rows as well'}; the best of {count(answer.triedSetCount)} sets tried in {fixed(tookMs / 1000, 1)} s
           </p>
         </div>
         <div class="models-suffice-side">
-          <p class="muted"><U90 /> on blocks of time, all outputs</p>
-          <p class="result nowrap">{significant(suffices.u90BlocksRms, 2)} {unit}</p>
+          <p class="muted"><A90 /> on blocks of time, all outputs</p>
+          <p class="result nowrap">{significant(suffices.a90BlocksRms, 2)} {unit}</p>
           <p class="muted">{signed(costOf(suffices), 1)} {unit} against all {all.length}</p>
           {suffices.sensors.length > 0 && <FitThese fit={fit} all={all} set={suffices.sensors} main />}
         </div>
@@ -58,14 +58,14 @@ export function SensorsResult({ answer, fit, of, tookMs }: { answer: Omit<StudyS
           rowClass={(set) => (set === suffices ? 'chosen' : undefined)}
           columns={[
             { title: 'thermometers', number: true, of: (set) => set.sensors.length },
-            { title: `U90, ${unit}`, number: true, of: (set) => <strong>{fixed(set.u90BlocksRms, 1)}</strong> },
+            { title: `A90, ${unit}`, number: true, of: (set) => <strong>{fixed(set.a90BlocksRms, 1)}</strong> },
             { title: `cost, ${unit}`, number: true, of: (set) => signed(costOf(set), 1) },
             ...outputs.map((_, at) => ({
               title: `${outputs[at].output}, ${unit}`, number: true,
-              of: (set: SensorSet) => <>{fixed(set.outputs[at]?.u90Blocks, 1)}{set.outputs[at]?.u90Validation !== undefined && <span class="muted"> ({fixed(set.outputs[at].u90Validation, 1)})</span>}</>,
+              of: (set: SensorSet) => <>{fixed(set.outputs[at]?.a90Blocks, 1)}{set.outputs[at]?.a90Validation !== undefined && <span class="muted"> ({fixed(set.outputs[at].a90Validation, 1)})</span>}</>,
             })),
             { title: 'the best set', of: (set) => <span class="models-chips"><Chips all={all} set={set.sensors} /></span> },
-            { title: 'verdict', of: (set) => (set === suffices ? <Verdict kind="good">suffices</Verdict> : set.u90BlocksRms === lowest ? <Verdict kind="idle">least error</Verdict> : '') },
+            { title: 'verdict', of: (set) => (set === suffices ? <Verdict kind="good">suffices</Verdict> : set.a90BlocksRms === lowest ? <Verdict kind="idle">least error</Verdict> : '') },
           ]}
         />
       </Panel>

@@ -50,6 +50,7 @@ function RunTable({ runs }: { runs: readonly Run[] }) {
         { title: 'given up', number: true, of: (run) => count(run.givenUpCount), sort: (run) => Number(run.givenUpCount) },
         { title: 'started', of: (run) => <span class="nowrap">{dateClock(ms(run.startTime))}</span>, sort: (run) => ms(run.startTime) ?? 0 },
         { title: 'took', of: took },
+        { title: 'compensated', of: (run) => (!run.compensated ? 'no' : run.compensateModelId !== undefined ? <a href={`/models/${run.compensateModelId}`}>model {String(run.compensateModelId)}</a> : 'yes'), sort: (run) => Number(run.compensateModelId ?? (run.compensated ? 0 : -1)) },
         { title: 'trajectory', of: (run) => run.trajectoryName || '–', sort: (run) => run.trajectoryName },
         { title: 'operator', of: (run) => run.operatorName || 'unknown', sort: (run) => run.operatorName },
       ]}

@@ -26,7 +26,7 @@ export function Notes({ run }: { run: Run }) {
         <ul class="remarks">
           {asked.value.map((note) => (
             <li key={String(note.id)}>
-              {note.on?.row !== undefined && <strong>row {String(note.on.row + 1n)}: </strong>}{note.text}{' '}
+              {note.on?.row !== undefined && <strong>row {String(note.on.row)}: </strong>}{note.text}{' '}
               <span class="muted note">{note.createdBy}, {dateClock(ms(note.createTime))}</span>
             </li>
           ))}

@@ -11,7 +11,7 @@ import { dateClock, duration, ms } from '@/format/time';
 import { useEvents } from '@/live/events';
 import { useRunPoints } from '@/live/points';
 import { RunButtons } from '@/parts/run_buttons';
-import { doneShare, isOver, stateWords, troubles } from '@/parts/run_words';
+import { compensationText, doneShare, isOver, stateWords, troubles } from '@/parts/run_words';
 import { Panel } from '@/ui/panel';
 import { Awaiting, Failed } from '@/ui/states';
 import { Tabs, tabOf } from '@/ui/tabs';
@@ -22,11 +22,13 @@ import { DatasetTab } from './dataset_tab';
 import { LogTab } from './log_tab';
 import { PlotsTab } from './plots_tab';
 import { PointsTab } from './points_tab';
+import { VerificationTab } from './verification_tab';
 
 const tabs = [
   { id: 'points', title: 'Points' },
   { id: 'plots', title: 'Plots' },
   { id: 'dataset', title: 'Dataset' },
+  { id: 'verification', title: 'Verification' },
   { id: 'log', title: 'Log' },
 ];
 
@@ -44,6 +46,7 @@ function Head({ run }: { run: Run }) {
         <dt>points</dt><dd>{String(run.acceptedCount)} of {String(run.rowCount)} ({fixed(doneShare(run) * 100)} %), {troubles(run)}</dd>
         <dt>{to === undefined ? 'started' : 'measured'}</dt><dd>{dateClock(from)}{to !== undefined && from !== undefined && ` to ${dateClock(to)}, ${duration((to - from) / 1000)}`}</dd>
         <dt>trajectory</dt><dd>{run.trajectoryName || '–'}</dd>
+        <dt>compensation</dt><dd>{compensationText(run)}</dd>
         <dt>started by</dt><dd>{run.operatorName || 'unknown'}</dd>
       </dl>
       {!isOver(run) && <RunButtons run={run} />}
@@ -87,6 +90,7 @@ export function RunPage({ id }: { id: bigint }) {
       {points.value && tab === 'points' && <PointsTab {...part} points={points.value} />}
       {points.value && tab === 'plots' && <PlotsTab {...part} points={points.value} />}
       {points.value && tab === 'dataset' && <DatasetTab {...part} points={points.value} />}
+      {tab === 'verification' && <VerificationTab run={run} />}
       {tab === 'log' && <LogTab run={run} />}
     </>
   );

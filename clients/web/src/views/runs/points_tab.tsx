@@ -81,7 +81,7 @@ export function PointsTab({ run, rulesJson, points, chosen, onPick }: {
   const zero = useMemo(() => ({ ...zeroPlot(zeroDrift(points.points, timed.startMs, lengthsOf(timed.channels)), timed.startMs), file: `run-${run.id}-zero` }), [timed]);
   const shared = { live: !isOver(run), chosen, onPick, group: `points-${run.id}`, height: 172 };
   const columns: Column<RunRow>[] = [
-    { title: 'row', number: true, of: ({ row }) => <button type="button" class="link" onClick={(event) => { event.stopPropagation(); onPick(row); }}>{row + 1}</button>, sort: ({ row }) => row },
+    { title: 'row', number: true, of: ({ row }) => <button type="button" class="link" onClick={(event) => { event.stopPropagation(); onPick(row); }}>{row}</button>, sort: ({ row }) => row },
     { title: 'line', number: true, of: ({ point }) => (point ? String(point.line) : ''), sort: ({ point }) => Number(point?.line ?? -1) },
     { title: 'set', of: ({ point }) => (point ? setOf(point) : ''), sort: ({ point }) => (point ? setOf(point) : '') },
     ...pose.map((channel): Column<RunRow> => ({

@@ -1,4 +1,4 @@
-// Rows as people write them: "12-15, 40", counted from 1 as in the table; the daemon counts from 0.
+// Rows as people write them: "12-15, 40", counted from 1 as everywhere.
 export interface Rows {
   firstRow: bigint;
   lastRow: bigint;
@@ -14,10 +14,10 @@ export function rowsTyped(text: string, rowCount: number): Rows[] | string {
     const first = Number(found[1]);
     const last = Number(found[2] ?? found[1]);
     if (first < 1 || last > rowCount || first > last) return `${part}: rows go from 1 to ${rowCount}`;
-    ranges.push({ firstRow: BigInt(first - 1), lastRow: BigInt(last - 1) });
+    ranges.push({ firstRow: BigInt(first), lastRow: BigInt(last) });
   }
   return ranges;
 }
 
 export const rowsText = (ranges: readonly Rows[]): string =>
-  ranges.map(({ firstRow, lastRow }) => (firstRow === lastRow ? `${firstRow + 1n}` : `${firstRow + 1n}-${lastRow + 1n}`)).join(', ');
+  ranges.map(({ firstRow, lastRow }) => (firstRow === lastRow ? `${firstRow}` : `${firstRow}-${lastRow}`)).join(', ');

@@ -1,6 +1,6 @@
 // How the correction of this pose moved in the last hour, and moves, while temperatures do.
 import { useMemo } from 'preact/hooks';
-import { localMidnight } from '@/format/time';
+import { lastMidnight } from '@/format/time';
 import { splitChannel } from '@/format/units';
 import { Plot } from '@/plot/plot';
 import type { Colour, PlotSpec } from '@/plot/spec';
@@ -10,7 +10,7 @@ import type { HistoryRow } from './use_target';
 const colours: readonly Colour[] = ['q1', 'q2', 'q3', 's4', 's5', 's6'];
 
 export function liveSpec(history: readonly HistoryRow[], outputs: readonly string[]): PlotSpec {
-  const startMs = localMidnight(history[0]?.atMs ?? 0);
+  const startMs = lastMidnight(history[0]?.atMs ?? 0);
   const x = history.map((row) => (row.atMs - startMs) / 3_600_000);
   const last = history.findLast((row) => row.correctionNm.some(Number.isFinite))?.correctionNm ?? [];
   const series = outputs.slice(0, 6).map((channel, i) => ({

@@ -1,3 +1,4 @@
+import { useRef } from 'preact/hooks';
 import { Target_Flag, type MotorCoordinate, type Target } from '@/api/gen/driftwise/v1/target_service_pb';
 import { api } from '@/api/client';
 import { withLease } from '@/app/lease';
@@ -24,7 +25,7 @@ export function Result({ state, pose }: { state: TargetState; pose: Pose }) {
           <dl class="targets-result">{target.coordinates.map((one) => <Coordinate key={one.channel} one={one} />)}</dl>
           <p class="row"><Flags target={target} /></p>
           <p class="note muted">
-            conditions of {clock(ms(target.conditionsTime))}, good until {clock(ms(target.validUntilTime))} (time of the cell)
+            conditions of {clock(ms(target.conditionsTime))}, good until {clock(ms(target.validUntilTime))}
           </p>
         </>
       ) : !failure && <Awaiting what="the target" />}
@@ -33,6 +34,8 @@ export function Result({ state, pose }: { state: TargetState; pose: Pose }) {
 }
 
 function Coordinate({ one }: { one: MotorCoordinate }) {
+  const unit = useRef<CorrectionUnit | undefined>(undefined);
+  if (one.correctionNm !== undefined) unit.current ??= correctionUnit(one.correctionNm);
   return (
     <div class="targets-coordinate">
       <dt>{splitChannel(one.channel).symbol}</dt>
@@ -40,15 +43,17 @@ function Coordinate({ one }: { one: MotorCoordinate }) {
         <span class="result nowrap">{grouped(one.positionMm, 8)} <span class="unit">mm</span></span>
         <span class="nowrap">± {significant(one.u90Nm, 2)} nm (<U90 />)</span>
         {one.minMm !== undefined && <span class="nowrap">not reachable: limits {significant(one.minMm, 4)} to {significant(one.maxMm ?? NaN, 4)} mm</span>}
-        {one.correctionNm !== undefined && <span class="nowrap muted">correction {correctionText(one.correctionNm)}</span>}
+        {one.correctionNm !== undefined && <span class="nowrap muted">correction {correctionText(one.correctionNm, unit.current)}</span>}
       </dd>
     </div>
   );
 }
 
-// nm below 100 um, mm above.
-export function correctionText(nm: number): string {
-  return Math.abs(nm) < 1e5 ? `${signed(nm, 1)} nm` : `${signed(nm / 1e6, 6)} mm`;
+// nm below 100 um, mm above: chosen once, so that a live figure keeps its unit.
+export type CorrectionUnit = 'nm' | 'mm';
+export const correctionUnit = (nm: number): CorrectionUnit => (Math.abs(nm) < 1e5 ? 'nm' : 'mm');
+export function correctionText(nm: number, unit: CorrectionUnit = correctionUnit(nm)): string {
+  return unit === 'nm' ? `${signed(nm, 1)} nm` : `${signed(nm / 1e6, 6)} mm`;
 }
 
 const flagWords: Record<number, string> = {
