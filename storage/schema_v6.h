@@ -20,6 +20,33 @@ ALTER TABLE improvement_gain ADD COLUMN mean_measured_before REAL;
 ALTER TABLE improvement_gain ADD COLUMN a90_measured_before REAL;
 ALTER TABLE improvement_gain ADD COLUMN mean_measured REAL;
 ALTER TABLE improvement_gain ADD COLUMN a90_measured REAL;
+
+-- Clock.
+CREATE TABLE clock (  -- a start of the daemon, or a step of the wall clock: how cell time was tied to UTC
+  clock_id INTEGER PRIMARY KEY,
+  from_ns INTEGER NOT NULL,    -- cell time; from here on UTC is cell time plus offset_ns
+  offset_ns INTEGER NOT NULL,
+  step_ns INTEGER NOT NULL,    -- of the wall clock; 0: a start without one
+  boot TEXT NOT NULL,          -- the computer's start, boot_id
+  boot_ns INTEGER NOT NULL,    -- CLOCK_BOOTTIME at from_ns
+  ahead_ns INTEGER NOT NULL,   -- the wall clock minus boot_ns at from_ns
+  from_utc TEXT GENERATED ALWAYS AS (strftime('%Y-%m-%dT%H:%M:%fZ', (from_ns + offset_ns) / 1e9, 'unixepoch'))
+) STRICT;
+CREATE INDEX clock_from ON clock (from_ns);
+
+-- Stops.
+CREATE TABLE stop (  -- a stop that a person asked for, one row per motion controller
+  stop_id INTEGER PRIMARY KEY,
+  controller TEXT NOT NULL,      -- its id in cell.toml
+  who TEXT NOT NULL,
+  from_peer TEXT NOT NULL,
+  cause TEXT NOT NULL,           -- "stopped by ada"
+  asked_ns INTEGER NOT NULL,
+  asked_monotonic_ns INTEGER NOT NULL,
+  presses INTEGER NOT NULL,      -- requests while it was pending
+  confirmed_ns INTEGER NOT NULL  -- the controller had reported no motion twice in succession; 0: pending
+) STRICT;
+CREATE UNIQUE INDEX stop_pending ON stop (controller) WHERE confirmed_ns = 0;
 )sql";
 
 }  // namespace driftwise::storage

@@ -1,6 +1,7 @@
 #include "storage/sqlite_store.h"
 
 #include "storage/alarm_store.h"
+#include "storage/clock_store.h"
 #include "storage/diagnosis_store.h"
 #include "storage/event_store.h"
 #include "storage/model_store.h"
@@ -11,6 +12,7 @@
 #include "storage/schema.h"
 #include "storage/series_store.h"
 #include "storage/session.h"
+#include "storage/stop_store.h"
 #include "storage/trajectory_store.h"
 
 namespace driftwise::storage {
@@ -41,7 +43,9 @@ class SqliteStore final : public Store {
         records_(session_),
         alarms_(session_),
         series_(session_),
-        trajectories_(session_) {
+        trajectories_(session_),
+        stops_(session_),
+        clocks_(session_) {
     Database& db = session_.db;
     sqlite3_busy_timeout(db.handle(), options.busy_timeout_ms);
     db.execute(kCommonPragmas);
@@ -69,6 +73,8 @@ class SqliteStore final : public Store {
   AlarmStore& alarms() override { return alarms_; }
   SeriesStore& series() override { return series_; }
   TrajectoryStore& trajectories() override { return trajectories_; }
+  StopStore& stops() override { return stops_; }
+  ClockStore& clocks() override { return clocks_; }
 
   Result<void> idle() override {
     if (auto summarised = series_.keep_up(); !summarised) return tl::unexpected(summarised.error());
@@ -114,6 +120,8 @@ class SqliteStore final : public Store {
   SqliteAlarmStore alarms_;
   SqliteSeriesStore series_;
   SqliteTrajectoryStore trajectories_;
+  SqliteStopStore stops_;
+  SqliteClockStore clocks_;
 };
 
 }  // namespace

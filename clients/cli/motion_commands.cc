@@ -111,6 +111,18 @@ ExitCode take_lease(const Session& session, const MotionArguments& a) {
   return ExitCode::done;
 }
 
+// A stop that is not confirmed is no success, although the daemon goes on with it.
+ExitCode stop(const Session& session) {
+  const auto answer = session.connect().ask(&CellStub::StopAll, v1::StopAllRequest{});
+  if (!answer.confirmed())
+    throw Failure{ExitCode::refused, "failed_precondition", "STOP_NOT_CONFIRMED", answer.message()};
+  if (session.console.json)
+    session.console.print_json(json_from(answer));
+  else
+    session.console.out << "stopped: " << answer.message() << '\n';
+  return ExitCode::done;
+}
+
 }  // namespace
 
 void add_motion_commands(CLI::App& app, Session& session) {
@@ -120,10 +132,7 @@ void add_motion_commands(CLI::App& app, Session& session) {
                        "of a lease taken with `driftwise lease take`");
   };
   add_command(app, session, "stop", "Halts all axes now and pauses a run under way; needs no lease",
-              [&session] {
-                session.connect().ask(&CellStub::StopAll, v1::StopAllRequest{});
-                return say(session, "stopped");
-              });
+              [&session] { return stop(session); });
   CLI::App& homing = add_command(app, session, "home", "References all axes (takes the lease)",
                                  [&session, a] { return home(session, *a); });
   lease_token(homing);

@@ -49,6 +49,8 @@ Answer<void> Client::stop_all(std::chrono::milliseconds limit) const {
   v1::StopAllResponse response;
   const grpc::Status status = state_->cell->StopAll(&context, {}, &response);
   if (!status.ok()) return tl::unexpected(failure_of(status, state_->link->address));
+  if (!response.confirmed())
+    return tl::unexpected(Failure{"STOP_NOT_CONFIRMED", response.message()});
   return {};
 }
 

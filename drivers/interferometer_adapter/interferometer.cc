@@ -1,6 +1,5 @@
 #include "drivers/interferometer_adapter/interferometer.h"
 
-#include <cmath>
 #include <cstdio>
 
 #include "server/core/units.h"
@@ -39,6 +38,15 @@ Interferometer::Interferometer(DeviceDescription device, Options options,
       link_(executor, clock, link_settings(device_, identity_line_),
             transport::make_stream(executor, address, {})),
       turn_(executor) {}
+
+DeviceHealth Interferometer::health() const {
+  DeviceHealth health = link_.health();
+  health.clock_offset = clock_of_device_.offset();
+  health.max_clock_offset_s = options_.max_clock_offset_s;
+  health.clock_jumps = clock_jumps_;
+  health.last_clock_jump = last_clock_jump_;
+  return health;
+}
 
 Awaitable<Result<void>> Interferometer::prepare() {
   const auto turn = co_await turn_.take();
@@ -105,6 +113,7 @@ Awaitable<Result<Reading>> Interferometer::read() {
                        ": the line broke since the last zero and the adapter may have been "
                        "restarted: zero again");
   }
+  const CellTime asked = clock_.now().utc;
   const auto reply =
       co_await link_.ask("MEAS? " + std::to_string(options_.channel) + "\n", measure_timeout_);
   if (!reply) co_return tl::unexpected(reply.error());
@@ -122,23 +131,27 @@ Awaitable<Result<Reading>> Interferometer::read() {
     co_return link_.wrong_reply(measurement.error());
   }
   if (auto good = check_status(*measurement); !good) co_return link_.wrong_reply(good.error());
-  co_return reading_from(*measurement);
+  co_return reading_from(*measurement, asked);
 }
 
-Result<Reading> Interferometer::reading_from(const Measurement& measurement) {
-  const double offset_s = seconds_from(measurement.end - clock_.now().utc);
-  if (std::abs(offset_s) > options_.max_clock_offset_s) {
-    char text[120];
-    std::snprintf(
-        text, sizeof text,
-        "the adapter's clock is %+.3f s from the cell's, allowed are %g s: synchronise it",
-        offset_s, options_.max_clock_offset_s);
-    return link_.refused("CLOCK_OFFSET", text);
+// The adapter's stamps are by its own clock: they count by their measured offset, whatever that is.
+Result<Reading> Interferometer::reading_from(const Measurement& measurement, CellTime asked) {
+  const auto jump =
+      clock_of_device_.observe(measurement.start, measurement.end, asked, clock_.now().utc);
+  if (jump) {
+    ++clock_jumps_;
+    last_clock_jump_ = *jump;
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "the adapter's clock was set by %+.3f s: this reading may lie on either side of "
+                  "it and is not used; the next ones count by the new offset",
+                  seconds_from(*jump));
+    return link_.wrong_reply({ErrorCode::data_loss, "CLOCK_JUMPED", text});
   }
   Reading out;
   out.device = device_.id;
-  out.start = measurement.start;
-  out.end = measurement.end;
+  out.start = clock_of_device_.cell_time(measurement.start);
+  out.end = clock_of_device_.cell_time(measurement.end);
   out.sequence = ++sequence_;
   out.values.push_back({length_channel_, mm_from_nm(measurement.mean_nm)});
   out.values.push_back({std_channel_, measurement.std_nm});

@@ -8,6 +8,7 @@
 
 #include "drivers/interferometer_adapter/adapter_codec.h"
 #include "drivers/interferometer_adapter/adapter_options.h"
+#include "drivers/transport/device_clock.h"
 #include "drivers/transport/link.h"
 #include "drivers/transport/turn.h"
 #include "server/core/ports/instrument.h"
@@ -20,7 +21,7 @@ class Interferometer final : public Instrument {
                  asio::any_io_executor executor, Clock& clock);
 
   const DeviceDescription& description() const override { return device_; }
-  DeviceHealth health() const override { return link_.health(); }
+  DeviceHealth health() const override;
   std::vector<std::string> recent_exchanges() const override { return link_.log().lines(); }
   Awaitable<Result<void>> prepare() override;
   void close() override { link_.close(); }
@@ -32,7 +33,7 @@ class Interferometer final : public Instrument {
   Awaitable<Result<void>> set_up();
   Awaitable<Result<void>> command(std::string line);
   Awaitable<Result<void>> send_dead_path();
-  Result<Reading> reading_from(const Measurement& measurement);
+  Result<Reading> reading_from(const Measurement& measurement, CellTime asked);
 
   DeviceDescription device_;
   Options options_;
@@ -45,6 +46,9 @@ class Interferometer final : public Instrument {
   std::int64_t set_up_generation_ = 0;
   std::int64_t zero_generation_ = 0;  // 0: never zeroed by us
   std::int64_t sequence_ = 0;
+  transport::DeviceClock clock_of_device_;
+  std::int64_t clock_jumps_ = 0;
+  Nanoseconds last_clock_jump_{0};
 };
 
 }  // namespace driftwise::adapter

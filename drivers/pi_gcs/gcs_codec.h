@@ -21,6 +21,7 @@
 
 namespace driftwise::gcs {
 
+inline constexpr int kStoppedError = 10;  // the controller has executed 0x18
 inline constexpr char kStatusByte = 0x04, kMovingByte = 0x05, kStopByte = 0x18;
 inline constexpr std::uint64_t kStatusReferenced = 0x10000;
 

@@ -10,6 +10,7 @@ namespace driftwise::gcs {
 namespace {
 
 constexpr int kMaxErrorReads = 12;
+constexpr int kAnswersAtRest = 2;  // as MotionController::stop promises
 
 transport::LinkSettings link_settings(const DeviceDescription& device,
                                       const std::string& identity) {
@@ -138,6 +139,8 @@ Awaitable<Result<MotionState>> GcsController::read_state() {
   state.referenced = referenced_;
   state.on_target = !state.moving && std::all_of(on_target->begin(), on_target->end(),
                                                  [](bool flag) { return flag; });
+  answers_at_rest_ = state.moving ? 0 : answers_at_rest_ + 1;
+  if (answers_at_rest_ >= kAnswersAtRest) stop_owed_ = false;
   co_return state;
 }
 
@@ -226,6 +229,8 @@ Awaitable<Result<void>> GcsController::home() {
 
 Awaitable<Result<void>> GcsController::stop() {
   ++stops_;
+  stop_owed_ = true;
+  answers_at_rest_ = 0;
   const std::string_view stop_byte(&kStopByte, 1);
   // A second stop halts again but leaves the first one's tidying alone: cut in the middle of it,
   // two equal answers would be under way and the line out of step.
@@ -233,26 +238,22 @@ Awaitable<Result<void>> GcsController::stop() {
     link_.interrupt(stop_byte, "STOPPED");
   else
     link_.write_now(stop_byte);
-  const bool sent = link_.connected();
   ++stopping_;
   const auto turn = co_await turn_.take();
-  trap_.disarm();
-  auto tidied = co_await tidy_after_stop(sent);
+  auto tidied = co_await tidy_after_stop();
   --stopping_;
   co_return tidied;
 }
 
-Awaitable<Result<void>> GcsController::tidy_after_stop(bool sent) {
-  if (!sent || !link_.connected()) {
-    if (auto up = co_await link_.connect(timeout_); !up) co_return up;
-    if (auto told = co_await link_.tell(std::string(1, kStopByte), timeout_); !told) co_return told;
-  }
-  if (link_.generation() != set_up_generation_)
-    co_return co_await set_up();  // reads the error number too
+Awaitable<Result<void>> GcsController::tidy_after_stop() {
+  if (auto up = co_await link_.connect(timeout_); !up) co_return up;
+  // A new connection: the stop byte goes out first, and the error number is read.
+  if (link_.generation() != set_up_generation_) co_return co_await set_up_or_drop();
   // 0x18 leaves error 10 behind; ours is the only command that may still have failed before it.
   for (int i = 0; i < kMaxErrorReads; ++i) {
     const auto number = co_await take_error_number();
     if (!number) co_return tl::unexpected(number.error());
+    if (*number == kStoppedError) trap_.disarm();  // a move not yet begun is cancelled as well
     if (*number == 0) break;
   }
   co_return Result<void>{};

@@ -3,8 +3,9 @@
 //
 // Every call takes its turn on the line. stop() does not wait: it writes 0x18 at once, ends the
 // call under way with aborted (STOPPED) and then takes its turn to bring the line back in step and
-// to clear error 10; calls that were waiting end with aborted too. A setter is followed by ERR? in
-// the same message, so its verdict costs one round trip.
+// to clear error 10; calls that were waiting end with aborted too. Until two successive answers of
+// state() report no motion, 0x18 is the first byte on every new connection. A setter is followed by
+// ERR? in the same message, so its verdict costs one round trip.
 
 #include <deque>
 #include <span>
@@ -38,9 +39,9 @@ class GcsController final : public MotionController {
   using Text = Awaitable<Result<std::string>>;
   // Below: the caller holds the turn.
   Awaitable<Result<void>> get_ready(std::int64_t stops_seen);
-  Awaitable<Result<void>> tidy_after_stop(
-      bool sent);  // sent: the stop byte went out on the line as it is
+  Awaitable<Result<void>> tidy_after_stop();
   Awaitable<Result<void>> set_up();
+  Awaitable<Result<void>> set_up_or_drop();
   Awaitable<Result<void>> check_travel();
   Awaitable<Result<void>> command(std::string text);  // setter + ERR?
   Awaitable<Result<int>> take_error_number();
@@ -74,6 +75,8 @@ class GcsController final : public MotionController {
   std::int64_t set_up_generation_ = 0;  // of the link, for which the device is set up
   std::int64_t stops_ = 0;              // a call that sees this change has been stopped
   int stopping_ = 0;                    // stops that have not come back yet
+  bool stop_owed_ = false;              // stopped, and motion may not have ended
+  int answers_at_rest_ = 0;             // successive answers of no motion since the last stop
   bool referenced_ = false;
 };
 

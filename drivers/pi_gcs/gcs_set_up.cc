@@ -17,7 +17,13 @@ Awaitable<Result<void>> GcsController::prepare() {
 Awaitable<Result<void>> GcsController::get_ready(std::int64_t stops_seen) {
   if (stops_seen != stops_) co_return stopped();
   if (auto up = co_await link_.connect(timeout_); !up) co_return up;
-  if (link_.generation() == set_up_generation_) co_return Result<void>{};
+  if (link_.generation() != set_up_generation_)
+    if (auto done = co_await set_up_or_drop(); !done) co_return done;
+  if (stops_seen != stops_) co_return stopped();  // while it was being set up
+  co_return Result<void>{};
+}
+
+Awaitable<Result<void>> GcsController::set_up_or_drop() {
   auto done = co_await set_up();
   if (!done && link_.connected() && done.error().code != ErrorCode::aborted)
     link_.drop(done.error().message);
@@ -27,19 +33,23 @@ Awaitable<Result<void>> GcsController::get_ready(std::int64_t stops_seen) {
 Awaitable<Result<void>> GcsController::set_up() {
   identity_.clear();
   referenced_ = false;
-  trap_.disarm();
+  if (!stop_owed_) trap_.disarm();
   // After a stop the line is out of step and the identity not known yet: start over rather than
   // guess.
   if (!link_.in_step()) {
     link_.drop("out of step before it was set up");
     if (auto up = co_await link_.connect(timeout_); !up) co_return up;
   }
+  answers_at_rest_ = 0;
+  if (stop_owed_)
+    if (auto told = co_await link_.tell(std::string(1, kStopByte), timeout_); !told) co_return told;
   const auto identity = co_await ask("*IDN?\n");
   if (!identity) co_return tl::unexpected(identity.error());
   identity_ = transport::without_line_ends(*identity);
   link_.set_identity(identity_);
-  if (auto old = co_await take_error_number(); !old)
-    co_return tl::unexpected(old.error());  // of whoever was here before
+  const auto old = co_await take_error_number();  // of the stop, or of an earlier client
+  if (!old) co_return tl::unexpected(old.error());
+  if (*old == kStoppedError) trap_.disarm();
 
   const auto names_text = co_await ask("SAI?\n");
   if (!names_text) co_return tl::unexpected(names_text.error());

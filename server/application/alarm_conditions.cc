@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "server/application/pause_meter.h"
@@ -44,6 +45,22 @@ void add_stale_channels(const CellStatus& status, const std::set<std::string>& l
   }
 }
 
+// Readings join by the measured offset whatever it is; people who compare the device's own log with
+// the record need its clock right.
+void add_device_clocks(const CellStatus& status, std::vector<AlarmCondition>& out) {
+  for (const auto& device : status.devices) {
+    if (!device.health.clock_offset) continue;
+    const double off_s = seconds_from(*device.health.clock_offset - status.utc_offset);
+    if (std::abs(off_s) <= device.health.max_clock_offset_s) continue;
+    const std::string& id = device.description.id;
+    out.push_back({AlarmLevel::warning, "device.clock", id,
+                   fmt::format("the clock of {} is {:.1f} s {} this computer's UTC, limit {:g} s: "
+                               "set it. Its readings count by the measured offset meanwhile",
+                               id, std::abs(off_s), off_s < 0 ? "behind" : "ahead of",
+                               device.health.max_clock_offset_s)});
+  }
+}
+
 void add_run(const RunProgress& progress, std::vector<AlarmCondition>& out) {
   const RunRecord& run = progress.run;
   if (run.state == RunState::waiting)
@@ -67,6 +84,7 @@ std::vector<AlarmCondition> alarm_conditions(const CellStatus& status) {
   std::set<std::string> lost;
   add_devices(status, out, lost);
   add_stale_channels(status, lost, out);
+  add_device_clocks(status, out);
   if (status.run) add_run(*status.run, out);
   if (status.recent_pause_s >= PauseMeter::kAlarm_s)
     out.push_back(

@@ -28,6 +28,7 @@
 #include "server/core/ports/motion_controller.h"
 #include "server/core/ports/stabiliser.h"
 #include "server/core/ports/store.h"
+#include "server/core/stop_record.h"
 #include "server/diagnosis/check_standard.h"
 #include "server/diagnosis/verification.h"
 #include "server/formats/stored_diagnosis.h"
@@ -64,6 +65,13 @@ struct Lease {
   CellTime until;
 };
 
+// What became of a stop within the time of its answer.
+struct StopAnswer {
+  bool confirmed = false;           // every controller has reported no motion twice in succession
+  std::string message;              // a sentence; not confirmed: "... use the emergency switch ..."
+  std::vector<StopRecord> pending;  // by controller: those that have not confirmed
+};
+
 struct RunProgress {  // one line of a watch
   RunRecord run;
   std::string phase;  // "checking", "homing", "moving", "settling", "reading", "waiting for the
@@ -77,6 +85,7 @@ struct RunProgress {  // one line of a watch
 struct CellStatus {
   std::string name, version, config_hash, web_address;
   Stamp now;
+  Nanoseconds utc_offset{0};  // UTC minus cell time, now
   double speed = 1;
   std::vector<DeviceStatus> devices;
   std::vector<LatestValue> values;
@@ -85,6 +94,7 @@ struct CellStatus {
   std::optional<ModelId> serving;
   std::vector<std::string> attention;              // sentences: what a person should look at
   double longest_pause_s = 0, recent_pause_s = 0;  // of the executor (pause_meter.h)
+  std::vector<StopRecord> pending_stops;  // by controller; while there is one nothing may move
 };
 
 struct CreateRun {
@@ -190,6 +200,9 @@ class Cell {
   virtual asio::any_io_executor background() const = 0;
   virtual CellTime now()
       const = 0;  // any thread, as snapshots(): a target's age is looked at where it is answered
+  // UTC of an instant of cell time, and back; any thread.
+  virtual UtcTime utc(CellTime instant) const { return {instant.utc_ns}; }
+  virtual CellTime cell_time(UtcTime utc) const { return {utc.ns}; }
   // Starts the recorder and, where a run was under way when the daemon ended, its continuation.
   virtual void start() = 0;
   // Resumes when every device has been tried once, and status() says which are there.
@@ -213,8 +226,10 @@ class Cell {
   // NO_FORCE_WANTED (the run does not wait for one), invalid_argument WRONG_FORCE (another one than
   // the run waits for).
   virtual Awaitable<Result<RunRecord>> confirm_force(Caller caller, RunId run, double force_n) = 0;
-  virtual Awaitable<Result<void>> stop_all(
-      Caller caller) = 0;  // needs no lease; a run under way is aborted
+  // Needs no lease; a run under way is paused. Answers within 100 ms. Until every controller has
+  // reported no motion the stop is pending: what moves, and resume_run, fail with
+  // failed_precondition STOP_PENDING. Survives the daemon.
+  virtual Awaitable<Result<StopAnswer>> stop_all(Caller caller) = 0;
   virtual Awaitable<Result<void>> home(Caller caller, std::string lease_token) = 0;
   virtual Awaitable<Result<void>> move_to(Caller caller, std::string lease_token,
                                           std::vector<double> q_mm) = 0;

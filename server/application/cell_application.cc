@@ -14,15 +14,39 @@ Result<std::unique_ptr<Cell>> Cell::open(asio::any_io_executor executor, Parts p
   if (!writing) return tl::unexpected(writing.error());
   auto reading = parts.open_store(parts.description.database, true);
   if (!reading) return tl::unexpected(reading.error());
+  auto clocks = (*writing)->clocks().clocks();
+  if (!clocks) return tl::unexpected(clocks.error());
+  const auto newest = (*writing)->clocks().newest_instant();
+  if (!newest) return tl::unexpected(newest.error());
+  auto clock_start = begin_cell_time(*parts.clock, std::move(*clocks), *newest);
+  if (auto kept = (*writing)->clocks().add_clock(clock_start.records.back()); !kept)
+    return tl::unexpected(kept.error());
   // Before anybody can begin a new one.
   const auto unfinished = (*writing)->diagnoses().fail_unfinished("the daemon ended while it ran",
                                                                   parts.clock->now().utc);
   if (!unfinished) return tl::unexpected(unfinished.error());
+  auto stops = (*writing)->stops().pending();
+  if (!stops) return tl::unexpected(stops.error());
   auto cell = std::make_unique<CellApplication>(executor, std::move(parts), std::move(*writing),
                                                 std::move(*reading));
+  cell->know_clock(std::move(clock_start));
+  cell->restore_stops(std::move(*stops));
   cell->tell_of_unfinished(*unfinished);
   return cell;
 }
+
+namespace {
+
+// A cell has one motion controller today; each one there is confirms a stop for itself.
+std::vector<StopDesk::Controller> controllers_of(DeviceBench& bench) {
+  std::vector<StopDesk::Controller> controllers;
+  if (bench.has_controller())
+    controllers.push_back({bench.controller_description().id, [&bench] { return bench.stop(); },
+                           [&bench] { return bench.motion_state(); }});
+  return controllers;
+}
+
+}  // namespace
 
 CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
                                  std::unique_ptr<Store> writing, std::unique_ptr<Store> reading)
@@ -51,10 +75,12 @@ CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
       pauses_(executor),
       tasks_(executor),
       stop_events_(executor, *clock_, events_, tasks_),
+      stops_(executor, *clock_, writer_, events_, tasks_, controllers_of(bench_)),
       keeper_(executor, *clock_, bench_, tasks_, [this] { return engine_.busy() || by_hand_; }),
       pose_(description_),
       recorder_(executor, *clock_, bench_, writer_, events_, lag_, pose_, tasks_),
-      workbench_{description_, *clock_, bench_, recorder_, writer_, events_, lag_, pose_, loading_},
+      workbench_{description_, *clock_, bench_, recorder_, writer_,
+                 events_,      lag_,    pose_,  loading_,  stops_},
       serving_(executor, description_, *clock_, recorder_, reader_, events_, tasks_),
       engine_(
           executor, workbench_,
@@ -66,6 +92,7 @@ CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
            },
            [this](const DatumRecord& datum) { take_datum(datum); }},
           tasks_),
+      leases_([this](CellTime instant) { return clock_->utc(instant); }),
       alarm_book_(*clock_, writer_),
       alarms_end_(executor),
       measure_pauses_(parts.measure_pauses),
@@ -73,7 +100,17 @@ CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
             std::move(parts.diagnose)),
       improver_(executor, *this, *clock_, writer_, events_, tasks_),
       study_desk_(executor, diagnosis_thread_.executor(), tasks_),
-      beginning_(executor) {}
+      wall_clock_(executor, *clock_, writer_, events_, tasks_,
+                  [this](AlarmCondition condition) {
+                    spawn(executor_, alarm_book_.note(std::move(condition)));
+                  }),
+      beginning_(executor) {
+  bench_.allow_motion_if([this]() -> Result<void> {
+    const auto allowed = stops_.check();
+    if (allowed) return {};
+    return fail(ErrorCode::aborted, allowed.error().reason, allowed.error().message);
+  });
+}
 
 CellApplication::~CellApplication() {
   // Nothing of ours may run on a thread of its own while members go.
@@ -86,6 +123,8 @@ CellApplication::~CellApplication() {
 
 void CellApplication::start() {
   if (measure_pauses_) pauses_.start();
+  wall_clock_.start(std::move(clock_start_));
+  stops_.start();  // a pending stop is the first thing that a controller hears
   keeper_.start();
   recorder_.start();
   serving_.start();
@@ -177,6 +216,10 @@ Awaitable<Result<void>> CellApplication::go_on_with_run() {
     if (!found) co_return tl::unexpected(found.error());
     before = std::move(*found);
   }
+  if (const auto stops = stops_.records(); !stops.empty()) {
+    record.state = RunState::paused;
+    record.reason = stops.front().cause;
+  }
   engine_.begin(std::move(record), std::move(*plan), std::move(*trajectory), std::move(before));
   co_return Result<void>{};
 }
@@ -211,6 +254,8 @@ Awaitable<void> CellApplication::shut_down() {
   events_.record_own("daemon.stopping", "the daemon was asked to end");
   if (auto* control = engine_.control()) control->shut_down();
   if (by_hand_) by_hand_->shut_down();
+  wall_clock_.shut_down();
+  stops_.shut_down();
   keeper_.shut_down();
   ending_ = true;
   pauses_.shut_down();
@@ -241,6 +286,7 @@ CellStatus CellApplication::status() const {
   status.config_hash = description_.hash;
   status.web_address = web_address_;
   status.now = clock_->now();
+  status.utc_offset = Nanoseconds(clock_->utc(status.now.utc).ns - status.now.utc.utc_ns);
   status.speed = clock_->speed();
   status.devices = bench_.status();
   for (const auto& latest : recorder_.history().latest()) {
@@ -262,11 +308,13 @@ CellStatus CellApplication::status() const {
   status.attention = attention();
   status.longest_pause_s = pauses_.longest_s();
   status.recent_pause_s = pauses_.recent_s();
+  status.pending_stops = stops_.records();
   return status;
 }
 
 std::vector<std::string> CellApplication::attention() const {
   std::vector<std::string> sentences;
+  for (auto& stop : stops_.unconfirmed()) sentences.push_back(std::move(stop.sentence));
   for (const auto& id : bench_.lost())
     sentences.push_back(fmt::format("device {} does not answer", id));
   if (const auto* run = engine_.record(); run && run->state == RunState::waiting)

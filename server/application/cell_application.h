@@ -3,6 +3,7 @@
 // part of its own.
 
 #include <boost/asio/thread_pool.hpp>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,11 +23,13 @@
 #include "server/application/recorder.h"
 #include "server/application/run_engine.h"
 #include "server/application/serving.h"
+#include "server/application/stop_desk.h"
 #include "server/application/stop_events.h"
 #include "server/application/store_reader.h"
 #include "server/application/store_writer.h"
 #include "server/application/studies.h"
 #include "server/application/study_desk.h"
+#include "server/application/wall_clock_watch.h"
 #include "server/application/workbench.h"
 
 namespace driftwise::application {
@@ -55,12 +58,17 @@ class CellApplication final : public Cell, private Watching, private Studies {
                   std::unique_ptr<Store> reading);
   ~CellApplication() override;
 
+  void know_clock(ClockStart start) { clock_start_ = std::move(start); }  // before start()
+  // Stops that no controller had confirmed when the daemon ended. Before start().
+  void restore_stops(std::vector<StopRecord> pending) { stops_.restore(std::move(pending)); }
   // How many diagnoses and improvements were under way when the daemon ended.
   void tell_of_unfinished(std::int64_t count);
 
   asio::any_io_executor executor() const override { return executor_; }
   asio::any_io_executor background() const override { return text_thread_.executor(); }
   CellTime now() const override { return clock_->now().utc; }
+  UtcTime utc(CellTime instant) const override { return clock_->utc(instant); }
+  CellTime cell_time(UtcTime utc) const override { return clock_->cell_time(utc); }
   void start() override;
   Awaitable<void> devices_looked_at() override { return keeper_.looked(); }
   Awaitable<void> shut_down() override;
@@ -77,7 +85,7 @@ class CellApplication final : public Cell, private Watching, private Studies {
   Awaitable<Result<RunRecord>> resume_run(Caller caller, RunId run) override;
   Awaitable<Result<RunRecord>> abort_run(Caller caller, RunId run, std::string why) override;
   Awaitable<Result<RunRecord>> confirm_force(Caller caller, RunId run, double force_n) override;
-  Awaitable<Result<void>> stop_all(Caller caller) override;
+  Awaitable<Result<StopAnswer>> stop_all(Caller caller) override;
   Awaitable<Result<void>> home(Caller caller, std::string lease_token) override;
   Awaitable<Result<void>> move_to(Caller caller, std::string lease_token,
                                   std::vector<double> q_mm) override;
@@ -159,6 +167,7 @@ class CellApplication final : public Cell, private Watching, private Studies {
   Awaitable<void> look_for_alarms();
   std::vector<AlarmCondition> alarms_now() const;
   void note_for_alarms(const RunProgress& progress);
+  void note_clock_jumps();
 
   class ByHand;
   Awaitable<void> start_up();
@@ -198,6 +207,7 @@ class CellApplication final : public Cell, private Watching, private Studies {
   PauseMeter pauses_;
   TaskCount tasks_;
   StopEvents stop_events_;
+  StopDesk stops_;
   DeviceKeeper keeper_;
   PoseStage pose_;
   Loading loading_;
@@ -208,12 +218,15 @@ class CellApplication final : public Cell, private Watching, private Studies {
   LeaseBook leases_;
   AlarmBook alarm_book_;
   QualityTrend quality_;
-  std::optional<RunId> last_failed_;  // of which an alarm was made
+  std::optional<RunId> last_failed_;                 // of which an alarm was made
+  std::map<std::string, std::int64_t> clock_jumps_;  // by device, of which an event was made
   Signal alarms_end_;
   bool ending_ = false, measure_pauses_ = false;
   DiagnosisDesk desk_;
   Improver improver_;
   StudyDesk study_desk_;
+  WallClockWatch wall_clock_;
+  ClockStart clock_start_;
   Turn beginning_;  // one at a time decides whether a run or a movement may begin
   std::optional<RunControl> by_hand_;  // set while somebody homes or moves without a run
   std::string by_hand_waits_;          // what such a movement waits for: a sentence

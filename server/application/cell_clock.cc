@@ -3,35 +3,29 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/use_awaitable.hpp>
 
 namespace driftwise::application {
 namespace {
 
-std::int64_t wall_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
-std::int64_t steady_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
+constexpr auto kLongestTimer = std::chrono::seconds(1);
 
 }  // namespace
 
 Result<std::unique_ptr<CellClock>> CellClock::open(asio::any_io_executor executor,
-                                                   const ClockDescription& description) {
+                                                   const ClockDescription& description,
+                                                   ComputerClock computer) {
   auto file =
       description.file.empty()
           ? Result<std::unique_ptr<ClockFile>>(fail(ErrorCode::not_found, "NO_CLOCK_FILE", ""))
-          : ClockFile::open(description.file);
+          : ClockFile::open(description.file, computer.boot);
   if (!file && file.error().code == ErrorCode::not_found && description.speed == 1.0) {
-    const auto wall = wall_ns();
+    const auto boot = computer.boot_ns();
+    const ClockAnchor anchor{boot, boot + application::wall_ahead_ns(computer), 1.0};
     return std::unique_ptr<CellClock>(
-        new CellClock(std::move(executor), nullptr, {wall, wall, 1.0}));
+        new CellClock(std::move(executor), nullptr, anchor, std::move(computer)));
   }
   if (description.file.empty())
     return fail(
@@ -40,7 +34,8 @@ Result<std::unique_ptr<CellClock>> CellClock::open(asio::any_io_executor executo
                     description.speed));
   if (!file) return tl::unexpected(file.error());
   const auto anchor = (*file)->read();
-  std::unique_ptr<CellClock> clock(new CellClock(std::move(executor), std::move(*file), anchor));
+  std::unique_ptr<CellClock> clock(
+      new CellClock(std::move(executor), std::move(*file), anchor, std::move(computer)));
   // A daemon that ended while it gave way left a lower speed behind.
   if (anchor.speed != description.speed) clock->change_speed(description.speed);
   clock->governor_ = SpeedGovernor(description.speed);
@@ -48,18 +43,26 @@ Result<std::unique_ptr<CellClock>> CellClock::open(asio::any_io_executor executo
 }
 
 CellClock::CellClock(asio::any_io_executor executor, std::unique_ptr<ClockFile> file,
-                     ClockAnchor anchor)
+                     ClockAnchor anchor, ComputerClock computer)
     : executor_(std::move(executor)),
+      computer_(std::move(computer)),
       file_(std::move(file)),
       governor_(anchor.speed),
       anchor_(anchor),
-      monotonic_({steady_ns(), 0, anchor.speed}) {}
+      began_ns_(anchor.cell_from_boot(computer_.boot_ns())) {}
 
 CellClock::~CellClock() = default;
 
 Stamp CellClock::now() const {
-  return {CellTime{anchor_.read().cell_from_wall(wall_ns())},
-          monotonic_.read().cell_from_wall(steady_ns())};
+  const CellTime now{anchor_.read().cell_from_boot(computer_.boot_ns())};
+  return {now, now.utc_ns - began_ns_};
+}
+
+void CellClock::begin_at(CellTime now, CellTime not_before) {
+  if (file_) return;
+  const auto begin = std::max(now.utc_ns, not_before.utc_ns + 1'000'000);
+  anchor_.write({computer_.boot_ns(), begin, 1.0});
+  began_ns_ = begin;
 }
 
 double CellClock::speed() const { return anchor_.read().speed; }
@@ -79,7 +82,7 @@ Awaitable<void> CellClock::sleep_until(CellTime instant) {
     const auto wall = std::chrono::nanoseconds(
         static_cast<std::int64_t>(static_cast<double>(left.count()) / speed()) + 1);
     sleeper.arm_again = false;
-    sleeper.timer.expires_after(wall);
+    sleeper.timer.expires_after(std::min<std::chrono::nanoseconds>(wall, kLongestTimer));
     const auto [error] = co_await sleeper.timer.async_wait(asio::as_tuple(asio::use_awaitable));
     if (error && !sleeper.arm_again) co_return;  // cancelled
   }
@@ -93,7 +96,7 @@ std::chrono::nanoseconds CellClock::wall_from(Nanoseconds cell,
 }
 
 void CellClock::report_lag(Nanoseconds lag) {
-  if (const auto changed = governor_.report(lag, steady_ns())) {
+  if (const auto changed = governor_.report(lag, computer_.boot_ns())) {
     spdlog::info("cell time runs at {:.1f}x now (lag {:.2f} s of cell time)", *changed,
                  seconds_from(lag));
     change_speed(*changed);
@@ -102,10 +105,8 @@ void CellClock::report_lag(Nanoseconds lag) {
 
 void CellClock::change_speed(double speed) {
   // Time itself does not jump, only its rate.
-  const auto steady = steady_ns();
-  monotonic_.write({steady, monotonic_.read().cell_from_wall(steady), speed});
-  const auto wall = wall_ns();
-  const ClockAnchor changed{wall, anchor_.read().cell_from_wall(wall), speed};
+  const auto boot = computer_.boot_ns();
+  const ClockAnchor changed{boot, anchor_.read().cell_from_boot(boot), speed, computer_.wall_ns()};
   anchor_.write(changed);
   if (file_) file_->write(changed);
   for (auto* sleeper : sleepers_) {

@@ -91,25 +91,25 @@ Result<ParsedFile> parsed(const std::string& csv, const std::string& name) {
 
 Awaitable<Result<std::string>> CellApplication::export_dataset(std::vector<RunId> runs,
                                                                bool without_excluded) {
-  auto exporting = reader_.call(
-      [runs, without_excluded, cell = description_.name](Store& store) -> Result<std::string> {
-        auto dataset = amended_dataset(store, runs);
-        if (!dataset) return tl::unexpected(dataset.error());
-        if (without_excluded) leave_excluded_out(*dataset);
-        if (dataset->metadata.empty()) {  // an imported file keeps its own
-          dataset->metadata = {{"driftwise-dataset", "1"}, {"cell", cell}};
-          std::string numbers;
-          for (const auto& run : runs)
-            numbers += (numbers.empty() ? "" : ", ") + std::to_string(run.value);
-          dataset->metadata.emplace_back("runs", numbers);
-          dataset->metadata.emplace_back("compensation", compensations(store, runs));
-          if (const auto zero = time_zero(store, runs))  // what time_s counts from
-            dataset->metadata.emplace_back("time_zero", to_iso8601(*zero));
-        }
-        if (const auto in_force = corrections_in_force(store); !in_force.empty())
-          dataset->metadata.emplace_back("corrections", in_force);
-        return formats::write_dataset_csv(*dataset);
-      });
+  auto exporting = reader_.call([runs, without_excluded, cell = description_.name,
+                                 clock = clock_.get()](Store& store) -> Result<std::string> {
+    auto dataset = amended_dataset(store, runs);
+    if (!dataset) return tl::unexpected(dataset.error());
+    if (without_excluded) leave_excluded_out(*dataset);
+    if (dataset->metadata.empty()) {  // an imported file keeps its own
+      dataset->metadata = {{"driftwise-dataset", "1"}, {"cell", cell}};
+      std::string numbers;
+      for (const auto& run : runs)
+        numbers += (numbers.empty() ? "" : ", ") + std::to_string(run.value);
+      dataset->metadata.emplace_back("runs", numbers);
+      dataset->metadata.emplace_back("compensation", compensations(store, runs));
+      if (const auto zero = time_zero(store, runs))  // what time_s counts from
+        dataset->metadata.emplace_back("time_zero", to_iso8601(clock->utc(*zero)));
+    }
+    if (const auto in_force = corrections_in_force(store); !in_force.empty())
+      dataset->metadata.emplace_back("corrections", in_force);
+    return formats::write_dataset_csv(*dataset);
+  });
   co_return co_await std::move(exporting);
 }
 

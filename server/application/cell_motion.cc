@@ -16,7 +16,7 @@ Result<Lease> CellApplication::take_lease(const Caller& caller, Nanoseconds dura
   auto lease = leases_.take(caller, duration, token, clock_->now().utc);
   if (lease && token.empty())
     events_.record(caller, "lease.taken",
-                   fmt::format("{} may move until {}", caller.name, to_iso8601(lease->until)));
+                   fmt::format("{} may move until {}", caller.name, to_iso8601(utc(lease->until))));
   return lease;
 }
 
@@ -28,6 +28,7 @@ Result<void> CellApplication::give_up_lease(const Caller& caller, const std::str
 }
 
 Result<void> CellApplication::may_move(const std::string& lease_token) const {
+  if (auto ok = stops_.check(); !ok) return ok;
   if (auto ok = leases_.check(lease_token, clock_->now().utc); !ok) return ok;
   if (const auto* run = engine_.record())
     return fail(ErrorCode::failed_precondition, "RUN_UNDER_WAY",
@@ -76,12 +77,13 @@ class CellApplication::ByHand {
   CellApplication& cell_;
 };
 
-Awaitable<Result<void>> CellApplication::stop_all(Caller caller) {
+Awaitable<Result<StopAnswer>> CellApplication::stop_all(Caller caller) {
   stop_events_.record(caller);
   const auto why = fmt::format("stopped by {}", caller.name);
   if (auto* control = engine_.control()) control->halt(why);
   if (by_hand_) by_hand_->abort(why);
-  co_return co_await bench_.stop();
+  auto pressing = stops_.press(std::move(caller), why);
+  co_return co_await std::move(pressing);
 }
 
 Awaitable<Result<void>> CellApplication::home(Caller caller, std::string lease_token) {

@@ -121,6 +121,7 @@ Awaitable<Result<RunRecord>> CellApplication::pause_run(Caller caller, RunId run
 }
 
 Awaitable<Result<RunRecord>> CellApplication::resume_run(Caller caller, RunId run) {
+  if (auto ok = stops_.check(); !ok) co_return tl::unexpected(ok.error());
   auto why = fmt::format("resumed by {}", caller.name);
   std::function<void(RunControl&)> act = [](RunControl& control) { control.resume(); };
   co_return co_await steer(caller, run, "resume", why, std::move(act));
@@ -130,7 +131,8 @@ Awaitable<Result<RunRecord>> CellApplication::abort_run(Caller caller, RunId run
   auto reason = fmt::format("aborted by {}{}{}", caller.name, why.empty() ? "" : ": ", why);
   std::function<void(RunControl&)> act = [reason](RunControl& control) { control.abort(reason); };
   auto record = co_await steer(caller, run, "abort", reason, std::move(act));
-  if (record) static_cast<void>(co_await bench_.stop());
+  auto pressing = stops_.press(caller, fmt::format("run {} {}", run.value, reason));
+  if (record) co_await std::move(pressing);
   co_return record;
 }
 

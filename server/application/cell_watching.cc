@@ -66,6 +66,7 @@ Awaitable<void> CellApplication::look_for_alarms() {
   if (const auto restored = co_await alarm_book_.restore(); !restored)
     events_.record_own("daemon.trouble", "reading the alarms: " + restored.error().message);
   while (!ending_) {
+    note_clock_jumps();
     auto looking = alarm_book_.look(alarms_now());
     co_await std::move(looking);
     const double seconds = std::max(2.0, 0.5 * clock_->speed());
@@ -74,8 +75,24 @@ Awaitable<void> CellApplication::look_for_alarms() {
   tasks_.end();
 }
 
+void CellApplication::note_clock_jumps() {
+  for (const auto& device : bench_.status()) {
+    auto& known = clock_jumps_[device.description.id];
+    if (device.health.clock_jumps == known) continue;
+    known = device.health.clock_jumps;
+    events_.record_own(
+        "device.clock_jumped",
+        fmt::format("the clock of {} was set by {:+.3f} s: a point under way is repeated, later "
+                    "readings count by the new offset",
+                    device.description.id, seconds_from(device.health.last_clock_jump)));
+  }
+}
+
 std::vector<AlarmCondition> CellApplication::alarms_now() const {
   std::vector<AlarmCondition> out = alarm_conditions(status());
+  for (auto& stop : stops_.unconfirmed())
+    out.push_back(
+        {AlarmLevel::failed, "stop.unconfirmed", stop.controller, std::move(stop.sentence)});
   if (const auto trend = quality_.condition(description_.run.max_spread_nm);
       trend && engine_.busy())
     out.push_back(*trend);

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <bit>
 #include <cmath>
@@ -16,16 +17,18 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little,
               "the file is little-endian and is mapped as it stands");
-constexpr char kMagic[8] = {'D', 'W', 'C', 'L', 'O', 'C', 'K', '1'};
+constexpr char kMagic[8] = {'D', 'W', 'C', 'L', 'O', 'C', 'K', '2'};
 
 // Atomics without a lock have the layout of their value: the other process reads plain integers.
 struct Mapped {
   char magic[8];
   std::atomic<std::uint64_t> sequence;
-  std::atomic<std::int64_t> anchor_wall_ns, anchor_cell_ns;
+  std::atomic<std::int64_t> anchor_boot_ns, anchor_cell_ns;
   std::atomic<std::uint64_t> speed_bits;
+  std::atomic<std::int64_t> anchor_wall_ns;
+  unsigned char boot[16];
 };
-static_assert(sizeof(Mapped) == 40 && std::atomic<std::uint64_t>::is_always_lock_free);
+static_assert(sizeof(Mapped) == 64 && std::atomic<std::uint64_t>::is_always_lock_free);
 
 struct Descriptor {
   int fd;
@@ -33,6 +36,19 @@ struct Descriptor {
     if (fd >= 0) ::close(fd);
   }
 };
+
+// "3d5a...-..." as 16 bytes; what is no such name gives zeros.
+std::array<unsigned char, 16> bytes_of(const std::string& boot) {
+  std::array<unsigned char, 16> bytes{};
+  std::size_t digits = 0;
+  for (const char c : boot) {
+    const int value = c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
+    if (value < 0 || digits == 32) continue;
+    bytes[digits / 2] = static_cast<unsigned char>(bytes[digits / 2] * 16 + value);
+    ++digits;
+  }
+  return bytes;
+}
 
 Result<void*> map(int fd, const std::string& path) {
   void* mapped = ::mmap(nullptr, sizeof(Mapped), PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
@@ -44,7 +60,8 @@ Result<void*> map(int fd, const std::string& path) {
 
 }  // namespace
 
-Result<std::unique_ptr<ClockFile>> ClockFile::open(const std::string& path) {
+Result<std::unique_ptr<ClockFile>> ClockFile::open(const std::string& path,
+                                                   const std::string& boot) {
   const Descriptor file{::open(path.c_str(), O_RDWR | O_CLOEXEC)};
   if (file.fd < 0)
     return fail(ErrorCode::not_found, "NO_CLOCK_FILE",
@@ -55,14 +72,23 @@ Result<std::unique_ptr<ClockFile>> ClockFile::open(const std::string& path) {
   if (::fstat(file.fd, &status) != 0 || status.st_size != sizeof(Mapped))
     return fail(
         ErrorCode::data_loss, "BAD_CLOCK_FILE",
-        fmt::format("{}: {} bytes, expected 40: delete it and start the simulated cell again", path,
+        fmt::format("{}: {} bytes, expected 64: delete it and start the simulated cell again", path,
                     status.st_size));
   auto mapped = map(file.fd, path);
   if (!mapped) return tl::unexpected(mapped.error());
   std::unique_ptr<ClockFile> opened(new ClockFile(*mapped));
   if (std::memcmp(static_cast<Mapped*>(*mapped)->magic, kMagic, sizeof kMagic) != 0)
-    return fail(ErrorCode::data_loss, "BAD_CLOCK_FILE",
-                fmt::format("{}: does not begin with DWCLOCK1", path));
+    return fail(
+        ErrorCode::data_loss, "BAD_CLOCK_FILE",
+        fmt::format(
+            "{}: does not begin with DWCLOCK2: delete it and start the simulated cell again",
+            path));
+  const auto start = bytes_of(boot);
+  if (std::memcmp(static_cast<Mapped*>(*mapped)->boot, start.data(), start.size()) != 0)
+    return fail(ErrorCode::failed_precondition, "OLD_CLOCK_FILE",
+                fmt::format("{}: is of an earlier start of this computer: start the simulated cell "
+                            "first, which carries its time on",
+                            path));
   const double speed = opened->read().speed;
   if (!std::isfinite(speed) || speed <= 0)
     return fail(ErrorCode::data_loss, "BAD_CLOCK_FILE",
@@ -71,7 +97,8 @@ Result<std::unique_ptr<ClockFile>> ClockFile::open(const std::string& path) {
 }
 
 Result<std::unique_ptr<ClockFile>> ClockFile::create(const std::string& path,
-                                                     const ClockAnchor& anchor) {
+                                                     const ClockAnchor& anchor,
+                                                     const std::string& boot) {
   const Descriptor file{::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)};
   if (file.fd < 0 || ::ftruncate(file.fd, sizeof(Mapped)) != 0)
     return fail(ErrorCode::internal, "CLOCK_FILE",
@@ -81,6 +108,8 @@ Result<std::unique_ptr<ClockFile>> ClockFile::create(const std::string& path,
   std::unique_ptr<ClockFile> created(new ClockFile(*mapped));
   static_cast<Mapped*>(*mapped)->sequence = 0;
   created->write(anchor);
+  const auto start = bytes_of(boot);
+  std::memcpy(static_cast<Mapped*>(*mapped)->boot, start.data(), start.size());
   std::memcpy(static_cast<Mapped*>(*mapped)->magic, kMagic, sizeof kMagic);
   return created;
 }
@@ -88,14 +117,14 @@ Result<std::unique_ptr<ClockFile>> ClockFile::create(const std::string& path,
 ClockAnchor SharedAnchor::read() const {
   while (true) {
     const auto before = sequence_.load();
-    const ClockAnchor anchor{wall_ns_.load(), cell_ns_.load(), speed_.load()};
+    const ClockAnchor anchor{boot_ns_.load(), cell_ns_.load(), speed_.load()};
     if (before % 2 == 0 && sequence_.load() == before) return anchor;
   }
 }
 
 void SharedAnchor::write(const ClockAnchor& anchor) {
   ++sequence_;
-  wall_ns_ = anchor.wall_ns;
+  boot_ns_ = anchor.boot_ns;
   cell_ns_ = anchor.cell_ns;
   speed_ = anchor.speed;
   ++sequence_;
@@ -109,8 +138,8 @@ ClockAnchor ClockFile::read() const {
   // they stand.
   for (int tries = 0;; ++tries) {
     const auto before = m->sequence.load();
-    const ClockAnchor anchor{m->anchor_wall_ns.load(), m->anchor_cell_ns.load(),
-                             std::bit_cast<double>(m->speed_bits.load())};
+    const ClockAnchor anchor{m->anchor_boot_ns.load(), m->anchor_cell_ns.load(),
+                             std::bit_cast<double>(m->speed_bits.load()), m->anchor_wall_ns.load()};
     if ((before % 2 == 0 && m->sequence.load() == before) || tries == 10000) return anchor;
   }
 }
@@ -119,6 +148,7 @@ void ClockFile::write(const ClockAnchor& anchor) {
   auto* m = static_cast<Mapped*>(mapped_);
   const auto even = m->sequence.load() & ~std::uint64_t{1};
   m->sequence = even + 1;
+  m->anchor_boot_ns = anchor.boot_ns;
   m->anchor_wall_ns = anchor.wall_ns;
   m->anchor_cell_ns = anchor.cell_ns;
   m->speed_bits = std::bit_cast<std::uint64_t>(anchor.speed);

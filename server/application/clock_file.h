@@ -1,13 +1,16 @@
 #pragma once
-// The clock that the daemon and a simulated cell share: 40 bytes, little-endian, mapped into both
+// The clock that the daemon and a simulated cell share: 64 bytes, little-endian, mapped into both
 // processes.
 //
-//   char magic[8] = "DWCLOCK1"; u64 sequence; i64 anchor_wall_ns; i64 anchor_cell_ns; f64 speed
-//   cell_ns = anchor_cell_ns + (wall_ns - anchor_wall_ns) * speed, wall = CLOCK_REALTIME
+//   char magic[8] = "DWCLOCK2"; u64 sequence; i64 anchor_boot_ns; i64 anchor_cell_ns; f64 speed;
+//   i64 anchor_wall_ns; u8 boot[16]
+//   cell_ns = anchor_cell_ns + (boot_ns - anchor_boot_ns) * speed, boot_ns = CLOCK_BOOTTIME
 //
-// The sequence is odd while the three values are being written: a reader that saw an odd or a
-// changed one reads again. The simulated cell creates the file; afterwards the daemon alone writes
-// it.
+// CLOCK_BOOTTIME is one clock for all processes of one start of one computer; `boot` names that
+// start (the digits of /proc/sys/kernel/random/boot_id). anchor_wall_ns is the UTC of the anchor,
+// with which the simulated cell goes on after a new start. The sequence is odd while the values are
+// being written: a reader that saw an odd or a changed one reads again. The simulated cell creates
+// the file; afterwards the daemon alone writes it.
 
 #include <atomic>
 #include <cstdint>
@@ -19,12 +22,16 @@
 namespace driftwise::application {
 
 struct ClockAnchor {
-  std::int64_t wall_ns = 0, cell_ns = 0;
+  std::int64_t boot_ns = 0, cell_ns = 0;
   double speed = 1;
+  std::int64_t wall_ns = 0;  // of the file only
 
-  std::int64_t cell_from_wall(std::int64_t at_wall_ns) const {
-    // The difference stays small enough for a double to hold nanoseconds for 100 days.
-    return cell_ns + static_cast<std::int64_t>(static_cast<double>(at_wall_ns - wall_ns) * speed);
+  std::int64_t cell_from_boot(std::int64_t at_boot_ns) const {
+    // At speed 1 exact; else the difference stays small enough for a double to hold nanoseconds for
+    // 100 days.
+    const std::int64_t passed_ns = at_boot_ns - boot_ns;
+    if (speed == 1) return cell_ns + passed_ns;
+    return cell_ns + static_cast<std::int64_t>(static_cast<double>(passed_ns) * speed);
   }
 };
 
@@ -38,18 +45,20 @@ class SharedAnchor {
 
  private:
   std::atomic<std::uint64_t> sequence_{0};
-  std::atomic<std::int64_t> wall_ns_, cell_ns_;
+  std::atomic<std::int64_t> boot_ns_, cell_ns_;
   std::atomic<double> speed_;
 };
 
 class ClockFile {
  public:
-  // Errors: not_found NO_CLOCK_FILE; data_loss BAD_CLOCK_FILE (size, magic, a speed that is no
-  // positive number).
-  static Result<std::unique_ptr<ClockFile>> open(const std::string& path);
+  // boot: names the present start of the computer, as ComputerClock has it. Errors: not_found
+  // NO_CLOCK_FILE; data_loss BAD_CLOCK_FILE (size, magic, a speed that is no positive number);
+  // failed_precondition OLD_CLOCK_FILE (of an earlier start of the computer).
+  static Result<std::unique_ptr<ClockFile>> open(const std::string& path, const std::string& boot);
   // Creates it, or overwrites what is there. For tests and for a cell without a simulated one.
   static Result<std::unique_ptr<ClockFile>> create(const std::string& path,
-                                                   const ClockAnchor& anchor);
+                                                   const ClockAnchor& anchor,
+                                                   const std::string& boot);
   ~ClockFile();
   ClockFile(const ClockFile&) = delete;
   ClockFile& operator=(const ClockFile&) = delete;

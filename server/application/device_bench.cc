@@ -53,6 +53,16 @@ auto DeviceBench::ask(Seat<Port>& seat, Call call) -> std::invoke_result_t<Call,
   co_return result;
 }
 
+// The turn may have been waited for: what forbids the motion may be younger than the request.
+template <class Port, class Call>
+Awaitable<Result<void>> DeviceBench::ask_to_move(Seat<Port>& seat, Call call) {
+  const auto held = co_await seat.turn.take();
+  if (auto allowed = gate_(); !allowed) co_return allowed;
+  auto result = co_await call(*seat.device);
+  note(seat, result);
+  co_return result;
+}
+
 namespace {
 // Plain functions of the port: a lambda without captures may be a coroutine's caller, its frame
 // holds only arguments.
@@ -69,12 +79,13 @@ Awaitable<Result<MotionState>> DeviceBench::motion_state() {
 
 Awaitable<Result<void>> DeviceBench::home() {
   if (!controller_) co_return tl::unexpected(no_controller());
-  co_return co_await ask(*controller_, [](MotionController& c) { return c.home(); });
+  co_return co_await ask_to_move(*controller_, [](MotionController& c) { return c.home(); });
 }
 
 Awaitable<Result<void>> DeviceBench::start_move(std::vector<double> q_mm) {
   if (!controller_) co_return tl::unexpected(no_controller());
-  co_return co_await ask(*controller_, [&q_mm](MotionController& c) { return c.start_move(q_mm); });
+  co_return co_await ask_to_move(*controller_,
+                                 [&q_mm](MotionController& c) { return c.start_move(q_mm); });
 }
 
 Awaitable<Result<void>> DeviceBench::stop() {
@@ -134,7 +145,8 @@ Awaitable<Result<LoadState>> DeviceBench::load_state() {
   co_return co_await ask(*load_, [](LoadActuator& d) { return d.state(); });
 }
 Awaitable<Result<void>> DeviceBench::set_load(double force_n) {
-  co_return co_await ask(*load_, [force_n](LoadActuator& d) { return d.set_force(force_n); });
+  co_return co_await ask_to_move(*load_,
+                                 [force_n](LoadActuator& d) { return d.set_force(force_n); });
 }
 Awaitable<Result<Reading>> DeviceBench::read_load() {
   const auto state = co_await load_state();

@@ -24,6 +24,10 @@ class DeviceBench {
   Awaitable<Result<void>> home();
   Awaitable<Result<void>> start_move(std::vector<double> q_mm);
   Awaitable<Result<void>> stop();  // takes no turn: it interrupts whatever the controller is doing
+  bool has_controller() const { return controller_ != nullptr; }
+  // Asked at the instant at which home(), start_move() and set_load() would be sent; its error is
+  // theirs, and nothing is sent.
+  void allow_motion_if(std::function<Result<void>()> gate) { gate_ = std::move(gate); }
 
   std::size_t interferometers() const { return interferometers_.size(); }
   std::size_t collimators() const { return collimators_.size(); }
@@ -78,7 +82,11 @@ class DeviceBench {
   template <class Visit>
   void for_each_seat(Visit visit) const;
 
+  template <class Port, class Call>
+  Awaitable<Result<void>> ask_to_move(Seat<Port>& seat, Call call);
+
   OnChange on_change_;
+  std::function<Result<void>()> gate_ = [] { return Result<void>{}; };
   std::unique_ptr<Seat<MotionController>> controller_;
   std::vector<std::unique_ptr<Seat<Instrument>>> interferometers_, collimators_, scanners_;
   std::vector<std::unique_ptr<Seat<Stabiliser>>> stabilisers_;

@@ -23,8 +23,12 @@ struct LeaseBook::Entry {
   Lease lease;
 };
 
-LeaseBook::LeaseBook() = default;
+LeaseBook::LeaseBook(std::function<UtcTime(CellTime)> utc) : utc_(std::move(utc)) {}
 LeaseBook::~LeaseBook() = default;
+
+std::string LeaseBook::text_of(CellTime instant) const {
+  return utc_ ? to_iso8601(utc_(instant)) : to_iso8601(instant);
+}
 
 Result<Lease> LeaseBook::take(const Caller& caller, Nanoseconds duration, const std::string& token,
                               CellTime now) {
@@ -42,7 +46,7 @@ Result<Lease> LeaseBook::take(const Caller& caller, Nanoseconds duration, const 
     return fail(
         ErrorCode::permission_denied, "LEASE_HELD",
         fmt::format("{} ({}) holds the lease to move until {}: wait, or ask for it to be given up",
-                    entry_->lease.holder, entry_->lease.peer, to_iso8601(entry_->lease.until)));
+                    entry_->lease.holder, entry_->lease.peer, text_of(entry_->lease.until)));
   entry_ = std::make_unique<Entry>(
       Entry{Lease{random_token(), caller.name, caller.peer, now + duration}});
   return entry_->lease;
@@ -65,7 +69,7 @@ Result<void> LeaseBook::check(const std::string& token, CellTime now) const {
     if (const auto other = present(now))
       return fail(ErrorCode::permission_denied, "LEASE_HELD",
                   fmt::format("{} ({}) holds the lease to move until {}", other->holder,
-                              other->peer, to_iso8601(other->until)));
+                              other->peer, text_of(other->until)));
     return fail(ErrorCode::permission_denied, "LEASE_UNKNOWN",
                 "this token holds no lease (given up, taken over, or from before a restart): take "
                 "a new one");
@@ -73,7 +77,7 @@ Result<void> LeaseBook::check(const std::string& token, CellTime now) const {
   if (entry_->lease.until <= now)
     return fail(ErrorCode::permission_denied, "LEASE_EXPIRED",
                 fmt::format("the lease of {} ran out at {}: take it again", entry_->lease.holder,
-                            to_iso8601(entry_->lease.until)));
+                            text_of(entry_->lease.until)));
   return {};
 }
 

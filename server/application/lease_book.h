@@ -2,12 +2,14 @@
 // Who may move the robot: one client at a time, for a limited time, by a token that only it knows.
 // Pure but for the random token; the caller states the time.
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "server/core/cell_time.h"
 #include "server/core/result.h"
+#include "server/core/utc_map.h"
 
 namespace driftwise::application {
 
@@ -16,7 +18,8 @@ struct Lease;
 
 class LeaseBook {
  public:
-  LeaseBook();
+  // utc: for messages; empty: cell time is UTC.
+  explicit LeaseBook(std::function<UtcTime(CellTime)> utc = {});
   ~LeaseBook();
 
   // Without a token: a new lease, when nobody holds one or the last has run out. With the holder's
@@ -33,8 +36,10 @@ class LeaseBook {
   std::optional<Lease> present(CellTime now) const;  // its token blanked; none when it has run out
 
  private:
+  std::string text_of(CellTime instant) const;
   struct Entry;
   std::unique_ptr<Entry> entry_;
+  std::function<UtcTime(CellTime)> utc_;
 };
 
 }  // namespace driftwise::application

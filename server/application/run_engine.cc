@@ -14,6 +14,7 @@
 #include "server/application/sampling.h"
 #include "server/application/spawn.h"
 #include "server/application/start_checks.h"
+#include "server/application/stop_desk.h"
 
 namespace driftwise::application {
 
@@ -61,13 +62,17 @@ Awaitable<void> RunEngine::execute() {
 // Makes the run's record say that it runs, and what became of it while the daemon was away.
 Awaitable<Result<void>> RunEngine::take_up(ActiveRun& run) {
   wanted_datum_ = DatumOpening{"start", false, true, {}, {}};
+  const bool was_paused = run.record.state == RunState::paused;
+  if (was_paused) run.control.hold(run.record.reason);
+  const auto state = was_paused ? RunState::paused : RunState::running;
+  auto reason = was_paused ? run.record.reason : std::string();
   if (!before_) {
     run.record.started = bench_.clock.now().utc;
     bench_.events.record_own(
         "run.started",
         fmt::format("run {} '{}': {} rows", run.record.id.value, run.record.name, run.record.rows),
         run.record.id);
-    co_return co_await change(run, RunState::running, "");
+    co_return co_await change(run, state, std::move(reason));
   }
   for (const auto& attempt : before_->attempts) {
     auto& number = run.attempts_of_row[attempt.row];
@@ -81,10 +86,6 @@ Awaitable<Result<void>> RunEngine::take_up(ActiveRun& run) {
       run.record.id);
   if (before_->killed)
     if (auto ok = co_await record_interruption(run); !ok) co_return ok;
-  const bool was_paused = run.record.state == RunState::paused;
-  if (was_paused) run.control.hold(run.record.reason);
-  const auto state = was_paused ? RunState::paused : RunState::running;
-  auto reason = was_paused ? run.record.reason : std::string();
   co_return co_await change(run, state, std::move(reason));
 }
 
@@ -113,10 +114,29 @@ Awaitable<Result<void>> RunEngine::carry_out(ActiveRun& run) {
 
 // Until a person resumes; then the devices are looked at as after any trouble.
 Awaitable<Result<void>> RunEngine::stand_still(ActiveRun& run, const Error& trouble) {
-  run.control.take_halt();
-  static_cast<void>(co_await bench_.devices.stop());
+  if (auto ok = co_await wait_until_stopped(run); !ok) co_return ok;
   if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
   co_return co_await look_again(run, remedy_for(trouble));
+}
+
+// The stop itself is the desk's; the run is paused once the controllers have confirmed it.
+Awaitable<Result<void>> RunEngine::wait_until_stopped(ActiveRun& run) {
+  run.control.take_halt();
+  bool told = false;
+  while (bench_.stops.pending()) {
+    auto unconfirmed = bench_.stops.unconfirmed();
+    if (!unconfirmed.empty() && !std::exchange(told, true)) {
+      run.scope.phase("stopping");
+      auto reason = std::move(unconfirmed.front().sentence);
+      if (auto ok = co_await change(run, RunState::waiting, std::move(reason)); !ok) co_return ok;
+    }
+    const double pause_s = std::max(0.1, 0.02 * bench_.clock.speed());
+    co_await sleep_unless(bench_.clock, bench_.clock.now().utc + nanoseconds_from_s(pause_s),
+                          run.control.changed());
+    run.control.take_halt();  // pressed again
+    if (auto ok = run.control.check(); !ok) co_return ok;
+  }
+  co_return Result<void>{};
 }
 
 Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {

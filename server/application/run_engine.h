@@ -49,6 +49,7 @@ class RunEngine {
   Awaitable<Result<void>> walk(ActiveRun& run);
   Awaitable<Result<void>> overcome(ActiveRun& run, const Error& error, int troubles_in_a_row);
   Awaitable<Result<void>> stand_still(ActiveRun& run, const Error& trouble);
+  Awaitable<Result<void>> wait_until_stopped(ActiveRun& run);
   Awaitable<Result<void>> look_again(ActiveRun& run, Remedy remedy);
   Awaitable<Result<void>> hold(ActiveRun& run, RunState state);
   Awaitable<Result<void>> bring_force(ActiveRun& run);

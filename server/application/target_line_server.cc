@@ -211,8 +211,9 @@ void TargetLineServer::Door::answer(std::string_view line, std::string& out) con
   const auto snapshot = board_->read();
   static const compensation::Snapshot kNone;  // no model: refused as such
   const auto& present = snapshot ? *snapshot : kNone;
-  formats::append_target_answer(out, present, compensation::compute_target(present, *request),
-                                request->with_uncertainty);
+  auto target = compensation::compute_target(present, *request);
+  target.valid_until = {clock_->utc(target.valid_until).ns};  // the wire has UTC
+  formats::append_target_answer(out, present, target, request->with_uncertainty);
 }
 
 Result<std::unique_ptr<TargetLineServer>> TargetLineServer::start(

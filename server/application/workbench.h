@@ -17,6 +17,7 @@
 namespace driftwise::application {
 
 class Loading;
+class StopDesk;
 
 struct Workbench {
   const CellDescription& description;
@@ -28,6 +29,7 @@ struct Workbench {
   LagMeter& lag;
   PoseStage& pose;
   Loading& loading;
+  StopDesk& stops;
 };
 
 // One run's view of it.

@@ -1,7 +1,7 @@
 #pragma once
-// Cell time: the time in which the cell lives. At speed 1 it is UTC; a simulated cell may run
-// faster, and then every dwell, scan, control loop and age runs in cell time while I/O time-outs
-// stay in wall time.
+// Cell time: monotonic, suspend included, also across restarts; it begins as UTC and never steps
+// (UTC of an instant: utc_map.h). A simulated cell may run faster: then every dwell, scan, control
+// loop and age runs in cell time while I/O time-outs stay in real time.
 
 #include <chrono>
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace driftwise {
 using Nanoseconds = std::chrono::nanoseconds;  // a duration of cell time
 
 struct CellTime {
-  std::int64_t utc_ns = 0;  // nanoseconds since 1970-01-01T00:00:00Z, without leap seconds
+  std::int64_t utc_ns = 0;  // nanoseconds since 1970-01-01, by a wall clock that nobody sets
 
   auto operator<=>(const CellTime&) const = default;
   friend CellTime operator+(CellTime t, Nanoseconds d) { return {t.utc_ns + d.count()}; }
@@ -22,7 +22,7 @@ struct CellTime {
   friend Nanoseconds operator-(CellTime a, CellTime b) { return Nanoseconds(a.utc_ns - b.utc_ns); }
 };
 
-// UTC says when, the monotonic stamp says in which order and how long: it never runs back.
+// An instant of cell time, and how far it is from the daemon's start.
 struct Stamp {
   CellTime utc;
   std::int64_t monotonic_ns = 0;  // cell nanoseconds since this daemon started

@@ -74,9 +74,15 @@ class CellService final : public v1::CellService::CallbackService {
     });
   }
 
-  Reactor* StopAll(Context* context, const v1::StopAllRequest*, v1::StopAllResponse*) override {
-    return answer(cell_, context, [this, context]() -> Awaitable<Result<void>> {
-      co_return co_await cell_.stop_all(caller_of(*context));
+  Reactor* StopAll(Context* context, const v1::StopAllRequest*,
+                   v1::StopAllResponse* response) override {
+    return answer(cell_, context, [this, context, response]() -> Awaitable<Result<void>> {
+      const auto answered = co_await cell_.stop_all(caller_of(*context));
+      if (!answered) co_return tl::unexpected(answered.error());
+      response->set_confirmed(answered->confirmed);
+      response->set_message(utf8_from(answered->message));
+      for (const auto& stop : answered->pending) *response->add_pending() = pending_stop_from(stop);
+      co_return Result<void>{};
     });
   }
 

@@ -94,6 +94,16 @@ v1::Event event_from(const EventRecord& event) {
   return out;
 }
 
+v1::PendingStop pending_stop_from(const StopRecord& stop) {
+  v1::PendingStop out;
+  out.set_device_id(stop.controller);
+  out.set_who(utf8_from(stop.who));
+  out.set_cause(utf8_from(stop.cause));
+  *out.mutable_request_time() = timestamp_from(stop.asked.utc);
+  out.set_request_count(stop.presses);
+  return out;
+}
+
 v1::GetStatusResponse status_from(const application::CellStatus& status) {
   v1::GetStatusResponse out;
   out.set_cell_name(status.name);
@@ -112,6 +122,7 @@ v1::GetStatusResponse status_from(const application::CellStatus& status) {
   }
   if (status.serving) out.set_serving_model_id(status.serving->value);
   for (const auto& sentence : status.attention) out.add_attention(utf8_from(sentence));
+  for (const auto& stop : status.pending_stops) *out.add_pending_stops() = pending_stop_from(stop);
   return out;
 }
 

@@ -4,6 +4,7 @@
 
 #include "server/core/channel.h"
 #include "server/core/clean_text.h"
+#include "server/rpc/wire_time.h"
 
 namespace driftwise::rpc {
 namespace {
@@ -13,8 +14,10 @@ constexpr int kMostValues = 64;
 
 }  // namespace
 
-google::protobuf::Timestamp timestamp_from(CellTime time) {
-  std::int64_t seconds = time.utc_ns / kNsPerS, rest = time.utc_ns % kNsPerS;
+google::protobuf::Timestamp timestamp_from(CellTime time) { return timestamp_from(utc_from(time)); }
+
+google::protobuf::Timestamp timestamp_from(UtcTime time) {
+  std::int64_t seconds = time.ns / kNsPerS, rest = time.ns % kNsPerS;
   if (rest < 0) {  // nanos count forward, also before 1970
     rest += kNsPerS;
     --seconds;

@@ -13,6 +13,7 @@
 #include "driftwise/v1/values.pb.h"
 #include "server/core/reading.h"
 #include "server/core/result.h"
+#include "server/core/utc_map.h"
 
 namespace driftwise::rpc {
 
@@ -20,7 +21,8 @@ namespace driftwise::rpc {
 constexpr std::int64_t shown_row(std::int64_t stored) { return stored + 1; }
 constexpr std::int64_t stored_row(std::int64_t shown) { return shown - 1; }
 
-google::protobuf::Timestamp timestamp_from(CellTime time);
+google::protobuf::Timestamp timestamp_from(CellTime time);  // its UTC: wire_time.h
+google::protobuf::Timestamp timestamp_from(UtcTime time);
 google::protobuf::Duration duration_from(Nanoseconds duration);
 google::protobuf::Duration duration_from_s(double seconds);  // not finite or beyond 1e9 s: 0
 

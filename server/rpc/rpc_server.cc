@@ -13,6 +13,7 @@
 #include <chrono>
 
 #include "server/rpc/services.h"
+#include "server/rpc/wire_time.h"
 
 namespace driftwise::rpc {
 namespace {
@@ -122,6 +123,8 @@ Result<std::unique_ptr<RpcServer>> RpcServer::open(application::Cell& cell,
     return fail(ErrorCode::internal, "NO_SERVER", "the gRPC library made no server: see its log");
   out->gate_->accept_for(std::move(acceptor));
   out->address_ = address->host + ":" + std::to_string(out->gate_->port());
+  map_times_by(&cell);
+  out->cell_ = &cell;
   out->ready(false);
   return out;
 }
@@ -140,6 +143,7 @@ void RpcServer::shut_down(std::chrono::milliseconds grace) {
   server_->Shutdown(std::chrono::system_clock::now() + grace);
   server_->Wait();
   server_.reset();
+  stop_mapping_times_by(cell_);
 }
 
 std::shared_ptr<grpc::Channel> RpcServer::in_process_channel() {

@@ -53,6 +53,7 @@ class RpcServer {
   std::unique_ptr<ConnectionGate> gate_;  // ends before the server
   std::unique_ptr<grpc::Server> server_;
   std::string address_;
+  const application::Cell* cell_ = nullptr;
 };
 
 }  // namespace driftwise::rpc

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/rpc/request_checks.h"
+#include "server/rpc/wire_time.h"
 
 namespace driftwise::rpc {
 namespace {
@@ -16,7 +17,7 @@ Result<CellTime> instant_from(const google::protobuf::Timestamp& time, const cha
       time.nanos() >= kNanosecondsPerSecond)
     return fail(ErrorCode::invalid_argument, "BAD_TIME",
                 std::string(field) + ": expected an instant between 1970 and 2255");
-  return CellTime{time.seconds() * kNanosecondsPerSecond + time.nanos()};
+  return cell_time_from(UtcTime{time.seconds() * kNanosecondsPerSecond + time.nanos()});
 }
 
 Result<void> take_channels(const v1::GetSeriesRequest& request, SeriesQuery& out) {

@@ -43,8 +43,8 @@ class BatchSource final : public StreamSource<v1::WatchResponse> {
     not_before_ = now + interval_;
     heartbeat_due_ = now + kHeartbeat;
     response.set_cursor(cursor_text({tick->head.database, *at_}));
-    *response.mutable_server_time() = timestamp_from(
-        {std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count()});
+    *response.mutable_server_time() = timestamp_from(UtcTime{
+        std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count()});
     *response.mutable_cell_time() = timestamp_from(tick->cell_time);
     return response;
   }

@@ -217,11 +217,11 @@ Awaitable<Result<RunRecord>> FakeCell::confirm_force(app::Caller caller, RunId r
   co_return change_state(caller, run, RunState::running, "");
 }
 
-Awaitable<Result<void>> FakeCell::stop_all(app::Caller caller) {
+Awaitable<Result<app::StopAnswer>> FakeCell::stop_all(app::Caller caller) {
   if (auto error = take_failure()) co_return tl::unexpected(*error);
   last_caller = caller;
   calls.push_back("stop_all " + caller.name);
-  co_return Result<void>{};
+  co_return stop_answer;
 }
 Awaitable<Result<void>> FakeCell::home(app::Caller caller, std::string lease_token) {
   if (auto error = take_failure()) co_return tl::unexpected(*error);

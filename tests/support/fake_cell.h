@@ -117,7 +117,8 @@ class FakeCell final : public app::Cell, private app::Watching, private app::Stu
   Awaitable<Result<RunRecord>> abort_run(app::Caller caller, RunId run, std::string why) override;
   Awaitable<Result<RunRecord>> confirm_force(app::Caller caller, RunId run,
                                              double force_n) override;
-  Awaitable<Result<void>> stop_all(app::Caller caller) override;
+  Awaitable<Result<app::StopAnswer>> stop_all(app::Caller caller) override;
+  app::StopAnswer stop_answer{true, "axis: no motion, in two successive answers", {}};
   Awaitable<Result<void>> home(app::Caller caller, std::string lease_token) override;
   Awaitable<Result<void>> move_to(app::Caller caller, std::string lease_token,
                                   std::vector<double> q_mm) override;

@@ -49,8 +49,7 @@ RunningCell::RunningCell(CellOptions options) : options_(std::move(options)) {
                                         std::to_string(options_.seed)};
   arguments.insert(arguments.end(), options_.cellsim_options.begin(),
                    options_.cellsim_options.end());
-  cellsim_ =
-      std::make_unique<Process>(arguments, std::vector<std::string>{}, folder() + "/cellsim.log");
+  cellsim_ = std::make_unique<Process>(arguments, options_.environment, folder() + "/cellsim.log");
   const auto line = cellsim_->read_line(kStartLimit);
   if (!line || !line->starts_with("READY "))
     throw std::runtime_error("driftwise-cellsim did not start: " +
@@ -77,11 +76,13 @@ void RunningCell::edit_cell_file(const std::string& found, const std::string& in
 }
 
 void RunningCell::start_daemon(const std::vector<std::string>& environment) {
+  auto both = options_.environment;
+  both.insert(both.end(), environment.begin(), environment.end());
   const std::string notice = folder() + "/driftwised.json";
   std::filesystem::remove(notice);
   daemon_ = std::make_unique<Process>(
-      std::vector<std::string>{kBin + "/driftwised", "--cell", folder() + "/cell.toml"},
-      environment, folder() + "/driftwised.log");
+      std::vector<std::string>{kBin + "/driftwised", "--cell", folder() + "/cell.toml"}, both,
+      folder() + "/driftwised.log");
   const auto until = std::chrono::steady_clock::now() + kStartLimit;
   while (!std::filesystem::exists(notice)) {
     if (!daemon_->running() || std::chrono::steady_clock::now() > until)

@@ -22,6 +22,7 @@ struct CellOptions {
   int seed = 1;
   std::string cell = "linear-axis";            // folder under deploy/cells
   std::vector<std::string> cellsim_options{};  // "--set", "key=value", ...
+  std::vector<std::string> environment{};      // "NAME=value", of both programs
 };
 
 class RunningCell {

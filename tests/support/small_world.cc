@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace driftwise::tests {
 namespace {
@@ -49,9 +50,20 @@ class Simulated : public Port {
 };
 
 class Axis final : public Simulated<MotionController> {
+  void halt() {
+    if (world_.stop_does_nothing) return;
+    world_.from_mm = world_.to_mm = position_mm();
+    world_.move_end_ns = 0;
+  }
+
  public:
   using Simulated::Simulated;
+  Awaitable<Result<void>> prepare() override {
+    ++world_.axis_calls;
+    co_return co_await answer(0.02);
+  }
   Awaitable<Result<MotionState>> state() override {
+    ++world_.axis_calls;
     if (auto ok = co_await answer(0.005); !ok) co_return tl::unexpected(ok.error());
     const auto now = time_.now().utc;
     const bool moving = now.utc_ns < world_.move_end_ns;
@@ -63,6 +75,7 @@ class Axis final : public Simulated<MotionController> {
     co_return MotionState{now, {q}, moving, world_.referenced, !moving};
   }
   Awaitable<Result<void>> home() override {
+    ++world_.axis_calls;
     if (auto ok = co_await answer(3.0); !ok) co_return ok;
     ++world_.homes;
     world_.referenced = true;
@@ -72,6 +85,7 @@ class Axis final : public Simulated<MotionController> {
     co_return Result<void>{};
   }
   Awaitable<Result<void>> start_move(std::span<const double> q_mm) override {
+    ++world_.axis_calls;
     const double to_mm = q_mm[0];
     if (auto ok = co_await answer(0.01); !ok) co_return ok;
     if (world_.halted) {
@@ -91,19 +105,35 @@ class Axis final : public Simulated<MotionController> {
   }
   Awaitable<Result<void>> stop() override {
     ++world_.stops;
-    const double here_mm = position_mm();
-    world_.from_mm = world_.to_mm = here_mm;
-    world_.move_end_ns = 0;
-    co_return co_await answer(0.005);
+    ++world_.axis_calls;
+    if (world_.first_stop_call == 0) world_.first_stop_call = world_.axis_calls;
+    if (!away_) halt();
+    auto answered = co_await answer(0.005);
+    if (!answered) co_return answered;
+    halt();  // the link came back while it was asked
+    co_return answered;
   }
 };
 
 class Laser final : public Simulated<Instrument> {
  public:
   using Simulated::Simulated;
+  DeviceHealth health() const override {
+    DeviceHealth health = Simulated::health();
+    health.clock_offset = nanoseconds_from_s(world_.laser_clock_s);
+    health.clock_jumps = world_.laser_clock_jumps;
+    health.last_clock_jump = last_jump_;
+    return health;
+  }
   Awaitable<Result<Reading>> read() override {
     const auto start = time_.now().utc;
     if (auto ok = co_await answer(0.25); !ok) co_return tl::unexpected(ok.error());
+    if (const double jump_s = std::exchange(world_.laser_clock_jump_s, 0); jump_s != 0) {
+      world_.laser_clock_s += jump_s;
+      ++world_.laser_clock_jumps;
+      last_jump_ = nanoseconds_from_s(jump_s);
+      co_return fail(ErrorCode::data_loss, "CLOCK_JUMPED", "laser-x: the adapter's clock was set");
+    }
     if (world_.beam_lost)
       co_return fail(ErrorCode::failed_precondition, "BEAM_LOST",
                      "laser-x: the beam was lost: zero it");
@@ -134,6 +164,7 @@ class Laser final : public Simulated<Instrument> {
            kMmPerNm * world_.nm_per_k * world_.warming_k_per_h * hours() - world_.zero_mm;
   }
   std::int64_t sequence_ = 0;
+  Nanoseconds last_jump_{0};
 };
 
 class Scanner final : public Simulated<Instrument> {

@@ -26,6 +26,9 @@ struct SmallWorld {
   double zero_mm = 0.123;
   double noise_nm = 1.5;
   bool beam_lost = false;
+  double laser_clock_jump_s = 0;  // the adapter's clock is set by this before its next reading
+  double laser_clock_s = 0;       // ... and stands so far from cell time since
+  int laser_clock_jumps = 0;
   int disturbed_readings = 0;  // the next n readings jump about by ...
   double disturbance_nm = 60;
   // Temperatures: t0n = 20 + n / 10 + warming * hours. The robot grows by nm_per_k of t01's
@@ -40,10 +43,13 @@ struct SmallWorld {
   // Away: every call fails with unavailable.
   bool axis_away = false, laser_away = false, scanner_away = false, support_away = false,
        load_away = false;
-  bool creeping = false;  // the axis never becomes quiet
+  bool creeping = false;           // the axis never becomes quiet
+  bool stop_does_nothing = false;  // the controller acknowledges a stop and moves on
   // What was done.
   int moves = 0, homes = 0, zeroings = 0, stops = 0, scans = 0, readings = 0;
-  double furthest_mm = 0;  // the largest |q| ever commanded
+  int axis_calls = 0,
+      first_stop_call = 0;  // calls of the controller; which of them the first stop was
+  double furthest_mm = 0;   // the largest |q| ever commanded
   // What an outside watcher was told.
   std::int64_t told_accepted = 0;
   std::uint64_t random_state = 0x9e3779b97f4a7c15;

@@ -39,6 +39,7 @@ class VirtualTime {
     return true;
   }
   Nanoseconds largest_lag{0};
+  Nanoseconds wall_clock_set{0};  // how far somebody has set the wall clock, in all
 
  private:
   CellTime begin_, now_;
@@ -56,6 +57,8 @@ class VirtualClock final : public Clock {
                                      std::chrono::nanoseconds floor) const override {
     return std::max<std::chrono::nanoseconds>(cell, floor);
   }
+  SinceBoot since_boot() const override { return {"virtual", time_.now().utc.utc_ns}; }
+  std::int64_t wall_ahead_ns() const override { return time_.wall_clock_set.count(); }
   void report_lag(Nanoseconds lag) override {
     time_.largest_lag = std::max(time_.largest_lag, lag);
   }

@@ -27,6 +27,9 @@ class DeviceBench {
   const std::string& id(std::size_t device) const { return devices_[device].id; }
   std::optional<std::size_t> find(const std::string& id) const;
   Faults& faults(std::size_t device) { return devices_[device].faults; }
+  bool set_clock(std::size_t device, TimeNs ahead) {
+    return devices_[device].emulator->set_clock(ahead);
+  }
 
   void open(std::size_t device, Session session, Link link, TimeNs now);
   void close(std::size_t device, Session session, TimeNs now);

@@ -39,6 +39,12 @@ class Emulator {
   virtual void close(Session session, TimeNs now) = 0;
   virtual void receive(Session session, std::string_view bytes, TimeNs now) = 0;
 
+  // Sets the device's own clock so far from cell time. False: it has none.
+  virtual bool set_clock(TimeNs ahead) {
+    static_cast<void>(ahead);
+    return false;
+  }
+
   std::optional<TimeNs> next_event() const { return timeline_.next(); }
   void run_next_event() { timeline_.run_next(); }
   // What was sent since the last call, in order of time.

@@ -1,12 +1,15 @@
 #include "drivers/simulated/emulators/fault_desk.h"
 
+#include <cmath>
+
 #include "drivers/simulated/emulators/text.h"
 
 namespace driftwise::simulated {
 namespace {
 
 constexpr std::string_view kHelp =
-    "fault drop|mute|garble|slow|disturb <device> [<n> s] | fault break-beam [<device>] | fault "
+    "fault drop|mute|garble|slow|disturb|clock <device> [<n> s] | fault break-beam [<device>] | "
+    "fault "
     "wrong-power|wrong-position|mend-beam <device> | fault jam|mend-load | fault "
     "open-probe|mend-probe <input> | fault clear [<device>] | load <newton> | truth? | time? | "
     "help";
@@ -105,6 +108,11 @@ std::string FaultDesk::fault(const std::vector<std::string_view>& words, TimeNs 
   }
   Faults& faults = bench_.faults(*device);
   const auto seconds = quantity(words, "s");
+  if (verb == "clock") {
+    if (!seconds || !(std::abs(*seconds) <= 1e9))
+      return wrong("expected fault clock <device> <n> s");
+    return bench_.set_clock(*device, nanoseconds_from(*seconds)) ? "OK" : wrong("it has no clock");
+  }
   if (seconds && (*seconds < 0 || *seconds > 1e7)) return wrong("seconds out of range");
   const TimeNs span = nanoseconds_from(seconds.value_or(0));
   if (verb == "drop") {

@@ -6,14 +6,14 @@
 //   fault mute <device> <n> s           it hears and says nothing
 //   fault garble <device> [<n> s]       its next reply arrives damaged, or all for n seconds
 //   fault slow <device> <n> s           every reply comes n seconds later, until cleared
-//   fault break-beam [<device>]         an interferometer's beam is interrupted: lost until zeroed
-//   fault wrong-power <device>          an autocollimator's beam: too little light,
-//   fault wrong-position <device>       spot beyond the detector; until fault mend-beam <device>
-//   fault jam, fault mend-load          the weights stick
-//   fault open-probe <input>            a thermometer's wire breaks; fault mend-probe <input>
-//   fault disturb <device> <n> s [<a> nm]  shocks of amplitude a (60) on the interferometer
-//   fault clear [<device>]              mute, garble and slow end
-//   load <newton>                       a person changes the weights by hand
+//   fault clock <device> <n> s          its own clock is set so far from cell time; 0 s: right
+//   again fault break-beam [<device>]         an interferometer's beam is interrupted: lost until
+//   zeroed fault wrong-power <device>          an autocollimator's beam: too little light, fault
+//   wrong-position <device>       spot beyond the detector; until fault mend-beam <device> fault
+//   jam, fault mend-load          the weights stick fault open-probe <input>            a
+//   thermometer's wire breaks; fault mend-probe <input> fault disturb <device> <n> s [<a> nm]
+//   shocks of amplitude a (60) on the interferometer fault clear [<device>]              mute,
+//   garble and slow end load <newton>                       a person changes the weights by hand
 //   truth?                              what really is, as one line of JSON
 //   time?                               cell time in ns
 //   help

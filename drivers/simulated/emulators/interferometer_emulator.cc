@@ -148,8 +148,8 @@ std::string InterferometerEmulator::measured(int wanted, TimeNs start, int sampl
          " mean_nm=" + fixed(reading.mean_nm, 4) + " std_nm=" + fixed(reading.std_nm, 4) +
          " t_air_C=" + fixed(reading.air_degc, 5) + " t_age_s=" + fixed(reading.air_age_s, 3) +
          " level_pct=" + fixed(reading.level_pct, 1) +
-         " status=" + (reading.laser_stable ? "0x0010" : "0x0020") + " t0=" + unix_text(start) +
-         " t1=" + unix_text(now) + "\n";
+         " status=" + (reading.laser_stable ? "0x0010" : "0x0020") +
+         " t0=" + unix_text(start + clock_ahead_) + " t1=" + unix_text(now + clock_ahead_) + "\n";
 }
 
 void InterferometerEmulator::finish(Session session, std::uint64_t serial, const std::string& reply,

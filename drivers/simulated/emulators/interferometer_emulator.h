@@ -29,6 +29,10 @@ class InterferometerEmulator : public Emulator {
   void open(Session session, Link link, TimeNs now) override;
   void close(Session session, TimeNs now) override;
   void receive(Session session, std::string_view bytes, TimeNs now) override;
+  bool set_clock(TimeNs ahead) override {
+    clock_ahead_ = ahead;
+    return true;
+  }
 
  private:
   struct Client {
@@ -49,6 +53,7 @@ class InterferometerEmulator : public Emulator {
   int first_, channels_, samples_;
   std::string identity_;
   TimeNs latency_;
+  TimeNs clock_ahead_ = 0;  // of cell time
   bool unstable_is_error_;
   std::map<Session, Client> clients_;
   std::uint64_t last_serial_ = 0;

@@ -6,12 +6,15 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <bit>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <fstream>
+#include <string>
 
 #include "drivers/simulated/emulators/switches.h"
 
@@ -20,8 +23,9 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "the clock file is little-endian");
 
-constexpr char kMagic[] = "DWCLOCK1";
-constexpr std::size_t kSize = 40, kSequenceAt = 8, kWallAt = 16, kCellAt = 24, kSpeedAt = 32;
+constexpr char kMagic[] = "DWCLOCK2";
+constexpr std::size_t kSize = 64, kSequenceAt = 8, kBootAt = 16, kCellAt = 24, kSpeedAt = 32,
+                      kWallAt = 40, kStartAt = 48;
 
 // Another process writes: each word is read once, as a whole.
 std::uint64_t word_at(const void* base, std::size_t offset) {
@@ -34,10 +38,26 @@ std::uint64_t word_at(const void* base, std::size_t offset) {
   throw SetupError(file.string() + ": " + what);
 }
 
-void create(const std::filesystem::path& file, TimeNs wall, TimeNs cell, double speed) {
+// This start of the computer as 16 bytes; zeros where it is not known.
+std::array<unsigned char, 16> this_start() {
+  std::array<unsigned char, 16> bytes{};
+  std::ifstream in("/proc/sys/kernel/random/boot_id");
+  std::string text;
+  in >> text;
+  std::erase(text, '-');
+  for (std::size_t i = 0; i < bytes.size() && 2 * i + 2 <= text.size(); ++i)
+    bytes[i] = static_cast<unsigned char>(std::stoi(text.substr(2 * i, 2), nullptr, 16));
+  return bytes;
+}
+
+void create(const std::filesystem::path& file, TimeNs boot, TimeNs wall, TimeNs cell,
+            double speed) {
   std::array<char, kSize> bytes{};
+  const auto start = this_start();
   std::memcpy(bytes.data(), kMagic, 8);
+  std::memcpy(bytes.data() + kBootAt, &boot, 8);
   std::memcpy(bytes.data() + kWallAt, &wall, 8);
+  std::memcpy(bytes.data() + kStartAt, start.data(), start.size());
   std::memcpy(bytes.data() + kCellAt, &cell, 8);
   std::memcpy(bytes.data() + kSpeedAt, &speed, 8);
   // Written aside and moved: nobody ever sees half a clock.
@@ -55,8 +75,22 @@ void create(const std::filesystem::path& file, TimeNs wall, TimeNs cell, double 
 SimClock::SimClock(const std::filesystem::path& file, TimeNs epoch, double speed) {
   if (!std::filesystem::exists(file)) {
     const TimeNs wall = wall_now();
-    create(file, wall, epoch == 0 ? wall : epoch, speed);
+    create(file, boot_now(), wall, epoch == 0 ? wall : epoch, speed);
   }
+  map(file);
+  const auto start = this_start();
+  if (std::memcmp(static_cast<const char*>(mapped_) + kStartAt, start.data(), start.size()) == 0)
+    return;
+  const Anchor old = anchor();
+  const TimeNs wall = wall_now();
+  const auto away = static_cast<double>(std::max<TimeNs>(0, wall - old.wall_ns));
+  create(file, boot_now(), wall, old.cell_ns + std::llround(away * old.speed), old.speed);
+  ::munmap(const_cast<void*>(mapped_), kSize);
+  map(file);
+}
+
+void SimClock::map(const std::filesystem::path& file) {
+  mapped_ = nullptr;
   const int in = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
   struct stat status {};
   if (in < 0 || ::fstat(in, &status) != 0) {
@@ -68,7 +102,7 @@ SimClock::SimClock(const std::filesystem::path& file, TimeNs epoch, double speed
       status.st_size == kSize ? ::mmap(nullptr, kSize, PROT_READ, MAP_SHARED, in, 0) : MAP_FAILED;
   ::close(in);
   if (mapped == MAP_FAILED || std::memcmp(mapped, kMagic, 8) != 0)
-    refuse(file, "found no clock, expected 40 bytes that begin with DWCLOCK1: remove it");
+    refuse(file, "found no clock, expected 64 bytes that begin with DWCLOCK2: remove it");
   mapped_ = mapped;
   const double found = anchor().speed;
   if (!std::isfinite(found) || found <= 0) {
@@ -82,23 +116,24 @@ SimClock::~SimClock() {
 }
 
 SimClock::Anchor SimClock::anchor() const {
-  if (mapped_ == nullptr) return {};
+  if (mapped_ == nullptr) return own_;
   // A writer that died in the middle leaves an odd sequence for ever: after some tries its values
   // are taken as they are.
   for (int tries = 0;; ++tries) {
     const std::uint64_t before = word_at(mapped_, kSequenceAt);
-    const Anchor seen{static_cast<std::int64_t>(word_at(mapped_, kWallAt)),
+    const Anchor seen{static_cast<std::int64_t>(word_at(mapped_, kBootAt)),
                       static_cast<std::int64_t>(word_at(mapped_, kCellAt)),
-                      std::bit_cast<double>(word_at(mapped_, kSpeedAt))};
+                      std::bit_cast<double>(word_at(mapped_, kSpeedAt)),
+                      static_cast<std::int64_t>(word_at(mapped_, kWallAt))};
     if ((before % 2 == 0 && word_at(mapped_, kSequenceAt) == before) || tries > 1000) return seen;
   }
 }
 
 TimeNs SimClock::now() {
-  const TimeNs wall = wall_now();
+  const TimeNs boot = boot_now();
   const Anchor from = anchor();
   // Whole nanoseconds at speed 1; at another speed a double is exact to some ns over days.
-  const TimeNs elapsed = wall - from.wall_ns;
+  const TimeNs elapsed = boot - from.boot_ns;
   const TimeNs cell = from.speed == 1
                           ? from.cell_ns + elapsed
                           : from.cell_ns + std::llround(static_cast<double>(elapsed) * from.speed);
@@ -114,10 +149,15 @@ std::chrono::nanoseconds SimClock::wall_until(TimeNs instant) {
   return std::chrono::nanoseconds(std::llround(static_cast<double>(left) / speed()));
 }
 
-TimeNs SimClock::wall_now() {
+namespace {
+TimeNs read_clock(clockid_t which) {
   timespec time{};
-  ::clock_gettime(CLOCK_REALTIME, &time);
+  ::clock_gettime(which, &time);
   return static_cast<TimeNs>(time.tv_sec) * 1'000'000'000 + time.tv_nsec;
 }
+}  // namespace
+
+TimeNs SimClock::wall_now() { return read_clock(CLOCK_REALTIME); }
+TimeNs SimClock::boot_now() { return read_clock(CLOCK_BOOTTIME); }
 
 }  // namespace driftwise::simulated

@@ -1,13 +1,14 @@
 #pragma once
-// Cell time for the simulated cell: cell = anchor_cell + (wall - anchor_wall) * speed, wall =
-// CLOCK_REALTIME in ns.
+// Cell time for the simulated cell: cell = anchor_cell + (boot - anchor_boot) * speed, boot =
+// CLOCK_BOOTTIME in ns: the time since the computer's start, which nobody sets.
 //
-// At speed 1 and without a file cell time is wall time. Otherwise the anchor lies in a file of 40
-// bytes that both processes map: char magic[8] = "DWCLOCK1", u64 sequence (odd while being written;
-// a reader tries again), i64 anchor_wall_ns, i64 anchor_cell_ns, f64 speed; all little-endian. The
-// simulated cell creates it, the daemon alone rewrites it later; a wait computed from the speed may
-// therefore turn out wrong and must be looked at again. Own implementation: the plant's side shares
-// no code with the daemon. One thread.
+// At speed 1 and without a file cell time begins as UTC. Otherwise the anchor lies in a file of 64
+// bytes that both processes map: char magic[8] = "DWCLOCK2", u64 sequence (odd while being written;
+// a reader tries again), i64 anchor_boot_ns, i64 anchor_cell_ns, f64 speed, i64 anchor_wall_ns, u8
+// boot[16] (which start of the computer); all little-endian. The simulated cell creates it, the
+// daemon alone rewrites it later; a wait computed from the speed may therefore turn out wrong and
+// must be looked at again. Own implementation: the plant's side shares no code with the daemon. One
+// thread.
 
 #include <chrono>
 #include <cstdint>
@@ -20,11 +21,12 @@ namespace driftwise::simulated {
 
 class SimClock {
  public:
-  // Wall time is cell time.
-  SimClock() = default;
+  // Cell time begins as UTC.
+  SimClock() : own_{boot_now(), wall_now(), 1} {}
   // Maps the file; creates it first when it is not there: from now on cell time runs from `epoch`
-  // (0: the present wall time) at `speed`. Throws SetupError: cannot be created, read or is no
-  // clock file.
+  // (0: the present UTC) at `speed`. A file of an earlier start of the computer is made anew, and
+  // its time goes on by the wall clock. Throws SetupError: cannot be created, read or is no clock
+  // file.
   SimClock(const std::filesystem::path& file, TimeNs epoch, double speed);
   ~SimClock();
   SimClock(const SimClock&) = delete;
@@ -41,10 +43,14 @@ class SimClock {
 
  private:
   struct Anchor {
-    std::int64_t wall_ns = 0, cell_ns = 0;
+    std::int64_t boot_ns = 0, cell_ns = 0;
     double speed = 1;
+    std::int64_t wall_ns = 0;
   };
+  static TimeNs boot_now();
+  void map(const std::filesystem::path& file);
   Anchor anchor() const;
+  Anchor own_;  // without a file
 
   const void* mapped_ = nullptr;
   TimeNs last_ = INT64_MIN;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,12 @@ struct DeviceHealth {
   double last_latency_s = 0;  // wall seconds of the last exchange
   std::string last_error;     // empty: none since connecting
   CellTime last_good;         // utc_ns 0: never
+  // A device that stamps its answers by a clock of its own: that clock minus cell time, as
+  // measured; none: it has no such clock, or nothing was measured yet.
+  std::optional<Nanoseconds> clock_offset = {};
+  double max_clock_offset_s = 60;  // to UTC: beyond it an alarm
+  std::int64_t clock_jumps = 0;    // how often that clock was set, and by how much the last time
+  Nanoseconds last_clock_jump{0};
 };
 
 // What every device behind a port can do. All calls on the executor's thread; at most one call that

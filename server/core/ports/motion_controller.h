@@ -24,7 +24,9 @@ class MotionController : public Device {
   // (not referenced, servo off), aborted (stopped).
   virtual Awaitable<Result<void>> start_move(std::span<const double> q_mm) = 0;
   // Halts all axes now. May be called while another call is under way, which then fails with
-  // aborted.
+  // aborted. Success means that the controller has the command, not that nothing moves: state()
+  // says so. Until state() has reported no motion in two successive answers, the command is also
+  // the first one on every new connection.
   virtual Awaitable<Result<void>> stop() = 0;
 };
 

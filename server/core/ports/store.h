@@ -14,6 +14,8 @@
 
 #include "server/core/dataset.h"
 #include "server/core/diagnosis_records.h"
+#include "server/core/ports/clock_store.h"
+#include "server/core/ports/stop_store.h"
 #include "server/core/ports/watch_store.h"
 #include "server/core/records.h"
 #include "server/core/result.h"
@@ -135,7 +137,7 @@ class DiagnosisStore {
   virtual Result<std::int64_t> fail_unfinished(const std::string& reason, CellTime at) = 0;
 };
 
-// One database. The six views share its transactions and its thread.
+// One database. The views share its transactions and its thread.
 class Store {
  public:
   virtual ~Store() = default;
@@ -149,6 +151,8 @@ class Store {
   virtual AlarmStore& alarms() = 0;
   virtual SeriesStore& series() = 0;
   virtual TrajectoryStore& trajectories() = 0;
+  virtual StopStore& stops() = 0;
+  virtual ClockStore& clocks() = 0;
   // Housekeeping that must not delay a point (SQLite: a checkpoint of the log, a step of the
   // summaries): call it on the
   // store's thread when there is time, between points; it does nothing when there is nothing to do.

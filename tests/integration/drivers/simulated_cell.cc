@@ -1,5 +1,7 @@
 #include "tests/integration/drivers/simulated_cell.h"
 
+#include <time.h>
+
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
@@ -25,19 +27,19 @@ T value_at(const std::string& bytes, std::size_t offset) {
 
 SharedClock::SharedClock(const std::string& clock_file) {
   const std::string bytes = read_file(clock_file);
-  if (bytes.size() != 40 || !bytes.starts_with("DWCLOCK1"))
+  if (bytes.size() != 64 || !bytes.starts_with("DWCLOCK2"))
     throw std::runtime_error(clock_file + " is no clock file");
-  anchor_wall_ns_ = value_at<std::int64_t>(bytes, 16);
+  anchor_boot_ns_ = value_at<std::int64_t>(bytes, 16);
   anchor_cell_ns_ = value_at<std::int64_t>(bytes, 24);
   speed_ = value_at<double>(bytes, 32);
 }
 
 Stamp SharedClock::now() const {
-  const std::int64_t wall = std::chrono::duration_cast<std::chrono::nanoseconds>(
-                                std::chrono::system_clock::now().time_since_epoch())
-                                .count();
+  timespec time{};
+  ::clock_gettime(CLOCK_BOOTTIME, &time);
+  const std::int64_t boot = std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
   const auto since =
-      static_cast<std::int64_t>(static_cast<double>(wall - anchor_wall_ns_) * speed_);
+      static_cast<std::int64_t>(static_cast<double>(boot - anchor_boot_ns_) * speed_);
   return {CellTime{anchor_cell_ns_ + since}, since};
 }
 

@@ -27,7 +27,7 @@ class SharedClock final : public Clock {
   void report_lag(Nanoseconds) override {}
 
  private:
-  std::int64_t anchor_wall_ns_ = 0, anchor_cell_ns_ = 0;
+  std::int64_t anchor_boot_ns_ = 0, anchor_cell_ns_ = 0;
   double speed_ = 1;
 };
 

@@ -90,7 +90,7 @@ def instance():
         for device in ("axis", "scanner", "laser-x", "support"):
             check('"%s"' % cell.address[device] in text, "cell.toml has the address of " + device)
         check("speed = 200" in text and 'listen = "127.0.0.1:0"' in text, "and the speed and free ports")
-        check(os.path.getsize(os.path.join(cell.folder.name, "clock.state")) == 40, "the clock has 40 bytes")
+        check(os.path.getsize(os.path.join(cell.folder.name, "clock.state")) == 64, "the clock has 64 bytes")
         with open(os.path.join(cell.folder.name, "truth.csv")) as file:
             check("end_effector_nm" in file.readline(), "the truth log has its header")
 

@@ -62,6 +62,8 @@ class AlarmsOnly final : public Store {
   AlarmStore& alarms() override { return disk; }
   SeriesStore& series() override { return under_->series(); }
   TrajectoryStore& trajectories() override { return under_->trajectories(); }
+  StopStore& stops() override { return under_->stops(); }
+  ClockStore& clocks() override { return under_->clocks(); }
 
  private:
   std::unique_ptr<Store> under_;

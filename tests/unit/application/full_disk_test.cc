@@ -23,6 +23,8 @@ class FullDisk final : public Store, RunStore, ReadingStore, EventStore {
   AlarmStore& alarms() override { return inner_->alarms(); }
   SeriesStore& series() override { return inner_->series(); }
   TrajectoryStore& trajectories() override { return inner_->trajectories(); }
+  StopStore& stops() override { return inner_->stops(); }
+  ClockStore& clocks() override { return inner_->clocks(); }
 
  private:
   template <class T>

@@ -2,17 +2,16 @@
 // doubled.
 
 #include <gtest/gtest.h>
-#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
 #include <map>
-#include <new>
 
 #include "server/application/crash_point.h"
 #include "storage/sqlite_store.h"
 #include "tests/support/cell_in_memory.h"
+#include "tests/unit/application/shared_world.h"
 #include "tests/unit/application/sqlite.h"
 
 namespace driftwise::tests {
@@ -20,23 +19,6 @@ namespace {
 
 const std::string kTrajectory = lines_of(2, {2, -3}, true);
 constexpr std::int64_t kRows = 6;
-
-// The world lies in memory that both processes share: it does not end with the daemon.
-class SharedWorld {
- public:
-  SharedWorld() {
-    void* place = ::mmap(nullptr, sizeof(SmallWorld), PROT_READ | PROT_WRITE,
-                         MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (place == MAP_FAILED) throw std::runtime_error("mmap");
-    world_ = new (place) SmallWorld;
-  }
-  ~SharedWorld() { ::munmap(world_, sizeof(SmallWorld)); }
-  SmallWorld& operator*() { return *world_; }
-  SmallWorld* operator->() { return world_; }
-
- private:
-  SmallWorld* world_;
-};
 
 // Runs the daemon in a child until it is done, or dies at the n-th passing of any crash point.
 // True: it died.

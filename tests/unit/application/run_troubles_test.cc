@@ -149,7 +149,7 @@ TEST_F(RunTroubles, StopAllHaltsTheAxisAtOnceAndNeedsNoLease) {
   begin_and_accept(2);
   cell.until([&] { return cell->status().run->phase == "moving"; });
   const int stops = world.stops;
-  ASSERT_TRUE(cell.await(cell->stop_all({"bob", "peer"})));
+  EXPECT_TRUE(cell.await(cell->stop_all({"bob", "peer"}))->confirmed);
   EXPECT_GT(world.stops, stops);
   cell.until([&] { return cell->status().run->run.state == RunState::paused; });
   EXPECT_EQ(cell->status().run->run.reason, "stopped by bob");
@@ -165,9 +165,13 @@ TEST_F(RunTroubles, StopAllHoldsARunThatWaitsForADevice) {
   begin_and_accept(2);
   world.axis_away = true;
   expect_waiting();
-  EXPECT_FALSE(cell.await(cell->stop_all({"bob", "peer"})));  // he hears that the axis is away
-  cell.until([&] { return cell->status().run->run.state == RunState::paused; });
+  // He hears that the axis is away, and the stop stays pending until it is back.
+  EXPECT_FALSE(cell.await(cell->stop_all({"bob", "peer"}))->confirmed);
+  cell.pass(60);
+  EXPECT_EQ(cell->status().run->run.state, RunState::waiting);
+  EXPECT_EQ(cell->status().pending_stops.size(), 1u);
   world.axis_away = false;
+  cell.until([&] { return cell->status().run->run.state == RunState::paused; });
   cell.pass(600);
   EXPECT_EQ(cell->status().run->run.state, RunState::paused);
   // Stopped once more while it stands, it stands on, with who was last.

@@ -256,6 +256,34 @@ TEST_F(GcsLoop, StopsThoughItWasNotConnected) {
   EXPECT_TRUE(run(controller->stop()));
 }
 
+// Issue 11, number 13: the acknowledgement came, the line broke, and the axis may still move.
+TEST_F(GcsLoop, StopsFirstOnEveryNewConnectionUntilTwoAnswersReportNoMotion) {
+  peer.on_connection(set_up_and({expect("\x18"), expect("*IDN?\n"), send("(c) PI, C-887, 1, 2.1\n"),
+                                 expect("ERR?\n"), send("10\n"), expect("ERR?\n"), send("0\n"),
+                                 expect("\x05"), hang_up()}));
+  peer.on_connection(operator_plus(
+      {expect("\x18")}, set_up_and(operator_plus(state("1\n", "X=0\n", "X=0.5\n"),
+                                                 operator_plus(state("0\n", "X=0\n", "X=0.6\n"),
+                                                               {expect("\x05"), hang_up()})))));
+  peer.on_connection(operator_plus(
+      {expect("\x18")}, set_up_and(operator_plus(state("0\n", "X=0\n", "X=0.6\n"),
+                                                 operator_plus(state("0\n", "X=0\n", "X=0.6\n"),
+                                                               {expect("\x05"), hang_up()})))));
+  peer.on_connection(set_up_and(state("0\n", "X=0\n", "X=0.6\n")));
+  make(axis());
+  ASSERT_TRUE(run(controller->prepare()));
+  ASSERT_TRUE(run(controller->stop()));
+  EXPECT_FALSE(run(controller->state()));
+  EXPECT_TRUE(run(controller->state())->moving) << "stopped again, and still on its way";
+  EXPECT_FALSE(run(controller->state())->moving);
+  EXPECT_FALSE(run(controller->state()));  // one answer of no motion is not two
+  EXPECT_FALSE(run(controller->state())->moving);
+  EXPECT_FALSE(run(controller->state())->moving);
+  EXPECT_FALSE(run(controller->state()));
+  EXPECT_TRUE(run(controller->state())) << "confirmed: a new connection begins as usual";
+  EXPECT_TRUE(peer.finished());
+}
+
 TEST_F(GcsLoop, SetsTheDeviceUpAgainAfterTheLineBroke) {
   peer.on_connection(set_up_and({expect("\x05"), hang_up()}));
   peer.on_connection(set_up_and(state("0\n", "X=0\n", "X=0\n"), "X=0\n"));

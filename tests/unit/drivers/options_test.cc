@@ -5,6 +5,7 @@
 #include "drivers/transport/address.h"
 #include "drivers/transport/back_off.h"
 #include "drivers/transport/clock_anchor.h"
+#include "drivers/transport/device_clock.h"
 
 namespace driftwise::transport {
 namespace {
@@ -106,6 +107,38 @@ TEST(ClockAnchor, TightensWithTheFastestAnswer) {
   EXPECT_NEAR(seconds_from(anchor.cell_time(12.0) - at(0)), 112.1, 1e-9);
   anchor.observe(21.0, 22.0, at(120.9), at(123.0));  // a slow answer loosens nothing
   EXPECT_NEAR(seconds_from(anchor.cell_time(22.0) - at(0)), 122.1, 1e-9);
+}
+
+TEST(DeviceClock, FollowsADriftAndTellsAJump) {
+  const auto at = [](double s) { return CellTime{} + nanoseconds_from_s(s); };
+  DeviceClock device_clock;
+  double off_s = -250;
+  const auto reading_at = [&](double s) {  // averages for half a second, 0.1 s after the question
+    return device_clock.observe(at(s + 0.1 + off_s), at(s + 0.6 + off_s), at(s), at(s + 0.65));
+  };
+  for (int i = 1; i <= 10'000; ++i) {
+    off_s += 10 * 1e-4;  // 100 ppm fast
+    ASSERT_FALSE(reading_at(10.0 * i)) << i;
+    ASSERT_NEAR(seconds_from(*device_clock.offset()), off_s, 0.11);
+  }
+  off_s += 3600;
+  const auto forward = reading_at(200'000);
+  ASSERT_TRUE(forward);
+  EXPECT_NEAR(seconds_from(*forward), 3600, 0.2);
+  EXPECT_FALSE(reading_at(200'010)) << "told once";
+  EXPECT_NEAR(seconds_from(device_clock.cell_time(at(200'020 + off_s)) - at(200'020)), 0, 0.11);
+  off_s -= 600;
+  const auto back = reading_at(200'030);
+  ASSERT_TRUE(back);
+  EXPECT_NEAR(seconds_from(*back), -600, 0.2);
+}
+
+// Between two asked at long intervals a quartz may drift by more than an exchange is wide.
+TEST(DeviceClock, ALongAbsenceIsNoJump) {
+  const auto at = [](double s) { return CellTime{} + nanoseconds_from_s(s); };
+  DeviceClock device_clock;
+  EXPECT_FALSE(device_clock.observe(at(10.1), at(10.6), at(10), at(10.7)));
+  EXPECT_FALSE(device_clock.observe(at(86411.1), at(86411.6), at(86410), at(86410.7)));
 }
 
 TEST(ClockAnchor, FollowsAClockThatDriftsAndOneThatIsReset) {

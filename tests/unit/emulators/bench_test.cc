@@ -181,7 +181,7 @@ TEST(SimClock, RunsFromTheEpochAtItsSpeed) {
   EXPECT_GE(SimClock::wall_now(), wall);
   EXPECT_EQ(clock.speed(), 200);
   EXPECT_LE(clock.wall_until(cell + 200 * kSecondNs), std::chrono::seconds(1));
-  EXPECT_EQ(fs::file_size(folder.path / "clock.state"), 40u);
+  EXPECT_EQ(fs::file_size(folder.path / "clock.state"), 64u);
 }
 
 TEST(SimClock, FollowsWhoeverChangesTheSpeed) {
@@ -209,9 +209,9 @@ TEST(SimClock, NeverRunsBack) {
 
 TEST(SimClock, RefusesAFileThatIsNoClock) {
   Folder folder;
-  EXPECT_THROW(SimClock(folder.write("short", "DWCLOCK1"), 0, 1), SetupError);
-  EXPECT_THROW(SimClock(folder.write("other", std::string(40, 'x')), 0, 1), SetupError);
-  EXPECT_THROW(SimClock(folder.write("stopped", "DWCLOCK1" + std::string(32, '\0')), 0, 1),
+  EXPECT_THROW(SimClock(folder.write("short", "DWCLOCK2"), 0, 1), SetupError);
+  EXPECT_THROW(SimClock(folder.write("other", std::string(64, 'x')), 0, 1), SetupError);
+  EXPECT_THROW(SimClock(folder.write("stopped", "DWCLOCK2" + std::string(56, '\0')), 0, 1),
                SetupError);
   EXPECT_THROW(SimClock("/no/such/folder/clock", 0, 1), SetupError);
 }

@@ -85,7 +85,9 @@ class Client {
                         std::chrono::milliseconds limit = std::chrono::seconds(1)) const;
   // min_interval: wall time between two answers; 0: with every change of the conditions.
   TargetFollower follow(Pose pose, std::chrono::milliseconds min_interval = {}) const;
-  // Halts every axis and pauses nothing: a run under way is aborted. A stop by software.
+  // Halts every axis; a run under way is paused. A stop by software. Failure STOP_NOT_CONFIRMED: a
+  // controller has not reported that nothing moves: use the emergency switch. The daemon goes on
+  // stopping it.
   Answer<void> stop_all(std::chrono::milliseconds limit = std::chrono::seconds(2)) const;
 
  private:

@@ -23,7 +23,9 @@ export function StopButton() {
     setUnder(true);
     setOutcome(undefined);
     api.cell().stopAll({}, { timeoutMs: 5000 }).then(
-      () => setOutcome({ words: 'Axes halted', bad: false }),
+      (answer) => setOutcome(answer.confirmed
+        ? { words: 'Axes halted', bad: false }
+        : { words: `Stop not confirmed: use the emergency switch. ${answer.message}`, bad: true }),
       (error) => setOutcome({ words: `Stop failed: ${failureOf(error).message} Use the emergency switch.`, bad: true }),
     ).finally(() => setUnder(false));
   };

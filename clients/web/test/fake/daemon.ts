@@ -81,7 +81,7 @@ export function fakeDaemon(wishes: FakeWishes = {}): Transport {
     service(CellService, {
       getStatus: () => (wishes.noModel ? create(GetStatusResponseSchema, { cellName: fakeStatus.cellName, devices: fakeStatus.devices }) : fakeStatus),
       listDevices: () => create(ListDevicesResponseSchema, { devices: fakeStatus.devices }),
-      stopAll: () => ({}),
+      stopAll: () => ({ confirmed: true, message: 'axis: no motion, in two successive answers' }),
       takeLease: () => ({ lease: { token: 'fake' } }),
       setStabiliser: () => ({}),
       listEvents: () => ({

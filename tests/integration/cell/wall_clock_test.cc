@@ -1,0 +1,127 @@
+// Somebody sets the wall clock of the computer while a run is under way, as both programs see it;
+// and somebody sets that of the interferometer's adapter. The computer's own clock is never
+// touched.
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <sstream>
+
+#include "server/core/cell_time.h"
+#include "tests/integration/cell/cell_at_work.h"
+
+namespace driftwise::tests {
+namespace {
+
+using testing::HasSubstr;
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kCanPreload = false;
+#else
+constexpr bool kCanPreload = true;
+#endif
+
+// The file that the preloaded library reads.
+class WallClockOfThePrograms {
+ public:
+  WallClockOfThePrograms() { set(0); }
+  std::vector<std::string> environment() const {
+    return {std::string("LD_PRELOAD=") + DRIFTWISE_SET_WALL_CLOCK,
+            "DRIFTWISE_TEST_WALL_CLOCK=" + path()};
+  }
+  void set(std::int64_t ahead_s) const {
+    const std::int64_t ns = ahead_s * 1'000'000'000;
+    std::fstream file(path(), std::ios::in | std::ios::out | std::ios::binary);
+    if (!file) file.open(path(), std::ios::out | std::ios::binary);
+    file.write(reinterpret_cast<const char*>(&ns), sizeof ns);
+  }
+
+ private:
+  std::string path() const { return folder_.path() + "/ahead"; }
+  TemporaryFolder folder_;
+};
+
+std::vector<double> times_s(const std::string& csv) {
+  std::vector<double> values;
+  std::istringstream lines(csv);
+  for (std::string line; std::getline(lines, line);)
+    if (!line.empty() && std::isdigit(static_cast<unsigned char>(line[0])))
+      values.push_back(std::stod(line));
+  return values;
+}
+
+double utc_of_the_cell_s(const CellAtWork& cell) {
+  const std::string text = cell.ask({"status"}).at("cell_time");
+  return static_cast<double>(parse_iso8601(text)->utc_ns) * 1e-9;
+}
+
+struct ClockSteps {
+  const char* name;
+  std::vector<int> ahead_s;  // one after another, each after some points
+};
+class WallClockOnTheWire : public testing::TestWithParam<ClockSteps> {};
+
+TEST_P(WallClockOnTheWire, TheRunGoesOnAndSaysSo) {
+  if (!kCanPreload) GTEST_SKIP() << "NOT TESTED: a sanitizer's library must be loaded first";
+  const WallClockOfThePrograms wall_clock;
+  CellAtWork cell({.environment = wall_clock.environment()});
+  cell.start_daemon();
+  const auto run = cell.start_run(campaign(3, 8));
+  std::int64_t points = 4;
+  for (const int ahead_s : GetParam().ahead_s) {
+    cell.wait_for_points(points);
+    const double before_s = utc_of_the_cell_s(cell);
+    const auto steps = cell.events("clock.stepped");
+    wall_clock.set(ahead_s);
+    wait_until("the step is on record", [&] { return cell.events("clock.stepped") > steps; });
+    // At speed 200 some hundred seconds pass meanwhile.
+    const auto known = cell.count(
+        "SELECT step_ns / 1000000000 FROM clock ORDER BY clock_id DESC "
+        "LIMIT 1");
+    EXPECT_NEAR(utc_of_the_cell_s(cell) - before_s, static_cast<double>(known), 400)
+        << "UTC is mapped anew";
+    points += 6;
+  }
+  const auto ended = cell.end_of(run);
+  EXPECT_EQ(ended.at("state"), "done") << ended.dump() << cell.daemon_log();
+  EXPECT_EQ(cell.count("SELECT count(*) FROM point"), 24);
+  const auto steps = static_cast<std::int64_t>(GetParam().ahead_s.size());
+  EXPECT_EQ(cell.events("clock.stepped"), steps);
+  EXPECT_EQ(cell.count("SELECT count(*) FROM alarm WHERE kind = 'clock.stepped'"), steps);
+  EXPECT_EQ(cell.count("SELECT count(*) FROM (SELECT at_ns < lag(at_ns) OVER (ORDER BY event_id) "
+                       "AS back FROM event) WHERE back"),
+            0)
+      << "cell time never runs back";
+  const auto time_s = times_s(cell.say({"data", "export", std::to_string(run)}));
+  ASSERT_EQ(time_s.size(), 24u);
+  EXPECT_TRUE(std::is_sorted(time_s.begin(), time_s.end()));
+}
+
+INSTANTIATE_TEST_SUITE_P(Steps, WallClockOnTheWire,
+                         testing::Values(ClockSteps{"TenMinutesBack", {-600}},
+                                         ClockSteps{"OneHourForward", {3600}},
+                                         ClockSteps{"ForwardAndBack", {3600, -600}}),
+                         [](const auto& row) { return std::string(row.param.name); });
+
+TEST(AdaptersClockOnTheWire, AJumpRepeatsThePointAndAnHourIsAnAlarm) {
+  CellAtWork cell;
+  cell.start_daemon();
+  const auto run = cell.start_run(campaign(3, 8));
+  cell.wait_for_points(5);
+  cell.control("fault clock laser-x 3600 s");
+  const auto ended = cell.end_of(run);
+  EXPECT_EQ(ended.at("state"), "done") << ended.dump() << cell.daemon_log();
+  EXPECT_EQ(cell.count("SELECT count(*) FROM point"), 24);
+  EXPECT_EQ(cell.count("SELECT count(*) FROM attempt WHERE verdict = 'interrupted'"), 1);
+  wait_until("the jump is on record", [&] { return cell.events("device.clock_jumped") == 1; });
+  EXPECT_THAT(cell.sql("SELECT detail FROM event WHERE what = 'device.clock_jumped'"),
+              HasSubstr("laser-x was set by +3600."));
+  wait_until("an alarm", [&] {
+    return cell.count("SELECT count(*) FROM alarm WHERE kind = 'device.clock'") == 1;
+  });
+}
+
+}  // namespace
+}  // namespace driftwise::tests
