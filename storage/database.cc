@@ -5,14 +5,38 @@
 
 namespace driftwise::storage {
 
-Database::Database(const std::string& path, int flags, const std::string& vfs) : path_(path) {
+Database::Database(const std::string& path, int flags, const std::string& vfs)
+    : path_(path), vfs_(vfs), flags_(flags) {
+  open();
+}
+
+void Database::open() {
   sqlite3* raw = nullptr;
   // NOMUTEX: an object belongs to one thread, SQLite need not lock for it.
   const int code =
-      sqlite3_open_v2(path.c_str(), &raw, flags | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE,
-                      vfs.empty() ? nullptr : vfs.c_str());
+      sqlite3_open_v2(path_.c_str(), &raw, flags_ | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE,
+                      vfs_.empty() ? nullptr : vfs_.c_str());
   handle_.reset(raw);
   if (code != SQLITE_OK) fail_now("opening");
+}
+
+void Database::reopen() {
+  kept_.clear();
+  handle_.reset();
+  open();
+}
+
+void Database::for_each_row(const std::string& sql,
+                            const std::function<void(const std::string&)>& take) {
+  sqlite3_stmt* raw = nullptr;
+  if (sqlite3_prepare_v2(handle(), sql.c_str(), -1, &raw, nullptr) != SQLITE_OK) fail_now(sql);
+  const std::unique_ptr<sqlite3_stmt, Finalize> statement(raw);
+  int code = SQLITE_ROW;
+  while ((code = sqlite3_step(raw)) == SQLITE_ROW) {
+    const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(raw, 0));
+    take(text == nullptr ? std::string() : std::string(text));
+  }
+  if (code != SQLITE_DONE) fail_now(sql);
 }
 
 void Database::fail_now(std::string_view doing) const {
@@ -38,6 +62,9 @@ std::int64_t Database::pragma(const std::string& name) {
 }
 
 sqlite3_stmt* Database::kept(const char* sql) {
+  if (!handle_)
+    throw_failure(ErrorCode::resource_exhausted, "DATABASE_CLOSED",
+                  "database " + path_ + " could not be opened anew: it is tried again");
   auto& slot = kept_[sql];
   if (!slot) {
     sqlite3_stmt* raw = nullptr;

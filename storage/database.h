@@ -6,6 +6,7 @@
 
 #include <concepts>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,11 +20,17 @@ class Database {
   // flags: SQLITE_OPEN_*; vfs: empty for the default one.
   Database(const std::string& path, int flags, const std::string& vfs);
 
+  // Closes this connection and opens the path anew; kept statements are prepared again when they
+  // are used. After a failure the object is closed, and the next reopen() tries again.
+  void reopen();
+
   const std::string& path() const { return path_; }
   sqlite3* handle() const { return handle_.get(); }
 
   // Runs statements that give no rows.
   void execute(const std::string& sql);
+  // The first column of every row, as text, of a statement that is used once.
+  void for_each_row(const std::string& sql, const std::function<void(const std::string&)>& take);
   std::int64_t pragma(const std::string& name);  // first column of its first row
   std::int64_t last_row_id() const { return sqlite3_last_insert_rowid(handle()); }
   std::int64_t changed_rows() const { return sqlite3_changes64(handle()); }
@@ -42,7 +49,10 @@ class Database {
     void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
   };
 
-  std::string path_;
+  void open();
+
+  std::string path_, vfs_;
+  int flags_;
   std::unique_ptr<sqlite3, Close> handle_;
   std::unordered_map<const char*, std::unique_ptr<sqlite3_stmt, Finalize>> kept_;
 };
@@ -80,6 +90,7 @@ class Query {
   }
   void restart() { sqlite3_reset(statement_); }
 
+  int columns() const { return sqlite3_column_count(statement_); }
   bool is_null(int column) const { return sqlite3_column_type(statement_, column) == SQLITE_NULL; }
   std::int64_t integer(int column) const { return sqlite3_column_int64(statement_, column); }
   double real(int column) const;  // NULL: kMissing

@@ -1,5 +1,7 @@
 #include "storage/model_store.h"
 
+#include <set>
+
 namespace driftwise::storage {
 namespace {
 
@@ -14,6 +16,36 @@ ModelRecord model_from(const Query& row) {
   throw_failure(ErrorCode::not_found, "NO_SUCH_MODEL",
                 "there is no model " + std::to_string(id.value) + " in database " +
                     session.db.path() + ": 'driftwise model list' shows those there are");
+}
+
+ModelRecord read_model(Session& session, ModelId id) {
+  Query query(session.db,
+              "SELECT model_id, name, json, hash, parent_id, created_ns, created_by, note FROM "
+              "model WHERE model_id = ?");
+  if (!query.bind(id.value).row()) throw_no_such_model(session, id);
+  return model_from(query);
+}
+
+Result<std::vector<std::int64_t>> ids_by(Session& session, const char* sql) {
+  return session.read([&] {
+    std::vector<std::int64_t> found;
+    Query query(session.db, sql);
+    while (query.row()) found.push_back(query.integer(0));
+    return found;
+  });
+}
+
+// From the table and, where a page of it is damaged, from the index over the hashes, which has
+// pages of its own. Errors: neither can be read.
+Result<std::set<std::int64_t>> model_ids(Session& session) {
+  const auto by_table = ids_by(session, "SELECT model_id FROM model NOT INDEXED");
+  const auto by_hash =
+      ids_by(session, "SELECT model_id FROM model INDEXED BY sqlite_autoindex_model_1");
+  if (!by_table && !by_hash) return tl::unexpected(by_table.error());
+  std::set<std::int64_t> ids;
+  if (by_table) ids.insert(by_table->begin(), by_table->end());
+  if (by_hash) ids.insert(by_hash->begin(), by_hash->end());
+  return ids;
 }
 
 }  // namespace
@@ -38,24 +70,26 @@ Result<ModelId> SqliteModelStore::add_model(const ModelRecord& model) {
 }
 
 Result<ModelRecord> SqliteModelStore::model(ModelId id) {
-  return session_.read([&] {
-    Query query(session_.db,
-                "SELECT model_id, name, json, hash, parent_id, created_ns, created_by, note FROM "
-                "model WHERE model_id = ?");
-    if (!query.bind(id.value).row()) throw_no_such_model(session_, id);
-    return model_from(query);
-  });
+  return session_.read([&] { return read_model(session_, id); });
 }
 
+// Each in a transaction of its own: one damaged row does not hide the others.
 Result<std::vector<ModelRecord>> SqliteModelStore::models() {
-  return session_.read([&] {
-    Query query(session_.db,
-                "SELECT model_id, name, json, hash, parent_id, created_ns, created_by, note FROM "
-                "model ORDER BY model_id");
-    std::vector<ModelRecord> models;
-    while (query.row()) models.push_back(model_from(query));
-    return models;
-  });
+  const auto ids = model_ids(session_);
+  if (!ids) return tl::unexpected(ids.error());
+  std::vector<ModelRecord> models;
+  for (const std::int64_t id : *ids) {
+    auto found = session_.read([&] { return read_model(session_, {id}); });
+    if (!found) {
+      ModelRecord damaged;
+      damaged.id = {id};
+      damaged.name = "(damaged)";
+      damaged.damage = found.error().message;
+      found = std::move(damaged);
+    }
+    models.push_back(std::move(*found));
+  }
+  return models;
 }
 
 Result<void> SqliteModelStore::add_promotion(const PromotionRecord& promotion) {

@@ -4,6 +4,8 @@
 
 #include <string_view>
 
+#include "storage/utc_column.h"
+
 namespace driftwise::storage {
 
 constexpr std::string_view kSchemaV6 =
@@ -47,6 +49,19 @@ CREATE TABLE stop (  -- a stop that a person asked for, one row per motion contr
   confirmed_ns INTEGER NOT NULL  -- the controller had reported no motion twice in succession; 0: pending
 ) STRICT;
 CREATE UNIQUE INDEX stop_pending ON stop (controller) WHERE confirmed_ns = 0;
+-- Check of the database's own pages.
+CREATE TABLE database_check (  -- one row: the last check of a table
+  table_name TEXT PRIMARY KEY,
+  checked_ns INTEGER NOT NULL,
+  trouble TEXT NOT NULL,  -- empty: clean
+  )sql" DRIFTWISE_UTC_COLUMN("checked") R"sql(
+) STRICT;
+CREATE TABLE database_check_pass (  -- one row: how far the checks are
+  pass INTEGER PRIMARY KEY CHECK (pass = 1),
+  begun_ns INTEGER NOT NULL,      -- tables checked since then belong to the present pass
+  last_clean_ns INTEGER NOT NULL, -- when a pass last ended with every table clean; 0: never
+  )sql" DRIFTWISE_UTC_COLUMN("last_clean") R"sql(
+) STRICT;
 )sql";
 
 }  // namespace driftwise::storage

@@ -6,21 +6,30 @@
 #include <utility>
 
 #include "storage/database.h"
+#include "storage/database_lock.h"
 #include "storage/failure.h"
-#include "storage/lock_file.h"
+#include "storage/file_watch.h"
 #include "storage/names.h"
 
 namespace driftwise::storage {
 
 struct Session {
-  LockFile lock;  // released after the connection is closed
+  DatabaseLock lock;  // of a writing session; released after the connection is closed
   Database db;
   Names names;
   bool read_only;
+  FileWatch files;  // of a writing session
 
-  Session(LockFile taken, const std::string& path, int flags, const std::string& vfs,
-          bool reads_only)
-      : lock(std::move(taken)), db(path, flags, vfs), names(db), read_only(reads_only) {}
+  // A file that is there is locked before SQLite opens it; a new one, which only SQLite creates,
+  // right afterwards and before anything is written. Without a file (":memory:", a simulated disk)
+  // there is nothing to lock.
+  Session(const std::string& path, int flags, const std::string& vfs, bool reads_only)
+      : lock(reads_only ? DatabaseLock() : lock_of_existing(path)),
+        db(path, flags, vfs),
+        names(db),
+        read_only(reads_only) {
+    if (!reads_only && !lock.file().exists()) lock = lock_of_existing(path);
+  }
 
   // Runs body in one transaction, durable when this returns; any failure leaves the database as it
   // was.
@@ -28,6 +37,7 @@ struct Session {
   auto write(F&& body) -> Result<std::invoke_result_t<F>> {
     auto result = answered([&]() -> std::invoke_result_t<F> {
       require_writable();
+      require_files();
       Transaction transaction(db);
       if constexpr (std::is_void_v<std::invoke_result_t<F>>) {
         body();
@@ -53,10 +63,31 @@ struct Session {
     });
   }
 
+  // Moves all of the log into the database and waits for readers of older states meanwhile.
+  void secure_log() {
+    const int code = sqlite3_wal_checkpoint_v2(db.handle(), nullptr, SQLITE_CHECKPOINT_FULL,
+                                               nullptr, nullptr);
+    files.wrote();
+    if (code != SQLITE_OK) db.fail_now("moving the log into the database");
+  }
+
  private:
+  static DatabaseLock lock_of_existing(const std::string& path) {
+    return identity_of(path).exists() ? DatabaseLock(path) : DatabaseLock();
+  }
   void end(Transaction& transaction) {
     names.refresh_views();
     transaction.commit();
+    // A log that is on no path any more goes with this process. What it holds is in the database
+    // before anybody is told. When that fails the commit stands all the same.
+    if (files.look() == DatabaseFiles::log_gone)
+      static_cast<void>(answered([this] { secure_log(); }));
+  }
+  // Into a file that is not the record any more nothing is written.
+  void require_files() {
+    const DatabaseFiles state = files.look();
+    if (state != DatabaseFiles::good && state != DatabaseFiles::log_gone)
+      throw StorageFailure{files_error(state, db.path())};
   }
   void require_writable() const {
     if (read_only)

@@ -1,5 +1,7 @@
 #include "storage/sqlite_store.h"
 
+#include <chrono>
+
 #include "storage/alarm_store.h"
 #include "storage/clock_store.h"
 #include "storage/diagnosis_store.h"
@@ -14,6 +16,7 @@
 #include "storage/session.h"
 #include "storage/stop_store.h"
 #include "storage/trajectory_store.h"
+#include "storage/upkeep_store.h"
 
 namespace driftwise::storage {
 namespace {
@@ -29,11 +32,11 @@ constexpr const char* kWriterPragmas =
 
 class SqliteStore final : public Store {
  public:
-  SqliteStore(LockFile lock, const std::string& path, bool read_only, const SqliteOptions& options)
-      : session_(std::move(lock), path,
+  SqliteStore(const std::string& path, bool read_only, const SqliteOptions& options)
+      : session_(path,
                  read_only ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE,
                  options.vfs, read_only),
-        checkpoint_pages_(options.checkpoint_pages),
+        options_(options),
         runs_(session_),
         readings_(session_),
         models_(session_),
@@ -45,21 +48,9 @@ class SqliteStore final : public Store {
         series_(session_),
         trajectories_(session_),
         stops_(session_),
-        clocks_(session_) {
-    Database& db = session_.db;
-    sqlite3_busy_timeout(db.handle(), options.busy_timeout_ms);
-    db.execute(kCommonPragmas);
-    if (read_only) {
-      db.execute("PRAGMA query_only = ON");
-      require_present_schema(db);
-      return;
-    }
-    refuse_foreign_or_newer(db);
-    db.execute("PRAGMA journal_mode = WAL");
-    db.execute(kWriterPragmas);
-    // The log is emptied in idle(), between points, and not by the commit that happens to fill it.
-    sqlite3_wal_hook(db.handle(), &SqliteStore::committed, this);
-    migrate(db);
+        clocks_(session_),
+        upkeep_(session_, [this] { set_up_connection(); }) {
+    set_up_connection();
   }
 
   RunStore& runs() override { return runs_; }
@@ -75,21 +66,46 @@ class SqliteStore final : public Store {
   TrajectoryStore& trajectories() override { return trajectories_; }
   StopStore& stops() override { return stops_; }
   ClockStore& clocks() override { return clocks_; }
+  UpkeepStore* upkeep() override { return &upkeep_; }
 
   Result<void> idle() override {
     if (auto summarised = series_.keep_up(); !summarised) return tl::unexpected(summarised.error());
     return answered([this] {
-      if (log_pages_ >= checkpoint_pages_) checkpoint();
+      const bool due = SteadyClock::now() - checkpointed_ >=
+                       std::chrono::duration<double>(options_.checkpoint_every_s);
+      if (log_pages_ >= options_.checkpoint_pages || (due && log_pages_ > 0)) checkpoint();
     });
   }
 
  private:
+  using SteadyClock = std::chrono::steady_clock;
+
+  void set_up_connection() {
+    Database& db = session_.db;
+    sqlite3_busy_timeout(db.handle(), options_.busy_timeout_ms);
+    db.execute(kCommonPragmas);
+    if (session_.read_only) {
+      db.execute("PRAGMA query_only = ON");
+      require_present_schema(db);
+      return;
+    }
+    refuse_foreign_or_newer(db);
+    db.execute("PRAGMA journal_mode = WAL");
+    db.execute(kWriterPragmas);
+    // The log is emptied in idle(), between points, and not by the commit that happens to fill it.
+    sqlite3_wal_hook(db.handle(), &SqliteStore::committed, this);
+    migrate(db);
+    session_.files.begin(db.path(), db.pragma("page_size"));
+    checkpointed_ = SteadyClock::now();
+  }
+
   static int committed(void* self, sqlite3*, const char*, int log_pages) {
     auto& store = *static_cast<SqliteStore*>(self);
     store.log_pages_ = log_pages;
+    store.session_.files.logged(log_pages);
     // The commit is durable already: a checkpoint that fails here is repeated later and must not
     // fail it.
-    if (log_pages >= store.checkpoint_pages_ * kForcedCheckpointFactor)
+    if (log_pages >= store.options_.checkpoint_pages * kForcedCheckpointFactor)
       (void)store.try_checkpoint();
     return SQLITE_OK;
   }
@@ -98,7 +114,11 @@ class SqliteStore final : public Store {
   int try_checkpoint() {
     const int code = sqlite3_wal_checkpoint_v2(session_.db.handle(), nullptr,
                                                SQLITE_CHECKPOINT_PASSIVE, nullptr, nullptr);
-    if (code == SQLITE_OK) log_pages_ = 0;
+    session_.files.wrote();
+    if (code == SQLITE_OK) {
+      log_pages_ = 0;
+      checkpointed_ = SteadyClock::now();
+    }
     return code;
   }
   void checkpoint() {
@@ -108,7 +128,8 @@ class SqliteStore final : public Store {
   }
 
   Session session_;
-  int checkpoint_pages_;
+  SqliteOptions options_;
+  SteadyClock::time_point checkpointed_;
   int log_pages_ = 0;
   SqliteRunStore runs_;
   SqliteReadingStore readings_;
@@ -122,6 +143,7 @@ class SqliteStore final : public Store {
   SqliteTrajectoryStore trajectories_;
   SqliteStopStore stops_;
   SqliteClockStore clocks_;
+  SqliteUpkeepStore upkeep_;
 };
 
 }  // namespace
@@ -133,9 +155,7 @@ Result<std::unique_ptr<Store>> open_sqlite_store(const std::string& path, bool r
 Result<std::unique_ptr<Store>> open_sqlite_store(const std::string& path, bool read_only,
                                                  const SqliteOptions& options) {
   return answered([&]() -> std::unique_ptr<Store> {
-    const bool needs_lock = !read_only && path != ":memory:";
-    return std::make_unique<SqliteStore>(needs_lock ? LockFile(path) : LockFile(), path, read_only,
-                                         options);
+    return std::make_unique<SqliteStore>(path, read_only, options);
   });
 }
 

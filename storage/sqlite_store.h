@@ -19,6 +19,8 @@ struct SqliteOptions {
   // storage/sqlite_store.cc says why. A commit does it itself only beyond sixteen times as many,
   // when nobody ever calls idle().
   int checkpoint_pages = 1000;
+  // idle() moves whatever is in the log at least this often, so that a lost log costs little.
+  double checkpoint_every_s = 60;
   // How long a call waits while another program, a person's sqlite3 shell, holds the write lock.
   int busy_timeout_ms = 2000;
 };

@@ -151,24 +151,28 @@ void take_over(ActiveRun& run, const PointCommit& commit) {
 
 Awaitable<Result<std::optional<PointId>>> commit_until_stored(RunScope& scope, PointCommit commit) {
   constexpr double kRetry_s = 5;
-  bool waiting = false;
+  bool waiting = false, no_room = false;
   while (true) {
     auto stored = co_await scope.bench.writer.commit(commit);
     if (stored) {
       if (waiting) {
-        scope.bench.events.record_own("run.resumed", "there is room on the disk again", commit.run);
+        scope.bench.events.record_own(
+            "run.resumed",
+            no_room ? "there is room on the disk again" : "the database takes points again",
+            commit.run);
         if (auto ok = co_await scope.leave_waiting(); !ok) co_return tl::unexpected(ok.error());
       }
       co_return stored;
     }
     if (stored.error().code != ErrorCode::resource_exhausted) co_return stored;
+    no_room = stored.error().reason == "DISK_FULL";
     if (!std::exchange(waiting, true)) {
       // Written when there is room again: the record must say why the run stood.
       scope.bench.events.record_own("run.trouble", stored.error().message, commit.run);
       if (auto ok = co_await scope.enter_waiting(stored.error().message); !ok)
         co_return tl::unexpected(ok.error());
     }
-    scope.phase("waiting for room on the disk");
+    scope.phase(no_room ? "waiting for room on the disk" : "waiting for the database");
     if (auto ok = co_await scope.sleep_s(kRetry_s); !ok) co_return tl::unexpected(ok.error());
   }
 }

@@ -16,6 +16,7 @@
 #include "server/core/diagnosis_records.h"
 #include "server/core/ports/clock_store.h"
 #include "server/core/ports/stop_store.h"
+#include "server/core/ports/upkeep_store.h"
 #include "server/core/ports/watch_store.h"
 #include "server/core/records.h"
 #include "server/core/result.h"
@@ -153,6 +154,8 @@ class Store {
   virtual TrajectoryStore& trajectories() = 0;
   virtual StopStore& stops() = 0;
   virtual ClockStore& clocks() = 0;
+  // nullptr: a store without files of its own.
+  virtual UpkeepStore* upkeep() { return nullptr; }
   // Housekeeping that must not delay a point (SQLite: a checkpoint of the log, a step of the
   // summaries): call it on the
   // store's thread when there is time, between points; it does nothing when there is nothing to do.

@@ -19,6 +19,7 @@ const fs::path kRoot = DRIFTWISE_SOURCE_DIR;
 // The room a path belongs to: the longest of these prefixes.
 const std::vector<std::string> kRooms = {"server/core",
                                          "server/core/ports",
+                                         "server/locks",
                                          "server/effects",
                                          "server/correction",
                                          "server/kinematics",
@@ -66,6 +67,7 @@ const std::set<std::string> kDriver = {"server/core", "server/core/ports", "driv
 const std::map<std::string, std::set<std::string>> kArrows = {
     {"server/core", {}},
     {"server/core/ports", {"server/core"}},
+    {"server/locks", {"server/core"}},
     {"server/effects", {"server/core"}},
     {"server/correction", {"server/core", "server/effects"}},
     {"server/kinematics", {"server/core"}},
@@ -86,7 +88,7 @@ const std::map<std::string, std::set<std::string>> kArrows = {
     {"server/web", with(kDomain, {"server/core/ports", "server/application", "driftwise/v1"})},
     {"server/main.cc", std::set<std::string>(kRooms.begin(), kRooms.end())},
     {"drivers/transport", {"server/core", "server/core/ports"}},
-    {"drivers/pi_gcs", kDriver},
+    {"drivers/pi_gcs", with(kDriver, {"server/locks"})},
     {"drivers/keithley_2701", kDriver},
     {"drivers/interferometer_adapter", kDriver},
     {"drivers/lds1000", kDriver},
@@ -95,7 +97,7 @@ const std::map<std::string, std::set<std::string>> kArrows = {
     {"drivers/simulated/plant", {}},
     {"drivers/simulated/emulators", {"drivers/simulated/plant"}},
     {"drivers/simulated", {"drivers/simulated/plant", "drivers/simulated/emulators"}},
-    {"storage", {"server/core", "server/core/ports"}},
+    {"storage", {"server/core", "server/core/ports", "server/locks"}},
     {"clients/cli", with(kDomain, {"server/threads", "driftwise/v1", "clients/cpp"})},
     {"clients/cpp", {"driftwise/v1"}},
 };

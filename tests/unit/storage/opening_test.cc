@@ -66,10 +66,23 @@ TEST_F(OpeningTest, RefusesASecondWriterAndNamesTheFirst) {
   EXPECT_EQ(second.error().code, ErrorCode::failed_precondition);
   EXPECT_EQ(second.error().reason, "DATABASE_IN_USE");
   EXPECT_THAT(second.error().message, testing::HasSubstr(std::to_string(getpid())));
-  std::filesystem::create_symlink(path, folder / "same.db");
-  EXPECT_EQ(open_sqlite_store(folder / "same.db", false).error().reason, "DATABASE_IN_USE");
   store.reset();
   EXPECT_TRUE(open_sqlite_store(path, false));
+}
+
+// One file has one lock, whatever it is called, and nothing that could be deleted holds it.
+TEST_F(OpeningTest, RefusesASecondWriterByEveryNameOfTheFile) {
+  std::filesystem::create_symlink(path, folder / "symbolic.db");
+  std::filesystem::create_hard_link(path, folder / "hard.db");
+  for (const char* name : {"symbolic.db", "hard.db", "./cell.db"})
+    EXPECT_EQ(open_sqlite_store(folder / name, false).error().reason, "DATABASE_IN_USE") << name;
+  EXPECT_FALSE(std::filesystem::exists(path + ".lock"));
+  // Another file at the same path is another database.
+  std::filesystem::rename(path, folder / "moved.db");
+  EXPECT_EQ(open_sqlite_store(folder / "moved.db", false).error().reason, "DATABASE_IN_USE");
+  std::filesystem::rename(folder / "moved.db", path);
+  store.reset();
+  EXPECT_TRUE(open_sqlite_store(folder / "hard.db", false));
 }
 
 TEST_F(OpeningTest, SaysThatAShellHoldsTheDatabase) {
