@@ -86,7 +86,8 @@ Result<void> keep_load(const DeviceDescription& device, asio::any_io_executor ex
 }
 
 Result<void> make_device(const DeviceDescription& device, asio::any_io_executor executor,
-                         Clock& clock, application::Devices& devices) {
+                         Clock& clock, const std::shared_ptr<locks::Claims>& claims,
+                         application::Devices& devices) {
   if (device.kind == "keithley-2701")
     return keep(drivers::make_keithley_2701(device, executor, clock), devices.scanners);
   if (device.kind == "interferometer-adapter")
@@ -106,17 +107,18 @@ Result<void> make_device(const DeviceDescription& device, asio::any_io_executor 
     return fail(ErrorCode::invalid_argument, "TWO_CONTROLLERS",
                 "device '" + device.id +
                     "': a cell has one motion controller, this file names a second one");
-  auto controller = drivers::make_pi_gcs(device, executor, clock);
+  auto controller = drivers::make_pi_gcs(device, executor, clock, claims);
   if (!controller) return tl::unexpected(controller.error());
   devices.controller = std::move(*controller);
   return {};
 }
 
 Result<application::Devices> make_devices(const CellDescription& cell,
-                                          asio::any_io_executor executor, Clock& clock) {
+                                          asio::any_io_executor executor, Clock& clock,
+                                          const std::shared_ptr<locks::Claims>& claims) {
   application::Devices devices;
   for (const auto& device : cell.devices)
-    if (auto made = make_device(device, executor, clock, devices); !made)
+    if (auto made = make_device(device, executor, clock, claims, devices); !made)
       return tl::unexpected(made.error());
   if (!devices.controller)
     return fail(ErrorCode::invalid_argument, "NO_CONTROLLER",
@@ -222,7 +224,9 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
   auto clock = application::CellClock::open(context.get_executor(), wanted);
   if (!clock) return tl::unexpected(clock.error());
   Clock& the_clock = **clock;
-  auto devices = make_devices(description, context.get_executor(), the_clock);
+  // A check drives nothing, so it may be made beside the daemon of the same cell.
+  const auto claims = arguments.check ? nullptr : std::make_shared<locks::Claims>();
+  auto devices = make_devices(description, context.get_executor(), the_clock, claims);
   if (!devices) return tl::unexpected(devices.error());
   const std::string web_root = arguments.web_root.empty()
                                    ? formats::web_root_of(description, arguments.cell_file)

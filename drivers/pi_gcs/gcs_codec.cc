@@ -1,5 +1,6 @@
 #include "drivers/pi_gcs/gcs_codec.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -132,6 +133,20 @@ Result<int> parse_error_number(std::string_view reply) {
   if (code != std::errc{} || end != text.data() + text.size())
     return bad_reply("expected one error number");
   return value;
+}
+
+std::string serial_number_key(std::string_view identity) {
+  std::vector<std::string_view> fields;
+  for (std::size_t begin = 0; begin <= identity.size();) {
+    const std::size_t end = std::min(identity.find(',', begin), identity.size());
+    fields.push_back(trimmed(identity.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  constexpr std::size_t kFields = 4;
+  if (fields.size() < kFields) return {};
+  const auto model = fields[fields.size() - 3], number = fields[fields.size() - 2];
+  if (number.find_first_not_of('0') == std::string_view::npos) return {};
+  return "number:" + std::string(model) + ":" + std::string(number);
 }
 
 namespace {

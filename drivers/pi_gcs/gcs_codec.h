@@ -51,4 +51,8 @@ std::string describe_error(int number);
 // out_of_range, 10 -> aborted, ...
 Error refusal(int number, std::string_view command);
 
+// Key of the controller by the serial number in its answer to *IDN? ("maker, model, serial number,
+// firmware"): "number:C-887:115000001"; empty where it has none (missing, or all zeros).
+std::string serial_number_key(std::string_view identity);
+
 }  // namespace driftwise::gcs

@@ -35,10 +35,11 @@ std::vector<std::string> axis_names(const DeviceDescription& device) {
 
 GcsController::GcsController(DeviceDescription device, Options options,
                              const transport::Address& address, asio::any_io_executor executor,
-                             Clock& clock)
+                             Clock& clock, std::shared_ptr<locks::Claims> claims)
     : device_(std::move(device)),
       options_(std::move(options)),
       clock_(clock),
+      claims_(std::move(claims)),
       link_(executor, clock, link_settings(device_, identity_),
             transport::make_stream(executor, address, options_.serial)),
       turn_(executor),

@@ -8,6 +8,7 @@
 // ERR? in the same message, so its verdict costs one round trip.
 
 #include <deque>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,13 +18,15 @@
 #include "drivers/transport/link.h"
 #include "drivers/transport/turn.h"
 #include "server/core/ports/motion_controller.h"
+#include "server/locks/claims.h"
 
 namespace driftwise::gcs {
 
 class GcsController final : public MotionController {
  public:
   GcsController(DeviceDescription device, Options options, const transport::Address& address,
-                asio::any_io_executor executor, Clock& clock);
+                asio::any_io_executor executor, Clock& clock,
+                std::shared_ptr<locks::Claims> claims = nullptr);
 
   const DeviceDescription& description() const override { return device_; }
   DeviceHealth health() const override { return link_.health(); }
@@ -42,6 +45,7 @@ class GcsController final : public MotionController {
   Awaitable<Result<void>> tidy_after_stop();
   Awaitable<Result<void>> set_up();
   Awaitable<Result<void>> set_up_or_drop();
+  Result<void> claim(const std::string& key);  // this controller is ours, or nobody claims here
   Awaitable<Result<void>> check_travel();
   Awaitable<Result<void>> command(std::string text);  // setter + ERR?
   Awaitable<Result<int>> take_error_number();
@@ -67,6 +71,7 @@ class GcsController final : public MotionController {
   Options options_;
   Clock& clock_;
   std::string identity_;  // what *IDN? answered: brings the line back in step
+  std::shared_ptr<locks::Claims> claims_;
   transport::Link link_;
   transport::Turn turn_;
   std::vector<std::string> axes_;

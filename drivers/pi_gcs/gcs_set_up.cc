@@ -30,10 +30,16 @@ Awaitable<Result<void>> GcsController::set_up_or_drop() {
   co_return done;
 }
 
+Result<void> GcsController::claim(const std::string& key) {
+  if (!claims_ || key.empty()) return {};
+  return claims_->take(device_.id, key);
+}
+
 Awaitable<Result<void>> GcsController::set_up() {
   identity_.clear();
   referenced_ = false;
   if (!stop_owed_) trap_.disarm();
+  if (auto ours = claim(link_.peer_key()); !ours) co_return ours;
   // After a stop the line is out of step and the identity not known yet: start over rather than
   // guess.
   if (!link_.in_step()) {
@@ -47,6 +53,7 @@ Awaitable<Result<void>> GcsController::set_up() {
   if (!identity) co_return tl::unexpected(identity.error());
   identity_ = transport::without_line_ends(*identity);
   link_.set_identity(identity_);
+  if (auto ours = claim(serial_number_key(identity_)); !ours) co_return ours;
   const auto old = co_await take_error_number();  // of the stop, or of an earlier client
   if (!old) co_return tl::unexpected(old.error());
   if (*old == kStoppedError) trap_.disarm();

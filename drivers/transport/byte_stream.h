@@ -33,6 +33,8 @@ class ByteStream {
   virtual error_code write_now(std::string_view bytes) = 0;
   virtual Transfer read_now(std::span<char> into) = 0;
   virtual bool is_open() const = 0;
+  // What the other end is known by while the stream is open: address_key.h.
+  virtual std::string peer_key() const { return {}; }
   virtual void cancel() = 0;
   virtual void close() = 0;
 };

@@ -63,6 +63,8 @@ class Link {
   void close();                       // by its owner: a pending call is aborted, no back-off
 
   bool connected() const { return connected_; }
+  // What the other end is known by, address_key.h; empty when not connected.
+  std::string peer_key() const { return connected_ ? stream_->peer_key() : std::string(); }
   std::int64_t generation() const { return generation_; }  // counts connections
   bool in_step() const { return in_step_; }
   void lose_step() { in_step_ = false; }  // the owner got an answer that makes no sense

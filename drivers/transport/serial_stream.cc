@@ -7,6 +7,7 @@
 #include <boost/asio/write.hpp>
 #include <cerrno>
 
+#include "drivers/transport/address_key.h"
 #include "drivers/transport/as_tuple.h"
 #include "drivers/transport/byte_stream.h"
 
@@ -60,6 +61,8 @@ class SerialStream final : public ByteStream {
   }
 
   bool is_open() const override { return port_.is_open(); }
+
+  std::string peer_key() const override { return serial_key(address_.path); }
 
   void cancel() override {
     error_code ignored;

@@ -3,6 +3,7 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/write.hpp>
 
+#include "drivers/transport/address_key.h"
 #include "drivers/transport/as_tuple.h"
 #include "drivers/transport/byte_stream.h"
 
@@ -60,6 +61,12 @@ class TcpStream final : public ByteStream {
   }
 
   bool is_open() const override { return socket_.is_open(); }
+
+  std::string peer_key() const override {
+    error_code error;
+    const auto peer = socket_.remote_endpoint(error);
+    return error ? std::string() : tcp_key(peer.address().to_string(), peer.port());
+  }
 
   void cancel() override {
     error_code ignored;

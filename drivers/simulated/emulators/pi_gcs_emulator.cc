@@ -1,5 +1,7 @@
 #include "drivers/simulated/emulators/pi_gcs_emulator.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdio>
 
@@ -16,13 +18,21 @@ std::string hex_text(unsigned value) {
   return buffer;
 }
 
+// Two simulated cells are two machines, so their controllers have different numbers.
+std::string with_serial_number(std::string identity) {
+  constexpr int kFirst = 115000000;
+  if (const auto at = identity.find("%S"); at != std::string::npos)
+    identity.replace(at, 2, std::to_string(kFirst + getpid()));
+  return identity;
+}
+
 }  // namespace
 
 const std::vector<SwitchDescription>& PiGcsEmulator::switches() {
   static const std::vector<SwitchDescription> kAll{
       {"axes", "X", "D", "axis names in the plant's order, separated by commas"},
-      {"identity", "(c)2015 Physik Instrumente (PI) GmbH & Co. KG, C-887, 115000001, 2.1.0.3", "D",
-       "answer to *IDN?"},
+      {"identity", "(c)2015 Physik Instrumente (PI) GmbH & Co. KG, C-887, %S, 2.1.0.3", "D",
+       "answer to *IDN?; %S is the serial number, another one for each simulated cell"},
       {"start_delay_s", "0.2", "U", "from an accepted MOV to the start of the motion"},
       {"stale_on_target", "true", "U",
        "until the motion starts ONT? still answers for the previous target; false: 0 at once"},
@@ -51,7 +61,7 @@ const std::vector<SwitchDescription>& PiGcsEmulator::switches() {
 PiGcsEmulator::PiGcsEmulator(Plant& plant, const Switches& s, TimeNs power_on)
     : plant_(plant),
       names_(s.words("axes")),
-      identity_(s.text("identity")),
+      identity_(with_serial_number(s.text("identity"))),
       status_prefix_(s.text("status_prefix")),
       ready_(s.escaped_text("ready_byte")),
       busy_(s.escaped_text("busy_byte")),
