@@ -3,7 +3,6 @@
 import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { dateClock } from '@/format/time';
-import { zoneWords } from '@/format/zone';
 import { cell, cellTimeMs } from '@/live/state';
 import { operatorName } from './session';
 import { place } from './router';
@@ -32,7 +31,7 @@ export function PrintHead() {
     ...(status?.servingModelId ? [['serving', `model ${status.servingModelId}`] as const] : []),
     ...ofView.value,
     ['address', `${place.value.path}${location.search}`],
-    ['times in', zoneWords(atMs)],
+    ['times in', 'UTC'],
     ['printed', `${dateClock(atMs)} by the cell's clock${operatorName.value && `, by ${operatorName.value}`}`],
   ];
   return (

@@ -3,8 +3,8 @@ import { lastMidnight } from '@/format/time';
 import { splitChannel, unitSign } from '@/format/units';
 import type { History } from '@/live/history';
 import type { Track } from '@/live/series';
+import { lookOf } from '@/plot/many';
 import type { PlotSeries, PlotSpec } from '@/plot/spec';
-import { axisColours } from './zero_plot';
 
 export function seriesOfTrack(track: Track, startMs: number, more: Partial<PlotSeries>, convert: (value: number) => number = (v) => v): PlotSeries {
   return {
@@ -19,7 +19,7 @@ export function seriesOfTrack(track: Track, startMs: number, more: Partial<PlotS
   };
 }
 
-// Channels of one unit; more than six are grey lines, the pointed one in colour.
+// Channels of one unit; more than six as deviation from the start.
 export function environmentPlot(title: string, names: readonly string[], history: History): PlotSpec {
   const startMs = lastMidnight(history.fromMs);
   const unit = splitChannel(names[0] ?? '').unit;
@@ -29,7 +29,8 @@ export function environmentPlot(title: string, names: readonly string[], history
     what: `${unitSign(unit)} against time of day`,
     x: { label: 'time_h', unit: 'h', startMs, clock: true },
     y: { unit, zero: false },
-    series: names.map((name, i) => seriesOfTrack(history.of(name), startMs, { colour: axisColours[i % axisColours.length], quiet: many })),
+    deviation: many,
+    series: names.map((name, i) => seriesOfTrack(history.of(name), startMs, { ...lookOf(i), quiet: many })),
     ...(history.bucketS >= 2 && { note: `1 px = ${Math.round(history.bucketS)} s` }),
     ...(history.waiting && { why: 'Waiting for the record …' }),
     ...(history.failure && { why: history.failure.message }),

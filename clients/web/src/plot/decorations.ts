@@ -85,7 +85,7 @@ export function drawBehind(u: uPlot, spec: PlotSpec, colours: Palette): void {
     }
     if (spec.y.zero !== false) level(u, ctx, 0, 'y', colours.zero, [], 1.5 * px);
     for (const limit of spec.limits ?? []) level(u, ctx, limit.at, scaleOf(limit), colours.muted, [6 * px, 4 * px], 1.25 * px);
-    for (const one of spec.series) fillBetween(u, ctx, one, one.quiet ? colours.idle : colours[one.colour]);
+    for (const one of spec.series) fillBetween(u, ctx, one, colours[one.colour]);
   });
 }
 

@@ -2,6 +2,7 @@
 import uPlot from 'uplot';
 import { aligned } from './aligned';
 import { drawBehind, drawMarkers, scaleOf } from './decorations';
+import { drawMarks } from './marks';
 import type { Palette } from './palette';
 import { wholeRange, yRange, type Range } from './ranges';
 import type { PlotSeries, PlotSpec } from './spec';
@@ -25,7 +26,7 @@ export const fontOf = '12px system-ui, "DejaVu Sans", sans-serif';
 
 // What makes another uPlot necessary.
 export const shapeOf = (spec: PlotSpec): string =>
-  JSON.stringify([spec.right !== undefined, spec.series.map((one) => [one.name, one.draw, one.axis, one.colour, one.quiet])]);
+  JSON.stringify([spec.right !== undefined, spec.series.map((one) => [one.name, one.draw, one.axis, one.colour, one.quiet, one.dash])]);
 
 function axis(now: () => Drawn, scale: string, side: 0 | 1 | 2 | 3, pxPerTick: number): uPlot.Axis {
   const { colours } = now();
@@ -48,15 +49,16 @@ function axis(now: () => Drawn, scale: string, side: 0 | 1 | 2 | 3, pxPerTick: n
 const inks = (drawn: Drawn, at: number): string => {
   const one: PlotSeries | undefined = drawn.spec.series[at];
   if (!one) return drawn.colours.idle; // a plot of before its series changed, drawn once more before it is made anew
-  return one.quiet && drawn.pointed !== at ? drawn.colours.idle : drawn.colours[one.quiet ? 's5' : one.colour];
+  return one.quiet && drawn.pointed !== undefined && drawn.pointed !== at ? drawn.colours.idle : drawn.colours[one.colour];
 };
 
 function seriesOptions(now: () => Drawn): uPlot.Series[] {
   return now().spec.series.map((one, at) => ({
     scale: scaleOf(one),
     stroke: () => inks(now(), at),
-    width: one.quiet ? 1 : one.draw === 'dashed' ? 1.5 : 1.75,
+    width: one.quiet ? 1.25 : one.draw === 'dashed' ? 1.5 : 1.75,
     ...(one.draw === 'dashed' && { dash: [5, 4] }),
+    ...(one.dash && { dash: [...one.dash] }),
     ...(one.draw === 'steps' && { paths: uPlot.paths.stepped!({ align: 1 }) }),
     ...(one.draw === 'markers' && { paths: () => null }),
     points: { show: false },
@@ -95,7 +97,7 @@ export function makePlot(root: HTMLElement, now: () => Drawn, wishes: Wishes, si
       },
       hooks: {
         drawAxes: [(u) => drawBehind(u, now().spec, now().colours)],
-        draw: [(u) => drawMarkers(u, now().spec, now().colours, now().chosen)],
+        draw: [(u) => drawMarks(u, now().spec, now().colours), (u) => drawMarkers(u, now().spec, now().colours, now().chosen)],
         setCursor: [(u) => wishes.cursor((u.cursor.left ?? -1) < 0 ? undefined : u.posToVal(u.cursor.left!, 'x'))],
         setSelect: [
           (u) => {

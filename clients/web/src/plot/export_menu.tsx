@@ -29,7 +29,7 @@ function saveAsPng(spec: PlotSpec, u: uPlot): void {
   ctx.fillText(spec.title, 12, 22);
   ctx.font = fontOf;
   let x = 12;
-  for (const one of spec.series.filter((series) => !series.quiet)) {
+  for (const one of spec.series) {
     ctx.fillStyle = one.marker === 'rejected' ? colours.bad : colours[one.colour];
     ctx.fillRect(x, 36, 14, 3);
     ctx.fillStyle = colours.muted;

@@ -1,5 +1,6 @@
-// What is what, and the values under the cursor. Beyond six series the quiet ones share one entry until pointed at.
+// What is what, and the values under the cursor. Of many lines the one pointed at here keeps its colour.
 import { unitSign } from '@/format/units';
+import { markLooks, marksInWords } from './marks';
 import { markerShapes } from './markers';
 import type { PlotSeries, PlotSpec } from './spec';
 import { cursorText, valueAt } from './values';
@@ -16,7 +17,7 @@ function Swatch({ series }: { series: PlotSeries }) {
   }
   return (
     <svg width="18" height="10" aria-hidden="true">
-      <path d="M0 5H18" stroke={colour} stroke-width="2.5" stroke-dasharray={series.draw === 'dashed' ? '5 3' : undefined} />
+      <path d="M0 5H18" stroke={colour} stroke-width="2.5" stroke-dasharray={series.dash?.join(' ') ?? (series.draw === 'dashed' ? '5 3' : undefined)} />
     </svg>
   );
 }
@@ -37,10 +38,16 @@ export function Legend({ spec, cursor, onPoint, pointed }: {
           onPointerEnter={quiet ? () => onPoint(at) : undefined}
           onPointerLeave={quiet ? () => onPoint(undefined) : undefined}
         >
-          {!one.quiet && <Swatch series={one} />}
+          <Swatch series={one} />
           {one.name}
           {one.axis === 'right' && !cursor && <span class="muted"> ({unitSign(one.unit)}, right)</span>}
           {cursor !== undefined && one.draw !== 'markers' && <span class="legend-value"> {valueAt(one, cursor)}</span>}
+        </span>
+      ))}
+      {marksInWords(spec).map(({ kind, words, labels }) => (
+        <span class="legend-entry muted" key={kind} title={labels}>
+          <svg width="6" height="14" aria-hidden="true"><path d="M3 0V14" stroke={`var(--${markLooks[kind].colour})`} stroke-width="1.5" stroke-dasharray={markLooks[kind].dash.join(' ')} /></svg>
+          {words}
         </span>
       ))}
       {cursor === undefined

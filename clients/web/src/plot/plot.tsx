@@ -1,7 +1,7 @@
 // Draws a PlotSpec: title, legend, unit in words, the drawing, and its tools. Zoom, cursor and the chosen point can be shared
 // with other plots.
 import { useSignal, type Signal } from '@preact/signals';
-import { useEffect, useId, useLayoutEffect, useMemo, useRef, useState } from 'preact/hooks';
+import { useContext, useEffect, useId, useLayoutEffect, useMemo, useRef, useState } from 'preact/hooks';
 import type uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import './plot.css';
@@ -14,6 +14,8 @@ import { ExportMenu } from './export_menu';
 import { followGestures, keyPressed, type Gestured } from './gestures';
 import { Held } from './held';
 import { Legend } from './legend';
+import { deviationFromStart } from './many';
+import { TimeMarks, withTimeMarks } from './marks';
 import { palette } from './palette';
 import { PlotTable } from './plot_table';
 import type { Range } from './ranges';
@@ -69,7 +71,13 @@ export function Plot(props: PlotProps) {
   const [cursor, setCursor] = useState<number>();
   const [pointed, setPointed] = useState<number>();
   const [table, setTable] = useState(false);
-  const spec = useMemo(() => ({ ...props.spec, series: props.spec.series.map(inOrder) }), [props.spec]);
+  const [values, setValues] = useState(false); // of many channels: not their deviation
+  const marks = useContext(TimeMarks);
+  const deviates = props.spec.deviation === true && !values;
+  const spec = useMemo(() => {
+    const ordered = { ...props.spec, series: props.spec.series.map(inOrder) };
+    return withTimeMarks(deviates ? deviationFromStart(ordered) : ordered, marks);
+  }, [props.spec, marks, deviates]);
   const drawn: Drawn = { spec, range: range.value, chosen: props.chosen?.value, pointed, colours: palette() };
   const words = useWords(drawn);
   const latest = useRef(drawn);
@@ -134,6 +142,9 @@ export function Plot(props: PlotProps) {
     <figure class={`plot${bare ? ' plot-bare' : ''}`}>
       <div class="plot-head">
         <figcaption id={id}>{spec.title}</figcaption>
+        {!bare && !empty && props.spec.deviation && (
+          <span class="plot-tools"><button type="button" class="tool" aria-pressed={deviates} onClick={() => setValues(!values)}>Deviation from the start</button></span>
+        )}
         {!bare && !empty && <ExportMenu spec={spec} range={gestured.seen} drawing={() => plot.current} table={table} onTable={() => setTable(!table)} />}
       </div>
       {!bare && <Legend spec={spec} cursor={cursor} pointed={pointed} onPoint={setPointed} />}

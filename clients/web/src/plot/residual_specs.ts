@@ -1,5 +1,6 @@
 // Residuals as plots: one against time, one against each channel that varies.
 import type { PlotSeries, PlotSpec } from '@/plot/spec';
+import { forceMarks } from '@/parts/time_marks';
 import { unitSign } from '@/format/units';
 
 export interface ResidualRows {
@@ -63,7 +64,9 @@ export function residualSpecs(rows: ResidualRows, output: string, unit: string, 
   const specs: PlotSpec[] = [];
   if (rows.timeS.length > 0) {
     const start = rows.timeS[0];
-    specs.push(spec('Over time', rows.timeS.map((t) => (t - start) / 3600), 'time_h', 'h', 'hours since start'));
+    const hours = rows.timeS.map((t) => (t - start) / 3600);
+    const force = rows.variables.find((one) => one.symbol === 'force')?.values ?? [];
+    specs.push({ ...spec('Over time', hours, 'time_h', 'h', 'hours since start'), marks: forceMarks(hours, force) });
   } else {
     specs.push(spec('In order', y.map((_, i) => i + 1), 'row', '1', 'row'));
   }

@@ -19,7 +19,8 @@ export interface PlotSeries {
   marker?: Marker; // with markers; absent: dot
   axis?: 'left' | 'right';
   digits?: number; // in legend and table; absent: by the unit
-  quiet?: boolean; // thin and grey, coloured when pointed at (the ten sensors)
+  quiet?: boolean; // one of many: thin, and grey while another one is pointed at in the key
+  dash?: readonly number[]; // px, of a line: tells many of few colours apart
   // Parallel to y, with markers: which of the page's things a point is (row of the run), so that it can be chosen.
   keys?: ArrayLike<number>;
 }
@@ -35,6 +36,13 @@ export interface PlotLimit {
   at: number;
   label: string; // "limit 20 nm"
   axis?: 'left' | 'right';
+}
+
+// An instant that explains a step: a vertical line.
+export interface PlotMark {
+  at: number; // in the unit of x
+  kind: 'force' | 'stop' | 'restart';
+  label: string; // "force 0 to 0.768 N"
 }
 
 export interface PlotSpan {
@@ -66,6 +74,8 @@ export interface PlotSpec {
   bands?: readonly PlotBand[];
   limits?: readonly PlotLimit[];
   spans?: readonly PlotSpan[];
+  marks?: readonly PlotMark[]; // absent: those of the page around it
+  deviation?: boolean; // many channels: shown as deviation from the start, as values when asked
   why?: string; // shown instead of an empty plot: why there is nothing
   note?: string; // "1 px = 135 s"
   file?: string; // start of exported file names: "run-17-zero"

@@ -1,5 +1,6 @@
 // A plot as SVG for papers: light colours on white, the same ticks and marks as on the page.
 import { withUnit } from './values';
+import { markLooks, marksInWords, marksSvg } from './marks';
 import { markerShapes } from './markers';
 import { paletteOf } from './palette';
 import { gapsOf, yRange, type Range } from './ranges';
@@ -32,8 +33,8 @@ function lineOf(one: PlotSeries, frame: Frame, range: Range): string {
     path += one.draw === 'steps' && pen === 'L' ? `H${r(frame.x(one.x[i]))}V${r(frame.y(one.y[i], one.axis))}` : `${pen}${here}`;
     pen = 'L';
   }
-  const dash = one.draw === 'dashed' ? ' stroke-dasharray="5 4"' : '';
-  const colour = one.quiet ? colours.idle : colours[one.colour];
+  const dash = one.dash ? ` stroke-dasharray="${one.dash.join(' ')}"` : one.draw === 'dashed' ? ' stroke-dasharray="5 4"' : '';
+  const colour = colours[one.colour];
   return `<path d="${path}" fill="none" stroke="${colour}" stroke-width="${one.quiet ? 0.75 : 1.25}" stroke-linejoin="round"${dash}/>`;
 }
 
@@ -81,22 +82,43 @@ function axes(spec: PlotSpec, frame: Frame, range: Range, left: [number, number]
   ].join('');
 }
 
+// Every series with its line as drawn, then the marks; as many rows as the width needs.
+function keyOf(spec: PlotSpec, width: number): { rows: number; svg: string } {
+  let [x, y, svg] = [0, 35, ''];
+  const add = (sign: string, words: string) => {
+    const wide = 22 + 7 * words.length + 14;
+    if (x > 0 && x + wide > width) [x, y] = [0, y + 16];
+    svg += `<g transform="translate(${x} ${y})">${sign}<text x="22" y="0" fill="${colours.muted}">${escaped(words)}</text></g>`;
+    x += wide;
+  };
+  for (const one of spec.series) {
+    const colour = one.marker === 'rejected' ? colours.bad : colours[one.colour];
+    const dash = one.dash?.join(' ') ?? (one.draw === 'dashed' ? '5 4' : 'none');
+    const shape = markerShapes[one.marker ?? 'dot'];
+    const sign = one.draw === 'markers'
+      ? `<path transform="translate(9 -4)" d="${shape.path}" ${shape.filled ? `fill="${colour}"` : `fill="none" stroke="${colour}" stroke-width="1.5"`}/>`
+      : `<path d="M0 -4H18" stroke="${colour}" stroke-width="2" stroke-dasharray="${dash}"/>`;
+    add(sign, withUnit(one.name, one.axis === 'right' ? one.unit : ''));
+  }
+  for (const { kind, words } of marksInWords(spec))
+    add(`<path d="M9 -11V2" stroke="${colours[markLooks[kind].colour]}" stroke-width="1.5" stroke-dasharray="${markLooks[kind].dash.join(' ') || 'none'}"/>`, words);
+  return { rows: 1 + (y - 35) / 16, svg };
+}
+
 // unique: start of the ids within, for several pictures in one document.
 export function svgOf(spec: PlotSpec, range: Range, width: number, height: number, unique = ''): string {
   const left = yRange(spec, 'left', range);
   const right = spec.right ? yRange(spec, 'right', range) : undefined;
+  const key = keyOf(spec, width);
+  const top = 64 + 16 * (key.rows - 1);
   const frame: Frame = {
-    left: 60, top: 64, width: width - 60 - (right ? 56 : 16), height: height - 64 - 28,
+    left: 60, top, width: width - 60 - (right ? 56 : 16), height: height - top - 28,
     x: (value) => frame.left + ((value - range.from) / (range.to - range.from)) * frame.width,
     y: (value, axis) => {
       const [low, high] = axis === 'right' && right ? right : left;
       return frame.top + (1 - (value - low) / (high - low)) * frame.height;
     },
   };
-  const legend = spec.series.filter((one) => !one.quiet).map((one) => {
-    const colour = one.marker === 'rejected' ? colours.bad : colours[one.colour];
-    return `<tspan fill="${colour}">${one.draw === 'markers' ? '●' : one.draw === 'dashed' ? '╌' : '—'} </tspan><tspan fill="${colours.muted}">${escaped(withUnit(one.name, one.axis === 'right' ? one.unit : ''))}   </tspan>`;
-  });
   const clip = `M${frame.left} ${frame.top}h${frame.width}v${frame.height}h${-frame.width}Z`;
   const marks = spec.series.map((one, at) => (one.draw === 'markers' ? markersOf(one, frame, range, `${unique}m${at}`) : bandOf(one, frame, range) + lineOf(one, frame, range)));
   const gaps = gapsOf(spec).map(({ from, to }) =>
@@ -107,8 +129,9 @@ export function svgOf(spec: PlotSpec, range: Range, width: number, height: numbe
 <title>${escaped(spec.title)}</title><rect width="${width}" height="${height}" fill="#fff"/>
 <defs><clipPath id="${unique}in"><path d="${clip}"/></clipPath><pattern id="${unique}gap" width="8" height="8" patternUnits="userSpaceOnUse"><path d="M0 8 8 0" stroke="${colours.line}" stroke-width="2"/></pattern></defs>
 <text x="0" y="16" font-size="15" font-weight="600" fill="${colours.text}">${escaped(spec.title)}</text>
-<text x="0" y="35" xml:space="preserve">${legend.join('')}</text><text x="0" y="52" fill="${colours.muted}">${escaped(spec.what)}</text>
+${key.svg}<text x="0" y="${top - 12}" fill="${colours.muted}">${escaped(spec.what)}</text>
 <g clip-path="url(#${unique}in)">${gaps.join('')}${bands.join('')}</g>${axes(spec, frame, range, left, right)}
+<g clip-path="url(#${unique}in)">${marksSvg(spec, range, frame.x, frame.top, frame.height, colours, escaped)}</g>
 <g clip-path="url(#${unique}in)">${marks.join('')}</g></svg>
 `;
 }

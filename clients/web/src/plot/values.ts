@@ -82,6 +82,7 @@ export function csvOf(spec: PlotSpec, source: string): string {
     `# source: ${source}`,
     ...(spec.x.startMs === undefined ? [] : [`# start: ${new Date(spec.x.startMs).toISOString()}`]),
     ...(spec.note ? [`# note: ${spec.note}`] : []),
+    ...(spec.marks ?? []).map((mark) => `# mark: ${mark.at} ${spec.x.unit}, ${mark.kind}: ${mark.label}`),
     ...(spec.head ?? []).map((line) => `# ${line}`),
     [spec.x.label, ...names].join(','),
   ];

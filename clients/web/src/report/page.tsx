@@ -1,9 +1,10 @@
 // The page of a run, from the data that stand in it.
 import { useSignal } from '@preact/signals';
-import { zoneWords } from '@/format/zone';
+import { useMemo } from 'preact/hooks';
 import { count, fixed, significant } from '@/format/numbers';
 import { dateClock, duration } from '@/format/time';
 import { splitChannel, unitSign } from '@/format/units';
+import { TimeMarks } from '@/plot/marks';
 import { Plot } from '@/plot/plot';
 import { Poses } from '@/poses/poses';
 import { VerificationTable, type Figures } from '@/parts/verification';
@@ -12,7 +13,7 @@ import { Panel } from '@/ui/panel';
 import { Table, type Column } from '@/ui/table';
 import { Mark, Verdict, type VerdictKind } from '@/ui/verdict';
 import type { Report, ReportVerification } from './data';
-import { forceSpec, poseScene, spreads, spreadSpec, temperatureSpec, zeroSpec } from './specs';
+import { forceSpec, marksOf, poseScene, spreads, spreadSpec, temperatureSpec, zeroSpec } from './specs';
 
 const kinds: Record<string, VerdictKind> = { done: 'good', running: 'good', paused: 'idle', waiting: 'warn', aborted: 'warn', failed: 'bad' };
 const at = (text: string | null) => (text ? dateClock(Date.parse(text)) : '–');
@@ -22,6 +23,7 @@ export function ReportPage({ report }: { report: Report }) {
   const chosen = useSignal<number | undefined>(undefined);
   const scene = poseScene(report);
   const specs = [spreadSpec(report), zeroSpec(report), temperatureSpec(report), forceSpec(report)].filter((one) => one !== undefined);
+  const marks = useMemo(() => marksOf(report), [report]);
   const seconds = run.start && run.end ? (Date.parse(run.end) - Date.parse(run.start)) / 1000 : undefined;
   return (
     <main>
@@ -39,15 +41,17 @@ export function ReportPage({ report }: { report: Report }) {
           <dt>points</dt><dd>{count(run.accepted)} of {count(run.rows)} accepted, {count(run.given_up)} given up, {count(run.attempts)} attempts</dd>
           {run.compensation && <><dt>compensation</dt><dd>{run.compensation}</dd></>}
           <dt>restarts</dt><dd>{run.restarts === 0 ? 'none' : `a restarted daemon went on with it ${count(run.restarts)} times`}</dd>
-          <dt>times in</dt><dd>{zoneWords(Date.parse(run.start ?? report.made))}</dd>
+          <dt>times in</dt><dd>UTC</dd>
           <dt>cell file</dt><dd><code>{report.config_hash}</code></dd>
         </dl>
       </Panel>
       {report.verification && <Panel title="Verification"><Verification of={report.verification} run={String(run.id)} /></Panel>}
       {scene && <Panel><Poses scene={scene} chosen={chosen} onPick={(key) => (chosen.value = key)} file={`run-${run.id}-poses`} /></Panel>}
-      <div class="columns">
-        {specs.map((spec) => <Panel key={spec.title}><Plot spec={spec} height={220} chosen={chosen} onPick={(key) => (chosen.value = key)} /></Panel>)}
-      </div>
+      <TimeMarks.Provider value={marks}>
+        <div class="columns">
+          {specs.map((spec) => <Panel key={spec.title}><Plot spec={spec} height={220} chosen={chosen} onPick={(key) => (chosen.value = key)} /></Panel>)}
+        </div>
+      </TimeMarks.Provider>
       <Panel title="Points"><Points report={report} /></Panel>
       {report.attempts.length > 0 && <Panel title="Measured again and given up"><Attempts report={report} /></Panel>}
       {report.events.length > 0 && <Panel title="Record"><Events report={report} /></Panel>}

@@ -1,5 +1,8 @@
 // The plots of a report.
 import { splitChannel, unitSign } from '@/format/units';
+import { lookOf } from '@/plot/many';
+import { eventMarks, forceSteps } from '@/parts/time_marks';
+import type { TimeMark } from '@/plot/marks';
 import type { Colour, PlotSeries, PlotSpec } from '@/plot/spec';
 import type { PoseScene } from '@/poses/pose';
 import type { Report } from './data';
@@ -61,8 +64,8 @@ export function temperatureSpec(report: Report): PlotSpec {
   const time = hours(report);
   const columns = report.points.columns.filter((one) => /_degC$/.test(one.channel) && !/_set_degC$/.test(one.channel) && one.values.some(Number.isFinite));
   return {
-    title: 'Temperatures', what: '°C against hours since start; the one pointed at is named', x: x(report), y: { unit: 'degC', zero: false },
-    series: columns.map((one): PlotSeries => ({ name: splitChannel(one.channel).symbol.replaceAll('_', ' '), unit: 'degC', colour: 's5', quiet: columns.length > 6, x: time, y: one.values, digits: 3 })),
+    title: 'Temperatures', what: '°C against hours since start', x: x(report), y: { unit: 'degC', zero: false }, deviation: columns.length > 6,
+    series: columns.map((one, i): PlotSeries => ({ name: splitChannel(one.channel).symbol.replaceAll('_', ' '), unit: 'degC', ...lookOf(i), quiet: columns.length > 6, x: time, y: one.values, digits: 3 })),
     file: file(report, 'temperatures'), ...(columns.length === 0 ? { why: 'No temperature was recorded with the points.' } : {}),
   };
 }
@@ -73,6 +76,14 @@ export function forceSpec(report: Report): PlotSpec | undefined {
   return {
     title: 'Force', what: 'N against hours since start', x: x(report), y: { unit: 'N' }, series: [{ name: 'force', unit: 'N', colour: 's6', draw: 'steps', x: hours(report), y: values, digits: 3 }], file: file(report, 'force'),
   };
+}
+
+export function marksOf(report: Report): TimeMark[] {
+  const startMs = Date.parse(report.run.start ?? '');
+  return [
+    ...forceSteps(valuesOf(report, 'force_N') ?? []).map(({ index, label }) => ({ kind: 'force' as const, label, atMs: startMs + report.points.timeS[index] * 1000 })),
+    ...eventMarks(report.events.map((event) => ({ atMs: Date.parse(event.time), what: event.what, detail: event.detail }))),
+  ];
 }
 
 export function poseScene(report: Report): PoseScene | undefined {

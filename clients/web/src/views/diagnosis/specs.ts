@@ -2,6 +2,7 @@
 import type { DiscrepancyRows, FindingParameter, OutputDiscrepancy } from '@/api/gen/driftwise/v1/diagnosis_service_pb';
 import { unitSign } from '@/format/units';
 import type { Marker, PlotSeries, PlotSpec } from '@/plot/spec';
+import { forceMarks } from '@/parts/time_marks';
 import { spanOf } from '@/plot/residual_specs';
 import { after, before, parameterWords } from './words';
 
@@ -71,6 +72,7 @@ export function discrepancySpec(rows: DiscrepancyRows, output: OutputDiscrepancy
     title, what: `measured − simulated, ${output.output}, ${output.unit}, against ${x.words}; band = A90`,
     x: { label: x.symbol, unit: x.unit }, y: { unit: output.unit, symmetric: true, low: -reach, high: reach },
     series: series.filter((one) => one.x.length > 0), bands: [{ from: -a90, to: a90, colour: 'q1', label: 'A90' }],
+    ...(x.symbol === 'time_h' && { marks: forceMarks(x.values, axisOf(rows, 'force').unit === 'N' ? axisOf(rows, 'force').values : []) }),
     file: `discrepancy-${which}-${output.output}`, ...(y.length === 0 ? { why: 'No rows were kept of this output.' } : {}),
   };
 }

@@ -6,6 +6,7 @@ import { ms } from '@/format/time';
 import { channel, layout } from '@/live/channels';
 import { useHistory } from '@/live/history';
 import { usePointColumns, useRunPoints } from '@/live/points';
+import { RunMarks } from '@/parts/run_marks';
 import { cell, progress } from '@/live/state';
 import { lengthsOf, zeroDrift } from '@/parts/zero_plot';
 import { Awaiting, Failed } from '@/ui/states';
@@ -42,13 +43,13 @@ export default function Instruments() {
   const history = useHistory(asked.filter((name) => names.includes(name)), windowSeconds(), 500);
   if (!cell.value) return <><ViewTitle>Instruments</ViewTitle><Awaiting what="the devices of the cell" /></>;
   return (
-    <>
+    <RunMarks run={run} points={points.value}>
       <ViewTitle actions={<WindowChoice />}>Instruments</ViewTitle>
       {history.failure && <Failed asked="Read the record" failure={history.failure} again={history.again} />}
       <Interferometers devices={lengths} history={history} drift={drift} startMs={columns.startMs} last={all?.[all.length - 1]} />
       <div class="columns">{angles.map((device) => <Autocollimator key={device.id} device={device} history={history} />)}</div>
       {rooms.length > 0 && <Temperatures names={rooms} history={history} />}
       <div class="columns columns-three">{stable.map((one) => <StabiliserPanel key={one.device.id} of={one} history={history} />)}</div>
-    </>
+    </RunMarks>
   );
 }

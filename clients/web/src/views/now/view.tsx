@@ -7,6 +7,7 @@ import { layout } from '@/live/channels';
 import { connection } from '@/live/connection';
 import { useHistory } from '@/live/history';
 import { usePointColumns, useRunPoints } from '@/live/points';
+import { RunMarks } from '@/parts/run_marks';
 import { cell, progress as progressNow } from '@/live/state';
 import { ms } from '@/format/time';
 import { ruleOf } from '@/parts/run_words';
@@ -36,7 +37,7 @@ export default function Now() {
   const airTrack = air ? history.of(air).mean.filter(Number.isFinite) : [];
   if (connection.value.phase === 'connecting' && !cell.value) return <><ViewTitle hidden>Now</ViewTitle><Awaiting what="the state of the cell" /></>;
   return (
-    <>
+    <RunMarks run={run} points={points.value}>
       <ViewTitle hidden>Now</ViewTitle>
       {wall && <WallAlarms />}
       {progress ? <RunPanel progress={progress} buttons={!wall} /> : <IdlePanel />}
@@ -52,6 +53,6 @@ export default function Now() {
         ? <RunPlots progress={progress} columns={columns} drift={drift} points={points.value} limitNm={limitNm} />
         : <EnvironmentPlot history={history} />}
       {!wall && <DeviceList />}
-    </>
+    </RunMarks>
   );
 }

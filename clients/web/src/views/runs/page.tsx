@@ -10,6 +10,7 @@ import { fixed } from '@/format/numbers';
 import { dateClock, duration, ms } from '@/format/time';
 import { useEvents } from '@/live/events';
 import { useRunPoints } from '@/live/points';
+import { RunMarks } from '@/parts/run_marks';
 import { RunButtons } from '@/parts/run_buttons';
 import { compensationText, doneShare, isOver, stateWords, troubles } from '@/parts/run_words';
 import { Panel } from '@/ui/panel';
@@ -81,7 +82,7 @@ export function RunPage({ id }: { id: bigint }) {
   const tab = tabOf(tabs);
   const part = { run, rulesJson: asked.value!.rulesJson, chosen, onPick: pick };
   return (
-    <>
+    <RunMarks run={run} points={points.value}>
       <ViewTitle sub={<a href="/runs">All runs</a>}>{title}</ViewTitle>
       <Head run={run} />
       <Tabs tabs={tabs} label={`Run ${id}`} />
@@ -92,6 +93,6 @@ export function RunPage({ id }: { id: bigint }) {
       {points.value && tab === 'dataset' && <DatasetTab {...part} points={points.value} />}
       {tab === 'verification' && <VerificationTab run={run} />}
       {tab === 'log' && <LogTab run={run} />}
-    </>
+    </RunMarks>
   );
 }

@@ -12,7 +12,8 @@ import { cellTimeMs } from '@/live/state';
 import { seriesOfTrack } from '@/parts/history_plot';
 import { isOver, ruleOf } from '@/parts/run_words';
 import { spreadPlot } from '@/parts/spread_plot';
-import { airOf, axisColours, lengthsOf, zeroDrift, zeroPlot } from '@/parts/zero_plot';
+import { airOf, lengthsOf, zeroDrift, zeroPlot } from '@/parts/zero_plot';
+import { lookOf } from '@/plot/many';
 import { Plot, type Range } from '@/plot/plot';
 import type { PlotSpec } from '@/plot/spec';
 import { Panel } from '@/ui/panel';
@@ -59,7 +60,8 @@ function recordPlot(unit: string, names: readonly string[], tracks: ZoomedTracks
     what: `${unitSign(unit)} against hours since start`,
     x: { label: 'time_h', unit: 'h', startMs },
     y: { unit, zero: unit === 'N' ? undefined : false },
-    series: names.map((name, i) => seriesOfTrack(tracks.of(name), startMs, { colour: unit === 'N' ? 's6' : axisColours[i % 6], quiet: many, ...(unit === 'N' && { draw: 'steps' as const }) })),
+    deviation: many,
+    series: names.map((name, i) => seriesOfTrack(tracks.of(name), startMs, { ...(unit === 'N' ? { colour: 's6' as const } : lookOf(i)), quiet: many, ...(unit === 'N' && { draw: 'steps' as const }) })),
     ...(tracks.bucketS >= 2 && { note: `1 px = ${Math.round(tracks.bucketS)} s` }),
     ...(tracks.waiting && { why: 'Waiting for the record …' }),
     file: `run-${runId}-${what.toLowerCase()}`,

@@ -1,0 +1,62 @@
+// Instants that explain a step in every plot over time: changes of force, stops, restarts. As vertical lines.
+import { createContext } from 'preact';
+import type uPlot from 'uplot';
+import type { Palette } from './palette';
+import type { Range } from './ranges';
+import type { Colour, PlotMark, PlotSpec } from './spec';
+
+export type TimeMark = Omit<PlotMark, 'at'> & { atMs: number };
+
+// Of the page: every plot below whose x is time since a known instant shows them.
+export const TimeMarks = createContext<readonly TimeMark[]>([]);
+
+export const markLooks: Record<PlotMark['kind'], { colour: Colour; dash: number[]; one: string; many: string }> = {
+  force: { colour: 's6', dash: [1, 3], one: 'change of force', many: 'changes of force' },
+  stop: { colour: 'bad', dash: [], one: 'stop or pause', many: 'stops or pauses' },
+  restart: { colour: 's5', dash: [8, 3], one: 'restart', many: 'restarts' },
+};
+
+export function withTimeMarks(spec: PlotSpec, marks: readonly TimeMark[]): PlotSpec {
+  const { startMs, unit } = spec.x;
+  if (spec.marks || startMs === undefined || unit !== 'h' || marks.length === 0) return spec;
+  const at = marks.map(({ atMs, ...mark }): PlotMark => ({ ...mark, at: (atMs - startMs) / 3600e3 }));
+  const xs = spec.series.filter((one) => one.x.length > 0);
+  const from = Math.min(...xs.map((one) => one.x[0]));
+  const to = Math.max(...xs.map((one) => one.x[one.x.length - 1]));
+  return { ...spec, marks: at.filter((mark) => mark.at >= from && mark.at <= to) };
+}
+
+// Per kind, those that stand in the plot: "2 stops or pauses".
+export function marksInWords(spec: PlotSpec): { kind: PlotMark['kind']; words: string; labels: string }[] {
+  return (Object.keys(markLooks) as PlotMark['kind'][]).flatMap((kind) => {
+    const mine = (spec.marks ?? []).filter((mark) => mark.kind === kind);
+    const look = markLooks[kind];
+    return mine.length === 0 ? [] : [{ kind, words: `${mine.length} ${mine.length === 1 ? look.one : look.many}`, labels: mine.map((mark) => mark.label).join('; ') }];
+  });
+}
+
+export function drawMarks(u: uPlot, spec: PlotSpec, colours: Palette): void {
+  const { ctx, bbox } = u;
+  const { min, max } = u.scales.x;
+  const px = devicePixelRatio;
+  ctx.save();
+  for (const mark of spec.marks ?? []) {
+    if (mark.at < min! || mark.at > max!) continue;
+    const x = u.valToPos(mark.at, 'x', true);
+    ctx.beginPath();
+    ctx.setLineDash(markLooks[mark.kind].dash.map((length) => length * px));
+    ctx.moveTo(x, bbox.top);
+    ctx.lineTo(x, bbox.top + bbox.height);
+    ctx.strokeStyle = colours[markLooks[mark.kind].colour];
+    ctx.lineWidth = 1.25 * px;
+    ctx.stroke();
+  }
+  ctx.restore();
+}
+
+export function marksSvg(spec: PlotSpec, range: Range, x: (value: number) => number, top: number, height: number, colours: Palette, escaped: (text: string) => string): string {
+  return (spec.marks ?? []).filter((mark) => mark.at >= range.from && mark.at <= range.to).map((mark) => {
+    const { colour, dash } = markLooks[mark.kind];
+    return `<path class="mark-${mark.kind}" d="M${x(mark.at).toFixed(2)} ${top}v${height}" stroke="${colours[colour]}" stroke-dasharray="${dash.join(' ') || 'none'}"><title>${escaped(mark.label)}</title></path>`;
+  }).join('');
+}
