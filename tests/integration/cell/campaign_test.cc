@@ -73,7 +73,7 @@ TEST(Campaign, MeasuresEveryPointWithItsTemperatures) {
   expect_the_same_fit_from_the_file(cell, "1");
   EXPECT_THAT(cell.say({"fit", "--run", "1", "--model", kFormula, "--json"}),
               testing::HasSubstr("\"excluded\":3"));
-  cell.say({"data", "restore", "1", "--rows", "0-17", "--reason", "it did not"});
+  cell.say({"data", "restore", "1", "--rows", "1-18", "--reason", "it did not"});
   EXPECT_THAT(cell.say({"fit", "--run", "1", "--model", kFormula, "--json"}),
               testing::HasSubstr("\"excluded\":0"));
 }

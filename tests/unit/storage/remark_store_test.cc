@@ -71,7 +71,7 @@ TEST_F(RemarkStoreTest, RefuseARowWithoutAPointAndChangeNothing) {
   const auto refused = exclude({1, 99});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().reason, "NO_SUCH_ROW");
-  EXPECT_THAT(refused.error().message, testing::HasSubstr("row 99"));
+  EXPECT_THAT(refused.error().message, testing::HasSubstr("row 100"));
   EXPECT_TRUE(dataset().excluded.empty());
   EXPECT_EQ(store->remarks().exclusions(RunId{77}).error().reason, "NO_SUCH_RUN");
 }
