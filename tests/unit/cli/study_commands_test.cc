@@ -13,9 +13,9 @@ class StudyCommandsTest : public CliTest {
       cell.the_choice.unit = "mm";
       calibration::SensorSet one, none;
       one.sensors = {"t04"};
-      one.outputs = {{.output = "q1", .u90_blocks = 30e-6, .a90_blocks = 30e-6}};
+      one.outputs = {{"q1", 30e-6, 0, 30e-6, {}, {}, {}}};
       one.a90_blocks_rms = 30e-6;
-      none.outputs = {{.output = "q1", .u90_blocks = 90e-6, .a90_blocks = 90e-6}};
+      none.outputs = {{"q1", 90e-6, 0, 90e-6, {}, {}, {}}};
       none.a90_blocks_rms = 90e-6;
       cell.the_choice.study = {{one, none}, 0, 2, 0.1};
     });
@@ -114,7 +114,7 @@ TEST_F(StudyCommandsTest, ResidualsComeAsADatasetWithWhatTheyComeTo) {
     data.time_s = {0, 10, 20};
     data.set = {PointSet::calibration, PointSet::calibration, PointSet::calibration};
     data.columns = {{{"t07", "degC"}, {20.5, 20.6, 20.7}}};
-    cell.the_residuals.outputs = {{{"q1", "mm"}, {1.5, -2.5, 1}}};
+    cell.the_residuals.outputs = {{{"q1", "mm"}, {1.5, -2.5, 1}, {}}};
     cell.the_residuals.same_rows = true;
   });
   const auto rows = run({"model", "residuals", "1"});

@@ -128,7 +128,7 @@ TEST_F(ModelServiceTest, ListsResidualsWithTheChannelsTheyMayGoWith) {
     data.time_s = {0, 10, 20};
     data.set = {PointSet::calibration, PointSet::validation, PointSet::calibration};
     data.columns = {{{"t07", "degC"}, {20.5, 20.6, kMissing}}};
-    cell.the_residuals.outputs = {{{"q1", "mm"}, {1.5, -2.5, 0.5}}};
+    cell.the_residuals.outputs = {{{"q1", "mm"}, {1.5, -2.5, 0.5}, {}}};
   });
   const auto rows = ask(&ModelStub::ListResiduals, of<v1::ListResidualsRequest>(1));
   ASSERT_TRUE(rows) << rows.error().message;

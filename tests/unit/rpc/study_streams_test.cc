@@ -123,14 +123,10 @@ TEST_F(StudyStreamsTest, SetsOfThermometersComeInTheSummaryUnit) {
     cell.the_choice.unit = "mm";
     calibration::SensorSet two, none;
     two.sensors = {"t01", "t04"};
-    two.outputs = {{.output = "q1",
-                    .u90_blocks = 30e-6,
-                    .mean_blocks = 4e-6,
-                    .a90_blocks = 31e-6,
-                    .u90_validation = 35e-6}};
+    two.outputs = {{"q1", 30e-6, 4e-6, 31e-6, 35e-6, {}, {}}};
     two.u90_blocks_rms = 30e-6;
     two.a90_blocks_rms = 31e-6;
-    none.outputs = {{.output = "q1", .u90_blocks = 90e-6}};
+    none.outputs = {{"q1", 90e-6, 0, 90e-6, {}, {}, {}}};
     none.u90_blocks_rms = 90e-6;
     cell.the_choice.study = {{two, none}, 0, 4, 0.2};
   });
