@@ -182,6 +182,7 @@ TEST_F(RunServiceTest, PagesThroughRunsAndPoints) {
       PointRecord point;
       point.id = {i};
       point.values = {{"x_mm", 1.5}, {"t07_degC", kMissing}};
+      point.row = 11;
       cell.the_points.push_back(point);
     }
   });
@@ -198,6 +199,8 @@ TEST_F(RunServiceTest, PagesThroughRunsAndPoints) {
   const auto found = ask(&RunStub::ListPoints, points);
   ASSERT_TRUE(found);
   ASSERT_EQ(found->points_size(), 2);
+  // The record counts rows from 0, the API and every client from 1.
+  EXPECT_EQ(found->points(0).row(), 12);
   EXPECT_FALSE(found->points(0).values(1).has_value());
   points.set_limit(10001);
   EXPECT_THAT(ask(&RunStub::ListPoints, points),
