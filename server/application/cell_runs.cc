@@ -34,6 +34,7 @@ Awaitable<Result<RunRecord>> CellApplication::create_run(Caller caller, CreateRu
   if (auto ok = check_rules(plan.rules); !ok) co_return tl::unexpected(ok.error());
   const auto name =
       request.trajectory_name.empty() ? std::string("trajectory") : request.trajectory_name;
+  const auto stops = stop_events_.presses();
   auto checking = checked(name, request.trajectory_text);
   auto check = co_await std::move(checking);
   if (!check) co_return tl::unexpected(check.error());
@@ -52,6 +53,9 @@ Awaitable<Result<RunRecord>> CellApplication::create_run(Caller caller, CreateRu
     co_return fail(ErrorCode::failed_precondition, "NO_MODEL",
                    "no model serves: promote one, or run without compensation");
   if (auto ok = co_await follow_for(plan); !ok) co_return tl::unexpected(ok.error());
+  if (stop_events_.presses() != stops)
+    co_return fail(ErrorCode::aborted, "STOPPED_MEANWHILE",
+                   "a stop was asked for while the trajectory was read: start the run again");
   co_return co_await start_run(std::move(caller), std::move(request), std::move(plan),
                                std::move(check->trajectory));
 }

@@ -14,6 +14,7 @@ void StopEvents::record(const Caller& caller) {
   constexpr std::size_t kMostNames = 5;
   const auto now = clock_.now().utc;
   last_ = now;
+  ++presses_;
   if (bursting_) {
     ++further_;
     ++in_all_;

@@ -13,13 +13,15 @@ namespace driftwise::application {
 
 class StopEvents {
  public:
-  static constexpr std::chrono::seconds kQuiet{10}, kTold{60};  // cell time
+  static constexpr std::chrono::seconds kQuiet{10}, kTold{600};  // cell time
 
   StopEvents(asio::any_io_executor executor, Clock& clock, EventLog& events, TaskCount& tasks)
       : executor_(executor), clock_(clock), events_(events), tasks_(tasks), ended_(executor) {}
 
   void record(const Caller& caller);
   void shut_down();  // what was counted is told
+  // Of all stops since the start: who waits for something before a motion looks whether it grew.
+  std::int64_t presses() const { return presses_; }
 
  private:
   Awaitable<void> wait_out();
@@ -31,7 +33,7 @@ class StopEvents {
   TaskCount& tasks_;
   Signal ended_;
   CellTime last_, told_;
-  std::int64_t further_ = 0, in_all_ = 0;
+  std::int64_t further_ = 0, in_all_ = 0, presses_ = 0;
   std::set<std::string> names_;  // of those who asked again, the first few
   bool bursting_ = false, ending_ = false;
 };

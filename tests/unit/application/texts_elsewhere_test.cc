@@ -64,7 +64,10 @@ TEST_F(TextsElsewhere, TheTrajectoryOfARun) {
   request.name = request.trajectory_name = "r";
   request.trajectory_text = lines_of(1, {1}, false);
   request.lease_token = cell.lease();
-  EXPECT_TRUE(read_elsewhere(cell->create_run(cell.ada, request)));
+  const auto run = read_elsewhere(cell->create_run(cell.ada, request));
+  ASSERT_FALSE(run) << "a run that was asked for before the stop begins after it";
+  EXPECT_EQ(run.error().reason, "STOPPED_MEANWHILE");
+  EXPECT_EQ(world.moves, 0);
 }
 
 using Instant = application::PauseMeter::Instant;
