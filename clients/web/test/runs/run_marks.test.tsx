@@ -1,10 +1,11 @@
 // The marks of a run come from its points and from what the record says of it and of the cell meanwhile.
 import { create } from '@bufbuild/protobuf';
+import { createRouterTransport } from '@connectrpc/connect';
 import { cleanup, configure, render, screen } from '@testing-library/preact';
 import { useContext } from 'preact/hooks';
 import { afterAll, afterEach, beforeAll, expect, it, vi } from 'vitest';
 import { useTransport } from '@/api/client';
-import { EventSchema } from '@/api/gen/driftwise/v1/cell_service_pb';
+import { CellService, EventSchema } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { WatchEventSchema } from '@/api/gen/driftwise/v1/watch_service_pb';
 import { announce } from '@/live/events';
 import { startStream } from '@/live/stream';
@@ -42,4 +43,21 @@ it('marks force, stops and restarts, and leaves out other runs and what was befo
   await screen.findByText('restart: went on');
   expect(screen.getAllByRole('listitem').map((one) => one.textContent)).toEqual(
     ['force: force 0 to 0.768 N', 'stop: anna paused', 'stop: Anna stopped everything', 'restart: went on']);
+});
+
+it('reads of a long record only what belongs to the time of the run', async () => {
+  const events = Array.from({ length: 200_000 }, (_, i) => ({ id: BigInt(i + 1), what: i % 100 === 0 ? 'stop' : 'device.back', detail: `event ${i + 1}`, minute: i - 150_000 }));
+  let sent = 0;
+  useTransport(createRouterTransport(({ service }) => service(CellService, {
+    listEvents: ({ afterEventId, limit }) => {
+      const page = events.slice(Number(afterEventId), Number(afterEventId) + limit);
+      sent += page.length;
+      return { events: page.map(({ minute, ...event }) => ({ ...event, who: 'Anna', peer: '', eventTime: at(minute) })) };
+    },
+  })));
+  const run = { ...fakeRun, id: 18n, startTime: at(0), endTime: at(250) };
+  render(<RunMarks run={run} points={undefined}><Shown /></RunMarks>);
+  await screen.findByText('stop: event 150001');
+  expect(screen.getAllByRole('listitem').map((one) => one.textContent)).toEqual([1, 101, 201].map((i) => `stop: event ${150_000 + i}`));
+  expect(sent).toBeLessThan(4000);
 });
