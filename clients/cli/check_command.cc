@@ -64,7 +64,9 @@ ExitCode check(const Session& session, const CheckArguments& a) {
   for (const std::int64_t run : a.runs) request.add_run_ids(run);
   const auto response = session.connect().ask(&ModelStub::CheckModel, request, 120);
   const bool negative = response.verdict() == v1::CheckModelResponse::VERDICT_RECALIBRATE;
-  const ExitCode exit = negative ? ExitCode::negative : ExitCode::done;
+  const bool good = response.verdict() == v1::CheckModelResponse::VERDICT_IN_CONTROL;
+  // A script must not take "nothing was judged" for "in control".
+  const ExitCode exit = negative ? ExitCode::negative : good ? ExitCode::done : ExitCode::refused;
   const Console& console = session.console;
   if (console.json) {
     console.print_json(json_from(response));
@@ -74,7 +76,7 @@ ExitCode check(const Session& session, const CheckArguments& a) {
   console.out << "model " << response.model_id() << ": ";
   if (negative)
     console.out << paint.bad("recalibrate now") << '\n';
-  else if (response.verdict() == v1::CheckModelResponse::VERDICT_IN_CONTROL)
+  else if (good)
     console.out << paint.good("in control") << ": the robot still does what the model says\n";
   else
     console.out << "not judged: no run since it was made has enough points\n";
@@ -100,7 +102,8 @@ void add_check_command(CLI::App& model, Session& session) {
   auto a = std::make_shared<CheckArguments>();
   CLI::App& command =
       add_command(model, session, "check",
-                  "Does the robot still do what the model says? Exit code 1: recalibrate now",
+                  "Does the robot still do what the model says? Exit code 1: recalibrate now; 5: "
+                  "nothing was judged",
                   [&session, a] { return check(session, *a); });
   command.add_option("MODEL", a->model, "number of the model; else the one that serves")
       ->check(positive_number());

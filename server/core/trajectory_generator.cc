@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <random>
+#include <span>
 #include <string>
 
 namespace driftwise {
@@ -118,7 +120,7 @@ void shuffle(std::vector<Position>& positions, std::mt19937_64& random) {
     std::swap(positions[i - 1], positions[static_cast<std::size_t>(random() % i)]);
 }
 
-void append_pass(const std::vector<Position>& positions, std::size_t line_length,
+void append_pass(std::span<const Position> positions, std::size_t line_length,
                  std::optional<double> force_n, Trajectory& out, std::int64_t& line) {
   const auto point = [&](std::vector<double> mm, PointSet set, bool zero) {
     TrajectoryPoint row;
@@ -137,6 +139,48 @@ void append_pass(const std::vector<Position>& positions, std::size_t line_length
   }
 }
 
+struct Stretch {  // of one force
+  std::optional<double> force_n;
+  std::vector<Position> positions;
+};
+
+// Every pass under each force. In a random order a force must not rise with time either, or a fit
+// takes the room's warming for force: each pass is cut in two, and the second halves come with the
+// forces in reverse, f1 f2 f3 f3 f2 f1, so that force and time do not correlate (a foldover: Box,
+// Hunter and Hunter, Statistics for Experimenters, 2nd ed., section 6.3).
+std::vector<Stretch> stretches_of(const GeneratorPlan& plan) {
+  std::vector<std::optional<double>> forces(plan.forces_n.begin(), plan.forces_n.end());
+  if (forces.empty()) forces.push_back(std::nullopt);
+  std::mt19937_64 random(plan.shuffle_seed.value_or(0));
+  bool backwards = false;
+  const auto pass = [&] {
+    auto positions = pass_of(plan);
+    if (plan.shuffle_seed) shuffle(positions, random);
+    if (backwards) std::reverse(positions.begin(), positions.end());
+    backwards = plan.both_directions && !backwards;
+    return positions;
+  };
+  std::vector<Stretch> all;
+  if (!plan.shuffle_seed || forces.size() == 1) {
+    for (const auto& force : forces)
+      for (std::int64_t repeat = 0; repeat < plan.repeats; ++repeat) all.push_back({force, pass()});
+    return all;
+  }
+  for (std::int64_t repeat = 0; repeat < plan.repeats; ++repeat) {
+    std::vector<Stretch> second;
+    for (const auto& force : forces) {
+      auto first = pass();
+      const auto middle = first.begin() + static_cast<std::ptrdiff_t>((first.size() + 1) / 2);
+      if (middle != first.end()) second.push_back({force, {middle, first.end()}});
+      first.erase(middle, first.end());
+      all.push_back({force, std::move(first)});
+    }
+    all.insert(all.end(), std::make_move_iterator(second.rbegin()),
+               std::make_move_iterator(second.rend()));
+  }
+  return all;
+}
+
 }  // namespace
 
 Result<Trajectory> generate_trajectory(const GeneratorPlan& plan) {
@@ -146,19 +190,9 @@ Result<Trajectory> generate_trajectory(const GeneratorPlan& plan) {
   for (const auto& axis : plan.axes) out.coordinates.push_back(axis.coordinate);
   const std::size_t line_length =
       static_cast<std::size_t>(plan.line_length > 0 ? plan.line_length : plan.axes.front().count);
-  std::mt19937_64 random(plan.shuffle_seed.value_or(0));
-  std::vector<std::optional<double>> forces(plan.forces_n.begin(), plan.forces_n.end());
-  if (forces.empty()) forces.push_back(std::nullopt);
   std::int64_t line = 0;
-  bool backwards = false;
-  for (const auto& force : forces)
-    for (std::int64_t repeat = 0; repeat < plan.repeats; ++repeat) {
-      auto positions = pass_of(plan);
-      if (plan.shuffle_seed) shuffle(positions, random);
-      if (backwards) std::reverse(positions.begin(), positions.end());
-      backwards = plan.both_directions && !backwards;
-      append_pass(positions, line_length, force, out, line);
-    }
+  for (const auto& stretch : stretches_of(plan))
+    append_pass(stretch.positions, line_length, stretch.force_n, out, line);
   if (static_cast<std::int64_t>(out.points.size()) > kMostGeneratedRows)
     return fail(ErrorCode::resource_exhausted, "TOO_MANY_ROWS",
                 "with its returns to zero the plan has " + std::to_string(out.points.size()) +

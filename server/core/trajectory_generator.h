@@ -24,8 +24,10 @@ struct GeneratorPlan {
   bool with_validation = false;
   std::vector<double> forces_n;  // the whole grid under each, in this order; empty: no force
   std::int64_t repeats = 1;
-  bool both_directions = false;               // every second pass backwards
-  std::optional<std::uint64_t> shuffle_seed;  // positions in a random order that this seed repeats
+  bool both_directions = false;  // every second pass backwards
+  // Positions in a random order that this seed repeats. With several forces each pass is measured
+  // in two halves, the second ones with the forces in reverse: f1 f2 f3 f3 f2 f1.
+  std::optional<std::uint64_t> shuffle_seed;
 };
 
 constexpr std::int64_t kMostGeneratedRows = 200'000;

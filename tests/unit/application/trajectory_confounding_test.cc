@@ -2,6 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <map>
+#include <set>
+
+#include "server/core/trajectory_generator.h"
 #include "server/core/trajectory_grid.h"
 
 namespace driftwise::application {
@@ -63,6 +67,31 @@ TEST(ForceTrend, ReportsAFallingForceToo) {
   const auto plan = plan_of({{kCal, 2.305}, {kCal, 1.536}, {kCal, 0}});
   EXPECT_TRUE(force_trend(plan, evenly(plan)).confounded());
   EXPECT_THAT(force_trend(plan, evenly(plan)).sentence(), HasSubstr("falls"));
+}
+
+// What `trajectory generate --shuffle` makes, `trajectory check` must not refuse to believe in.
+TEST(ForceTrend, IsNoneInARandomOrder) {
+  for (const auto& forces : {std::vector<double>{0, 2}, {0, 1, 2}, {2.305, 1.536, 0}}) {
+    for (const bool validation : {false, true}) {
+      GeneratorPlan wanted;
+      wanted.axes = {{{"q1", "mm"}, 0, 2, 5}, {{"q2", "mm"}, 0, 2, 3}};
+      wanted.forces_n = forces;
+      wanted.with_validation = validation;
+      wanted.shuffle_seed = 1;
+      const auto plan = generate_trajectory(wanted).value();
+      const auto trend = force_trend(plan, evenly(plan));
+      EXPECT_LT(std::abs(trend.correlation), 0.1);
+      EXPECT_FALSE(trend.confounded());
+      std::map<double, std::multiset<std::vector<double>>> under;  // every position, once a force
+      for (const auto& point : plan.points)
+        if (!point.zero) under[*point.force_n].insert(point.target_mm);
+      ASSERT_EQ(under.size(), forces.size());
+      for (const auto& [force, positions] : under) EXPECT_EQ(positions, under.begin()->second);
+      wanted.shuffle_seed.reset();
+      const auto in_order = generate_trajectory(wanted).value();
+      EXPECT_TRUE(force_trend(in_order, evenly(in_order)).confounded());
+    }
+  }
 }
 
 TEST(ForceTrend, HasNothingToSayWithoutForces) {

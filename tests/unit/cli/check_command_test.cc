@@ -60,6 +60,17 @@ TEST_F(CheckCommand, SaysNoWithItsExitCode) {
   EXPECT_TRUE(json["outputs"][0]["runs"][0]["ewma_bias"].is_null());
 }
 
+TEST_F(CheckCommand, NothingJudgedIsNoGoodNews) {
+  cell.on_executor([this] {
+    cell.the_check.verdict = diagnosis::CheckVerdict::not_judged;
+    cell.the_check.outputs.clear();
+  });
+  const auto said = run({"model", "check", "1"});
+  EXPECT_EQ(said.exit, 5);
+  EXPECT_THAT(said.out, HasSubstr("not judged: no run since it was made has enough points"));
+  EXPECT_EQ(run({"model", "check", "1", "--json"}).exit, 5);
+}
+
 TEST_F(CheckCommand, WithoutAServingModelAsksForOne) {
   const auto said = run({"model", "check"});
   EXPECT_EQ(said.exit, 5);
