@@ -114,10 +114,10 @@ Result<ExtensionRecord> SqliteDiagnosisStore::accept(const NewExtension& extensi
   return session_.write([&] { return insert_extension(session_, extension); });
 }
 
-Result<ExtensionRecord> SqliteDiagnosisStore::undo_extension(DiagnosisId id, const Stamp& at,
-                                                             const std::string& who,
-                                                             const std::string& from) {
-  return session_.write([&] { return undo_extension_row(session_, id, at, who, from); });
+Result<ExtensionRecord> SqliteDiagnosisStore::undo_extension(
+    DiagnosisId id, const Stamp& at, const std::string& who, const std::string& from,
+    const std::optional<PromotionRecord>& rollback) {
+  return session_.write([&] { return undo_extension_row(session_, id, at, who, from, rollback); });
 }
 
 Result<std::optional<ExtensionRecord>> SqliteDiagnosisStore::extension(DiagnosisId id) {

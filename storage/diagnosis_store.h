@@ -17,7 +17,8 @@ class SqliteDiagnosisStore final : public DiagnosisStore {
   Result<std::string> diagnosis_rows(DiagnosisId id) override;
   Result<ExtensionRecord> accept(const NewExtension& extension) override;
   Result<ExtensionRecord> undo_extension(DiagnosisId id, const Stamp& at, const std::string& who,
-                                         const std::string& from) override;
+                                         const std::string& from,
+                                         const std::optional<PromotionRecord>& rollback) override;
   Result<std::optional<ExtensionRecord>> extension(DiagnosisId id) override;
   Result<std::vector<CorrectionRecord>> corrections() override;
   Result<ImprovementRecord> add_improvement(const ImprovementRecord& improvement) override;

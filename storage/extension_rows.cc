@@ -4,6 +4,7 @@
 #include <map>
 #include <sstream>
 
+#include "storage/model_store.h"
 #include "storage/remark_store.h"
 
 namespace driftwise::storage {
@@ -23,6 +24,37 @@ std::vector<RowsOfRun> rows_kept_out(Session& session, std::int64_t extension) {
     kept.back().rows.push_back(query.integer(1));
   }
   return kept;
+}
+
+void insert_changes(Session& session, CorrectionId correction,
+                    const std::vector<LengthChange>& changes) {
+  std::int64_t position = 0;
+  for (const auto& change : changes)
+    Query(session.db,
+          "INSERT INTO correction_change (correction_id, position, run_id, channel, from_ns, "
+          "row_count, largest_nm, rms_nm, diagnosed) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)")
+        .bind(correction, position++, change.run, change.channel, change.from.utc_ns, change.rows,
+              change.largest_nm, change.rms_nm, change.diagnosed ? 1 : 0)
+        .run();
+}
+
+std::vector<LengthChange> read_changes(Session& session, CorrectionId correction) {
+  Query query(session.db,
+              "SELECT run_id, channel, from_ns, row_count, largest_nm, rms_nm, diagnosed, run.name "
+              "FROM correction_change JOIN run USING (run_id) WHERE correction_id = ? "
+              "ORDER BY position");
+  query.bind(correction);
+  std::vector<LengthChange> changes;
+  while (query.row())
+    changes.push_back({{query.integer(0)},
+                       query.text(7),
+                       query.text(1),
+                       {query.integer(2)},
+                       query.integer(3),
+                       query.real(4),
+                       query.real(5),
+                       query.integer(6) != 0});
+  return changes;
 }
 
 struct StoredExtension {
@@ -97,13 +129,22 @@ ExtensionRecord insert_extension(Session& session, const NewExtension& extension
               extension.who)
         .run();
     correction = CorrectionId{session.db.last_row_id()};
+    insert_changes(session, *correction, extension.changes);
+  }
+  auto model = extension.model;
+  if (extension.fitted) {
+    auto fitted = *extension.fitted;
+    if (correction && extension.rests_on_this) fitted.corrections.push_back(*correction);
+    model = insert_model(session, fitted);
+    if (extension.promoted)
+      insert_promotion(session, {model, extension.at.utc, extension.who, "promote"});
   }
   std::vector<std::int64_t> findings(extension.findings.begin(), extension.findings.end());
   Query(session.db,
         "INSERT INTO extension (diagnosis_id, findings, model_id, promoted, correction_id, "
         "accepted_ns, accepted_by, undone_ns, undone_by) VALUES (?, ?, ?, ?, ?, ?, ?, 0, '')")
-      .bind(extension.diagnosis, numbers_text(findings), extension.model,
-            extension.promoted ? 1 : 0, correction, extension.at.utc.utc_ns, extension.who)
+      .bind(extension.diagnosis, numbers_text(findings), model, extension.promoted ? 1 : 0,
+            correction, extension.at.utc.utc_ns, extension.who)
       .run();
   const std::int64_t id = session.db.last_row_id();
   for (auto exclusion : extension.exclusions) {
@@ -120,13 +161,15 @@ ExtensionRecord insert_extension(Session& session, const NewExtension& extension
 }
 
 ExtensionRecord undo_extension_row(Session& session, DiagnosisId id, const Stamp& at,
-                                   const std::string& who, const std::string& from) {
+                                   const std::string& who, const std::string& from,
+                                   const std::optional<PromotionRecord>& rollback) {
   require_diagnosis(session, id);
   const auto last = last_extension(session, id);
   if (!last || !last->record.stands())
     throw_failure(ErrorCode::failed_precondition, "NO_EXTENSION",
                   "nothing of diagnosis " + std::to_string(id.value) +
                       (last ? " stands any more" : " was accepted") + ": there is nothing to undo");
+  if (rollback) insert_promotion(session, *rollback);
   Query(session.db, "UPDATE extension SET undone_ns = ?, undone_by = ? WHERE extension_id = ?")
       .bind(at.utc.utc_ns, who, last->id)
       .run();
@@ -167,6 +210,7 @@ std::vector<CorrectionRecord> read_corrections(Session& session) {
     record.ended_by = query.text(6);
     corrections.push_back(std::move(record));
   }
+  for (auto& record : corrections) record.changes = read_changes(session, record.id);
   return corrections;
 }
 

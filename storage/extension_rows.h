@@ -15,7 +15,8 @@ void require_diagnosis(Session& session, DiagnosisId id);  // throws not_found N
 
 ExtensionRecord insert_extension(Session& session, const NewExtension& extension);
 ExtensionRecord undo_extension_row(Session& session, DiagnosisId id, const Stamp& at,
-                                   const std::string& who, const std::string& from);
+                                   const std::string& who, const std::string& from,
+                                   const std::optional<PromotionRecord>& rollback);
 std::optional<ExtensionRecord> read_extension(Session& session, DiagnosisId id);
 std::vector<CorrectionRecord> read_corrections(Session& session);
 

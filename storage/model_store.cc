@@ -12,6 +12,14 @@ ModelRecord model_from(const Query& row) {
   return model;
 }
 
+void read_corrections_of(Session& session, ModelRecord& model) {
+  Query query(
+      session.db,
+      "SELECT correction_id FROM model_correction WHERE model_id = ? ORDER BY correction_id");
+  query.bind(model.id);
+  while (query.row()) model.corrections.push_back({query.integer(0)});
+}
+
 [[noreturn]] void throw_no_such_model(Session& session, ModelId id) {
   throw_failure(ErrorCode::not_found, "NO_SUCH_MODEL",
                 "there is no model " + std::to_string(id.value) + " in database " +
@@ -23,7 +31,9 @@ ModelRecord read_model(Session& session, ModelId id) {
               "SELECT model_id, name, json, hash, parent_id, created_ns, created_by, note FROM "
               "model WHERE model_id = ?");
   if (!query.bind(id.value).row()) throw_no_such_model(session, id);
-  return model_from(query);
+  auto model = model_from(query);
+  read_corrections_of(session, model);
+  return model;
 }
 
 Result<std::vector<std::int64_t>> ids_by(Session& session, const char* sql) {
@@ -50,23 +60,41 @@ Result<std::set<std::int64_t>> model_ids(Session& session) {
 
 }  // namespace
 
+ModelId insert_model(Session& session, const ModelRecord& model) {
+  ModelId id;
+  Query same(session.db, "SELECT model_id FROM model WHERE hash = ?");
+  if (same.bind(model.hash).row()) {
+    id = {same.integer(0)};
+  } else {
+    Query(session.db,
+          "INSERT INTO model (name, json, hash, parent_id, created_ns, created_by, note) VALUES "
+          "(?, ?, ?, ?, ?, ?, ?)")
+        .bind(model.name, model.json, model.hash, model.parent, model.created.utc_ns,
+              model.created_by, model.note)
+        .run();
+    id = {session.db.last_row_id()};
+  }
+  for (const CorrectionId correction : model.corrections)
+    Query(session.db,
+          "INSERT OR IGNORE INTO model_correction (model_id, correction_id) VALUES (?, ?)")
+        .bind(id, correction)
+        .run();
+  return id;
+}
+
+void insert_promotion(Session& session, const PromotionRecord& promotion) {
+  Query(session.db, "INSERT INTO promotion (model_id, at_ns, by_whom, action) VALUES (?, ?, ?, ?)")
+      .bind(promotion.model, promotion.at.utc_ns, promotion.by, promotion.action)
+      .run();
+}
+
 void require_model(Session& session, ModelId id) {
   Query query(session.db, "SELECT 1 FROM model WHERE model_id = ?");
   if (!query.bind(id.value).row()) throw_no_such_model(session, id);
 }
 
 Result<ModelId> SqliteModelStore::add_model(const ModelRecord& model) {
-  return session_.write([&] {
-    Query same(session_.db, "SELECT model_id FROM model WHERE hash = ?");
-    if (same.bind(model.hash).row()) return ModelId{same.integer(0)};
-    Query(session_.db,
-          "INSERT INTO model (name, json, hash, parent_id, created_ns, created_by, note) VALUES "
-          "(?, ?, ?, ?, ?, ?, ?)")
-        .bind(model.name, model.json, model.hash, model.parent, model.created.utc_ns,
-              model.created_by, model.note)
-        .run();
-    return ModelId{session_.db.last_row_id()};
-  });
+  return session_.write([&] { return insert_model(session_, model); });
 }
 
 Result<ModelRecord> SqliteModelStore::model(ModelId id) {
@@ -93,12 +121,7 @@ Result<std::vector<ModelRecord>> SqliteModelStore::models() {
 }
 
 Result<void> SqliteModelStore::add_promotion(const PromotionRecord& promotion) {
-  return session_.write([&] {
-    Query(session_.db,
-          "INSERT INTO promotion (model_id, at_ns, by_whom, action) VALUES (?, ?, ?, ?)")
-        .bind(promotion.model, promotion.at.utc_ns, promotion.by, promotion.action)
-        .run();
-  });
+  return session_.write([&] { insert_promotion(session_, promotion); });
 }
 
 Result<std::vector<PromotionRecord>> SqliteModelStore::promotions() {

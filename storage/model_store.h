@@ -5,6 +5,9 @@
 
 namespace driftwise::storage {
 
+// Inside the caller's transaction. The same hash again: the same id.
+ModelId insert_model(Session& session, const ModelRecord& model);
+void insert_promotion(Session& session, const PromotionRecord& promotion);
 void require_model(Session& session, ModelId id);  // throws not_found NO_SUCH_MODEL
 
 class SqliteModelStore final : public ModelStore {

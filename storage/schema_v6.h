@@ -62,6 +62,49 @@ CREATE TABLE database_check_pass (  -- one row: how far the checks are
   last_clean_ns INTEGER NOT NULL, -- when a pass last ended with every table clean; 0: never
   )sql" DRIFTWISE_UTC_COLUMN("last_clean") R"sql(
 ) STRICT;
+
+-- Configurations in force.
+CREATE TABLE configuration_start (  -- one start of the daemon, with the cell.toml that it read
+  start_id INTEGER PRIMARY KEY,
+  config_hash TEXT NOT NULL REFERENCES cell_config (hash),
+  before_hash TEXT NOT NULL,     -- the one it was compared with; empty: the first start
+  changes_json TEXT NOT NULL,    -- the difference, by meaning
+  asks INTEGER NOT NULL CHECK (asks IN (0, 1)),  -- 1: a person has to answer
+  version TEXT NOT NULL,         -- of the program
+  at_ns INTEGER NOT NULL,
+  at_monotonic_ns INTEGER NOT NULL,
+  accepted_ns INTEGER NOT NULL,  -- 0: not yet
+  accepted_by TEXT NOT NULL,
+  note TEXT NOT NULL,
+  )sql" DRIFTWISE_UTC_COLUMN("at") R"sql(
+) STRICT;
+CREATE TABLE run_configuration (  -- a run went on under this cell.toml; it began under run.config_hash
+  run_id INTEGER NOT NULL REFERENCES run (run_id),
+  position INTEGER NOT NULL,
+  config_hash TEXT NOT NULL REFERENCES cell_config (hash),
+  from_ns INTEGER NOT NULL,
+  )sql" DRIFTWISE_UTC_COLUMN("from") R"sql(,
+  PRIMARY KEY (run_id, position)
+) STRICT, WITHOUT ROWID;
+
+-- Corrections that data rest on.
+CREATE TABLE model_correction (  -- in force when the model was fitted, over its runs
+  model_id INTEGER NOT NULL REFERENCES model (model_id),
+  correction_id INTEGER NOT NULL REFERENCES correction (correction_id),
+  PRIMARY KEY (model_id, correction_id)
+) STRICT, WITHOUT ROWID;
+CREATE TABLE correction_change (  -- what a correction did to the runs there were when it was accepted
+  correction_id INTEGER NOT NULL REFERENCES correction (correction_id),
+  position INTEGER NOT NULL,
+  run_id INTEGER NOT NULL REFERENCES run (run_id),
+  channel TEXT NOT NULL,
+  from_ns INTEGER NOT NULL,      -- first row that changes; 0: an imported run
+  row_count INTEGER NOT NULL,    -- rows that change by 0.1 nm or more
+  largest_nm REAL NOT NULL,
+  rms_nm REAL NOT NULL,
+  diagnosed INTEGER NOT NULL CHECK (diagnosed IN (0, 1)),  -- 1: the diagnosis looked at this run
+  PRIMARY KEY (correction_id, position)
+) STRICT, WITHOUT ROWID;
 )sql";
 
 }  // namespace driftwise::storage

@@ -4,6 +4,7 @@
 
 #include "storage/alarm_store.h"
 #include "storage/clock_store.h"
+#include "storage/configuration_store.h"
 #include "storage/diagnosis_store.h"
 #include "storage/event_store.h"
 #include "storage/model_store.h"
@@ -49,7 +50,8 @@ class SqliteStore final : public Store {
         trajectories_(session_),
         stops_(session_),
         clocks_(session_),
-        upkeep_(session_, [this] { set_up_connection(); }) {
+        upkeep_(session_, [this] { set_up_connection(); }),
+        configurations_(session_) {
     set_up_connection();
   }
 
@@ -67,6 +69,7 @@ class SqliteStore final : public Store {
   StopStore& stops() override { return stops_; }
   ClockStore& clocks() override { return clocks_; }
   UpkeepStore* upkeep() override { return &upkeep_; }
+  ConfigurationStore& configurations() override { return configurations_; }
 
   Result<void> idle() override {
     if (auto summarised = series_.keep_up(); !summarised) return tl::unexpected(summarised.error());
@@ -144,6 +147,7 @@ class SqliteStore final : public Store {
   SqliteStopStore stops_;
   SqliteClockStore clocks_;
   SqliteUpkeepStore upkeep_;
+  SqliteConfigurationStore configurations_;
 };
 
 }  // namespace

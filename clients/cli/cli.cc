@@ -7,6 +7,7 @@
 #include "clients/cli/alarm_commands.h"
 #include "clients/cli/cell_commands.h"
 #include "clients/cli/command_tree.h"
+#include "clients/cli/configuration_commands.h"
 #include "clients/cli/data_commands.h"
 #include "clients/cli/diagnose_command.h"
 #include "clients/cli/diagnosis_commands.h"
@@ -122,6 +123,7 @@ void add_everything(CLI::App& app, Session& session) {
   add_shared_options(app, session);
   add_status_commands(app, session);
   add_alarm_commands(app, session);
+  add_configuration_commands(app, session);
   add_watch_command(app, session);
   add_trajectory_commands(app, session);
   add_run_commands(app, session);

@@ -3,6 +3,7 @@
 // streams.
 
 #include <functional>
+#include <istream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -53,8 +54,10 @@ struct Console {
   int err_width = 80;                              // characters, for the progress bar
   std::map<std::string, std::string> environment;  // DRIFTWISE_SERVER, USER, NO_COLOR, TERM
   std::string working_folder = ".";
-  bool json = false;    // --json
-  int err_height = 24;  // lines, for a full screen
+  bool json = false;           // --json
+  int err_height = 24;         // lines, for a full screen
+  std::istream* in = nullptr;  // where a question is answered; none: nobody can be asked
+  bool in_is_terminal = false;
 
   std::string variable(const std::string& name) const {
     const auto found = environment.find(name);

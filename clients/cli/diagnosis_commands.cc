@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "clients/cli/confirm.h"
 #include "clients/cli/job_bar.h"
 #include "clients/cli/proto_json.h"
 #include "clients/cli/table.h"
@@ -17,7 +18,7 @@ using DiagnosisStub = v1::DiagnosisService::Stub;
 struct DiagnosisArguments {
   std::int64_t id = 0;
   std::vector<std::int32_t> findings;
-  bool promote = false;
+  bool promote = false, yes = false;
   std::string file;
 };
 
@@ -126,13 +127,47 @@ ExitCode show_extension(const Session& session, const v1::Extension& extension) 
   return ExitCode::done;
 }
 
-ExitCode accept(const Session& session, const DiagnosisArguments& a) {
-  v1::AcceptExtensionRequest request;
+v1::PreviewExtensionResponse previewed(const Connection& connection, const DiagnosisArguments& a) {
+  v1::PreviewExtensionRequest request;
   request.set_diagnosis_id(a.id);
   for (const auto number : a.findings) request.add_finding_numbers(number);
   request.set_promote(a.promote);
-  return show_extension(
-      session, session.connect().ask(&DiagnosisStub::AcceptExtension, request, 120).extension());
+  return connection.ask(&DiagnosisStub::PreviewExtension, request, 600);
+}
+
+std::vector<std::string> facts_of(const v1::PreviewExtensionResponse& preview) {
+  std::vector<std::string> facts(preview.sentences().begin(), preview.sentences().end());
+  for (const auto& question : preview.promotion_questions())
+    facts.push_back("it would serve although " + question);
+  return facts;
+}
+
+ExitCode preview(const Session& session, const DiagnosisArguments& a) {
+  const auto response = previewed(session.connect(), a);
+  if (session.console.json) {
+    session.console.print_json(json_from(response));
+    return ExitCode::done;
+  }
+  for (const auto& fact : facts_of(response)) session.console.out << fact << '\n';
+  return ExitCode::done;
+}
+
+ExitCode accept(const Session& session, const DiagnosisArguments& a) {
+  const auto connection = session.connect();
+  const auto seen = previewed(connection, a);
+  std::string numbers;
+  for (const auto number : seen.finding_numbers())
+    numbers += (numbers.empty() ? "" : ", ") + std::to_string(number);
+  confirm(session.console, a.yes,
+          "accepting finding " + numbers + " of diagnosis " + std::to_string(a.id) + ":",
+          facts_of(seen), "Accept it");
+  v1::AcceptExtensionRequest request;
+  request.set_confirmed(true);  // the questions stood among the facts
+  request.set_diagnosis_id(a.id);
+  for (const auto number : a.findings) request.add_finding_numbers(number);
+  request.set_promote(a.promote);
+  return show_extension(session,
+                        connection.ask(&DiagnosisStub::AcceptExtension, request, 600).extension());
 }
 
 ExitCode undo(const Session& session, std::int64_t id) {
@@ -202,10 +237,17 @@ void add_diagnosis_commands(CLI::App& app, Session& session) {
       id(add_command(diagnosis, session, "accept",
                      "Makes of findings a model, a correction of instruments, or rows kept out",
                      [&session, a] { return accept(session, *a); }));
-  accepted.add_option("--finding", a->findings, "these, such as 1,3; else all")
-      ->delimiter(',')
-      ->check(positive_number());
-  accepted.add_flag("--promote", a->promote, "the model that it makes serves at once");
+  CLI::App& previewing =
+      id(add_command(diagnosis, session, "preview",
+                     "What accepting would change: which runs, from when, by how many nm",
+                     [&session, a] { return preview(session, *a); }));
+  for (CLI::App* one : {&accepted, &previewing}) {
+    one->add_option("--finding", a->findings, "these, such as 1,3; else all")
+        ->delimiter(',')
+        ->check(positive_number());
+    one->add_flag("--promote", a->promote, "the model that it makes serves at once");
+  }
+  accepted.add_flag("--yes", a->yes, "ask nothing: for scripts");
   id(add_command(diagnosis, session, "undo", "Takes back what accept made",
                  [&session, a] { return undo(session, a->id); }));
   id(add_command(diagnosis, session, "cancel", "Ends one that is under way",

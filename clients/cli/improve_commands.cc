@@ -20,7 +20,7 @@ struct ImproveArguments {
   std::string file, formula, lease_token, request_id;
   std::int32_t max_turns = 5;
   double budget_s = 0;
-  bool no_promotion = false, no_watch = false;
+  bool promote = false;
   std::int64_t id = 0;
 };
 
@@ -123,7 +123,7 @@ ExitCode improve(const Session& session, const ImproveArguments& a) {
   request.set_formula(a.formula);
   request.set_max_turns(a.max_turns);
   request.set_budget_s(a.budget_s);
-  request.set_no_promotion(a.no_promotion);
+  request.set_promote(a.promote);
   request.set_request_id(a.request_id);
   check_trajectory(connection, request.trajectory_text(), a.file);
   const HeldLease lease(connection, a.lease_token);
@@ -194,7 +194,8 @@ void add_improve_commands(CLI::App& app, Session& session) {
       ->capture_default_str();
   command.add_option("--budget", a->budget_s, "seconds of cell time; else no limit")
       ->check(positive_number());
-  command.add_flag("--no-promotion", a->no_promotion, "propose only: nothing is served");
+  command.add_flag("--promote", a->promote,
+                   "a model whose gain the fresh points have shown serves; else it is proposed");
   command.add_option("--lease-token", a->lease_token,
                      "of a lease taken with `driftwise lease take`");
   command.add_option("--request-id", a->request_id, "the same id again answers with the first one");

@@ -5,6 +5,7 @@
 
 #include "clients/cli/accuracy_line.h"
 #include "clients/cli/check_command.h"
+#include "clients/cli/confirm.h"
 #include "clients/cli/input_text.h"
 #include "clients/cli/method_commands.h"
 #include "clients/cli/model_page.h"
@@ -29,7 +30,7 @@ struct ModelArguments {
   FitOfFile fit;
   MethodsOfFile methods;
   std::string format = "json", file;
-  bool dry_run = false;
+  bool dry_run = false, yes = false;
 };
 
 ExitCode show(const Session& session, std::int64_t id) {
@@ -119,8 +120,18 @@ ExitCode promote(const Session& session, const ModelArguments& a) {
     }
     return ExitCode::done;
   }
+  v1::GetModelRequest asked;
+  asked.set_model_id(a.id);
+  const auto page = connection.ask(&ModelStub::GetModel, asked);
+  std::vector<std::string> facts(page.promotion_questions().begin(),
+                                 page.promotion_questions().end());
+  if (!facts.empty())
+    confirm(session.console, a.yes,
+            "model " + std::to_string(a.id) + " would serve every controller, although:", facts,
+            "Promote it");
   v1::PromoteModelRequest request;
   request.set_model_id(a.id);
+  request.set_confirmed(!facts.empty());
   return serving_now(session, true, connection.ask(&ModelStub::PromoteModel, request).model());
 }
 
@@ -202,6 +213,7 @@ void add_model_commands(CLI::App& app, Session& session) {
       add_command(model, session, "promote", "This model serves targets from now on",
                   [&session, a] { return promote(session, *a); });
   id(promoting);
+  promoting.add_flag("--yes", a->yes, "ask nothing: for scripts");
   promoting.add_flag("--dry-run", a->dry_run, "say which model it would be, change nothing");
   add_check_command(model, session);
   add_sensors_command(model, session);

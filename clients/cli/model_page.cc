@@ -4,6 +4,7 @@
 
 #include "clients/cli/accuracy_line.h"
 #include "clients/cli/budget_table.h"
+#include "clients/cli/configuration_commands.h"
 #include "clients/cli/table.h"
 #include "clients/cli/text.h"
 
@@ -30,8 +31,28 @@ void print_heading(const Console& console, const v1::GetModelResponse& shown) {
   console.out << paint.bold("Model " + std::to_string(model.id()))
               << (model.name().empty() ? "" : "  " + model.name())
               << (model.serving() ? paint.good("  serving") : "") << '\n';
-  if (!shown.cell_name().empty())
-    line("cell", shown.cell_name() + ", description " + shown.config_hash());
+  if (shown.config_hash().empty())
+    line("cell file", "none: fitted from a file");
+  else
+    line("cell file", (shown.cell_name().empty() ? "" : shown.cell_name() + ", ") +
+                          "measured under " + shown.config_hash());
+  if (shown.configurations_size() > 1) {
+    std::string earlier;
+    for (int i = 0; i + 1 < shown.configurations_size(); ++i)
+      earlier += (earlier.empty() ? "" : ", ") + shown.configurations(i).hash();
+    line("", "and, for part of its data, under " + earlier);
+  }
+  if (!shown.config_hash().empty() && shown.config_hash() != shown.present_config_hash()) {
+    line("", "in force now: " + shown.present_config_hash() +
+                 (shown.changes_since().empty() ? ", the same by meaning" : ""));
+    for (const auto& change : shown.changes_since())
+      line("", "  " + change_text(change) + (change.asks() ? "" : " (recorded only)"));
+  }
+  for (const auto& mark : model.corrections()) {
+    const auto texts = mark_texts(mark);
+    line("rests on", mark.has_end_time() ? paint.bad(texts.front()) : texts.front());
+    for (std::size_t i = 1; i < texts.size(); ++i) line("", texts[i]);
+  }
   for (const auto& one : model.accuracy()) line("accuracy", "A90 " + accuracy_text(one));
   line("formula", model.formula());
   line("selection", model.select() == "all"

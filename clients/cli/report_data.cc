@@ -119,6 +119,34 @@ Json attempts_json(const ReportSource& source) {
   return out;
 }
 
+// Cell files that it was measured under, oldest first.
+Json configurations_json(const v1::Run& run) {
+  Json out = Json::array();
+  for (const auto& used : run.configurations())
+    out.push_back({{"hash", used.hash()},
+                   {"from", used.has_from_time() ? Json(iso_text(used.from_time())) : Json()}});
+  return out;
+}
+
+// In force over its data when the page was made. The points of the page are those of the record, as
+// they were measured.
+Json corrections_json(const v1::Run& run) {
+  Json out = Json::array();
+  for (const auto& mark : run.corrections()) {
+    Json changes = Json::array();
+    for (const auto& change : mark.changes())
+      changes.push_back({{"channel", change.channel()},
+                         {"rows", change.row_count()},
+                         {"largest_nm", change.largest_nm()},
+                         {"rms_nm", change.rms_nm()}});
+    out.push_back({{"id", mark.correction_id()},
+                   {"since", iso_text(mark.accept_time())},
+                   {"by", mark.accepted_by()},
+                   {"changes", changes}});
+  }
+  return out;
+}
+
 // The numbers among the rules; the page knows max_spread_nm.
 Json rules_json(const std::string& text) {
   Json out = Json::object();
@@ -173,6 +201,8 @@ Json report_json(const ReportSource& source) {
   Json report{{"schema", "driftwise.run-report.v1"},
               {"cell", source.cell.cell_name()},
               {"config_hash", source.run.run().config_hash()},
+              {"configurations", configurations_json(source.run.run())},
+              {"corrections", corrections_json(source.run.run())},
               {"version", source.version},
               {"made", source.made},
               {"run", run_json(source.run.run())},

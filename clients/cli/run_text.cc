@@ -1,5 +1,6 @@
 #include "clients/cli/run_text.h"
 
+#include "clients/cli/configuration_commands.h"
 #include "clients/cli/table.h"
 #include "clients/cli/text.h"
 
@@ -11,6 +12,14 @@ std::string painted_state(const Paint& paint, v1::Run::State state) {
   if (state == v1::Run::STATE_DONE) return paint.good(text);
   if (state == v1::Run::STATE_FAILED || state == v1::Run::STATE_ABORTED) return paint.bad(text);
   if (state == v1::Run::STATE_PAUSED || state == v1::Run::STATE_WAITING) return paint.warn(text);
+  return text;
+}
+
+// "correction 3, 5": of the data that exports and fits see.
+std::string rests_on(const v1::Run& run) {
+  std::string text;
+  for (const auto& mark : run.corrections())
+    text += (text.empty() ? "correction " : ", ") + std::to_string(mark.correction_id());
   return text;
 }
 
@@ -68,7 +77,8 @@ void print_runs(const Console& console, const std::vector<v1::Run>& runs) {
                {"started (UTC)"},
                {"took", Align::right},
                {"compensated"},
-               {"operator"}});
+               {"operator"},
+               {"rests on"}});
   for (const auto& run : runs) {
     const bool began = run.has_start_time(), ended = began && run.has_end_time();
     table.add({std::to_string(run.id()), run.name(), state_text(run.state()),
@@ -80,7 +90,7 @@ void print_runs(const Console& console, const std::vector<v1::Run>& runs) {
                : run.has_compensate_model_id()
                    ? "model " + std::to_string(run.compensate_model_id())
                    : "yes",
-               run.operator_name()});
+               run.operator_name(), rests_on(run)});
   }
   table.print(console.out, console.paint_out());
 }
@@ -109,6 +119,12 @@ void print_run(const Console& console, const v1::Run& run) {
                                             : ""));
   if (run.restart_count() > 0) line("restarts", std::to_string(run.restart_count()));
   line("largest lag", span_text(seconds_of(run.max_lag_duration())) + " of cell time");
+  if (!run.config_hash().empty()) line("cell file", run.config_hash());
+  for (int i = 1; i < run.configurations_size(); ++i)
+    line("", "from " + clock_text(run.configurations(i).from_time()) +
+                 " UTC on: " + run.configurations(i).hash());
+  for (const auto& mark : run.corrections())
+    for (const auto& text : mark_texts(mark)) line(text.starts_with(" ") ? "" : "rests on", text);
 }
 
 }  // namespace driftwise::cli

@@ -1,9 +1,14 @@
 #include "server/application/amended_dataset.h"
 
 #include <algorithm>
+#include <map>
+#include <set>
 #include <tuple>
 
+#include "server/application/extension_preview.h"
+#include "server/core/dataset_parts.h"
 #include "server/formats/amendment_json.h"
+#include "server/formats/cell_file.h"
 
 namespace driftwise::application {
 namespace {
@@ -46,11 +51,33 @@ Result<void> find_origins(Store& store, std::span<const RunId> runs, RunsData& o
                   std::to_string(out.data.rows) + " rows");
 }
 
+// On which part each thermometer is, by the cell files that the runs were measured under. An
+// imported file keeps its own metadata: what it says, or does not say.
+void add_parts(Store& store, std::span<const RunId> runs, Dataset& dataset) {
+  if (!dataset.metadata.empty()) return;
+  std::set<std::string> looked_at;
+  std::map<std::string, std::string> parts;
+  for (const RunId run : runs) {
+    const auto used = store.configurations().of_run(run);
+    if (!used || !looked_at.insert(used->back().hash).second) continue;
+    const auto text = store.configurations().text(used->back().hash);
+    if (!text) continue;
+    const auto cell = formats::parse_cell_file(*text, "cell.toml");
+    if (!cell) continue;
+    for (const auto& device : cell->devices)
+      for (const auto& probe : device.probes)
+        if (dataset.find(probe.channel.symbol)) parts[probe.channel.symbol] = probe.part;
+  }
+  if (!parts.empty())
+    dataset.metadata.emplace_back(kPartsKey, parts_text({parts.begin(), parts.end()}));
+}
+
 }  // namespace
 
 Result<RunsData> measured_data(Store& store, std::span<const RunId> runs) {
   auto dataset = store.runs().dataset(runs);
   if (!dataset) return tl::unexpected(dataset.error());
+  add_parts(store, runs, *dataset);
   RunsData out{std::move(*dataset), {}, {}};
   if (auto ok = find_origins(store, runs, out); !ok) return tl::unexpected(ok.error());
   return out;
@@ -72,6 +99,23 @@ Result<std::vector<correction::DataAmendment>> amendments_in_force(Store& store)
   return amendments;
 }
 
+Result<std::vector<CorrectionId>> corrections_over(Store& store, std::span<const RunId> runs) {
+  const auto records = store.diagnoses().corrections();
+  if (!records) return tl::unexpected(records.error());
+  std::vector<CorrectionId> over;
+  for (const auto& record : *records) {
+    if (!record.in_force()) continue;
+    const auto amendment = formats::read_amendment_json(record.json);
+    if (!amendment)
+      return fail(
+          ErrorCode::data_loss, "BAD_CORRECTION",
+          "correction " + std::to_string(record.id.value) + ": " + amendment.error().message);
+    if (std::ranges::any_of(runs, [&](RunId run) { return concerns(*amendment, run); }))
+      over.push_back(record.id);
+  }
+  return over;
+}
+
 Result<RunsData> amended_data(Store& store, std::span<const RunId> runs) {
   auto out = measured_data(store, runs);
   if (!out) return out;
@@ -86,8 +130,11 @@ Result<RunsData> amended_data(Store& store, std::span<const RunId> runs) {
 Result<Dataset> amended_dataset(Store& store, std::span<const RunId> runs) {
   const auto records = store.diagnoses().corrections();
   if (!records) return tl::unexpected(records.error());
-  if (std::ranges::none_of(*records, &CorrectionRecord::in_force))
-    return store.runs().dataset(runs);  // nothing to lay over: as ever
+  if (std::ranges::none_of(*records, &CorrectionRecord::in_force)) {
+    auto dataset = store.runs().dataset(runs);  // nothing to lay over: as ever
+    if (dataset) add_parts(store, runs, *dataset);
+    return dataset;
+  }
   auto amended = amended_data(store, runs);
   if (!amended) return tl::unexpected(amended.error());
   return std::move(amended->data);

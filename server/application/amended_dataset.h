@@ -24,6 +24,10 @@ Result<RunsData> measured_data(Store& store, std::span<const RunId> runs);
 // Errors: data_loss BAD_CORRECTION.
 Result<std::vector<correction::DataAmendment>> amendments_in_force(Store& store);
 
+// Corrections in force that can change the data of one of these runs, ascending. Errors: data_loss
+// BAD_CORRECTION.
+Result<std::vector<CorrectionId>> corrections_over(Store& store, std::span<const RunId> runs);
+
 // With everything that is in force. Errors: those of both, and of correction::amend.
 Result<RunsData> amended_data(Store& store, std::span<const RunId> runs);
 Result<Dataset> amended_dataset(Store& store, std::span<const RunId> runs);

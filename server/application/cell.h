@@ -173,6 +173,7 @@ struct ExclusionState {
 };
 
 class Studies;
+class Provenance;
 
 class Cell {
  public:
@@ -289,7 +290,10 @@ class Cell {
                                                       std::string csv) = 0;
   virtual Awaitable<Result<std::vector<ModelRecord>>> models() = 0;
   virtual Awaitable<Result<ModelRecord>> model(ModelId id) = 0;
-  virtual Awaitable<Result<ModelRecord>> promote(Caller caller, ModelId id) = 0;
+  // confirmed: a person has read ModelGround::promotion_questions. Errors: failed_precondition
+  // NEEDS_CONFIRMATION, with the questions.
+  virtual Awaitable<Result<ModelRecord>> promote(Caller caller, ModelId id,
+                                                 bool confirmed = false) = 0;
   virtual Awaitable<Result<std::optional<ModelRecord>>> roll_back(
       Caller caller) = 0;  // to the one that served before
   virtual Awaitable<Result<std::vector<PromotionRecord>>> promotions() = 0;
@@ -298,6 +302,8 @@ class Cell {
   virtual Watching& watching() = 0;
   // Methods side by side, which thermometers suffice: studies.h.
   virtual Studies& studies() = 0;
+  // Cell files that were in force, corrections, previews: provenance.h.
+  virtual Provenance& provenance() = 0;
   // Diagnoses run on a thread of their own; created ones answer at once. Errors of create:
   // invalid_argument (formula, channel, NO_DATA, what diagnosis::diagnose refuses before it
   // searches); failed_precondition NO_MODEL (no baseline and nothing serves); not_found.
@@ -308,8 +314,10 @@ class Cell {
   virtual Awaitable<Result<std::vector<DiagnosisView>>> diagnoses() = 0;  // newest first
   virtual Awaitable<Result<DiagnosisView>> cancel_diagnosis(Caller caller, DiagnosisId id) = 0;
   // Makes of the findings what they apply to: extension_plan.h. Errors: failed_precondition
-  // NOT_DONE, NOTHING_FOUND, INDISTINGUISHABLE (a set without a choice), FROM_A_FILE; those of
-  // fit(); already_exists EXTENSION_STANDS.
+  // NOT_DONE, NOTHING_FOUND, INDISTINGUISHABLE (a set without a choice), FROM_A_FILE,
+  // OUTPUTS_DISAGREE, IMPOSSIBLE_PARAMETER (instrument_agreement.h), NEEDS_CONFIRMATION (with
+  // promote); those of fit(); already_exists EXTENSION_STANDS. All of it is stored in one
+  // transaction.
   virtual Awaitable<Result<ExtensionRecord>> accept_extension(Caller caller,
                                                               AcceptRequest request) = 0;
   virtual Awaitable<Result<ExtensionRecord>> undo_extension(Caller caller, DiagnosisId id) = 0;

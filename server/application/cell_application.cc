@@ -27,8 +27,11 @@ Result<std::unique_ptr<Cell>> Cell::open(asio::any_io_executor executor, Parts p
   if (!unfinished) return tl::unexpected(unfinished.error());
   auto stops = (*writing)->stops().pending();
   if (!stops) return tl::unexpected(stops.error());
+  auto configuration =
+      ConfigurationBook::open(**writing, parts.description, parts.version, parts.clock->now());
+  if (!configuration) return tl::unexpected(configuration.error());
   auto cell = std::make_unique<CellApplication>(executor, std::move(parts), std::move(*writing),
-                                                std::move(*reading));
+                                                std::move(*reading), std::move(*configuration));
   cell->know_clock(std::move(clock_start));
   cell->restore_stops(std::move(*stops));
   cell->tell_of_unfinished(*unfinished);
@@ -49,9 +52,11 @@ std::vector<StopDesk::Controller> controllers_of(DeviceBench& bench) {
 }  // namespace
 
 CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
-                                 std::unique_ptr<Store> writing, std::unique_ptr<Store> reading)
+                                 std::unique_ptr<Store> writing, std::unique_ptr<Store> reading,
+                                 ConfigurationBook configuration)
     : executor_(executor),
       description_(std::move(parts.description)),
+      configuration_(std::move(configuration)),
       clock_(std::move(parts.clock)),
       version_(std::move(parts.version)),
       web_address_(std::move(parts.web_address)),
@@ -81,7 +86,8 @@ CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
       recorder_(executor, *clock_, bench_, writer_, events_, lag_, pose_, tasks_),
       workbench_{description_, *clock_, bench_, recorder_, writer_,
                  events_,      lag_,    pose_,  loading_,  stops_},
-      serving_(executor, description_, *clock_, recorder_, reader_, events_, tasks_),
+      serving_(executor, description_, configuration_, *clock_, recorder_, reader_, events_,
+               tasks_),
       engine_(
           executor, workbench_,
           {[this](const ActiveRun& run, const TrajectoryPoint& row) -> Result<std::vector<double>> {
@@ -143,6 +149,9 @@ Awaitable<void> CellApplication::start_up() {
   const auto turn = co_await beginning_.take();
   events_.record_own("daemon.started",
                      fmt::format("driftwised {} on cell '{}'", version_, description_.name));
+  events_.record_own(
+      configuration_.changes().empty() ? "configuration.in_force" : "configuration.changed",
+      configuration_.event());
   const auto tell = [this](const char* what, const Result<void>& result) {
     if (!result)
       events_.record_own("daemon.trouble", fmt::format("{}: {}", what, result.error().message));
@@ -220,7 +229,16 @@ Awaitable<Result<void>> CellApplication::go_on_with_run() {
     record.state = RunState::paused;
     record.reason = stops.front().cause;
   }
+  // Measured on under another cell file only when a person has seen the difference.
+  auto question = waits_for_configuration(record);
+  if (question.empty()) {
+    auto storing = writer_.call(
+        [run = record.id, used = UsedConfiguration{description_.hash, clock_->now().utc}](
+            Store& store) { return store.configurations().continue_run(run, used); });
+    if (auto stored = co_await std::move(storing); !stored) co_return stored;
+  }
   engine_.begin(std::move(record), std::move(*plan), std::move(*trajectory), std::move(before));
+  if (!question.empty()) engine_.control()->wait_for_a_person(std::move(question));
   co_return Result<void>{};
 }
 
@@ -319,6 +337,8 @@ std::vector<std::string> CellApplication::attention() const {
     sentences.push_back(fmt::format("device {} does not answer", id));
   if (const auto* run = engine_.record(); run && run->state == RunState::waiting)
     sentences.push_back(fmt::format("run {} waits: {}", run->id.value, run->reason));
+  if (auto question = configuration_.question(); !question.empty())
+    sentences.push_back(std::move(question));
   if (!by_hand_waits_.empty()) sentences.push_back(by_hand_waits_);
   if (!datum_trouble_.empty()) sentences.push_back(datum_trouble_);
   if (!serving_.trouble().empty()) sentences.push_back(serving_.trouble());

@@ -12,6 +12,7 @@
 #include "server/application/alarm_book.h"
 #include "server/application/alarm_conditions.h"
 #include "server/application/cell.h"
+#include "server/application/configuration_book.h"
 #include "server/application/device_bench.h"
 #include "server/application/device_keeper.h"
 #include "server/application/diagnosis_desk.h"
@@ -20,6 +21,7 @@
 #include "server/application/lease_book.h"
 #include "server/application/loading.h"
 #include "server/application/pause_meter.h"
+#include "server/application/provenance.h"
 #include "server/application/recorder.h"
 #include "server/application/run_engine.h"
 #include "server/application/serving.h"
@@ -31,6 +33,7 @@
 #include "server/application/study_desk.h"
 #include "server/application/wall_clock_watch.h"
 #include "server/application/workbench.h"
+#include "server/correction/data_amendment.h"
 
 namespace driftwise::application {
 
@@ -52,10 +55,10 @@ class Thread {
   mutable std::optional<asio::thread_pool> own_;  // its executor is no part of its state
 };
 
-class CellApplication final : public Cell, private Watching, private Studies {
+class CellApplication final : public Cell, private Watching, private Studies, private Provenance {
  public:
   CellApplication(asio::any_io_executor executor, Parts parts, std::unique_ptr<Store> writing,
-                  std::unique_ptr<Store> reading);
+                  std::unique_ptr<Store> reading, ConfigurationBook configuration);
   ~CellApplication() override;
 
   void know_clock(ClockStart start) { clock_start_ = std::move(start); }  // before start()
@@ -125,11 +128,12 @@ class CellApplication final : public Cell, private Watching, private Studies {
                                             std::vector<RunId> runs) override;
   Awaitable<Result<std::vector<ModelRecord>>> models() override;
   Awaitable<Result<ModelRecord>> model(ModelId id) override;
-  Awaitable<Result<ModelRecord>> promote(Caller caller, ModelId id) override;
+  Awaitable<Result<ModelRecord>> promote(Caller caller, ModelId id, bool confirmed) override;
   Awaitable<Result<std::optional<ModelRecord>>> roll_back(Caller caller) override;
   Awaitable<Result<std::vector<PromotionRecord>>> promotions() override;
   Watching& watching() override { return *this; }
   Studies& studies() override { return *this; }
+  Provenance& provenance() override { return *this; }
   Awaitable<Result<DiagnosisView>> create_diagnosis(Caller caller,
                                                     DiagnosisRequest request) override;
   Awaitable<Result<DiagnosisView>> diagnosis(DiagnosisId id) override;
@@ -164,6 +168,21 @@ class CellApplication final : public Cell, private Watching, private Studies {
       MethodsRequest request, std::shared_ptr<Study> study) override;
   Awaitable<Result<SensorChoice>> study_sensors(SensorsRequest request,
                                                 std::shared_ptr<Study> study) override;
+  Awaitable<Result<std::vector<ConfigurationStart>>> configurations(int limit) override;
+  Awaitable<Result<ConfigurationView>> configuration(std::string hash,
+                                                     std::string compare_hash) override;
+  Awaitable<Result<ConfigurationStart>> accept_configuration(Caller caller, std::string hash,
+                                                             std::string note) override;
+  Awaitable<Result<std::vector<RunGround>>> grounds_of_runs(std::vector<RunId> runs) override;
+  Awaitable<Result<ModelGround>> ground_of_model(ModelId id) override;
+  Awaitable<Result<std::vector<CorrectionRecord>>> corrections() override;
+  Awaitable<Result<ExtensionPreview>> preview_extension(AcceptRequest request) override;
+  Awaitable<Result<std::vector<LengthChange>>> changes_in_all_runs(
+      correction::DataAmendment amendment, std::vector<RunId> diagnosed);
+  Awaitable<Result<std::optional<ModelRecord>>> served_before();  // what rollback would serve
+  void tell_serving(const Caller& caller, std::optional<ModelRecord> next,
+                    const std::string& action);  // event, and whether it still holds
+  std::string waits_for_configuration(const RunRecord& run) const;
   Awaitable<void> look_for_alarms();
   std::vector<AlarmCondition> alarms_now() const;
   void note_for_alarms(const RunProgress& progress);
@@ -196,6 +215,7 @@ class CellApplication final : public Cell, private Watching, private Studies {
 
   asio::any_io_executor executor_;
   CellDescription description_;
+  ConfigurationBook configuration_;
   std::unique_ptr<Clock> clock_;
   std::string version_, web_address_;
   Thread storage_thread_, query_thread_, worker_thread_, diagnosis_thread_, text_thread_;

@@ -9,6 +9,7 @@
 #include "server/application/amended_dataset.h"
 #include "server/application/cell_application.h"
 #include "server/application/run_plan.h"
+#include "server/core/dataset_parts.h"
 #include "server/formats/dataset_csv.h"
 #include "server/formats/text.h"
 
@@ -96,7 +97,9 @@ Awaitable<Result<std::string>> CellApplication::export_dataset(std::vector<RunId
     auto dataset = amended_dataset(store, runs);
     if (!dataset) return tl::unexpected(dataset.error());
     if (without_excluded) leave_excluded_out(*dataset);
-    if (dataset->metadata.empty()) {  // an imported file keeps its own
+    // An imported file keeps its own; of a measured run only the parts are there.
+    const auto parts = dataset->metadata;
+    if (std::ranges::all_of(parts, [](const auto& line) { return line.first == kPartsKey; })) {
       dataset->metadata = {{"driftwise-dataset", "1"}, {"cell", cell}};
       std::string numbers;
       for (const auto& run : runs)
@@ -105,6 +108,7 @@ Awaitable<Result<std::string>> CellApplication::export_dataset(std::vector<RunId
       dataset->metadata.emplace_back("compensation", compensations(store, runs));
       if (const auto zero = time_zero(store, runs))  // what time_s counts from
         dataset->metadata.emplace_back("time_zero", to_iso8601(clock->utc(*zero)));
+      dataset->metadata.insert(dataset->metadata.end(), parts.begin(), parts.end());
     }
     if (const auto in_force = corrections_in_force(store); !in_force.empty())
       dataset->metadata.emplace_back("corrections", in_force);

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "server/application/cell_application.h"
-#include "server/formats/formula.h"
+#include "server/application/plan_rows.h"
 
 namespace driftwise::application {
 namespace {
@@ -45,8 +45,9 @@ Awaitable<Result<ImprovementRecord>> CellApplication::create_improvement(Caller 
     if (auto ok = co_await resolve_baseline(baseline); !ok) co_return tl::unexpected(ok.error());
     formula = baseline.baseline;
   }
-  if (const auto parsed = formats::Formula::parse(formula); !parsed)
-    co_return tl::unexpected(parsed.error());
+  // Everything that is known to fail before the robot moves.
+  if (auto ok = check_plan_rows(description_, check->trajectory, formula); !ok)
+    co_return tl::unexpected(ok.error());
   auto beginning = improver_.begin(std::move(caller), std::move(request), std::move(formula));
   co_return co_await std::move(beginning);
 }

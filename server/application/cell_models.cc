@@ -6,6 +6,7 @@
 #include "server/application/cell_application.h"
 #include "server/application/crash_point.h"
 #include "server/application/fit_options.h"
+#include "server/application/promotion_questions.h"
 #include "server/application/spawn.h"
 #include "server/formats/dataset_csv.h"
 #include "server/formats/formula.h"
@@ -72,11 +73,21 @@ Awaitable<Result<std::vector<calibration::OfferResult>>> CellApplication::weigh_
 Awaitable<Result<ModelRecord>> CellApplication::fit(Caller caller, FitRequest request) {
   auto dataset = co_await fit_data(request);
   if (!dataset) co_return tl::unexpected(dataset.error());
+  // Those that the data just read rest on. A correction that comes or goes in between is named too.
+  std::vector<CorrectionId> corrections;
+  if (!request.runs.empty()) {
+    auto looking =
+        reader_.call([runs = request.runs](Store& store) { return corrections_over(store, runs); });
+    auto found = co_await std::move(looking);
+    if (!found) co_return tl::unexpected(found.error());
+    corrections = std::move(*found);
+  }
   auto fitting = run_on(worker_thread_.executor(), [data = std::move(*dataset), request] {
     return fit_record(data, request, source_of(request));
   });
   auto record = co_await std::move(fitting);
   if (!record) co_return record;
+  record->corrections = std::move(corrections);
   record->created = clock_->now().utc;
   record->created_by = caller.name;
   auto storing = writer_.call([fresh = *record](Store& store) {
@@ -125,6 +136,12 @@ Awaitable<Result<void>> CellApplication::put_in_service(Caller caller,
     static_cast<void>(co_await serving_.serve(previous));
     co_return stored;
   }
+  tell_serving(caller, std::move(next), action);
+  co_return Result<void>{};
+}
+
+void CellApplication::tell_serving(const Caller& caller, std::optional<ModelRecord> next,
+                                   const std::string& action) {
   events_.record(
       caller, "model." + action,
       next ? fmt::format("model {} '{}' serves, by {}", next->id.value, next->name, caller.name)
@@ -134,18 +151,27 @@ Awaitable<Result<void>> CellApplication::put_in_service(Caller caller,
     tasks_.begin();
     spawn(executor_, check_serving_model(std::nullopt));
   }
-  co_return Result<void>{};
 }
 
-Awaitable<Result<ModelRecord>> CellApplication::promote(Caller caller, ModelId id) {
+Awaitable<Result<ModelRecord>> CellApplication::promote(Caller caller, ModelId id, bool confirmed) {
   auto record = co_await model(id);
   if (!record) co_return record;
+  auto looking = ground_of_model(id);
+  const auto ground = co_await std::move(looking);
+  if (!ground) co_return tl::unexpected(ground.error());
+  if (!confirmed)
+    if (auto ok = confirmation_of(ground->promotion_questions); !ok)
+      co_return tl::unexpected(ok.error());
+  for (const auto& question : ground->promotion_questions)
+    events_.record(
+        caller, "model.confirmed",
+        fmt::format("{} promotes model {} although {}", caller.name, id.value, question));
   if (auto ok = co_await put_in_service(std::move(caller), *record, "promote"); !ok)
     co_return tl::unexpected(ok.error());
   co_return record;
 }
 
-Awaitable<Result<std::optional<ModelRecord>>> CellApplication::roll_back(Caller caller) {
+Awaitable<Result<std::optional<ModelRecord>>> CellApplication::served_before() {
   auto history = co_await promotions();
   if (!history) co_return tl::unexpected(history.error());
   auto stack = served_in_order(*history);
@@ -159,7 +185,14 @@ Awaitable<Result<std::optional<ModelRecord>>> CellApplication::roll_back(Caller 
     if (!record) co_return tl::unexpected(record.error());
     previous = std::move(*record);
   }
-  if (auto ok = co_await put_in_service(std::move(caller), previous, "rollback"); !ok)
+  co_return previous;
+}
+
+Awaitable<Result<std::optional<ModelRecord>>> CellApplication::roll_back(Caller caller) {
+  auto finding = served_before();
+  auto previous = co_await std::move(finding);
+  if (!previous) co_return previous;
+  if (auto ok = co_await put_in_service(std::move(caller), *previous, "rollback"); !ok)
     co_return tl::unexpected(ok.error());
   co_return previous;
 }

@@ -126,6 +126,10 @@ Awaitable<Result<RunRecord>> CellApplication::pause_run(Caller caller, RunId run
 
 Awaitable<Result<RunRecord>> CellApplication::resume_run(Caller caller, RunId run) {
   if (auto ok = stops_.check(); !ok) co_return tl::unexpected(ok.error());
+  if (const auto* record = engine_.record(); record && record->id == run)
+    if (auto question = waits_for_configuration(*record); !question.empty())
+      co_return fail(ErrorCode::failed_precondition, "CONFIGURATION_CHANGED",
+                     fmt::format("run {} cannot resume: {}", run.value, question));
   auto why = fmt::format("resumed by {}", caller.name);
   std::function<void(RunControl&)> act = [](RunControl& control) { control.resume(); };
   co_return co_await steer(caller, run, "resume", why, std::move(act));

@@ -100,6 +100,8 @@ std::vector<AlarmCondition> CellApplication::alarms_now() const {
     out.push_back({AlarmLevel::warning, "serving.trouble", "served model", serving_.trouble()});
   if (!check_trouble_.empty())
     out.push_back({AlarmLevel::warning, "model.doubtful", "served model", check_trouble_});
+  if (auto question = configuration_.question(); !question.empty())
+    out.push_back({AlarmLevel::warning, "configuration.changed", "cell file", std::move(question)});
   if (writer_.dropped() > 0)
     out.push_back({AlarmLevel::failed, "record.dropped", "database",
                    "slow readings were dropped because nothing could be written: make room on the "

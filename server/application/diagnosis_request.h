@@ -47,6 +47,7 @@ struct AcceptRequest {
   DiagnosisId diagnosis;
   std::vector<int> findings;  // numbers from 1; empty: all
   bool promote = false;       // the model that it makes serves at once
+  bool confirmed = false;     // a person has read its promotion questions (provenance.h)
 };
 
 struct ImproveRequest {
@@ -54,8 +55,10 @@ struct ImproveRequest {
   std::string trajectory_name, trajectory_text;
   std::string formula;  // of the first model; empty: the model that serves
   int max_turns = 5;
-  double budget_s = 0;   // of cell time; 0: no limit
-  bool promotes = true;  // false: propose only
+  double budget_s = 0;  // of cell time; 0: no limit
+  // A model whose gain fresh points have shown serves. Else it is proposed, and a person promotes
+  // it.
+  bool promotes = false;
   std::string request_id;
 };
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 
+#include "server/application/instrument_agreement.h"
 #include "server/core/units.h"
 #include "server/correction/first_conditions.h"
 #include "server/effects/effect.h"
@@ -43,7 +44,7 @@ class Planner {
     plan_.findings = chosen;
     for (const int number : chosen) {
       const auto& finding = found_.findings[static_cast<std::size_t>(number - 1)];
-      if (auto ok = add(finding); !ok) return tl::unexpected(ok.error());
+      if (auto ok = add(number, finding); !ok) return tl::unexpected(ok.error());
     }
     for (auto& [run, rows] : rows_out_) {
       std::ranges::sort(rows);
@@ -68,7 +69,7 @@ class Planner {
   }
 
  private:
-  Result<void> add(const diagnosis::Finding& finding) {
+  Result<void> add(int number, const diagnosis::Finding& finding) {
     using effects::AppliesTo;
     const bool is_jump = finding.cause == "step_change";
     if (finding.applies_to == AppliesTo::robot) {
@@ -81,7 +82,7 @@ class Planner {
       return fail(ErrorCode::failed_precondition, "UNCERTAIN_CORRECTION",
                   fmt::format("finding {} {} stands, but nothing can be accepted of it: {}",
                               finding.cause, finding.subject, finding.sentence));
-    if (finding.applies_to == AppliesTo::correction) return correct(finding);
+    if (finding.applies_to == AppliesTo::correction) return correct(number, finding);
     if (finding.cause == "sensor_fault") return leave_sensor_out(finding);
     if (finding.cause == "outliers") keep_rows_out(finding);
     return {};
@@ -119,7 +120,7 @@ class Planner {
     }
   }
 
-  Result<void> correct(const diagnosis::Finding& finding) {
+  Result<void> correct(int number, const diagnosis::Finding& finding) {
     if (finding.terms.empty()) return {};
     if (auto ok = find_slopes(); !ok) return ok;
     const auto outputs = static_cast<Eigen::Index>(outputs_.size());
@@ -139,6 +140,9 @@ class Planner {
     const auto count = only == axes_.end() ? static_cast<Eigen::Index>(axes_.size()) : 1;
     const Eigen::MatrixXd slopes = slopes_.middleCols(first, count);
     const Eigen::MatrixXd error_mm = -slopes.colPivHouseholderQr().solve(seen);
+    const InstrumentClaim claim{
+        outputs_, {axes_.begin() + first, axes_.begin() + first + count}, slopes, seen, error_mm};
+    if (auto ok = check_instrument(number, finding, claim, data_.data); !ok) return ok;
     const bool is_timed = reads_data_time(finding.terms);
     for (Eigen::Index i = 0; i < count; ++i) {
       correction::LengthShift shift;

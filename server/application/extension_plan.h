@@ -34,8 +34,8 @@ Result<std::vector<int>> chosen_findings(const diagnosis::Diagnosis& found,
 
 // data: of the diagnosis' runs, as it saw them. Errors: failed_precondition NOTHING_TO_MAKE (only
 // findings that change nothing), UNCERTAIN_CORRECTION (a finding that is chosen), NO_LENGTH (an
-// instrument's error that no length of these data can take); those of formats::fit_formula and
-// motor_slopes.
+// instrument's error that no length of these data can take); those of check_instrument
+// (instrument_agreement.h), formats::fit_formula and motor_slopes.
 Result<ExtensionPlan> plan_extension(DiagnosisId id, const diagnosis::Diagnosis& found,
                                      const std::vector<int>& chosen, const RunsData& data);
 

@@ -6,6 +6,7 @@
 
 #include "server/application/extension_plan.h"
 #include "server/application/fresh_points.h"
+#include "server/application/provenance.h"
 #include "server/core/quantity_text.h"
 #include "server/diagnosis/heading.h"
 #include "server/formats/model_json.h"
@@ -242,10 +243,15 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::extend(const Diagnosi
                                                                   std::vector<int> findings) {
   if (auto ok = check(); !ok) co_return tl::unexpected(ok.error());
   hooks_.tell(turn_.number, "extending");
+  auto choosing = acceptable(view, std::move(findings));
+  findings = co_await std::move(choosing);
+  if (findings.empty()) {
+    reason_ = turn_.what;  // why each of them is refused
+    co_return After::end;
+  }
   AcceptRequest wanted;
   wanted.diagnosis = view.record.id;
   wanted.findings = findings;
-  wanted.promote = request_.promotes;
   auto accepting = cell_.accept_extension(caller_, std::move(wanted));
   const auto extension = co_await std::move(accepting);
   if (!extension) co_return tl::unexpected(extension.error());
@@ -262,6 +268,29 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::extend(const Diagnosi
   }
   if (auto ok = co_await keep(); !ok) co_return tl::unexpected(ok.error());
   co_return co_await measure_again(*extension);
+}
+
+// Those that would be accepted each by itself; why not, of the others, is said.
+Awaitable<std::vector<int>> ImprovementLoop::acceptable(const DiagnosisView& view,
+                                                        std::vector<int> findings) {
+  std::vector<int> kept;
+  for (const int number : findings) {
+    const auto& finding = view.found->findings[static_cast<std::size_t>(number - 1)];
+    if (finding.applies_to != effects::AppliesTo::correction) {
+      kept.push_back(number);
+      continue;
+    }
+    AcceptRequest alone;
+    alone.diagnosis = view.record.id;
+    alone.findings = {number};
+    auto looking = cell_.provenance().preview_extension(std::move(alone));
+    const auto preview = co_await std::move(looking);
+    if (preview)
+      kept.push_back(number);
+    else
+      say("not accepted: " + preview.error().message);
+  }
+  co_return kept;
 }
 
 Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::measure_again(
@@ -294,6 +323,7 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::measure_again(
   const FreshVerdict verdict = judge_fresh(turn_.gains);
   say(fmt::format("A90 on fresh points, run {}, by the model before and by the new one: {}",
                   run->id.value, verdict.measured));
+  if (verdict.judged && verdict.better && verdict.worse.empty()) co_await promote_proven();
   if (!verdict.judged || (verdict.better && verdict.worse.empty())) co_return After::next_turn;
   auto undoing = cell_.undo_extension(caller_, extension.diagnosis);
   const auto undone = co_await std::move(undoing);
@@ -305,6 +335,16 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::measure_again(
                               verdict.worse, extension.diagnosis.value);
   say(reason_);
   co_return After::end;
+}
+
+// A question that only a person can answer leaves the model proposed.
+Awaitable<void> ImprovementLoop::promote_proven() {
+  if (!request_.promotes || !model_) co_return;
+  auto promoting = cell_.promote(caller_, *model_);
+  const auto promoted = co_await std::move(promoting);
+  say(promoted
+          ? fmt::format("promoted model {}", model_->value)
+          : fmt::format("model {} was not promoted: {}", model_->value, promoted.error().message));
 }
 
 // A model's errors on a run that it was not fitted from, as a check standard has them: counted from

@@ -7,9 +7,10 @@
 //
 // A set that cannot be told apart gets the separating measurement that the diagnosis proposes, once
 // per set; where there is none, the set stays as it is and the reason says so. An extension whose
-// gain the fresh points do not show is undone and ends the loop. It ends well when nothing beyond
-// noise is left, when what is left is in no catalogue, after the last turn, or when the budget of
-// time does not hold another measurement.
+// gain the fresh points do not show is undone and ends the loop. A correction that no instrument
+// can need is left out (instrument_agreement.h). It ends well when nothing beyond noise is left,
+// when what is left is in no catalogue, after the last turn, or when the budget of time does not
+// hold another measurement.
 //
 // Executor's thread. It moves the robot through Cell::create_run alone, under the lease of whoever
 // began it, which it renews: a lease that is given up ends it at its next measurement.
@@ -47,8 +48,10 @@ class ImprovementLoop {
   Awaitable<Result<DiagnosisView>> diagnose();
   Awaitable<Result<DiagnosisView>> separate(DiagnosisView view);
   Awaitable<Result<After>> extend(const DiagnosisView& view, std::vector<int> findings);
+  Awaitable<std::vector<int>> acceptable(const DiagnosisView& view, std::vector<int> findings);
   Awaitable<Result<After>> measure_again(ExtensionRecord extension);
   Awaitable<Result<ModelCheck>> errors_on(ModelId model, RunId run);
+  Awaitable<void> promote_proven();
   Awaitable<Result<void>> keep();
   void say(const std::string& sentence);
   bool has_time_for(double seconds) const;

@@ -17,6 +17,7 @@ class RunControl {
   // The run holds after the present point (or where it waits) until resume(). why: "paused by ada".
   void hold(std::string why) {
     held_ = true;
+    waits_ = false;
     hold_reason_ = std::move(why);
     changed_.raise();
   }
@@ -28,8 +29,13 @@ class RunControl {
   }
   // The engine has seen the halt; the hold stays.
   void take_halt() { halted_ = false; }
+  // As hold(), but it is the daemon that asks: the run's state is waiting, not paused.
+  void wait_for_a_person(std::string why) {
+    hold(std::move(why));
+    waits_ = true;
+  }
   void resume() {
-    held_ = false;
+    held_ = waits_ = false;
     changed_.raise();
   }
   // The run waits until a person says that this force acts.
@@ -52,6 +58,7 @@ class RunControl {
   }
 
   bool held() const { return held_; }
+  bool waits_for_a_person() const { return waits_; }
   bool halted() const { return halted_ && !aborted_ && !shutting_down_; }
   bool aborted() const { return aborted_; }
   bool shutting_down() const { return shutting_down_; }
@@ -68,7 +75,7 @@ class RunControl {
   Signal& changed() { return changed_; }
 
  private:
-  bool held_ = false, halted_ = false, aborted_ = false, shutting_down_ = false;
+  bool held_ = false, waits_ = false, halted_ = false, aborted_ = false, shutting_down_ = false;
   std::string hold_reason_, abort_reason_;
   std::optional<double> wanted_force_n_;
   Signal changed_;

@@ -140,8 +140,10 @@ Awaitable<Result<void>> RunEngine::wait_until_stopped(ActiveRun& run) {
 }
 
 Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
-  if (run.control.held())
-    if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
+  if (run.control.held()) {
+    const auto state = run.control.waits_for_a_person() ? RunState::waiting : RunState::paused;
+    if (auto ok = co_await hold(run, state); !ok) co_return ok;
+  }
   if (wanted_datum_) {
     if (auto ok = co_await prepare(run); !ok) co_return ok;
     if (auto ok = co_await bring_force(run); !ok) co_return ok;

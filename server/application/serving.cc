@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "server/application/past_targets.h"
+#include "server/application/promotion_questions.h"
 #include "server/application/spawn.h"
 #include "server/compensation/target.h"
 #include "server/formats/model_json.h"
@@ -16,10 +19,12 @@ constexpr auto kShortestRebuild = std::chrono::milliseconds(500);
 
 }  // namespace
 
-Serving::Serving(asio::any_io_executor executor, const CellDescription& description, Clock& clock,
-                 Recorder& recorder, StoreReader& reader, EventLog& events, TaskCount& tasks)
+Serving::Serving(asio::any_io_executor executor, const CellDescription& description,
+                 const ConfigurationBook& configuration, Clock& clock, Recorder& recorder,
+                 StoreReader& reader, EventLog& events, TaskCount& tasks)
     : executor_(executor),
       description_(description),
+      configuration_(configuration),
       clock_(clock),
       recorder_(recorder),
       reader_(reader),
@@ -42,13 +47,21 @@ Awaitable<Result<Serving::Followed>> Serving::load(ModelRecord record) {
   auto model = formats::read_model_json(record.json);
   if (!model) co_return tl::unexpected(model.error());
   const auto runs = model->lineage.runs;
+  auto symbols = symbols_used(*model);
   auto builder = compensation::SnapshotBuilder::create(std::move(*model), record.id, description_);
   if (!builder) co_return tl::unexpected(builder.error());
-  Followed followed{std::move(*builder), std::nullopt};
+  Followed followed{std::move(*builder), std::nullopt, std::move(symbols), false};
   if (!runs.empty()) {
     const auto data = co_await reader_.call(
         [run = runs.front()](Store& store) { return store.runs().data(run); });
     if (data && !data->empty()) followed.own_datum = data->front().id;
+    auto looking = reader_.call([runs, present = description_.hash](Store& store) {
+      return std::ranges::all_of(runs, [&](RunId run) {
+        const auto used = store.configurations().of_run(run);
+        return used && used->back().hash == present;
+      });
+    });
+    followed.under_present = co_await std::move(looking);
   }
   const auto now = clock_.now().utc;
   const auto stored = co_await reader_.call([now](Store& store) {
@@ -118,9 +131,17 @@ void Serving::observe(const Reading& reading) {
     }
 }
 
+compensation::Snapshot Serving::snapshot_of(const Followed& followed, CellTime now) const {
+  auto snapshot = followed.builder.build(now);
+  if (!configuration_.asks()) return snapshot;
+  snapshot.configuration_changed = true;
+  if (!followed.under_present) snapshot.changed_parts = configuration_.changes_of(followed.symbols);
+  return snapshot;
+}
+
 void Serving::rebuild() {
   built_at_ = clock_.now().utc;
-  const bool published = board_.publish(serving_ ? followed_.at(*serving_).builder.build(built_at_)
+  const bool published = board_.publish(serving_ ? snapshot_of(followed_.at(*serving_), built_at_)
                                                  : compensation::Snapshot{});
   if (published) watchers_.publish();
 }
@@ -159,7 +180,7 @@ Result<std::vector<double>> Serving::targets(const std::vector<Channel>& coordin
     return fail(ErrorCode::not_found, "MODEL_NOT_FOLLOWED",
                 fmt::format("model {} is not loaded", model->value));
   const auto now = clock_.now().utc;
-  const auto snapshot = found->second.builder.build(now);
+  const auto snapshot = snapshot_of(found->second, now);
   compensation::TargetRequest request;
   request.now = now;
   request.with_uncertainty = false;

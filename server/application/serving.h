@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "server/application/configuration_book.h"
 #include "server/application/lag_meter.h"
 #include "server/application/recorder.h"
 #include "server/application/store_reader.h"
@@ -19,8 +20,9 @@ namespace driftwise::application {
 
 class Serving {
  public:
-  Serving(asio::any_io_executor executor, const CellDescription& description, Clock& clock,
-          Recorder& recorder, StoreReader& reader, EventLog& events, TaskCount& tasks);
+  Serving(asio::any_io_executor executor, const CellDescription& description,
+          const ConfigurationBook& configuration, Clock& clock, Recorder& recorder,
+          StoreReader& reader, EventLog& events, TaskCount& tasks);
 
   void start();  // rebuilds every rebuild_period_s and when a slow channel of the model arrives,
                  // until shut_down()
@@ -33,6 +35,8 @@ class Serving {
   // Follows a model for a compensated run, beside the one that serves. Does nothing when it is
   // followed already.
   Awaitable<Result<void>> follow(ModelRecord model);
+  // The question of the cell file was answered.
+  void look_again() { rebuild(); }
   // The zeroing that is in force. Everything followed is anchored to it.
   void anchor(const DatumRecord& datum);
 
@@ -58,7 +62,12 @@ class Serving {
     compensation::SnapshotBuilder builder;
     std::optional<DatumId>
         own_datum;  // the first of the runs it was fitted from: its constant belongs there
+    std::vector<std::string> symbols;  // that its outputs and terms read
+    // All of its runs were measured under the present cell file, to their end.
+    bool under_present = false;
   };
+  // The followed model's, with what an open question of the cell file does to it.
+  compensation::Snapshot snapshot_of(const Followed& followed, CellTime now) const;
   Awaitable<Result<Followed>> load(ModelRecord model);
   void set_anchor(Followed& followed);
   void observe(const Reading& reading);
@@ -67,6 +76,7 @@ class Serving {
 
   asio::any_io_executor executor_;
   const CellDescription& description_;
+  const ConfigurationBook& configuration_;
   Clock& clock_;
   Recorder& recorder_;
   StoreReader& reader_;

@@ -14,6 +14,7 @@
 #include "server/calibration/enough_rows.h"
 #include "server/calibration/held_out.h"
 #include "server/calibration/influence.h"
+#include "server/calibration/part_warnings.h"
 #include "server/calibration/predict.h"
 #include "server/calibration/rank.h"
 #include "server/calibration/report.h"
@@ -293,6 +294,8 @@ Result<Model> fit(const Dataset& dataset, const FitOptions& options) {
                                 : fit_rows(dataset, options);
   if (!model) return model;
   for (const auto& zero : zeros) model->warnings.push_back(datum_note(zero));
+  for (auto& sentence : part_warnings(dataset, *model))
+    model->warnings.push_back(std::move(sentence));
   model->datum_zeros = std::move(zeros);
   if (!model->datum_zeros.empty()) model->fit_us += took_us;
   return model;

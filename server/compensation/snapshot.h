@@ -110,6 +110,10 @@ struct Snapshot {
   double slow_excess = 0;       // see extrapolation_factor in target.cc
   bool anchored = true;
   bool refuse_stale = false, refuse_outside_domain = false, refuse_outside_limits = true;
+  // The cell file has changed, and nobody has answered yet. changed_parts: changes in what this
+  // model uses, for people; empty: none.
+  bool configuration_changed = false;
+  std::string changed_parts{};
 };
 
 }  // namespace driftwise::compensation

@@ -82,6 +82,7 @@ double look_at_domain(const Snapshot& snapshot, const TargetRequest& request, Ta
 // What cannot be computed at all.
 Refusal look_at_request(const Snapshot& snapshot, const TargetRequest& request, Target& target) {
   if (snapshot.outputs.empty()) return Refusal::no_model;
+  if (!snapshot.changed_parts.empty()) return Refusal::configuration_changed;
   Refusal refusal = Refusal::none;
   for (std::size_t i = 0; i < snapshot.inputs.size() && snapshot.inputs[i].variable; ++i) {
     const Variable variable = *snapshot.inputs[i].variable;
@@ -104,6 +105,7 @@ void set_flags(const Snapshot& snapshot, const TargetRequest& request, Target& t
   if (request.now > snapshot.valid_until) target.flags |= kExpiredConditions;
   target.unlimited = snapshot.unlimited;
   if (target.unlimited) target.flags |= kUnknownLimits;
+  if (snapshot.configuration_changed) target.flags |= kConfigurationChanged;
   target.ignored = request.given & ~snapshot.needed;
   if (target.ignored) target.flags |= kIgnoredCoordinate;
 }
@@ -247,6 +249,7 @@ std::string describe_flags(const Snapshot& snapshot, const Target& target) {
     add_named("UNKNOWN_LIMITS", axis_names(snapshot, target.unlimited));
   if (target.flags & kIgnoredCoordinate)
     add_named("IGNORED_COORDINATE", variable_names(target.ignored));
+  if (target.flags & kConfigurationChanged) add("CONFIGURATION_CHANGED", 0);
   return out;
 }
 
@@ -273,6 +276,12 @@ Error refusal_error(const Snapshot& snapshot, const Target& target) {
                          "targets ([serving] refuse_outside_domain)"
                        : " so far outside what the model was fitted on that it gives no number: "
                          "ask within its domain")};
+    case Refusal::configuration_changed:
+      return {
+          ErrorCode::failed_precondition, "CONFIGURATION_CHANGED",
+          "the cell file has changed in what model " + std::to_string(snapshot.model.value) +
+              " uses, and nobody has accepted it: " + snapshot.changed_parts +
+              ". Look at it and accept it (driftwise configuration accept), or put the file back"};
     case Refusal::stale: {
       const std::string who = names(snapshot, target.stale | target.missing);
       return {

@@ -42,17 +42,21 @@ enum TargetFlag : std::uint32_t {
   kOutsideLimits = 1u << 5,      // beyond the axes' soft limits: see unreachable
   kUnknownLimits = 1u << 6,      // the cell knows no soft limits of an axis: see unlimited
   kIgnoredCoordinate = 1u << 7,  // the model does not depend on a stated coordinate: see ignored
+  kConfigurationChanged = 1u << 8,  // the cell file has changed, in parts that this model does not
+                                    // use; nobody has accepted it yet
 };
 
 enum class Refusal : std::uint8_t {
   none,
-  no_model,            // nothing is promoted
-  missing_coordinate,  // the model needs a coordinate or a force that the request lacks: see
-                       // missing
-  not_finite,          // the request holds NaN or an infinity: see missing
-  outside_domain,      // [serving] refuse_outside_domain; or so far out that no number comes
-  stale,               // [serving] refuse_stale: stale, missing or expired
-  outside_limits,      // [serving] refuse_outside_limits: see unreachable
+  no_model,               // nothing is promoted
+  missing_coordinate,     // the model needs a coordinate or a force that the request lacks: see
+                          // missing
+  not_finite,             // the request holds NaN or an infinity: see missing
+  outside_domain,         // [serving] refuse_outside_domain; or so far out that no number comes
+  stale,                  // [serving] refuse_stale: stale, missing or expired
+  outside_limits,         // [serving] refuse_outside_limits: see unreachable
+  configuration_changed,  // the cell file has changed in a part that the model uses: a person has
+                          // to accept it first
 };
 
 struct Target {
@@ -91,7 +95,8 @@ Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request,
 std::string describe_flags(const Snapshot& snapshot, const Target& target);
 
 // The refusal as the error a client sees: NO_MODEL, MISSING_COORDINATE, NOT_FINITE, OUTSIDE_DOMAIN,
-// STALE, OUTSIDE_LIMITS(q3) with the motor coordinates that lie beyond, joined by '+'.
+// STALE, CONFIGURATION_CHANGED, OUTSIDE_LIMITS(q3) with the motor coordinates that lie beyond, joined
+// by '+'.
 Error refusal_error(const Snapshot& snapshot, const Target& target);
 
 }  // namespace driftwise::compensation

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/core/accuracy.h"
+#include "server/core/configuration_records.h"
 #include "server/core/ids.h"
 #include "server/core/records.h"
 
@@ -46,6 +47,7 @@ struct CorrectionRecord {
   std::string json;  // server/formats/correction_json.h
   CellTime created, ended;
   std::string created_by, ended_by;
+  std::vector<LengthChange> changes{};  // of the runs there were when it was accepted
   bool in_force() const { return ended.utc_ns == 0; }
 };
 
@@ -73,7 +75,13 @@ struct NewExtension {
   std::optional<ModelId> model;
   bool promoted = false;
   std::string correction_json;              // empty: no correction
+  std::vector<LengthChange> changes{};      // of the correction
   std::vector<ExclusionRecord> exclusions;  // who and when are taken from here, below
+  // The model that was fitted for it (then `model` is not looked at). Stored in the same
+  // transaction. It rests on the corrections that it names, and on the one that is made here when
+  // rests_on_this says so. With `promoted` its promotion is stored too.
+  std::optional<ModelRecord> fitted{};
+  bool rests_on_this = false;
   Stamp at;
   std::string who, from;
 };
@@ -103,7 +111,7 @@ struct ImprovementRecord {
   std::string trajectory_name, trajectory_text, formula;
   int max_turns = 5;
   double budget_s = 0;
-  bool promotes = true;
+  bool promotes = false;
   std::string request_id;
   CellTime created, ended;
   std::string created_by;

@@ -164,6 +164,8 @@ struct ModelRecord {
   std::optional<ModelId> parent;
   CellTime created;
   std::string created_by, note;
+  // In force over its data when it was fitted, ascending; ended since or not.
+  std::vector<CorrectionId> corrections{};
   // What is wrong with it, a sentence; then the other fields hold what could be read. Not stored.
   std::string damage = {};
 };

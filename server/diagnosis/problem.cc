@@ -7,12 +7,13 @@
 #include "server/calibration/predict.h"
 #include "server/calibration/undetermined.h"
 #include "server/diagnosis/held_out_gain.h"
+#include "server/diagnosis/rows_needed.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::diagnosis {
 namespace {
 
-constexpr std::size_t kBlocks = 10, kEvery = 5, kRowsBeyondBase = 10;
+constexpr std::size_t kBlocks = 10, kEvery = 5;
 
 Result<void> check_time(const Dataset& dataset) {
   for (std::size_t i = 1; i < dataset.time_s.size(); ++i)

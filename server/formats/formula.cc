@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/core/dataset_parts.h"
 #include "server/effects/direct_symbols.h"
 #include "server/effects/effect.h"
 #include "server/effects/term_order.h"
@@ -75,7 +76,9 @@ std::string wrong_unit(const effects::Term& term, const std::vector<Channel>& ch
 
 }  // namespace
 
-Result<calibration::Candidates> Formula::expand(const std::vector<Channel>& channels) const {
+Result<calibration::Candidates> Formula::expand(
+    const std::vector<Channel>& channels,
+    const std::vector<std::pair<std::string, std::string>>& parts) const {
   const auto& [text, limits, parsed, canonical] = *tree_;
   calibration::Candidates candidates;
   candidates.formula = canonical;
@@ -86,7 +89,7 @@ Result<calibration::Candidates> Formula::expand(const std::vector<Channel>& chan
   std::ranges::sort(sorted);
   if (std::ranges::adjacent_find(sorted) != sorted.end())
     return bad_formula(text, parsed.outputs.back().at, "an output stands twice on the left");
-  auto terms = expand_sum(parsed.sum, channels, text, limits);
+  auto terms = expand_sum(parsed.sum, channels, parts, text, limits);
   if (!terms) return tl::unexpected(terms.error());
   candidates.constant = false;
   for (auto& term : *terms) {
@@ -110,7 +113,7 @@ Result<calibration::Candidates> Formula::expand(const Dataset& dataset) const {
   std::vector<Channel> channels;
   for (const auto& column : dataset.columns) channels.push_back(column.channel);
   if (!dataset.dwell_s.empty()) channels.push_back({"dwell", "s"});
-  return expand(channels);
+  return expand(channels, parts_from(dataset.metadata));
 }
 
 namespace {

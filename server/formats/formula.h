@@ -6,16 +6,19 @@
 //   product  := cross { "*" cross }                       a*b = a + b + a:b
 //   cross    := power { ":" power }                       every term of the left times every term
 //   of the right power    := primary [ "^" whole number ]              of one channel: x^2 primary
-//   := channel | T | F | t05..t10 | 1 | "(" sum ")" | poly(a, b, ..., degree) | effect(channel, 300
-//   s) formula  := output { "+" output } "~" sum             q: every motor coordinate
+//   := channel | T | R | F | t05..t10 | 1 | "(" sum ")" | poly(a, b, ..., degree) | effect(channel,
+//   300 s) formula  := output { "+" output } "~" sum             q: every motor coordinate
 //
-// A symbol is a channel name without its unit. T: every structure temperature of the file; F:
-// force. An effect over several channels (rate(T, 300 s)) is one term per channel. Spaces do not
-// matter. poly(): all raw monomials of total degree 1..degree, by degree.
+// A symbol is a channel name without its unit. T: every structure temperature of the file; R:
+// those on the robot (dataset_parts.h); F: force. An effect over several channels (rate(T, 300 s))
+// is one term per channel. Spaces do not matter. poly(): all raw monomials of total
+// degree 1..degree, by degree.
 
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "server/calibration/fit.h"
 #include "server/core/dataset.h"
@@ -43,7 +46,10 @@ class Formula {
   // Against a file's channels. Errors, invalid_argument: UNKNOWN_CHANNEL (with caret and the
   // channels there are), BAD_FORMULA (an output among its own terms, nothing to remove),
   // UNKNOWN_EFFECT, BAD_EFFECT, FORMULA_TOO_LARGE.
-  Result<calibration::Candidates> expand(const std::vector<Channel>& channels) const;
+  // parts: symbol and part of the thermometers, for R.
+  Result<calibration::Candidates> expand(
+      const std::vector<Channel>& channels,
+      const std::vector<std::pair<std::string, std::string>>& parts = {}) const;
   Result<calibration::Candidates> expand(const Dataset& dataset) const;
 
   Formula(Formula&&) noexcept;

@@ -32,8 +32,10 @@ Numbered numbered(const std::string& name) {
 
 class Expander {
  public:
-  Expander(const std::vector<Channel>& channels, std::string_view text, const FormulaLimits& limits)
-      : channels_(channels), text_(text), limits_(limits) {}
+  Expander(const std::vector<Channel>& channels,
+           const std::vector<std::pair<std::string, std::string>>& parts, std::string_view text,
+           const FormulaLimits& limits)
+      : channels_(channels), parts_(parts), text_(text), limits_(limits) {}
 
   using Terms = Result<std::vector<Term>>;
 
@@ -235,6 +237,23 @@ class Expander {
                            known_symbols(channels_));
       return symbols;
     }
+    if (node.name == "R" && !has("R")) {
+      for (const auto& channel : channels_)
+        if (std::ranges::find(parts_, std::pair(channel.symbol, std::string("robot"))) !=
+            parts_.end())
+          symbols.push_back(channel.symbol);
+      if (symbols.empty())
+        return unknown(
+            node.at, parts_.empty()
+                         ? "R stands for the thermometers on the robot, and these data do not say "
+                           "which they are: name them, or add a line '# parts: t05=robot "
+                           "t01=instrument' at the head of the file, " +
+                               known_symbols(channels_)
+                         : "R stands for the thermometers on the robot, and the cell file declares "
+                           "none of these channels with part = \"robot\", " +
+                               known_symbols(channels_));
+      return symbols;
+    }
     const std::string symbol = node.name == "F" ? "force" : node.name;
     if (!has(symbol))
       return unknown(node.at, node.name == "F" ? "F stands for force and there is none, " +
@@ -265,6 +284,7 @@ class Expander {
   }
 
   const std::vector<Channel>& channels_;
+  const std::vector<std::pair<std::string, std::string>>& parts_;
   std::string_view text_;
   FormulaLimits limits_;
   std::size_t made_ = 0;
@@ -291,8 +311,9 @@ std::string unknown_symbol(const std::string& symbol, const std::vector<Channel>
 }
 
 Result<std::vector<Term>> expand_sum(const FormulaNode& sum, const std::vector<Channel>& channels,
+                                     const std::vector<std::pair<std::string, std::string>>& parts,
                                      std::string_view text, const FormulaLimits& limits) {
-  return Expander(channels, text, limits).sum(sum, true);
+  return Expander(channels, parts, text, limits).sum(sum, true);
 }
 
 }  // namespace driftwise::formats

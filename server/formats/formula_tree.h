@@ -13,7 +13,7 @@ namespace driftwise::formats {
 
 struct FormulaNode {
   enum class Kind {
-    name,    // a channel, T or F; name
+    name,    // a channel, T, R or F; name
     range,   // t05..t10; name, name_to
     one,     // 1
     power,   // parts[0] ^ number
@@ -52,9 +52,10 @@ std::string print_formula(const ParsedFormula& formula);
 
 // A tree's terms against a file's channels. text: what the tree was parsed from, for error
 // messages. The constant stands among the terms as Term{}.
-Result<std::vector<effects::Term>> expand_sum(const FormulaNode& sum,
-                                              const std::vector<Channel>& channels,
-                                              std::string_view text, const FormulaLimits& limits);
+Result<std::vector<effects::Term>> expand_sum(
+    const FormulaNode& sum, const std::vector<Channel>& channels,
+    const std::vector<std::pair<std::string, std::string>>& parts, std::string_view text,
+    const FormulaLimits& limits);
 
 // "the file has: x y t01"; long lists are cut.
 std::string known_symbols(const std::vector<Channel>& channels);

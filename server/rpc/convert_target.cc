@@ -76,6 +76,7 @@ void add_flags(const compensation::Snapshot& snapshot, const compensation::Targe
   for (std::size_t i = 0; i < compensation::kVariables; ++i)
     if ((target.ignored >> i & 1) != 0)
       out.add_ignored_channels(compensation::channel_of(static_cast<Variable>(i)).name());
+  add(compensation::kConfigurationChanged, v1::Target::FLAG_CONFIGURATION_CHANGED);
   for (std::size_t i = 0; i < snapshot.inputs.size(); ++i) {
     const std::uint64_t mine = std::uint64_t{1} << i;
     if ((target.outside & mine) != 0) out.add_outside_channels(snapshot.inputs[i].channel.name());

@@ -50,6 +50,7 @@ Result<application::AcceptRequest> accept_request_from(const v1::AcceptExtension
   application::AcceptRequest asked;
   asked.diagnosis = {request.diagnosis_id()};
   asked.promote = request.promote();
+  asked.confirmed = request.confirmed();
   for (const std::int32_t number : request.finding_numbers()) {
     if (number < 1)
       return fail(ErrorCode::invalid_argument, "BAD_FINDING",
@@ -88,7 +89,7 @@ Result<application::ImproveRequest> improve_request_from(
   asked.formula = request.formula();
   if (request.max_turns() > 0) asked.max_turns = request.max_turns();
   asked.budget_s = request.budget_s();
-  asked.promotes = !request.no_promotion();
+  asked.promotes = request.promote();
   asked.request_id = request.request_id();
   return asked;
 }

@@ -2,6 +2,7 @@
 #include "server/formats/diagnosis_html.h"
 #include "server/rpc/caller.h"
 #include "server/rpc/convert_diagnosis.h"
+#include "server/rpc/convert_provenance.h"
 #include "server/rpc/convert_values.h"
 #include "server/rpc/request_checks.h"
 #include "server/rpc/services.h"
@@ -90,6 +91,23 @@ class DiagnosisService final : public v1::DiagnosisService::CallbackService {
       if (!rows) co_return tl::unexpected(rows.error());
       response->set_html(utf8_from(page_of(*view, *rows)));
       response->set_file_name("diagnosis_" + std::to_string(id.value) + ".html");
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* PreviewExtension(Context* context, const v1::PreviewExtensionRequest* request,
+                            v1::PreviewExtensionResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      v1::AcceptExtensionRequest accepting;
+      accepting.set_diagnosis_id(request->diagnosis_id());
+      accepting.set_promote(request->promote());
+      *accepting.mutable_finding_numbers() = request->finding_numbers();
+      auto asked = accept_request_from(accepting);
+      if (!asked) co_return tl::unexpected(asked.error());
+      auto looking = cell_.provenance().preview_extension(std::move(*asked));
+      const auto preview = co_await std::move(looking);
+      if (!preview) co_return tl::unexpected(preview.error());
+      *response = preview_from(*preview);
       co_return Result<void>{};
     });
   }

@@ -1,8 +1,11 @@
+#include <algorithm>
+
 #include "driftwise/v1/model_service.grpc.pb.h"
 #include "server/formats/model_json.h"
 #include "server/rpc/caller.h"
 #include "server/rpc/convert_check.h"
 #include "server/rpc/convert_model.h"
+#include "server/rpc/convert_provenance.h"
 #include "server/rpc/convert_residuals.h"
 #include "server/rpc/convert_study.h"
 #include "server/rpc/convert_values.h"
@@ -30,9 +33,12 @@ class ModelService final : public v1::ModelService::CallbackService {
       if (auto good = check_id(request->model_id(), "model_id"); !good) co_return good;
       const auto record = co_await cell_.model(ModelId{request->model_id()});
       if (!record) co_return tl::unexpected(record.error());
-      auto good = put(whole(record), *response->mutable_model());
-      if (good) add_page(*record, *response);
-      co_return good;
+      if (auto good = put(whole(record), *response->mutable_model()); !good) co_return good;
+      auto looking = cell_.provenance().ground_of_model(record->id);
+      const auto ground = co_await std::move(looking);
+      if (!ground) co_return tl::unexpected(ground.error());
+      add_page(*record, *ground, *response);
+      co_return Result<void>{};
     });
   }
 
@@ -42,11 +48,16 @@ class ModelService final : public v1::ModelService::CallbackService {
       const auto records = co_await cell_.models();
       if (!records) co_return tl::unexpected(records.error());
       const auto serving = cell_.status().serving;
-      for (const auto& record : *records)
-        if (auto good =
-                put(model_from(record, serving, ModelDetail::summary), *response->add_models());
-            !good)
+      const auto corrections = co_await cell_.provenance().corrections();
+      if (!corrections) co_return tl::unexpected(corrections.error());
+      for (const auto& record : *records) {
+        auto& model = *response->add_models();
+        if (auto good = put(model_from(record, serving, ModelDetail::summary), model); !good)
           co_return good;
+        for (const auto& correction : *corrections)
+          if (std::ranges::find(record.corrections, correction.id) != record.corrections.end())
+            *model.add_corrections() = mark_from(correction);
+      }
       co_return Result<void>{};
     });
   }
@@ -106,7 +117,8 @@ class ModelService final : public v1::ModelService::CallbackService {
       std::optional<ModelRecord> before;
       if (const auto serving = cell_.status().serving)
         if (auto record = co_await cell_.model(*serving)) before = std::move(*record);
-      auto promoting = cell_.promote(caller_of(*context), ModelId{request->model_id()});
+      auto promoting = cell_.promote(caller_of(*context), ModelId{request->model_id()},
+                                     request->confirmed());
       const auto promoted = co_await std::move(promoting);
       co_return put(whole(promoted, before ? &*before : nullptr), *response->mutable_model());
     });
@@ -224,10 +236,15 @@ class ModelService final : public v1::ModelService::CallbackService {
   }
 
   // What its page says beyond the model. It could be read: whole() did.
-  void add_page(const ModelRecord& record, v1::GetModelResponse& response) const {
-    const auto& description = cell_.description();
+  // The cell file that the model was measured under. A model of a file has none: then the present
+  // one, and no hash.
+  void add_page(const ModelRecord& record, const application::ModelGround& ground,
+                v1::GetModelResponse& response) const {
+    const bool is_of_a_file = ground.configurations.empty();
+    add_ground(ground, response);
+    if (!is_of_a_file && !ground.measured_under) return;  // no text of it can be read
+    const auto& description = is_of_a_file ? cell_.description() : *ground.measured_under;
     response.set_cell_name(description.name);
-    response.set_config_hash(description.hash);
     add_declared(description, response);
     if (const auto model = formats::read_model_json(record.json))
       add_budgets(*model, description, response);

@@ -28,7 +28,8 @@ constexpr const char* kServiceNames[] = {"",
                                          "driftwise.v1.TargetService",
                                          "driftwise.v1.TrajectoryService",
                                          "driftwise.v1.WatchService",
-                                         "driftwise.v1.DiagnosisService"};
+                                         "driftwise.v1.DiagnosisService",
+                                         "driftwise.v1.ConfigurationService"};
 
 struct Address {
   std::string host;
@@ -91,6 +92,7 @@ Result<std::unique_ptr<RpcServer>> RpcServer::open(application::Cell& cell,
   out->services_.push_back(make_standards_service(cell));
   out->services_.push_back(make_trajectory_service(cell));
   out->services_.push_back(make_watch_service(cell));
+  out->services_.push_back(make_configuration_service(cell));
 
   grpc::EnableDefaultHealthCheckService(true);
   static const bool reflected = (grpc::reflection::InitProtoReflectionServerBuilderPlugin(), true);

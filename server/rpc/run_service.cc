@@ -2,6 +2,7 @@
 
 #include "driftwise/v1/run_service.grpc.pb.h"
 #include "server/rpc/caller.h"
+#include "server/rpc/convert_provenance.h"
 #include "server/rpc/convert_run.h"
 #include "server/rpc/convert_values.h"
 #include "server/rpc/convert_verification.h"
@@ -28,6 +29,10 @@ class RunService final : public v1::RunService::CallbackService {
       const auto run = co_await cell_.run(RunId{request->run_id()});
       if (!run) co_return tl::unexpected(run.error());
       *response->mutable_run() = run_from(*run);
+      auto looking = cell_.provenance().grounds_of_runs({run->id});
+      const auto grounds = co_await std::move(looking);
+      if (!grounds) co_return tl::unexpected(grounds.error());
+      add_ground(grounds->front(), true, *response->mutable_run());
       response->set_trajectory_text(utf8_from(run->trajectory_text));
       response->set_rules_json(run->rules_json);
       co_return Result<void>{};
@@ -43,7 +48,15 @@ class RunService final : public v1::RunService::CallbackService {
       if (!limit) co_return tl::unexpected(limit.error());
       const auto runs = co_await cell_.runs(*limit, request->before_run_id());
       if (!runs) co_return tl::unexpected(runs.error());
-      for (const auto& run : *runs) *response->add_runs() = run_from(run);
+      std::vector<RunId> ids;
+      for (const auto& run : *runs) ids.push_back(run.id);
+      auto looking = cell_.provenance().grounds_of_runs(std::move(ids));
+      const auto grounds = co_await std::move(looking);
+      if (!grounds) co_return tl::unexpected(grounds.error());
+      for (std::size_t i = 0; i < runs->size(); ++i) {
+        auto& run = *response->add_runs() = run_from((*runs)[i]);
+        add_ground((*grounds)[i], false, run);
+      }
       co_return Result<void>{};
     });
   }

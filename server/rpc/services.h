@@ -19,5 +19,6 @@ std::unique_ptr<grpc::Service> make_target_service(application::Cell& cell);
 std::unique_ptr<grpc::Service> make_standards_service(application::Cell& cell);
 std::unique_ptr<grpc::Service> make_trajectory_service(application::Cell& cell);
 std::unique_ptr<grpc::Service> make_watch_service(application::Cell& cell);
+std::unique_ptr<grpc::Service> make_configuration_service(application::Cell& cell);
 
 }  // namespace driftwise::rpc

@@ -110,6 +110,12 @@ const std::vector<std::string> kModelKills = {"before_model_commit", "after_mode
                                               "before_promotion_commit", "after_promotion_commit"};
 INSTANTIATE_TEST_SUITE_P(Each, ModelCrashPoint, testing::ValuesIn(kModelKills), test_name);
 
+// Killed on virtual time, in tests/unit/application/extension_crash_test.cc and
+// configuration_test.cc.
+const std::vector<std::string> kKilledInMemory = {
+    "before_extension_commit", "after_extension_commit",      "before_undo_commit",
+    "after_undo_commit",       "before_configuration_commit", "after_configuration_commit"};
+
 std::set<std::string> names_in(const std::string& text) {
   static const std::regex name("(before|after)_[a-z_]+_commit");
   std::set<std::string> names;
@@ -126,7 +132,8 @@ TEST(CrashPoints, AreTheSameInTheManualTheCodeAndTheseTests) {
   for (const auto& kill : kKillsInARun)
     for (const char* side : {"before_", "after_"})
       killed.insert(std::string(side) + kill.what + "_commit");
-  for (const auto& name : kModelKills) killed.insert(name);
+  for (const auto* names : {&kModelKills, &kKilledInMemory})
+    for (const auto& name : *names) killed.insert(name);
   EXPECT_EQ(names_in(read_file(source + "/docs/crash-points.md")), in_code);
   EXPECT_EQ(killed, in_code);
 }

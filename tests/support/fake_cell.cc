@@ -59,12 +59,16 @@ calibration::Model small_model(const std::string& formula) {
 
 FakeCell::FakeCell() {
   description_.name = "linear-axis";
+  description_.hash = "0123456789abcdef";
   DeviceDescription axis;
   axis.id = "axis";
   axis.kind = "pi-gcs";
   axis.address = "127.0.0.1:50000";
   axis.axes = {{{"q1", "mm"}, "X", -4.5, 4.5, 5}};
   description_.devices = {axis};
+  the_model_ground.configurations = {{description_.hash, the_time}};
+  the_model_ground.measured_under = description_;
+  the_model_ground.present_hash = description_.hash;
   the_status.name = "linear-axis";
   the_status.version = "0.1.0";
   the_status.now = {the_time, 0};
@@ -405,9 +409,12 @@ Awaitable<Result<ModelRecord>> FakeCell::model(ModelId id) {
     if (model.id == id) co_return model;
   co_return fail(ErrorCode::not_found, "NO_MODEL", "there is no model " + std::to_string(id.value));
 }
-Awaitable<Result<ModelRecord>> FakeCell::promote(app::Caller caller, ModelId id) {
+Awaitable<Result<ModelRecord>> FakeCell::promote(app::Caller caller, ModelId id, bool confirmed) {
   auto record = co_await model(id);
   if (!record) co_return record;
+  if (!confirmed && !the_model_ground.promotion_questions.empty())
+    co_return fail(ErrorCode::failed_precondition, "NEEDS_CONFIRMATION",
+                   the_model_ground.promotion_questions.front());
   the_status.serving = id;
   the_promotions.push_back({id, the_time, caller.name, "promote"});
   co_return record;

@@ -11,6 +11,7 @@
 #include <future>
 #include <thread>
 
+#include "server/application/provenance.h"
 #include "server/application/studies.h"
 #include "server/application/watch_list.h"
 
@@ -18,7 +19,10 @@ namespace driftwise::tests {
 
 namespace app = driftwise::application;
 
-class FakeCell final : public app::Cell, private app::Watching, private app::Studies {
+class FakeCell final : public app::Cell,
+                       private app::Watching,
+                       private app::Studies,
+                       private app::Provenance {
  public:
   FakeCell();
   ~FakeCell() override;
@@ -67,6 +71,12 @@ class FakeCell final : public app::Cell, private app::Watching, private app::Stu
   app::DiagnosisRequest last_diagnosis;
   app::AcceptRequest last_accept;
   app::ImproveRequest last_improve;
+  std::vector<ConfigurationStart> the_starts;  // newest first
+  app::ConfigurationView the_configuration;
+  app::RunGround the_run_ground;      // of any run
+  app::ModelGround the_model_ground;  // of any model; its questions keep a promotion back
+  std::vector<CorrectionRecord> the_corrections;
+  app::ExtensionPreview the_preview;
   std::string last_request_id;
   bool last_without_excluded = false;
   std::vector<AlarmRecord> the_alarms;                     // by change
@@ -157,11 +167,12 @@ class FakeCell final : public app::Cell, private app::Watching, private app::Stu
                                                  std::vector<RunId> runs) override;
   Awaitable<Result<std::vector<ModelRecord>>> models() override;
   Awaitable<Result<ModelRecord>> model(ModelId id) override;
-  Awaitable<Result<ModelRecord>> promote(app::Caller caller, ModelId id) override;
+  Awaitable<Result<ModelRecord>> promote(app::Caller caller, ModelId id, bool confirmed) override;
   Awaitable<Result<std::optional<ModelRecord>>> roll_back(app::Caller caller) override;
   Awaitable<Result<std::vector<PromotionRecord>>> promotions() override;
   app::Watching& watching() override { return *this; }
   app::Studies& studies() override { return *this; }
+  app::Provenance& provenance() override { return *this; }
   Awaitable<Result<app::DiagnosisView>> create_diagnosis(app::Caller caller,
                                                          app::DiagnosisRequest request) override;
   Awaitable<Result<app::DiagnosisView>> diagnosis(DiagnosisId id) override;
@@ -198,6 +209,15 @@ class FakeCell final : public app::Cell, private app::Watching, private app::Stu
       app::MethodsRequest request, std::shared_ptr<app::Study> study) override;
   Awaitable<Result<app::SensorChoice>> study_sensors(app::SensorsRequest request,
                                                      std::shared_ptr<app::Study> study) override;
+  Awaitable<Result<std::vector<ConfigurationStart>>> configurations(int limit) override;
+  Awaitable<Result<app::ConfigurationView>> configuration(std::string hash,
+                                                          std::string compare_hash) override;
+  Awaitable<Result<ConfigurationStart>> accept_configuration(app::Caller caller, std::string hash,
+                                                             std::string note) override;
+  Awaitable<Result<std::vector<app::RunGround>>> grounds_of_runs(std::vector<RunId> runs) override;
+  Awaitable<Result<app::ModelGround>> ground_of_model(ModelId id) override;
+  Awaitable<Result<std::vector<CorrectionRecord>>> corrections() override;
+  Awaitable<Result<app::ExtensionPreview>> preview_extension(app::AcceptRequest request) override;
   Awaitable<bool> studied(std::shared_ptr<app::Study> study);  // false: it was stopped
   std::optional<Error> take_failure();
   Result<RunRecord> find_run(RunId run) const;

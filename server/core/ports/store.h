@@ -15,6 +15,7 @@
 #include "server/core/dataset.h"
 #include "server/core/diagnosis_records.h"
 #include "server/core/ports/clock_store.h"
+#include "server/core/ports/configuration_store.h"
 #include "server/core/ports/stop_store.h"
 #include "server/core/ports/upkeep_store.h"
 #include "server/core/ports/watch_store.h"
@@ -115,13 +116,15 @@ class DiagnosisStore {
   virtual Result<std::vector<DiagnosisRecord>> diagnoses(int limit) = 0;  // newest first
   virtual Result<std::string> diagnosis_rows(DiagnosisId id) = 0;  // as ended with; empty: none
 
-  // In one transaction: the exclusions and the correction take effect with the extension or not at
-  // all. Errors: already_exists EXTENSION_STANDS (undo it first), those of exclude().
+  // In one transaction: the model, its promotion, the exclusions and the correction take effect
+  // with the extension or not at all. Errors: already_exists EXTENSION_STANDS (undo it first),
+  // those of exclude().
   virtual Result<ExtensionRecord> accept(const NewExtension& extension) = 0;
-  // Ends what stands: its correction, its exclusions. Errors: failed_precondition NO_EXTENSION.
-  virtual Result<ExtensionRecord> undo_extension(DiagnosisId id, const Stamp& at,
-                                                 const std::string& who,
-                                                 const std::string& from) = 0;
+  // Ends what stands: its correction, its exclusions, and with `rollback` that its model serves; in
+  // one transaction. Errors: failed_precondition NO_EXTENSION.
+  virtual Result<ExtensionRecord> undo_extension(
+      DiagnosisId id, const Stamp& at, const std::string& who, const std::string& from,
+      const std::optional<PromotionRecord>& rollback = {}) = 0;
   // The last one that was accepted, undone or not.
   virtual Result<std::optional<ExtensionRecord>> extension(DiagnosisId id) = 0;
   virtual Result<std::vector<CorrectionRecord>> corrections() = 0;  // oldest first, ended ones too
@@ -156,6 +159,7 @@ class Store {
   virtual ClockStore& clocks() = 0;
   // nullptr: a store without files of its own.
   virtual UpkeepStore* upkeep() { return nullptr; }
+  virtual ConfigurationStore& configurations() = 0;
   // Housekeeping that must not delay a point (SQLite: a checkpoint of the log, a step of the
   // summaries): call it on the
   // store's thread when there is time, between points; it does nothing when there is nothing to do.

@@ -64,6 +64,7 @@ class AlarmsOnly final : public Store {
   TrajectoryStore& trajectories() override { return under_->trajectories(); }
   StopStore& stops() override { return under_->stops(); }
   ClockStore& clocks() override { return under_->clocks(); }
+  ConfigurationStore& configurations() override { return under_->configurations(); }
 
  private:
   std::unique_ptr<Store> under_;

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include "server/application/provenance.h"
 #include "server/compensation/target.h"
 #include "server/formats/dataset_csv.h"
 #include "server/formats/model_json.h"
@@ -195,6 +196,95 @@ TEST_F(ExtensionTest, RefusesWhatIsNotThere) {
   const auto file = d.cell.await(d.cell->create_diagnosis(d.cell.ada, of_file))->record.id;
   d.cell.until([&] { return d.look(file).record.state == JobState::done; });
   EXPECT_EQ(accept(file).error().reason, "FROM_A_FILE");
+}
+
+TEST_F(ExtensionTest, ShowsBeforeAcceptingWhatChangesInWhichRunsByHowMuch) {
+  // An earlier run that the diagnosis never looks at, and the run that it does.
+  const auto other =
+      d.cell.await(d.cell->import_dataset(d.cell.ada, "last week", imported_csv(), ""));
+  ASSERT_TRUE(other);
+  findings = {cycle(), outlier()};
+  const auto before = *d.cell.await(d.cell->export_dataset({other->id}, false));
+  const auto id = d.diagnosed(run, "q ~ x").record.id;
+  const auto preview = d.cell.await(d.cell->provenance().preview_extension({id, {}, false}));
+  ASSERT_TRUE(preview) << preview.error().message;
+  EXPECT_EQ(preview->formula, "q ~ x");
+  ASSERT_EQ(preview->changes.size(), 2u);
+  EXPECT_EQ(preview->changes[0].run, run) << "what was diagnosed comes first";
+  EXPECT_TRUE(preview->changes[0].diagnosed);
+  EXPECT_EQ(preview->changes[0].channel, "x_mm");
+  EXPECT_NEAR(preview->changes[0].largest_nm, kCycleNm, 1);
+  EXPECT_NEAR(preview->changes[0].rms_nm, kCycleNm / std::sqrt(2), 2);
+  EXPECT_GT(preview->changes[0].rows, 200);
+  EXPECT_EQ(preview->changes[1].run, other->id);
+  EXPECT_EQ(preview->changes[1].run_name, "last week");
+  EXPECT_TRUE(preview->earlier_runs);
+  EXPECT_TRUE(preview->later_runs);
+  ASSERT_EQ(preview->excluded.size(), 1u);
+  EXPECT_THAT(preview->sentences, testing::Contains(HasSubstr("earlier runs too")));
+  EXPECT_THAT(preview->sentences, testing::Contains(HasSubstr("run 2 'last week' by up to 40")));
+  // It changed nothing.
+  EXPECT_EQ(*d.cell.await(d.cell->export_dataset({other->id}, false)), before);
+  EXPECT_TRUE(d.cell.await(d.cell->models())->empty());
+  // And it told the truth.
+  ASSERT_TRUE(accept(id));
+  const auto after = *formats::read_dataset_csv(
+      *d.cell.await(d.cell->export_dataset({other->id}, false)), "after");
+  const auto was = *formats::read_dataset_csv(before, "before");
+  double largest_nm = 0;
+  for (std::size_t row = 0; row < was.rows; ++row)
+    largest_nm = std::max(
+        largest_nm, 1e6 * std::abs(after.find("x")->values[row] - was.find("x")->values[row]));
+  EXPECT_NEAR(preview->changes[1].largest_nm, largest_nm, 0.01);
+  EXPECT_THAT(d.cell.events_named("extension.accepted").at(0), HasSubstr("by up to 40"));
+}
+
+TEST_F(ExtensionTest, MarksRunsAndModelsThatRestOnACorrection) {
+  findings = {cycle()};
+  const auto id = d.diagnosed(run, "q ~ x").record.id;
+  const auto made = accept(id);
+  ASSERT_TRUE(made) << made.error().message;
+  const auto marks = d.cell.await(d.cell->provenance().grounds_of_runs({run}))->front();
+  ASSERT_EQ(marks.corrections.size(), 1u);
+  EXPECT_EQ(marks.corrections[0].id, made->correction);
+  ASSERT_EQ(marks.corrections[0].changes.size(), 1u);
+  EXPECT_NEAR(marks.corrections[0].changes[0].largest_nm, kCycleNm, 1);
+  application::FitRequest fit;
+  fit.runs = {run};
+  fit.formula = "q ~ x + t01";
+  const auto later = *d.cell.await(d.cell->fit(d.cell.ada, fit));
+  for (const ModelId model : {*made->model, later.id}) {
+    const auto ground = *d.cell.await(d.cell->provenance().ground_of_model(model));
+    ASSERT_EQ(ground.corrections.size(), 1u) << "model " << model.value;
+    EXPECT_TRUE(ground.corrections[0].in_force());
+    EXPECT_TRUE(ground.promotion_questions.empty());
+  }
+  ASSERT_TRUE(d.cell.await(d.cell->undo_extension(d.cell.ada, id)));
+  EXPECT_TRUE(
+      d.cell.await(d.cell->provenance().grounds_of_runs({run}))->front().corrections.empty());
+  // The models stay, and say what they rest on.
+  EXPECT_FALSE(
+      d.cell.await(d.cell->provenance().ground_of_model(later.id))->corrections[0].in_force());
+  const auto refused = d.cell.await(d.cell->promote(d.cell.ada, later.id));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "NEEDS_CONFIRMATION");
+  EXPECT_THAT(refused.error().message, HasSubstr("correction 1 of diagnosis 1"));
+  EXPECT_THAT(refused.error().message, HasSubstr("ada took back"));
+  EXPECT_TRUE(d.cell.await(d.cell->promote(d.cell.ada, later.id, true)));
+  // A fit of the data as they are now rests on nothing.
+  fit.formula = "q ~ x + x^2";
+  const auto fresh = *d.cell.await(d.cell->fit(d.cell.ada, fit));
+  EXPECT_TRUE(d.cell.await(d.cell->model(fresh.id))->corrections.empty());
+}
+
+TEST_F(ExtensionTest, RefusesAnImpossibleInstrument) {
+  auto drift = finding_of("instrument_drift", "x", AppliesTo::correction, {"x:drift()"}, {-126e-6});
+  findings = {drift};
+  const auto refused = accept(d.diagnosed(run, "q ~ x").record.id);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "IMPOSSIBLE_PARAMETER");
+  EXPECT_THAT(refused.error().message, HasSubstr("126 ppm/h"));
+  EXPECT_TRUE(d.cell.await(d.cell->models())->empty()) << "nothing was kept";
 }
 
 TEST_F(ExtensionTest, AJumpSplitsItsDatum) {

@@ -25,6 +25,7 @@ class FullDisk final : public Store, RunStore, ReadingStore, EventStore {
   TrajectoryStore& trajectories() override { return inner_->trajectories(); }
   StopStore& stops() override { return inner_->stops(); }
   ClockStore& clocks() override { return inner_->clocks(); }
+  ConfigurationStore& configurations() override { return inner_->configurations(); }
 
  private:
   template <class T>

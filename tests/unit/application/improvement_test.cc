@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/application/provenance.h"
 #include "server/formats/model_json.h"
 #include "tests/unit/application/diagnosed_cell.h"
 
@@ -66,8 +67,17 @@ class ImprovementTest : public testing::Test {
 };
 
 TEST_F(ImprovementTest, MeasuresFindsExtendsAndMeasuresAgainUntilNothingIsLeft) {
-  const auto begun = begin();
+  application::ImproveRequest request;
+  request.promotes = true;
+  const auto begun = begin(request);
   ASSERT_TRUE(begun) << begun.error().message;
+  d.cell.until(
+      [&] {
+        return look(begun->id).turns.size() == 1 && look(begun->id).turns[0].model &&
+               look(begun->id).turns[0].runs.size() == 2;
+      },
+      400'000);
+  EXPECT_FALSE(d.cell->status().serving) << "before the fresh points have shown the gain";
   const auto record = finished(begun->id);
   EXPECT_EQ(record.state, JobState::done);
   EXPECT_EQ(record.reason, "nothing beyond noise is left");
@@ -90,10 +100,8 @@ TEST_F(ImprovementTest, MeasuresFindsExtendsAndMeasuresAgainUntilNothingIsLeft) 
   EXPECT_EQ(d.cell.events_named("improvement.done").size(), 1u);
 }
 
-TEST_F(ImprovementTest, ProposesOnlyWhenNothingShallServe) {
-  application::ImproveRequest request;
-  request.promotes = false;
-  const auto record = finished(begin(request)->id);
+TEST_F(ImprovementTest, ProposesOnlyUnlessItWasToldToPromote) {
+  const auto record = finished(begin()->id);
   EXPECT_EQ(record.state, JobState::done) << record.reason;
   EXPECT_TRUE(record.turns[0].model);
   EXPECT_FALSE(d.cell->status().serving);
@@ -166,13 +174,23 @@ TEST_F(ImprovementTest, RefusesWhatARunWouldBeRefusedFor) {
   request = {};
   request.budget_s = 10;
   EXPECT_EQ(begin(request).error().reason, "BAD_BUDGET");
+  request = {};  // 2 lines of 7: 8 calibration rows for 2 terms
+  request.trajectory_text = lines_of(2, {-4, -2.5, -1, 1.5, 3, 4}, true);
+  const int moves = d.world.moves;
+  const auto short_plan = begin(request);
+  EXPECT_EQ(short_plan.error().reason, "TOO_FEW_ROWS");
+  EXPECT_THAT(short_plan.error().message, HasSubstr("8 rows to learn from"));
+  EXPECT_THAT(short_plan.error().message, HasSubstr("needs 12 rows"));
+  EXPECT_EQ(d.world.moves, moves) << "it is said before the first move";
   ASSERT_TRUE(begin());
   EXPECT_FALSE(begin());  // one at a time
 }
 
 // A bend that does not last: on the fresh points the model before is the better one.
 TEST_F(ImprovementTest, IsUndoneWhenTheFreshPointsDoNotShowIt) {
-  const auto id = begin()->id;
+  application::ImproveRequest request;
+  request.promotes = true;
+  const auto id = begin(request)->id;
   d.cell.until([&] { return !look(id).turns.empty() && !look(id).turns[0].gains.empty(); },
                400'000);
   d.world.bend_nm_per_mm2 = 0;
@@ -180,8 +198,32 @@ TEST_F(ImprovementTest, IsUndoneWhenTheFreshPointsDoNotShowIt) {
   EXPECT_EQ(record.state, JobState::done);
   EXPECT_THAT(record.reason, HasSubstr("was undone"));
   EXPECT_FALSE(d.cell->status().serving);
+  EXPECT_TRUE(d.cell.await(d.cell->promotions())->empty())
+      << "it never served, not even for a while";
   ASSERT_TRUE(record.turns[0].gains[0].measured && record.turns[0].gains[0].measured_before);
   EXPECT_GT(record.turns[0].gains[0].measured->a90, record.turns[0].gains[0].measured_before->a90);
+}
+
+// A search that also names a laser whose scale drifts by 126 ppm/h.
+class ImpossibleLaserTest : public ImprovementTest {
+ protected:
+  ImpossibleLaserTest()
+      : ImprovementTest([](const Dataset& data, const dx::DiagnoseOptions& options) {
+          auto found = looks_for_a_bend(data, options);
+          if (found)
+            found->findings.push_back(finding_of(
+                "instrument_drift", "x", effects::AppliesTo::correction, {"x:drift()"}, {-126e-6}));
+          return found;
+        }) {}
+};
+TEST_F(ImpossibleLaserTest, IsLeftOutAndTheRestIsAccepted) {
+  const auto record = finished(begin()->id);
+  EXPECT_EQ(record.state, JobState::done) << record.reason;
+  EXPECT_THAT(record.turns[0].what, HasSubstr("not accepted: finding 2 (instrument_drift x)"));
+  EXPECT_THAT(record.turns[0].what, HasSubstr("geometry_order x"));
+  const auto corrections = d.cell.await(d.cell->provenance().corrections());
+  EXPECT_TRUE(corrections->empty());
+  EXPECT_THAT(record.reason, HasSubstr("126 ppm/h")) << "the last turn has nothing else";
 }
 
 }  // namespace

@@ -76,7 +76,7 @@ TEST_F(DiagnosisCommands, AnUnexplainedOneSaysNoWithItsExitCode) {
 }
 
 TEST_F(DiagnosisCommands, AcceptAndUndo) {
-  const auto made = json({"diagnosis", "accept", "1", "--finding", "1", "--promote"});
+  const auto made = json({"diagnosis", "accept", "1", "--finding", "1", "--promote", "--yes"});
   EXPECT_EQ(made["model_id"], 7);
   EXPECT_EQ(made["promoted"], true);
   EXPECT_EQ(made["finding_numbers"], nlohmann::json({1}));
@@ -84,6 +84,36 @@ TEST_F(DiagnosisCommands, AcceptAndUndo) {
   EXPECT_EQ(cell.on_executor([this] { return cell.last_caller.name; }), "ada");
   EXPECT_FALSE(json({"diagnosis", "undo", "1"})["undo_time"].is_null());
   EXPECT_THAT(run({"diagnosis", "show", "1"}).out, HasSubstr("undone at"));
+}
+
+TEST_F(DiagnosisCommands, AcceptShowsTheSizesAndAsks) {
+  cell.on_executor([this] {
+    cell.the_preview.findings = {1};
+    cell.the_preview.sentences = {
+        "changes x_mm of run 3 'weekend' by up to 3220 nm (rms 812 nm) in 200 rows",
+        "earlier runs too: every export, fit and check of the runs above sees the corrected "
+        "lengths"};
+  });
+  const auto accepted = [this] {
+    return cell.on_executor([this] { return cell.the_diagnoses[0].extension.has_value(); });
+  };
+  const auto nobody = run({"diagnosis", "accept", "1"});  // no terminal
+  EXPECT_EQ(nobody.exit, 2);
+  EXPECT_THAT(nobody.err, HasSubstr("by up to 3220 nm"));
+  EXPECT_THAT(nobody.err, HasSubstr("--yes"));
+  EXPECT_FALSE(accepted());
+  const auto declined = run({"diagnosis", "accept", "1"}, true, "\n");
+  EXPECT_EQ(declined.exit, 5);
+  EXPECT_THAT(declined.err, HasSubstr("accepting finding 1 of diagnosis 1:"));
+  EXPECT_THAT(declined.err, HasSubstr("earlier runs too"));
+  EXPECT_THAT(declined.err, HasSubstr("Accept it? [y/N]"));
+  EXPECT_FALSE(accepted());
+  const auto preview = run({"diagnosis", "preview", "1"});
+  EXPECT_EQ(preview.exit, 0);
+  EXPECT_THAT(preview.out, HasSubstr("by up to 3220 nm"));
+  EXPECT_FALSE(accepted());
+  EXPECT_EQ(run({"diagnosis", "accept", "1"}, true, "y\n").exit, 0);
+  EXPECT_TRUE(accepted());
 }
 
 TEST_F(DiagnosisCommands, DiagnoseARunWaitsForItsEnd) {

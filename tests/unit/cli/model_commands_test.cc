@@ -52,6 +52,19 @@ TEST_F(ModelCommandsTest, PromotesComparesAndRollsBack) {
   EXPECT_EQ(run({"model", "promote", "9"}).exit, 3);
 }
 
+TEST_F(ModelCommandsTest, APromotionWithAQuestionAsks) {
+  cell.on_executor([&] {
+    cell.the_model_ground.promotion_questions = {"t01 is a thermometer of the instrument"};
+  });
+  const auto nobody = run({"model", "promote", "1"});
+  EXPECT_EQ(nobody.exit, 2);
+  EXPECT_THAT(nobody.err, HasSubstr("t01 is a thermometer of the instrument"));
+  EXPECT_EQ(run({"model", "promote", "1"}, true, "n\n").exit, 5);
+  EXPECT_TRUE(cell.on_executor([&] { return cell.the_promotions.empty(); }));
+  EXPECT_EQ(run({"model", "promote", "1"}, true, "y\n").exit, 0);
+  EXPECT_EQ(run({"model", "promote", "1", "--yes"}).exit, 0);
+}
+
 TEST_F(ModelCommandsTest, ExportsJsonAndC) {
   EXPECT_EQ(nlohmann::json::parse(run({"model", "export", "1"}).out)["schema"],
             "driftwise.model.v1");

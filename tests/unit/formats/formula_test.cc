@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 
 #include "server/effects/term_order.h"
+#include "server/formats/dataset_csv.h"
+#include "server/formats/text.h"
 
 namespace driftwise::formats {
 namespace {
@@ -177,6 +179,62 @@ TEST(ParseTerm, ReadsWhatNotationPrints) {
   }
   for (const auto* text : {"", "x + y", "poly(x, 2)", "datum(x)", "datum(1.5)", "x:", "2"})
     EXPECT_FALSE(parse_term(text).has_value()) << text;
+}
+
+// Four points, two thermometers of the robot, one of the instrument and the air; x alone explains
+// q1 but for what goes with t04.
+Dataset with_parts(const std::string& parts) {
+  std::string csv = parts.empty() ? "" : "# parts: " + parts + "\n";
+  csv += "q1_mm,x_mm,t04_degC,t05_degC,t10_degC,air_degC\n";
+  for (int i = 0; i < 24; ++i) {
+    const double x = 0.1 * i, t04 = 20 + (i * 7 % 5) * 0.1, t05 = 20 + (i * 11 % 7) * 0.1;
+    const double t10 = 20 + (i * 5 % 9) * 0.1, air = 21 + (i * 3 % 4) * 0.1;
+    csv += number_text(x + 1e-4 * t04 + 2e-4 * t10 + 1e-7 * (i * i % 5)) + "," + number_text(x) +
+           "," + number_text(t04) + "," + number_text(t05) + "," + number_text(t10) + "," +
+           number_text(air) + "\n";
+  }
+  auto data = read_dataset_csv(csv, "parts.csv");
+  EXPECT_TRUE(data) << (data ? "" : data.error().message);
+  return data ? std::move(*data) : Dataset{};
+}
+const std::string kParts = "t04=robot t05=robot t10=instrument air=air";
+
+TEST(Formula, RStandsForTheThermometersOnTheRobot) {
+  const auto named = [](const std::string& text, const Dataset& data) {
+    const auto candidates = Formula::parse(text)->expand(data);
+    std::vector<std::string> names;
+    if (!candidates) return std::vector<std::string>{candidates.error().message};
+    for (const auto& term : candidates->terms) names.push_back(effects::notation(term));
+    return names;
+  };
+  EXPECT_THAT(named("q ~ x + R", with_parts(kParts)), ElementsAre("x", "t04", "t05"));
+  EXPECT_THAT(named("q ~ x + x:R", with_parts(kParts)), ElementsAre("x", "x:t04", "x:t05"));
+  EXPECT_THAT(named("q ~ rate(R, 300 s)", with_parts(kParts)),
+              ElementsAre("rate(t04, 300 s)", "rate(t05, 300 s)"));
+  EXPECT_THAT(named("q ~ x + R", with_parts("")),
+              ElementsAre(HasSubstr("add a line '# parts: t05=robot t01=instrument'")));
+  EXPECT_THAT(named("q ~ x + R", with_parts("t04=instrument")),
+              ElementsAre(HasSubstr("declares none of these channels with part = \"robot\"")));
+  EXPECT_EQ(Formula::parse("q~x+R")->canonical(), "q ~ x + R");
+}
+
+TEST(Formula, AFitWarnsOfThermometersThatAreNotOnTheRobot) {
+  const auto warnings = [](const std::string& formula, const std::string& parts) {
+    calibration::FitOptions options;
+    options.select = calibration::Select::all;
+    const auto model = fit_formula(with_parts(parts), formula, options);
+    EXPECT_TRUE(model) << (model ? "" : model.error().message);
+    return model ? model->warnings : std::vector<std::string>();
+  };
+  const auto said = HasSubstr("thermometers of the instrument are in the model: t10");
+  EXPECT_THAT(warnings("q ~ x + T", kParts), testing::Contains(said));
+  EXPECT_THAT(warnings("q ~ x + R", kParts),
+              testing::Not(testing::Contains(HasSubstr("thermometers of"))));
+  EXPECT_THAT(warnings("q ~ x + T", ""),
+              testing::Not(testing::Contains(HasSubstr("thermometers of"))));
+  EXPECT_THAT(warnings("x ~ q1 + t10", kParts),
+              testing::Not(testing::Contains(HasSubstr("thermometers of"))))
+      << "an instrument's own model may have them";
 }
 
 }  // namespace

@@ -4,6 +4,7 @@ import { createClient, type Interceptor, type Transport } from '@connectrpc/conn
 import { createGrpcWebTransport } from '@connectrpc/connect-web';
 import type { DescService } from '@bufbuild/protobuf';
 import { CellService } from './gen/driftwise/v1/cell_service_pb';
+import { ConfigurationService } from './gen/driftwise/v1/configuration_service_pb';
 import { DataService } from './gen/driftwise/v1/data_service_pb';
 import { DiagnosisService } from './gen/driftwise/v1/diagnosis_service_pb';
 import { ModelService } from './gen/driftwise/v1/model_service_pb';
@@ -52,6 +53,7 @@ function lazily<T extends DescService>(service: T) {
 // api.run().listRuns({ limit: 50 }) and so on: the promise rejects with an error that errors.ts turns into words.
 export const api = {
   cell: lazily(CellService),
+  configuration: lazily(ConfigurationService),
   data: lazily(DataService),
   diagnosis: lazily(DiagnosisService),
   model: lazily(ModelService),

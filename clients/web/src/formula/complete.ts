@@ -73,6 +73,7 @@ function terms(known: Known, channelsOnly: boolean): Offer[] {
     short.push({ insert: `poly(${lengths.join(', ')}, 3)`, back: 0, label: `poly(${lengths.join(', ')}, 3)`, detail: 'every product of powers up to degree 3' });
   if (structure.length) {
     short.push(plain('T', `every structure temperature: ${structure[0]} to ${structure[structure.length - 1]}`));
+    short.push(plain('R', 'the thermometers on the robot, as the cell file declares them: for a model that serves'));
     if (structure.length > 1) short.push(plain(`${structure[0]}..${structure[structure.length - 1]}`, 'a range of temperatures'));
   }
   if (known.channels.some((channel) => channel.symbol === 'force')) short.push(plain('F', 'the force, N'));

@@ -45,6 +45,8 @@ interface Written {
   cell: string;
   version: string;
   config_hash: string;
+  configurations?: { hash: string; from: string | null }[]; // that it was measured under, oldest first
+  corrections?: { id: number; since: string; by: string; changes: { channel: string; rows: number; largest_nm: number; rms_nm: number }[] }[];
   made: string;
   run: ReportRun;
   rules?: Record<string, number>;

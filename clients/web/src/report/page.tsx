@@ -42,7 +42,20 @@ export function ReportPage({ report }: { report: Report }) {
           {run.compensation && <><dt>compensation</dt><dd>{run.compensation}</dd></>}
           <dt>restarts</dt><dd>{run.restarts === 0 ? 'none' : `a restarted daemon went on with it ${count(run.restarts)} times`}</dd>
           <dt>times in</dt><dd>UTC</dd>
-          <dt>cell file</dt><dd><code>{report.config_hash}</code></dd>
+          <dt>cell file</dt>
+          <dd>
+            <code>{report.config_hash}</code>
+            {(report.configurations ?? []).slice(1).map((one) => <> ; from {one.from ? at(one.from) : 'an unknown time'} on <code>{one.hash}</code></>)}
+          </dd>
+          {(report.corrections ?? []).map((one) => (
+            <>
+              <dt>rests on</dt>
+              <dd>
+                correction {one.id}, in force since {at(one.since)}, accepted by {one.by}
+                {one.changes.map((change) => `; ${change.channel} by up to ${significant(change.largest_nm, 3)} nm in ${count(change.rows)} rows`)}. The points below are as they were measured.
+              </dd>
+            </>
+          ))}
         </dl>
       </Panel>
       {report.verification && <Panel title="Verification"><Verification of={report.verification} run={String(run.id)} /></Panel>}

@@ -3,6 +3,7 @@
 import { create } from '@bufbuild/protobuf';
 import { Code, ConnectError, createRouterTransport, type Transport } from '@connectrpc/connect';
 import { CellService, GetStatusResponseSchema, ListDevicesResponseSchema } from '@/api/gen/driftwise/v1/cell_service_pb';
+import { ConfigurationService } from '@/api/gen/driftwise/v1/configuration_service_pb';
 import { DataService } from '@/api/gen/driftwise/v1/data_service_pb';
 import { DiagnosisService } from '@/api/gen/driftwise/v1/diagnosis_service_pb';
 import { CheckFormulaResponseSchema, ListResidualsResponseSchema, ModelService, Promotion_Action } from '@/api/gen/driftwise/v1/model_service_pb';
@@ -123,8 +124,16 @@ export function fakeDaemon(wishes: FakeWishes = {}): Transport {
         diagnosis: diagnosis(Number(diagnosisId)),
         rows: { timeS: rows.timeS, validation: rows.validation, line: rows.line, variables: rows.variables, outputs: outputs.map((output, k) => ({ output, unit: 'nm', before: beforeNm[k], after: afterNm[k] })) },
       }),
+      previewExtension: ({ findingNumbers }) => ({
+        findingNumbers, formula: 'q ~ poly(x, y, z, 3) + F + F^2 + lag(t07, 1830 s)', extendsModel: true, earlierRuns: true, laterRuns: true,
+        changes: [{ runId: 17n, runName: 'campaign', channel: 'x_mm', fromTime: at(2), rowCount: 1056n, largestNm: 3219.4, rmsNm: 812.3, diagnosed: true }, { runId: 15n, runName: 'proof-geometry', channel: 'x_mm', rowCount: 94n, largestNm: 240.2, rmsNm: 80.1 }],
+      }),
       listImprovements: () => ({ improvements: [improvement()] }),
       getImprovement: () => ({ improvement: improvement() }),
+    });
+    service(ConfigurationService, {
+      listConfigurations: () => ({ openQuestion: true, starts: [{ id: 4n, hash: 'bbbb', beforeHash: 'aaaa', version: '0.1.0', startTime: at(1), asks: true, changes: [{ place: 'probe t07_degC', key: 'input', before: '107', after: '108', asks: true, affects: ['t07'] }, { place: 'cell', key: 'listen', before: '127.0.0.1:1', after: '127.0.0.1:2' }] }] }),
+      acceptConfiguration: ({ hash }) => ({ start: { id: 4n, hash, asks: true, acceptTime: at(3), acceptedBy: 'anna' } }),
     });
     service(TargetService, {
       computeTarget: ({ pose, showUnreachable }) => {

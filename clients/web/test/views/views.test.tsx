@@ -8,6 +8,16 @@ import Diagnosis from '@/views/diagnosis/view';
 import Models from '@/views/models/view';
 import Targets from '@/views/targets/view';
 import Trajectories from '@/views/trajectories/view';
+import { ConfirmDialog } from '@/ui/confirm';
+import { Promote } from '@/views/models/actions';
+import { ConfigurationQuestion } from '@/parts/configuration';
+import { Rests } from '@/parts/rests';
+import { cell } from '@/live/state';
+import { operatorName } from '@/app/session';
+import { create } from '@bufbuild/protobuf';
+import { CorrectionMarkSchema } from '@/api/gen/driftwise/v1/provenance_pb';
+import { GetStatusResponseSchema } from '@/api/gen/driftwise/v1/cell_service_pb';
+import { model } from '../fake/models';
 import { fakeDaemon } from '../fake/daemon';
 
 // What jsdom lacks.
@@ -55,6 +65,41 @@ describe('a diagnosis', () => {
     await screen.findByText('Turn 3');
     expect(screen.getByText('Nothing beyond noise is left')).toBeTruthy();
     expect(screen.getByText(/found that the robot follows t07/)).toBeTruthy();
+  });
+});
+
+describe('what changes for others', () => {
+  beforeAll(() => {
+    HTMLDialogElement.prototype.showModal = function () { this.open = true; };
+    HTMLDialogElement.prototype.close = function () { this.open = false; };
+  });
+  beforeEach(() => (operatorName.value = 'anna'));
+  it('shows before accepting what changes, in nm, for which runs, earlier ones too', async () => {
+    show('/diagnosis/9', () => <><Diagnosis /><ConfirmDialog /></>);
+    fireEvent.click((await screen.findAllByRole('button', { name: /Accept as a model…/ }))[0]);
+    expect(await screen.findByText(/run 17 \(campaign\): x by up to 3219 nm, rms 812 nm, 1\s?056 rows, from/)).toBeTruthy();
+    expect(screen.getByText(/run 15 \(proof-geometry\): x by up to 240 nm/)).toBeTruthy();
+    expect(screen.getByText(/earlier runs too/).textContent).toContain('every run that is measured later');
+  });
+  it('asks before a model with an open question serves', async () => {
+    render(<><Promote model={model(11)} questions={['t01 is a thermometer of the instrument']} onDone={() => {}} /><ConfirmDialog /></>);
+    fireEvent.click(screen.getByRole('button', { name: /Promote…/ }));
+    expect(await screen.findByText('t01 is a thermometer of the instrument')).toBeTruthy();
+    expect(screen.getByRole('button', { name: 'Promote model 11 all the same' })).toBeTruthy();
+  });
+  it('says when a model rests on a correction that was taken back', () => {
+    render(<Rests what="fitted on data with" marks={[create(CorrectionMarkSchema, { correctionId: 3n, diagnosisId: 5n, acceptedBy: 'ben', endTime: { seconds: 1n }, endedBy: 'anna', changes: [{ channel: 'x_mm', runId: 17n, largestNm: 3219.4, rowCount: 200n }] })]} />);
+    expect(screen.getByText('rests on a correction that was taken back')).toBeTruthy();
+    expect(screen.getByText(/x of run 17 by up to 3219 nm in 200 rows/)).toBeTruthy();
+  });
+  it('shows what changed in the cell file while nobody has accepted it', async () => {
+    cell.value = create(GetStatusResponseSchema, { attention: ['the cell file has changed since configuration aaaa: probe t07_degC: input 107 -> 108'] });
+    render(<><ConfigurationQuestion /><ConfirmDialog /></>);
+    expect(await screen.findByText('probe t07_degC: input 107 → 108')).toBeTruthy();
+    expect(screen.queryByText(/listen/)).toBeNull();
+    fireEvent.click(screen.getByRole('button', { name: 'Accept the change…' }));
+    expect(await screen.findByText('Accept the changed cell file?')).toBeTruthy();
+    cell.value = undefined;
   });
 });
 

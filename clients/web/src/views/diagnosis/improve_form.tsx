@@ -28,7 +28,7 @@ export function ImproveForm() {
     const { improvement } = await withLease((leaseToken) =>
       api.diagnosis().createImprovement({
         leaseToken, trajectoryName: trajectory!.name, trajectoryText: trajectory!.text, formula, maxTurns: most ?? 0, budgetS: (budget ?? 0) * 3600,
-        noPromotion: !serve, requestId: crypto.randomUUID(),
+        promote: serve, requestId: crypto.randomUUID(),
       }), true);
     formulaTaken();
     go(`/diagnosis/improve/${improvement!.id}`);
@@ -43,7 +43,7 @@ export function ImproveForm() {
       facts: [
         ['it moves', `the robot, over ${name}, once a turn and over fresh points between`],
         ['at most', `${turns} turns, ${hours} h (time of the cell)`],
-        ['who is affected', serve ? 'every controller that asks for targets: better models are promoted by themselves' : 'nobody: what it finds is only proposed'],
+        ['who is affected', serve ? 'every controller that asks for targets: a model whose gain fresh points have shown is promoted by itself. Corrections that it accepts change the data of earlier runs too' : 'no target: models are only proposed. Corrections that it accepts change the data of earlier runs too, until they are undone'],
         ['to end it', 'Cancel; Stop motion only halts it where it is'],
       ],
       verb: 'Start the improvement', keep: 'Do nothing',
@@ -63,7 +63,7 @@ export function ImproveForm() {
         <Field label="formula of the first model" value={formula} onInput={setFormula} mono hint={cell.value?.servingModelId !== undefined ? `empty: model ${cell.value.servingModelId}, which serves` : undefined} />
         <Field label="turns, at most" type="number" value={turns} onInput={setTurns} />
         <Field label="time of the cell, at most" unit="h" type="number" value={hours} onInput={setHours} hint="0: no limit" />
-        <label class="diagnosis-check"><input type="checkbox" checked={serve} onChange={(event) => setServe(event.currentTarget.checked)} /> promote what is better</label>
+        <label class="diagnosis-check"><input type="checkbox" checked={serve} onChange={(event) => setServe(event.currentTarget.checked)} /> promote what fresh points have confirmed</label>
       </div>
       <div class="actions"><CommandButton busy={start.busy} off={off} onPress={ask}>Start the improvement…</CommandButton></div>
       {start.failure && <Failed asked="Start the improvement" failure={start.failure} />}

@@ -12,9 +12,9 @@ import { headingText } from './figures';
 
 const served = (id: bigint | undefined) => (id === undefined ? 'no model' : `model ${id}`);
 
-export function Promote({ model, onDone }: { model: Model; onDone: () => void }) {
+export function Promote({ model, questions = [], onDone }: { model: Model; questions?: readonly string[]; onDone: () => void }) {
   const command = useCommand(async () => {
-    await api.model().promoteModel({ modelId: model.id });
+    await api.model().promoteModel({ modelId: model.id, confirmed: questions.length > 0 });
     onDone();
   });
   const ask = async () => {
@@ -26,8 +26,10 @@ export function Promote({ model, onDone }: { model: Model; onDone: () => void })
         ['accuracy (A90)', headingText(model)],
         ['who is affected', 'every controller and run that asks for targets, from its next target on'],
         ['to undo', 'Roll back'],
+        ...questions.map((question) => ['although', question] as const),
       ],
-      verb: `Promote model ${model.id}`,
+      bad: questions.length > 0,
+      verb: `Promote model ${model.id}${questions.length > 0 ? ' all the same' : ''}`,
       keep: `Keep ${served(cell.value?.servingModelId)}`,
     });
     if (yes) await command.send();

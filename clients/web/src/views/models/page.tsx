@@ -1,6 +1,8 @@
 // One model in full.
 import { api } from '@/api/client';
 import { usePrintFacts } from '@/app/print_head';
+import { MeasuredUnder } from '@/parts/configuration';
+import { Rests } from '@/parts/rests';
 import type { GetModelResponse, Model, ModelOutput } from '@/api/gen/driftwise/v1/model_service_pb';
 import { count, fixed, significant } from '@/format/numbers';
 import { dateClock, ms, secondsOf } from '@/format/time';
@@ -38,7 +40,7 @@ export function ModelPage({ id }: { id: bigint }) {
     <>
       <ViewTitle
         sub={model && <code>{model.formula}</code>}
-        actions={model && (<><Promote model={model} onDone={asked.again} /><ExportButtons id={id} /></>)}
+        actions={model && (<><Promote model={model} questions={asked.value!.promotionQuestions} onDone={asked.again} /><ExportButtons id={id} /></>)}
       >
         {`Model ${id}${model && model.name !== model.formula ? `, ${model.name}` : ''}`}
       </ViewTitle>
@@ -60,6 +62,8 @@ function Page({ answer, model }: { answer: GetModelResponse; model: Model }) {
         </span>
       </p>
       <Panel class="models-heading"><AccuracyHeading of={model.accuracy} /></Panel>
+      <Rests marks={model.corrections} what="fitted on data with" />
+      <MeasuredUnder answer={answer} />
       <div class="tiles models-outputs">{model.outputs.map((output) => <OutputTile output={output} />)}</div>
       {model.warnings.length > 0 && (
         <details class="panel">

@@ -11,6 +11,7 @@ import { RunMarks } from '@/parts/run_marks';
 import { cell, progress as progressNow } from '@/live/state';
 import { ms } from '@/format/time';
 import { ruleOf } from '@/parts/run_words';
+import { ConfigurationQuestion } from '@/parts/configuration';
 import { airOf, lengthsOf, zeroDrift } from '@/parts/zero_plot';
 import { Awaiting, Failed } from '@/ui/states';
 import { useAsked } from '@/ui/use_asked';
@@ -41,6 +42,7 @@ export default function Now() {
       <ViewTitle hidden>Now</ViewTitle>
       {wall && <WallAlarms />}
       {progress ? <RunPanel progress={progress} buttons={!wall} /> : <IdlePanel />}
+      {!wall && <ConfigurationQuestion />}
       {!wall && <AlarmList />}
       <Tiles
         progress={progress}

@@ -53,6 +53,7 @@ function RunTable({ runs }: { runs: readonly Run[] }) {
         { title: 'compensated', of: (run) => (!run.compensated ? 'no' : run.compensateModelId !== undefined ? <a href={`/models/${run.compensateModelId}`}>model {String(run.compensateModelId)}</a> : 'yes'), sort: (run) => Number(run.compensateModelId ?? (run.compensated ? 0 : -1)) },
         { title: 'trajectory', of: (run) => run.trajectoryName || '–', sort: (run) => run.trajectoryName },
         { title: 'operator', of: (run) => run.operatorName || 'unknown', sort: (run) => run.operatorName },
+        ...(runs.some((run) => run.corrections.length > 0) ? [{ title: 'rests on', of: (run: Run) => run.corrections.map((mark) => `correction ${mark.correctionId}`).join(', ') }] : []),
       ]}
     />
   );

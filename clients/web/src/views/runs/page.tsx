@@ -10,6 +10,7 @@ import { fixed } from '@/format/numbers';
 import { dateClock, duration, ms } from '@/format/time';
 import { useEvents } from '@/live/events';
 import { useRunPoints } from '@/live/points';
+import { Rests } from '@/parts/rests';
 import { RunMarks } from '@/parts/run_marks';
 import { RunButtons } from '@/parts/run_buttons';
 import { compensationText, doneShare, isOver, stateWords, troubles } from '@/parts/run_words';
@@ -49,6 +50,7 @@ function Head({ run }: { run: Run }) {
         <dt>trajectory</dt><dd>{run.trajectoryName || '–'}</dd>
         <dt>compensation</dt><dd>{compensationText(run)}</dd>
         <dt>started by</dt><dd>{run.operatorName || 'unknown'}</dd>
+        <dt>cell file</dt><dd><code>{run.configHash}</code>{run.configurations.slice(1).map((one) => <>, from {dateClock(ms(one.fromTime))} on <code>{one.hash}</code></>)}</dd>
       </dl>
       {!isOver(run) && <RunButtons run={run} />}
     </Panel>
@@ -58,7 +60,8 @@ function Head({ run }: { run: Run }) {
 export function RunPage({ id }: { id: bigint }) {
   const asked = useAsked<GetRunResponse>(`run ${id}`, (signal) => api.run().getRun({ runId: id }, { signal }));
   const points = useRunPoints(id);
-  const newer = (run: Run | undefined) => run?.id === id && asked.set((old) => ({ ...old, run }));
+  // What it rests on comes with the first answer only.
+  const newer = (run: Run | undefined) => run?.id === id && asked.set((old) => ({ ...old, run: old.run ? { ...run, configurations: old.run.configurations, corrections: old.run.corrections } : run }));
   useEvents('run', newer);
   useEvents('progress', (progress) => newer(progress.run));
   const row = query('point');
@@ -85,6 +88,7 @@ export function RunPage({ id }: { id: bigint }) {
     <RunMarks run={run} points={points.value}>
       <ViewTitle sub={<a href="/runs">All runs</a>}>{title}</ViewTitle>
       <Head run={run} />
+      <Rests marks={run.corrections} what="exports and fits see its data with" />
       <Tabs tabs={tabs} label={`Run ${id}`} />
       {points.failure && <Failed asked="List the points" failure={points.failure} again={points.again} />}
       {!points.value && !points.failure && <Awaiting what="the points" />}

@@ -64,6 +64,7 @@ const flagWords: Record<number, string> = {
   [Target_Flag.OUTSIDE_LIMITS]: 'not reachable: beyond the soft limits',
   [Target_Flag.UNKNOWN_LIMITS]: 'no soft limits are known: whether it can be reached is not checked',
   [Target_Flag.IGNORED_COORDINATE]: 'the model does not depend on a stated coordinate',
+  [Target_Flag.CONFIGURATION_CHANGED]: 'the cell file has changed, in parts that this model does not use; nobody has accepted it yet',
   [Target_Flag.UNANCHORED_DATUM]: 'the present datum is not known: the constant is that of the model\'s own',
 };
 

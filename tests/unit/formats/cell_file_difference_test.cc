@@ -1,0 +1,250 @@
+// Two cell files by meaning: what asks for a person, what is recorded only, what is the same.
+
+#include "server/formats/cell_file_difference.h"
+
+#include <gmock/gmock.h>
+
+#include "server/formats/cell_file.h"
+
+namespace driftwise::formats {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::UnorderedElementsAre;
+
+const std::string kDifferenceCell = R"(
+[cell]
+name = "bench"
+database = "bench.db"
+listen = "127.0.0.1:50051"
+
+[run]
+max_spread_nm = 5
+
+[correction]
+cosine = true
+[[correction.beam]]
+length = "x_mm"
+offset_mm = [0, 12.5, 0]
+
+[kinematics]
+kind = "linear-axis"
+[[kinematics.axis]]
+motor = "q1_mm"
+pose = "x_mm"
+
+[[device]]
+id = "axis"
+kind = "pi-gcs"
+address = "10.0.0.1:50000"
+  [[device.axis]]
+  channel = "q1_mm"
+  device_axis = "X"
+  min_mm = -4.5
+  max_mm = 4.5
+
+[[device]]
+id = "scanner"
+kind = "keithley-2701"
+address = "10.0.0.2:1394"
+  [[device.probe]]
+  channel = "t07_degC"
+  input = 107
+  part = "robot"
+  [[device.probe]]
+  channel = "t08_degC"
+  input = 108
+  part = "instrument"
+  place = "beam splitter"
+
+[[device]]
+id = "laser-x"
+kind = "interferometer-adapter"
+address = "10.0.0.3:5001"
+length = "x_mm"
+u_length_nm = 4.6
+
+[[device]]
+id = "laser-y"
+kind = "interferometer-adapter"
+address = "10.0.0.3:5002"
+length = "y_mm"
+
+[[device]]
+id = "tilts"
+kind = "newport-lds1000"
+address = "10.0.0.4:4000"
+  [[device.angle]]
+  channel = "ry_arcsec"
+  device_axis = 1
+  [[device.angle]]
+  channel = "rz_arcsec"
+  device_axis = 2
+
+[[device]]
+id = "tilts-x"
+kind = "newport-lds1000"
+address = "10.0.0.5:4000"
+  [[device.angle]]
+  channel = "rx_arcsec"
+  device_axis = 1
+)";
+
+std::string text_with(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+std::vector<ConfigurationChange> changes_to(const std::string& after,
+                                            const std::string& before = kDifferenceCell) {
+  const auto cell = parse_cell_file(after, "cell.toml");
+  EXPECT_TRUE(cell) << (cell ? "" : cell.error().message);
+  return cell ? cell_file_difference(before, *cell) : std::vector<ConfigurationChange>();
+}
+
+std::vector<std::string> sentences_of(const std::vector<ConfigurationChange>& all) {
+  std::vector<std::string> out;
+  for (const auto& one : all) out.push_back((one.asks ? "! " : "") + sentence(one));
+  return out;
+}
+
+TEST(CellFileDifference, IsNoneByMeaning) {
+  EXPECT_THAT(changes_to("# a comment\n" + kDifferenceCell), IsEmpty());
+  EXPECT_THAT(changes_to(text_with(kDifferenceCell, "max_spread_nm = 5", "max_spread_nm = 5.0")),
+              IsEmpty());
+  EXPECT_THAT(changes_to(text_with(kDifferenceCell, "input = 107", "input = 107\n  r0_ohm = 1000")),
+              IsEmpty())
+      << "a default that is written out";
+  // Another order of the devices and of the probes.
+  auto moved = kDifferenceCell;
+  const auto probe = moved.find("  [[device.probe]]\n  channel = \"t07_degC\"");
+  const auto next = moved.find("  [[device.probe]]", probe + 5);
+  const std::string t07 = moved.substr(probe, next - probe);
+  moved.erase(probe, next - probe);
+  const auto end = moved.find("place = \"beam splitter\"\n") + 24;
+  moved.insert(end, t07);
+  EXPECT_THAT(changes_to(moved), IsEmpty());
+}
+
+TEST(CellFileDifference, RecordsPortsRulesAndNamesOnly) {
+  auto after = text_with(kDifferenceCell, "10.0.0.2:1394", "10.0.0.2:1395");
+  after = text_with(after, "127.0.0.1:50051", "127.0.0.1:50052");
+  after = text_with(after, "max_spread_nm = 5", "max_spread_nm = 6");
+  after = text_with(after, "name = \"bench\"", "name = \"bench 2\"");
+  const auto found = changes_to(after);
+  EXPECT_THAT(sentences_of(found),
+              UnorderedElementsAre("device scanner: port 1394 -> 1395",
+                                   "cell: listen 127.0.0.1:50051 -> 127.0.0.1:50052",
+                                   "run: max_spread_nm 5 -> 6", "cell: name bench -> bench 2"));
+  EXPECT_FALSE(any_asks(found));
+  EXPECT_THAT(found.front().affects, IsEmpty());
+}
+
+TEST(CellFileDifference, TwoThermometersExchangedAsk) {
+  auto after = text_with(text_with(kDifferenceCell, "input = 107", "input = 0"), "input = 108",
+                         "input = 107");
+  after = text_with(after, "input = 0", "input = 108");
+  const auto found = changes_to(after);
+  EXPECT_THAT(sentences_of(found), ElementsAre("! probe t07_degC: input 107 -> 108",
+                                               "! probe t08_degC: input 108 -> 107"));
+  EXPECT_THAT(found[0].affects, ElementsAre("t07"));
+  EXPECT_EQ(read_changes_json(write_changes_json(found)), found);
+}
+
+TEST(CellFileDifference, TwoInstrumentsExchangedByTheirAddressesAsk) {
+  auto after = text_with(text_with(kDifferenceCell, ":5001", ":9"), ":5002", ":5001");
+  after = text_with(after, "10.0.0.3:9", "10.0.0.3:5002");
+  EXPECT_THAT(sentences_of(changes_to(after)), ElementsAre("! device laser-x: port 5001 -> 5002",
+                                                           "! device laser-y: port 5002 -> 5001"));
+  // Both moved to ports that nobody had: the same instruments on other ports.
+  EXPECT_FALSE(any_asks(
+      changes_to(text_with(text_with(kDifferenceCell, ":5001", ":6001"), ":5002", ":6002"))));
+}
+
+struct DifferenceCase {
+  const char* name;
+  std::string from, to, sentence;
+  std::vector<std::string> affects;
+};
+class ConfigurationAsks : public testing::TestWithParam<DifferenceCase> {};
+TEST_P(ConfigurationAsks, ChangeAsksAndNamesWhatItAffects) {
+  const auto& row = GetParam();
+  const auto found = changes_to(text_with(kDifferenceCell, row.from, row.to));
+  EXPECT_THAT(sentences_of(found), testing::Contains("! " + row.sentence));
+  for (const auto& change : found) {
+    if (sentence(change) != row.sentence) continue;
+    EXPECT_THAT(change.affects, testing::UnorderedElementsAreArray(row.affects));
+  }
+}
+INSTANTIATE_TEST_SUITE_P(
+    Table, ConfigurationAsks,
+    testing::Values(
+        DifferenceCase{"Part",
+                       "part = \"robot\"",
+                       "part = \"instrument\"",
+                       "probe t07_degC: part robot -> instrument",
+                       {"t07"}},
+        DifferenceCase{"Place",
+                       "beam splitter",
+                       "laser head",
+                       "probe t08_degC: place beam splitter -> laser head",
+                       {"t08"}},
+        DifferenceCase{
+            "Limit", "max_mm = 4.5", "max_mm = 4", "axis q1_mm: max_mm 4.5 -> 4", {"q1"}},
+        DifferenceCase{"Uncertainty",
+                       "u_length_nm = 4.6",
+                       "u_length_nm = 9",
+                       "device laser-x: u_length_nm 4.6 -> 9",
+                       {"x", "air", "pressure", "humidity"}},
+        DifferenceCase{"Instrument",
+                       "10.0.0.4:4000",
+                       "10.0.0.9:4000",
+                       "device tilts: address 10.0.0.4 -> 10.0.0.9",
+                       {"ry", "rz", "x", "y"}},
+        DifferenceCase{
+            "Beam", "12.5", "-12.5", "beam x_mm: offset_mm [0, 12.5, 0] -> [0, -12.5, 0]", {"x"}},
+        DifferenceCase{"Sign",
+                       "device_axis = 2",
+                       "device_axis = 2\n  sign = -1",
+                       "angle rz_arcsec: sign 1 -> -1",
+                       {"rz", "x", "y"}},
+        DifferenceCase{"Geometry",
+                       "pose = \"x_mm\"",
+                       "pose = \"x_mm\"\nscale_ppm = 12",
+                       "kinematics axis q1_mm: scale_ppm 0 -> 12",
+                       {"q1", "x", "y"}},
+        DifferenceCase{"Load",
+                       "[run]",
+                       "[load]\nmax_n = 4\n[run]",
+                       "load: new: gravity_m_s2 9.80665, max_n 4",
+                       {"force"}},
+        DifferenceCase{"Option",
+                       "u_length_nm = 4.6",
+                       "u_length_nm = 4.6\noptions = {unit = \"nm\"}",
+                       "device laser-x: options.unit not given -> nm",
+                       {"x", "air", "pressure", "humidity"}}),
+    [](const auto& row) { return std::string(row.param.name); });
+
+TEST(CellFileDifference, AProbeThatIsGoneAsks) {
+  const auto probe = kDifferenceCell.find("  [[device.probe]]\n  channel = \"t07_degC\"");
+  auto after = kDifferenceCell;
+  after.erase(probe, kDifferenceCell.find("  [[device.probe]]", probe + 5) - probe);
+  const auto found = changes_to(after);
+  ASSERT_FALSE(found.empty());
+  EXPECT_TRUE(found[0].asks);
+  EXPECT_THAT(sentence(found[0]), HasSubstr("probe t07_degC: gone: "));
+  EXPECT_THAT(found[0].affects, ElementsAre("t07"));
+}
+
+TEST(CellFileDifference, ATextThatCannotBeReadAsksForEverything) {
+  const auto found = changes_to(kDifferenceCell, "[cell]\nname = \"old\"\nno_longer_known = 1\n");
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_TRUE(found[0].asks);
+  EXPECT_THAT(found[0].affects, testing::IsSupersetOf({"q1", "t07", "x", "ry"}));
+}
+
+}  // namespace
+}  // namespace driftwise::formats
