@@ -1,5 +1,6 @@
 #include "server/calibration/rank.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -17,7 +18,11 @@ std::string short_number(double value) {
   return text.data();
 }
 
-bool is_temperature(const std::string& name) { return is_structure_temperature({name, "degC"}); }
+// A design knows names, not units: tNN is a thermometer's by habit.
+bool is_temperature(const std::string& name) {
+  return name.size() >= 2 && name.front() == 't' &&
+         std::ranges::all_of(name.substr(1), [](char c) { return c >= '0' && c <= '9'; });
+}
 
 }  // namespace
 

@@ -72,8 +72,9 @@ bool is_pose_symbol(std::string_view symbol) {
 }
 
 bool is_structure_temperature(const Channel& channel) {
-  return channel.unit == "degC" && channel.symbol.size() >= 2 && channel.symbol.front() == 't' &&
-         all_digits(std::string_view(channel.symbol).substr(1));
+  const std::string& symbol = channel.symbol;
+  return (channel.unit == "degC" || channel.unit == "K") && !symbol.starts_with("air") &&
+         !symbol.ends_with("_set") && !symbol.ends_with("_cmd") && !symbol.ends_with("_std");
 }
 
 }  // namespace driftwise

@@ -1,7 +1,11 @@
 // What is wrong on the way of a length measurement: interpolation, lever arm, direction, air.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
+#include <map>
+#include <set>
 
 #include "server/core/reading.h"
 #include "server/core/units.h"
@@ -15,31 +19,107 @@ namespace {
 using effects::AppliesTo;
 using effects::Term;
 
-constexpr int kMostPeriods = 4000;
-constexpr std::size_t kFewestPlaces = 8;
+constexpr std::size_t kFewestPlaces = 8, kMostPlaces = 4000;  // the search's blocks
+// Interpolation errors repeat with the signal's period over small integers: half and quarter
+// wavelengths of a helium-neon laser, pitches of scales and leads of screws.
+constexpr std::array<double, 17> kPeriods_nm = {632.8, 512, 1e3, 2e3, 4e3, 8e3, 10e3, 20e3, 40e3,
+                                                50e3,  1e5, 2e5, 5e5, 1e6, 2e6, 5e6,  10e6};
+constexpr std::array<int, 4> kParts = {1, 2, 4, 8};
+constexpr double kTolerance = 2e-4;    // of a period: wavelength in air, expansion, alignment
+constexpr double kPhysicalMass = 0.7;  // of the prior over periods; the rest is any period's
+constexpr int kMostOfOne = 20;         // cells to either side of a known period
 
-// Uniform in 1/period, step 1/(2 range), from two periods over the range to half as many as there
-// are different places: a finer wave aliases into a coarser one.
-void add_cyclic(CatalogueBuilder& builder, const std::string& symbol, Cause cause) {
-  std::vector<double> visited;
+struct Waves {
+  std::vector<double> periods_nm, weights;  // longest first
+  double shortest_free_nm = 0, shortest_nm = 0;
+};
+
+// Any period, uniform in 1/period with step 1/(2 range), from two periods over the range to half
+// as many as there are different places, for more of them look alike there; and around each known
+// period that the places resolve.
+Waves waves_of(double range_nm, std::size_t places) {
+  std::map<double, double> by_frequency;  // weight
+  std::vector<double> free;
+  for (std::size_t k = 4; k <= std::min(places, kMostPlaces); ++k)
+    free.push_back(static_cast<double>(k) / (2 * range_nm));
+  std::set<double> known;
+  for (const double period : kPeriods_nm)
+    for (const int part : kParts)
+      if (period / part < range_nm / 2) known.insert(part / period);
+  for (const double frequency : known) {
+    const double step = 1 / (2 * range_nm);
+    const int beside =
+        std::min(kMostOfOne, static_cast<int>(std::ceil(kTolerance * frequency / step)));
+    const double apart = beside > 0 ? kTolerance * frequency / beside : 0;
+    for (int i = -beside; i <= beside; ++i)
+      by_frequency[frequency + i * apart] +=
+          kPhysicalMass / (2 * beside + 1) / static_cast<double>(known.size());
+  }
+  const double rest = known.empty() ? 1 : 1 - kPhysicalMass;
+  for (const double frequency : free)
+    by_frequency[frequency] += rest / static_cast<double>(free.size());
+  Waves waves;
+  for (const auto& [frequency, weight] : by_frequency) {
+    waves.periods_nm.push_back(1 / frequency);
+    waves.weights.push_back(weight);
+  }
+  if (!free.empty()) waves.shortest_free_nm = 1 / free.back();
+  if (!by_frequency.empty()) waves.shortest_nm = 1 / by_frequency.rbegin()->first;
+  return waves;
+}
+
+// Visits of one commanded position of all motors together are one place; without motors, of the
+// coordinate itself.
+std::size_t places_of(const CatalogueBuilder& builder, const std::string& symbol) {
   const Dataset& data = builder.data();
-  const auto values = data.values_of(symbol);
-  for (std::size_t row = 0; row < data.rows; ++row)
-    if (data.set_of(row) == PointSet::calibration) visited.push_back(values[row]);
-  const std::size_t places = place_count(visited);
+  std::vector<std::vector<double>> coordinates;
+  if (!is_motor_symbol(symbol))
+    for (const auto& q : builder.motors()) {
+      const auto values = data.values_of(q);
+      coordinates.push_back(by_places({values.begin(), values.end()}));
+    }
+  if (coordinates.empty()) {
+    const auto values = data.values_of(symbol);
+    coordinates.push_back(by_places({values.begin(), values.end()}));
+  }
+  std::set<std::vector<double>> places;
+  for (std::size_t row = 0; row < data.rows; ++row) {
+    if (data.set_of(row) != PointSet::calibration) continue;
+    std::vector<double> place;
+    for (const auto& one : coordinates) place.push_back(one[row]);
+    if (std::ranges::all_of(place, [](double v) { return std::isfinite(v); })) places.insert(place);
+  }
+  return places.size();
+}
+
+std::string short_length(double nm) {
+  std::array<char, 32> text{};
+  if (nm >= 1e5)
+    std::snprintf(text.data(), text.size(), "%.3g mm", nm / 1e6);
+  else
+    std::snprintf(text.data(), text.size(), nm >= 1e3 ? "%.3g um" : "%.3g nm",
+                  nm >= 1e3 ? nm / 1e3 : nm);
+  return text.data();
+}
+
+void add_cyclic(CatalogueBuilder& builder, const std::string& symbol, Cause cause,
+                std::vector<std::string>& reach) {
+  const std::size_t places = places_of(builder, symbol);
   if (places < kFewestPlaces) {
-    builder.missing("cyclic_error", symbol + " is visited at fewer than " +
-                                        std::to_string(kFewestPlaces) + " places");
+    reach.push_back(symbol + " is visited at fewer than " + std::to_string(kFewestPlaces) +
+                    " places");
     return;
   }
-  const double range_nm = nm_from_mm(builder.range(symbol));
-  std::vector<double> periods;
-  for (int k = 4; k <= static_cast<int>(places) && k <= kMostPeriods; ++k)
-    periods.push_back(2 * range_nm / k);
-  builder.add_values(cause, periods, [&](double period) {
+  const Waves waves = waves_of(nm_from_mm(builder.range(symbol)), places);
+  builder.add_values(cause, waves.periods_nm, [&](double period) {
     return std::vector<Term>{call_term("sin", {symbol}, {{period, "nm"}}),
                              call_term("cos", {symbol}, {{period, "nm"}})};
   });
+  for (std::size_t c = 0; c < cause.cells.size(); ++c) cause.cells[c].weight = waves.weights[c];
+  reach.push_back("periods of " + symbol + " below " + short_length(waves.shortest_free_nm) +
+                  " other than those of scales and lasers (down to " +
+                  short_length(waves.shortest_nm) + "): " + std::to_string(places) +
+                  " places determine no more");
   builder.take_cause(std::move(cause));
 }
 
@@ -82,11 +162,12 @@ void each_and_all(CatalogueBuilder& builder, Cause cause, const std::vector<Term
 }  // namespace
 
 void add_beams(CatalogueBuilder& builder) {
+  std::vector<std::string> reach;
   for (const auto& axis : builder.axes()) {
     Cause wave = of_instrument("cyclic_error", axis, LinearParameter::none);
     wave.parameter = "period_nm";
     wave.scale = ParameterScale::inverse;
-    add_cyclic(builder, axis, std::move(wave));
+    add_cyclic(builder, axis, std::move(wave), reach);
   }
   if (builder.motors().size() > 1)  // of one motor it is the same wave as of its axis
     for (const auto& q : builder.motors())
@@ -97,7 +178,13 @@ void add_beams(CatalogueBuilder& builder) {
                   .applies_to = AppliesTo::robot,
                   .parameter = "period_nm",
                   .scale = ParameterScale::inverse,
-                  .outputs = {q}});
+                  .outputs = {q}},
+                 reach);
+  if (!reach.empty()) {
+    std::string all;
+    for (const auto& one : reach) all += (all.empty() ? "" : "; ") + one;
+    builder.missing("cyclic_error", all);
+  }
   bool any_tilt = false;
   // The same tilts stand behind several axes where all outputs are asked: one cause, its axis is
   // told from the outputs afterwards.
@@ -116,7 +203,7 @@ void add_beams(CatalogueBuilder& builder) {
   for (const auto& axis : builder.axes()) add_turned(builder, axis);
   if (!any_tilt)
     for (const char* id : {"abbe_offset", "cosine_error"})
-      builder.missing(id, "no tilt channel rx, ry, rz in arcsec that varies");
+      builder.missing(id, "no tilt channel rx, ry, rz that varies");
 
   Cause air{.id = "refractive_index",
             .subject = builder.axes().size() == 1 ? builder.axes().front() : "",

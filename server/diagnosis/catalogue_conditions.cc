@@ -41,7 +41,7 @@ void add_axis_products(CatalogueBuilder& builder, Cause cause, const Term& varia
 void add_temperatures(CatalogueBuilder& builder) {
   if (builder.temperatures().empty()) {
     for (const char* id : {"thermal_offset", "thermal_lag", "thermal_rate", "thermal_expansion"})
-      builder.missing(id, "no structure temperature tNN_degC varies");
+      builder.missing(id, "no structure temperature (a channel in degC or K) varies");
     return;
   }
   for (const auto& t : builder.temperatures()) {

@@ -27,7 +27,7 @@ Cause of_motor(const std::string& id, const std::string& q, const std::string& p
 void add_motion(CatalogueBuilder& builder) {
   if (builder.motors().empty()) {
     for (const char* id : {"backlash", "creep", "self_heating"})
-      builder.missing(id, "no motor coordinate in mm varies");
+      builder.missing(id, "no motor coordinate (q1, q2, ... in a length) varies");
     return;
   }
   const bool dwells = builder.timed() && builder.varies("dwell");

@@ -17,6 +17,16 @@ std::vector<effects::Term> with_parameter(const std::vector<effects::Term>& term
   return changed;
 }
 
+bool is_response(const Channel& channel, const std::vector<std::string>& outputs) {
+  const std::string& symbol = channel.symbol;
+  const bool coordinate = is_motor_symbol(symbol) || is_pose_symbol(symbol);
+  for (const auto& output : outputs)
+    if ((symbol == output && !(coordinate && is_length(channel.unit))) ||
+        symbol.starts_with(output + "_"))
+      return true;
+  return !coordinate && (is_length(channel.unit) || is_angle(channel.unit));
+}
+
 Catalogue catalogue_for(const Dataset& dataset, const std::vector<effects::Term>& base,
                         const std::vector<std::string>& excluded) {
   CatalogueBuilder builder(dataset, base, excluded);

@@ -34,6 +34,7 @@ enum class LinearParameter : std::uint8_t {
 struct Cell {
   double parameter = 0;  // kMissing where the cause has none
   std::vector<effects::Term> terms;
+  double weight = 1;  // prior of the parameter's value, up to a factor that the cause's cells share
 };
 
 struct Cause {
@@ -59,6 +60,11 @@ struct Catalogue {
 // no cause may read. A cause whose channels or variation the data lack is listed with the reason.
 Catalogue catalogue_for(const Dataset& dataset, const std::vector<effects::Term>& base,
                         const std::vector<std::string>& excluded);
+
+// Is the channel an answer of the machine rather than a condition of it: an output, anything named
+// after one ("d1_std"), a length or an angle that is no coordinate? Nothing that is computed from an
+// output can explain it.
+bool is_response(const Channel& channel, const std::vector<std::string>& outputs);
 
 // The terms of a cell with another value of its parameter.
 std::vector<effects::Term> with_parameter(const std::vector<effects::Term>& terms, double value);

@@ -1,81 +1,45 @@
 #include "server/diagnosis/chance.h"
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
-#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 
 namespace driftwise::diagnosis {
 namespace {
 
-constexpr double kScaleSd = 0.1, kHighestScale = 1.8;
-constexpr double kPriceP = 1e-4;
-
-// ln of 1 - (1 - g)^n for small g: the largest of n.
-double ln_any_of(double ln_g, double ln_n) {
-  const double ln_expected = ln_g + ln_n;
-  if (ln_expected < -20) return ln_expected;
-  const double g = std::exp(std::min(ln_g, 0.0));
-  if (g >= 1) return 0;
-  return std::log(-std::expm1(std::exp(ln_n) * std::log1p(-g)));
-}
-
-// ln n of the largest-of-n law that fits these ln g best: n = -S / sum ln(1 - g).
-double fitted_ln_n(const std::vector<double>& ln_g, double most) {
-  double sum = 0;
-  for (const double one : ln_g) {
-    const double g = std::exp(one);
-    sum -= g < 1 - 1e-12 ? std::log1p(-g) : 27.6;
-  }
-  return std::log(std::clamp(static_cast<double>(ln_g.size()) / std::max(sum, 1e-12), 1.0,
-                             std::max(most, 1.0)));
-}
+constexpr double kStretchSd = 0.1, kMostStretch = 1.8;
 
 }  // namespace
 
-double ln_chi2_upper(double x, double dof) {
-  if (!(x > 0)) return 0;
-  const double a = dof / 2, y = x / 2;
-  if (y < 500) return std::log(boost::math::gamma_q(a, y));
-  return -y + (a - 1) * std::log(y) - std::lgamma(a) + std::log1p((a - 1) / y);
-}
-
-double price_of(int dof) {
-  return boost::math::quantile(boost::math::complement(
-      boost::math::chi_squared_distribution<double>(std::max(dof, 1)), kPriceP));
-}
-
-NullTail::NullTail(const std::vector<double>& null_gains, int dof, std::size_t cells)
-    : dof_(std::max(dof, 1)) {
+EvidenceTail::EvidenceTail(std::vector<double> null_maxima) {
+  if (null_maxima.empty()) return;
+  std::ranges::sort(null_maxima);
+  // The lower half says nothing of the tail, and there the law is another one: its values count as
+  // "at most the median".
+  const std::size_t n = null_maxima.size(), censored = n / 2;
+  const double median = null_maxima[censored];
   double highest = -INFINITY;
-  for (double scale = 1; scale <= kHighestScale; scale += 0.05) {
-    std::vector<double> ln_g;
-    for (const double gain : null_gains) ln_g.push_back(ln_chi2_upper(gain / scale, dof_));
-    const double ln_n = fitted_ln_n(ln_g, static_cast<double>(cells)), n = std::exp(ln_n);
-    // density of the largest of n: n (1 - g)^(n - 1) f(gain), f the chi-squared density
-    double likelihood = -std::pow((scale - 1) / kScaleSd, 2) / 2;
-    for (std::size_t i = 0; i < ln_g.size(); ++i) {
-      const double x = std::max(null_gains[i] / scale, 1e-6);
-      const double g = std::min(std::exp(ln_g[i]), 1 - 1e-12);
-      likelihood += ln_n + (n - 1) * std::log1p(-g) + (dof_ / 2.0 - 1) * std::log(x) - x / 2 -
-                    std::log(scale);
+  for (double stretch = 1; stretch <= kMostStretch; stretch += 0.05) {
+    const double scale = 2 * stretch;
+    // m above the median u: e^(location / scale) = m / (k e^(-u / scale) + sum e^(-x / scale))
+    double sum = static_cast<double>(censored);
+    for (std::size_t i = censored; i < n; ++i) sum += std::exp(-(null_maxima[i] - median) / scale);
+    const double m = static_cast<double>(n - censored);
+    const double location = median + scale * std::log(m / sum);
+    double likelihood = -std::pow((stretch - 1) / kStretchSd, 2) / 2 -
+                        static_cast<double>(censored) * std::exp(-(median - location) / scale);
+    for (std::size_t i = censored; i < n; ++i) {
+      const double z = (null_maxima[i] - location) / scale;
+      likelihood += -z - std::exp(-z) - std::log(scale);
     }
     if (likelihood <= highest) continue;
     highest = likelihood;
+    location_ = location;
     scale_ = scale;
-    ln_cells_ = ln_n;
   }
 }
 
-double NullTail::ln_p(double gain) const {
-  return ln_any_of(ln_chi2_upper(gain / scale_, dof_), ln_cells_);
-}
-
-SearchTail::SearchTail(const std::vector<double>& null_smallest_ln_p, std::size_t causes)
-    : ln_causes_(fitted_ln_n(null_smallest_ln_p, static_cast<double>(causes))) {}
-
-double SearchTail::adjusted_p(double smallest_ln_p) const {
-  return std::exp(ln_any_of(smallest_ln_p, ln_causes_));
+double EvidenceTail::p(double evidence) const {
+  return -std::expm1(-std::exp(-(evidence - location_) / scale_));
 }
 
 }  // namespace driftwise::diagnosis

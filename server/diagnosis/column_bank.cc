@@ -65,7 +65,7 @@ std::vector<char> acts_on(const Problem& problem, const Cause& cause) {
   return on;
 }
 
-Result<Bank> column_bank(const Problem& problem, std::vector<Cause>& causes,
+Result<Bank> column_bank(const Problem& problem, const Physics& physics, std::vector<Cause>& causes,
                          const std::function<bool()>& tick) {
   Bank bank;
   std::erase_if(causes, [&](const Cause& cause) {
@@ -104,9 +104,23 @@ Result<Bank> column_bank(const Problem& problem, std::vector<Cause>& causes,
       }
       cause.cells = std::move(kept);
     }
-    bank.entries.push_back({first, bank.cells.size() - first, acts_on(problem, cause)});
+    bank.entries.push_back({first, bank.cells.size() - first});
+    double sum = 0;
+    for (const auto& cell : cause.cells) sum += cell.weight;
+    for (const auto& cell : cause.cells) bank.ln_weight.push_back(std::log(cell.weight / sum));
   }
   bank.columns.conservativeResize(Eigen::NoChange, width);
+  bank.prior.resize(width, static_cast<Eigen::Index>(problem.outputs.size()));
+  for (std::size_t e = 0; e < causes.size(); ++e)
+    for (std::size_t c = 0; c < bank.entries[e].count; ++c) {
+      const auto& at = bank.cells[bank.entries[e].first + c];
+      const auto& cell = causes[e].cells[c];
+      bank.prior.middleRows(at.first, at.count) =
+          physics
+              .prior(causes[e], cell.terms, cell.parameter,
+                     bank.columns.middleCols(at.first, at.count))
+              .typical;
+    }
   return bank;
 }
 

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "server/diagnosis/cancelled.h"
+#include "server/diagnosis/catalogue_units.h"
 #include "server/diagnosis/cause.h"
 #include "server/diagnosis/column_bank.h"
 #include "server/diagnosis/diagnosis.h"
@@ -11,6 +12,7 @@
 #include "server/diagnosis/held_out_gate.h"
 #include "server/diagnosis/held_out_mean.h"
 #include "server/diagnosis/left_over.h"
+#include "server/diagnosis/omnibus.h"
 #include "server/diagnosis/report.h"
 #include "server/diagnosis/screen.h"
 #include "server/diagnosis/sentence.h"
@@ -20,7 +22,9 @@ namespace driftwise::diagnosis {
 namespace {
 
 constexpr std::size_t kMostBlocks = 4000;
-constexpr double kWorthTelling = 0.2;  // adjusted p of what is not named
+constexpr double kWorthTelling = 0.2;   // adjusted p of what is not named
+constexpr double kOmnibusLevel = 0.01;  // of "something is left" where nothing is
+constexpr double kShareLeft = 0.35;     // of what a finding is named for
 
 // How far it is: each look for one more cause takes a part of what is left of the way.
 class Progress {
@@ -62,16 +66,23 @@ class Diagnoser {
           " of the baseline is left out: the rows that it learns from do not "
           "tell it apart from the terms before it");
     leave_out_outliers();
-    auto catalogue = catalogue_for(problem_.data(), problem_.base, options_.exclude_symbols);
+    auto excluded = options_.exclude_symbols;
+    const auto outputs = problem_.output_symbols();
+    for (const auto& column : problem_.data().columns)
+      if (is_response(column.channel, outputs)) excluded.push_back(column.channel.symbol);
+    Dataset conditions = problem_.prepared.conditions();
+    conditions.time_s = problem_.data().time_s;  // untimed data count their rows in there
+    auto catalogue = catalogue_for(conditions, problem_.base, excluded);
     result_.not_testable = std::move(catalogue.not_testable);
     causes_ = std::move(catalogue.causes);
     if (!progress_.at(0.04, "working out what each cause would do")) return cancelled();
-    auto bank = column_bank(problem_, causes_, [this] { return progress_.tick(); });
+    const Physics physics(problem_, options_.levers);
+    auto bank = column_bank(problem_, physics, causes_, [this] { return progress_.tick(); });
     if (!bank) return tl::unexpected(bank.error());
     series_.resize(problem_.timeline.rows(), static_cast<Eigen::Index>(problem_.outputs.size()));
     for (std::size_t o = 0; o < problem_.outputs.size(); ++o)
       series_.col(static_cast<Eigen::Index>(o)) = problem_.learned(problem_.outputs[o].measured);
-    if (auto ok = search(std::move(*bank)); !ok) return tl::unexpected(ok.error());
+    if (auto ok = search(physics, std::move(*bank)); !ok) return tl::unexpected(ok.error());
     if (!progress_.at(1, "done")) return cancelled();
     return std::move(result_);
   }
@@ -113,34 +124,55 @@ class Diagnoser {
     result_.findings.push_back(std::move(finding));
   }
 
-  Result<void> search(Bank bank) {
+  Result<void> search(const Physics& physics, Bank bank) {
     Search search(problem_.timeline, series_, std::move(bank), search_options(options_.seed));
-    Extension extension(problem_, causes_, series_, search, options_.levers,
+    Extension extension(problem_, causes_, series_, search, physics,
                         [this] { return progress_.tick(); });
     bool noise_looked_at = false;
+    // What harms is forbidden and the search starts again without it: at most once per cause.
+    for (std::size_t round = 0; round <= causes_.size(); ++round) {
+      if (auto ok = grow(search, extension, noise_looked_at, round > 0); !ok) return ok;
+      if (!progress_.further(0.3, "comparing what was found with all others")) return cancelled();
+      auto said = extension.settle();
+      if (!said) return tl::unexpected(said.error());
+      result_.warnings.insert(result_.warnings.end(), said->begin(), said->end());
+      const auto harmful = withdraw_what_harms(problem_, causes_, extension);
+      for (const auto& one : harmful) {
+        result_.warnings.push_back(one.sentence);
+        extension.forbid(one.cause);
+      }
+      if (harmful.empty()) break;
+    }
+    std::vector<std::string> refused = extension.refused();
+    std::ranges::sort(refused);
+    refused.erase(std::ranges::unique(refused).begin(), refused.end());
+    result_.warnings.insert(result_.warnings.end(), refused.begin(), refused.end());
+    if (auto ok = look_at_remainder(physics, extension); !ok) return ok;
+    conclude(extension);
+    return {};
+  }
+
+  // again: after a withdrawal, against the nulls that were simulated before it.
+  Result<void> grow(Search& search, Extension& extension, bool& noise_looked_at, bool again) {
     while (static_cast<int>(extension.named().size()) < options_.max_findings) {
       if (!progress_.further(0.3,
                              "looking for cause " + std::to_string(extension.named().size() + 1)))
         return cancelled();
-      const auto look = search.look(extension.learned(), extension.allowed());
+      const auto look = again ? search.compare(extension.learned(), extension.allowed())
+                              : search.look(extension.learned(), extension.allowed());
       if (!look) return cancelled();
       result_.nulls = std::max(result_.nulls, look->nulls);
       if (look->first && look->p_adjusted <= options_.alpha) {
-        if (auto ok = extension.add(*look); !ok) return ok;
+        const auto added = extension.add(*look);
+        if (!added) return tl::unexpected(added.error());
+        again = !*added;  // the base is the same one
         continue;
       }
       if (look->first) nearest_ = {name_of(causes_[*look->first]), look->p_adjusted};
       if (noise_looked_at || !note_noise_changes(extension, look->shapes)) break;
       noise_looked_at = true;  // and look once more, with every row's own spread
+      again = false;
     }
-    if (!progress_.further(0.3, "comparing what was found with all others")) return cancelled();
-    auto said = extension.settle();
-    if (!said) return tl::unexpected(said.error());
-    const auto harmful = withdraw_what_harms(problem_, causes_, extension);
-    said->insert(said->end(), harmful.begin(), harmful.end());
-    result_.warnings.insert(result_.warnings.end(), said->begin(), said->end());
-    if (auto ok = look_at_remainder(extension); !ok) return ok;
-    conclude(extension);
     return {};
   }
 
@@ -168,10 +200,11 @@ class Diagnoser {
     return true;
   }
 
-  Result<void> look_at_remainder(Extension& extension) {
+  Result<void> look_at_remainder(const Physics& physics, Extension& extension) {
     if (!progress_.further(0.4, "looking at what is left")) return cancelled();
-    Remainder remainder(problem_, kMostBlocks, options_.exclude_symbols,
+    Remainder remainder(problem_, kMostBlocks, physics, options_.exclude_symbols,
                         search_options(options_.seed + 1));
+    Omnibus omnibus(remainder.whole(), remainder.series(), options_.exclude_symbols);
     while (true) {
       const auto left = remainder.look(extension);
       if (!left) return tl::unexpected(left.error());
@@ -185,16 +218,58 @@ class Diagnoser {
         for (std::size_t k = series.size(); k-- > 0;) extension.withdraw(series[k]);
         continue;
       }
-      if (!*left || (*left)->p_adjusted > options_.alpha) return {};
-      result_.left_over = {**left};
-      const auto only_nearest = remainder.nearest_name(extension);
+      const auto test = omnibus.test(remainder.base(extension), omnibus_options());
+      if (!test) return cancelled();
+      result_.left_over.clear();
+      if (*left && (*left)->p_adjusted <= options_.alpha) result_.left_over.push_back(**left);
+      const bool in_shape = !result_.left_over.empty();
+      if (test->p <= kOmnibusLevel) result_.left_over.push_back({test->where, test->p});
+      if (result_.left_over.empty()) {
+        tell_smallest(test->smallest);
+        return {};
+      }
+      auto only_nearest = in_shape ? remainder.nearest_name(extension) : std::nullopt;
+      if (!only_nearest && test->p <= kOmnibusLevel)
+        only_nearest = poor(remainder, omnibus, extension);
       if (!only_nearest) return {};
       result_.warnings.push_back(
           name_of(causes_[extension.named()[*only_nearest].cause]) +
-          " came nearest and was withdrawn: a good part of what it explains was left, and " +
-          (*left)->goes_with + " in a free shape explains both");
+          " came nearest and was withdrawn: a good part of what it explains was left (" +
+          result_.left_over.back().goes_with + ")");
       extension.withdraw(*only_nearest);
     }
+  }
+
+  // The finding that leaves the largest share of what it is named for.
+  static std::optional<std::size_t> poor(const Remainder& remainder, const Omnibus& omnibus,
+                                         const Extension& extension) {
+    std::optional<std::size_t> worst;
+    double most = kShareLeft;
+    for (std::size_t i = 0; i < extension.named().size(); ++i) {
+      const double share =
+          omnibus.share_left(remainder.base(extension), remainder.base(extension, i));
+      if (share <= most) continue;
+      most = share;
+      worst = i;
+    }
+    return worst;
+  }
+
+  // "adequate" says what it would have seen.
+  void tell_smallest(const std::vector<SmallestSeen>& smallest) {
+    std::string text;
+    for (const auto& one : smallest)
+      text += (text.empty() ? "" : "; ") + size_text(one.rms, one.unit) + " rms in " + one.output +
+              " of " + one.shape;
+    if (!text.empty())
+      result_.warnings.push_back(
+          "what is left passed the test that knows no cause; in 80 % of "
+          "cases it sees " +
+          text);
+  }
+
+  OmnibusOptions omnibus_options() {
+    return {kOmnibusLevel, options_.nulls, options_.seed + 2, [this] { return progress_.tick(); }};
   }
 
   void conclude(const Extension& extension) {
@@ -280,8 +355,11 @@ std::string_view to_string(Verdict verdict) {
 
 Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& options) {
   if (options.progress && !options.progress(0, "reading the rows")) return cancelled();
-  Dataset mended = dataset;
-  auto sensors = mend_sensors(mended);
+  Dataset mended = in_catalogue_units(dataset);
+  auto sensors = mend_sensors(mended, [&](const Dataset& data) {
+    const auto laid = lay_out(data, options.baseline, kMostBlocks);
+    return laid ? two_ln_likelihood(*laid) : -INFINITY;
+  });
   DiagnoseOptions asked = options;
   std::vector<std::string> dead;
   asked.baseline = without_dead_sensors(options.baseline, dataset, sensors, dead);
@@ -291,8 +369,15 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
   if (options.simulated.size() > 0)
     for (std::size_t o = 0; o < problem->outputs.size(); ++o)
       problem->outputs[o].measured -=
-          problem->outputs[o].factor * options.simulated.col(static_cast<Eigen::Index>(o));
-  return Diagnoser(dataset, std::move(*problem), asked).run(std::move(sensors));
+          summary_unit(dataset.find(problem->outputs[o].channel.symbol)->channel.unit).factor *
+          options.simulated.col(static_cast<Eigen::Index>(o));
+  auto found = Diagnoser(dataset, std::move(*problem), asked).run(std::move(sensors));
+  if (found)
+    for (auto& finding : found->findings)
+      for (auto& output : finding.outputs)
+        for (std::size_t k = 0; k < output.coefficients.size() && k < finding.terms.size(); ++k)
+          output.coefficients[k] *= coefficient_factor(dataset, finding.terms[k], output.output);
+  return found;
 }
 
 }  // namespace driftwise::diagnosis

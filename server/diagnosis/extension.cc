@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "server/diagnosis/cancelled.h"
 
@@ -38,40 +39,48 @@ std::vector<effects::Term> at_values(const std::vector<effects::Term>& terms,
 }  // namespace
 
 Extension::Extension(const Problem& problem, const std::vector<Cause>& causes,
-                     const Eigen::MatrixXd& series, Search& search,
-                     const std::optional<LeverLimits>& levers, std::function<bool()> tick)
+                     const Eigen::MatrixXd& series, Search& search, const Physics& physics,
+                     std::function<bool()> tick)
     : problem_(problem),
       causes_(causes),
       series_(series),
       search_(search),
       tick_(std::move(tick)),
-      plausible_(problem, levers),
-      ruled_out_(causes.size(), 0) {
+      physics_(physics),
+      told_from_geometry_(problem),
+      gate_(problem, series, search.bank()),
+      ruled_out_(causes.size(), 0),
+      forbidden_(causes.size(), 0) {
   const auto& time_s = problem.data().time_s;
   for (std::size_t i = 1; i < time_s.size(); ++i)
     if (time_s[i] > time_s[i - 1]) instants_.push_back((time_s[i] + time_s[i - 1]) / 2);
 }
 
-Eigen::MatrixXd Extension::learned(std::optional<std::size_t> without) const {
-  Eigen::MatrixXd columns = problem_.learned(problem_.base_columns);
-  for (std::size_t i = 0; i < named_.size(); ++i)
-    if (i != without) columns = beside(columns, named_[i].learned);
-  return columns;
+SoftBase Extension::learned(std::optional<std::size_t> without) const {
+  SoftBase base = all(without);
+  base.columns = problem_.learned(base.columns);
+  return base;
 }
 
-Eigen::MatrixXd Extension::all(std::optional<std::size_t> without) const {
-  Eigen::MatrixXd columns = problem_.base_columns;
-  for (std::size_t i = 0; i < named_.size(); ++i)
-    if (i != without) columns = beside(columns, named_[i].all);
-  return columns;
+SoftBase Extension::all(std::optional<std::size_t> without) const {
+  SoftBase base(problem_.base_columns, Eigen::VectorXd::Zero(problem_.base_columns.cols()));
+  for (std::size_t i = 0; i < named_.size(); ++i) {
+    if (i == without) continue;
+    base.columns = beside(base.columns, named_[i].all);
+    Eigen::VectorXd precision(base.columns.cols());
+    precision << base.precision, physics_.shared_precision(named_[i].prior);
+    base.precision = std::move(precision);
+  }
+  return base;
 }
 
 std::vector<char> Extension::allowed() const {
   std::vector<char> allowed(causes_.size(), 1);
   for (std::size_t c = 0; c < causes_.size(); ++c)
-    if (ruled_out_[c] != 0) allowed[c] = 0;
+    if (ruled_out_[c] != 0 || forbidden_[c] != 0) allowed[c] = 0;
   for (const auto& one : named_)
-    allowed[one.cause] = has_values(causes_[one.cause]) && one.further.size() < kMostFurther;
+    allowed[one.cause] = forbidden_[one.cause] == 0 && has_values(causes_[one.cause]) &&
+                         one.further.size() < kMostFurther;
   return allowed;
 }
 
@@ -83,23 +92,42 @@ Ground Extension::ground(std::optional<std::size_t> without,
 GainOf Extension::gain_of(const Ground& ground, const Cause& cause,
                           std::vector<effects::Term> terms, std::vector<double> values,
                           std::size_t at) const {
-  return [this, &ground, on = acts_on(problem_, cause), terms = std::move(terms),
-          values = std::move(values), at](double value) mutable {
+  return [this, &ground, &cause, terms = std::move(terms), values = std::move(values),
+          at](double value) mutable {
     if (tick_ && !tick_()) return 0.0;  // whoever asked is to stop
     values[at] = value;
-    const auto columns = filled_columns(problem_, at_values(terms, values));
-    return columns ? ground.gain(problem_.learned(*columns), on).gain : 0.0;
+    const auto here = at_values(terms, values);
+    const auto columns = filled_columns(problem_, here);
+    if (!columns) return 0.0;
+    const Eigen::MatrixXd learned = problem_.learned(*columns);
+    return ground.gain(learned, physics_.prior(cause, here, value, learned).typical).gain;
   };
 }
 
 bool Extension::before(const Candidate& a, const Candidate& b) {
-  return a.nameable != b.nameable ? a.nameable : a.ln_p < b.ln_p;
+  return a.nameable != b.nameable ? a.nameable : a.evidence > b.evidence;
 }
 
-Extension::Candidate Extension::of_cell(std::size_t cause, std::size_t cell,
+bool Extension::within_range(const Candidate& candidate, const Eigen::MatrixXd& columns,
+                             const Ground& ground) const {
+  for (Eigen::Index o = 0; o < ground.outputs(); ++o) {
+    if ((candidate.prior.typical.col(o).array() <= 0).all()) continue;
+    const auto found = ground.amplitudes(columns, candidate.prior.typical,
+                                         candidate.gain.shape[static_cast<std::size_t>(o)], o);
+    for (Eigen::Index k = 0; k < found.mean.size(); ++k)
+      if (std::abs(found.mean[k]) - 2 * found.error[k] > candidate.prior.range(k, o)) return false;
+  }
+  return true;
+}
+
+Extension::Candidate Extension::of_cell(std::size_t cause, std::size_t cell, double occam,
                                         const Ground& ground) const {
   const Cause& what = causes_[cause];
-  Candidate result{cause, {what.cells[cell].parameter, 0}, 0, {}, what.cells[cell].terms};
+  Candidate result{.cause = cause,
+                   .refined = {what.cells[cell].parameter, 0},
+                   .gain = {},
+                   .terms = what.cells[cell].terms,
+                   .prior = {}};
   if (what.scale != ParameterScale::none) {
     result.refined = refine(what, result.refined.value, instants_,
                             gain_of(ground, what, result.terms, {result.refined.value}, 0));
@@ -109,24 +137,24 @@ Extension::Candidate Extension::of_cell(std::size_t cause, std::size_t cell,
   result.nameable = false;
   if (!columns) return result;
   const Eigen::MatrixXd learned = problem_.learned(*columns);
-  result.gain = ground.gain(learned, acts_on(problem_, what));
-  if (!plausible_.allows(what, result.terms, learned, result.gain.shape, ground)) result.gain = {};
-  result.nameable = result.gain.gain > 0 &&
-                    plausible_.told_from_geometry(what, learned, result.gain.shape, ground);
+  result.prior = physics_.prior(what, result.terms, result.refined.value, learned);
+  result.gain = ground.gain(learned, result.prior.typical);
   result.refined.gain = result.gain.gain;
-  result.ln_p = search_.ln_p(cause, result.gain.gain, result.gain.dof);
+  result.nameable = result.gain.gain > 0 && within_range(result, learned, ground) &&
+                    told_from_geometry_(what, learned, result.gain.shape, ground);
+  result.evidence = result.gain.gain + occam;
   return result;
 }
 
 // Where the best cell takes more than the cause can do, the best of those that do not.
-Extension::Candidate Extension::refined(std::size_t cause, std::size_t cell,
+Extension::Candidate Extension::refined(std::size_t cause, const Standing& standing,
                                         const Ground& ground) const {
-  Candidate best = of_cell(cause, cell, ground);
+  Candidate best = of_cell(cause, standing.cell, standing.occam(), ground);
   const Cause& what = causes_[cause];
   if (best.nameable || what.scale != ParameterScale::none) return best;
   for (std::size_t other = 0; other < what.cells.size(); ++other) {
-    if (other == cell) continue;
-    Candidate one = of_cell(cause, other, ground);
+    if (other == standing.cell) continue;
+    Candidate one = of_cell(cause, other, standing.occam(), ground);
     if (before(one, best)) best = std::move(one);
   }
   return best;
@@ -140,13 +168,15 @@ std::vector<Extension::Candidate> Extension::contenders(
   std::vector<std::size_t> near;
   for (std::size_t c = 0; c < look.causes.size(); ++c)
     if (look.causes[c].gain > 0 &&
-        (is_present(c) || look.causes[c].ln_p < look.causes[*look.first].ln_p + kWithinReach_ln_p))
+        (is_present(c) ||
+         look.causes[c].evidence > look.causes[*look.first].evidence - kWithinReach))
       near.push_back(c);
-  std::ranges::stable_sort(near, {}, [&](std::size_t c) { return look.causes[c].ln_p; });
+  std::ranges::stable_sort(near, std::ranges::greater{},
+                           [&](std::size_t c) { return look.causes[c].evidence; });
   std::vector<Candidate> result;
   for (std::size_t i = 0; i < near.size(); ++i) {
     if (i >= kMostContenders && !is_present(near[i])) continue;
-    result.push_back(refined(near[i], look.causes[near[i]].cell, ground));
+    result.push_back(refined(near[i], look.causes[near[i]], ground));
     if (tick_ && !tick_()) break;
   }
   std::ranges::stable_sort(result, before);
@@ -163,12 +193,18 @@ Result<Named> Extension::made(const Candidate& candidate, double p_adjusted) con
   one.all = std::move(*columns);
   one.learned = problem_.learned(one.all);
   one.p_adjusted = p_adjusted;
-  one.gain = candidate.gain.gain;
-  one.ln_p = candidate.ln_p;
+  one.prior = candidate.prior;
+  one.evidence = candidate.evidence;
+  one.likelihood = candidate.gain.likelihood;
   return one;
 }
 
-Result<void> Extension::add(const Look& look) {
+void Extension::forbid(std::size_t cause) {
+  forbidden_[cause] = 1;
+  if (const auto index = index_of(cause)) withdraw(*index);
+}
+
+Result<bool> Extension::add(const Look& look) {
   shapes_ = look.shapes;
   const Ground here = ground({}, shapes_);
   std::vector<std::size_t> present;
@@ -178,17 +214,41 @@ Result<void> Extension::add(const Look& look) {
   if (best.empty()) return cancelled();
   if (!best.front().nameable) {
     for (const auto& candidate : best) ruled_out_[candidate.cause] = 1;
-    return {};
+    return false;
   }
   for (const auto& candidate : best)
     if (const auto index = index_of(candidate.cause);
-        index && candidate.ln_p < best.front().ln_p + kWithinReach_ln_p)
-      return add_value(*index, candidate.refined.value);
+        index && candidate.evidence > best.front().evidence - kWithinReach) {
+      if (auto ok = add_value(*index, candidate.refined.value); !ok)
+        return tl::unexpected(ok.error());
+      return true;
+    }
+  std::vector<NoiseShape> noise;
+  std::vector<double> sd;
+  for (std::size_t o = 0; o < best.front().gain.shape.size(); ++o) {
+    noise.push_back(here.space(best.front().gain.shape[o]).shape());
+    sd.push_back(here.white_sd(static_cast<Eigen::Index>(o)));
+  }
+  const Cause& cause = causes_[best.front().cause];
+  const GateScore score = gate_.judge(learned(), noise, sd, cause, best.front().cause);
+  if (!score.passes()) {
+    ruled_out_[best.front().cause] = 1;
+    char figures[96];
+    std::snprintf(figures, sizeof figures, "2 ln of the predictive density %+.3g by %s",
+                  score.by_time.value_or(1) > 0 ? *score.by_places : *score.by_time,
+                  score.by_time.value_or(1) > 0 ? "groups of places" : "blocks of time");
+    refused_.push_back(name_of(cause) +
+                       " was not named: rows left out are predicted worse with it (" + figures +
+                       ")");
+    return false;
+  }
   auto one = made(best.front(), look.p_adjusted);
   if (!one) return tl::unexpected(one.error());
   named_.push_back(std::move(*one));
   std::ranges::fill(ruled_out_, char{0});  // beside it, others may be asked for less
-  return named_.size() > 1 ? reoptimise() : Result<void>{};
+  if (named_.size() > 1)
+    if (auto ok = reoptimise(); !ok) return tl::unexpected(ok.error());
+  return true;
 }
 
 Result<void> Extension::reoptimise() {
@@ -203,7 +263,6 @@ Result<void> Extension::reoptimise() {
         const auto again = refine(cause, values[k], instants_,
                                   gain_of(here, cause, cause.cells.front().terms, values, k));
         values[k] = again.value;
-        named_[i].gain = again.gain;
       }
       if (auto ok = set_values(named_[i], values); !ok) return ok;
     }
@@ -224,6 +283,7 @@ Result<void> Extension::set_values(Named& named, const std::vector<double>& valu
   named.further.assign(values.begin() + 1, values.end());
   named.all = std::move(*columns);
   named.learned = problem_.learned(named.all);
+  named.prior = physics_.prior(causes_[named.cause], named.terms, named.parameter, named.learned);
   return {};
 }
 
@@ -238,12 +298,16 @@ void Extension::withdraw(std::size_t index) {
   named_.erase(named_.begin() + static_cast<std::ptrdiff_t>(index));
 }
 
-Extension::Candidate Extension::as_it_stands(std::size_t index, const Ground& ground) const {
+Extension::Candidate Extension::as_it_stands(std::size_t index, double occam,
+                                             const Ground& ground) const {
   const Named& named = named_[index];
-  Candidate result{named.cause, {named.parameter, 0}, 0, {}, named.terms};
-  result.gain = ground.gain(named.learned, acts_on(problem_, causes_[named.cause]));
+  Candidate result{.cause = named.cause,
+                   .refined = {named.parameter, 0},
+                   .gain = ground.gain(named.learned, named.prior.typical),
+                   .terms = named.terms,
+                   .prior = named.prior};
   result.refined.gain = result.gain.gain;
-  result.ln_p = search_.ln_p(named.cause, result.gain.gain, result.gain.dof);
+  result.evidence = result.gain.gain + occam;
   return result;
 }
 

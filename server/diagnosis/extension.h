@@ -10,10 +10,12 @@
 #include "server/core/result.h"
 #include "server/diagnosis/cause.h"
 #include "server/diagnosis/column_bank.h"
+#include "server/diagnosis/entry_gate.h"
 #include "server/diagnosis/parameter.h"
-#include "server/diagnosis/plausible.h"
+#include "server/diagnosis/physics.h"
 #include "server/diagnosis/problem.h"
 #include "server/diagnosis/search.h"
+#include "server/diagnosis/told_from_geometry.h"
 
 namespace driftwise::diagnosis {
 
@@ -24,12 +26,14 @@ struct Named {
   std::vector<double> further;  // what one value leaves: glue that creeps with three time constants
   Eigen::MatrixXd all, learned;  // its columns: every row of the dataset; blocks
   double p_adjusted = 1;         // when it was found
-  double gain = 0, ln_p = 0;     // beyond the baseline and the others
+  AmplitudePrior prior;
+  double evidence = 0;  // beyond the baseline and the others: 2 ln of the marginal likelihoods' ratio
+  double likelihood = 0;  // growth of 2 ln L
   std::vector<std::size_t> rivals;
 };
 
-// Before refinement, of the best; and the reach of another value of a named cause.
-inline constexpr double kWithinReach_ln_p = 6;
+// Of the best's evidence, before refinement; and the reach of another value of a named cause.
+inline constexpr double kWithinReach = 12;
 
 // Of a time constant, a width or a period: a continuum of values, of which a cause may have
 // several.
@@ -41,13 +45,13 @@ class Extension {
  public:
   // All outlive it.
   Extension(const Problem& problem, const std::vector<Cause>& causes, const Eigen::MatrixXd& series,
-            Search& search, const std::optional<LeverLimits>& levers, std::function<bool()> tick);
+            Search& search, const Physics& physics, std::function<bool()> tick);
 
   const std::vector<Named>& named() const { return named_; }
   // Baseline and named columns: one row per block, one row per row of the dataset. without: leaves
-  // one of the named out.
-  Eigen::MatrixXd learned(std::optional<std::size_t> without = {}) const;
-  Eigen::MatrixXd all(std::optional<std::size_t> without = {}) const;
+  // one of the named out. Named columns have their cause's prior.
+  SoftBase learned(std::optional<std::size_t> without = {}) const;
+  SoftBase all(std::optional<std::size_t> without = {}) const;
   // Causes that are not named nor ruled out, and those named that may take a further value of their
   // parameter.
   std::vector<char> allowed() const;
@@ -55,8 +59,12 @@ class Extension {
   // Adds the best of a look, its parameter refined; of several that are close before they are
   // refined, the one that is best after. Where one that is named already comes as close with
   // another value of its parameter, that is no new cause: it takes the further value. Where nothing
-  // that is near is plausible, those causes are ruled out instead. Nothing: stopped.
-  Result<void> add(const Look& look);
+  // that is near is plausible, those causes are ruled out instead, and so is one that predicts rows
+  // worse that it was not fitted to (entry_gate.h). False: nothing was added. Error: stopped.
+  Result<bool> add(const Look& look);
+  // Rules a cause out for good, and takes it back where it is named.
+  void forbid(std::size_t cause);
+  const std::vector<std::string>& refused() const { return refused_; }  // by the gate: sentences
   // Every parameter again, given the others; then each finding against all other causes: another
   // that does clearly better takes its place, one that the others make superfluous goes, and what
   // comes close is its rival. Says what went.
@@ -73,12 +81,13 @@ class Extension {
   struct Candidate {
     std::size_t cause = 0;
     Refined refined;
-    double ln_p = 0;
+    double evidence = -1e300;  // averaged over the parameter
     Gain gain;
     std::vector<effects::Term> terms;
+    AmplitudePrior prior;
     bool nameable = true;  // false: geometry does as well, so that it can be a rival only
   };
-  Candidate refined(std::size_t cause, std::size_t cell, const Ground& ground) const;
+  Candidate refined(std::size_t cause, const Standing& standing, const Ground& ground) const;
   // terms: of one value; values: those of its parameter, the one at `at` to be tried.
   GainOf gain_of(const Ground& ground, const Cause& cause, std::vector<effects::Term> terms,
                  std::vector<double> values, std::size_t at) const;
@@ -91,13 +100,16 @@ class Extension {
   Result<void> add_value(std::size_t index, double value);
   Result<void> set_values(Named& named, const std::vector<double>& values) const;
   Result<void> reoptimise();
-  Candidate as_it_stands(std::size_t index, const Ground& ground) const;
+  Candidate as_it_stands(std::size_t index, double occam, const Ground& ground) const;
   std::optional<std::vector<Candidate>> stand_ins(std::size_t index);
   std::optional<std::size_t> value_of_another(std::size_t index,
                                               const std::vector<Candidate>& best) const;
   std::size_t preferred(const std::vector<Candidate>& best) const;
   static bool before(const Candidate& a, const Candidate& b);
-  Candidate of_cell(std::size_t cause, std::size_t cell, const Ground& ground) const;
+  Candidate of_cell(std::size_t cause, std::size_t cell, double occam, const Ground& ground) const;
+  // No amplitude is beyond the cause's range by more than twice its standard error.
+  bool within_range(const Candidate& candidate, const Eigen::MatrixXd& columns,
+                    const Ground& ground) const;
   void leave_misfits(std::vector<std::string>& said);
   void name_rivals(std::size_t index, const std::vector<Candidate>& best, std::size_t first);
 
@@ -108,8 +120,11 @@ class Extension {
   std::function<bool()> tick_;
   std::vector<double> instants_;
   std::vector<NoiseShape> shapes_;
-  Plausibility plausible_;
-  std::vector<char> ruled_out_;
+  const Physics& physics_;
+  ToldFromGeometry told_from_geometry_;
+  EntryGate gate_;
+  std::vector<char> ruled_out_, forbidden_;
+  std::vector<std::string> refused_;
   std::vector<Named> named_;
 };
 

@@ -10,11 +10,11 @@
 namespace driftwise::diagnosis {
 namespace {
 
-constexpr double kRival_ln_p = 3;           // 6 in 2 ln L
+constexpr double kRival = 6;                // in 2 ln L
 constexpr double kRivalCorrelation = 0.95;  // of fitted contributions, whitened
 constexpr double kFamilyCorrelation = 0.7;  // of a lag and a rate of one sensor in the baseline
-constexpr double kNoticed_ln_p = -7;        // nobody is a rival who would not be noticed alone
-constexpr double kSuperfluous_ln_p = -4;    // a finding that the others explain
+constexpr double kNoticed = 14;             // nobody is a rival who would not be noticed alone
+constexpr double kSuperfluous = 8;          // evidence of a finding that the others explain
 constexpr double kMisfit = 0.05;            // of the gain of the strongest
 
 double correlation(const Gain& a, const Gain& b) {
@@ -54,7 +54,7 @@ std::optional<std::vector<Extension::Candidate>> Extension::stand_ins(std::size_
   auto best = contenders(*look, here, present);
   if (!named_[index].further.empty())
     for (auto& one : best)
-      if (one.cause == own) one = as_it_stands(index, here);
+      if (one.cause == own) one = as_it_stands(index, look->causes[own].occam(), here);
   std::ranges::stable_sort(best, before);
   return best;
 }
@@ -65,7 +65,7 @@ Result<std::vector<std::string>> Extension::settle() {
     const auto best = stand_ins(i);
     if (!best || (tick_ && !tick_())) return cancelled();
     const std::string name = name_of(causes_[named_[i].cause]);
-    if (best->empty() || !best->front().nameable || best->front().ln_p > kSuperfluous_ln_p) {
+    if (best->empty() || !best->front().nameable || best->front().evidence < kSuperfluous) {
       if (!best->empty())
         said.push_back(name + " was named and is explained by what was found after it");
       withdraw(i);
@@ -94,8 +94,8 @@ Result<std::vector<std::string>> Extension::settle() {
       if (!one) return tl::unexpected(one.error());
       named_[i] = std::move(*one);
     } else {
-      named_[i].gain = chosen.gain.gain;
-      named_[i].ln_p = chosen.ln_p;
+      named_[i].evidence = chosen.evidence;
+      named_[i].likelihood = chosen.gain.likelihood;
     }
     name_rivals(i, *best, first);
     ++i;
@@ -109,13 +109,13 @@ void Extension::leave_misfits(std::vector<std::string>& said) {
   std::size_t strongest = named_.size();
   for (std::size_t i = 0; i < named_.size(); ++i)
     if (has_values(causes_[named_[i].cause]) &&
-        (strongest == named_.size() || named_[i].gain > named_[strongest].gain))
+        (strongest == named_.size() || named_[i].likelihood > named_[strongest].likelihood))
       strongest = i;
   if (strongest == named_.size()) return;
-  const double least = kMisfit * named_[strongest].gain;
+  const double least = kMisfit * named_[strongest].likelihood;
   const std::string name = name_of(causes_[named_[strongest].cause]);
   for (std::size_t i = named_.size(); i-- > 0;) {
-    if (named_[i].gain >= least) continue;
+    if (named_[i].likelihood >= least) continue;
     said.push_back(name_of(causes_[named_[i].cause]) + " is not named: it explains less than " +
                    name + " may leave, whose real shape no one value describes exactly");
     withdraw(i);
@@ -128,7 +128,7 @@ std::optional<std::size_t> Extension::value_of_another(std::size_t index,
                                                        const std::vector<Candidate>& best) const {
   for (std::size_t k = 0; k < best.size(); ++k)
     if (const auto at = index_of(best[k].cause);
-        at && *at != index && best[k].ln_p < best.front().ln_p + kWithinReach_ln_p)
+        at && *at != index && best[k].evidence > best.front().evidence - kWithinReach)
       return k;
   return std::nullopt;
 }
@@ -138,7 +138,8 @@ std::optional<std::size_t> Extension::value_of_another(std::size_t index,
 // the air comes before it.
 std::size_t Extension::preferred(const std::vector<Candidate>& best) const {
   const auto close = [&](const Candidate& one) {
-    return one.nameable && one.ln_p < best.front().ln_p + kRival_ln_p;
+    return one.nameable && one.gain.likelihood > best.front().gain.likelihood - kRival &&
+           one.evidence > best.front().evidence - kWithinReach;
   };
   for (const char* safer : {"refractive_index", "instrument_drift"})
     for (std::size_t k = 0; k < best.size(); ++k)
@@ -160,9 +161,15 @@ void Extension::name_rivals(std::size_t index, const std::vector<Candidate>& bes
   for (std::size_t k = 0; k < best.size(); ++k) {
     if (k == first || index_of(best[k].cause)) continue;
     const double alike = correlation(best[k].gain, best[first].gain);
-    const bool noticed = best[k].ln_p < kNoticed_ln_p;
+    const bool noticed = best[k].evidence > kNoticed;
     const bool family = one_family(causes_[best[k].cause], causes_[one.cause]);
-    if (best[k].ln_p < best.front().ln_p + kRival_ln_p || (noticed && alike > kRivalCorrelation) ||
+    // By the likelihood within three prior widths, less what the search over the parameter bought:
+    // an assumed width alone decides nothing.
+    const double searched =
+        best[first].evidence - best[first].gain.gain - (best[k].evidence - best[k].gain.gain);
+    const bool near = best[k].gain.likelihood - best[first].gain.likelihood > searched - kRival &&
+                      best[k].evidence > best[first].evidence - kWithinReach;
+    if (near || (noticed && alike > kRivalCorrelation) ||
         (family && (noticed || alike > kFamilyCorrelation)))
       one.rivals.push_back(best[k].cause);
   }

@@ -1,5 +1,6 @@
 #include "server/diagnosis/ground.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -7,6 +8,38 @@ namespace driftwise::diagnosis {
 namespace {
 
 constexpr double kAlreadyThere = 1e-4;  // of a column's whitened length
+constexpr double kWidths = 3;           // prior widths within which causes are compared
+constexpr double kLeast = 1e-12;        // of a sum of squares
+
+// Columns whose amplitudes b have the prior N(0, width^2), integrated out: G = 1 + W' W with
+// W = white x width. ln det of I + W W', and what the sum of squares loses.
+struct Integrated {
+  Integrated(const Eigen::MatrixXd& white, const Eigen::VectorXd& widths) : width(widths) {
+    const Eigen::MatrixXd scaled = white * width.asDiagonal();
+    Eigen::MatrixXd g = scaled.transpose() * scaled;
+    g.diagonal().array() += 1;
+    cholesky.compute(g);
+    for (Eigen::Index k = 0; k < g.cols(); ++k)
+      log_determinant += 2 * std::log(cholesky.matrixL()(k, k));
+  }
+  // along: white' left.
+  double taken(const Eigen::VectorXd& along) const {
+    return cholesky.matrixL().solve(width.cwiseProduct(along)).squaredNorm();
+  }
+  Eigen::VectorXd amplitudes(const Eigen::VectorXd& along) const {
+    return width.cwiseProduct(cholesky.solve(width.cwiseProduct(along)));
+  }
+  // Per unit of the noise.
+  Eigen::VectorXd errors() const {
+    const Eigen::MatrixXd inverse =
+        cholesky.solve(Eigen::MatrixXd::Identity(width.size(), width.size()));
+    return width.cwiseProduct(inverse.diagonal().cwiseSqrt());
+  }
+
+  Eigen::VectorXd width;
+  Eigen::LLT<Eigen::MatrixXd> cholesky;
+  double log_determinant = 0;
+};
 
 }  // namespace
 
@@ -29,10 +62,10 @@ Eigen::MatrixXd beyond(const WhitenedSpace& space, const Eigen::MatrixXd& column
 }
 
 Ground::Ground(const Timeline& timeline, const std::vector<NoiseShape>& shapes,
-               const Eigen::MatrixXd& base, const Eigen::MatrixXd& series,
+               const SoftBase& base, const Eigen::MatrixXd& series,
                const std::function<bool()>& tick)
     : series_(series), criterion_(static_cast<Eigen::Index>(shapes.size()), series.cols()) {
-  const Eigen::MatrixXd independent = independent_columns(base);
+  const SoftBase independent = independent_base(base);
   spaces_.reserve(shapes.size());
   for (const auto& shape : shapes) {
     if (!spaces_.empty() && tick && !tick()) break;
@@ -69,14 +102,13 @@ Eigen::MatrixXd Ground::correlation() const {
   return result;
 }
 
-Gain Ground::gain(const Eigen::MatrixXd& columns, const std::vector<char>& on) const {
+Gain Ground::free_gain(const Eigen::MatrixXd& columns, const std::vector<char>& on) const {
   Gain result;
   const auto count = static_cast<std::size_t>(outputs());
   result.of_output.assign(count, 0);
   result.shape = best_;
   result.contribution.resize(count);
   Eigen::VectorXd lowest = Eigen::VectorXd::Constant(outputs(), INFINITY);
-  std::vector<int> used(count, 0);
   for (std::size_t s = 0; s < spaces_.size(); ++s) {
     const Eigen::MatrixXd basis = beyond(spaces_[s], columns);
     for (Eigen::Index o = 0; o < outputs(); ++o) {
@@ -90,7 +122,6 @@ Gain Ground::gain(const Eigen::MatrixXd& columns, const std::vector<char>& on) c
       lowest[o] = criterion;
       result.shape[at] = s;
       result.contribution[at] = basis * along;
-      used[at] = static_cast<int>(basis.cols());
     }
   }
   for (Eigen::Index o = 0; o < outputs(); ++o) {
@@ -98,8 +129,60 @@ Gain Ground::gain(const Eigen::MatrixXd& columns, const std::vector<char>& on) c
     if (on[at] == 0) continue;
     result.of_output[at] = criterion_(static_cast<Eigen::Index>(best_[at]), o) - lowest[o];
     result.gain += result.of_output[at];
-    result.dof += used[at];
   }
+  result.likelihood = result.gain;
+  return result;
+}
+
+Gain Ground::gain(const Eigen::MatrixXd& columns, const PriorSd& prior) const {
+  Gain result;
+  const auto count = static_cast<std::size_t>(outputs());
+  result.of_output.assign(count, 0);
+  result.shape = best_;
+  result.contribution.resize(count);
+  Eigen::VectorXd lowest = Eigen::VectorXd::Constant(outputs(), INFINITY);
+  Eigen::VectorXd lowest_free = lowest;
+  const Eigen::MatrixXd centred = columns.rowwise() - columns.colwise().mean();
+  for (std::size_t s = 0; s < spaces_.size(); ++s) {
+    const Eigen::MatrixXd white = spaces_[s].left_over(centred);
+    for (Eigen::Index o = 0; o < outputs(); ++o) {
+      if ((prior.col(o).array() <= 0).all()) continue;
+      const auto at = static_cast<std::size_t>(o);
+      const auto& left = left_[s].col(o);
+      const double rss = left.squaredNorm();
+      const Eigen::VectorXd along = white.transpose() * left;
+      const Eigen::VectorXd width = prior.col(o) / white_sd(o);
+      const Integrated with(white, width), wide(white, kWidths * width);
+      const double taken = with.taken(along);
+      const double criterion =
+          spaces_[s].criterion(std::max(rss - taken, kLeast * rss)) + with.log_determinant;
+      const double free = spaces_[s].criterion(std::max(rss - wide.taken(along), kLeast * rss));
+      lowest_free[o] = std::min(lowest_free[o], free);
+      if (!(criterion < lowest[o])) continue;
+      lowest[o] = criterion;
+      result.shape[at] = s;
+      result.contribution[at] = white * with.amplitudes(along);
+    }
+  }
+  for (Eigen::Index o = 0; o < outputs(); ++o) {
+    const auto at = static_cast<std::size_t>(o);
+    if (!std::isfinite(lowest[o])) continue;
+    const double without = criterion_(static_cast<Eigen::Index>(best_[at]), o);
+    result.of_output[at] = without - lowest[o];
+    result.gain += result.of_output[at];
+    result.likelihood += without - lowest_free[o];
+  }
+  return result;
+}
+
+Ground::Amplitudes Ground::amplitudes(const Eigen::MatrixXd& columns, const PriorSd& prior,
+                                      std::size_t shape, Eigen::Index output) const {
+  const double sd = white_sd(output);
+  const Eigen::MatrixXd white =
+      spaces_[shape].left_over(columns.rowwise() - columns.colwise().mean());
+  const Integrated with(white, prior.col(output) / sd);
+  Amplitudes result{with.amplitudes(white.transpose() * left_[shape].col(output)), {}};
+  result.error = sd * with.errors();
   return result;
 }
 

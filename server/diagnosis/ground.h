@@ -17,21 +17,24 @@ namespace driftwise::diagnosis {
 // there (less than 1e-4 of the length is left) or alike.
 Eigen::MatrixXd beyond(const WhitenedSpace& space, const Eigen::MatrixXd& columns);
 
+// Gaussian prior of an effect's amplitudes: columns x outputs, standard deviation in the output's
+// summary unit per unit of the column. 0: does not act there.
+using PriorSd = Eigen::MatrixXd;
+
 struct Gain {
-  double gain = 0;  // growth of 2 ln L, all outputs asked
-  int dof = 0;      // that it took
-  std::vector<double> of_output;
+  double gain = 0;        // 2 ln of the marginal likelihood's ratio, with the effect to without it
+  double likelihood = 0;  // growth of 2 ln L at the best amplitudes within three prior widths
+  std::vector<double> of_output;              // of gain
   std::vector<std::size_t> shape;             // of the noise with the effect, per output
   std::vector<Eigen::VectorXd> contribution;  // per output, whitened; empty: not asked
 };
 
 class Ground {
  public:
-  // base: rows x k, any columns; series: rows x outputs. tick: asked between shapes; where it says
+  // base: rows x k; series: rows x outputs. tick: asked between shapes; where it says
   // false the ground has fewer of them and its owner is to stop.
-  Ground(const Timeline& timeline, const std::vector<NoiseShape>& shapes,
-         const Eigen::MatrixXd& base, const Eigen::MatrixXd& series,
-         const std::function<bool()>& tick = {});
+  Ground(const Timeline& timeline, const std::vector<NoiseShape>& shapes, const SoftBase& base,
+         const Eigen::MatrixXd& series, const std::function<bool()>& tick = {});
 
   std::size_t shape_count() const { return spaces_.size(); }
   Eigen::Index outputs() const { return series_.cols(); }
@@ -47,8 +50,16 @@ class Ground {
   // Correlation between the outputs of what is left, whitened.
   Eigen::MatrixXd correlation() const;
 
-  // columns: rows x c, centred or not. on: one per output, does the effect act there?
-  Gain gain(const Eigen::MatrixXd& columns, const std::vector<char>& on) const;
+  // columns: rows x c, centred or not. Amplitudes are integrated out under their prior.
+  Gain gain(const Eigen::MatrixXd& columns, const PriorSd& prior) const;
+  // The same with free amplitudes: growth of 2 ln L alone, for shapes that no physics describes.
+  Gain free_gain(const Eigen::MatrixXd& columns, const std::vector<char>& on) const;
+  // Posterior mean and standard error of the amplitudes on one output.
+  struct Amplitudes {
+    Eigen::VectorXd mean, error;
+  };
+  Amplitudes amplitudes(const Eigen::MatrixXd& columns, const PriorSd& prior, std::size_t shape,
+                        Eigen::Index output) const;
 
  private:
   Eigen::MatrixXd series_;

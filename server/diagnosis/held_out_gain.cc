@@ -12,25 +12,33 @@ namespace {
 
 constexpr std::size_t kJudgeBlocks = 20;
 
-Eigen::VectorXd fitted_elsewhere(const Eigen::MatrixXd& columns, const Eigen::VectorXd& measured,
+Eigen::VectorXd fitted_elsewhere(const SoftBase& base, const Eigen::VectorXd& measured,
                                  const std::vector<std::size_t>& learn) {
-  const Eigen::MatrixXd x = rows_of(columns, learn);
+  const Eigen::MatrixXd& columns = base.columns;
+  const Eigen::Index soft = columns.cols() - base.free_count();
+  const auto rows = static_cast<Eigen::Index>(learn.size());
+  Eigen::MatrixXd x = Eigen::MatrixXd::Zero(rows + soft, columns.cols());
+  x.topRows(rows) = rows_of(columns, learn);
+  for (Eigen::Index k = 0; k < soft; ++k)  // a prior is one row more: 0 +- s
+    x(rows + k, columns.cols() - soft + k) = std::sqrt(base.precision[columns.cols() - soft + k]);
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(rows + soft);
+  y.head(rows) = rows_of(measured, learn);
   const Eigen::VectorXd scale = x.colwise().norm().cwiseMax(1e-300);
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(x * scale.cwiseInverse().asDiagonal());
   qr.setThreshold(1e-9);
-  const Eigen::VectorXd b = qr.solve(rows_of(measured, learn)).cwiseQuotient(scale);
+  const Eigen::VectorXd b = qr.solve(y).cwiseQuotient(scale);
   return measured - columns * b;
 }
 
 }  // namespace
 
 Eigen::VectorXd residuals(const Problem& problem, const ProblemOutput& output,
-                          const Eigen::MatrixXd& columns) {
-  return fitted_elsewhere(columns, output.measured, problem.learn);
+                          const SoftBase& base) {
+  return fitted_elsewhere(base, output.measured, problem.learn);
 }
 
-HeldOut held_out(const Problem& problem, const ProblemOutput& output, const Eigen::MatrixXd& before,
-                 const Eigen::MatrixXd& after) {
+HeldOut held_out(const Problem& problem, const ProblemOutput& output, const SoftBase& before,
+                 const SoftBase& after) {
   const Eigen::VectorXd judged_before = rows_of(residuals(problem, output, before), problem.judge);
   const Eigen::VectorXd judged = rows_of(residuals(problem, output, after), problem.judge);
   HeldOut result{figures_of(judged_before), figures_of(judged), {}, {}};

@@ -7,6 +7,7 @@
 #include "server/core/accuracy.h"
 #include "server/diagnosis/finding.h"
 #include "server/diagnosis/problem.h"
+#include "server/diagnosis/soft_base.h"
 
 namespace driftwise::diagnosis {
 
@@ -15,13 +16,14 @@ struct HeldOut {
   Interval u90_after_ci90, a90_after_ci90;  // over blocks of them
 };
 
-// Fitted on the learning rows by least squares, judged on the judging rows. before, after: every
+// Fitted on the learning rows by least squares (with the prior of the amplitudes that have one),
+// judged on the judging rows. before, after: every
 // row of the dataset, the columns of the two simulations.
-HeldOut held_out(const Problem& problem, const ProblemOutput& output, const Eigen::MatrixXd& before,
-                 const Eigen::MatrixXd& after);
+HeldOut held_out(const Problem& problem, const ProblemOutput& output, const SoftBase& before,
+                 const SoftBase& after);
 
 // Residuals of every row of the dataset, from a fit to the learning rows; NaN where columns are.
 Eigen::VectorXd residuals(const Problem& problem, const ProblemOutput& output,
-                          const Eigen::MatrixXd& columns);
+                          const SoftBase& base);
 
 }  // namespace driftwise::diagnosis

@@ -1,39 +1,73 @@
 #include "server/diagnosis/held_out_gate.h"
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "server/core/quantity_text.h"
+#include "server/core/units.h"
 #include "server/diagnosis/held_out_gain.h"
 
 namespace driftwise::diagnosis {
 namespace {
 
-constexpr std::size_t kFewestJudges = 20;
+constexpr std::size_t kFewestJudges = 20, kBlocks = 20;
+constexpr double kWorse = 1.02, kOneSided90 = 1.645;
+
+struct Compared {
+  double before = 0, after = 0;  // root mean squares of the judging rows
+  double ratio_low = 0;          // lower end of the ratio's 90 % interval
+};
+
+double ratio_of(const Eigen::VectorXd& before, const Eigen::VectorXd& after) {
+  return 0.5 * std::log(after.squaredNorm() / std::max(before.squaredNorm(), 1e-300));
+}
+
+// Jackknife over contiguous blocks of the ratio itself: what both share cancels.
+Compared compared(const Problem& problem, const ProblemOutput& output, const SoftBase& without,
+                  const SoftBase& with) {
+  const Eigen::VectorXd before = rows_of(residuals(problem, output, without), problem.judge);
+  const Eigen::VectorXd after = rows_of(residuals(problem, output, with), problem.judge);
+  const auto n = static_cast<std::size_t>(before.size());
+  Compared result{std::sqrt(before.squaredNorm() / static_cast<double>(n)),
+                  std::sqrt(after.squaredNorm() / static_cast<double>(n)), 0};
+  const std::size_t blocks = std::min(kBlocks, n / 4);
+  std::vector<double> left_out;
+  for (std::size_t k = 0; k < blocks; ++k) {
+    std::vector<std::size_t> kept;
+    for (std::size_t i = 0; i < n; ++i)
+      if (i * blocks / n != k) kept.push_back(i);
+    left_out.push_back(ratio_of(rows_of(before, kept), rows_of(after, kept)));
+  }
+  double mean = 0, squares = 0;
+  const auto count = static_cast<double>(blocks);
+  for (const double one : left_out) mean += one / count;
+  for (const double one : left_out) squares += (one - mean) * (one - mean);
+  const double error = std::sqrt(squares * (count - 1) / count);
+  result.ratio_low = std::exp(ratio_of(before, after) - kOneSided90 * error);
+  return result;
+}
 
 struct Harm {
   std::size_t index = 0;  // of the named
-  double ratio = 1;       // lower end of A90 with it, to A90 without it
+  double ratio = 1;
   std::string sentence;
 };
 
+// index: the finding that is to go if the comparison is bad.
 std::optional<Harm> harm_of(const Problem& problem, const std::vector<Cause>& causes,
-                            const Extension& extension, std::size_t index) {
-  const Cause& cause = causes[extension.named()[index].cause];
-  if (cause.scale == ParameterScale::instant) return std::nullopt;
-  const auto on = acts_on(problem, cause);
-  const Eigen::MatrixXd without = extension.all(index), with = extension.all();
+                            const Extension& extension, std::size_t index, const SoftBase& without,
+                            const SoftBase& with) {
   std::optional<Harm> worst;
-  for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
-    if (on[o] == 0) continue;
-    const auto& output = problem.outputs[o];
-    const HeldOut held = held_out(problem, output, without, with);
-    const double ratio = held.a90_after_ci90.low / held.before.a90;
-    if (!(ratio > 1) || (worst && ratio <= worst->ratio)) continue;
+  for (const auto& output : problem.outputs) {
+    const Compared one = compared(problem, output, without, with);
+    const double ratio = one.after / std::max(one.before, 1e-300);
+    if (!(ratio > kWorse) || !(one.ratio_low > 1) || (worst && ratio <= worst->ratio)) continue;
     const std::string figures = "A90 of " + output.channel.symbol + " " +
-                                digits_text(held.before.a90) + " -> " +
-                                digits_text(held.after.a90) + " " + output.unit;
+                                digits_text(kSigmaToU90 * one.before) + " -> " +
+                                digits_text(kSigmaToU90 * one.after) + " " + output.unit;
     worst = {index, ratio,
-             name_of(cause) +
+             name_of(causes[extension.named()[index].cause]) +
                  " was withdrawn: with it the rows that took no part in finding it "
                  "are described worse (" +
                  figures + ")"};
@@ -43,21 +77,28 @@ std::optional<Harm> harm_of(const Problem& problem, const std::vector<Cause>& ca
 
 }  // namespace
 
-std::vector<std::string> withdraw_what_harms(const Problem& problem,
-                                             const std::vector<Cause>& causes,
-                                             Extension& extension) {
-  std::vector<std::string> said;
-  while (problem.judge.size() >= kFewestJudges) {
+std::vector<Harmful> withdraw_what_harms(const Problem& problem, const std::vector<Cause>& causes,
+                                         Extension& extension) {
+  std::vector<Harmful> harmful;
+  while (problem.judge.size() >= kFewestJudges && !extension.named().empty()) {
+    const SoftBase with = extension.all();
     std::optional<Harm> worst;
+    const auto take = [&](std::optional<Harm> harm) {
+      if (harm && (!worst || harm->ratio > worst->ratio)) worst = std::move(harm);
+    };
     for (std::size_t i = 0; i < extension.named().size(); ++i)
-      if (auto harm = harm_of(problem, causes, extension, i);
-          harm && (!worst || harm->ratio > worst->ratio))
-        worst = std::move(harm);
+      take(harm_of(problem, causes, extension, i, extension.all(i), with));
+    if (!worst)  // no one of them, but all together: the weakest goes
+      take(harm_of(problem, causes, extension,
+                   static_cast<std::size_t>(
+                       std::ranges::min_element(extension.named(), {}, &Named::evidence) -
+                       extension.named().begin()),
+                   SoftBase(problem.base_columns), with));
     if (!worst) break;
-    said.push_back(std::move(worst->sentence));
+    harmful.push_back({extension.named()[worst->index].cause, std::move(worst->sentence)});
     extension.withdraw(worst->index);
   }
-  return said;
+  return harmful;
 }
 
 }  // namespace driftwise::diagnosis

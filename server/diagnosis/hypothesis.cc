@@ -194,7 +194,9 @@ Result<std::vector<Hypothesis>> open_hypotheses(const Dataset& dataset,
   OpenSet open(dataset, *problem, fit);
   const Finding& asked = diagnosis.findings[finding];
   const std::string own = asked.cause + (asked.subject.empty() ? "" : " " + asked.subject);
-  const auto catalogue = catalogue_for(problem->data(), problem->base, {});
+  Dataset conditions = problem->prepared.conditions();
+  conditions.time_s = problem->data().time_s;
+  const auto catalogue = catalogue_for(conditions, problem->base, {});
   for (const auto& cause : catalogue.causes) {
     const bool itself = name_of(cause) == own;
     if (!itself && std::ranges::find(asked.indistinguishable_from, name_of(cause)) ==

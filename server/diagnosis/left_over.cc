@@ -56,17 +56,30 @@ Eigen::MatrixXd beside_each_other(const Eigen::MatrixXd& a, const Eigen::MatrixX
 
 }  // namespace
 
-Remainder::Remainder(const Problem& problem, std::size_t longest,
+Remainder::Remainder(const Problem& problem, std::size_t longest, const Physics& physics,
                      const std::vector<std::string>& excluded, SearchOptions options)
     : whole_(with_all_rows(problem, longest)),
       series_(series_of(whole_)),
-      shapes_(free_shapes(whole_, excluded)),
+      shapes_(free_shapes(whole_, physics, excluded)),
       search_(whole_.timeline, series_, shapes_.bank, std::move(options)) {}
+
+SoftBase Remainder::whole_base(SoftBase base) const {
+  base.columns = whole_.learned(base.columns);
+  return base;
+}
+
+double Remainder::left_of(const Extension& extension) const {
+  const auto& cell = shapes_.bank.cells[shapes_.bank.entries[*last_->first].first];
+  const Ground ground(whole_.timeline, last_->shapes, whole_base(extension.all()), series_);
+  return ground
+      .free_gain(shapes_.bank.columns.middleCols(cell.first, cell.count),
+                 std::vector<char>(whole_.outputs.size(), 1))
+      .gain;
+}
 
 Result<std::optional<LeftOver>> Remainder::look(const Extension& extension) {
   if (shapes_.variables.empty()) return std::optional<LeftOver>{};
-  last_ =
-      search_.look(whole_.learned(extension.all()), std::vector<char>(shapes_.variables.size(), 1));
+  last_ = search_.look(whole_base(extension.all()), std::vector<char>(shapes_.variables.size(), 1));
   if (!last_) return fail(ErrorCode::cancelled, "CANCELLED", "the diagnosis was cancelled");
   if (!last_->first) return std::optional<LeftOver>{};
   return std::optional<LeftOver>{{shapes_.variables[*last_->first], last_->p_adjusted}};
@@ -76,15 +89,15 @@ std::optional<std::size_t> Remainder::nearest_name(const Extension& extension) c
   if (!last_ || !last_->first) return std::nullopt;
   const auto& cell = shapes_.bank.cells[shapes_.bank.entries[*last_->first].first];
   const Eigen::MatrixXd shape = shapes_.bank.columns.middleCols(cell.first, cell.count);
-  const double left = last_->causes[*last_->first].gain;
+  const double left = left_of(extension);
   const std::vector<char> on(whole_.outputs.size(), 1);
   for (std::size_t i = 0; i < extension.named().size(); ++i) {
-    const Ground without(whole_.timeline, last_->shapes, whole_.learned(extension.all(i)), series_);
+    const Ground without(whole_.timeline, last_->shapes, whole_base(extension.all(i)), series_);
     const Eigen::MatrixXd own = whole_.learned(extension.named()[i].all);
     const Eigen::MatrixXd both = beside_each_other(shape, own);
-    const double by_shape = without.gain(shape, on).gain;
-    const double by_both = without.gain(both, on).gain;
-    const double by_finding = without.gain(own, on).gain;
+    const double by_shape = without.free_gain(shape, on).gain;
+    const double by_both = without.free_gain(both, on).gain;
+    const double by_finding = without.free_gain(own, on).gain;
     if (by_both - by_shape < kSuperfluous && left > kShareLeft * by_finding) return i;
   }
   return std::nullopt;
@@ -117,8 +130,8 @@ std::vector<std::size_t> Remainder::spelled_out(const Extension& extension) cons
     const auto& cell = shapes_.bank.cells[shapes_.bank.entries[v].first];
     const Ground without(whole_.timeline, last_->shapes, whole_.learned(rest), series_);
     const double by_shape =
-        without.gain(shapes_.bank.columns.middleCols(cell.first, cell.count), on).gain;
-    if (without.gain(whole_.learned(own), on).gain - by_shape < kSuperfluous) return group;
+        without.free_gain(shapes_.bank.columns.middleCols(cell.first, cell.count), on).gain;
+    if (without.free_gain(whole_.learned(own), on).gain - by_shape < kSuperfluous) return group;
   }
   return {};
 }

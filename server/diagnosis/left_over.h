@@ -17,8 +17,8 @@ namespace driftwise::diagnosis {
 class Remainder {
  public:
   // longest: blocks that it works with at most.
-  Remainder(const Problem& problem, std::size_t longest, const std::vector<std::string>& excluded,
-            SearchOptions options);
+  Remainder(const Problem& problem, std::size_t longest, const Physics& physics,
+            const std::vector<std::string>& excluded, SearchOptions options);
 
   // The free shape that what is left goes with beyond chance; none where nothing is. cancelled.
   Result<std::optional<LeftOver>> look(const Extension& extension);
@@ -33,7 +33,17 @@ class Remainder {
   // Two values or more, and the shape does as well. Ascending; after a look.
   std::vector<std::size_t> spelled_out(const Extension& extension) const;
 
+  const Problem& whole() const { return whole_; }
+  const Eigen::MatrixXd& series() const { return series_; }
+  SoftBase base(const Extension& extension, std::optional<std::size_t> without = {}) const {
+    return whole_base(extension.all(without));
+  }
+
  private:
+  SoftBase whole_base(SoftBase base) const;
+  // 2 ln L that the last look's shape takes of what is left.
+  double left_of(const Extension& extension) const;
+
   Problem whole_;  // every row learns
   Eigen::MatrixXd series_;
   FreeShapes shapes_;

@@ -53,6 +53,12 @@ void Prepared::set_path(const std::string& symbol, const std::vector<double>& va
       if (column.channel.symbol == symbol) column.values = places;
 }
 
+void Prepared::set_coordinate(const std::string& symbol, const std::vector<double>& values) {
+  for (Dataset* data : {&clocked_, &on_path_, &at_places_})
+    for (auto& column : data->columns)
+      if (column.channel.symbol == symbol) column.values = values;
+}
+
 Result<Eigen::MatrixXd> Prepared::columns(const std::vector<effects::Term>& terms) const {
   const auto from = [&](const effects::Term& term) {
     if (is_wave_in_length(term)) return &at_places_;

@@ -2,8 +2,8 @@
 // The dataset as a search sees it: temperatures smoothed, and positions by the places they belong
 // to, from which periodic columns are taken. Positions sit on a lattice, so a wave over the
 // *measured* one, through zero at every place, reads the measurement's own noise back out
-// (NUMERICS.md section 3). Which of the two coordinates has the noise, motor or pose, cannot be
-// known: both are taken at their places. Play and creep read their motor's own path back in the
+// (NUMERICS.md section 3). Motor coordinates are taken at their places, pose coordinates as the
+// motors predict them (problem.cc). Play and creep read their motor's own path back in the
 // same way, which matters where moves are short: they run on the path that the simulation predicts.
 
 #include <Eigen/Core>
@@ -23,6 +23,12 @@ class Prepared {
 
   // The path of a motor coordinate as the simulation predicts it, one value per row.
   void set_path(const std::string& symbol, const std::vector<double>& values);
+  // A pose coordinate as the motors predict it (predicted_pose.h): every column from here on reads
+  // it instead of the measured one.
+  void set_coordinate(const std::string& symbol, const std::vector<double>& values);
+
+  // What causes read: conditions smoothed, coordinates predicted.
+  const Dataset& conditions() const { return clocked_; }
 
   const Dataset& data() const { return data_; }
   // Every row's value of every term. Untimed data count their rows: whoever asks knows which terms

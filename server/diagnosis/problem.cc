@@ -6,7 +6,9 @@
 
 #include "server/calibration/predict.h"
 #include "server/calibration/undetermined.h"
+#include "server/diagnosis/catalogue_units.h"
 #include "server/diagnosis/held_out_gain.h"
+#include "server/diagnosis/predicted_pose.h"
 #include "server/diagnosis/rows_needed.h"
 #include "server/effects/term_order.h"
 
@@ -121,9 +123,26 @@ Result<void> check_variation(const Problem& problem) {
   return {};
 }
 
-// Where the baseline knows the geometry: a motor's path without the noise of its reading.
-void predict_paths(Problem& problem) {
+// Of the two readings of a position, motor and pose, one has the noise. Where the pose repeats
+// itself exactly and the motors do not, it is the motors': their path is what the baseline predicts
+// from the pose. Everywhere else the pose is what the motors predict.
+void predict_coordinates(Problem& problem) {
   constexpr double kKnown = 0.02;  // of the path's spread left
+  const Dataset& data = problem.data();
+  bool motors_repeat = true, pose_repeats = false;
+  for (const auto& column : data.columns) {
+    if (is_motor_symbol(column.channel.symbol))
+      motors_repeat = motors_repeat && repeats_exactly(column.values);
+    if (is_pose_symbol(column.channel.symbol) && column.channel.unit == "mm")
+      pose_repeats = pose_repeats || repeats_exactly(column.values);
+  }
+  if (motors_repeat || !pose_repeats) {
+    for (const auto& column : data.columns)
+      if (is_pose_symbol(column.channel.symbol) && column.channel.unit == "mm")
+        if (const auto predicted = predicted_coordinate(data, column.channel.symbol))
+          problem.prepared.set_coordinate(column.channel.symbol, *predicted);
+    return;
+  }
   for (const auto& output : problem.outputs) {
     if (!is_motor_symbol(output.channel.symbol)) continue;
     const Eigen::VectorXd left = residuals(problem, output, problem.base_columns);
@@ -194,8 +213,9 @@ void Problem::lay_blocks(std::size_t longest) {
     timeline.time_s[static_cast<Eigen::Index>(b)] = times[b] / counts[b];
 }
 
-Result<Problem> lay_out(const Dataset& dataset, const calibration::Candidates& baseline,
+Result<Problem> lay_out(const Dataset& given, const calibration::Candidates& baseline,
                         std::size_t longest) {
+  const Dataset dataset = in_catalogue_units(given);
   if (auto ok = check_time(dataset); !ok) return tl::unexpected(ok.error());
   if (baseline.outputs.empty())
     return fail(ErrorCode::invalid_argument, "NO_OUTPUT", "the baseline names no output");
@@ -217,7 +237,7 @@ Result<Problem> lay_out(const Dataset& dataset, const calibration::Candidates& b
   if (auto ok = divide_rows(dataset, problem); !ok) return tl::unexpected(ok.error());
   if (auto ok = check_variation(problem); !ok) return tl::unexpected(ok.error());
   leave_out_undetermined(problem, always);
-  predict_paths(problem);
+  predict_coordinates(problem);
   problem.lay_blocks(longest);
   return problem;
 }

@@ -50,7 +50,8 @@ struct Problem {
 Eigen::MatrixXd rows_of(const Eigen::MatrixXd& columns, const std::vector<std::size_t>& rows);
 
 // Rows marked validation judge; where there are none, every fifth of ten blocks of time does.
-// longest: blocks that the search works with at most.
+// longest: blocks that the search works with at most. The problem is in the catalogue's units
+// (catalogue_units.h), whatever the dataset is in.
 // Errors: invalid_argument UNKNOWN_CHANNEL, NO_OUTPUT, TOO_FEW_ROWS, TIME_RUNS_BACK, UNTIMED,
 // NOTHING_VARIES.
 Result<Problem> lay_out(const Dataset& dataset, const calibration::Candidates& baseline,

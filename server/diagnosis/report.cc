@@ -50,7 +50,7 @@ std::string axis_of(const Problem& problem, const Finding& finding) {
     if (at == problem.base.size()) continue;
     double across = 0, own = 0, theirs = 0;
     for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
-      const WeightedFit fit(problem, problem.learned(problem.base_columns), {}, o);
+      const WeightedFit fit(problem, problem.learned(problem.base_columns), Eigen::MatrixXd(), o);
       const double slope = fit.coefficient(static_cast<Eigen::Index>(at));
       const double size = finding.outputs[o].coefficients.empty()
                               ? 0
@@ -75,7 +75,7 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
                   .applies_to = cause.applies_to,
                   .terms = named.terms,
                   .p_adjusted = named.p_adjusted,
-                  .log_likelihood_ratio = named.gain / 2};
+                  .log_likelihood_ratio = named.likelihood / 2};
   if (!cause.parameter.empty() && cause.linear != LinearParameter::width_nm) {
     FoundParameter parameter{cause.parameter, named.parameter, {}, {}};
     if (auto curve = extension.profile_of(index)) {
@@ -91,9 +91,9 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
     finding.indistinguishable_from.push_back(name_of(causes[rival]));
   const Ground ground = extension.ground(index, extension.shapes());
   const auto on = acts_on(problem, cause);
-  const Gain gain = ground.gain(named.learned, on);
-  const Eigen::MatrixXd before = extension.all(index), after = extension.all();
-  const Eigen::MatrixXd base = extension.learned(index);
+  const Gain gain = ground.gain(named.learned, named.prior.typical);
+  const SoftBase before = extension.all(index), after = extension.all();
+  const SoftBase base = extension.learned(index);
   const auto shown = static_cast<std::size_t>(
       std::ranges::count_if(gain.of_output, [](double one) { return one > kShown2lnl; }));
   for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
@@ -102,7 +102,11 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
     FindingOutput one{.output = output.channel.symbol, .unit = output.unit};
     one.gain_2lnl = gain.of_output[o];
     one.shown = one.gain_2lnl > kShown2lnl || shown == 0;
-    const WeightedFit fit(problem, base, named.learned, o, ground.space(gain.shape[o]).shape());
+    const WeightedFit fit(
+        problem, base, named.learned, o, ground.space(gain.shape[o]).shape(),
+        named.prior.typical.col(static_cast<Eigen::Index>(o)).unaryExpr([&](double sd) {
+          return sd > 0 ? std::pow(ground.white_sd(static_cast<Eigen::Index>(o)) / sd, 2) : 0;
+        }));
     Eigen::VectorXd added = Eigen::VectorXd::Zero(named.learned.rows());
     for (Eigen::Index k = 0; k < named.learned.cols(); ++k) {
       const double coefficient = fit.added_coefficient(k), error = fit.added_error(k);
@@ -133,7 +137,8 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
         one.correction_u90 = reach->u90;
       }
     // beyond what the rest of the simulation could do of it
-    const Eigen::VectorXd beyond_rest = added - base * base.colPivHouseholderQr().solve(added);
+    const Eigen::VectorXd beyond_rest =
+        added - base.columns * base.columns.colPivHouseholderQr().solve(added);
     one.amplitude = std::sqrt(beyond_rest.squaredNorm() / static_cast<double>(added.size()));
     if (problem.judge.size() >= 4) {
       const auto held = held_out(problem, output, before, after);
@@ -212,7 +217,7 @@ std::vector<Finding> findings_of(const Problem& problem, const std::vector<Cause
 std::vector<OutputSummary> outputs_of(const Problem& problem, const Dataset& dataset,
                                       const Extension& extension) {
   std::vector<OutputSummary> outputs;
-  const Eigen::MatrixXd now = extension.all();
+  const SoftBase now = extension.all();
   const Ground ground(problem.timeline, noise_grid(problem.timeline), extension.learned(), [&] {
     Eigen::MatrixXd series(problem.timeline.rows(),
                            static_cast<Eigen::Index>(problem.outputs.size()));

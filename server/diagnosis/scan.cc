@@ -1,16 +1,14 @@
 #include "server/diagnosis/scan.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-
-#include "server/diagnosis/chance.h"
 
 namespace driftwise::diagnosis {
 namespace {
 
 constexpr Eigen::Index kSlice = 96;  // columns at a time: they stay in the cache
 constexpr std::size_t kSlicesPerTick = 2;
-constexpr double kThere = 1e-4;  // as in ground.cc
 
 struct Slice {
   std::size_t entry = 0, first_cell = 0, cells = 0;  // cells of one cause, within the bank
@@ -42,38 +40,58 @@ std::vector<Slice> slices_of(const Bank& bank, const std::vector<char>& allowed)
   return slices;
 }
 
-// Cell by cell orthonormal; columns that are already there become 0.
-void orthonormalise(const Bank& bank, const Slice& slice, const Eigen::RowVectorXd& lengths,
-                    Eigen::MatrixXd& left) {
-  Eigen::Index j = 0;
-  for (std::size_t c = 0; c < slice.cells; ++c) {
-    const Eigen::Index first = j;
-    for (; j < first + bank.cells[slice.first_cell + c].count; ++j) {
-      for (int pass = 0; pass < 2; ++pass)
-        for (Eigen::Index k = first; k < j; ++k)
-          left.col(j) -= left.col(k).dot(left.col(j)) * left.col(k);
-      const double length = left.col(j).norm();
-      if (length > kThere * lengths[j] && std::isfinite(length))
-        left.col(j) /= length;
-      else
-        left.col(j).setZero();
+// What turns products with a cell's columns into the square root of what its sum of squares loses
+// when its amplitudes are integrated out: of one cell on one output.
+struct Integrated {
+  Eigen::MatrixXf turn;  // c x c
+  float log_determinant = 0;
+};
+
+// gram: of the cell's columns. width: prior over noise.
+Integrated integrated(const Eigen::MatrixXd& gram, const Eigen::VectorXd& width) {
+  Eigen::MatrixXd g = width.asDiagonal() * gram * width.asDiagonal();
+  g.diagonal().array() += 1;
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(g);
+  Integrated result;
+  double log_determinant = 0;
+  for (Eigen::Index k = 0; k < g.cols(); ++k)
+    log_determinant += 2 * std::log(cholesky.matrixL()(k, k));
+  result.log_determinant = static_cast<float>(log_determinant);
+  const Eigen::MatrixXd scaled = width.asDiagonal();
+  result.turn = cholesky.matrixL().solve(scaled).transpose().cast<float>();
+  return result;
+}
+
+// 2 ln of the weighted sum of exp(gain / 2), one cell after the other.
+struct Average {
+  float top = -1e30F, sum = 0;
+  void add(float two_ln) {
+    if (two_ln > top) {
+      sum = sum * std::exp((top - two_ln) / 2) + 1;
+      top = two_ln;
+    } else if (two_ln > top - 60) {
+      sum += std::exp((two_ln - top) / 2);
     }
   }
-}
+  double value() const { return sum > 0 ? top + 2 * std::log(sum) : -1e300; }
+};
+
+struct Part {  // of a cause's cells, for one series
+  Average average;
+  float top = -1e30F, gain = -1e30F;
+  std::size_t cell = 0;
+  void join(const Part& other) {
+    if (other.average.sum > 0) {
+      const float level = std::max(average.top, other.average.top);
+      average.sum = average.sum * std::exp((average.top - level) / 2) +
+                    other.average.sum * std::exp((other.average.top - level) / 2);
+      average.top = level;
+    }
+    if (other.top > top) top = other.top, gain = other.gain, cell = other.cell;
+  }
+};
 
 }  // namespace
-
-int dof_of(const Bank& bank, const Bank::Entry& entry, std::size_t cell) {
-  return static_cast<int>(bank.cells[entry.first + cell].count *
-                          std::ranges::count_if(entry.on, [](char on) { return on != 0; }));
-}
-
-int smallest_dof(const Bank& bank, const Bank::Entry& entry) {
-  int smallest = dof_of(bank, entry, 0);
-  for (std::size_t c = 1; c < entry.count; ++c)
-    smallest = std::min(smallest, dof_of(bank, entry, c));
-  return smallest;
-}
 
 std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
                                     const std::vector<Eigen::MatrixXd>& series,
@@ -99,7 +117,7 @@ std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
     }
   }
   const auto slices = slices_of(bank, allowed);
-  std::vector<std::vector<Best>> of_slice(slices.size());
+  std::vector<std::vector<Part>> of_slice(slices.size());
   const auto job = [&](std::size_t at) {
     const Slice& slice = slices[at];
     const auto& entry = bank.entries[slice.entry];
@@ -109,42 +127,58 @@ std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
     const auto cells = static_cast<Eigen::Index>(slice.cells);
     const Eigen::MatrixXd raw = bank.columns.middleCols(first.first, width);
     std::vector<Eigen::ArrayXXf> with(outputs, Eigen::ArrayXXf::Constant(count, cells, INFINITY));
-    Eigen::MatrixXf along;
+    Eigen::MatrixXf along, turned;
     for (std::size_t s = 0; s < shapes; ++s) {
       Eigen::MatrixXd left = raw.rowwise() - raw.colwise().mean();
       ground.space(s).whiten(left);
-      const Eigen::RowVectorXd lengths = left.colwise().norm();
       ground.space(s).project(left);
-      orthonormalise(bank, slice, lengths, left);
+      const Eigen::RowVectorXd lengths = left.colwise().norm().cwiseMax(1e-300);
+      left = left * lengths.cwiseInverse().asDiagonal();
       const Eigen::MatrixXf basis = left.cast<float>();
+      std::vector<Eigen::MatrixXd> grams;
+      for (Eigen::Index c = 0, j = 0; c < cells; ++c) {
+        const Eigen::Index k = bank.cells[slice.first_cell + static_cast<std::size_t>(c)].count;
+        const auto own = left.middleCols(j, k);
+        grams.emplace_back(own.transpose() * own);
+        j += k;
+      }
       for (std::size_t o = 0; o < outputs; ++o) {
-        if (entry.on[o] == 0) continue;
+        const auto prior = bank.prior.col(static_cast<Eigen::Index>(o)).segment(first.first, width);
+        if ((prior.array() <= 0).all()) continue;
+        const Eigen::VectorXd widths =
+            prior.cwiseProduct(lengths.transpose()) / ground.white_sd(static_cast<Eigen::Index>(o));
         const auto& side = sides[s][o];
         along.noalias() = side.left.transpose() * basis;  // series x columns
-        Eigen::Index j = 0;
-        for (Eigen::Index c = 0; c < cells; ++c) {
-          Eigen::ArrayXf rest = side.rss;
-          for (Eigen::Index k = 0;
-               k < bank.cells[slice.first_cell + static_cast<std::size_t>(c)].count; ++k, ++j)
-            rest -= along.col(j).array().square();
-          with[o].col(c) =
-              with[o].col(c).min(rest.max(1e-6f * side.rss) * static_cast<float>(side.weight));
+        for (Eigen::Index c = 0, j = 0; c < cells; ++c) {
+          const Eigen::Index k = bank.cells[slice.first_cell + static_cast<std::size_t>(c)].count;
+          const Integrated one =
+              integrated(grams[static_cast<std::size_t>(c)], widths.segment(j, k));
+          turned.noalias() = along.middleCols(j, k) * one.turn;
+          const Eigen::ArrayXf rest =
+              (side.rss - turned.rowwise().squaredNorm().array()).max(1e-6f * side.rss) *
+              static_cast<float>(side.weight) *
+              std::exp(one.log_determinant / static_cast<float>(dof));
+          with[o].col(c) = with[o].col(c).min(rest);
+          j += k;
         }
       }
     }
-    const int cheapest = smallest_dof(bank, entry);
-    std::vector<Best> best(static_cast<std::size_t>(count));
+    std::vector<Part> best(static_cast<std::size_t>(count));
     for (Eigen::Index c = 0; c < cells; ++c) {
       Eigen::ArrayXf gain = Eigen::ArrayXf::Zero(count);
       for (std::size_t o = 0; o < outputs; ++o)
-        if (entry.on[o] != 0) gain += static_cast<float>(dof) * (lowest[o] / with[o].col(c)).log();
-      const std::size_t cell = slice.first_cell + static_cast<std::size_t>(c) - entry.first;
-      const int here = dof_of(bank, entry, cell);
-      const double price = here == cheapest ? 0 : price_of(here) - price_of(cheapest);
+        if (std::isfinite(with[o](0, c)))
+          gain += static_cast<float>(dof) * (lowest[o] / with[o].col(c)).log();
+      const std::size_t cell = slice.first_cell + static_cast<std::size_t>(c);
+      const auto weight = static_cast<float>(2 * bank.ln_weight[cell]);
       for (Eigen::Index k = 0; k < count; ++k) {
         auto& one = best[static_cast<std::size_t>(k)];
-        const double score = static_cast<double>(gain[k]) - price;
-        if (score > one.score) one = {static_cast<double>(gain[k]), score, cell};
+        one.average.add(gain[k] + weight);
+        if (gain[k] + weight > one.top) {
+          one.top = gain[k] + weight;
+          one.gain = gain[k];
+          one.cell = cell - entry.first;
+        }
       }
     }
     of_slice[at] = std::move(best);
@@ -154,12 +188,16 @@ std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
     calibration::run_on(options.executor, std::min(kSlicesPerTick, slices.size() - begin),
                         [&](std::size_t i) { job(begin + i); });
   }
-  std::vector<std::vector<Best>> best(bank.entries.size(),
-                                      std::vector<Best>(static_cast<std::size_t>(count)));
+  std::vector<std::vector<Part>> of_entry(bank.entries.size(),
+                                          std::vector<Part>(static_cast<std::size_t>(count)));
   for (std::size_t i = 0; i < slices.size(); ++i)
     for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
-      if (of_slice[i][k].score > best[slices[i].entry][k].score)
-        best[slices[i].entry][k] = of_slice[i][k];
+      of_entry[slices[i].entry][k].join(of_slice[i][k]);
+  std::vector<std::vector<Best>> best(bank.entries.size());
+  for (std::size_t e = 0; e < best.size(); ++e)
+    for (const auto& part : of_entry[e])
+      best[e].push_back(allowed[e] == 0 ? Best{}
+                                        : Best{part.average.value(), part.gain, part.cell});
   return best;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// One pass of all causes over one or many series per output: for each cause its best cell and how
-// much twice the log-likelihood grows with it. The data and the series simulated from their noise
+// One pass of all causes over one or many series per output: for each cause the evidence for it,
+// averaged over its cells, and its best cell. The data and the series simulated from their noise
 // go through the same pass, so what the search over parameters, causes and shapes of noise does to
 // chance is in both.
 
@@ -20,17 +20,18 @@ struct Bank {
   };
   struct Entry {                       // one cause
     std::size_t first = 0, count = 0;  // cells
-    std::vector<char> on;              // one per output: does it act there?
   };
   Eigen::MatrixXd columns;  // at the rows of the search, finite
+  PriorSd prior;            // one row per column of `columns`
   std::vector<Cell> cells;
+  std::vector<double> ln_weight;  // of each cell within its cause: its parameter's prior
   std::vector<Entry> entries;
 };
 
 struct Best {
-  double gain = 0;   // growth of 2 ln L, all outputs that the cause acts on together
-  double score = 0;  // the same less the price of its degrees of freedom beyond the smallest cell's
-  std::size_t cell = 0;  // within its cause
+  double evidence = -1e300;  // 2 ln of the marginal likelihood's ratio, averaged over the cells
+  double gain = -1e300;      // of the best cell: 2 ln of the ratio at its parameter
+  std::size_t cell = 0;      // within its cause
 };
 
 struct ScanOptions {
@@ -43,9 +44,5 @@ struct ScanOptions {
 std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
                                     const std::vector<Eigen::MatrixXd>& series,
                                     const std::vector<char>& allowed, const ScanOptions& options);
-
-// Degrees of freedom that a cell may take at most, and of the smallest cell of an entry.
-int dof_of(const Bank& bank, const Bank::Entry& entry, std::size_t cell);
-int smallest_dof(const Bank& bank, const Bank::Entry& entry);
 
 }  // namespace driftwise::diagnosis

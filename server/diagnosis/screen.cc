@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kWrongRow = 8, kAgree = 4;  // robust standard deviations
 constexpr double kMostWrongRows = 0.05;
+constexpr double kBetween = 4.5;     // robust standard deviations: 1 row of 150 000 of normal noise
 constexpr std::size_t kNearby = 40;  // rows to either side in time that tell the spread there
 constexpr std::size_t kBeside = 3;   // rows to either side in position
 constexpr double kOwn = 0.5;         // of a wrong row, beyond what those beside it share
@@ -60,6 +61,24 @@ std::vector<double> as_beside(const Problem& problem, const std::vector<std::siz
   return result;
 }
 
+// Wrong rows are a population of their own: between them and the noise there is next to nothing.
+// Where as many rows lie half as far off, the noise itself has heavy tails.
+bool tails_are_heavy(const Problem& problem, const std::vector<std::size_t>& rows,
+                     const std::set<std::size_t>& wrong) {
+  std::size_t between = 0;
+  for (const auto& output : problem.outputs) {
+    const Eigen::VectorXd left = residuals(problem, output, problem.base_columns);
+    std::vector<double> about;
+    for (const std::size_t row : rows) about.push_back(left[static_cast<Eigen::Index>(row)]);
+    const double middle = median(about);
+    for (double& one : about) one -= middle;
+    const double sd = robust_sd(about);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      between += !wrong.contains(rows[i]) && std::abs(about[i]) > kBetween * sd ? 1 : 0;
+  }
+  return between > std::max<std::size_t>(1, wrong.size() / 3);
+}
+
 }  // namespace
 
 std::vector<OutlierRow> outlier_rows(const Problem& problem) {
@@ -92,6 +111,7 @@ std::vector<OutlierRow> outlier_rows(const Problem& problem) {
       wrong.insert(rows[i]);
     }
   }
+  if (tails_are_heavy(problem, rows, wrong)) return {};
   if (static_cast<double>(wrong.size()) > kMostWrongRows * static_cast<double>(rows.size()))
     return {};
   std::ranges::stable_sort(found, {}, &OutlierRow::row);

@@ -1,6 +1,7 @@
 #pragma once
 // What is wrong with the data themselves, found before anything becomes physics.
 
+#include <functional>
 #include <vector>
 
 #include "server/core/dataset.h"
@@ -16,6 +17,7 @@ struct FaultySensor {
   std::string channel, other;     // other: what it was swapped with
   std::vector<std::size_t> rows;  // frozen, spiked: the wrong ones; jumped, swapped: from here on
   double size = 0;                // of a jump, in the channel's unit
+  bool mended = true;             // false: named only, the readings are as they were
 };
 
 // Structure temperatures only, judged by themselves and each other, not by what they explain:
@@ -23,9 +25,16 @@ struct FaultySensor {
 //   than anywhere else; spiked: single values off both neighbours, which agree; jumped: a change
 //   from one row to the next a dozen times its usual size, that stays, and that most others do not
 //   make; swapped: two sensors that take one another's place in one row.
-// A repaired sensor (jumped, swapped) and single wrong values (blanked) are mended in the dataset;
-// the values of a frozen stretch are blanked.
-std::vector<FaultySensor> mend_sensors(Dataset& dataset);
+// Single wrong values and those of a frozen stretch are blanked. A jump or an exchange is mended
+// only on evidence: a part can really warm. two_ln_likelihood says how well the baseline describes
+// the outputs with the readings as given to it: mended they must do better by 2 ln L of 25, and
+// after a jump the sensor must not go on as a ramp. A jump without a ramp that the outputs neither
+// speak for nor against is named and left as it was measured; one that the outputs follow is none.
+std::vector<FaultySensor> mend_sensors(
+    Dataset& dataset, const std::function<double(const Dataset&)>& two_ln_likelihood);
+
+// Of the outputs by the baseline, least squares over the rows that learn, up to a constant.
+double two_ln_likelihood(const Problem& problem);
 
 struct OutlierRow {
   std::size_t row = 0;  // of the dataset

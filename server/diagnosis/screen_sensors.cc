@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "server/core/reading.h"
+#include "server/diagnosis/held_out_gain.h"
 #include "server/diagnosis/robust.h"
 #include "server/diagnosis/screen.h"
 
@@ -11,6 +12,9 @@ namespace {
 constexpr double kFarOffSensor = 12;  // robust standard deviations
 constexpr double kSmallest_k = 0.02;  // no jump or spike below this is called a fault
 constexpr std::size_t kFewestRows = 40, kWindow = 6;
+constexpr double kFollowed = -6;  // below: the outputs follow what the sensor read
+constexpr double kEvidence = 25;  // 2 ln L of the outputs with the mended readings
+constexpr double kRamp = 0.25;    // of a jump, within a few rows after it
 
 struct Sensor {
   DatasetColumn* column = nullptr;
@@ -63,6 +67,23 @@ double level_change(const std::vector<double>& v, std::size_t row) {
   return median(after) - median(before);
 }
 
+// What warms goes on warming, or cools again: the level a little later is another one.
+bool goes_on_as_ramp(const std::vector<double>& v, std::size_t row, double size) {
+  std::vector<double> soon, later, before, long_before;
+  for (std::size_t k = 0; k < kWindow; ++k) {
+    if (row + k < v.size() && std::isfinite(v[row + k])) soon.push_back(v[row + k]);
+    if (row + 3 * kWindow + k < v.size() && std::isfinite(v[row + 3 * kWindow + k]))
+      later.push_back(v[row + 3 * kWindow + k]);
+    if (row >= k + 1 && std::isfinite(v[row - 1 - k])) before.push_back(v[row - 1 - k]);
+    if (row >= k + 1 + 3 * kWindow && std::isfinite(v[row - 1 - k - 3 * kWindow]))
+      long_before.push_back(v[row - 1 - k - 3 * kWindow]);
+  }
+  if (soon.empty() || later.empty()) return false;
+  const double drift =
+      before.empty() || long_before.empty() ? 0 : median(before) - median(long_before);
+  return std::abs(median(later) - median(soon) - drift) > kRamp * std::abs(size);
+}
+
 void find_jumps(Sensor& sensor, const std::vector<double>& time_s) {
   const auto& v = sensor.column->values;
   std::vector<double> changes, steps;
@@ -82,7 +103,18 @@ void find_jumps(Sensor& sensor, const std::vector<double>& time_s) {
 
 }  // namespace
 
-std::vector<FaultySensor> mend_sensors(Dataset& dataset) {
+double two_ln_likelihood(const Problem& problem) {
+  double sum = 0;
+  for (const auto& output : problem.outputs)
+    sum -=
+        static_cast<double>(problem.learn.size()) *
+        std::log(
+            rows_of(residuals(problem, output, problem.base_columns), problem.learn).squaredNorm());
+  return sum;
+}
+
+std::vector<FaultySensor> mend_sensors(
+    Dataset& dataset, const std::function<double(const Dataset&)>& two_ln_likelihood) {
   std::vector<FaultySensor> found;
   if (dataset.rows < kFewestRows) return found;
   std::vector<Sensor> sensors;
@@ -119,14 +151,27 @@ std::vector<FaultySensor> mend_sensors(Dataset& dataset) {
       });
       if (partner != together.end()) {
         auto& theirs = sensors[*partner].column->values;
+        const double as_read = two_ln_likelihood(dataset);
         for (const std::size_t i : rows) std::swap(values[i], theirs[i]);
+        if (two_ln_likelihood(dataset) < as_read + kEvidence) {
+          for (const std::size_t i : rows) std::swap(values[i], theirs[i]);
+          continue;
+        }
         std::erase(sensors[*partner].jumps, row);
         found.push_back({SensorFault::swapped, sensors[s].column->channel.symbol,
                          sensors[*partner].column->channel.symbol, rows, size});
         continue;
       }
+      if (goes_on_as_ramp(values, row, size)) continue;
+      const double as_read = two_ln_likelihood(dataset);
       for (const std::size_t i : rows) values[i] -= size;
-      found.push_back({SensorFault::jumped, sensors[s].column->channel.symbol, "", rows, size});
+      const double gain = two_ln_likelihood(dataset) - as_read;
+      const bool mended = gain >= kEvidence;
+      if (!mended)
+        for (const std::size_t i : rows) values[i] += size;
+      if (gain < kFollowed) continue;
+      found.push_back(
+          {SensorFault::jumped, sensors[s].column->channel.symbol, "", rows, size, mended});
     }
   return found;
 }

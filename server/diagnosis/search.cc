@@ -39,15 +39,9 @@ Search::Search(const Timeline& timeline, const Eigen::MatrixXd& series, Bank ban
       options_(std::move(options)),
       grid_(noise_grid(timeline)) {}
 
-double Search::ln_p(std::size_t cause, double gain, int dof) const {
-  const int smallest = smallest_dof(bank_, bank_.entries[cause]);
-  const double price = dof > smallest ? price_of(dof) - price_of(smallest) : 0;
-  return tails_[cause].ln_p(std::max(gain - price, 0.0));
-}
-
 // The noise as it looks without any further effect, and as it would with each of those that look
 // best under different guesses of it.
-std::vector<NoiseShape> Search::shapes_in_question(const Eigen::MatrixXd& base,
+std::vector<NoiseShape> Search::shapes_in_question(const SoftBase& base,
                                                    const std::vector<char>& allowed,
                                                    bool& stopped) const {
   const Ground whole(timeline_, grid_, base, series_, options_.tick);
@@ -77,7 +71,7 @@ std::vector<NoiseShape> Search::shapes_in_question(const Eigen::MatrixXd& base,
     std::vector<std::size_t> order(best.size());
     for (std::size_t c = 0; c < order.size(); ++c) order[c] = c;
     std::ranges::stable_sort(order, std::ranges::greater{},
-                             [&](std::size_t c) { return best[c][0].score; });
+                             [&](std::size_t c) { return best[c][0].evidence; });
     for (std::size_t i = 0; i < std::min(kTopCauses, order.size()); ++i) {
       const auto& entry = bank_.entries[order[i]];
       const std::size_t cell = best[order[i]][0].cell;
@@ -90,8 +84,9 @@ std::vector<NoiseShape> Search::shapes_in_question(const Eigen::MatrixXd& base,
         return {};
       }
       const auto& at = bank_.cells[entry.first + cell];
-      candidates.push_back(
-          {order[i], cell, whole.gain(bank_.columns.middleCols(at.first, at.count), entry.on)});
+      candidates.push_back({order[i], cell,
+                            whole.gain(bank_.columns.middleCols(at.first, at.count),
+                                       bank_.prior.middleRows(at.first, at.count))});
       top = std::max(top, candidates.back().gain.gain);
     }
   }
@@ -106,18 +101,24 @@ std::vector<NoiseShape> Search::shapes_in_question(const Eigen::MatrixXd& base,
   return shapes;
 }
 
-void Search::fit_tails(const std::vector<std::vector<Best>>& best, std::size_t nulls,
-                       const std::vector<char>& allowed) {
-  tails_.resize(best.size());
-  for (std::size_t c = 0; c < best.size(); ++c) {
-    if (allowed[c] == 0) continue;
-    std::vector<double> scores;
-    for (std::size_t k = 1; k <= nulls; ++k) scores.push_back(best[c][k].score);
-    tails_[c] = NullTail(scores, smallest_dof(bank_, bank_.entries[c]), bank_.entries[c].count);
-  }
+namespace {
+
+std::vector<Standing> standings(const std::vector<std::vector<Best>>& best, std::size_t series) {
+  std::vector<Standing> result;
+  for (const auto& one : best)
+    result.push_back({one[series].evidence, one[series].gain, one[series].cell});
+  return result;
 }
 
-std::optional<Look> Search::look(const Eigen::MatrixXd& base, const std::vector<char>& allowed) {
+std::optional<std::size_t> first_of(const std::vector<Standing>& causes) {
+  const auto first = std::ranges::max_element(causes, {}, &Standing::evidence);
+  if (first == causes.end() || !(first->evidence > 0)) return std::nullopt;
+  return static_cast<std::size_t>(first - causes.begin());
+}
+
+}  // namespace
+
+std::optional<Look> Search::look(const SoftBase& base, const std::vector<char>& allowed) {
   bool stopped = false;
   Look result;
   result.shapes = shapes_in_question(base, allowed, stopped);
@@ -149,32 +150,22 @@ std::optional<Look> Search::look(const Eigen::MatrixXd& base, const std::vector<
       for (std::size_t c = 0; c < best.size(); ++c)
         best[c].insert(best[c].end(), found[c].begin(), found[c].end());
     result.nulls += more;
-    fit_tails(best, static_cast<std::size_t>(result.nulls), allowed);
-    result.causes.assign(best.size(), {});
-    result.first.reset();
-    std::vector<double> smallest(static_cast<std::size_t>(result.nulls), 0);
-    std::size_t asked = 0;
-    for (std::size_t c = 0; c < best.size(); ++c) {
-      if (allowed[c] == 0) continue;
-      ++asked;
-      for (std::size_t k = 0; k < smallest.size(); ++k)
-        smallest[k] = std::min(smallest[k], tails_[c].ln_p(best[c][k + 1].score));
-      const Best& own = best[c][0];
-      if (!(own.score > 0)) continue;
-      result.causes[c] = {own.gain, own.cell, tails_[c].ln_p(own.score)};
-      if (!result.first || result.causes[c].ln_p < result.causes[*result.first].ln_p)
-        result.first = c;
-    }
+    result.causes = standings(best, 0);
+    result.first = first_of(result.causes);
     if (!result.first) return result;
-    result.p_adjusted = SearchTail(smallest, asked).adjusted_p(result.causes[*result.first].ln_p);
+    std::vector<double> maxima(static_cast<std::size_t>(result.nulls), -1e300);
+    for (const auto& cause : best)
+      for (std::size_t k = 0; k < maxima.size(); ++k)
+        maxima[k] = std::max(maxima[k], cause[k + 1].evidence);
+    tail_ = EvidenceTail(maxima);
+    result.p_adjusted = tail_.p(result.causes[*result.first].evidence);
     if (result.p_adjusted > kClearlyNothing || result.p_adjusted < kClearlyThere * options_.alpha)
       break;
   }
   return result;
 }
 
-std::optional<Look> Search::compare(const Eigen::MatrixXd& base,
-                                    const std::vector<char>& allowed) const {
+std::optional<Look> Search::compare(const SoftBase& base, const std::vector<char>& allowed) const {
   bool stopped = false;
   Look result;
   result.shapes = shapes_in_question(base, allowed, stopped);
@@ -184,14 +175,9 @@ std::optional<Look> Search::compare(const Eigen::MatrixXd& base,
   for (Eigen::Index o = 0; o < series_.cols(); ++o) series.emplace_back(series_.col(o));
   const auto best = scan(bank_, ground, series, allowed, {options_.executor, options_.tick});
   if (best.empty()) return std::nullopt;
-  result.causes.assign(best.size(), {});
-  for (std::size_t c = 0; c < best.size(); ++c) {
-    const Best& own = best[c][0];
-    if (allowed[c] == 0 || !(own.score > 0)) continue;
-    result.causes[c] = {own.gain, own.cell, tails_[c].ln_p(own.score)};
-    if (!result.first || result.causes[c].ln_p < result.causes[*result.first].ln_p)
-      result.first = c;
-  }
+  result.causes = standings(best, 0);
+  result.first = first_of(result.causes);
+  if (result.first) result.p_adjusted = tail_.p(result.causes[*result.first].evidence);
   return result;
 }
 

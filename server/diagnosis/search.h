@@ -11,15 +11,17 @@
 
 namespace driftwise::diagnosis {
 
-struct Standing {  // of one cause
-  double gain = 0;
+struct Standing {           // of one cause
+  double evidence = -1e300;  // 2 ln of the marginal likelihood's ratio, averaged over its cells
+  double gain = -1e300;      // of its best cell
   std::size_t cell = 0;
-  double ln_p = 0;  // of one look at this cause alone: 0 where it gains nothing
+  // What the average over the parameter takes from the best value's gain, and more.
+  double occam() const { return evidence - gain; }
 };
 
 struct Look {
   std::vector<Standing> causes;      // one per entry of the bank
-  std::optional<std::size_t> first;  // the cause that chance imitates least
+  std::optional<std::size_t> first;  // the cause with the largest evidence
   double p_adjusted = 1;             // of it, for the search over all of them
   int nulls = 0;
   std::vector<NoiseShape> shapes;  // that were in question
@@ -38,28 +40,24 @@ class Search {
   // timeline and series (blocks x outputs) outlive it.
   Search(const Timeline& timeline, const Eigen::MatrixXd& series, Bank bank, SearchOptions options);
 
-  // base: blocks x k. Draws 49 series of noise and, where the answer is not clear, the rest.
+  // base: rows x k. Draws 49 series of noise and, where the answer is not clear, the rest.
   // Nothing: stopped.
-  std::optional<Look> look(const Eigen::MatrixXd& base, const std::vector<char>& allowed);
-  // Without a new look at chance: standings by the nulls of the last look().
-  std::optional<Look> compare(const Eigen::MatrixXd& base, const std::vector<char>& allowed) const;
+  std::optional<Look> look(const SoftBase& base, const std::vector<char>& allowed);
+  // Without a look at chance.
+  // p_adjusted: by the nulls of the last look(), which was at the same base or a smaller one.
+  std::optional<Look> compare(const SoftBase& base, const std::vector<char>& allowed) const;
 
-  // ln p of another gain of a cause, by the nulls of the last look().
-  double ln_p(std::size_t cause, double gain, int dof) const;
   const Bank& bank() const { return bank_; }
 
  private:
-  std::vector<NoiseShape> shapes_in_question(const Eigen::MatrixXd& base,
+  std::vector<NoiseShape> shapes_in_question(const SoftBase& base,
                                              const std::vector<char>& allowed, bool& stopped) const;
-  void fit_tails(const std::vector<std::vector<Best>>& best, std::size_t nulls,
-                 const std::vector<char>& allowed);
-
   const Timeline& timeline_;
   const Eigen::MatrixXd& series_;
   Bank bank_;
   SearchOptions options_;
   std::vector<NoiseShape> grid_;
-  std::vector<NullTail> tails_;  // of each cause when it was last looked for
+  EvidenceTail tail_;  // of the last look
 };
 
 }  // namespace driftwise::diagnosis

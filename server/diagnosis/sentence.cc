@@ -82,7 +82,9 @@ std::string sentence(const FaultySensor& sensor) {
              " single values far off their neighbours: they are left out.";
     case SensorFault::jumped:
       return "Sensor " + sensor.channel + " jumps by " + three_digits(sensor.size) + " K from " +
-             from + " and no other does: the jump is taken out.";
+             from + " and no other does: " +
+             (sensor.mended ? "the jump is taken out."
+                            : "the readings are left as they are, for the outputs do not say.");
     case SensorFault::swapped:
       return "Sensors " + sensor.channel + " and " + sensor.other + " change places from " + from +
              ": they are put back.";

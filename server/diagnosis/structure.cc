@@ -49,7 +49,8 @@ struct Variable {
 
 std::vector<Variable> variables_of(const Problem& problem,
                                    const std::vector<std::string>& excluded) {
-  const Dataset& data = problem.data();
+  const Dataset& data = problem.prepared.conditions();
+  const auto outputs = problem.output_symbols();
   std::vector<Variable> variables;
   const auto add = [&](const std::string& name, const std::vector<double>& values, bool axis) {
     if (values.empty() || std::ranges::find(excluded, name) != excluded.end()) return;
@@ -61,27 +62,28 @@ std::vector<Variable> variables_of(const Problem& problem,
   };
   for (const auto& column : data.columns) {
     const auto& symbol = column.channel.symbol;
-    if (is_motor_symbol(symbol) || symbol.ends_with("_std") || symbol.ends_with("_cmd") ||
-        symbol.ends_with("_target"))
+    if (is_motor_symbol(symbol) || is_response(column.channel, outputs) ||
+        symbol.ends_with("_std") || symbol.ends_with("_cmd") || symbol.ends_with("_target"))
       continue;
     add(symbol, column.values, is_pose_symbol(symbol) && column.channel.unit == "mm");
   }
   add("dwell", data.dwell_s, false);
-  add("time", data.time_s, false);
+  add("time", problem.data().time_s, false);
   return variables;
 }
 
 }  // namespace
 
-FreeShapes free_shapes(const Problem& problem, const std::vector<std::string>& excluded) {
+FreeShapes free_shapes(const Problem& problem, const Physics& physics,
+                       const std::vector<std::string>& excluded) {
   FreeShapes shapes;
   std::vector<Eigen::MatrixXd> parts;
   Eigen::Index width = 0;
-  const std::vector<char> on(problem.outputs.size(), 1);
   const auto add = [&](const std::string& name, Eigen::MatrixXd columns) {
     if (columns.cols() == 0) return;
     shapes.variables.push_back(name);
-    shapes.bank.entries.push_back({shapes.bank.cells.size(), 1, on});
+    shapes.bank.entries.push_back({shapes.bank.cells.size(), 1});
+    shapes.bank.ln_weight.push_back(0);
     shapes.bank.cells.push_back({width, columns.cols()});
     width += columns.cols();
     parts.push_back(std::move(columns));
@@ -102,6 +104,7 @@ FreeShapes free_shapes(const Problem& problem, const std::vector<std::string>& e
   for (std::size_t i = 0; i < parts.size(); ++i)
     shapes.bank.columns.middleCols(shapes.bank.cells[i].first, shapes.bank.cells[i].count) =
         parts[i];
+  shapes.bank.prior = physics.of_free_shape(shapes.bank.columns);
   return shapes;
 }
 

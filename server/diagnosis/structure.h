@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "server/diagnosis/physics.h"
 #include "server/diagnosis/problem.h"
 #include "server/diagnosis/scan.h"
 
@@ -17,6 +18,7 @@ struct FreeShapes {
 
 // One per channel that varies and time where the rows have it; each axis in proportion, changing
 // with time and with each other variable.
-FreeShapes free_shapes(const Problem& problem, const std::vector<std::string>& excluded);
+FreeShapes free_shapes(const Problem& problem, const Physics& physics,
+                       const std::vector<std::string>& excluded);
 
 }  // namespace driftwise::diagnosis

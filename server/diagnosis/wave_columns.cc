@@ -14,8 +14,8 @@ constexpr std::size_t kRowsAtOnce = 2048;  // stay in the cache
 constexpr double kUniform = 1e-9;          // of the first frequency
 
 struct Grid {
-  double first = 0, step = 0;  // turns per unit of the value
-  std::string symbol;          // "" for time
+  std::vector<double> frequencies;  // turns per unit of the value
+  std::string symbol;               // "" for time
 };
 
 // "sin(x, 2000 nm)" beside "cos(x, 2000 nm)"; frequencies per mm or per s.
@@ -37,12 +37,7 @@ std::optional<Grid> grid_of(const Cause& cause) {
     const double period = cause.cells[c].parameter;
     return 1 / (grid.symbol.empty() ? period : mm_from_nm(period));
   };
-  grid.first = frequency(0);
-  grid.step = frequency(1) - grid.first;
-  for (std::size_t c = 2; c < cause.cells.size(); ++c)
-    if (std::abs(frequency(c) - grid.first - static_cast<double>(c) * grid.step) >
-        kUniform * static_cast<double>(c) * grid.first)
-      return std::nullopt;
+  for (std::size_t c = 0; c < cause.cells.size(); ++c) grid.frequencies.push_back(frequency(c));
   return grid;
 }
 
@@ -66,19 +61,38 @@ std::optional<Eigen::MatrixXd> wave_columns(const Problem& problem, const Cause&
     const std::size_t rows = std::min(kRowsAtOnce, learn.size() - begin);
     const auto n = static_cast<Eigen::Index>(rows);
     Eigen::ArrayXd sine(n), cosine(n), turn_sine(n), turn_cosine(n), kept(n);
-    for (std::size_t i = 0; i < rows; ++i) {
-      const auto at = static_cast<Eigen::Index>(i);
-      const double value = values[learn[begin + i]];
-      const auto turned = [value](double frequency) {
-        return 2 * std::numbers::pi * std::remainder(value * frequency, 1.0);
-      };
-      sine[at] = std::sin(turned(grid->first));
-      cosine[at] = std::cos(turned(grid->first));
-      turn_sine[at] = std::sin(turned(grid->step));
-      turn_cosine[at] = std::cos(turned(grid->step));
-      count[static_cast<Eigen::Index>(block[begin + i])] += 1;
-    }
+    const auto turned = [&](Eigen::Index i, double frequency) {
+      return 2 * std::numbers::pi *
+             std::remainder(values[learn[begin + static_cast<std::size_t>(i)]] * frequency, 1.0);
+    };
+    for (Eigen::Index i = 0; i < n; ++i)
+      count[static_cast<Eigen::Index>(block[begin + static_cast<std::size_t>(i)])] += 1;
+    double step = NAN;  // that turn_sine and turn_cosine are of
     for (Eigen::Index c = 0; c < cells; ++c) {
+      const auto at = static_cast<std::size_t>(c);
+      const double here_step = c > 0 ? grid->frequencies[at] - grid->frequencies[at - 1] : NAN;
+      if (c > 0 && std::abs(here_step - step) <= kUniform * grid->frequencies.front()) {
+        kept = sine * turn_cosine + cosine * turn_sine;
+        cosine = cosine * turn_cosine - sine * turn_sine;
+        sine.swap(kept);
+      } else {
+        for (Eigen::Index i = 0; i < n; ++i) {
+          const double phase = turned(i, grid->frequencies[at]);
+          sine[i] = std::sin(phase);
+          cosine[i] = std::cos(phase);
+        }
+        step = at + 1 < grid->frequencies.size() ? grid->frequencies[at + 1] - grid->frequencies[at]
+                                                 : NAN;
+        const bool goes_on = at + 2 < grid->frequencies.size() &&
+                             std::abs(grid->frequencies[at + 2] - grid->frequencies[at + 1] -
+                                      step) <= kUniform * grid->frequencies.front();
+        if (!goes_on) step = NAN;
+        for (Eigen::Index i = 0; goes_on && i < n; ++i) {
+          const double phase = turned(i, step);
+          turn_sine[i] = std::sin(phase);
+          turn_cosine[i] = std::cos(phase);
+        }
+      }
       for (std::size_t from = 0; from < rows;) {
         const std::size_t here = block[begin + from];
         std::size_t to = from + 1;
@@ -89,9 +103,6 @@ std::optional<Eigen::MatrixXd> wave_columns(const Problem& problem, const Cause&
         columns(static_cast<Eigen::Index>(here), 2 * c + 1) += cosine.segment(first, length).sum();
         from = to;
       }
-      kept = sine * turn_cosine + cosine * turn_sine;
-      cosine = cosine * turn_cosine - sine * turn_sine;
-      sine.swap(kept);
     }
   }
   columns.array().colwise() /= count.array();

@@ -10,16 +10,24 @@ constexpr double kDependentPivot = 1e-9;  // of the largest pivot of columns of 
 
 }  // namespace
 
-WeightedFit::WeightedFit(const Problem& problem, const Eigen::MatrixXd& base,
-                         const Eigen::MatrixXd& added, std::size_t output, NoiseShape noise)
-    : base_(base.cols()) {
-  const Eigen::Index n = problem.timeline.rows(), p = base.cols() + added.cols();
-  Eigen::MatrixXd all(n, p + 1);
-  all.leftCols(base.cols()) = base;
-  if (added.cols() > 0) all.middleCols(base.cols(), added.cols()) = added;
-  all.col(p) = problem.learned(problem.outputs[output].measured);
+WeightedFit::WeightedFit(const Problem& problem, const SoftBase& base, const Eigen::MatrixXd& added,
+                         std::size_t output, NoiseShape noise, const Eigen::VectorXd& precision)
+    : base_(base.columns.cols()) {
+  const Eigen::Index rows = problem.timeline.rows(), p = base_ + added.cols();
+  Eigen::VectorXd all_precision = Eigen::VectorXd::Zero(p);
+  if (base.precision.size() > 0) all_precision.head(base_) = base.precision;
+  if (precision.size() > 0) all_precision.tail(added.cols()) = precision;
+  const Eigen::Index priors = (all_precision.array() > 0).count(), n = rows + priors;
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(n, p + 1);
+  Eigen::MatrixXd measured(rows, p + 1);
+  measured.leftCols(base_) = base.columns;
+  if (added.cols() > 0) measured.middleCols(base_, added.cols()) = added;
+  measured.col(p) = problem.learned(problem.outputs[output].measured);
   const Whitener whitener(problem.timeline, noise);
-  whitener.apply(all);
+  whitener.apply(measured);
+  all.topRows(rows) = measured;
+  for (Eigen::Index k = 0, at = rows; k < p; ++k)
+    if (all_precision[k] > 0) all(at++, k) = std::sqrt(all_precision[k]);
   const Eigen::VectorXd scale = all.leftCols(p).colwise().norm().cwiseMax(1e-300);
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(all.leftCols(p) *
                                                  scale.cwiseInverse().asDiagonal());

@@ -5,15 +5,17 @@
 
 #include "server/diagnosis/noise_model.h"
 #include "server/diagnosis/problem.h"
+#include "server/diagnosis/soft_base.h"
 
 namespace driftwise::diagnosis {
 
 class WeightedFit {
  public:
-  // base, added: blocks x k and blocks x c (c may be 0); of one output. Columns that are
+  // base, added: blocks x k and blocks x c (c may be 0); of one output. precision: of the added
+  // columns' prior, as in SoftBase; empty: free. Columns that are
   // combinations of those before them get coefficient 0 and error NaN.
-  WeightedFit(const Problem& problem, const Eigen::MatrixXd& base, const Eigen::MatrixXd& added,
-              std::size_t output, NoiseShape noise = {});
+  WeightedFit(const Problem& problem, const SoftBase& base, const Eigen::MatrixXd& added,
+              std::size_t output, NoiseShape noise = {}, const Eigen::VectorXd& precision = {});
 
   // In the output's summary unit per unit of the column.
   double coefficient(Eigen::Index column) const { return coefficients_[column]; }

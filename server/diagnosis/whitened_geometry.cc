@@ -87,7 +87,7 @@ std::optional<WhitenedGeometry> whitened_geometry(const Dataset& marked, const P
   for (Index o = 0; o < outputs; ++o) {
     auto columns = result.columns.middleRows(o * n, n);
     auto y = result.y.segment(o * n, n);
-    const Ground ground(problem.timeline, shapes, columns, y, tick);
+    const Ground ground(problem.timeline, shapes, Eigen::MatrixXd(columns), y, tick);
     if (ground.shape_count() < shapes.size()) return std::nullopt;
     const auto& space = ground.space(ground.best_shape(0));
     const double sd = ground.white_sd(0);

@@ -31,7 +31,10 @@ TEST(ChannelKinds, AreToldByTheirNames) {
   EXPECT_TRUE(is_pose_symbol("rz"));
   EXPECT_FALSE(is_pose_symbol("r"));
   EXPECT_TRUE(is_structure_temperature({"t07", "degC"}));
+  EXPECT_TRUE(is_structure_temperature({"spindle_nose", "K"})) << "whatever its name";
   EXPECT_FALSE(is_structure_temperature({"t07", "V"}));
+  EXPECT_FALSE(is_structure_temperature({"support_set", "degC"})) << "asked for, not measured";
+  EXPECT_FALSE(is_structure_temperature({"air_left", "degC"}));
   EXPECT_FALSE(is_structure_temperature({"air", "degC"}));
 }
 

@@ -1,7 +1,7 @@
 // A robot that its load tilts, and a beam beside the centre of rotation, move a length alike. How
 // far beside it can be, the cell declares.
 
-#include "server/diagnosis/plausible.h"
+#include "server/diagnosis/lever_limits.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,24 @@
+#pragma once
+// The pose as the motor coordinates and the conditions predict it. A column of the *measured* pose
+// contains the noise of the output that the pose is measured for: with every row its own place, a
+// wave of the grid's period through the measured coordinate explains all rows of data with nothing
+// in them (NUMERICS.md section 4). Columns of causes are computed from the prediction.
+
+#include <optional>
+#include <vector>
+
+#include "server/core/dataset.h"
+
+namespace driftwise::diagnosis {
+
+// Which of the two readings of a position repeats itself exactly, so that it has no noise of its
+// own: a plan that was computed, not measured.
+bool repeats_exactly(const std::vector<double>& values);
+
+// A pose coordinate from the motors by a polynomial and, linearly, the temperatures, forces, air
+// and time of the row, fitted to all rows. Nothing where no motor varies or too few rows are
+// complete. Missing motors leave the measured value.
+std::optional<std::vector<double>> predicted_coordinate(const Dataset& dataset,
+                                                        const std::string& symbol);
+
+}  // namespace driftwise::diagnosis

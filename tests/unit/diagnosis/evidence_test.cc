@@ -1,0 +1,162 @@
+// The numbers of the search, each against something outside the code: dense matrices, numerical
+// integration, a known law.
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "server/diagnosis/chance.h"
+#include "server/diagnosis/ground.h"
+#include "server/diagnosis/scan.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+constexpr Eigen::Index kRows = 120;
+
+Timeline timeline() {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> step(5, 40);
+  Timeline result;
+  result.time_s.resize(kRows);
+  double now_s = 0;
+  for (Eigen::Index i = 0; i < kRows; ++i) {
+    now_s += step(random);
+    result.time_s[i] = now_s;
+    result.restart.push_back(i == 0 || i == 70 ? 1 : 0);
+  }
+  return result;
+}
+
+// Of the noise, white part 1.
+Eigen::MatrixXd covariance_of(const Timeline& when, const NoiseShape& shape) {
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(kRows, kRows);
+  for (Eigen::Index i = 0; i < kRows; ++i)
+    for (Eigen::Index j = 0; j < kRows; ++j)
+      if ((i < 70) == (j < 70))
+        covariance(i, j) +=
+            shape.slow_ratio * std::exp(-std::abs(when.time_s[i] - when.time_s[j]) / shape.tau_s);
+  return covariance;
+}
+
+Eigen::MatrixXd random_columns(Eigen::Index count, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  return Eigen::MatrixXd::NullaryExpr(kRows, count, [&] { return normal(random); });
+}
+
+TEST(WhitenedSpace, LeavesWhatTheMarginalCovarianceLeaves) {
+  const Timeline when = timeline();
+  const NoiseShape shape{2.0, 90};
+  Eigen::MatrixXd columns = random_columns(5, 5);
+  columns.col(0).setOnes();
+  Eigen::VectorXd precision(5);
+  precision << 0, 0, 0, 0.3, 40;
+  const WhitenedSpace space(when, shape, independent_base(SoftBase(columns, precision)));
+  const Eigen::VectorXd y = random_columns(1, 6);
+
+  // y' Q y of the covariance V + B S B', free columns projected out.
+  Eigen::MatrixXd covariance = covariance_of(when, shape);
+  for (Eigen::Index k = 3; k < 5; ++k)
+    covariance += columns.col(k) * columns.col(k).transpose() / precision[k];
+  const Eigen::MatrixXd inverse = covariance.inverse(), x = columns.leftCols(3);
+  const Eigen::MatrixXd q =
+      inverse - inverse * x * (x.transpose() * inverse * x).inverse() * x.transpose() * inverse;
+  EXPECT_NEAR(space.left_over(y).squaredNorm(), y.dot(q * y), 1e-8 * y.dot(q * y));
+
+  // Its determinant, against that of another shape.
+  const auto log_determinant = [&](const NoiseShape& of) {
+    Eigen::MatrixXd v = covariance_of(when, of);
+    for (Eigen::Index k = 3; k < 5; ++k)
+      v += columns.col(k) * columns.col(k).transpose() / precision[k];
+    const Eigen::MatrixXd information = x.transpose() * v.inverse() * x;
+    return 2 * Eigen::MatrixXd(v.llt().matrixL()).diagonal().array().log().sum() +
+           std::log(information.determinant());
+  };
+  const WhitenedSpace white(when, {0, 1}, independent_base(SoftBase(columns, precision)));
+  EXPECT_NEAR(space.criterion(1) - white.criterion(1),
+              log_determinant(shape) - log_determinant({0, 1}), 1e-6);
+}
+
+TEST(Evidence, IsTheIntegralOverTheAmplitude) {
+  const Timeline when = timeline();
+  const Eigen::MatrixXd column = random_columns(1, 8);
+  const Eigen::MatrixXd series = 3 * random_columns(1, 9) + 0.9 * column;
+  const Ground ground(when, {{0, 1}}, SoftBase(Eigen::MatrixXd::Ones(kRows, 1)), series);
+  const double width = 1.5, sd = ground.white_sd(0);
+  const Gain gain = ground.gain(column, Eigen::MatrixXd::Constant(1, 1, width));
+
+  const Eigen::VectorXd y = series.array() - series.mean(), w = column.array() - column.mean();
+  double sum = 0;
+  const double step = 1e-3;
+  for (double b = -12; b < 12; b += step)
+    sum += step *
+           std::exp((y.squaredNorm() - (y - b * w).squaredNorm()) / (2 * sd * sd) -
+                    b * b / (2 * width * width)) /
+           (width * std::sqrt(2 * std::numbers::pi));
+  // The noise's size is estimated in the one and known in the other: second order in gain / rows.
+  EXPECT_NEAR(gain.gain, 2 * std::log(sum),
+              gain.likelihood * gain.likelihood / static_cast<double>(kRows) + 0.05);
+  EXPECT_GT(gain.likelihood, gain.gain) << "the width costs";
+}
+
+TEST(Evidence, OfAColumnThatTheBaseAlreadyHasIsNone) {
+  const Timeline when = timeline();
+  Eigen::MatrixXd base(kRows, 2);
+  base << Eigen::VectorXd::Ones(kRows), random_columns(1, 10);
+  // Nearly a combination of the base: a free amplitude of a thousand would buy any noise.
+  const Eigen::MatrixXd column = base.col(1) + 1e-3 * random_columns(1, 11);
+  const Eigen::MatrixXd series = random_columns(1, 12) + 1e3 * (column - base.col(1));
+  const Ground ground(when, {{0, 1}}, SoftBase(base), series);
+  EXPECT_LT(std::abs(ground.gain(column, Eigen::MatrixXd::Constant(1, 1, 1)).gain), 0.01);
+  EXPECT_GT(ground.free_gain(column, {1}).gain, 50) << "what maximum likelihood would say";
+}
+
+TEST(Scan, FindsWhatASearchOneByOneFinds) {
+  const Timeline when = timeline();
+  Bank bank;
+  bank.columns = random_columns(12, 13);
+  bank.prior = Eigen::MatrixXd::Constant(12, 1, 0.8);
+  for (Eigen::Index k = 0; k < 12; k += 2) {
+    bank.cells.push_back({k, 2});
+    bank.ln_weight.push_back(std::log(1.0 / 3));
+  }
+  bank.entries = {{0, 3}, {3, 3}};
+  const Eigen::MatrixXd series = random_columns(1, 14) + 0.8 * bank.columns.col(7);
+  const Ground ground(when, {{0, 1}, {1, 60}}, SoftBase(Eigen::MatrixXd::Ones(kRows, 1)), series);
+  const auto best = scan(bank, ground, {series}, {1, 1}, {{}, {}});
+  for (std::size_t e = 0; e < 2; ++e) {
+    double sum = 0, top = -1e300;
+    for (std::size_t c = 3 * e; c < 3 * e + 3; ++c) {
+      const double gain = ground
+                              .gain(bank.columns.middleCols(bank.cells[c].first, 2),
+                                    bank.prior.middleRows(bank.cells[c].first, 2))
+                              .gain;
+      sum += std::exp(gain / 2) / 3;
+      top = std::max(top, gain);
+    }
+    EXPECT_NEAR(best[e][0].evidence, 2 * std::log(sum), 1e-3);
+    EXPECT_NEAR(best[e][0].gain, top, 1e-3);
+  }
+  EXPECT_EQ(best[1][0].cell, 0U);
+}
+
+TEST(EvidenceTail, GivesTheChanceOfTheLargestOfMany) {
+  std::mt19937_64 random(15);
+  std::uniform_real_distribution<double> even;
+  constexpr double kLocation = 4;
+  std::vector<double> maxima;
+  for (int i = 0; i < 4000; ++i)
+    maxima.push_back(kLocation - 2 * std::log(-std::log(even(random))));
+  const EvidenceTail tail(maxima);
+  for (const double x : {8.0, 14.0, 20.0}) {
+    const double p = -std::expm1(-std::exp(-(x - kLocation) / 2));
+    EXPECT_NEAR(std::log(tail.p(x)), std::log(p), 0.15 + 0.02 * x);
+  }
+}
+
+}  // namespace
+}  // namespace driftwise::diagnosis

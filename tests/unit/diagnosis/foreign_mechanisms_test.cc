@@ -1,0 +1,170 @@
+// What broke on data that nobody here made, each mechanism in the small: waves that only read the
+// measurement's noise, an output offered to itself, units and names, a part that really warms,
+// heavy tails, an effect of place and time together. The data are made here by plain formulas.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "server/diagnosis/diagnosis.h"
+#include "server/formats/formula.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+constexpr std::size_t kRows = 480;
+
+struct Rows {
+  std::vector<double> time_s, q, x, t1, t2;
+  std::vector<PointSet> set;
+};
+
+// An axis over 12 places of a lattice of 8 mm and, held out, the places between; two temperatures.
+Rows visited(std::mt19937_64& random, double noise_nm) {
+  std::normal_distribution<double> normal;
+  Rows rows;
+  for (std::size_t i = 0; i < kRows; ++i) {
+    const bool held_out = i % 5 == 4;
+    const auto k = static_cast<double>(random() % (held_out ? 11 : 12));
+    rows.set.push_back(held_out ? PointSet::validation : PointSet::calibration);
+    rows.time_s.push_back(21.0 * static_cast<double>(i));
+    rows.q.push_back(-4 + 8.0 * (k + (held_out ? 0.5 : 0)) / 11);
+    rows.t1.push_back(21 + 0.4 * std::sin(rows.time_s.back() / 2300));
+    rows.t2.push_back(21 + 0.3 * std::cos(rows.time_s.back() / 900));
+    rows.x.push_back(rows.q.back() * (1 + 2e-5) +
+                     1e-6 * (60 * (rows.t1.back() - 21) + noise_nm * normal(random)));
+  }
+  return rows;
+}
+
+Dataset dataset(const Rows& rows) {
+  Dataset data;
+  data.rows = kRows;
+  data.time_s = rows.time_s;
+  data.set = rows.set;
+  data.columns = {{{"q1", "mm"}, rows.q},
+                  {{"x", "mm"}, rows.x},
+                  {{"t01", "degC"}, rows.t1},
+                  {{"t02", "degC"}, rows.t2}};
+  return data;
+}
+
+Diagnosis diagnosed(const Dataset& data, const std::string& formula) {
+  DiagnoseOptions options;
+  options.baseline = *formats::Formula::parse(formula)->expand(data);
+  options.nulls = 99;
+  auto found = diagnose(data, options);
+  if (!found) throw std::runtime_error(found.error().message);
+  return *found;
+}
+
+std::vector<std::string> names_in(const Diagnosis& found) {
+  std::vector<std::string> names;
+  for (const auto& finding : found.findings) names.push_back(finding.cause);
+  return names;
+}
+
+TEST(ForeignData, WithNothingInThemAreAdequate) {
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    std::mt19937_64 random(seed);
+    const auto found = diagnosed(dataset(visited(random, 5)), "q1 ~ x + x^2 + T");
+    EXPECT_THAT(names_in(found), testing::IsEmpty());
+    EXPECT_EQ(found.verdict, Verdict::adequate);
+    EXPECT_THAT(found.warnings, testing::Contains(testing::HasSubstr("in 80 % of cases it sees")));
+  }
+}
+
+TEST(ForeignData, AnOutputIsNoVariableOfItsOwnResidual) {
+  std::mt19937_64 random(4);
+  Rows rows = visited(random, 5);
+  Dataset data = dataset(rows);
+  std::normal_distribution<double> normal;
+  std::vector<double> d1, d2;
+  for (std::size_t i = 0; i < kRows; ++i) {
+    d1.push_back(0.4 * (rows.t1[i] - 21) + 0.01 * normal(random));
+    d2.push_back(2 * d1.back());
+  }
+  data.columns = {{{"d1", "um"}, d1},
+                  {{"d2", "um"}, d2},
+                  {{"t01", "degC"}, rows.t1},
+                  {{"t02", "degC"}, rows.t2}};
+  const auto found = diagnosed(data, "d1 ~ T");
+  EXPECT_EQ(found.verdict, Verdict::adequate);
+  for (const auto& left : found.left_over)
+    EXPECT_THAT(left.goes_with, testing::Not(testing::HasSubstr("d")));
+}
+
+TEST(ForeignData, InOtherUnitsAndUnderOtherNamesAreTheSame) {
+  std::mt19937_64 random(5);
+  Rows rows = visited(random, 5);
+  double lag = 0;
+  for (std::size_t i = 0; i < kRows; ++i) {
+    lag += (rows.t2[i] - 21 - lag) * (1 - std::exp(-21.0 / 1500));
+    rows.x[i] -= 150e-6 * lag;
+  }
+  const Dataset data = dataset(rows);
+  Dataset other = data;
+  for (const std::size_t column : {0, 1}) {
+    other.columns[column].channel.unit = "um";
+    for (double& value : other.columns[column].values) value *= 1e3;
+  }
+  for (const std::size_t column : {2, 3}) {
+    other.columns[column].channel = {column == 2 ? "head" : "spindle_nose", "K"};
+    for (double& value : other.columns[column].values) value += 273.15;
+  }
+  const auto a = diagnosed(data, "q1 ~ x + x^2 + T"), b = diagnosed(other, "q1 ~ x + x^2 + T");
+  ASSERT_THAT(names_in(a), testing::ElementsAre("thermal_lag"));
+  ASSERT_THAT(names_in(b), testing::ElementsAre("thermal_lag"));
+  EXPECT_EQ(a.findings[0].subject, "t02");
+  EXPECT_EQ(b.findings[0].subject, "spindle_nose");
+  EXPECT_NEAR(b.findings[0].parameters[0].value, a.findings[0].parameters[0].value,
+              1e-3 * a.findings[0].parameters[0].value);
+  EXPECT_NEAR(b.findings[0].outputs[0].amplitude, a.findings[0].outputs[0].amplitude, 1e-3);
+  ASSERT_EQ(b.findings[0].outputs[0].coefficients.size(), 1U);
+  EXPECT_NEAR(b.findings[0].outputs[0].coefficients[0],  // um/K beside mm/K
+              1e3 * a.findings[0].outputs[0].coefficients[0],
+              1e-2 * std::abs(b.findings[0].outputs[0].coefficients[0]));
+}
+
+TEST(ForeignData, APartThatReallyWarmsIsNoBrokenThermometer) {
+  std::mt19937_64 random(6);
+  Rows rows = visited(random, 5);
+  for (std::size_t i = 300; i < kRows; ++i) {  // a lamp: at once, and then slowly more
+    const double warm = 0.2 + 0.1 * (1 - std::exp(-static_cast<double>(i - 300) / 40));
+    rows.t2[i] += warm;
+    rows.x[i] += 90e-6 * warm;
+  }
+  for (std::size_t i = 0; i < kRows; ++i) rows.x[i] += 90e-6 * 0.3 * std::cos(rows.time_s[i] / 900);
+  const auto found = diagnosed(dataset(rows), "q1 ~ x + x^2 + T");
+  EXPECT_THAT(names_in(found), testing::Not(testing::Contains("sensor_fault")));
+}
+
+TEST(ForeignData, HeavyTailsAreNoise) {
+  std::mt19937_64 random(7);
+  Rows rows = visited(random, 0);
+  std::student_t_distribution<double> student(3);
+  for (double& x : rows.x) x += 4e-6 * student(random);
+  const auto found = diagnosed(dataset(rows), "q1 ~ x + x^2 + T");
+  EXPECT_THAT(names_in(found), testing::IsEmpty());
+}
+
+TEST(ForeignData, AnEffectOfPlaceAndTimeTogetherIsUnexplained) {
+  std::mt19937_64 random(8);
+  Rows rows = visited(random, 5);
+  for (std::size_t i = 0; i < kRows; ++i) {
+    const double t = rows.time_s[i] / rows.time_s.back();
+    const double sign =
+        std::fmod(std::abs(std::sin(91.7 * std::round(11 * rows.q[i]))) * 1e4, 2) < 1;
+    rows.x[i] += 8e-6 * (2 * sign - 1) * std::sin(2 * std::numbers::pi * (2 * t + 3 * t * t));
+  }
+  const auto found = diagnosed(dataset(rows), "q1 ~ x + x^2 + T");
+  EXPECT_EQ(found.verdict, Verdict::unexplained);
+  EXPECT_THAT(names_in(found), testing::IsEmpty());
+  ASSERT_FALSE(found.left_over.empty());
+}
+
+}  // namespace
+}  // namespace driftwise::diagnosis
