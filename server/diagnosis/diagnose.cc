@@ -293,7 +293,7 @@ class Diagnoser {
     }
     result_.judged_on = problem_.judged_by_validation ? JudgedRows::validation : JudgedRows::blocks;
     for (auto& mean :
-         means_beyond_noise(problem_, result_.outputs, extension.all(), options_.alpha))
+         means_beyond_noise(problem_, result_.outputs, extension.all().columns, options_.alpha))
       result_.left_over.push_back(std::move(mean));
     for (const auto& worse : outputs_made_worse(result_))
       result_.warnings.push_back("held-out A90 got worse with the findings: " + worse);
