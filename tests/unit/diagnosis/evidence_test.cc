@@ -13,6 +13,7 @@
 #include "server/diagnosis/scan.h"
 
 namespace driftwise::diagnosis {
+namespace evidence_test {  // other tests have rows of their own
 namespace {
 
 constexpr Eigen::Index kRows = 120;
@@ -159,4 +160,5 @@ TEST(EvidenceTail, GivesTheChanceOfTheLargestOfMany) {
 }
 
 }  // namespace
+}  // namespace evidence_test
 }  // namespace driftwise::diagnosis

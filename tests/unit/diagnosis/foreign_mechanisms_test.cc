@@ -13,6 +13,7 @@
 #include "server/formats/formula.h"
 
 namespace driftwise::diagnosis {
+namespace foreign_mechanisms_test {  // other tests have rows of their own
 namespace {
 
 constexpr std::size_t kRows = 480;
@@ -167,4 +168,5 @@ TEST(ForeignData, AnEffectOfPlaceAndTimeTogetherIsUnexplained) {
 }
 
 }  // namespace
+}  // namespace foreign_mechanisms_test
 }  // namespace driftwise::diagnosis
