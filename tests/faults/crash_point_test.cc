@@ -116,6 +116,36 @@ const std::vector<std::string> kKilledInMemory = {
     "before_extension_commit", "after_extension_commit",      "before_undo_commit",
     "after_undo_commit",       "before_configuration_commit", "after_configuration_commit"};
 
+class StopCrashPoint : public testing::TestWithParam<std::string> {};
+
+// A stop that reached the disk is pending after the restart or confirmed before it, and the run is
+// paused either way. One that did not was never answered, and the run goes on.
+TEST_P(StopCrashPoint, TheRunIsPausedWhenTheStopWasStored) {
+  RunningCell cell({.speed = 300});
+  cell.start_daemon({"DRIFTWISE_CRASH_POINT=" + GetParam()});
+  const auto run = cell.create_run(crash_trajectory(10, 12), "the-one");
+  while (cell.daemon().running() && count_of(cell.database(), "SELECT count(*) FROM point") < 3)
+    std::this_thread::sleep_for(std::chrono::milliseconds(3));
+  cell.cli({"stop"});
+  ASSERT_EQ(cell.daemon().wait(seconds(60)), 128 + SIGKILL) << cell.daemon_log();
+  const auto points = count_of(cell.database(), "SELECT count(*) FROM point");
+
+  cell.start_daemon();
+  if (GetParam() == "before_stop_commit") {
+    EXPECT_EQ(cell.wait_until_over(run.id(), seconds(60)).state(), v1::Run::STATE_DONE);
+    return;
+  }
+  EXPECT_EQ(cell.wait_until_over(run.id(), seconds(3)).state(), v1::Run::STATE_PAUSED);
+  EXPECT_EQ(count_of(cell.database(), "SELECT count(*) FROM point"), points);
+  EXPECT_EQ(count_of(cell.database(), "SELECT count(*) FROM stop WHERE confirmed_ns = 0"), 0)
+      << "sent again after the restart, and confirmed";
+}
+
+const std::vector<std::string> kStopKills = {"before_stop_commit", "after_stop_commit",
+                                             "before_stop_confirm_commit",
+                                             "after_stop_confirm_commit"};
+INSTANTIATE_TEST_SUITE_P(Each, StopCrashPoint, testing::ValuesIn(kStopKills), test_name);
+
 std::set<std::string> names_in(const std::string& text) {
   static const std::regex name("(before|after)_[a-z_]+_commit");
   std::set<std::string> names;
@@ -132,7 +162,7 @@ TEST(CrashPoints, AreTheSameInTheManualTheCodeAndTheseTests) {
   for (const auto& kill : kKillsInARun)
     for (const char* side : {"before_", "after_"})
       killed.insert(std::string(side) + kill.what + "_commit");
-  for (const auto* names : {&kModelKills, &kKilledInMemory})
+  for (const auto* names : {&kModelKills, &kKilledInMemory, &kStopKills})
     for (const auto& name : *names) killed.insert(name);
   EXPECT_EQ(names_in(read_file(source + "/docs/crash-points.md")), in_code);
   EXPECT_EQ(killed, in_code);
