@@ -179,7 +179,9 @@ TEST_F(ServingTest, AVerificationSaysWhatCompensationAchieved) {
   EXPECT_EQ(x.inside.rows + x.outside.rows, 4);
   ASSERT_TRUE(x.by_model.has_value());
   std::vector<double> errors;
-  for (const auto& point : *cell.await(cell->points(with->id, 0, 100))) {
+  const auto points = cell.await(cell->points(with->id, 0, 100));
+  ASSERT_TRUE(points);
+  for (const auto& point : *points) {
     double measured = kMissing, wanted = kMissing;
     for (const auto& v : point.values) {
       if (v.channel == "x_mm") measured = v.value;
