@@ -86,7 +86,7 @@ TEST_P(WallClockSet, ChangesNoRowAndIsAnEventAndAnAlarm) {
   EXPECT_EQ(outcome.steps.size(), GetParam().steps_s.size());
   EXPECT_EQ(outcome.alarms.size(), GetParam().steps_s.size());
   for (const double step_s : GetParam().steps_s) total_s += step_s;
-  EXPECT_EQ(seconds_from(outcome.utc_offset), total_s) << "UTC is mapped anew";
+  EXPECT_DOUBLE_EQ(seconds_from(outcome.utc_offset), total_s) << "UTC is mapped anew";
   EXPECT_TRUE(undisturbed.steps.empty());
 }
 
