@@ -38,6 +38,7 @@ class WallClock final : public Clock {
     return std::max(std::chrono::nanoseconds(wall), floor);
   }
   void report_lag(Nanoseconds) override {}
+  void run_at(double speed) { speed_ = speed; }  // before anybody looks
 
  private:
   double speed_;

@@ -18,7 +18,7 @@ constexpr const char* kIdentity = "KEITHLEY INSTRUMENTS INC.,MODEL 2701,1234567,
 class ScannerLoop : public tests::DriverFixture {
  protected:
   // At 60 x a scan's time-out (3 s and more) is soon over.
-  ScannerLoop() { clock = tests::WallClock(60); }
+  ScannerLoop() { clock.run_at(60); }
 
   DeviceDescription scanner(std::map<std::string, std::string> options = {}) {
     auto out = device("scanner", "keithley-2701");
