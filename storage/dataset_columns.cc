@@ -22,6 +22,13 @@ int pose_index(std::string_view symbol) {
   return static_cast<int>(std::ranges::find(kPose, symbol) - kPose.begin());
 }
 
+// The study's habit: t01_degC, t02_degC, ... stand together by number.
+bool is_numbered_thermometer(const Channel& channel) {
+  const std::string_view symbol = channel.symbol;
+  return channel.unit == "degC" && symbol.size() > 1 && symbol.front() == 't' &&
+         symbol.find_first_not_of("0123456789", 1) == std::string_view::npos;
+}
+
 std::tuple<int, int> rank(const Channel& channel) {
   const std::string_view symbol = channel.symbol;
   const auto stem = [&](std::string_view suffix) {
@@ -32,7 +39,7 @@ std::tuple<int, int> rank(const Channel& channel) {
   if (is_motor_symbol(stem("_cmd"))) return {1, number_in(symbol)};
   if (is_pose_symbol(symbol)) return {2, pose_index(symbol)};
   if (is_pose_symbol(stem("_std"))) return {3, pose_index(stem("_std"))};
-  if (is_structure_temperature(channel)) return {4, number_in(symbol)};
+  if (is_numbered_thermometer(channel)) return {4, number_in(symbol)};
   return {5, 0};
 }
 

@@ -13,14 +13,14 @@ demo() {
 
   say "models: fitted by the daemon on its stored points"
   fit geometry --model 'q ~ x + x^2'
-  fit ten --model 'q ~ x + x^2 + T'
+  fit ten --model 'q ~ x + x^2 + t01..t10'
   fit six --model 'q ~ x + x^2 + t05..t10'
-  fit first300 --model 'q ~ x + x^2 + T' --first 300
-  driftwise fit "$out/campaign.csv" --model 'q ~ x + x^2 + T' --offers --json >"$out/offers.json"
+  fit first300 --model 'q ~ x + x^2 + t01..t10' --first 300
+  driftwise fit "$out/campaign.csv" --model 'q ~ x + x^2 + t01..t10' --offers --json >"$out/offers.json"
   report linear-axis fits "$out"
 
   say "the same fit on the exported file, without the daemon"
-  same_offline ten "$out/campaign.csv" 'q ~ x + x^2 + T'
+  same_offline ten "$out/campaign.csv" 'q ~ x + x^2 + t01..t10'
 
   say "serving: the six-sensor model"
   driftwise model promote "$(model six)"

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cmath>
 
 #include "server/formats/dataset_csv.h"
@@ -54,29 +53,6 @@ INSTANTIATE_TEST_SUITE_P(
              "TOO_MUCH_METADATA"},
         Case{"Values", "x_mm\n" + std::string(std::size_t{9} << 20, '\n'), "TOO_MANY_VALUES"}),
     [](const auto& row) { return std::string(row.param.name); });
-
-// Time for the header row alone, the best of several; the limit of columns lifted.
-double seconds_for(std::size_t columns) {
-  const std::string text = header_of(columns) + "1";
-  CsvLimits limits;
-  limits.columns = columns;
-  limits.header_bytes = text.size() + 1;
-  double best_s = INFINITY;
-  for (int i = 0; i < 5; ++i) {
-    const auto begin = std::chrono::steady_clock::now();
-    const auto data = read_dataset_csv(text, "wide.csv", {}, limits);
-    best_s = std::min(
-        best_s, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
-    EXPECT_EQ(data.error().reason, "RAGGED_ROW");
-  }
-  return best_s;
-}
-
-// Eight times the columns took 64 times as long while each name was compared with all before it.
-TEST(WideTable, CostsLinearTime) {
-  const double narrow_s = seconds_for(6'000), wide_s = seconds_for(48'000);
-  EXPECT_LT(wide_s / narrow_s, 24) << narrow_s << " s, " << wide_s << " s";
-}
 
 TEST(WideTable, OfAllColumnsThatAreAllowedIsRead) {
   const std::size_t columns = CsvLimits{}.columns;

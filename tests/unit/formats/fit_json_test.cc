@@ -60,7 +60,7 @@ TEST(FitTable, IsAPageWithUnitsFiguresAndWarnings) {
   const std::string page = fit_table(a_model(), {.history = true});
   for (const auto* part :
        {"q1 ~ x + x^2 + T", "267 calibration rows", "mm/mm^2", "mm/degC", "rms nm", "VIF", "enter",
-        "by blocks of time", "p-values after selection"})
+        "blocks of time", "p-values after selection"})
     EXPECT_THAT(page, HasSubstr(part));
 }
 

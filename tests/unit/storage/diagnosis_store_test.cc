@@ -133,7 +133,7 @@ TEST_F(DiagnosisStoreTest, AnExtensionWithARowThatIsNotThereLeavesNothing) {
   bad.exclusions[0].rows = {2, 77};
   const auto refused = store->diagnoses().accept(bad);
   ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().message, HasSubstr("row 77"));
+  EXPECT_THAT(refused.error().message, HasSubstr("row 78"));
   EXPECT_THAT(*store->diagnoses().corrections(), IsEmpty());
   EXPECT_FALSE(store->diagnoses().extension(id).value());
   EXPECT_TRUE(out_now().empty());
