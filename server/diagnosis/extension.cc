@@ -51,6 +51,7 @@ Extension::Extension(const Problem& problem, const std::vector<Cause>& causes,
       gate_(problem, series, search.bank()),
       ruled_out_(causes.size(), 0),
       forbidden_(causes.size(), 0) {
+  for (std::size_t o = 0; o < problem.outputs.size(); ++o) noise_sd_.push_back(physics.noise_sd(o));
   const auto& time_s = problem.data().time_s;
   for (std::size_t i = 1; i < time_s.size(); ++i)
     if (time_s[i] > time_s[i - 1]) instants_.push_back((time_s[i] + time_s[i - 1]) / 2);
@@ -68,7 +69,7 @@ SoftBase Extension::all(std::optional<std::size_t> without) const {
     if (i == without) continue;
     base.columns = beside(base.columns, named_[i].all);
     Eigen::VectorXd precision(base.columns.cols());
-    precision << base.precision, physics_.shared_precision(named_[i].prior);
+    precision << base.precision, Physics::shared_precision(named_[i].prior, noise_sd_);
     base.precision = std::move(precision);
   }
   return base;
@@ -245,10 +246,19 @@ Result<bool> Extension::add(const Look& look) {
   auto one = made(best.front(), look.p_adjusted);
   if (!one) return tl::unexpected(one.error());
   named_.push_back(std::move(*one));
+  update_noise();
   std::ranges::fill(ruled_out_, char{0});  // beside it, others may be asked for less
   if (named_.size() > 1)
     if (auto ok = reoptimise(); !ok) return tl::unexpected(ok.error());
   return true;
+}
+
+// A strong effect is noise as long as it is not named: with that noise its own prior would hold its
+// amplitude back, and what was held back would be left over.
+void Extension::update_noise() {
+  const Eigen::MatrixXd columns = all().columns;
+  for (std::size_t o = 0; o < noise_sd_.size(); ++o)
+    noise_sd_[o] = std::min(noise_sd_[o], noise_between_neighbours(problem_, o, columns));
 }
 
 Result<void> Extension::reoptimise() {

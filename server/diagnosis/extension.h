@@ -27,7 +27,8 @@ struct Named {
   Eigen::MatrixXd all, learned;  // its columns: every row of the dataset; blocks
   double p_adjusted = 1;         // when it was found
   AmplitudePrior prior;
-  double evidence = 0;  // beyond the baseline and the others: 2 ln of the marginal likelihoods' ratio
+  double evidence =
+      0;  // beyond the baseline and the others: 2 ln of the marginal likelihoods' ratio
   double likelihood = 0;  // growth of 2 ln L
   std::vector<std::size_t> rivals;
 };
@@ -64,6 +65,8 @@ class Extension {
   Result<bool> add(const Look& look);
   // Rules a cause out for good, and takes it back where it is named.
   void forbid(std::size_t cause);
+  // Of a row, with what is named in: priors are weighed against it.
+  double noise_sd(std::size_t output) const { return noise_sd_[output]; }
   const std::vector<std::string>& refused() const { return refused_; }  // by the gate: sentences
   // Every parameter again, given the others; then each finding against all other causes: another
   // that does clearly better takes its place, one that the others make superfluous goes, and what
@@ -100,6 +103,7 @@ class Extension {
   Result<void> add_value(std::size_t index, double value);
   Result<void> set_values(Named& named, const std::vector<double>& values) const;
   Result<void> reoptimise();
+  void update_noise();
   Candidate as_it_stands(std::size_t index, double occam, const Ground& ground) const;
   std::optional<std::vector<Candidate>> stand_ins(std::size_t index);
   std::optional<std::size_t> value_of_another(std::size_t index,
@@ -123,6 +127,7 @@ class Extension {
   const Physics& physics_;
   ToldFromGeometry told_from_geometry_;
   EntryGate gate_;
+  std::vector<double> noise_sd_;
   std::vector<char> ruled_out_, forbidden_;
   std::vector<std::string> refused_;
   std::vector<Named> named_;

@@ -100,6 +100,7 @@ Result<std::vector<std::string>> Extension::settle() {
     name_rivals(i, *best, first);
     ++i;
   }
+  update_noise();
   leave_misfits(said);
   return said;
 }

@@ -98,9 +98,11 @@ Eigen::MatrixXd slopes_of(const Problem& problem) {
   return slopes;
 }
 
-// Of the rows' noise, from what neighbours in time differ by: a slow effect is hardly in it.
-double noise_between_neighbours(const Problem& problem, std::size_t output) {
-  const Eigen::VectorXd left = residuals(problem, problem.outputs[output], problem.base_columns);
+}  // namespace
+
+double noise_between_neighbours(const Problem& problem, std::size_t output,
+                                const Eigen::MatrixXd& columns) {
+  const Eigen::VectorXd left = residuals(problem, problem.outputs[output], columns);
   std::vector<double> apart, about;
   for (std::size_t i = 0; i < problem.learn.size(); ++i) {
     const double here = left[static_cast<Eigen::Index>(problem.learn[i])];
@@ -113,8 +115,6 @@ double noise_between_neighbours(const Problem& problem, std::size_t output) {
   const double measured = problem.outputs[output].measured.cwiseAbs().maxCoeff();
   return std::max({sd, 1e-13 * (std::isfinite(measured) ? measured : 1), 1e-12});
 }
-
-}  // namespace
 
 std::span<const PhysicsRecord> physics_table() {
   static const std::vector<PhysicsRecord> table = {
@@ -162,7 +162,7 @@ Physics::Physics(const Problem& problem, const std::optional<LeverLimits>& lever
   if (time_s.size() > 1) hours_ = (time_s.maxCoeff() - time_s.minCoeff()) / 3600;
   force_range_ = stroke_mm("force");
   for (std::size_t o = 0; o < problem.outputs.size(); ++o)
-    noise_sd_.push_back(noise_between_neighbours(problem, o));
+    noise_sd_.push_back(noise_between_neighbours(problem, o, problem.base_columns));
 }
 
 // max - min over the rows that learn.
@@ -294,13 +294,14 @@ AmplitudePrior Physics::prior(const Cause& cause, const std::vector<effects::Ter
   return result;
 }
 
-Eigen::VectorXd Physics::shared_precision(const AmplitudePrior& prior) const {
+Eigen::VectorXd Physics::shared_precision(const AmplitudePrior& prior,
+                                          const std::vector<double>& noise_sd) {
   Eigen::VectorXd precision(prior.typical.rows());
   for (Eigen::Index k = 0; k < precision.size(); ++k) {
     double sum = 0, count = 0;
     for (Eigen::Index o = 0; o < prior.typical.cols(); ++o)
       if (prior.typical(k, o) > 0) {
-        sum += 2 * std::log(noise_sd_[static_cast<std::size_t>(o)] / prior.typical(k, o));
+        sum += 2 * std::log(noise_sd[static_cast<std::size_t>(o)] / prior.typical(k, o));
         count += 1;
       }
     precision[k] = count > 0 ? std::exp(sum / count) : 1e300;

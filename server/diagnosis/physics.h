@@ -34,6 +34,11 @@ struct AmplitudePrior {
   Eigen::MatrixXd typical, range;
 };
 
+// Of the rows' noise, from what neighbours in time differ by after a least-squares fit of these
+// columns (every row of the dataset): a slow effect is hardly in it. Summary unit.
+double noise_between_neighbours(const Problem& problem, std::size_t output,
+                                const Eigen::MatrixXd& columns);
+
 class Physics {
  public:
   // problem outlives it. width: every typical size and range is multiplied by it.
@@ -44,7 +49,9 @@ class Physics {
                        double parameter, const Eigen::Ref<const Eigen::MatrixXd>& columns) const;
   // Prior variance over noise variance, as a precision, for columns of the simulation that all
   // outputs share: the geometric mean over the outputs where the cause acts.
-  Eigen::VectorXd shared_precision(const AmplitudePrior& prior) const;
+  // noise_sd: of a row, per output, with what is named in the simulation.
+  static Eigen::VectorXd shared_precision(const AmplitudePrior& prior,
+                                          const std::vector<double>& noise_sd);
   double noise_sd(std::size_t output) const { return noise_sd_[output]; }
   // Of a shape that no physics describes: half the standard deviation of the noise at its largest.
   Eigen::MatrixXd of_free_shape(const Eigen::Ref<const Eigen::MatrixXd>& columns) const;

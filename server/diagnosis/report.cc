@@ -105,7 +105,7 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
     const WeightedFit fit(
         problem, base, named.learned, o, ground.space(gain.shape[o]).shape(),
         named.prior.typical.col(static_cast<Eigen::Index>(o)).unaryExpr([&](double sd) {
-          return sd > 0 ? std::pow(ground.white_sd(static_cast<Eigen::Index>(o)) / sd, 2) : 0;
+          return sd > 0 ? std::pow(extension.noise_sd(o) / sd, 2) : 0;
         }));
     Eigen::VectorXd added = Eigen::VectorXd::Zero(named.learned.rows());
     for (Eigen::Index k = 0; k < named.learned.cols(); ++k) {
