@@ -20,9 +20,11 @@ class DeviceClock {
   static constexpr double kDrift_per_s = 1e-3;  // a thousand times that of a quartz
 
   // first, last: the device's stamps of the earliest and the latest event within (asked, answered).
-  // Result: by how much the device's clock has jumped; none: it has not, or nothing was known.
+  // speed: cell seconds per real second. A simulated cell follows a change of it some milliseconds
+  // of real time later. Result: by how much the device's clock has jumped; none: it has not, or
+  // nothing was known.
   std::optional<Nanoseconds> observe(CellTime first, CellTime last, CellTime asked,
-                                     CellTime answered) {
+                                     CellTime answered, double speed = 1) {
     const Nanoseconds most = first - asked, least = std::min(last - answered, most);
     if (!offset_) {
       offset_ = least;
