@@ -136,8 +136,8 @@ Awaitable<Result<Reading>> Interferometer::read() {
 
 // The adapter's stamps are by its own clock: they count by their measured offset, whatever that is.
 Result<Reading> Interferometer::reading_from(const Measurement& measurement, CellTime asked) {
-  const auto jump =
-      clock_of_device_.observe(measurement.start, measurement.end, asked, clock_.now().utc);
+  const auto jump = clock_of_device_.observe(measurement.start, measurement.end, asked,
+                                             clock_.now().utc, clock_.speed());
   if (jump) {
     ++clock_jumps_;
     last_clock_jump_ = *jump;

@@ -17,6 +17,7 @@ namespace driftwise::transport {
 class DeviceClock {
  public:
   static constexpr double kJump_s = 0.1;        // above the tolerance of any exchange
+  static constexpr double kFollows_s = 0.05;    // of real time, at a speed above 1
   static constexpr double kDrift_per_s = 1e-3;  // a thousand times that of a quartz
 
   // first, last: the device's stamps of the earliest and the latest event within (asked, answered).
@@ -34,7 +35,8 @@ class DeviceClock {
     const Nanoseconds before = *offset_;
     offset_ = std::clamp(before, least, most);
     const auto limit =
-        nanoseconds_from_s(kJump_s + kDrift_per_s * std::max(0.0, seconds_from(answered - seen_)));
+        nanoseconds_from_s(kJump_s + (speed > 1 ? kFollows_s * speed : 0) +
+                           kDrift_per_s * std::max(0.0, seconds_from(answered - seen_)));
     seen_ = answered;
     const Nanoseconds moved = *offset_ - before;
     if (moved <= limit && moved >= -limit) return std::nullopt;

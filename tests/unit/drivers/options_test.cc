@@ -133,6 +133,16 @@ TEST(DeviceClock, FollowsADriftAndTellsAJump) {
   EXPECT_NEAR(seconds_from(*back), -600, 0.2);
 }
 
+// A simulated cell at 200 x follows a change of speed 2 ms later: 0.4 s of cell time.
+TEST(DeviceClock, TheCellsOwnChangeOfSpeedIsNoJump) {
+  const auto at = [](double s) { return CellTime{} + nanoseconds_from_s(s); };
+  DeviceClock device_clock;
+  EXPECT_FALSE(device_clock.observe(at(10.1), at(10.6), at(10), at(10.7), 200));
+  EXPECT_FALSE(device_clock.observe(at(20.5), at(21.0), at(20), at(20.7), 200));
+  EXPECT_NEAR(seconds_from(*device_clock.offset()), 0.3, 1e-6);
+  EXPECT_TRUE(device_clock.observe(at(3630.1), at(3630.6), at(30), at(30.7), 200));
+}
+
 // Between two asked at long intervals a quartz may drift by more than an exchange is wide.
 TEST(DeviceClock, ALongAbsenceIsNoJump) {
   const auto at = [](double s) { return CellTime{} + nanoseconds_from_s(s); };
