@@ -139,7 +139,7 @@ Extension::Candidate Extension::of_cell(std::size_t cause, std::size_t cell, dou
   if (!columns) return result;
   const Eigen::MatrixXd learned = problem_.learned(*columns);
   result.prior = physics_.prior(what, result.terms, result.refined.value, learned);
-  result.gain = ground.gain(learned, result.prior.typical);
+  result.gain = ground.settled_gain(learned, result.prior.typical);
   result.refined.gain = result.gain.gain;
   result.nameable = result.gain.gain > 0 && within_range(result, learned, ground) &&
                     told_from_geometry_(what, learned, result.gain.shape, ground);
@@ -313,7 +313,7 @@ Extension::Candidate Extension::as_it_stands(std::size_t index, double occam,
   const Named& named = named_[index];
   Candidate result{.cause = named.cause,
                    .refined = {named.parameter, 0},
-                   .gain = ground.gain(named.learned, named.prior.typical),
+                   .gain = ground.settled_gain(named.learned, named.prior.typical),
                    .terms = named.terms,
                    .prior = named.prior};
   result.refined.gain = result.gain.gain;

@@ -175,13 +175,32 @@ Gain Ground::gain(const Eigen::MatrixXd& columns, const PriorSd& prior) const {
   return result;
 }
 
+Gain Ground::settled_gain(const Eigen::MatrixXd& columns, const PriorSd& prior) const {
+  const Gain first = gain(columns, prior);
+  PriorSd weighed = prior;
+  for (Eigen::Index o = 0; o < outputs(); ++o) {
+    const auto at = static_cast<std::size_t>(o);
+    if (first.contribution[at].size() == 0) continue;
+    const std::size_t shape = first.shape[at];
+    const double sd = (left_[shape].col(o) - first.contribution[at]).norm() /
+                      std::sqrt(static_cast<double>(spaces_[shape].dof()));
+    if (sd > 0) weighed.col(o) *= white_sd(o) / sd;
+  }
+  return gain(columns, weighed);
+}
+
 Ground::Amplitudes Ground::amplitudes(const Eigen::MatrixXd& columns, const PriorSd& prior,
                                       std::size_t shape, Eigen::Index output) const {
-  const double sd = white_sd(output);
   const Eigen::MatrixXd white =
       spaces_[shape].left_over(columns.rowwise() - columns.colwise().mean());
+  const auto left = left_[shape].col(output);
+  const Eigen::VectorXd along = white.transpose() * left;
+  const Integrated first(white, prior.col(output) / white_sd(output));
+  const double sd =
+      std::max((left - white * first.amplitudes(along)).norm(), kLeast * left.norm()) /
+      std::sqrt(static_cast<double>(spaces_[shape].dof()));
   const Integrated with(white, prior.col(output) / sd);
-  Amplitudes result{with.amplitudes(white.transpose() * left_[shape].col(output)), {}};
+  Amplitudes result{with.amplitudes(along), {}};
   result.error = sd * with.errors();
   return result;
 }

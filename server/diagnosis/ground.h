@@ -52,6 +52,9 @@ class Ground {
 
   // columns: rows x c, centred or not. Amplitudes are integrated out under their prior.
   Gain gain(const Eigen::MatrixXd& columns, const PriorSd& prior) const;
+  // The same, priors weighed against the noise that is left with the effect in: what is not named
+  // yet is noise to the first look, and slow noise may have taken it up.
+  Gain settled_gain(const Eigen::MatrixXd& columns, const PriorSd& prior) const;
   // The same with free amplitudes: growth of 2 ln L alone, for shapes that no physics describes.
   Gain free_gain(const Eigen::MatrixXd& columns, const std::vector<char>& on) const;
   // Posterior mean and standard error of the amplitudes on one output.
