@@ -41,7 +41,7 @@ def main():
             ("an empty device", "/dev/null", "EMPTY_FILE", None),
             ("a folder", scratch, "NOT_A_FILE", None),
             ("a line without an end", written("line.csv", b"x" * (8 << 20)), "HEADER_TOO_LONG", None),
-            ("escape sequences", written("escape.csv", b"time_s,\x1b]0;pwned\x07q1_mm\n1,2\n"), "BAD_CHANNEL", None),
+            ("escape sequences", written("escape.csv", b"time_s,\x1b]0;pwned\x07q1_mm\n1,2\n"), "NO_HEADER", None),
             ("a pipe without an end", "-", "HEADER_TOO_LONG", b"x" * (4 << 20)),
         ]
         for verb in ("fit", "diagnose"):

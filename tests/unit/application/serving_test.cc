@@ -153,7 +153,7 @@ TEST_F(ServingTest, AVerificationSaysWhatCompensationAchieved) {
   auto request = application::CreateRun{};
   request.trajectory_text =
       "x_mm,set,line,zero\n0,validation,1,1\n1,validation,1,0\n-2.5,validation,1,0\n"
-      "3.7,validation,1,0\n5.2,validation,1,0\n";
+      "3.7,validation,1,0\n4.6,validation,1,0\n";
   request.compensate = true;
   const auto with = cell.try_run(request);
   ASSERT_TRUE(with) << with.error().message;
@@ -175,7 +175,7 @@ TEST_F(ServingTest, AVerificationSaysWhatCompensationAchieved) {
   ASSERT_EQ(run.coordinates.size(), 1u);
   const auto& x = run.coordinates[0];
   EXPECT_EQ(x.unit, "nm");
-  EXPECT_GE(run.rows_outside, 1);  // 5.2 mm: the campaign went to 4
+  EXPECT_GE(run.rows_outside, 1);  // 4.6 mm: the campaign went to 4
   EXPECT_EQ(x.inside.rows + x.outside.rows, 4);
   ASSERT_TRUE(x.by_model.has_value());
   std::vector<double> errors;

@@ -118,11 +118,12 @@ TEST_F(RunCommandsTest, ListsRunsAsATable) {
     run.ended = run.started + std::chrono::seconds(14520);
     cell.the_runs[12] = run;
   });
-  EXPECT_EQ(
-      run({"run", "list"}).out,
-      "run  name     state     points  given up  attempts  started (UTC)              took  "
-      "operator\n"
-      " 12  weekend  done   1006/1008         2      1031  2023-11-14 22:13:20  4 h 02 min  ada\n");
+  EXPECT_EQ(run({"run", "list"}).out,
+            "run  name     state     points  given up  attempts  started (UTC)              took  "
+            "compensated  operator  rests on\n"
+            " 12  weekend  done   1006/1008         2      1031  2023-11-14 22:13:20  4 h 02 min  "
+            "no       "
+            "    ada\n");
 }
 
 TEST_F(RunCommandsTest, PausesResumesAndAborts) {
