@@ -65,8 +65,8 @@ struct Session {
 
   // Moves all of the log into the database and waits for readers of older states meanwhile.
   void secure_log() {
-    const int code = sqlite3_wal_checkpoint_v2(db.handle(), nullptr, SQLITE_CHECKPOINT_FULL,
-                                               nullptr, nullptr);
+    const int code =
+        sqlite3_wal_checkpoint_v2(db.handle(), nullptr, SQLITE_CHECKPOINT_FULL, nullptr, nullptr);
     files.wrote();
     if (code != SQLITE_OK) db.fail_now("moving the log into the database");
   }

@@ -69,8 +69,7 @@ std::string quick_check(Database& db, const std::string& table) {
     if (line == "ok" || ++told > kTroublesTold) return;
     trouble += (trouble.empty() ? "" : "; ") + line;
   });
-  if (told > kTroublesTold)
-    trouble += "; and " + std::to_string(told - kTroublesTold) + " more";
+  if (told > kTroublesTold) trouble += "; and " + std::to_string(told - kTroublesTold) + " more";
   return trouble;
 }
 
@@ -124,9 +123,8 @@ Result<std::vector<std::string>> SqliteUpkeepStore::tables() {
 Result<std::string> SqliteUpkeepStore::check(const std::string& table,
                                              const std::function<bool()>& give_way) {
   GivesWay watch(session_.db, give_way);
-  auto trouble = answered([&] {
-    return table.empty() ? first_look(session_.db) : quick_check(session_.db, table);
-  });
+  auto trouble = answered(
+      [&] { return table.empty() ? first_look(session_.db) : quick_check(session_.db, table); });
   if (trouble) return trouble;
   if (watch.gave_way())
     return fail(ErrorCode::cancelled, "GAVE_WAY", "the check of table " + table + " gave way");

@@ -39,9 +39,9 @@ enum TargetFlag : std::uint32_t {
       1u << 3,  // nobody rebuilt the snapshot in time: request.now is past valid_until
   kUnanchoredDatum =
       1u << 4,  // the present datum is not known: the constant is that of the model's own datum
-  kOutsideLimits = 1u << 5,      // beyond the axes' soft limits: see unreachable
-  kUnknownLimits = 1u << 6,      // the cell knows no soft limits of an axis: see unlimited
-  kIgnoredCoordinate = 1u << 7,  // the model does not depend on a stated coordinate: see ignored
+  kOutsideLimits = 1u << 5,         // beyond the axes' soft limits: see unreachable
+  kUnknownLimits = 1u << 6,         // the cell knows no soft limits of an axis: see unlimited
+  kIgnoredCoordinate = 1u << 7,     // the model does not depend on a stated coordinate: see ignored
   kConfigurationChanged = 1u << 8,  // the cell file has changed, in parts that this model does not
                                     // use; nobody has accepted it yet
 };
@@ -95,8 +95,8 @@ Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request,
 std::string describe_flags(const Snapshot& snapshot, const Target& target);
 
 // The refusal as the error a client sees: NO_MODEL, MISSING_COORDINATE, NOT_FINITE, OUTSIDE_DOMAIN,
-// STALE, CONFIGURATION_CHANGED, OUTSIDE_LIMITS(q3) with the motor coordinates that lie beyond, joined
-// by '+'.
+// STALE, CONFIGURATION_CHANGED, OUTSIDE_LIMITS(q3) with the motor coordinates that lie beyond,
+// joined by '+'.
 Error refusal_error(const Snapshot& snapshot, const Target& target);
 
 }  // namespace driftwise::compensation

@@ -38,6 +38,7 @@ SummaryUnit summary_unit(std::string_view unit);
 // q1, q2, ... (motor coordinates as read back), x y z rx ry rz (pose), tNN (structure temperature).
 bool is_motor_symbol(std::string_view symbol);
 bool is_pose_symbol(std::string_view symbol);
-bool is_structure_temperature(const Channel& channel);  // symbol tNN and unit degC
+// A temperature that may stand for the structure: degC or K, not air, not a set-point or a spread.
+bool is_structure_temperature(const Channel& channel);
 
 }  // namespace driftwise

@@ -62,8 +62,8 @@ Catalogue catalogue_for(const Dataset& dataset, const std::vector<effects::Term>
                         const std::vector<std::string>& excluded);
 
 // Is the channel an answer of the machine rather than a condition of it: an output, anything named
-// after one ("d1_std"), a length or an angle that is no coordinate? Nothing that is computed from an
-// output can explain it.
+// after one ("d1_std"), a length or an angle that is no coordinate? Nothing that is computed from
+// an output can explain it.
 bool is_response(const Channel& channel, const std::vector<std::string>& outputs);
 
 // The terms of a cell with another value of its parameter.

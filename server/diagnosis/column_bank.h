@@ -23,7 +23,7 @@ std::vector<char> acts_on(const Problem& problem, const Cause& cause);
 // Cells of a cause that are one column as far as these data can tell (plays much narrower than
 // every move) are taken out of the cause, but for the first. tick: as in ScanOptions.
 // Errors: those of effects::TermEvaluator; cancelled.
-Result<Bank> column_bank(const Problem& problem, const Physics& physics,
-                         std::vector<Cause>& causes, const std::function<bool()>& tick);
+Result<Bank> column_bank(const Problem& problem, const Physics& physics, std::vector<Cause>& causes,
+                         const std::function<bool()>& tick);
 
 }  // namespace driftwise::diagnosis

@@ -11,7 +11,7 @@
 
 namespace driftwise::diagnosis {
 
-struct Standing {           // of one cause
+struct Standing {            // of one cause
   double evidence = -1e300;  // 2 ln of the marginal likelihood's ratio, averaged over its cells
   double gain = -1e300;      // of its best cell
   std::size_t cell = 0;
@@ -50,8 +50,8 @@ class Search {
   const Bank& bank() const { return bank_; }
 
  private:
-  std::vector<NoiseShape> shapes_in_question(const SoftBase& base,
-                                             const std::vector<char>& allowed, bool& stopped) const;
+  std::vector<NoiseShape> shapes_in_question(const SoftBase& base, const std::vector<char>& allowed,
+                                             bool& stopped) const;
   const Timeline& timeline_;
   const Eigen::MatrixXd& series_;
   Bank bank_;

@@ -13,7 +13,8 @@
 
 namespace driftwise::diagnosis {
 
-// One row per block, sine and cosine of each cell in turn. Nothing for a cause that is not a wave, where values are missing, and when tick says stop.
+// One row per block, sine and cosine of each cell in turn. Nothing for a cause that is not a wave,
+// where values are missing, and when tick says stop.
 std::optional<Eigen::MatrixXd> wave_columns(const Problem& problem, const Cause& cause,
                                             const std::function<bool()>& tick);
 

@@ -117,8 +117,8 @@ class ModelService final : public v1::ModelService::CallbackService {
       std::optional<ModelRecord> before;
       if (const auto serving = cell_.status().serving)
         if (auto record = co_await cell_.model(*serving)) before = std::move(*record);
-      auto promoting = cell_.promote(caller_of(*context), ModelId{request->model_id()},
-                                     request->confirmed());
+      auto promoting =
+          cell_.promote(caller_of(*context), ModelId{request->model_id()}, request->confirmed());
       const auto promoted = co_await std::move(promoting);
       co_return put(whole(promoted, before ? &*before : nullptr), *response->mutable_model());
     });

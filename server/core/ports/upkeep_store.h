@@ -27,8 +27,8 @@ struct TableCheck {
   std::string trouble;  // empty: clean
 };
 struct DatabaseChecks {
-  CellTime begun;       // of the present pass; utc_ns 0: none was ever begun
-  CellTime last_clean;  // when a pass last ended with every table clean; utc_ns 0: never
+  CellTime begun;                  // of the present pass; utc_ns 0: none was ever begun
+  CellTime last_clean;             // when a pass last ended with every table clean; utc_ns 0: never
   std::vector<TableCheck> tables;  // the last check of each
 };
 

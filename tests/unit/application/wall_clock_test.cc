@@ -140,8 +140,7 @@ TEST(DeviceClockSet, RepeatsThePointUnderWayAndTheRunContinues) {
   EXPECT_EQ(ended.accepted, ended.rows);
   int interrupted = 0;
   const auto attempts = *cell.await(cell->attempts(id));
-  for (const auto& attempt : attempts)
-    interrupted += attempt.verdict == Verdict::interrupted;
+  for (const auto& attempt : attempts) interrupted += attempt.verdict == Verdict::interrupted;
   EXPECT_EQ(interrupted, 1);
   cell.pass(10);
   const auto jumps = cell.events_named("device.clock_jumped");

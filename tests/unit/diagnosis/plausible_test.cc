@@ -1,14 +1,13 @@
 // A robot that its load tilts, and a beam beside the centre of rotation, move a length alike. How
 // far beside it can be, the cell declares.
 
-#include "server/diagnosis/lever_limits.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
 #include "server/diagnosis/diagnosis.h"
+#include "server/diagnosis/lever_limits.h"
 #include "server/formats/formula.h"
 
 namespace driftwise::diagnosis {

@@ -2,8 +2,8 @@
 
 #include "drivers/transport/address_key.h"
 
-#include <gmock/gmock.h>
 #include <fcntl.h>
+#include <gmock/gmock.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -17,8 +17,7 @@ TEST(AddressKey, IsTheSameForEveryFormOfOneTcpAddress) {
   EXPECT_EQ(tcp_key("::ffff:192.168.1.7", 50000), "tcp:192.168.1.7:50000");
   EXPECT_EQ(tcp_key("0:0:0:0:0:0:0:1", 7), tcp_key("::1", 7));
   EXPECT_NE(tcp_key("192.168.1.7", 50001), tcp_key("192.168.1.7", 50000));
-  EXPECT_THAT(keys_of(*parse_address("localhost:50000")),
-              testing::Contains("tcp:127.0.0.1:50000"));
+  EXPECT_THAT(keys_of(*parse_address("localhost:50000")), testing::Contains("tcp:127.0.0.1:50000"));
   EXPECT_THAT(keys_of(*parse_address("no-such-host.invalid:1")), testing::IsEmpty());
 }
 

@@ -58,9 +58,8 @@ TEST(FitJson, GivesAnglesInArcsecAndOthersInTheirOwnUnit) {
 
 TEST(FitTable, IsAPageWithUnitsFiguresAndWarnings) {
   const std::string page = fit_table(a_model(), {.history = true});
-  for (const auto* part :
-       {"q1 ~ x + x^2 + T", "267 calibration rows", "mm/mm^2", "mm/degC", "rms nm", "VIF", "enter",
-        "blocks of time", "p-values after selection"})
+  for (const auto* part : {"q1 ~ x + x^2 + T", "267 calibration rows", "mm/mm^2", "mm/degC",
+                           "rms nm", "VIF", "enter", "blocks of time", "p-values after selection"})
     EXPECT_THAT(page, HasSubstr(part));
 }
 
