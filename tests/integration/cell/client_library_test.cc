@@ -62,7 +62,7 @@ TEST(ClientLibrary, SaysWhyThereIsNoTarget) {
   serve_known_model(cell);
   const auto beyond = library.target({{"x_mm", 2 * kServedLimit_mm}}, seconds(20));
   ASSERT_FALSE(beyond.has_value());
-  EXPECT_EQ(beyond.error().reason, "OUTSIDE_LIMITS");
+  EXPECT_EQ(beyond.error().reason, "OUTSIDE_LIMITS(q1)");
   const client::Client nobody("127.0.0.1:1");
   const auto no_daemon = nobody.target({{"x_mm", 1.0}}, seconds(5));
   ASSERT_FALSE(no_daemon.has_value());
