@@ -3,6 +3,7 @@
 // streams.
 
 #include <functional>
+#include <istream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -55,6 +56,8 @@ struct Console {
   std::string working_folder = ".";
   bool json = false;    // --json
   int err_height = 24;  // lines, for a full screen
+  std::istream* in = nullptr;  // where a question is answered; none: nobody can be asked
+  bool in_is_terminal = false;
 
   std::string variable(const std::string& name) const {
     const auto found = environment.find(name);

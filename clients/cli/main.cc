@@ -30,7 +30,7 @@ int main(int argc, char** argv) {
   Interrupt interrupt;   // before any other thread
   Console console{
       std::cout, std::cerr, isatty(STDOUT_FILENO) != 0, isatty(STDERR_FILENO) != 0, 80, {}, ".",
-      false,     24};
+      false,     24,        &std::cin, isatty(STDIN_FILENO) != 0};
   winsize size{};
   if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20) {
     console.err_width = size.ws_col;

@@ -5,6 +5,7 @@
 #include "server/application/cell_application.h"
 #include "server/application/extension_plan.h"
 #include "server/application/fit_options.h"
+#include "server/application/model_integrity.h"
 #include "server/compensation/snapshot_builder.h"
 #include "server/formats/amendment_json.h"
 #include "server/formats/model_json.h"
@@ -59,6 +60,7 @@ Result<AcceptMaterial> gather_to_accept(Store& store, const AcceptRequest& reque
   if (material.record.model) {
     auto parent = store.models().model(*material.record.model);
     if (!parent) return tl::unexpected(parent.error());
+    if (auto whole = check_integrity(*parent); !whole) return tl::unexpected(whole.error());
     material.parent = std::move(*parent);
   }
   return material;

@@ -48,6 +48,8 @@ Awaitable<Result<RunRecord>> CellApplication::create_run(Caller caller, CreateRu
                    fmt::format("{}: column {}: with several axes a pose is no motor coordinate: "
                                "compensate with a model",
                                name, check->trajectory.coordinates.front().name()));
+  if (plan.compensate && !plan.compensate_with && serving_.refused())
+    co_return tl::unexpected(*serving_.refused());
   if (plan.compensate && !plan.compensate_with && !serving_.model())
     co_return fail(ErrorCode::failed_precondition, "NO_MODEL",
                    "no model serves: promote one, or run without compensation");
@@ -116,15 +118,31 @@ Awaitable<Result<RunRecord>> CellApplication::steer(Caller caller, RunId id, con
 
 Awaitable<Result<RunRecord>> CellApplication::pause_run(Caller caller, RunId run) {
   auto why = fmt::format("paused by {}", caller.name);
-  std::function<void(RunControl&)> act = [why](RunControl& control) { control.hold(why); };
+  const RunHold hold{RunHold::Kind::pause, caller.name, clock_->now().utc, why};
+  std::function<void(RunControl&)> act = [hold](RunControl& control) { control.hold(hold); };
   co_return co_await steer(caller, run, "pause", why, std::move(act));
 }
 
-Awaitable<Result<RunRecord>> CellApplication::resume_run(Caller caller, RunId run) {
+Awaitable<Result<RunRecord>> CellApplication::resume_run(Caller caller, RunId id,
+                                                         HoldAnswer answer) {
   if (auto ok = stops_.check(); !ok) co_return tl::unexpected(ok.error());
-  auto why = fmt::format("resumed by {}", caller.name);
-  std::function<void(RunControl&)> act = [](RunControl& control) { control.resume(); };
-  co_return co_await steer(caller, run, "resume", why, std::move(act));
+  if (auto known = co_await run(id); !known) co_return known;
+  auto control = control_of(id, "resume");
+  if (!control) co_return tl::unexpected(control.error());
+  if (by_hand_)
+    co_return fail(ErrorCode::failed_precondition, "MOVING",
+                   "a movement by hand is under way: wait for its end, or stop it");
+  const auto now = clock_->now().utc;
+  const RunHold hold = (*control)->hold();
+  if (auto ok = check_answer(*engine_.record(), hold, caller.name, answer, now); !ok)
+    co_return tl::unexpected(ok.error());
+  auto detail = fmt::format("resumed by {}: {}", caller.name,
+                            hold_sentence(*engine_.record(), hold, now));
+  if (hold.kind == RunHold::Kind::stop && hold.who != caller.name)
+    detail += fmt::format("; the stop was overridden: {}", answer.override_reason);
+  events_.record(caller, "run.resume", std::move(detail), id);
+  (*control)->resume();
+  co_return *engine_.record();
 }
 
 Awaitable<Result<RunRecord>> CellApplication::abort_run(Caller caller, RunId run, std::string why) {

@@ -74,23 +74,45 @@ Error no_controller() {
 
 Awaitable<Result<MotionState>> DeviceBench::motion_state() {
   if (!controller_) co_return tl::unexpected(no_controller());
-  co_return co_await ask(*controller_, [](MotionController& c) { return c.state(); });
+  auto state = co_await ask(*controller_, [](MotionController& c) { return c.state(); });
+  if (state && motion_watch_)
+    if (const auto moved = motion_watch_->look(*state)) on_uncommanded_(*moved);
+  co_return state;
+}
+
+void DeviceBench::watch_motion(double limit_nm,
+                               std::function<void(const std::string&)> on_uncommanded) {
+  if (!controller_) return;
+  std::vector<Channel> motors;
+  for (const auto& axis : controller_->device->description().axes) motors.push_back(axis.channel);
+  motion_watch_.emplace(std::move(motors), limit_nm);
+  on_uncommanded_ = std::move(on_uncommanded);
 }
 
 Awaitable<Result<void>> DeviceBench::home() {
   if (!controller_) co_return tl::unexpected(no_controller());
-  co_return co_await ask_to_move(*controller_, [](MotionController& c) { return c.home(); });
+  if (motion_watch_) motion_watch_->released();
+  auto homed = co_await ask_to_move(*controller_, [](MotionController& c) { return c.home(); });
+  if (motion_watch_) motion_watch_->released();
+  co_return homed;
 }
 
 Awaitable<Result<void>> DeviceBench::start_move(std::vector<double> q_mm) {
   if (!controller_) co_return tl::unexpected(no_controller());
-  co_return co_await ask_to_move(*controller_,
-                                 [&q_mm](MotionController& c) { return c.start_move(q_mm); });
+  // Before it is sent: a move whose answer got lost may have started all the same.
+  if (motion_watch_) motion_watch_->commanded(q_mm);
+  auto started = co_await ask_to_move(
+      *controller_, [&q_mm](MotionController& c) { return c.start_move(q_mm); });
+  if (!started && motion_watch_) motion_watch_->released();
+  co_return started;
 }
 
 Awaitable<Result<void>> DeviceBench::stop() {
   if (!controller_) co_return Result<void>{};
-  co_return co_await controller_->device->stop();
+  if (motion_watch_) motion_watch_->released();
+  auto stopped = co_await controller_->device->stop();
+  if (motion_watch_) motion_watch_->released();
+  co_return stopped;
 }
 
 Awaitable<Result<Reading>> DeviceBench::read_interferometer(std::size_t i) {

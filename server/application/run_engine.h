@@ -35,7 +35,14 @@ class RunEngine {
   void begin(RunRecord record, RunPlan plan, Trajectory trajectory,
              std::optional<RunBefore> before);
 
+  // The run under way opens a new datum before its next point, without homing; none: nothing.
+  void remeasure_zero(std::string reason);
+
   bool busy() const { return run_ != nullptr; }
+  // The run under way waits for a person and does nothing meanwhile: the axes may be moved by hand.
+  bool stands() const { return run_ && stands_; }
+  // Before a first motion that nobody asked for: a sentence for people; empty: none is ahead.
+  const std::string& announcement() const { return announcement_; }
   RunControl* control() { return run_ ? &run_->control : nullptr; }
   const RunRecord* record() const { return run_ ? &run_->record : nullptr; }
   // The run under way, else the last one that ended.
@@ -52,6 +59,10 @@ class RunEngine {
   Awaitable<Result<void>> wait_until_stopped(ActiveRun& run);
   Awaitable<Result<void>> look_again(ActiveRun& run, Remedy remedy);
   Awaitable<Result<void>> hold(ActiveRun& run, RunState state);
+  Awaitable<Result<void>> clear_to_move(ActiveRun& run);
+  Awaitable<Result<void>> announce_motion(ActiveRun& run, const std::string& why);
+  Awaitable<Result<void>> park(ActiveRun& run);
+  void hold_if_too_many_were_given_up(ActiveRun& run);
   Awaitable<Result<void>> bring_force(ActiveRun& run);
   Awaitable<Result<void>> new_datum(ActiveRun& run);
   Awaitable<Result<void>> return_to_zero(ActiveRun& run, std::int64_t line);
@@ -70,6 +81,11 @@ class RunEngine {
   std::optional<DatumOpening> wanted_datum_;  // to be opened before the next point
   std::optional<RunBefore> before_;
   std::optional<RunProgress> last_progress_;
+  bool stands_ = false;
+  bool may_start_ = true;     // false: the daemon was away, and whether the run may move is open
+  bool computer_was_away_ = false, had_datum_ = false;
+  std::string announcement_;
+  std::int64_t counted_accepted_ = 0, counted_given_up_ = 0;  // rows up to the last such pause
   std::int64_t sequence_ = 0;
   bool publishing_ = false;
   WatchList<RunProgress> watchers_;

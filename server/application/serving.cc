@@ -74,8 +74,17 @@ Awaitable<Result<void>> Serving::serve(std::optional<ModelRecord> model) {
   } else {
     serving_.reset();
   }
+  refused_.reset();
   rebuild();
   co_return Result<void>{};
+}
+
+void Serving::refuse(ModelId model, Error why) {
+  events_.record_own("serving.refused",
+                     fmt::format("model {} does not serve: {}", model.value, why.message));
+  serving_.reset();
+  refused_ = std::move(why);
+  rebuild();
 }
 
 Awaitable<Result<void>> Serving::follow(ModelRecord model) {
@@ -120,8 +129,10 @@ void Serving::observe(const Reading& reading) {
 
 void Serving::rebuild() {
   built_at_ = clock_.now().utc;
+  compensation::Snapshot nothing;
+  nothing.unserved = refused_;
   const bool published = board_.publish(serving_ ? followed_.at(*serving_).builder.build(built_at_)
-                                                 : compensation::Snapshot{});
+                                                 : std::move(nothing));
   if (published) watchers_.publish();
 }
 
@@ -135,6 +146,7 @@ Awaitable<void> Serving::rebuild_for_ever() {
 }
 
 Awaitable<Result<PastTargets>> Serving::past(PastTargetsQuery query) const {
+  if (!serving_ && refused_) co_return tl::unexpected(*refused_);
   if (!serving_)
     co_return fail(ErrorCode::failed_precondition, "NO_MODEL", "no model serves: promote one");
   const Followed& followed = followed_.at(*serving_);
@@ -151,6 +163,7 @@ Result<std::vector<double>> Serving::targets(const std::vector<Channel>& coordin
                                              const TrajectoryPoint& point,
                                              std::optional<ModelId> model) const {
   if (!model) model = serving_;
+  if (!model && refused_) return tl::unexpected(*refused_);
   if (!model)
     return fail(ErrorCode::failed_precondition, "NO_MODEL",
                 "no model serves: promote one, or run without compensation");

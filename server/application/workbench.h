@@ -30,6 +30,7 @@ struct Workbench {
   PoseStage& pose;
   Loading& loading;
   StopDesk& stops;
+  const std::string& boot_id;  // of this start of the computer; empty: not known
 };
 
 // One run's view of it.

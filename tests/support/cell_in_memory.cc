@@ -37,8 +37,10 @@ CellInMemory::CellInMemory(SmallWorld& world, CellDescription description, OpenS
   parts.version = "test";
   parts.storage_thread = parts.query_thread = parts.worker_thread = io_.get_executor();
   parts.text_thread = further.text_thread ? further.text_thread : io_.get_executor();
+  parts.upkeep_thread = io_.get_executor();
   parts.diagnosis_thread = further.diagnosis_thread ? further.diagnosis_thread : io_.get_executor();
   parts.diagnose = std::move(further.diagnose);
+  parts.boot_id = std::move(further.boot_id);
   auto cell = application::Cell::open(io_.get_executor(), std::move(parts));
   if (!cell) throw std::runtime_error(cell.error().message);
   cell_ = std::move(*cell);
@@ -80,6 +82,17 @@ void CellInMemory::pass(double seconds) {
   asio::co_spawn(io_, time_.sleep_until(time_.now().utc + nanoseconds_from_s(seconds)),
                  [&passed](std::exception_ptr) { passed = true; });
   until([&passed] { return passed; });
+}
+
+application::HoldAnswer CellInMemory::answer(std::string override_reason) {
+  const auto run = cell_->status().run;
+  return {run ? run->run.hold.id() : 0, std::move(override_reason)};
+}
+
+Result<RunRecord> CellInMemory::resume(const application::Caller& who,
+                                       std::string override_reason) {
+  const RunId run = cell_->status().run->run.id;
+  return await(cell_->resume_run(who, run, answer(std::move(override_reason))));
 }
 
 std::string CellInMemory::lease() {

@@ -114,7 +114,7 @@ TEST_F(RunTroubles, HoldsForAPersonAfterAnEmergencyStop) {
   cell.pass(600);
   EXPECT_EQ(cell->status().run->run.accepted, accepted);
   EXPECT_EQ(cell->status().run->run.state, RunState::waiting);
-  ASSERT_TRUE(cell.await(cell->resume_run(cell.ada, run())));
+  ASSERT_TRUE(cell.resume());
   expect_complete(cell.finish_run());
 }
 
@@ -127,7 +127,7 @@ TEST_F(RunTroubles, PausesAfterThePresentPointAndResumes) {
   EXPECT_EQ(accepted, 3);  // the point under way was finished
   cell.pass(1000);
   EXPECT_EQ(cell->status().run->run.accepted, accepted);
-  ASSERT_TRUE(cell.await(cell->resume_run(cell.ada, run())));
+  ASSERT_TRUE(cell.resume());
   expect_complete(cell.finish_run());
 }
 
@@ -139,7 +139,7 @@ TEST_F(RunTroubles, AbortsWithTheReasonAndKeepsWhatWasMeasured) {
   EXPECT_EQ(ended.state, RunState::aborted);
   EXPECT_EQ(ended.reason, "aborted by ada: wrong mirror");
   EXPECT_EQ(cell.await(cell->points(id, 0, 100))->size(), 2u);
-  EXPECT_FALSE(cell.await(cell->resume_run(cell.ada, id)));
+  EXPECT_FALSE(cell.await(cell->resume_run(cell.ada, id, {})));
   // The cell is free for the next run.
   cell.begin_run(trajectory);
   EXPECT_EQ(cell.finish_run().state, RunState::done);
@@ -156,7 +156,7 @@ TEST_F(RunTroubles, StopAllHaltsTheAxisAtOnceAndNeedsNoLease) {
   EXPECT_EQ(cell->status().run->run.accepted, 2);  // unlike a pause, the point was not finished
   cell.pass(1000);
   EXPECT_EQ(cell->status().run->run.accepted, 2);
-  ASSERT_TRUE(cell.await(cell->resume_run(cell.ada, run())));
+  ASSERT_TRUE(cell.resume({"bob", "peer"}));
   expect_complete(cell.finish_run());
   EXPECT_EQ(world.zeroings, 1);  // one slip costs one attempt, not the zero
 }
@@ -177,7 +177,7 @@ TEST_F(RunTroubles, StopAllHoldsARunThatWaitsForADevice) {
   // Stopped once more while it stands, it stands on, with who was last.
   ASSERT_TRUE(cell.await(cell->stop_all({"eve", "peer"})));
   cell.until([&] { return cell->status().run->run.reason == "stopped by eve"; });
-  ASSERT_TRUE(cell.await(cell->resume_run(cell.ada, run())));
+  ASSERT_TRUE(cell.resume({"eve", "peer"}));
   expect_complete(cell.finish_run());
 }
 

@@ -6,6 +6,7 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 
 #include "clients/cli/cli.h"
@@ -32,9 +33,13 @@ class CliTest : public testing::Test {
     environment = {{"DRIFTWISE_SERVER", server->address()}, {"USER", "ada"}};
   }
 
-  Outcome run(std::vector<std::string> arguments, bool terminal = false) {
+  // answer: what a person types at a terminal when asked; none: nobody is there.
+  Outcome run(std::vector<std::string> arguments, bool terminal = false,
+              std::optional<std::string> answer = std::nullopt) {
     std::ostringstream out, err;
-    cli::Console console{out, err, terminal, terminal, 80, environment, folder.path(), false, 24};
+    std::istringstream in(answer.value_or(""));
+    cli::Console console{out, err, terminal, terminal, 80, environment, folder.path(), false, 24, answer ? &in : nullptr,
+                         answer.has_value()};
     const int exit = cli::run_cli(std::move(arguments), console);
     return {exit, out.str(), err.str()};
   }
