@@ -63,6 +63,11 @@ TEST(ClientLibrary, SaysWhyThereIsNoTarget) {
   const auto beyond = library.target({{"x_mm", 2 * kServedLimit_mm}}, seconds(20));
   ASSERT_FALSE(beyond.has_value());
   EXPECT_EQ(beyond.error().reason, "OUTSIDE_LIMITS(q1)");
+  // Beyond what the model was fitted on, within the soft limits of 5 mm.
+  const auto outside = library.target({{"x_mm", 1.1 * kServedLimit_mm}}, seconds(20));
+  ASSERT_TRUE(outside.has_value()) << outside.error().message;
+  EXPECT_THAT(outside->flags, testing::Contains(testing::HasSubstr("OUTSIDE_DOMAIN(x_mm")));
+  EXPECT_FALSE(outside->plain());
   const client::Client nobody("127.0.0.1:1");
   const auto no_daemon = nobody.target({{"x_mm", 1.0}}, seconds(5));
   ASSERT_FALSE(no_daemon.has_value());
