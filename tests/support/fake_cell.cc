@@ -253,6 +253,7 @@ Awaitable<Result<void>> FakeCell::set_stabiliser(app::Caller, std::string lease_
 
 app::Cell::Watch FakeCell::counted(std::shared_ptr<void> watch) {
   ++watchers;
+  ++watchers_begun;
   return std::shared_ptr<void>(watch.get(), [this, watch](void*) mutable {
     watch.reset();
     --watchers;

@@ -6,6 +6,7 @@
 // (lease, unknown ids) and fails on request. Everything on the executor's thread, like the real
 // one; tests go through on_executor().
 
+#include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <future>
@@ -94,7 +95,8 @@ class FakeCell final : public app::Cell,
   std::string the_database = "aa11";
   int pages_read = 0;
   std::string the_csv = "time_s,q1_mm,x_mm\n0,0,0\n";
-  int watchers = 0;  // streams that watch now
+  std::atomic<int> watchers = 0;        // streams that watch now
+  std::atomic<int> watchers_begun = 0;  // and those that ever did
   compensation::SnapshotBoard board;
   CellTime the_time{1'700'000'000'000'000'000};
 

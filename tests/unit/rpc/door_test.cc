@@ -110,15 +110,17 @@ TEST_F(RpcDoor, EndsTheSlowestStreamOfAConnectionBeyondItsQuota) {
   CellStub stub(channel);
   std::vector<std::unique_ptr<Call>> calls;
   std::vector<std::unique_ptr<grpc::ClientReader<v1::WatchEventsResponse>>> readers;
+  v1::WatchEventsResponse event;
   for (std::size_t i = 0; i < quota + 5; ++i) {
     calls.push_back(std::make_unique<Call>());
     readers.push_back(stub.WatchEvents(calls.back().get(), {}));
-    ASSERT_TRUE(
-        eventually([&] { return cell.watchers >= static_cast<int>(std::min(i + 1, quota)); }));
+    // Only a stream that watches can have a message, and none has one before all are there.
+    ASSERT_TRUE(eventually([&] { return cell.watchers_begun == static_cast<int>(i + 1); }));
+    if (i >= quota) {
+      EXPECT_FALSE(readers.at(i - quota)->Read(&event)) << "the oldest one";
+    }
   }
   EXPECT_TRUE(eventually([&] { return cell.watchers == static_cast<int>(quota); }));
-  v1::WatchEventsResponse event;
-  EXPECT_FALSE(readers.front()->Read(&event)) << "the oldest without a message";
   cell.on_executor([&] { cell.add_event("news"); });
   EXPECT_TRUE(readers.back()->Read(&event)) << "the newest one is served";
   EXPECT_TRUE(ask(&CellStub::StopAll, {}, "ada"));

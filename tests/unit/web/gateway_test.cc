@@ -112,7 +112,7 @@ TEST_F(Gateway, StreamsMessageByMessageAndKeepsTheConnection) {
 }
 
 TEST_F(Gateway, AClosedSocketEndsItsCall) {
-  const auto watching = [&] { return cell.on_executor([&] { return cell.watchers; }); };
+  const auto watching = [&] { return cell.on_executor([&] { return cell.watchers.load(); }); };
   const auto becomes = [&](int count) {
     const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(20);
     while (watching() != count && std::chrono::steady_clock::now() < until)
