@@ -2,6 +2,7 @@
 // that follows, and a loss that is said and mended.
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include "clients/cpp/include/driftwise/client.h"
 #include "tests/integration/cell/cell_at_work.h"
@@ -74,8 +75,18 @@ TEST(ClientLibrary, SaysWhyThereIsNoTarget) {
   EXPECT_EQ(no_daemon.error().reason, "NO_DAEMON");
 }
 
+// A loopback address of this process alone. A port that is given up and taken again on 127.0.0.1
+// may meanwhile be the source port of somebody else's connection.
+std::string own_loopback_address() {
+  const int pid = ::getpid();
+  return "127." + std::to_string(64 + (pid >> 16) % 64) + "." + std::to_string((pid >> 8) % 256) +
+         "." + std::to_string(1 + pid % 254);
+}
+
 TEST(ClientLibrary, FollowsTheTemperaturesAndComesBackAfterTheDaemonWasKilled) {
   CellAtWork cell;
+  const std::string any_port = "listen = \"" + own_loopback_address() + ":0\"";
+  cell.edit_cell_file("listen = \"127.0.0.1:0\"", any_port);
   cell.start_daemon();
   serve_known_model(cell);
   const auto address = client::address_in(cell.folder() + "/driftwised.json");
@@ -94,7 +105,7 @@ TEST(ClientLibrary, FollowsTheTemperaturesAndComesBackAfterTheDaemonWasKilled) {
   EXPECT_EQ(follower.latest().error().reason, "NO_DAEMON");
 
   // The same door again: the port that the system had picked.
-  cell.edit_cell_file("listen = \"127.0.0.1:0\"", "listen = \"" + *address + "\"");
+  cell.edit_cell_file(any_port, "listen = \"" + *address + "\"");
   cell.start_daemon();
   EXPECT_TRUE(news_until(follower, is_target)) << follower.latest().error().message;
 }
