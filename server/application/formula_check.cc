@@ -5,6 +5,7 @@
 #include "server/calibration/orthogonal_set.h"
 #include "server/calibration/rank.h"
 #include "server/calibration/row_reduction.h"
+#include "server/core/unusable_values.h"
 #include "server/effects/term_order.h"
 #include "server/formats/formula.h"
 
@@ -43,6 +44,7 @@ void count_rank(const calibration::Design& design, FormulaCheck& check) {
 }
 
 Result<void> look(const Dataset& dataset, const FitRequest& request, FormulaCheck& check) {
+  if (const auto usable = without_unusable(dataset)) return look(usable->data, request, check);
   auto options = fit_options_from(request, dataset, "");
   if (!options) return tl::unexpected(options.error());
   const auto formula = formats::Formula::parse(request.formula);

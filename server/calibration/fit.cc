@@ -26,6 +26,7 @@
 #include "server/calibration/set_overlap.h"
 #include "server/calibration/tail.h"
 #include "server/core/accuracy.h"
+#include "server/core/unusable_values.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::calibration {
@@ -286,6 +287,11 @@ Result<Model> fit_rows(const Dataset& dataset, const FitOptions& options) {
 }  // namespace
 
 Result<Model> fit(const Dataset& dataset, const FitOptions& options) {
+  if (const auto usable = without_unusable(dataset)) {
+    auto model = fit(usable->data, options);
+    if (model) model->warnings.insert(model->warnings.begin(), usable->sentence);
+    return model;
+  }
   if (auto checked = check_options(options); !checked) return tl::unexpected(checked.error());
   const double start_us = options.stopwatch_us ? options.stopwatch_us() : 0;
   auto zeros = find_datum_zeros(dataset, options);

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "server/core/unusable_values.h"
 #include "server/diagnosis/cancelled.h"
 #include "server/diagnosis/catalogue_units.h"
 #include "server/diagnosis/cause.h"
@@ -354,6 +355,11 @@ std::string_view to_string(Verdict verdict) {
 }
 
 Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& options) {
+  if (const auto usable = without_unusable(dataset)) {
+    auto found = diagnose(usable->data, options);
+    if (found) found->warnings.insert(found->warnings.begin(), usable->sentence);
+    return found;
+  }
   if (options.progress && !options.progress(0, "reading the rows")) return cancelled();
   Dataset mended = in_catalogue_units(dataset);
   auto sensors = mend_sensors(mended, [&](const Dataset& data) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/core/unusable_values.h"
 #include "server/diagnosis/cancelled.h"
 #include "server/diagnosis/geometry.h"
 #include "server/diagnosis/u90.h"
@@ -74,6 +75,8 @@ void begin_at_drawing(const Problem& problem, const Dataset& data, const Eigen::
 Result<RobotDiagnosis> diagnose_robot(const Dataset& dataset,
                                       const std::shared_ptr<const kinematics::Mechanism>& mechanism,
                                       const DiagnoseOptions& options) {
+  if (const auto usable = without_unusable(dataset))
+    return diagnose_robot(usable->data, mechanism, options);
   DiagnoseOptions further = options;
   auto baseline = checked_baseline(options.baseline, *mechanism);
   if (!baseline) return tl::unexpected(baseline.error());

@@ -5,6 +5,7 @@
 
 #include "server/calibration/datum_zeros.h"
 #include "server/calibration/predict.h"
+#include "server/core/unusable_values.h"
 
 namespace driftwise::identification {
 namespace {
@@ -112,6 +113,8 @@ int FittedMethod::parameters() const {
 
 Result<FittedMethod> fit_method(const Dataset& dataset, Method method,
                                 const MethodOptions& options) {
+  if (const auto usable = without_unusable(dataset))
+    return fit_method(usable->data, method, options);
   if (auto good = check_method(method, options); !good) return tl::unexpected(good.error());
   FittedMethod fitted;
   fitted.method = method;

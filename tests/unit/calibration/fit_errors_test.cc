@@ -123,12 +123,20 @@ TEST(FitErrors, RefusesAForcedTermThatIsTheOutputItself) {
   }
 }
 
-TEST(FitErrors, RefusesInfinityWithItsPlace) {
+// A run that holds such rows from before they were rejected can be fitted; the rows are named.
+TEST(FitErrors, TakesWhatCannotHaveBeenMeasuredAsMissing) {
   Dataset data = make_campaign({});
+  Dataset without = data;
   data.columns[2].values[4] = std::numeric_limits<double>::infinity();
-  const Error error = error_of(data, "q1 ~ x + T");
-  EXPECT_EQ(error.reason, "BAD_VALUE");
-  EXPECT_THAT(error.message, AllOf(HasSubstr("row 5"), HasSubstr("t01")));
+  data.columns[1].values[7] = 1e308;
+  without.columns[2].values[4] = without.columns[1].values[7] = kMissing;
+  const auto model = formats::fit_formula(data, "q1 ~ x + T", {});
+  ASSERT_TRUE(model) << model.error().message;
+  EXPECT_THAT(model->warnings, Contains(AllOf(HasSubstr("2 rows hold"), HasSubstr("row 5: t01"),
+                                              HasSubstr("row 8"))));
+  const auto same = formats::fit_formula(without, "q1 ~ x + T", {});
+  ASSERT_TRUE(same) << same.error().message;
+  EXPECT_EQ(model->outputs[0].rmse, same->outputs[0].rmse);
 }
 
 TEST(FitErrors, RefusesThresholdsThatWouldCycle) {
