@@ -12,6 +12,7 @@
 #include "server/core/cell_time.h"
 #include "server/core/channel.h"
 #include "server/core/kinematics_description.h"
+#include "server/core/plausibility_description.h"
 
 namespace driftwise {
 
@@ -137,6 +138,7 @@ struct CellDescription {
   std::vector<DeviceDescription> devices;
   RunRules run;
   StartChecks checks;
+  PlausibilityRules plausibility;
   ServingRules serving;
   std::optional<CorrectionDescription> correction;
   std::optional<LoadDescription> load;              // none: the cell knows no force

@@ -8,6 +8,7 @@
 #include "server/formats/cell_file_address.h"
 #include "server/formats/cell_file_correction.h"
 #include "server/formats/cell_file_devices.h"
+#include "server/formats/cell_file_limits.h"
 #include "server/formats/kinematics_section.h"
 #include "server/formats/text.h"
 #include "server/formats/toml_reader.h"
@@ -125,6 +126,11 @@ void read_file(const toml::table& root, CellDescription& out, TomlProblem& probl
   read_run(section("run"), out.run);
   read_checks(section("checks"), out.checks);
   read_serving(section("serving"), out.serving);
+  read_plausibility(section("plausibility"), out.plausibility);
+  for (const auto* table : top.tables("limit")) {
+    const std::string place = "limit " + std::to_string(out.plausibility.limits.size() + 1);
+    read_limit(TomlReader(*table, place, problem), out.plausibility);
+  }
   if (const auto* kinematics = top.table("kinematics"))
     read_kinematics(*kinematics, out.kinematics.emplace(), problem);
   TakenNames taken;

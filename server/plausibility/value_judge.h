@@ -1,0 +1,73 @@
+#pragma once
+// Test of each answer of a device against the limits of its channels. Pure: state is what was
+// answered before, time is that of the readings.
+//
+// Impossible: no value, not finite, outside the range, changed faster than physics allows. Frozen:
+// more equal answers in a row than the channel's own noise makes likely. Together: all probes of a
+// scanner step in the same direction between two scans, which no room does.
+//
+// After a step a channel stays in doubt until it steps back, whatever it drifts in between, or
+// until begin_anew(): a person says so, a run begins, the instrument was zeroed.
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/core/judged_reading.h"
+#include "server/plausibility/limits.h"
+
+namespace driftwise::plausibility {
+
+struct Finding {
+  std::string device, channel;  // channel: of a scanner that stepped as a whole, its first probe
+  std::string test;             // missing, not_finite, range, step, together, frozen
+  std::string reason;
+  CellTime since;  // first answer that may be false
+};
+
+class ValueJudge {
+ public:
+  explicit ValueJudge(const CellDescription& cell) : cell_(cell) {}  // outlives this
+
+  // Fills reading.rejected. Devices that the cell does not know are not judged.
+  std::vector<Finding> judge(JudgedReading& reading);
+
+  // What is said next is taken as right, as far as it is possible at all: of one device, of all.
+  void begin_anew(const std::string& device);
+  void begin_anew();
+
+ private:
+  struct Value {
+    double value = 0;
+    CellTime at;
+  };
+  struct Track {
+    ChannelLimit limit;
+    std::optional<Value> last;  // finite and within the range
+    double stepped_by = 0;      // sum of the steps since the channel was last right
+    // Equal answers in a row, and what is known of them from before.
+    std::optional<Value> equal;
+    int equal_count = 0, longest_equal = 0, changes = 0;
+  };
+  struct Whole {  // a scanner
+    double stepped_by_k = 0;
+  };
+  struct Change;
+  Track& track_of(const DeviceDescription& device, const std::string& channel);
+  std::optional<Finding> judge_value(Track& track, const ChannelValue& value, CellTime at) const;
+  std::optional<Finding> judge_step(Track& track, const ChannelValue& value, CellTime at) const;
+  std::optional<Finding> judge_equal(Track& track, const ChannelValue& value, CellTime at) const;
+  std::optional<Finding> judge_together(const DeviceDescription& device, const Reading& reading);
+
+  const CellDescription& cell_;
+  std::map<std::string, Track> tracks_;  // by channel: a channel is given by one device only
+  std::map<std::string, Whole> scanners_;
+};
+
+// Equal answers in a row that make a channel frozen, from what it did before: more than three times
+// the longest row seen, and at least kFewestEqual; 0 (not known) before kChangesToKnow changes.
+int frozen_limit(const ChannelLimit& limit, int longest_equal, int changes);
+inline constexpr int kFewestEqual = 8, kChangesToKnow = 20;
+
+}  // namespace driftwise::plausibility

@@ -1,0 +1,77 @@
+// [plausibility] and [[limit]] of a cell file.
+
+#include <gtest/gtest.h>
+
+#include "server/formats/cell_file.h"
+
+namespace driftwise::formats {
+namespace {
+
+const std::string kFront = R"([cell]
+name = "small"
+database = "small.db"
+[[device]]
+id = "laser-x"
+kind = "interferometer-adapter"
+address = "127.0.0.1:1"
+length = "x_mm"
+)";
+
+TEST(CellFileLimits, AreRead) {
+  const auto cell = parse_cell_file(kFront + R"([plausibility]
+geometry_um = 5
+geometry_pct = 0.1
+closure_nm = 150
+closure_nm_per_min = 10
+closure_arcsec = 1
+together_k = 0.02
+[[limit]]
+channel = "x_mm"
+min = -3
+max = 3.5
+max_step = 0.001
+max_per_s = 6
+frozen_answers = 4
+)",
+                                    "cell.toml");
+  ASSERT_TRUE(cell) << cell.error().message;
+  const auto& rules = cell->plausibility;
+  EXPECT_EQ(rules.geometry_um, 5);
+  EXPECT_EQ(rules.geometry_pct, 0.1);
+  EXPECT_EQ(rules.closure_nm, 150);
+  EXPECT_EQ(rules.closure_nm_per_min, 10);
+  EXPECT_EQ(rules.closure_arcsec, 1);
+  EXPECT_EQ(rules.together_k, 0.02);
+  ASSERT_EQ(rules.limits.size(), 1U);
+  EXPECT_EQ(rules.limits[0].channel, "x_mm");
+  EXPECT_EQ(rules.limits[0].max, 3.5);
+  EXPECT_EQ(rules.limits[0].frozen_answers, 4);
+}
+
+TEST(CellFileLimits, HaveDefaults) {
+  const auto cell =
+      parse_cell_file(kFront + "[[limit]]\nchannel = \"x_mm\"\nmax = 2\n", "cell.toml");
+  ASSERT_TRUE(cell) << cell.error().message;
+  EXPECT_EQ(cell->plausibility.closure_nm, 300);
+  EXPECT_FALSE(cell->plausibility.closure_nm_per_min);
+  EXPECT_FALSE(cell->plausibility.limits[0].min);
+  EXPECT_FALSE(cell->plausibility.limits[0].frozen_answers);
+}
+
+TEST(CellFileLimits, AreRefusedWithTheirPlace) {
+  const auto refused = [](const std::string& text) {
+    const auto cell = parse_cell_file(kFront + text, "cell.toml");
+    return cell ? std::string() : cell.error().reason + ": " + cell.error().message;
+  };
+  EXPECT_NE(refused("[plausibility]\nclosure_nm = 0\n").find("OUT_OF_RANGE"), std::string::npos);
+  EXPECT_NE(refused("[plausibility]\nclosure_mm = 1\n").find("UNKNOWN_KEY"), std::string::npos);
+  EXPECT_NE(refused("[[limit]]\nmax = 1\n").find("MISSING_KEY"), std::string::npos);
+  EXPECT_NE(refused("[[limit]]\nchannel = \"x_mm\"\nmin = 2\nmax = 1\n").find("BAD_LIMITS"),
+            std::string::npos);
+  EXPECT_NE(refused("[[limit]]\nchannel = \"x_mm\"\n[[limit]]\nchannel = \"x_mm\"\n")
+                .find("DUPLICATE_CHANNEL"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace driftwise::formats

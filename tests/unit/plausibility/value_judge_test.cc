@@ -1,0 +1,168 @@
+#include "server/plausibility/value_judge.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "server/plausibility/frozen_in_motion.h"
+#include "tests/unit/plausibility/cells.h"
+
+namespace driftwise::plausibility {
+namespace {
+
+std::string test_of(const JudgedReading& reading, const std::string& channel) {
+  for (const auto& one : reading.rejected)
+    if (one.channel == channel) return one.test;
+  return "";
+}
+
+class Judge : public testing::Test {
+ protected:
+  std::string say(double time_s, double t01_degc) {
+    auto reading = scan(time_s, {t01_degc, 20 + 1e-3 * std::sin(time_s), 20.2, 20.3});
+    judge.judge(reading);
+    return test_of(reading, "t01_degC");
+  }
+  CellDescription description = cell();
+  ValueJudge judge{description};
+};
+
+struct Impossible {
+  const char* name;
+  double value;
+  const char* test;
+};
+class ImpossibleValue : public Judge, public testing::WithParamInterface<Impossible> {};
+TEST_P(ImpossibleValue, IsRejectedAndTheOthersAreNot) {
+  EXPECT_EQ(say(0, 20.0), "");
+  auto reading = scan(10, {GetParam().value, 20.1, 20.2, 20.3});
+  const auto findings = judge.judge(reading);
+  EXPECT_EQ(test_of(reading, "t01_degC"), GetParam().test);
+  EXPECT_EQ(reading.rejected.size(), 1U);
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings.front().device, "scanner");
+  EXPECT_EQ(say(20, 20.0), "") << "the false value is no base for the next";
+}
+INSTANTIATE_TEST_SUITE_P(
+    Table, ImpossibleValue,
+    testing::Values(Impossible{"nan", kNan, "missing"}, Impossible{"inf", INFINITY, "not_finite"},
+                    Impossible{"minus_inf", -INFINITY, "not_finite"},
+                    Impossible{"huge", 1e308, "range"}, Impossible{"hot", 500, "range"},
+                    Impossible{"inverted", -20, "range"}, Impossible{"step", 20.5, "step"}),
+    [](const auto& row) { return std::string(row.param.name); });
+
+TEST_F(Judge, AStepStaysInDoubtUntilItStepsBack) {
+  EXPECT_EQ(say(0, 20.00), "");
+  EXPECT_EQ(say(10, 20.30), "step");
+  // The room goes on drifting meanwhile, farther than the step.
+  for (int k = 2; k < 200; ++k) EXPECT_EQ(say(10 * k, 20.30 + 0.005 * k), "step") << k;
+  EXPECT_EQ(say(2000, 21.00), "");
+}
+
+TEST_F(Judge, APersonTakesTheNewLevelAsRight) {
+  say(0, 20.0);
+  EXPECT_EQ(say(10, 20.3), "step");
+  judge.begin_anew();
+  EXPECT_EQ(say(20, 20.3), "");
+  EXPECT_EQ(say(30, 20.3), "");
+}
+
+TEST_F(Judge, AProbeMayDriftAsFastAsAMachineWarms) {
+  for (int k = 0; k < 100; ++k) EXPECT_EQ(say(10 * k, 20 + 0.04 * k), "") << k;  // 14 K/h
+}
+
+TEST_F(Judge, AirMayStepFartherThanAPart) {
+  auto reading = scan(0, {20, 20, 20, 20});
+  judge.judge(reading);
+  reading = scan(10, {20, 20, 20, 21.9});
+  judge.judge(reading);
+  EXPECT_TRUE(reading.rejected.empty());
+}
+
+TEST_F(Judge, AllProbesThatStepTogetherAreTheScanner) {
+  auto reading = scan(0, {20, 20.1, 20.2, 20.3});
+  judge.judge(reading);
+  reading = scan(10, {20.1, 20.2, 20.3, 20.4});
+  const auto findings = judge.judge(reading);
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings.front().test, "together");
+  EXPECT_EQ(reading.rejected.size(), 4U);
+  reading = scan(20, {20.1, 20.2, 20.3, 20.4});
+  judge.judge(reading);
+  EXPECT_EQ(reading.rejected.size(), 4U) << "it has not stepped back";
+  reading = scan(30, {20, 20.1, 20.2, 20.3});
+  judge.judge(reading);
+  EXPECT_TRUE(reading.rejected.empty());
+}
+
+TEST_F(Judge, ProbesThatDisagreeDoNotStepTogether) {
+  auto reading = scan(0, {20, 20.1, 20.2, 20.3});
+  judge.judge(reading);
+  reading = scan(10, {20.1, 20.2, 20.1, 20.4});
+  judge.judge(reading);
+  EXPECT_TRUE(reading.rejected.empty());
+}
+
+TEST_F(Judge, AFrozenValueIsFoundByTheChannelsOwnNoise) {
+  int k = 0;
+  for (; k < 30; ++k) EXPECT_EQ(say(10 * k, 20 + 1e-3 * (k % 7)), "") << k;
+  int frozen_after = 0;
+  while (say(10 * ++k, 20.0005) == "" && ++frozen_after < 100) {
+  }
+  EXPECT_EQ(frozen_after, kFewestEqual - 1);
+  EXPECT_EQ(say(10 * ++k, 20.0005), "frozen");
+  EXPECT_EQ(say(10 * ++k, 20.0015), "");
+}
+
+// A controller that shows hundredths repeats itself: only a row longer than its rows is frozen.
+TEST_F(Judge, ACoarseChannelMayRepeatItself) {
+  int k = 0;
+  for (int block = 0; block < 30; ++block)
+    for (int same = 0; same < 12; ++same)
+      EXPECT_EQ(say(10 * ++k, 20 + 0.01 * (block % 3)), "") << block;
+  for (int same = 0; same < 37; ++same) EXPECT_EQ(say(10 * ++k, 20.05), "") << same;
+  EXPECT_EQ(say(10 * ++k, 20.05), "frozen");
+}
+
+TEST_F(Judge, AChannelThatNeverChangedIsNotJudged) {
+  for (int k = 0; k < 1000; ++k) EXPECT_EQ(say(10 * k, 20.0), "");
+}
+
+TEST_F(Judge, ADeclaredLimitGoesBeforeTheDefault) {
+  description.plausibility.limits.push_back({"t01_degC", 18.0, 22.0, 1.0, 0.0, 3});
+  ValueJudge strict(description);
+  const auto say_to = [&strict](double time_s, double degc) {
+    auto reading = scan(time_s, {degc, 20.1, 20.2, 20.3});
+    strict.judge(reading);
+    return test_of(reading, "t01_degC");
+  };
+  EXPECT_EQ(say_to(0, 20.0), "");
+  EXPECT_EQ(say_to(10, 20.9), "");
+  EXPECT_EQ(say_to(20, 22.5), "range");
+  EXPECT_EQ(say_to(30, 20.8), "");
+  EXPECT_EQ(say_to(40, 20.8), "");
+  EXPECT_EQ(say_to(50, 20.8), "frozen");
+}
+
+TEST_F(Judge, ALengthMayNotBeFasterThanTheAxes) {
+  auto reading = length(0, 0);
+  judge.judge(reading);
+  reading = length(1, 4.9);  // ten times the axes' 5 mm/s
+  judge.judge(reading);
+  EXPECT_TRUE(reading.rejected.empty());
+  reading = length(1.1, 400);
+  judge.judge(reading);
+  EXPECT_EQ(test_of(reading, "x_mm"), "step");
+}
+
+TEST(FrozenInMotion, TheSameNumberFromTwoPlacesIsFrozen) {
+  FrozenInMotion frozen;
+  EXPECT_FALSE(frozen.is_frozen("x_mm", 1.25, {1.0}));
+  EXPECT_FALSE(frozen.is_frozen("x_mm", 1.25, {1.0 + 5e-5})) << "held within its noise";
+  EXPECT_TRUE(frozen.is_frozen("x_mm", 1.25, {2.0}));
+  EXPECT_TRUE(frozen.is_frozen("x_mm", 1.25, {2.0}));
+  EXPECT_FALSE(frozen.is_frozen("x_mm", 2.25, {2.0}));
+}
+
+}  // namespace
+}  // namespace driftwise::plausibility
