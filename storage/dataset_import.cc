@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "server/core/row_marks.h"
 #include "storage/point_rows.h"
 #include "storage/remark_store.h"
 #include "storage/run_rows.h"
@@ -120,7 +121,14 @@ RunId import_rows(Session& session, const NewRun& run, const Dataset& dataset) {
                       .who = run.operator_name,
                       .from = ""};
   for (std::size_t row = 0; row < dataset.rows; ++row)
-    if (dataset.is_excluded(row)) out.rows.push_back(static_cast<std::int64_t>(row));
+    if (dataset.is_excluded(row) && !is_suspect(dataset, row))
+      out.rows.push_back(static_cast<std::int64_t>(row));
+  store_exclusion(session, out);
+  out.rows.clear();
+  out.reason = "suspect in the imported file";
+  out.suspect = true;
+  for (std::size_t row = 0; row < dataset.rows; ++row)
+    if (is_suspect(dataset, row)) out.rows.push_back(static_cast<std::int64_t>(row));
   store_exclusion(session, out);
   Query(session.db,
         "UPDATE run_progress SET reason = 'imported', next_row = ?2, accepted = ?2, started_ns = "

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <unordered_map>
 
+#include "server/core/row_marks.h"
 #include "storage/dataset_columns.h"
 #include "storage/dataset_rows.h"
 #include "storage/run_rows.h"
@@ -42,7 +43,9 @@ void fill(std::vector<T>& column, const std::vector<DatasetRow>& rows, F&& value
 
 void fill_excluded(Dataset& dataset, const std::vector<DatasetRow>& rows, bool in_any_case) {
   if (in_any_case || std::ranges::any_of(rows, &DatasetRow::excluded))
-    fill(dataset.excluded, rows, [](const auto& row) { return row.excluded; });
+    fill(dataset.excluded, rows, [](const auto& row) {
+      return row.suspect ? kSuspectRow : row.excluded ? kExcludedRow : kInUse;
+    });
 }
 
 // One imported run: the file as it was.

@@ -1,7 +1,7 @@
 #include "storage/dataset_rows.h"
 
 #include <algorithm>
-#include <set>
+#include <map>
 #include <tuple>
 
 namespace driftwise::storage {
@@ -9,12 +9,17 @@ namespace {
 
 void mark_excluded(Session& session, RunId run, std::vector<DatasetRow>& rows) {
   Query query(session.db,
-              "SELECT point_id FROM excluded_point JOIN point USING (run_id, trajectory_row) WHERE "
-              "run_id = ?");
+              "SELECT point_id, EXISTS (SELECT 1 FROM suspect_mark m WHERE m.exclusion_id = "
+              "excluded_point.exclusion_id) FROM excluded_point JOIN point USING (run_id, "
+              "trajectory_row) WHERE run_id = ?");
   query.bind(run.value);
-  std::set<std::int64_t> out;
-  while (query.row()) out.insert(query.integer(0));
-  for (DatasetRow& row : rows) row.excluded = out.contains(row.point_id);
+  std::map<std::int64_t, bool> out;  // point, suspect
+  while (query.row()) out[query.integer(0)] = query.integer(1) != 0;
+  for (DatasetRow& row : rows) {
+    const auto found = out.find(row.point_id);
+    row.excluded = found != out.end();
+    row.suspect = row.excluded && found->second;
+  }
 }
 
 }  // namespace

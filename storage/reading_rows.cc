@@ -26,6 +26,18 @@ void insert_readings(Session& session, std::span<const Reading> readings,
   }
 }
 
+void insert_rejected(Session& session, std::span<const RejectedAnswer> rejected) {
+  if (rejected.empty()) return;
+  Query row(session.db,
+            "INSERT OR IGNORE INTO rejected_value (device_id, start_ns, sequence, channel_id, "
+            "test, reason) VALUES (?, ?, ?, ?, ?, ?)");
+  for (const RejectedAnswer& one : rejected)
+    row.bind(session.names.device(one.device), one.start.utc_ns, one.sequence,
+             session.names.channel(one.value.channel, Names::Use::reading), one.value.test,
+             one.value.reason)
+        .run();
+}
+
 void insert_moves(Session& session, std::span<const MoveRecord> moves) {
   if (moves.empty()) return;
   Query next(session.db, "SELECT coalesce(max(ordinal) + 1, 0) FROM move WHERE at_ns = ?");

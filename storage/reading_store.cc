@@ -39,10 +39,12 @@ void drop_missing_tail(std::vector<double>& mm) {
 }  // namespace
 
 Result<void> SqliteReadingStore::append(std::span<const Reading> readings,
-                                        std::span<const MoveRecord> moves) {
+                                        std::span<const MoveRecord> moves,
+                                        std::span<const RejectedAnswer> rejected) {
   return session_.write([&] {
     insert_readings(session_, readings, std::nullopt);
     insert_moves(session_, moves);
+    insert_rejected(session_, rejected);
   });
 }
 

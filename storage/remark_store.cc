@@ -59,6 +59,8 @@ ExclusionRecord store_exclusion(Session& session, const ExclusionRecord& wanted)
             stored.at.utc.utc_ns, stored.at.monotonic_ns)
       .run();
   stored.id = session.db.last_row_id();
+  if (stored.suspect)
+    Query(session.db, "INSERT INTO suspect_mark (exclusion_id) VALUES (?)").bind(stored.id).run();
   Query row_of(session.db,
                "INSERT INTO exclusion_row (exclusion_id, trajectory_row) VALUES (?, ?)");
   for (const std::int64_t row : stored.rows) row_of.bind(stored.id, row).run();
@@ -73,8 +75,9 @@ Result<std::vector<ExclusionRecord>> SqliteRemarkStore::exclusions(RunId run) {
   return session_.read([&] {
     require_run(session_, run);
     Query query(session_.db,
-                "SELECT exclusion_id, excluded, reason, who, peer, at_ns, at_monotonic_ns FROM "
-                "exclusion WHERE run_id = ? ORDER BY exclusion_id");
+                "SELECT exclusion_id, excluded, reason, who, peer, at_ns, at_monotonic_ns, "
+                "EXISTS (SELECT 1 FROM suspect_mark m WHERE m.exclusion_id = e.exclusion_id) "
+                "FROM exclusion e WHERE run_id = ? ORDER BY exclusion_id");
     Query rows(session_.db,
                "SELECT trajectory_row FROM exclusion_row WHERE exclusion_id = ? ORDER BY "
                "trajectory_row");
@@ -84,7 +87,8 @@ Result<std::vector<ExclusionRecord>> SqliteRemarkStore::exclusions(RunId run) {
       ExclusionRecord record{query.integer(0),      run,
                              query.integer(1) != 0, {},
                              query.text(2),         {{query.integer(5)}, query.integer(6)},
-                             query.text(3),         query.text(4)};
+                             query.text(3),         query.text(4),
+                             query.integer(7) != 0};
       rows.bind(record.id);
       while (rows.row()) record.rows.push_back(rows.integer(0));
       rows.restart();

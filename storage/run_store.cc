@@ -34,6 +34,7 @@ Result<std::optional<PointId>> SqliteRunStore::commit(const PointCommit& commit)
     }
     insert_readings(session_, commit.slow_readings, std::nullopt);
     insert_moves(session_, commit.moves);
+    insert_rejected(session_, commit.rejected);
     std::optional<PointId> id;
     if (commit.point) id = insert_point(session_, commit.run, *commit.point, {});
     Query(session_.db,

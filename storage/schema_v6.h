@@ -105,6 +105,33 @@ CREATE TABLE correction_change (  -- what a correction did to the runs there wer
   diagnosed INTEGER NOT NULL CHECK (diagnosed IN (0, 1)),  -- 1: the diagnosis looked at this run
   PRIMARY KEY (correction_id, position)
 ) STRICT, WITHOUT ROWID;
+-- False data: what the tests of plausibility found (docs/database.md).
+CREATE TABLE rejected_value (  -- a value that joins no point: its reading keeps it as the device gave it
+  device_id INTEGER NOT NULL,
+  start_ns INTEGER NOT NULL,  -- of the reading, with its sequence: which one it is
+  sequence INTEGER NOT NULL,
+  channel_id INTEGER NOT NULL,
+  test TEXT NOT NULL,         -- missing, not_finite, range, step, together, frozen
+  reason TEXT NOT NULL,       -- the value, the limit, where the limit comes from
+  PRIMARY KEY (device_id, start_ns, sequence, channel_id)
+) STRICT, WITHOUT ROWID;
+
+CREATE VIEW rejected_reading AS  -- with the value as it was given
+  SELECT d.name AS device, r.start_utc, r.start_ns, r.sequence, c.name AS channel, v.value, x.test, x.reason,
+         r.reading_id, r.attempt_id
+  FROM rejected_value x
+  JOIN device d USING (device_id)
+  JOIN channel c USING (channel_id)
+  JOIN reading r ON r.device_id = x.device_id AND r.start_ns = x.start_ns AND r.sequence = x.sequence
+  LEFT JOIN reading_value v ON v.reading_id = r.reading_id AND v.channel_id = x.channel_id;
+
+CREATE TABLE suspect_mark (  -- exclusions that the daemon made: their rows rest on a false instrument or zero
+  exclusion_id INTEGER PRIMARY KEY REFERENCES exclusion (exclusion_id)
+) STRICT;
+
+CREATE VIEW suspect_point AS  -- the rows that are suspect now: marked, and put back by nobody
+  SELECT run_id, trajectory_row, exclusion_id, reason, at_utc
+  FROM excluded_point JOIN suspect_mark USING (exclusion_id);
 )sql";
 
 }  // namespace driftwise::storage

@@ -58,11 +58,17 @@ ExitCode print_state(const Session& session, const v1::ExclusionState& state) {
     console.out << state.excluded_row_count()
                 << " rows kept out of fits: " << rows_text(state.excluded_rows()) << "  (state "
                 << state.exclusions_hash() << ")\n";
+  if (!state.suspect_rows().empty())
+    console.out << "suspect, by the daemon: " << rows_text(state.suspect_rows())
+                << "  (put them back with 'driftwise data restore')\n";
   if (state.history().empty()) return ExitCode::done;
   Table table({{"when (UTC)"}, {"who"}, {"what"}, {"rows"}, {"reason"}});
   for (const auto& step : state.history())
     table.add({clock_text(step.exclude_time()), step.excluded_by(),
-               step.excluded() ? "out" : "back", rows_text(step.rows()), step.reason()});
+               step.suspect()    ? "suspect"
+               : step.excluded() ? "out"
+                                 : "back",
+               rows_text(step.rows()), step.reason()});
   table.print(console.out, console.paint_out());
   return ExitCode::done;
 }

@@ -167,7 +167,8 @@ struct ModelResiduals {
 // Which rows of a run are kept out of fits, and how it came to that.
 struct ExclusionState {
   RunId run;
-  std::vector<std::int64_t> rows;        // out now, ascending
+  std::vector<std::int64_t> rows;          // out now, ascending
+  std::vector<std::int64_t> suspect_rows;  // those of them that the daemon marked as suspect
   std::string hash;                      // of the run's dataset, as in Lineage; empty: none is out
   std::vector<ExclusionRecord> history;  // oldest first
 };

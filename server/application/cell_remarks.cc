@@ -20,15 +20,21 @@ std::string hash_of(Store& store, RunId run, bool any_out) {
 Result<ExclusionState> state_of(Store& store, RunId run) {
   auto history = store.remarks().exclusions(run);
   if (!history) return tl::unexpected(history.error());
-  std::set<std::int64_t> out;
+  std::set<std::int64_t> out, suspect;
   for (const auto& step : *history)
     for (const std::int64_t row : step.rows)
-      if (step.excluded)
+      if (step.excluded) {
         out.insert(row);
-      else
+        if (step.suspect) suspect.insert(row);
+      } else {
         out.erase(row);
-  return ExclusionState{
-      run, {out.begin(), out.end()}, hash_of(store, run, !out.empty()), std::move(*history)};
+        suspect.erase(row);
+      }
+  return ExclusionState{run,
+                        {out.begin(), out.end()},
+                        {suspect.begin(), suspect.end()},
+                        hash_of(store, run, !out.empty()),
+                        std::move(*history)};
 }
 
 std::string subject_text(const NoteSubject& on) {

@@ -8,6 +8,7 @@
 
 #include "server/core/cell_time.h"
 #include "server/core/ids.h"
+#include "server/core/judged_reading.h"
 #include "server/core/reading.h"
 #include "server/core/trajectory.h"
 
@@ -117,7 +118,8 @@ struct PointCommit {
   std::optional<PointRecord> point;     // none when the row was given up or queued again
   std::vector<Reading> slow_readings;   // the recorder's, waiting to be stored
   std::vector<MoveRecord> moves;
-  Place place;  // where the run stands after this
+  Place place;                                // where the run stands after this
+  std::vector<RejectedAnswer> rejected = {};  // of any readings, waiting to be stored
 };
 
 struct EventRecord {
@@ -140,6 +142,7 @@ struct ExclusionRecord {
   std::string reason;
   Stamp at;
   std::string who, from;  // as in EventRecord
+  bool suspect = false;   // the daemon's mark: points that rest on a false instrument or zero
 };
 
 // What a note is on: a run, a point of it, or a model.

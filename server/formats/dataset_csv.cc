@@ -1,6 +1,9 @@
 #include "server/formats/dataset_csv.h"
 
+#include <algorithm>
+
 #include "server/core/clean_text.h"
+#include "server/core/row_marks.h"
 #include "server/formats/text.h"
 
 namespace driftwise::formats {
@@ -16,6 +19,7 @@ std::string write_dataset_csv(const Dataset& data) {
     out += clean_line(key.empty() ? "# " + value : "# " + key + ": " + value) + "\n";
   }
 
+  const bool any_suspect = std::ranges::find(data.excluded, kSuspectRow) != data.excluded.end();
   const std::size_t header_start = out.size();
   const auto name = [&](std::string_view text) {
     out.append(out.size() > header_start ? "," : "").append(text);
@@ -28,6 +32,7 @@ std::string write_dataset_csv(const Dataset& data) {
   if (!data.zero.empty()) name("zero");
   if (!data.dwell_s.empty()) name("dwell_s");
   if (!data.excluded.empty()) name("excluded");
+  if (any_suspect) name("suspect");
   for (const auto& column : data.columns) name(column.channel.name());
   out += '\n';
 
@@ -47,6 +52,7 @@ std::string write_dataset_csv(const Dataset& data) {
     if (!data.zero.empty()) next(), out += data.zero[row] ? '1' : '0';
     if (!data.dwell_s.empty()) next(), append_number(out, data.dwell_s[row]);
     if (!data.excluded.empty()) next(), out += data.excluded[row] ? '1' : '0';
+    if (any_suspect) next(), out += is_suspect(data, row) ? '1' : '0';
     for (const auto& column : data.columns) next(), append_number(out, column.values[row]);
     if (out.size() == row_start)
       out += ' ';  // a lone empty field: an empty line would be passed over

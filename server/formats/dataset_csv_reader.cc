@@ -5,7 +5,9 @@
 #include <limits>
 #include <optional>
 #include <unordered_map>
+#include <utility>
 
+#include "server/core/row_marks.h"
 #include "server/formats/csv_text.h"
 #include "server/formats/dataset_csv.h"
 #include "server/formats/text.h"
@@ -13,20 +15,44 @@
 namespace driftwise::formats {
 namespace {
 
-enum class CsvColumn : std::uint8_t { time, set, line, zero, dwell, run, datum, excluded, channel };
+enum class CsvColumn : std::uint8_t {
+  time,
+  set,
+  line,
+  zero,
+  dwell,
+  run,
+  datum,
+  excluded,
+  suspect,
+  channel
+};
 
 struct Named {
   std::string_view name;
   CsvColumn kind;
 };
-constexpr std::array<Named, 8> kOwnColumns = {{{"time_s", CsvColumn::time},
+constexpr std::array<Named, 9> kOwnColumns = {{{"time_s", CsvColumn::time},
                                                {"set", CsvColumn::set},
                                                {"line", CsvColumn::line},
                                                {"zero", CsvColumn::zero},
                                                {"dwell_s", CsvColumn::dwell},
                                                {"run", CsvColumn::run},
                                                {"datum", CsvColumn::datum},
-                                               {"excluded", CsvColumn::excluded}}};
+                                               {"excluded", CsvColumn::excluded},
+                                               {"suspect", CsvColumn::suspect}}};
+
+// With the column that ends up as a mark in excluded.
+struct DatasetRead : Dataset {
+  std::vector<std::uint8_t> suspect;
+};
+
+void take_over_suspects(DatasetRead& data) {
+  if (data.suspect.empty()) return;
+  if (data.excluded.empty()) data.excluded.assign(data.rows, kInUse);
+  for (std::size_t row = 0; row < data.rows; ++row)
+    if (data.suspect[row] != 0) data.excluded[row] = kSuspectRow;
+}
 
 // A column of the file, and where its values go.
 struct Column {
@@ -48,7 +74,7 @@ Result<void> check_version(const CsvHeader& header, const std::string& file_name
 
 // Fills data.columns and says for each column of the file what it is.
 Result<std::vector<CsvColumn>> sort_columns(const CsvHeader& header, const std::string& file_name,
-                                            Dataset& data) {
+                                            DatasetRead& data) {
   std::vector<CsvColumn> kinds(header.names.size(), CsvColumn::channel);
   std::unordered_map<std::string, std::size_t> places;  // by symbol, into data.columns
   for (std::size_t i = 0; i < kinds.size(); ++i) {
@@ -78,7 +104,7 @@ Result<std::vector<CsvColumn>> sort_columns(const CsvHeader& header, const std::
 
 // Calls use(vector) for the vector of every column of the file, the channels in their order.
 template <class Use>
-void visit_column(Dataset& data, CsvColumn kind, std::size_t channel, Use use) {
+void visit_column(DatasetRead& data, CsvColumn kind, std::size_t channel, Use use) {
   switch (kind) {
     case CsvColumn::time:
       return use(data.time_s);
@@ -96,6 +122,8 @@ void visit_column(Dataset& data, CsvColumn kind, std::size_t channel, Use use) {
       return use(data.datum);
     case CsvColumn::excluded:
       return use(data.excluded);
+    case CsvColumn::suspect:
+      return use(data.suspect);
     case CsvColumn::channel:
       return use(data.columns[channel].values);
   }
@@ -117,8 +145,8 @@ void set_place(Column& column, std::vector<std::uint8_t>& values) { column.flags
 void set_place(Column& column, std::vector<PointSet>& values) { column.sets = values.data(); }
 
 // Room for so many rows in every column; the first touch of that much memory is worth sharing out.
-std::vector<Column> make_room(Dataset& data, const std::vector<CsvColumn>& kinds, std::size_t rows,
-                              const calibration::Executor& executor) {
+std::vector<Column> make_room(DatasetRead& data, const std::vector<CsvColumn>& kinds,
+                              std::size_t rows, const calibration::Executor& executor) {
   const auto before = channels_before(kinds);
   std::vector<Column> columns(kinds.size());
   calibration::run_on(executor, kinds.size(), [&](std::size_t i) {
@@ -146,6 +174,7 @@ bool read_row(CsvRows& rows, const std::vector<Column>& columns, std::size_t at)
         break;
       case CsvColumn::zero:
       case CsvColumn::excluded:
+      case CsvColumn::suspect:
         if (!rows.flag(truth)) return false;
         column.flags[at] = truth ? 1 : 0;
         break;
@@ -250,7 +279,7 @@ Result<Dataset> read_dataset_csv(std::string_view text, const std::string& file_
   if (!header) return tl::unexpected(header.error());
   if (auto version = check_version(*header, file_name); !version)
     return tl::unexpected(version.error());
-  Dataset data;
+  DatasetRead data;
   data.metadata = header->metadata;
   const auto kinds = sort_columns(*header, file_name, data);
   if (!kinds) return tl::unexpected(kinds.error());
@@ -278,7 +307,8 @@ Result<Dataset> read_dataset_csv(std::string_view text, const std::string& file_
   for (std::size_t i = 0; i < kinds->size(); ++i)
     visit_column(data, (*kinds)[i], before[i],
                  [&](auto& values) { close_gaps(values, chunks, found); });
-  return data;
+  take_over_suspects(data);
+  return std::move(static_cast<Dataset&>(data));
 }
 
 }  // namespace driftwise::formats

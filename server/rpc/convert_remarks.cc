@@ -70,6 +70,7 @@ v1::ExclusionState exclusions_from(const application::ExclusionState& state) {
   v1::ExclusionState out;
   out.set_run_id(state.run.value);
   add_ranges(state.rows, *out.mutable_excluded_rows());
+  add_ranges(state.suspect_rows, *out.mutable_suspect_rows());
   out.set_excluded_row_count(static_cast<std::int64_t>(state.rows.size()));
   out.set_exclusions_hash(state.hash);
   for (const auto& step : state.history) {
@@ -81,6 +82,7 @@ v1::ExclusionState exclusions_from(const application::ExclusionState& state) {
     *added.mutable_exclude_time() = timestamp_from(step.at.utc);
     added.set_excluded_by(utf8_from(step.who));
     added.set_peer(step.from);
+    added.set_suspect(step.suspect);
   }
   return out;
 }

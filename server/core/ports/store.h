@@ -60,8 +60,9 @@ class RunStore {
 class ReadingStore {
  public:
   virtual ~ReadingStore() = default;
-  virtual Result<void> append(std::span<const Reading> readings,
-                              std::span<const MoveRecord> moves) = 0;
+  // rejected: values of these or other readings.
+  virtual Result<void> append(std::span<const Reading> readings, std::span<const MoveRecord> moves,
+                              std::span<const RejectedAnswer> rejected = {}) = 0;
   // In time order, start in [from, to); device empty: all.
   virtual Result<std::vector<Reading>> readings(const std::string& device, CellTime from,
                                                 CellTime to, int limit) = 0;

@@ -1,9 +1,17 @@
+#include <limits>
+
 #include "tests/unit/storage/store_fixture.h"
 
 namespace driftwise::storage {
 namespace {
 
 using ReadingStoreTest = StoreTest;
+
+std::string text_of(const std::string& path, const std::string& sql) {
+  Database db(path, SQLITE_OPEN_READONLY, "");
+  Query query(db, sql);
+  return query.row() ? query.text(0) : "";
+}
 
 Reading scan(double seconds, std::int64_t sequence, double degc = 20.5) {
   return {"scanner",
@@ -26,6 +34,21 @@ TEST_F(ReadingStoreTest, KeepsAReadingWhole) {
   EXPECT_TRUE(is_missing(
       value_of(found[0].values, "t02_degC")));  // asked for, no value: not the same as not asked
   EXPECT_EQ(found[0].find("t03_degC"), nullptr);
+}
+
+TEST_F(ReadingStoreTest, KeepsARejectedValueAsItWasGivenAndSaysWhy) {
+  const double inf = std::numeric_limits<double>::infinity();
+  const Reading reading{"support", at_s(1).utc, at_s(2).utc, 7, {{"support_degC", inf}}};
+  const RejectedAnswer rejected{
+      "support", reading.start, 7, {"support_degC", "not_finite", "support_degC is inf"}};
+  ASSERT_TRUE(store->readings().append(std::vector{reading}, {}, std::vector{rejected}));
+  const auto kept = store->readings().readings("support", at_s(0).utc, at_s(9).utc, 0);
+  ASSERT_TRUE(kept);
+  ASSERT_EQ(kept->size(), 1U);
+  EXPECT_EQ((*kept)[0].values[0].value, inf);
+  EXPECT_EQ(
+      text_of(path, "SELECT test || ': ' || reason FROM rejected_reading WHERE value > 1e308"),
+      "not_finite: support_degC is inf");
 }
 
 TEST_F(ReadingStoreTest, TakesFromAndLeavesTo) {

@@ -56,6 +56,25 @@ TEST_F(RemarkStoreTest, KeepRowsOutAndPutThemBackWithoutTouchingThePoints) {
   EXPECT_FALSE(history[2].excluded);
 }
 
+TEST_F(RemarkStoreTest, ShowWhatTheDaemonMarkedAsSuspectUntilItIsPutBack) {
+  ExclusionRecord mark{.id = 0,
+                       .run = run,
+                       .excluded = true,
+                       .rows = {2, 3},
+                       .reason = "the zero was not found again",
+                       .at = at_s(1000),
+                       .who = "daemon",
+                       .from = "",
+                       .suspect = true};
+  ASSERT_TRUE(store->remarks().exclude(mark));
+  ASSERT_TRUE(exclude({4}));
+  EXPECT_THAT(dataset().excluded, ElementsAre(0, 0, 2, 2, 1, 0));
+  EXPECT_TRUE(store->remarks().exclusions(run).value()[0].suspect);
+  EXPECT_FALSE(store->remarks().exclusions(run).value()[1].suspect);
+  ASSERT_TRUE(exclude({3}, false, "that point was good"));
+  EXPECT_THAT(dataset().excluded, ElementsAre(0, 0, 2, 0, 1, 0));
+}
+
 TEST_F(RemarkStoreTest, KeepOnlyWhatChanges) {
   ASSERT_TRUE(exclude({1, 2}));
   EXPECT_THAT(exclude({2, 3})->rows, ElementsAre(3));

@@ -58,11 +58,16 @@ export function Exclusions({ run }: { run: Run }) {
       {asked.failure && <Failed asked="List what is kept out" failure={asked.failure} again={asked.again} />}
       {asked.waiting && !state && <Awaiting what="what is kept out" />}
       {state && state.excludedRows.length > 0 && <p>Out now: {rowsText(state.excludedRows)}</p>}
+      {state && state.suspectRows.length > 0 && (
+        <p>
+          Suspect: {rowsText(state.suspectRows)}. The daemon marked them because an instrument or a zero was found false; put them back with a reason.
+        </p>
+      )}
       {state && state.history.length > 0 && (
         <ul class="remarks">
           {state.history.map((one) => (
             <li key={String(one.id)}>
-              {one.excluded ? 'Kept out' : 'Put back'} {rowsText(one.rows)}: {one.reason}{' '}
+              {one.suspect ? 'Marked as suspect' : one.excluded ? 'Kept out' : 'Put back'} {rowsText(one.rows)}: {one.reason}{' '}
               <span class="muted note">{one.excludedBy}, {dateClock(ms(one.excludeTime))}</span>
             </li>
           ))}
