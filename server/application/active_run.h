@@ -9,8 +9,10 @@
 #include "server/application/pace.h"
 #include "server/application/run_control.h"
 #include "server/application/run_plan.h"
+#include "server/application/suspects.h"
 #include "server/application/workbench.h"
 #include "server/core/trajectory.h"
+#include "server/plausibility/closure_judge.h"
 
 namespace driftwise::application {
 
@@ -22,7 +24,8 @@ struct ActiveRun {
         trajectory(std::move(t)),
         control(executor),
         scope{bench, control, plan.rules, record.id, {}, {}, {}},
-        pace(guessed_point_s(plan.rules)) {}
+        pace(guessed_point_s(plan.rules)),
+        closure_judge(bench.description) {}
   ActiveRun(const ActiveRun&) = delete;
 
   RunRecord record;
@@ -34,6 +37,8 @@ struct ActiveRun {
   bool continued = false;            // was under way when the daemon ended
   std::optional<DatumRecord> datum;  // the present one
   Closures closures;                 // of the present datum
+  plausibility::ClosureJudge closure_judge;
+  SinceClosure since_closure;
   std::map<std::int64_t, int> attempts_of_row;
   RunProgress progress;
 };

@@ -68,7 +68,8 @@ CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
       writer_(storage_thread_.executor(), std::move(writing)),
       reader_(query_thread_.executor(), std::move(reading)),
       events_(executor, *clock_, writer_),
-      bench_(executor, std::move(parts.devices),
+      doubts_(description_, *clock_, writer_, events_, [this] { alarms_end_.raise(); }),
+      bench_(executor, std::move(parts.devices), doubts_,
              [this](const DeviceDescription& device, const Error* error) {
                if (error)
                  events_.record_own("device.lost", error->message);
@@ -85,7 +86,7 @@ CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
       pose_(description_),
       recorder_(executor, *clock_, bench_, writer_, events_, lag_, pose_, tasks_),
       workbench_{description_, *clock_, bench_, recorder_, writer_,
-                 events_,      lag_,    pose_,  loading_,  stops_},
+                 events_,      lag_,    pose_,  loading_,  stops_,  doubts_},
       serving_(executor, description_, configuration_, *clock_, recorder_, reader_, events_,
                tasks_),
       engine_(
@@ -96,7 +97,10 @@ CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
              if (!wanted.force_n) wanted.force_n = loading_.known_n();
              return serving_.targets(run.trajectory.coordinates, wanted, run.plan.compensate_with);
            },
-           [this](const DatumRecord& datum) { take_datum(datum); }},
+           [this](const DatumRecord& datum) { take_datum(datum); },
+           [this](AlarmCondition condition) {
+             spawn(executor_, alarm_book_.note(std::move(condition)));
+           }},
           tasks_),
       leases_([this](CellTime instant) { return clock_->utc(instant); }),
       alarm_book_(*clock_, writer_),
@@ -181,7 +185,7 @@ Awaitable<Result<void>> CellApplication::restore_force() {
   });
   if (!said) co_return tl::unexpected(said.error());
   if (said->empty()) co_return Result<void>{};
-  recorder_.observe(said->back());
+  recorder_.observe(JudgedReading{said->back(), {}});
   if (const double* force_n = said->back().find(force->name())) loading_.know(*force_n);
   co_return Result<void>{};
 }

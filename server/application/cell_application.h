@@ -16,6 +16,7 @@
 #include "server/application/device_bench.h"
 #include "server/application/device_keeper.h"
 #include "server/application/diagnosis_desk.h"
+#include "server/application/doubts.h"
 #include "server/application/event_log.h"
 #include "server/application/improver.h"
 #include "server/application/lease_book.h"
@@ -222,6 +223,7 @@ class CellApplication final : public Cell, private Watching, private Studies, pr
   StoreWriter writer_;
   StoreReader reader_;
   EventLog events_;
+  Doubts doubts_;
   DeviceBench bench_;
   LagMeter lag_;
   PauseMeter pauses_;

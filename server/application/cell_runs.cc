@@ -131,7 +131,10 @@ Awaitable<Result<RunRecord>> CellApplication::resume_run(Caller caller, RunId ru
       co_return fail(ErrorCode::failed_precondition, "CONFIGURATION_CHANGED",
                      fmt::format("run {} cannot resume: {}", run.value, question));
   auto why = fmt::format("resumed by {}", caller.name);
-  std::function<void(RunControl&)> act = [](RunControl& control) { control.resume(); };
+  std::function<void(RunControl&)> act = [this](RunControl& control) {
+    doubts_.begin_anew();  // a person looked: what the devices say now is taken as right
+    control.resume();
+  };
   co_return co_await steer(caller, run, "resume", why, std::move(act));
 }
 
@@ -161,7 +164,7 @@ Awaitable<Result<RunRecord>> CellApplication::confirm_force(Caller caller, RunId
   // On disk before the run goes on: a restart must know what hangs there.
   const auto now = clock_->now().utc;
   Reading said{kOperatorDevice, now, now, 0, {{description_.force_channel()->name(), force_n}}};
-  recorder_.observe(said);
+  recorder_.observe(JudgedReading{said, {}});
   writer_.add(std::move(said));
   if (auto stored = co_await writer_.flush(); !stored) co_return tl::unexpected(stored.error());
   events_.record(caller, "load.confirmed",

@@ -93,6 +93,7 @@ std::vector<AlarmCondition> CellApplication::alarms_now() const {
   for (auto& stop : stops_.unconfirmed())
     out.push_back(
         {AlarmLevel::failed, "stop.unconfirmed", stop.controller, std::move(stop.sentence)});
+  std::ranges::copy(doubts_.conditions(), std::back_inserter(out));
   if (const auto trend = quality_.condition(description_.run.max_spread_nm);
       trend && engine_.busy())
     out.push_back(*trend);

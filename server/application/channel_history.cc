@@ -7,7 +7,7 @@
 
 namespace driftwise::application {
 
-void ChannelHistory::add(const Reading& reading) {
+void ChannelHistory::add(const Reading& reading, std::span<const RejectedValue> rejected) {
   const auto at = reading.middle();
   for (const auto& value : reading.values) {
     auto [entry, is_new] = tracks_.try_emplace(value.channel);
@@ -17,7 +17,9 @@ void ChannelHistory::add(const Reading& reading) {
       track.latest.channel = value.channel;
     }
     track.latest.device = reading.device;
-    if (is_missing(value.value)) continue;
+    if (is_missing(value.value) ||
+        std::ranges::find(rejected, value.channel, &RejectedValue::channel) != rejected.end())
+      continue;
     // Two devices' clocks never mix within a channel, but a device whose clock was set back must
     // not break the order.
     auto place = track.samples.end();

@@ -3,11 +3,12 @@
 // Bounded.
 
 #include <deque>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
-#include "server/core/reading.h"
+#include "server/core/judged_reading.h"
 #include "server/core/result.h"
 
 namespace driftwise::application {
@@ -21,8 +22,8 @@ class ChannelHistory {
  public:
   explicit ChannelHistory(std::size_t kept_per_channel = 256) : kept_(kept_per_channel) {}
 
-  // kMissing values are remembered as "no value", not as samples.
-  void add(const Reading& reading);
+  // kMissing and rejected values are remembered as "no value", not as samples.
+  void add(const Reading& reading, std::span<const RejectedValue> rejected = {});
 
   // The channel at an instant: linear between the sample before and the one after when both lie
   // within max_age_s, else the nearest of them. A sample's instant is the middle of its reading.

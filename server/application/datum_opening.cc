@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "server/application/crash_point.h"
+#include "server/application/doubts.h"
 #include "server/application/joining.h"
 #include "server/application/loading.h"
 #include "server/application/motion.h"
@@ -87,6 +88,7 @@ void compare(const CellDescription& description, const DatumOpening& opening,
   datum.values.push_back({"zero_predicted_nm", comparison.predicted.shift_nm});
   datum.values.push_back({"zero_found_nm", comparison.found_nm});
   datum.values.push_back({"zero_difference_nm", comparison.difference_nm()});
+  datum.values.push_back({"zero_limit_nm", comparison.limit_nm()});
   const auto lengths = description.length_channels();
   const auto which =
       lengths.size() > 1 ? lengths[worst->length].symbol + ", the worst of them: " : std::string();
@@ -157,6 +159,8 @@ double largest_nm(const std::vector<double>& closure_nm) {
 
 Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening) {
   auto& bench = scope.bench;
+  bench.doubts
+      .forget_datum();  // what the instruments show until they are zeroed counts from elsewhere
   if (auto ok = co_await make_homed(scope, opening.home); !ok) co_return tl::unexpected(ok.error());
   if (auto ok = co_await stand_at_zero(scope, opening.reason); !ok)
     co_return tl::unexpected(ok.error());
@@ -201,6 +205,7 @@ Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening)
   auto id = co_await std::move(storing);
   if (!id) co_return tl::unexpected(id.error());
   datum.id = *id;
+  bench.doubts.take_datum(datum);
   bench.events.record_own("datum.opened",
                           fmt::format("datum {}: {}", datum.id.value, opening.reason), scope.run);
   co_return datum;

@@ -23,8 +23,8 @@ struct DatumOpening {
 // and its event. The record's values: q1_mm .. where the new zero lies on the scales, x_mm .. as
 // the old zero had it (absent with a lost beam), rotations as the autocollimators read them, every
 // temperature, the force that acts; with a datum before also zero_predicted_nm, zero_found_nm,
-// zero_difference_nm of the length that differs most. Errors: those of the checks and devices;
-// resource_exhausted and the like from the store.
+// zero_difference_nm, zero_limit_nm of the length that differs most. Errors: those of the checks
+// and devices; resource_exhausted and the like from the store.
 Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening);
 
 // The warming of every temperature of the cell between a datum's zeroing and a set of values;

@@ -3,6 +3,7 @@
 #include <optional>
 #include <utility>
 
+#include "server/application/doubts.h"
 #include "server/application/spawn.h"
 
 namespace driftwise::application {
@@ -12,8 +13,9 @@ bool is_device_loss(const Error& error) {
          error.code == ErrorCode::data_loss;
 }
 
-DeviceBench::DeviceBench(asio::any_io_executor executor, Devices devices, OnChange on_change)
-    : on_change_(std::move(on_change)) {
+DeviceBench::DeviceBench(asio::any_io_executor executor, Devices devices, Doubts& doubts,
+                         OnChange on_change)
+    : doubts_(doubts), on_change_(std::move(on_change)) {
   if (devices.controller)
     controller_ = std::make_unique<Seat<MotionController>>(executor, std::move(devices.controller));
   for (auto& d : devices.interferometers)
@@ -74,12 +76,18 @@ Error no_controller() {
 
 Awaitable<Result<MotionState>> DeviceBench::motion_state() {
   if (!controller_) co_return tl::unexpected(no_controller());
-  co_return co_await ask(*controller_, [](MotionController& c) { return c.state(); });
+  auto state = co_await ask(*controller_, [](MotionController& c) { return c.state(); });
+  if (!state) co_return state;
+  if (auto good = doubts_.judge(controller_description(), *state); !good)
+    co_return tl::unexpected(good.error());
+  co_return state;
 }
 
 Awaitable<Result<void>> DeviceBench::home() {
   if (!controller_) co_return tl::unexpected(no_controller());
-  co_return co_await ask_to_move(*controller_, [](MotionController& c) { return c.home(); });
+  auto homed = co_await ask_to_move(*controller_, [](MotionController& c) { return c.home(); });
+  doubts_.begin_anew(controller_description().id);
+  co_return homed;
 }
 
 Awaitable<Result<void>> DeviceBench::start_move(std::vector<double> q_mm) {
@@ -93,34 +101,40 @@ Awaitable<Result<void>> DeviceBench::stop() {
   co_return co_await controller_->device->stop();
 }
 
-Awaitable<Result<Reading>> DeviceBench::read_interferometer(std::size_t i) {
-  co_return co_await ask(*interferometers_.at(i), [](Instrument& d) { return d.read(); });
+Awaitable<Result<JudgedReading>> DeviceBench::read_interferometer(std::size_t i) {
+  co_return co_await read_judged(*interferometers_.at(i));
 }
-Awaitable<Result<Reading>> DeviceBench::read_collimator(std::size_t i) {
-  co_return co_await ask(*collimators_.at(i), [](Instrument& d) { return d.read(); });
+Awaitable<Result<JudgedReading>> DeviceBench::read_collimator(std::size_t i) {
+  co_return co_await read_judged(*collimators_.at(i));
+}
+
+Awaitable<Result<JudgedReading>> DeviceBench::read_judged(Seat<Instrument>& seat) {
+  auto reading = co_await ask(seat, [](Instrument& d) { return d.read(); });
+  if (!reading) co_return tl::unexpected(reading.error());
+  co_return doubts_.judge(std::move(*reading));
 }
 
 Awaitable<void> DeviceBench::read_into(Seat<Instrument>& seat,
-                                       std::optional<Result<Reading>>& place,
+                                       std::optional<Result<JudgedReading>>& place,
                                        TaskCount& under_way) {
-  auto reading = co_await ask(seat, [](Instrument& d) { return d.read(); });
+  auto reading = co_await read_judged(seat);
   place.emplace(std::move(reading));
   under_way.end();
 }
 
-Awaitable<Result<std::vector<Reading>>> DeviceBench::read_pose_instruments() {
+Awaitable<Result<std::vector<JudgedReading>>> DeviceBench::read_pose_instruments() {
   std::vector<Seat<Instrument>*> seats;
   for (auto& seat : interferometers_) seats.push_back(seat.get());
   for (auto& seat : collimators_) seats.push_back(seat.get());
   const auto executor = co_await asio::this_coro::executor;
   TaskCount under_way(executor);
-  std::vector<std::optional<Result<Reading>>> answers(seats.size());
+  std::vector<std::optional<Result<JudgedReading>>> answers(seats.size());
   for (std::size_t i = 0; i < seats.size(); ++i) {
     under_way.begin();
     spawn(executor, read_into(*seats[i], answers[i], under_way));
   }
   co_await under_way.all_ended();
-  std::vector<Reading> readings;
+  std::vector<JudgedReading> readings;
   for (auto& answer : answers) {
     if (!*answer) co_return tl::unexpected(answer->error());
     readings.push_back(std::move(**answer));
@@ -129,32 +143,39 @@ Awaitable<Result<std::vector<Reading>>> DeviceBench::read_pose_instruments() {
 }
 
 Awaitable<Result<void>> DeviceBench::zero_interferometer(std::size_t i) {
-  co_return co_await ask(*interferometers_.at(i), [](Instrument& d) { return d.zero(); });
+  auto zeroed = co_await ask(*interferometers_.at(i), [](Instrument& d) { return d.zero(); });
+  doubts_.begin_anew(interferometer_description(i).id);
+  co_return zeroed;
 }
-Awaitable<Result<Reading>> DeviceBench::read_scanner(std::size_t i) {
-  co_return co_await ask(*scanners_.at(i), [](Instrument& d) { return d.read(); });
+Awaitable<Result<JudgedReading>> DeviceBench::read_scanner(std::size_t i) {
+  co_return co_await read_judged(*scanners_.at(i));
 }
-Awaitable<Result<Reading>> DeviceBench::read_stabiliser(std::size_t i) {
-  co_return co_await ask(*stabilisers_.at(i), [](Stabiliser& d) { return d.read(); });
+Awaitable<Result<JudgedReading>> DeviceBench::read_stabiliser(std::size_t i) {
+  auto reading = co_await ask(*stabilisers_.at(i), [](Stabiliser& d) { return d.read(); });
+  if (!reading) co_return tl::unexpected(reading.error());
+  co_return doubts_.judge(std::move(*reading));
 }
 Awaitable<Result<void>> DeviceBench::set_stabiliser(std::size_t i, double degc) {
   co_return co_await ask(*stabilisers_.at(i), [degc](Stabiliser& d) { return d.set_point(degc); });
 }
 
 Awaitable<Result<LoadState>> DeviceBench::load_state() {
-  co_return co_await ask(*load_, [](LoadActuator& d) { return d.state(); });
+  auto state = co_await ask(*load_, [](LoadActuator& d) { return d.state(); });
+  if (!state) co_return state;
+  const auto reading = doubts_.judged(load_description(), *state, load_sequence_);
+  if (!reading.rejected.empty())
+    co_return fail(ErrorCode::failed_precondition, kImplausible, reading.rejected.front().reason);
+  co_return state;
 }
 Awaitable<Result<void>> DeviceBench::set_load(double force_n) {
-  co_return co_await ask_to_move(*load_,
-                                 [force_n](LoadActuator& d) { return d.set_force(force_n); });
+  auto set = co_await ask_to_move(*load_, [force_n](LoadActuator& d) { return d.set_force(force_n); });
+  doubts_.begin_anew(load_description().id);
+  co_return set;
 }
-Awaitable<Result<Reading>> DeviceBench::read_load() {
-  const auto state = co_await load_state();
+Awaitable<Result<JudgedReading>> DeviceBench::read_load() {
+  const auto state = co_await ask(*load_, [](LoadActuator& d) { return d.state(); });
   if (!state) co_return tl::unexpected(state.error());
-  const auto& description = load_description();
-  Reading reading{description.id, state->at, state->at, ++load_sequence_, {}};
-  reading.values.push_back({description.force->name(), state->resting ? state->force_n : kMissing});
-  co_return reading;
+  co_return doubts_.judged(load_description(), *state, ++load_sequence_);
 }
 
 const DeviceDescription& DeviceBench::controller_description() const {

@@ -9,17 +9,23 @@
 
 #include "server/application/cell.h"
 #include "server/application/signal.h"
+#include "server/core/judged_reading.h"
 
 namespace driftwise::application {
+
+class Doubts;
 
 class DeviceBench {
  public:
   // on_change: called when a device stops answering (with the error) and when it answers again
   // (nullptr).
   using OnChange = std::function<void(const DeviceDescription&, const Error*)>;
-  DeviceBench(asio::any_io_executor executor, Devices devices, OnChange on_change);
+  // Every answer is shown to it before anybody else has it. doubts: outlives this.
+  DeviceBench(asio::any_io_executor executor, Devices devices, Doubts& doubts, OnChange on_change);
   ~DeviceBench();
 
+  // Errors besides the devices': IMPLAUSIBLE (server/application/doubts.h), here and in load_state.
+  // A reading says itself what of it was rejected.
   Awaitable<Result<MotionState>> motion_state();
   Awaitable<Result<void>> home();
   Awaitable<Result<void>> start_move(std::vector<double> q_mm);
@@ -34,19 +40,20 @@ class DeviceBench {
   bool has_load() const { return load_ != nullptr; }
   std::size_t scanners() const { return scanners_.size(); }
   std::size_t stabilisers() const { return stabilisers_.size(); }
-  Awaitable<Result<Reading>> read_interferometer(std::size_t i);
-  Awaitable<Result<Reading>> read_collimator(std::size_t i);
+  Awaitable<Result<JudgedReading>> read_interferometer(std::size_t i);
+  Awaitable<Result<JudgedReading>> read_collimator(std::size_t i);
   // Every interferometer, then every collimator, all asked at the same time: what belongs to one
   // pose. The first that fails, in that order, is the answer; the others are waited for.
-  Awaitable<Result<std::vector<Reading>>> read_pose_instruments();
+  Awaitable<Result<std::vector<JudgedReading>>> read_pose_instruments();
   Awaitable<Result<void>> zero_interferometer(std::size_t i);
-  Awaitable<Result<Reading>> read_scanner(std::size_t i);
-  Awaitable<Result<Reading>> read_stabiliser(std::size_t i);
+  Awaitable<Result<JudgedReading>> read_scanner(std::size_t i);
+  Awaitable<Result<JudgedReading>> read_stabiliser(std::size_t i);
   Awaitable<Result<void>> set_stabiliser(std::size_t i, double degc);
   // Only with has_load().
   Awaitable<Result<LoadState>> load_state();
   Awaitable<Result<void>> set_load(double force_n);
-  Awaitable<Result<Reading>> read_load();  // the force as a reading; missing while weights move
+  Awaitable<Result<JudgedReading>>
+  read_load();  // the force as a reading; missing while weights move
 
   const DeviceDescription& controller_description() const;
   const DeviceDescription& interferometer_description(std::size_t i) const;
@@ -77,7 +84,7 @@ class DeviceBench {
   auto ask(Seat<Port>& seat, Call call) -> std::invoke_result_t<Call, Port&>;
   template <class Port, class R>
   void note(Seat<Port>& seat, const R& result);
-  Awaitable<void> read_into(Seat<Instrument>& seat, std::optional<Result<Reading>>& place,
+  Awaitable<void> read_into(Seat<Instrument>& seat, std::optional<Result<JudgedReading>>& place,
                             TaskCount& under_way);
   template <class Visit>
   void for_each_seat(Visit visit) const;
@@ -85,6 +92,9 @@ class DeviceBench {
   template <class Port, class Call>
   Awaitable<Result<void>> ask_to_move(Seat<Port>& seat, Call call);
 
+  Awaitable<Result<JudgedReading>> read_judged(Seat<Instrument>& seat);
+
+  Doubts& doubts_;
   OnChange on_change_;
   std::function<Result<void>()> gate_ = [] { return Result<void>{}; };
   std::unique_ptr<Seat<MotionController>> controller_;

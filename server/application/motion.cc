@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <limits>
 
+#include "server/application/doubts.h"
 #include "server/core/units.h"
 
 namespace driftwise::application {
@@ -14,9 +16,13 @@ namespace {
 constexpr double kPoll_s = 0.1;
 
 double largest_distance_nm(const std::vector<double>& a_mm, const std::vector<double>& b_mm) {
-  double largest = 0;
-  for (std::size_t i = 0; i < std::min(a_mm.size(), b_mm.size()); ++i)
-    largest = std::max(largest, std::abs(nm_from_mm(a_mm[i] - b_mm[i])));
+  double largest = a_mm.size() == b_mm.size() ? 0 : std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < std::min(a_mm.size(), b_mm.size()); ++i) {
+    const double distance = std::abs(nm_from_mm(a_mm[i] - b_mm[i]));
+    // Also where it is no number.
+    if (!(distance <= largest))
+      largest = std::isnan(distance) ? std::numeric_limits<double>::infinity() : distance;
+  }
   return largest;
 }
 
@@ -54,8 +60,19 @@ Awaitable<Result<Arrival>> wait_in_position(RunScope& scope, const std::vector<d
     if (auto ok = scope.control.check(); !ok) co_return tl::unexpected(ok.error());
     const double off_nm = largest_distance_nm(state->q_mm, q_mm);
     const auto now = scope.bench.clock.now();
-    if (!state->moving && state->on_target && off_nm <= scope.rules.in_position_nm)
+    if (!state->moving && state->on_target && off_nm <= scope.rules.in_position_nm) {
+      scope.bench.doubts.readback_is_good();
       co_return Arrival{Trouble::none, "", now};
+    }
+    if (now.utc > limit && !state->moving && state->on_target) {
+      // No servo that holds badly is so far away: then the run waits.
+      constexpr double kFarAway = 10;
+      const auto off = scope.bench.doubts.readback_is_off(
+          fmt::format("the controller says that it is on target, its readback is {:.4g} nm from "
+                      "the commanded position (limit {:g} nm): look at the scale and its reference",
+                      off_nm, scope.rules.in_position_nm));
+      if (off_nm > kFarAway * scope.rules.in_position_nm) co_return tl::unexpected(off.error());
+    }
     if (now.utc > limit)
       co_return Arrival{
           Trouble::not_settled,

@@ -80,7 +80,7 @@ Awaitable<Result<Attempt>> read_point(ActiveRun& run, const Visit& visit,
                                       const std::vector<double>& commanded_mm,
                                       const Arrival& arrival, AttemptRecord& record) {
   const auto& rules = run.plan.rules;
-  auto sampling = co_await take_readings(run.scope, rules.readings_per_point);
+  auto sampling = co_await take_readings(run.scope, rules.readings_per_point, commanded_mm);
   if (!sampling) co_return tl::unexpected(sampling.error());
   record.readings = sampling->readings;
   record.spread_nm = sampling->spread_nm;
@@ -89,6 +89,14 @@ Awaitable<Result<Attempt>> read_point(ActiveRun& run, const Visit& visit,
     record.reason =
         spread_sentence(sampling->spread_nm, rules.readings_per_point, rules.max_spread_nm);
     co_return Attempt{Trouble::spread, {}};
+  }
+  // A scale that jumps or wanders while the instruments are read gives no position.
+  if (sampling->off_nm > rules.in_position_nm || sampling->peak_to_peak_nm > rules.in_position_nm) {
+    record.reason = fmt::format(
+        "the readback was up to {:.0f} nm from the commanded position and moved by {:.0f} nm peak "
+        "to peak while the instruments were read, limit {:g} nm",
+        sampling->off_nm, sampling->peak_to_peak_nm, rules.in_position_nm);
+    co_return Attempt{Trouble::not_settled, {}};
   }
   const auto slow = co_await join_when_scanned(run.scope, sampling->measured.utc);
   if (!slow) co_return tl::unexpected(slow.error());

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "server/application/spawn.h"
 
 namespace driftwise::application {
@@ -42,14 +44,24 @@ void Recorder::shut_down() {
   ended_.raise();
 }
 
-void Recorder::observe(const Reading& reading) {
-  if (pose_.is_identity()) return show(reading);
-  show(pose_.under_raw_names(reading));
+void Recorder::observe(const JudgedReading& reading) {
+  if (pose_.is_identity()) return show(reading, reading.rejected);
+  const Reading shown = pose_.under_raw_names(reading);
+  auto rejected = reading.rejected;
+  for (auto& value : rejected)
+    for (std::size_t i = 0; i < reading.values.size(); ++i)
+      if (reading.values[i].channel == value.channel) value.channel = shown.values[i].channel;
+  show(shown, rejected);
 }
 
-void Recorder::show(const Reading& reading) {
-  history_.add(reading);
-  watchers_.publish(reading);
+void Recorder::show(const Reading& reading, std::span<const RejectedValue> rejected) {
+  history_.add(reading, rejected);
+  // Whoever computes with it must not see what was rejected; the record has it as it was given.
+  Reading usable = reading;
+  for (auto& value : usable.values)
+    if (std::ranges::find(rejected, value.channel, &RejectedValue::channel) != rejected.end())
+      value.value = kMissing;
+  watchers_.publish(usable);
   arrived_.raise();
 }
 
@@ -57,7 +69,7 @@ Awaitable<void> Recorder::next_reading_until(CellTime instant) {
   co_await sleep_unless(clock_, instant, arrived_);
 }
 
-Awaitable<Result<Reading>> Recorder::read(Kind kind, std::size_t i) {
+Awaitable<Result<JudgedReading>> Recorder::read(Kind kind, std::size_t i) {
   switch (kind) {
     case Kind::scanner:
       return bench_.read_scanner(i);

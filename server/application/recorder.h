@@ -6,6 +6,7 @@
 // where the cell corrects it (x_path_mm), and the pose beside it.
 
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "server/application/channel_history.h"
@@ -27,9 +28,9 @@ class Recorder {
 
   // A reading that somebody else took and stores: it joins and is shown, but is not stored again
   // here.
-  void observe(const Reading& reading);
+  void observe(const JudgedReading& reading);
   // What belongs to no device: the pose after the correction stage. Joins and is shown.
-  void show(const Reading& reading);
+  void show(const Reading& reading, std::span<const RejectedValue> rejected = {});
   // Interferometers, autocollimators: what a run reads by itself.
   void lend_pose_instruments(bool to_run) { lent_ = to_run; }
 
@@ -44,7 +45,7 @@ class Recorder {
   const DeviceDescription& description_of(Kind kind, std::size_t i) const;
   Awaitable<void> read_for_ever(Kind kind, std::size_t i);
   Awaitable<void> flush_for_ever();
-  Awaitable<Result<Reading>> read(Kind kind, std::size_t i);
+  Awaitable<Result<JudgedReading>> read(Kind kind, std::size_t i);
 
   asio::any_io_executor executor_;
   Clock& clock_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/application/joining.h"
+#include "server/application/sampling.h"
 
 namespace driftwise::application {
 namespace {
@@ -23,6 +24,9 @@ Awaitable<Result<Recovery>> look_once(RunScope& scope) {
     if (reading.error().reason != "BEAM_LOST") co_return tl::unexpected(reading.error());
     found.beam_lost = true;
   }
+  // Before the axes move again: what they say must be possible where they are.
+  if (!found.beam_lost && !found.reference_lost)
+    if (auto good = co_await look_at_pose(scope); !good) co_return tl::unexpected(good.error());
   const auto temperatures =
       join_slow_channels(scope.bench.description, scope.bench.recorder.history(),
                          scope.bench.clock.now().utc, scope.rules.max_temperature_age_s);

@@ -5,7 +5,9 @@
 
 #include <boost/asio/post.hpp>
 #include <cassert>
+#include <cmath>
 
+#include "server/application/doubts.h"
 #include "server/application/joining.h"
 #include "server/application/loading.h"
 #include "server/application/motion.h"
@@ -66,6 +68,9 @@ Awaitable<Result<void>> RunEngine::take_up(ActiveRun& run) {
   if (was_paused) run.control.hold(run.record.reason);
   const auto state = was_paused ? RunState::paused : RunState::running;
   auto reason = was_paused ? run.record.reason : std::string();
+  bench_.doubts.begin_anew();
+  bench_.doubts.forget_datum();
+  static_cast<void>(bench_.doubts.take_suspicion());  // of before the run
   if (!before_) {
     run.record.started = bench_.clock.now().utc;
     bench_.events.record_own(
@@ -144,15 +149,15 @@ Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
     const auto state = run.control.waits_for_a_person() ? RunState::waiting : RunState::paused;
     if (auto ok = co_await hold(run, state); !ok) co_return ok;
   }
-  if (wanted_datum_) {
-    if (auto ok = co_await prepare(run); !ok) co_return ok;
-    if (auto ok = co_await bring_force(run); !ok) co_return ok;
-    if (auto ok = co_await new_datum(run); !ok) co_return ok;
-  }
   while (const auto visit = next_visit(run.trajectory, run.record.place)) {
     if (auto ok = run.control.check(); !ok) co_return ok;
     if (run.control.held())
       if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
+    if (wanted_datum_) {
+      if (auto ok = co_await prepare(run); !ok) co_return ok;
+      if (auto ok = co_await bring_force(run); !ok) co_return ok;
+      if (auto ok = co_await new_datum(run); !ok) co_return ok;
+    }
     const auto& row = run.trajectory.points[static_cast<std::size_t>(visit->row)];
     run.progress.row = visit->row;
     run.progress.line = row.line;
@@ -161,15 +166,18 @@ Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
     auto result = co_await visit_row(run, *visit, hooks_.command_for);
     if (!result) co_return tl::unexpected(result.error());
     run.pace.add(seconds_from(bench_.clock.now().utc - begin));
+    if (result->point) run.since_closure.add(visit->row, result->point->measured.utc);
+    if (auto ok = co_await mark_doubted(run); !ok) co_return ok;
     if (result->point && row.zero) {
-      note_closure(run, result->point->values, row.line);
+      auto noting = note_closure(run, result->point->values, result->point->measured.utc, row.line);
+      if (auto ok = co_await std::move(noting); !ok) co_return ok;
       if (auto ok = co_await store_lag(run); !ok) co_return ok;
     }
     publish();
     if (return_to_zero_is_due(run.trajectory, run.record.place, visit->row))
       if (auto ok = co_await return_to_zero(run, row.line); !ok) co_return ok;
   }
-  co_return Result<void>{};
+  co_return co_await mark_doubted(run);
 }
 
 Awaitable<Result<void>> RunEngine::prepare(ActiveRun& run) {
@@ -192,6 +200,9 @@ Awaitable<Result<void>> RunEngine::new_datum(ActiveRun& run) {
   if (!datum) co_return tl::unexpected(datum.error());
   run.datum = std::move(*datum);
   run.closures.clear();
+  run.closure_judge.begin(run.datum->opened.utc, bench_.loading.known_n());
+  if (const auto before = std::exchange(before_, std::nullopt))
+    if (auto ok = co_await mark_after_restart(run, *before); !ok) co_return ok;
   wanted_datum_.reset();
   hooks_.datum_opened(*run.datum);
   co_return Result<void>{};
@@ -211,7 +222,8 @@ Awaitable<Result<void>> RunEngine::return_to_zero(ActiveRun& run, std::int64_t l
   for (std::size_t i = 0; i < motors.size(); ++i)
     values.push_back({motors[i].name(), sampling->q_mm[i]});
   values.insert(values.end(), sampling->means.begin(), sampling->means.end());
-  note_closure(run, values, line);
+  auto noting = note_closure(run, std::move(values), sampling->measured.utc, line);
+  if (auto ok = co_await std::move(noting); !ok) co_return ok;
   co_return co_await store_lag(run);
 }
 
@@ -223,11 +235,11 @@ Awaitable<Result<void>> RunEngine::store_lag(ActiveRun& run) {
   co_return co_await store_state(run);
 }
 
-void RunEngine::note_closure(ActiveRun& run, const std::vector<ChannelValue>& values,
-                             std::int64_t line) {
+Awaitable<Result<void>> RunEngine::note_closure(ActiveRun& run, std::vector<ChannelValue> values,
+                                                CellTime measured, std::int64_t line) {
   const auto closure = closure_nm(bench_.description, *run.datum, values);
   const double largest = largest_nm(closure);
-  if (is_missing(largest)) return;
+  if (is_missing(largest)) co_return Result<void>{};
   run.progress.last_closure_nm = largest;
   add_closure(run.closures, warming_since(bench_.description, *run.datum, values), closure);
   std::string by_length;
@@ -237,6 +249,30 @@ void RunEngine::note_closure(ActiveRun& run, const std::vector<ChannelValue>& va
       fmt::format("line {}: back at zero {:+.1f} nm{} from where datum {} had it", line, largest,
                   by_length, run.datum->id.value),
       run.record.id);
+  std::vector<double> angles_arcsec;
+  for (const auto& angle : bench_.description.angle_channels()) {
+    const double* arcsec = find_value(values, angle.name());
+    angles_arcsec.push_back(arcsec ? *arcsec : kMissing);
+  }
+  const auto verdict = run.closure_judge.judge(
+      {measured, closure, std::move(angles_arcsec), bench_.loading.known_n()});
+  if (verdict.good) {
+    run.since_closure.close();
+    co_return Result<void>{};
+  }
+  auto reason = fmt::format(
+      "line {}: the zero was not found again: {} since the last good closure; look for a length "
+      "that jumped, a lost fringe, something that slipped or was touched",
+      line, verdict.sentence);
+  bench_.events.record_own("closure.bad", reason, run.record.id);
+  hooks_.alarm({AlarmLevel::failed, "closure.bad", fmt::format("run {}", run.record.id.value),
+                fmt::format("run {}: {}; the points since then are suspect and kept out of fits, a "
+                            "new datum is opened",
+                            run.record.id.value, reason)});
+  // What follows counts from a zero of its own.
+  wanted_datum_ = DatumOpening{"closure", false, false, {}, {}};
+  auto marking = mark_suspects(run, run.closure_judge.last_good(), std::move(reason));
+  co_return co_await std::move(marking);
 }
 
 Awaitable<Result<void>> RunEngine::overcome(ActiveRun& run, const Error& error,
@@ -246,10 +282,13 @@ Awaitable<Result<void>> RunEngine::overcome(ActiveRun& run, const Error& error,
   if (remedy == Remedy::leave || remedy == Remedy::abort || remedy == Remedy::fail)
     co_return tl::unexpected(error);
   run.scope.phase("waiting");
+  if (auto ok = co_await mark_doubted(run); !ok) co_return ok;
   static_cast<void>(
       co_await bench_.devices.stop());  // an axis that cannot be reached stands by its own watchdog
   bench_.events.record_own("run.trouble", error.message, run.record.id);
-  if (troubles_in_a_row >= kPatience && remedy == Remedy::wait_for_device && !is_device_loss(error))
+  // A device that says what cannot be is waited for: it may be right again after hours.
+  if (troubles_in_a_row >= kPatience && remedy == Remedy::wait_for_device &&
+      !is_device_loss(error) && error.reason != kImplausible)
     remedy = Remedy::hold;
   if (remedy == Remedy::hold) {
     run.control.hold(error.message);
@@ -292,6 +331,7 @@ Awaitable<Result<void>> RunEngine::change(ActiveRun& run, RunState state, std::s
 
 Awaitable<void> RunEngine::finish(ActiveRun& run, const Result<void>& outcome) {
   const auto remedy = outcome ? Remedy::abort : remedy_for(outcome.error());
+  if (!outcome) static_cast<void>(co_await mark_doubted(run));
   if (!outcome && remedy == Remedy::leave) {
     static_cast<void>(co_await bench_.devices.stop());
     const auto state = run.record.state == RunState::paused ? RunState::paused : RunState::waiting;

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "server/application/active_run.h"
+#include "server/application/alarm_conditions.h"
 #include "server/application/point_visit.h"
 #include "server/application/trouble.h"
 #include "server/application/watch_list.h"
@@ -27,6 +28,7 @@ class RunEngine {
   struct Hooks {
     CommandFor command_for;                                // where a row is moved to
     std::function<void(const DatumRecord&)> datum_opened;  // serving anchors to it
+    std::function<void(AlarmCondition)> alarm;             // something happened and is over at once
   };
   RunEngine(asio::any_io_executor executor, Workbench& bench, Hooks hooks, TaskCount& tasks);
   ~RunEngine();
@@ -59,7 +61,8 @@ class RunEngine {
   Awaitable<Result<void>> store_lag(ActiveRun& run);
   Awaitable<void> finish(ActiveRun& run, const Result<void>& outcome);
   Awaitable<Result<void>> take_up(ActiveRun& run);
-  void note_closure(ActiveRun& run, const std::vector<ChannelValue>& values, std::int64_t line);
+  Awaitable<Result<void>> note_closure(ActiveRun& run, std::vector<ChannelValue> values,
+                                       CellTime measured, std::int64_t line);
   void publish();
 
   asio::any_io_executor executor_;

@@ -1,8 +1,10 @@
 #include "server/application/sampling.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
+#include "server/application/doubts.h"
 #include "server/application/point_decision.h"
 #include "server/core/units.h"
 
@@ -23,6 +25,26 @@ double mean(const std::vector<double>& values) {
   double sum = 0;
   for (const double v : values) sum += v - values.front();
   return values.front() + sum / static_cast<double>(values.size());
+}
+
+// Of the readbacks, against where the axes were sent and among themselves.
+void gate_readback(const CellDescription& description, const std::vector<double>& commanded_mm,
+                   Sampling& sampling) {
+  const auto motors = description.motor_channels();
+  for (std::size_t axis = 0; axis < motors.size(); ++axis) {
+    std::optional<double> low, high;
+    for (const auto& reading : sampling.readings) {
+      const double* q_mm = reading.find(motors[axis].name());
+      if (q_mm == nullptr) continue;
+      low = std::min(low.value_or(*q_mm), *q_mm);
+      high = std::max(high.value_or(*q_mm), *q_mm);
+      if (axis < commanded_mm.size())
+        sampling.off_nm =
+            std::max(sampling.off_nm, std::abs(nm_from_mm(*q_mm - commanded_mm[axis])));
+    }
+    if (low)
+      sampling.peak_to_peak_nm = std::max(sampling.peak_to_peak_nm, nm_from_mm(*high - *low));
+  }
 }
 
 void summarise(const CellDescription& description, Sampling& sampling) {
@@ -51,9 +73,15 @@ void summarise(const CellDescription& description, Sampling& sampling) {
   }
 }
 
+// What was read before something in it was rejected: no attempt has it.
+void keep(RunScope& scope, Sampling& sampling) {
+  for (auto& reading : sampling.readings) scope.bench.writer.add(std::move(reading));
+  sampling.readings.clear();
+}
+
 // One round of all instruments as a reading of the pose, for those who watch; nothing is stored of
 // it.
-void show_pose(RunScope& scope, const std::vector<Reading>& round, std::int64_t number) {
+void show_pose(RunScope& scope, const std::vector<JudgedReading>& round, std::int64_t number) {
   if (scope.bench.pose.is_identity() || round.empty()) return;
   std::vector<ChannelValue> raw;
   Reading shown{"pose", round.front().start, round.front().end, number, {}};
@@ -74,7 +102,27 @@ void show_pose(RunScope& scope, const std::vector<Reading>& round, std::int64_t 
 
 }  // namespace
 
-Awaitable<Result<Sampling>> take_readings(RunScope& scope, int count) {
+Awaitable<Result<void>> look_at_pose(RunScope& scope) {
+  auto& bench = scope.bench;
+  auto state = co_await bench.devices.motion_state();
+  if (!state) co_return tl::unexpected(state.error());
+  auto round = co_await bench.devices.read_pose_instruments();
+  if (!round) co_return tl::unexpected(round.error());
+  std::vector<ChannelValue> raw;
+  for (const auto& reading : *round) {
+    bench.recorder.observe(reading);
+    for (const auto& value : reading.values)
+      if (!is_missing(value.value)) raw.push_back(value);
+  }
+  if (auto good = bench.doubts.check_round(*round, state->q_mm); !good) {
+    for (auto& reading : *round) bench.writer.add(std::move(reading));
+    co_return good;
+  }
+  co_return bench.doubts.check_pose(bench.pose.pose(raw), state->q_mm);
+}
+
+Awaitable<Result<Sampling>> take_readings(RunScope& scope, int count,
+                                          std::vector<double> commanded_mm) {
   scope.phase("reading");
   auto& devices = scope.bench.devices;
   Sampling sampling;
@@ -92,12 +140,22 @@ Awaitable<Result<Sampling>> take_readings(RunScope& scope, int count) {
       if (!last || reading.middle() > *last) last = reading.middle();
       scope.bench.recorder.observe(reading);
     }
-    show_pose(scope, *round, k);
+    const auto good = scope.bench.doubts.check_round(*round, state->q_mm);
+    if (good) show_pose(scope, *round, k);
     for (auto& reading : *round) sampling.readings.push_back(std::move(reading));
+    if (!good) {
+      keep(scope, sampling);
+      co_return tl::unexpected(good.error());
+    }
     if (auto ok = scope.control.check(); !ok) co_return tl::unexpected(ok.error());
   }
   summarise(scope.bench.description, sampling);
+  gate_readback(scope.bench.description, commanded_mm, sampling);
   sampling.means = scope.bench.pose.pose(sampling.raw);
+  if (auto good = scope.bench.doubts.check_pose(sampling.means, sampling.q_mm); !good) {
+    keep(scope, sampling);
+    co_return tl::unexpected(good.error());
+  }
   const auto now = scope.bench.clock.now();
   const auto middle =
       first ? CellTime{first->utc_ns + (last->utc_ns - first->utc_ns) / 2} : now.utc;

@@ -18,11 +18,20 @@ struct Sampling {
   std::vector<ChannelValue>
       spreads_nm;  // per length channel: x_std_nm, sample standard deviation of the readings
   double spread_nm = kMissing;  // the largest of them
-  Stamp measured;               // middle between the first and the last round of instruments
+  // Of the scale over the whole reading, the axis that is worst.
+  double off_nm = 0;           // from where it was sent, any readback
+  double peak_to_peak_nm = 0;  // of the readbacks
+  Stamp measured;              // middle between the first and the last round of instruments
 };
 
-// Errors: those of the devices (BEAM_LOST among them); aborted, cancelled. Readings are shown to
-// the recorder as they come.
-Awaitable<Result<Sampling>> take_readings(RunScope& scope, int count);
+// commanded_mm: where the axes were sent; empty: off_nm stays 0. Errors: those of the devices
+// (BEAM_LOST among them); IMPLAUSIBLE, a value or the pose that nothing may use: what was read is
+// stored all the same; aborted, cancelled. Readings are shown to the recorder as they come.
+Awaitable<Result<Sampling>> take_readings(RunScope& scope, int count,
+                                          std::vector<double> commanded_mm = {});
+
+// Asks every instrument once and judges what it says, as for a point; nothing is kept but what was
+// rejected. Errors as take_readings.
+Awaitable<Result<void>> look_at_pose(RunScope& scope);
 
 }  // namespace driftwise::application

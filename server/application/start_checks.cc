@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "server/application/datum_opening.h"
+#include "server/application/doubts.h"
 #include "server/application/joining.h"
 #include "server/application/zero_shift.h"
 #include "server/core/units.h"
@@ -47,6 +48,9 @@ Awaitable<Result<std::vector<double>>> zeros_now_nm(RunScope& scope) {
     auto reading = co_await scope.bench.devices.read_interferometer(i);
     if (!reading) co_return tl::unexpected(reading.error());
     scope.bench.recorder.observe(*reading);
+    if (!reading->rejected.empty())
+      co_return fail(ErrorCode::failed_precondition, kImplausible,
+                     reading->rejected.front().reason);
     const auto& length = scope.bench.devices.interferometer_description(i).length;
     const double* x_mm = length ? reading->find(length->name()) : nullptr;
     if (!x_mm)

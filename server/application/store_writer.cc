@@ -23,6 +23,10 @@ void StoreWriter::add(MoveRecord move) {
   if (moves_.size() < kMaxReadings) moves_.push_back(std::move(move));
 }
 
+void StoreWriter::add(RejectedAnswer rejected) {
+  if (rejected_.size() < kMaxReadings) rejected_.push_back(std::move(rejected));
+}
+
 std::optional<CellTime> StoreWriter::gathered_since() const {
   std::optional<CellTime> since;
   if (!readings_.empty()) since = readings_.front().end;
@@ -36,6 +40,7 @@ Awaitable<Result<std::optional<PointId>>> StoreWriter::commit(PointCommit commit
   auto parcel = std::make_shared<PointCommit>(std::move(commit));
   parcel->slow_readings = std::exchange(readings_, {});
   parcel->moves = std::exchange(moves_, {});
+  parcel->rejected = std::exchange(rejected_, {});
   auto storing = call([parcel](Store& store) {
     crash_point("before_point_commit");
     auto result = store.runs().commit(*parcel);
@@ -43,26 +48,33 @@ Awaitable<Result<std::optional<PointId>>> StoreWriter::commit(PointCommit commit
     return result;
   });
   auto stored = co_await std::move(storing);
-  if (!stored) put_back(std::move(parcel->slow_readings), std::move(parcel->moves));
+  if (!stored)
+    put_back(std::move(parcel->slow_readings), std::move(parcel->moves),
+             std::move(parcel->rejected));
   co_return stored;
 }
 
 Awaitable<Result<void>> StoreWriter::flush() {
-  if (readings_.empty() && moves_.empty()) co_return Result<void>{};
+  if (readings_.empty() && moves_.empty() && rejected_.empty()) co_return Result<void>{};
   auto readings = std::make_shared<std::vector<Reading>>(std::exchange(readings_, {}));
   auto moves = std::make_shared<std::vector<MoveRecord>>(std::exchange(moves_, {}));
-  auto storing = call([readings, moves](Store& store) {
+  auto rejected = std::make_shared<std::vector<RejectedAnswer>>(std::exchange(rejected_, {}));
+  auto storing = call([readings, moves, rejected](Store& store) {
     crash_point("before_readings_commit");
-    auto result = store.readings().append(*readings, *moves);
+    auto result = store.readings().append(*readings, *moves, *rejected);
     if (result) crash_point("after_readings_commit");
     return result;
   });
   auto stored = co_await std::move(storing);
-  if (!stored) put_back(std::move(*readings), std::move(*moves));
+  if (!stored) put_back(std::move(*readings), std::move(*moves), std::move(*rejected));
   co_return stored;
 }
 
-void StoreWriter::put_back(std::vector<Reading> readings, std::vector<MoveRecord> moves) {
+void StoreWriter::put_back(std::vector<Reading> readings, std::vector<MoveRecord> moves,
+                           std::vector<RejectedAnswer> rejected) {
+  rejected.insert(rejected.end(), std::make_move_iterator(rejected_.begin()),
+                  std::make_move_iterator(rejected_.end()));
+  rejected_ = std::move(rejected);
   readings.insert(readings.end(), std::make_move_iterator(readings_.begin()),
                   std::make_move_iterator(readings_.end()));
   readings_ = std::move(readings);

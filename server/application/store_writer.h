@@ -29,6 +29,7 @@ class StoreWriter {
 
   void add(Reading reading);
   void add(MoveRecord move);
+  void add(RejectedAnswer rejected);
 
   // Durable when it returns. Takes the gathered readings and moves along; the caller's commit is
   // not consumed, so that the very same one can be tried again after resource_exhausted.
@@ -49,12 +50,14 @@ class StoreWriter {
   std::int64_t dropped() const { return dropped_; }
 
  private:
-  void put_back(std::vector<Reading> readings, std::vector<MoveRecord> moves);
+  void put_back(std::vector<Reading> readings, std::vector<MoveRecord> moves,
+                std::vector<RejectedAnswer> rejected);
 
   asio::any_io_executor thread_;
   std::unique_ptr<Store> store_;
   std::vector<Reading> readings_;
   std::vector<MoveRecord> moves_;
+  std::vector<RejectedAnswer> rejected_;
   std::int64_t dropped_ = 0;
 };
 

@@ -16,6 +16,7 @@
 
 namespace driftwise::application {
 
+class Doubts;
 class Loading;
 class StopDesk;
 
@@ -30,6 +31,7 @@ struct Workbench {
   PoseStage& pose;
   Loading& loading;
   StopDesk& stops;
+  Doubts& doubts;
 };
 
 // One run's view of it.

@@ -69,9 +69,9 @@ class FullDisk final : public Store, RunStore, ReadingStore, EventStore {
   Result<Dataset> dataset(std::span<const RunId> runs) override {
     return inner_->runs().dataset(runs);
   }
-  Result<void> append(std::span<const Reading> readings,
-                      std::span<const MoveRecord> moves) override {
-    return or_full<void>([&] { return inner_->readings().append(readings, moves); });
+  Result<void> append(std::span<const Reading> readings, std::span<const MoveRecord> moves,
+                      std::span<const RejectedAnswer> rejected) override {
+    return or_full<void>([&] { return inner_->readings().append(readings, moves, rejected); });
   }
   Result<std::vector<Reading>> readings(const std::string& device, CellTime from, CellTime to,
                                         int limit) override {

@@ -1,0 +1,48 @@
+#pragma once
+// Points that rest on an instrument or a zero that was found false: kept out of fits with the mark
+// `suspect`, until a person puts them back. Nothing is deleted.
+
+#include <string>
+#include <vector>
+
+#include "server/core/cell_time.h"
+#include "server/core/ports/awaitable.h"
+#include "server/core/result.h"
+
+namespace driftwise::application {
+
+struct ActiveRun;
+struct RunBefore;
+
+// The accepted points of this run, and which of them a good closure has confirmed. A run that goes
+// on after a restart begins with the points of the line that was under way.
+class SinceClosure {
+ public:
+  void add(std::int64_t row, CellTime measured) { points_.push_back({row, measured}); }
+  // What was measured up to now rests on a zero that was found again.
+  void close() { confirmed_ = points_.size(); }
+  // Rows since the last good closure, and those measured from the instant on, ascending; each is
+  // given once.
+  std::vector<std::int64_t> take(CellTime since);
+
+ private:
+  struct Point {
+    std::int64_t row;
+    CellTime measured;
+    bool taken = false;
+  };
+  std::vector<Point> points_;
+  std::size_t confirmed_ = 0;
+};
+
+// Marks the points since the last good closure, and those measured from the instant on. On disk
+// when it returns. Errors: the store's.
+Awaitable<Result<void>> mark_suspects(ActiveRun& run, CellTime since, std::string reason);
+// The same for what the devices' answers made suspect meanwhile, if anything.
+Awaitable<Result<void>> mark_doubted(ActiveRun& run);
+
+// A run that goes on after a restart has the points of the line under way without their closure:
+// the comparison of the old zero, which the new datum holds, stands for it.
+Awaitable<Result<void>> mark_after_restart(ActiveRun& run, const RunBefore& before);
+
+}  // namespace driftwise::application
