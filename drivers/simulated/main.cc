@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "drivers/simulated/emulators/cell_server.h"
+#include "drivers/simulated/emulators/lying_plant.h"
 #include "drivers/simulated/emulators/text.h"
 #include "drivers/simulated/plant/make_plant.h"
 
@@ -105,8 +106,39 @@ void add_micro_nano_hooks(FaultHooks& hooks, MicroNanoPlant& plant, const CellOu
   };
 }
 
-FaultHooks hooks_of(CellPlant& plant, const CellOutline& outline, TimeNs epoch) {
+// The first channel of each kind of device.
+bool tell_lie(LyingPlant& plant, const CellOutline& outline, const std::string& device,
+              const std::string& form, double amount) {
+  if (device.empty()) {
+    plant.tell_the_truth();
+    return true;
+  }
+  constexpr int kFirstInput = 101;
+  struct Kind {
+    const char* name;
+    Lie::Of of;
+  };
+  for (const Kind& kind :
+       {Kind{"pi-gcs", Lie::Of::axis}, Kind{"interferometer-adapter", Lie::Of::length},
+        Kind{"keithley-2701", Lie::Of::probe}, Kind{"newport-lds1000", Lie::Of::angle},
+        Kind{"watlow-ez-zone", Lie::Of::stabiliser}, Kind{"load-actuator", Lie::Of::load}}) {
+    const auto place = place_of(outline, kind.name, device);
+    if (!place) continue;
+    const auto how = form == "jump"    ? Lie::Form::jump
+                     : form == "scale" ? Lie::Form::scale
+                     : form == "value" ? Lie::Form::value
+                                       : Lie::Form::constant;
+    plant.tell({kind.of, kind.of == Lie::Of::probe ? kFirstInput : *place, how, amount});
+    return true;
+  }
+  return false;
+}
+
+FaultHooks hooks_of(CellPlant& plant, LyingPlant& lying, const CellOutline& outline, TimeNs epoch) {
   FaultHooks hooks;
+  hooks.lie = [&lying, outline](const std::string& device, const std::string& form, double amount) {
+    return tell_lie(lying, outline, device, form, amount);
+  };
   if (auto* micro_nano = dynamic_cast<MicroNanoPlant*>(&plant))
     add_micro_nano_hooks(hooks, *micro_nano, outline);
   // Adapters of one channel: the n-th is the plant's n-th.
@@ -181,7 +213,8 @@ int run(Arguments arguments) {
                             : std::make_unique<SimClock>();
 
   boost::asio::io_context io(1);
-  CellServer server(io, *plant, *clock, outline, options, hooks_of(*plant, outline, epoch),
+  LyingPlant lying(*plant);
+  CellServer server(io, lying, *clock, outline, options, hooks_of(*plant, lying, outline, epoch),
                     {.free_ports = instance, .seed = arguments.seed});
   if (instance) {
     CellChanges changes{.addresses = server.addresses(),

@@ -28,9 +28,17 @@ CellInMemory::CellInMemory(SmallWorld& world, CellDescription description, OpenS
 
 CellInMemory::CellInMemory(SmallWorld& world, CellDescription description, OpenStore open_store,
                            Further further)
+    : CellInMemory(
+          [&world](VirtualTime& time, const CellDescription& cell) {
+            return small_devices(world, time, cell);
+          },
+          std::move(description), std::move(open_store), std::move(further)) {}
+
+CellInMemory::CellInMemory(const MakeDevices& make_devices, CellDescription description,
+                           OpenStore open_store, Further further)
     : time_(further.begin) {
   application::Cell::Parts parts;
-  parts.devices = small_devices(world, time_, description);
+  parts.devices = make_devices(time_, description);
   parts.description = std::move(description);
   parts.clock = std::make_unique<VirtualClock>(time_);
   parts.open_store = std::move(open_store);

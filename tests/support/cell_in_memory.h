@@ -37,6 +37,11 @@ class CellInMemory {
   };
   CellInMemory(SmallWorld& world, CellDescription description, OpenStore open_store,
                Further further);
+  // Any devices, made when the time is there.
+  using MakeDevices =
+      std::function<application::Devices(VirtualTime& time, const CellDescription& description)>;
+  CellInMemory(const MakeDevices& make_devices, CellDescription description, OpenStore open_store,
+               Further further);
   // world: outlives this; begin: where cell time starts, later than any run that is gone on with.
   CellInMemory(SmallWorld& world, CellDescription description, OpenStore open_store,
                CellTime begin = kWorldBegin);

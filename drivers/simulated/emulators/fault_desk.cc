@@ -11,7 +11,8 @@ constexpr std::string_view kHelp =
     "fault drop|mute|garble|slow|disturb|clock <device> [<n> s] | fault break-beam [<device>] | "
     "fault "
     "wrong-power|wrong-position|mend-beam <device> | fault jam|mend-load | fault "
-    "open-probe|mend-probe <input> | fault clear [<device>] | load <newton> | truth? | time? | "
+    "open-probe|mend-probe <input> | fault lie <device> jump|scale|value <x> | fault lie <device> "
+    "constant | fault clear [<device>] | load <newton> | truth? | time? | "
     "help";
 constexpr const char* kUnable = "ERR this cell cannot do that";
 constexpr double kUsualShock_nm = 60;
@@ -60,6 +61,19 @@ std::string FaultDesk::hang(const std::vector<std::string_view>& words, TimeNs n
   return hooks_.hang(*newton, now) ? "OK" : wrong("there are not so many weights");
 }
 
+std::string FaultDesk::lie(const std::vector<std::string_view>& words) {
+  const bool constant = words.size() == 4 && words[3] == "constant";
+  const bool sized =
+      words.size() == 5 && (words[3] == "jump" || words[3] == "scale" || words[3] == "value");
+  const auto amount = sized ? parse_number(words[4]) : std::optional(0.0);
+  if ((!constant && !sized) || !amount)
+    return wrong("expected fault lie <device> jump|scale|value <x>, or constant");
+  if (!hooks_.lie) return kUnable;
+  const std::string device(words[2]);
+  return hooks_.lie(device, std::string(words[3]), *amount) ? "OK"
+                                                            : wrong("no device '" + device + "'");
+}
+
 std::optional<std::string> FaultDesk::world_fault(const std::vector<std::string_view>& words,
                                                   TimeNs now) {
   using Spot = FaultHooks::Spot;
@@ -89,6 +103,8 @@ std::string FaultDesk::fault(const std::vector<std::string_view>& words, TimeNs 
   const std::string_view verb = words[1];
   const std::string unable = kUnable;
   if (auto done = world_fault(words, now)) return *done;
+  if (verb == "lie") return lie(words);
+  if (verb == "clear" && hooks_.lie) hooks_.lie("", "", 0);
   if (verb == "open-probe" || verb == "mend-probe") {
     const auto input = words.size() == 3 ? parse_integer(words[2]) : std::nullopt;
     if (!input) return wrong("expected fault " + std::string(verb) + " <input>, such as 103");

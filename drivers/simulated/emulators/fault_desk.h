@@ -6,14 +6,18 @@
 //   fault mute <device> <n> s           it hears and says nothing
 //   fault garble <device> [<n> s]       its next reply arrives damaged, or all for n seconds
 //   fault slow <device> <n> s           every reply comes n seconds later, until cleared
-//   fault clock <device> <n> s          its own clock is set so far from cell time; 0 s: right
-//   again fault break-beam [<device>]         an interferometer's beam is interrupted: lost until
-//   zeroed fault wrong-power <device>          an autocollimator's beam: too little light, fault
-//   wrong-position <device>       spot beyond the detector; until fault mend-beam <device> fault
-//   jam, fault mend-load          the weights stick fault open-probe <input>            a
-//   thermometer's wire breaks; fault mend-probe <input> fault disturb <device> <n> s [<a> nm]
-//   shocks of amplitude a (60) on the interferometer fault clear [<device>]              mute,
-//   garble and slow end load <newton>                       a person changes the weights by hand
+//   fault clock <device> <n> s          its own clock is set so far from cell time; 0 s: right again
+//   fault break-beam [<device>]         an interferometer's beam is interrupted: lost until zeroed
+//   fault wrong-power <device>          an autocollimator's beam: too little light,
+//   fault wrong-position <device>       spot beyond the detector; until fault mend-beam <device>
+//   fault jam, fault mend-load          the weights stick
+//   fault open-probe <input>            a thermometer's wire breaks; fault mend-probe <input>
+//   fault disturb <device> <n> s [<a> nm]  shocks of amplitude a (60) on the interferometer
+//   fault lie <device> jump|scale|value <x>, fault lie <device> constant
+//                                       its (first) channel says so, in mm, nm, ohm, arcsec, degC
+//                                       or N
+//   fault clear [<device>]              mute, garble, slow and the lie end
+//   load <newton>                       a person changes the weights by hand
 //   truth?                              what really is, as one line of JSON
 //   time?                               cell time in ns
 //   help
@@ -40,6 +44,8 @@ struct FaultHooks {  // an empty one answers "ERR this cell cannot do that"
   std::function<bool(double newton, TimeNs now)> hang;               // false: out of range
   std::function<bool(int input, bool open, TimeNs now)> open_probe;  // false: no such probe
   std::function<void(TimeNs from, TimeNs until, double amplitude_nm)> disturb;
+  // form: jump, scale, value or constant; empty: the truth again, of all. false: no such device.
+  std::function<bool(const std::string& device, const std::string& form, double amount)> lie;
   std::function<std::string(TimeNs now)> truth_json;
 };
 
@@ -59,6 +65,7 @@ class FaultDesk : public Emulator {
   std::string fault(const std::vector<std::string_view>& words, TimeNs now);
   // Faults of what is measured; nullopt: another kind of fault.
   std::optional<std::string> world_fault(const std::vector<std::string_view>& words, TimeNs now);
+  std::string lie(const std::vector<std::string_view>& words);
   std::string hang(const std::vector<std::string_view>& words, TimeNs now);
 
   DeviceBench& bench_;
