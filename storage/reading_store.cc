@@ -15,7 +15,9 @@ void read_device(Session& session, std::int64_t device_id, CellTime from, CellTi
               "start_ns < ? ORDER BY start_ns, reading_id LIMIT ?");
   Query values(
       session.db,
-      "SELECT channel_id, value FROM reading_value WHERE reading_id = ? ORDER BY channel_id");
+      "SELECT channel_id, CASE WHEN EXISTS (SELECT 1 FROM rejected_value x WHERE x.device_id = ?2 "
+      "AND x.start_ns = ?3 AND x.sequence = ?4 AND x.channel_id = v.channel_id) THEN NULL ELSE "
+      "value END FROM reading_value v WHERE reading_id = ?1 ORDER BY channel_id");
   query.bind(device_id, from.utc_ns, to.utc_ns, limit > 0 ? limit : -1);
   while (query.row()) {
     Reading reading{session.names.device_name(device_id),
@@ -23,7 +25,7 @@ void read_device(Session& session, std::int64_t device_id, CellTime from, CellTi
                     {query.integer(2)},
                     query.integer(3),
                     {}};
-    values.bind(query.integer(0));
+    values.bind(query.integer(0), device_id, query.integer(1), query.integer(3));
     while (values.row())
       reading.values.push_back({session.names.channel_name(values.integer(0)), values.real(1)});
     values.restart();

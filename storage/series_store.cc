@@ -1,6 +1,7 @@
 #include "storage/series_store.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 
 #include "storage/run_rows.h"
@@ -9,6 +10,15 @@
 
 namespace driftwise::storage {
 namespace {
+
+// Values of the readings after one, up to another. Without rejected ones: an infinite or huge
+// answer would hide every other value of its plot.
+constexpr const char* kSamples =
+    "SELECT channel_id, start_ns + (end_ns - start_ns) / 2, value FROM reading JOIN reading_value "
+    "USING (reading_id) WHERE reading_id > ? AND reading_id <= ? AND value IS NOT NULL AND NOT "
+    "EXISTS (SELECT 1 FROM rejected_value x WHERE x.device_id = reading.device_id AND x.start_ns = "
+    "reading.start_ns AND x.sequence = reading.sequence AND x.channel_id = "
+    "reading_value.channel_id) ORDER BY reading_id";
 
 using Buckets = std::vector<Bucket>;
 
@@ -84,10 +94,8 @@ void read_summaries(Session& session, std::int64_t channel, const SeriesGrid& gr
 // What no step has taken in yet: a few hundred readings.
 void read_tail(Session& session, const std::map<std::int64_t, Buckets*>& columns,
                const SeriesGrid& grid) {
-  Query query(session.db,
-              "SELECT channel_id, start_ns + (end_ns - start_ns) / 2, value FROM reading JOIN "
-              "reading_value USING (reading_id) WHERE reading_id > ? AND value IS NOT NULL");
-  query.bind(read_series_mark(session));
+  Query query(session.db, kSamples);
+  query.bind(read_series_mark(session), std::numeric_limits<std::int64_t>::max());
   while (query.row()) {
     const auto column = columns.find(query.integer(0));
     const std::int64_t at = query.integer(1);
@@ -151,10 +159,7 @@ Result<bool> SqliteSeriesStore::summarise() {
                        until = std::min(last, mark + kReadingsPerStep);
     if (until <= mark) return false;
     std::map<std::int64_t, std::vector<Sample>> channels;
-    Query query(session_.db,
-                "SELECT channel_id, start_ns + (end_ns - start_ns) / 2, value FROM reading JOIN "
-                "reading_value USING (reading_id) WHERE reading_id > ? AND reading_id <= ? AND "
-                "value IS NOT NULL ORDER BY reading_id");
+    Query query(session_.db, kSamples);
     query.bind(mark, until);
     while (query.row()) channels[query.integer(0)].push_back({query.integer(1), query.real(2)});
     for (const auto& [channel, samples] : channels) add_to_blocks(session_, channel, samples);

@@ -7,7 +7,7 @@ namespace {
 
 using ReadingStoreTest = StoreTest;
 
-std::string text_of(const std::string& path, const std::string& sql) {
+std::string text_of(const std::string& path, const char* sql) {
   Database db(path, SQLITE_OPEN_READONLY, "");
   Query query(db, sql);
   return query.row() ? query.text(0) : "";
@@ -36,16 +36,18 @@ TEST_F(ReadingStoreTest, KeepsAReadingWhole) {
   EXPECT_EQ(found[0].find("t03_degC"), nullptr);
 }
 
-TEST_F(ReadingStoreTest, KeepsARejectedValueAsItWasGivenAndSaysWhy) {
+TEST_F(ReadingStoreTest, KeepsARejectedValueAsItWasGivenSaysWhyAndGivesItToNobody) {
   const double inf = std::numeric_limits<double>::infinity();
-  const Reading reading{"support", at_s(1).utc, at_s(2).utc, 7, {{"support_degC", inf}}};
+  const Reading reading{
+      "support", at_s(1).utc, at_s(2).utc, 7, {{"support_degC", inf}, {"support_power_pct", 40}}};
   const RejectedAnswer rejected{
       "support", reading.start, 7, {"support_degC", "not_finite", "support_degC is inf"}};
   ASSERT_TRUE(store->readings().append(std::vector{reading}, {}, std::vector{rejected}));
   const auto kept = store->readings().readings("support", at_s(0).utc, at_s(9).utc, 0);
   ASSERT_TRUE(kept);
   ASSERT_EQ(kept->size(), 1U);
-  EXPECT_EQ((*kept)[0].values[0].value, inf);
+  EXPECT_TRUE(is_missing(value_of((*kept)[0].values, "support_degC")));
+  EXPECT_EQ(value_of((*kept)[0].values, "support_power_pct"), 40);
   EXPECT_EQ(
       text_of(path, "SELECT test || ': ' || reason FROM rejected_reading WHERE value > 1e308"),
       "not_finite: support_degC is inf");

@@ -17,23 +17,29 @@ struct Plain {
 
 class SeriesStoreTest : public StoreTest {
  protected:
-  // Readings at uneven intervals, with a gap, some late, some values missing.
+  // Readings at uneven intervals, with a gap, some late, some values missing, some rejected.
   void fill(int readings, double interval_s) {
     std::mt19937_64 random(11);
     std::normal_distribution<double> noise(0, 1);
     double at = 0;
     std::vector<Reading> batch;
+    std::vector<RejectedAnswer> rejected;
     for (int i = 0; i < readings; ++i) {
       at += interval_s * (0.5 + static_cast<double>(random() % 1000) / 1000);
       if (i == readings / 2) at += 5000;
       const double late_s = i % 17 == 0 ? -40 : 0;
       const double spike = i % 501 == 0 ? 50 : 0;
-      const double value = i % 13 == 0 ? kMissing : 20 + noise(random) + spike;
+      const bool is_rejected = i % 97 == 5;
+      const double usual = i % 13 == 0 ? kMissing : 20 + noise(random) + spike;
+      const double value = is_rejected ? 1e308 : usual;
       const Stamp when = at_s(at + late_s);
       batch.push_back({"scanner", when.utc, when.utc, i, {{"t01_degC", value}, {"t02_degC", 1.0}}});
-      if (!is_missing(value)) values_.emplace_back(when.utc.utc_ns / 1000 * 1000, value);
+      if (is_rejected)
+        rejected.push_back({"scanner", when.utc, i, {"t01_degC", "range", "t01_degC is 1e+308"}});
+      else if (!is_missing(value))
+        values_.emplace_back(when.utc.utc_ns / 1000 * 1000, value);
     }
-    ASSERT_TRUE(store->readings().append(batch, {}));
+    ASSERT_TRUE(store->readings().append(batch, {}, rejected));
     end_s_ = at;
   }
 
