@@ -178,11 +178,36 @@ void add_rules(const CellDescription& cell, Parts& parts) {
                             {"stabiliser_wait_s", text_of(cell.checks.stabiliser_wait_s)},
                             {"max_drift_nm_per_min", text_of(cell.checks.max_drift_nm_per_min)},
                             {"drift_window_s", text_of(cell.checks.drift_window_s)}};
+  const auto& limits = cell.plausibility;
+  parts["plausibility"].values = {
+      {"geometry_um", text_of(limits.geometry_um)},
+      {"geometry_pct", text_of(limits.geometry_pct)},
+      {"closure_nm", text_of(limits.closure_nm)},
+      {"closure_nm_per_min",
+       text_of(limits.closure_nm_per_min.value_or(cell.checks.max_drift_nm_per_min))},
+      {"closure_arcsec", text_of(limits.closure_arcsec)},
+      {"together_k", text_of(limits.together_k)}};
   parts["serving"].values = {{"rebuild_period_s", text_of(cell.serving.rebuild_period_s)},
                              {"refuse_stale", text_of(cell.serving.refuse_stale)},
                              {"refuse_outside_domain", text_of(cell.serving.refuse_outside_domain)},
                              {"refuse_outside_limits", text_of(cell.serving.refuse_outside_limits)},
                              {"max_age_s", text_of(cell.serving.max_age_s)}};
+}
+
+// Declared limits of single channels; what is not declared has the default of its kind.
+void add_limits(const CellDescription& cell, Parts& parts) {
+  for (const auto& limit : cell.plausibility.limits) {
+    auto& part = parts["limit " + limit.channel];
+    part.affects = {limit.channel.substr(0, limit.channel.rfind('_'))};
+    const auto add = [&part](const char* key, const std::optional<double>& value) {
+      if (value) part.values[key] = text_of(*value);
+    };
+    add("min", limit.min);
+    add("max", limit.max);
+    add("max_step", limit.max_step);
+    add("max_per_s", limit.max_per_s);
+    if (limit.frozen_answers) part.values["frozen_answers"] = text_of(*limit.frozen_answers);
+  }
 }
 
 // Everything that a description holds, defaults included.
@@ -196,6 +221,7 @@ Parts parts_of(const CellDescription& cell) {
       {"epoch", cell.clock.epoch.utc_ns == 0 ? "" : to_iso8601(cell.clock.epoch)},
       {"speed", text_of(cell.clock.speed)}};
   add_rules(cell, parts);
+  add_limits(cell, parts);
   for (const auto& device : cell.devices) add_device(cell, device, parts);
   if (cell.load)
     parts["load"] = {{{"max_n", text_of(cell.load->max_n)},
@@ -282,6 +308,9 @@ std::set<std::pair<std::string, std::string>> known_keys() {
               "move_timeout_s", "max_temperature_age_s"});
   add("checks",
       {"stabiliser_band_k", "stabiliser_wait_s", "max_drift_nm_per_min", "drift_window_s"});
+  add("plausibility", {"geometry_um", "geometry_pct", "closure_nm", "closure_nm_per_min",
+                       "closure_arcsec", "together_k"});
+  add("limit", {"*"});
   add("serving", {"rebuild_period_s", "refuse_stale", "refuse_outside_domain",
                   "refuse_outside_limits", "max_age_s"});
   add("device", {"id", "kind", "address", "timeout_s", "period_s", "max_age_s", "options", "length",

@@ -118,6 +118,11 @@ TEST(CellFileDifference, IsNoneByMeaning) {
   EXPECT_THAT(changes_to(text_with(kDifferenceCell, "input = 107", "input = 107\n  r0_ohm = 1000")),
               IsEmpty())
       << "a default that is written out";
+  EXPECT_THAT(changes_to(text_with(kDifferenceCell, "[run]",
+                                   "[plausibility]\ngeometry_um = 20.0\n"
+                                   "closure_nm_per_min = 60\n[run]")),
+              IsEmpty())
+      << "the same";
   // Another order of the devices and of the probes.
   auto moved = kDifferenceCell;
   const auto probe = moved.find("  [[device.probe]]\n  channel = \"t07_degC\"");
@@ -221,6 +226,16 @@ INSTANTIATE_TEST_SUITE_P(
                        "[load]\nmax_n = 4\n[run]",
                        "load: new: gravity_m_s2 9.80665, max_n 4",
                        {"force"}},
+        DifferenceCase{"Plausibility",
+                       "[run]",
+                       "[plausibility]\nclosure_nm = 500\n[run]",
+                       "plausibility: closure_nm 300 -> 500",
+                       {}},
+        DifferenceCase{"ChannelLimit",
+                       "[run]",
+                       "[[limit]]\nchannel = \"t07_degC\"\nmax = 30\n[run]",
+                       "limit t07_degC: new: max 30",
+                       {"t07"}},
         DifferenceCase{"Option",
                        "u_length_nm = 4.6",
                        "u_length_nm = 4.6\noptions = {unit = \"nm\"}",
