@@ -11,6 +11,8 @@ namespace {
 // Drift that all probes of a scanner may show together between two scans.
 constexpr double kTogether_k_per_s = 0.001;
 constexpr std::size_t kFewestProbes = 3;
+// Share of the possible step that counts as a step while a channel is in doubt.
+constexpr double kStepBack = 0.5;
 
 double seconds_between(CellTime from, CellTime to) {
   return std::max(0.0, seconds_from(to - from));
@@ -73,6 +75,8 @@ std::optional<Finding> ValueJudge::judge_value(Track& track, const ChannelValue&
                                       value.value, limit.min, limit.max, limit.source));
   auto stepped = judge_step(track, value, at);
   auto frozen = judge_equal(track, value, at);
+  // What it says when it is thawed may be as far away as the time since it froze allows.
+  if (frozen && track.equal) track.last = track.equal;
   return stepped ? stepped : frozen;
 }
 
@@ -83,7 +87,9 @@ std::optional<Finding> ValueJudge::judge_step(Track& track, const ChannelValue& 
   const double change = last ? value.value - last->value : 0;
   const double passed_s = last ? seconds_between(last->at, at) : 0;
   const double allowed = limit.max_step + limit.max_per_s * passed_s;
-  if (std::abs(change) > allowed) track.stepped_by += change;
+  // A step back may be a little smaller than the step was.
+  const double share = track.stepped_by == 0 ? 1 : kStepBack;
+  if (std::abs(change) > share * allowed) track.stepped_by += change;
   if (!limit.latches) {
     if (std::abs(change) <= allowed) return std::nullopt;
     track.stepped_by = 0;

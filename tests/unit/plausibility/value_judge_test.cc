@@ -59,6 +59,22 @@ TEST_F(Judge, AStepStaysInDoubtUntilItStepsBack) {
   EXPECT_EQ(say(2000, 21.00), "");
 }
 
+TEST_F(Judge, AStepBackMayBeALittleSmallerThanTheStep) {
+  EXPECT_EQ(say(0, 20.00), "");
+  EXPECT_EQ(say(10, 20.26), "step");
+  EXPECT_EQ(say(20, 20.02), "");
+  EXPECT_EQ(say(30, 20.02), "");
+}
+
+TEST_F(Judge, AThawedChannelMayBeFarFromWhereItFroze) {
+  int k = 0;
+  for (; k < 30; ++k) EXPECT_EQ(say(10 * k, 20 + 1e-3 * (k % 7)), "") << k;
+  for (int frozen = 0; frozen < 360; ++frozen, ++k) say(10 * k, 20.0005);
+  EXPECT_EQ(say(10 * k, 20.0005), "frozen");
+  EXPECT_EQ(say(10 * k + 10, 20.9), "") << "the room went on for an hour";
+  EXPECT_EQ(say(10 * k + 20, 20.901), "");
+}
+
 TEST_F(Judge, APersonTakesTheNewLevelAsRight) {
   say(0, 20.0);
   EXPECT_EQ(say(10, 20.3), "step");
