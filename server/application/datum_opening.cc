@@ -184,6 +184,8 @@ Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening)
       co_return tl::unexpected(ok.error());
   auto new_zero = co_await take_readings(scope, scope.rules.readings_per_point);
   if (!new_zero) co_return tl::unexpected(new_zero.error());
+  if (auto good = bench.doubts.check_zero(new_zero->raw); !good)
+    co_return tl::unexpected(good.error());
 
   DatumRecord datum{{}, scope.run, new_zero->measured, opening.reason, {}};
   add_zero_of_scale(datum.values, bench.description, *new_zero);

@@ -3,12 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+
+#include "server/core/units.h"
 
 namespace driftwise::application {
 namespace {
 
 constexpr const char* kPose = "pose";
 constexpr const char* kReadback = "readback";
+constexpr const char* kZero = "zero";
 // A doubt about something that nobody asks any more: an interferometer after the run.
 constexpr double kForgotten_s = 600;
 // A single false answer is shown for so long.
@@ -104,6 +108,8 @@ Result<void> Doubts::check_pose(const std::vector<ChannelValue>& pose,
     return {};
   }
   const auto sentence = comparison.sentence();
+  // Nearer to the zero the same error was within the limit.
+  if (!suspicion_ && !standing_.contains(kPose)) suspicion_ = Suspicion{clock_.now().utc, sentence};
   begin(kPose, "pose.disagrees", sentence);
   return tl::unexpected(implausible(sentence));
 }
@@ -115,16 +121,34 @@ Result<void> Doubts::readback_is_off(const std::string& sentence) {
 
 void Doubts::readback_is_good() { end(kReadback); }
 
+Result<void> Doubts::check_zero(const std::vector<ChannelValue>& raw) {
+  for (const auto& value : raw) {
+    const auto lengths = cell_.length_channels();
+    const auto is_it = [&value](const Channel& length) { return length.name() == value.channel; };
+    const double off_nm = nm_from_mm(value.value);
+    if (std::ranges::none_of(lengths, is_it) || std::abs(off_nm) <= cell_.plausibility.closure_nm)
+      continue;
+    auto sentence = fmt::format(
+        "{} is {:+.0f} nm right after it was zeroed (limit {:g} nm, [plausibility] closure_nm): "
+        "look at the interferometer",
+        value.channel, off_nm, cell_.plausibility.closure_nm);
+    begin(kZero, "zero.disagrees", sentence);
+    return tl::unexpected(implausible(sentence));
+  }
+  end(kZero);
+  return {};
+}
+
 void Doubts::begin_anew() {
   values_.begin_anew();
-  for (auto& [subject, standing] : standing_) standing.last = CellTime{0};  // shown no longer
+  standing_.clear();
 }
 
 std::vector<AlarmCondition> Doubts::conditions() const {
   std::vector<AlarmCondition> out;
   const auto now = clock_.now().utc;
   for (const auto& [subject, standing] : standing_)
-    if (seconds_from(now - standing.last) < kForgotten_s)
+    if (seconds_from(now - standing.last) < (standing.good_again ? kShown_s : kForgotten_s))
       out.push_back({AlarmLevel::failed, standing.kind, subject, standing.message});
   return out;
 }
@@ -134,7 +158,7 @@ void Doubts::begin(const std::string& subject, const std::string& kind,
   const auto now = clock_.now().utc;
   auto& standing = standing_[subject];
   const bool is_new = standing.kind != kind || seconds_from(now - standing.last) >= kForgotten_s;
-  standing = {kind, message, now};
+  standing = {kind, message, now, false};
   if (!is_new) return;
   events_.record_own(kind, message);
   on_news_();
@@ -143,6 +167,7 @@ void Doubts::begin(const std::string& subject, const std::string& kind,
 void Doubts::end(const std::string& subject) {
   const auto found = standing_.find(subject);
   if (found == standing_.end()) return;
+  found->second.good_again = true;
   if (seconds_from(clock_.now().utc - found->second.last) < kShown_s) return;
   events_.record_own("reading.good_again", subject + " is plausible again");
   standing_.erase(found);

@@ -46,6 +46,8 @@ class Doubts {
   // The controller says that it is there, its scale says that it is far away. Always an error.
   Result<void> readback_is_off(const std::string& sentence);
   void readback_is_good();
+  // Lengths right after their zeroing, as the instruments give them. Errors: IMPLAUSIBLE.
+  Result<void> check_zero(const std::vector<ChannelValue>& raw);
 
   // Poses count from it now; without one no pose is compared with the readback.
   void take_datum(const DatumRecord& datum) { datum_ = datum; }
@@ -69,7 +71,8 @@ class Doubts {
  private:
   struct Standing {
     std::string kind, message;
-    CellTime last;  // when it was seen last
+    CellTime last;            // when it was seen last
+    bool good_again = false;  // it was plausible since then
   };
   void begin(const std::string& subject, const std::string& kind, const std::string& message);
   void end(const std::string& subject);
@@ -85,7 +88,7 @@ class Doubts {
   plausibility::GeometryJudge geometry_;
   plausibility::FrozenInMotion moved_;
   std::optional<DatumRecord> datum_;
-  std::map<std::string, Standing> standing_;  // by channel, or "pose", "readback"
+  std::map<std::string, Standing> standing_;  // by channel, or "pose", "readback", "zero"
   std::optional<Suspicion> suspicion_;
 };
 

@@ -201,8 +201,8 @@ Awaitable<Result<void>> RunEngine::new_datum(ActiveRun& run) {
   run.datum = std::move(*datum);
   run.closures.clear();
   run.closure_judge.begin(run.datum->opened.utc, bench_.loading.known_n());
-  if (const auto before = std::exchange(before_, std::nullopt))
-    if (auto ok = co_await mark_after_restart(run, *before); !ok) co_return ok;
+  if (const auto before = std::exchange(before_, std::nullopt)) add_line_under_way(run, *before);
+  if (auto ok = co_await mark_after_datum(run); !ok) co_return ok;
   wanted_datum_.reset();
   hooks_.datum_opened(*run.datum);
   co_return Result<void>{};

@@ -16,7 +16,7 @@ std::vector<std::int64_t> SinceClosure::take(CellTime since) {
   std::vector<std::int64_t> rows;
   for (std::size_t i = 0; i < points_.size(); ++i) {
     auto& point = points_[i];
-    if (point.taken || (i < confirmed_ && point.measured < since)) continue;
+    if (point.taken || (i < confirmed_ && point.measured <= since)) continue;
     point.taken = true;
     rows.push_back(point.row);
   }
@@ -50,28 +50,34 @@ Awaitable<Result<void>> mark_doubted(ActiveRun& run) {
   co_return co_await mark_suspects(run, suspicion->since, std::move(suspicion->reason));
 }
 
-Awaitable<Result<void>> mark_after_restart(ActiveRun& run, const RunBefore& before) {
-  const double* difference_nm = find_value(run.datum->values, "zero_difference_nm");
-  const double* limit_nm = find_value(run.datum->values, "zero_limit_nm");
-  if (difference_nm == nullptr || limit_nm == nullptr ||
-      !(std::abs(*difference_nm) > std::abs(*limit_nm)))
-    co_return Result<void>{};
+void add_line_under_way(ActiveRun& run, const RunBefore& before) {
   std::int64_t line = 0;
   CellTime last_zero;
   for (const auto& zero : before.zeros) last_zero = std::max(last_zero, zero.measured.utc);
-  for (const auto& attempt : before.attempts) {
-    if (attempt.verdict != Verdict::accepted) continue;
-    const auto& row = run.trajectory.points[static_cast<std::size_t>(attempt.row)];
-    if (attempt.ended.utc > last_zero) line = row.line;
-  }
-  for (const auto& attempt : before.attempts) {
-    if (attempt.verdict != Verdict::accepted || attempt.ended.utc <= last_zero) continue;
-    if (run.trajectory.points[static_cast<std::size_t>(attempt.row)].line == line)
+  const auto row_of = [&run](const AttemptRecord& attempt) -> const TrajectoryPoint& {
+    return run.trajectory.points[static_cast<std::size_t>(attempt.row)];
+  };
+  const auto is_open = [last_zero](const AttemptRecord& attempt) {
+    return attempt.verdict == Verdict::accepted && attempt.ended.utc > last_zero;
+  };
+  for (const auto& attempt : before.attempts)
+    if (is_open(attempt)) line = row_of(attempt).line;
+  for (const auto& attempt : before.attempts)
+    if (is_open(attempt) && row_of(attempt).line == line)
       run.since_closure.add(attempt.row, attempt.ended.utc);
+}
+
+Awaitable<Result<void>> mark_after_datum(ActiveRun& run) {
+  const double* difference_nm = find_value(run.datum->values, "zero_difference_nm");
+  const double* limit_nm = find_value(run.datum->values, "zero_limit_nm");
+  if (difference_nm == nullptr || limit_nm == nullptr) co_return Result<void>{};
+  if (std::abs(*difference_nm) <= std::abs(*limit_nm)) {
+    run.since_closure.close();
+    co_return Result<void>{};
   }
   auto reason = fmt::format(
-      "after the restart the zero was {:+.0f} nm from where it was expected (limit {:.0f})",
-      *difference_nm, *limit_nm);
+      "at datum {} the old zero was {:+.0f} nm from where it was expected (limit {:.0f})",
+      run.datum->id.value, *difference_nm, *limit_nm);
   auto marking = mark_suspects(run, run.datum->opened.utc, std::move(reason));
   co_return co_await std::move(marking);
 }

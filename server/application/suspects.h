@@ -21,7 +21,7 @@ class SinceClosure {
   void add(std::int64_t row, CellTime measured) { points_.push_back({row, measured}); }
   // What was measured up to now rests on a zero that was found again.
   void close() { confirmed_ = points_.size(); }
-  // Rows since the last good closure, and those measured from the instant on, ascending; each is
+  // Rows since the last good closure, and those measured after the instant, ascending; each is
   // given once.
   std::vector<std::int64_t> take(CellTime since);
 
@@ -41,8 +41,10 @@ Awaitable<Result<void>> mark_suspects(ActiveRun& run, CellTime since, std::strin
 // The same for what the devices' answers made suspect meanwhile, if anything.
 Awaitable<Result<void>> mark_doubted(ActiveRun& run);
 
-// A run that goes on after a restart has the points of the line under way without their closure:
-// the comparison of the old zero, which the new datum holds, stands for it.
-Awaitable<Result<void>> mark_after_restart(ActiveRun& run, const RunBefore& before);
+// The points of the line that was under way when the daemon ended: no closure has confirmed them.
+void add_line_under_way(ActiveRun& run, const RunBefore& before);
+// The comparison of the old zero, which a new datum holds (reference lost, restart), stands for the
+// closure of the line under way. Without one, after a lost beam, the next closure decides.
+Awaitable<Result<void>> mark_after_datum(ActiveRun& run);
 
 }  // namespace driftwise::application

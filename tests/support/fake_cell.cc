@@ -341,7 +341,7 @@ Awaitable<Result<app::ExclusionState>> FakeCell::exclude_rows(app::Caller caller
 }
 Awaitable<Result<app::ExclusionState>> FakeCell::exclusions(RunId run) {
   if (auto found = find_run(run); !found) co_return tl::unexpected(found.error());
-  app::ExclusionState state{run, {}, "state", the_exclusions};
+  app::ExclusionState state{run, {}, {}, "state", the_exclusions};
   if (!the_exclusions.empty() && the_exclusions.back().excluded)
     state.rows = the_exclusions.back().rows;
   co_return state;

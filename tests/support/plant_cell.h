@@ -20,8 +20,10 @@ class Liar {
   // value: the true one; at: when it was asked for. The result goes to the daemon.
   using Lie = std::function<double(double value, CellTime at)>;
 
-  void tell(std::string channel, Lie lie) {
+  // through_zero: zeroing the instrument takes nothing of it away.
+  void tell(std::string channel, Lie lie, bool through_zero = false) {
     channel_ = std::move(channel);
+    through_zero_ = through_zero;
     lie_ = std::move(lie);
     first_.reset();
     last_.reset();
@@ -34,7 +36,9 @@ class Liar {
     zeroed_ = false;
   }
   // The instrument made what it says its zero: a jump from before is gone with that.
-  void zeroed(const std::string& channel) { zeroed_ = lie_ && channel == channel_; }
+  void zeroed(const std::string& channel) {
+    if (lie_ && channel == channel_ && !through_zero_) zeroed_ = true;
+  }
 
   double say(const std::string& channel, double value, CellTime at);
   // The newest true value of a channel; kMissing before the first.
@@ -53,7 +57,7 @@ class Liar {
   };
   std::string channel_;
   Lie lie_;
-  bool zeroed_ = false;
+  bool zeroed_ = false, through_zero_ = false;
   double taken_off_ = 0;  // by the zeroing
   std::optional<CellTime> first_, last_;
   std::map<std::string, std::deque<Said>> true_;

@@ -13,6 +13,10 @@ namespace driftwise::lies {
 namespace {
 
 constexpr int kLines = 150, kPerLine = 4;  // three points and the return to zero
+// Every line goes far, also behind the point after which a lie begins, and across. No line goes
+// where one of the few before went: what a late readback says is false.
+constexpr std::array<std::array<double, 3>, 3> kPlaces_mm = {
+    {{1.0, 1.5, 2.0}, {2.0, 0.5, 0.5}, {0.5, 2.0, 0.5}}};
 
 std::string trajectory_of(const CellDescription& cell) {
   const std::size_t axes = cell.motor_channels().size();
@@ -24,7 +28,8 @@ std::string trajectory_of(const CellDescription& cell) {
     for (int point = 1; point <= kPerLine; ++point) {
       const bool zero = point == kPerLine;
       for (std::size_t i = 0; i < axes; ++i)
-        csv << (zero ? 0.0 : 0.5 + 0.5 * ((point + line + static_cast<int>(i)) % 4)) << ',';
+        csv << (zero ? 0.0 : kPlaces_mm[static_cast<std::size_t>(point - 1)][i] + 0.02 * (line % 7))
+            << ',';
       csv << (point == 2 ? "validation," : "calibration,") << line << ',' << (zero ? 1 : 0)
           << (force ? ",0" : "") << '\n';
     }
@@ -32,7 +37,7 @@ std::string trajectory_of(const CellDescription& cell) {
 }
 
 bool tells_of_a_lie(const std::string& what) {
-  for (const char* kind : {"reading.", "pose.", "readback.", "closure.bad"})
+  for (const char* kind : {"reading.", "pose.", "readback.", "zero.disagrees", "closure.bad"})
     if (what.starts_with(kind) && what != "reading.good_again") return true;
   return false;
 }
@@ -70,6 +75,7 @@ void LieBench::begin_run() {
   if (run_ && (*cell_)->status().run) {
     auto aborted = cell_->await((*cell_)->abort_run(cell_->ada, *run_, "the next lies"));
     cell_->until([this] { return !(*cell_)->status().run; });
+    cell_->pass(10);  // the axes have confirmed that they were stopped
   }
   run_ = cell_->begin_run(trajectory_of(description_)).id;
   // The channels' own noise is known by then.
@@ -139,8 +145,12 @@ Episode LieBench::tell(const ChannelOfCell& channel, Kind kind, double size) {
     episode.said = event->detail;
     if (const auto first = world_.liar.first())
       episode.after_s = std::max(0.0, seconds_from(event->at.utc - *first));
+    const auto closure =
+        std::find_if(events_.begin() + static_cast<std::ptrdiff_t>(first_event), events_.end(),
+                     [](const EventRecord& one) { return one.what == "run.closure"; });
+    episode.after_closure = until_closure && closure != events_.end() &&
+                            seconds_from(event->at.utc - closure->at.utc) > 1;
   }
-  episode.closure_passed = closures() > closures_before;
   const auto decided = rows_decided();
   const double limit_s = 3600;
   const CellTime end_by = cell_->now() + nanoseconds_from_s(limit_s);
@@ -156,6 +166,9 @@ Episode LieBench::tell(const ChannelOfCell& channel, Kind kind, double size) {
   const auto alarms = alarms_since(from);
   episode.alarmed = std::ranges::any_of(
       alarms, [](const AlarmRecord& alarm) { return tells_of_a_lie(alarm.kind); });
+  episode.alarm_stays = std::ranges::any_of(alarms, [](const AlarmRecord& alarm) {
+    return tells_of_a_lie(alarm.kind) && alarm.cleared.utc_ns == 0;
+  });
   look_at_rows(channel, from, episode);
   return episode;
 }

@@ -13,12 +13,13 @@ namespace driftwise::lies {
 
 struct Episode {
   bool detected = false;
-  double after_s = 0;           // cell time, from the first false answer that was possible to see
-  bool closure_passed = false;  // the next closure came first
-  std::string how;              // kind of the alarm: "reading.step"
-  bool alarmed = false;         // it stood in the list of alarms
-  int false_rows = 0;           // accepted rows with a value that is not the truth
-  int unmarked_rows = 0;        // ... of these: not suspect
+  double after_s = 0;          // cell time, from the first false answer that was possible to see
+  bool after_closure = false;  // the next closure had not shown it
+  std::string how;             // kind of the alarm: "reading.step"
+  bool alarmed = false;        // it stood in the list of alarms
+  bool alarm_stays = false;    // it stood although the lie was over
+  int false_rows = 0;          // accepted rows with a value that is not the truth
+  int unmarked_rows = 0;       // ... of these: not suspect
   int suspect_rows = 0;
   bool waited = false;   // the run was waiting at some time of the lie
   bool went_on = false;  // rows were accepted after it

@@ -14,8 +14,13 @@ std::string option(const DeviceDescription& device, const char* name, const char
   return found == device.options.end() ? otherwise : found->second;
 }
 
-// The farthest that the lines of the table go.
-constexpr double kFarthest_mm = 2.0;
+// The farthest that an axis goes in the lines of the table, and a length that no axis has to
+// itself.
+constexpr double kFarthest_mm = 2.0, kFarthestOfSeveral_mm = 1.0;
+
+double farthest_mm(const CellDescription& cell) {
+  return cell.motor_channels().size() > 1 ? kFarthestOfSeveral_mm : kFarthest_mm;
+}
 
 // The time between two answers of the channel in the lines of the table.
 double longest_between_s(const CellDescription& cell, const ChannelOfCell& channel) {
@@ -111,7 +116,8 @@ std::optional<double> expected_size(const CellDescription& cell, const ChannelOf
       break;
     case What::length:
       if (kind == Kind::scale)
-        return (1e-3 * rules.geometry_um + rules.geometry_pct / 100 * kFarthest_mm) / kFarthest_mm;
+        return (1e-3 * rules.geometry_um + rules.geometry_pct / 100 * kFarthest_mm) /
+               farthest_mm(cell);
       jump = 1e-6 * (rules.closure_nm + 1.5 * per_min);
       break;
     case What::angle:
@@ -164,9 +170,6 @@ std::string why_not(const tests::PlantWorld& world, const CellDescription& cell,
       if (kind == Kind::constant || kind == Kind::scale || kind == Kind::inverted ||
           kind == Kind::unit)
         return "no force acts: the answer is the truth";
-      break;
-    case What::motor:
-      if (kind == Kind::other) return "the axes of a line stand at the same coordinate";
       break;
     case What::angle:
       if (kind == Kind::constant) return "";  // by its own noise

@@ -16,8 +16,10 @@ std::string problem_of(const Episode& episode, Kind kind) {
   if (!episode.alarmed) return "no alarm";
   if (is_impossible(kind) && episode.after_s > kImpossibleWithin_s)
     return fmt::format("found after {:.0f} s only", episode.after_s);
+  if (episode.after_closure) return "found after the next closure only";
   if (episode.unmarked_rows > 0)
     return fmt::format("{} false rows are not marked", episode.unmarked_rows);
+  if (episode.alarm_stays) return "the alarm stays when the lie has ended";
   if (!episode.went_on) return "the run did not go on when the lie ended";
   return "";
 }
