@@ -289,7 +289,12 @@ Result<Model> fit_rows(const Dataset& dataset, const FitOptions& options) {
 Result<Model> fit(const Dataset& dataset, const FitOptions& options) {
   if (const auto usable = without_unusable(dataset)) {
     auto model = fit(usable->data, options);
-    if (model) model->warnings.insert(model->warnings.begin(), usable->sentence);
+    if (!model) {
+      Error error = model.error();
+      error.message += "; " + usable->sentence;
+      return tl::unexpected(std::move(error));
+    }
+    model->warnings.insert(model->warnings.begin(), usable->sentence);
     return model;
   }
   if (auto checked = check_options(options); !checked) return tl::unexpected(checked.error());
