@@ -14,7 +14,7 @@ describe() {
     fuzz) echo "every fuzz target for FUZZ_SECONDS (300) seconds under address and undefined-behaviour sanitizers; corpus in out/nightly/corpus" ;;
     tidy) echo "clang-tidy over all files" ;;
     browser) echo "the page in Chromium before a real daemon" ;;
-    hidden_effects) echo "the long counts of the diagnosis" ;;
+    hidden_effects) echo "the long counts of the diagnosis and the table of the lies of a device" ;;
     bench) echo "the benchmarks" ;;
     *) return 1 ;;
   esac
