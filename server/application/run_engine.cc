@@ -296,6 +296,12 @@ Awaitable<Result<void>> RunEngine::overcome(ActiveRun& run, const Error& error,
   } else if (auto ok = co_await change(run, RunState::waiting, error.message); !ok) {
     co_return ok;
   }
+  // Where only the next move shows it, it is not tried all the time: each is an alarm.
+  if (error.reason == kImplausible && troubles_in_a_row > 1) {
+    constexpr double kFirst_s = 5, kLongest_s = 600;
+    const double pause_s = std::min(kLongest_s, kFirst_s * std::exp2(troubles_in_a_row - 1));
+    if (auto ok = co_await run.scope.sleep_s(pause_s); !ok) co_return ok;
+  }
   co_return co_await look_again(run, remedy);
 }
 
