@@ -96,6 +96,10 @@ class Diagnoser {
 
   void add_sensor_findings(const std::vector<FaultySensor>& sensors) {
     for (const auto& sensor : sensors) {
+      if (!sensor.mended) {  // a part can really warm: without evidence it is no cause
+        result_.warnings.push_back(sentence(sensor));
+        continue;
+      }
       Finding finding{.cause = "sensor_fault",
                       .subject = sensor.channel,
                       .where = "sensor",

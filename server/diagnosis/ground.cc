@@ -41,6 +41,25 @@ struct Integrated {
   double log_determinant = 0;
 };
 
+// 2 ln of the mean over the shares of the prior, and of "does not act" where that is one of them.
+double averaged(const std::array<double, kPriorShares.size()>& two_ln, bool may_not_act) {
+  double top = may_not_act ? 0 : two_ln[0];
+  for (const double one : two_ln) top = std::max(top, one);
+  double sum = may_not_act ? std::exp(-top / 2) : 0;
+  for (const double one : two_ln) sum += std::exp((one - top) / 2);
+  return top + 2 * std::log(sum / static_cast<double>(two_ln.size() + (may_not_act ? 1 : 0)));
+}
+
+// What the space leaves of columns; zero where that is too little of them to say anything.
+Eigen::MatrixXd news_of(const WhitenedSpace& space, Eigen::MatrixXd columns) {
+  space.whiten(columns);
+  const Eigen::RowVectorXd whole = columns.colwise().norm();
+  space.project(columns);
+  for (Eigen::Index j = 0; j < columns.cols(); ++j)
+    if (columns.col(j).norm() < kLeastNew * whole[j]) columns.col(j).setZero();
+  return columns;
+}
+
 }  // namespace
 
 Eigen::MatrixXd beyond(const WhitenedSpace& space, const Eigen::MatrixXd& columns) {
@@ -140,11 +159,12 @@ Gain Ground::gain(const Eigen::MatrixXd& columns, const PriorSd& prior) const {
   result.of_output.assign(count, 0);
   result.shape = best_;
   result.contribution.resize(count);
-  Eigen::VectorXd lowest = Eigen::VectorXd::Constant(outputs(), INFINITY);
-  Eigen::VectorXd lowest_free = lowest;
+  Eigen::MatrixXd lowest = Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(kPriorShares.size()),
+                                                     outputs(), INFINITY);
+  Eigen::VectorXd lowest_free = Eigen::VectorXd::Constant(outputs(), INFINITY);
   const Eigen::MatrixXd centred = columns.rowwise() - columns.colwise().mean();
   for (std::size_t s = 0; s < spaces_.size(); ++s) {
-    const Eigen::MatrixXd white = spaces_[s].left_over(centred);
+    const Eigen::MatrixXd white = news_of(spaces_[s], centred);
     for (Eigen::Index o = 0; o < outputs(); ++o) {
       if ((prior.col(o).array() <= 0).all()) continue;
       const auto at = static_cast<std::size_t>(o);
@@ -152,23 +172,32 @@ Gain Ground::gain(const Eigen::MatrixXd& columns, const PriorSd& prior) const {
       const double rss = left.squaredNorm();
       const Eigen::VectorXd along = white.transpose() * left;
       const Eigen::VectorXd width = prior.col(o) / white_sd(o);
-      const Integrated with(white, width), wide(white, kWidths * width);
-      const double taken = with.taken(along);
-      const double criterion =
-          spaces_[s].criterion(std::max(rss - taken, kLeast * rss)) + with.log_determinant;
-      const double free = spaces_[s].criterion(std::max(rss - wide.taken(along), kLeast * rss));
-      lowest_free[o] = std::min(lowest_free[o], free);
-      if (!(criterion < lowest[o])) continue;
-      lowest[o] = criterion;
-      result.shape[at] = s;
-      result.contribution[at] = white * with.amplitudes(along);
+      const Integrated wide(white, kWidths * width);
+      lowest_free[o] = std::min(
+          lowest_free[o], spaces_[s].criterion(std::max(rss - wide.taken(along), kLeast * rss)));
+      for (std::size_t k = 0; k < kPriorShares.size(); ++k) {
+        const Integrated with(white, kPriorShares[k] * width);
+        const double criterion =
+            spaces_[s].criterion(std::max(rss - with.taken(along), kLeast * rss)) +
+            with.log_determinant;
+        if (criterion < lowest.col(o).minCoeff()) {
+          result.shape[at] = s;
+          result.contribution[at] = white * with.amplitudes(along);
+        }
+        auto& least = lowest(static_cast<Eigen::Index>(k), o);
+        least = std::min(least, criterion);
+      }
     }
   }
+  const bool may_not_act = (prior.array() > 0).colwise().any().count() > 1;
   for (Eigen::Index o = 0; o < outputs(); ++o) {
     const auto at = static_cast<std::size_t>(o);
-    if (!std::isfinite(lowest[o])) continue;
+    if (!std::isfinite(lowest(0, o))) continue;
     const double without = criterion_(static_cast<Eigen::Index>(best_[at]), o);
-    result.of_output[at] = without - lowest[o];
+    std::array<double, kPriorShares.size()> two_ln{};
+    for (std::size_t k = 0; k < two_ln.size(); ++k)
+      two_ln[k] = without - lowest(static_cast<Eigen::Index>(k), o);
+    result.of_output[at] = averaged(two_ln, may_not_act);
     result.gain += result.of_output[at];
     result.likelihood += without - lowest_free[o];
   }

@@ -5,6 +5,7 @@
 // a slow effect that the noise has swallowed is given back.
 
 #include <Eigen/Core>
+#include <array>
 #include <functional>
 #include <vector>
 
@@ -20,6 +21,14 @@ Eigen::MatrixXd beyond(const WhitenedSpace& space, const Eigen::MatrixXd& column
 // Gaussian prior of an effect's amplitudes: columns x outputs, standard deviation in the output's
 // summary unit per unit of the column. 0: does not act there.
 using PriorSd = Eigen::MatrixXd;
+
+// An amplitude's size is known to an order of magnitude or two: its prior is, with equal odds, each
+// of these shares of the typical standard deviation; where a cause may act on several outputs also
+// none at all, for it need not act on all of them.
+inline constexpr std::array<double, 3> kPriorShares = {1, 0.2, 0.04};
+// A column of which the simulation's columns leave less than this share of its whitened length says
+// nothing of its effect: no shape is known better.
+inline constexpr double kLeastNew = 0.02;
 
 struct Gain {
   double gain = 0;        // 2 ln of the marginal likelihood's ratio, with the effect to without it

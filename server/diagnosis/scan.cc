@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace driftwise::diagnosis {
@@ -76,6 +77,8 @@ struct Average {
   double value() const { return sum > 0 ? top + 2 * std::log(sum) : -1e300; }
 };
 
+using Rests = std::array<Eigen::ArrayXXf, kPriorShares.size()>;  // series x cells, per share
+
 struct Part {  // of a cause's cells, for one series
   Average average;
   float top = -1e30F, gain = -1e30F;
@@ -126,12 +129,16 @@ std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
     const Eigen::Index width = last.first + last.count - first.first;
     const auto cells = static_cast<Eigen::Index>(slice.cells);
     const Eigen::MatrixXd raw = bank.columns.middleCols(first.first, width);
-    std::vector<Eigen::ArrayXXf> with(outputs, Eigen::ArrayXXf::Constant(count, cells, INFINITY));
+    std::vector<Rests> with(outputs);
+    for (auto& rests : with) rests.fill(Eigen::ArrayXXf::Constant(count, cells, INFINITY));
     Eigen::MatrixXf along, turned;
     for (std::size_t s = 0; s < shapes; ++s) {
       Eigen::MatrixXd left = raw.rowwise() - raw.colwise().mean();
       ground.space(s).whiten(left);
+      const Eigen::RowVectorXd whole = left.colwise().norm();
       ground.space(s).project(left);
+      for (Eigen::Index j = 0; j < left.cols(); ++j)
+        if (left.col(j).norm() < kLeastNew * whole[j]) left.col(j).setZero();
       const Eigen::RowVectorXd lengths = left.colwise().norm().cwiseMax(1e-300);
       left = left * lengths.cwiseInverse().asDiagonal();
       const Eigen::MatrixXf basis = left.cast<float>();
@@ -151,14 +158,16 @@ std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
         along.noalias() = side.left.transpose() * basis;  // series x columns
         for (Eigen::Index c = 0, j = 0; c < cells; ++c) {
           const Eigen::Index k = bank.cells[slice.first_cell + static_cast<std::size_t>(c)].count;
-          const Integrated one =
-              integrated(grams[static_cast<std::size_t>(c)], widths.segment(j, k));
-          turned.noalias() = along.middleCols(j, k) * one.turn;
-          const Eigen::ArrayXf rest =
-              (side.rss - turned.rowwise().squaredNorm().array()).max(1e-6f * side.rss) *
-              static_cast<float>(side.weight) *
-              std::exp(one.log_determinant / static_cast<float>(dof));
-          with[o].col(c) = with[o].col(c).min(rest);
+          for (std::size_t w = 0; w < kPriorShares.size(); ++w) {
+            const Integrated one = integrated(grams[static_cast<std::size_t>(c)],
+                                              kPriorShares[w] * widths.segment(j, k));
+            turned.noalias() = along.middleCols(j, k) * one.turn;
+            const Eigen::ArrayXf rest =
+                (side.rss - turned.rowwise().squaredNorm().array()).max(1e-6f * side.rss) *
+                static_cast<float>(side.weight) *
+                std::exp(one.log_determinant / static_cast<float>(dof));
+            with[o][w].col(c) = with[o][w].col(c).min(rest);
+          }
           j += k;
         }
       }
@@ -166,9 +175,23 @@ std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
     std::vector<Part> best(static_cast<std::size_t>(count));
     for (Eigen::Index c = 0; c < cells; ++c) {
       Eigen::ArrayXf gain = Eigen::ArrayXf::Zero(count);
-      for (std::size_t o = 0; o < outputs; ++o)
-        if (std::isfinite(with[o](0, c)))
-          gain += static_cast<float>(dof) * (lowest[o] / with[o].col(c)).log();
+      std::size_t acts_on = 0;
+      for (const auto& rests : with) acts_on += std::isfinite(rests[0](0, c)) ? 1 : 0;
+      for (std::size_t o = 0; o < outputs; ++o) {
+        if (!std::isfinite(with[o][0](0, c))) continue;
+        // As Ground::gain(): the mean over the prior's shares, and over "does not act".
+        std::array<Eigen::ArrayXf, kPriorShares.size()> two_ln;
+        Eigen::ArrayXf top = Eigen::ArrayXf::Constant(count, acts_on > 1 ? 0.0F : -1e30F);
+        for (std::size_t w = 0; w < two_ln.size(); ++w) {
+          two_ln[w] = static_cast<float>(dof) * (lowest[o] / with[o][w].col(c)).log();
+          top = top.max(two_ln[w]);
+        }
+        Eigen::ArrayXf sum = Eigen::ArrayXf::Zero(count);
+        if (acts_on > 1) sum = (-top / 2).exp();
+        for (const auto& one : two_ln) sum += ((one - top) / 2).exp();
+        const auto terms = static_cast<float>(two_ln.size() + (acts_on > 1 ? 1 : 0));
+        gain += top + 2 * (sum / terms).log();
+      }
       const std::size_t cell = slice.first_cell + static_cast<std::size_t>(c);
       const auto weight = static_cast<float>(2 * bank.ln_weight[cell]);
       for (Eigen::Index k = 0; k < count; ++k) {

@@ -41,6 +41,7 @@ std::string what(const Finding& finding) {
       {"thermal_rate", "the robot's error goes with how fast % changes"},
       {"thermal_expansion", "the error grows with position times %"},
       {"self_heating", "the motion of % heats the robot where no sensor sees it"},
+      {"activity_heating", "% heats the robot, with a delay"},
       {"force_compliance", "the robot gives way in proportion to the force"},
       {"force_nonlinearity", "the robot gives way to the force, and not in proportion"},
       {"force_position_coupling", "how far the robot gives way depends on where it is"},
@@ -84,7 +85,8 @@ std::string sentence(const FaultySensor& sensor) {
       return "Sensor " + sensor.channel + " jumps by " + three_digits(sensor.size) + " K from " +
              from + " and no other does: " +
              (sensor.mended ? "the jump is taken out."
-                            : "the readings are left as they are, for the outputs do not say.");
+                            : "the part warmed or the sensor is at fault, the outputs do not say "
+                              "which; no reading is changed.");
     case SensorFault::swapped:
       return "Sensors " + sensor.channel + " and " + sensor.other + " change places from " + from +
              ": they are put back.";

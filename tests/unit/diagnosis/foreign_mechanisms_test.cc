@@ -101,7 +101,10 @@ TEST(ForeignData, AnOutputIsNoVariableOfItsOwnResidual) {
 TEST(ForeignData, InOtherUnitsAndUnderOtherNamesAreTheSame) {
   std::mt19937_64 random(5);
   Rows rows = visited(random, 5);
-  double lag = 0;
+  // A lag of one sinusoid is a temperature and its rate; a heater's switching on tells them apart.
+  for (std::size_t i = 200; i < kRows; ++i)
+    rows.t2[i] += 0.4 * (1 - std::exp(-static_cast<double>(i - 200) / 20));
+  double lag = rows.t2.front() - 21;  // long at rest before
   for (std::size_t i = 0; i < kRows; ++i) {
     lag += (rows.t2[i] - 21 - lag) * (1 - std::exp(-21.0 / 1500));
     rows.x[i] -= 150e-6 * lag;
@@ -141,6 +144,19 @@ TEST(ForeignData, APartThatReallyWarmsIsNoBrokenThermometer) {
   for (std::size_t i = 0; i < kRows; ++i) rows.x[i] += 90e-6 * 0.3 * std::cos(rows.time_s[i] / 900);
   const auto found = diagnosed(dataset(rows), "q1 ~ x + x^2 + T");
   EXPECT_THAT(names_in(found), testing::Not(testing::Contains("sensor_fault")));
+}
+
+TEST(ForeignData, AJumpThatTheOutputsDoNotKnowIsAWarningAndNoCause) {
+  std::mt19937_64 random(16);
+  Rows rows = visited(random, 5);
+  for (std::size_t i = 300; i < kRows; ++i) rows.t2[i] += 0.3;
+  // The output depends on no thermometer: nothing tells a broken one from a part that warmed.
+  std::normal_distribution<double> normal;
+  for (std::size_t i = 0; i < kRows; ++i) rows.x[i] = rows.q[i] + 5e-6 * normal(random);
+  const auto found = diagnosed(dataset(rows), "q1 ~ x + x^2 + T");
+  EXPECT_THAT(names_in(found), testing::IsEmpty());
+  EXPECT_EQ(found.verdict, Verdict::adequate);
+  EXPECT_THAT(found.warnings, testing::Contains(testing::HasSubstr("t02 jumps by")));
 }
 
 TEST(ForeignData, HeavyTailsAreNoise) {
