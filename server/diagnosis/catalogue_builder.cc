@@ -1,6 +1,7 @@
 #include "server/diagnosis/catalogue_builder.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "server/effects/term_order.h"
@@ -9,6 +10,17 @@ namespace driftwise::diagnosis {
 namespace {
 
 constexpr int kPerDecade = 7;  // of a time constant or a width
+
+// What a machine does, as a channel says it: speed in rpm, current in A, power in W, duty.
+bool is_activity(const Channel& channel) {
+  static constexpr std::array kUnits = {"rpm", "1/min", "Hz",   "1/s", "A",      "mA", "W", "kW",
+                                        "V",   "mm/s",  "um/s", "m/s", "mm/min", "%",  "1"};
+  static constexpr std::array kNot = {"air", "pressure", "humidity", "dwell"};
+  const std::string& symbol = channel.symbol;
+  return std::ranges::find(kUnits, channel.unit) != kUnits.end() &&
+         std::ranges::none_of(kNot, [&](const char* one) { return symbol.starts_with(one); }) &&
+         !symbol.ends_with("_set") && !symbol.ends_with("_cmd") && !symbol.ends_with("_std");
+}
 
 }  // namespace
 
@@ -37,6 +49,7 @@ CatalogueBuilder::CatalogueBuilder(const Dataset& dataset, const std::vector<eff
     const auto& channel = column.channel;
     if (!varies(channel.symbol)) continue;
     const bool pose = is_pose_symbol(channel.symbol);
+    if (is_activity(channel)) activities_.push_back(channel.symbol);
     if (is_structure_temperature(channel)) temperatures_.push_back(channel.symbol);
     if (channel.unit == "mm" && pose) axes_.push_back(channel.symbol);
     if (channel.unit == "arcsec" && pose) tilts_.push_back(channel.symbol);

@@ -21,6 +21,8 @@ class CatalogueBuilder {
   const std::vector<std::string>& axes() const { return axes_; }    // x y z that vary
   const std::vector<std::string>& tilts() const { return tilts_; }  // rx ry rz that vary
   const std::vector<std::string>& motors() const { return motors_; }
+  // Conditions that are no temperature, air, force, coordinate or setting: speed, current, duty.
+  const std::vector<std::string>& activities() const { return activities_; }
   bool timed() const { return length_s_ > 0; }
   double length_s() const { return length_s_; }
   double step_s() const { return step_s_; }  // typical, between rows
@@ -40,7 +42,7 @@ class CatalogueBuilder {
  private:
   const Dataset& dataset_;
   std::set<std::string> known_, excluded_;
-  std::vector<std::string> temperatures_, axes_, tilts_, motors_;
+  std::vector<std::string> temperatures_, axes_, tilts_, motors_, activities_;
   double length_s_ = 0, step_s_ = 0;
   Catalogue catalogue_;
 };
@@ -56,7 +58,8 @@ void add_geometry(CatalogueBuilder& builder);      // catalogue_geometry.cc
 void add_temperatures(CatalogueBuilder& builder);  // catalogue_conditions.cc
 void add_force(CatalogueBuilder& builder);
 void add_motion(CatalogueBuilder& builder);  // catalogue_motion.cc
-void add_beams(CatalogueBuilder& builder);   // catalogue_beams.cc
-void add_time(CatalogueBuilder& builder);    // catalogue_time.cc
+void add_activities(CatalogueBuilder& builder);
+void add_beams(CatalogueBuilder& builder);  // catalogue_beams.cc
+void add_time(CatalogueBuilder& builder);   // catalogue_time.cc
 
 }  // namespace driftwise::diagnosis

@@ -24,6 +24,28 @@ Cause of_motor(const std::string& id, const std::string& q, const std::string& p
 
 }  // namespace
 
+void add_activities(CatalogueBuilder& builder) {
+  if (builder.activities().empty())
+    builder.missing("activity_heating", "no channel of an activity (rpm, A, W, %, mm/s) varies");
+  else if (!builder.timed())
+    builder.missing("activity_heating", "the data have no time_s");
+  else
+    for (const auto& of : builder.activities()) {
+      Cause heat{.id = "activity_heating",
+                 .subject = of,
+                 .where = "robot",
+                 .applies_to = AppliesTo::robot,
+                 .parameter = "tau_s",
+                 .scale = ParameterScale::logarithmic};
+      builder.add_values(heat,
+                         log_grid(std::max(4 * builder.step_s(), 1.0), builder.length_s() / 2),
+                         [&](double tau) {
+                           return std::vector<Term>{call_term("lag", {of}, {{tau, "s"}})};
+                         });
+      builder.take_cause(std::move(heat));
+    }
+}
+
 void add_motion(CatalogueBuilder& builder) {
   if (builder.motors().empty()) {
     for (const char* id : {"backlash", "creep", "self_heating"})
@@ -49,22 +71,21 @@ void add_motion(CatalogueBuilder& builder) {
                          return std::vector<Term>{call_term("heat", {q}, {{tau, "s"}})};
                        });
     builder.take_cause(std::move(heat));
-    if (!dwells) continue;
     Cause creep = of_motor("creep", q, "tau_s");
     creep.outputs = {q};
-    builder.add_values(creep,
-                       log_grid(std::max(0.2 * builder.step_s(), 0.1),
-                                std::min(builder.length_s() / 2, 200 * builder.step_s())),
-                       [&](double tau) {
-                         return std::vector<Term>{call_term("creep", {q, "dwell"}, {{tau, "s"}})};
-                       });
+    builder.add_values(
+        creep,
+        log_grid(std::max(0.2 * builder.step_s(), 0.1),
+                 std::min(builder.length_s() / 2, 200 * builder.step_s())),
+        [&](double tau) {
+          return std::vector<Term>{
+              call_term("creep", dwells ? std::vector{q, std::string("dwell")} : std::vector{q},
+                        {{tau, "s"}})};
+        });
     builder.take_cause(std::move(creep));
   }
-  if (!builder.timed()) builder.missing("self_heating", "the data have no time_s");
-  if (!dwells)
-    builder.missing("creep",
-                    "the data do not say how long each point dwelt, or always the same "
-                    "(time_s, dwell_s)");
+  if (!builder.timed())
+    for (const char* id : {"self_heating", "creep"}) builder.missing(id, "the data have no time_s");
 }
 
 }  // namespace driftwise::diagnosis

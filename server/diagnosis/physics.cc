@@ -22,6 +22,7 @@ constexpr double kExpansion_ppm_per_k = 12, kLargestExpansion_ppm_per_k = 30;
 constexpr double kSmallestMachine_mm = 100;   // of what carries a short stage
 constexpr double kRateTime_h = 900.0 / 3600;  // of a delay that shows as a rate
 constexpr double kHeating_k = 0.3;            // of a motor's surroundings
+constexpr double kActivity_k = 1;             // of a spindle's
 constexpr double kGeometry = 1e-4;            // of the stroke: straightness and scale of stages
 constexpr double kPlay = 2e-5, kPlay_nm = 200;
 constexpr double kWave_nm = 20, kWaveOfPeriod = 1e-3, kWaveOfStroke = 1e-5;
@@ -128,6 +129,8 @@ std::span<const PhysicsRecord> physics_table() {
       {"thermal_expansion", "ppm/K", "12", "30", "no material of machines grows more"},
       {"self_heating", "nm over the range of the motion's heat", "0.3 K x thermal_offset", "20 x",
        "motors of stages at some watts"},
+      {"activity_heating", "nm over the range of the activity", "1 K x thermal_offset", "20 x",
+       "spindles and motors warm their surroundings by kelvins"},
       {"force_compliance", "nm/N", "100 or 10 sigma over the range of force", "50 x",
        "10 N/um; flexures are softer"},
       {"force_nonlinearity", "share of the linear part at the largest force", "0.3", "50 x",
@@ -189,6 +192,7 @@ double Physics::nm_per_unit(const Cause& cause, const effects::Term& term, doubl
   if (id == "thermal_rate") return per_k * kRateTime_h;
   if (id == "thermal_expansion") return kExpansion_ppm_per_k;
   if (id == "self_heating") return kHeating_k * per_k * per_column;
+  if (id == "activity_heating") return kActivity_k * per_k * per_column;
   if (id == "backlash")
     return std::max({kPlay_nm, kPlay * stroke_nm, large}) / parameter * kNmPerMm;
   if (id == "creep") return std::max(kGeometry * stroke_nm, large) * per_column;

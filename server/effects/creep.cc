@@ -14,7 +14,7 @@ class CreepState final : public EffectState {
   }
 
   double step(double time_s, std::span<const double> inputs) override {
-    const double q = inputs[0], dwell = inputs[1];
+    const double q = inputs[0], dwell = inputs.size() > 1 ? inputs[1] : 0;
     if (std::isnan(q) || std::isnan(dwell)) return std::nan("");
     if (!started_) {
       started_ = true;
@@ -40,19 +40,22 @@ class CreepState final : public EffectState {
 }  // namespace
 
 EffectKind creep_kind() {
-  return {.name = "creep",
-          .catalogue_id = "creep",
-          .symbol_count = 2,
-          .parameters = {{"tau", "s", 0.1, 1e6}},
-          .output_unit = "mm",
-          .sentence =
-              "what is left of each move of the first channel, dying away with tau; the "
-              "second channel is the dwell since the move's end (mm)",
-          .make = [](std::span<const Quantity> parameters) -> std::unique_ptr<EffectState> {
-            return std::make_unique<CreepState>(parameters[0].value);
-          },
-          .channel_units = {"mm", "s"},
-          .observes_path = true};
+  return {
+      .name = "creep",
+      .catalogue_id = "creep",
+      .symbol_count = 2,
+      .optional_symbols = 1,
+      .parameters = {{"tau", "s", 0.1, 1e6}},
+      .output_unit = "mm",
+      .sentence =
+          "what is left of each move of the first channel, dying away with tau; the "
+          "second channel is the dwell since the move's end, the same at every reading where it "
+          "is left out (mm)",
+      .make = [](std::span<const Quantity> parameters) -> std::unique_ptr<EffectState> {
+        return std::make_unique<CreepState>(parameters[0].value);
+      },
+      .channel_units = {"mm", "s"},
+      .observes_path = true};
 }
 
 }  // namespace driftwise::effects

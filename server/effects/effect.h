@@ -41,6 +41,7 @@ struct EffectKind {
   std::string name;          // "rate", as written in a formula
   std::string catalogue_id;  // "thermal_rate"
   int symbol_count = 1;      // channels it observes
+  int optional_symbols = 0;  // of them, the last ones, that may be left out
   std::vector<ParameterKind> parameters;
   std::string
       output_unit;  // after the channel's own unit: "K/h"; "" for the unit of the channel itself

@@ -83,7 +83,10 @@ const EffectKind* find_effect(std::string_view name) {
 
 std::string usage(const EffectKind& kind) {
   std::string text = kind.name + "(";
-  for (int i = 0; i < kind.symbol_count; ++i) text += i == 0 ? "channel" : ", channel";
+  for (int i = 0; i < kind.symbol_count; ++i) {
+    const std::string one = i == 0 ? "channel" : ", channel";
+    text += i < kind.symbol_count - kind.optional_symbols ? one : "[" + one + "]";
+  }
   for (const auto& parameter : kind.parameters)
     text += (text.back() == '(' ? "" : ", ") + parameter.name +
             (parameter.unit.empty() ? "" : " " + parameter.unit);
@@ -102,7 +105,8 @@ Result<Call> checked(const Call& call) {
     return fail(ErrorCode::invalid_argument, "UNKNOWN_EFFECT",
                 "unknown effect '" + call.effect + "': known are " + known);
   }
-  if (call.symbols.size() != static_cast<std::size_t>(kind->symbol_count) ||
+  const auto given = static_cast<int>(call.symbols.size());
+  if (given > kind->symbol_count || given < kind->symbol_count - kind->optional_symbols ||
       call.parameters.size() != kind->parameters.size())
     return bad("expected " + usage(*kind));
   Call result = call;

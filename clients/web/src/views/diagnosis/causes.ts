@@ -7,6 +7,7 @@ const words: Record<string, readonly [noun: string, link: string]> = {
   thermal_rate: ['the speed of change', 'of'],
   thermal_expansion: ['expansion', 'with'],
   self_heating: ['heat from the motion', 'of'],
+  activity_heating: ['heat that goes', 'with'],
   force_compliance: ['giving way in proportion', 'to'],
   force_nonlinearity: ['giving way out of proportion', 'to'],
   force_position_coupling: ['stiffness that depends on the place', 'under'],
