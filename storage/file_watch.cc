@@ -48,12 +48,15 @@ DatabaseFiles FileWatch::look() {
 }
 
 Error files_error(DatabaseFiles state, const std::string& path) {
-  const char* end = ": nothing more is stored, and a run waits: ";
+  const char* end =
+      ": nothing more is stored and the run waits; what is held open is copied beside it (the "
+      "alarm names the copy): ";
   switch (state) {
     case DatabaseFiles::moved:
       return {ErrorCode::resource_exhausted, "DATABASE_MOVED",
               "database " + path + " is no longer at its path" + end +
-                  "put the file back there and the cell continues"};
+                  "put the file back there and the cell continues, or stop the daemon and put the "
+                  "copy there"};
     case DatabaseFiles::replaced:
       return {ErrorCode::resource_exhausted, "DATABASE_REPLACED",
               "another file has taken the place of database " + path + end +
@@ -62,7 +65,7 @@ Error files_error(DatabaseFiles state, const std::string& path) {
     default:
       return {ErrorCode::resource_exhausted, "DATABASE_OVERWRITTEN",
               "another program has written into database " + path + end +
-                  "stop the daemon, put a backup in its place, and start it again"};
+                  "stop the daemon, put the copy or a backup in its place, and start it again"};
   }
 }
 

@@ -269,6 +269,9 @@ void print_models(const Console& console, const std::vector<v1::Model>& models) 
     }
   }
   table.print(console.out, console.paint_out());
+  for (const auto& model : models)
+    if (!model.damage().empty())
+      console.out << console.paint_out().bad("damaged  ") << model.damage() << '\n';
 }
 
 void print_comparison(const Console& console, const v1::CompareModelsResponse& comparison) {

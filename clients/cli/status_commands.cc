@@ -26,6 +26,17 @@ std::string link_text(const Paint& paint, v1::Device::Link link) {
   }
 }
 
+std::string database_text(const v1::DatabaseStatus& database) {
+  if (!database.troubles().empty()) return "damaged: see below";
+  std::string text = database.has_clean_time()
+                         ? "found clean on " + clock_text(database.clean_time()) + " UTC"
+                         : "not checked whole yet";
+  if (database.checked_table_count() < database.table_count())
+    text += ", a check is under way: " + std::to_string(database.checked_table_count()) + " of " +
+            std::to_string(database.table_count()) + " tables";
+  return text;
+}
+
 void print_status(const Console& console, const v1::GetStatusResponse& status) {
   const Paint paint = console.paint_out();
   console.out << paint.bold(status.cell_name()) << "  driftwised " << status.version() << "  "
@@ -48,6 +59,7 @@ void print_status(const Console& console, const v1::GetStatusResponse& status) {
               << (status.has_run() ? progress_line(status.run(), std::nan(""), 200)
                                    : "none under way")
               << '\n';
+  console.out << "record   " << database_text(status.database()) << '\n';
   if (!status.web_address().empty()) console.out << "web      " << status.web_address() << '\n';
   for (const auto& device : status.devices())
     if (device.link() != v1::Device::LINK_CONNECTED)

@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "server/application/database_health.h"
 #include "server/application/diagnosis_request.h"
 #include "server/application/watching.h"
 #include "server/calibration/model.h"
@@ -92,6 +93,7 @@ struct CellStatus {
   std::optional<RunProgress> run;  // the one under way
   std::optional<Lease> lease;      // its token blanked
   std::optional<ModelId> serving;
+  DatabaseHealth database;
   std::vector<std::string> attention;              // sentences: what a person should look at
   double longest_pause_s = 0, recent_pause_s = 0;  // of the executor (pause_meter.h)
   std::vector<StopRecord> pending_stops;  // by controller; while there is one nothing may move
@@ -188,7 +190,7 @@ class Cell {
     // at a time. Empty: threads of the cell's own. A test hands in its one executor and has
     // everything in order.
     asio::any_io_executor storage_thread = {}, query_thread = {}, worker_thread = {},
-                          diagnosis_thread = {}, text_thread = {};
+                          diagnosis_thread = {}, text_thread = {}, upkeep_thread = {};
     std::string web_address = {};  // "http://127.0.0.1:8080/", told in status(); empty: no web door
     Diagnose diagnose = {};        // empty: diagnosis::diagnose
     bool measure_pauses = false;   // of the executor: by the wall clock, so not in virtual time

@@ -9,11 +9,21 @@
 
 namespace driftwise::application {
 
+namespace {
+
+StoreReader::Open reading_anew(const OpenStore& open_store, const std::string& path) {
+  return [open_store, path] { return open_store(path, true); };
+}
+
+}  // namespace
+
 Result<std::unique_ptr<Cell>> Cell::open(asio::any_io_executor executor, Parts parts) {
   auto writing = parts.open_store(parts.description.database, false);
   if (!writing) return tl::unexpected(writing.error());
   auto reading = parts.open_store(parts.description.database, true);
   if (!reading) return tl::unexpected(reading.error());
+  auto checking = parts.open_store(parts.description.database, true);
+  if (!checking) return tl::unexpected(checking.error());
   auto clocks = (*writing)->clocks().clocks();
   if (!clocks) return tl::unexpected(clocks.error());
   const auto newest = (*writing)->clocks().newest_instant();
@@ -31,7 +41,8 @@ Result<std::unique_ptr<Cell>> Cell::open(asio::any_io_executor executor, Parts p
       ConfigurationBook::open(**writing, parts.description, parts.version, parts.clock->now());
   if (!configuration) return tl::unexpected(configuration.error());
   auto cell = std::make_unique<CellApplication>(executor, std::move(parts), std::move(*writing),
-                                                std::move(*reading), std::move(*configuration));
+                                                std::move(*reading), std::move(*checking),
+                                                std::move(*configuration));
   cell->know_clock(std::move(clock_start));
   cell->restore_stops(std::move(*stops));
   cell->tell_of_unfinished(*unfinished);
@@ -53,7 +64,7 @@ std::vector<StopDesk::Controller> controllers_of(DeviceBench& bench) {
 
 CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
                                  std::unique_ptr<Store> writing, std::unique_ptr<Store> reading,
-                                 ConfigurationBook configuration)
+                                 std::unique_ptr<Store> checking, ConfigurationBook configuration)
     : executor_(executor),
       description_(std::move(parts.description)),
       configuration_(std::move(configuration)),
@@ -65,8 +76,12 @@ CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
       worker_thread_(parts.worker_thread),
       diagnosis_thread_(parts.diagnosis_thread),
       text_thread_(parts.text_thread),
+      upkeep_thread_(parts.upkeep_thread),
       writer_(storage_thread_.executor(), std::move(writing)),
-      reader_(query_thread_.executor(), std::move(reading)),
+      reader_(executor, query_thread_.executor(), std::move(reading),
+              reading_anew(parts.open_store, description_.database)),
+      checker_(executor, upkeep_thread_.executor(), std::move(checking),
+               reading_anew(parts.open_store, description_.database)),
       events_(executor, *clock_, writer_),
       doubts_(description_, *clock_, writer_, events_, [this] { alarms_end_.raise(); }),
       bench_(executor, std::move(parts.devices), doubts_,
@@ -85,8 +100,8 @@ CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
       keeper_(executor, *clock_, bench_, tasks_, [this] { return engine_.busy() || by_hand_; }),
       pose_(description_),
       recorder_(executor, *clock_, bench_, writer_, events_, lag_, pose_, tasks_),
-      workbench_{description_, *clock_, bench_, recorder_, writer_,
-                 events_,      lag_,    pose_,  loading_,  stops_,  doubts_},
+      workbench_{description_, *clock_, bench_,   recorder_, writer_, events_,
+                 lag_,         pose_,   loading_, stops_,    doubts_},
       serving_(executor, description_, configuration_, *clock_, recorder_, reader_, events_,
                tasks_),
       engine_(
@@ -114,6 +129,8 @@ CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
                   [this](AlarmCondition condition) {
                     spawn(executor_, alarm_book_.note(std::move(condition)));
                   }),
+      upkeep_(executor, *clock_, description_.database, writer_, {&reader_}, &checker_, events_,
+              tasks_, [this] { return engine_.busy() || by_hand_.has_value(); }),
       beginning_(executor) {
   bench_.allow_motion_if([this]() -> Result<void> {
     const auto allowed = stops_.check();
@@ -129,6 +146,7 @@ CellApplication::~CellApplication() {
   worker_thread_.join();
   diagnosis_thread_.join();
   text_thread_.join();
+  upkeep_thread_.join();
 }
 
 void CellApplication::start() {
@@ -138,6 +156,7 @@ void CellApplication::start() {
   keeper_.start();
   recorder_.start();
   serving_.start();
+  upkeep_.start();
   run_watch_ = engine_.watchers().add([this](const RunProgress& run) {
     check_after(run);
     note_for_alarms(run);
@@ -195,7 +214,11 @@ Awaitable<Result<void>> CellApplication::restore_model() {
   if (!history) co_return tl::unexpected(history.error());
   if (history->empty() || !history->back().model) co_return Result<void>{};
   auto record = co_await model(*history->back().model);
-  if (!record) co_return tl::unexpected(record.error());
+  if (!record) {
+    // Not another model in its place: targets are refused until a person promotes one.
+    serving_.refuse(*history->back().model, record.error());
+    co_return tl::unexpected(record.error());
+  }
   if (auto ok = co_await serving_.serve(std::move(*record)); !ok) co_return ok;
   tasks_.begin();
   spawn(executor_, check_serving_model(std::nullopt));
@@ -288,6 +311,7 @@ Awaitable<void> CellApplication::shut_down() {
   improver_.shut_down();
   desk_.shut_down();
   study_desk_.shut_down();
+  upkeep_.shut_down();
   asio::steady_timer cut_off(executor_, kPatience);
   cut_off.async_wait([this](const boost::system::error_code& error) {
     if (!error) bench_.close_all();
@@ -327,6 +351,7 @@ CellStatus CellApplication::status() const {
   if (engine_.busy()) status.run = engine_.progress();
   status.lease = leases_.present(status.now.utc);
   status.serving = serving_.model();
+  status.database = upkeep_.health();
   status.attention = attention();
   status.longest_pause_s = pauses_.longest_s();
   status.recent_pause_s = pauses_.recent_s();
@@ -345,8 +370,10 @@ std::vector<std::string> CellApplication::attention() const {
     sentences.push_back(std::move(question));
   if (!by_hand_waits_.empty()) sentences.push_back(by_hand_waits_);
   if (!datum_trouble_.empty()) sentences.push_back(datum_trouble_);
+  if (serving_.refused()) sentences.push_back(serving_.refused()->message);
   if (!serving_.trouble().empty()) sentences.push_back(serving_.trouble());
   if (!check_trouble_.empty()) sentences.push_back(check_trouble_);
+  for (const auto& condition : upkeep_.conditions()) sentences.push_back(condition.message);
   if (writer_.dropped() > 0)
     sentences.push_back(
         fmt::format("{} slow readings were dropped: nothing could be written", writer_.dropped()));

@@ -13,6 +13,7 @@
 #include "server/application/alarm_conditions.h"
 #include "server/application/cell.h"
 #include "server/application/configuration_book.h"
+#include "server/application/database_upkeep.h"
 #include "server/application/device_bench.h"
 #include "server/application/device_keeper.h"
 #include "server/application/diagnosis_desk.h"
@@ -59,7 +60,8 @@ class Thread {
 class CellApplication final : public Cell, private Watching, private Studies, private Provenance {
  public:
   CellApplication(asio::any_io_executor executor, Parts parts, std::unique_ptr<Store> writing,
-                  std::unique_ptr<Store> reading, ConfigurationBook configuration);
+                  std::unique_ptr<Store> reading, std::unique_ptr<Store> checking,
+                  ConfigurationBook configuration);
   ~CellApplication() override;
 
   void know_clock(ClockStart start) { clock_start_ = std::move(start); }  // before start()
@@ -219,9 +221,10 @@ class CellApplication final : public Cell, private Watching, private Studies, pr
   ConfigurationBook configuration_;
   std::unique_ptr<Clock> clock_;
   std::string version_, web_address_;
-  Thread storage_thread_, query_thread_, worker_thread_, diagnosis_thread_, text_thread_;
+  Thread storage_thread_, query_thread_, worker_thread_, diagnosis_thread_, text_thread_,
+      upkeep_thread_;
   StoreWriter writer_;
-  StoreReader reader_;
+  StoreReader reader_, checker_;
   EventLog events_;
   Doubts doubts_;
   DeviceBench bench_;
@@ -249,6 +252,7 @@ class CellApplication final : public Cell, private Watching, private Studies, pr
   StudyDesk study_desk_;
   WallClockWatch wall_clock_;
   ClockStart clock_start_;
+  DatabaseUpkeep upkeep_;
   Turn beginning_;  // one at a time decides whether a run or a movement may begin
   std::optional<RunControl> by_hand_;  // set while somebody homes or moves without a run
   std::string by_hand_waits_;          // what such a movement waits for: a sentence

@@ -7,6 +7,7 @@
 
 #include "server/application/amended_dataset.h"
 #include "server/application/cell_application.h"
+#include "server/application/model_integrity.h"
 #include "server/application/spawn.h"
 #include "server/formats/model_json.h"
 
@@ -66,6 +67,7 @@ Result<std::vector<RunRecord>> runs_since(Store& store, const ModelRecord& model
 Result<Material> gather(Store& store, ModelId id, const std::vector<RunId>& wanted) {
   auto record = store.models().model(id);
   if (!record) return tl::unexpected(record.error());
+  if (auto whole = check_integrity(*record); !whole) return tl::unexpected(whole.error());
   Material material{std::move(*record), {}, {}};
   if (wanted.empty()) {
     const auto model = formats::read_model_json(material.model.json);

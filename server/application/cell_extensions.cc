@@ -9,6 +9,7 @@
 #include "server/application/extension_plan.h"
 #include "server/application/extension_preview.h"
 #include "server/application/fit_options.h"
+#include "server/application/model_integrity.h"
 #include "server/application/promotion_questions.h"
 #include "server/compensation/snapshot_builder.h"
 #include "server/formats/amendment_json.h"
@@ -69,6 +70,7 @@ Result<AcceptMaterial> gather_to_accept(Store& store, const AcceptRequest& reque
   if (material.record.model) {
     auto parent = store.models().model(*material.record.model);
     if (!parent) return tl::unexpected(parent.error());
+    if (auto whole = check_integrity(*parent); !whole) return tl::unexpected(whole.error());
     material.parent = std::move(*parent);
   }
   return material;

@@ -6,6 +6,7 @@
 #include "server/application/cell_application.h"
 #include "server/application/crash_point.h"
 #include "server/application/fit_options.h"
+#include "server/application/model_integrity.h"
 #include "server/application/promotion_questions.h"
 #include "server/application/spawn.h"
 #include "server/formats/dataset_csv.h"
@@ -104,11 +105,24 @@ Awaitable<Result<ModelRecord>> CellApplication::fit(Caller caller, FitRequest re
 }
 
 Awaitable<Result<std::vector<ModelRecord>>> CellApplication::models() {
-  co_return co_await reader_.call([](Store& store) { return store.models().models(); });
+  auto models = co_await reader_.call([](Store& store) { return store.models().models(); });
+  if (!models) co_return models;
+  for (auto& model : *models)
+    if (const auto whole = check_integrity(model); !whole) model.damage = whole.error().message;
+  co_return models;
 }
 
 Awaitable<Result<ModelRecord>> CellApplication::model(ModelId id) {
-  co_return co_await reader_.call([=](Store& store) { return store.models().model(id); });
+  auto found = co_await reader_.call([=](Store& store) { return store.models().model(id); });
+  if (!found && found.error().reason == "DATABASE_DAMAGED") {
+    ModelRecord unread;
+    unread.id = id;
+    unread.damage = found.error().message;
+    found = std::move(unread);
+  }
+  if (!found) co_return found;
+  if (auto whole = check_integrity(*found); !whole) co_return tl::unexpected(whole.error());
+  co_return found;
 }
 
 Awaitable<Result<std::vector<PromotionRecord>>> CellApplication::promotions() {

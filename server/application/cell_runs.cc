@@ -49,6 +49,8 @@ Awaitable<Result<RunRecord>> CellApplication::create_run(Caller caller, CreateRu
                    fmt::format("{}: column {}: with several axes a pose is no motor coordinate: "
                                "compensate with a model",
                                name, check->trajectory.coordinates.front().name()));
+  if (plan.compensate && !plan.compensate_with && serving_.refused())
+    co_return tl::unexpected(*serving_.refused());
   if (plan.compensate && !plan.compensate_with && !serving_.model())
     co_return fail(ErrorCode::failed_precondition, "NO_MODEL",
                    "no model serves: promote one, or run without compensation");

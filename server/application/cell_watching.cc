@@ -97,12 +97,16 @@ std::vector<AlarmCondition> CellApplication::alarms_now() const {
   if (const auto trend = quality_.condition(description_.run.max_spread_nm);
       trend && engine_.busy())
     out.push_back(*trend);
+  if (serving_.refused())
+    out.push_back(
+        {AlarmLevel::failed, "model.damaged", "served model", serving_.refused()->message});
   if (!serving_.trouble().empty())
     out.push_back({AlarmLevel::warning, "serving.trouble", "served model", serving_.trouble()});
   if (!check_trouble_.empty())
     out.push_back({AlarmLevel::warning, "model.doubtful", "served model", check_trouble_});
   if (auto question = configuration_.question(); !question.empty())
     out.push_back({AlarmLevel::warning, "configuration.changed", "cell file", std::move(question)});
+  for (auto& condition : upkeep_.conditions()) out.push_back(std::move(condition));
   if (writer_.dropped() > 0)
     out.push_back({AlarmLevel::failed, "record.dropped", "database",
                    "slow readings were dropped because nothing could be written: make room on the "

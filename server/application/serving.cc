@@ -87,8 +87,17 @@ Awaitable<Result<void>> Serving::serve(std::optional<ModelRecord> model) {
   } else {
     serving_.reset();
   }
+  refused_.reset();
   rebuild();
   co_return Result<void>{};
+}
+
+void Serving::refuse(ModelId model, Error why) {
+  events_.record_own("serving.refused",
+                     fmt::format("model {} does not serve: {}", model.value, why.message));
+  serving_.reset();
+  refused_ = std::move(why);
+  rebuild();
 }
 
 Awaitable<Result<void>> Serving::follow(ModelRecord model) {
@@ -141,8 +150,10 @@ compensation::Snapshot Serving::snapshot_of(const Followed& followed, CellTime n
 
 void Serving::rebuild() {
   built_at_ = clock_.now().utc;
+  compensation::Snapshot nothing;
+  nothing.unserved = refused_;
   const bool published = board_.publish(serving_ ? snapshot_of(followed_.at(*serving_), built_at_)
-                                                 : compensation::Snapshot{});
+                                                 : std::move(nothing));
   if (published) watchers_.publish();
 }
 
@@ -156,6 +167,7 @@ Awaitable<void> Serving::rebuild_for_ever() {
 }
 
 Awaitable<Result<PastTargets>> Serving::past(PastTargetsQuery query) const {
+  if (!serving_ && refused_) co_return tl::unexpected(*refused_);
   if (!serving_)
     co_return fail(ErrorCode::failed_precondition, "NO_MODEL", "no model serves: promote one");
   const Followed& followed = followed_.at(*serving_);
@@ -172,6 +184,7 @@ Result<std::vector<double>> Serving::targets(const std::vector<Channel>& coordin
                                              const TrajectoryPoint& point,
                                              std::optional<ModelId> model) const {
   if (!model) model = serving_;
+  if (!model && refused_) return tl::unexpected(*refused_);
   if (!model)
     return fail(ErrorCode::failed_precondition, "NO_MODEL",
                 "no model serves: promote one, or run without compensation");

@@ -32,6 +32,9 @@ class Serving {
   // memory up to date. Errors: those of read_model_json and SnapshotBuilder::create; the board
   // keeps what it had.
   Awaitable<Result<void>> serve(std::optional<ModelRecord> model);
+  // This model should serve and cannot: every target is refused with this error, and no other model
+  // takes its place, until serve().
+  void refuse(ModelId model, Error why);
   // Follows a model for a compensated run, beside the one that serves. Does nothing when it is
   // followed already.
   Awaitable<Result<void>> follow(ModelRecord model);
@@ -55,6 +58,7 @@ class Serving {
   std::optional<ModelId> model() const { return serving_; }
   const compensation::SnapshotBoard& board() const { return board_; }
   WatchList<>& watchers() { return watchers_; }
+  const std::optional<Error>& refused() const { return refused_; }
   const std::string& trouble() const { return trouble_; }  // a sentence for people; empty: none
 
  private:
@@ -86,6 +90,7 @@ class Serving {
   WatchList<> watchers_;
   std::map<ModelId, Followed> followed_;
   std::optional<ModelId> serving_;
+  std::optional<Error> refused_;  // nothing serves because of this
   std::optional<DatumRecord> datum_;
   std::string trouble_;
   std::shared_ptr<void> watch_;

@@ -24,6 +24,7 @@
 #include "server/core/cell_time.h"
 #include "server/core/channel.h"
 #include "server/core/ids.h"
+#include "server/core/result.h"
 #include "server/core/units.h"
 
 namespace driftwise::compensation {
@@ -94,6 +95,9 @@ struct Snapshot {
     double max_mm = std::numeric_limits<double>::infinity();
   };
   std::vector<Output> outputs;  // empty: no model serves
+  // Why the model that should serve does not: what every request is answered with. Without: nothing
+  // is promoted.
+  std::optional<Error> unserved;
 
   // What the model depends on, with the domain it was fitted in.
   struct Input {

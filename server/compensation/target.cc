@@ -258,6 +258,7 @@ Error refusal_error(const Snapshot& snapshot, const Target& target) {
     case Refusal::none:
       break;
     case Refusal::no_model:
+      if (snapshot.unserved) return *snapshot.unserved;
       return {ErrorCode::failed_precondition, "NO_MODEL",
               "no model serves: fit one and promote it"};
     case Refusal::missing_coordinate:

@@ -391,6 +391,15 @@ std::string model_hash(const Model& model) {
   return content_hash(write_model_json(untimed));
 }
 
+Result<std::string> stored_model_hash(std::string_view text) {
+  // In the order in which it was written: the hash is of the text.
+  Json json = Json::parse(text, nullptr, false);
+  if (json.is_discarded() || !json.is_object())
+    return fail(ErrorCode::invalid_argument, "BAD_MODEL", "its text is no JSON object");
+  if (json.contains("fit_us")) json["fit_us"] = 0.0;
+  return content_hash(json.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
 Result<Model> read_model_json(std::string_view text) {
   const auto json = parse_json(text);
   if (!json) return tl::unexpected(json.error());

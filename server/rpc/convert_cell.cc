@@ -121,6 +121,12 @@ v1::GetStatusResponse status_from(const application::CellStatus& status) {
         ->clear_token();  // whoever knows it may move: only TakeLease's answer holds it
   }
   if (status.serving) out.set_serving_model_id(status.serving->value);
+  auto& database = *out.mutable_database();
+  if (status.database.last_clean.utc_ns != 0)
+    *database.mutable_clean_time() = timestamp_from(status.database.last_clean);
+  database.set_table_count(status.database.tables);
+  database.set_checked_table_count(status.database.tables_checked);
+  for (const auto& trouble : status.database.troubles) database.add_troubles(utf8_from(trouble));
   for (const auto& sentence : status.attention) out.add_attention(utf8_from(sentence));
   for (const auto& stop : status.pending_stops) *out.add_pending_stops() = pending_stop_from(stop);
   return out;

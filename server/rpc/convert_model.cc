@@ -130,8 +130,8 @@ bool has_row(const v1::CompareModelsResponse& response, const std::string& chann
 Result<v1::Model> model_from(const ModelRecord& record, std::optional<ModelId> serving,
                              ModelDetail detail, const ModelRecord* before) {
   const auto model = formats::read_model_json(record.json);
-  if (!model)
-    return fail(ErrorCode::data_loss, "DAMAGED_MODEL",
+  if (!model && record.damage.empty())
+    return fail(ErrorCode::data_loss, "MODEL_DAMAGED",
                 "model " + std::to_string(record.id.value) +
                     " in the database cannot be read: " + model.error().message);
   v1::Model out;
@@ -143,6 +143,9 @@ Result<v1::Model> model_from(const ModelRecord& record, std::optional<ModelId> s
   out.set_created_by(record.created_by);
   out.set_note(record.note);
   out.set_serving(serving == record.id);
+  out.set_damage(utf8_from(record.damage));
+  // Nothing of a damaged model is shown as its content.
+  if (!record.damage.empty()) return out;
   out.set_formula(model->formula);
   out.set_select(model->select);
   out.set_p_enter(model->p_enter);

@@ -16,7 +16,7 @@ namespace driftwise::rpc {
 enum class ModelDetail { whole, summary };  // summary: without terms and history
 
 // serving: the model that serves now. before: what its accuracy is compared with; null: nothing.
-// Errors: data_loss, DAMAGED_MODEL, when the stored JSON cannot
+// Errors: data_loss, MODEL_DAMAGED, when the stored JSON cannot
 // be read.
 Result<v1::Model> model_from(const ModelRecord& record, std::optional<ModelId> serving,
                              ModelDetail detail, const ModelRecord* before = nullptr);

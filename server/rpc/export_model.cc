@@ -13,7 +13,7 @@ Result<v1::ExportModelResponse> export_model(const ModelRecord& record,
   const std::string id = std::to_string(record.id.value);
   const auto model = formats::read_model_json(record.json);
   if (!model)
-    return fail(ErrorCode::data_loss, "DAMAGED_MODEL",
+    return fail(ErrorCode::data_loss, "MODEL_DAMAGED",
                 "model " + id + " in the database cannot be read: " + model.error().message);
   v1::ExportModelResponse out;
   if (format == v1::ExportModelRequest::FORMAT_JSON) {

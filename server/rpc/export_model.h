@@ -8,7 +8,7 @@
 namespace driftwise::rpc {
 
 // JSON: the stored text, indented. C: formats/model_c. Errors: invalid_argument BAD_FORMAT;
-// data_loss DAMAGED_MODEL; failed_precondition, where a term has no plain C form.
+// data_loss MODEL_DAMAGED; failed_precondition, where a term has no plain C form.
 Result<v1::ExportModelResponse> export_model(const ModelRecord& record,
                                              v1::ExportModelRequest::Format format);
 

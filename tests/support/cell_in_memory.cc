@@ -45,6 +45,7 @@ CellInMemory::CellInMemory(const MakeDevices& make_devices, CellDescription desc
   parts.version = "test";
   parts.storage_thread = parts.query_thread = parts.worker_thread = io_.get_executor();
   parts.text_thread = further.text_thread ? further.text_thread : io_.get_executor();
+  parts.upkeep_thread = io_.get_executor();
   parts.diagnosis_thread = further.diagnosis_thread ? further.diagnosis_thread : io_.get_executor();
   parts.diagnose = std::move(further.diagnose);
   auto cell = application::Cell::open(io_.get_executor(), std::move(parts));
@@ -87,7 +88,7 @@ void CellInMemory::pass(double seconds) {
   bool passed = false;
   asio::co_spawn(io_, time_.sleep_until(time_.now().utc + nanoseconds_from_s(seconds)),
                  [&passed](std::exception_ptr) { passed = true; });
-  until([&passed] { return passed; });
+  until([&passed] { return passed; }, seconds + 1);
 }
 
 std::string CellInMemory::lease() {
@@ -127,6 +128,15 @@ std::vector<std::string> CellInMemory::events_named(const std::string& what) {
   for (const auto& event : *events)
     if (event.what == what) details.push_back(event.detail);
   return details;
+}
+
+std::vector<std::string> CellInMemory::alarms_of(const std::string& kind) {
+  std::vector<std::string> messages;
+  const auto alarms = await(cell_->watching().alarms(false, 100));
+  if (!alarms) throw std::runtime_error(alarms.error().message);
+  for (const auto& alarm : *alarms)
+    if (alarm.kind == kind && alarm.cleared.utc_ns == 0) messages.push_back(alarm.message);
+  return messages;
 }
 
 std::string lines_of(int lines, const std::vector<double>& positions_mm, bool with_zero) {

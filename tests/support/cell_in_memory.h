@@ -82,6 +82,8 @@ class CellInMemory {
   RunRecord finish_run();                                  // until the run under way is over
   Result<RunRecord> try_run(application::CreateRun request);
   std::vector<std::string> events_named(const std::string& what);  // their details
+  // Messages of the alarms of this kind that stand now.
+  std::vector<std::string> alarms_of(const std::string& kind);
 
  private:
   asio::io_context io_;

@@ -197,7 +197,7 @@ TEST_F(ModelServiceTest, SaysWhenAStoredModelIsDamaged) {
   ASSERT_TRUE(ask(&ModelStub::CreateFit, a_fit()));
   cell.on_executor([&] { cell.the_models[0].json = "{"; });
   EXPECT_THAT(ask(&ModelStub::GetModel, of<v1::GetModelRequest>(1)),
-              FailsWith(ErrorCode::data_loss, "DAMAGED_MODEL"));
+              FailsWith(ErrorCode::data_loss, "MODEL_DAMAGED"));
 }
 
 }  // namespace

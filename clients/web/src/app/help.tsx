@@ -1,6 +1,8 @@
 // What the keys do, who sits here, how the page looks.
 import { useEffect, useRef } from 'preact/hooks';
 import { Button } from '@/ui/button';
+import type { DatabaseStatus } from '@/api/gen/driftwise/v1/cell_service_pb';
+import { dateClock, ms } from '@/format/time';
 import { cell } from '@/live/state';
 import { helpOpen, keysOn, setKeysOn } from './keys';
 import { askName } from './name';
@@ -27,6 +29,14 @@ export function HelpDialog() {
       {open && <HelpContent />}
     </dialog>
   );
+}
+
+// When the pages of the database were last found whole. Trouble with them is an alarm.
+function databaseWords(database: DatabaseStatus | undefined): string {
+  if (!database) return '';
+  if (database.troubles.length > 0) return 'The database is damaged: see the alarms';
+  const under = database.checkedTableCount < database.tableCount ? `, a check is under way (${database.checkedTableCount} of ${database.tableCount} tables)` : '';
+  return (database.cleanTime ? `The database was found clean on ${dateClock(ms(database.cleanTime))}` : 'The database has not been checked whole yet') + under;
 }
 
 function HelpContent() {
@@ -56,6 +66,7 @@ function HelpContent() {
           {others.map(([keys, what]) => [<dt>{keys.split(' ').map((key) => <kbd>{key}</kbd>)}</dt>, <dd>{what}</dd>])}
         </dl>
         <p class="note muted">Driftwise {cell.value?.version}, cell {cell.value?.cellName}, configuration {cell.value?.configHash.slice(0, 12)}</p>
+        <p class="note muted">{databaseWords(cell.value?.database)}</p>
       </div>
       <div class="actions"><Button onPress={() => (helpOpen.value = false)}>Close</Button></div>
     </>

@@ -81,7 +81,7 @@ function ModelTable({ models, chosen, toggle }: { models: readonly Model[]; chos
             ),
           },
           { title: 'model', number: true, sort: (model) => Number(model.id), of: (model) => <a href={`/models/${model.id}`}>{String(model.id)}</a> },
-          { title: 'state', of: (model) => (model.serving ? <Verdict kind="good">serves</Verdict> : '') },
+          { title: 'state', of: (model) => (model.damage ? <Verdict kind="bad">damaged: {model.damage}</Verdict> : model.serving ? <Verdict kind="good">serves</Verdict> : '') },
           ...(models.some((model) => model.corrections.length > 0) ? [{ title: 'rests on', of: (model: Model) => model.corrections.map((mark) => <Verdict kind={mark.endTime ? 'bad' : 'warn'}>correction {String(mark.correctionId)}{mark.endTime && ', taken back'}</Verdict>) }] : []),
           { title: 'name', of: (model) => model.name !== model.formula && model.name },
           { title: 'formula', of: (model) => <code class="models-formula">{model.formula}</code> },
