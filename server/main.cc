@@ -217,6 +217,13 @@ Result<void> check_web_page(const std::string& web_root) {
                   "with the program)");
 }
 
+// Of this start of the computer, by the kernel; empty where it tells none. Source: random(4).
+std::string boot_id() {
+  std::string id;
+  std::ifstream("/proc/sys/kernel/random/boot_id") >> id;
+  return id;
+}
+
 Result<Daemon> put_together(CellDescription description, asio::io_context& context,
                             const Arguments& arguments) {
   // A check starts nothing, so it does not ask for the clock that a simulated cell would share.
@@ -253,6 +260,7 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
                                                                .clock = std::move(*clock),
                                                                .open_store = open_store,
                                                                .version = DRIFTWISE_VERSION,
+                                                               .boot_id = boot_id(),
                                                                .web_address = web_address,
                                                                .measure_pauses = true});
   if (!cell) return tl::unexpected(cell.error());

@@ -19,8 +19,8 @@ RunId insert_run(Session& session, const NewRun& run, RunState state) {
             run.created.monotonic_ns)
       .run();
   const RunId id{session.db.last_row_id()};
-  Query(session.db, "INSERT INTO run_progress (run_id, state) VALUES (?, ?)")
-      .bind(id.value, to_string(state))
+  Query(session.db, "INSERT INTO run_progress (run_id, state, boot_id) VALUES (?, ?, ?)")
+      .bind(id.value, to_string(state), run.boot_id)
       .run();
   return id;
 }
@@ -66,12 +66,22 @@ void change_run_row(Session& session, RunId run, const RunChange& change) {
     return time ? std::optional(time->utc_ns) : std::nullopt;
   };
   const auto state = change.state ? std::optional(to_string(*change.state)) : std::nullopt;
+  std::optional<std::string_view> hold_kind;
+  std::optional<std::string> hold_who;
+  std::optional<std::int64_t> hold_ns;
+  if (change.hold) {
+    hold_kind = to_string(change.hold->kind);
+    hold_who = change.hold->who;
+    hold_ns = change.hold->at.utc_ns;
+  }
   Query(session.db,
         "UPDATE run_progress SET state = coalesce(?2, state), reason = coalesce(?3, reason), "
         "started_ns = coalesce(?4, started_ns), ended_ns = coalesce(?5, ended_ns), "
-        "max_lag_s = coalesce(?6, max_lag_s), restarts = coalesce(?7, restarts) WHERE run_id = ?1")
+        "max_lag_s = coalesce(?6, max_lag_s), restarts = coalesce(?7, restarts), "
+        "hold_kind = coalesce(?8, hold_kind), hold_who = coalesce(?9, hold_who), "
+        "hold_ns = coalesce(?10, hold_ns), boot_id = coalesce(?11, boot_id) WHERE run_id = ?1")
       .bind(run.value, state, change.reason, ns(change.started), ns(change.ended), change.max_lag_s,
-            change.restarts)
+            change.restarts, hold_kind, hold_who, hold_ns, change.boot_id)
       .run();
   if (session.db.changed_rows() == 0) throw_no_such_run(session, run);
 }

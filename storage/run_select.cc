@@ -36,6 +36,11 @@ RunRecord run_from(const Query& row, const std::string& file) {
   run.attempts = row.integer(18);
   run.restarts = row.integer(19);
   run.max_lag_s = row.real(20);
+  run.hold.kind = hold_kind_from(row.text(21)).value_or(RunHold::Kind::none);
+  run.hold.who = row.text(22);
+  run.hold.at = {row.integer(23)};
+  if (run.hold.kind != RunHold::Kind::none) run.hold.reason = run.reason;
+  run.boot_id = row.text(24);
   return run;
 }
 

@@ -49,6 +49,13 @@ CREATE TABLE stop (  -- a stop that a person asked for, one row per motion contr
   confirmed_ns INTEGER NOT NULL  -- the controller had reported no motion twice in succession; 0: pending
 ) STRICT;
 CREATE UNIQUE INDEX stop_pending ON stop (controller) WHERE confirmed_ns = 0;
+-- What a run stands for, and on which start of the computer it was under way.
+ALTER TABLE run_progress ADD COLUMN hold_kind TEXT NOT NULL DEFAULT ''
+  CHECK (hold_kind IN ('', 'pause', 'stop', 'trouble', 'restart', 'configuration'));
+ALTER TABLE run_progress ADD COLUMN hold_who TEXT NOT NULL DEFAULT '';
+ALTER TABLE run_progress ADD COLUMN hold_ns INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE run_progress ADD COLUMN boot_id TEXT NOT NULL DEFAULT '';
+
 -- Check of the database's own pages.
 CREATE TABLE database_check (  -- one row: the last check of a table
   table_name TEXT PRIMARY KEY,

@@ -3,6 +3,7 @@
 #include "clients/cli/assignment.h"
 #include "clients/cli/cell_commands.h"
 #include "clients/cli/held_lease.h"
+#include "clients/cli/hold_question.h"
 #include "clients/cli/proto_json.h"
 #include "clients/cli/text.h"
 #include "clients/cli/validators.h"
@@ -19,6 +20,7 @@ struct MotionArguments {
   std::string lease_token, device;
   double set_point_degc = 0, hold_s = 600;
   bool dry_run = false;
+  HoldOptions hold;
 };
 
 ExitCode say(const Session& session, const std::string& done) {
@@ -56,8 +58,10 @@ ExitCode dry_run(const Session& session, const v1::MoveRequest& request, const s
 ExitCode home(const Session& session, const MotionArguments& a) {
   if (a.dry_run) return dry_run(session, {}, "reference all axes; a new datum follows");
   const auto connection = session.connect();
-  const HeldLease lease(connection, a.lease_token);
   v1::HomeRequest request;
+  *request.mutable_answer() =
+      answer_about_present_run(session.console, connection, a.hold, "Reference the axes");
+  const HeldLease lease(connection, a.lease_token);
   request.set_lease_token(lease.token());
   connection.ask(&CellStub::Home, request, kMotionLimit_s);
   return say(session, "homed");
@@ -68,6 +72,8 @@ ExitCode move(const Session& session, const MotionArguments& a) {
   *request.mutable_coordinates() = assignments_from(a.coordinates);
   if (a.dry_run) return dry_run(session, request, "move there");
   const auto connection = session.connect();
+  *request.mutable_answer() =
+      answer_about_present_run(session.console, connection, a.hold, "Move the axes");
   const HeldLease lease(connection, a.lease_token);
   request.set_lease_token(lease.token());
   connection.ask(&CellStub::Move, request, kMotionLimit_s);
@@ -137,12 +143,14 @@ void add_motion_commands(CLI::App& app, Session& session) {
                                  [&session, a] { return home(session, *a); });
   lease_token(homing);
   homing.add_flag("--dry-run", a->dry_run, "say what would be done, move nothing");
+  add_hold_options(homing, a->hold);
   CLI::App& moving =
       add_command(app, session, "move", "Moves to motor coordinates (takes the lease)",
                   [&session, a] { return move(session, *a); });
   moving.add_option("COORDINATE", a->coordinates, "q1=0.5 ..., in mm, every axis")->required();
   lease_token(moving);
   moving.add_flag("--dry-run", a->dry_run, "check the limits, move nothing");
+  add_hold_options(moving, a->hold);
   CLI::App& stabiliser =
       add_command(app, session, "stabiliser", "Sets a temperature controller (takes the lease)",
                   [&session, a] { return set_stabiliser(session, *a); });

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "clients/cli/hold_question.h"
 #include "clients/cli/proto_json.h"
 #include "clients/cli/remark_commands.h"
 #include "clients/cli/run_start.h"
@@ -10,6 +11,7 @@
 #include "clients/cli/run_watch.h"
 #include "clients/cli/validators.h"
 #include "clients/cli/verify_command.h"
+#include "driftwise/v1/cell_service.grpc.pb.h"
 #include "driftwise/v1/run_service.grpc.pb.h"
 
 namespace driftwise::cli {
@@ -22,6 +24,7 @@ struct RunArguments {
   std::int32_t limit = 20;
   std::string reason;
   double force_n = 0;
+  HoldOptions hold;
 };
 
 ExitCode show_changed(const Session& session, const v1::Run& run) {
@@ -95,6 +98,26 @@ ExitCode change(const Session& session, Method method, std::int64_t id, v1::Run:
   return exit;
 }
 
+ExitCode resume_run(const Session& session, std::int64_t id, const HoldOptions& options) {
+  const auto connection = session.connect();
+  v1::GetRunRequest asked;
+  asked.set_run_id(id);
+  const auto before = connection.ask(&RunStub::GetRun, asked).run();
+  const auto now =
+      connection.ask(&v1::CellService::Stub::GetStatus, v1::GetStatusRequest{}).cell_time();
+  v1::ResumeRunRequest request;
+  request.set_run_id(id);
+  *request.mutable_answer() =
+      answer_about(session.console, before, now, options, "Resume run " + std::to_string(id));
+  const auto run = connection.ask(&RunStub::ResumeRun, request).run();
+  const ExitCode exit = show_changed(session, run);
+  if (run.state() != v1::Run::STATE_RUNNING && !session.console.json)
+    session.console.err << "it goes on as soon as the devices were looked at: follow it with "
+                           "`driftwise run watch "
+                        << id << "`\n";
+  return exit;
+}
+
 }  // namespace
 
 void add_run_commands(CLI::App& app, Session& session) {
@@ -120,10 +143,11 @@ void add_run_commands(CLI::App& app, Session& session) {
     return change<v1::PauseRunRequest>(session, &RunStub::PauseRun, a->id, v1::Run::STATE_PAUSED,
                                        "it pauses after the point under way");
   }));
-  id(add_command(run, session, "resume", "Goes on with a paused run", [&session, a] {
-    return change<v1::ResumeRunRequest>(session, &RunStub::ResumeRun, a->id, v1::Run::STATE_RUNNING,
-                                        "it goes on as soon as the devices were looked at");
-  }));
+  CLI::App& resumed =
+      add_command(run, session, "resume", "Goes on with a paused run; asks who paused it",
+                  [&session, a] { return resume_run(session, a->id, a->hold); });
+  id(resumed);
+  add_hold_options(resumed, a->hold);
   CLI::App& ended =
       add_command(run, session, "abort", "Ends a run at once; what was accepted stays",
                   [&session, a] { return abort_run(session, a->id, a->reason); });

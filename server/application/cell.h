@@ -17,6 +17,7 @@
 
 #include "server/application/database_health.h"
 #include "server/application/diagnosis_request.h"
+#include "server/application/run_hold.h"
 #include "server/application/watching.h"
 #include "server/calibration/model.h"
 #include "server/calibration/offer.h"
@@ -191,6 +192,7 @@ class Cell {
     // everything in order.
     asio::any_io_executor storage_thread = {}, query_thread = {}, worker_thread = {},
                           diagnosis_thread = {}, text_thread = {}, upkeep_thread = {};
+    std::string boot_id = {};      // of this start of the computer; empty: not known
     std::string web_address = {};  // "http://127.0.0.1:8080/", told in status(); empty: no web door
     Diagnose diagnose = {};        // empty: diagnosis::diagnose
     bool measure_pauses = false;   // of the executor: by the wall clock, so not in virtual time
@@ -224,7 +226,8 @@ class Cell {
   virtual Awaitable<Result<TrajectoryCheck>> check_trajectory(std::string text) = 0;
   virtual Awaitable<Result<RunRecord>> create_run(Caller caller, CreateRun request) = 0;
   virtual Awaitable<Result<RunRecord>> pause_run(Caller caller, RunId run) = 0;
-  virtual Awaitable<Result<RunRecord>> resume_run(Caller caller, RunId run) = 0;
+  // Errors: those of check_answer (run_hold.h); failed_precondition MOVING.
+  virtual Awaitable<Result<RunRecord>> resume_run(Caller caller, RunId run, HoldAnswer answer) = 0;
   virtual Awaitable<Result<RunRecord>> abort_run(Caller caller, RunId run, std::string why) = 0;
   // A person says that the force the run waits for acts now. Errors: failed_precondition
   // NO_FORCE_WANTED (the run does not wait for one), invalid_argument WRONG_FORCE (another one than
@@ -234,9 +237,12 @@ class Cell {
   // reported no motion the stop is pending: what moves, and resume_run, fail with
   // failed_precondition STOP_PENDING. Survives the daemon.
   virtual Awaitable<Result<StopAnswer>> stop_all(Caller caller) = 0;
-  virtual Awaitable<Result<void>> home(Caller caller, std::string lease_token) = 0;
+  // While a run stands both ask as resume_run does, and the run measures its zero again before its
+  // next point.
+  virtual Awaitable<Result<void>> home(Caller caller, std::string lease_token,
+                                       HoldAnswer answer = {}) = 0;
   virtual Awaitable<Result<void>> move_to(Caller caller, std::string lease_token,
-                                          std::vector<double> q_mm) = 0;
+                                          std::vector<double> q_mm, HoldAnswer answer = {}) = 0;
   virtual Awaitable<Result<void>> set_stabiliser(Caller caller, std::string lease_token,
                                                  std::string device, double degc) = 0;
 

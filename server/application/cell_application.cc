@@ -71,6 +71,7 @@ CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
       clock_(std::move(parts.clock)),
       version_(std::move(parts.version)),
       web_address_(std::move(parts.web_address)),
+      boot_id_(std::move(parts.boot_id)),
       storage_thread_(parts.storage_thread),
       query_thread_(parts.query_thread),
       worker_thread_(parts.worker_thread),
@@ -101,7 +102,7 @@ CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
       pose_(description_),
       recorder_(executor, *clock_, bench_, writer_, events_, lag_, pose_, tasks_),
       workbench_{description_, *clock_, bench_,   recorder_, writer_, events_,
-                 lag_,         pose_,   loading_, stops_,    doubts_},
+                 lag_,         pose_,   loading_, stops_,    doubts_, boot_id_},
       serving_(executor, description_, configuration_, *clock_, recorder_, reader_, events_,
                tasks_),
       engine_(
@@ -137,6 +138,10 @@ CellApplication::CellApplication(asio::any_io_executor executor, Parts parts,
     if (allowed) return {};
     return fail(ErrorCode::aborted, allowed.error().reason, allowed.error().message);
   });
+  bench_.watch_motion(
+      MotionWatch::kPerInPosition * description_.run.in_position_nm,
+      [this](std::vector<double> q_mm) { return axes_measured_at(std::move(q_mm)); },
+      [this](const std::string& what) { axes_moved_uncommanded(what); });
 }
 
 CellApplication::~CellApplication() {
@@ -264,8 +269,12 @@ Awaitable<Result<void>> CellApplication::go_on_with_run() {
             Store& store) { return store.configurations().continue_run(run, used); });
     if (auto stored = co_await std::move(storing); !stored) co_return stored;
   }
-  engine_.begin(std::move(record), std::move(*plan), std::move(*trajectory), std::move(before));
-  if (!question.empty()) engine_.control()->wait_for_a_person(std::move(question));
+  const bool was_paused = record.state == RunState::paused;  // then resume_run refuses meanwhile
+  engine_.begin(std::move(record), std::move(*plan), std::move(*trajectory), std::move(before),
+                false);
+  if (!question.empty() && !was_paused)
+    engine_.control()->hold(
+        {RunHold::Kind::configuration, "", clock_->now().utc, std::move(question)});
   co_return Result<void>{};
 }
 
@@ -369,6 +378,7 @@ std::vector<std::string> CellApplication::attention() const {
   if (auto question = configuration_.question(); !question.empty())
     sentences.push_back(std::move(question));
   if (!by_hand_waits_.empty()) sentences.push_back(by_hand_waits_);
+  if (!motion_trouble_.empty()) sentences.push_back(motion_trouble_);
   if (!datum_trouble_.empty()) sentences.push_back(datum_trouble_);
   if (serving_.refused()) sentences.push_back(serving_.refused()->message);
   if (!serving_.trouble().empty()) sentences.push_back(serving_.trouble());

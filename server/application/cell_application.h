@@ -88,13 +88,13 @@ class CellApplication final : public Cell, private Watching, private Studies, pr
   Awaitable<Result<TrajectoryCheck>> check_trajectory(std::string text) override;
   Awaitable<Result<RunRecord>> create_run(Caller caller, CreateRun request) override;
   Awaitable<Result<RunRecord>> pause_run(Caller caller, RunId run) override;
-  Awaitable<Result<RunRecord>> resume_run(Caller caller, RunId run) override;
+  Awaitable<Result<RunRecord>> resume_run(Caller caller, RunId run, HoldAnswer answer) override;
   Awaitable<Result<RunRecord>> abort_run(Caller caller, RunId run, std::string why) override;
   Awaitable<Result<RunRecord>> confirm_force(Caller caller, RunId run, double force_n) override;
   Awaitable<Result<StopAnswer>> stop_all(Caller caller) override;
-  Awaitable<Result<void>> home(Caller caller, std::string lease_token) override;
-  Awaitable<Result<void>> move_to(Caller caller, std::string lease_token,
-                                  std::vector<double> q_mm) override;
+  Awaitable<Result<void>> home(Caller caller, std::string lease_token, HoldAnswer answer) override;
+  Awaitable<Result<void>> move_to(Caller caller, std::string lease_token, std::vector<double> q_mm,
+                                  HoldAnswer answer) override;
   Awaitable<Result<void>> set_stabiliser(Caller caller, std::string lease_token, std::string device,
                                          double degc) override;
 
@@ -190,6 +190,10 @@ class CellApplication final : public Cell, private Watching, private Studies, pr
   std::vector<AlarmCondition> alarms_now() const;
   void note_for_alarms(const RunProgress& progress);
   void note_clock_jumps();
+  // False also where no pose is measured, or none counts from a datum.
+  Awaitable<bool> axes_measured_at(std::vector<double> q_mm);
+  void axes_moved_uncommanded(const std::string& what);
+  Awaitable<void> halt_axes();
 
   class ByHand;
   Awaitable<void> start_up();
@@ -206,6 +210,10 @@ class CellApplication final : public Cell, private Watching, private Studies, pr
   Awaitable<Result<RunRecord>> steer(Caller caller, RunId run, const char* verb, std::string detail,
                                      std::function<void(RunControl&)> act);
   Result<void> may_move(const std::string& lease_token) const;
+  // The same for a movement by hand, which a run that stands allows to whom it may end.
+  Result<void> may_move_by_hand(const Caller& caller, const std::string& lease_token,
+                                const HoldAnswer& answer) const;
+  std::optional<double> force_now() const;  // on the end-effector, as far as it is known
   Awaitable<Result<DatumRecord>> new_datum_by_hand(RunScope& scope, std::string reason);
   void take_datum(const DatumRecord& datum);  // poses and targets count from it now
   Awaitable<Result<void>> put_in_service(Caller caller, std::optional<ModelRecord> next,
@@ -220,7 +228,7 @@ class CellApplication final : public Cell, private Watching, private Studies, pr
   CellDescription description_;
   ConfigurationBook configuration_;
   std::unique_ptr<Clock> clock_;
-  std::string version_, web_address_;
+  std::string version_, web_address_, boot_id_;
   Thread storage_thread_, query_thread_, worker_thread_, diagnosis_thread_, text_thread_,
       upkeep_thread_;
   StoreWriter writer_;
@@ -256,6 +264,7 @@ class CellApplication final : public Cell, private Watching, private Studies, pr
   Turn beginning_;  // one at a time decides whether a run or a movement may begin
   std::optional<RunControl> by_hand_;  // set while somebody homes or moves without a run
   std::string by_hand_waits_;          // what such a movement waits for: a sentence
+  std::string motion_trouble_;         // motion without a command, until a datum is opened
   std::string datum_trouble_;          // the axes were homed, and no datum is open since
   std::string check_trouble_;          // "recalibrate now: ...", of the model that serves
   std::optional<RunId> checked_;       // the last run that was looked at when it ended

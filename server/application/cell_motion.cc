@@ -7,6 +7,7 @@
 #include "server/application/cell_application.h"
 #include "server/application/datum_opening.h"
 #include "server/application/motion.h"
+#include "server/application/spawn.h"
 #include "server/application/start_checks.h"
 
 namespace driftwise::application {
@@ -38,6 +39,15 @@ Result<void> CellApplication::may_move(const std::string& lease_token) const {
     return fail(ErrorCode::failed_precondition, "MOVING",
                 "a movement by hand is under way: wait for its end, or stop it");
   return {};
+}
+
+Result<void> CellApplication::may_move_by_hand(const Caller& caller, const std::string& lease_token,
+                                               const HoldAnswer& answer) const {
+  if (!engine_.stands() || by_hand_) return may_move(lease_token);
+  if (auto ok = stops_.check(); !ok) return ok;
+  if (auto ok = leases_.check(lease_token, clock_->now().utc); !ok) return ok;
+  return check_answer(*engine_.record(), engine_.record()->hold, caller.name, answer,
+                      clock_->now().utc);
 }
 
 // A movement without a run: stop_all and shut_down reach it through by_hand_.
@@ -78,17 +88,22 @@ class CellApplication::ByHand {
 };
 
 Awaitable<Result<StopAnswer>> CellApplication::stop_all(Caller caller) {
-  stop_events_.record(caller);
+  const auto* run = engine_.record();
+  stop_events_.record(caller, run ? std::optional(run->id) : std::nullopt);
   const auto why = fmt::format("stopped by {}", caller.name);
-  if (auto* control = engine_.control()) control->halt(why);
+  if (auto* control = engine_.control())
+    control->halt({RunHold::Kind::stop, caller.name, clock_->now().utc, why});
   if (by_hand_) by_hand_->abort(why);
+  improver_.halt(why);
   auto pressing = stops_.press(std::move(caller), why);
   co_return co_await std::move(pressing);
 }
 
-Awaitable<Result<void>> CellApplication::home(Caller caller, std::string lease_token) {
+Awaitable<Result<void>> CellApplication::home(Caller caller, std::string lease_token,
+                                              HoldAnswer answer) {
   auto turn = std::optional(co_await beginning_.take());
-  if (auto ok = may_move(lease_token); !ok) co_return ok;
+  if (auto ok = may_move_by_hand(caller, lease_token, answer); !ok) co_return ok;
+  engine_.remeasure_zero("homed by hand");
   ByHand hand(*this);
   turn.reset();
   events_.record(caller, "axes.home", fmt::format("{} references the axes", caller.name));
@@ -124,17 +139,64 @@ Awaitable<Result<DatumRecord>> CellApplication::new_datum_by_hand(RunScope& scop
   co_return co_await std::move(opened);
 }
 
+// An actuator is asked in its period; without one a person has said it.
+std::optional<double> CellApplication::force_now() const {
+  const auto channel = description_.force_channel();
+  if (!channel || !description_.load) return std::nullopt;
+  if (!description_.load_actuator()) return loading_.known_n();
+  const auto* latest = recorder_.history().latest(channel->name());
+  if (!latest || is_missing(latest->value)) return std::nullopt;
+  return latest->value;
+}
+
+Awaitable<bool> CellApplication::axes_measured_at(std::vector<double> q_mm) {
+  const auto round = co_await bench_.read_pose_instruments();
+  if (!round) co_return false;
+  std::vector<ChannelValue> raw;
+  for (const auto& reading : *round)
+    for (const auto& value : reading.values)
+      if (!is_missing(value.value) && !reading.is_rejected(value.channel)) raw.push_back(value);
+  co_return doubts_.pose_is_at(pose_.pose(raw), q_mm);
+}
+
+// The point under way is not accepted: its attempt ends as interrupted with this reason. The run is
+// paused until a person resumes it, and then measures its zero again.
+void CellApplication::axes_moved_uncommanded(const std::string& what) {
+  motion_trouble_ = fmt::format(
+      "the axes moved without a command of this daemon ({}): look who else drives them, then open "
+      "a new datum (resume the run, home, or start a run)",
+      what);
+  const auto* run = engine_.record();
+  events_.record_own("motion.uncommanded", motion_trouble_,
+                     run ? std::optional(run->id) : std::nullopt);
+  engine_.remeasure_zero("uncommanded motion");
+  if (auto* control = engine_.control())
+    control->halt({RunHold::Kind::trouble, "", clock_->now().utc, motion_trouble_});
+  if (by_hand_) by_hand_->abort(motion_trouble_);
+  // Whatever of that was ours ends. At idle the axes are left to whoever moves them.
+  if (!engine_.busy() && !by_hand_) return;
+  tasks_.begin();
+  spawn(executor_, halt_axes());
+}
+
+Awaitable<void> CellApplication::halt_axes() {
+  static_cast<void>(co_await bench_.stop());
+  tasks_.end();
+}
+
 void CellApplication::take_datum(const DatumRecord& datum) {
+  motion_trouble_.clear();
   datum_trouble_.clear();
   pose_.set_zero(datum.values);
   serving_.anchor(datum);
 }
 
 Awaitable<Result<void>> CellApplication::move_to(Caller caller, std::string lease_token,
-                                                 std::vector<double> q_mm) {
+                                                 std::vector<double> q_mm, HoldAnswer answer) {
   auto turn = std::optional(co_await beginning_.take());
-  if (auto ok = may_move(lease_token); !ok) co_return ok;
+  if (auto ok = may_move_by_hand(caller, lease_token, answer); !ok) co_return ok;
   if (auto ok = check_soft_limits(description_, q_mm); !ok) co_return ok;
+  engine_.remeasure_zero("moved by hand");
   ByHand hand(*this);
   turn.reset();
   events_.record(caller, "axes.move",

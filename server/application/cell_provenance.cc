@@ -150,7 +150,9 @@ Awaitable<Result<ConfigurationStart>> CellApplication::accept_configuration(Call
                  fmt::format("{} accepted configuration {} after {}{}{}", caller.name, hash,
                              accepted->before_hash, note.empty() ? "" : ": ", note));
   serving_.look_again();
-  if (auto* control = engine_.control(); control && control->waits_for_a_person() && continued)
+  // A pause or a stop of a person's stays; whoever resumes the run ends it.
+  if (auto* control = engine_.control();
+      control && control->hold().kind == RunHold::Kind::configuration && continued)
     control->resume();
   co_return accepted;
 }

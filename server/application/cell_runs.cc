@@ -82,6 +82,7 @@ Awaitable<Result<RunRecord>> CellApplication::start_run(Caller caller, CreateRun
   fresh.operator_name = caller.name;
   fresh.request_id = request.request_id;
   fresh.created = clock_->now();
+  fresh.boot_id = boot_id_;
   auto storing = writer_.call([fresh](Store& store) {
     crash_point("before_run_create_commit");
     auto record = store.runs().create_run(fresh);
@@ -96,7 +97,7 @@ Awaitable<Result<RunRecord>> CellApplication::start_run(Caller caller, CreateRun
                  fmt::format("{} created run {} '{}': {} rows", caller.name, stored->id.value,
                              stored->name, stored->rows),
                  stored->id);
-  engine_.begin(*stored, std::move(plan), std::move(trajectory), std::nullopt);
+  engine_.begin(*stored, std::move(plan), std::move(trajectory), std::nullopt, true);
   co_return *engine_.record();
 }
 
@@ -122,22 +123,36 @@ Awaitable<Result<RunRecord>> CellApplication::steer(Caller caller, RunId id, con
 
 Awaitable<Result<RunRecord>> CellApplication::pause_run(Caller caller, RunId run) {
   auto why = fmt::format("paused by {}", caller.name);
-  std::function<void(RunControl&)> act = [why](RunControl& control) { control.hold(why); };
+  const RunHold hold{RunHold::Kind::pause, caller.name, clock_->now().utc, why};
+  std::function<void(RunControl&)> act = [hold](RunControl& control) { control.hold(hold); };
   co_return co_await steer(caller, run, "pause", why, std::move(act));
 }
 
-Awaitable<Result<RunRecord>> CellApplication::resume_run(Caller caller, RunId run) {
+Awaitable<Result<RunRecord>> CellApplication::resume_run(Caller caller, RunId id,
+                                                         HoldAnswer answer) {
   if (auto ok = stops_.check(); !ok) co_return tl::unexpected(ok.error());
-  if (const auto* record = engine_.record(); record && record->id == run)
+  if (const auto* record = engine_.record(); record && record->id == id)
     if (auto question = waits_for_configuration(*record); !question.empty())
       co_return fail(ErrorCode::failed_precondition, "CONFIGURATION_CHANGED",
-                     fmt::format("run {} cannot resume: {}", run.value, question));
-  auto why = fmt::format("resumed by {}", caller.name);
-  std::function<void(RunControl&)> act = [this](RunControl& control) {
-    doubts_.begin_anew();  // a person looked: what the devices say now is taken as right
-    control.resume();
-  };
-  co_return co_await steer(caller, run, "resume", why, std::move(act));
+                     fmt::format("run {} cannot resume: {}", id.value, question));
+  if (auto known = co_await run(id); !known) co_return known;
+  auto control = control_of(id, "resume");
+  if (!control) co_return tl::unexpected(control.error());
+  if (by_hand_)
+    co_return fail(ErrorCode::failed_precondition, "MOVING",
+                   "a movement by hand is under way: wait for its end, or stop it");
+  const auto now = clock_->now().utc;
+  const RunHold hold = (*control)->hold();
+  if (auto ok = check_answer(*engine_.record(), hold, caller.name, answer, now); !ok)
+    co_return tl::unexpected(ok.error());
+  auto detail =
+      fmt::format("resumed by {}: {}", caller.name, hold_sentence(*engine_.record(), hold, now));
+  if (hold.kind == RunHold::Kind::stop && hold.who != caller.name)
+    detail += fmt::format("; the stop was overridden: {}", answer.override_reason);
+  events_.record(caller, "run.resume", std::move(detail), id);
+  doubts_.begin_anew();  // a person looked: what the devices say now is taken as right
+  (*control)->resume();
+  co_return *engine_.record();
 }
 
 Awaitable<Result<RunRecord>> CellApplication::abort_run(Caller caller, RunId run, std::string why) {

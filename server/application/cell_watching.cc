@@ -97,6 +97,18 @@ std::vector<AlarmCondition> CellApplication::alarms_now() const {
   if (const auto trend = quality_.condition(description_.run.max_spread_nm);
       trend && engine_.busy())
     out.push_back(*trend);
+  if (!engine_.announcement().empty())
+    out.push_back({AlarmLevel::failed, "run.moves_soon",
+                   fmt::format("run {}", engine_.record()->id.value), engine_.announcement()});
+  // While a run works the force is the run's; after a stop, an abort or a failure nothing takes it
+  // off by itself.
+  const auto acts_n = force_now();
+  if (acts_n && !same_force(*acts_n, 0) && (!engine_.busy() || engine_.stands()) && !by_hand_)
+    out.push_back({AlarmLevel::warning, "load.on", "force",
+                   fmt::format("{:.6g} N act on the robot and nothing takes them off by itself: {}",
+                               *acts_n, hang_sentence(0, *description_.load))});
+  if (!motion_trouble_.empty())
+    out.push_back({AlarmLevel::failed, "motion.uncommanded", "axes", motion_trouble_});
   if (serving_.refused())
     out.push_back(
         {AlarmLevel::failed, "model.damaged", "served model", serving_.refused()->message});

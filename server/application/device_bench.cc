@@ -76,29 +76,72 @@ Error no_controller() {
 
 Awaitable<Result<MotionState>> DeviceBench::motion_state() {
   if (!controller_) co_return tl::unexpected(no_controller());
+  const auto orders = motion_watch_ ? motion_watch_->orders() : 0;
   auto state = co_await ask(*controller_, [](MotionController& c) { return c.state(); });
-  if (!state) co_return state;
+  if (!state) {
+    if (motion_watch_ && is_device_loss(state.error())) motion_watch_->lost();
+    co_return state;
+  }
   if (auto good = doubts_.judge(controller_description(), *state); !good)
     co_return tl::unexpected(good.error());
+  if (motion_watch_ && doubts_.doubts_readback()) {
+    motion_watch_->released();
+  } else if (motion_watch_ && motion_watch_->orders() == orders) {
+    auto looking = look_for_motion(*state);
+    co_await std::move(looking);
+  }
   co_return state;
+}
+
+// A readback that is false is the doubts' matter: the axes have not moved when the instruments say
+// that they are where they should be.
+Awaitable<void> DeviceBench::look_for_motion(MotionState state) {
+  const auto before = *motion_watch_;
+  const auto moved = motion_watch_->look(state);
+  if (!moved) co_return;
+  auto asking = instruments_say_(before.expected_mm());
+  const bool are_there = co_await std::move(asking);
+  if (!are_there) co_return on_uncommanded_(*moved);
+  if (motion_watch_->orders() == before.orders()) *motion_watch_ = before;
+}
+
+void DeviceBench::watch_motion(double limit_nm,
+                               std::function<Awaitable<bool>(std::vector<double>)> instruments_say,
+                               std::function<void(const std::string&)> on_uncommanded) {
+  if (!controller_) return;
+  instruments_say_ = std::move(instruments_say);
+  std::vector<Channel> motors;
+  for (const auto& axis : controller_->device->description().axes) motors.push_back(axis.channel);
+  motion_watch_.emplace(std::move(motors), limit_nm);
+  on_uncommanded_ = std::move(on_uncommanded);
 }
 
 Awaitable<Result<void>> DeviceBench::home() {
   if (!controller_) co_return tl::unexpected(no_controller());
+  if (motion_watch_) motion_watch_->released();
   auto homed = co_await ask_to_move(*controller_, [](MotionController& c) { return c.home(); });
+  if (motion_watch_) motion_watch_->released();
   doubts_.begin_anew(controller_description().id);
   co_return homed;
 }
 
 Awaitable<Result<void>> DeviceBench::start_move(std::vector<double> q_mm) {
   if (!controller_) co_return tl::unexpected(no_controller());
-  co_return co_await ask_to_move(*controller_,
-                                 [&q_mm](MotionController& c) { return c.start_move(q_mm); });
+  auto started = co_await ask_to_move(*controller_, [this, &q_mm](MotionController& c) {
+    // Before it is sent: a move whose answer got lost may have started all the same.
+    if (motion_watch_) motion_watch_->commanded(q_mm);
+    return c.start_move(q_mm);
+  });
+  if (!started && motion_watch_) motion_watch_->released();
+  co_return started;
 }
 
 Awaitable<Result<void>> DeviceBench::stop() {
   if (!controller_) co_return Result<void>{};
-  co_return co_await controller_->device->stop();
+  if (motion_watch_) motion_watch_->released();
+  auto stopped = co_await controller_->device->stop();
+  if (motion_watch_) motion_watch_->released();
+  co_return stopped;
 }
 
 Awaitable<Result<JudgedReading>> DeviceBench::read_interferometer(std::size_t i) {
@@ -168,7 +211,8 @@ Awaitable<Result<LoadState>> DeviceBench::load_state() {
   co_return state;
 }
 Awaitable<Result<void>> DeviceBench::set_load(double force_n) {
-  auto set = co_await ask_to_move(*load_, [force_n](LoadActuator& d) { return d.set_force(force_n); });
+  auto set =
+      co_await ask_to_move(*load_, [force_n](LoadActuator& d) { return d.set_force(force_n); });
   doubts_.begin_anew(load_description().id);
   co_return set;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/application/cell.h"
+#include "server/application/motion_watch.h"
 #include "server/application/signal.h"
 #include "server/core/judged_reading.h"
 
@@ -24,13 +25,20 @@ class DeviceBench {
   DeviceBench(asio::any_io_executor executor, Devices devices, Doubts& doubts, OnChange on_change);
   ~DeviceBench();
 
+  // Motion that nobody here commanded is told from now on, once each time (motion_watch.h), from
+  // within the call that saw it. instruments_say: whether the axes are there by what the
+  // interferometers measure; false also where that is not known.
+  void watch_motion(double limit_nm,
+                    std::function<Awaitable<bool>(std::vector<double> q_mm)> instruments_say,
+                    std::function<void(const std::string&)> on_uncommanded);
+  bool has_controller() const { return controller_ != nullptr; }
+
   // Errors besides the devices': IMPLAUSIBLE (server/application/doubts.h), here and in load_state.
   // A reading says itself what of it was rejected.
   Awaitable<Result<MotionState>> motion_state();
   Awaitable<Result<void>> home();
   Awaitable<Result<void>> start_move(std::vector<double> q_mm);
   Awaitable<Result<void>> stop();  // takes no turn: it interrupts whatever the controller is doing
-  bool has_controller() const { return controller_ != nullptr; }
   // Asked at the instant at which home(), start_move() and set_load() would be sent; its error is
   // theirs, and nothing is sent.
   void allow_motion_if(std::function<Result<void>()> gate) { gate_ = std::move(gate); }
@@ -93,10 +101,14 @@ class DeviceBench {
   Awaitable<Result<void>> ask_to_move(Seat<Port>& seat, Call call);
 
   Awaitable<Result<JudgedReading>> read_judged(Seat<Instrument>& seat);
+  Awaitable<void> look_for_motion(MotionState state);
 
   Doubts& doubts_;
   OnChange on_change_;
   std::function<Result<void>()> gate_ = [] { return Result<void>{}; };
+  std::optional<MotionWatch> motion_watch_;
+  std::function<Awaitable<bool>(std::vector<double>)> instruments_say_;
+  std::function<void(const std::string&)> on_uncommanded_;
   std::unique_ptr<Seat<MotionController>> controller_;
   std::vector<std::unique_ptr<Seat<Instrument>>> interferometers_, collimators_, scanners_;
   std::vector<std::unique_ptr<Seat<Stabiliser>>> stabilisers_;

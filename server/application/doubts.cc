@@ -114,6 +114,21 @@ Result<void> Doubts::check_pose(const std::vector<ChannelValue>& pose,
   return tl::unexpected(implausible(sentence));
 }
 
+bool Doubts::pose_is_at(const std::vector<ChannelValue>& pose,
+                        const std::vector<double>& q_mm) const {
+  if (!datum_ || !geometry_.knows()) return false;
+  const auto comparison = geometry_.compare(pose, motor_values(q_mm), datum_->values);
+  return !comparison.outputs.empty() && !comparison.disagrees();
+}
+
+bool Doubts::doubts_readback() const {
+  const auto now = clock_.now().utc;
+  return std::ranges::any_of(standing_, [now](const auto& one) {
+    return (one.first == kPose || one.first == kReadback) &&
+           seconds_from(now - one.second.last) < kForgotten_s;
+  });
+}
+
 Result<void> Doubts::readback_is_off(const std::string& sentence) {
   begin(kReadback, "readback.disagrees", sentence);
   return tl::unexpected(implausible(sentence));

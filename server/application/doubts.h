@@ -43,6 +43,11 @@ class Doubts {
   Result<void> check_round(std::vector<JudgedReading>& round, const std::vector<double>& q_mm);
   // A pose since the datum's zero. Errors: IMPLAUSIBLE.
   Result<void> check_pose(const std::vector<ChannelValue>& pose, const std::vector<double>& q_mm);
+  // By the same geometry, without raising anything. False also where it cannot be said.
+  bool pose_is_at(const std::vector<ChannelValue>& pose, const std::vector<double>& q_mm) const;
+  // The pose or the scale itself disagrees with where the axes are said to be: nothing is known
+  // about motion by the readback now.
+  bool doubts_readback() const;
   // The controller says that it is there, its scale says that it is far away. Always an error.
   Result<void> readback_is_off(const std::string& sentence);
   void readback_is_good();

@@ -114,11 +114,10 @@ Awaitable<Result<void>> Improver::cancel(Caller caller, ImprovementId id) {
   co_return ended;
 }
 
-Awaitable<void> Improver::stop(std::shared_ptr<Active> active, bool leave_run) {
-  std::string reason = "the daemon was stopped while it ran; its runs stay";
+Awaitable<void> Improver::stop(std::shared_ptr<Active> active, std::string reason) {
   auto ending = end(active, JobState::failed, std::move(reason));
   static_cast<void>(co_await std::move(ending));
-  co_await active->loop->stop(leave_run);
+  co_await active->loop->stop(true);
   tasks_.end();
 }
 
@@ -130,7 +129,14 @@ void Improver::shut_down() {
   ending_ = true;
   if (!active_) return;
   tasks_.begin();
-  spawn(executor_, stop(active_, true));
+  spawn(executor_, stop(active_, "the daemon was stopped while it ran; its runs stay"));
+}
+
+void Improver::halt(const std::string& why) {
+  if (!active_ || active_->over) return;
+  tasks_.begin();
+  spawn(executor_,
+        stop(active_, why + ": an improvement does not continue after a stop; its runs stay"));
 }
 
 }  // namespace driftwise::application

@@ -32,6 +32,10 @@ class Improver {
   // Over at once, on record and for its watchers; does nothing to one that is over.
   Awaitable<Result<void>> cancel(Caller caller, ImprovementId id);
 
+  // A person stopped the axes: the improvement under way ends, its run stands as it is. It never
+  // continues after a stop, also when somebody resumes the run.
+  void halt(const std::string& why);
+
   void tell_present(const std::function<void(const ImprovementProgress&)>& to) const;
   WatchList<ImprovementProgress>& watchers() { return watchers_; }
   void shut_down();
@@ -40,7 +44,7 @@ class Improver {
   struct Active;
   Awaitable<void> carry_out(std::shared_ptr<Active> active);
   Awaitable<Result<void>> end(std::shared_ptr<Active> active, JobState state, std::string reason);
-  Awaitable<void> stop(std::shared_ptr<Active> active, bool leave_run);
+  Awaitable<void> stop(std::shared_ptr<Active> active, std::string reason);
 
   asio::any_io_executor executor_;
   Cell& cell_;

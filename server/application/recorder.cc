@@ -25,7 +25,7 @@ Recorder::Recorder(asio::any_io_executor executor, Clock& clock, DeviceBench& be
 void Recorder::start() {
   const auto begin = [this](Kind kind, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
-      if (description_of(kind, i).period_s <= 0) continue;
+      if (period_s(kind, i) <= 0) continue;
       tasks_.begin();
       spawn(executor_, read_for_ever(kind, i));
     }
@@ -35,6 +35,7 @@ void Recorder::start() {
   begin(Kind::interferometer, bench_.interferometers());
   begin(Kind::collimator, bench_.collimators());
   begin(Kind::load, bench_.has_load() ? 1 : 0);
+  begin(Kind::controller, bench_.has_controller() ? 1 : 0);
   tasks_.begin();
   spawn(executor_, flush_for_ever());
 }
@@ -79,6 +80,8 @@ Awaitable<Result<JudgedReading>> Recorder::read(Kind kind, std::size_t i) {
       return bench_.read_collimator(i);
     case Kind::load:
       return bench_.read_load();
+    case Kind::controller:
+      return read_axes();
     case Kind::interferometer:
       break;
   }
@@ -95,22 +98,41 @@ const DeviceDescription& Recorder::description_of(Kind kind, std::size_t i) cons
       return bench_.collimator_description(i);
     case Kind::load:
       return bench_.load_description();
+    case Kind::controller:
+      return bench_.controller_description();
     case Kind::interferometer:
       break;
   }
   return bench_.interferometer_description(i);
 }
 
+// Where the axes are, as a reading of the controller.
+Awaitable<Result<JudgedReading>> Recorder::read_axes() {
+  const auto state = co_await bench_.motion_state();
+  if (!state) co_return tl::unexpected(state.error());
+  const auto& controller = bench_.controller_description();
+  Reading reading{controller.id, state->at, state->at, ++axes_sequence_, {}};
+  for (std::size_t i = 0; i < std::min(controller.axes.size(), state->q_mm.size()); ++i)
+    reading.values.push_back({controller.axes[i].channel.name(), state->q_mm[i]});
+  co_return JudgedReading{std::move(reading), {}};
+}
+
+double Recorder::period_s(Kind kind, std::size_t i) const {
+  const double declared_s = description_of(kind, i).period_s;
+  return declared_s <= 0 && belongs_to_run(kind) ? kIdlePeriod_s : declared_s;
+}
+
 Awaitable<void> Recorder::read_for_ever(Kind kind, std::size_t i) {
-  const auto period = nanoseconds_from_s(description_of(kind, i).period_s);
-  const bool is_run_s = kind == Kind::interferometer || kind == Kind::collimator;
+  const auto period = nanoseconds_from_s(period_s(kind, i));
+  const bool is_run_s = belongs_to_run(kind);
+  const bool is_stored = description_of(kind, i).period_s > 0;
   auto due = clock_.now().utc;
   while (!ending_) {
     if (!is_run_s || !lent_) {
       if (auto reading = co_await read(
               kind, i)) {  // what fails is told by the bench, and tried again next period
         observe(*reading);
-        writer_.add(std::move(*reading));
+        if (is_stored) writer_.add(std::move(*reading));
       }
     }
     // A late reading does not make the next ones come in a burst: periods that have passed are left

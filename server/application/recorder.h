@@ -1,7 +1,9 @@
 #pragma once
 // Reads every slow device every period, always, run or no run; keeps the latest values and the last
-// minutes, hands every reading to the store and to watchers. An interferometer or autocollimator is
-// read here only while no run uses it: the run's own readings come in through observe(). The store
+// minutes, hands every reading to the store and to watchers. The axes, an interferometer or an
+// autocollimator are read here only while no run uses them: the run's own readings come in through
+// observe(). Between runs those without a period of their own are read every kIdlePeriod_s, shown,
+// and not stored. The store
 // keeps what a device said under the device's own channels; live values show it under raw names
 // where the cell corrects it (x_path_mm), and the pose beside it.
 
@@ -41,11 +43,17 @@ class Recorder {
   WatchList<Reading>& watchers() { return watchers_; }
 
  private:
-  enum class Kind { scanner, stabiliser, interferometer, collimator, load };
+  static constexpr double kIdlePeriod_s = 2.0;
+  enum class Kind { scanner, stabiliser, interferometer, collimator, load, controller };
   const DeviceDescription& description_of(Kind kind, std::size_t i) const;
   Awaitable<void> read_for_ever(Kind kind, std::size_t i);
   Awaitable<void> flush_for_ever();
   Awaitable<Result<JudgedReading>> read(Kind kind, std::size_t i);
+  Awaitable<Result<JudgedReading>> read_axes();
+  static bool belongs_to_run(Kind kind) {
+    return kind == Kind::interferometer || kind == Kind::collimator || kind == Kind::controller;
+  }
+  double period_s(Kind kind, std::size_t i) const;  // 0: never read here
 
   asio::any_io_executor executor_;
   Clock& clock_;
@@ -59,6 +67,7 @@ class Recorder {
   WatchList<Reading> watchers_;
   Signal ended_, arrived_;
   bool ending_ = false, lent_ = false;
+  std::int64_t axes_sequence_ = 0;
 };
 
 }  // namespace driftwise::application

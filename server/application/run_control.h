@@ -6,6 +6,7 @@
 #include <string>
 
 #include "server/application/signal.h"
+#include "server/core/records.h"
 #include "server/core/result.h"
 
 namespace driftwise::application {
@@ -14,28 +15,23 @@ class RunControl {
  public:
   explicit RunControl(const asio::any_io_executor& executor) : changed_(executor) {}
 
-  // The run holds after the present point (or where it waits) until resume(). why: "paused by ada".
-  void hold(std::string why) {
-    held_ = true;
-    waits_ = false;
-    hold_reason_ = std::move(why);
+  // The run holds after the present point (or where it waits) until resume(). A person's stop that
+  // is in force stays what has to be ended: a pause after it does not make it weaker.
+  void hold(RunHold hold) {
+    const bool is_weaker = hold.kind != RunHold::Kind::stop;
+    if (!(held() && hold_.kind == RunHold::Kind::stop && is_weaker)) hold_ = std::move(hold);
     changed_.raise();
   }
   // The axes were stopped: the step under way ends at once with RUN_HALTED, and the run holds as it
   // does after hold(). The row under way is visited again.
-  void halt(std::string why) {
+  void halt(RunHold why) {
     halted_ = true;
     hold(std::move(why));
   }
   // The engine has seen the halt; the hold stays.
   void take_halt() { halted_ = false; }
-  // As hold(), but it is the daemon that asks: the run's state is waiting, not paused.
-  void wait_for_a_person(std::string why) {
-    hold(std::move(why));
-    waits_ = true;
-  }
   void resume() {
-    held_ = waits_ = false;
+    hold_ = {};
     changed_.raise();
   }
   // The run waits until a person says that this force acts.
@@ -57,26 +53,27 @@ class RunControl {
     changed_.raise();
   }
 
-  bool held() const { return held_; }
-  bool waits_for_a_person() const { return waits_; }
+  bool held() const { return hold_.kind != RunHold::Kind::none; }
   bool halted() const { return halted_ && !aborted_ && !shutting_down_; }
   bool aborted() const { return aborted_; }
   bool shutting_down() const { return shutting_down_; }
-  const std::string& hold_reason() const { return hold_reason_; }
+  const RunHold& hold() const { return hold_; }
+  const std::string& hold_reason() const { return hold_.reason; }
   // Errors: aborted RUN_ABORTED or RUN_HALTED, cancelled SHUTTING_DOWN. A hold is no error: the
   // engine asks held() after a point.
   Result<void> check() const {
     if (shutting_down_)
       return fail(ErrorCode::cancelled, "SHUTTING_DOWN", "the daemon is shutting down");
     if (aborted_) return fail(ErrorCode::aborted, "RUN_ABORTED", abort_reason_);
-    if (halted_) return fail(ErrorCode::aborted, "RUN_HALTED", hold_reason_);
+    if (halted_) return fail(ErrorCode::aborted, "RUN_HALTED", hold_.reason);
     return {};
   }
   Signal& changed() { return changed_; }
 
  private:
-  bool held_ = false, waits_ = false, halted_ = false, aborted_ = false, shutting_down_ = false;
-  std::string hold_reason_, abort_reason_;
+  bool halted_ = false, aborted_ = false, shutting_down_ = false;
+  RunHold hold_;
+  std::string abort_reason_;
   std::optional<double> wanted_force_n_;
   Signal changed_;
 };

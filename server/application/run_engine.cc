@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <boost/asio/post.hpp>
 #include <cassert>
 #include <cmath>
@@ -17,6 +18,7 @@
 #include "server/application/spawn.h"
 #include "server/application/start_checks.h"
 #include "server/application/stop_desk.h"
+#include "server/core/units.h"
 
 namespace driftwise::application {
 
@@ -27,12 +29,18 @@ RunEngine::RunEngine(asio::any_io_executor executor, Workbench& bench, Hooks hoo
 RunEngine::~RunEngine() = default;
 
 void RunEngine::begin(RunRecord record, RunPlan plan, Trajectory trajectory,
-                      std::optional<RunBefore> before) {
+                      std::optional<RunBefore> before, bool asked_for) {
   assert(!run_);
   run_ = std::make_unique<ActiveRun>(executor_, bench_, std::move(record), std::move(plan),
                                      std::move(trajectory));
   before_ = std::move(before);
   auto& run = *run_;
+  may_start_ = asked_for;
+  had_datum_ = before_ && !before_->data.empty();
+  stands_ = computer_was_away_ = false;
+  announcement_.clear();
+  counted_accepted_ = run.record.accepted;
+  counted_given_up_ = run.record.given_up;
   run.continued = before_.has_value();
   run.scope.phase = [this](std::string phase) {
     run_->progress.phase = std::move(phase);
@@ -65,7 +73,10 @@ Awaitable<void> RunEngine::execute() {
 Awaitable<Result<void>> RunEngine::take_up(ActiveRun& run) {
   wanted_datum_ = DatumOpening{"start", false, true, {}, {}};
   const bool was_paused = run.record.state == RunState::paused;
-  if (was_paused) run.control.hold(run.record.reason);
+  if (was_paused) run.control.hold(stored_hold(run.record, bench_.clock.now().utc));
+  run.record.hold = {};  // in force again as soon as the engine stands
+  computer_was_away_ = !run.record.boot_id.empty() && !bench_.boot_id.empty() &&
+                       run.record.boot_id != bench_.boot_id;
   const auto state = was_paused ? RunState::paused : RunState::running;
   auto reason = was_paused ? run.record.reason : std::string();
   bench_.doubts.begin_anew();
@@ -99,6 +110,7 @@ Awaitable<Result<void>> RunEngine::carry_out(ActiveRun& run) {
   while (true) {
     const auto attempts_before = run.record.accepted + run.record.given_up;
     Result<void> outcome = co_await walk(run);
+    if (outcome) outcome = co_await park(run);
     if (outcome) co_return outcome;
     troubles_in_a_row =
         run.record.accepted + run.record.given_up > attempts_before ? 1 : troubles_in_a_row + 1;
@@ -121,7 +133,7 @@ Awaitable<Result<void>> RunEngine::carry_out(ActiveRun& run) {
 Awaitable<Result<void>> RunEngine::stand_still(ActiveRun& run, const Error& trouble) {
   if (auto ok = co_await wait_until_stopped(run); !ok) co_return ok;
   if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
-  co_return co_await look_again(run, remedy_for(trouble));
+  co_return co_await look_again(run, remedy_for(trouble), true);
 }
 
 // The stop itself is the desk's; the run is paused once the controllers have confirmed it.
@@ -146,8 +158,15 @@ Awaitable<Result<void>> RunEngine::wait_until_stopped(ActiveRun& run) {
 
 Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
   if (run.control.held()) {
-    const auto state = run.control.waits_for_a_person() ? RunState::waiting : RunState::paused;
+    const auto kind = run.control.hold().kind;
+    const auto state = kind == RunHold::Kind::configuration ? RunState::waiting : RunState::paused;
     if (auto ok = co_await hold(run, state); !ok) co_return ok;
+  }
+  if (wanted_datum_) {
+    if (auto ok = co_await prepare(run); !ok) co_return ok;
+    if (auto ok = co_await clear_to_move(run); !ok) co_return ok;
+    if (auto ok = co_await bring_force(run); !ok) co_return ok;
+    if (auto ok = co_await new_datum(run); !ok) co_return ok;
   }
   while (const auto visit = next_visit(run.trajectory, run.record.place)) {
     if (auto ok = run.control.check(); !ok) co_return ok;
@@ -174,10 +193,99 @@ Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
       if (auto ok = co_await store_lag(run); !ok) co_return ok;
     }
     publish();
+    if (result->verdict == Verdict::given_up) hold_if_too_many_were_given_up(run);
     if (return_to_zero_is_due(run.trajectory, run.record.place, visit->row))
       if (auto ok = co_await return_to_zero(run, row.line); !ok) co_return ok;
   }
   co_return co_await mark_doubted(run);
+}
+
+// After a restart, or a controller that lost its reference: who says that the robot may move.
+// Nothing has moved yet.
+Awaitable<Result<void>> RunEngine::clear_to_move(ActiveRun& run) {
+  if (may_start_) co_return Result<void>{};
+  const auto state = co_await bench_.devices.motion_state();
+  if (!state) co_return tl::unexpected(state.error());
+  const bool reference_lost = had_datum_ && !state->referenced;
+  const bool power_loss = computer_was_away_ || reference_lost;
+  const auto& rules = bench_.description.restart;
+  std::string why = "the daemon was away while the run was under way";
+  if (computer_was_away_)
+    why = "the computer was started anew while the run was under way";
+  else if (reference_lost)
+    why = fmt::format("the controller has lost its reference while the {}",
+                      before_ ? "daemon was away" : "run was under way");
+  const auto wish = power_loss ? rules.after_power_loss : rules.after_restart;
+  if (wish == AfterAway::wait) {
+    run.control.hold({RunHold::Kind::restart, "", bench_.clock.now().utc,
+                      fmt::format("{}: look at the machine, then resume it ([run] {} = \"wait\")",
+                                  why, power_loss ? "after_power_loss" : "after_restart")});
+    if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
+  } else if (power_loss) {
+    if (auto ok = co_await announce_motion(run, why); !ok) co_return ok;
+  }
+  may_start_ = true;
+  co_return Result<void>{};
+}
+
+// The robot is about to move without anybody having asked for it now: a minute for a person to stop
+// it.
+Awaitable<Result<void>> RunEngine::announce_motion(ActiveRun& run, const std::string& why) {
+  constexpr double kWarning_s = 60;
+  const auto begins = bench_.clock.now().utc + nanoseconds_from_s(kWarning_s);
+  announcement_ = fmt::format(
+      "run {} moves the robot at {}: {}, and the cell file says to go on ([run] after_power_loss = "
+      "\"go-on\"); a stop keeps it from moving",
+      run.record.id.value, to_iso8601(begins), why);
+  bench_.events.record_own("run.moves_soon", announcement_, run.record.id);
+  run.scope.phase("about to move");
+  const auto waited = co_await run.scope.sleep_until(begins);
+  announcement_.clear();
+  co_return waited;
+}
+
+// Everything that hangs on the end-effector is taken off, and the axes return to zero.
+Awaitable<Result<void>> RunEngine::park(ActiveRun& run) {
+  if (!run.plan.rules.park) co_return Result<void>{};
+  if (run.control.held())
+    if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
+  if (auto ok = run.control.check(); !ok) co_return ok;
+  if (bench_.description.load) {
+    if (auto ok = co_await bench_.loading.look(bench_.devices); !ok) co_return ok;
+    const auto acts_n = bench_.loading.known_n();
+    if (acts_n && !same_force(*acts_n, 0))
+      if (auto ok = co_await bench_.loading.bring_to(run.scope, 0); !ok) co_return ok;
+  }
+  const std::vector<double> zero_mm(bench_.description.motor_channels().size(), 0.0);
+  if (!check_soft_limits(bench_.description, zero_mm)) co_return Result<void>{};
+  const auto state = co_await bench_.devices.motion_state();
+  if (!state) co_return tl::unexpected(state.error());
+  bool is_there = true;
+  for (const double q_mm : state->q_mm)
+    is_there = is_there && std::abs(nm_from_mm(q_mm)) <= run.plan.rules.in_position_nm;
+  if (is_there) co_return Result<void>{};
+  const auto arrival = co_await go_to(run.scope, zero_mm, "parked");
+  if (!arrival) co_return tl::unexpected(arrival.error());
+  co_return Result<void>{};
+}
+
+void RunEngine::hold_if_too_many_were_given_up(ActiveRun& run) {
+  const auto given_up = run.record.given_up - counted_given_up_;
+  const auto decided = run.record.accepted - counted_accepted_ + given_up;
+  const double share = run.plan.rules.max_given_up_share;
+  const bool is_too_many = static_cast<double>(given_up) > share * static_cast<double>(decided);
+  if (share >= 1 || given_up < RunRules::kLeastGivenUp || !is_too_many) return;
+  run.control.hold({RunHold::Kind::trouble, "", bench_.clock.now().utc,
+                    fmt::format("{} of the last {} rows were given up, the limit is {:.0f} % "
+                                "(max_given_up_share): 'driftwise run attempts {}' says why",
+                                given_up, decided, 100 * share, run.record.id.value)});
+  counted_accepted_ = run.record.accepted;
+  counted_given_up_ = run.record.given_up;
+}
+
+void RunEngine::remeasure_zero(std::string reason) {
+  if (!run_ || wanted_datum_) return;  // one that is wanted already measures the zero too
+  wanted_datum_ = DatumOpening{std::move(reason), false, false, run_->datum, run_->closures};
 }
 
 Awaitable<Result<void>> RunEngine::prepare(ActiveRun& run) {
@@ -203,6 +311,7 @@ Awaitable<Result<void>> RunEngine::new_datum(ActiveRun& run) {
   run.closure_judge.begin(run.datum->opened.utc, bench_.loading.known_n());
   if (const auto before = std::exchange(before_, std::nullopt)) add_line_under_way(run, *before);
   if (auto ok = co_await mark_after_datum(run); !ok) co_return ok;
+  had_datum_ = true;
   wanted_datum_.reset();
   hooks_.datum_opened(*run.datum);
   co_return Result<void>{};
@@ -286,15 +395,22 @@ Awaitable<Result<void>> RunEngine::overcome(ActiveRun& run, const Error& error,
   static_cast<void>(
       co_await bench_.devices.stop());  // an axis that cannot be reached stands by its own watchdog
   bench_.events.record_own("run.trouble", error.message, run.record.id);
-  // A device that says what cannot be is waited for: it may be right again after hours.
+  // A device that says what cannot be is waited for: it may be right again after hours. Weights
+  // that stick are mended by a person, who need not know that a run waits for them.
+  const bool by_weights = is_of_weights(error);
   if (troubles_in_a_row >= kPatience && remedy == Remedy::wait_for_device &&
-      !is_device_loss(error) && error.reason != kImplausible)
+      !is_device_loss(error) && error.reason != kImplausible && !by_weights)
     remedy = Remedy::hold;
   if (remedy == Remedy::hold) {
-    run.control.hold(error.message);
+    run.control.hold({RunHold::Kind::trouble, "", bench_.clock.now().utc, error.message});
     if (auto ok = co_await hold(run, RunState::waiting); !ok) co_return ok;
   } else if (auto ok = co_await change(run, RunState::waiting, error.message); !ok) {
     co_return ok;
+  }
+  if (by_weights) {
+    constexpr double kLongest_s = 30;
+    const double pause_s = std::min(kLongest_s, 2.0 * troubles_in_a_row);
+    if (auto ok = co_await run.scope.sleep_s(pause_s); !ok) co_return ok;
   }
   // Where only the next move shows it, it is not tried all the time: each is an alarm.
   if (error.reason == kImplausible && troubles_in_a_row > 1) {
@@ -302,12 +418,14 @@ Awaitable<Result<void>> RunEngine::overcome(ActiveRun& run, const Error& error,
     const double pause_s = std::min(kLongest_s, kFirst_s * std::exp2(troubles_in_a_row - 1));
     if (auto ok = co_await run.scope.sleep_s(pause_s); !ok) co_return ok;
   }
-  co_return co_await look_again(run, remedy);
+  co_return co_await look_again(run, remedy, remedy == Remedy::hold);
 }
 
-Awaitable<Result<void>> RunEngine::look_again(ActiveRun& run, Remedy remedy) {
+// asked_for: a person has said just now that the robot may move.
+Awaitable<Result<void>> RunEngine::look_again(ActiveRun& run, Remedy remedy, bool asked_for) {
   const auto recovery = co_await wait_for_devices(run.scope);
   if (!recovery) co_return tl::unexpected(recovery.error());
+  if (recovery->reference_lost && had_datum_ && !asked_for) may_start_ = false;  // power was away
   const bool beam_lost = recovery->beam_lost || remedy == Remedy::new_datum;
   if (beam_lost || recovery->reference_lost)
     wanted_datum_ =
@@ -317,13 +435,26 @@ Awaitable<Result<void>> RunEngine::look_again(ActiveRun& run, Remedy remedy) {
 }
 
 Awaitable<Result<void>> RunEngine::hold(ActiveRun& run, RunState state) {
-  if (auto ok = co_await change(run, state, run.control.hold_reason()); !ok) co_return ok;
-  run.scope.phase(state == RunState::paused ? "paused" : "waiting for a person");
-  while (run.control.held()) {
-    if (auto ok = run.control.check(); !ok) co_return ok;
-    co_await run.control.changed().wait();
+  // Meanwhile the recorder shows where the axes and the lengths are, and a person may move them.
+  bench_.recorder.lend_pose_instruments(false);
+  Result<void> may_continue = run.control.check();
+  while (may_continue && run.control.held()) {
+    if (run.record.hold != run.control.hold()) {  // the first, or one that came on top of it
+      run.record.hold = run.control.hold();
+      may_continue = co_await change(run, state, run.control.hold_reason());
+      run.scope.phase(state == RunState::paused ? "paused" : "waiting for a person");
+    } else {
+      stands_ = true;
+      co_await run.control.changed().wait();
+      stands_ = false;
+    }
+    if (may_continue) may_continue = run.control.check();
   }
-  if (auto ok = run.control.check(); !ok) co_return ok;
+  bench_.recorder.lend_pose_instruments(true);
+  if (!may_continue) co_return may_continue;
+  // Whoever ended it has said that the robot may move; who accepted a cell file has not.
+  if (run.record.hold.kind != RunHold::Kind::configuration) may_start_ = true;
+  run.record.hold = {};
   co_return co_await change(run, RunState::running, "");
 }
 
@@ -349,6 +480,7 @@ Awaitable<void> RunEngine::finish(ActiveRun& run, const Result<void>& outcome) {
     co_return;
   }
   if (!outcome) static_cast<void>(co_await bench_.devices.stop());
+  run.record.hold = {};
   run.record.ended = bench_.clock.now().utc;
   const auto state = outcome                   ? RunState::done
                      : remedy == Remedy::abort ? RunState::aborted

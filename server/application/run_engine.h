@@ -33,11 +33,19 @@ class RunEngine {
   RunEngine(asio::any_io_executor executor, Workbench& bench, Hooks hooks, TaskCount& tasks);
   ~RunEngine();
 
-  // The run must not be over, and none may be under way. Returns at once.
-  void begin(RunRecord record, RunPlan plan, Trajectory trajectory,
-             std::optional<RunBefore> before);
+  // The run must not be over, and none may be under way. Returns at once. asked_for: a person has
+  // asked for it just now; false: it was under way, or about to begin, when the daemon ended.
+  void begin(RunRecord record, RunPlan plan, Trajectory trajectory, std::optional<RunBefore> before,
+             bool asked_for);
+
+  // The run under way opens a new datum before its next point, without homing; none: nothing.
+  void remeasure_zero(std::string reason);
 
   bool busy() const { return run_ != nullptr; }
+  // The run under way waits for a person and does nothing meanwhile: the axes may be moved by hand.
+  bool stands() const { return run_ && stands_; }
+  // Before a first motion that nobody asked for: a sentence for people; empty: none is ahead.
+  const std::string& announcement() const { return announcement_; }
   RunControl* control() { return run_ ? &run_->control : nullptr; }
   const RunRecord* record() const { return run_ ? &run_->record : nullptr; }
   // The run under way, else the last one that ended.
@@ -52,8 +60,12 @@ class RunEngine {
   Awaitable<Result<void>> overcome(ActiveRun& run, const Error& error, int troubles_in_a_row);
   Awaitable<Result<void>> stand_still(ActiveRun& run, const Error& trouble);
   Awaitable<Result<void>> wait_until_stopped(ActiveRun& run);
-  Awaitable<Result<void>> look_again(ActiveRun& run, Remedy remedy);
+  Awaitable<Result<void>> look_again(ActiveRun& run, Remedy remedy, bool asked_for);
   Awaitable<Result<void>> hold(ActiveRun& run, RunState state);
+  Awaitable<Result<void>> clear_to_move(ActiveRun& run);
+  Awaitable<Result<void>> announce_motion(ActiveRun& run, const std::string& why);
+  Awaitable<Result<void>> park(ActiveRun& run);
+  void hold_if_too_many_were_given_up(ActiveRun& run);
   Awaitable<Result<void>> bring_force(ActiveRun& run);
   Awaitable<Result<void>> new_datum(ActiveRun& run);
   Awaitable<Result<void>> return_to_zero(ActiveRun& run, std::int64_t line);
@@ -73,6 +85,12 @@ class RunEngine {
   std::optional<DatumOpening> wanted_datum_;  // to be opened before the next point
   std::optional<RunBefore> before_;
   std::optional<RunProgress> last_progress_;
+  bool stands_ = false;
+  bool may_start_ = true;  // false: power or the daemon was away, and nobody has said it yet
+  bool computer_was_away_ = false;
+  bool had_datum_ = false;  // before its first one a run has not needed a reference yet
+  std::string announcement_;
+  std::int64_t counted_accepted_ = 0, counted_given_up_ = 0;  // rows up to the last such pause
   std::int64_t sequence_ = 0;
   bool publishing_ = false;
   WatchList<RunProgress> watchers_;

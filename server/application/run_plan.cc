@@ -22,6 +22,7 @@ void each_rule(Rules& rules, Visit visit) {
   visit("quiet_nm", rules.quiet_nm, 0.0, 1e9);
   visit("move_timeout_s", rules.move_timeout_s, 0.0, 1e5);
   visit("max_temperature_age_s", rules.max_temperature_age_s, 0.0, 1e6);
+  visit("max_given_up_share", rules.max_given_up_share, 0.0, 1.0);
 }
 
 }  // namespace
@@ -30,6 +31,7 @@ std::string write_run_plan(const RunPlan& plan) {
   nlohmann::ordered_json json;
   each_rule(plan.rules,
             [&json](const char* name, const auto& value, auto, auto) { json[name] = value; });
+  json["park"] = plan.rules.park;
   json["compensate"] = plan.compensate;
   if (plan.compensate_with) json["compensate_with"] = plan.compensate_with->value;
   if (plan.served_at_start) json["served_at_start"] = plan.served_at_start->value;
@@ -50,6 +52,8 @@ Result<RunPlan> read_run_plan(const std::string& text) {
     else
       bad = name;
   });
+  if (const auto found = json.find("park"); found != json.end() && found->is_boolean())
+    plan.rules.park = *found;
   if (const auto found = json.find("compensate"); found != json.end() && found->is_boolean())
     plan.compensate = *found;
   if (const auto found = json.find("compensate_with");

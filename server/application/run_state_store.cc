@@ -16,6 +16,8 @@ Awaitable<Result<void>> store_state(ActiveRun& run) {
   if (record.ended.utc_ns != 0) change.ended = record.ended;
   change.max_lag_s = record.max_lag_s;
   change.restarts = record.restarts;
+  change.hold = record.hold;
+  if (!run.scope.bench.boot_id.empty()) change.boot_id = run.scope.bench.boot_id;
   while (true) {
     auto storing = run.scope.bench.writer.call([id = record.id, change](Store& store) {
       crash_point("before_run_state_commit");

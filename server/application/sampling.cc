@@ -132,6 +132,8 @@ Awaitable<Result<Sampling>> take_readings(RunScope& scope, int count,
     if (!state) co_return tl::unexpected(state.error());
     sampling.readings.push_back(
         readback(scope.bench.description, devices.controller_description(), *state, k));
+    // The last look at the axes decides too: they may have moved during the last reading.
+    if (auto ok = scope.control.check(); !ok) co_return tl::unexpected(ok.error());
     if (k == count) break;
     auto round = co_await devices.read_pose_instruments();
     if (!round) co_return tl::unexpected(round.error());

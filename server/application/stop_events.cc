@@ -10,7 +10,7 @@
 
 namespace driftwise::application {
 
-void StopEvents::record(const Caller& caller) {
+void StopEvents::record(const Caller& caller, std::optional<RunId> run) {
   constexpr std::size_t kMostNames = 5;
   const auto now = clock_.now().utc;
   last_ = now;
@@ -21,7 +21,8 @@ void StopEvents::record(const Caller& caller) {
     if (names_.size() < kMostNames) names_.insert(caller.name);
     return;
   }
-  events_.record(caller, "stop", fmt::format("{} stopped everything", caller.name));
+  events_.record(caller, "stop", fmt::format("{} stopped everything", caller.name), run);
+  run_ = run;
   in_all_ = 1;
   told_ = now;
   bursting_ = true;
@@ -47,8 +48,10 @@ Awaitable<void> StopEvents::wait_out() {
 }
 
 void StopEvents::tell() {
-  events_.record_own("stop.repeated", fmt::format("{} further stops, {} in a row, by {}", further_,
-                                                  in_all_, fmt::join(names_, ", ")));
+  events_.record_own("stop.repeated",
+                     fmt::format("{} further stops, {} in a row, by {}", further_, in_all_,
+                                 fmt::join(names_, ", ")),
+                     run_);
   further_ = 0;
   names_.clear();
   told_ = clock_.now().utc;

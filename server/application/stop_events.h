@@ -4,6 +4,7 @@
 // A burst is over when nobody has asked for a stop for kQuiet. While it lasts the count is told
 // every kTold. Stopping itself is not delayed or dropped: only the record is. Executor's thread.
 
+#include <optional>
 #include <set>
 #include <string>
 
@@ -18,7 +19,8 @@ class StopEvents {
   StopEvents(asio::any_io_executor executor, Clock& clock, EventLog& events, TaskCount& tasks)
       : executor_(executor), clock_(clock), events_(events), tasks_(tasks), ended_(executor) {}
 
-  void record(const Caller& caller);
+  // run: the one under way, in whose log the stop is.
+  void record(const Caller& caller, std::optional<RunId> run = {});
   void shut_down();  // what was counted is told
   // Of all stops since the start: who waits for something before a motion looks whether it grew.
   std::int64_t presses() const { return presses_; }
@@ -33,6 +35,7 @@ class StopEvents {
   TaskCount& tasks_;
   Signal ended_;
   CellTime last_, told_;
+  std::optional<RunId> run_;
   std::int64_t further_ = 0, in_all_ = 0, presses_ = 0;
   std::set<std::string> names_;  // of those who asked again, the first few
   bool bursting_ = false, ending_ = false;

@@ -17,6 +17,11 @@ constexpr std::array<std::string_view, 8> kFinal = {
 
 }  // namespace
 
+bool is_of_weights(const Error& error) {
+  return error.reason == "LOAD_JAMMED" || error.reason == "LOAD_SLOW" ||
+         error.reason == "LOAD_BUSY";
+}
+
 Remedy remedy_for(const Error& error) {
   if (error.reason == "SHUTTING_DOWN") return Remedy::leave;
   if (error.reason == "RUN_ABORTED") return Remedy::abort;

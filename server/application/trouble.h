@@ -16,4 +16,7 @@ enum class Remedy {
 
 Remedy remedy_for(const Error& error);
 
+// The actuator answers, and its weights do not come to where they should.
+bool is_of_weights(const Error& error);
+
 }  // namespace driftwise::application

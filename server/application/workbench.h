@@ -32,6 +32,7 @@ struct Workbench {
   Loading& loading;
   StopDesk& stops;
   Doubts& doubts;
+  const std::string& boot_id;  // of this start of the computer; empty: not known
 };
 
 // One run's view of it.

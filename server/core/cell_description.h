@@ -111,6 +111,23 @@ struct RunRules {  // [run]; a run may override them, the run's record keeps wha
   double quiet_nm = 60.0;         // peak to peak of the readback over settle_s
   double move_timeout_s = 30.0;
   double max_temperature_age_s = 15.0;  // join by device time stamps
+  // The run is paused when more than this share of the rows that were decided since its start, or
+  // since the last such pause, was given up, and at least kLeastGivenUp of them; 1: never.
+  double max_given_up_share = 0.2;
+  static constexpr int kLeastGivenUp = 5;
+  // When the run ends as done: the force is taken off and the axes return to zero.
+  bool park = true;
+};
+
+enum class AfterAway { go_on, wait };  // "go-on": by itself; "wait": a person resumes the run
+
+// What a run does that was under way when the daemon ended.
+struct RestartRules {  // [run]
+  // Only the daemon was away, the controller has kept its reference.
+  AfterAway after_restart = AfterAway::go_on;
+  // The computer was started anew, or the controller has lost its reference: an unexpected start
+  // must be chosen.
+  AfterAway after_power_loss = AfterAway::wait;
 };
 
 struct StartChecks {  // [checks]
@@ -137,6 +154,7 @@ struct CellDescription {
   ClockDescription clock;
   std::vector<DeviceDescription> devices;
   RunRules run;
+  RestartRules restart;
   StartChecks checks;
   PlausibilityRules plausibility;
   ServingRules serving;

@@ -8,7 +8,19 @@ constexpr std::array<std::string_view, 7> kRunStates = {"queued", "running", "pa
                                                         "done",   "aborted", "failed"};
 constexpr std::array<std::string_view, 6> kVerdicts = {"accepted", "reread",   "reapproach",
                                                        "requeued", "given_up", "interrupted"};
+constexpr std::array<std::string_view, 6> kHoldKinds = {"",        "pause",   "stop",
+                                                        "trouble", "restart", "configuration"};
 }  // namespace
+
+std::string_view to_string(RunHold::Kind kind) {
+  return kHoldKinds.at(static_cast<std::size_t>(kind));
+}
+
+std::optional<RunHold::Kind> hold_kind_from(std::string_view text) {
+  for (std::size_t i = 0; i < kHoldKinds.size(); ++i)
+    if (kHoldKinds[i] == text) return static_cast<RunHold::Kind>(i);
+  return std::nullopt;
+}
 
 std::string_view to_string(RunState state) {
   return kRunStates.at(static_cast<std::size_t>(state));

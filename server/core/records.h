@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "server/core/cell_time.h"
@@ -44,7 +45,29 @@ struct NewRun {
   std::string operator_name;
   std::string request_id;  // empty: none. The same id again answers with the first run
   Stamp created;
+  std::string boot_id = {};  // of this start of the computer; empty: not known
 };
+
+// What a run stands for until a person ends it. Its instant is its identity: who resumes the run,
+// or moves the axes meanwhile, names it.
+struct RunHold {
+  enum class Kind : std::uint8_t {
+    none,           // the run does not stand
+    pause,          // a person paused it
+    stop,           // a person stopped the axes
+    trouble,        // the daemon asks for a person
+    restart,        // the daemon or the computer was away, and the cell file says to wait
+    configuration,  // the cell file has changed: whoever accepts it ends this too
+  };
+  Kind kind = Kind::none;
+  std::string who;  // of a pause or a stop, as stated
+  CellTime at;
+  std::string reason;  // "paused by ada"
+  std::int64_t id() const { return at.utc_ns; }
+  bool operator==(const RunHold&) const = default;
+};
+std::string_view to_string(RunHold::Kind kind);
+std::optional<RunHold::Kind> hold_kind_from(std::string_view text);
 
 struct RunRecord {
   RunId id;
@@ -57,6 +80,8 @@ struct RunRecord {
   Place place;
   std::int64_t accepted = 0, given_up = 0, attempts = 0, restarts = 0;
   double max_lag_s = 0;  // largest lag in cell seconds
+  RunHold hold;
+  std::string boot_id;  // of the computer when the run last changed its state; empty: not known
 };
 
 struct RunChange {  // what is set is changed
@@ -65,6 +90,8 @@ struct RunChange {  // what is set is changed
   std::optional<CellTime> started, ended;
   std::optional<double> max_lag_s;
   std::optional<std::int64_t> restarts;
+  std::optional<RunHold> hold;
+  std::optional<std::string> boot_id;
 };
 
 // One stretch of data between two zeroings, with all temperatures at that instant.

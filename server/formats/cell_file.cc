@@ -58,7 +58,13 @@ void read_clock(TomlReader&& clock, ClockDescription& out) {
   clock.finish();
 }
 
-void read_run(TomlReader&& run, RunRules& out) {
+void read_after(TomlReader& run, const char* key, AfterAway& out) {
+  std::string found = out == AfterAway::wait ? "wait" : "go-on";
+  run.choice(key, found, {"go-on", "wait"}, Need::optional);
+  out = found == "wait" ? AfterAway::wait : AfterAway::go_on;
+}
+
+void read_run(TomlReader&& run, RunRules& out, RestartRules& restart) {
   constexpr Range kPositive{.min = 0, .above_min = true};
   constexpr Range kNotNegative{.min = 0};
   run.integer("readings_per_point", out.readings_per_point, 1, 1000);
@@ -72,6 +78,10 @@ void read_run(TomlReader&& run, RunRules& out) {
   run.number("quiet_nm", out.quiet_nm, kPositive);
   run.number("move_timeout_s", out.move_timeout_s, kPositive);
   run.number("max_temperature_age_s", out.max_temperature_age_s, kPositive);
+  run.number("max_given_up_share", out.max_given_up_share, {.min = 0, .max = 1});
+  run.truth("park", out.park);
+  read_after(run, "after_restart", restart.after_restart);
+  read_after(run, "after_power_loss", restart.after_power_loss);
   run.finish();
 }
 
@@ -123,7 +133,7 @@ void read_file(const toml::table& root, CellDescription& out, TomlProblem& probl
   TomlReader clock = section("clock");
   TomlReader speed = clock;
   read_clock(std::move(clock), out.clock);
-  read_run(section("run"), out.run);
+  read_run(section("run"), out.run, out.restart);
   read_checks(section("checks"), out.checks);
   read_serving(section("serving"), out.serving);
   read_plausibility(section("plausibility"), out.plausibility);

@@ -25,6 +25,7 @@ using Parts = std::map<std::string, Part>;  // place -> part
 
 std::string text_of(double value) { return effects::number_text(value); }
 std::string text_of(bool value) { return value ? "true" : "false"; }
+std::string text_of(AfterAway value) { return value == AfterAway::wait ? "wait" : "go-on"; }
 std::string text_of(int value) { return std::to_string(value); }
 template <std::size_t N>
 std::string text_of(const std::array<double, N>& values) {
@@ -173,7 +174,11 @@ void add_rules(const CellDescription& cell, Parts& parts) {
                          {"in_position_nm", text_of(run.in_position_nm)},
                          {"quiet_nm", text_of(run.quiet_nm)},
                          {"move_timeout_s", text_of(run.move_timeout_s)},
-                         {"max_temperature_age_s", text_of(run.max_temperature_age_s)}};
+                         {"max_temperature_age_s", text_of(run.max_temperature_age_s)},
+                         {"max_given_up_share", text_of(run.max_given_up_share)},
+                         {"park", text_of(run.park)},
+                         {"after_restart", text_of(cell.restart.after_restart)},
+                         {"after_power_loss", text_of(cell.restart.after_power_loss)}};
   parts["checks"].values = {{"stabiliser_band_k", text_of(cell.checks.stabiliser_band_k)},
                             {"stabiliser_wait_s", text_of(cell.checks.stabiliser_wait_s)},
                             {"max_drift_nm_per_min", text_of(cell.checks.max_drift_nm_per_min)},
@@ -303,9 +308,10 @@ std::set<std::pair<std::string, std::string>> known_keys() {
   add("cell", {"name", "database", "listen", "target_line", "http"});
   add("web", {"*"});
   add("clock", {"epoch", "speed", "file"});
-  add("run", {"readings_per_point", "max_spread_nm", "max_rereads", "max_reapproaches",
-              "max_requeues", "reapproach_mm", "settle_s", "in_position_nm", "quiet_nm",
-              "move_timeout_s", "max_temperature_age_s"});
+  add("run",
+      {"readings_per_point", "max_spread_nm", "max_rereads", "max_reapproaches", "max_requeues",
+       "reapproach_mm", "settle_s", "in_position_nm", "quiet_nm", "move_timeout_s",
+       "max_temperature_age_s", "max_given_up_share", "park", "after_restart", "after_power_loss"});
   add("checks",
       {"stabiliser_band_k", "stabiliser_wait_s", "max_drift_nm_per_min", "drift_window_s"});
   add("plausibility", {"geometry_um", "geometry_pct", "closure_nm", "closure_nm_per_min",

@@ -3,6 +3,7 @@
 #include "driftwise/v1/cell_service.grpc.pb.h"
 #include "server/rpc/caller.h"
 #include "server/rpc/convert_cell.h"
+#include "server/rpc/convert_run.h"
 #include "server/rpc/convert_values.h"
 #include "server/rpc/motor_coordinates.h"
 #include "server/rpc/request_checks.h"
@@ -88,7 +89,10 @@ class CellService final : public v1::CellService::CallbackService {
 
   Reactor* Home(Context* context, const v1::HomeRequest* request, v1::HomeResponse*) override {
     return answer(cell_, context, [this, context, request]() -> Awaitable<Result<void>> {
-      co_return co_await cell_.home(caller_of(*context), request->lease_token());
+      auto answered = answer_from(request->answer());
+      if (!answered) co_return tl::unexpected(answered.error());
+      auto homing = cell_.home(caller_of(*context), request->lease_token(), std::move(*answered));
+      co_return co_await std::move(homing);
     });
   }
 
@@ -96,8 +100,11 @@ class CellService final : public v1::CellService::CallbackService {
     return answer(cell_, context, [this, context, request]() -> Awaitable<Result<void>> {
       auto q_mm = motor_coordinates_from(request->coordinates(), cell_.description());
       if (!q_mm) co_return tl::unexpected(q_mm.error());
-      co_return co_await cell_.move_to(caller_of(*context), request->lease_token(),
-                                       std::move(*q_mm));
+      auto answered = answer_from(request->answer());
+      if (!answered) co_return tl::unexpected(answered.error());
+      auto moving = cell_.move_to(caller_of(*context), request->lease_token(), std::move(*q_mm),
+                                  std::move(*answered));
+      co_return co_await std::move(moving);
     });
   }
 

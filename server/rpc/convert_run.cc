@@ -4,6 +4,7 @@
 
 #include "server/application/run_plan.h"
 #include "server/rpc/convert_values.h"
+#include "server/rpc/request_checks.h"
 
 namespace driftwise::rpc {
 namespace {
@@ -44,6 +45,34 @@ v1::Attempt::Verdict verdict_from(Verdict verdict) {
       return v1::Attempt::VERDICT_INTERRUPTED;
   }
   return v1::Attempt::VERDICT_UNSPECIFIED;
+}
+
+v1::RunHold::Kind kind_from(RunHold::Kind kind) {
+  switch (kind) {
+    case RunHold::Kind::none:
+      break;
+    case RunHold::Kind::pause:
+      return v1::RunHold::KIND_PAUSE;
+    case RunHold::Kind::stop:
+      return v1::RunHold::KIND_STOP;
+    case RunHold::Kind::trouble:
+      return v1::RunHold::KIND_TROUBLE;
+    case RunHold::Kind::restart:
+      return v1::RunHold::KIND_RESTART;
+    case RunHold::Kind::configuration:
+      return v1::RunHold::KIND_CONFIGURATION;
+  }
+  return v1::RunHold::KIND_UNSPECIFIED;
+}
+
+v1::RunHold hold_from(const RunHold& hold) {
+  v1::RunHold out;
+  out.set_id(hold.id());
+  out.set_kind(kind_from(hold.kind));
+  out.set_who(utf8_from(hold.who));
+  *out.mutable_begin_time() = timestamp_from(hold.at);
+  out.set_reason(utf8_from(hold.reason));
+  return out;
 }
 
 // One rule: absent leaves it, a value outside the range is refused with the field's name.
@@ -88,7 +117,15 @@ v1::Run run_from(const RunRecord& run) {
   const auto compensation = application::compensation_of(run);
   out.set_compensated(compensation.compensated);
   if (compensation.model) out.set_compensate_model_id(compensation.model->value);
+  if (run.hold.kind != RunHold::Kind::none) *out.mutable_hold() = hold_from(run.hold);
   return out;
+}
+
+Result<application::HoldAnswer> answer_from(const v1::HoldAnswer& answer) {
+  if (auto good = check_size(answer.override_reason(), kMostNameBytes, "answer.override_reason");
+      !good)
+    return tl::unexpected(good.error());
+  return application::HoldAnswer{answer.hold_id(), answer.override_reason()};
 }
 
 v1::RunProgress progress_from(const application::RunProgress& progress) {
@@ -161,8 +198,11 @@ Result<RunRules> rules_from(const v1::RunRules& request, RunRules rules) {
            rules.reapproach_mm, error) &&
       take(request.has_in_position_nm(), request.in_position_nm(), "in_position_nm", 1, 1e6,
            rules.in_position_nm, error) &&
+      take(request.has_max_given_up_share(), request.max_given_up_share(), "max_given_up_share", 0,
+           1, rules.max_given_up_share, error) &&
       take(request.has_quiet_nm(), request.quiet_nm(), "quiet_nm", 1, 1e6, rules.quiet_nm, error);
   if (!good) return tl::unexpected(error);
+  if (request.has_park()) rules.park = request.park();
   const auto duration = [&error](bool present, const google::protobuf::Duration& value,
                                  const char* field, double& rule_s) {
     if (!present) return true;

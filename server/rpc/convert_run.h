@@ -7,6 +7,8 @@
 namespace driftwise::rpc {
 
 v1::Run run_from(const RunRecord& run);
+// Errors: invalid_argument (a reason that is too long).
+Result<application::HoldAnswer> answer_from(const v1::HoldAnswer& answer);
 v1::RunProgress progress_from(const application::RunProgress& progress);
 v1::Point point_from(const PointRecord& point);
 v1::Attempt attempt_from(const AttemptRecord& attempt);

@@ -152,7 +152,11 @@ class RunService final : public v1::RunService::CallbackService {
                      v1::ResumeRunResponse* response) override {
     return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
-      const auto run = co_await cell_.resume_run(caller_of(*context), RunId{request->run_id()});
+      auto answered = answer_from(request->answer());
+      if (!answered) co_return tl::unexpected(answered.error());
+      auto resuming =
+          cell_.resume_run(caller_of(*context), RunId{request->run_id()}, std::move(*answered));
+      const auto run = co_await std::move(resuming);
       if (!run) co_return tl::unexpected(run.error());
       *response->mutable_run() = run_from(*run);
       co_return Result<void>{};

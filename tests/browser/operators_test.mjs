@@ -34,7 +34,9 @@ test('the second desk sees who paused, resumes, and the first sees that', { time
   const anna = await desks[0].page('/now');
   const ben = await desks[1].page('/now', { operator: 'Ben' });
   await ben.getByText(/paused by Anna/).first().waitFor();
-  await ben.getByRole('button', { name: 'Resume', exact: true }).click();
+  await ben.getByRole('button', { name: 'Resume…', exact: true }).click();
+  await ben.getByText(/^Anna, .* ago$/).waitFor();
+  await ben.getByRole('button', { name: 'Resume run 1' }).click();
   await anna.getByText('Running', { exact: true }).waitFor();
   await anna.close();
   await ben.close();
@@ -67,7 +69,9 @@ test('Stop motion acts on press, without a question, and the other desk sees it 
   await anna.getByText('Axes halted').first().waitFor();
   await ben.locator('.run-word', { hasText: 'Paused' }).waitFor();
   await ben.getByText(/stopped by Anna/).first().waitFor();
-  await ben.getByRole('button', { name: 'Resume', exact: true }).click();
+  await ben.getByRole('button', { name: 'Resume…', exact: true }).click();
+  await ben.getByLabel('Why the robot may move after another person').fill('Anna slipped');
+  await ben.getByRole('button', { name: 'Resume run 1' }).click();
   await ben.locator('.run-word', { hasText: 'Running' }).waitFor();
   for (const desk of desks) desk.assertQuiet();
 });

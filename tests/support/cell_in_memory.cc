@@ -48,6 +48,7 @@ CellInMemory::CellInMemory(const MakeDevices& make_devices, CellDescription desc
   parts.upkeep_thread = io_.get_executor();
   parts.diagnosis_thread = further.diagnosis_thread ? further.diagnosis_thread : io_.get_executor();
   parts.diagnose = std::move(further.diagnose);
+  parts.boot_id = std::move(further.boot_id);
   auto cell = application::Cell::open(io_.get_executor(), std::move(parts));
   if (!cell) throw std::runtime_error(cell.error().message);
   cell_ = std::move(*cell);
@@ -89,6 +90,17 @@ void CellInMemory::pass(double seconds) {
   asio::co_spawn(io_, time_.sleep_until(time_.now().utc + nanoseconds_from_s(seconds)),
                  [&passed](std::exception_ptr) { passed = true; });
   until([&passed] { return passed; }, seconds + 1);
+}
+
+application::HoldAnswer CellInMemory::answer(std::string override_reason) {
+  const auto run = cell_->status().run;
+  return {run ? run->run.hold.id() : 0, std::move(override_reason)};
+}
+
+Result<RunRecord> CellInMemory::resume(const application::Caller& who,
+                                       std::string override_reason) {
+  const RunId run = cell_->status().run->run.id;
+  return await(cell_->resume_run(who, run, answer(std::move(override_reason))));
 }
 
 std::string CellInMemory::lease() {

@@ -34,6 +34,7 @@ class CellInMemory {
     application::Diagnose diagnose = {};          // what stands in for the search for causes
     asio::any_io_executor diagnosis_thread = {};  // where it runs; empty: with everything else
     asio::any_io_executor text_thread = {};       // where texts are read; empty: likewise
+    std::string boot_id = "first";                // of the computer
   };
   CellInMemory(SmallWorld& world, CellDescription description, OpenStore open_store,
                Further further);
@@ -77,6 +78,11 @@ class CellInMemory {
   }
 
   const application::Caller ada{"ada", "ipv4:127.0.0.1:5020"};
+  // What somebody answers who has read the question about the run under way.
+  application::HoldAnswer answer(std::string override_reason = {});
+  // Resumes it as this person, who has read the question.
+  Result<RunRecord> resume(const application::Caller& who, std::string override_reason = {});
+  Result<RunRecord> resume() { return resume(ada); }
   std::string lease();                                     // taken, or renewed
   RunRecord begin_run(const std::string& trajectory_csv);  // throws when refused
   RunRecord finish_run();                                  // until the run under way is over

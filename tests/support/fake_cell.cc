@@ -201,6 +201,9 @@ Result<RunRecord> FakeCell::change_state(const app::Caller& caller, RunId id, Ru
   last_caller = caller;
   run->state = state;
   run->reason = std::move(reason);
+  run->hold = {};
+  if (state == RunState::paused)
+    run->hold = {RunHold::Kind::pause, caller.name, the_time, run->reason};
   the_runs[id.value] = *run;
   return run;
 }
@@ -208,7 +211,9 @@ Result<RunRecord> FakeCell::change_state(const app::Caller& caller, RunId id, Ru
 Awaitable<Result<RunRecord>> FakeCell::pause_run(app::Caller caller, RunId run) {
   co_return change_state(caller, run, RunState::paused, "paused by " + caller.name);
 }
-Awaitable<Result<RunRecord>> FakeCell::resume_run(app::Caller caller, RunId run) {
+Awaitable<Result<RunRecord>> FakeCell::resume_run(app::Caller caller, RunId run,
+                                                  app::HoldAnswer answer) {
+  last_answer = std::move(answer);
   co_return change_state(caller, run, RunState::running, "");
 }
 Awaitable<Result<RunRecord>> FakeCell::abort_run(app::Caller caller, RunId run, std::string why) {
@@ -227,14 +232,17 @@ Awaitable<Result<app::StopAnswer>> FakeCell::stop_all(app::Caller caller) {
   calls.push_back("stop_all " + caller.name);
   co_return stop_answer;
 }
-Awaitable<Result<void>> FakeCell::home(app::Caller caller, std::string lease_token) {
+Awaitable<Result<void>> FakeCell::home(app::Caller caller, std::string lease_token,
+                                       app::HoldAnswer answer) {
+  last_answer = std::move(answer);
   if (auto error = take_failure()) co_return tl::unexpected(*error);
   if (auto good = check_lease(lease_token); !good) co_return good;
   calls.push_back("home " + caller.name);
   co_return Result<void>{};
 }
 Awaitable<Result<void>> FakeCell::move_to(app::Caller caller, std::string lease_token,
-                                          std::vector<double> q_mm) {
+                                          std::vector<double> q_mm, app::HoldAnswer answer) {
+  last_answer = std::move(answer);
   if (auto error = take_failure()) co_return tl::unexpected(*error);
   if (auto good = check_lease(lease_token); !good) co_return good;
   if (q_mm.at(0) < -4.5 || q_mm.at(0) > 4.5)

@@ -48,6 +48,7 @@ class FakeCell final : public app::Cell,
   std::vector<std::string> calls;  // "move_to ada q=0.25"
   app::Caller last_caller;
   app::CreateRun last_create;
+  app::HoldAnswer last_answer;
   app::FitRequest last_fit;
   app::MethodsRequest last_methods;
   app::SensorsRequest last_sensors;
@@ -125,15 +126,17 @@ class FakeCell final : public app::Cell,
   Awaitable<Result<app::TrajectoryCheck>> check_trajectory(std::string text) override;
   Awaitable<Result<RunRecord>> create_run(app::Caller caller, app::CreateRun request) override;
   Awaitable<Result<RunRecord>> pause_run(app::Caller caller, RunId run) override;
-  Awaitable<Result<RunRecord>> resume_run(app::Caller caller, RunId run) override;
+  Awaitable<Result<RunRecord>> resume_run(app::Caller caller, RunId run,
+                                          app::HoldAnswer answer) override;
   Awaitable<Result<RunRecord>> abort_run(app::Caller caller, RunId run, std::string why) override;
   Awaitable<Result<RunRecord>> confirm_force(app::Caller caller, RunId run,
                                              double force_n) override;
   Awaitable<Result<app::StopAnswer>> stop_all(app::Caller caller) override;
   app::StopAnswer stop_answer{true, "axis: no motion, in two successive answers", {}};
-  Awaitable<Result<void>> home(app::Caller caller, std::string lease_token) override;
+  Awaitable<Result<void>> home(app::Caller caller, std::string lease_token,
+                               app::HoldAnswer answer) override;
   Awaitable<Result<void>> move_to(app::Caller caller, std::string lease_token,
-                                  std::vector<double> q_mm) override;
+                                  std::vector<double> q_mm, app::HoldAnswer answer) override;
   Awaitable<Result<void>> set_stabiliser(app::Caller caller, std::string lease_token,
                                          std::string device, double degc) override;
   Watch watch_progress(std::function<void(const app::RunProgress&)> on_change) override;

@@ -55,6 +55,8 @@ RunningCell::RunningCell(CellOptions options) : options_(std::move(options)) {
     throw std::runtime_error("driftwise-cellsim did not start: " +
                              read_file(folder() + "/cellsim.log"));
   ready_line_ = line->substr(6);
+  // Nobody is there to say that the robot may move after a loss of power.
+  edit_cell_file("after_power_loss = \"wait\"", "after_power_loss = \"go-on\"");
 }
 
 RunningCell::~RunningCell() {

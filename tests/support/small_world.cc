@@ -225,6 +225,9 @@ class Load final : public Simulated<LoadActuator> {
   }
   Awaitable<Result<void>> set_force(double force_n) override {
     if (auto ok = co_await answer(0.01); !ok) co_return ok;
+    if (world_.load_jammed)
+      co_return fail(ErrorCode::failed_precondition, "LOAD_JAMMED",
+                     "load: the actuator is jammed: look at its pan and pulleys");
     ++world_.loads;
     world_.force_n = force_n;
     world_.load_rests_at_ns = time_.now().utc.utc_ns + nanoseconds_from_s(20).count();

@@ -43,6 +43,7 @@ struct SmallWorld {
   // Away: every call fails with unavailable.
   bool axis_away = false, laser_away = false, scanner_away = false, support_away = false,
        load_away = false;
+  bool load_jammed = false;        // the weights stick: the actuator refuses to change them
   bool creeping = false;           // the axis never becomes quiet
   bool stop_does_nothing = false;  // the controller acknowledges a stop and moves on
   // What was done.

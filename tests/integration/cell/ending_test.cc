@@ -45,18 +45,5 @@ TEST(Ending, WhenIdleIsQuickAndTakesTheNoticeAway) {
   EXPECT_EQ(cell.cli({"status"}).code, 0);
 }
 
-TEST(Ending, ASecondDaemonIsRefusedTheSameCell) {
-  CellAtWork cell;
-  cell.start_daemon();
-  const auto second = run_process(
-      {std::string(DRIFTWISE_BIN_DIR) + "/driftwised", "--cell", cell.folder() + "/cell.toml"},
-      std::chrono::seconds(20));
-  EXPECT_EQ(second.code, 5) << second.err;
-  // The controller is claimed before the database is opened.
-  EXPECT_THAT(second.err, HasSubstr("CONTROLLER_IN_USE"));
-  EXPECT_THAT(second.err, HasSubstr(std::to_string(cell.daemon().pid())));
-  EXPECT_EQ(cell.cli({"status"}).code, 0) << "the first one does not mind";
-}
-
 }  // namespace
 }  // namespace driftwise::tests

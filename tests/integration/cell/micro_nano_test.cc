@@ -69,7 +69,7 @@ TEST(MicroNano, GoesFromAPlanToACompensatedTarget) {
   EXPECT_GT(largest_correction_mm, 1e-6) << "the correction stage did something";
   EXPECT_NEAR(value(points.front(), "force_N"), 0, 0.02);
   EXPECT_NEAR(value(points.back(), "force_N"), 2.305, 0.02);
-  EXPECT_EQ(cell.events("load.changed"), 2);
+  EXPECT_EQ(cell.events("load.changed"), 3) << "0 N, 2.305 N, and 0 N at the end";
   // The stored readings keep what each device said, under its own channel.
   EXPECT_GT(cell.count("SELECT count(*) FROM reading JOIN device USING (device_id) "
                        "WHERE device.name = 'collimator-1'"),
@@ -111,12 +111,15 @@ TEST(MicroNano, WaitsForThePersonWhoHangsTheWeightsOverAKill) {
   cell.start_daemon();
   wait_until("the prompt again", [&] { return reason().starts_with("hang 2.305 N (235 g)"); });
   cell.say({"run", "confirm", number, "--force", "2.305"});
+  wait_until("the prompt at the end",
+             [&] { return reason().starts_with("take every weight off"); });
+  cell.say({"run", "confirm", number, "--force", "0"});
   EXPECT_EQ(cell.end_of(run).at("state"), "done");
   const auto points = points_of(cell, run);
   ASSERT_EQ(points.size(), 8u) << "two lines of one point and its return to zero, twice";
   for (std::size_t i = 0; i < points.size(); ++i)
     EXPECT_EQ(value(points[i], "force_N"), i < 4 ? 0 : 2.305);
-  EXPECT_EQ(cell.events("load.confirmed"), 2);
+  EXPECT_EQ(cell.events("load.confirmed"), 3);
 }
 
 }  // namespace

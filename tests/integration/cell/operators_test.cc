@@ -58,7 +58,7 @@ TEST_F(Operators, TheSecondMayPauseResumeAndAbort) {
   wait_for_state("paused");
   EXPECT_EQ(cell.run(1).at("reason"), "paused by bob");
   expect_still();
-  EXPECT_EQ(bob({"run", "resume", "1"}).code, 0);
+  EXPECT_EQ(bob({"run", "resume", "1", "--yes"}).code, 0);
   wait_for_state("running");
   cell.wait_for_points(cell.count("SELECT count(*) FROM point") + 2);
   EXPECT_EQ(bob({"run", "abort", "1", "--reason", "lunch"}).code, 0);
@@ -69,7 +69,7 @@ TEST_F(Operators, TheSecondMayPauseResumeAndAbort) {
   expect_still();
   // What was accepted stays, and a run that is over takes no orders.
   EXPECT_GT(ended.at("accepted_count").get<int>(), 0);
-  EXPECT_EQ(bob({"run", "resume", "1"}).code, 5);
+  EXPECT_EQ(bob({"run", "resume", "1", "--yes"}).code, 5);
 }
 
 TEST_F(Operators, AnybodyStopsEverything) {
@@ -80,7 +80,16 @@ TEST_F(Operators, AnybodyStopsEverything) {
   expect_still();
   // It goes on with the row it was at, as after a pause.
   const auto points = cell.count("SELECT count(*) FROM point");
-  EXPECT_EQ(bob({"run", "resume", "1"}).code, 0);
+  EXPECT_EQ(cell.refusal({"--operator", "ada", "run", "resume", "1", "--yes"}).at("reason"),
+            "STOPPED_BY_ANOTHER");
+  EXPECT_EQ(cell.count("SELECT count(*) FROM event WHERE what = 'stop' AND run_id = 1"), 1)
+      << "in the run's log";
+  EXPECT_EQ(cell.cli({"--operator", "ada", "run", "resume", "1", "--yes", "--override",
+                      "bob has left, the door is closed"})
+                .code,
+            0);
+  EXPECT_THAT(cell.sql("SELECT detail FROM event WHERE what = 'run.resume'"),
+              HasSubstr("the stop was overridden: bob has left, the door is closed"));
   cell.wait_for_points(points + 2);
   EXPECT_EQ(bob({"run", "abort", "1"}).code, 0);
   EXPECT_EQ(ada->wait(std::chrono::seconds(30)), 5);

@@ -118,7 +118,8 @@ TEST_F(ConfigurationTest, AChangedPartIsAskedAboutBeforeARunContinues) {
   EXPECT_EQ(world.homes, homes);
   EXPECT_EQ(again->status().run->run.accepted, 3);
   EXPECT_THAT(again->status().attention, testing::Contains(HasSubstr("the cell file has changed")));
-  EXPECT_EQ(again.await(again->resume_run(again.ada, run)).error().reason, "CONFIGURATION_CHANGED");
+  EXPECT_EQ(again.await(again->resume_run(again.ada, run, {})).error().reason,
+            "CONFIGURATION_CHANGED");
   EXPECT_EQ(again.await(again->provenance().accept_configuration(again.ada, "seen another", ""))
                 .error()
                 .reason,
@@ -252,6 +253,7 @@ bool answered_when_killed_at(const std::string& point) {
   ::waitpid(child, &status, 0);
   EXPECT_TRUE(WIFSIGNALED(status)) << point << " was not passed";
   SmallWorld world;
+  world.referenced = true;  // the controller was not away
   CellInMemory cell(world, cell_of(changed), kSqlite, kWorldBegin + std::chrono::hours(2));
   cell.pass(10);
   const bool waits = cell->status().run->run.state == RunState::waiting;

@@ -34,6 +34,12 @@ bool waits_for_a_person(CellInMemory& cell) {
   return run && run->phase == "waiting for a person";
 }
 
+// At the end of the run, which asks for it.
+void unload(CellInMemory& cell, RunId run) {
+  cell.until([&] { return waits_for_a_person(cell) && cell->status().run->run.accepted == 4; });
+  ASSERT_TRUE(cell.await(cell->confirm_force(cell.ada, run, 0)));
+}
+
 TEST(HangSentence, SaysNewtonAndGram) {
   // The study's own: 12 weights, 235.280 g at g = 9.81 m/s2 are 2.305 N (to 0.3 g by its rounding).
   const LoadDescription study{4.0, 0, 9.81};
@@ -48,9 +54,10 @@ TEST(Force, IsChangedByTheActuatorBetweenTwoPoints) {
   const auto run = cell.begin_run(kTwoForces);
   const auto done = cell.finish_run();
   EXPECT_EQ(done.state, RunState::done) << done.reason;
-  EXPECT_EQ(world.loads, 1) << "nothing hung there at the start, so 0 N needed no change";
+  EXPECT_EQ(world.loads, 2) << "nothing hung there at the start, so 0 N needed no change; at the "
+                               "end the weights are taken off";
   EXPECT_EQ(forces(cell, run.id), (std::vector<double>{0, 0, 2.305, 2.305}));
-  EXPECT_EQ(cell.events_named("load.changed").size(), 1u);
+  EXPECT_EQ(cell.events_named("load.changed").size(), 2u);
   const auto data = cell.await(cell->data(run.id));
   ASSERT_EQ(data->size(), 1u);
   bool datum_knows = false;
@@ -76,10 +83,11 @@ TEST(Force, WaitsForThePersonWhoHangsTheWeights) {
   EXPECT_EQ(wrong.error().reason, "WRONG_FORCE");
   EXPECT_THAT(wrong.error().message, HasSubstr("hang 2.305 N (235 g)"));
   ASSERT_TRUE(cell.await(cell->confirm_force(cell.ada, run.id, 2.305)));
+  unload(cell, run.id);
   const auto done = cell.finish_run();
   EXPECT_EQ(done.state, RunState::done) << done.reason;
   EXPECT_EQ(forces(cell, run.id), (std::vector<double>{0, 0, 2.305, 2.305}));
-  EXPECT_EQ(cell.events_named("load.confirmed").size(), 2u);
+  EXPECT_EQ(cell.events_named("load.confirmed").size(), 3u);
 }
 
 TEST(Force, RefusesAConfirmationThatNobodyAskedFor) {
@@ -113,6 +121,7 @@ TEST(Force, OfAPersonIsKnownAfterARestart) {
   EXPECT_THAT(cell->status().run->run.reason, HasSubstr("hang 2.305 N"))
       << "0 N is known, so only the change is asked for";
   ASSERT_TRUE(cell.await(cell->confirm_force(cell.ada, run, 2.305)));
+  unload(cell, run);
   EXPECT_EQ(cell.finish_run().state, RunState::done);
   EXPECT_EQ(forces(cell, run), (std::vector<double>{0, 0, 2.305, 2.305}));
 }

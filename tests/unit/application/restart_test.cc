@@ -172,7 +172,7 @@ TEST(Restart, APausedRunStaysPausedUntilSomebodyResumesIt) {
   cell.until([&] { return cell->status().run.has_value(); });
   cell.pass(600);
   EXPECT_EQ(cell->status().run->run.state, RunState::paused);
-  ASSERT_TRUE(cell.await(cell->resume_run(cell.ada, run)));
+  ASSERT_TRUE(cell.resume());
   const auto ended = cell.finish_run();
   EXPECT_EQ(ended.state, RunState::done);
   EXPECT_EQ(ended.accepted, kRows);

@@ -1,6 +1,6 @@
 // Devices that go away and come back, people who pause, abort and stop.
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include "tests/support/cell_in_memory.h"
 #include "tests/unit/application/sqlite.h"
@@ -46,13 +46,19 @@ TEST_F(RunTroubles, WaitsForALostControllerAndGoesOnByItself) {
   EXPECT_EQ(cell.events_named("device.back").size(), 1u);
 }
 
-TEST_F(RunTroubles, HomesAndOpensADatumWhenTheReferenceWasLost) {
+TEST_F(RunTroubles, AsksAPersonThenHomesAndOpensADatumWhenTheReferenceWasLost) {
   begin_and_accept(3);
-  const int homes = world.homes;
+  const int homes = world.homes, moves = world.moves;
   world.axis_away = true;
   expect_waiting();
   world.referenced = false;
   world.axis_away = false;
+  cell.until([&] { return cell->status().run->run.state == RunState::paused; });
+  EXPECT_THAT(cell->status().run->run.reason,
+              testing::HasSubstr("lost its reference while the run was under way"));
+  cell.pass(3600);
+  EXPECT_EQ(world.homes + world.moves, homes + moves) << "an unexpected start must be chosen";
+  ASSERT_TRUE(cell.resume());
   const auto ended = cell.finish_run();
   expect_complete(ended);
   EXPECT_EQ(world.homes, homes + 1);
@@ -114,7 +120,7 @@ TEST_F(RunTroubles, HoldsForAPersonAfterAnEmergencyStop) {
   cell.pass(600);
   EXPECT_EQ(cell->status().run->run.accepted, accepted);
   EXPECT_EQ(cell->status().run->run.state, RunState::waiting);
-  ASSERT_TRUE(cell.await(cell->resume_run(cell.ada, run())));
+  ASSERT_TRUE(cell.resume());
   expect_complete(cell.finish_run());
 }
 
@@ -127,7 +133,7 @@ TEST_F(RunTroubles, PausesAfterThePresentPointAndResumes) {
   EXPECT_EQ(accepted, 3);  // the point under way was finished
   cell.pass(1000);
   EXPECT_EQ(cell->status().run->run.accepted, accepted);
-  ASSERT_TRUE(cell.await(cell->resume_run(cell.ada, run())));
+  ASSERT_TRUE(cell.resume());
   expect_complete(cell.finish_run());
 }
 
@@ -139,7 +145,7 @@ TEST_F(RunTroubles, AbortsWithTheReasonAndKeepsWhatWasMeasured) {
   EXPECT_EQ(ended.state, RunState::aborted);
   EXPECT_EQ(ended.reason, "aborted by ada: wrong mirror");
   EXPECT_EQ(cell.await(cell->points(id, 0, 100))->size(), 2u);
-  EXPECT_FALSE(cell.await(cell->resume_run(cell.ada, id)));
+  EXPECT_FALSE(cell.await(cell->resume_run(cell.ada, id, {})));
   // The cell is free for the next run.
   cell.begin_run(trajectory);
   EXPECT_EQ(cell.finish_run().state, RunState::done);
@@ -156,7 +162,7 @@ TEST_F(RunTroubles, StopAllHaltsTheAxisAtOnceAndNeedsNoLease) {
   EXPECT_EQ(cell->status().run->run.accepted, 2);  // unlike a pause, the point was not finished
   cell.pass(1000);
   EXPECT_EQ(cell->status().run->run.accepted, 2);
-  ASSERT_TRUE(cell.await(cell->resume_run(cell.ada, run())));
+  ASSERT_TRUE(cell.resume({"bob", "peer"}));
   expect_complete(cell.finish_run());
   EXPECT_EQ(world.zeroings, 1);  // one slip costs one attempt, not the zero
 }
@@ -177,7 +183,7 @@ TEST_F(RunTroubles, StopAllHoldsARunThatWaitsForADevice) {
   // Stopped once more while it stands, it stands on, with who was last.
   ASSERT_TRUE(cell.await(cell->stop_all({"eve", "peer"})));
   cell.until([&] { return cell->status().run->run.reason == "stopped by eve"; });
-  ASSERT_TRUE(cell.await(cell->resume_run(cell.ada, run())));
+  ASSERT_TRUE(cell.resume({"eve", "peer"}));
   expect_complete(cell.finish_run());
 }
 

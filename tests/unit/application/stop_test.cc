@@ -66,7 +66,7 @@ TEST_F(Stopping, IsNotForgottenWhileTheConnectionIsDown) {
   cell.pass(600);
   EXPECT_EQ(run().state, RunState::paused) << "nothing starts it but a person";
   EXPECT_EQ(world.moves, moves);
-  ASSERT_TRUE(cell.await(cell->resume_run(cell.ada, run().id)));
+  ASSERT_TRUE(cell.resume(kStopper));
   EXPECT_EQ(cell.finish_run().state, RunState::done);
 }
 
@@ -81,7 +81,7 @@ TEST_F(Stopping, RefusesEveryMotionWhileItIsPendingAndSaysSoEverywhere) {
     EXPECT_EQ(done.error().code, ErrorCode::failed_precondition);
     EXPECT_THAT(done.error().message, HasSubstr("use the emergency switch"));
   };
-  expect_refused(cell.await(cell->resume_run(cell.ada, run().id)));
+  expect_refused(cell.await(cell->resume_run(cell.ada, run().id, {})));
   expect_refused(cell.await(cell->home(cell.ada, cell.lease())));
   expect_refused(cell.await(cell->move_to(cell.ada, cell.lease(), {1})));
   application::CreateRun request;
@@ -207,7 +207,7 @@ TEST(StopAndKill, APendingStopIsTheFirstCommandAfterARestartAndTheRunStaysPaused
   EXPECT_EQ(cell->status().run->run.reason, "stopped by bob");
   EXPECT_EQ(world->moves, moves);
   EXPECT_EQ(world->homes, homes);
-  ASSERT_TRUE(cell.await(cell->resume_run(cell.ada, cell->status().run->run.id)));
+  ASSERT_TRUE(cell.resume(kStopper));
   EXPECT_EQ(cell.finish_run().state, RunState::done);
 }
 

@@ -129,7 +129,17 @@ TEST_F(RunCommandsTest, ListsRunsAsATable) {
 TEST_F(RunCommandsTest, PausesResumesAndAborts) {
   json({"run", "start", trajectory()});
   EXPECT_EQ(json({"run", "pause", "1"})["reason"], "paused by ada");
-  EXPECT_EQ(json({"run", "resume", "1"})["state"], "running");
+  const auto unasked = run({"run", "resume", "1"});
+  EXPECT_EQ(unasked.exit, 2) << "nobody is there to be asked";
+  EXPECT_THAT(unasked.err, testing::HasSubstr("run 1 was paused by ada"));
+  const auto no = run({"run", "resume", "1"}, true, "n\n");
+  EXPECT_EQ(no.exit, 5) << no.err;
+  EXPECT_EQ(json({"run", "show", "1"})["run"]["state"], "paused");
+  EXPECT_EQ(run({"run", "resume", "1"}, true, "y\n").exit, 0);
+  EXPECT_EQ(json({"run", "pause", "1"})["state"], "paused");
+  EXPECT_EQ(json({"run", "resume", "1", "--yes", "--override", "ada left"})["state"], "running");
+  EXPECT_EQ(cell.last_answer.hold_id, cell.the_time.utc_ns);
+  EXPECT_EQ(cell.last_answer.override_reason, "ada left");
   EXPECT_EQ(json({"run", "abort", "1", "--reason", "door open"})["reason"], "door open");
   EXPECT_EQ(run({"run", "pause", "1"}).exit, 5);
 }

@@ -1,5 +1,5 @@
 // Asks once before something moves, heats or discards. The harmless button has the focus, Esc means it.
-import { signal } from '@preact/signals';
+import { signal, type ReadonlySignal } from '@preact/signals';
 import type { ComponentChildren } from 'preact';
 import { useEffect, useRef } from 'preact/hooks';
 import { Button } from './button';
@@ -11,6 +11,7 @@ export interface Question {
   verb: string; // "Abort run 17"
   keep: string; // "Keep running"
   bad?: boolean; // the verb discards or ends something
+  off?: ReadonlySignal<string | undefined>; // why the verb cannot be pressed yet
 }
 
 const asked = signal<{ question: Question; answer: (yes: boolean) => void } | undefined>(undefined);
@@ -47,7 +48,7 @@ export function ConfirmDialog() {
           )}
           <div class="actions">
             <span data-harmless><Button onPress={() => answer(false)}>{now.question.keep}</Button></span>
-            <Button kind={now.question.bad ? 'bad' : 'main'} onPress={() => answer(true)}>{now.question.verb}</Button>
+            <Button kind={now.question.bad ? 'bad' : 'main'} off={now.question.off?.value} onPress={() => answer(true)}>{now.question.verb}</Button>
           </div>
         </>
       )}

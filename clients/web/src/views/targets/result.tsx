@@ -5,6 +5,8 @@ import { withLease } from '@/app/lease';
 import { fixed, grouped, signed, significant } from '@/format/numbers';
 import { clock, ms } from '@/format/time';
 import { splitChannel, unitSign } from '@/format/units';
+import { cellTimeMs, progress } from '@/live/state';
+import { askAboutHold, type HoldAnswer } from '@/parts/hold_question';
 import { Button, CommandButton } from '@/ui/button';
 import { confirm } from '@/ui/confirm';
 import { U90 } from '@/ui/explained';
@@ -91,9 +93,9 @@ function Flags({ target }: { target: Target }) {
 function Actions({ target, pose }: { target: Target; pose: Pose }) {
   const text = target.coordinates.map((one) => `${one.channel} = ${one.positionMm.toFixed(8)}`).join('\n');
   const copy = useCommand(() => navigator.clipboard.writeText(text));
-  const move = useCommand(() =>
+  const move = useCommand((answer: HoldAnswer) =>
     withLease((leaseToken) =>
-      api.cell().move({ leaseToken, coordinates: target.coordinates.map((one) => ({ channel: one.channel, value: one.positionMm })) })));
+      api.cell().move({ leaseToken, answer, coordinates: target.coordinates.map((one) => ({ channel: one.channel, value: one.positionMm })) })));
   const ask = async () => {
     const yes = await confirm({
       title: 'Move the robot there?',
@@ -105,7 +107,10 @@ function Actions({ target, pose }: { target: Target; pose: Pose }) {
       verb: 'Move there',
       keep: 'Stay',
     });
-    if (yes) await move.send();
+    if (!yes) return;
+    const run = progress.peek()?.run;
+    const answer = run?.hold ? await askAboutHold(run, cellTimeMs.peek(), 'Move the axes') : { holdId: 0n, overrideReason: '' };
+    if (answer) await move.send(answer);
   };
   return (
     <>

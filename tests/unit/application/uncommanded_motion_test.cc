@@ -1,0 +1,116 @@
+// Motion that the daemon did not command: an alarm, a point that is not accepted, a run that waits
+// for a person and then measures its zero again.
+
+#include <gmock/gmock.h>
+
+#include "tests/support/cell_in_memory.h"
+#include "tests/unit/application/sqlite.h"
+
+namespace driftwise::tests {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+class UncommandedMotion : public testing::Test {
+ protected:
+  Folder folder;
+  SmallWorld world;
+  CellInMemory cell{world, small_cell(folder / "cell.sqlite"), kSqlite};
+
+  // Somebody else moves the axis: at once, as far as the daemon can see.
+  void push(double by_mm) {
+    world.from_mm = world.to_mm = world.to_mm + by_mm;
+    world.move_end_ns = 0;
+  }
+  std::vector<std::string> alarms(const std::string& kind) { return cell.alarms_of(kind); }
+};
+
+TEST_F(UncommandedMotion, PausesTheRunAndAcceptsNoPointOfIt) {
+  const auto run = cell.begin_run(lines_of(2, {2, -3, 1}, true));
+  cell.until([&] { return cell->status().run->run.accepted == 3; });
+  cell.until([&] { return cell->status().run->phase == "reading"; });
+  push(0.01);
+  cell.until([&] { return cell->status().run->run.state == RunState::paused; });
+  const auto accepted = cell->status().run->run.accepted;
+  EXPECT_EQ(accepted, 3);
+  cell.pass(600);
+  EXPECT_EQ(cell->status().run->run.accepted, accepted) << "a person decides";
+  EXPECT_THAT(alarms("motion.uncommanded"), SizeIs(1));
+  EXPECT_THAT(cell.events_named("motion.uncommanded"), SizeIs(1));
+  EXPECT_EQ(cell.await(cell->attempts(run.id))->back().verdict, Verdict::interrupted);
+  EXPECT_THAT(cell.await(cell->attempts(run.id))->back().reason,
+              HasSubstr("moved without a command"));
+
+  ASSERT_TRUE(cell.resume());
+  const auto ended = cell.finish_run();
+  EXPECT_EQ(ended.state, RunState::done) << ended.reason;
+  const auto data = *cell.await(cell->data(run.id));
+  ASSERT_THAT(data, SizeIs(2));
+  EXPECT_EQ(data[1].reason, "uncommanded motion");
+  cell.pass(30);
+  EXPECT_THAT(alarms("motion.uncommanded"), IsEmpty()) << "over with the new datum";
+}
+
+TEST_F(UncommandedMotion, IsSeenWithoutARunToo) {
+  ASSERT_TRUE(cell.await(cell->home(cell.ada, cell.lease())));
+  cell.pass(20);
+  EXPECT_THAT(alarms("motion.uncommanded"), IsEmpty());
+  push(0.5);
+  cell.pass(20);
+  ASSERT_THAT(alarms("motion.uncommanded"), SizeIs(1));
+  EXPECT_THAT(alarms("motion.uncommanded").front(), HasSubstr("q1"));
+}
+
+TEST_F(UncommandedMotion, IsSeenWhileARunIsPaused) {
+  const auto run = cell.begin_run(lines_of(1, {2, -3}, true));
+  cell.until([&] { return cell->status().run->run.accepted == 2; });
+  ASSERT_TRUE(cell.await(cell->pause_run(cell.ada, run.id)));
+  cell.until([&] { return cell->status().run->run.state == RunState::paused; });
+  cell.pass(20);
+  push(0.5);
+  cell.pass(20);
+  EXPECT_THAT(alarms("motion.uncommanded"), SizeIs(1));
+  ASSERT_TRUE(cell.resume());
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+  EXPECT_THAT(*cell.await(cell->data(run.id)), SizeIs(2));
+}
+
+TEST_F(UncommandedMotion, IsNotSeenInARunThatNobodyDisturbs) {
+  cell.begin_run(lines_of(3, {2, -3, 1}, true));
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+  ASSERT_TRUE(cell.await(cell->move_to(cell.ada, cell.lease(), {1.5})));
+  cell.pass(60);
+  EXPECT_THAT(cell.events_named("motion.uncommanded"), IsEmpty());
+}
+
+// A readback that is false is no motion: the interferometer says that the axis stands.
+TEST(FalseReadback, IsToldFromMotionByTheMeasuredPose) {
+  Folder folder;
+  SmallWorld world;
+  auto described = small_cell(folder / "cell.sqlite");
+  auto& kinematics = described.kinematics.emplace();
+  kinematics.kind = "linear-axis";
+  kinematics.axes.push_back({{"q1", "mm"}, {"x", "mm"}, 0, 0});
+  CellInMemory cell(world, described, kSqlite);
+  const auto shift_readback = [&world](double by_mm) {
+    world.from_mm = world.to_mm = world.to_mm + by_mm;
+    world.move_end_ns = 0;
+    world.zero_mm += by_mm;
+  };
+  cell.begin_run(lines_of(2, {2, -3, 1}, true));
+  cell.until([&] { return cell->status().run->run.accepted == 3; });
+  cell.until([&] { return cell->status().run->phase == "reading"; });
+  shift_readback(0.1);
+  cell.until([&] { return cell->status().run->run.state == RunState::waiting; });
+  cell.pass(600);
+  EXPECT_THAT(cell.events_named("motion.uncommanded"), IsEmpty());
+  EXPECT_EQ(cell->status().run->run.state, RunState::waiting) << "it is no matter for a person";
+  shift_readback(-0.1);
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+  EXPECT_THAT(cell.events_named("motion.uncommanded"), IsEmpty());
+}
+
+}  // namespace
+}  // namespace driftwise::tests
