@@ -96,7 +96,10 @@ class Diagnoser {
 
   void add_sensor_findings(const std::vector<FaultySensor>& sensors) {
     for (const auto& sensor : sensors) {
-      if (!sensor.mended) {  // a part can really warm: without evidence it is no cause
+      // A part can really warm: without evidence a jump is no cause. One or two wrong readings are
+      // left out and said; they explain nothing.
+      const bool rare = sensor.fault == SensorFault::spiked && sensor.rows.size() < 3;
+      if (!sensor.mended || rare) {
         result_.warnings.push_back(sentence(sensor));
         continue;
       }

@@ -34,7 +34,8 @@ struct FaultySensor {
 std::vector<FaultySensor> mend_sensors(
     Dataset& dataset, const std::function<double(const Dataset&)>& two_ln_likelihood);
 
-// Of the outputs by the baseline, least squares over the rows that learn, up to a constant.
+// Of the outputs by the baseline, least squares over the rows that learn, with noise of first order
+// (correlated from row to row), up to a constant.
 double two_ln_likelihood(const Problem& problem);
 
 struct OutlierRow {

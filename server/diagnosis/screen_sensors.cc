@@ -105,11 +105,16 @@ void find_jumps(Sensor& sensor, const std::vector<double>& time_s) {
 
 double two_ln_likelihood(const Problem& problem) {
   double sum = 0;
-  for (const auto& output : problem.outputs)
-    sum -=
-        static_cast<double>(problem.learn.size()) *
-        std::log(
-            rows_of(residuals(problem, output, problem.base_columns), problem.learn).squaredNorm());
+  for (const auto& output : problem.outputs) {
+    const Eigen::VectorXd left =
+        rows_of(residuals(problem, output, problem.base_columns), problem.learn);
+    const Eigen::Index n = left.size();
+    if (n < 3) continue;
+    // Slow noise is no evidence of a jump: of each row what its neighbour before does not predict.
+    const auto before = left.head(n - 1), after = left.tail(n - 1);
+    const double share = std::clamp(before.dot(after) / before.squaredNorm(), 0.0, 0.99);
+    sum -= static_cast<double>(n) * std::log((after - share * before).squaredNorm());
+  }
   return sum;
 }
 
