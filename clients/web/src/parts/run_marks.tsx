@@ -37,7 +37,7 @@ async function before(run: Run, signal: AbortSignal): Promise<bigint> {
   return low;
 }
 
-async function marked(run: Run, signal: AbortSignal): Promise<Event[]> {
+export async function marked(run: Run, signal: AbortSignal): Promise<Event[]> {
   const first = await page(0n, pageSize, signal);
   if (first.length < pageSize) return first.filter((event) => concerns(run, event));
   const found: Event[] = [];

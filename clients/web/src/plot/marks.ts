@@ -10,20 +10,32 @@ export type TimeMark = Omit<PlotMark, 'at'> & { atMs: number };
 // Of the page: every plot below whose x is time since a known instant shows them.
 export const TimeMarks = createContext<readonly TimeMark[]>([]);
 
+// Of rows whose x is hours since the first of them: what the record says of their runs.
+export const RowMarks = createContext<readonly PlotMark[]>([]);
+
 export const markLooks: Record<PlotMark['kind'], { colour: Colour; dash: number[]; one: string; many: string }> = {
   force: { colour: 's6', dash: [1, 3], one: 'change of force', many: 'changes of force' },
   stop: { colour: 'bad', dash: [], one: 'stop or pause', many: 'stops or pauses' },
   restart: { colour: 's5', dash: [8, 3], one: 'restart', many: 'restarts' },
 };
 
-export function withTimeMarks(spec: PlotSpec, marks: readonly TimeMark[]): PlotSpec {
+export function withTimeMarks(spec: PlotSpec, marks: readonly TimeMark[], ofRows: readonly PlotMark[] = []): PlotSpec {
+  if (spec.x.sinceFirstRow) {
+    const all = [...(spec.marks ?? []), ...within(spec, ofRows)].sort((a, b) => a.at - b.at);
+    return all.length > 0 ? { ...spec, marks: all } : spec;
+  }
   const { startMs, unit } = spec.x;
   if (spec.marks || startMs === undefined || unit !== 'h' || marks.length === 0) return spec;
   const at = marks.map(({ atMs, ...mark }): PlotMark => ({ ...mark, at: (atMs - startMs) / 3600e3 }));
+  return { ...spec, marks: within(spec, at) };
+}
+
+// Those between the first and the last point of the plot.
+function within(spec: PlotSpec, marks: readonly PlotMark[]): PlotMark[] {
   const xs = spec.series.filter((one) => one.x.length > 0);
   const from = Math.min(...xs.map((one) => one.x[0]));
   const to = Math.max(...xs.map((one) => one.x[one.x.length - 1]));
-  return { ...spec, marks: at.filter((mark) => mark.at >= from && mark.at <= to) };
+  return marks.filter((mark) => mark.at >= from && mark.at <= to);
 }
 
 // Per kind, those that stand in the plot: "2 stops or pauses".

@@ -15,7 +15,7 @@ import { followGestures, keyPressed, type Gestured } from './gestures';
 import { Held } from './held';
 import { Legend } from './legend';
 import { deviationFromStart } from './many';
-import { TimeMarks, withTimeMarks } from './marks';
+import { RowMarks, TimeMarks, withTimeMarks } from './marks';
 import { palette } from './palette';
 import { PlotTable } from './plot_table';
 import type { Range } from './ranges';
@@ -73,11 +73,12 @@ export function Plot(props: PlotProps) {
   const [table, setTable] = useState(false);
   const [values, setValues] = useState(false); // of many channels: not their deviation
   const marks = useContext(TimeMarks);
+  const ofRows = useContext(RowMarks);
   const deviates = props.spec.deviation === true && !values;
   const spec = useMemo(() => {
     const ordered = { ...props.spec, series: props.spec.series.map(inOrder) };
-    return withTimeMarks(deviates ? deviationFromStart(ordered) : ordered, marks);
-  }, [props.spec, marks, deviates]);
+    return withTimeMarks(deviates ? deviationFromStart(ordered) : ordered, marks, ofRows);
+  }, [props.spec, marks, ofRows, deviates]);
   const drawn: Drawn = { spec, range: range.value, chosen: props.chosen?.value, pointed, colours: palette() };
   const words = useWords(drawn);
   const latest = useRef(drawn);

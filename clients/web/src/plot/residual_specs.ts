@@ -66,7 +66,8 @@ export function residualSpecs(rows: ResidualRows, output: string, unit: string, 
     const start = rows.timeS[0];
     const hours = rows.timeS.map((t) => (t - start) / 3600);
     const force = rows.variables.find((one) => one.symbol === 'force')?.values ?? [];
-    specs.push({ ...spec('Over time', hours, 'time_h', 'h', 'hours since start'), marks: forceMarks(hours, force) });
+    const overTime = spec('Over time', hours, 'time_h', 'h', 'hours since start');
+    specs.push({ ...overTime, x: { ...overTime.x, sinceFirstRow: true }, marks: forceMarks(hours, force) });
   } else {
     specs.push(spec('In order', y.map((_, i) => i + 1), 'row', '1', 'row'));
   }

@@ -59,6 +59,7 @@ export interface PlotSpec {
     label: string; // CSV column: "time_h"
     unit: string; // "h"
     startMs?: number; // x is hours since this instant: the legend then shows clock time
+    sinceFirstRow?: boolean; // x is hours since the first row of a data set: the page gives the marks of its runs
     whole?: boolean; // counts: ticks at whole numbers only
     clock?: boolean; // ticks as time of day; startMs is then a local midnight
   };

@@ -6,6 +6,7 @@ import { Diagnosis_State, type Diagnosis, type DiscrepancyRows } from '@/api/gen
 import { query } from '@/app/router';
 import { count, significant } from '@/format/numbers';
 import { useEvents } from '@/live/events';
+import { RowsMarks } from '@/parts/rows_marks';
 import { Button, CommandButton } from '@/ui/button';
 import { AccuracyHeading, figure } from '@/ui/accuracy';
 import { Panel } from '@/ui/panel';
@@ -75,7 +76,7 @@ function Body({ diagnosis, rows, step, again }: { diagnosis: Diagnosis; rows: Di
       <Remarks warnings={diagnosis.warnings} />
       {diagnosis.state === Diagnosis_State.DONE && output && (
         <>
-          {rows ? <BeforeAfter rows={rows} output={output} symbols={symbolsOf(diagnosis, output.output)} /> : <SymbolChoice symbols={symbolsOf(diagnosis, output.output)} />}
+          {rows ? <RowsMarks runIds={diagnosis.runIds}><BeforeAfter rows={rows} output={output} symbols={symbolsOf(diagnosis, output.output)} /></RowsMarks> : <SymbolChoice symbols={symbolsOf(diagnosis, output.output)} />}
           <ExtensionPanel diagnosis={diagnosis} again={again} />
           {diagnosis.findings.map((finding) => (
             <FindingPanel key={finding.number} finding={finding} diagnosis={diagnosis} output={output} rows={rows} again={again} />

@@ -70,7 +70,7 @@ export function discrepancySpec(rows: DiscrepancyRows, output: OutputDiscrepancy
   });
   return {
     title, what: `measured − simulated, ${output.output}, ${output.unit}, against ${x.words}; band = A90`,
-    x: { label: x.symbol, unit: x.unit }, y: { unit: output.unit, symmetric: true, low: -reach, high: reach },
+    x: { label: x.symbol, unit: x.unit, ...(x.symbol === 'time_h' && { sinceFirstRow: true }) }, y: { unit: output.unit, symmetric: true, low: -reach, high: reach },
     series: series.filter((one) => one.x.length > 0), bands: [{ from: -a90, to: a90, colour: 'q1', label: 'A90' }],
     ...(x.symbol === 'time_h' && { marks: forceMarks(x.values, axisOf(rows, 'force').unit === 'N' ? axisOf(rows, 'force').values : []) }),
     file: `discrepancy-${which}-${output.output}`, ...(y.length === 0 ? { why: 'No rows were kept of this output.' } : {}),

@@ -11,6 +11,7 @@ import { Awaiting, Failed, Warned } from '@/ui/states';
 import { useAsked } from '@/ui/use_asked';
 import { outputSymbol, summaryUnit } from './figures';
 import { OutputChoice, useOutput } from './output_choice';
+import { RowsMarks } from '@/parts/rows_marks';
 import { residualSpecs } from '@/plot/residual_specs';
 
 export function ResidualsTab({ model }: { model: Model }) {
@@ -25,7 +26,7 @@ export function ResidualsTab({ model }: { model: Model }) {
         <FileInput label="The model was fitted to a file, whose rows the daemon did not keep: hand it in" accept=".csv,text/csv" chosen={file?.name} onFile={setFile} mostBytes={32 << 20} />
       )}
       {asked.failure && <Failed asked="Work out the residuals" failure={asked.failure} again={asked.again} />}
-      {asked.value ? <Pictures answer={asked.value} model={model} output={output} /> : !asked.failure && key && <Awaiting what="the residuals" />}
+      {asked.value ? <RowsMarks runIds={model.lineage?.runIds ?? []}><Pictures answer={asked.value} model={model} output={output} /></RowsMarks> : !asked.failure && key && <Awaiting what="the residuals" />}
     </Panel>
   );
 }
