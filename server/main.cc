@@ -135,6 +135,11 @@ class Notice {
     const fs::path part = path_.string() + ".part";
     std::ofstream(part) << content.dump(2) << '\n';
     std::error_code failed;
+    // Addresses are no secret: whoever may enter the folder may read them, whatever the umask of
+    // the service keeps of the other files.
+    constexpr auto kReadable = fs::perms::owner_read | fs::perms::owner_write |
+                               fs::perms::group_read | fs::perms::others_read;
+    fs::permissions(part, kReadable, failed);
     fs::rename(part, path_, failed);
     if (failed)
       spdlog::warn("cannot write {}: {}; clients need --server", path_.string(), failed.message());

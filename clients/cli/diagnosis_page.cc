@@ -1,4 +1,7 @@
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "clients/cli/accuracy_line.h"
 #include "clients/cli/diagnosis_commands.h"
@@ -124,9 +127,13 @@ void print_diagnosis(const Console& console, const v1::Diagnosis& diagnosis) {
   for (const auto& warning : diagnosis.warnings())
     console.out << paint.warn("warning: ") << warning << '\n';
   if (!diagnosis.not_testable().empty()) {
-    console.out << "\nnot testable with these data:";
-    for (const auto& one : diagnosis.not_testable()) console.out << ' ' << one.cause() << ';';
-    console.out << '\n';
+    // Each cause once, also of a diagnosis that was stored with one line per axis.
+    std::vector<std::string> causes;
+    for (const auto& one : diagnosis.not_testable())
+      if (std::ranges::find(causes, one.cause()) == causes.end()) causes.push_back(one.cause());
+    std::string list;
+    for (const auto& cause : causes) list += (list.empty() ? " " : "; ") + cause;
+    console.out << "\nnot testable with these data:" << list << '\n';
   }
   if (diagnosis.has_extension()) print_extension(console, diagnosis.extension());
 }

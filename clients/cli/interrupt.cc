@@ -12,7 +12,7 @@ namespace {
 sigset_t signals() {
   sigset_t set;
   sigemptyset(&set);
-  for (const int signal : {SIGINT, SIGTERM, SIGUSR1})
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1})
     sigaddset(&set, signal);  // USR1: our own wake-up at the end
   return set;
 }

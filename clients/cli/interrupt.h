@@ -1,6 +1,6 @@
 #pragma once
-// Ctrl-C: the call under way is cancelled and the command ends with 130. Made once, in main, before
-// any other thread.
+// Ctrl-C, or a terminal that goes away: the call under way is cancelled and the command ends with
+// 130. Made once, in main, before any other thread.
 
 #include <atomic>
 #include <functional>
@@ -11,8 +11,8 @@ namespace driftwise::cli {
 
 class Interrupt {
  public:
-  Interrupt();  // blocks SIGINT and SIGTERM in this and all later threads and waits for them on a
-                // thread of its own
+  Interrupt();  // blocks SIGINT, SIGTERM and SIGHUP in this and all later threads and waits for
+                // them on a thread of its own
   ~Interrupt();
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;

@@ -36,8 +36,12 @@ std::string progress_line(const v1::RunProgress& progress, double remaining_s, i
           fixed(std::floor(share * 100), 0) + " %";
   std::vector<std::string> more;
   if (run.given_up_count() > 0) more.push_back(std::to_string(run.given_up_count()) + " given up");
+  const bool held = !under_way && !is_over(run.state()) && progress.has_remaining_duration();
   if (under_way && remaining_s >= 1) more.push_back(span_text(remaining_s) + " left");
-  if (progress.has_estimated_end_time())
+  if (held)
+    more.push_back(span_text(seconds_of(progress.remaining_duration())) +
+                   " of cell time left once it goes on");
+  if (progress.has_estimated_end_time() && !held)
     more.push_back("ends " + clock_text(progress.estimated_end_time()).substr(11) + " cell time");
   if (progress.has_last_spread_nm())
     more.push_back("spread " + fixed(progress.last_spread_nm(), 1) + " nm");
@@ -63,13 +67,26 @@ double ProgressBar::remaining_s(const v1::RunProgress& progress) const {
          since_s;
 }
 
+bool ProgressBar::may_tell_state(v1::Run::State state) {
+  const auto now = std::chrono::steady_clock::now();
+  if (states_left_ == kStatesAtOnce) refilled_ = now;
+  while (states_left_ < kStatesAtOnce && now - refilled_ >= kRefill) {
+    ++states_left_;
+    refilled_ += kRefill;
+  }
+  if (is_over(state)) return true;
+  if (states_left_ == 0) return false;
+  --states_left_;
+  return true;
+}
+
 void ProgressBar::show(const v1::RunProgress& progress) {
   const auto now = std::chrono::steady_clock::now();
   const bool changed = progress.run().state() != last_state_;
   last_state_ = progress.run().state();
   if (!console_.err_is_terminal) {  // a log wants few lines: state changes and every tenth
     const int tenth = static_cast<int>(std::floor(share_of(progress.run()) * 10));
-    if (!changed && tenth == last_tenth_) return;
+    if (tenth == last_tenth_ && !(changed && may_tell_state(last_state_))) return;
     last_tenth_ = tenth;
     console_.err << progress_line(progress, remaining_s(progress), 200) << '\n' << std::flush;
     return;

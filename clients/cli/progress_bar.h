@@ -17,6 +17,10 @@ std::string progress_line(const v1::RunProgress& progress, double remaining_s, i
 
 class ProgressBar {
  public:
+  // A run that waits and goes on all the time must not fill a log.
+  static constexpr int kStatesAtOnce = 10;
+  static constexpr std::chrono::seconds kRefill{30};
+
   // status: gives cell time and speed, from which the time left on the wall follows.
   ProgressBar(const Console& console, const v1::GetStatusResponse& status);
   ~ProgressBar();  // leaves the line standing and ends it
@@ -27,6 +31,7 @@ class ProgressBar {
 
  private:
   double remaining_s(const v1::RunProgress& progress) const;
+  bool may_tell_state(v1::Run::State state);
 
   const Console& console_;
   v1::GetStatusResponse status_;
@@ -34,6 +39,9 @@ class ProgressBar {
   bool open_line_ = false;
   int last_tenth_ = -1;
   v1::Run::State last_state_ = v1::Run::STATE_UNSPECIFIED;
+  // Changes of state that a log may still be told at once; one more every kRefill.
+  int states_left_ = kStatesAtOnce;
+  std::chrono::steady_clock::time_point refilled_{};
 };
 
 }  // namespace driftwise::cli

@@ -1,6 +1,8 @@
 #include "clients/cli/run_commands.h"
 
+#include <chrono>
 #include <memory>
+#include <thread>
 
 #include "clients/cli/hold_question.h"
 #include "clients/cli/proto_json.h"
@@ -70,11 +72,28 @@ ExitCode watch(const Session& session, std::optional<std::int64_t> id) {
   return exit_code_of(run.state());
 }
 
+// The axes are stopped first, so that the answer still shows the run as it was: what is printed is
+// what became of it, where that comes soon.
 ExitCode abort_run(const Session& session, std::int64_t id, const std::string& reason) {
+  constexpr std::chrono::milliseconds kPatience{5000}, kBetween{50};
   v1::AbortRunRequest request;
   request.set_run_id(id);
   request.set_reason(reason);
-  return show_changed(session, session.connect().ask(&RunStub::AbortRun, request).run());
+  const auto connection = session.connect();
+  auto run = connection.ask(&RunStub::AbortRun, request).run();
+  const auto until = std::chrono::steady_clock::now() + kPatience;
+  v1::GetRunRequest look;
+  look.set_run_id(id);
+  while (!is_over(run.state()) && std::chrono::steady_clock::now() < until &&
+         !connection.interrupted()) {
+    std::this_thread::sleep_for(kBetween);
+    run = connection.ask(&RunStub::GetRun, look).run();
+  }
+  const ExitCode exit = show_changed(session, run);
+  if (!is_over(run.state()) && !session.console.json)
+    session.console.err << "it ends as soon as the axes stand: follow it with `driftwise run watch "
+                        << id << "`\n";
+  return exit;
 }
 
 ExitCode confirm_force(const Session& session, std::int64_t id, double force_n) {

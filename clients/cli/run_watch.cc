@@ -1,5 +1,7 @@
 #include "clients/cli/run_watch.h"
 
+#include <chrono>
+
 #include "clients/cli/progress_bar.h"
 #include "clients/cli/proto_json.h"
 #include "clients/cli/run_text.h"
@@ -7,6 +9,23 @@
 #include "driftwise/v1/run_service.grpc.pb.h"
 
 namespace driftwise::cli {
+
+namespace {
+
+constexpr auto kBetweenLines = std::chrono::seconds(1);
+
+// A line where the state has changed or the run is over; else at most one a second.
+void tell_program(const Session& session, const v1::RunProgress& progress, std::string& told,
+                  std::chrono::steady_clock::time_point& told_at) {
+  const auto now = std::chrono::steady_clock::now();
+  const std::string state = state_text(progress.run().state());
+  if (state == told && !is_over(progress.run().state()) && now - told_at < kBetweenLines) return;
+  told = state;
+  told_at = now;
+  session.console.out << json_from(progress).dump() << '\n' << std::flush;
+}
+
+}  // namespace
 
 v1::Run watch_until_over(const Session& session, const Connection& connection,
                          std::optional<std::int64_t> run_id) {
@@ -16,11 +35,14 @@ v1::Run watch_until_over(const Session& session, const Connection& connection,
   try {
     const auto status = connection.ask(&v1::CellService::Stub::GetStatus, v1::GetStatusRequest{});
     ProgressBar bar(session.console, status);
+    // A program wants to know of states and points; what lies between comes many times a second.
+    std::string told;
+    std::chrono::steady_clock::time_point told_at{};
     const std::function<bool(const v1::WatchRunResponse&)> on_progress =
         [&](const v1::WatchRunResponse& response) {
           run = response.progress().run();
           if (session.console.json)
-            session.console.out << json_from(response.progress()).dump() << '\n' << std::flush;
+            tell_program(session, response.progress(), told, told_at);
           else
             bar.show(response.progress());
           return true;

@@ -3,6 +3,7 @@
 #include "clients/cli/cell_commands.h"
 #include "clients/cli/progress_bar.h"
 #include "clients/cli/proto_json.h"
+#include "clients/cli/run_text.h"
 #include "clients/cli/table.h"
 #include "clients/cli/text.h"
 #include "clients/cli/validators.h"
@@ -37,6 +38,13 @@ std::string database_text(const v1::DatabaseStatus& database) {
   return text;
 }
 
+// A run needs no lease once it has begun, and nobody else gets one that moves anything meanwhile.
+std::string lease_without_holder(const v1::GetStatusResponse& status) {
+  if (!status.has_run() || is_over(status.run().run().state())) return "free";
+  return "nobody holds it; run " + std::to_string(status.run().run().id()) +
+         " moves the robot until it ends";
+}
+
 void print_status(const Console& console, const v1::GetStatusResponse& status) {
   const Paint paint = console.paint_out();
   console.out << paint.bold(status.cell_name()) << "  driftwised " << status.version() << "  "
@@ -53,7 +61,7 @@ void print_status(const Console& console, const v1::GetStatusResponse& status) {
               << (status.has_lease()
                       ? status.lease().holder() + " (" + status.lease().peer() + ") until " +
                             clock_text(status.lease().end_time()).substr(11)
-                      : "free")
+                      : lease_without_holder(status))
               << '\n';
   console.out << "run      "
               << (status.has_run() ? progress_line(status.run(), std::nan(""), 200)

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "drivers/pi_gcs/gcs_codec.h"
+#include "server/core/quantity_text.h"
 
 namespace driftwise::gcs {
 namespace {
@@ -220,7 +221,7 @@ Awaitable<Result<void>> GcsController::home() {
       co_return fail(
           ErrorCode::deadline_exceeded, "HOMING_STALLED",
           "device '" + device_.id + "' at " + device_.address + ": " + options_.reference +
-              " accepted, but nothing has moved for " + std::to_string(options_.home_stall_s) +
+              " accepted, but nothing has moved for " + digits_text(options_.home_stall_s) +
               " s and the axes are not referenced; look at the reference switch and the servo");
     }
   }

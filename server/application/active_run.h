@@ -17,14 +17,16 @@
 namespace driftwise::application {
 
 struct ActiveRun {
+  // point_s: what a visit is thought to take before the first.
   ActiveRun(const asio::any_io_executor& executor, Workbench& bench, RunRecord r, RunPlan p,
-            Trajectory t)
+            Trajectory t, double point_s)
       : record(std::move(r)),
         plan(std::move(p)),
         trajectory(std::move(t)),
         control(executor),
         scope{bench, control, plan.rules, record.id, {}, {}, {}},
-        pace(guessed_point_s(plan.rules)),
+        length(trajectory),
+        pace(point_s),
         closure_judge(bench.description) {}
   ActiveRun(const ActiveRun&) = delete;
 
@@ -33,6 +35,7 @@ struct ActiveRun {
   Trajectory trajectory;
   RunControl control;
   RunScope scope;
+  PlanLength length;
   Pace pace;
   bool continued = false;            // was under way when the daemon ended
   std::optional<DatumRecord> datum;  // the present one

@@ -81,6 +81,7 @@ struct RunProgress {  // one line of a watch
   std::int64_t row = 0, line = 0;
   double last_spread_nm = kMissing, last_closure_nm = kMissing;
   CellTime estimated_end;     // utc_ns 0: unknown
+  double remaining_s = 0;     // of measuring, cell time: what a run that waits has still ahead
   std::int64_t sequence = 0;  // grows with every change
 };
 

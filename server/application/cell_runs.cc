@@ -9,8 +9,9 @@
 namespace driftwise::application {
 
 Awaitable<Result<TrajectoryCheck>> CellApplication::checked(std::string name, std::string text) {
-  auto checking = run_on(background(), [&cell = description_, name, text] {
-    return check_trajectory_text(cell, name, text);
+  auto checking = run_on(background(), [&cell = description_, name, text,
+                                        point_s = engine_.point_s(description_.run)] {
+    return check_trajectory_text(cell, name, text, point_s);
   });
   co_return co_await std::move(checking);
 }

@@ -283,6 +283,9 @@ std::vector<DeviceStatus> DeviceBench::status() const {
   std::vector<DeviceStatus> all;
   for_each_seat([&all](const auto& seat) {
     all.push_back({seat.device->description(), seat.device->health()});
+    // Between two attempts a link connects, and one with garbled answers stands: until it answers,
+    // a lost device is a failed one wherever it is shown.
+    if (seat.lost) all.back().health.link = LinkState::failed;
   });
   return all;
 }

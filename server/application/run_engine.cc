@@ -31,8 +31,9 @@ RunEngine::~RunEngine() = default;
 void RunEngine::begin(RunRecord record, RunPlan plan, Trajectory trajectory,
                       std::optional<RunBefore> before, bool asked_for) {
   assert(!run_);
+  const double guess_s = point_s(plan.rules);
   run_ = std::make_unique<ActiveRun>(executor_, bench_, std::move(record), std::move(plan),
-                                     std::move(trajectory));
+                                     std::move(trajectory), guess_s);
   before_ = std::move(before);
   auto& run = *run_;
   may_start_ = asked_for;
@@ -184,7 +185,9 @@ Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
     const auto begin = bench_.clock.now().utc;
     auto result = co_await visit_row(run, *visit, hooks_.command_for);
     if (!result) co_return tl::unexpected(result.error());
-    run.pace.add(seconds_from(bench_.clock.now().utc - begin));
+    run.pace.add(
+        std::max(0.0, seconds_from(bench_.clock.now().utc - begin) - row.dwell_s.value_or(0)));
+    slower_than_guessed_ = run.pace.point_s() / guessed_point_s(run.plan.rules);
     if (result->point) run.since_closure.add(visit->row, result->point->measured.utc);
     if (auto ok = co_await mark_doubted(run); !ok) co_return ok;
     if (result->point && row.zero) {
@@ -504,11 +507,11 @@ void RunEngine::publish() {
   auto& run = *run_;
   run.progress.run = run.record;
   run.progress.sequence = ++sequence_;
+  const bool over = is_over(run.record.state);
+  run.progress.remaining_s = over ? 0 : run.length.seconds(run.record.place, run.pace.point_s());
   run.progress.estimated_end =
-      is_over(run.record.state)
-          ? run.record.ended
-          : run.pace.estimated_end(bench_.clock.now().utc,
-                                   visits_left(run.trajectory, run.record.place));
+      over ? run.record.ended
+           : bench_.clock.now().utc + nanoseconds_from_s(run.progress.remaining_s);
   last_progress_ = run.progress;
   // Several changes in one turn of the executor are told once, with the latest state.
   if (std::exchange(publishing_, true)) return;

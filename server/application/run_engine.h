@@ -46,6 +46,10 @@ class RunEngine {
   bool stands() const { return run_ && stands_; }
   // Before a first motion that nobody asked for: a sentence for people; empty: none is ahead.
   const std::string& announcement() const { return announcement_; }
+  // What a visit takes in this cell, as the last run has shown; the guess before any. pace.h.
+  double point_s(const RunRules& rules) const {
+    return slower_than_guessed_ * guessed_point_s(rules);
+  }
   RunControl* control() { return run_ ? &run_->control : nullptr; }
   const RunRecord* record() const { return run_ ? &run_->record : nullptr; }
   // The run under way, else the last one that ended.
@@ -80,6 +84,7 @@ class RunEngine {
   asio::any_io_executor executor_;
   Workbench& bench_;
   Hooks hooks_;
+  double slower_than_guessed_ = 1;  // what visits took, to guessed_point_s()
   TaskCount& tasks_;
   std::unique_ptr<ActiveRun> run_;
   std::optional<DatumOpening> wanted_datum_;  // to be opened before the next point

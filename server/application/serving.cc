@@ -82,7 +82,7 @@ Awaitable<Result<void>> Serving::serve(std::optional<ModelRecord> model) {
     auto loaded = co_await load(*model);
     if (!loaded) co_return tl::unexpected(loaded.error());
     const auto [entry, _] = followed_.insert_or_assign(model->id, std::move(*loaded));
-    set_anchor(entry->second);
+    set_anchor(model->id, entry->second);
     serving_ = model->id;
   } else {
     serving_.reset();
@@ -105,27 +105,32 @@ Awaitable<Result<void>> Serving::follow(ModelRecord model) {
   auto loaded = co_await load(model);
   if (!loaded) co_return tl::unexpected(loaded.error());
   const auto [entry, _] = followed_.insert_or_assign(model.id, std::move(*loaded));
-  set_anchor(entry->second);
+  set_anchor(model.id, entry->second);
   co_return Result<void>{};
 }
 
 void Serving::anchor(const DatumRecord& datum) {
   datum_ = datum;
-  for (auto& [id, followed] : followed_) set_anchor(followed);
+  for (auto& [id, followed] : followed_) set_anchor(id, followed);
   rebuild();
 }
 
-void Serving::set_anchor(Followed& followed) {
-  trouble_.clear();
+std::string Serving::trouble() const {
+  const auto served = serving_ ? followed_.find(*serving_) : followed_.end();
+  return served == followed_.end() ? std::string() : served->second.trouble;
+}
+
+void Serving::set_anchor(ModelId id, Followed& followed) {
+  followed.trouble.clear();
   if (!datum_) return;
   if (followed.own_datum == datum_->id) {
     followed.builder.keep_model_datum();
     return;
   }
   if (const auto ok = followed.builder.anchor(datum_->values); !ok) {
-    trouble_ = fmt::format("datum {} does not anchor the served model: {}", datum_->id.value,
-                           ok.error().message);
-    events_.record_own("serving.unanchored", trouble_);
+    followed.trouble = fmt::format("datum {} does not anchor model {}: {}", datum_->id.value,
+                                   id.value, ok.error().message);
+    events_.record_own("serving.unanchored", followed.trouble);
   }
 }
 

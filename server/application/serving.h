@@ -59,7 +59,7 @@ class Serving {
   const compensation::SnapshotBoard& board() const { return board_; }
   WatchList<>& watchers() { return watchers_; }
   const std::optional<Error>& refused() const { return refused_; }
-  const std::string& trouble() const { return trouble_; }  // a sentence for people; empty: none
+  std::string trouble() const;  // of the model that serves, a sentence for people; empty: none
 
  private:
   struct Followed {
@@ -69,11 +69,12 @@ class Serving {
     std::vector<std::string> symbols;  // that its outputs and terms read
     // All of its runs were measured under the present cell file, to their end.
     bool under_present = false;
+    std::string trouble = {};  // why the present datum does not anchor it
   };
   // The followed model's, with what an open question of the cell file does to it.
   compensation::Snapshot snapshot_of(const Followed& followed, CellTime now) const;
   Awaitable<Result<Followed>> load(ModelRecord model);
-  void set_anchor(Followed& followed);
+  void set_anchor(ModelId id, Followed& followed);
   void observe(const Reading& reading);
   void rebuild();
   Awaitable<void> rebuild_for_ever();
@@ -92,7 +93,6 @@ class Serving {
   std::optional<ModelId> serving_;
   std::optional<Error> refused_;  // nothing serves because of this
   std::optional<DatumRecord> datum_;
-  std::string trouble_;
   std::shared_ptr<void> watch_;
   CellTime built_at_;
   Signal ended_;

@@ -65,13 +65,15 @@ Result<void> check_forces(const CellDescription& description, const Trajectory& 
 }  // namespace
 
 Result<TrajectoryCheck> check_trajectory_text(const CellDescription& description,
-                                              const std::string& name, const std::string& text) {
+                                              const std::string& name, const std::string& text,
+                                              double point_s) {
   auto trajectory = formats::read_trajectory_csv(text, name);
   if (!trajectory) return tl::unexpected(trajectory.error());
   const auto limits = check_trajectory_limits(description, *trajectory, name);
   if (!limits) return tl::unexpected(limits.error());
   if (auto ok = check_forces(description, *trajectory, name); !ok)
     return tl::unexpected(ok.error());
+  if (!(point_s > 0)) point_s = guessed_point_s(description.run);
   TrajectoryCheck check;
   std::vector<double> time_s;
   std::set<std::int64_t> lines;
@@ -79,9 +81,9 @@ Result<TrajectoryCheck> check_trajectory_text(const CellDescription& description
     (point.set == PointSet::calibration ? check.calibration : check.validation)++;
     if (point.zero) ++check.zeros;
     lines.insert(point.line);
-    check.estimated_s += guessed_point_s(description.run) + point.dwell_s.value_or(0);
-    time_s.push_back(check.estimated_s);
+    time_s.push_back((time_s.empty() ? 0 : time_s.back()) + point_s + point.dwell_s.value_or(0));
   }
+  check.estimated_s = PlanLength(*trajectory).seconds({}, point_s);
   check.lines = static_cast<std::int64_t>(lines.size());
   check.trajectory = std::move(*trajectory);
   add_warnings(check);

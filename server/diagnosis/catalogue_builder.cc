@@ -87,6 +87,11 @@ bool CatalogueBuilder::known(const effects::Term& term) const {
 }
 
 void CatalogueBuilder::missing(const std::string& cause, const std::string& why) {
+  for (auto& one : catalogue_.not_testable)
+    if (one.cause == cause) {
+      one.why += "; " + why;
+      return;
+    }
   catalogue_.not_testable.push_back({cause, why});
 }
 

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 
+#include "server/calibration/datum_zeros.h"
 #include "server/core/unusable_values.h"
 #include "server/diagnosis/cancelled.h"
 #include "server/diagnosis/catalogue_units.h"
@@ -347,6 +349,10 @@ calibration::Candidates without_dead_sensors(const calibration::Candidates& base
   return result;
 }
 
+bool several_datums(const Dataset& dataset) {
+  return std::ranges::adjacent_find(dataset.datum, std::not_equal_to{}) != dataset.datum.end();
+}
+
 }  // namespace
 
 std::string_view to_string(Verdict verdict) {
@@ -377,6 +383,14 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
   std::vector<std::string> dead;
   asked.baseline = without_dead_sensors(options.baseline, dataset, sensors, dead);
   asked.exclude_symbols.insert(asked.exclude_symbols.end(), dead.begin(), dead.end());
+  if (options.simulated.size() == 0 && several_datums(mended)) {
+    // As a fit has further datums (docs/decisions/0005): a constant alone would leave a slope where
+    // the geometry is curved, and some cause would be found for it.
+    calibration::FitOptions fit;
+    fit.candidates = asked.baseline;
+    fit.candidates.constant = true;
+    mended = calibration::in_first_datum(mended, calibration::find_datum_zeros(mended, fit));
+  }
   auto problem = lay_out(mended, asked.baseline, kMostBlocks);
   if (!problem) return tl::unexpected(problem.error());
   if (options.simulated.size() > 0)

@@ -4,6 +4,7 @@
 
 #include "server/core/channel.h"
 #include "server/formats/stored_diagnosis.h"
+#include "server/formats/text.h"
 
 namespace driftwise::formats {
 namespace {
@@ -71,7 +72,7 @@ std::optional<std::string> uneven_column(const DiscrepancyRows& rows) {
   if (auto bad = length("validation", rows.validation.size())) return bad;
   if (auto bad = length("line", rows.line.size())) return bad;
   for (const double line : rows.line)
-    if (!(std::abs(line) < 1e15)) return "line: found " + std::to_string(line);
+    if (!(std::abs(line) < 1e15)) return "line: found " + number_text(line);
   for (const auto& column : rows.variables)
     if (auto bad = length(column.symbol, column.values.size())) return bad;
   for (const auto& output : rows.outputs) {

@@ -4,6 +4,7 @@
 #include <cctype>
 
 #include "server/compensation/snapshot.h"
+#include "server/core/channel.h"
 #include "server/core/reading.h"
 #include "server/effects/term_evaluator.h"
 #include "server/effects/term_order.h"
@@ -189,6 +190,112 @@ std::string head_comment(const calibration::Model& model, const std::string& fun
          function + "(const double *pose, const double *temperatures, double *q);\n\n";
 }
 
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size()))
+    text.replace(at, what.size(), by);
+  return text;
+}
+
+// Newton's method of calibration::pose_of_zero, as plain C; @n axes.
+constexpr const char* kPoseOfZero = R"(  {
+    static const int axis[@n] = {@axes};
+    static const double range[@n] = {@ranges};
+    double shift[@n] = {0.0}, left[@q], side[@q], a[@n][@n + 1];
+    int turn, i, j, k, found = 0, lost = 0;
+    for (turn = 0; turn < 8 && !found && !lost; ++turn) {
+      double largest = 0.0;
+      for (i = 0; i < @n; ++i) at[axis[i]] = pose[axis[i]] + shift[i];
+      (void)@f(at, temperatures, left);
+      for (j = 0; j < @n; ++j) {
+        const double step = 1e-4 * range[j], here = at[axis[j]];
+        at[axis[j]] = here + step;
+        (void)@f(at, temperatures, side);
+        for (i = 0; i < @n; ++i) a[i][j] = side[i];
+        at[axis[j]] = here - step;
+        (void)@f(at, temperatures, side);
+        for (i = 0; i < @n; ++i) a[i][j] = (a[i][j] - side[i]) / (2.0 * step);
+        at[axis[j]] = here;
+      }
+      for (i = 0; i < @n; ++i) a[i][@n] = q[i] - left[i];
+      for (j = 0; j < @n; ++j) { /* elimination with the largest pivot */
+        int best = j;
+        for (i = j + 1; i < @n; ++i)
+          if (a[i][j] * a[i][j] > a[best][j] * a[best][j]) best = i;
+        for (k = 0; k <= @n; ++k) {
+          const double swap = a[j][k];
+          a[j][k] = a[best][k];
+          a[best][k] = swap;
+        }
+        if (!(a[j][j] * a[j][j] > 0.0)) lost = 1;
+        for (i = 0; i < @n && !lost; ++i) {
+          const double share = i == j ? 0.0 : a[i][j] / a[j][j];
+          for (k = j; k <= @n; ++k) a[i][k] -= share * a[j][k];
+        }
+      }
+      for (i = 0; i < @n && !lost; ++i) {
+        const double by = a[i][@n] / a[i][i];
+        shift[i] += by;
+        if (!(shift[i] * shift[i] < 4e-4 * range[i] * range[i])) lost = 1;
+        if (by * by > largest * range[i] * range[i]) largest = by * by / (range[i] * range[i]);
+      }
+      if (!lost && largest < 1e-20) found = 1;
+    }
+    for (i = 0; i < @n && found; ++i) zero[axis[i]] = shift[i];
+    moved = found;
+  }
+)";
+
+// The zero of another datum: where it lies in the model's own, and targets from there.
+std::string datum_code(const calibration::Model& model, const std::string& function,
+                       const Inputs& inputs) {
+  std::string axes, ranges;
+  std::size_t count = 0;
+  bool ranged = true;
+  for (std::size_t i = 0; i < inputs.pose.size(); ++i) {
+    if (!is_length(inputs.pose[i].channel.unit)) continue;
+    const double range = inputs.pose[i].max - inputs.pose[i].min;
+    ranged = ranged && range > 0;
+    axes += (count == 0 ? "" : ", ") + std::to_string(i);
+    ranges += (count++ == 0 ? "" : ", ") + literal(range);
+  }
+  const bool solvable = ranged && count > 0 && count == model.outputs.size();
+  std::string code =
+      "\n/* After another zeroing. zero: room for @p + @q doubles, filled by @f_zero, read by\n"
+      " * @f_from. pose: of that zero, all 0 but a force; temperatures: those at that instant; q: "
+      "what the\n * motors read there. Returned: 1 when the zero's place in the model's own datum "
+      "was found, 0 when it was not\n * and q differs by a constant only. */\n"
+      "int @f_zero(const double *pose, const double *temperatures, const double *q, double "
+      "*zero);\n"
+      "int @f_from(const double *zero, const double *pose, const double *temperatures, double "
+      "*q);\n\n"
+      "int @f_zero(const double *pose, const double *temperatures, const double *q, double *zero) "
+      "{\n"
+      "  double at[@m], there[@q];\n  int v, moved = 0;\n"
+      "  for (v = 0; v < @p + @q; ++v) zero[v] = 0.0;\n"
+      "  for (v = 0; v < @m; ++v) at[v] = @p > 0 ? pose[v] : 0.0;\n";
+  if (solvable) code += kPoseOfZero;
+  code +=
+      "  for (v = 0; v < @m; ++v) at[v] = @p > 0 ? pose[v] + zero[v] : 0.0;\n"
+      "  (void)@f(at, temperatures, there);\n"
+      "  for (v = 0; v < @q; ++v) zero[@p + v] = q[v] - there[v];\n"
+      "  return moved;\n}\n\n"
+      "int @f_from(const double *zero, const double *pose, const double *temperatures, double *q) "
+      "{\n"
+      "  double at[@m];\n  int v, outside;\n"
+      "  for (v = 0; v < @m; ++v) at[v] = @p > 0 ? pose[v] + zero[v] : 0.0;\n"
+      "  outside = @f(at, temperatures, q);\n"
+      "  for (v = 0; v < @q; ++v) q[v] += zero[@p + v];\n"
+      "  return outside;\n}\n";
+  const auto size = inputs.pose.size();
+  code = replaced(std::move(code), "@axes", axes);
+  code = replaced(std::move(code), "@ranges", ranges);
+  code = replaced(std::move(code), "@n", std::to_string(count));
+  code = replaced(std::move(code), "@p", std::to_string(size));
+  code = replaced(std::move(code), "@m", std::to_string(std::max<std::size_t>(size, 1)));
+  code = replaced(std::move(code), "@q", std::to_string(model.outputs.size()));
+  return replaced(std::move(code), "@f", function);
+}
+
 std::string self_test(const calibration::Model& model, const std::string& function,
                       const Inputs& inputs) {
   const std::string in = std::to_string(inputs.pose.size() + inputs.slow.size()),
@@ -259,7 +366,8 @@ Result<std::string> write_model_c(const calibration::Model& model, const std::st
   }
   for (std::size_t i = 0; i < model.outputs.size(); ++i)
     code += output_code(model.outputs[i], i, *inputs);
-  return code + "  return outside;\n}\n" + self_test(model, function, *inputs);
+  return code + "  return outside;\n}\n" + datum_code(model, function, *inputs) +
+         self_test(model, function, *inputs);
 }
 
 }  // namespace driftwise::formats

@@ -9,6 +9,9 @@
 // per input outside the fitted domain, pose first. The arithmetic is that of
 // effects::TermEvaluator, product by product in the same order: without contraction
 // (-ffp-contract=off, the default of -std=c99 in GCC) the results are the same to the last bit.
+// Two further functions carry it to another zero, as serving does (docs/decisions/0005):
+// ..._zero(pose, temperatures, q, zero) finds where that zero lies in the model's own datum,
+// ..._from(zero, pose, temperatures, q) answers from there.
 // With -DDRIFTWISE_MODEL_SELF_TEST the file has a main that runs the test vectors it carries and
 // exits 0 or 1.
 

@@ -6,6 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "server/core/quantity_text.h"
+
 namespace driftwise::identification {
 namespace {
 
@@ -57,7 +59,7 @@ Result<LeastSquaresSolution> minimise(const LeastSquaresProblem& problem,
   return fail(ErrorCode::failed_precondition, "NO_CONVERGENCE",
               "no minimum found in " + std::to_string(evaluations) +
                   " evaluations (root mean square of what is left " +
-                  std::to_string(std::sqrt(solution.sum_of_squares / rows)) +
+                  digits_text(std::sqrt(solution.sum_of_squares / rows)) +
                   "): hold parameters that the data hardly determine, or start nearer");
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "server/core/quantity_text.h"
 #include "server/kinematics/angles.h"
 
 namespace driftwise::kinematics {
@@ -100,8 +101,8 @@ Result<void> check_delta(const KinematicsDescription& description) {
       return bad("found " + branch.motor.name() + ", expected a motor coordinate in mm");
     if (!(branch.radius_mm > 0) || !(branch.length_mm > branch.radius_mm))
       return bad("branch of " + branch.motor.name() + ": found radius_mm " +
-                 std::to_string(branch.radius_mm) + " and length_mm " +
-                 std::to_string(branch.length_mm) + ", expected 0 < radius_mm < length_mm");
+                 digits_text(branch.radius_mm, 9) + " and length_mm " +
+                 digits_text(branch.length_mm, 9) + ", expected 0 < radius_mm < length_mm");
   }
   return {};
 }
@@ -180,8 +181,8 @@ Result<Vector> Delta::pose_from_motor(const Vector& q_mm, const Eigen::VectorXd&
   const double height = std::sqrt(radius[0] * radius[0] - x * x - y * y);
   if (!std::isfinite(height))
     return fail(ErrorCode::out_of_range, "NO_POSE",
-                "the arms do not meet at q = " + std::to_string(q_mm[0]) + ", " +
-                    std::to_string(q_mm[1]) + ", " + std::to_string(q_mm[2]) +
+                "the arms do not meet at q = " + digits_text(q_mm[0], 9) + ", " +
+                    digits_text(q_mm[1], 9) + ", " + digits_text(q_mm[2], 9) +
                     " mm: no pose belongs to these motor coordinates");
   const Vector away = normal.z() * side > 0 ? Vector(-normal) : normal;  // off the carriages
   return Frame(values.tail(kFrameParameters)).outer(centre[0] + x * ex + y * ey + height * away);

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 namespace driftwise::rpc {
 
@@ -24,6 +25,7 @@ struct CallBook::Calls {
   Quotas quotas;
   std::map<std::size_t, One> open;
   std::size_t next_id = 0;
+  bool closing = false;
 
   // Ends the slowest stream, of one connection or of all.
   void end_slowest(const std::string* peer) {
@@ -62,10 +64,23 @@ std::unique_ptr<CallBook::Entry> CallBook::enter(std::string peer, bool is_strea
       calls_->end_slowest(&peer);
     if (calls_->streams(nullptr) >= calls_->quotas.streams_in_all) calls_->end_slowest(nullptr);
   }
+  if (is_stream && calls_->closing) std::exchange(end, nullptr)();
   const std::size_t id = calls_->next_id++;
   calls_->open.emplace(id, Calls::One{std::move(peer), is_stream, false,
                                       std::chrono::steady_clock::now(), std::move(end)});
   return std::make_unique<Entry>(calls_, id);
+}
+
+void CallBook::end_streams() {
+  const std::lock_guard lock(calls_->mutex);
+  calls_->closing = true;
+  // Ending one may take others out of the book.
+  std::vector<std::size_t> ids;
+  for (const auto& [id, one] : calls_->open)
+    if (one.is_stream && one.end) ids.push_back(id);
+  for (const std::size_t id : ids)
+    if (const auto one = calls_->open.find(id); one != calls_->open.end())
+      if (const auto end = std::exchange(one->second.end, nullptr)) end();
 }
 
 std::size_t CallBook::open_calls(const std::string& peer) const {

@@ -39,6 +39,9 @@ class CallBook {
   class Entry;
   std::unique_ptr<Entry> enter(std::string peer, bool is_stream, std::function<void()> end);
 
+  // Ends every stream, those that begin later at once: the door closes.
+  void end_streams();
+
   std::size_t open_calls(const std::string& peer) const;
   std::size_t streams() const;
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "server/application/run_plan.h"
+#include "server/formats/text.h"
 #include "server/rpc/convert_values.h"
 #include "server/rpc/request_checks.h"
 
@@ -83,8 +84,8 @@ bool take(bool present, V value, const char* field, double low, double high, T& 
   const double found = static_cast<double>(value);
   if (!std::isfinite(found) || found < low || found > high) {
     error = {ErrorCode::invalid_argument, "BAD_RULE",
-             std::string("rules.") + field + ": found " + std::to_string(found) + ", expected " +
-                 std::to_string(low) + " to " + std::to_string(high)};
+             std::string("rules.") + field + ": found " + formats::number_text(found) +
+                 ", expected " + formats::number_text(low) + " to " + formats::number_text(high)};
     return false;
   }
   rule = static_cast<T>(value);
@@ -138,6 +139,8 @@ v1::RunProgress progress_from(const application::RunProgress& progress) {
   if (!is_missing(progress.last_closure_nm)) out.set_last_closure_nm(progress.last_closure_nm);
   if (progress.estimated_end.utc_ns != 0)
     *out.mutable_estimated_end_time() = timestamp_from(progress.estimated_end);
+  if (!is_over(progress.run.state))
+    *out.mutable_remaining_duration() = duration_from_s(progress.remaining_s);
   out.set_sequence(progress.sequence);
   return out;
 }

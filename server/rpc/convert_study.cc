@@ -5,6 +5,7 @@
 
 #include "server/core/channel.h"
 #include "server/formats/method_json.h"
+#include "server/formats/text.h"
 #include "server/rpc/convert_values.h"
 #include "server/rpc/fit_request.h"
 #include "server/rpc/request_checks.h"
@@ -81,7 +82,7 @@ Result<application::SensorsRequest> sensors_request_from(const v1::StudySensorsR
   if (request.has_tolerance()) asked.tolerance = request.tolerance();
   if (!(asked.tolerance >= 0 && asked.tolerance <= 10))  // false for NaN
     return fail(ErrorCode::invalid_argument, "BAD_OPTION",
-                "tolerance: found " + std::to_string(asked.tolerance) + ", expected 0 to 10");
+                "tolerance: found " + formats::number_text(asked.tolerance) + ", expected 0 to 10");
   return asked;
 }
 

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "server/formats/text.h"
 #include "server/rpc/convert_diagnosis.h"
 #include "server/rpc/request_checks.h"
 
@@ -30,8 +31,9 @@ Result<application::DiagnosisRequest> diagnosis_request_from(
   }
   if (request.has_alpha()) asked.alpha = request.alpha();
   if (!(asked.alpha > 0 && asked.alpha < 0.5))  // true for NaN
-    return fail(ErrorCode::invalid_argument, "BAD_ALPHA",
-                "alpha: found " + std::to_string(asked.alpha) + ", expected above 0 and below 0.5");
+    return fail(
+        ErrorCode::invalid_argument, "BAD_ALPHA",
+        "alpha: found " + formats::number_text(asked.alpha) + ", expected above 0 and below 0.5");
   if (request.has_seed()) asked.seed = request.seed();
   if (asked.seed < 0)
     return fail(ErrorCode::invalid_argument, "BAD_OPTION",
@@ -75,7 +77,7 @@ Result<application::ImproveRequest> improve_request_from(
                 "trajectory_text: found nothing, expected a CSV file");
   if (!(request.budget_s() >= 0 && request.budget_s() <= kMostAsked_s))
     return fail(ErrorCode::invalid_argument, "BAD_BUDGET",
-                "budget_s: found " + std::to_string(request.budget_s()) +
+                "budget_s: found " + formats::number_text(request.budget_s()) +
                     ", expected 0 (no limit) or seconds of cell time");
   if (request.max_turns() < 0)
     return fail(ErrorCode::invalid_argument, "BAD_TURNS",

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/formats/text.h"
 #include "server/rpc/request_checks.h"
 
 namespace driftwise::rpc {
@@ -11,8 +12,8 @@ Result<void> check_probabilities(const application::FitRequest& fit) {
   const auto inside = [](double p) { return p > 0.0 && p < 1.0; };  // false for NaN
   if (inside(fit.p_enter) && inside(fit.p_remove) && fit.p_remove >= fit.p_enter) return {};
   return fail(ErrorCode::invalid_argument, "BAD_PROBABILITY",
-              "found p_enter " + std::to_string(fit.p_enter) + " and p_remove " +
-                  std::to_string(fit.p_remove) + ", expected 0 < p_enter <= p_remove < 1");
+              "found p_enter " + formats::number_text(fit.p_enter) + " and p_remove " +
+                  formats::number_text(fit.p_remove) + ", expected 0 < p_enter <= p_remove < 1");
 }
 
 // What the fit of a file has as options: ranges as there.

@@ -142,6 +142,7 @@ void RpcServer::shut_down(std::chrono::milliseconds grace) {
   if (!server_) return;
   gate_.reset();
   server_->GetHealthCheckService()->Shutdown();
+  calls_->end_streams();
   server_->Shutdown(std::chrono::system_clock::now() + grace);
   server_->Wait();
   server_.reset();

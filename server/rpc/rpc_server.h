@@ -39,7 +39,7 @@ class RpcServer {
 
   std::string address() const { return address_; }  // with the port chosen: "127.0.0.1:40200"
   void ready(bool is_ready);
-  // Unary calls under way may finish within the grace; streams are ended at once after it.
+  // Streams are ended at once, unary calls under way may finish within the grace.
   // Idempotent.
   void shut_down(std::chrono::milliseconds grace);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <deque>
 
+#include "server/formats/text.h"
 #include "server/rpc/convert_values.h"
 #include "server/rpc/convert_watch.h"
 #include "server/rpc/jobs_told.h"
@@ -153,7 +154,7 @@ Result<WatchWish> watch_wish_from(const v1::WatchRequest& request) {
   wish.cursor = request.cursor();
   if (!std::isfinite(request.max_hz()) || request.max_hz() < 0 || request.max_hz() > kMostHz)
     return fail(ErrorCode::invalid_argument, "BAD_RATE",
-                "max_hz: found " + std::to_string(request.max_hz()) + ", expected 0 to 20");
+                "max_hz: found " + formats::number_text(request.max_hz()) + ", expected 0 to 20");
   wish.max_hz = request.max_hz() == 0 ? kUsualHz : request.max_hz();
   for (const int topic : request.topics()) {
     if (topic == v1::TOPIC_UNSPECIFIED || !v1::Topic_IsValid(topic))

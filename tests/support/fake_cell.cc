@@ -217,7 +217,9 @@ Awaitable<Result<RunRecord>> FakeCell::resume_run(app::Caller caller, RunId run,
   co_return change_state(caller, run, RunState::running, "");
 }
 Awaitable<Result<RunRecord>> FakeCell::abort_run(app::Caller caller, RunId run, std::string why) {
-  co_return change_state(caller, run, RunState::aborted, why);
+  auto before = find_run(run);
+  auto changed = change_state(caller, run, RunState::aborted, why);
+  co_return aborts_later&& changed ? before : changed;
 }
 
 Awaitable<Result<RunRecord>> FakeCell::confirm_force(app::Caller caller, RunId run,

@@ -54,6 +54,7 @@ class FakeCell final : public app::Cell,
   app::SensorsRequest last_sensors;
   app::CellStatus the_status;
   std::map<std::int64_t, RunRecord> the_runs;
+  bool aborts_later = false;  // the answer to an abort shows the run as it was
   std::vector<PointRecord> the_points;
   std::vector<AttemptRecord> the_attempts;
   std::vector<DatumRecord> the_datums;

@@ -17,6 +17,7 @@
 #include <string>
 
 #include "drivers/simulated/emulators/switches.h"
+#include "drivers/simulated/emulators/text.h"
 
 namespace driftwise::simulated {
 namespace {
@@ -107,7 +108,7 @@ void SimClock::map(const std::filesystem::path& file) {
   const double found = anchor().speed;
   if (!std::isfinite(found) || found <= 0) {
     ::munmap(mapped, kSize);
-    refuse(file, "found speed " + std::to_string(found) + ", expected a number above 0: remove it");
+    refuse(file, "found speed " + shortest(found) + ", expected a number above 0: remove it");
   }
 }
 

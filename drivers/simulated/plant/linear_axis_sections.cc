@@ -1,4 +1,6 @@
 #include <cmath>
+#include <iomanip>
+#include <sstream>
 
 #include "drivers/simulated/plant/hidden_sections.h"
 #include "drivers/simulated/plant/plant_sections.h"
@@ -56,14 +58,20 @@ ParallelogramParameters parallelogram_section(Fields fields, const Materials& ma
   return p;
 }
 
+std::string number_text(double value) {
+  std::ostringstream out;
+  out << std::setprecision(9) << value;
+  return out.str();
+}
+
 // The pieces lead from the head to the mirror through metal; air is the straight way.
 void check_closure(const Fields& root, const LinearAxisParameters& plant) {
   double sum_mm = 0;
   for (const auto& piece : plant.loop) sum_mm += piece.length_mm;
   if (std::abs(sum_mm - plant.interferometer().dead_path_mm) > 1e-6) {
-    root.fail("loop", "the lengths sum to " + std::to_string(sum_mm) +
+    root.fail("loop", "the lengths sum to " + number_text(sum_mm) +
                           " mm, expected interferometer.dead_path_mm = " +
-                          std::to_string(plant.interferometer().dead_path_mm) + ": a loop closes");
+                          number_text(plant.interferometer().dead_path_mm) + ": a loop closes");
   }
 }
 

@@ -1,6 +1,9 @@
 // The daemon is asked to end: in order, at once, and a restart goes on where it was.
 
 #include <gmock/gmock.h>
+#include <sys/stat.h>
+
+#include <csignal>
 
 #include "tests/integration/cell/cell_at_work.h"
 
@@ -43,6 +46,32 @@ TEST(Ending, WhenIdleIsQuickAndTakesTheNoticeAway) {
   EXPECT_THROW(read_file(cell.folder() + "/driftwised.json"), std::runtime_error);
   cell.start_daemon();
   EXPECT_EQ(cell.cli({"status"}).code, 0);
+}
+
+// docs/install.md: people who watch a cell need not be its service's user.
+TEST(Ending, TheNoticeIsReadableWhateverTheServicesUmask) {
+  CellAtWork cell;
+  const auto before = ::umask(0077);
+  cell.start_daemon();
+  ::umask(before);
+  struct stat found {};
+  ASSERT_EQ(::stat((cell.folder() + "/driftwised.json").c_str(), &found), 0);
+  EXPECT_EQ(found.st_mode & 0777, 0644u);
+}
+
+TEST(Ending, AClientWhoseTerminalGoesAwayGivesItsLeaseBack) {
+  CellAtWork cell;
+  cell.start_daemon();
+  const auto plan = cell.write("plan.csv", campaign(8, 6));
+  Process watch({std::string(DRIFTWISE_BIN_DIR) + "/driftwise", "--server", cell.grpc_address(),
+                 "run", "start", plan, "--watch"});
+  const auto held = [&] { return !cell.ask({"status"}).at("lease").is_null(); };
+  wait_until("the lease to be taken", held);
+  cell.wait_for_points(2);
+  watch.signal(SIGHUP);
+  EXPECT_EQ(watch.wait(std::chrono::seconds(30)), 130);
+  EXPECT_FALSE(held());
+  EXPECT_EQ(cell.state_of(1), "running");
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 // From a campaign to a model that serves and compensates.
 
+#include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -87,6 +89,27 @@ TEST_F(ServingTest, ThePastOfATargetIsMadeFromTheRecordedTemperatures) {
   EXPECT_NEAR(nm.back(), now->sum_nm(), 12);
   query.pose = {};
   EXPECT_EQ(cell.await(cell->watching().past_targets(query)).error().reason, "MISSING_COORDINATE");
+}
+
+TEST_F(ServingTest, AModelThatIsFollowedLeavesTheTroubleOfTheServedOne) {
+  const auto good = fit_after_campaign();
+  application::FitRequest fit;  // of another cell: no datum of this one holds t99
+  fit.formula = "q1 ~ x + t99";
+  fit.csv = "q1_mm,x_mm,t99_degC\n";
+  for (int i = 0; i < 40; ++i)
+    fit.csv += fmt::format("{},{},{}\n", 1.0 * i + 1e-4 * (i % 7) + 1e-6 * (i % 3), i, 20 + i % 7);
+  const auto foreign = cell.await(cell->fit(cell.ada, fit));
+  ASSERT_TRUE(foreign) << foreign.error().message;
+  ASSERT_TRUE(cell.await(cell->promote(cell.ada, foreign->id, true)));
+  const auto said = [&] { return cell->status().attention; };
+  ASSERT_THAT(said(), testing::Contains(testing::HasSubstr("does not anchor")));
+  application::CreateRun compensated;
+  compensated.trajectory_text = "x_mm\n1\n2\n";
+  compensated.compensate = true;
+  compensated.compensate_with = good.id;
+  ASSERT_TRUE(cell.try_run(compensated));
+  cell.finish_run();
+  EXPECT_THAT(said(), testing::Contains(testing::HasSubstr("does not anchor")));
 }
 
 TEST_F(ServingTest, TheResidualsOfAFitAreThoseOfItsAccuracy) {

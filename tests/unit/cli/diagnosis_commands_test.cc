@@ -49,6 +49,16 @@ class DiagnosisCommands : public CliTest {
   }
 };
 
+TEST_F(DiagnosisCommands, NameACauseThatCannotBeTestedOnce) {
+  cell.on_executor([this] {
+    cell.the_diagnoses[0].found->not_testable = {{"cyclic_error", "x is visited at 3 places"},
+                                                 {"cyclic_error", "y is visited at 3 places"},
+                                                 {"abbe_offset", "no tilt"}};
+  });
+  EXPECT_THAT(run({"diagnosis", "show", "1"}).out,
+              HasSubstr("not testable with these data: cyclic_error; abbe_offset\n"));
+}
+
 TEST_F(DiagnosisCommands, ShowWhatWasFound) {
   const auto said = run({"diagnosis", "show", "1"});
   EXPECT_EQ(said.exit, 0) << said.err;

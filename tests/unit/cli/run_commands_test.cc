@@ -144,6 +144,27 @@ TEST_F(RunCommandsTest, PausesResumesAndAborts) {
   EXPECT_EQ(run({"run", "pause", "1"}).exit, 5);
 }
 
+TEST_F(RunCommandsTest, AnAbortPrintsWhatBecameOfTheRun) {
+  json({"run", "start", trajectory()});
+  cell.on_executor([&] { cell.aborts_later = true; });
+  const auto outcome = run({"run", "abort", "1", "--reason", "door open"});
+  EXPECT_EQ(outcome.exit, 0);
+  EXPECT_THAT(outcome.out, HasSubstr("aborted"));
+  EXPECT_THAT(outcome.out, testing::Not(HasSubstr("running")));
+}
+
+TEST_F(RunCommandsTest, TheStatusDuringARunSaysWhoMovesTheRobot) {
+  EXPECT_THAT(run({"status"}).out, HasSubstr("lease    free\n"));
+  json({"run", "start", trajectory()});
+  cell.on_executor([&] {
+    app::RunProgress progress;
+    progress.run = cell.the_runs[1];
+    cell.the_status.run = progress;
+  });
+  EXPECT_THAT(run({"status"}).out,
+              HasSubstr("lease    nobody holds it; run 1 moves the robot until it ends\n"));
+}
+
 TEST_F(RunCommandsTest, ShowsPointsWithNullForWhatWasNotMeasured) {
   json({"run", "start", trajectory()});
   cell.on_executor([&] {

@@ -3,9 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <map>
 #include <sstream>
 
 #include "clients/cli/assignment.h"
+#include "clients/cli/console.h"
 #include "clients/cli/progress_bar.h"
 #include "clients/cli/table.h"
 
@@ -63,6 +66,37 @@ TEST(ProgressLine, ShowsTheShareAndWhatIsLeft) {
   p.set_last_spread_nm(3.14);
   EXPECT_EQ(progress_line(p, 3725, 200),
             "run 3 moving [########............]  412/1008  40 %  1 h 02 min left  spread 3.1 nm");
+}
+
+TEST(ProgressLine, OfARunThatWaitsSaysWhatIsLeft) {
+  auto p = progress(412, 1008);
+  p.mutable_run()->set_state(v1::Run::STATE_WAITING);
+  p.mutable_remaining_duration()->set_seconds(3725);
+  p.mutable_estimated_end_time()->set_seconds(1'300'000'000);
+  EXPECT_EQ(progress_line(p, 3725, 200),
+            "run 3 waiting [########............]  412/1008  40 %  1 h 02 min of cell time left "
+            "once it goes on");
+}
+
+// A device that comes and goes lets a run wait and go on a thousand times.
+TEST(ProgressBarInALog, IsNotFloodedByARunThatWaitsAndGoesOn) {
+  std::ostringstream out, err;
+  const std::map<std::string, std::string> environment;
+  const Console console{out, err, false, false, 80, environment, "", false, 24, nullptr, false};
+  {
+    ProgressBar bar(console, {});
+    auto p = progress(412, 1008);
+    for (int i = 0; i < 2000; ++i) {
+      p.mutable_run()->set_state(i % 2 == 0 ? v1::Run::STATE_WAITING : v1::Run::STATE_RUNNING);
+      bar.show(p);
+    }
+    p = progress(1008, 1008);
+    p.mutable_run()->set_state(v1::Run::STATE_DONE);
+    bar.show(p);
+  }
+  const std::string log = err.str();
+  EXPECT_LE(std::ranges::count(log, '\n'), ProgressBar::kStatesAtOnce + 3);
+  EXPECT_THAT(log, testing::HasSubstr("run 3 done"));
 }
 
 TEST(ProgressLine, FitsItsWidthAndNeverDividesByZero) {

@@ -98,6 +98,60 @@ TEST_F(CompiledModel, AgreesWithTheFormulaAndFlagsTheDomain) {
   EXPECT_EQ(both_out, 3);
 }
 
+// The robot has warmed and its axes stand 20 and -30 um from where pose 0 was in the model's data:
+// a constant per motor would be wrong by the curvature and by x:t07.
+TEST_F(CompiledModel, GoesOnFromTheZeroOfAnotherDatumByItsPose) {
+  auto model = axis_model();
+  model.outputs.push_back(model.outputs[0]);
+  model.outputs[1].channel = {"q2", "mm"};
+  model.outputs[1].terms = {term({}), term({power("y")}), term({power("x")}),
+                            term({power("x"), power("y")}), term({power("y"), power("t07")})};
+  model.domain.push_back({{"y", "mm"}, -4, 4});
+  const auto q1 = [](double x, double, double t) {
+    return 1.0 + 2.0 * x + 0.5 * x * x + 1e-3 * t + 2e-4 * x * t;
+  };
+  const auto q2 = [](double x, double y, double t) {
+    return 1.0 + 2.0 * y + 0.5 * x + 1e-3 * x * y + 2e-4 * y * t;
+  };
+  std::string source = *write_model_c(model, "axis");
+  char harness[1024];
+  std::snprintf(
+      harness, sizeof harness,
+      "#include <stdio.h>\nint main(void) {\n  const double none[2] = {0.0, 0.0}, pose[2] = "
+      "{2.0, -1.5}, then[1] = {20.5}, now[1] = {21.5}, q_zero[2] = {%.17g, %.17g};\n"
+      "  double zero[4], q[2];\n  int moved = driftwise_model_axis_zero(none, then, q_zero, "
+      "zero);\n  int outside = driftwise_model_axis_from(zero, pose, now, q);\n"
+      "  printf(\"%%.17g %%.17g %%.17g %%.17g %%d %%d\\n\", zero[0], zero[1], q[0], q[1], moved, "
+      "outside);\n  return 0;\n}\n",
+      q1(0.02, -0.03, 20.5), q2(0.02, -0.03, 20.5));
+  ASSERT_EQ(compile(source + harness, ""), 0);
+  ASSERT_EQ(run_model(), 0);
+  double x = 0, y = 0, one = 0, two = 0;
+  int moved = -1, outside = -1;
+  ASSERT_EQ(
+      std::sscanf(output().c_str(), "%lf %lf %lf %lf %d %d", &x, &y, &one, &two, &moved, &outside),
+      6);
+  EXPECT_NEAR(x, 0.02, 1e-10);
+  EXPECT_NEAR(y, -0.03, 1e-10);
+  EXPECT_NEAR(one, q1(2.02, -1.53, 21.5), 1e-9);
+  EXPECT_NEAR(two, q2(2.02, -1.53, 21.5), 1e-9);
+  EXPECT_EQ(moved, 1);
+  EXPECT_EQ(outside, 0);
+}
+
+TEST_F(CompiledModel, SaysWhenAnotherZeroIsKnownByAConstantOnly) {
+  auto model = axis_model();  // a scale that was homed elsewhere: 1 mm of a range of 8 mm
+  std::string source = *write_model_c(model, "axis");
+  source +=
+      "#include <stdio.h>\nint main(void) {\n  const double none[1] = {0.0}, t[1] = {20.5}, "
+      "q_zero[1] = {9.0};\n  double zero[2], q[1];\n  int moved = "
+      "driftwise_model_axis_zero(none, t, q_zero, zero);\n  (void)driftwise_model_axis_from(zero, "
+      "none, t, q);\n  printf(\"%.17g %d\\n\", q[0], moved);\n  return 0;\n}\n";
+  ASSERT_EQ(compile(source, ""), 0);
+  ASSERT_EQ(run_model(), 0);
+  EXPECT_EQ(output(), "9 0\n");
+}
+
 TEST(WriteModelC, RefusesANameThatIsNoIdentifier) {
   for (const char* name : {"", "a b", "a;b", "ä"})
     EXPECT_EQ(write_model_c(axis_model(), name).error().reason, "BAD_NAME") << name;

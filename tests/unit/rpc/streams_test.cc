@@ -55,6 +55,24 @@ TEST_F(StreamsTest, AWatchEndsWithTheStateInWhichTheRunIsOver) {
   EXPECT_TRUE(eventually([&] { return cell.watchers == 0; }));
 }
 
+// The grace is for calls that will end by themselves; whoever watches is told at once.
+TEST_F(StreamsTest, AnOpenWatchDoesNotDelayTheEndOfTheDaemon) {
+  Call call;
+  v1::WatchRunRequest request;
+  request.set_run_id(3);
+  v1::RunService::Stub stub(channel);
+  const auto reader = stub.WatchRun(&call, request);
+  ASSERT_TRUE(eventually([&] { return cell.watchers == 1; }));
+  const auto grace = std::chrono::seconds(60);
+  const auto begin = std::chrono::steady_clock::now();
+  server->shut_down(grace);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, grace / 2) << "it waited for the stream";
+  v1::WatchRunResponse response;
+  while (reader->Read(&response)) {
+  }
+  EXPECT_FALSE(reader->Finish().ok());
+}
+
 TEST_F(StreamsTest, AWatchOfARunThatIsOverTellsItsEnd) {
   cell.on_executor([&] { cell.the_runs[3].state = RunState::failed; });
   Call call;

@@ -37,14 +37,17 @@ export function FileInput({ label, accept, chosen, onFile, onClear, mostBytes }:
         onDragLeave={() => setOver(false)}
         onDrop={(event) => { event.preventDefault(); setOver(false); void read(event.dataTransfer?.files[0]); }}
       >
+        {/* The browser's own field knows nothing of a dropped file: it would go on saying that none is chosen. */}
         <input
           id={id}
+          class="sr-only"
           type="file"
           accept={accept}
           aria-describedby={wrong ? `${id}-says` : undefined}
           onChange={(event) => { void read(event.currentTarget.files?.[0]); event.currentTarget.value = ''; }}
         />
-        <span class="note muted">{chosen ?? 'or drop it here'}</span>
+        <label for={id} class="file-choose" aria-hidden="true">{chosen ? 'Choose another…' : 'Choose a file…'}</label>
+        <span class={chosen ? 'file-name' : 'note muted'}>{chosen ?? 'or drop it here'}</span>
         {chosen && onClear && <Button small onPress={onClear} label={`Take out ${chosen}`}>Take out</Button>}
       </div>
       {wrong && <span id={`${id}-says`} class="wrong" role="alert">{wrong}</span>}

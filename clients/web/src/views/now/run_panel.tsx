@@ -2,7 +2,7 @@
 import { api } from '@/api/client';
 import { Run_State, type Run, type RunProgress } from '@/api/gen/driftwise/v1/run_pb';
 import { fixed } from '@/format/numbers';
-import { dateClock, dayClock, duration, ms } from '@/format/time';
+import { dateClock, dayClock, duration, ms, secondsOf } from '@/format/time';
 import { connection } from '@/live/connection';
 import { cell, cellTimeMs } from '@/live/state';
 import { RunButtons } from '@/parts/run_buttons';
@@ -11,6 +11,8 @@ import { Panel } from '@/ui/panel';
 import { Mark } from '@/ui/verdict';
 import { useAsked } from '@/ui/use_asked';
 
+const isHeld = (run: Run): boolean => run.state === Run_State.WAITING || run.state === Run_State.PAUSED;
+
 // When the run will be over by the cell's clock, as all times of the page, and how long that is on the wall.
 function Ready({ progress }: { progress: RunProgress }) {
   const endMs = ms(progress.estimatedEndTime);
@@ -18,6 +20,17 @@ function Ready({ progress }: { progress: RunProgress }) {
   const speed = cell.value?.speed || 1;
   if (endMs === undefined || nowMs === undefined) return null;
   const leftS = (endMs - nowMs) / 1000 / speed;
+  const remainingS = secondsOf(progress.remainingDuration);
+  if (isHeld(progress.run!) && remainingS !== undefined) {
+    // Its end moves away while it stands still; what is left of it does not.
+    return (
+      <div class="ready" title="If it went on now: from the time that points have taken so far, computed by the daemon">
+        <span class="muted">ready about, if it went on now</span>
+        <strong class="result">{dayClock(nowMs + remainingS * 1000)}</strong>
+        <span class="muted">{duration(remainingS / speed)} of measuring left{speed !== 1 && ' on the wall'}</span>
+      </div>
+    );
+  }
   if (leftS < -30) return <div class="ready"><span class="muted">estimated end passed</span><strong class="result">{duration(-leftS)} ago</strong></div>;
   return (
     <div class="ready" title="From the plan's moves and the time that points have taken so far, computed by the daemon">
@@ -32,7 +45,7 @@ export function RunPanel({ progress, buttons }: { progress: RunProgress; buttons
   const run = progress.run!;
   const [kind, word] = stateWords[run.state];
   const share = doneShare(run);
-  const held = run.state === Run_State.WAITING || run.state === Run_State.PAUSED;
+  const held = isHeld(run);
   return (
     <Panel class={`run-panel${connection.value.phase === 'lost' ? ' stale' : ''}`}>
       <div class="run-state">

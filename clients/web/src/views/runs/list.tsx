@@ -17,7 +17,8 @@ import { Verdict } from '@/ui/verdict';
 import { ViewTitle } from '@/ui/view_title';
 
 const pageSize = 200;
-const states = [Run_State.RUNNING, Run_State.PAUSED, Run_State.WAITING, Run_State.QUEUED, Run_State.DONE, Run_State.ABORTED, Run_State.FAILED];
+// A cell has no queue: a run begins when it is created, or is refused.
+const states = [Run_State.RUNNING, Run_State.PAUSED, Run_State.WAITING, Run_State.DONE, Run_State.ABORTED, Run_State.FAILED];
 
 const newestFirst = (runs: readonly Run[]) => [...new Map(runs.map((run) => [run.id, run])).values()].sort((a, b) => (a.id < b.id ? 1 : -1));
 

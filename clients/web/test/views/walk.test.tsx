@@ -1,0 +1,62 @@
+// What a person met on a walk through the page.
+import { cleanup, configure, fireEvent, render, screen, waitFor, within } from '@testing-library/preact';
+import { create } from '@bufbuild/protobuf';
+import { afterAll, afterEach, beforeAll, expect, it, vi } from 'vitest';
+import { useTransport } from '@/api/client';
+import { Run_State, RunProgressSchema } from '@/api/gen/driftwise/v1/run_pb';
+import { go } from '@/app/router';
+import { Shell } from '@/app/shell';
+import { startStream } from '@/live/stream';
+import { FileInput } from '@/ui/file_input';
+import { RunPanel } from '@/views/now/run_panel';
+import { fakeNowMs, fakeRun } from '../fake/cell';
+import { fakeDaemon } from '../fake/daemon';
+import { timestampOf } from '@/format/time';
+
+vi.mock('@/plot/plot', () => ({ Plot: ({ spec }: { spec: { title: string } }) => <figure>{spec.title}</figure> }));
+vi.setConfig({ testTimeout: 30_000 }); // a busy machine
+configure({ asyncUtilTimeout: 15_000 });
+
+let endStream: () => void;
+beforeAll(() => {
+  vi.stubGlobal('scrollTo', () => undefined);
+  useTransport(fakeDaemon());
+  endStream = startStream();
+});
+afterAll(() => endStream());
+afterEach(cleanup);
+
+it('offers no state that a run never has', async () => {
+  go('/runs');
+  render(<Shell />);
+  const states = await screen.findByRole('option', { name: 'Waiting' });
+  const offered = within(states.closest('select')!).getAllByRole('option').map((one) => one.textContent);
+  expect(offered).toContain('Done');
+  expect(offered).not.toContain('Queued');
+});
+
+it('shows a dropped file by its name, and no field beside it that says there is none', async () => {
+  const got: string[] = [];
+  const { rerender } = render(<FileInput label="Trajectory" accept=".csv" onFile={(file) => got.push(file.name)} mostBytes={1000} />);
+  const field = screen.getByLabelText('Trajectory');
+  expect(field.classList.contains('sr-only')).toBe(true); // a browser would write "No file chosen" here
+  expect(screen.getByText('Choose a file…')).toBeTruthy();
+  const file = Object.assign(new File(['x_mm\n1\n'], 'weekend.csv'), { arrayBuffer: async () => new ArrayBuffer(7) }); // jsdom has none
+  fireEvent.drop(field.closest('.file-drop')!, { dataTransfer: { files: [file] } });
+  await waitFor(() => expect(got).toEqual(['weekend.csv']));
+  rerender(<FileInput label="Trajectory" accept=".csv" chosen="weekend.csv" onFile={() => undefined} mostBytes={1000} />);
+  expect(screen.getByText('weekend.csv')).toBeTruthy();
+  expect(screen.queryByText('or drop it here')).toBeNull();
+});
+
+it('says when a run that waits would be ready', async () => {
+  go('/now');
+  render(<Shell />);
+  await screen.findByText('Live'); // cell time is known
+  cleanup();
+  const run = { ...fakeRun, state: Run_State.WAITING, reason: 'laser-x does not answer' };
+  render(<RunPanel buttons={false} progress={create(RunProgressSchema, { run, phase: 'waiting', estimatedEndTime: timestampOf(fakeNowMs - 3600e3), remainingDuration: { seconds: 7200n, nanos: 0 } })} />);
+  expect(screen.getByText('ready about, if it went on now')).toBeTruthy();
+  expect(screen.getByText(/of measuring left/)).toBeTruthy();
+  expect(screen.queryByText('estimated end passed')).toBeNull();
+});

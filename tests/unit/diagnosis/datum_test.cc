@@ -1,0 +1,48 @@
+// A diagnosis over two datums has the second one where its zero lies, as a fit has it.
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "server/diagnosis/diagnosis.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+// q1 = x + 2e-3 x^2 with 5 nm of noise; from row 300 on the instruments were zeroed 8 um further
+// along, the motor's scale was not: a constant alone leaves a slope of 32 nm per mm.
+Dataset two_datums_on_a_curve() {
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> normal;
+  Dataset data;
+  for (const char* name : {"q1_mm", "x_mm"}) data.columns.push_back({*parse_channel(name), {}});
+  for (int i = 0; i < 600; ++i) {
+    const bool second = i >= 300;
+    const double place = -3 + 0.25 * ((i * 7) % 25), p0 = second ? 8e-3 : 0;
+    const auto q = [](double x) { return x + 2e-3 * x * x; };
+    data.time_s.push_back(20.0 * i);
+    data.datum.push_back(second ? 2 : 1);
+    data.set.push_back(i % 5 == 2 ? PointSet::validation : PointSet::calibration);
+    data.columns[0].values.push_back(q(place + p0) + 5e-6 * normal(random));
+    data.columns[1].values.push_back(place);
+    ++data.rows;
+  }
+  return data;
+}
+
+TEST(DiagnosisOverTwoDatums, FindsNothingInWhatIsOnlyAnotherZero) {
+  DiagnoseOptions options;
+  options.baseline = {
+      "q1 ~ poly(x, 3)",
+      {"q1"},
+      {{{effects::Power{"x", 1}}}, {{effects::Power{"x", 2}}}, {{effects::Power{"x", 3}}}},
+      true};
+  const auto found = diagnose(two_datums_on_a_curve(), options);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->verdict, Verdict::adequate);
+  for (const auto& finding : found->findings) ADD_FAILURE() << finding.sentence;
+  EXPECT_LT(found->outputs.front().a90_calibration_before, 10) << "nm; noise: 8.2";
+}
+
+}  // namespace
+}  // namespace driftwise::diagnosis
