@@ -1,5 +1,9 @@
 #include "storage/alarm_store.h"
 
+#include <sstream>
+
+#include "server/core/clean_text.h"
+
 namespace driftwise::storage {
 namespace {
 
@@ -12,6 +16,13 @@ AlarmRecord read_alarm(Session& session, AlarmId id) {
   return alarm_from(query);
 }
 
+// One text: the sentence, then each consequence on a line of its own.
+std::string stored_text(const std::string& message, const std::vector<std::string>& consequences) {
+  std::string text = clean_line(message);
+  for (const auto& one : consequences) text += "\n" + clean_line(one);
+  return text;
+}
+
 }  // namespace
 
 AlarmRecord alarm_from(const Query& row) {
@@ -20,7 +31,9 @@ AlarmRecord alarm_from(const Query& row) {
   alarm.level = alarm_level_from(row.text(1)).value_or(AlarmLevel::warning);
   alarm.kind = row.text(2);
   alarm.subject = row.text(3);
-  alarm.message = row.text(4);
+  std::istringstream lines(row.text(4));
+  std::getline(lines, alarm.message);
+  for (std::string one; std::getline(lines, one);) alarm.consequences.push_back(one);
   alarm.since = {row.integer(5)};
   alarm.cleared = {row.integer(6)};
   alarm.acknowledged = {row.integer(7)};
@@ -35,10 +48,23 @@ Result<AlarmRecord> SqliteAlarmStore::raise(const AlarmRecord& alarm) {
           "INSERT INTO alarm (level, kind, subject, message, since_ns, cleared_ns, "
           "acknowledged_ns, acknowledged_by, change) VALUES (?, ?, ?, ?, ?, ?, 0, '', "
           "(SELECT coalesce(max(change), 0) + 1 FROM alarm))")
-        .bind(to_string(alarm.level), alarm.kind, alarm.subject, alarm.message, alarm.since.utc_ns,
+        .bind(to_string(alarm.level), alarm.kind, alarm.subject,
+              stored_text(alarm.message, alarm.consequences), alarm.since.utc_ns,
               alarm.cleared.utc_ns)
         .run();
     return read_alarm(session_, {session_.db.last_row_id()});
+  });
+}
+
+Result<AlarmRecord> SqliteAlarmStore::tell(AlarmId id, const std::string& message,
+                                           const std::vector<std::string>& consequences) {
+  return session_.write([&] {
+    Query(session_.db,
+          "UPDATE alarm SET message = ?2, change = (SELECT max(change) + 1 FROM alarm) WHERE "
+          "alarm_id = ?1 AND cleared_ns = 0")
+        .bind(id, stored_text(message, consequences))
+        .run();
+    return read_alarm(session_, id);
   });
 }
 

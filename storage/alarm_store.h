@@ -15,6 +15,8 @@ class SqliteAlarmStore final : public AlarmStore {
  public:
   explicit SqliteAlarmStore(Session& session) : session_(session) {}
   Result<AlarmRecord> raise(const AlarmRecord& alarm) override;
+  Result<AlarmRecord> tell(AlarmId id, const std::string& message,
+                           const std::vector<std::string>& consequences) override;
   Result<AlarmRecord> clear(AlarmId id, CellTime at) override;
   Result<AlarmRecord> acknowledge(AlarmId id, CellTime at, const std::string& who) override;
   Result<std::vector<AlarmRecord>> alarms(bool with_history, int limit) override;

@@ -41,10 +41,13 @@ ExitCode list_alarms(const Session& session, bool all) {
     return ExitCode::done;
   }
   const Paint paint = session.console.paint_out();
-  for (const auto& alarm : response.alarms())
+  for (const auto& alarm : response.alarms()) {
     session.console.out << alarm.id() << "  " << level_word(paint, alarm.level()) << "  "
                         << clock_text(alarm.since_time()) << "  " << alarm.kind() << "  "
                         << standing_of(alarm) << "\n    " << alarm.message() << '\n';
+    for (const auto& one : alarm.consequences())
+      session.console.out << "      hence: " << one << '\n';
+  }
   if (response.alarms().empty()) session.console.out << "nothing asks for a person\n";
   return ExitCode::done;
 }

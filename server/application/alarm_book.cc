@@ -12,7 +12,9 @@ Awaitable<Result<void>> AlarmBook::restore() {
   const auto alarms = co_await std::move(asking);
   if (!alarms) co_return tl::unexpected(alarms.error());
   for (const auto& alarm : *alarms)
-    if (alarm.cleared.utc_ns == 0) standing_[{alarm.kind, alarm.subject}] = {alarm.id, 0};
+    if (alarm.cleared.utc_ns == 0)
+      standing_[{alarm.kind, alarm.subject}] = {alarm.id, 0, alarm.message, alarm.consequences,
+                                                clock_.now().utc};
   co_return Result<void>{};
 }
 
@@ -28,6 +30,8 @@ Awaitable<void> AlarmBook::look(std::vector<AlarmCondition> conditions) {
   }
   auto storing = store_what_waits(found);
   co_await std::move(storing);
+  auto telling = tell_what_changed(conditions);
+  co_await std::move(telling);
   std::vector<Key> over;
   for (auto& [key, standing] : standing_)
     if (!found.contains(key) && ++standing.looks_without >= kLooksToClear) over.push_back(key);
@@ -42,6 +46,26 @@ Awaitable<void> AlarmBook::look(std::vector<AlarmCondition> conditions) {
   }
 }
 
+Awaitable<void> AlarmBook::tell_what_changed(const std::vector<AlarmCondition>& conditions) {
+  for (const auto& condition : conditions) {
+    const Key key{condition.kind, condition.subject};
+    const auto known = standing_.find(key);
+    if (known == standing_.end()) continue;
+    const auto& told = known->second;
+    const bool more = condition.consequences.size() != told.consequences.size();
+    const bool other =
+        condition.message != told.message || condition.consequences != told.consequences;
+    if (!other || (!more && clock_.now().utc - told.told < kBetweenTellings)) continue;
+    auto storing = writer_.call([id = told.id, condition](Store& store) {
+      return store.alarms().tell(id, condition.message, condition.consequences);
+    });
+    const auto stored = co_await std::move(storing);
+    if (!stored) co_return;
+    standing_[key] = {stored->id, 0, condition.message, condition.consequences, clock_.now().utc};
+    watchers_.publish(*stored);
+  }
+}
+
 Awaitable<void> AlarmBook::store_what_waits(const std::set<Key>& found) {
   std::vector<Key> waiting;
   for (auto& [key, alarm] : unstored_) {
@@ -53,7 +77,8 @@ Awaitable<void> AlarmBook::store_what_waits(const std::set<Key>& found) {
     const auto stored = co_await std::move(storing);
     if (!stored) co_return;  // no room yet
     unstored_.erase(key);
-    if (found.contains(key)) standing_[key] = {stored->id, 0};
+    if (found.contains(key))
+      standing_[key] = {stored->id, 0, stored->message, stored->consequences, clock_.now().utc};
   }
 }
 
@@ -71,6 +96,7 @@ AlarmRecord AlarmBook::begun(const AlarmCondition& condition) const {
   alarm.kind = condition.kind;
   alarm.subject = condition.subject;
   alarm.message = condition.message;
+  alarm.consequences = condition.consequences;
   alarm.since = clock_.now().utc;
   spdlog::warn("alarm {}: {}", alarm.kind, alarm.message);
   return alarm;

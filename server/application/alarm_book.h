@@ -21,6 +21,9 @@ class AlarmBook {
   // A condition is over when this many looks in a row did not find it: one that flickers is one
   // alarm.
   static constexpr int kLooksToClear = 3;
+  // A sentence whose numbers changed is told again no more often than this; new consequences at
+  // once.
+  static constexpr std::chrono::seconds kBetweenTellings{10};
 
   AlarmBook(Clock& clock, StoreWriter& writer) : clock_(clock), writer_(writer) {}
 
@@ -43,9 +46,13 @@ class AlarmBook {
   struct Standing {
     AlarmId id;
     int looks_without = 0;
+    std::string message = {};
+    std::vector<std::string> consequences = {};
+    CellTime told = {};
   };
   AlarmRecord begun(const AlarmCondition& condition) const;
   Awaitable<Result<AlarmRecord>> store(AlarmRecord alarm);
+  Awaitable<void> tell_what_changed(const std::vector<AlarmCondition>& conditions);
   Awaitable<void> store_what_waits(const std::set<Key>& found);
 
   Clock& clock_;

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <set>
 
+#include "server/application/loading.h"
 #include "server/application/pause_meter.h"
+#include "server/application/run_plan.h"
 
 namespace driftwise::application {
 namespace {
@@ -17,13 +19,27 @@ void add_devices(const CellStatus& status, std::vector<AlarmCondition>& out,
                  std::set<std::string>& lost) {
   for (const auto& device : status.devices) {
     const bool tried = device.health.exchanges > 0 || device.health.errors > 0;
-    if (device.health.link == LinkState::connected || !tried) continue;
+    if (device.health.link == LinkState::connected ||
+        (!tried && device.health.link != LinkState::failed))
+      continue;
     const std::string& id = device.description.id;
     lost.insert(id);
-    out.push_back({AlarmLevel::failed, "device.lost", id,
-                   fmt::format("{} at {} does not answer ({}); it is tried again until it does", id,
-                               device.description.address, device.health.last_error)});
+    out.push_back(
+        {.level = AlarmLevel::failed,
+         .kind = "device.lost",
+         .subject = id,
+         .message = fmt::format("{} at {} does not answer ({}); it is tried again until it does",
+                                id, device.description.address, device.health.last_error),
+         .address = device.description.address});
   }
+}
+
+// Weights that are on their way have no force to be read; what measures the pose belongs to a run
+// under way, which reads it at its points.
+bool is_read_later(const CellStatus& status, const DeviceDescription& device) {
+  if (!status.run) return false;
+  if (device.length || !device.angles.empty()) return true;
+  return device.kind == "load-actuator" && status.run->phase == kChangingTheForce;
 }
 
 void add_stale_channels(const CellStatus& status, const std::set<std::string>& lost,
@@ -34,14 +50,21 @@ void add_stale_channels(const CellStatus& status, const std::set<std::string>& l
     const auto device =
         std::find_if(status.devices.begin(), status.devices.end(),
                      [&](const DeviceStatus& one) { return one.description.id == latest.device; });
-    if (never || !latest.stale || device == status.devices.end() || lost.contains(latest.device) ||
-        device->description.period_s <= 0)
+    if (never || !latest.stale || device == status.devices.end() ||
+        device->description.period_s <= 0 || is_read_later(status, device->description))
       continue;
     const std::string channel = latest.channel.name();
-    out.push_back({AlarmLevel::warning, "channel.stale", channel,
-                   fmt::format("{} is older than {:g} s although {} answers: it joins no point and "
-                               "targets carry a flag",
-                               channel, device->description.max_age_s, latest.device)});
+    out.push_back(
+        {.level = AlarmLevel::warning,
+         .kind = "channel.stale",
+         .subject = channel,
+         .message = fmt::format("{} is {:.0f} s old, limit {:g} s{}: it joins no point and targets "
+                                "carry a flag",
+                                channel, latest.age_s, device->description.max_age_s,
+                                lost.contains(latest.device)
+                                    ? std::string()
+                                    : fmt::format(", although {} answers", latest.device)),
+         .device = latest.device});
   }
 }
 
@@ -63,21 +86,32 @@ void add_device_clocks(const CellStatus& status, std::vector<AlarmCondition>& ou
 
 void add_run(const RunProgress& progress, std::vector<AlarmCondition>& out) {
   const RunRecord& run = progress.run;
+  const RunRules rules = rules_of(run);
   if (run.state == RunState::waiting)
-    out.push_back({AlarmLevel::warning, "run.waiting", run_subject(run.id),
-                   fmt::format("run {} waits: {}", run.id.value, run.reason)});
+    out.push_back({.level = AlarmLevel::warning,
+                   .kind = "run.waiting",
+                   .subject = run_subject(run.id),
+                   .message = fmt::format("run {} waits: {}", run.id.value, run.reason),
+                   .detail = run.reason});
   if (run.state == RunState::paused)
     out.push_back(
         {AlarmLevel::notice, "run.paused", run_subject(run.id),
          fmt::format("run {} stands still: {}; resume it to go on", run.id.value, run.reason)});
   if (run.given_up > 0)
     out.push_back({AlarmLevel::warning, "gate.given_up", run_subject(run.id),
-                   fmt::format("run {} gave up rows that failed the gate within all budgets: "
-                               "'driftwise run attempts {}' says why",
-                               run.id.value, run.id.value)});
+                   fmt::format("run {} gave up {} of {} rows that failed the gate within all "
+                               "budgets (limits of this run: spread {:g} nm, readback {:g} nm "
+                               "peak to peak over {:g} s): 'driftwise run attempts {}' says why",
+                               run.id.value, run.given_up, run.rows, rules.max_spread_nm,
+                               rules.quiet_nm, rules.settle_s, run.id.value)});
 }
 
 }  // namespace
+
+RunRules rules_of(const RunRecord& run) {
+  const auto plan = read_run_plan(run.rules_json);
+  return plan ? plan->rules : RunRules{};
+}
 
 std::vector<AlarmCondition> alarm_conditions(const CellStatus& status) {
   std::vector<AlarmCondition> out;

@@ -14,11 +14,18 @@ namespace driftwise::application {
 struct AlarmCondition {
   AlarmLevel level = AlarmLevel::warning;
   std::string kind, subject, message;
+  // What tells whether another condition explains it: the device behind it (channel.stale), the
+  // device's address (device.lost), the run's own reason (run.waiting).
+  std::string device = {}, address = {}, detail = {};
+  std::vector<std::string> consequences = {};  // sentences: incidents.h
 };
 
-// device.lost; channel.stale, of devices that answer; run.waiting, run.paused; gate.given_up;
+// device.lost; channel.stale; run.waiting, run.paused; gate.given_up;
 // daemon.paused, for a minute after a pause of the executor.
 std::vector<AlarmCondition> alarm_conditions(const CellStatus& status);
+
+// The rules that a run goes by, whatever the cell file says now.
+RunRules rules_of(const RunRecord& run);
 
 // The quality gate's trend over the last points of a run: before points are given up, their spread
 // grows and they need more attempts.

@@ -20,6 +20,7 @@
 #include "server/application/doubts.h"
 #include "server/application/event_log.h"
 #include "server/application/improver.h"
+#include "server/application/incidents.h"
 #include "server/application/lease_book.h"
 #include "server/application/loading.h"
 #include "server/application/pause_meter.h"
@@ -250,6 +251,7 @@ class CellApplication final : public Cell, private Watching, private Studies, pr
   RunEngine engine_;
   LeaseBook leases_;
   AlarmBook alarm_book_;
+  Incidents incidents_;
   QualityTrend quality_;
   std::optional<RunId> last_failed_;                 // of which an alarm was made
   std::map<std::string, std::int64_t> clock_jumps_;  // by device, of which an event was made

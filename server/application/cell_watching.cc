@@ -67,7 +67,7 @@ Awaitable<void> CellApplication::look_for_alarms() {
     events_.record_own("daemon.trouble", "reading the alarms: " + restored.error().message);
   while (!ending_) {
     note_clock_jumps();
-    auto looking = alarm_book_.look(alarms_now());
+    auto looking = alarm_book_.look(incidents_.group(alarms_now(), clock_->now().utc));
     co_await std::move(looking);
     const double seconds = std::max(2.0, 0.5 * clock_->speed());
     co_await sleep_unless(*clock_, clock_->now().utc + nanoseconds_from_s(seconds), alarms_end_);
@@ -90,13 +90,24 @@ void CellApplication::note_clock_jumps() {
 
 std::vector<AlarmCondition> CellApplication::alarms_now() const {
   std::vector<AlarmCondition> out = alarm_conditions(status());
+  // What a run has just given back is read again within its period.
+  if (const auto& last = engine_.progress(); last && !engine_.busy())
+    std::erase_if(out, [&](const AlarmCondition& one) {
+      const auto* device =
+          one.kind == "channel.stale" ? description_.find_device(one.device) : nullptr;
+      return device != nullptr && (device->length || !device->angles.empty()) &&
+             seconds_from(clock_->now().utc - last->run.ended) <= device->max_age_s;
+    });
   for (auto& stop : stops_.unconfirmed())
     out.push_back(
         {AlarmLevel::failed, "stop.unconfirmed", stop.controller, std::move(stop.sentence)});
-  std::ranges::copy(doubts_.conditions(), std::back_inserter(out));
-  if (const auto trend = quality_.condition(description_.run.max_spread_nm);
-      trend && engine_.busy())
-    out.push_back(*trend);
+  for (auto& doubt : doubts_.conditions()) {
+    for (const auto& latest : recorder_.history().latest())
+      if (latest.channel == doubt.subject) doubt.device = latest.device;
+    out.push_back(std::move(doubt));
+  }
+  if (const auto* run = engine_.record(); run && engine_.busy())
+    if (const auto trend = quality_.condition(rules_of(*run).max_spread_nm)) out.push_back(*trend);
   if (!engine_.announcement().empty())
     out.push_back({AlarmLevel::failed, "run.moves_soon",
                    fmt::format("run {}", engine_.record()->id.value), engine_.announcement()});

@@ -59,7 +59,7 @@ Awaitable<Result<void>> Loading::bring_to(RunScope& scope, double force_n) {
 }
 
 Awaitable<Result<void>> Loading::by_actuator(RunScope& scope, double force_n) {
-  scope.phase("changing the force");
+  scope.phase(kChangingTheForce);
   auto& devices = scope.bench.devices;
   if (auto ok = co_await devices.set_load(force_n); !ok) co_return ok;
   const auto limit = scope.bench.clock.now().utc + nanoseconds_from_s(kSlowest_s);
@@ -68,6 +68,14 @@ Awaitable<Result<void>> Loading::by_actuator(RunScope& scope, double force_n) {
     if (!state) co_return tl::unexpected(state.error());
     if (state->resting && std::abs(state->force_n - force_n) <= kNearestForce_n) {
       know(state->force_n);
+      // It may be a while until the actuator is read again.
+      if (const auto force = scope.bench.description.force_channel())
+        scope.bench.recorder.observe(
+            JudgedReading{Reading{.device = devices.load_description().id,
+                                  .start = state->at,
+                                  .end = state->at,
+                                  .values = {{force->name(), state->force_n}}},
+                          {}});
       co_return Result<void>{};
     }
     if (scope.bench.clock.now().utc > limit)

@@ -13,6 +13,8 @@
 namespace driftwise::application {
 
 inline constexpr const char* kOperatorDevice = "operator";
+// The run's phase while weights are on their way.
+inline constexpr const char* kChangingTheForce = "changing the force";
 
 // Two forces that no weight could tell apart.
 bool same_force(double a_n, double b_n);

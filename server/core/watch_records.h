@@ -36,7 +36,8 @@ struct AlarmRecord {
   std::string message;                    // a sentence
   CellTime since, cleared, acknowledged;  // utc_ns 0: not yet
   std::string acknowledged_by;
-  std::int64_t change = 0;  // numbers every change of any alarm, for cursors
+  std::vector<std::string> consequences;  // sentences: what follows from it
+  std::int64_t change = 0;                // numbers every change of any alarm, for cursors
 };
 
 // A text once kept never changes.

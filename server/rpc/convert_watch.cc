@@ -52,6 +52,7 @@ v1::Alarm alarm_from(const AlarmRecord& alarm) {
   out.set_kind(alarm.kind);
   out.set_subject(utf8_from(alarm.subject));
   out.set_message(utf8_from(alarm.message));
+  for (const auto& one : alarm.consequences) out.add_consequences(utf8_from(one));
   *out.mutable_since_time() = timestamp_from(alarm.since);
   if (alarm.cleared.utc_ns != 0) *out.mutable_cleared_time() = timestamp_from(alarm.cleared);
   if (alarm.acknowledged.utc_ns != 0) {

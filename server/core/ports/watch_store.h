@@ -25,7 +25,10 @@ class AlarmStore {
  public:
   virtual ~AlarmStore() = default;
   virtual Result<AlarmRecord> raise(const AlarmRecord& alarm) = 0;  // its id is ignored
-  // Errors: not_found NO_SUCH_ALARM. Done before: as it was.
+  // Its sentence and its consequences now. Errors of all below: not_found NO_SUCH_ALARM.
+  virtual Result<AlarmRecord> tell(AlarmId id, const std::string& message,
+                                   const std::vector<std::string>& consequences) = 0;
+  // Done before: as it was.
   virtual Result<AlarmRecord> clear(AlarmId id, CellTime at) = 0;
   virtual Result<AlarmRecord> acknowledge(AlarmId id, CellTime at, const std::string& who) = 0;
   // Newest first. Without history: those that still hold or nobody has acknowledged.

@@ -28,6 +28,11 @@ class FullDisk final : public AlarmStore {
     if (full) return refused();
     return under_.raise(alarm);
   }
+  Result<AlarmRecord> tell(AlarmId id, const std::string& message,
+                           const std::vector<std::string>& consequences) override {
+    if (full) return refused();
+    return under_.tell(id, message, consequences);
+  }
   Result<AlarmRecord> clear(AlarmId id, CellTime at) override {
     if (full) return refused();
     return under_.clear(id, at);
@@ -220,6 +225,25 @@ TEST_F(AlarmBookTest, AnAlarmThatWasOverBeforeItCouldBeWrittenIsOnRecordWithItsB
   EXPECT_GT(standing()[0].cleared, since);
   look({lost("laser-x")});
   EXPECT_EQ(standing().size(), 2u) << "its return is another";
+}
+
+TEST_F(AlarmBookTest, TellsConsequencesAtOnceAndNumbersNowAndThen) {
+  AlarmCondition old{AlarmLevel::warning, "channel.stale", "t01_degC", "t01_degC is 31 s old"};
+  look({old});
+  old.message = "t01_degC is 33 s old";
+  look({old});
+  EXPECT_EQ(standing()[0].message, "t01_degC is 31 s old");
+  for (int i = 0; i < 5; ++i) look({old});
+  EXPECT_EQ(standing()[0].message, "t01_degC is 33 s old");
+  old.consequences = {"run 3 waits", "t02_degC is old"};
+  look({old});
+  ASSERT_EQ(standing().size(), 1u);
+  EXPECT_EQ(standing()[0].consequences, old.consequences);
+  EXPECT_EQ(heard.size(), 3u) << "begun, new numbers, consequences";
+  open();
+  look({old});
+  EXPECT_EQ(standing()[0].message, "t01_degC is 33 s old");
+  EXPECT_EQ(standing()[0].consequences, old.consequences) << "over a restart";
 }
 
 TEST_F(AlarmBookTest, AnAlarmThatThereIsNotCannotBeAcknowledged) {

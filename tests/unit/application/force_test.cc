@@ -65,6 +65,29 @@ TEST(Force, IsChangedByTheActuatorBetweenTwoPoints) {
   EXPECT_TRUE(datum_knows);
 }
 
+// While weights are on their way there is no force to be read: that is no fault of anything.
+TEST(Force, ThatTheActuatorChangesRaisesNoAlarm) {
+  Folder folder;
+  SmallWorld world;
+  auto description = small_cell_with_load(folder / "cell.sqlite", true);
+  for (auto& device : description.devices)
+    if (device.kind == "load-actuator") {
+      device.period_s = 10;
+      device.max_age_s = 15;  // as the shipped Micro-Nano cell; a change takes 20 s here
+    }
+  CellInMemory cell(world, description, kSqlite);
+  cell.begin_run(
+      "q1_mm,set,line,zero,force_N\n0,calibration,1,1,0\n2,calibration,1,0,0\n"
+      "0,calibration,2,1,2.305\n-3,validation,2,0,2.305\n0,calibration,3,1,0.768\n"
+      "1,validation,3,0,0.768\n0,calibration,4,1,3.842\n1,calibration,4,0,3.842\n");
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+  EXPECT_GE(world.loads, 3);
+  cell.pass(30);
+  const auto alarms = cell.await(cell->watching().alarms(true, 100));
+  ASSERT_TRUE(alarms);
+  for (const auto& alarm : *alarms) ADD_FAILURE() << alarm.kind << ": " << alarm.message;
+}
+
 TEST(Force, WaitsForThePersonWhoHangsTheWeights) {
   Folder folder;
   SmallWorld world;

@@ -1,6 +1,7 @@
 // Devices that go away and come back, people who pause, abort and stop.
 
 #include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include "tests/support/cell_in_memory.h"
 #include "tests/unit/application/sqlite.h"
@@ -203,6 +204,26 @@ TEST_F(RunTroubles, ShutDownLeavesTheRunToTheNextStart) {
   auto store = *kSqlite(folder / "cell.sqlite", true);
   EXPECT_FALSE(is_over(store->runs().run(id)->state));
   ASSERT_TRUE(*store->runs().unfinished_run());
+}
+
+// The laser goes in the middle of a run: the run waits, nothing else is wrong.
+TEST_F(RunTroubles, ADeviceThatIsLostIsOneAlarmAndTheRunThatWaitsStandsUnderIt) {
+  begin_and_accept(3);
+  world.laser_away = true;
+  expect_waiting();
+  cell.pass(60);
+  for (const auto& device : cell->status().devices) {
+    const bool is_lost = device.description.id == "laser-x";
+    EXPECT_EQ(device.health.link == LinkState::failed, is_lost) << device.description.id;
+  }
+  const auto alarms = cell.await(cell->watching().alarms(false, 100));
+  ASSERT_TRUE(alarms);
+  ASSERT_EQ(alarms->size(), 1u);
+  EXPECT_EQ(alarms->front().kind, "device.lost");
+  EXPECT_EQ(alarms->front().subject, "laser-x");
+  EXPECT_THAT(alarms->front().consequences, testing::Contains(testing::HasSubstr("run 1 waits")));
+  world.laser_away = false;
+  expect_complete(cell.finish_run());
 }
 
 }  // namespace

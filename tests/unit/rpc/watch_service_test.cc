@@ -209,10 +209,19 @@ TEST_F(WatchServiceTest, ManyClientsCostTheCellOneLook) {
 
 TEST_F(WatchServiceTest, AlarmsAreListedAndAcknowledgedOneByOne) {
   cell.on_executor([&] {
+    cell.the_alarms.push_back({{1},
+                               AlarmLevel::failed,
+                               "device.lost",
+                               "laser-x",
+                               "it is gone",
+                               {5},
+                               {},
+                               {},
+                               "",
+                               {"run 3 waits"},
+                               1});
     cell.the_alarms.push_back(
-        {{1}, AlarmLevel::failed, "device.lost", "laser-x", "it is gone", {5}, {}, {}, "", 1});
-    cell.the_alarms.push_back(
-        {{2}, AlarmLevel::warning, "channel.stale", "t07_degC", "old", {6}, {}, {}, "", 2});
+        {{2}, AlarmLevel::warning, "channel.stale", "t07_degC", "old", {6}, {}, {}, "", {}, 2});
   });
   v1::AcknowledgeAlarmRequest request;
   request.set_alarm_id(1);
@@ -222,6 +231,8 @@ TEST_F(WatchServiceTest, AlarmsAreListedAndAcknowledgedOneByOne) {
   const auto list = ask(&WatchStub::ListAlarms, v1::ListAlarmsRequest{});
   ASSERT_EQ(list->alarms_size(), 2);
   EXPECT_TRUE(list->alarms(0).has_acknowledge_time());
+  ASSERT_EQ(list->alarms(0).consequences_size(), 1);
+  EXPECT_EQ(list->alarms(0).consequences(0), "run 3 waits");
   EXPECT_FALSE(list->alarms(1).has_acknowledge_time());
   request.set_alarm_id(9);
   EXPECT_THAT(ask(&WatchStub::AcknowledgeAlarm, request),

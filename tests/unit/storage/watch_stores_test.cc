@@ -32,7 +32,7 @@ TEST_F(WatchStoresTest, PagesHoldEveryRecordOnceWhateverTheirSize) {
     if (i % 2 == 0) point(i);
     if (i % 5 == 0) {
       ASSERT_TRUE(store->alarms().raise(
-          {{}, AlarmLevel::warning, "k", std::to_string(i), "m", at_s(i).utc, {}, {}, "", 0}));
+          {{}, AlarmLevel::warning, "k", std::to_string(i), "m", at_s(i).utc, {}, {}, "", {}, 0}));
     }
   }
   const auto newest = store->records().newest().value();
@@ -74,10 +74,39 @@ TEST_F(WatchStoresTest, EachDatabaseHasANameThatStays) {
   EXPECT_EQ(store->records().database_id().value(), name);
 }
 
+TEST_F(WatchStoresTest, AnAlarmKeepsItsSentenceAndItsConsequencesApart) {
+  const auto raised = store->alarms()
+                          .raise({{},
+                                  AlarmLevel::failed,
+                                  "device.lost",
+                                  "laser-x",
+                                  "gone",
+                                  at_s(1).utc,
+                                  {},
+                                  {},
+                                  "",
+                                  {"run 3 waits"},
+                                  0})
+                          .value();
+  EXPECT_EQ(raised.message, "gone");
+  EXPECT_EQ(raised.consequences, std::vector<std::string>{"run 3 waits"});
+  const std::vector<std::string> more = {"run 3 waits", "a name\nwith a line feed"};
+  const auto told = store->alarms().tell(raised.id, "gone for 9 s", more).value();
+  EXPECT_GT(told.change, raised.change);
+  reopen();
+  const auto standing = store->alarms().alarms(false, 10).value();
+  ASSERT_EQ(standing.size(), 1U);
+  EXPECT_EQ(standing[0].message, "gone for 9 s");
+  ASSERT_EQ(standing[0].consequences.size(), 2U);
+  EXPECT_EQ(standing[0].consequences[1], "a name with a line feed");
+  EXPECT_EQ(store->alarms().tell({77}, "m", {}).error().reason, "NO_SUCH_ALARM");
+}
+
 TEST_F(WatchStoresTest, AnAlarmIsOverOnlyWhenItIsClearedAndAcknowledged) {
   const auto raise = [&](const std::string& subject) {
     return store->alarms()
-        .raise({{}, AlarmLevel::failed, "device.lost", subject, "m", at_s(1).utc, {}, {}, "", 0})
+        .raise(
+            {{}, AlarmLevel::failed, "device.lost", subject, "m", at_s(1).utc, {}, {}, "", {}, 0})
         .value();
   };
   const auto first = raise("laser-x"), second = raise("laser-x");

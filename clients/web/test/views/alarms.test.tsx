@@ -92,3 +92,13 @@ it('acknowledges nothing without the second press', async () => {
   await waitFor(() => expect(screen.queryByText('Acknowledge 3 alarms?')).toBeNull());
   expect(acknowledged).toEqual([]);
 });
+
+it('lists what follows from an alarm under it', async () => {
+  go('/now');
+  render(<Shell />);
+  await screen.findByText('Live');
+  await screen.findByRole('button', { name: 'Acknowledge all…' }); // the list is there
+  arrives({ ...lost, consequences: ['Run 17 waits: laser-x.'] });
+  const line = (await screen.findByText('hence: Run 17 waits: laser-x.')).closest('.alarm')!;
+  expect(line.textContent).toContain(lost.message);
+});

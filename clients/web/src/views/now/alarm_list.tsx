@@ -33,6 +33,9 @@ function Words({ alarm }: { alarm: Alarm }) {
           {alarm.acknowledgeTime ? `, seen by ${alarm.acknowledgedBy}` : ', not acknowledged'}
         </span>
       </p>
+      {alarm.consequences.length > 0 && (
+        <ul class="alarm-hence" aria-label="What follows from it">{alarm.consequences.map((one) => <li key={one}>hence: {one}</li>)}</ul>
+      )}
     </>
   );
 }
