@@ -6,14 +6,14 @@
 //   fault mute <device> <n> s           it hears and says nothing
 //   fault garble <device> [<n> s]       its next reply arrives damaged, or all for n seconds
 //   fault slow <device> <n> s           every reply comes n seconds later, until cleared
-//   fault clock <device> <n> s          its own clock is set so far from cell time; 0 s: right again
-//   fault break-beam [<device>]         an interferometer's beam is interrupted: lost until zeroed
-//   fault wrong-power <device>          an autocollimator's beam: too little light,
-//   fault wrong-position <device>       spot beyond the detector; until fault mend-beam <device>
-//   fault jam, fault mend-load          the weights stick
-//   fault open-probe <input>            a thermometer's wire breaks; fault mend-probe <input>
-//   fault disturb <device> <n> s [<a> nm]  shocks of amplitude a (60) on the interferometer
-//   fault lie <device> jump|scale|value <x>, fault lie <device> constant
+//   fault clock <device> <n> s          its own clock is set so far from cell time; 0 s: right
+//   again fault break-beam [<device>]         an interferometer's beam is interrupted: lost until
+//   zeroed fault wrong-power <device>          an autocollimator's beam: too little light, fault
+//   wrong-position <device>       spot beyond the detector; until fault mend-beam <device> fault
+//   jam, fault mend-load          the weights stick fault open-probe <input>            a
+//   thermometer's wire breaks; fault mend-probe <input> fault disturb <device> <n> s [<a> nm]
+//   shocks of amplitude a (60) on the interferometer fault lie <device> jump|scale|value <x>, fault
+//   lie <device> constant
 //                                       its (first) channel says so, in mm, nm, ohm, arcsec, degC
 //                                       or N
 //   fault clear [<device>]              mute, garble, slow and the lie end
