@@ -98,10 +98,8 @@ class Diagnoser {
 
   void add_sensor_findings(const std::vector<FaultySensor>& sensors) {
     for (const auto& sensor : sensors) {
-      // A part can really warm: without evidence a jump is no cause. One or two wrong readings are
-      // left out and said; they explain nothing.
-      const bool rare = sensor.fault == SensorFault::spiked && sensor.rows.size() < 3;
-      if (!sensor.mended || rare) {
+      // One or two wrong readings are left out and said; they explain nothing.
+      if (sensor.fault == SensorFault::spiked && sensor.rows.size() < 3) {
         result_.warnings.push_back(sentence(sensor));
         continue;
       }

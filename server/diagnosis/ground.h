@@ -27,8 +27,9 @@ using PriorSd = Eigen::MatrixXd;
 // none at all, for it need not act on all of them.
 inline constexpr std::array<double, 3> kPriorShares = {1, 0.2, 0.04};
 // A column of which the simulation's columns leave less than this share of its whitened length says
-// nothing of its effect: no shape is known better.
-inline constexpr double kLeastNew = 0.02;
+// nothing of its effect: no shape is known better. x * t at 20 degC that change by 0.1 K leaves
+// 5e-3.
+inline constexpr double kLeastNew = 1e-3;
 
 struct Gain {
   double gain = 0;        // 2 ln of the marginal likelihood's ratio, with the effect to without it

@@ -17,7 +17,7 @@ struct FaultySensor {
   std::string channel, other;     // other: what it was swapped with
   std::vector<std::size_t> rows;  // frozen, spiked: the wrong ones; jumped, swapped: from here on
   double size = 0;                // of a jump, in the channel's unit
-  bool mended = true;             // false: a warning only, the readings are as they were
+  bool mended = true;             // false: named only, the readings are as they were
 };
 
 // Structure temperatures only, judged by themselves and each other, not by what they explain:
@@ -29,7 +29,7 @@ struct FaultySensor {
 // only on evidence: a part can really warm. two_ln_likelihood says how well the baseline describes
 // the outputs with the readings as given to it: mended they must do better by 2 ln L of 25, and
 // after a jump the sensor must not go on as a ramp. A jump without a ramp that the outputs neither
-// speak for nor against is a warning, no cause, and is left as it was measured; one that the
+// speak for nor against is named and left as it was measured; one that the
 // outputs follow is none.
 std::vector<FaultySensor> mend_sensors(
     Dataset& dataset, const std::function<double(const Dataset&)>& two_ln_likelihood);

@@ -44,13 +44,22 @@ std::vector<std::size_t> frozen_rows(const std::vector<double>& values) {
   return rows;
 }
 
+// The smallest step between neighbouring values: that of a thermometer that reads in 0.01 K.
+double resolution_of(const std::vector<double>& v) {
+  double smallest = INFINITY;
+  for (std::size_t i = 1; i < v.size(); ++i)
+    if (std::abs(v[i] - v[i - 1]) > 0) smallest = std::min(smallest, std::abs(v[i] - v[i - 1]));
+  return std::isfinite(smallest) ? smallest : 0;
+}
+
 std::vector<std::size_t> spiked_rows(const std::vector<double>& v) {
   std::vector<double> apart(v.size(), 0), across(v.size(), 0);
   for (std::size_t i = 1; i + 1 < v.size(); ++i) {
     apart[i] = v[i] - (v[i - 1] + v[i + 1]) / 2;
     across[i] = v[i + 1] - v[i - 1];
   }
-  const double least = std::max(kFarOffSensor * robust_sd(apart), kSmallest_k);
+  const double usual = std::max(robust_sd(apart), resolution_of(v));
+  const double least = std::max(kFarOffSensor * usual, kSmallest_k);
   std::vector<std::size_t> rows;
   for (std::size_t i = 1; i + 1 < v.size(); ++i)
     if (std::abs(apart[i]) > least && std::abs(across[i]) < least / 2) rows.push_back(i);
@@ -84,17 +93,23 @@ bool goes_on_as_ramp(const std::vector<double>& v, std::size_t row, double size)
   return std::abs(median(later) - median(soon) - drift) > kRamp * std::abs(size);
 }
 
-void find_jumps(Sensor& sensor, const std::vector<double>& time_s) {
+void find_jumps(Sensor& sensor, const Dataset& dataset) {
+  const auto& time_s = dataset.time_s;
+  const auto begins = [](const std::vector<std::int64_t>& of, std::size_t i) {
+    return !of.empty() && of[i] != of[i - 1];
+  };
   const auto& v = sensor.column->values;
   std::vector<double> changes, steps;
   for (std::size_t i = 1; i < v.size(); ++i) {
     if (std::isfinite(v[i]) && std::isfinite(v[i - 1])) changes.push_back(v[i] - v[i - 1]);
     if (!time_s.empty()) steps.push_back(time_s[i] - time_s[i - 1]);
   }
-  sensor.usual = robust_sd(changes);
+  // Of values in steps of 0.01 K most do not change: that says nothing of a ramp of one step a row.
+  sensor.usual = std::max(robust_sd(changes), resolution_of(v));
   const double step_s = median(steps);
   for (std::size_t i = kWindow; i + kWindow < v.size(); ++i) {
     if (!time_s.empty() && time_s[i] - time_s[i - 1] > 3 * step_s) continue;  // it had the time
+    if (begins(dataset.run, i) || begins(dataset.datum, i)) continue;         // likewise
     const double least = std::max(kFarOffSensor * sensor.usual, kSmallest_k);
     if (std::abs(v[i] - v[i - 1]) > least && std::abs(level_change(v, i)) > 0.7 * least)
       sensor.jumps.push_back(i);
@@ -134,7 +149,7 @@ std::vector<FaultySensor> mend_sensors(
     if (!spiked.empty())
       found.push_back({SensorFault::spiked, column.channel.symbol, "", spiked, 0});
     sensors.push_back({&column, 0, {}});
-    find_jumps(sensors.back(), dataset.time_s);
+    find_jumps(sensors.back(), dataset);
   }
   for (std::size_t s = 0; s < sensors.size(); ++s)
     for (const std::size_t row : sensors[s].jumps) {

@@ -85,8 +85,8 @@ std::string sentence(const FaultySensor& sensor) {
       return "Sensor " + sensor.channel + " jumps by " + three_digits(sensor.size) + " K from " +
              from + " and no other does: " +
              (sensor.mended ? "the jump is taken out."
-                            : "the part warmed or the sensor is at fault, the outputs do not say "
-                              "which; no reading is changed.");
+                            : "no part warms so; the readings are left as they are, for the "
+                              "outputs do not say.");
     case SensorFault::swapped:
       return "Sensors " + sensor.channel + " and " + sensor.other + " change places from " + from +
              ": they are put back.";
