@@ -50,7 +50,8 @@ double averaged(const std::array<double, kPriorShares.size()>& two_ln, bool may_
   return top + 2 * std::log(sum / static_cast<double>(two_ln.size() + (may_not_act ? 1 : 0)));
 }
 
-// What the space leaves of columns; zero where that is too little of them to say anything.
+}  // namespace
+
 Eigen::MatrixXd news_of(const WhitenedSpace& space, Eigen::MatrixXd columns) {
   space.whiten(columns);
   const Eigen::RowVectorXd whole = columns.colwise().norm();
@@ -59,8 +60,6 @@ Eigen::MatrixXd news_of(const WhitenedSpace& space, Eigen::MatrixXd columns) {
     if (columns.col(j).norm() < kLeastNew * whole[j]) columns.col(j).setZero();
   return columns;
 }
-
-}  // namespace
 
 Eigen::MatrixXd beyond(const WhitenedSpace& space, const Eigen::MatrixXd& columns) {
   // Lengths about the mean: a temperature of 20 degC is no longer than its changes are.

@@ -31,6 +31,10 @@ inline constexpr std::array<double, 3> kPriorShares = {1, 0.2, 0.04};
 // 5e-3.
 inline constexpr double kLeastNew = 1e-3;
 
+// Whitened columns (rows x k, centred) with the simulation's taken out; zero where less than
+// kLeastNew of the length is left.
+Eigen::MatrixXd news_of(const WhitenedSpace& space, Eigen::MatrixXd columns);
+
 struct Gain {
   double gain = 0;        // 2 ln of the marginal likelihood's ratio, with the effect to without it
   double likelihood = 0;  // growth of 2 ln L at the best amplitudes within three prior widths

@@ -133,12 +133,7 @@ std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
     for (auto& rests : with) rests.fill(Eigen::ArrayXXf::Constant(count, cells, INFINITY));
     Eigen::MatrixXf along, turned;
     for (std::size_t s = 0; s < shapes; ++s) {
-      Eigen::MatrixXd left = raw.rowwise() - raw.colwise().mean();
-      ground.space(s).whiten(left);
-      const Eigen::RowVectorXd whole = left.colwise().norm();
-      ground.space(s).project(left);
-      for (Eigen::Index j = 0; j < left.cols(); ++j)
-        if (left.col(j).norm() < kLeastNew * whole[j]) left.col(j).setZero();
+      Eigen::MatrixXd left = news_of(ground.space(s), raw.rowwise() - raw.colwise().mean());
       const Eigen::RowVectorXd lengths = left.colwise().norm().cwiseMax(1e-300);
       left = left * lengths.cwiseInverse().asDiagonal();
       const Eigen::MatrixXf basis = left.cast<float>();

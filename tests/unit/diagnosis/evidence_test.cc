@@ -117,19 +117,22 @@ TEST(Evidence, OfAColumnThatTheBaseAlreadyHasIsNone) {
   EXPECT_GT(ground.free_gain(column, {1}).gain, 50) << "what maximum likelihood would say";
 }
 
-TEST(Scan, FindsWhatASearchOneByOneFinds) {
+void expect_the_scan_finds_what_a_search_one_by_one_finds(Eigen::Index outputs) {
   const Timeline when = timeline();
   Bank bank;
   bank.columns = random_columns(12, 13);
-  bank.prior = Eigen::MatrixXd::Constant(12, 1, 0.8);
+  bank.prior = Eigen::MatrixXd::Constant(12, outputs, 0.8);
   for (Eigen::Index k = 0; k < 12; k += 2) {
     bank.cells.push_back({k, 2});
     bank.ln_weight.push_back(std::log(1.0 / 3));
   }
   bank.entries = {{0, 3}, {3, 3}};
-  const Eigen::MatrixXd series = random_columns(1, 14) + 0.8 * bank.columns.col(7);
+  Eigen::MatrixXd series = random_columns(outputs, 14);
+  series.col(0) += 0.8 * bank.columns.col(7);  // acts on the first output only
+  std::vector<Eigen::MatrixXd> separate;
+  for (Eigen::Index o = 0; o < outputs; ++o) separate.emplace_back(series.col(o));
   const Ground ground(when, {{0, 1}, {1, 60}}, SoftBase(Eigen::MatrixXd::Ones(kRows, 1)), series);
-  const auto best = scan(bank, ground, {series}, {1, 1}, {{}, {}});
+  const auto best = scan(bank, ground, separate, {1, 1}, {{}, {}});
   for (std::size_t e = 0; e < 2; ++e) {
     double sum = 0, top = -1e300;
     for (std::size_t c = 3 * e; c < 3 * e + 3; ++c) {
@@ -144,6 +147,23 @@ TEST(Scan, FindsWhatASearchOneByOneFinds) {
     EXPECT_NEAR(best[e][0].gain, top, 1e-3);
   }
   EXPECT_EQ(best[1][0].cell, 0U);
+}
+
+TEST(Scan, FindsWhatASearchOneByOneFinds) {
+  expect_the_scan_finds_what_a_search_one_by_one_finds(1);
+  expect_the_scan_finds_what_a_search_one_by_one_finds(3);
+}
+
+TEST(Evidence, WhereACauseDoesNotActItsWidthCostsNoMoreThanTheOdds) {
+  const Timeline when = timeline();
+  const Eigen::MatrixXd column = random_columns(1, 21);
+  Eigen::MatrixXd series = random_columns(2, 22);
+  series.col(0) += 0.8 * column;
+  const Ground ground(when, {{0, 1}}, SoftBase(Eigen::MatrixXd::Ones(kRows, 1)), series);
+  const Gain gain = ground.gain(column, Eigen::MatrixXd::Constant(1, 2, 1e6));
+  EXPECT_GT(gain.of_output[0], 10);
+  EXPECT_NEAR(gain.of_output[1], 2 * std::log(0.25), 0.01)
+      << "four possibilities, one of them none";
 }
 
 TEST(EvidenceTail, GivesTheChanceOfTheLargestOfMany) {
