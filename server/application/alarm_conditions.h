@@ -14,7 +14,7 @@ namespace driftwise::application {
 struct AlarmCondition {
   AlarmLevel level = AlarmLevel::warning;
   std::string kind, subject, message;
-  // What tells whether another condition explains it: the device behind it (channel.stale), the
+  // Links to a condition that may explain this one: the device behind it (channel.stale), the
   // device's address (device.lost), the run's own reason (run.waiting).
   std::string device = {}, address = {}, detail = {};
   std::vector<std::string> consequences = {};  // sentences: incidents.h

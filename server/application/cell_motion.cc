@@ -173,7 +173,8 @@ void CellApplication::axes_moved_uncommanded(const std::string& what) {
   if (auto* control = engine_.control())
     control->halt({RunHold::Kind::trouble, "", clock_->now().utc, motion_trouble_});
   if (by_hand_) by_hand_->abort(motion_trouble_);
-  // Whatever of that was ours ends. At idle the axes are left to whoever moves them.
+  // Own motion ends: a run is paused, a move by hand is given up. At idle the axes are left to
+  // whoever moves them.
   if (!engine_.busy() && !by_hand_) return;
   tasks_.begin();
   spawn(executor_, halt_axes());

@@ -90,7 +90,7 @@ void CellApplication::note_clock_jumps() {
 
 std::vector<AlarmCondition> CellApplication::alarms_now() const {
   std::vector<AlarmCondition> out = alarm_conditions(status());
-  // What a run has just given back is read again within its period.
+  // Channels that a run has just given back are read again within their period.
   if (const auto& last = engine_.progress(); last && !engine_.busy())
     std::erase_if(out, [&](const AlarmCondition& one) {
       const auto* device =

@@ -8,7 +8,7 @@
 
 namespace driftwise::application {
 
-// What is known of the stored pages.
+// Result of the checks of the stored pages.
 struct DatabaseHealth {
   CellTime last_clean;                          // utc_ns 0: never checked whole
   std::int64_t tables = 0, tables_checked = 0;  // of the present pass

@@ -163,7 +163,7 @@ std::vector<AlarmCondition> DatabaseUpkeep::conditions() const {
   return out;
 }
 
-// What is read whatever the size, right after the start.
+// First check, right after the start: the parts whose reading costs the same at any size.
 Awaitable<void> DatabaseUpkeep::first_look() {
   const auto looked = co_await checker_->call([](Store& store) -> Result<std::string> {
     return store.upkeep() ? store.upkeep()->check("", {}) : std::string();

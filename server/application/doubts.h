@@ -1,6 +1,6 @@
 #pragma once
-// What the devices say, judged: values that nothing may use, poses that do not follow the axes, and
-// what of it stands now. The tests themselves are server/plausibility. Executor's thread.
+// Judgement of the devices' answers: values that nothing may use, poses that do not follow the
+// axes, and what of it stands now. The tests themselves are server/plausibility. Executor's thread.
 
 #include <functional>
 #include <map>
@@ -57,7 +57,7 @@ class Doubts {
   // Poses count from it now; without one no pose is compared with the readback.
   void take_datum(const DatumRecord& datum) { datum_ = datum; }
   void forget_datum() { datum_.reset(); }
-  // What this device says next is taken as right: it was zeroed, homed, loaded.
+  // New reference of one device: its next answer is taken as right (it was zeroed, homed, loaded).
   void begin_anew(const std::string& device) { values_.begin_anew(device); }
   // ... and all of them: a run begins, a person resumed it.
   void begin_anew();
@@ -70,7 +70,7 @@ class Doubts {
   };
   std::optional<Suspicion> take_suspicion() { return std::exchange(suspicion_, std::nullopt); }
 
-  // What stands now, for the alarms.
+  // Conditions that stand now, for the alarms.
   std::vector<AlarmCondition> conditions() const;
 
  private:

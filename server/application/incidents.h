@@ -20,7 +20,7 @@ namespace driftwise::application {
 
 class Incidents {
  public:
-  // What one cause brings along begins within this of it; a later one has its own cause.
+  // Longest time between a cause and its consequences; a later condition has its own cause.
   static constexpr std::chrono::seconds kTogether{30};
   static constexpr std::chrono::seconds kGrace{30};
 

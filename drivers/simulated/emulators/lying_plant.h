@@ -9,8 +9,8 @@
 namespace driftwise::simulated {
 
 struct Lie {
-  // What of a device: an axis' readback (mm), a length (nm), a thermometer (ohm), the first angle
-  // of an autocollimator (arcsec), a stabiliser's temperature (degC), the force (N).
+  // Quantity that is false: an axis' readback (mm), a length (nm), a thermometer (ohm), the first
+  // angle of an autocollimator (arcsec), a stabiliser's temperature (degC), the force (N).
   enum class Of { axis, length, probe, angle, stabiliser, load };
   enum class Form { jump, scale, value, constant };
   Of of = Of::length;
@@ -73,7 +73,7 @@ class LyingPlant final : public Plant {
   }
 
  private:
-  // What is said of the true value.
+  // Value to answer in the place of the true one.
   double said(Lie::Of of, int index, double value);
 
   Plant& plant_;

@@ -1,4 +1,4 @@
-// What a person met on a walk through the page.
+// Defects found by a walk through the page.
 import { cleanup, configure, fireEvent, render, screen, waitFor, within } from '@testing-library/preact';
 import { create } from '@bufbuild/protobuf';
 import { afterAll, afterEach, beforeAll, expect, it, vi } from 'vitest';
