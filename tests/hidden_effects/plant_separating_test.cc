@@ -164,7 +164,6 @@ class ForceThatRisesWithTheRoom : public testing::Test {
 TEST_F(ForceThatRisesWithTheRoom, IsToldFromItsTemperatureByForcesInRandomOrder) {
   // The diagnosis of 2026-11-22 reports geometry of higher order here, where it reported the set
   // {force_compliance, thermal_offset} before.
-  GTEST_SKIP() << "NOT MET since priors entered the diagnosis: docs/evidence/foreign_after.md";
   const std::string baseline = "q ~ poly(x, y, z, 2)";
   const auto day = confounded();
   const auto seen = run(start(), {day});
