@@ -2,7 +2,7 @@
 
 #include <spdlog/pattern_formatter.h>
 
-#include "server/core/clean_text.h"
+#include "server/core/text/clean_text.h"
 
 namespace driftwise {
 namespace {

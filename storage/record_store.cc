@@ -2,11 +2,11 @@
 
 #include <set>
 
-#include "storage/alarm_store.h"
-#include "storage/event_store.h"
-#include "storage/job_changes.h"
-#include "storage/point_rows.h"
-#include "storage/run_rows.h"
+#include "storage/diagnosis/job_changes.h"
+#include "storage/rows/point_rows.h"
+#include "storage/rows/run_rows.h"
+#include "storage/watch/alarm_store.h"
+#include "storage/watch/event_store.h"
 
 namespace driftwise::storage {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "server/core/ports/watch_store.h"
-#include "storage/session.h"
+#include "storage/sqlite/session.h"
 
 namespace driftwise::storage {
 

@@ -2,22 +2,22 @@
 
 #include <chrono>
 
-#include "storage/alarm_store.h"
-#include "storage/clock_store.h"
-#include "storage/configuration_store.h"
-#include "storage/diagnosis_store.h"
-#include "storage/event_store.h"
-#include "storage/model_store.h"
-#include "storage/reading_store.h"
+#include "storage/diagnosis/diagnosis_store.h"
+#include "storage/models/model_store.h"
+#include "storage/readings/reading_store.h"
+#include "storage/readings/series_store.h"
 #include "storage/record_store.h"
-#include "storage/remark_store.h"
-#include "storage/run_store.h"
-#include "storage/schema.h"
-#include "storage/series_store.h"
-#include "storage/session.h"
-#include "storage/stop_store.h"
-#include "storage/trajectory_store.h"
+#include "storage/runs/run_store.h"
+#include "storage/runs/trajectory_store.h"
+#include "storage/schema/schema.h"
+#include "storage/sqlite/session.h"
 #include "storage/upkeep_store.h"
+#include "storage/watch/alarm_store.h"
+#include "storage/watch/clock_store.h"
+#include "storage/watch/configuration_store.h"
+#include "storage/watch/event_store.h"
+#include "storage/watch/remark_store.h"
+#include "storage/watch/stop_store.h"
 
 namespace driftwise::storage {
 namespace {

@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "server/core/ports/upkeep_store.h"
-#include "storage/session.h"
+#include "storage/sqlite/session.h"
 
 namespace driftwise::storage {
 

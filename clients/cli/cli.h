@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "clients/cli/command_tree.h"
-#include "clients/cli/console.h"
-#include "clients/cli/interrupt.h"
+#include "clients/cli/commands/manual/command_tree.h"
+#include "clients/cli/core/console.h"
+#include "clients/cli/core/interrupt.h"
 
 namespace driftwise::cli {
 

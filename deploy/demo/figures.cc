@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 #include "server/core/cell_time.h"
-#include "server/formats/dataset_csv.h"
+#include "server/formats/csv/dataset_csv.h"
 
 namespace driftwise::demo {
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "server/core/accuracy.h"
-#include "server/core/dataset.h"
+#include "server/core/data/accuracy.h"
+#include "server/core/data/dataset.h"
 
 namespace driftwise::demo {
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "server/core/cell_description.h"
+#include "server/core/description/cell_description.h"
 #include "server/core/result.h"
 
 namespace driftwise::adapter {

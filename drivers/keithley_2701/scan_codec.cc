@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "server/core/reading.h"
+#include "server/core/data/reading.h"
 
 namespace driftwise::keithley {
 namespace {

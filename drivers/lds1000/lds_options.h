@@ -5,7 +5,7 @@
 
 #include "drivers/lds1000/lds_codec.h"
 #include "drivers/transport/address.h"
-#include "server/core/cell_description.h"
+#include "server/core/description/cell_description.h"
 
 namespace driftwise::lds1000 {
 

@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "drivers/pi_gcs/gcs_codec.h"
-#include "server/core/quantity_text.h"
+#include "server/core/text/quantity_text.h"
 
 namespace driftwise::gcs {
 namespace {

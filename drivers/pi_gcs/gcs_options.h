@@ -3,7 +3,7 @@
 #include <string>
 
 #include "drivers/transport/address.h"
-#include "server/core/cell_description.h"
+#include "server/core/description/cell_description.h"
 #include "server/core/result.h"
 
 namespace driftwise::gcs {

@@ -12,10 +12,10 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "drivers/simulated/emulators/cell_server.h"
-#include "drivers/simulated/emulators/lying_plant.h"
+#include "drivers/simulated/emulators/cell/cell_server.h"
+#include "drivers/simulated/emulators/cell/lying_plant.h"
 #include "drivers/simulated/emulators/text.h"
-#include "drivers/simulated/plant/make_plant.h"
+#include "drivers/simulated/plant/file/make_plant.h"
 
 namespace driftwise::simulated {
 namespace {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "server/core/cell_description.h"
+#include "server/core/description/cell_description.h"
 #include "server/core/result.h"
 
 namespace driftwise::transport {

@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "server/core/reading.h"
+#include "server/core/data/reading.h"
 
 namespace driftwise::watlow {
 namespace {

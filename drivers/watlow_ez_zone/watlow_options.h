@@ -2,7 +2,7 @@
 
 #include "drivers/transport/address.h"
 #include "drivers/watlow_ez_zone/registers.h"
-#include "server/core/cell_description.h"
+#include "server/core/description/cell_description.h"
 #include "server/core/result.h"
 
 namespace driftwise::watlow {

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <cstdio>
 
-#include "server/calibration/design.h"
-#include "server/calibration/enough_rows.h"
+#include "server/calibration/design/design.h"
+#include "server/calibration/design/predict.h"
+#include "server/calibration/linear/row_reduction.h"
 #include "server/calibration/pose_of_zero.h"
-#include "server/calibration/predict.h"
-#include "server/calibration/row_reduction.h"
-#include "server/calibration/selected.h"
-#include "server/calibration/selection_rule.h"
+#include "server/calibration/report/enough_rows.h"
+#include "server/calibration/selection/selected.h"
+#include "server/calibration/selection/selection_rule.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::calibration {

@@ -25,7 +25,7 @@ struct OfferResult {  // of one offer for one output; column unit of the output
       u90_blocks_after;                         // by blocks of time, selection repeated inside
   std::optional<double> u90_validation_forced;  // with every offered term forced in, wanted or not;
                                                 // none where that cannot be fitted (rank, rows)
-  // The same of A90 (server/core/accuracy.h): what decides.
+  // The same of A90 (server/core/data/accuracy.h): what decides.
   std::optional<double> a90_validation_before, a90_validation_after, a90_blocks_before,
       a90_blocks_after, a90_validation_forced;
   bool taken_any() const { return !taken.empty(); }

@@ -10,7 +10,7 @@
 
 namespace driftwise::calibration {
 
-struct SensorFigure {  // of one output, its column unit; figures of server/core/accuracy.h
+struct SensorFigure {  // of one output, its column unit; figures of server/core/data/accuracy.h
   std::string output;
   // Held out by blocks of time, selection repeated inside.
   double u90_blocks = 0, mean_blocks = 0, a90_blocks = 0;

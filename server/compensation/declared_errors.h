@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "server/compensation/snapshot.h"
-#include "server/core/cell_description.h"
+#include "server/core/description/cell_description.h"
 
 namespace driftwise::compensation {
 

@@ -10,7 +10,7 @@
 
 #include "server/core/cell_time.h"
 #include "server/core/channel.h"
-#include "server/core/reading.h"
+#include "server/core/data/reading.h"
 #include "server/core/result.h"
 #include "server/effects/term_evaluator.h"
 

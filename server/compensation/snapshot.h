@@ -20,9 +20,9 @@
 #include <string_view>
 #include <vector>
 
-#include "server/core/cell_description.h"
 #include "server/core/cell_time.h"
 #include "server/core/channel.h"
+#include "server/core/description/cell_description.h"
 #include "server/core/ids.h"
 #include "server/core/result.h"
 #include "server/core/units.h"

@@ -10,12 +10,12 @@
 #include <utility>
 #include <vector>
 
-#include "server/calibration/model.h"
+#include "server/calibration/model/model.h"
 #include "server/compensation/basis_plan.h"
 #include "server/compensation/slow_state.h"
 #include "server/compensation/snapshot.h"
-#include "server/core/cell_description.h"
-#include "server/core/reading.h"
+#include "server/core/data/reading.h"
+#include "server/core/description/cell_description.h"
 #include "server/core/result.h"
 
 namespace driftwise::compensation {

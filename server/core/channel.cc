@@ -5,7 +5,7 @@
 #include <cctype>
 #include <numbers>
 
-#include "server/core/clean_text.h"
+#include "server/core/text/clean_text.h"
 
 namespace driftwise {
 namespace {

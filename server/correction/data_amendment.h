@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "server/core/cell_time.h"
-#include "server/core/dataset.h"
+#include "server/core/data/dataset.h"
 #include "server/core/ids.h"
 #include "server/core/result.h"
 #include "server/effects/term.h"

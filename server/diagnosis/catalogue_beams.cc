@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "server/core/reading.h"
+#include "server/core/data/reading.h"
 #include "server/core/units.h"
 #include "server/diagnosis/catalogue_builder.h"
 #include "server/diagnosis/places.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "server/core/reading.h"
+#include "server/core/data/reading.h"
 #include "server/diagnosis/catalogue_builder.h"
 #include "server/effects/term_order.h"
 

@@ -2,7 +2,7 @@
 // The door of a diagnosis: data in any unit of the format become data in the catalogue's units
 // (mm, arcsec, degC, hPa), and coefficients found there become those of the user's columns.
 
-#include "server/core/dataset.h"
+#include "server/core/data/dataset.h"
 #include "server/effects/term.h"
 
 namespace driftwise::diagnosis {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "server/core/dataset.h"
+#include "server/core/data/dataset.h"
 #include "server/diagnosis/diagnosis.h"
 #include "server/effects/effect.h"
 #include "server/effects/term.h"

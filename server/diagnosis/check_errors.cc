@@ -4,9 +4,9 @@
 #include <cmath>
 #include <map>
 
-#include "server/calibration/design.h"
+#include "server/calibration/design/design.h"
+#include "server/calibration/design/predict.h"
 #include "server/calibration/pose_of_zero.h"
-#include "server/calibration/predict.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::diagnosis {

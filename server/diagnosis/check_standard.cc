@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "server/calibration/residual_statistics.h"
-#include "server/calibration/tail.h"
-#include "server/core/accuracy.h"
+#include "server/calibration/linear/tail.h"
+#include "server/calibration/report/residual_statistics.h"
+#include "server/core/data/accuracy.h"
 #include "server/core/units.h"
 #include "server/diagnosis/discrepancy.h"
 

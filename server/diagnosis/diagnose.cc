@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "server/calibration/datum_zeros.h"
-#include "server/core/unusable_values.h"
+#include "server/core/data/unusable_values.h"
 #include "server/diagnosis/cancelled.h"
 #include "server/diagnosis/catalogue_units.h"
 #include "server/diagnosis/cause.h"

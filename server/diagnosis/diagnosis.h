@@ -23,10 +23,10 @@
 #include <string_view>
 #include <vector>
 
-#include "server/calibration/executor.h"
 #include "server/calibration/fit.h"
-#include "server/core/accuracy.h"
-#include "server/core/dataset.h"
+#include "server/calibration/model/executor.h"
+#include "server/core/data/accuracy.h"
+#include "server/core/data/dataset.h"
 #include "server/core/result.h"
 #include "server/diagnosis/discrepancy.h"
 #include "server/diagnosis/finding.h"
@@ -40,7 +40,7 @@ std::string_view to_string(Verdict verdict);
 struct OutputSummary {
   std::string output, unit;                 // "q1", "nm": of everything here
   double u90 = 0;                           // of the discrepancy, calibration rows
-  double mean = 0, a90 = 0;                 // ... figures of server/core/accuracy.h
+  double mean = 0, a90 = 0;                 // ... figures of server/core/data/accuracy.h
   std::optional<double> noise_floor_u90{};  // from repeated poses, where there are any
   double u90_calibration_before = 0, u90_calibration_after = 0;
   double mean_calibration_before = 0, mean_calibration_after = 0;

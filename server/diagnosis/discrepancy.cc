@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "server/calibration/datum_zeros.h"
-#include "server/calibration/predict.h"
+#include "server/calibration/design/predict.h"
 #include "server/core/units.h"
 
 namespace driftwise::diagnosis {

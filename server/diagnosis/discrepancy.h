@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "server/calibration/model.h"
-#include "server/core/dataset.h"
+#include "server/calibration/model/model.h"
+#include "server/core/data/dataset.h"
 #include "server/core/result.h"
 
 namespace driftwise::diagnosis {

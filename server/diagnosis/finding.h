@@ -45,7 +45,7 @@ struct FindingOutput {
   // Of an instrument's error: rms over the calibration rows of the correction that it would make,
   // and U90 of how far that may be off (correction_reach.h).
   std::optional<double> correction_rms{}, correction_u90{};
-  // With the U90 above, figures of server/core/accuracy.h: A90 decides.
+  // With the U90 above, figures of server/core/data/accuracy.h: A90 decides.
   std::optional<double> mean_before{}, mean_after{}, a90_before{}, a90_after{};
   std::optional<Interval> a90_after_ci90{};
 };

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <string_view>
 
-#include "server/core/quantity_text.h"
+#include "server/core/text/quantity_text.h"
 #include "server/core/units.h"
 #include "server/diagnosis/cancelled.h"
 #include "server/diagnosis/parameter_selection.h"

@@ -1,6 +1,6 @@
 #include "server/diagnosis/heading.h"
 
-#include "server/core/quantity_text.h"
+#include "server/core/text/quantity_text.h"
 
 namespace driftwise::diagnosis {
 namespace {

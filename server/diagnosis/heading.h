@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "server/core/accuracy.h"
+#include "server/core/data/accuracy.h"
 #include "server/diagnosis/diagnosis.h"
 
 namespace driftwise::diagnosis {

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "server/core/accuracy.h"
+#include "server/core/data/accuracy.h"
 #include "server/diagnosis/finding.h"
 #include "server/diagnosis/problem.h"
 #include "server/diagnosis/soft_base.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "server/core/quantity_text.h"
+#include "server/core/text/quantity_text.h"
 #include "server/core/units.h"
 #include "server/diagnosis/held_out_gain.h"
 

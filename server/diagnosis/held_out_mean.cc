@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/core/quantity_text.h"
+#include "server/core/text/quantity_text.h"
 
 namespace driftwise::diagnosis {
 namespace {

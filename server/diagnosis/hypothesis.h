@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "server/calibration/fit.h"
-#include "server/core/dataset.h"
+#include "server/core/data/dataset.h"
 #include "server/core/result.h"
 #include "server/diagnosis/diagnosis.h"
 #include "server/diagnosis/noise_model.h"

@@ -5,7 +5,7 @@
 #include <array>
 #include <optional>
 
-#include "server/core/cell_description.h"
+#include "server/core/description/cell_description.h"
 
 namespace driftwise::diagnosis {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/calibration/tail.h"
+#include "server/calibration/linear/tail.h"
 
 namespace driftwise::diagnosis {
 namespace {

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/core/dataset.h"
+#include "server/core/data/dataset.h"
 
 namespace driftwise::diagnosis {
 

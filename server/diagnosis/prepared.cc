@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "server/calibration/predict.h"
+#include "server/calibration/design/predict.h"
 #include "server/diagnosis/places.h"
 #include "server/diagnosis/smoothing.h"
 

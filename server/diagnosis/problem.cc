@@ -4,8 +4,8 @@
 #include <cmath>
 #include <map>
 
-#include "server/calibration/predict.h"
-#include "server/calibration/undetermined.h"
+#include "server/calibration/design/predict.h"
+#include "server/calibration/linear/undetermined.h"
 #include "server/diagnosis/catalogue_units.h"
 #include "server/diagnosis/held_out_gain.h"
 #include "server/diagnosis/predicted_pose.h"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "server/calibration/fit.h"
-#include "server/core/dataset.h"
+#include "server/core/data/dataset.h"
 #include "server/core/result.h"
 #include "server/diagnosis/noise_model.h"
 #include "server/diagnosis/prepared.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "server/core/unusable_values.h"
+#include "server/core/data/unusable_values.h"
 #include "server/diagnosis/cancelled.h"
 #include "server/diagnosis/geometry.h"
 #include "server/diagnosis/u90.h"

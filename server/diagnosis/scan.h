@@ -8,7 +8,7 @@
 #include <functional>
 #include <vector>
 
-#include "server/calibration/executor.h"
+#include "server/calibration/model/executor.h"
 #include "server/diagnosis/ground.h"
 
 namespace driftwise::diagnosis {

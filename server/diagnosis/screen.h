@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "server/core/dataset.h"
+#include "server/core/data/dataset.h"
 #include "server/diagnosis/ground.h"
 #include "server/diagnosis/problem.h"
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/core/reading.h"
+#include "server/core/data/reading.h"
 #include "server/diagnosis/held_out_gain.h"
 #include "server/diagnosis/robust.h"
 #include "server/diagnosis/screen.h"

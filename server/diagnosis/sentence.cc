@@ -4,7 +4,7 @@
 #include <map>
 
 #include "server/core/channel.h"
-#include "server/core/quantity_text.h"
+#include "server/core/text/quantity_text.h"
 
 namespace driftwise::diagnosis {
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 
 #include "server/calibration/fit.h"
-#include "server/core/dataset.h"
+#include "server/core/data/dataset.h"
 #include "server/core/result.h"
-#include "server/core/trajectory.h"
+#include "server/core/trajectory/trajectory.h"
 #include "server/diagnosis/diagnosis.h"
 #include "server/diagnosis/separating_plans.h"
 #include "server/simulation/planned_rows.h"

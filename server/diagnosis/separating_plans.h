@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "server/core/trajectory.h"
+#include "server/core/trajectory/trajectory.h"
 
 namespace driftwise::diagnosis {
 

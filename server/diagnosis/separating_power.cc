@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "server/calibration/predict.h"
+#include "server/calibration/design/predict.h"
 #include "server/diagnosis/noise_model.h"
 
 namespace driftwise::diagnosis {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "server/calibration/fit.h"
-#include "server/core/dataset.h"
+#include "server/core/data/dataset.h"
 #include "server/core/result.h"
 #include "server/diagnosis/hypothesis.h"
 

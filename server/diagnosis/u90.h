@@ -1,9 +1,9 @@
 #pragma once
-// The figures that diagnoses state, of residuals: server/core/accuracy.h.
+// The figures that diagnoses state, of residuals: server/core/data/accuracy.h.
 
 #include <Eigen/Core>
 
-#include "server/core/accuracy.h"
+#include "server/core/data/accuracy.h"
 
 namespace driftwise::diagnosis {
 

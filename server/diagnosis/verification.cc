@@ -6,8 +6,8 @@
 #include <map>
 
 #include "server/calibration/datum_zeros.h"
-#include "server/calibration/predict.h"
-#include "server/core/quantity_text.h"
+#include "server/calibration/design/predict.h"
+#include "server/core/text/quantity_text.h"
 
 namespace driftwise::diagnosis {
 namespace {

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "server/calibration/model.h"
-#include "server/core/accuracy.h"
-#include "server/core/dataset.h"
+#include "server/calibration/model/model.h"
+#include "server/core/data/accuracy.h"
+#include "server/core/data/dataset.h"
 #include "server/core/result.h"
 
 namespace driftwise::diagnosis {

@@ -2,7 +2,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "server/calibration/predict.h"
+#include "server/calibration/design/predict.h"
 #include "server/diagnosis/ground.h"
 #include "server/identification/pose_rows.h"
 

@@ -5,9 +5,9 @@
 #include <set>
 #include <span>
 
-#include "server/calibration/design.h"
-#include "server/calibration/held_out_figure.h"
-#include "server/calibration/residual_statistics.h"
+#include "server/calibration/design/design.h"
+#include "server/calibration/report/held_out_figure.h"
+#include "server/calibration/report/residual_statistics.h"
 #include "server/core/units.h"
 #include "server/effects/term_order.h"
 #include "server/identification/folds.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "server/calibration/held_out.h"
+#include "server/calibration/report/held_out.h"
 #include "server/identification/method.h"
 
 namespace driftwise::identification {
@@ -17,7 +17,7 @@ struct JudgeOptions {
   int folds = 10;          // of whole groups
 };
 
-struct OutputFigures {  // column unit; figures of server/core/accuracy.h
+struct OutputFigures {  // column unit; figures of server/core/data/accuracy.h
   Channel channel;
   int parameters = 0;
   double rms = 0;  // of the calibration residuals

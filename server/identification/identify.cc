@@ -4,9 +4,9 @@
 #include <cmath>
 #include <set>
 
-#include "server/calibration/design.h"
-#include "server/calibration/predict.h"
-#include "server/calibration/undetermined.h"
+#include "server/calibration/design/design.h"
+#include "server/calibration/design/predict.h"
+#include "server/calibration/linear/undetermined.h"
 #include "server/effects/term_order.h"
 #include "server/identification/identifiability.h"
 #include "server/identification/least_squares.h"

@@ -11,8 +11,8 @@
 
 #include <memory>
 
-#include "server/calibration/model.h"
-#include "server/core/dataset.h"
+#include "server/calibration/model/model.h"
+#include "server/core/data/dataset.h"
 #include "server/kinematics/mechanism.h"
 
 namespace driftwise::identification {

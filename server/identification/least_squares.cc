@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "server/core/quantity_text.h"
+#include "server/core/text/quantity_text.h"
 
 namespace driftwise::identification {
 namespace {

@@ -4,8 +4,8 @@
 #include <array>
 
 #include "server/calibration/datum_zeros.h"
-#include "server/calibration/predict.h"
-#include "server/core/unusable_values.h"
+#include "server/calibration/design/predict.h"
+#include "server/core/data/unusable_values.h"
 
 namespace driftwise::identification {
 namespace {

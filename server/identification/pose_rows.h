@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "server/core/dataset.h"
+#include "server/core/data/dataset.h"
 #include "server/effects/term.h"
 #include "server/kinematics/mechanism.h"
 

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "server/core/quantity_text.h"
+#include "server/core/text/quantity_text.h"
 #include "server/kinematics/angles.h"
 
 namespace driftwise::kinematics {

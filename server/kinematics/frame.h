@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "server/core/kinematics_description.h"
+#include "server/core/description/kinematics_description.h"
 #include "server/kinematics/parameter.h"
 
 namespace driftwise::kinematics {

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "server/core/kinematics_description.h"
+#include "server/core/description/kinematics_description.h"
 #include "server/core/result.h"
 #include "server/kinematics/parameter.h"
 

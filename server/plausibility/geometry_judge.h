@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "server/core/cell_description.h"
-#include "server/core/reading.h"
+#include "server/core/data/reading.h"
+#include "server/core/description/cell_description.h"
 #include "server/kinematics/mechanism.h"
 
 namespace driftwise::plausibility {

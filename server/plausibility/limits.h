@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "server/core/cell_description.h"
+#include "server/core/description/cell_description.h"
 
 namespace driftwise::plausibility {
 

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "server/core/judged_reading.h"
+#include "server/core/data/judged_reading.h"
 #include "server/plausibility/limits.h"
 
 namespace driftwise::plausibility {

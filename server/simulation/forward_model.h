@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "server/calibration/model.h"
+#include "server/calibration/model/model.h"
 #include "server/core/result.h"
 #include "server/effects/term_evaluator.h"
 

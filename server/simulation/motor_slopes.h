@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "server/calibration/model.h"
+#include "server/calibration/model/model.h"
 #include "server/core/result.h"
 
 namespace driftwise::simulation {

@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "server/calibration/model.h"
-#include "server/core/dataset.h"
+#include "server/calibration/model/model.h"
+#include "server/core/data/dataset.h"
 #include "server/core/result.h"
-#include "server/core/trajectory.h"
+#include "server/core/trajectory/trajectory.h"
 
 namespace driftwise::simulation {
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "server/core/dataset.h"
+#include "server/core/data/dataset.h"
 #include "server/standards/conditions.h"
 
 namespace driftwise::standards {

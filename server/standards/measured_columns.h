@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "server/core/dataset.h"
+#include "server/core/data/dataset.h"
 
 namespace driftwise::standards {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/core/trajectory.h"
+#include "server/core/trajectory/trajectory.h"
 
 namespace driftwise::standards {
 

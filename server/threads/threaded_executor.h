@@ -2,7 +2,7 @@
 // An executor that shares jobs among threads of its own, which end with the call. The mathematics
 // start none themselves: the daemon and the command line hand this one in.
 
-#include "server/calibration/executor.h"
+#include "server/calibration/model/executor.h"
 
 namespace driftwise::threads {
 

@@ -15,7 +15,7 @@
 #include <memory>
 #include <optional>
 
-#include "server/application/signal.h"
+#include "server/application/plumbing/signal.h"
 #include "server/web/grpc_web_call.h"
 
 namespace driftwise::web {

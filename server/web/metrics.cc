@@ -4,7 +4,7 @@
 
 #include <iterator>
 
-#include "server/core/clean_text.h"
+#include "server/core/text/clean_text.h"
 
 namespace driftwise::web {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "server/application/cell.h"
+#include "server/application/ports/cell.h"
 
 namespace driftwise::web {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "server/core/clean_text.h"
+#include "server/core/text/clean_text.h"
 #include "server/web/security_headers.h"
 
 namespace driftwise::web {

@@ -1,6 +1,6 @@
 #include "server/web/web_site.h"
 
-#include "server/application/signal.h"
+#include "server/application/plumbing/signal.h"
 #include "server/web/grpc_web_gateway.h"
 #include "server/web/metrics.h"
 #include "server/web/same_origin.h"

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "server/application/cell.h"
+#include "server/application/ports/cell.h"
 #include "server/web/http_message.h"
 
 namespace driftwise::web {

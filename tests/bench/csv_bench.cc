@@ -27,8 +27,8 @@
 #include <vector>
 
 #include "server/calibration/fit.h"
-#include "server/formats/dataset_csv.h"
-#include "server/formats/formula.h"
+#include "server/formats/csv/dataset_csv.h"
+#include "server/formats/formula/formula.h"
 #include "server/threads/threaded_executor.h"
 
 namespace {

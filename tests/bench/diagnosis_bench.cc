@@ -10,8 +10,8 @@
 #include <stdexcept>
 
 #include "server/diagnosis/diagnosis.h"
-#include "server/formats/formula.h"
-#include "tests/hidden_effects/hidden_world.h"
+#include "server/formats/formula/formula.h"
+#include "tests/hidden_effects/shapes/hidden_world.h"
 
 namespace driftwise {
 namespace {

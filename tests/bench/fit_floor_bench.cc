@@ -20,10 +20,10 @@
 #include <string>
 #include <vector>
 
-#include "server/calibration/design.h"
-#include "server/calibration/row_reduction.h"
-#include "server/calibration/solution.h"
-#include "server/calibration/stepwise.h"
+#include "server/calibration/design/design.h"
+#include "server/calibration/linear/row_reduction.h"
+#include "server/calibration/linear/solution.h"
+#include "server/calibration/selection/stepwise.h"
 #include "server/threads/threaded_executor.h"
 #include "tests/bench/fit_problems.h"
 

@@ -6,10 +6,10 @@
 
 #include <Eigen/Core>
 
-#include "server/calibration/design.h"
-#include "server/calibration/row_reduction.h"
-#include "server/calibration/solution.h"
-#include "server/calibration/stepwise.h"
+#include "server/calibration/design/design.h"
+#include "server/calibration/linear/row_reduction.h"
+#include "server/calibration/linear/solution.h"
+#include "server/calibration/selection/stepwise.h"
 #include "tests/bench/fit_problems.h"
 
 namespace {

@@ -15,7 +15,7 @@
 #include "driftwise/v1/target_service.grpc.pb.h"
 #include "empty_service.grpc.pb.h"
 #include "server/compensation/snapshot_builder.h"
-#include "server/rpc/rpc_server.h"
+#include "server/rpc/server/rpc_server.h"
 #include "tests/support/fake_cell.h"
 #include "tests/unit/compensation/models.h"
 

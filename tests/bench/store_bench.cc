@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-#include "storage/database.h"
+#include "storage/sqlite/database.h"
 #include "storage/sqlite_store.h"
 #include "tests/unit/storage/store_fixture.h"
 

@@ -10,7 +10,7 @@
 #include "server/compensation/snapshot_board.h"
 #include "server/compensation/snapshot_builder.h"
 #include "server/compensation/target.h"
-#include "server/formats/target_line.h"
+#include "server/formats/export/target_line.h"
 #include "tests/unit/compensation/models.h"
 
 namespace driftwise::compensation {

@@ -16,7 +16,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/application/target_line_server.h"
+#include "server/application/serving/target_line_server.h"
 #include "server/compensation/snapshot_builder.h"
 #include "tests/support/manual_clock.h"
 #include "tests/unit/compensation/models.h"

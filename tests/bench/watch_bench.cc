@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "driftwise/v1/watch_service.grpc.pb.h"
-#include "server/rpc/rpc_server.h"
+#include "server/rpc/server/rpc_server.h"
 #include "tests/support/fake_cell.h"
 
 namespace {

@@ -110,7 +110,7 @@ const std::vector<std::string> kModelKills = {"before_model_commit", "after_mode
                                               "before_promotion_commit", "after_promotion_commit"};
 INSTANTIATE_TEST_SUITE_P(Each, ModelCrashPoint, testing::ValuesIn(kModelKills), test_name);
 
-// Killed on virtual time, in tests/unit/application/extension_crash_test.cc and
+// Killed on virtual time, in tests/unit/application/diagnosis/extension_crash_test.cc and
 // configuration_test.cc.
 const std::vector<std::string> kKilledInMemory = {
     "before_extension_commit", "after_extension_commit",      "before_undo_commit",

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "server/core/dataset.h"
+#include "server/core/data/dataset.h"
 #include "tests/support/micro_nano_campaign.h"
 
 namespace driftwise::statistics {

@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "server/calibration/predict.h"
-#include "server/formats/formula.h"
+#include "server/calibration/design/predict.h"
+#include "server/formats/formula/formula.h"
 #include "tests/statistics/case_b_oracle.h"
 
 namespace driftwise::statistics {

@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "drivers/simulated/plant/make_plant.h"
-#include "server/formats/cell_file.h"
+#include "drivers/simulated/plant/file/make_plant.h"
+#include "server/formats/cell_file/cell_file.h"
 #include "tests/support/plant_campaign.h"
 
 namespace driftwise::statistics {

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "server/correction/correction.h"
-#include "server/formats/cell_file.h"
+#include "server/formats/cell_file/cell_file.h"
 
 namespace driftwise::statistics {
 namespace {

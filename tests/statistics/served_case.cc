@@ -4,8 +4,8 @@
 
 #include "server/compensation/snapshot_builder.h"
 #include "server/core/units.h"
-#include "server/formats/formula.h"
-#include "server/formats/model_json.h"
+#include "server/formats/formula/formula.h"
+#include "server/formats/model/model_json.h"
 
 namespace driftwise::statistics {
 namespace {

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "server/calibration/model.h"
+#include "server/calibration/model/model.h"
 #include "server/compensation/target.h"
-#include "server/core/cell_description.h"
-#include "server/core/dataset.h"
-#include "server/core/reading.h"
+#include "server/core/data/dataset.h"
+#include "server/core/data/reading.h"
+#include "server/core/description/cell_description.h"
 
 namespace driftwise::statistics {
 

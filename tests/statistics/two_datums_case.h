@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/calibration/model.h"
-#include "server/core/cell_description.h"
-#include "server/core/dataset.h"
+#include "server/calibration/model/model.h"
+#include "server/core/data/dataset.h"
+#include "server/core/description/cell_description.h"
 #include "server/diagnosis/check_errors.h"
 #include "tests/support/micro_nano_campaign.h"
 

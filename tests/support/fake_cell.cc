@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <boost/asio/executor_work_guard.hpp>
 
-#include "server/formats/model_json.h"
+#include "server/formats/model/model_json.h"
 
 namespace driftwise::tests {
 

@@ -12,9 +12,9 @@
 #include <future>
 #include <thread>
 
-#include "server/application/provenance.h"
-#include "server/application/studies.h"
-#include "server/application/watch_list.h"
+#include "server/application/plumbing/watch_list.h"
+#include "server/application/ports/provenance.h"
+#include "server/application/ports/studies.h"
 
 namespace driftwise::tests {
 

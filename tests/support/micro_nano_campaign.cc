@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "drivers/simulated/plant/make_plant.h"
+#include "drivers/simulated/plant/file/make_plant.h"
 #include "tests/support/plant_campaign.h"
 
 namespace driftwise::testing_support {

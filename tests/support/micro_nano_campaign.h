@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "drivers/simulated/plant/micro_nano_plant.h"
+#include "drivers/simulated/plant/micro_nano/micro_nano_plant.h"
 
 namespace driftwise::testing_support {
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "drivers/simulated/plant/linear_axis_plant.h"
+#include "drivers/simulated/plant/linear_axis/linear_axis_plant.h"
 
 namespace driftwise::testing_support {
 

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <stdexcept>
 
-#include "server/formats/cell_file.h"
+#include "server/formats/cell_file/cell_file.h"
 #include "tests/support/plant_campaign.h"
 
 namespace driftwise::tests {

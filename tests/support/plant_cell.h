@@ -8,8 +8,8 @@
 #include <memory>
 #include <string>
 
-#include "drivers/simulated/plant/make_plant.h"
-#include "server/application/cell.h"
+#include "drivers/simulated/plant/file/make_plant.h"
+#include "server/application/ports/cell.h"
 #include "tests/support/virtual_time.h"
 
 namespace driftwise::tests {

@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "server/formats/cell_file.h"
+#include "server/formats/cell_file/cell_file.h"
 
 namespace driftwise::tests {
 

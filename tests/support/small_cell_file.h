@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "server/core/cell_description.h"
+#include "server/core/description/cell_description.h"
 
 namespace driftwise::tests {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "server/core/configuration_records.h"
+#include "server/core/records/configuration_records.h"
 #include "server/core/result.h"
 
 namespace driftwise {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "server/core/cell_description.h"
+#include "server/core/data/reading.h"
+#include "server/core/description/cell_description.h"
 #include "server/core/ports/awaitable.h"
-#include "server/core/reading.h"
 #include "server/core/result.h"
 
 namespace driftwise {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "server/core/records/stop_record.h"
 #include "server/core/result.h"
-#include "server/core/stop_record.h"
 
 namespace driftwise {
 

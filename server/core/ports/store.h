@@ -12,14 +12,14 @@
 #include <string>
 #include <vector>
 
-#include "server/core/dataset.h"
-#include "server/core/diagnosis_records.h"
+#include "server/core/data/dataset.h"
 #include "server/core/ports/clock_store.h"
 #include "server/core/ports/configuration_store.h"
 #include "server/core/ports/stop_store.h"
 #include "server/core/ports/upkeep_store.h"
 #include "server/core/ports/watch_store.h"
-#include "server/core/records.h"
+#include "server/core/records/diagnosis_records.h"
+#include "server/core/records/records.h"
 #include "server/core/result.h"
 
 namespace driftwise {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "server/core/records/watch_records.h"
 #include "server/core/result.h"
-#include "server/core/watch_records.h"
 
 namespace driftwise {
 

@@ -1,6 +1,6 @@
 #include "server/formats/import/foreign_rows.h"
 
-#include "server/formats/text.h"
+#include "server/formats/text/text.h"
 
 namespace driftwise::formats {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/core/dataset.h"
+#include "server/core/data/dataset.h"
 
 namespace driftwise::formats {
 

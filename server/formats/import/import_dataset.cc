@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <utility>
 
-#include "server/formats/gzip.h"
 #include "server/formats/import/foreign_rows.h"
 #include "server/formats/import/grouping.h"
 #include "server/formats/import/import_poses.h"
 #include "server/formats/import/row_order.h"
 #include "server/formats/import/row_reader.h"
 #include "server/formats/import/source_table.h"
-#include "server/formats/text.h"
+#include "server/formats/text/gzip.h"
+#include "server/formats/text/text.h"
 
 namespace driftwise::formats {
 namespace {

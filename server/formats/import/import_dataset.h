@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "server/core/dataset.h"
+#include "server/core/data/dataset.h"
 #include "server/formats/import/import_mapping.h"
 
 namespace driftwise::formats {

@@ -13,7 +13,7 @@
 #include "server/formats/import/foreign_rows.h"
 #include "server/formats/import/number_style.h"
 #include "server/formats/import/time_format.h"
-#include "server/formats/text_encoding.h"
+#include "server/formats/text/text_encoding.h"
 
 namespace driftwise::formats {
 

@@ -1,7 +1,7 @@
 #pragma once
 // A measured pose -> the wanted one, row by row.
 
-#include "server/core/dataset.h"
+#include "server/core/data/dataset.h"
 #include "server/formats/import/import_mapping.h"
 
 namespace driftwise::formats {

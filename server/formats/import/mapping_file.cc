@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <set>
 
-#include "server/core/reading.h"
+#include "server/core/data/reading.h"
 #include "server/formats/import/mapping_poses.h"
-#include "server/formats/text.h"
-#include "server/formats/toml_reader.h"
+#include "server/formats/text/text.h"
+#include "server/formats/text/toml_reader.h"
 
 namespace driftwise::formats {
 namespace {

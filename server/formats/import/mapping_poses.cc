@@ -1,7 +1,7 @@
 #include "server/formats/import/mapping_poses.h"
 
 #include "server/core/units.h"
-#include "server/formats/text.h"
+#include "server/formats/text/text.h"
 
 namespace driftwise::formats {
 namespace {

@@ -3,7 +3,7 @@
 // transformations to the wanted one.
 
 #include "server/formats/import/import_mapping.h"
-#include "server/formats/toml_reader.h"
+#include "server/formats/text/toml_reader.h"
 
 namespace driftwise::formats {
 

@@ -4,7 +4,7 @@
 #include <limits>
 #include <numeric>
 
-#include "server/formats/text.h"
+#include "server/formats/text/text.h"
 
 namespace driftwise::formats {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/core/reading.h"
-#include "server/formats/text.h"
+#include "server/core/data/reading.h"
+#include "server/formats/text/text.h"
 
 namespace driftwise::formats {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "server/formats/text.h"
+#include "server/formats/text/text.h"
 
 namespace driftwise::formats {
 

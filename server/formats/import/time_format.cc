@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "server/formats/import/number_style.h"
-#include "server/formats/text.h"
+#include "server/formats/text/text.h"
 
 namespace driftwise::formats {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <iostream>
 
-#include "server/application/watching.h"
+#include "server/application/ports/watching.h"
 #include "storage/sqlite_store.h"
 #include "tests/support/cell_in_memory.h"
 #include "tests/support/plant_cell.h"

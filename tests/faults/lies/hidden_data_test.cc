@@ -8,7 +8,7 @@
 #include "server/plausibility/closure_judge.h"
 #include "server/plausibility/geometry_judge.h"
 #include "server/plausibility/value_judge.h"
-#include "tests/hidden_effects/hidden_world.h"
+#include "tests/hidden_effects/shapes/hidden_world.h"
 
 namespace driftwise::lies {
 namespace {

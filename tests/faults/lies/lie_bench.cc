@@ -6,7 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "server/application/watching.h"
+#include "server/application/ports/watching.h"
 #include "storage/sqlite_store.h"
 
 namespace driftwise::lies {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "server/core/cell_description.h"
+#include "server/core/description/cell_description.h"
 #include "tests/support/plant_cell.h"
 
 namespace driftwise::lies {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <set>
 
-#include "server/formats/dataset_csv.h"
-#include "server/formats/formula.h"
+#include "server/formats/csv/dataset_csv.h"
+#include "server/formats/formula/formula.h"
 #include "tests/hidden_effects/foreign/dataset.h"
 #include "tests/hidden_effects/foreign/generate.h"
 #include "tests/hidden_effects/foreign/shapes.h"

@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "tests/integration/cell/tcp_line.h"
+#include "tests/integration/cell/peers/tcp_line.h"
 
 namespace driftwise::tests {
 namespace {

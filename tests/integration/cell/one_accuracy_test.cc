@@ -11,7 +11,7 @@
 
 #include "driftwise/v1/model_service.grpc.pb.h"
 #include "driftwise/v1/run_service.grpc.pb.h"
-#include "server/core/quantity_text.h"
+#include "server/core/text/quantity_text.h"
 #include "tests/integration/cell/cell_at_work.h"
 #include "tests/support/http_client.h"
 

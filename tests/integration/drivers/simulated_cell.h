@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "server/core/cell_description.h"
+#include "server/core/description/cell_description.h"
 #include "server/core/ports/clock.h"
 #include "tests/support/process.h"
 #include "tests/support/run_awaitable.h"

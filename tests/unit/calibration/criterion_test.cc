@@ -1,6 +1,6 @@
 // AIC, BIC and hierarchy: against R's step(), add1() and drop1(), and by their properties.
 
-#include "server/calibration/criterion.h"
+#include "server/calibration/model/criterion.h"
 
 #include <gmock/gmock.h>
 
@@ -8,7 +8,7 @@
 #include <fstream>
 #include <map>
 
-#include "server/calibration/hierarchy.h"
+#include "server/calibration/selection/hierarchy.h"
 #include "tests/unit/calibration/campaign.h"
 #include "tests/unit/calibration/criterion_golden.h"
 

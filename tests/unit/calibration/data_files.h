@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/core/dataset.h"
+#include "server/core/data/dataset.h"
 
 namespace driftwise::calibration {
 

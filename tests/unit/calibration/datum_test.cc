@@ -2,9 +2,9 @@
 
 #include <gmock/gmock.h>
 
-#include "server/calibration/predict.h"
+#include "server/calibration/design/predict.h"
 #include "server/effects/term_order.h"
-#include "server/formats/formula.h"
+#include "server/formats/formula/formula.h"
 #include "tests/unit/calibration/campaign.h"
 
 namespace driftwise::calibration {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "server/core/reading.h"
-#include "server/formats/formula.h"
+#include "server/core/data/reading.h"
+#include "server/formats/formula/formula.h"
 #include "tests/unit/calibration/campaign.h"
 
 namespace driftwise::calibration {

@@ -5,11 +5,11 @@
 
 #include <thread>
 
-#include "server/calibration/design.h"
-#include "server/calibration/predict.h"
-#include "server/calibration/row_qr.h"
+#include "server/calibration/design/design.h"
+#include "server/calibration/design/predict.h"
+#include "server/calibration/linear/row_qr.h"
 #include "server/effects/term_order.h"
-#include "server/formats/formula.h"
+#include "server/formats/formula/formula.h"
 #include "tests/unit/calibration/campaign.h"
 
 namespace driftwise::calibration {

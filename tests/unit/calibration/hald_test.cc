@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "server/effects/term_order.h"
-#include "server/formats/formula.h"
+#include "server/formats/formula/formula.h"
 #include "tests/unit/calibration/data_files.h"
 
 namespace driftwise::calibration {

@@ -1,10 +1,10 @@
-#include "server/calibration/held_out.h"
+#include "server/calibration/report/held_out.h"
 
 #include <gtest/gtest.h>
 
-#include "server/calibration/accuracy.h"
-#include "server/calibration/solution.h"
-#include "server/formats/formula.h"
+#include "server/calibration/linear/solution.h"
+#include "server/calibration/report/accuracy.h"
+#include "server/formats/formula/formula.h"
 #include "tests/unit/calibration/campaign.h"
 
 namespace driftwise::calibration {

@@ -1,12 +1,12 @@
 // A systematic error put into the data against what the influence says it does: the oracle is
 // another fit.
 
-#include "server/calibration/influence.h"
+#include "server/calibration/report/influence.h"
 
 #include <gmock/gmock.h>
 
-#include "server/calibration/predict.h"
-#include "server/formats/formula.h"
+#include "server/calibration/design/predict.h"
+#include "server/formats/formula/formula.h"
 #include "tests/unit/calibration/campaign.h"
 
 namespace driftwise::calibration {

@@ -1,10 +1,10 @@
-#include "server/calibration/residual_statistics.h"
+#include "server/calibration/report/residual_statistics.h"
 
 #include <gmock/gmock.h>
 
 #include <random>
 
-#include "server/formats/formula.h"
+#include "server/formats/formula/formula.h"
 #include "tests/unit/calibration/campaign.h"
 #include "tests/unit/calibration/data_files.h"
 

@@ -1,7 +1,7 @@
 // Both ways from rows to a triangle, X'X and QR: the same model, never less accurate than promised,
 // and the same bits on any number of threads.
 
-#include "server/calibration/row_reduction.h"
+#include "server/calibration/linear/row_reduction.h"
 
 #include <gmock/gmock.h>
 
@@ -9,10 +9,10 @@
 #include <random>
 #include <thread>
 
-#include "server/calibration/gram.h"
-#include "server/calibration/row_qr.h"
-#include "server/calibration/tall_kernels.h"
-#include "server/formats/formula.h"
+#include "server/calibration/linear/gram.h"
+#include "server/calibration/linear/row_qr.h"
+#include "server/calibration/linear/tall_kernels.h"
+#include "server/formats/formula/formula.h"
 #include "tests/unit/calibration/campaign.h"
 #include "tests/unit/calibration/data_files.h"
 

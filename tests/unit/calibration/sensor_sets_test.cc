@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-#include "server/formats/formula.h"
+#include "server/formats/formula/formula.h"
 
 namespace driftwise::calibration {
 namespace {

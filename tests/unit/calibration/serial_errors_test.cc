@@ -1,7 +1,7 @@
 // Slow noise found and allowed for: against R's nlme, by coverage on simulated campaigns, by
 // properties.
 
-#include "server/calibration/serial_errors.h"
+#include "server/calibration/noise/serial_errors.h"
 
 #include <gmock/gmock.h>
 
@@ -11,7 +11,7 @@
 #include <random>
 
 #include "server/effects/term_order.h"
-#include "server/formats/formula.h"
+#include "server/formats/formula/formula.h"
 #include "tests/unit/calibration/campaign.h"
 #include "tests/unit/calibration/data_files.h"
 

@@ -1,7 +1,7 @@
 // Several starts: the local optimum escaped, the winner against an exhaustive search, the same on
 // any thread.
 
-#include "server/calibration/starts.h"
+#include "server/calibration/selection/starts.h"
 
 #include <gmock/gmock.h>
 
@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "server/effects/term_order.h"
-#include "server/formats/formula.h"
+#include "server/formats/formula/formula.h"
 #include "tests/unit/calibration/campaign.h"
 #include "tests/unit/calibration/data_files.h"
 

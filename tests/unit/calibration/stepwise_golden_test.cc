@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "server/effects/term_order.h"
-#include "server/formats/formula.h"
+#include "server/formats/formula/formula.h"
 #include "tests/unit/calibration/data_files.h"
 
 namespace driftwise::calibration {

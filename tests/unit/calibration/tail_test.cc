@@ -1,6 +1,6 @@
 // Against values computed in R 4.2 (pf, pt with log.p) and textbook quantiles.
 
-#include "server/calibration/tail.h"
+#include "server/calibration/linear/tail.h"
 
 #include <gtest/gtest.h>
 

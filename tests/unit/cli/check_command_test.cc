@@ -1,6 +1,6 @@
 // `model check`: a table, a chart, an exit code. And a daemon's fit with all a file's fit has.
 
-#include "clients/cli/check_command.h"
+#include "clients/cli/commands/models/check_command.h"
 
 #include "tests/unit/cli/cli_fixture.h"
 

@@ -10,7 +10,7 @@
 #include <sstream>
 
 #include "clients/cli/cli.h"
-#include "server/rpc/rpc_server.h"
+#include "server/rpc/server/rpc_server.h"
 #include "tests/support/fake_cell.h"
 #include "tests/support/process.h"
 

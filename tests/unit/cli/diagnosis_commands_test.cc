@@ -1,8 +1,8 @@
 // diagnose --run, diagnosis, improve: over the wire to a cell that answers as scripted.
 
-#include "clients/cli/diagnosis_commands.h"
+#include "clients/cli/commands/diagnoses/diagnosis_commands.h"
 
-#include "server/formats/formula.h"
+#include "server/formats/formula/formula.h"
 #include "tests/unit/cli/cli_fixture.h"
 
 namespace driftwise::tests {

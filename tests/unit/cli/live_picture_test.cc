@@ -1,14 +1,14 @@
 // What `driftwise watch` draws out of the stream's batches.
 
-#include "clients/cli/live_picture.h"
+#include "clients/cli/pages/live_picture.h"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <sstream>
 
-#include "clients/cli/sparkline.h"
-#include "clients/cli/table.h"
+#include "clients/cli/core/table.h"
+#include "clients/cli/pages/sparkline.h"
 
 namespace driftwise::cli {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <filesystem>
 
-#include "clients/cli/completion.h"
-#include "clients/cli/examples.h"
-#include "clients/cli/man_page.h"
+#include "clients/cli/commands/manual/completion.h"
+#include "clients/cli/commands/manual/examples.h"
+#include "clients/cli/commands/manual/man_page.h"
 #include "tests/unit/cli/cli_fixture.h"
 
 namespace driftwise::tests {
@@ -45,7 +45,8 @@ TEST_F(ManualTest, EveryCommandHasAnExample) {
   cli::each_command(program, [](const cli::CommandText& command) {
     if (command.commands.empty()) {
       EXPECT_FALSE(cli::examples_of(command.path).empty())
-          << "driftwise " << command.path << ": add a line to clients/cli/examples.cc";
+          << "driftwise " << command.path
+          << ": add a line to clients/cli/commands/manual/examples.cc";
     }
   });
 }

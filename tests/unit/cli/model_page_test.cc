@@ -1,7 +1,7 @@
 // The page a metrologist signs, character by character against a file that a person has read. When
 // it is meant to change: DRIFTWISE_WRITE_GOLDEN=1 writes the new page over the old; read it again.
 
-#include "clients/cli/model_page.h"
+#include "clients/cli/pages/model_page.h"
 
 #include <google/protobuf/text_format.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "clients/cli/console.h"
+#include "clients/cli/core/console.h"
 
 namespace driftwise::cli {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <filesystem>
 
-#include "clients/cli/session.h"
+#include "clients/cli/core/session.h"
 #include "tests/unit/cli/cli_fixture.h"
 
 namespace driftwise::tests {

@@ -1,4 +1,4 @@
-#include "clients/cli/plan_block_text.h"
+#include "clients/cli/commands/trajectories/plan_block_text.h"
 
 #include <gtest/gtest.h>
 

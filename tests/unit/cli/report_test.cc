@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "clients/cli/report_data.h"
+#include "clients/cli/commands/runs/report_data.h"
 #include "tests/unit/cli/cli_fixture.h"
 
 namespace driftwise::tests {

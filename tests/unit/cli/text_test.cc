@@ -1,4 +1,4 @@
-#include "clients/cli/text.h"
+#include "clients/cli/core/text.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,10 +7,10 @@
 #include <map>
 #include <sstream>
 
-#include "clients/cli/assignment.h"
-#include "clients/cli/console.h"
-#include "clients/cli/progress_bar.h"
-#include "clients/cli/table.h"
+#include "clients/cli/core/assignment.h"
+#include "clients/cli/core/console.h"
+#include "clients/cli/core/table.h"
+#include "clients/cli/pages/progress_bar.h"
 
 namespace driftwise::cli {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "driftwise/v1/target_service.grpc.pb.h"
 #include "server/compensation/snapshot_builder.h"
-#include "server/formats/model_c.h"
-#include "server/formats/target_line.h"
+#include "server/formats/export/model_c.h"
+#include "server/formats/export/target_line.h"
 #include "tests/unit/cli/cli_fixture.h"
 
 namespace driftwise::tests {

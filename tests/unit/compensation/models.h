@@ -2,8 +2,8 @@
 // A small model by hand, and the cell it serves in: q1 = 1 + 2 x + 0.5 x^2 + 1e-3 t07 + 2e-4 x t07
 // (mm, degC).
 
-#include "server/calibration/model.h"
-#include "server/core/cell_description.h"
+#include "server/calibration/model/model.h"
+#include "server/core/description/cell_description.h"
 
 namespace driftwise::compensation {
 

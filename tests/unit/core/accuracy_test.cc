@@ -1,4 +1,4 @@
-#include "server/core/accuracy.h"
+#include "server/core/data/accuracy.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "server/core/quantity_text.h"
+#include "server/core/text/quantity_text.h"
 
 namespace driftwise {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/core/clean_text.h"
+#include "server/core/text/clean_text.h"
 
 #include <gtest/gtest.h>
 

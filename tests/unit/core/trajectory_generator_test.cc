@@ -1,4 +1,4 @@
-#include "server/core/trajectory_generator.h"
+#include "server/core/trajectory/trajectory_generator.h"
 
 #include <gtest/gtest.h>
 

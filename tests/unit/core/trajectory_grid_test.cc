@@ -1,4 +1,4 @@
-#include "server/core/trajectory_grid.h"
+#include "server/core/trajectory/trajectory_grid.h"
 
 #include <gtest/gtest.h>
 

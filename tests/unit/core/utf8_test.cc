@@ -1,4 +1,4 @@
-#include "server/core/utf8.h"
+#include "server/core/text/utf8.h"
 
 #include <gtest/gtest.h>
 

@@ -6,9 +6,9 @@
 #include <boost/math/distributions/binomial.hpp>
 #include <cstdio>
 
-#include "drivers/simulated/plant/make_plant.h"
+#include "drivers/simulated/plant/file/make_plant.h"
 #include "server/diagnosis/check_standard.h"
-#include "server/formats/formula.h"
+#include "server/formats/formula/formula.h"
 #include "tests/support/plant_campaign.h"
 
 namespace driftwise::diagnosis {

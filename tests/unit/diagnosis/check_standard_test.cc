@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <random>
 
-#include "server/formats/formula.h"
+#include "server/formats/formula/formula.h"
 
 namespace driftwise::diagnosis {
 namespace {

@@ -10,7 +10,7 @@
 #include <random>
 
 #include "server/diagnosis/diagnosis.h"
-#include "server/formats/formula.h"
+#include "server/formats/formula/formula.h"
 
 namespace driftwise::diagnosis {
 namespace foreign_mechanisms_test {  // other tests have rows of their own

@@ -11,7 +11,7 @@
 
 #include "server/diagnosis/diagnosis.h"
 #include "server/effects/term.h"
-#include "server/formats/formula.h"
+#include "server/formats/formula/formula.h"
 
 namespace driftwise::diagnosis {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "server/diagnosis/diagnosis.h"
 #include "server/diagnosis/lever_limits.h"
-#include "server/formats/formula.h"
+#include "server/formats/formula/formula.h"
 
 namespace driftwise::diagnosis {
 namespace {

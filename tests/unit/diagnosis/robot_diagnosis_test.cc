@@ -11,8 +11,8 @@
 #include <numbers>
 #include <random>
 
-#include "server/formats/dataset_csv.h"
-#include "server/formats/kinematics_section.h"
+#include "server/formats/cell_file/kinematics_section.h"
+#include "server/formats/csv/dataset_csv.h"
 
 namespace driftwise::diagnosis {
 namespace {

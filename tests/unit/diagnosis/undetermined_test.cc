@@ -1,4 +1,4 @@
-#include "server/calibration/undetermined.h"
+#include "server/calibration/linear/undetermined.h"
 
 #include <gtest/gtest.h>
 

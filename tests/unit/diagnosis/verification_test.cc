@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/formats/formula.h"
+#include "server/formats/formula/formula.h"
 
 namespace driftwise::diagnosis {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "server/core/reading.h"
+#include "server/core/data/reading.h"
 
 namespace driftwise::keithley {
 namespace {

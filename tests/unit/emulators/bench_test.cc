@@ -7,13 +7,13 @@
 #include <cstring>
 #include <fstream>
 
-#include "drivers/simulated/emulators/cell_outline.h"
-#include "drivers/simulated/emulators/device_bench.h"
-#include "drivers/simulated/emulators/emulator_options.h"
-#include "drivers/simulated/emulators/fault_desk.h"
-#include "drivers/simulated/emulators/interferometer_emulator.h"
-#include "drivers/simulated/emulators/pi_gcs_emulator.h"
-#include "drivers/simulated/emulators/sim_clock.h"
+#include "drivers/simulated/emulators/cell/cell_outline.h"
+#include "drivers/simulated/emulators/cell/device_bench.h"
+#include "drivers/simulated/emulators/cell/emulator_options.h"
+#include "drivers/simulated/emulators/cell/fault_desk.h"
+#include "drivers/simulated/emulators/cell/sim_clock.h"
+#include "drivers/simulated/emulators/interferometer_adapter/interferometer_emulator.h"
+#include "drivers/simulated/emulators/pi_gcs/pi_gcs_emulator.h"
 #include "tests/unit/emulators/conversation.h"
 #include "tests/unit/emulators/test_plant.h"
 

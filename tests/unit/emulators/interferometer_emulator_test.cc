@@ -1,4 +1,4 @@
-#include "drivers/simulated/emulators/interferometer_emulator.h"
+#include "drivers/simulated/emulators/interferometer_adapter/interferometer_emulator.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "drivers/simulated/emulators/keithley_emulator.h"
+#include "drivers/simulated/emulators/keithley_2701/keithley_emulator.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

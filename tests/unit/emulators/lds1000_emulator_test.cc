@@ -1,4 +1,4 @@
-#include "drivers/simulated/emulators/lds1000_emulator.h"
+#include "drivers/simulated/emulators/lds1000/lds1000_emulator.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "drivers/simulated/emulators/load_emulator.h"
+#include "drivers/simulated/emulators/load_actuator/load_emulator.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

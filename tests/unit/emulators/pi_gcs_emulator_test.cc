@@ -1,4 +1,4 @@
-#include "drivers/simulated/emulators/pi_gcs_emulator.h"
+#include "drivers/simulated/emulators/pi_gcs/pi_gcs_emulator.h"
 
 #include <gtest/gtest.h>
 

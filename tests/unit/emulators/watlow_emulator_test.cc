@@ -1,4 +1,4 @@
-#include "drivers/simulated/emulators/watlow_emulator.h"
+#include "drivers/simulated/emulators/watlow_ez_zone/watlow_emulator.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
 // Two cell files by meaning: what asks for a person, what is recorded only, what is the same.
 
-#include "server/formats/cell_file_difference.h"
+#include "server/formats/cell_file/cell_file_difference.h"
 
 #include <gmock/gmock.h>
 
-#include "server/formats/cell_file.h"
+#include "server/formats/cell_file/cell_file.h"
 
 namespace driftwise::formats {
 namespace {

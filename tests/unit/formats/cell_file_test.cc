@@ -1,4 +1,4 @@
-#include "server/formats/cell_file.h"
+#include "server/formats/cell_file/cell_file.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "server/formats/cell_file.h"
+#include "server/formats/cell_file/cell_file.h"
 
 namespace driftwise::formats {
 namespace {

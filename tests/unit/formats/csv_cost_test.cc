@@ -11,7 +11,7 @@
 #include <new>
 #include <string>
 
-#include "server/formats/dataset_csv.h"
+#include "server/formats/csv/dataset_csv.h"
 
 namespace {
 std::atomic<long> requests{0}, bytes{0};

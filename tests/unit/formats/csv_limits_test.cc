@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "server/formats/dataset_csv.h"
-#include "server/formats/trajectory_csv.h"
+#include "server/formats/csv/dataset_csv.h"
+#include "server/formats/csv/trajectory_csv.h"
 
 namespace driftwise::formats {
 namespace {

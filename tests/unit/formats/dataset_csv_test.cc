@@ -1,4 +1,4 @@
-#include "server/formats/dataset_csv.h"
+#include "server/formats/csv/dataset_csv.h"
 
 #include <gtest/gtest.h>
 

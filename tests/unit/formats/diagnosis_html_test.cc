@@ -1,4 +1,4 @@
-#include "server/formats/diagnosis_html.h"
+#include "server/formats/diagnosis/diagnosis_html.h"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 #include <random>
 
 #include "server/diagnosis/heading.h"
-#include "server/formats/html_text.h"
-#include "server/formats/report_style.h"
-#include "server/formats/svg_plot.h"
+#include "server/formats/diagnosis/html_text.h"
+#include "server/formats/diagnosis/report_style.h"
+#include "server/formats/diagnosis/svg_plot.h"
 
 namespace driftwise::formats {
 namespace {

@@ -1,13 +1,13 @@
 // The fit's JSON against DESIGN.md section 4, and the page for people.
 
-#include "server/formats/fit_json.h"
+#include "server/formats/model/fit_json.h"
 
 #include <gmock/gmock.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "server/formats/formula.h"
+#include "server/formats/formula/formula.h"
 #include "tests/unit/calibration/campaign.h"
 
 namespace driftwise::formats {

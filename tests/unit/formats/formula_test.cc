@@ -1,10 +1,10 @@
-#include "server/formats/formula.h"
+#include "server/formats/formula/formula.h"
 
 #include <gmock/gmock.h>
 
 #include "server/effects/term_order.h"
-#include "server/formats/dataset_csv.h"
-#include "server/formats/text.h"
+#include "server/formats/csv/dataset_csv.h"
+#include "server/formats/text/text.h"
 
 namespace driftwise::formats {
 namespace {

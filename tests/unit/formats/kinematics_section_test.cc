@@ -1,8 +1,8 @@
-#include "server/formats/kinematics_section.h"
+#include "server/formats/cell_file/kinematics_section.h"
 
 #include <gtest/gtest.h>
 
-#include "server/formats/cell_file.h"
+#include "server/formats/cell_file/cell_file.h"
 
 namespace driftwise::formats {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/formats/model_c.h"
+#include "server/formats/export/model_c.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -11,7 +11,7 @@
 #include <iterator>
 #include <random>
 
-#include "server/formats/text.h"
+#include "server/formats/text/text.h"
 #include "tests/unit/compensation/models.h"
 
 namespace driftwise::formats {

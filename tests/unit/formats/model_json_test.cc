@@ -1,4 +1,4 @@
-#include "server/formats/model_json.h"
+#include "server/formats/model/model_json.h"
 
 #include <gtest/gtest.h>
 

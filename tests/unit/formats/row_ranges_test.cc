@@ -1,4 +1,4 @@
-#include "server/formats/row_ranges.h"
+#include "server/formats/text/row_ranges.h"
 
 #include <gmock/gmock.h>
 

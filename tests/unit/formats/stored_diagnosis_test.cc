@@ -1,6 +1,6 @@
 // What the daemon keeps of a diagnosis and of a correction comes back as it was.
 
-#include "server/formats/stored_diagnosis.h"
+#include "server/formats/diagnosis/stored_diagnosis.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <random>
 
 #include "server/effects/term_order.h"
-#include "server/formats/amendment_json.h"
-#include "server/formats/formula.h"
+#include "server/formats/diagnosis/amendment_json.h"
+#include "server/formats/formula/formula.h"
 
 namespace driftwise::formats {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/formats/target_line.h"
+#include "server/formats/export/target_line.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "server/formats/trajectory_csv.h"
+#include "server/formats/csv/trajectory_csv.h"
 
 #include <gtest/gtest.h>
 

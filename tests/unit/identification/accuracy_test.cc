@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "server/formats/formula.h"
+#include "server/formats/formula/formula.h"
 #include "tests/unit/identification/robots.h"
 
 namespace driftwise::identification {

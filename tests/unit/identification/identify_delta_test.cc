@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "server/formats/formula.h"
+#include "server/formats/formula/formula.h"
 #include "server/identification/identify.h"
 #include "tests/unit/identification/robots.h"
 

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "server/calibration/predict.h"
-#include "server/formats/formula.h"
+#include "server/calibration/design/predict.h"
+#include "server/formats/formula/formula.h"
 #include "tests/unit/identification/robots.h"
 
 namespace driftwise::identification {

@@ -7,8 +7,8 @@
 #include <random>
 #include <string>
 
-#include "server/core/dataset.h"
-#include "server/core/kinematics_description.h"
+#include "server/core/data/dataset.h"
+#include "server/core/description/kinematics_description.h"
 
 namespace driftwise::identification::robots {
 

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "server/formats/dataset_csv.h"
-#include "server/formats/kinematics_section.h"
+#include "server/formats/cell_file/kinematics_section.h"
+#include "server/formats/csv/dataset_csv.h"
 #include "server/identification/accuracy.h"
 
 namespace driftwise::identification {

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "server/formats/kinematics_section.h"
+#include "server/formats/cell_file/kinematics_section.h"
 
 namespace driftwise::kinematics {
 namespace {

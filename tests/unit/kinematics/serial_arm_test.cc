@@ -8,8 +8,8 @@
 #include <iterator>
 #include <random>
 
-#include "server/formats/dataset_csv.h"
-#include "server/formats/kinematics_section.h"
+#include "server/formats/cell_file/kinematics_section.h"
+#include "server/formats/csv/dataset_csv.h"
 #include "tests/unit/kinematics/differences.h"
 
 namespace driftwise::kinematics {

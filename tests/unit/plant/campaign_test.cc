@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <string>
 
-#include "drivers/simulated/plant/make_plant.h"
+#include "drivers/simulated/plant/file/make_plant.h"
 #include "tests/unit/plant/least_squares.h"
 
 namespace driftwise::testing_support {

@@ -2,10 +2,10 @@
 
 #include <cmath>
 
-#include "drivers/simulated/plant/beam_path.h"
-#include "drivers/simulated/plant/flexure_hinge.h"
-#include "drivers/simulated/plant/random.h"
-#include "drivers/simulated/plant/units.h"
+#include "drivers/simulated/plant/cell/beam_path.h"
+#include "drivers/simulated/plant/micro_nano/flexure_hinge.h"
+#include "drivers/simulated/plant/numbers/random.h"
+#include "drivers/simulated/plant/numbers/units.h"
 
 namespace driftwise::simulated {
 namespace {

@@ -2,11 +2,11 @@
 
 #include <cmath>
 
-#include "drivers/simulated/plant/measuring_loop.h"
-#include "drivers/simulated/plant/parallelogram.h"
-#include "drivers/simulated/plant/plant_file.h"
-#include "drivers/simulated/plant/quintic.h"
-#include "drivers/simulated/plant/refractive_index.h"
+#include "drivers/simulated/plant/cell/refractive_index.h"
+#include "drivers/simulated/plant/file/plant_file.h"
+#include "drivers/simulated/plant/linear_axis/measuring_loop.h"
+#include "drivers/simulated/plant/linear_axis/parallelogram.h"
+#include "drivers/simulated/plant/numbers/quintic.h"
 #include "tests/support/plant_campaign.h"
 
 namespace driftwise::simulated {

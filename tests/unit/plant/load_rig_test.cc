@@ -1,4 +1,4 @@
-#include "drivers/simulated/plant/load_rig.h"
+#include "drivers/simulated/plant/micro_nano/load_rig.h"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "drivers/simulated/plant/units.h"
+#include "drivers/simulated/plant/numbers/units.h"
 #include "tests/support/micro_nano_campaign.h"
 #include "tests/unit/plant/least_squares.h"
 

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "drivers/simulated/plant/make_plant.h"
-#include "drivers/simulated/plant/plant_file.h"
-#include "drivers/simulated/plant/units.h"
+#include "drivers/simulated/plant/file/make_plant.h"
+#include "drivers/simulated/plant/file/plant_file.h"
+#include "drivers/simulated/plant/numbers/units.h"
 #include "tests/unit/plant/plant_fixture.h"
 
 namespace driftwise::simulated {

@@ -1,4 +1,4 @@
-#include "drivers/simulated/plant/plant_file.h"
+#include "drivers/simulated/plant/file/plant_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,8 +6,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "drivers/simulated/plant/make_plant.h"
-#include "drivers/simulated/plant/random.h"
+#include "drivers/simulated/plant/file/make_plant.h"
+#include "drivers/simulated/plant/numbers/random.h"
 #include "tests/support/plant_campaign.h"
 
 namespace driftwise::simulated {

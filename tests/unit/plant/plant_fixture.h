@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "drivers/simulated/plant/make_plant.h"
+#include "drivers/simulated/plant/file/make_plant.h"
 #include "tests/support/plant_campaign.h"
 
 namespace driftwise::simulated {

@@ -1,11 +1,11 @@
-#include "drivers/simulated/plant/six_bars.h"
+#include "drivers/simulated/plant/micro_nano/six_bars.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <stdexcept>
 
-#include "drivers/simulated/plant/random.h"
+#include "drivers/simulated/plant/numbers/random.h"
 
 namespace driftwise::simulated {
 namespace {

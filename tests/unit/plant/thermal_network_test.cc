@@ -1,11 +1,11 @@
-#include "drivers/simulated/plant/thermal_network.h"
+#include "drivers/simulated/plant/thermal/thermal_network.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
-#include "drivers/simulated/plant/matrix_exponential.h"
+#include "drivers/simulated/plant/thermal/matrix_exponential.h"
 
 namespace driftwise::simulated {
 namespace {

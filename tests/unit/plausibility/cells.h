@@ -1,8 +1,8 @@
 #pragma once
 // A small cell for the tests of plausibility: one axis, one length, three probes and an air probe.
 
-#include "server/core/cell_description.h"
-#include "server/core/judged_reading.h"
+#include "server/core/data/judged_reading.h"
+#include "server/core/description/cell_description.h"
 
 namespace driftwise::plausibility {
 

@@ -1,4 +1,4 @@
-#include "server/core/unusable_values.h"
+#include "server/core/data/unusable_values.h"
 
 #include <gtest/gtest.h>
 

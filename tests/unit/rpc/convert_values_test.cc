@@ -1,4 +1,4 @@
-#include "server/rpc/convert_values.h"
+#include "server/rpc/shared/convert_values.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "server/rpc/error_mapping.h"
+#include "server/rpc/shared/error_mapping.h"
 
 #include <gtest/gtest.h>
 

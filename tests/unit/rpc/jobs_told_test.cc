@@ -1,7 +1,7 @@
 // Progress of a job comes from the cell, its making and its end from the record: together they
 // never run backwards.
 
-#include "server/rpc/jobs_told.h"
+#include "server/rpc/watch/jobs_told.h"
 
 #include <gtest/gtest.h>
 

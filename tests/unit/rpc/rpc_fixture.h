@@ -8,8 +8,8 @@
 
 #include <chrono>
 
-#include "server/rpc/error_mapping.h"
-#include "server/rpc/rpc_server.h"
+#include "server/rpc/server/rpc_server.h"
+#include "server/rpc/shared/error_mapping.h"
 #include "tests/support/fake_cell.h"
 
 namespace driftwise::tests {

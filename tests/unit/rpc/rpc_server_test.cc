@@ -1,4 +1,4 @@
-#include "server/rpc/rpc_server.h"
+#include "server/rpc/server/rpc_server.h"
 
 #include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/impl/codegen/proto_utils.h>

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "server/core/reading.h"
+#include "server/core/data/reading.h"
 
 namespace driftwise::simulation {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <set>
 
-#include "server/formats/trajectory_csv.h"
+#include "server/formats/csv/trajectory_csv.h"
 #include "server/standards/iso230_2.h"
 #include "server/standards/iso230_3.h"
 #include "server/standards/iso9283.h"

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "server/formats/dataset_csv.h"
+#include "server/formats/csv/dataset_csv.h"
 #include "server/standards/approaches.h"
 
 namespace driftwise::standards {

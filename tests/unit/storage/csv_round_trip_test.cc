@@ -1,6 +1,6 @@
 // export(import(file)) == file, to the byte, for a file that our exporter wrote.
 
-#include "server/formats/dataset_csv.h"
+#include "server/formats/csv/dataset_csv.h"
 #include "tests/unit/storage/store_fixture.h"
 
 namespace driftwise::storage {

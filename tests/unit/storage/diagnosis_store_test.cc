@@ -1,6 +1,6 @@
 // Diagnoses, what was made of them, and the loops: kept over a restart, and undone to the row.
 
-#include "storage/diagnosis_store.h"
+#include "storage/diagnosis/diagnosis_store.h"
 
 #include "tests/unit/storage/store_fixture.h"
 

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <thread>
 
-#include "storage/schema.h"
+#include "storage/schema/schema.h"
 #include "tests/unit/storage/store_fixture.h"
 
 namespace driftwise::storage {

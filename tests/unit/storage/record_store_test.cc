@@ -1,7 +1,7 @@
 // Models, promotions and events, and texts that try to be something else.
 
-#include "storage/dataset_columns.h"
-#include "storage/place_text.h"
+#include "storage/datasets/dataset_columns.h"
+#include "storage/rows/place_text.h"
 #include "tests/unit/storage/store_fixture.h"
 
 namespace driftwise::storage {

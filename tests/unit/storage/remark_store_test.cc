@@ -1,6 +1,6 @@
 // Exclusions and notes: kept for ever, and the points as they were.
 
-#include "storage/remark_store.h"
+#include "storage/watch/remark_store.h"
 
 #include "tests/unit/storage/store_fixture.h"
 

@@ -1,12 +1,12 @@
 // The schema as a person meets it, and as later versions find it.
 
-#include "storage/schema.h"
+#include "storage/schema/schema.h"
 
 #include <array>
 #include <fstream>
 #include <sstream>
 
-#include "storage/failure.h"
+#include "storage/sqlite/failure.h"
 #include "tests/unit/storage/store_fixture.h"
 
 namespace driftwise::storage {

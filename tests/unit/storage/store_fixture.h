@@ -11,7 +11,7 @@
 #include <sstream>
 #include <string>
 
-#include "storage/database.h"
+#include "storage/sqlite/database.h"
 #include "storage/sqlite_store.h"
 
 namespace driftwise::storage {

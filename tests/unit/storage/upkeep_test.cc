@@ -1,6 +1,6 @@
 // The database's own files: taken away, replaced, written by others, damaged.
 
-#include "server/core/records.h"
+#include "server/core/records/records.h"
 #include "tests/unit/storage/store_fixture.h"
 
 namespace driftwise::storage {

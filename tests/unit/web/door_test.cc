@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "server/application/signal.h"
+#include "server/application/plumbing/signal.h"
 #include "server/web/http_server.h"
 #include "server/web/security_headers.h"
 #include "tests/support/http_client.h"

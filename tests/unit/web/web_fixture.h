@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "server/rpc/rpc_server.h"
+#include "server/rpc/server/rpc_server.h"
 #include "server/web/http_server.h"
 #include "server/web/web_site.h"
 #include "tests/support/fake_cell.h"

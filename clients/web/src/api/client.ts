@@ -1,5 +1,5 @@
 // One client per service, over gRPC-Web to where the page came from. Every call carries the operator's name, as the
-// command line sends it: plain when it is printable ASCII, in the -bin form otherwise (server/rpc/caller.cc).
+// command line sends it: plain when it is printable ASCII, in the -bin form otherwise (server/rpc/shared/caller.cc).
 import { createClient, type Interceptor, type Transport } from '@connectrpc/connect';
 import { createGrpcWebTransport } from '@connectrpc/connect-web';
 import type { DescService } from '@bufbuild/protobuf';

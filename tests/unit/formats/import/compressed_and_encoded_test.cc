@@ -4,8 +4,8 @@
 
 #include <random>
 
-#include "server/formats/gzip.h"
-#include "server/formats/text_encoding.h"
+#include "server/formats/text/gzip.h"
+#include "server/formats/text/text_encoding.h"
 #include "tests/unit/formats/import/gzipped.h"
 
 namespace driftwise::formats {

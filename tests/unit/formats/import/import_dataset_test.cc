@@ -6,9 +6,9 @@
 #include <random>
 #include <set>
 
-#include "server/formats/dataset_csv.h"
+#include "server/formats/csv/dataset_csv.h"
 #include "server/formats/import/mapping_file.h"
-#include "server/formats/text.h"
+#include "server/formats/text/text.h"
 #include "tests/unit/formats/import/gzipped.h"
 
 namespace driftwise::formats {

@@ -1,9 +1,0 @@
-#pragma once
-#include "clients/cli/session.h"
-
-namespace driftwise::cli {
-
-// alarms [--all], alarms acknowledge
-void add_alarm_commands(CLI::App& app, Session& session);
-
-}  // namespace driftwise::cli

@@ -1,0 +1,9 @@
+#pragma once
+#include "clients/cli/core/session.h"
+
+namespace driftwise::cli {
+
+// alarms [--all], alarms acknowledge
+void add_alarm_commands(CLI::App& app, Session& session);
+
+}  // namespace driftwise::cli

@@ -1,0 +1,29 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "clients/cli/core/session.h"
+#include "driftwise/v1/diagnosis_service.pb.h"
+
+namespace driftwise::cli {
+
+// diagnosis list, show, accept, undo, cancel, export: what the daemon found, and what is made of
+// it.
+void add_diagnosis_commands(CLI::App& app, Session& session);
+
+// diagnose --run: in the daemon, with its progress; Ctrl-C cancels it there.
+struct DiagnoseRunArguments {
+  std::vector<std::int64_t> runs;
+  std::int64_t model = 0;  // 0: none was named
+  std::string baseline, name;
+  double alpha = 0.003;
+  std::uint64_t seed = 1;
+  std::vector<std::string> without;
+};
+ExitCode diagnose_runs(const Session& session, const DiagnoseRunArguments& a);
+
+// The page for people.
+void print_diagnosis(const Console& console, const v1::Diagnosis& diagnosis);
+
+}  // namespace driftwise::cli

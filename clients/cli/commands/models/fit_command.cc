@@ -1,0 +1,245 @@
+#include "clients/cli/commands/models/fit_command.h"
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+
+#include "clients/cli/commands/models/residuals_file.h"
+#include "clients/cli/commands/models/validation_file.h"
+#include "clients/cli/core/session.h"
+#include "clients/cli/core/validators.h"
+#include "clients/cli/core/value_or_throw.h"
+#include "server/calibration/offer.h"
+#include "server/effects/term_order.h"
+#include "server/formats/csv/dataset_csv.h"
+#include "server/formats/formula/formula.h"
+#include "server/formats/model/fit_json.h"
+#include "server/formats/text/row_ranges.h"
+#include "server/threads/threaded_executor.h"
+
+namespace driftwise::cli {
+namespace {
+
+std::vector<effects::Term> terms_of(const std::vector<std::string>& texts) {
+  std::vector<effects::Term> terms;
+  for (const auto& text : texts) terms.push_back(value_or_throw(formats::parse_term(text)));
+  return terms;
+}
+
+std::string joined(const std::vector<effects::Term>& terms) {
+  std::string text;
+  for (const auto& term : terms) text += (text.empty() ? "" : ", ") + effects::notation(term);
+  return text;
+}
+
+double change(const std::optional<double>& before, const std::optional<double>& after,
+              double factor) {
+  return before && after ? (*after - *before) * factor : std::nan("");
+}
+
+SummaryUnit unit_of(const calibration::Model& model, const std::string& output) {
+  for (const auto& one : model.outputs)
+    if (one.channel.symbol == output) return summary_unit(one.channel.unit);
+  return {"", 1};
+}
+
+nlohmann::ordered_json offers_json(const std::vector<calibration::OfferResult>& offers,
+                                   const calibration::Model& model) {
+  auto list = nlohmann::ordered_json::array();
+  for (const auto& offer : offers) {
+    const SummaryUnit summary = unit_of(model, offer.output);
+    nlohmann::ordered_json one{
+        {"offer", offer.name}, {"output", offer.output}, {"best_p", offer.best_p}};
+    for (const auto* key : {"taken", "left"}) one[key] = nlohmann::ordered_json::array();
+    for (const auto& term : offer.taken) one["taken"].push_back(effects::notation(term));
+    for (const auto& term : offer.left) one["left"].push_back(effects::notation(term));
+    const auto put = [&](const std::string& key, const std::optional<double>& value) {
+      if (value) one[key + "_" + summary.unit] = *value * summary.factor;
+    };
+    put("u90_validation_before", offer.u90_validation_before);
+    put("u90_validation_after", offer.u90_validation_after);
+    put("u90_validation_forced", offer.u90_validation_forced);
+    put("u90_blocks_before", offer.u90_blocks_before);
+    put("u90_blocks_after", offer.u90_blocks_after);
+    put("a90_validation_before", offer.a90_validation_before);
+    put("a90_validation_after", offer.a90_validation_after);
+    put("a90_validation_forced", offer.a90_validation_forced);
+    put("a90_blocks_before", offer.a90_blocks_before);
+    put("a90_blocks_after", offer.a90_blocks_after);
+    list.push_back(std::move(one));
+  }
+  return list;
+}
+
+void print_offers(std::ostream& out, const std::vector<calibration::OfferResult>& offers,
+                  const calibration::Model& model) {
+  out << "\nWhat more terms would add to the held-out A90\n";
+  for (const auto& offer : offers) {
+    const SummaryUnit summary = unit_of(model, offer.output);
+    char text[256];
+    std::snprintf(text, sizeof text, "%+.2f %s on the validation rows, %+.2f %s by blocks of time",
+                  change(offer.a90_validation_before, offer.a90_validation_after, summary.factor),
+                  summary.unit.c_str(),
+                  change(offer.a90_blocks_before, offer.a90_blocks_after, summary.factor),
+                  summary.unit.c_str());
+    out << "  " << offer.output << ", " << offer.name << ": ";
+    if (offer.taken_any())
+      out << "stepwise takes " << joined(offer.taken) << ": " << text << '\n';
+    else
+      out << "all rejected (smallest p " << offer.best_p << ")\n";
+  }
+}
+
+// Beside those that the file marks itself.
+void exclude_rows(Dataset& data, const std::string& text, const std::string& name) {
+  if (text.empty()) return;
+  if (data.excluded.empty()) data.excluded.assign(data.rows, 0);
+  for (const std::int64_t row : value_or_throw(formats::parse_row_ranges(text))) {
+    if (row < 1 || row > static_cast<std::int64_t>(data.rows))
+      throw failure_of({ErrorCode::invalid_argument, "BAD_ROWS",
+                        "--exclude-rows: found row " + std::to_string(row) + ", expected 1 to " +
+                            std::to_string(data.rows) + ", the rows of " + name});
+    data.excluded[static_cast<std::size_t>(row - 1)] = 1;
+  }
+}
+
+void add_validation(Dataset& data, const FitOfFile& fit, const std::string& name) {
+  if (fit.first_rows > 0)
+    throw Failure{ExitCode::usage, "usage", "USAGE",
+                  "--first and --validation do not go together: both say which rows calibrate"};
+  const auto validation =
+      value_or_throw(formats::read_dataset_csv(read_input_file(fit.validation), fit.validation));
+  data = with_validation_rows(data, name, validation, fit.validation);
+}
+
+}  // namespace
+
+void add_fit_options(CLI::App& command, FitOfFile& fit) {
+  command.add_option("--model", fit.formula,
+                     "formula: \"q ~ poly(x, 3) + F + T + rate(T, 300 s) - t03\"; @FILE reads it "
+                     "from a file");
+  command.add_option("--select", fit.select, "stepwise, or all: every term, no selection")
+      ->check(CLI::IsMember({"stepwise", "all"}))
+      ->capture_default_str();
+  command
+      .add_option("--criterion", fit.criterion,
+                  "of stepwise: p (thresholds on the partial F test), bic or aic (the change that "
+                  "lowers it most, until none does)")
+      ->check(CLI::IsMember({"p", "bic", "aic"}, CLI::ignore_case))
+      ->capture_default_str();
+  command.add_option("--p-enter", fit.p_enter, "a term enters below this p")->capture_default_str();
+  command.add_option("--p-remove", fit.p_remove, "a term leaves above this p")
+      ->capture_default_str();
+  command.add_flag("--hierarchy", fit.hierarchy,
+                   "a product or power only with its parents: x:t07 only with x and t07");
+  command
+      .add_option("--starts", fit.starts,
+                  "the best of N starts: none, all, then random subsets; the lowest BIC (with "
+                  "--criterion aic: AIC) wins")
+      ->check(number_between(1, 10000))
+      ->capture_default_str();
+  command.add_option("--seed", fit.seed, "of the random starts")
+      ->check(number_from_zero())
+      ->capture_default_str();
+  command
+      .add_option(
+          "--threads", fit.threads,
+          "0: one per processor, or with --run one; the model is the same whatever the number")
+      ->check(number_between(0, 1024))
+      ->capture_default_str();
+  command.add_option("--force", fit.force, "a term that is always in; repeatable")
+      ->allow_extra_args(false);
+  command.add_option("--without", fit.without, "a term that is left out; repeatable")
+      ->allow_extra_args(false);
+  command
+      .add_option("--exclude", fit.exclude,
+                  "channels whose terms are left out, such as t01,t02; repeatable")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command.add_option("--weights", fit.weights, "a channel that weights the rows, as 1/variance");
+  command.add_option("--exclude-rows", fit.exclude_rows,
+                     "rows of the file kept out of the fit, such as 12,40-45; the first is 1");
+  command.add_option("--first,--first-rows", fit.first_rows, "calibrate on the first N rows only")
+      ->check(number_from_zero());
+  command.add_option("--blocks", fit.blocks, "blocks of time held out in turn; 0: none")
+      ->check(number_between(0, 1000))
+      ->capture_default_str();
+  command.add_option("--residuals", fit.residuals,
+                     "write measured, model and residual of every row to this file (dataset CSV)");
+  command.add_option("--validation", fit.validation,
+                     "a second dataset file, whose rows are the validation set of the first");
+  command.add_flag("--history", fit.history, "show the selection step by step");
+  command.add_flag("--offers", fit.offers,
+                   "show what cross terms, derivatives and 4th order would add");
+}
+
+calibration::FitOptions fit_options(const FitOfFile& fit) {
+  calibration::FitOptions options;
+  options.select = fit.select == "all" ? calibration::Select::all : calibration::Select::stepwise;
+  options.criterion =
+      calibration::criterion_named(fit.criterion).value_or(calibration::Criterion::p);
+  options.hierarchy = fit.hierarchy;
+  options.starts = fit.starts;
+  options.seed = fit.seed;
+  options.executor =
+      threads::threaded_executor(fit.threads == 0 ? threads::processors() : fit.threads);
+  options.p_enter = fit.p_enter;
+  options.p_remove = fit.p_remove;
+  options.forced = terms_of(fit.force);
+  options.excluded = terms_of(fit.without);
+  options.exclude_channels = fit.exclude;
+  options.weight_symbol = fit.weights;
+  options.first_rows = fit.first_rows;
+  options.blocks = fit.blocks;
+  options.stopwatch_us = [] {
+    return std::chrono::duration<double, std::micro>(
+               std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+  };
+  return options;
+}
+
+Dataset dataset_of_file(const FitOfFile& fit, std::string_view text, const std::string& name,
+                        const calibration::Executor& executor) {
+  Dataset data = value_or_throw(formats::read_dataset_csv(text, name, executor));
+  exclude_rows(data, fit.exclude_rows, name);
+  if (!fit.validation.empty()) add_validation(data, fit, name);
+  return data;
+}
+
+void print_fit(const Console& console, const FitOfFile& fit, const calibration::Model& model,
+               const std::vector<calibration::OfferResult>& offers,
+               std::optional<std::int64_t> model_id) {
+  if (console.json) {
+    auto json = formats::fit_json(model);
+    if (fit.offers) json["offers"] = offers_json(offers, model);
+    if (model_id) json["model_id"] = *model_id;
+    console.print_json(json);
+    return;
+  }
+  console.out << formats::fit_table(model, {.history = fit.history});
+  if (fit.offers) print_offers(console.out, offers, model);
+}
+
+ExitCode fit_file(const Console& console, const FitOfFile& fit, std::string_view text,
+                  const std::string& name) {
+  calibration::FitOptions options = fit_options(fit);
+  options.lineage.source = name;
+  const auto formula = value_or_throw(formats::Formula::parse(fit.formula));
+  const Dataset data = dataset_of_file(fit, text, name, options.executor);
+  options.lineage.exclusions_hash = formats::exclusions_hash(data);
+  options.candidates = value_or_throw(formula.expand(data));
+  auto fitted = calibration::fit(data, options);
+  if (!fitted) fitted.error().message.insert(0, name + ": ");  // which of many files
+  const calibration::Model model = value_or_throw(std::move(fitted));
+  std::vector<calibration::OfferResult> offers;
+  if (fit.offers)
+    offers = value_or_throw(calibration::weigh_offers(
+        data, options, model, calibration::published_offers(data, options.candidates)));
+  if (!fit.residuals.empty()) write_output_file(fit.residuals, residuals_csv(data, model));
+  print_fit(console, fit, model, offers, std::nullopt);
+  return ExitCode::done;
+}
+
+}  // namespace driftwise::cli

@@ -1,0 +1,182 @@
+#include "clients/cli/commands/targets/target_command.h"
+
+#include <memory>
+
+#include "clients/cli/commands/targets/target_map_command.h"
+#include "clients/cli/core/assignment.h"
+#include "clients/cli/core/proto_json.h"
+#include "clients/cli/core/table.h"
+#include "clients/cli/core/text.h"
+#include "clients/cli/core/validators.h"
+#include "clients/cli/pages/budget_table.h"
+#include "driftwise/v1/target_service.grpc.pb.h"
+
+namespace driftwise::cli {
+namespace {
+
+using TargetStub = v1::TargetService::Stub;
+
+struct TargetArguments {
+  std::vector<std::string> pose;
+  double every_s = 0;
+  bool budget = false, watch = false;
+};
+
+std::string lower(std::string name, std::string_view prefix) {
+  name.erase(0, prefix.size());
+  for (char& c : name)
+    c = c == '_' ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return name;
+}
+
+std::string joined(const google::protobuf::RepeatedPtrField<std::string>& names) {
+  std::string out;
+  for (const auto& name : names) out += (out.empty() ? "" : ", ") + name;
+  return out;
+}
+
+std::string unreachable_text(const v1::Target& target) {
+  std::string out = "not reachable:";
+  const char* separator = " ";
+  for (const auto& one : target.coordinates()) {
+    if (!one.has_min_mm()) continue;
+    out += separator + one.channel() + " has soft limits " + significant(one.min_mm(), 6) + " .. " +
+           significant(one.max_mm(), 6);
+    separator = ", ";
+  }
+  return out;
+}
+
+bool reachable(const v1::Target& target) { return target.unreachable_channels().empty(); }
+
+void print_flags(const Console& console, const v1::Target& target) {
+  const Paint paint = console.paint_out();
+  for (const int flag : target.flags()) {
+    std::string line = lower(v1::Target::Flag_Name(static_cast<v1::Target::Flag>(flag)), "FLAG_");
+    if (flag == v1::Target::FLAG_OUTSIDE_DOMAIN) line += ": " + joined(target.outside_channels());
+    if (flag == v1::Target::FLAG_STALE_TEMPERATURE) line += ": " + joined(target.stale_channels());
+    if (flag == v1::Target::FLAG_MISSING_TEMPERATURE)
+      line += ": " + joined(target.missing_channels());
+    if (flag == v1::Target::FLAG_UNKNOWN_LIMITS)
+      line += ": " + joined(target.unlimited_channels()) +
+              " (the cell file has no such axis, so nothing says whether it can be reached)";
+    if (flag == v1::Target::FLAG_IGNORED_COORDINATE)
+      line += ": the model does not depend on " + joined(target.ignored_channels());
+    if (flag == v1::Target::FLAG_OUTSIDE_LIMITS) line = unreachable_text(target);
+    console.out << paint.warn("! ") << line << '\n';
+  }
+}
+
+// The pose coordinate that a motor coordinate of a robot without coupling stands beside: q1 - x and
+// so on.
+const v1::ChannelValue* beside(const v1::ComputeTargetRequest& request, int axis) {
+  static constexpr const char* kPose[] = {"x_mm", "y_mm", "z_mm"};
+  if (axis >= 3) return nullptr;
+  for (const auto& value : request.pose())
+    if (value.channel() == kPose[axis]) return &value;
+  return nullptr;
+}
+
+}  // namespace
+
+void print_target(const Console& console, const v1::ComputeTargetRequest& request,
+                  const v1::Target& target) {
+  Table table({{"coordinate"},
+               {"mm", Align::right},
+               {"from pose nm", Align::right},
+               {"u nm", Align::right},
+               {"U90 nm", Align::right},
+               {"U (k=2) nm", Align::right}});
+  for (int i = 0; i < target.coordinates_size(); ++i) {
+    const auto& coordinate = target.coordinates(i);
+    const auto* pose = beside(request, i);
+    const std::string channel = coordinate.channel().substr(0, coordinate.channel().rfind('_'));
+    table.add(
+        {channel + (coordinate.has_min_mm() ? " (not reachable)" : ""),
+         fixed(coordinate.position_mm(), 7),
+         pose != nullptr ? signed_fixed((coordinate.position_mm() - pose->value()) * 1e6, 1) : "-",
+         fixed(coordinate.u_nm(), 1), fixed(coordinate.u90_nm(), 1),
+         fixed(coordinate.expanded_nm(), 1)});
+  }
+  table.print(console.out, console.paint_out());
+  print_budget(console, target.coordinates());
+  console.out << "model " << target.model_id() << ", conditions of "
+              << clock_text(target.conditions_time()) << " UTC, valid until "
+              << clock_text(target.valid_until_time()).substr(11) << '\n';
+  print_flags(console, target);
+}
+
+namespace {
+
+ExitCode ask_once(const Session& session, const v1::ComputeTargetRequest& request) {
+  const auto target = session.connect().ask(&TargetStub::ComputeTarget, request).target();
+  if (session.console.json)
+    session.console.print_json(json_from(target));
+  else
+    print_target(session.console, request, target);
+  return reachable(target) ? ExitCode::done : ExitCode::negative;
+}
+
+ExitCode follow(const Session& session, const v1::ComputeTargetRequest& asked, double every_s) {
+  v1::WatchTargetsRequest request;
+  *request.mutable_pose() = asked.pose();
+  request.set_show_unreachable(true);
+  if (every_s > 0) {
+    request.mutable_min_interval_duration()->set_seconds(static_cast<std::int64_t>(every_s));
+    request.mutable_min_interval_duration()->set_nanos(static_cast<std::int32_t>(
+        (every_s - static_cast<double>(static_cast<std::int64_t>(every_s))) * 1e9));
+  }
+  session.connect().follow(
+      &TargetStub::WatchTargets, request, [&](const v1::WatchTargetsResponse& response) {
+        const auto& target = response.target();
+        if (session.console.json) {
+          session.console.out << json_from(target).dump() << '\n' << std::flush;
+          return true;
+        }
+        session.console.out << clock_text(target.conditions_time());
+        for (const auto& coordinate : target.coordinates())
+          session.console.out << "  " << coordinate.channel() << " "
+                              << fixed(coordinate.position_mm(), 7) << "  U90 "
+                              << fixed(coordinate.u90_nm(), 1) << " nm"
+                              << (coordinate.has_min_mm() ? " not reachable" : "");
+        for (const int flag : target.flags())
+          session.console.out << "  "
+                              << lower(v1::Target::Flag_Name(static_cast<v1::Target::Flag>(flag)),
+                                       "FLAG_");
+        session.console.out << '\n' << std::flush;
+        return true;
+      });
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_target_command(CLI::App& app, Session& session) {
+  auto a = std::make_shared<TargetArguments>();
+  CLI::App& command =
+      *app.add_subcommand("target", "Compensated motor coordinates of a pose; moves nothing");
+  command.require_subcommand(0, 1);
+  command.callback([&session, &command, a] {
+    if (!command.get_subcommands().empty()) return;
+    session.action = [&session, a] {
+      if (a->pose.empty())
+        throw Failure{ExitCode::usage, "usage", "USAGE",
+                      "target of which pose? give it: driftwise target x=1.5"};
+      v1::ComputeTargetRequest request;
+      *request.mutable_pose() = assignments_from(a->pose);
+      request.set_with_budget(a->budget);
+      request.set_show_unreachable(true);
+      return a->watch ? follow(session, request, a->every_s) : ask_once(session, request);
+    };
+  });
+  command.add_option("POSE", a->pose, "x=1.5 ..., mm, arcsec, N");
+  command.add_flag("--budget", a->budget, "what the uncertainty is made of");
+  auto* watch =
+      command.add_flag("--watch", a->watch, "again whenever the conditions change, one line each");
+  command.add_option("--every", a->every_s, "at least so many seconds between two lines")
+      ->needs(watch)
+      ->check(number_between(0.0, 86400.0));
+  add_target_map_command(command, session);
+}
+
+}  // namespace driftwise::cli

@@ -1,0 +1,52 @@
+#include "clients/cli/core/assignment.h"
+
+#include <optional>
+
+#include "clients/cli/core/console.h"
+#include "clients/cli/core/text.h"
+#include "server/core/channel.h"
+
+namespace driftwise::cli {
+namespace {
+
+std::optional<std::string> unit_of(const std::string& symbol) {
+  if (is_motor_symbol(symbol)) return "mm";
+  if (symbol == "force" || symbol == "F") return "N";
+  if (!is_pose_symbol(symbol)) return std::nullopt;
+  return symbol.size() == 2 ? "arcsec" : "mm";
+}
+
+}  // namespace
+
+v1::ChannelValue assignment_from(const std::string& text) {
+  const auto bad = [&text](const std::string& why) {
+    return Failure{ExitCode::usage, "invalid_argument", "BAD_ASSIGNMENT",
+                   "found '" + text + "', " + why +
+                       "; expected something like x=1.5 (mm), ry=12 (arcsec), force=0.3 (N)"};
+  };
+  const auto equals = text.find('=');
+  if (equals == std::string::npos) throw bad("which assigns nothing");
+  std::string name = text.substr(0, equals), number = text.substr(equals + 1);
+  std::string symbol = name.substr(0, name.find('_'));
+  const auto unit = unit_of(symbol);
+  if (!unit) throw bad("'" + name + "' is no coordinate");
+  if (name != symbol && name != symbol + "_" + *unit)
+    throw bad("'" + symbol + "' is given in " + *unit);
+  if (number.ends_with(*unit)) number.resize(number.size() - unit->size());
+  while (number.ends_with(' ')) number.pop_back();
+  const auto value = number_from(number);
+  if (!value) throw bad("'" + text.substr(equals + 1) + "' is not a finite number of " + *unit);
+  v1::ChannelValue out;
+  out.set_channel((symbol == "F" ? "force" : symbol) + "_" + *unit);
+  out.set_value(*value);
+  return out;
+}
+
+google::protobuf::RepeatedPtrField<v1::ChannelValue> assignments_from(
+    const std::vector<std::string>& texts) {
+  google::protobuf::RepeatedPtrField<v1::ChannelValue> out;
+  for (const auto& text : texts) *out.Add() = assignment_from(text);
+  return out;
+}
+
+}  // namespace driftwise::cli

@@ -1,0 +1,24 @@
+#include "clients/cli/core/confirm.h"
+
+#include <istream>
+
+namespace driftwise::cli {
+
+void confirm(const Console& console, bool yes, const std::string& title,
+             const std::vector<std::string>& facts, const std::string& verb) {
+  if (!console.json || !yes) {
+    console.err << console.paint_err().bold(title) << '\n';
+    for (const auto& fact : facts) console.err << "  " << fact << '\n';
+  }
+  if (yes) return;
+  if (console.in == nullptr || !console.in_is_terminal || console.json)
+    throw Failure{ExitCode::usage, "usage", "NEEDS_YES",
+                  "nobody can be asked here: read what is above, and give --yes"};
+  console.err << verb << "? [y/N] " << std::flush;
+  std::string answer;
+  std::getline(*console.in, answer);
+  if (answer == "y" || answer == "Y" || answer == "yes") return;
+  throw Failure{ExitCode::refused, "cancelled", "DECLINED", "nothing was changed"};
+}
+
+}  // namespace driftwise::cli

@@ -1,0 +1,191 @@
+#include "clients/cli/core/connection.h"
+
+#include <grpcpp/create_channel.h>
+#include <grpcpp/security/credentials.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "driftwise/v1/error_detail.pb.h"
+#include "server/core/text/utf8.h"
+
+namespace driftwise::cli {
+namespace {
+
+const char* code_text(grpc::StatusCode code) {
+  switch (code) {
+    case grpc::StatusCode::CANCELLED:
+      return "cancelled";
+    case grpc::StatusCode::INVALID_ARGUMENT:
+      return "invalid_argument";
+    case grpc::StatusCode::DEADLINE_EXCEEDED:
+      return "deadline_exceeded";
+    case grpc::StatusCode::NOT_FOUND:
+      return "not_found";
+    case grpc::StatusCode::ALREADY_EXISTS:
+      return "already_exists";
+    case grpc::StatusCode::PERMISSION_DENIED:
+      return "permission_denied";
+    case grpc::StatusCode::RESOURCE_EXHAUSTED:
+      return "resource_exhausted";
+    case grpc::StatusCode::FAILED_PRECONDITION:
+      return "failed_precondition";
+    case grpc::StatusCode::ABORTED:
+      return "aborted";
+    case grpc::StatusCode::OUT_OF_RANGE:
+      return "out_of_range";
+    case grpc::StatusCode::UNIMPLEMENTED:
+      return "unimplemented";
+    case grpc::StatusCode::UNAVAILABLE:
+      return "unavailable";
+    case grpc::StatusCode::DATA_LOSS:
+      return "data_loss";
+    default:
+      return "internal";
+  }
+}
+
+v1::ErrorDetail detail_of(const grpc::Status& status) {
+  v1::ErrorDetail detail;
+  v1::ErrorStatus packed;
+  if (packed.ParseFromString(status.error_details()))
+    for (const auto& any : packed.details()) any.UnpackTo(&detail);
+  return detail;
+}
+
+// What gRPC would try for ever, or look up as a name: "localhost", "127.0.0.1:70000". Its own forms
+// (unix:/path, dns:///name) pass.
+std::string checked_address(const std::string& address, const char* from) {
+  const auto colon = address.rfind(':');
+  const std::string port = colon == std::string::npos ? "" : address.substr(colon + 1);
+  const bool number = !port.empty() && port.find_first_not_of("0123456789") == std::string::npos;
+  const bool beyond = number && (port.size() > 5 || std::stoi(port) > 65535 || std::stoi(port) < 1);
+  if (colon == std::string::npos || port.empty() || beyond)
+    throw Failure{ExitCode::usage, "usage", "BAD_ADDRESS",
+                  std::string(from) + ": found '" + address +
+                      "', expected host:port such as 127.0.0.1:50051"};
+  return address;
+}
+
+using google::protobuf::FieldDescriptor;
+
+// "text", "pose[2].channel": the first field whose bytes are no text.
+std::string field_without_text(const google::protobuf::Message& message) {
+  const auto& reflection = *message.GetReflection();
+  std::vector<const FieldDescriptor*> set;
+  reflection.ListFields(message, &set);
+  for (const FieldDescriptor* field : set) {
+    const bool text = field->type() == FieldDescriptor::TYPE_STRING;
+    if (!text && field->cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE) continue;
+    const int count = field->is_repeated() ? reflection.FieldSize(message, field) : 1;
+    for (int i = 0; i < count; ++i) {
+      const bool repeated = field->is_repeated();
+      const std::string name = field->name() + (repeated ? "[" + std::to_string(i) + "]" : "");
+      std::string scratch;
+      if (text) {
+        const std::string& value =
+            repeated ? reflection.GetRepeatedStringReference(message, field, i, &scratch)
+                     : reflection.GetStringReference(message, field, &scratch);
+        if (const auto bad = first_bad_utf8(value))
+          return name + ": byte " + std::to_string(*bad + 1);
+        continue;
+      }
+      const auto inner =
+          field_without_text(repeated ? reflection.GetRepeatedMessage(message, field, i)
+                                      : reflection.GetMessage(message, field));
+      if (!inner.empty()) return name + "." + inner;
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string server_address(const std::string& flag, const Console& console) {
+  if (!flag.empty()) return checked_address(flag, "--server");
+  if (const auto variable = console.variable("DRIFTWISE_SERVER"); !variable.empty())
+    return checked_address(variable, "DRIFTWISE_SERVER");
+  const auto notice = std::filesystem::path(console.working_folder) / "driftwised.json";
+  std::ifstream file(notice);
+  if (!file) return "127.0.0.1:50051";
+  const auto json = nlohmann::json::parse(file, nullptr, false);
+  if (json.is_object() && json.contains("grpc") && json["grpc"].is_string()) return json["grpc"];
+  throw Failure{
+      ExitCode::bad_input, "invalid_argument", "BAD_NOTICE",
+      notice.string() +
+          ": expected a JSON object with the daemon's address under \"grpc\"; remove the file or "
+          "give --server host:port"};
+}
+
+ExitCode exit_code_of(const grpc::Status& status) {
+  switch (status.error_code()) {
+    case grpc::StatusCode::OK:
+      return ExitCode::done;
+    case grpc::StatusCode::INVALID_ARGUMENT:
+    case grpc::StatusCode::NOT_FOUND:
+      return ExitCode::bad_input;
+    case grpc::StatusCode::UNAVAILABLE:
+    case grpc::StatusCode::DEADLINE_EXCEEDED:
+      return ExitCode::unreachable;
+    default:
+      return ExitCode::refused;
+  }
+}
+
+Connection::Connection(std::string address, std::string operator_name, double timeout_s,
+                       Interrupt* interrupt)
+    : address_(std::move(address)),
+      operator_name_(std::move(operator_name)),
+      timeout_s_(timeout_s),
+      interrupt_(interrupt) {
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(64 * 1024 * 1024);
+  arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY,
+                   0);  // the daemon listens on loopback, or at the end of a tunnel
+  channel_ = grpc::CreateCustomChannel(address_, grpc::InsecureChannelCredentials(), arguments);
+}
+
+void Connection::check_text(const google::protobuf::Message& request) {
+  const std::string where = field_without_text(request);
+  if (where.empty()) return;
+  throw Failure{ExitCode::bad_input, "invalid_argument", "NOT_TEXT",
+                where + " is no UTF-8 text: is this the right file? If it is, save it as UTF-8"};
+}
+
+void Connection::prepare(grpc::ClientContext& context, double usual_s) const {
+  if (!operator_name_.empty()) {
+    const bool ascii = std::all_of(operator_name_.begin(), operator_name_.end(),
+                                   [](char c) { return c >= 0x20 && c < 0x7F; });
+    context.AddMetadata(ascii ? "driftwise-operator" : "driftwise-operator-bin", operator_name_);
+  }
+  const double limit_s = timeout_s_ > 0 ? timeout_s_ : usual_s;
+  if (limit_s > 0)
+    context.set_deadline(std::chrono::system_clock::now() +
+                         std::chrono::milliseconds(static_cast<std::int64_t>(limit_s * 1e3)));
+}
+
+void Connection::check(const grpc::Status& status) const {
+  if (status.ok()) return;
+  if (interrupted())
+    throw Failure{ExitCode::interrupted, "cancelled", "INTERRUPTED", "interrupted"};
+  const auto detail = detail_of(status);
+  Failure failure{exit_code_of(status), code_text(status.error_code()), detail.reason(),
+                  status.error_message()};
+  if (!detail.message().empty()) failure.message = detail.message();
+  if (detail.reason().empty() && status.error_code() == grpc::StatusCode::UNAVAILABLE)
+    failure = {
+        ExitCode::unreachable, "unavailable", "NO_DAEMON",
+        "cannot reach the daemon at " + address_ +
+            ": is driftwised running there? Start it, or name another with --server host:port"};
+  if (detail.reason().empty() && status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED)
+    failure = {ExitCode::unreachable, "deadline_exceeded", "TIMEOUT",
+               "no answer from " + address_ +
+                   " in time: look at `driftwise status`, or allow more with --timeout S"};
+  throw failure;
+}
+
+}  // namespace driftwise::cli

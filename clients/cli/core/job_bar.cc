@@ -1,0 +1,37 @@
+#include "clients/cli/core/job_bar.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "clients/cli/core/table.h"
+#include "clients/cli/core/text.h"
+
+namespace driftwise::cli {
+
+JobBar::~JobBar() {
+  if (open_line_) console_.err << '\n' << std::flush;
+}
+
+void JobBar::show(const std::string& what, double fraction, const std::string& step) {
+  if (console_.json) return;
+  if (!console_.err_is_terminal) {
+    if (step != last_ && !step.empty()) console_.err << what << ": " << step << '\n' << std::flush;
+    last_ = step;
+    return;
+  }
+  constexpr double kCells = 20;
+  std::string line = what + " ";
+  if (fraction >= 0) {
+    const auto filled =
+        static_cast<std::size_t>(std::floor(std::clamp(fraction, 0.0, 1.0) * kCells));
+    line += "[" + std::string(filled, '#') + std::string(20 - filled, '.') + "] " +
+            fixed(std::floor(100 * fraction), 0) + " %  ";
+  }
+  line += step;
+  const auto width = static_cast<std::size_t>(std::max(20, console_.err_width - 1));
+  if (width_of(line) > width) line = line.substr(0, width);
+  console_.err << "\r\x1b[K" << line << std::flush;
+  open_line_ = true;
+}
+
+}  // namespace driftwise::cli

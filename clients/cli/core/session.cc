@@ -1,0 +1,67 @@
+#include "clients/cli/core/session.h"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+
+#include "clients/cli/core/read_stream.h"
+
+namespace driftwise::cli {
+
+std::string read_input_file(const std::string& path) {
+  if (path == "-") return read_stream(std::cin, "standard input");
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored))
+    throw Failure{ExitCode::bad_input, "invalid_argument", "NOT_A_FILE",
+                  path + " is a folder, expected a file"};
+  std::ifstream file(path, std::ios::binary);
+  if (!file)
+    throw Failure{ExitCode::bad_input, "not_found", "NO_FILE",
+                  "cannot read " + path + ": " + std::strerror(errno)};
+  return read_stream(file, path);
+}
+
+std::string base_name(const std::string& path) {
+  return std::filesystem::path(path).filename().string();
+}
+
+namespace {
+
+Failure cannot_write(const std::string& path, const std::string& why) {
+  return {ExitCode::bad_input, "invalid_argument", "CANNOT_WRITE",
+          "cannot write " + path + ": " + why};
+}
+
+// Says why not, or nothing.
+std::string write_to(const std::filesystem::path& file, const std::string& text) {
+  errno = 0;
+  std::ofstream out(file, std::ios::binary | std::ios::trunc);
+  if (out && (out << text).flush()) return {};
+  return std::strerror(errno != 0 ? errno : EIO);
+}
+
+}  // namespace
+
+void write_output_file(const std::string& path, const std::string& text) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored))
+    throw cannot_write(path, "it is a folder, expected the name of a file");
+  // A file renamed over a device would take its place: as root even that of /dev/null.
+  if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) {
+    if (const auto why = write_to(path, text); !why.empty()) throw cannot_write(path, why);
+    return;
+  }
+  const fs::path file =
+      fs::is_symlink(path, ignored) ? fs::weakly_canonical(path, ignored) : fs::path(path);
+  const fs::path part = file.string() + ".part";
+  auto why = write_to(part, text);
+  if (why.empty() && std::rename(part.c_str(), file.c_str()) != 0) why = std::strerror(errno);
+  if (why.empty()) return;
+  fs::remove(part, ignored);
+  throw cannot_write(path, why);
+}
+
+}  // namespace driftwise::cli

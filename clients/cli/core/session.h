@@ -1,0 +1,44 @@
+#pragma once
+// What every command needs: the options all of them share, and the way to the daemon.
+
+#include <CLI/App.hpp>
+#include <functional>
+#include <string>
+
+#include "clients/cli/core/connection.h"
+#include "clients/cli/core/console.h"
+
+namespace driftwise::cli {
+
+struct Session {
+  Console& console;
+  Interrupt* interrupt = nullptr;
+  std::string server, operator_name;  // --server, --operator
+  double timeout_s = 0;               // --timeout; 0: not given
+  std::function<ExitCode()> action;   // set by the command that was named
+
+  // Throws Failure for an unreadable driftwised.json; the connection itself is made by the first
+  // call.
+  Connection connect() const {
+    return {server_address(server, console), operator_name, timeout_s, interrupt};
+  }
+};
+
+// Adds a command whose action runs after all of the line was understood.
+inline CLI::App& add_command(CLI::App& parent, Session& session, const std::string& name,
+                             const std::string& what, std::function<ExitCode()> action) {
+  CLI::App& command = *parent.add_subcommand(name, what);
+  command.callback([&session, action = std::move(action)] { session.action = action; });
+  return command;
+}
+
+// The whole of a text file, "-" for standard input. Throws Failure (bad_input) naming it.
+std::string read_input_file(const std::string& path);
+// The same path's last part: how a run is named when nobody named it.
+std::string base_name(const std::string& path);
+// Writes a file in one piece (a temporary beside it, then renamed), or nothing. A link stays a
+// link, a device or pipe (/dev/stdout, /dev/null) is written to as it is. Throws Failure (bad_input
+// CANNOT_WRITE) naming it; what stood there before still does then.
+void write_output_file(const std::string& path, const std::string& text);
+
+}  // namespace driftwise::cli

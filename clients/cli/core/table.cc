@@ -1,0 +1,45 @@
+#include "clients/cli/core/table.h"
+
+#include <algorithm>
+
+#include "server/core/text/clean_text.h"
+
+namespace driftwise::cli {
+
+std::size_t width_of(const std::string& text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+  }));
+}
+
+void Table::add(std::vector<std::string> row) {
+  for (auto& cell : row) cell = clean_line(cell);
+  rows_.push_back(std::move(row));
+}
+
+void Table::print(std::ostream& out, const Paint& paint) const {
+  std::vector<std::size_t> widths;
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    std::size_t width = width_of(columns_[i].header);
+    for (const auto& row : rows_)
+      if (i < row.size()) width = std::max(width, width_of(row[i]));
+    widths.push_back(width);
+  }
+  const auto line_of = [&](const std::vector<std::string>& cells) {
+    std::string line;
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      const std::string cell = i < cells.size() ? cells[i] : "";
+      const std::string padding(widths[i] - width_of(cell), ' ');
+      if (i > 0) line += "  ";
+      line += columns_[i].align == Align::right ? padding + cell : cell + padding;
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    return line;
+  };
+  std::vector<std::string> headers;
+  for (const auto& column : columns_) headers.push_back(column.header);
+  out << paint.bold(line_of(headers)) << '\n';
+  for (const auto& row : rows_) out << line_of(row) << '\n';
+}
+
+}  // namespace driftwise::cli

@@ -1,9 +1,0 @@
-#pragma once
-#include "clients/cli/session.h"
-
-namespace driftwise::cli {
-
-// data export | import
-void add_data_commands(CLI::App& app, Session& session);
-
-}  // namespace driftwise::cli

@@ -1,0 +1,130 @@
+#include "clients/cli/pages/run_text.h"
+
+#include "clients/cli/core/table.h"
+#include "clients/cli/core/text.h"
+#include "clients/cli/pages/configuration_text.h"
+
+namespace driftwise::cli {
+namespace {
+
+std::string painted_state(const Paint& paint, v1::Run::State state) {
+  const std::string text = state_text(state);
+  if (state == v1::Run::STATE_DONE) return paint.good(text);
+  if (state == v1::Run::STATE_FAILED || state == v1::Run::STATE_ABORTED) return paint.bad(text);
+  if (state == v1::Run::STATE_PAUSED || state == v1::Run::STATE_WAITING) return paint.warn(text);
+  return text;
+}
+
+// "correction 3, 5": of the data that exports and fits see.
+std::string rests_on(const v1::Run& run) {
+  std::string text;
+  for (const auto& mark : run.corrections())
+    text += (text.empty() ? "correction " : ", ") + std::to_string(mark.correction_id());
+  return text;
+}
+
+}  // namespace
+
+std::string state_text(v1::Run::State state) {
+  switch (state) {
+    case v1::Run::STATE_QUEUED:
+      return "queued";
+    case v1::Run::STATE_RUNNING:
+      return "running";
+    case v1::Run::STATE_PAUSED:
+      return "paused";
+    case v1::Run::STATE_WAITING:
+      return "waiting";
+    case v1::Run::STATE_DONE:
+      return "done";
+    case v1::Run::STATE_ABORTED:
+      return "aborted";
+    case v1::Run::STATE_FAILED:
+      return "failed";
+    default:
+      return "unknown";
+  }
+}
+
+bool is_over(v1::Run::State state) {
+  return state == v1::Run::STATE_DONE || state == v1::Run::STATE_ABORTED ||
+         state == v1::Run::STATE_FAILED;
+}
+
+ExitCode exit_code_of(v1::Run::State state) {
+  return state == v1::Run::STATE_ABORTED || state == v1::Run::STATE_FAILED ? ExitCode::refused
+                                                                           : ExitCode::done;
+}
+
+std::string compensation_text(const v1::Run& run) {
+  if (!run.compensated()) return "uncompensated";
+  return run.has_compensate_model_id()
+             ? "compensated with model " + std::to_string(run.compensate_model_id())
+             : "compensated with the model that served";
+}
+
+void print_runs(const Console& console, const std::vector<v1::Run>& runs) {
+  if (runs.empty()) {
+    console.out << "no runs yet: driftwise run start TRAJECTORY.csv\n";
+    return;
+  }
+  Table table({{"run", Align::right},
+               {"name"},
+               {"state"},
+               {"points", Align::right},
+               {"given up", Align::right},
+               {"attempts", Align::right},
+               {"started (UTC)"},
+               {"took", Align::right},
+               {"compensated"},
+               {"operator"},
+               {"rests on"}});
+  for (const auto& run : runs) {
+    const bool began = run.has_start_time(), ended = began && run.has_end_time();
+    table.add({std::to_string(run.id()), run.name(), state_text(run.state()),
+               std::to_string(run.accepted_count()) + "/" + std::to_string(run.row_count()),
+               std::to_string(run.given_up_count()), std::to_string(run.attempt_count()),
+               began ? clock_text(run.start_time()) : "-",
+               ended ? span_text(seconds_between(run.start_time(), run.end_time())) : "-",
+               !run.compensated() ? "no"
+               : run.has_compensate_model_id()
+                   ? "model " + std::to_string(run.compensate_model_id())
+                   : "yes",
+               run.operator_name(), rests_on(run)});
+  }
+  table.print(console.out, console.paint_out());
+}
+
+void print_run(const Console& console, const v1::Run& run) {
+  const Paint paint = console.paint_out();
+  const auto line = [&](const std::string& name, const std::string& value) {
+    console.out << paint.dim(name + std::string(name.size() < 14 ? 14 - name.size() : 1, ' '))
+                << value << '\n';
+  };
+  line("run", std::to_string(run.id()) + "  " + run.name());
+  line("state", painted_state(paint, run.state()) +
+                    (run.reason().empty() ? "" : "  (" + run.reason() + ")"));
+  line("trajectory", run.trajectory_name() + ", " + std::to_string(run.row_count()) + " rows");
+  line("compensation", compensation_text(run));
+  line("points", std::to_string(run.accepted_count()) + " accepted, " +
+                     std::to_string(run.given_up_count()) + " given up, " +
+                     std::to_string(run.attempt_count()) + " attempts");
+  line("operator", run.operator_name());
+  line("created", clock_text(run.create_time()) + " UTC");
+  if (run.has_start_time()) line("started", clock_text(run.start_time()) + " UTC");
+  if (run.has_end_time())
+    line("ended", clock_text(run.end_time()) + " UTC" +
+                      (run.has_start_time() ? ", after " + span_text(seconds_between(
+                                                               run.start_time(), run.end_time()))
+                                            : ""));
+  if (run.restart_count() > 0) line("restarts", std::to_string(run.restart_count()));
+  line("largest lag", span_text(seconds_of(run.max_lag_duration())) + " of cell time");
+  if (!run.config_hash().empty()) line("cell file", run.config_hash());
+  for (int i = 1; i < run.configurations_size(); ++i)
+    line("", "from " + clock_text(run.configurations(i).from_time()) +
+                 " UTC on: " + run.configurations(i).hash());
+  for (const auto& mark : run.corrections())
+    for (const auto& text : mark_texts(mark)) line(text.starts_with(" ") ? "" : "rests on", text);
+}
+
+}  // namespace driftwise::cli

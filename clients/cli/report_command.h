@@ -1,9 +1,0 @@
-#pragma once
-#include "clients/cli/session.h"
-
-namespace driftwise::cli {
-
-// report run N -o run.html
-void add_report_command(CLI::App& app, Session& session);
-
-}  // namespace driftwise::cli

@@ -1,0 +1,123 @@
+#include "drivers/simulated/emulators/cell/cell_server.h"
+
+#include <algorithm>
+
+#include "drivers/simulated/emulators/interferometer_adapter/interferometer_emulator.h"
+#include "drivers/simulated/emulators/keithley_2701/keithley_emulator.h"
+#include "drivers/simulated/emulators/lds1000/lds1000_emulator.h"
+#include "drivers/simulated/emulators/load_actuator/load_emulator.h"
+#include "drivers/simulated/emulators/pi_gcs/pi_gcs_emulator.h"
+#include "drivers/simulated/emulators/watlow_ez_zone/watlow_emulator.h"
+
+namespace driftwise::simulated {
+namespace {
+
+// The daemon may change the speed while we wait: with a shared clock no wait is longer than this.
+constexpr std::chrono::milliseconds kLongestSharedWait{5};
+// Without anything to do the plant still moves on in small steps: an idle hour must not block the
+// next reply.
+constexpr TimeNs kIdleStep = kSecondNs;
+constexpr int kControlClients = 16;
+
+}  // namespace
+
+CellServer::CellServer(boost::asio::io_context& io, Plant& plant, SimClock& clock,
+                       const CellOutline& outline, const EmulatorOptions& options, FaultHooks hooks,
+                       Options how)
+    : io_(io),
+      plant_(plant),
+      clock_(clock),
+      wire_(options.wire(how.seed)),
+      bench_(plant),
+      timer_(io) {
+  bench_.set_deliver([this](std::size_t device, Session session, std::string bytes) {
+    servers_[device]->send(session, std::move(bytes));
+  });
+  const TimeNs now = clock_.now();
+  for (const auto& device : outline.devices) {
+    const Switches& switches = options.of(device.id);
+    const bool serial = ((device.kind == "keithley-2701" || device.kind == "newport-lds1000") &&
+                         switches.flag("serial")) ||
+                        (device.kind == "watlow-ez-zone" && switches.flag("rtu"));
+    serve(device.id, make_emulator(device, switches, now),
+          how.free_ports ? "127.0.0.1:0" : device.address, switches.integer("max_clients", 1, 1000),
+          serial);
+  }
+  hooks.drop = [this](std::size_t device, double refuse_s) {
+    servers_[device]->refuse_until(
+        std::chrono::steady_clock::now() +
+        std::chrono::nanoseconds(nanoseconds_from(refuse_s / clock_.speed())));
+    // Later: the desk may be asked to drop the very connection it is answering on.
+    boost::asio::post(io_, [this, device] { servers_[device]->drop_all(); });
+  };
+  serve("control", std::make_unique<FaultDesk>(bench_, std::move(hooks)), "127.0.0.1:0",
+        kControlClients, false);
+}
+
+CellServer::~CellServer() = default;
+
+std::unique_ptr<Emulator> CellServer::make_emulator(const DeviceOutline& device,
+                                                    const Switches& switches, TimeNs now) {
+  if (device.kind == "pi-gcs") return std::make_unique<PiGcsEmulator>(plant_, switches, now);
+  if (device.kind == "keithley-2701")
+    return std::make_unique<KeithleyEmulator>(plant_, switches, now);
+  if (device.kind == "interferometer-adapter") {
+    const int first = interferometers_;
+    interferometers_ += switches.integer("channels", 1, 16);
+    return std::make_unique<InterferometerEmulator>(plant_, switches, first);
+  }
+  if (device.kind == "newport-lds1000")
+    return std::make_unique<Lds1000Emulator>(plant_, switches, collimators_++);
+  if (device.kind == "load-actuator") return std::make_unique<LoadEmulator>(plant_, switches);
+  const int first = stabilisers_;
+  stabilisers_ += switches.integer("zones", 1, 12);
+  return std::make_unique<WatlowEmulator>(plant_, switches, first, now);
+}
+
+void CellServer::serve(const std::string& id, std::unique_ptr<Emulator> emulator,
+                       const std::string& address, int max_clients, bool serial) {
+  const std::size_t device = bench_.add(id, std::move(emulator));
+  StreamServer::Handler handler{
+      .opened = [this, device](Session session,
+                               Link link) { bench_.open(device, session, link, clock_.now()); },
+      .closed = [this, device](Session session) { bench_.close(device, session, clock_.now()); },
+      .received = [this, device](Session session,
+                                 std::string_view bytes) { received(device, session, bytes); }};
+  servers_.push_back(std::make_unique<StreamServer>(io_, std::move(handler), wire_, device + 1));
+  try {
+    addresses_.emplace_back(id, servers_.back()->listen(address, max_clients));
+    if (serial) addresses_.emplace_back(id + "-serial", servers_.back()->open_serial());
+  } catch (const SetupError& error) {
+    throw SetupError("device '" + id + "': " + error.what());
+  }
+}
+
+void CellServer::received(std::size_t device, Session session, std::string_view bytes) {
+  bench_.receive(device, session, bytes, clock_.now());
+  wake();
+}
+
+void CellServer::start() {
+  started_ = true;
+  wake();
+}
+
+void CellServer::stop() {
+  started_ = false;
+  timer_.cancel();
+}
+
+void CellServer::wake() {
+  if (!started_) return;
+  const TimeNs now = clock_.now();
+  bench_.run_until(now);
+  const TimeNs next = std::min(bench_.next_event().value_or(now + kIdleStep), now + kIdleStep);
+  std::chrono::nanoseconds wait = clock_.wall_until(next);
+  if (clock_.shared()) wait = std::min<std::chrono::nanoseconds>(wait, kLongestSharedWait);
+  timer_.expires_after(wait);
+  timer_.async_wait([this](boost::system::error_code error) {
+    if (!error) wake();
+  });
+}
+
+}  // namespace driftwise::simulated

@@ -1,0 +1,159 @@
+#include "drivers/simulated/emulators/cell/fault_desk.h"
+
+#include <cmath>
+
+#include "drivers/simulated/emulators/text.h"
+
+namespace driftwise::simulated {
+namespace {
+
+constexpr std::string_view kHelp =
+    "fault drop|mute|garble|slow|disturb|clock <device> [<n> s] | fault break-beam [<device>] | "
+    "fault "
+    "wrong-power|wrong-position|mend-beam <device> | fault jam|mend-load | fault "
+    "open-probe|mend-probe <input> | fault lie <device> jump|scale|value <x> | fault lie <device> "
+    "constant | fault clear [<device>] | load <newton> | truth? | time? | "
+    "help";
+constexpr const char* kUnable = "ERR this cell cannot do that";
+constexpr double kUsualShock_nm = 60;
+
+std::string wrong(const std::string& what) { return "ERR " + what; }
+
+// The number before the unit: "<n> s" anywhere in the words.
+std::optional<double> quantity(const std::vector<std::string_view>& words, std::string_view unit) {
+  for (std::size_t i = 1; i < words.size(); ++i)
+    if (words[i] == unit) return parse_number(words[i - 1]);
+  return std::nullopt;
+}
+
+}  // namespace
+
+void FaultDesk::receive(Session session, std::string_view bytes, TimeNs now) {
+  const auto found = input_.find(session);
+  if (found == input_.end()) return;
+  for (const char c : bytes) {
+    auto line = found->second.push(c);
+    if (!line) continue;
+    if (line->text.ends_with('\r')) line->text.pop_back();
+    if (line->overrun)
+      send(session, "ERR line too long\n", now);
+    else if (!trim(line->text).empty())
+      send(session, answer(line->text, now) + "\n", now);
+  }
+}
+
+std::string FaultDesk::answer(std::string_view line, TimeNs now) {
+  const auto words = split_blanks(line);
+  if (words.empty()) return wrong("empty line");
+  if (words[0] == "help") return "OK " + std::string(kHelp);
+  if (words[0] == "time?") return "OK " + std::to_string(now);
+  if (words[0] == "truth?")
+    return hooks_.truth_json ? "OK " + hooks_.truth_json(now) : wrong("this cell cannot do that");
+  if (words[0] == "load") return hang(words, now);
+  if (words[0] == "fault" && words.size() >= 2) return fault(words, now);
+  return wrong("found '" + std::string(line.substr(0, 80)) + "', expected " + std::string(kHelp));
+}
+
+std::string FaultDesk::hang(const std::vector<std::string_view>& words, TimeNs now) {
+  const auto newton = words.size() == 2 ? parse_number(words[1]) : std::nullopt;
+  if (!newton) return wrong("expected load <newton>, such as load 2.305");
+  if (!hooks_.hang) return kUnable;
+  return hooks_.hang(*newton, now) ? "OK" : wrong("there are not so many weights");
+}
+
+std::string FaultDesk::lie(const std::vector<std::string_view>& words) {
+  const bool constant = words.size() == 4 && words[3] == "constant";
+  const bool sized =
+      words.size() == 5 && (words[3] == "jump" || words[3] == "scale" || words[3] == "value");
+  const auto amount = sized ? parse_number(words[4]) : std::optional(0.0);
+  if ((!constant && !sized) || !amount)
+    return wrong("expected fault lie <device> jump|scale|value <x>, or constant");
+  if (!hooks_.lie) return kUnable;
+  const std::string device(words[2]);
+  return hooks_.lie(device, std::string(words[3]), *amount) ? "OK"
+                                                            : wrong("no device '" + device + "'");
+}
+
+std::optional<std::string> FaultDesk::world_fault(const std::vector<std::string_view>& words,
+                                                  TimeNs now) {
+  using Spot = FaultHooks::Spot;
+  const std::string_view verb = words[1];
+  const std::string device(words.size() >= 3 ? words[2] : "");
+  if (verb == "break-beam") {
+    if (!hooks_.break_beam) return kUnable;
+    return hooks_.break_beam(device, now) ? "OK" : wrong("'" + device + "' is no interferometer");
+  }
+  if (verb == "wrong-power" || verb == "wrong-position" || verb == "mend-beam") {
+    if (!hooks_.set_spot) return kUnable;
+    const Spot spot = verb == "wrong-power"      ? Spot::wrong_power
+                      : verb == "wrong-position" ? Spot::wrong_position
+                                                 : Spot::good;
+    return hooks_.set_spot(device, spot, now) ? "OK"
+                                              : wrong("'" + device + "' is no autocollimator");
+  }
+  if (verb == "jam" || verb == "mend-load") {
+    if (!hooks_.set_jammed) return kUnable;
+    hooks_.set_jammed(verb == "jam", now);
+    return "OK";
+  }
+  return std::nullopt;
+}
+
+std::string FaultDesk::fault(const std::vector<std::string_view>& words, TimeNs now) {
+  const std::string_view verb = words[1];
+  const std::string unable = kUnable;
+  if (auto done = world_fault(words, now)) return *done;
+  if (verb == "lie") return lie(words);
+  if (verb == "clear" && hooks_.lie) hooks_.lie("", "", 0);
+  if (verb == "open-probe" || verb == "mend-probe") {
+    const auto input = words.size() == 3 ? parse_integer(words[2]) : std::nullopt;
+    if (!input) return wrong("expected fault " + std::string(verb) + " <input>, such as 103");
+    if (!hooks_.open_probe) return unable;
+    return hooks_.open_probe(*input, verb == "open-probe", now) ? "OK"
+                                                                : wrong("no probe on this input");
+  }
+  if (verb == "clear" && words.size() == 2) {
+    for (std::size_t i = 0; i < bench_.size(); ++i) bench_.faults(i) = Faults{};
+    return "OK";
+  }
+  const auto device = words.size() >= 3 ? bench_.find(std::string(words[2])) : std::nullopt;
+  if (!device) {
+    std::string ids;
+    for (std::size_t i = 0; i < bench_.size(); ++i) ids += " " + bench_.id(i);
+    return wrong("expected fault " + std::string(verb) + " <device>, one of" + ids);
+  }
+  Faults& faults = bench_.faults(*device);
+  const auto seconds = quantity(words, "s");
+  if (verb == "clock") {
+    if (!seconds || !(std::abs(*seconds) <= 1e9))
+      return wrong("expected fault clock <device> <n> s");
+    return bench_.set_clock(*device, nanoseconds_from(*seconds)) ? "OK" : wrong("it has no clock");
+  }
+  if (seconds && (*seconds < 0 || *seconds > 1e7)) return wrong("seconds out of range");
+  const TimeNs span = nanoseconds_from(seconds.value_or(0));
+  if (verb == "drop") {
+    if (!hooks_.drop) return unable;
+    hooks_.drop(*device, seconds.value_or(0));
+  } else if (verb == "garble") {
+    if (seconds)
+      faults.garble_until = now + span;
+    else
+      faults.garble_next = 1;
+  } else if (verb == "clear") {
+    faults = Faults{};
+  } else if (!seconds) {
+    return wrong("expected fault " + std::string(verb) + " <device> <n> s");
+  } else if (verb == "mute") {
+    faults.mute_until = now + span;
+  } else if (verb == "slow") {
+    faults.slow_ns = span;
+  } else if (verb == "disturb") {
+    if (!hooks_.disturb) return unable;
+    hooks_.disturb(now, now + span, quantity(words, "nm").value_or(kUsualShock_nm));
+  } else {
+    return wrong("no fault '" + std::string(verb) + "'; there are " + std::string(kHelp));
+  }
+  return "OK";
+}
+
+}  // namespace driftwise::simulated

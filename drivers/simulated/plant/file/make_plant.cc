@@ -1,0 +1,41 @@
+#include "drivers/simulated/plant/file/make_plant.h"
+
+#include "drivers/simulated/plant/file/plant_file.h"
+
+namespace driftwise::simulated {
+namespace {
+
+template <class Parameters, class PlantOfKind>
+std::unique_ptr<PlantOfKind> plant_of(const std::filesystem::path& file,
+                                      const PlantOptions& options, const char* kind) {
+  PlantParameters parameters = read_plant_file(file, options.overrides);
+  auto* wanted = std::get_if<Parameters>(&parameters);
+  if (wanted == nullptr) {
+    throw PlantFileError(file.string() + ": plant.kind: found another kind, expected " + kind);
+  }
+  return std::make_unique<PlantOfKind>(std::move(*wanted), options.seed, options.epoch_ns);
+}
+
+}  // namespace
+
+std::unique_ptr<CellPlant> make_any_plant(const std::filesystem::path& file,
+                                          const PlantOptions& options) {
+  PlantParameters parameters = read_plant_file(file, options.overrides);
+  if (auto* axis = std::get_if<LinearAxisParameters>(&parameters)) {
+    return std::make_unique<LinearAxisPlant>(std::move(*axis), options.seed, options.epoch_ns);
+  }
+  return std::make_unique<MicroNanoPlant>(std::get<MicroNanoParameters>(std::move(parameters)),
+                                          options.seed, options.epoch_ns);
+}
+
+std::unique_ptr<LinearAxisPlant> make_plant(const std::filesystem::path& file,
+                                            const PlantOptions& options) {
+  return plant_of<LinearAxisParameters, LinearAxisPlant>(file, options, "linear-axis");
+}
+
+std::unique_ptr<MicroNanoPlant> make_micro_nano_plant(const std::filesystem::path& file,
+                                                      const PlantOptions& options) {
+  return plant_of<MicroNanoParameters, MicroNanoPlant>(file, options, "micro-nano");
+}
+
+}  // namespace driftwise::simulated

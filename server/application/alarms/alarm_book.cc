@@ -1,0 +1,128 @@
+#include "server/application/alarms/alarm_book.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+namespace driftwise::application {
+
+Awaitable<Result<void>> AlarmBook::restore() {
+  constexpr int kMost = 10'000;
+  auto asking = writer_.call([](Store& store) { return store.alarms().alarms(false, kMost); });
+  const auto alarms = co_await std::move(asking);
+  if (!alarms) co_return tl::unexpected(alarms.error());
+  for (const auto& alarm : *alarms)
+    if (alarm.cleared.utc_ns == 0)
+      standing_[{alarm.kind, alarm.subject}] = {alarm.id, 0, alarm.message, alarm.consequences,
+                                                clock_.now().utc};
+  co_return Result<void>{};
+}
+
+Awaitable<void> AlarmBook::look(std::vector<AlarmCondition> conditions) {
+  std::set<Key> found;
+  for (const auto& condition : conditions) {
+    Key key{condition.kind, condition.subject};
+    if (const auto known = standing_.find(key); known != standing_.end())
+      known->second.looks_without = 0;
+    else if (!unstored_.contains(key))
+      unstored_.emplace(key, begun(condition));
+    found.insert(std::move(key));
+  }
+  auto storing = store_what_waits(found);
+  co_await std::move(storing);
+  auto telling = tell_what_changed(conditions);
+  co_await std::move(telling);
+  std::vector<Key> over;
+  for (auto& [key, standing] : standing_)
+    if (!found.contains(key) && ++standing.looks_without >= kLooksToClear) over.push_back(key);
+  for (const Key& key : over) {
+    const AlarmId id = standing_[key].id;
+    const CellTime now = clock_.now().utc;
+    auto clearing = writer_.call([id, now](Store& store) { return store.alarms().clear(id, now); });
+    const auto cleared = co_await std::move(clearing);
+    if (!cleared) continue;
+    standing_.erase(key);
+    watchers_.publish(*cleared);
+  }
+}
+
+Awaitable<void> AlarmBook::tell_what_changed(const std::vector<AlarmCondition>& conditions) {
+  for (const auto& condition : conditions) {
+    const Key key{condition.kind, condition.subject};
+    const auto known = standing_.find(key);
+    if (known == standing_.end()) continue;
+    const auto& told = known->second;
+    const bool more = condition.consequences.size() != told.consequences.size();
+    const bool other =
+        condition.message != told.message || condition.consequences != told.consequences;
+    if (!other || (!more && clock_.now().utc - told.told < kBetweenTellings)) continue;
+    auto storing = writer_.call([id = told.id, condition](Store& store) {
+      return store.alarms().tell(id, condition.message, condition.consequences);
+    });
+    const auto stored = co_await std::move(storing);
+    if (!stored) co_return;
+    standing_[key] = {stored->id, 0, condition.message, condition.consequences, clock_.now().utc};
+    watchers_.publish(*stored);
+  }
+}
+
+Awaitable<void> AlarmBook::store_what_waits(const std::set<Key>& found) {
+  std::vector<Key> waiting;
+  for (auto& [key, alarm] : unstored_) {
+    if (!found.contains(key) && alarm.cleared.utc_ns == 0) alarm.cleared = clock_.now().utc;
+    waiting.push_back(key);
+  }
+  for (const Key& key : waiting) {
+    auto storing = store(unstored_.at(key));
+    const auto stored = co_await std::move(storing);
+    if (!stored) co_return;  // no room yet
+    unstored_.erase(key);
+    if (found.contains(key))
+      standing_[key] = {stored->id, 0, stored->message, stored->consequences, clock_.now().utc};
+  }
+}
+
+Awaitable<void> AlarmBook::note(AlarmCondition condition) {
+  AlarmRecord alarm = begun(condition);
+  alarm.cleared = alarm.since;
+  auto storing = store(alarm);
+  const auto stored = co_await std::move(storing);
+  if (!stored) unstored_.emplace(Key{condition.kind, condition.subject}, std::move(alarm));
+}
+
+AlarmRecord AlarmBook::begun(const AlarmCondition& condition) const {
+  AlarmRecord alarm;
+  alarm.level = condition.level;
+  alarm.kind = condition.kind;
+  alarm.subject = condition.subject;
+  alarm.message = condition.message;
+  alarm.consequences = condition.consequences;
+  alarm.since = clock_.now().utc;
+  spdlog::warn("alarm {}: {}", alarm.kind, alarm.message);
+  return alarm;
+}
+
+Awaitable<Result<AlarmRecord>> AlarmBook::store(AlarmRecord alarm) {
+  auto storing = writer_.call([alarm](Store& store) { return store.alarms().raise(alarm); });
+  auto stored = co_await std::move(storing);
+  if (stored) watchers_.publish(*stored);
+  co_return stored;
+}
+
+std::vector<AlarmRecord> AlarmBook::unstored() const {
+  std::vector<AlarmRecord> out;
+  for (const auto& [key, alarm] : unstored_) out.push_back(alarm);
+  std::ranges::sort(out, {}, [](const AlarmRecord& alarm) { return alarm.since.utc_ns; });
+  return out;
+}
+
+Awaitable<Result<AlarmRecord>> AlarmBook::acknowledge(AlarmId id, std::string who) {
+  const CellTime now = clock_.now().utc;
+  auto storing = writer_.call(
+      [id, now, who](Store& store) { return store.alarms().acknowledge(id, now, who); });
+  auto stored = co_await std::move(storing);
+  if (stored) watchers_.publish(*stored);
+  co_return stored;
+}
+
+}  // namespace driftwise::application

@@ -1,0 +1,65 @@
+#pragma once
+// Alarms that stand, each with its beginning, its end and its acknowledgement, kept in the store:
+// what was acknowledged before a restart stays so, and what still holds goes on instead of
+// beginning anew. Executor's thread.
+
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/application/plumbing/store_writer.h"
+#include "server/application/plumbing/watch_list.h"
+#include "server/application/ports/alarm_condition.h"
+#include "server/core/ports/clock.h"
+
+namespace driftwise::application {
+
+class AlarmBook {
+ public:
+  // A condition is over when this many looks in a row did not find it: one that flickers is one
+  // alarm.
+  static constexpr int kLooksToClear = 3;
+  // A sentence whose numbers changed is told again no more often than this; new consequences at
+  // once.
+  static constexpr std::chrono::seconds kBetweenTellings{10};
+
+  AlarmBook(Clock& clock, StoreWriter& writer) : clock_(clock), writer_(writer) {}
+
+  // Once, before the first look: what the store has standing.
+  Awaitable<Result<void>> restore();
+  // Raises what is new and clears what is over. What the store refuses (a full disk) is kept with
+  // its beginning, and its end where it has one, and tried again at every look: the alarm of the
+  // full disk itself is over by the time that it can be written.
+  Awaitable<void> look(std::vector<AlarmCondition> conditions);
+  // Something that happened and is over at once: stands until it is acknowledged.
+  Awaitable<void> note(AlarmCondition condition);
+  Awaitable<Result<AlarmRecord>> acknowledge(AlarmId id, std::string who);
+  // What the store has not taken yet, without an id: newest last.
+  std::vector<AlarmRecord> unstored() const;
+
+  WatchList<AlarmRecord>& watchers() { return watchers_; }
+
+ private:
+  using Key = std::pair<std::string, std::string>;  // kind, subject
+  struct Standing {
+    AlarmId id;
+    int looks_without = 0;
+    std::string message = {};
+    std::vector<std::string> consequences = {};
+    CellTime told = {};
+  };
+  AlarmRecord begun(const AlarmCondition& condition) const;
+  Awaitable<Result<AlarmRecord>> store(AlarmRecord alarm);
+  Awaitable<void> tell_what_changed(const std::vector<AlarmCondition>& conditions);
+  Awaitable<void> store_what_waits(const std::set<Key>& found);
+
+  Clock& clock_;
+  StoreWriter& writer_;
+  std::map<Key, Standing> standing_;
+  std::map<Key, AlarmRecord> unstored_;
+  WatchList<AlarmRecord> watchers_;
+};
+
+}  // namespace driftwise::application

@@ -1,0 +1,40 @@
+#pragma once
+// What asks for a person, from a look at the cell: each condition as an object, so that it can be
+// acknowledged by itself. Pure.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/application/ports/alarm_condition.h"
+#include "server/application/ports/cell.h"
+
+namespace driftwise::application {
+
+// device.lost; channel.stale; run.waiting, run.paused; gate.given_up;
+// daemon.paused, for a minute after a pause of the executor.
+std::vector<AlarmCondition> alarm_conditions(const CellStatus& status);
+
+// The rules that a run goes by, whatever the cell file says now.
+RunRules rules_of(const RunRecord& run);
+
+// The quality gate's trend over the last points of a run: before points are given up, their spread
+// grows and they need more attempts.
+class QualityTrend {
+ public:
+  static constexpr std::size_t kPoints = 20;
+
+  void take(const RunProgress& progress);
+  // gate.spread: the median spread of the last 20 accepted points is above 80 % of the limit, or
+  // they took more than 1.5 attempts each.
+  std::optional<AlarmCondition> condition(double max_spread_nm) const;
+
+ private:
+  RunId run_;
+  std::int64_t accepted_ = 0;
+  std::vector<double> spreads_nm_;      // of the last points, oldest first
+  std::vector<std::int64_t> attempts_;  // of the run, when each of them was accepted
+  std::int64_t attempts_before_ = 0;    // ... and before the oldest
+};
+
+}  // namespace driftwise::application

@@ -1,0 +1,42 @@
+#pragma once
+// One incident, one alarm: what follows from a condition that stands is listed under it. Pure; the
+// caller states the time.
+//
+// A condition is a consequence of another when the other alone explains it: a run that waits for
+// the device that does not answer, what that device measures and is old, further devices behind
+// the same address that went with it. It is an alarm of its own when two others could explain it,
+// and when it outlasts its cause by kGrace.
+
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/application/ports/alarm_condition.h"
+#include "server/core/cell_time.h"
+
+namespace driftwise::application {
+
+class Incidents {
+ public:
+  // Longest time between a cause and its consequences; a later condition has its own cause.
+  static constexpr std::chrono::seconds kTogether{30};
+  static constexpr std::chrono::seconds kGrace{30};
+
+  // conditions: of one look, none twice. Those that are alarms of their own, the first that began
+  // first, each with its consequences as sentences, in order of their beginning.
+  std::vector<AlarmCondition> group(std::vector<AlarmCondition> conditions, CellTime now);
+
+ private:
+  using Key = std::pair<std::string, std::string>;  // kind, subject
+  struct Known {
+    CellTime since, last_seen;
+    std::optional<Key> cause;
+    CellTime cause_seen;
+    bool own = false;  // it has outlasted its cause: it stays an alarm of its own
+  };
+  std::map<Key, Known> known_;
+};
+
+}  // namespace driftwise::application

@@ -1,0 +1,154 @@
+// The check standard: does the robot still do what a model says? Asked by people, and by the cell
+// itself after every run.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "server/application/cell/cell_application.h"
+#include "server/application/datasets/amended_dataset.h"
+#include "server/application/models/model_integrity.h"
+#include "server/application/plumbing/spawn.h"
+#include "server/formats/model/model_json.h"
+
+namespace driftwise::application {
+namespace {
+
+constexpr int kMostRuns = 50;  // older ones weigh less than 1e-4 in an EWMA of lambda 0.2
+
+struct Material {
+  ModelRecord model;
+  std::vector<RunRecord> runs;
+  std::vector<diagnosis::RunToCheck> data;
+};
+
+// What the run's datums hold, in the order in which its rows meet them.
+Result<std::vector<std::vector<ChannelValue>>> zeros_of(Store& store, RunId run,
+                                                        const Dataset& data) {
+  auto records = store.runs().data(run);
+  if (!records) return tl::unexpected(records.error());
+  std::vector<std::int64_t> order;
+  if (data.datum.empty()) {
+    const auto first = store.runs().points(run, 0, 1);
+    if (!first) return tl::unexpected(first.error());
+    if (!first->empty()) order.push_back(first->front().datum.value);
+  }
+  for (const std::int64_t id : data.datum)
+    if (std::ranges::find(order, id) == order.end()) order.push_back(id);
+  std::vector<std::vector<ChannelValue>> zeros;
+  for (const std::int64_t id : order) {
+    zeros.emplace_back();
+    for (auto& record : *records)
+      if (record.id.value == id) zeros.back() = std::move(record.values);
+  }
+  return zeros;
+}
+
+Result<std::vector<RunRecord>> runs_since(Store& store, const ModelRecord& model,
+                                          const std::vector<RunId>& fitted_from) {
+  constexpr int kPage = 100;
+  std::vector<RunRecord> found;
+  for (std::int64_t before = 0; static_cast<int>(found.size()) < kMostRuns;) {
+    auto page = store.runs().runs(kPage, before);
+    if (!page) return tl::unexpected(page.error());
+    for (auto& run : *page) {
+      before = run.id.value;
+      const bool own = std::ranges::find(fitted_from, run.id) != fitted_from.end();
+      if (run.created > model.created && !own && run.accepted > 0 && run.reason != "imported" &&
+          static_cast<int>(found.size()) < kMostRuns)
+        found.push_back(std::move(run));
+    }
+    if (static_cast<int>(page->size()) < kPage || page->back().created < model.created) break;
+  }
+  std::ranges::reverse(found);
+  return found;
+}
+
+Result<Material> gather(Store& store, ModelId id, const std::vector<RunId>& wanted) {
+  auto record = store.models().model(id);
+  if (!record) return tl::unexpected(record.error());
+  if (auto whole = check_integrity(*record); !whole) return tl::unexpected(whole.error());
+  Material material{std::move(*record), {}, {}};
+  if (wanted.empty()) {
+    const auto model = formats::read_model_json(material.model.json);
+    if (!model) return tl::unexpected(model.error());
+    auto since = runs_since(store, material.model, model->lineage.runs);
+    if (!since) return tl::unexpected(since.error());
+    material.runs = std::move(*since);
+  }
+  for (const RunId run : wanted) {
+    auto one = store.runs().run(run);
+    if (!one) return tl::unexpected(one.error());
+    material.runs.push_back(std::move(*one));
+  }
+  for (const auto& run : material.runs) {
+    auto data = amended_dataset(store, std::vector{run.id});
+    if (!data) return tl::unexpected(data.error());
+    std::vector<std::vector<ChannelValue>> zeros;
+    if (run.reason != "imported") {
+      auto known = zeros_of(store, run.id, *data);
+      if (!known) return tl::unexpected(known.error());
+      zeros = std::move(*known);
+    }
+    material.data.push_back({run.id, std::move(*data), std::move(zeros)});
+  }
+  return material;
+}
+
+Result<ModelCheck> judge(Material material) {
+  const auto model = formats::read_model_json(material.model.json);
+  if (!model) return tl::unexpected(model.error());
+  return ModelCheck{material.model.id, std::move(material.runs),
+                    diagnosis::check_model(*model, material.data)};
+}
+
+}  // namespace
+
+Awaitable<Result<ModelCheck>> CellApplication::check_model(std::optional<ModelId> id,
+                                                           std::vector<RunId> runs) {
+  if (!id) id = serving_.model();
+  if (!id)
+    co_return fail(ErrorCode::failed_precondition, "NO_MODEL",
+                   "no model serves: name one, or promote one");
+  auto gathering = reader_.call([id = *id, runs](Store& store) { return gather(store, id, runs); });
+  auto material = co_await std::move(gathering);
+  if (!material) co_return tl::unexpected(material.error());
+  auto shared = std::make_shared<Material>(std::move(*material));
+  auto judging = run_on(worker_thread_.executor(), [shared] { return judge(std::move(*shared)); });
+  co_return co_await std::move(judging);
+}
+
+void CellApplication::check_after(const RunProgress& progress) {
+  if (!is_over(progress.run.state) || progress.run.accepted == 0 || !serving_.model() ||
+      checked_ == progress.run.id)
+    return;
+  checked_ = progress.run.id;
+  tasks_.begin();
+  spawn(executor_, check_serving_model(progress.run.id));
+}
+
+// after: the run that ended just now; none: nothing new was measured, so nothing is recorded.
+Awaitable<void> CellApplication::check_serving_model(std::optional<RunId> after) {
+  const auto model = serving_.model();
+  const auto check = co_await check_model(model, {});
+  if (!check) {
+    if (after) events_.record_own("check.failed", check.error().message, after);
+  } else if (serving_.model() == model) {
+    const auto& report = check->report;
+    check_trouble_.clear();
+    if (report.verdict == diagnosis::CheckVerdict::recalibrate)
+      check_trouble_ =
+          fmt::format("recalibrate now: the robot no longer does what model {} says: {}",
+                      model->value, fmt::join(report.reasons, "; "));
+    const bool says_it = after && !check->runs.empty() && check->runs.back().id == *after;
+    if (says_it && report.verdict == diagnosis::CheckVerdict::recalibrate)
+      events_.record_own("check.recalibrate", check_trouble_, after);
+    else if (says_it && report.verdict == diagnosis::CheckVerdict::in_control)
+      events_.record_own("check.in_control",
+                         fmt::format("run {} is as model {} says", after->value, model->value),
+                         after);
+  }
+  tasks_.end();
+}
+
+}  // namespace driftwise::application

@@ -1,0 +1,364 @@
+// What is made of a diagnosis: accepted, undone.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "server/application/cell/cell_application.h"
+#include "server/application/datasets/extension_preview.h"
+#include "server/application/diagnoses/extension_plan.h"
+#include "server/application/models/fit_options.h"
+#include "server/application/models/model_integrity.h"
+#include "server/application/plumbing/crash_point.h"
+#include "server/application/provenance/promotion_questions.h"
+#include "server/compensation/snapshot_builder.h"
+#include "server/formats/diagnosis/amendment_json.h"
+#include "server/formats/diagnosis/stored_diagnosis.h"
+#include "server/formats/model/model_json.h"
+
+namespace driftwise::application {
+namespace {
+
+struct AcceptMaterial {  // read from the store
+  DiagnosisRecord record;
+  diagnosis::Diagnosis found;
+  std::vector<int> chosen;
+  RunsData data;
+  std::vector<CorrectionId> corrections;  // in force over them
+  std::optional<ModelRecord> parent;
+};
+
+struct MadeExtension {  // by the worker
+  ExtensionPlan plan;
+  ModelRecord model;
+  std::vector<std::string> questions;  // before it is promoted
+};
+
+Result<AcceptMaterial> gather_to_accept(Store& store, const AcceptRequest& request) {
+  AcceptMaterial material;
+  auto record = store.diagnoses().diagnosis(request.diagnosis);
+  if (!record) return tl::unexpected(record.error());
+  material.record = std::move(*record);
+  if (material.record.state != JobState::done)
+    return fail(ErrorCode::failed_precondition, "NOT_DONE",
+                fmt::format("diagnosis {} is {}: only one that is done can be accepted",
+                            material.record.id.value, to_string(material.record.state)));
+  auto found = formats::read_stored_diagnosis(material.record.result_json);
+  if (!found) return tl::unexpected(found.error());
+  material.found = std::move(*found);
+  auto chosen = chosen_findings(material.found, request.findings);
+  if (!chosen) return tl::unexpected(chosen.error());
+  material.chosen = std::move(*chosen);
+  if (material.record.runs.empty())
+    return fail(ErrorCode::failed_precondition, "FROM_A_FILE",
+                fmt::format("diagnosis {} is of a file, which the record does not keep: import it "
+                            "('driftwise data import FILE'), diagnose that run and accept there",
+                            material.record.id.value));
+  const auto standing = store.diagnoses().extension(material.record.id);
+  if (!standing) return tl::unexpected(standing.error());
+  if (*standing && (*standing)->stands())
+    return fail(ErrorCode::already_exists, "EXTENSION_STANDS",
+                fmt::format("diagnosis {} was accepted by {} and stands: undo it first to accept "
+                            "other findings",
+                            material.record.id.value, (*standing)->accepted_by));
+  auto data = amended_data(store, material.record.runs);
+  if (!data) return tl::unexpected(data.error());
+  material.data = std::move(*data);
+  auto corrections = corrections_over(store, material.record.runs);
+  if (!corrections) return tl::unexpected(corrections.error());
+  material.corrections = std::move(*corrections);
+  if (material.record.model) {
+    auto parent = store.models().model(*material.record.model);
+    if (!parent) return tl::unexpected(parent.error());
+    if (auto whole = check_integrity(*parent); !whole) return tl::unexpected(whole.error());
+    material.parent = std::move(*parent);
+  }
+  return material;
+}
+
+FitRequest fit_of(const AcceptMaterial& material, const ExtensionPlan& plan) {
+  FitRequest fit;
+  fit.runs = material.record.runs;
+  fit.formula = plan.formula;
+  fit.select = "all";
+  if (material.parent) {
+    fit.parent = material.parent->id;
+    if (const auto parent = formats::read_model_json(material.parent->json)) {
+      fit.select = parent->select;
+      fit.criterion = parent->criterion;
+      fit.p_enter = parent->p_enter;
+      fit.p_remove = parent->p_remove;
+      fit.hierarchy = parent->hierarchy;
+    }
+  }
+  fit.note = fmt::format("from diagnosis {}", material.record.id.value);
+  for (const int number : plan.findings) {
+    const auto& finding = material.found.findings[static_cast<std::size_t>(number - 1)];
+    fit.note += fmt::format("{} finding {}: {}", number == plan.findings.front() ? "," : ";",
+                            number, finding.sentence);
+  }
+  return fit;
+}
+
+Result<MadeExtension> make_extension(AcceptMaterial material, bool promote,
+                                     const CellDescription& cell) {
+  auto plan = plan_extension(material.record.id, material.found, material.chosen, material.data);
+  if (!plan) return tl::unexpected(plan.error());
+  if (auto ok = put_in_force(*plan, material.data); !ok) return tl::unexpected(ok.error());
+  auto fit = fit_of(material, *plan);
+  auto model = fit_record(material.data.data, fit, source_of(fit));
+  // A baseline may name terms that these data cannot hold apart: the selection takes what they can.
+  if (!model && model.error().reason == "RANK_DEFICIENT") {
+    fit.select = "stepwise";
+    model = fit_record(material.data.data, fit, source_of(fit));
+  }
+  if (!model) return tl::unexpected(model.error());
+  std::vector<std::string> questions;
+  if (promote) {  // whether it can serve is seen before anything is kept
+    auto whole = formats::read_model_json(model->json);
+    if (!whole) return tl::unexpected(whole.error());
+    questions = temperature_questions(*whole, cell);
+    const auto builder = compensation::SnapshotBuilder::create(std::move(*whole), ModelId{}, cell);
+    if (!builder) return tl::unexpected(builder.error());
+  }
+  return MadeExtension{std::move(*plan), std::move(*model), std::move(questions)};
+}
+
+// Without a fit where none is needed: what changes, and what a promotion would ask.
+Result<MadeExtension> previewed(const AcceptMaterial& material, bool promote,
+                                const CellDescription& cell) {
+  if (promote) return make_extension(material, promote, cell);
+  auto plan = plan_extension(material.record.id, material.found, material.chosen, material.data);
+  if (!plan) return tl::unexpected(plan.error());
+  return MadeExtension{std::move(*plan), {}, {}};
+}
+
+std::vector<std::string> sentences_of(const correction::DataAmendment& amendment) {
+  std::vector<std::string> sentences;
+  for (const auto& split : amendment.splits)
+    sentences.push_back(
+        fmt::format("the datum of run {} is split before row {}", split.run.value, split.row + 1));
+  for (const auto& out : amendment.sensors)
+    sentences.push_back(fmt::format("{} is left out of run {}", out.symbol, out.run.value));
+  return sentences;
+}
+
+std::vector<std::string> sentences_of(const ExtensionPreview& preview, bool promote) {
+  constexpr std::size_t kMostNamed = 12;
+  std::vector<std::string> sentences;
+  sentences.push_back(fmt::format(
+      "a model is fitted: {}{}", preview.formula,
+      promote ? ", and serves targets at once" : ", which serves nobody until it is promoted"));
+  std::size_t named = 0;
+  for (const auto& change : preview.changes)
+    if (named++ < kMostNamed) sentences.push_back("changes " + sentence(change));
+  if (named > kMostNamed)
+    sentences.push_back(fmt::format("... and {} more lengths of runs", named - kMostNamed));
+  if (preview.earlier_runs)
+    sentences.push_back(
+        "earlier runs too: every export, fit and check of the runs above sees the "
+        "corrected lengths from now on; the stored points stay as they were");
+  else if (!preview.changes.empty())
+    sentences.push_back(
+        "every export, fit and check of these runs sees the corrected lengths from "
+        "now on; the stored points stay as they were");
+  if (preview.later_runs) sentences.push_back("and so does every run that is measured later");
+  for (const auto& out : preview.excluded)
+    sentences.push_back(fmt::format("{} row{} of run {} {} kept out of fits", out.rows.size(),
+                                    out.rows.size() == 1 ? "" : "s", out.run.value,
+                                    out.rows.size() == 1 ? "is" : "are"));
+  sentences.insert(sentences.end(), preview.further.begin(), preview.further.end());
+  return sentences;
+}
+
+// ", x_mm of run 3 by up to 40 nm": for the event.
+std::string largest_of(const std::vector<LengthChange>& changes) {
+  if (changes.empty()) return {};
+  const auto& largest = *std::ranges::max_element(changes, {}, &LengthChange::largest_nm);
+  return fmt::format(", changes {}{}", sentence(largest),
+                     changes.size() > 1 ? fmt::format(", and {} more", changes.size() - 1) : "");
+}
+
+std::string numbers_of(const std::vector<int>& findings) {
+  return fmt::format("finding{} {}", findings.size() == 1 ? "" : "s", fmt::join(findings, ", "));
+}
+
+std::string made_of(const ExtensionRecord& made) {
+  std::string text;
+  const auto say = [&text](const std::string& what) { text += (text.empty() ? "" : ", ") + what; };
+  if (made.model)
+    say(fmt::format("model {}{}", made.model->value, made.promoted ? ", which serves" : ""));
+  if (made.correction) say(fmt::format("correction {}", made.correction->value));
+  for (const auto& out : made.excluded)
+    say(fmt::format("{} rows of run {} kept out", out.rows.size(), out.run.value));
+  return text;
+}
+
+}  // namespace
+
+Awaitable<Result<ExtensionRecord>> CellApplication::accept_extension(Caller caller,
+                                                                     AcceptRequest request) {
+  auto gathering =
+      reader_.call([request](Store& store) { return gather_to_accept(store, request); });
+  auto material = co_await std::move(gathering);
+  if (!material) co_return tl::unexpected(material.error());
+  auto shared = std::make_shared<AcceptMaterial>(std::move(*material));
+  auto making =
+      run_on(worker_thread_.executor(), [shared, promote = request.promote, cell = &description_] {
+        return make_extension(*shared, promote, *cell);
+      });
+  auto made = co_await std::move(making);
+  if (!made) co_return tl::unexpected(made.error());
+
+  if (request.promote && !request.confirmed)
+    if (auto ok = confirmation_of(made->questions); !ok) co_return tl::unexpected(ok.error());
+  auto changing = changes_in_all_runs(made->plan.amendment, shared->record.runs);
+  auto changes = co_await std::move(changing);
+  if (!changes) co_return tl::unexpected(changes.error());
+
+  made->model.created = clock_->now().utc;
+  made->model.created_by = caller.name;
+  made->model.corrections = shared->corrections;
+  NewExtension fresh;
+  fresh.diagnosis = request.diagnosis;
+  fresh.findings = made->plan.findings;
+  fresh.promoted = request.promote;
+  fresh.fitted = made->model;
+  fresh.rests_on_this = true;
+  if (!made->plan.amendment.empty())
+    fresh.correction_json = formats::write_amendment_json(made->plan.amendment);
+  fresh.changes = std::move(*changes);
+  fresh.exclusions = made->plan.exclusions;
+  fresh.at = clock_->now();
+  fresh.who = caller.name;
+  fresh.from = caller.peer;
+  auto storing = writer_.call([fresh](Store& store) {
+    crash_point("before_extension_commit");
+    auto stored = store.diagnoses().accept(fresh);
+    if (stored) crash_point("after_extension_commit");
+    return stored;
+  });
+  auto stored = co_await std::move(storing);
+  if (!stored) co_return stored;
+  auto detail =
+      fmt::format("{} accepted {} of diagnosis {}: {}{}", caller.name, numbers_of(stored->findings),
+                  request.diagnosis.value, made_of(*stored), largest_of(fresh.changes));
+  events_.record(caller, "extension.accepted", std::move(detail));
+  if (stored->promoted) {
+    // Its promotion is in the record already, and the worker has seen that it can serve.
+    auto record = co_await model(*stored->model);
+    if (!record) co_return tl::unexpected(record.error());
+    auto serving = serving_.serve(*record);
+    if (auto ok = co_await std::move(serving); !ok) co_return tl::unexpected(ok.error());
+    tell_serving(caller, std::move(*record), "promote");
+  }
+  co_return stored;
+}
+
+Awaitable<Result<ExtensionPreview>> CellApplication::preview_extension(AcceptRequest request) {
+  auto gathering =
+      reader_.call([request](Store& store) { return gather_to_accept(store, request); });
+  auto material = co_await std::move(gathering);
+  if (!material) co_return tl::unexpected(material.error());
+  const auto shared = std::make_shared<AcceptMaterial>(std::move(*material));
+  auto planning =
+      run_on(worker_thread_.executor(), [shared, promote = request.promote, cell = &description_] {
+        return previewed(*shared, promote, *cell);
+      });
+  auto made = co_await std::move(planning);
+  if (!made) co_return tl::unexpected(made.error());
+  const auto& plan = made->plan;
+  auto changing = changes_in_all_runs(plan.amendment, shared->record.runs);
+  auto changes = co_await std::move(changing);
+  if (!changes) co_return tl::unexpected(changes.error());
+  ExtensionPreview preview;
+  preview.findings = plan.findings;
+  preview.formula = plan.formula;
+  preview.extends_model = plan.extends_model;
+  preview.changes = std::move(*changes);
+  preview.earlier_runs = std::ranges::any_of(
+      preview.changes, [](const LengthChange& change) { return !change.diagnosed; });
+  preview.later_runs = concerns_every_run(plan.amendment);
+  for (const auto& out : plan.exclusions) preview.excluded.push_back({out.run, out.rows});
+  preview.further = sentences_of(plan.amendment);
+  preview.promotion_questions = made->questions;
+  preview.sentences = sentences_of(preview, request.promote);
+  co_return preview;
+}
+
+// Every run in the record, one call of the reader each: others have their turn in between.
+Awaitable<Result<std::vector<LengthChange>>> CellApplication::changes_in_all_runs(
+    correction::DataAmendment amendment, std::vector<RunId> diagnosed) {
+  std::vector<LengthChange> all;
+  if (amendment.shifts.empty()) co_return all;
+  constexpr int kPage = 1000;
+  for (std::int64_t before = 0;;) {
+    auto listing =
+        reader_.call([before](Store& store) { return store.runs().runs(kPage, before); });
+    const auto page = co_await std::move(listing);
+    if (!page) co_return tl::unexpected(page.error());
+    for (const auto& run : *page) {
+      if (run.accepted == 0 || !concerns(amendment, run.id)) continue;
+      auto working = reader_.call(
+          [id = run.id, amendment](Store& store) { return length_changes(store, id, amendment); });
+      auto changes = co_await std::move(working);
+      if (!changes) co_return tl::unexpected(changes.error());
+      for (auto& change : *changes) {
+        change.run_name = run.name;
+        change.diagnosed = std::ranges::find(diagnosed, run.id) != diagnosed.end();
+        all.push_back(std::move(change));
+      }
+    }
+    if (static_cast<int>(page->size()) < kPage) break;
+    before = page->back().id.value;
+  }
+  std::ranges::stable_sort(all, [](const LengthChange& a, const LengthChange& b) {
+    return a.diagnosed != b.diagnosed ? a.diagnosed : a.largest_nm > b.largest_nm;
+  });
+  co_return all;
+}
+
+Awaitable<Result<ExtensionRecord>> CellApplication::undo_extension(Caller caller, DiagnosisId id) {
+  // Where its model serves, whoever promoted it, the one before serves again. In the same
+  // transaction.
+  std::optional<PromotionRecord> rollback;
+  std::optional<ModelRecord> previous, present;
+  const auto view = co_await diagnosis(id);
+  if (!view) co_return tl::unexpected(view.error());
+  if (view->extension && view->extension->stands() && view->extension->model &&
+      serving_.model() == view->extension->model) {
+    auto finding = served_before();
+    auto before = co_await std::move(finding);
+    if (!before) co_return tl::unexpected(before.error());
+    previous = std::move(*before);
+    auto reading = model(*view->extension->model);
+    auto record = co_await std::move(reading);
+    if (!record) co_return tl::unexpected(record.error());
+    present = std::move(*record);
+    rollback = PromotionRecord{previous ? std::optional(previous->id) : std::nullopt,
+                               clock_->now().utc, caller.name, "rollback"};
+    auto serving = serving_.serve(previous);  // first see that it can serve
+    if (auto ok = co_await std::move(serving); !ok) co_return tl::unexpected(ok.error());
+  }
+  auto undoing = writer_.call([id, at = clock_->now(), caller, rollback](Store& store) {
+    crash_point("before_undo_commit");
+    auto undone = store.diagnoses().undo_extension(id, at, caller.name, caller.peer, rollback);
+    if (undone) crash_point("after_undo_commit");
+    return undone;
+  });
+  auto undone = co_await std::move(undoing);
+  if (!undone) {
+    if (rollback) {
+      auto again = serving_.serve(present);
+      static_cast<void>(co_await std::move(again));
+    }
+    co_return undone;
+  }
+  auto detail = fmt::format("{} undid {} of diagnosis {}: {} no longer in force", caller.name,
+                            numbers_of(undone->findings), id.value, made_of(*undone));
+  events_.record(caller, "extension.undone", std::move(detail));
+  if (rollback) tell_serving(caller, std::move(previous), "rollback");
+  co_return undone;
+}
+
+}  // namespace driftwise::application

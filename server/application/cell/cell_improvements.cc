@@ -1,0 +1,77 @@
+// Improvements: created, looked at, cancelled.
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "server/application/cell/cell_application.h"
+#include "server/application/improvement/plan_rows.h"
+
+namespace driftwise::application {
+namespace {
+
+constexpr int kListedImprovements = 200, kMostTurns = 50;
+
+Result<void> check_limits(const ImproveRequest& request) {
+  if (request.max_turns < 1 || request.max_turns > kMostTurns)
+    return fail(
+        ErrorCode::invalid_argument, "BAD_TURNS",
+        fmt::format("max_turns: found {}, expected 1 to {}", request.max_turns, kMostTurns));
+  if (!std::isfinite(request.budget_s) || request.budget_s < 0)
+    return fail(ErrorCode::invalid_argument, "BAD_BUDGET",
+                fmt::format("budget: found {:g} s, expected 0 (none) or more", request.budget_s));
+  return {};
+}
+
+}  // namespace
+
+Awaitable<Result<ImprovementRecord>> CellApplication::create_improvement(Caller caller,
+                                                                         ImproveRequest request) {
+  if (auto ok = check_limits(request); !ok) co_return tl::unexpected(ok.error());
+  // What the first run would be refused for is said now.
+  if (auto ok = may_move(request.lease_token); !ok) co_return tl::unexpected(ok.error());
+  auto checking = check_trajectory(request.trajectory_text);
+  const auto check = co_await std::move(checking);
+  if (!check) co_return tl::unexpected(check.error());
+  if (request.budget_s > 0 && check->estimated_s > request.budget_s)
+    co_return fail(
+        ErrorCode::invalid_argument, "BAD_BUDGET",
+        fmt::format("one measurement takes about {:.0f} s, the budget is {:g} s: give it "
+                    "more time, or fewer points",
+                    check->estimated_s, request.budget_s));
+  std::string formula = request.formula;
+  if (formula.empty()) {
+    DiagnosisRequest baseline;
+    if (auto ok = co_await resolve_baseline(baseline); !ok) co_return tl::unexpected(ok.error());
+    formula = baseline.baseline;
+  }
+  // Everything that is known to fail before the robot moves.
+  if (auto ok = check_plan_rows(description_, check->trajectory, formula); !ok)
+    co_return tl::unexpected(ok.error());
+  auto beginning = improver_.begin(std::move(caller), std::move(request), std::move(formula));
+  co_return co_await std::move(beginning);
+}
+
+Awaitable<Result<ImprovementRecord>> CellApplication::improvement(ImprovementId id) {
+  co_return co_await reader_.call([id](Store& store) { return store.diagnoses().improvement(id); });
+}
+
+Awaitable<Result<std::vector<ImprovementRecord>>> CellApplication::improvements() {
+  co_return co_await reader_.call(
+      [](Store& store) { return store.diagnoses().improvements(kListedImprovements); });
+}
+
+Awaitable<Result<ImprovementRecord>> CellApplication::cancel_improvement(Caller caller,
+                                                                         ImprovementId id) {
+  auto cancelling = improver_.cancel(std::move(caller), id);
+  if (auto ok = co_await std::move(cancelling); !ok) co_return tl::unexpected(ok.error());
+  co_return co_await improvement(id);
+}
+
+CellApplication::Watch CellApplication::watch_improvements(
+    std::function<void(const ImprovementProgress&)> on_change) {
+  improver_.tell_present(on_change);
+  return improver_.watchers().add(std::move(on_change));
+}
+
+}  // namespace driftwise::application

@@ -1,0 +1,214 @@
+// Models: fit, promote, roll back.
+
+#include <fmt/format.h>
+
+#include "server/application/cell/cell_application.h"
+#include "server/application/datasets/amended_dataset.h"
+#include "server/application/models/fit_options.h"
+#include "server/application/models/model_integrity.h"
+#include "server/application/plumbing/crash_point.h"
+#include "server/application/plumbing/spawn.h"
+#include "server/application/provenance/promotion_questions.h"
+#include "server/formats/csv/dataset_csv.h"
+#include "server/formats/formula/formula.h"
+#include "server/formats/model/model_json.h"
+
+namespace driftwise::application {
+namespace {
+
+Result<std::vector<calibration::OfferResult>> offers_of(const Dataset& dataset,
+                                                        const FitRequest& request,
+                                                        const std::string& source) {
+  auto options = fit_options_from(request, dataset, source);
+  if (!options) return tl::unexpected(options.error());
+  auto formula = formats::Formula::parse(request.formula);
+  if (!formula) return tl::unexpected(formula.error());
+  auto candidates = formula->expand(dataset);
+  if (!candidates) return tl::unexpected(candidates.error());
+  options->candidates = std::move(*candidates);
+  const auto model = calibration::fit(dataset, *options);
+  if (!model) return tl::unexpected(model.error());
+  return calibration::weigh_offers(dataset, *options, *model,
+                                   calibration::published_offers(dataset, options->candidates));
+}
+
+// Which model served before each promotion, oldest first; the last is the one that serves now.
+std::vector<ModelId> served_in_order(const std::vector<PromotionRecord>& history) {
+  std::vector<ModelId> stack;
+  for (const auto& step : history) {
+    if (step.action == "rollback") {
+      if (!stack.empty()) stack.pop_back();
+    } else if (step.model) {
+      stack.push_back(*step.model);
+    }
+  }
+  return stack;
+}
+
+}  // namespace
+
+Awaitable<Result<Dataset>> CellApplication::fit_data(FitRequest request) {
+  if (request.runs.empty() == request.csv.empty())
+    co_return fail(ErrorCode::invalid_argument, "NO_DATA",
+                   "a fit needs runs or a dataset, one of the two");
+  auto loading = request.csv.empty() ? reader_.call([runs = request.runs](Store& store) {
+    return amended_dataset(store, runs);
+  })
+                                     : run_on(background(), [csv = request.csv] {
+                                         return formats::read_dataset_csv(csv, "dataset", {},
+                                                                          formats::kRequestLimits);
+                                       });
+  co_return co_await std::move(loading);
+}
+
+Awaitable<Result<std::vector<calibration::OfferResult>>> CellApplication::weigh_offers(
+    FitRequest request) {
+  auto dataset = co_await fit_data(request);
+  if (!dataset) co_return tl::unexpected(dataset.error());
+  auto weighing = run_on(worker_thread_.executor(), [data = std::move(*dataset), request] {
+    return offers_of(data, request, source_of(request));
+  });
+  co_return co_await std::move(weighing);
+}
+
+Awaitable<Result<ModelRecord>> CellApplication::fit(Caller caller, FitRequest request) {
+  auto dataset = co_await fit_data(request);
+  if (!dataset) co_return tl::unexpected(dataset.error());
+  // Those that the data just read rest on. A correction that comes or goes in between is named too.
+  std::vector<CorrectionId> corrections;
+  if (!request.runs.empty()) {
+    auto looking =
+        reader_.call([runs = request.runs](Store& store) { return corrections_over(store, runs); });
+    auto found = co_await std::move(looking);
+    if (!found) co_return tl::unexpected(found.error());
+    corrections = std::move(*found);
+  }
+  auto fitting = run_on(worker_thread_.executor(), [data = std::move(*dataset), request] {
+    return fit_record(data, request, source_of(request));
+  });
+  auto record = co_await std::move(fitting);
+  if (!record) co_return record;
+  record->corrections = std::move(corrections);
+  record->created = clock_->now().utc;
+  record->created_by = caller.name;
+  auto storing = writer_.call([fresh = *record](Store& store) {
+    crash_point("before_model_commit");
+    auto stored = store.models().add_model(fresh);
+    if (stored) crash_point("after_model_commit");
+    return stored;
+  });
+  auto id = co_await std::move(storing);
+  if (!id) co_return tl::unexpected(id.error());
+  events_.record(caller, "model.fitted",
+                 fmt::format("{} fitted model {}: {}", caller.name, id->value, request.formula));
+  co_return co_await model(*id);  // the same fit again is the same model: its first record stands
+}
+
+Awaitable<Result<std::vector<ModelRecord>>> CellApplication::models() {
+  auto models = co_await reader_.call([](Store& store) { return store.models().models(); });
+  if (!models) co_return models;
+  for (auto& model : *models)
+    if (const auto whole = check_integrity(model); !whole) model.damage = whole.error().message;
+  co_return models;
+}
+
+Awaitable<Result<ModelRecord>> CellApplication::model(ModelId id) {
+  auto found = co_await reader_.call([=](Store& store) { return store.models().model(id); });
+  if (!found && found.error().reason == "DATABASE_DAMAGED") {
+    ModelRecord unread;
+    unread.id = id;
+    unread.damage = found.error().message;
+    found = std::move(unread);
+  }
+  if (!found) co_return found;
+  if (auto whole = check_integrity(*found); !whole) co_return tl::unexpected(whole.error());
+  co_return found;
+}
+
+Awaitable<Result<std::vector<PromotionRecord>>> CellApplication::promotions() {
+  co_return co_await reader_.call([](Store& store) { return store.models().promotions(); });
+}
+
+Awaitable<Result<void>> CellApplication::put_in_service(Caller caller,
+                                                        std::optional<ModelRecord> next,
+                                                        std::string action) {
+  std::optional<ModelRecord> previous;
+  if (const auto serving = serving_.model())
+    if (auto record = co_await model(*serving)) previous = std::move(*record);
+  // First see that it can serve, then write it down: what stands in the record is what serves.
+  if (auto ok = co_await serving_.serve(next); !ok) co_return ok;
+  PromotionRecord promotion{next ? std::optional(next->id) : std::nullopt, clock_->now().utc,
+                            caller.name, action};
+  auto storing = writer_.call([promotion](Store& store) {
+    crash_point("before_promotion_commit");
+    auto result = store.models().add_promotion(promotion);
+    if (result) crash_point("after_promotion_commit");
+    return result;
+  });
+  auto stored = co_await std::move(storing);
+  if (!stored) {
+    static_cast<void>(co_await serving_.serve(previous));
+    co_return stored;
+  }
+  tell_serving(caller, std::move(next), action);
+  co_return Result<void>{};
+}
+
+void CellApplication::tell_serving(const Caller& caller, std::optional<ModelRecord> next,
+                                   const std::string& action) {
+  events_.record(
+      caller, "model." + action,
+      next ? fmt::format("model {} '{}' serves, by {}", next->id.value, next->name, caller.name)
+           : fmt::format("no model serves, by {}", caller.name));
+  check_trouble_.clear();
+  if (next) {
+    tasks_.begin();
+    spawn(executor_, check_serving_model(std::nullopt));
+  }
+}
+
+Awaitable<Result<ModelRecord>> CellApplication::promote(Caller caller, ModelId id, bool confirmed) {
+  auto record = co_await model(id);
+  if (!record) co_return record;
+  auto looking = ground_of_model(id);
+  const auto ground = co_await std::move(looking);
+  if (!ground) co_return tl::unexpected(ground.error());
+  if (!confirmed)
+    if (auto ok = confirmation_of(ground->promotion_questions); !ok)
+      co_return tl::unexpected(ok.error());
+  for (const auto& question : ground->promotion_questions)
+    events_.record(
+        caller, "model.confirmed",
+        fmt::format("{} promotes model {} although {}", caller.name, id.value, question));
+  if (auto ok = co_await put_in_service(std::move(caller), *record, "promote"); !ok)
+    co_return tl::unexpected(ok.error());
+  co_return record;
+}
+
+Awaitable<Result<std::optional<ModelRecord>>> CellApplication::served_before() {
+  auto history = co_await promotions();
+  if (!history) co_return tl::unexpected(history.error());
+  auto stack = served_in_order(*history);
+  if (stack.empty())
+    co_return fail(ErrorCode::failed_precondition, "NOTHING_TO_ROLL_BACK",
+                   "no model serves: there is none to take back");
+  stack.pop_back();
+  std::optional<ModelRecord> previous;
+  if (!stack.empty()) {
+    auto record = co_await model(stack.back());
+    if (!record) co_return tl::unexpected(record.error());
+    previous = std::move(*record);
+  }
+  co_return previous;
+}
+
+Awaitable<Result<std::optional<ModelRecord>>> CellApplication::roll_back(Caller caller) {
+  auto finding = served_before();
+  auto previous = co_await std::move(finding);
+  if (!previous) co_return previous;
+  if (auto ok = co_await put_in_service(std::move(caller), *previous, "rollback"); !ok)
+    co_return tl::unexpected(ok.error());
+  co_return previous;
+}
+
+}  // namespace driftwise::application

@@ -1,0 +1,81 @@
+// What is asked of a formula before a fit and of a model after it.
+
+#include "server/application/cell/cell_application.h"
+#include "server/application/models/formula_check.h"
+#include "server/calibration/datum_zeros.h"
+#include "server/calibration/design/predict.h"
+#include "server/core/units.h"
+#include "server/formats/csv/dataset_csv.h"
+#include "server/formats/model/model_json.h"
+#include "server/formats/text/text.h"
+
+namespace driftwise::application {
+namespace {
+
+Result<ModelResiduals> residuals_of(const calibration::Model& model, Dataset data) {
+  ModelResiduals found;
+  const Dataset moved = calibration::in_first_datum(data, model.datum_zeros);
+  for (const auto& output : model.outputs) {
+    const auto predicted = calibration::predict(moved, output);
+    if (!predicted) return tl::unexpected(predicted.error());
+    const auto* measured = data.find(output.channel.symbol);
+    if (measured == nullptr)
+      return fail(ErrorCode::invalid_argument, "UNKNOWN_CHANNEL",
+                  "the rows have no channel " + output.channel.name() + ", which the model gives");
+    const double factor = summary_unit(output.channel.unit).factor;
+    auto& column = found.outputs.emplace_back(ModelResiduals::Output{output.channel, {}, {}});
+    column.values.resize(data.rows);
+    for (std::size_t row = 0; row < data.rows; ++row)
+      column.values[row] =
+          (measured->values[row] - (*predicted)[static_cast<Eigen::Index>(row)]) * factor;
+  }
+  found.dataset_hash = formats::content_hash(formats::write_dataset_csv(data));
+  found.same_rows = found.dataset_hash == model.lineage.dataset_hash;
+  for (std::size_t o = 0; o < model.outputs.size() && found.same_rows; ++o) {
+    const auto& output = model.outputs[o];
+    if (output.held_out.size() != data.rows) continue;
+    found.outputs[o].held_out = output.held_out;
+    for (double& error : found.outputs[o].held_out)
+      error *= summary_unit(output.channel.unit).factor;
+  }
+  found.data = std::move(data);
+  return found;
+}
+
+}  // namespace
+
+Awaitable<Result<FormulaCheck>> CellApplication::check_formula(FitRequest request) {
+  auto dataset = co_await fit_data(request);
+  if (!dataset) co_return tl::unexpected(dataset.error());
+  auto looking = run_on(worker_thread_.executor(),
+                        [data = std::move(*dataset), request]() -> Result<FormulaCheck> {
+                          return check_formula_on(data, request);
+                        });
+  co_return co_await std::move(looking);
+}
+
+Awaitable<Result<ModelResiduals>> CellApplication::residuals(ModelId id, std::vector<RunId> runs,
+                                                             std::string csv) {
+  const auto record = co_await model(id);
+  if (!record) co_return tl::unexpected(record.error());
+  auto read = formats::read_model_json(record->json);
+  if (!read) co_return tl::unexpected(read.error());
+  if (runs.empty() && csv.empty()) runs = read->lineage.runs;
+  if (runs.empty() && csv.empty())
+    co_return fail(ErrorCode::failed_precondition, "NO_ROWS",
+                   "model " + std::to_string(id.value) +
+                       " was fitted to a file, whose rows were not kept: hand in the file, or "
+                       "import it as a run and fit that");
+  FitRequest wanted;
+  wanted.runs = std::move(runs);
+  wanted.csv = std::move(csv);
+  auto dataset = co_await fit_data(std::move(wanted));
+  if (!dataset) co_return tl::unexpected(dataset.error());
+  auto computing = run_on(worker_thread_.executor(),
+                          [data = std::move(*dataset), model = std::move(*read)]() mutable {
+                            return residuals_of(model, std::move(data));
+                          });
+  co_return co_await std::move(computing);
+}
+
+}  // namespace driftwise::application

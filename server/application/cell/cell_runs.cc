@@ -1,0 +1,224 @@
+// Runs: begin, steer, look at.
+
+#include <fmt/format.h>
+
+#include "server/application/cell/cell_application.h"
+#include "server/application/plumbing/crash_point.h"
+#include "server/application/trajectories/trajectory_check.h"
+
+namespace driftwise::application {
+
+Awaitable<Result<TrajectoryCheck>> CellApplication::checked(std::string name, std::string text) {
+  auto checking = run_on(background(), [&cell = description_, name, text,
+                                        point_s = engine_.point_s(description_.run)] {
+    return check_trajectory_text(cell, name, text, point_s);
+  });
+  co_return co_await std::move(checking);
+}
+
+Awaitable<Result<TrajectoryCheck>> CellApplication::check_trajectory(std::string text) {
+  auto checking = checked("trajectory", std::move(text));
+  co_return co_await std::move(checking);
+}
+
+Awaitable<Result<RunRecord>> CellApplication::create_run(Caller caller, CreateRun request) {
+  const auto turn = co_await beginning_.take();
+  // A repeated request gets the first one's answer, whatever has become of the lease since.
+  if (const auto* run = engine_.record();
+      run && !request.request_id.empty() && run->request_id == request.request_id)
+    co_return *run;
+  if (auto ok = may_move(request.lease_token); !ok) co_return tl::unexpected(ok.error());
+  RunPlan plan{request.rules.value_or(description_.run),
+               request.compensate || request.compensate_with, request.compensate_with,
+               std::nullopt};
+  if (plan.compensate && !plan.compensate_with) plan.served_at_start = serving_.model();
+  if (auto ok = check_rules(plan.rules); !ok) co_return tl::unexpected(ok.error());
+  const auto name =
+      request.trajectory_name.empty() ? std::string("trajectory") : request.trajectory_name;
+  const auto stops = stop_events_.presses();
+  auto checking = checked(name, request.trajectory_text);
+  auto check = co_await std::move(checking);
+  if (!check) co_return tl::unexpected(check.error());
+  const bool is_pose = is_pose_symbol(check->trajectory.coordinates.front().symbol);
+  if (plan.compensate && !is_pose)
+    co_return fail(ErrorCode::invalid_argument, "NOTHING_TO_COMPENSATE",
+                   fmt::format("{}: column {}: compensation needs wanted poses (x_mm ...), these "
+                               "are motor coordinates",
+                               name, check->trajectory.coordinates.front().name()));
+  if (is_pose && !plan.compensate && check->trajectory.coordinates.size() > 1)
+    co_return fail(ErrorCode::invalid_argument, "NEEDS_COMPENSATION",
+                   fmt::format("{}: column {}: with several axes a pose is no motor coordinate: "
+                               "compensate with a model",
+                               name, check->trajectory.coordinates.front().name()));
+  if (plan.compensate && !plan.compensate_with && serving_.refused())
+    co_return tl::unexpected(*serving_.refused());
+  if (plan.compensate && !plan.compensate_with && !serving_.model())
+    co_return fail(ErrorCode::failed_precondition, "NO_MODEL",
+                   "no model serves: promote one, or run without compensation");
+  if (auto ok = co_await follow_for(plan); !ok) co_return tl::unexpected(ok.error());
+  if (stop_events_.presses() != stops)
+    co_return fail(ErrorCode::aborted, "STOPPED_MEANWHILE",
+                   "a stop was asked for while the trajectory was read: start the run again");
+  co_return co_await start_run(std::move(caller), std::move(request), std::move(plan),
+                               std::move(check->trajectory));
+}
+
+Awaitable<Result<void>> CellApplication::follow_for(const RunPlan& plan) {
+  if (!plan.compensate_with) co_return Result<void>{};
+  auto record = co_await model(*plan.compensate_with);
+  if (!record) co_return tl::unexpected(record.error());
+  co_return co_await serving_.follow(std::move(*record));
+}
+
+Awaitable<Result<RunRecord>> CellApplication::start_run(Caller caller, CreateRun request,
+                                                        RunPlan plan, Trajectory trajectory) {
+  NewRun fresh;
+  fresh.name = request.name.empty() ? request.trajectory_name : request.name;
+  fresh.trajectory_name = request.trajectory_name;
+  fresh.trajectory_text = request.trajectory_text;
+  fresh.rows = static_cast<std::int64_t>(trajectory.points.size());
+  fresh.rules_json = write_run_plan(plan);
+  fresh.config_hash = description_.hash;
+  fresh.config_text = description_.text;
+  fresh.operator_name = caller.name;
+  fresh.request_id = request.request_id;
+  fresh.created = clock_->now();
+  fresh.boot_id = boot_id_;
+  auto storing = writer_.call([fresh](Store& store) {
+    crash_point("before_run_create_commit");
+    auto record = store.runs().create_run(fresh);
+    if (record) crash_point("after_run_create_commit");
+    return record;
+  });
+  auto stored = co_await std::move(storing);
+  if (!stored) co_return stored;
+  const bool is_repeat = stored->created != fresh.created.utc || stored->state != RunState::queued;
+  if (is_repeat) co_return stored;
+  events_.record(caller, "run.created",
+                 fmt::format("{} created run {} '{}': {} rows", caller.name, stored->id.value,
+                             stored->name, stored->rows),
+                 stored->id);
+  engine_.begin(*stored, std::move(plan), std::move(trajectory), std::nullopt, true);
+  co_return *engine_.record();
+}
+
+Result<RunControl*> CellApplication::control_of(RunId run, const char* verb) {
+  const auto* record = engine_.record();
+  if (record && record->id == run) return engine_.control();
+  return fail(ErrorCode::failed_precondition, "RUN_NOT_UNDER_WAY",
+              fmt::format("run {} cannot {}: {}", run.value, verb,
+                          record ? fmt::format("run {} is the one under way", record->id.value)
+                                 : "no run is under way"));
+}
+
+Awaitable<Result<RunRecord>> CellApplication::steer(Caller caller, RunId id, const char* verb,
+                                                    std::string detail,
+                                                    std::function<void(RunControl&)> act) {
+  if (auto known = co_await run(id); !known) co_return known;
+  auto control = control_of(id, verb);
+  if (!control) co_return tl::unexpected(control.error());
+  events_.record(caller, fmt::format("run.{}", verb), std::move(detail), id);
+  act(**control);
+  co_return *engine_.record();
+}
+
+Awaitable<Result<RunRecord>> CellApplication::pause_run(Caller caller, RunId run) {
+  auto why = fmt::format("paused by {}", caller.name);
+  const RunHold hold{RunHold::Kind::pause, caller.name, clock_->now().utc, why};
+  std::function<void(RunControl&)> act = [hold](RunControl& control) { control.hold(hold); };
+  co_return co_await steer(caller, run, "pause", why, std::move(act));
+}
+
+Awaitable<Result<RunRecord>> CellApplication::resume_run(Caller caller, RunId id,
+                                                         HoldAnswer answer) {
+  if (auto ok = stops_.check(); !ok) co_return tl::unexpected(ok.error());
+  if (const auto* record = engine_.record(); record && record->id == id)
+    if (auto question = waits_for_configuration(*record); !question.empty())
+      co_return fail(ErrorCode::failed_precondition, "CONFIGURATION_CHANGED",
+                     fmt::format("run {} cannot resume: {}", id.value, question));
+  if (auto known = co_await run(id); !known) co_return known;
+  auto control = control_of(id, "resume");
+  if (!control) co_return tl::unexpected(control.error());
+  if (by_hand_)
+    co_return fail(ErrorCode::failed_precondition, "MOVING",
+                   "a movement by hand is under way: wait for its end, or stop it");
+  const auto now = clock_->now().utc;
+  const RunHold hold = (*control)->hold();
+  if (auto ok = check_answer(*engine_.record(), hold, caller.name, answer, now); !ok)
+    co_return tl::unexpected(ok.error());
+  auto detail =
+      fmt::format("resumed by {}: {}", caller.name, hold_sentence(*engine_.record(), hold, now));
+  if (hold.kind == RunHold::Kind::stop && hold.who != caller.name)
+    detail += fmt::format("; the stop was overridden: {}", answer.override_reason);
+  events_.record(caller, "run.resume", std::move(detail), id);
+  doubts_.begin_anew();  // a person looked: what the devices say now is taken as right
+  (*control)->resume();
+  co_return *engine_.record();
+}
+
+Awaitable<Result<RunRecord>> CellApplication::abort_run(Caller caller, RunId run, std::string why) {
+  auto reason = fmt::format("aborted by {}{}{}", caller.name, why.empty() ? "" : ": ", why);
+  std::function<void(RunControl&)> act = [reason](RunControl& control) { control.abort(reason); };
+  auto record = co_await steer(caller, run, "abort", reason, std::move(act));
+  auto pressing = stops_.press(caller, fmt::format("run {} {}", run.value, reason));
+  if (record) co_await std::move(pressing);
+  co_return record;
+}
+
+Awaitable<Result<RunRecord>> CellApplication::confirm_force(Caller caller, RunId id,
+                                                            double force_n) {
+  if (auto known = co_await run(id); !known) co_return known;
+  auto control = control_of(id, "confirm a force");
+  if (!control) co_return tl::unexpected(control.error());
+  const auto wanted_n = (*control)->wanted_force();
+  if (!wanted_n)
+    co_return fail(ErrorCode::failed_precondition, "NO_FORCE_WANTED",
+                   fmt::format("run {} does not wait for a force, it is {}", id.value,
+                               to_string(engine_.record()->state)));
+  if (!same_force(*wanted_n, force_n))
+    co_return fail(ErrorCode::invalid_argument, "WRONG_FORCE",
+                   fmt::format("{:g} N was confirmed, run {} waits for {:g} N: {}", force_n,
+                               id.value, *wanted_n, hang_sentence(*wanted_n, *description_.load)));
+  // On disk before the run goes on: a restart must know what hangs there.
+  const auto now = clock_->now().utc;
+  Reading said{kOperatorDevice, now, now, 0, {{description_.force_channel()->name(), force_n}}};
+  recorder_.observe(JudgedReading{said, {}});
+  writer_.add(std::move(said));
+  if (auto stored = co_await writer_.flush(); !stored) co_return tl::unexpected(stored.error());
+  events_.record(caller, "load.confirmed",
+                 fmt::format("{} confirmed {:.6g} N", caller.name, force_n), id);
+  (*control)->confirm_force();
+  co_return *engine_.record();
+}
+
+Awaitable<Result<std::vector<RunRecord>>> CellApplication::runs(int limit, std::int64_t before_id) {
+  co_return co_await reader_.call(
+      [=](Store& store) { return store.runs().runs(limit, before_id); });
+}
+
+Awaitable<Result<RunRecord>> CellApplication::run(RunId run) {
+  if (const auto* record = engine_.record(); record && record->id == run) co_return *record;
+  co_return co_await reader_.call([=](Store& store) { return store.runs().run(run); });
+}
+
+Awaitable<Result<std::vector<PointRecord>>> CellApplication::points(RunId run,
+                                                                    std::int64_t after_id,
+                                                                    int limit) {
+  co_return co_await reader_.call(
+      [=](Store& store) { return store.runs().points(run, after_id, limit); });
+}
+
+Awaitable<Result<std::vector<AttemptRecord>>> CellApplication::attempts(RunId run) {
+  co_return co_await reader_.call([=](Store& store) { return store.runs().attempts(run); });
+}
+
+Awaitable<Result<std::vector<DatumRecord>>> CellApplication::data(RunId run) {
+  co_return co_await reader_.call([=](Store& store) { return store.runs().data(run); });
+}
+
+Awaitable<Result<std::vector<EventRecord>>> CellApplication::events(EventId after, int limit) {
+  co_return co_await reader_.call(
+      [=](Store& store) { return store.events().events(after, limit); });
+}
+
+}  // namespace driftwise::application

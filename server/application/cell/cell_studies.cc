@@ -1,0 +1,121 @@
+// Studies: methods side by side, which thermometers suffice.
+
+#include <fmt/format.h>
+
+#include "server/application/cell/cell_application.h"
+#include "server/application/models/fit_options.h"
+#include "server/formats/cell_file/kinematics_section.h"
+#include "server/formats/formula/formula.h"
+#include "server/kinematics/mechanism.h"
+
+namespace driftwise::application {
+namespace {
+
+using identification::Judgement;
+using identification::Method;
+
+// The fit's options with the formula's candidates, where there is a formula.
+Result<calibration::FitOptions> options_with_candidates(const FitRequest& request,
+                                                        const Dataset& data) {
+  auto options = fit_options_from(request, data, source_of(request));
+  if (!options || request.formula.empty()) return options;
+  const auto formula = formats::Formula::parse(request.formula);
+  if (!formula) return tl::unexpected(formula.error());
+  auto candidates = formula->expand(data);
+  if (!candidates) return tl::unexpected(candidates.error());
+  options->candidates = std::move(*candidates);
+  return options;
+}
+
+Result<std::vector<Method>> methods_of(const MethodsRequest& request, bool has_geometry) {
+  std::vector<Method> methods;
+  for (const auto& name : request.methods) {
+    const auto method = identification::method_from(name);
+    if (!method)
+      return fail(
+          ErrorCode::invalid_argument, "BAD_METHOD",
+          fmt::format("found method '{}', expected nominal, classic, kinematic or stepwise", name));
+    methods.push_back(*method);
+  }
+  if (methods.empty())
+    methods = identification::methods_possible(!request.fit.formula.empty(), has_geometry);
+  if (methods.empty())
+    return fail(ErrorCode::invalid_argument, "NO_METHOD",
+                "compare what? neither a formula is given, nor a robot file, and the cell file has "
+                "no [kinematics]");
+  return methods;
+}
+
+Result<std::vector<Judgement>> judged(const Dataset& data, const MethodsRequest& request,
+                                      const std::optional<KinematicsDescription>& geometry,
+                                      StudyBench& bench) {
+  identification::MethodOptions options;
+  auto fit = options_with_candidates(request.fit, data);
+  if (!fit) return tl::unexpected(fit.error());
+  options.fit = std::move(*fit);
+  options.fit.executor = bench.sharing(request.fit.threads);
+  if (geometry) {
+    auto mechanism = kinematics::make_mechanism(*geometry);
+    if (!mechanism) return tl::unexpected(mechanism.error());
+    options.mechanism = std::move(*mechanism);
+  }
+  const auto methods = methods_of(request, options.mechanism != nullptr);
+  if (!methods) return tl::unexpected(methods.error());
+  identification::JudgeOptions judge;
+  judge.blocks = request.fit.blocks;
+  judge.together = request.together;
+  judge.folds = request.folds;
+  std::vector<Judgement> judgements;
+  for (const Method method : *methods) {
+    const auto count = methods->size(), number = judgements.size() + 1;
+    bench.say(static_cast<double>(number - 1) / static_cast<double>(count),
+              fmt::format("{}, {} of {}", identification::name_of(method), number, count));
+    auto judgement = identification::judge_method(data, method, options, judge);
+    if (!judgement) return tl::unexpected(judgement.error());
+    judgements.push_back(std::move(*judgement));
+  }
+  return judgements;
+}
+
+}  // namespace
+
+Awaitable<Result<std::vector<Judgement>>> CellApplication::compare_methods(
+    MethodsRequest request, std::shared_ptr<Study> study) {
+  auto geometry = description_.kinematics;
+  if (!request.robot.empty()) {
+    auto given = formats::parse_robot_file(request.robot, "robot file");
+    if (!given) co_return tl::unexpected(given.error());
+    geometry = std::move(*given);
+  }
+  auto loading = fit_data(request.fit);
+  auto dataset = co_await std::move(loading);
+  if (!dataset) co_return tl::unexpected(dataset.error());
+  std::function<Result<std::vector<Judgement>>(StudyBench&)> work =
+      [data = std::move(*dataset), request, geometry](StudyBench& bench) {
+        return judged(data, request, geometry, bench);
+      };
+  auto studying = study_desk_.carry_out(std::move(study), std::move(work));
+  co_return co_await std::move(studying);
+}
+
+Awaitable<Result<SensorChoice>> CellApplication::study_sensors(SensorsRequest request,
+                                                               std::shared_ptr<Study> study) {
+  auto loading = fit_data(request.fit);
+  auto dataset = co_await std::move(loading);
+  if (!dataset) co_return tl::unexpected(dataset.error());
+  std::function<Result<SensorChoice>(StudyBench&)> work =
+      [data = std::move(*dataset), request](StudyBench& bench) -> Result<SensorChoice> {
+    auto options = options_with_candidates(request.fit, data);
+    if (!options) return tl::unexpected(options.error());
+    options->stopwatch_us = {};
+    options->executor = bench.counting(request.fit.threads, "trying sets of thermometers");
+    auto found = calibration::study_sensors(data, *options, request.tolerance);
+    if (!found) return tl::unexpected(found.error());
+    const auto* output = data.find(found->best.front().outputs.front().output);
+    return SensorChoice{std::move(*found), output->channel.unit};
+  };
+  auto studying = study_desk_.carry_out(std::move(study), std::move(work));
+  co_return co_await std::move(studying);
+}
+
+}  // namespace driftwise::application

@@ -1,0 +1,143 @@
+#include "server/application/datasets/amended_dataset.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <tuple>
+
+#include "server/application/datasets/extension_preview.h"
+#include "server/core/data/dataset_parts.h"
+#include "server/formats/cell_file/cell_file.h"
+#include "server/formats/diagnosis/amendment_json.h"
+
+namespace driftwise::application {
+namespace {
+
+Result<std::vector<PointRecord>> points_of(Store& store, RunId run) {
+  constexpr int kPage = 5000;
+  std::vector<PointRecord> points;
+  for (std::int64_t after = 0;;) {
+    auto page = store.runs().points(run, after, kPage);
+    if (!page) return tl::unexpected(page.error());
+    if (page->empty()) return points;
+    after = page->back().id.value;
+    for (auto& point : *page) points.push_back(std::move(point));
+  }
+}
+
+// In the order of RunStore::dataset: measured points by their instant, then imported runs as they
+// were named, each by its rows.
+Result<void> find_origins(Store& store, std::span<const RunId> runs, RunsData& out) {
+  std::vector<PointRecord> measured, imported;
+  for (const RunId run : runs) {
+    const auto record = store.runs().run(run);
+    if (!record) return tl::unexpected(record.error());
+    auto points = points_of(store, run);
+    if (!points) return tl::unexpected(points.error());
+    const bool is_imported = record->reason == "imported";
+    if (is_imported) std::ranges::sort(*points, {}, &PointRecord::row);
+    auto& to = is_imported ? imported : measured;
+    std::ranges::move(*points, std::back_inserter(to));
+  }
+  std::ranges::sort(measured, {}, [](const PointRecord& point) {
+    return std::tuple(point.measured.utc, point.id.value);
+  });
+  if (!measured.empty()) out.time_zero = measured.front().measured.utc;
+  for (const auto* points : {&measured, &imported})
+    for (const auto& point : *points) out.origins.push_back({point.run, point.row});
+  if (out.origins.size() == out.data.rows) return {};
+  return fail(ErrorCode::internal, "ROWS_DIFFER",
+              "the runs have " + std::to_string(out.origins.size()) + " points and their dataset " +
+                  std::to_string(out.data.rows) + " rows");
+}
+
+// On which part each thermometer is, by the cell files that the runs were measured under. An
+// imported file keeps its own metadata: what it says, or does not say.
+void add_parts(Store& store, std::span<const RunId> runs, Dataset& dataset) {
+  if (!dataset.metadata.empty()) return;
+  std::set<std::string> looked_at;
+  std::map<std::string, std::string> parts;
+  for (const RunId run : runs) {
+    const auto used = store.configurations().of_run(run);
+    if (!used || !looked_at.insert(used->back().hash).second) continue;
+    const auto text = store.configurations().text(used->back().hash);
+    if (!text) continue;
+    const auto cell = formats::parse_cell_file(*text, "cell.toml");
+    if (!cell) continue;
+    for (const auto& device : cell->devices)
+      for (const auto& probe : device.probes)
+        if (dataset.find(probe.channel.symbol)) parts[probe.channel.symbol] = probe.part;
+  }
+  if (!parts.empty())
+    dataset.metadata.emplace_back(kPartsKey, parts_text({parts.begin(), parts.end()}));
+}
+
+}  // namespace
+
+Result<RunsData> measured_data(Store& store, std::span<const RunId> runs) {
+  auto dataset = store.runs().dataset(runs);
+  if (!dataset) return tl::unexpected(dataset.error());
+  add_parts(store, runs, *dataset);
+  RunsData out{std::move(*dataset), {}, {}};
+  if (auto ok = find_origins(store, runs, out); !ok) return tl::unexpected(ok.error());
+  return out;
+}
+
+Result<std::vector<correction::DataAmendment>> amendments_in_force(Store& store) {
+  const auto records = store.diagnoses().corrections();
+  if (!records) return tl::unexpected(records.error());
+  std::vector<correction::DataAmendment> amendments;
+  for (const auto& record : *records) {
+    if (!record.in_force()) continue;
+    auto amendment = formats::read_amendment_json(record.json);
+    if (!amendment)
+      return fail(
+          ErrorCode::data_loss, "BAD_CORRECTION",
+          "correction " + std::to_string(record.id.value) + ": " + amendment.error().message);
+    amendments.push_back(std::move(*amendment));
+  }
+  return amendments;
+}
+
+Result<std::vector<CorrectionId>> corrections_over(Store& store, std::span<const RunId> runs) {
+  const auto records = store.diagnoses().corrections();
+  if (!records) return tl::unexpected(records.error());
+  std::vector<CorrectionId> over;
+  for (const auto& record : *records) {
+    if (!record.in_force()) continue;
+    const auto amendment = formats::read_amendment_json(record.json);
+    if (!amendment)
+      return fail(
+          ErrorCode::data_loss, "BAD_CORRECTION",
+          "correction " + std::to_string(record.id.value) + ": " + amendment.error().message);
+    if (std::ranges::any_of(runs, [&](RunId run) { return concerns(*amendment, run); }))
+      over.push_back(record.id);
+  }
+  return over;
+}
+
+Result<RunsData> amended_data(Store& store, std::span<const RunId> runs) {
+  auto out = measured_data(store, runs);
+  if (!out) return out;
+  const auto amendments = amendments_in_force(store);
+  if (!amendments) return tl::unexpected(amendments.error());
+  for (const auto& amendment : *amendments)
+    if (auto ok = correction::amend(amendment, out->origins, out->time_zero, out->data); !ok)
+      return tl::unexpected(ok.error());
+  return out;
+}
+
+Result<Dataset> amended_dataset(Store& store, std::span<const RunId> runs) {
+  const auto records = store.diagnoses().corrections();
+  if (!records) return tl::unexpected(records.error());
+  if (std::ranges::none_of(*records, &CorrectionRecord::in_force)) {
+    auto dataset = store.runs().dataset(runs);  // nothing to lay over: as ever
+    if (dataset) add_parts(store, runs, *dataset);
+    return dataset;
+  }
+  auto amended = amended_data(store, runs);
+  if (!amended) return tl::unexpected(amended.error());
+  return std::move(amended->data);
+}
+
+}  // namespace driftwise::application

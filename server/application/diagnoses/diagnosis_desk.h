@@ -1,0 +1,67 @@
+#pragma once
+// The diagnoses under way: on a thread of their own, so that a long one never delays a fit; one
+// after the other, so that they do not delay each other.
+//
+// A cancelled one is over at once, on record and for its watchers, whatever its thread still does:
+// the search looks at its flag every 100 ms at least, and what it says after that is not heard.
+// Executor's thread; a job's step and flag are what the worker shares with it.
+
+#include <boost/asio/any_io_executor.hpp>
+#include <functional>
+#include <map>
+#include <memory>
+
+#include "server/application/plumbing/event_log.h"
+#include "server/application/plumbing/signal.h"
+#include "server/application/plumbing/store_writer.h"
+#include "server/application/plumbing/watch_list.h"
+#include "server/application/ports/diagnosis_request.h"
+
+namespace driftwise::application {
+
+class DiagnosisDesk {
+ public:
+  static constexpr std::size_t kMostAtOnce = 8;  // under way or waiting for the one before
+
+  DiagnosisDesk(asio::any_io_executor executor, asio::any_io_executor worker, Clock& clock,
+                StoreWriter& writer, EventLog& events, TaskCount& tasks, Diagnose diagnose);
+  ~DiagnosisDesk();
+
+  // Stores it as running and begins. Errors: resource_exhausted TOO_MANY_DIAGNOSES; those of
+  // DiagnosisStore::add_diagnosis.
+  Awaitable<Result<DiagnosisRecord>> begin(const Caller& caller, DiagnosisRecord wanted,
+                                           std::shared_ptr<const Dataset> dataset,
+                                           diagnosis::DiagnoseOptions options);
+  // Does nothing to one that is over.
+  Awaitable<Result<void>> cancel(const Caller& caller, DiagnosisId id);
+  // Resumes when it is over, at once when it is not under way.
+  Awaitable<void> over(DiagnosisId id);
+
+  // Where those under way stand.
+  void tell_present(const std::function<void(const DiagnosisProgress&)>& to) const;
+  WatchList<DiagnosisProgress>& watchers() { return watchers_; }
+  // Those under way fail with the reason that the daemon ends.
+  void shut_down();
+
+ private:
+  struct Job;
+  Awaitable<void> carry_out(std::shared_ptr<Job> job, std::shared_ptr<const Dataset> dataset,
+                            diagnosis::DiagnoseOptions options);
+  Awaitable<Result<void>> end(std::shared_ptr<Job> job, DiagnosisEnd end);
+  void heard(Job& job, double fraction, const std::string& step);
+
+  asio::any_io_executor executor_, worker_;
+  Clock& clock_;
+  StoreWriter& writer_;
+  EventLog& events_;
+  TaskCount& tasks_;
+  Diagnose diagnose_;
+  std::map<DiagnosisId, std::shared_ptr<Job>> jobs_;
+  WatchList<DiagnosisProgress> watchers_;
+  bool ending_ = false;
+};
+
+// What came of one, for the record: "diagnosis 3 found thermal_lag t07, backlash q1".
+std::string outcome_sentence(DiagnosisId id, const diagnosis::Diagnosis& found);
+
+}  // namespace driftwise::application

@@ -1,0 +1,436 @@
+#include "server/application/improvement/improvement_loop.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "server/application/diagnoses/extension_plan.h"
+#include "server/application/improvement/fresh_points.h"
+#include "server/application/ports/provenance.h"
+#include "server/core/text/quantity_text.h"
+#include "server/diagnosis/heading.h"
+#include "server/formats/csv/trajectory_csv.h"
+#include "server/formats/model/model_json.h"
+
+namespace driftwise::application {
+namespace {
+
+constexpr auto kLease = std::chrono::minutes(30);
+constexpr auto kRenewEvery = std::chrono::minutes(5);
+
+std::vector<TurnGain> promised_gains(const diagnosis::Diagnosis& found) {
+  std::vector<TurnGain> gains;
+  for (const auto& judged : diagnosis::judged_accuracies(found))
+    gains.push_back({judged.output, judged.unit, judged.before.value_or(judged.figures),
+                     judged.figures, std::nullopt, std::nullopt});
+  return gains;
+}
+
+// What fresh points say of a gain, by A90 of both models on the same points.
+struct FreshVerdict {
+  bool judged = false;  // any output
+  bool better = false;  // any output, beyond kSame
+  std::string worse;    // outputs that got worse, beyond kSame
+  std::string measured;
+};
+FreshVerdict judge_fresh(const std::vector<TurnGain>& gains) {
+  constexpr double kSame = 1.05;  // a twentieth: what a refit moves by itself
+  FreshVerdict verdict;
+  for (const auto& gain : gains) {
+    if (!gain.measured || !gain.measured_before) continue;
+    verdict.judged = true;
+    const double before = gain.measured_before->a90, after = gain.measured->a90;
+    const std::string change =
+        fmt::format("{} {} -> {} {} (mean {} -> {})", gain.output, digits_text(before),
+                    digits_text(after), gain.unit, digits_text(gain.measured_before->mean, 3, true),
+                    digits_text(gain.measured->mean, 3, true));
+    verdict.better |= after * kSame < before;
+    if (after > kSame * before) verdict.worse += (verdict.worse.empty() ? "" : ", ") + change;
+    verdict.measured += (verdict.measured.empty() ? "" : ", ") + change;
+  }
+  return verdict;
+}
+
+std::optional<ErrorFigures> fresh_figures(const ModelCheck& check, const std::string& symbol) {
+  for (const auto& output : check.report.outputs)
+    if (output.channel.symbol == symbol && !output.points.empty() && output.points[0].rows > 1) {
+      const auto& point = output.points[0];
+      return ErrorFigures{
+          .rows = point.rows, .mean = point.bias, .u90 = point.u90, .a90 = point.a90};
+    }
+  return std::nullopt;
+}
+
+std::string name_of(const diagnosis::Finding& finding) {
+  return finding.cause + (finding.subject.empty() ? "" : " " + finding.subject);
+}
+
+// Those that stand for themselves, and a sentence about those that do not.
+struct Choice {
+  std::vector<int> findings;
+  std::string undecided;
+};
+Choice what_can_be_told(const diagnosis::Diagnosis& found) {
+  Choice choice;
+  int number = 0;
+  for (const auto& finding : found.findings) {
+    ++number;
+    if (finding.indistinguishable_from.empty())
+      choice.findings.push_back(number);
+    else
+      choice.undecided +=
+          fmt::format("{}{} cannot be told apart from {}", choice.undecided.empty() ? "" : "; ",
+                      name_of(finding), fmt::join(finding.indistinguishable_from, ", "));
+  }
+  return choice;
+}
+
+}  // namespace
+
+ImprovementLoop::ImprovementLoop(Cell& cell, Clock& clock, Caller caller, ImproveRequest request,
+                                 ImprovementId id, Hooks hooks)
+    : cell_(cell),
+      clock_(clock),
+      caller_(std::move(caller)),
+      request_(std::move(request)),
+      id_(id),
+      hooks_(std::move(hooks)),
+      wake_(cell.executor()) {}
+
+Awaitable<Result<std::string>> ImprovementLoop::carry_out() {
+  began_ = cell_.now();
+  if (auto ok = co_await begin(); !ok) co_return tl::unexpected(ok.error());
+  while (true) {
+    const auto after = co_await take_turn();
+    if (!after) {
+      say("stopped: " + after.error().message);
+      static_cast<void>(co_await keep());
+      co_return tl::unexpected(after.error());
+    }
+    if (auto ok = co_await keep(); !ok) co_return tl::unexpected(ok.error());
+    if (*after == After::end) co_return reason_;
+    if (turn_.number >= request_.max_turns) {
+      co_return fmt::format("{} turns were made", turn_.number);
+    }
+    const int next = turn_.number + 1;
+    turn_ = {};
+    turn_.number = next;
+    turn_.started = cell_.now();
+  }
+}
+
+// What is known before the robot moves.
+Awaitable<Result<void>> ImprovementLoop::begin() {
+  turn_.started = began_;
+  auto checking = cell_.check_trajectory(request_.trajectory_text);
+  auto check = co_await std::move(checking);
+  if (!check) co_return tl::unexpected(check.error());
+  plan_ = std::move(check->trajectory);
+  estimated_s_ = check->estimated_s;
+  if (!request_.formula.empty()) {
+    formula_ = request_.formula;
+    co_return Result<void>{};
+  }
+  model_ = cell_.status().serving;
+  if (!model_)
+    co_return fail(ErrorCode::failed_precondition, "NO_MODEL",
+                   "no formula is given and no model serves: give the first model's formula");
+  const auto record = co_await cell_.model(*model_);
+  if (!record) co_return tl::unexpected(record.error());
+  const auto model = formats::read_model_json(record->json);
+  if (!model) co_return tl::unexpected(model.error());
+  formula_ = model->formula;
+  co_return Result<void>{};
+}
+
+Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::take_turn() {
+  if (runs_.empty()) {
+    auto measuring =
+        measure(fmt::format("measuring {} points", plan_.points.size()), text_of_repeat(0));
+    const auto run = co_await std::move(measuring);
+    if (!run) co_return tl::unexpected(run.error());
+  }
+  if (!model_) {
+    hooks_.tell(turn_.number, "fitting the first model");
+    FitRequest fit;
+    fit.runs = runs_;
+    fit.formula = formula_;
+    fit.note = fmt::format("of improvement {}", id_.value);
+    auto fitting = cell_.fit(caller_, std::move(fit));
+    const auto model = co_await std::move(fitting);
+    if (!model) co_return tl::unexpected(model.error());
+    model_ = model->id;
+    turn_.model = model_;
+    say(fmt::format("fitted model {}: {}", model->id.value, formula_));
+  }
+  auto view = co_await diagnose();
+  if (!view) co_return tl::unexpected(view.error());
+  auto separated = separate(std::move(*view));
+  view = co_await std::move(separated);
+  if (!view) co_return tl::unexpected(view.error());
+  const auto& found = *view->found;
+  const auto choice = what_can_be_told(found);
+  if (!choice.findings.empty()) co_return co_await extend(*view, choice.findings);
+  if (!choice.undecided.empty())
+    reason_ = choice.undecided + (found.separating_experiment
+                                      ? ": " + found.separating_experiment->why
+                                      : ": no measurement that separates them is known");
+  else if (found.left_over.empty())
+    reason_ = "nothing beyond noise is left";
+  else
+    reason_ = fmt::format(
+        "structure is left that no cause of the catalogue explains; it goes with "
+        "{}",
+        found.left_over.front().goes_with);
+  say(reason_);
+  co_return After::end;
+}
+
+Awaitable<Result<DiagnosisView>> ImprovementLoop::diagnose() {
+  if (auto ok = check(); !ok) co_return tl::unexpected(ok.error());
+  hooks_.tell(turn_.number, "diagnosing");
+  DiagnosisRequest wanted;
+  wanted.runs = runs_;
+  wanted.baseline = formula_;
+  wanted.model = model_;
+  wanted.name = fmt::format("improvement {}, turn {}", id_.value, turn_.number);
+  auto creating = cell_.create_diagnosis(caller_, std::move(wanted));
+  const auto created = co_await std::move(creating);
+  if (!created) co_return tl::unexpected(created.error());
+  diagnosis_ = turn_.diagnosis = created->record.id;
+  bool over = false;
+  const auto watch = cell_.watch_diagnoses([&](const DiagnosisProgress& progress) {
+    if (progress.id != diagnosis_) return;
+    over = progress.state != JobState::running;
+    if (over)
+      wake_.raise();
+    else
+      hooks_.tell(turn_.number, "diagnosing: " + progress.step);
+  });
+  auto view = co_await cell_.diagnosis(created->record.id);
+  while (view && view->record.state == JobState::running && !stopping_) {
+    if (!over) co_await wake_.wait();
+    view = co_await cell_.diagnosis(created->record.id);
+  }
+  diagnosis_.reset();
+  if (!view) co_return view;
+  if (auto ok = check(); !ok) co_return tl::unexpected(ok.error());
+  if (view->record.state != JobState::done || !view->found)
+    co_return fail(ErrorCode::failed_precondition, "DIAGNOSIS_FAILED",
+                   fmt::format("diagnosis {} is {}: {}", view->record.id.value,
+                               to_string(view->record.state), view->record.reason));
+  co_return view;
+}
+
+// Where nothing but the measurement can tell: it is made, and looked at together with the rest.
+Awaitable<Result<DiagnosisView>> ImprovementLoop::separate(DiagnosisView view) {
+  const auto experiment = view.found->separating_experiment;
+  const auto choice = what_can_be_told(*view.found);
+  if (choice.undecided.empty() || !experiment || experiment->trajectory_csv.empty()) co_return view;
+  if (!has_time_for(experiment->estimated_s)) {
+    say("the budget of time does not hold the separating measurement");
+    co_return view;
+  }
+  say(fmt::format("{}: measured what separates them", choice.undecided));
+  auto measuring =
+      measure("measuring what separates " + choice.undecided, experiment->trajectory_csv);
+  const auto run = co_await std::move(measuring);
+  if (!run) co_return tl::unexpected(run.error());
+  co_return co_await diagnose();
+}
+
+Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::extend(const DiagnosisView& view,
+                                                                  std::vector<int> findings) {
+  if (auto ok = check(); !ok) co_return tl::unexpected(ok.error());
+  hooks_.tell(turn_.number, "extending");
+  auto choosing = acceptable(view, std::move(findings));
+  findings = co_await std::move(choosing);
+  if (findings.empty()) {
+    reason_ = turn_.what;  // why each of them is refused
+    co_return After::end;
+  }
+  AcceptRequest wanted;
+  wanted.diagnosis = view.record.id;
+  wanted.findings = findings;
+  auto accepting = cell_.accept_extension(caller_, std::move(wanted));
+  const auto extension = co_await std::move(accepting);
+  if (!extension) co_return tl::unexpected(extension.error());
+  for (const int number : findings)
+    say(view.found->findings[static_cast<std::size_t>(number - 1)].sentence);
+  turn_.gains = promised_gains(*view.found);
+  if (extension->model) {
+    const auto record = co_await cell_.model(*extension->model);
+    if (!record) co_return tl::unexpected(record.error());
+    const auto model = formats::read_model_json(record->json);
+    if (!model) co_return tl::unexpected(model.error());
+    formula_ = model->formula;
+    turn_.model = extension->model;
+  }
+  if (auto ok = co_await keep(); !ok) co_return tl::unexpected(ok.error());
+  co_return co_await measure_again(*extension);
+}
+
+// Those that would be accepted each by itself; why not, of the others, is said.
+Awaitable<std::vector<int>> ImprovementLoop::acceptable(const DiagnosisView& view,
+                                                        std::vector<int> findings) {
+  std::vector<int> kept;
+  for (const int number : findings) {
+    const auto& finding = view.found->findings[static_cast<std::size_t>(number - 1)];
+    if (finding.applies_to != effects::AppliesTo::correction) {
+      kept.push_back(number);
+      continue;
+    }
+    AcceptRequest alone;
+    alone.diagnosis = view.record.id;
+    alone.findings = {number};
+    auto looking = cell_.provenance().preview_extension(std::move(alone));
+    const auto preview = co_await std::move(looking);
+    if (preview)
+      kept.push_back(number);
+    else
+      say("not accepted: " + preview.error().message);
+  }
+  co_return kept;
+}
+
+Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::measure_again(
+    ExtensionRecord extension) {
+  const auto before = model_;
+  model_ = extension.model;
+  if (!has_time_for(estimated_s_)) {
+    reason_ = fmt::format("the budget of {:g} s does not hold another measurement of {:.0f} s",
+                          request_.budget_s, estimated_s_);
+    say(reason_);
+    co_return After::end;
+  }
+  ++repeats_;
+  auto measuring = measure(fmt::format("measuring {} fresh points", plan_.points.size()),
+                           text_of_repeat(repeats_));
+  const auto run = co_await std::move(measuring);
+  if (!run) co_return tl::unexpected(run.error());
+  if (!before || !model_) {
+    say(fmt::format("measured again, run {}", run->id.value));
+    co_return After::next_turn;
+  }
+  const auto by_before = co_await errors_on(*before, run->id);
+  if (!by_before) co_return tl::unexpected(by_before.error());
+  const auto by_after = co_await errors_on(*model_, run->id);
+  if (!by_after) co_return tl::unexpected(by_after.error());
+  for (auto& gain : turn_.gains) {
+    gain.measured_before = fresh_figures(*by_before, gain.output);
+    gain.measured = fresh_figures(*by_after, gain.output);
+  }
+  const FreshVerdict verdict = judge_fresh(turn_.gains);
+  say(fmt::format("A90 on fresh points, run {}, by the model before and by the new one: {}",
+                  run->id.value, verdict.measured));
+  if (verdict.judged && verdict.better && verdict.worse.empty()) co_await promote_proven();
+  if (!verdict.judged || (verdict.better && verdict.worse.empty())) co_return After::next_turn;
+  auto undoing = cell_.undo_extension(caller_, extension.diagnosis);
+  const auto undone = co_await std::move(undoing);
+  if (!undone) co_return tl::unexpected(undone.error());
+  reason_ = verdict.worse.empty()
+                ? fmt::format("fresh points do not show the gain of diagnosis {}: it was undone",
+                              extension.diagnosis.value)
+                : fmt::format("fresh points are worse with it, {}: diagnosis {}: it was undone",
+                              verdict.worse, extension.diagnosis.value);
+  say(reason_);
+  co_return After::end;
+}
+
+// A question that only a person can answer leaves the model proposed.
+Awaitable<void> ImprovementLoop::promote_proven() {
+  if (!request_.promotes || !model_) co_return;
+  auto promoting = cell_.promote(caller_, *model_);
+  const auto promoted = co_await std::move(promoting);
+  say(promoted
+          ? fmt::format("promoted model {}", model_->value)
+          : fmt::format("model {} was not promoted: {}", model_->value, promoted.error().message));
+}
+
+// A model's errors on a run that it was not fitted from, as a check standard has them: counted from
+// the run's own zero, so that their mean counts.
+Awaitable<Result<ModelCheck>> ImprovementLoop::errors_on(ModelId model, RunId run) {
+  auto checking = cell_.check_model(model, {run});
+  co_return co_await std::move(checking);
+}
+
+Awaitable<Result<RunRecord>> ImprovementLoop::measure(std::string what,
+                                                      std::string trajectory_text) {
+  if (auto ok = check(); !ok) co_return tl::unexpected(ok.error());
+  hooks_.tell(turn_.number, what);
+  CreateRun wanted;
+  wanted.name = fmt::format("improvement {}, turn {}", id_.value, turn_.number);
+  wanted.trajectory_name = request_.trajectory_name;
+  wanted.trajectory_text = std::move(trajectory_text);
+  wanted.lease_token = request_.lease_token;
+  static_cast<void>(cell_.take_lease(caller_, kLease, request_.lease_token));
+  auto creating = cell_.create_run(caller_, std::move(wanted));
+  auto run = co_await std::move(creating);
+  if (!run) co_return run;
+  run_ = run->id;
+  turn_.runs.push_back(run->id);
+  if (auto ok = co_await keep(); !ok) co_return tl::unexpected(ok.error());
+  std::optional<RunRecord> ended;
+  const auto watch = cell_.watch_progress([&](const RunProgress& progress) {
+    if (progress.run.id != run_) return;
+    hooks_.tell(turn_.number,
+                fmt::format("{}: {} of {}, {}", what, progress.run.accepted, progress.run.rows,
+                            progress.run.state == RunState::running
+                                ? progress.phase
+                                : std::string(to_string(progress.run.state))));
+    if (is_over(progress.run.state)) ended = progress.run;
+    wake_.raise();
+  });
+  while (!ended && !stopping_) {  // a run that waits or is paused needs the lease as well
+    static_cast<void>(cell_.take_lease(caller_, kLease, request_.lease_token));
+    const auto until = cell_.now() + std::chrono::duration_cast<Nanoseconds>(kRenewEvery);
+    while (!ended && !stopping_ && cell_.now() < until) co_await sleep_unless(clock_, until, wake_);
+  }
+  run_.reset();
+  if (auto ok = check(); !ok) co_return tl::unexpected(ok.error());
+  if (ended->state != RunState::done)
+    co_return fail(
+        ErrorCode::aborted, "RUN_ENDED_EARLY",
+        fmt::format("run {} is {}: {}", ended->id.value, to_string(ended->state), ended->reason));
+  runs_.push_back(ended->id);
+  co_return *ended;
+}
+
+Awaitable<void> ImprovementLoop::stop(bool leave_run) {
+  stopping_ = true;
+  wake_.raise();
+  if (diagnosis_) {
+    auto cancelling = cell_.cancel_diagnosis(caller_, *diagnosis_);
+    static_cast<void>(co_await std::move(cancelling));
+  }
+  if (run_ && !leave_run) {
+    auto aborting = cell_.abort_run(caller_, *run_, "its improvement was cancelled");
+    static_cast<void>(co_await std::move(aborting));
+  }
+}
+
+Awaitable<Result<void>> ImprovementLoop::keep() {
+  turn_.ended = cell_.now();
+  co_return co_await hooks_.keep(turn_);
+}
+
+void ImprovementLoop::say(const std::string& sentence) {
+  turn_.what += (turn_.what.empty() ? "" : ". ") + sentence;
+}
+
+bool ImprovementLoop::has_time_for(double seconds) const {
+  return request_.budget_s <= 0 ||
+         seconds_from(cell_.now() - began_) + seconds <= request_.budget_s;
+}
+
+Result<void> ImprovementLoop::check() const {
+  if (stopping_) return fail(ErrorCode::cancelled, "STOPPED", "the improvement was stopped");
+  return {};
+}
+
+std::string ImprovementLoop::text_of_repeat(int repeat) const {
+  return repeat == 0 ? request_.trajectory_text
+                     : formats::write_trajectory_csv(fresh_points(plan_, repeat));
+}
+
+}  // namespace driftwise::application

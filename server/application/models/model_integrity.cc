@@ -1,0 +1,24 @@
+#include "server/application/models/model_integrity.h"
+
+#include <fmt/format.h>
+
+#include "server/formats/model/model_json.h"
+
+namespace driftwise::application {
+
+Result<void> check_integrity(const ModelRecord& model) {
+  const auto damaged = [&model](const std::string& how) {
+    return fail(ErrorCode::data_loss, "MODEL_DAMAGED",
+                fmt::format("model {} '{}' in the database is damaged: {}; promote another model, "
+                            "or restore the database from a backup",
+                            model.id.value, model.name, how));
+  };
+  if (!model.damage.empty()) return damaged(model.damage);
+  const auto found = formats::stored_model_hash(model.json);
+  if (!found) return damaged(found.error().message);
+  if (*found == model.hash) return {};
+  return damaged(
+      fmt::format("its content has the hash {}, it was stored with {}", *found, model.hash));
+}
+
+}  // namespace driftwise::application

@@ -1,0 +1,216 @@
+#include "server/application/motion/datum_opening.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "server/application/motion/joining.h"
+#include "server/application/motion/loading.h"
+#include "server/application/motion/motion.h"
+#include "server/application/motion/sampling.h"
+#include "server/application/motion/start_checks.h"
+#include "server/application/plumbing/crash_point.h"
+#include "server/application/recording/doubts.h"
+#include "server/core/units.h"
+
+namespace driftwise::application {
+namespace {
+
+Awaitable<Result<void>> stand_at_zero(RunScope& scope, const std::string& reason) {
+  const std::vector<double> zero_mm(scope.bench.description.motor_channels().size(), 0.0);
+  auto arrival = co_await go_to(scope, zero_mm, "zero: " + reason);
+  for (int again = 0;
+       arrival && arrival->trouble != Trouble::none && again < scope.rules.max_reapproaches;
+       ++again)
+    arrival = co_await go_to(scope, zero_mm, "zero: " + reason);
+  if (!arrival) co_return tl::unexpected(arrival.error());
+  if (arrival->trouble != Trouble::none)
+    co_return fail(ErrorCode::failed_precondition, "ZERO_NOT_REACHED",
+                   "at the zero: " + arrival->sentence);
+  co_return Result<void>{};
+}
+
+void add_means(std::vector<ChannelValue>& values, const CellDescription& description,
+               const Sampling& sampling) {
+  const auto channels = description.motor_channels();
+  for (std::size_t i = 0; i < channels.size(); ++i)
+    values.push_back({channels[i].name(), sampling.q_mm[i]});
+  for (const auto& mean : sampling.means) values.push_back(mean);
+}
+
+// Where the scale stands when the instrument reads 0: the readings after the zeroing are 0 within
+// their noise, and with one axis and one length that remainder is taken out.
+void add_zero_of_scale(std::vector<ChannelValue>& values, const CellDescription& description,
+                       const Sampling& new_zero) {
+  const auto motors = description.motor_channels();
+  const auto lengths = description.length_channels();
+  for (std::size_t i = 0; i < motors.size(); ++i) {
+    double q_mm = new_zero.q_mm[i];
+    if (motors.size() == 1 && lengths.size() == 1)
+      if (const double* x_mm = find_value(new_zero.means, lengths.front().name())) q_mm -= *x_mm;
+    values.push_back({motors[i].name(), q_mm});
+  }
+}
+
+// The length whose zero moved farthest from what was expected, and its comparison.
+struct WorstZero {
+  std::size_t length = 0;
+  ZeroComparison comparison;
+};
+
+std::optional<WorstZero> worst_of(const DatumOpening& opening, const std::vector<double>& found_nm,
+                                  const std::vector<double>& warming) {
+  std::optional<WorstZero> worst;
+  double farthest = -1;
+  for (std::size_t i = 0; i < found_nm.size(); ++i) {
+    if (is_missing(found_nm[i])) continue;
+    const std::vector<ZeroObservation> none;
+    const auto& seen = i < opening.closures.size() ? opening.closures[i] : none;
+    const ZeroComparison comparison{predict_zero_shift(seen, warming), found_nm[i]};
+    const double distance = std::abs(comparison.difference_nm()) / comparison.limit_nm();
+    if (distance <= farthest) continue;
+    farthest = distance;
+    worst = WorstZero{i, comparison};
+  }
+  return worst;
+}
+
+// old_zero: what the instruments read at the zero just before they were zeroed.
+void compare(const CellDescription& description, const DatumOpening& opening,
+             const Sampling& old_zero, DatumRecord& datum, EventLog& events) {
+  if (!opening.before) return;
+  std::vector<ChannelValue> values;
+  add_means(values, description, old_zero);
+  const auto worst = worst_of(opening, closure_nm(description, *opening.before, values),
+                              warming_since(description, *opening.before, datum.values));
+  if (!worst) return;
+  const auto& comparison = worst->comparison;
+  datum.values.push_back({"zero_predicted_nm", comparison.predicted.shift_nm});
+  datum.values.push_back({"zero_found_nm", comparison.found_nm});
+  datum.values.push_back({"zero_difference_nm", comparison.difference_nm()});
+  datum.values.push_back({"zero_limit_nm", comparison.limit_nm()});
+  const auto lengths = description.length_channels();
+  const auto which =
+      lengths.size() > 1 ? lengths[worst->length].symbol + ", the worst of them: " : std::string();
+  events.record_own(comparison.surprising() ? "zero.surprising" : "zero.compared",
+                    which + comparison.sentence(), datum.run);
+}
+
+// Beside the old zero: the rotations that this zeroing counts from, and the force that acts.
+void add_slow_of_zero(std::vector<ChannelValue>& values, const RunScope& scope,
+                      const Sampling& new_zero) {
+  const auto& description = scope.bench.description;
+  for (const auto& angle : description.angle_channels())
+    if (const double* arcsec = find_value(new_zero.raw, angle.name()))
+      values.push_back({angle.name(), *arcsec});
+  const auto force = description.force_channel();
+  if (const auto known_n = scope.bench.loading.known_n(); force && known_n)
+    values.push_back({force->name(), *known_n});
+}
+
+bool is_angle_of(const CellDescription& description, const std::string& channel) {
+  for (const auto& angle : description.angle_channels())
+    if (angle.name() == channel) return true;
+  return false;
+}
+
+}  // namespace
+
+const double* find_value(const std::vector<ChannelValue>& values, const std::string& channel) {
+  for (const auto& value : values)
+    if (value.channel == channel) return &value.value;
+  return nullptr;
+}
+
+std::vector<double> warming_since(const CellDescription& description, const DatumRecord& datum,
+                                  const std::vector<ChannelValue>& values) {
+  std::vector<double> warming;
+  for (const auto& channel : description.temperature_channels()) {
+    const double* then = find_value(datum.values, channel.name());
+    const double* now = find_value(values, channel.name());
+    warming.push_back(then && now ? *now - *then : 0.0);
+  }
+  return warming;
+}
+
+std::vector<double> closure_nm(const CellDescription& description, const DatumRecord& datum,
+                               const std::vector<ChannelValue>& values) {
+  const auto lengths = description.length_channels();
+  const auto motors = description.motor_channels();
+  std::vector<double> closure;
+  for (const auto& length : lengths) {
+    const double* x_mm = find_value(values, length.name());
+    closure.push_back(x_mm ? nm_from_mm(*x_mm) : kMissing);
+  }
+  if (lengths.size() == 1 && motors.size() == 1) {
+    const double* q_mm = find_value(values, motors.front().name());
+    const double* q_zero_mm = find_value(datum.values, motors.front().name());
+    closure.front() -= q_mm && q_zero_mm ? nm_from_mm(*q_mm - *q_zero_mm) : kMissing;
+  }
+  return closure;
+}
+
+double largest_nm(const std::vector<double>& closure_nm) {
+  double largest = kMissing;
+  for (const double nm : closure_nm)
+    if (!is_missing(nm) && !(std::abs(nm) <= std::abs(largest))) largest = nm;
+  return largest;
+}
+
+Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening) {
+  auto& bench = scope.bench;
+  bench.doubts
+      .forget_datum();  // what the instruments show until they are zeroed counts from elsewhere
+  if (auto ok = co_await make_homed(scope, opening.home); !ok) co_return tl::unexpected(ok.error());
+  if (auto ok = co_await stand_at_zero(scope, opening.reason); !ok)
+    co_return tl::unexpected(ok.error());
+  if (auto ok = co_await check_stabilisers(scope); !ok) co_return tl::unexpected(ok.error());
+
+  // A lost beam fails here with BEAM_LOST: then there is no old zero to compare with, and zeroing
+  // brings it back.
+  auto old_zero = co_await take_readings(scope, scope.rules.readings_per_point);
+  const bool beam_was_lost = !old_zero && old_zero.error().reason == "BEAM_LOST";
+  if (!old_zero && !beam_was_lost) co_return tl::unexpected(old_zero.error());
+  if (opening.check_drift && !beam_was_lost)
+    if (auto ok = co_await check_drift(scope); !ok) co_return tl::unexpected(ok.error());
+
+  scope.phase("zeroing");
+  if (!beam_was_lost) {  // again, as close to the zeroing as can be
+    old_zero = co_await take_readings(scope, scope.rules.readings_per_point);
+    if (!old_zero) co_return tl::unexpected(old_zero.error());
+  }
+  for (std::size_t i = 0; i < bench.devices.interferometers(); ++i)
+    if (auto ok = co_await bench.devices.zero_interferometer(i); !ok)
+      co_return tl::unexpected(ok.error());
+  auto new_zero = co_await take_readings(scope, scope.rules.readings_per_point);
+  if (!new_zero) co_return tl::unexpected(new_zero.error());
+  if (auto good = bench.doubts.check_zero(new_zero->raw); !good)
+    co_return tl::unexpected(good.error());
+
+  DatumRecord datum{{}, scope.run, new_zero->measured, opening.reason, {}};
+  add_zero_of_scale(datum.values, bench.description, *new_zero);
+  if (old_zero)
+    for (const auto& mean : old_zero->means)
+      if (!is_angle_of(bench.description, mean.channel)) datum.values.push_back(mean);
+  add_slow_of_zero(datum.values, scope, *new_zero);
+  auto slow = co_await join_when_scanned(scope, datum.opened.utc);
+  if (!slow) co_return tl::unexpected(slow.error());
+  datum.values.insert(datum.values.end(), slow->begin(), slow->end());
+  if (old_zero) compare(bench.description, opening, *old_zero, datum, bench.events);
+
+  auto storing = bench.writer.call([datum](Store& store) {
+    crash_point("before_datum_commit");
+    auto stored = store.runs().open_datum(datum);
+    if (stored) crash_point("after_datum_commit");
+    return stored;
+  });
+  auto id = co_await std::move(storing);
+  if (!id) co_return tl::unexpected(id.error());
+  datum.id = *id;
+  bench.doubts.take_datum(datum);
+  bench.events.record_own("datum.opened",
+                          fmt::format("datum {}: {}", datum.id.value, opening.reason), scope.run);
+  co_return datum;
+}
+
+}  // namespace driftwise::application

@@ -1,0 +1,30 @@
+#pragma once
+// Going somewhere and being sure of it: soft limits, in position by the scale, quiet.
+
+#include <string>
+#include <vector>
+
+#include "server/application/motion/point_decision.h"
+#include "server/application/motion/workbench.h"
+
+namespace driftwise::application {
+
+// One entry per axis, all axes of the cell, in order. Errors, out_of_range SOFT_LIMIT: axis, asked,
+// limits, what to do.
+Result<void> check_soft_limits(const CellDescription& description, const std::vector<double>& q_mm);
+
+struct Arrival {
+  Trouble trouble = Trouble::none;
+  std::string
+      sentence;       // empty without trouble: "quiet to 75 nm peak to peak over 2 s, limit 60 nm"
+  Stamp in_position;  // the end of the move
+};
+
+// Moves and waits until the controller says on target, the scale agrees within in_position_nm, and
+// the scale stays within quiet_nm peak to peak over settle_s. Not arriving within move_timeout_s,
+// or no quiet within the same time after that, is Trouble::not_settled and no error. The move
+// itself is recorded for the store, cause: "row 17". Errors: those of the controller; out_of_range;
+// aborted and cancelled by the run's control.
+Awaitable<Result<Arrival>> go_to(RunScope& scope, std::vector<double> q_mm, std::string cause);
+
+}  // namespace driftwise::application

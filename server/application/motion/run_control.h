@@ -1,0 +1,81 @@
+#pragma once
+// What people want of the run under way. Set by commands, looked at by the engine between two
+// steps.
+
+#include <optional>
+#include <string>
+
+#include "server/application/plumbing/signal.h"
+#include "server/core/records/records.h"
+#include "server/core/result.h"
+
+namespace driftwise::application {
+
+class RunControl {
+ public:
+  explicit RunControl(const asio::any_io_executor& executor) : changed_(executor) {}
+
+  // The run holds after the present point (or where it waits) until resume(). A person's stop that
+  // is in force stays what has to be ended: a pause after it does not make it weaker.
+  void hold(RunHold hold) {
+    const bool is_weaker = hold.kind != RunHold::Kind::stop;
+    if (!(held() && hold_.kind == RunHold::Kind::stop && is_weaker)) hold_ = std::move(hold);
+    changed_.raise();
+  }
+  // The axes were stopped: the step under way ends at once with RUN_HALTED, and the run holds as it
+  // does after hold(). The row under way is visited again.
+  void halt(RunHold why) {
+    halted_ = true;
+    hold(std::move(why));
+  }
+  // The engine has seen the halt; the hold stays.
+  void take_halt() { halted_ = false; }
+  void resume() {
+    hold_ = {};
+    changed_.raise();
+  }
+  // The run waits until a person says that this force acts.
+  void want_force(double force_n) { wanted_force_n_ = force_n; }
+  const std::optional<double>& wanted_force() const { return wanted_force_n_; }
+  void confirm_force() {
+    wanted_force_n_.reset();
+    changed_.raise();
+  }
+  void abort(std::string why) {
+    if (aborted_) return;
+    aborted_ = true;
+    abort_reason_ = std::move(why);
+    changed_.raise();
+  }
+  // The daemon ends: the run keeps its state and goes on with the next start.
+  void shut_down() {
+    shutting_down_ = true;
+    changed_.raise();
+  }
+
+  bool held() const { return hold_.kind != RunHold::Kind::none; }
+  bool halted() const { return halted_ && !aborted_ && !shutting_down_; }
+  bool aborted() const { return aborted_; }
+  bool shutting_down() const { return shutting_down_; }
+  const RunHold& hold() const { return hold_; }
+  const std::string& hold_reason() const { return hold_.reason; }
+  // Errors: aborted RUN_ABORTED or RUN_HALTED, cancelled SHUTTING_DOWN. A hold is no error: the
+  // engine asks held() after a point.
+  Result<void> check() const {
+    if (shutting_down_)
+      return fail(ErrorCode::cancelled, "SHUTTING_DOWN", "the daemon is shutting down");
+    if (aborted_) return fail(ErrorCode::aborted, "RUN_ABORTED", abort_reason_);
+    if (halted_) return fail(ErrorCode::aborted, "RUN_HALTED", hold_.reason);
+    return {};
+  }
+  Signal& changed() { return changed_; }
+
+ private:
+  bool halted_ = false, aborted_ = false, shutting_down_ = false;
+  RunHold hold_;
+  std::string abort_reason_;
+  std::optional<double> wanted_force_n_;
+  Signal changed_;
+};
+
+}  // namespace driftwise::application

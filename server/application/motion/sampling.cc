@@ -1,0 +1,168 @@
+#include "server/application/motion/sampling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "server/application/motion/point_decision.h"
+#include "server/application/recording/doubts.h"
+#include "server/core/units.h"
+
+namespace driftwise::application {
+namespace {
+
+Reading readback(const CellDescription& description, const DeviceDescription& controller,
+                 const MotionState& state, std::int64_t sequence) {
+  Reading reading{controller.id, state.at, state.at, sequence, {}};
+  const auto channels = description.motor_channels();
+  for (std::size_t i = 0; i < std::min(channels.size(), state.q_mm.size()); ++i)
+    reading.values.push_back({channels[i].name(), state.q_mm[i]});
+  return reading;
+}
+
+// About the first value: means of mm must keep their nanometres.
+double mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v - values.front();
+  return values.front() + sum / static_cast<double>(values.size());
+}
+
+// Of the readbacks, against where the axes were sent and among themselves.
+void gate_readback(const CellDescription& description, const std::vector<double>& commanded_mm,
+                   Sampling& sampling) {
+  const auto motors = description.motor_channels();
+  for (std::size_t axis = 0; axis < motors.size(); ++axis) {
+    std::optional<double> low, high;
+    for (const auto& reading : sampling.readings) {
+      const double* q_mm = reading.find(motors[axis].name());
+      if (q_mm == nullptr) continue;
+      low = std::min(low.value_or(*q_mm), *q_mm);
+      high = std::max(high.value_or(*q_mm), *q_mm);
+      if (axis < commanded_mm.size())
+        sampling.off_nm =
+            std::max(sampling.off_nm, std::abs(nm_from_mm(*q_mm - commanded_mm[axis])));
+    }
+    if (low)
+      sampling.peak_to_peak_nm = std::max(sampling.peak_to_peak_nm, nm_from_mm(*high - *low));
+  }
+}
+
+void summarise(const CellDescription& description, Sampling& sampling) {
+  std::vector<std::string> order;
+  std::map<std::string, std::vector<double>> values;
+  for (const auto& reading : sampling.readings)
+    for (const auto& value : reading.values) {
+      if (is_missing(value.value)) continue;
+      auto& list = values[value.channel];
+      if (list.empty()) order.push_back(value.channel);
+      list.push_back(value.value);
+    }
+  for (const auto& channel : description.motor_channels())
+    sampling.q_mm.push_back(mean(values[channel.name()]));
+  for (const auto& length : description.length_channels()) {
+    const auto& list = values[length.name()];
+    const double spread = list.empty() ? kMissing : spread_nm(list);
+    sampling.spreads_nm.push_back({length.symbol + "_std_nm", spread});
+    if (is_missing(sampling.spread_nm) || spread > sampling.spread_nm) sampling.spread_nm = spread;
+  }
+  for (const auto& name : order) {
+    const bool is_motor = is_motor_symbol(name.substr(0, name.rfind('_')));
+    const bool is_spread =
+        name.ends_with("_std_nm");  // of the device's own samples: stays in its reading
+    if (!is_motor && !is_spread) sampling.raw.push_back({name, mean(values[name])});
+  }
+}
+
+// What was read before something in it was rejected: no attempt has it.
+void keep(RunScope& scope, Sampling& sampling) {
+  for (auto& reading : sampling.readings) scope.bench.writer.add(std::move(reading));
+  sampling.readings.clear();
+}
+
+// One round of all instruments as a reading of the pose, for those who watch; nothing is stored of
+// it.
+void show_pose(RunScope& scope, const std::vector<JudgedReading>& round, std::int64_t number) {
+  if (scope.bench.pose.is_identity() || round.empty()) return;
+  std::vector<ChannelValue> raw;
+  Reading shown{"pose", round.front().start, round.front().end, number, {}};
+  for (const auto& reading : round) {
+    shown.start = std::min(shown.start, reading.start);
+    shown.end = std::max(shown.end, reading.end);
+    for (const auto& value : reading.values)
+      if (const auto channel = parse_channel(value.channel);
+          channel && is_pose_symbol(channel->symbol))
+        raw.push_back(value);
+  }
+  for (auto& value : scope.bench.pose.pose(raw))
+    if (const auto channel = parse_channel(value.channel);
+        channel && is_pose_symbol(channel->symbol))
+      shown.values.push_back(std::move(value));
+  scope.bench.recorder.show(shown);
+}
+
+}  // namespace
+
+Awaitable<Result<void>> look_at_pose(RunScope& scope) {
+  auto& bench = scope.bench;
+  auto state = co_await bench.devices.motion_state();
+  if (!state) co_return tl::unexpected(state.error());
+  auto round = co_await bench.devices.read_pose_instruments();
+  if (!round) co_return tl::unexpected(round.error());
+  std::vector<ChannelValue> raw;
+  for (const auto& reading : *round) {
+    bench.recorder.observe(reading);
+    for (const auto& value : reading.values)
+      if (!is_missing(value.value)) raw.push_back(value);
+  }
+  if (auto good = bench.doubts.check_round(*round, state->q_mm); !good) {
+    for (auto& reading : *round) bench.writer.add(std::move(reading));
+    co_return good;
+  }
+  co_return bench.doubts.check_pose(bench.pose.pose(raw), state->q_mm);
+}
+
+Awaitable<Result<Sampling>> take_readings(RunScope& scope, int count,
+                                          std::vector<double> commanded_mm) {
+  scope.phase("reading");
+  auto& devices = scope.bench.devices;
+  Sampling sampling;
+  std::optional<CellTime> first, last;
+  for (int k = 0; k <= count; ++k) {
+    const auto state = co_await devices.motion_state();
+    if (!state) co_return tl::unexpected(state.error());
+    sampling.readings.push_back(
+        readback(scope.bench.description, devices.controller_description(), *state, k));
+    // The last look at the axes decides too: they may have moved during the last reading.
+    if (auto ok = scope.control.check(); !ok) co_return tl::unexpected(ok.error());
+    if (k == count) break;
+    auto round = co_await devices.read_pose_instruments();
+    if (!round) co_return tl::unexpected(round.error());
+    for (const auto& reading : *round) {
+      if (!first || reading.middle() < *first) first = reading.middle();
+      if (!last || reading.middle() > *last) last = reading.middle();
+      scope.bench.recorder.observe(reading);
+    }
+    const auto good = scope.bench.doubts.check_round(*round, state->q_mm);
+    if (good) show_pose(scope, *round, k);
+    for (auto& reading : *round) sampling.readings.push_back(std::move(reading));
+    if (!good) {
+      keep(scope, sampling);
+      co_return tl::unexpected(good.error());
+    }
+    if (auto ok = scope.control.check(); !ok) co_return tl::unexpected(ok.error());
+  }
+  summarise(scope.bench.description, sampling);
+  gate_readback(scope.bench.description, commanded_mm, sampling);
+  sampling.means = scope.bench.pose.pose(sampling.raw);
+  if (auto good = scope.bench.doubts.check_pose(sampling.means, sampling.q_mm); !good) {
+    keep(scope, sampling);
+    co_return tl::unexpected(good.error());
+  }
+  const auto now = scope.bench.clock.now();
+  const auto middle =
+      first ? CellTime{first->utc_ns + (last->utc_ns - first->utc_ns) / 2} : now.utc;
+  sampling.measured = {middle, now.monotonic_ns - (now.utc - middle).count()};
+  co_return sampling;
+}
+
+}  // namespace driftwise::application

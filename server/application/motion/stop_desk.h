@@ -1,0 +1,83 @@
+#pragma once
+// A stop as a state: kept in the database before it is sent, pending until each motion controller
+// has itself reported no motion in two successive answers. An acknowledgement of the command ends
+// nothing. While a stop is pending it is sent again after every failure and every restart, and
+// check() refuses every motion. Executor's thread.
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/application/plumbing/event_log.h"
+#include "server/application/plumbing/signal.h"
+#include "server/application/plumbing/store_writer.h"
+#include "server/application/ports/cell.h"
+
+namespace driftwise::application {
+
+class StopDesk {
+ public:
+  struct Controller {
+    std::string id;                                         // device id in the cell file
+    std::function<Awaitable<Result<void>>()> stop;          // MotionController::stop
+    std::function<Awaitable<Result<MotionState>>()> state;  // MotionController::state
+  };
+  static constexpr int kAnswers = 2;  // successive answers of no motion that end a stop
+
+  StopDesk(asio::any_io_executor executor, Clock& clock, StoreWriter& writer, EventLog& events,
+           TaskCount& tasks, std::vector<Controller> controllers);
+
+  // What the database has pending. Before start(). A stop of a controller that the cell no longer
+  // has is pending for all of them.
+  void restore(std::vector<StopRecord> pending);
+  // Sends what is pending. Before anything else asks a device.
+  void start();
+  void shut_down();  // the tasks end after the exchange under way; TaskCount says when
+
+  // Pending at once. The command is sent when the database has it, or after 40 ms of wall time: a
+  // disk never delays a stop by more. Answers within 80 ms of wall time, confirmed or not.
+  Awaitable<StopAnswer> press(Caller caller, std::string cause);
+
+  bool pending() const;
+  std::vector<StopRecord> records() const;  // those pending, in the order of the controllers
+  // Errors: failed_precondition STOP_PENDING: whose stop, which controller, why not yet, what to
+  // do.
+  Result<void> check() const;
+  // One sentence per controller whose stop has been pending for longer than an answer takes.
+  struct Unconfirmed {
+    std::string controller, sentence;
+  };
+  std::vector<Unconfirmed> unconfirmed() const;
+
+ private:
+  struct Place {
+    Controller controller;
+    std::optional<StopRecord> stop;  // pending
+    bool stored = false, confirming = false, late = false;
+    std::string trouble;  // why it is not confirmed yet
+  };
+  void begin_confirming(Place& place);
+  Awaitable<void> keep();
+  Awaitable<void> send(Place& place);
+  Awaitable<void> confirm(Place& place);
+  Awaitable<bool> at_rest(Place& place);
+  Awaitable<void> end(Place& place);
+  Awaitable<void> end_orphans();
+  bool all_stored() const;
+  StopAnswer answer() const;
+  Nanoseconds of_wall(std::chrono::milliseconds wall) const;  // as cell time at the present speed
+  std::string sentence(const Place& place) const;
+
+  asio::any_io_executor executor_;
+  Clock& clock_;
+  StoreWriter& writer_;
+  EventLog& events_;
+  TaskCount& tasks_;
+  std::vector<Place> places_;        // never grows: coroutines refer into it
+  std::vector<StopRecord> orphans_;  // pending, of controllers that the cell no longer has
+  bool ending_ = false;
+  Signal changed_, pressed_;
+};
+
+}  // namespace driftwise::application

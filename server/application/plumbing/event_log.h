@@ -1,0 +1,50 @@
+#pragma once
+// What happened, by whose hand: written in order, told to watchers once it is on disk.
+
+#include <deque>
+#include <optional>
+#include <string>
+
+#include "server/application/plumbing/store_writer.h"
+#include "server/application/plumbing/watch_list.h"
+#include "server/core/ports/clock.h"
+#include "server/core/records/records.h"
+
+namespace driftwise::application {
+
+struct Caller;
+
+class EventLog {
+ public:
+  static constexpr std::size_t kMaxPending =
+      10'000;  // while the disk is full; the newest beyond it are only logged
+
+  EventLog(asio::any_io_executor executor, Clock& clock, StoreWriter& writer);
+
+  // Returns at once; the event is written by the log's own coroutine. what: dotted and stable;
+  // detail: a sentence.
+  void record(const Caller& who, std::string what, std::string detail,
+              std::optional<RunId> run = {});
+  void record_own(std::string what, std::string detail,
+                  std::optional<RunId> run = {});  // by the daemon itself
+
+  Awaitable<void> written();  // everything recorded so far is on disk, or the disk refuses it and
+                              // we are shutting down
+  void shut_down();           // no more waiting for a full disk
+
+  WatchList<EventRecord>& watchers() { return watchers_; }
+
+ private:
+  void push(EventRecord event);
+  Awaitable<void> pump();
+
+  asio::any_io_executor executor_;
+  Clock& clock_;
+  StoreWriter& writer_;
+  WatchList<EventRecord> watchers_;
+  std::deque<EventRecord> pending_;
+  bool pumping_ = false, shutting_down_ = false;
+  Signal drained_, hurry_;
+};
+
+}  // namespace driftwise::application

@@ -1,0 +1,86 @@
+#include "server/application/plumbing/store_writer.h"
+
+#include <iterator>
+
+#include "server/application/plumbing/crash_point.h"
+
+namespace driftwise::application {
+
+StoreWriter::StoreWriter(asio::any_io_executor thread, std::unique_ptr<Store> store)
+    : thread_(std::move(thread)), store_(std::move(store)) {}
+
+StoreWriter::~StoreWriter() = default;
+
+void StoreWriter::add(Reading reading) {
+  if (readings_.size() >= kMaxReadings) {
+    ++dropped_;
+    return;
+  }
+  readings_.push_back(std::move(reading));
+}
+
+void StoreWriter::add(MoveRecord move) {
+  if (moves_.size() < kMaxReadings) moves_.push_back(std::move(move));
+}
+
+void StoreWriter::add(RejectedAnswer rejected) {
+  if (rejected_.size() < kMaxReadings) rejected_.push_back(std::move(rejected));
+}
+
+std::optional<CellTime> StoreWriter::gathered_since() const {
+  std::optional<CellTime> since;
+  if (!readings_.empty()) since = readings_.front().end;
+  if (!moves_.empty() && (!since || moves_.front().at.utc < *since)) since = moves_.front().at.utc;
+  return since;
+}
+
+Awaitable<Result<std::optional<PointId>>> StoreWriter::commit(PointCommit commit) {
+  // Shared with the writer's thread for the time of the call, so that a failure can hand it back
+  // without a copy.
+  auto parcel = std::make_shared<PointCommit>(std::move(commit));
+  parcel->slow_readings = std::exchange(readings_, {});
+  parcel->moves = std::exchange(moves_, {});
+  parcel->rejected = std::exchange(rejected_, {});
+  auto storing = call([parcel](Store& store) {
+    crash_point("before_point_commit");
+    auto result = store.runs().commit(*parcel);
+    if (result) crash_point("after_point_commit");
+    return result;
+  });
+  auto stored = co_await std::move(storing);
+  if (!stored)
+    put_back(std::move(parcel->slow_readings), std::move(parcel->moves),
+             std::move(parcel->rejected));
+  co_return stored;
+}
+
+Awaitable<Result<void>> StoreWriter::flush() {
+  if (readings_.empty() && moves_.empty() && rejected_.empty()) co_return Result<void>{};
+  auto readings = std::make_shared<std::vector<Reading>>(std::exchange(readings_, {}));
+  auto moves = std::make_shared<std::vector<MoveRecord>>(std::exchange(moves_, {}));
+  auto rejected = std::make_shared<std::vector<RejectedAnswer>>(std::exchange(rejected_, {}));
+  auto storing = call([readings, moves, rejected](Store& store) {
+    crash_point("before_readings_commit");
+    auto result = store.readings().append(*readings, *moves, *rejected);
+    if (result) crash_point("after_readings_commit");
+    return result;
+  });
+  auto stored = co_await std::move(storing);
+  if (!stored) put_back(std::move(*readings), std::move(*moves), std::move(*rejected));
+  co_return stored;
+}
+
+void StoreWriter::put_back(std::vector<Reading> readings, std::vector<MoveRecord> moves,
+                           std::vector<RejectedAnswer> rejected) {
+  rejected.insert(rejected.end(), std::make_move_iterator(rejected_.begin()),
+                  std::make_move_iterator(rejected_.end()));
+  rejected_ = std::move(rejected);
+  readings.insert(readings.end(), std::make_move_iterator(readings_.begin()),
+                  std::make_move_iterator(readings_.end()));
+  readings_ = std::move(readings);
+  moves.insert(moves.end(), std::make_move_iterator(moves_.begin()),
+               std::make_move_iterator(moves_.end()));
+  moves_ = std::move(moves);
+}
+
+}  // namespace driftwise::application

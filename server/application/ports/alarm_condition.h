@@ -1,0 +1,20 @@
+#pragma once
+// One condition of the cell that asks for a person, as an object: acknowledged by itself.
+
+#include <string>
+#include <vector>
+
+#include "server/core/records/watch_records.h"
+
+namespace driftwise::application {
+
+struct AlarmCondition {
+  AlarmLevel level = AlarmLevel::warning;
+  std::string kind, subject, message;
+  // Links to a condition that may explain this one: the device behind it (channel.stale), the
+  // device's address (device.lost), the run's own reason (run.waiting).
+  std::string device = {}, address = {}, detail = {};
+  std::vector<std::string> consequences = {};  // sentences: incidents.h
+};
+
+}  // namespace driftwise::application

@@ -1,0 +1,81 @@
+#include "server/application/provenance/promotion_questions.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "server/application/provenance/configuration_book.h"
+#include "server/effects/term_order.h"
+
+namespace driftwise::application {
+namespace {
+
+const ProbeDescription* probe_of(const CellDescription& cell, const std::string& symbol) {
+  for (const auto& device : cell.devices)
+    for (const auto& probe : device.probes)
+      if (probe.channel.symbol == symbol) return &probe;
+  return nullptr;
+}
+
+}  // namespace
+
+std::vector<std::string> symbols_used(const calibration::Model& model) {
+  std::vector<std::string> symbols;
+  const auto add = [&symbols](const std::string& symbol) {
+    if (std::ranges::find(symbols, symbol) == symbols.end()) symbols.push_back(symbol);
+  };
+  for (const auto& output : model.outputs) {
+    add(output.channel.symbol);
+    for (const auto& term : output.terms)
+      for (const auto& symbol : effects::symbols_of(term)) add(symbol);
+  }
+  return symbols;
+}
+
+std::vector<std::string> temperature_questions(const calibration::Model& model,
+                                               const CellDescription& cell) {
+  std::vector<std::string> questions;
+  for (const auto& symbol : symbols_used(model)) {
+    const auto* probe = probe_of(cell, symbol);
+    if (!probe || probe->part == "robot") continue;
+    questions.push_back(fmt::format(
+        "{} is a thermometer of the {}{}, not of the robot: what goes with it is the instrument's "
+        "error, and would be served as the robot's (fit with R, the robot's thermometers, instead "
+        "of T)",
+        symbol, probe->part, probe->place.empty() ? "" : fmt::format(" ({})", probe->place)));
+  }
+  return questions;
+}
+
+std::vector<std::string> correction_questions(const std::vector<CorrectionRecord>& rests_on) {
+  std::vector<std::string> questions;
+  for (const auto& correction : rests_on)
+    if (!correction.in_force())
+      questions.push_back(fmt::format(
+          "it was fitted on data with correction {}{} in force, which {} took back at {}: the data "
+          "are no longer those (fit it again)",
+          correction.id.value,
+          correction.diagnosis ? fmt::format(" of diagnosis {}", correction.diagnosis->value) : "",
+          correction.ended_by, to_iso8601(correction.ended)));
+  return questions;
+}
+
+std::vector<std::string> configuration_questions(
+    const calibration::Model& model, const std::vector<formats::ConfigurationChange>& since) {
+  constexpr std::size_t kMostNamed = 4;
+  const auto touched = touching(since, symbols_used(model));
+  if (touched.empty()) return {};
+  return {fmt::format("it was measured under another cell file: {}", list_of(touched, kMostNamed))};
+}
+
+Result<void> confirmation_of(const std::vector<std::string>& questions) {
+  if (questions.empty()) return {};
+  std::string text;
+  for (const auto& question : questions) text += (text.empty() ? "" : "; ") + question;
+  return fail(ErrorCode::failed_precondition, "NEEDS_CONFIRMATION",
+              fmt::format("before it serves a person has to confirm that it shall although {} "
+                          "(--yes, or confirmed in the request)",
+                          text));
+}
+
+}  // namespace driftwise::application

@@ -1,0 +1,33 @@
+#pragma once
+// What a person has to answer before a model serves. Sentences that follow "although". Pure.
+
+#include <string>
+#include <vector>
+
+#include "server/calibration/model/model.h"
+#include "server/core/description/cell_description.h"
+#include "server/core/records/diagnosis_records.h"
+#include "server/core/result.h"
+#include "server/formats/cell_file/cell_file_difference.h"
+
+namespace driftwise::application {
+
+// Thermometers that are not on the robot (their `part` says so) in terms that are in: what an
+// instrument or the air does to the reading would be served as if the robot did it.
+std::vector<std::string> temperature_questions(const calibration::Model& model,
+                                               const CellDescription& cell);
+
+// Corrections that the model rests on and that were taken back since.
+std::vector<std::string> correction_questions(const std::vector<CorrectionRecord>& rests_on);
+
+// Changes of the cell file since the model was measured, in a part that it uses.
+std::vector<std::string> configuration_questions(
+    const calibration::Model& model, const std::vector<formats::ConfigurationChange>& since);
+
+// Symbols that the model's included terms and outputs read, each once.
+std::vector<std::string> symbols_used(const calibration::Model& model);
+
+// Errors: failed_precondition NEEDS_CONFIRMATION, where there is a question.
+Result<void> confirmation_of(const std::vector<std::string>& questions);
+
+}  // namespace driftwise::application

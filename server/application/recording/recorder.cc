@@ -1,0 +1,180 @@
+#include "server/application/recording/recorder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "server/application/plumbing/spawn.h"
+
+namespace driftwise::application {
+
+Recorder::Recorder(asio::any_io_executor executor, Clock& clock, DeviceBench& bench,
+                   StoreWriter& writer, EventLog& events, LagMeter& lag, const PoseStage& pose,
+                   TaskCount& tasks)
+    : executor_(executor),
+      clock_(clock),
+      bench_(bench),
+      writer_(writer),
+      events_(events),
+      lag_(lag),
+      pose_(pose),
+      tasks_(tasks),
+      ended_(executor),
+      arrived_(executor) {}
+
+void Recorder::start() {
+  const auto begin = [this](Kind kind, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      if (period_s(kind, i) <= 0) continue;
+      tasks_.begin();
+      spawn(executor_, read_for_ever(kind, i));
+    }
+  };
+  begin(Kind::scanner, bench_.scanners());
+  begin(Kind::stabiliser, bench_.stabilisers());
+  begin(Kind::interferometer, bench_.interferometers());
+  begin(Kind::collimator, bench_.collimators());
+  begin(Kind::load, bench_.has_load() ? 1 : 0);
+  begin(Kind::controller, bench_.has_controller() ? 1 : 0);
+  tasks_.begin();
+  spawn(executor_, flush_for_ever());
+}
+
+void Recorder::shut_down() {
+  ending_ = true;
+  ended_.raise();
+}
+
+void Recorder::observe(const JudgedReading& reading) {
+  if (pose_.is_identity()) return show(reading, reading.rejected);
+  const Reading shown = pose_.under_raw_names(reading);
+  auto rejected = reading.rejected;
+  for (auto& value : rejected)
+    for (std::size_t i = 0; i < reading.values.size(); ++i)
+      if (reading.values[i].channel == value.channel) value.channel = shown.values[i].channel;
+  show(shown, rejected);
+}
+
+void Recorder::show(const Reading& reading, std::span<const RejectedValue> rejected) {
+  history_.add(reading, rejected);
+  // Whoever computes with it must not see what was rejected; the record has it as it was given.
+  Reading usable = reading;
+  for (auto& value : usable.values)
+    if (std::ranges::find(rejected, value.channel, &RejectedValue::channel) != rejected.end())
+      value.value = kMissing;
+  watchers_.publish(usable);
+  arrived_.raise();
+}
+
+Awaitable<void> Recorder::next_reading_until(CellTime instant) {
+  co_await sleep_unless(clock_, instant, arrived_);
+}
+
+Awaitable<Result<JudgedReading>> Recorder::read(Kind kind, std::size_t i) {
+  switch (kind) {
+    case Kind::scanner:
+      return bench_.read_scanner(i);
+    case Kind::stabiliser:
+      return bench_.read_stabiliser(i);
+    case Kind::collimator:
+      return bench_.read_collimator(i);
+    case Kind::load:
+      return bench_.read_load();
+    case Kind::controller:
+      return read_axes();
+    case Kind::interferometer:
+      break;
+  }
+  return bench_.read_interferometer(i);
+}
+
+const DeviceDescription& Recorder::description_of(Kind kind, std::size_t i) const {
+  switch (kind) {
+    case Kind::scanner:
+      return bench_.scanner_description(i);
+    case Kind::stabiliser:
+      return bench_.stabiliser_description(i);
+    case Kind::collimator:
+      return bench_.collimator_description(i);
+    case Kind::load:
+      return bench_.load_description();
+    case Kind::controller:
+      return bench_.controller_description();
+    case Kind::interferometer:
+      break;
+  }
+  return bench_.interferometer_description(i);
+}
+
+// Where the axes are, as a reading of the controller.
+Awaitable<Result<JudgedReading>> Recorder::read_axes() {
+  const auto state = co_await bench_.motion_state();
+  if (!state) co_return tl::unexpected(state.error());
+  const auto& controller = bench_.controller_description();
+  Reading reading{controller.id, state->at, state->at, ++axes_sequence_, {}};
+  for (std::size_t i = 0; i < std::min(controller.axes.size(), state->q_mm.size()); ++i)
+    reading.values.push_back({controller.axes[i].channel.name(), state->q_mm[i]});
+  co_return JudgedReading{std::move(reading), {}};
+}
+
+double Recorder::period_s(Kind kind, std::size_t i) const {
+  const double declared_s = description_of(kind, i).period_s;
+  return declared_s <= 0 && belongs_to_run(kind) ? kIdlePeriod_s : declared_s;
+}
+
+Awaitable<void> Recorder::read_for_ever(Kind kind, std::size_t i) {
+  const auto period = nanoseconds_from_s(period_s(kind, i));
+  const bool is_run_s = belongs_to_run(kind);
+  const bool is_stored = description_of(kind, i).period_s > 0;
+  auto due = clock_.now().utc;
+  while (!ending_) {
+    if (!is_run_s || !lent_) {
+      if (auto reading = co_await read(
+              kind, i)) {  // what fails is told by the bench, and tried again next period
+        observe(*reading);
+        if (is_stored) writer_.add(std::move(*reading));
+      }
+    }
+    // A late reading does not make the next ones come in a burst: periods that have passed are left
+    // out.
+    const auto now = clock_.now().utc;
+    due = due + period;
+    if (due <= now) due = now + (period - (now - due) % period);
+    if (!ending_) co_await lag_.sleep_unless(due, ended_);
+  }
+  tasks_.end();
+}
+
+Awaitable<void> Recorder::flush_for_ever() {
+  constexpr auto kEvery = std::chrono::seconds(5);
+  constexpr auto kLongestWait =
+      std::chrono::seconds(20);  // what a kill may cost: slow readings, no point
+  std::int64_t before_gap = 0;
+  bool dropping = false;
+  while (!ending_) {
+    co_await sleep_unless(clock_, clock_.now().utc + kEvery, ended_);
+    // Housekeeping of the store, here because it may take a while and a point must not wait for it.
+    static_cast<void>(co_await writer_.call([](Store& store) { return store.idle(); }));
+    // A run's points take the readings along: only what has waited longer than a point gets a
+    // commit of its own.
+    const auto since = writer_.gathered_since();
+    if (!ending_ && (!since || clock_.now().utc - *since < kLongestWait)) continue;
+    const auto stored = co_await writer_.flush();
+    if (!dropping && writer_.dropped() > before_gap) {
+      dropping = true;
+      events_.record_own(
+          "recorder.dropping",
+          fmt::format("nothing can be written and {} readings wait: newer ones are dropped",
+                      writer_.gathered()));
+    } else if (dropping && stored) {
+      dropping = false;
+      events_.record_own("recorder.dropped",
+                         fmt::format("{} readings were dropped while nothing could be written",
+                                     writer_.dropped() - before_gap));
+      before_gap = writer_.dropped();
+    }
+  }
+  tasks_.end();
+}
+
+}  // namespace driftwise::application

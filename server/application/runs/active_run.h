@@ -1,0 +1,49 @@
+#pragma once
+// The run under way, as values: what the engine's parts share about it.
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "server/application/motion/datum_opening.h"
+#include "server/application/motion/run_control.h"
+#include "server/application/motion/workbench.h"
+#include "server/application/runs/pace.h"
+#include "server/application/runs/run_plan.h"
+#include "server/application/runs/suspects.h"
+#include "server/core/trajectory/trajectory.h"
+#include "server/plausibility/closure_judge.h"
+
+namespace driftwise::application {
+
+struct ActiveRun {
+  // point_s: what a visit is thought to take before the first.
+  ActiveRun(const asio::any_io_executor& executor, Workbench& bench, RunRecord r, RunPlan p,
+            Trajectory t, double point_s)
+      : record(std::move(r)),
+        plan(std::move(p)),
+        trajectory(std::move(t)),
+        control(executor),
+        scope{bench, control, plan.rules, record.id, {}, {}, {}},
+        length(trajectory),
+        pace(point_s),
+        closure_judge(bench.description) {}
+  ActiveRun(const ActiveRun&) = delete;
+
+  RunRecord record;
+  RunPlan plan;
+  Trajectory trajectory;
+  RunControl control;
+  RunScope scope;
+  PlanLength length;
+  Pace pace;
+  bool continued = false;            // was under way when the daemon ended
+  std::optional<DatumRecord> datum;  // the present one
+  Closures closures;                 // of the present datum
+  plausibility::ClosureJudge closure_judge;
+  SinceClosure since_closure;
+  std::map<std::int64_t, int> attempts_of_row;
+  RunProgress progress;
+};
+
+}  // namespace driftwise::application

@@ -1,0 +1,231 @@
+#include "server/application/runs/point_visit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/application/motion/joining.h"
+#include "server/application/motion/loading.h"
+#include "server/application/motion/motion.h"
+#include "server/application/motion/point_decision.h"
+#include "server/application/motion/sampling.h"
+
+namespace driftwise::application {
+namespace {
+
+const TrajectoryPoint& row_of(const ActiveRun& run, std::int64_t row) {
+  return run.trajectory.points[static_cast<std::size_t>(row)];
+}
+
+// A little way from the point towards the zero, so that it is approached anew; at the zero, to
+// whichever side is allowed.
+std::vector<double> aside_of(const ActiveRun& run, std::vector<double> q_mm) {
+  const double away_mm = run.plan.rules.reapproach_mm;
+  std::size_t i = 0;
+  for (const auto& device : run.scope.bench.description.devices)
+    for (const auto& axis : device.axes) {
+      double& q = q_mm[i++];
+      q += q > 0 ? -away_mm : away_mm;
+      q = std::clamp(q, axis.min_mm, axis.max_mm);
+    }
+  return q_mm;
+}
+
+struct Attempt {
+  Trouble trouble = Trouble::none;
+  std::optional<PointRecord> point;  // complete, when there is no trouble
+};
+
+PointRecord make_point(const ActiveRun& run, const Visit& visit,
+                       const std::vector<double>& commanded_mm, const Arrival& arrival,
+                       const Sampling& sampling, const std::vector<ChannelValue>& slow) {
+  const auto& row = row_of(run, visit.row);
+  PointRecord point;
+  point.run = run.record.id;
+  point.row = visit.row;
+  point.datum = run.datum->id;
+  point.set = row.set;
+  point.line = row.line;
+  point.zero = row.zero;
+  point.measured = sampling.measured;
+  point.dwell_s = seconds_from(sampling.measured.utc - arrival.in_position.utc);
+  point.commanded_mm = commanded_mm;
+  const auto motors = run.scope.bench.description.motor_channels();
+  for (std::size_t i = 0; i < motors.size(); ++i)
+    point.values.push_back({motors[i].name(), sampling.q_mm[i]});
+  for (const auto& length : run.scope.bench.description.length_channels()) {
+    if (const double* mean = find_value(sampling.means, length.name()))
+      point.values.push_back({length.name(), *mean});
+    if (const double* spread = find_value(sampling.spreads_nm, length.symbol + "_std_nm"))
+      point.values.push_back({length.symbol + "_std_nm", *spread});
+  }
+  point.values.insert(point.values.end(), slow.begin(), slow.end());
+  for (const auto& mean : sampling.means)
+    if (!find_value(point.values, mean.channel)) point.values.push_back(mean);
+  const auto force = run.scope.bench.description.force_channel();
+  if (const auto known_n = run.scope.bench.loading.known_n(); force && known_n)
+    point.values.push_back({force->name(), *known_n});
+  // The pose that was wanted, with what came of it: compensated or not, for a comparison.
+  if (is_pose_symbol(run.trajectory.coordinates.front().symbol))
+    for (std::size_t i = 0; i < run.trajectory.coordinates.size(); ++i) {
+      const auto& wanted = run.trajectory.coordinates[i];
+      point.values.push_back({wanted.symbol + "_target_" + wanted.unit, row.target_mm[i]});
+    }
+  return point;
+}
+
+// Reads and judges; the axis stands where it should.
+Awaitable<Result<Attempt>> read_point(ActiveRun& run, const Visit& visit,
+                                      const std::vector<double>& commanded_mm,
+                                      const Arrival& arrival, AttemptRecord& record) {
+  const auto& rules = run.plan.rules;
+  auto sampling = co_await take_readings(run.scope, rules.readings_per_point, commanded_mm);
+  if (!sampling) co_return tl::unexpected(sampling.error());
+  record.readings = sampling->readings;
+  record.spread_nm = sampling->spread_nm;
+  run.progress.last_spread_nm = sampling->spread_nm;
+  if (sampling->spread_nm > rules.max_spread_nm) {
+    record.reason =
+        spread_sentence(sampling->spread_nm, rules.readings_per_point, rules.max_spread_nm);
+    co_return Attempt{Trouble::spread, {}};
+  }
+  // A scale that jumps or wanders while the instruments are read gives no position.
+  if (sampling->off_nm > rules.in_position_nm || sampling->peak_to_peak_nm > rules.in_position_nm) {
+    record.reason = fmt::format(
+        "the readback was up to {:.0f} nm from the commanded position and moved by {:.0f} nm peak "
+        "to peak while the instruments were read, limit {:g} nm",
+        sampling->off_nm, sampling->peak_to_peak_nm, rules.in_position_nm);
+    co_return Attempt{Trouble::not_settled, {}};
+  }
+  const auto slow = co_await join_when_scanned(run.scope, sampling->measured.utc);
+  if (!slow) co_return tl::unexpected(slow.error());
+  co_return Attempt{Trouble::none, make_point(run, visit, commanded_mm, arrival, *sampling, *slow)};
+}
+
+// What stands between two attempts of one visit.
+struct Stand {
+  std::vector<double> commanded_mm;
+  Arrival arrival;
+};
+
+Awaitable<Result<void>> come_to_row(ActiveRun& run, const Visit& visit,
+                                    const CommandFor& command_for, bool anew, Stand& stand) {
+  const auto& row = row_of(run, visit.row);
+  if (anew) {
+    const auto away = co_await go_to(run.scope, aside_of(run, stand.commanded_mm),
+                                     fmt::format("aside of row {}", visit.row + 1));
+    if (!away) co_return tl::unexpected(away.error());
+  }
+  auto commanded = command_for(run, row);
+  if (!commanded) co_return tl::unexpected(commanded.error());
+  stand.commanded_mm = std::move(*commanded);
+  auto arrival =
+      co_await go_to(run.scope, stand.commanded_mm, fmt::format("row {}", visit.row + 1));
+  if (!arrival) co_return tl::unexpected(arrival.error());
+  stand.arrival = std::move(*arrival);
+  if (row.dwell_s && stand.arrival.trouble == Trouble::none) {
+    run.scope.phase("dwelling");
+    co_return co_await run.scope.sleep_until(stand.arrival.in_position.utc +
+                                             nanoseconds_from_s(*row.dwell_s));
+  }
+  co_return Result<void>{};
+}
+
+Awaitable<Result<Attempt>> try_once(ActiveRun& run, const Visit& visit,
+                                    const CommandFor& command_for, std::optional<Verdict> before,
+                                    Stand& stand, AttemptRecord& record) {
+  if (before != Verdict::reread) {
+    const bool anew = before == Verdict::reapproach;
+    if (auto ok = co_await come_to_row(run, visit, command_for, anew, stand); !ok)
+      co_return tl::unexpected(ok.error());
+    if (stand.arrival.trouble != Trouble::none) {
+      record.reason = stand.arrival.sentence;
+      co_return Attempt{stand.arrival.trouble, {}};
+    }
+  }
+  co_return co_await read_point(run, visit, stand.commanded_mm, stand.arrival, record);
+}
+
+void take_over(ActiveRun& run, const PointCommit& commit) {
+  auto& record = run.record;
+  record.place = commit.place;
+  ++record.attempts;
+  if (commit.point) ++record.accepted;
+  if (commit.attempts.back().verdict == Verdict::given_up) ++record.given_up;
+}
+
+}  // namespace
+
+Awaitable<Result<std::optional<PointId>>> commit_until_stored(RunScope& scope, PointCommit commit) {
+  constexpr double kRetry_s = 5;
+  bool waiting = false, no_room = false;
+  while (true) {
+    auto stored = co_await scope.bench.writer.commit(commit);
+    if (stored) {
+      if (waiting) {
+        scope.bench.events.record_own(
+            "run.resumed",
+            no_room ? "there is room on the disk again" : "the database takes points again",
+            commit.run);
+        if (auto ok = co_await scope.leave_waiting(); !ok) co_return tl::unexpected(ok.error());
+      }
+      co_return stored;
+    }
+    if (stored.error().code != ErrorCode::resource_exhausted) co_return stored;
+    no_room = stored.error().reason == "DISK_FULL";
+    if (!std::exchange(waiting, true)) {
+      // Written when there is room again: the record must say why the run stood.
+      scope.bench.events.record_own("run.trouble", stored.error().message, commit.run);
+      if (auto ok = co_await scope.enter_waiting(stored.error().message); !ok)
+        co_return tl::unexpected(ok.error());
+    }
+    scope.phase(no_room ? "waiting for room on the disk" : "waiting for the database");
+    if (auto ok = co_await scope.sleep_s(kRetry_s); !ok) co_return tl::unexpected(ok.error());
+  }
+}
+
+Awaitable<Result<VisitResult>> visit_row(ActiveRun& run, Visit visit,
+                                         const CommandFor& command_for) {
+  AttemptTally tally{0, 0, visit.requeues};
+  std::optional<Verdict> before;
+  Stand stand;
+  auto& clock = run.scope.bench.clock;
+  while (true) {
+    AttemptRecord record;
+    record.row = visit.row;
+    record.number = ++run.attempts_of_row[visit.row];
+    record.started = clock.now();
+    auto attempt = co_await try_once(run, visit, command_for, before, stand, record);
+    record.ended = clock.now();
+    if (!attempt) {
+      record.verdict = Verdict::interrupted;
+      record.reason = attempt.error().message;
+      PointCommit interrupted{run.record.id, {std::move(record)}, {}, {}, {}, run.record.place};
+      // Best effort: the error at hand is the one to tell, and a restart records the interruption
+      // anyway.
+      if (co_await run.scope.bench.writer.commit(interrupted)) take_over(run, interrupted);
+      co_return tl::unexpected(attempt.error());
+    }
+    record.verdict = decide(attempt->trouble, tally, run.plan.rules);
+    const Verdict verdict = record.verdict;
+    PointCommit commit{run.record.id,
+                       {std::move(record)},
+                       std::move(attempt->point),
+                       {},
+                       {},
+                       place_after(run.record.place, visit, verdict)};
+    run.scope.phase("storing");
+    auto stored = co_await commit_until_stored(run.scope, commit);
+    if (!stored) co_return tl::unexpected(stored.error());
+    take_over(run, commit);
+    if (verdict != Verdict::reread && verdict != Verdict::reapproach) {
+      if (commit.point && *stored) commit.point->id = **stored;
+      co_return VisitResult{verdict, std::move(commit.point)};
+    }
+    tally = after(tally, verdict);
+    before = verdict;
+  }
+}
+
+}  // namespace driftwise::application

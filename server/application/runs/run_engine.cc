@@ -1,0 +1,523 @@
+#include "server/application/runs/run_engine.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <boost/asio/post.hpp>
+#include <cassert>
+#include <cmath>
+
+#include "server/application/motion/joining.h"
+#include "server/application/motion/loading.h"
+#include "server/application/motion/motion.h"
+#include "server/application/motion/sampling.h"
+#include "server/application/motion/start_checks.h"
+#include "server/application/motion/stop_desk.h"
+#include "server/application/plumbing/spawn.h"
+#include "server/application/recording/doubts.h"
+#include "server/application/runs/recovery.h"
+#include "server/application/runs/run_state_store.h"
+#include "server/core/units.h"
+
+namespace driftwise::application {
+
+RunEngine::RunEngine(asio::any_io_executor executor, Workbench& bench, Hooks hooks,
+                     TaskCount& tasks)
+    : executor_(executor), bench_(bench), hooks_(std::move(hooks)), tasks_(tasks) {}
+
+RunEngine::~RunEngine() = default;
+
+void RunEngine::begin(RunRecord record, RunPlan plan, Trajectory trajectory,
+                      std::optional<RunBefore> before, bool asked_for) {
+  assert(!run_);
+  const double guess_s = point_s(plan.rules);
+  run_ = std::make_unique<ActiveRun>(executor_, bench_, std::move(record), std::move(plan),
+                                     std::move(trajectory), guess_s);
+  before_ = std::move(before);
+  auto& run = *run_;
+  may_start_ = asked_for;
+  had_datum_ = before_ && !before_->data.empty();
+  stands_ = computer_was_away_ = false;
+  announcement_.clear();
+  counted_accepted_ = run.record.accepted;
+  counted_given_up_ = run.record.given_up;
+  run.continued = before_.has_value();
+  run.scope.phase = [this](std::string phase) {
+    run_->progress.phase = std::move(phase);
+    publish();
+  };
+  run.scope.enter_waiting = [this](std::string why) {
+    return change(*run_, RunState::waiting, std::move(why));
+  };
+  run.scope.leave_waiting = [this] { return change(*run_, RunState::running, ""); };
+  tasks_.begin();
+  spawn(executor_, execute());
+}
+
+Awaitable<void> RunEngine::execute() {
+  auto& run = *run_;
+  bench_.lag.start_again();
+  bench_.recorder.lend_pose_instruments(true);
+  Result<void> outcome = co_await take_up(run);
+  if (outcome) outcome = co_await carry_out(run);
+  co_await finish(run, outcome);
+  bench_.recorder.lend_pose_instruments(false);
+  // Whoever was told that the run is over may begin the next one at once.
+  const auto ended = std::move(run_);
+  publishing_ = false;
+  watchers_.publish(*last_progress_);
+  tasks_.end();
+}
+
+// Makes the run's record say that it runs, and what became of it while the daemon was away.
+Awaitable<Result<void>> RunEngine::take_up(ActiveRun& run) {
+  wanted_datum_ = DatumOpening{"start", false, true, {}, {}};
+  const bool was_paused = run.record.state == RunState::paused;
+  if (was_paused) run.control.hold(stored_hold(run.record, bench_.clock.now().utc));
+  run.record.hold = {};  // in force again as soon as the engine stands
+  computer_was_away_ = !run.record.boot_id.empty() && !bench_.boot_id.empty() &&
+                       run.record.boot_id != bench_.boot_id;
+  const auto state = was_paused ? RunState::paused : RunState::running;
+  auto reason = was_paused ? run.record.reason : std::string();
+  bench_.doubts.begin_anew();
+  bench_.doubts.forget_datum();
+  static_cast<void>(bench_.doubts.take_suspicion());  // of before the run
+  if (!before_) {
+    run.record.started = bench_.clock.now().utc;
+    bench_.events.record_own(
+        "run.started",
+        fmt::format("run {} '{}': {} rows", run.record.id.value, run.record.name, run.record.rows),
+        run.record.id);
+    co_return co_await change(run, state, std::move(reason));
+  }
+  for (const auto& attempt : before_->attempts) {
+    auto& number = run.attempts_of_row[attempt.row];
+    number = std::max(number, attempt.number);
+  }
+  const std::string what = before_->killed ? "restart after a kill" : "restart";
+  wanted_datum_ = continue_from(bench_.description, what, *this->before_);
+  ++run.record.restarts;
+  bench_.events.record_own(
+      "run.restarted", fmt::format("{}: goes on with row {}", what, run.record.place.next_row + 1),
+      run.record.id);
+  if (before_->killed)
+    if (auto ok = co_await record_interruption(run); !ok) co_return ok;
+  co_return co_await change(run, state, std::move(reason));
+}
+
+Awaitable<Result<void>> RunEngine::carry_out(ActiveRun& run) {
+  int troubles_in_a_row = 0;
+  while (true) {
+    const auto attempts_before = run.record.accepted + run.record.given_up;
+    Result<void> outcome = co_await walk(run);
+    if (outcome) outcome = co_await park(run);
+    if (outcome) co_return outcome;
+    troubles_in_a_row =
+        run.record.accepted + run.record.given_up > attempts_before ? 1 : troubles_in_a_row + 1;
+    const Error trouble = outcome.error();
+    do {
+      // What a device says about being stopped matters less than who wanted it.
+      if (run.control.halted()) {
+        outcome = co_await stand_still(run, trouble);
+      } else if (auto ok = run.control.check(); !ok) {
+        co_return ok;
+      } else {
+        outcome = co_await overcome(run, trouble, troubles_in_a_row);
+      }
+    } while (!outcome && run.control.halted());  // stopped while it waited
+    if (!outcome) co_return outcome;
+  }
+}
+
+// Until a person resumes; then the devices are looked at as after any trouble.
+Awaitable<Result<void>> RunEngine::stand_still(ActiveRun& run, const Error& trouble) {
+  if (auto ok = co_await wait_until_stopped(run); !ok) co_return ok;
+  if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
+  co_return co_await look_again(run, remedy_for(trouble), true);
+}
+
+// The stop itself is the desk's; the run is paused once the controllers have confirmed it.
+Awaitable<Result<void>> RunEngine::wait_until_stopped(ActiveRun& run) {
+  run.control.take_halt();
+  bool told = false;
+  while (bench_.stops.pending()) {
+    auto unconfirmed = bench_.stops.unconfirmed();
+    if (!unconfirmed.empty() && !std::exchange(told, true)) {
+      run.scope.phase("stopping");
+      auto reason = std::move(unconfirmed.front().sentence);
+      if (auto ok = co_await change(run, RunState::waiting, std::move(reason)); !ok) co_return ok;
+    }
+    const double pause_s = std::max(0.1, 0.02 * bench_.clock.speed());
+    co_await sleep_unless(bench_.clock, bench_.clock.now().utc + nanoseconds_from_s(pause_s),
+                          run.control.changed());
+    run.control.take_halt();  // pressed again
+    if (auto ok = run.control.check(); !ok) co_return ok;
+  }
+  co_return Result<void>{};
+}
+
+Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
+  if (run.control.held()) {
+    const auto kind = run.control.hold().kind;
+    const auto state = kind == RunHold::Kind::configuration ? RunState::waiting : RunState::paused;
+    if (auto ok = co_await hold(run, state); !ok) co_return ok;
+  }
+  if (wanted_datum_) {
+    if (auto ok = co_await prepare(run); !ok) co_return ok;
+    if (auto ok = co_await clear_to_move(run); !ok) co_return ok;
+    if (auto ok = co_await bring_force(run); !ok) co_return ok;
+    if (auto ok = co_await new_datum(run); !ok) co_return ok;
+  }
+  while (const auto visit = next_visit(run.trajectory, run.record.place)) {
+    if (auto ok = run.control.check(); !ok) co_return ok;
+    if (run.control.held())
+      if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
+    if (wanted_datum_) {
+      if (auto ok = co_await prepare(run); !ok) co_return ok;
+      if (auto ok = co_await bring_force(run); !ok) co_return ok;
+      if (auto ok = co_await new_datum(run); !ok) co_return ok;
+    }
+    const auto& row = run.trajectory.points[static_cast<std::size_t>(visit->row)];
+    run.progress.row = visit->row;
+    run.progress.line = row.line;
+    if (auto ok = co_await bring_force(run); !ok) co_return ok;
+    const auto begin = bench_.clock.now().utc;
+    auto result = co_await visit_row(run, *visit, hooks_.command_for);
+    if (!result) co_return tl::unexpected(result.error());
+    run.pace.add(
+        std::max(0.0, seconds_from(bench_.clock.now().utc - begin) - row.dwell_s.value_or(0)));
+    slower_than_guessed_ = run.pace.point_s() / guessed_point_s(run.plan.rules);
+    if (result->point) run.since_closure.add(visit->row, result->point->measured.utc);
+    if (auto ok = co_await mark_doubted(run); !ok) co_return ok;
+    if (result->point && row.zero) {
+      auto noting = note_closure(run, result->point->values, result->point->measured.utc, row.line);
+      if (auto ok = co_await std::move(noting); !ok) co_return ok;
+      if (auto ok = co_await store_lag(run); !ok) co_return ok;
+    }
+    publish();
+    if (result->verdict == Verdict::given_up) hold_if_too_many_were_given_up(run);
+    if (return_to_zero_is_due(run.trajectory, run.record.place, visit->row))
+      if (auto ok = co_await return_to_zero(run, row.line); !ok) co_return ok;
+  }
+  co_return co_await mark_doubted(run);
+}
+
+// After a restart, or a controller that lost its reference: who says that the robot may move.
+// Nothing has moved yet.
+Awaitable<Result<void>> RunEngine::clear_to_move(ActiveRun& run) {
+  if (may_start_) co_return Result<void>{};
+  const auto state = co_await bench_.devices.motion_state();
+  if (!state) co_return tl::unexpected(state.error());
+  const bool reference_lost = had_datum_ && !state->referenced;
+  const bool power_loss = computer_was_away_ || reference_lost;
+  const auto& rules = bench_.description.restart;
+  std::string why = "the daemon was away while the run was under way";
+  if (computer_was_away_)
+    why = "the computer was started anew while the run was under way";
+  else if (reference_lost)
+    why = fmt::format("the controller has lost its reference while the {}",
+                      before_ ? "daemon was away" : "run was under way");
+  const auto wish = power_loss ? rules.after_power_loss : rules.after_restart;
+  if (wish == AfterAway::wait) {
+    run.control.hold({RunHold::Kind::restart, "", bench_.clock.now().utc,
+                      fmt::format("{}: look at the machine, then resume it ([run] {} = \"wait\")",
+                                  why, power_loss ? "after_power_loss" : "after_restart")});
+    if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
+  } else if (power_loss) {
+    if (auto ok = co_await announce_motion(run, why); !ok) co_return ok;
+  }
+  may_start_ = true;
+  co_return Result<void>{};
+}
+
+// The robot is about to move without anybody having asked for it now: a minute for a person to stop
+// it.
+Awaitable<Result<void>> RunEngine::announce_motion(ActiveRun& run, const std::string& why) {
+  constexpr double kWarning_s = 60;
+  const auto begins = bench_.clock.now().utc + nanoseconds_from_s(kWarning_s);
+  announcement_ = fmt::format(
+      "run {} moves the robot at {}: {}, and the cell file says to go on ([run] after_power_loss = "
+      "\"go-on\"); a stop keeps it from moving",
+      run.record.id.value, to_iso8601(begins), why);
+  bench_.events.record_own("run.moves_soon", announcement_, run.record.id);
+  run.scope.phase("about to move");
+  const auto waited = co_await run.scope.sleep_until(begins);
+  announcement_.clear();
+  co_return waited;
+}
+
+// Everything that hangs on the end-effector is taken off, and the axes return to zero.
+Awaitable<Result<void>> RunEngine::park(ActiveRun& run) {
+  if (!run.plan.rules.park) co_return Result<void>{};
+  if (run.control.held())
+    if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
+  if (auto ok = run.control.check(); !ok) co_return ok;
+  if (bench_.description.load) {
+    if (auto ok = co_await bench_.loading.look(bench_.devices); !ok) co_return ok;
+    const auto acts_n = bench_.loading.known_n();
+    if (acts_n && !same_force(*acts_n, 0))
+      if (auto ok = co_await bench_.loading.bring_to(run.scope, 0); !ok) co_return ok;
+  }
+  const std::vector<double> zero_mm(bench_.description.motor_channels().size(), 0.0);
+  if (!check_soft_limits(bench_.description, zero_mm)) co_return Result<void>{};
+  const auto state = co_await bench_.devices.motion_state();
+  if (!state) co_return tl::unexpected(state.error());
+  bool is_there = true;
+  for (const double q_mm : state->q_mm)
+    is_there = is_there && std::abs(nm_from_mm(q_mm)) <= run.plan.rules.in_position_nm;
+  if (is_there) co_return Result<void>{};
+  const auto arrival = co_await go_to(run.scope, zero_mm, "parked");
+  if (!arrival) co_return tl::unexpected(arrival.error());
+  co_return Result<void>{};
+}
+
+void RunEngine::hold_if_too_many_were_given_up(ActiveRun& run) {
+  const auto given_up = run.record.given_up - counted_given_up_;
+  const auto decided = run.record.accepted - counted_accepted_ + given_up;
+  const double share = run.plan.rules.max_given_up_share;
+  const bool is_too_many = static_cast<double>(given_up) > share * static_cast<double>(decided);
+  if (share >= 1 || given_up < RunRules::kLeastGivenUp || !is_too_many) return;
+  run.control.hold({RunHold::Kind::trouble, "", bench_.clock.now().utc,
+                    fmt::format("{} of the last {} rows were given up, the limit is {:.0f} % "
+                                "(max_given_up_share): 'driftwise run attempts {}' says why",
+                                given_up, decided, 100 * share, run.record.id.value)});
+  counted_accepted_ = run.record.accepted;
+  counted_given_up_ = run.record.given_up;
+}
+
+void RunEngine::remeasure_zero(std::string reason) {
+  if (!run_ || wanted_datum_) return;  // one that is wanted already measures the zero too
+  wanted_datum_ = DatumOpening{std::move(reason), false, false, run_->datum, run_->closures};
+}
+
+Awaitable<Result<void>> RunEngine::prepare(ActiveRun& run) {
+  run.scope.phase("checking");
+  if (auto ok = co_await bench_.devices.prepare_for_run(); !ok) co_return ok;
+  co_return co_await check_thermometers(run.scope);
+}
+
+// What the next row wants to act; nothing when it does not say.
+Awaitable<Result<void>> RunEngine::bring_force(ActiveRun& run) {
+  const auto visit = next_visit(run.trajectory, run.record.place);
+  if (!visit || !bench_.description.load) co_return Result<void>{};
+  const auto wanted_n = run.trajectory.points[static_cast<std::size_t>(visit->row)].force_n;
+  if (!wanted_n) co_return co_await bench_.loading.look(bench_.devices);
+  co_return co_await bench_.loading.bring_to(run.scope, *wanted_n);
+}
+
+Awaitable<Result<void>> RunEngine::new_datum(ActiveRun& run) {
+  auto datum = co_await open_datum(run.scope, *wanted_datum_);
+  if (!datum) co_return tl::unexpected(datum.error());
+  run.datum = std::move(*datum);
+  run.closures.clear();
+  run.closure_judge.begin(run.datum->opened.utc, bench_.loading.known_n());
+  if (const auto before = std::exchange(before_, std::nullopt)) add_line_under_way(run, *before);
+  if (auto ok = co_await mark_after_datum(run); !ok) co_return ok;
+  had_datum_ = true;
+  wanted_datum_.reset();
+  hooks_.datum_opened(*run.datum);
+  co_return Result<void>{};
+}
+
+Awaitable<Result<void>> RunEngine::return_to_zero(ActiveRun& run, std::int64_t line) {
+  const std::vector<double> zero_mm(bench_.description.motor_channels().size(), 0.0);
+  auto arrival = co_await go_to(run.scope, zero_mm, fmt::format("zero after line {}", line));
+  if (!arrival) co_return tl::unexpected(arrival.error());
+  auto sampling = co_await take_readings(run.scope, run.plan.rules.readings_per_point);
+  if (!sampling) co_return tl::unexpected(sampling.error());
+  for (auto& reading : sampling->readings) bench_.writer.add(std::move(reading));
+  auto slow = co_await join_when_scanned(run.scope, sampling->measured.utc);
+  if (!slow) co_return tl::unexpected(slow.error());
+  auto values = std::move(*slow);
+  const auto motors = bench_.description.motor_channels();
+  for (std::size_t i = 0; i < motors.size(); ++i)
+    values.push_back({motors[i].name(), sampling->q_mm[i]});
+  values.insert(values.end(), sampling->means.begin(), sampling->means.end());
+  auto noting = note_closure(run, std::move(values), sampling->measured.utc, line);
+  if (auto ok = co_await std::move(noting); !ok) co_return ok;
+  co_return co_await store_lag(run);
+}
+
+// Once a line, where it grew by more than a poll: a kill must not take the largest lag along.
+Awaitable<Result<void>> RunEngine::store_lag(ActiveRun& run) {
+  constexpr double kWorthACommit_s = 0.1;
+  if (bench_.lag.largest_s() < run.record.max_lag_s + kWorthACommit_s) co_return Result<void>{};
+  run.record.max_lag_s = bench_.lag.largest_s();
+  co_return co_await store_state(run);
+}
+
+Awaitable<Result<void>> RunEngine::note_closure(ActiveRun& run, std::vector<ChannelValue> values,
+                                                CellTime measured, std::int64_t line) {
+  const auto closure = closure_nm(bench_.description, *run.datum, values);
+  const double largest = largest_nm(closure);
+  if (is_missing(largest)) co_return Result<void>{};
+  run.progress.last_closure_nm = largest;
+  add_closure(run.closures, warming_since(bench_.description, *run.datum, values), closure);
+  std::string by_length;
+  if (closure.size() > 1) by_length = fmt::format(" at most ({:+.1f})", fmt::join(closure, ", "));
+  bench_.events.record_own(
+      "run.closure",
+      fmt::format("line {}: back at zero {:+.1f} nm{} from where datum {} had it", line, largest,
+                  by_length, run.datum->id.value),
+      run.record.id);
+  std::vector<double> angles_arcsec;
+  for (const auto& angle : bench_.description.angle_channels()) {
+    const double* arcsec = find_value(values, angle.name());
+    angles_arcsec.push_back(arcsec ? *arcsec : kMissing);
+  }
+  const auto verdict = run.closure_judge.judge(
+      {measured, closure, std::move(angles_arcsec), bench_.loading.known_n()});
+  if (verdict.good) {
+    run.since_closure.close();
+    co_return Result<void>{};
+  }
+  auto reason = fmt::format(
+      "line {}: the zero was not found again: {} since the last good closure; look for a length "
+      "that jumped, a lost fringe, something that slipped or was touched",
+      line, verdict.sentence);
+  bench_.events.record_own("closure.bad", reason, run.record.id);
+  hooks_.alarm({AlarmLevel::failed, "closure.bad", fmt::format("run {}", run.record.id.value),
+                fmt::format("run {}: {}; the points since then are suspect and kept out of fits, a "
+                            "new datum is opened",
+                            run.record.id.value, reason)});
+  // What follows counts from a zero of its own.
+  wanted_datum_ = DatumOpening{"closure", false, false, {}, {}};
+  auto marking = mark_suspects(run, run.closure_judge.last_good(), std::move(reason));
+  co_return co_await std::move(marking);
+}
+
+Awaitable<Result<void>> RunEngine::overcome(ActiveRun& run, const Error& error,
+                                            int troubles_in_a_row) {
+  constexpr int kPatience = 5;
+  auto remedy = remedy_for(error);
+  if (remedy == Remedy::leave || remedy == Remedy::abort || remedy == Remedy::fail)
+    co_return tl::unexpected(error);
+  run.scope.phase("waiting");
+  if (auto ok = co_await mark_doubted(run); !ok) co_return ok;
+  static_cast<void>(
+      co_await bench_.devices.stop());  // an axis that cannot be reached stands by its own watchdog
+  bench_.events.record_own("run.trouble", error.message, run.record.id);
+  // A device that says what cannot be is waited for: it may be right again after hours. Weights
+  // that stick are mended by a person, who need not know that a run waits for them.
+  const bool by_weights = is_of_weights(error);
+  if (troubles_in_a_row >= kPatience && remedy == Remedy::wait_for_device &&
+      !is_device_loss(error) && error.reason != kImplausible && !by_weights)
+    remedy = Remedy::hold;
+  if (remedy == Remedy::hold) {
+    run.control.hold({RunHold::Kind::trouble, "", bench_.clock.now().utc, error.message});
+    if (auto ok = co_await hold(run, RunState::waiting); !ok) co_return ok;
+  } else if (auto ok = co_await change(run, RunState::waiting, error.message); !ok) {
+    co_return ok;
+  }
+  if (by_weights) {
+    constexpr double kLongest_s = 30;
+    const double pause_s = std::min(kLongest_s, 2.0 * troubles_in_a_row);
+    if (auto ok = co_await run.scope.sleep_s(pause_s); !ok) co_return ok;
+  }
+  // Where only the next move shows it, it is not tried all the time: each is an alarm.
+  if (error.reason == kImplausible && troubles_in_a_row > 1) {
+    constexpr double kFirst_s = 5, kLongest_s = 600;
+    const double pause_s = std::min(kLongest_s, kFirst_s * std::exp2(troubles_in_a_row - 1));
+    if (auto ok = co_await run.scope.sleep_s(pause_s); !ok) co_return ok;
+  }
+  co_return co_await look_again(run, remedy, remedy == Remedy::hold);
+}
+
+// asked_for: a person has said just now that the robot may move.
+Awaitable<Result<void>> RunEngine::look_again(ActiveRun& run, Remedy remedy, bool asked_for) {
+  const auto recovery = co_await wait_for_devices(run.scope);
+  if (!recovery) co_return tl::unexpected(recovery.error());
+  if (recovery->reference_lost && had_datum_ && !asked_for) may_start_ = false;  // power was away
+  const bool beam_lost = recovery->beam_lost || remedy == Remedy::new_datum;
+  if (beam_lost || recovery->reference_lost)
+    wanted_datum_ =
+        DatumOpening{beam_lost ? "beam lost" : "reference lost", recovery->reference_lost, false,
+                     beam_lost ? std::nullopt : run.datum, run.closures};
+  co_return co_await change(run, RunState::running, "");
+}
+
+Awaitable<Result<void>> RunEngine::hold(ActiveRun& run, RunState state) {
+  // Meanwhile the recorder shows where the axes and the lengths are, and a person may move them.
+  bench_.recorder.lend_pose_instruments(false);
+  Result<void> may_continue = run.control.check();
+  while (may_continue && run.control.held()) {
+    if (run.record.hold != run.control.hold()) {  // the first, or one that came on top of it
+      run.record.hold = run.control.hold();
+      may_continue = co_await change(run, state, run.control.hold_reason());
+      run.scope.phase(state == RunState::paused ? "paused" : "waiting for a person");
+    } else {
+      stands_ = true;
+      co_await run.control.changed().wait();
+      stands_ = false;
+    }
+    if (may_continue) may_continue = run.control.check();
+  }
+  bench_.recorder.lend_pose_instruments(true);
+  if (!may_continue) co_return may_continue;
+  // Whoever ended it has said that the robot may move; who accepted a cell file has not.
+  if (run.record.hold.kind != RunHold::Kind::configuration) may_start_ = true;
+  run.record.hold = {};
+  co_return co_await change(run, RunState::running, "");
+}
+
+Awaitable<Result<void>> RunEngine::change(ActiveRun& run, RunState state, std::string reason) {
+  run.record.state = state;
+  run.record.reason = std::move(reason);
+  run.record.max_lag_s = std::max(run.record.max_lag_s, bench_.lag.largest_s());
+  publish();
+  co_return co_await store_state(run);
+}
+
+Awaitable<void> RunEngine::finish(ActiveRun& run, const Result<void>& outcome) {
+  const auto remedy = outcome ? Remedy::abort : remedy_for(outcome.error());
+  if (!outcome) static_cast<void>(co_await mark_doubted(run));
+  if (!outcome && remedy == Remedy::leave) {
+    static_cast<void>(co_await bench_.devices.stop());
+    const auto state = run.record.state == RunState::paused ? RunState::paused : RunState::waiting;
+    const auto reason =
+        state == RunState::paused ? run.record.reason : std::string(kShutDownReason);
+    static_cast<void>(co_await change(run, state, reason));
+    run.progress.phase = "ended with the daemon";
+    publish();
+    co_return;
+  }
+  if (!outcome) static_cast<void>(co_await bench_.devices.stop());
+  run.record.hold = {};
+  run.record.ended = bench_.clock.now().utc;
+  const auto state = outcome                   ? RunState::done
+                     : remedy == Remedy::abort ? RunState::aborted
+                                               : RunState::failed;
+  auto reason = outcome ? std::string() : outcome.error().message;
+  auto stored = co_await change(run, state, std::move(reason));
+  if (!stored)
+    spdlog::error("the end of run {} is not stored: {}", run.record.id.value,
+                  stored.error().message);
+  bench_.events.record_own(
+      fmt::format("run.{}", to_string(state)),
+      outcome ? fmt::format("{} points accepted, {} given up, largest lag {:.2f} s",
+                            run.record.accepted, run.record.given_up, run.record.max_lag_s)
+              : outcome.error().message,
+      run.record.id);
+  run.progress.phase = std::string(to_string(state));
+  publish();
+}
+
+void RunEngine::publish() {
+  auto& run = *run_;
+  run.progress.run = run.record;
+  run.progress.sequence = ++sequence_;
+  const bool over = is_over(run.record.state);
+  run.progress.remaining_s = over ? 0 : run.length.seconds(run.record.place, run.pace.point_s());
+  run.progress.estimated_end =
+      over ? run.record.ended
+           : bench_.clock.now().utc + nanoseconds_from_s(run.progress.remaining_s);
+  last_progress_ = run.progress;
+  // Several changes in one turn of the executor are told once, with the latest state.
+  if (std::exchange(publishing_, true)) return;
+  asio::post(executor_, [this] {
+    if (std::exchange(publishing_, false)) watchers_.publish(*last_progress_);
+  });
+}
+
+}  // namespace driftwise::application

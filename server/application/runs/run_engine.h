@@ -1,0 +1,104 @@
+#pragma once
+// Executes one run at a time: checks, datum, points, returns to zero; waits out what devices, disk
+// and people do to it; and goes on with a run that was under way when the daemon ended. Executor's
+// thread.
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "server/application/plumbing/watch_list.h"
+#include "server/application/ports/alarm_condition.h"
+#include "server/application/runs/active_run.h"
+#include "server/application/runs/point_visit.h"
+#include "server/application/runs/trouble.h"
+
+namespace driftwise::application {
+
+// What is known of a run that is gone on with, read from the store beforehand.
+struct RunBefore {
+  std::vector<AttemptRecord> attempts;
+  std::vector<PointRecord> zeros;  // its accepted returns to zero
+  std::vector<DatumRecord> data;
+  bool killed = true;  // false: the daemon ended in good order
+};
+
+class RunEngine {
+ public:
+  struct Hooks {
+    CommandFor command_for;                                // where a row is moved to
+    std::function<void(const DatumRecord&)> datum_opened;  // serving anchors to it
+    std::function<void(AlarmCondition)> alarm;             // something happened and is over at once
+  };
+  RunEngine(asio::any_io_executor executor, Workbench& bench, Hooks hooks, TaskCount& tasks);
+  ~RunEngine();
+
+  // The run must not be over, and none may be under way. Returns at once. asked_for: a person has
+  // asked for it just now; false: it was under way, or about to begin, when the daemon ended.
+  void begin(RunRecord record, RunPlan plan, Trajectory trajectory, std::optional<RunBefore> before,
+             bool asked_for);
+
+  // The run under way opens a new datum before its next point, without homing; none: nothing.
+  void remeasure_zero(std::string reason);
+
+  bool busy() const { return run_ != nullptr; }
+  // The run under way waits for a person and does nothing meanwhile: the axes may be moved by hand.
+  bool stands() const { return run_ && stands_; }
+  // Before a first motion that nobody asked for: a sentence for people; empty: none is ahead.
+  const std::string& announcement() const { return announcement_; }
+  // What a visit takes in this cell, as the last run has shown; the guess before any. pace.h.
+  double point_s(const RunRules& rules) const {
+    return slower_than_guessed_ * guessed_point_s(rules);
+  }
+  RunControl* control() { return run_ ? &run_->control : nullptr; }
+  const RunRecord* record() const { return run_ ? &run_->record : nullptr; }
+  // The run under way, else the last one that ended.
+  const std::optional<RunProgress>& progress() const { return last_progress_; }
+  WatchList<RunProgress>& watchers() { return watchers_; }
+
+ private:
+  Awaitable<void> execute();
+  Awaitable<Result<void>> carry_out(ActiveRun& run);
+  Awaitable<Result<void>> prepare(ActiveRun& run);
+  Awaitable<Result<void>> walk(ActiveRun& run);
+  Awaitable<Result<void>> overcome(ActiveRun& run, const Error& error, int troubles_in_a_row);
+  Awaitable<Result<void>> stand_still(ActiveRun& run, const Error& trouble);
+  Awaitable<Result<void>> wait_until_stopped(ActiveRun& run);
+  Awaitable<Result<void>> look_again(ActiveRun& run, Remedy remedy, bool asked_for);
+  Awaitable<Result<void>> hold(ActiveRun& run, RunState state);
+  Awaitable<Result<void>> clear_to_move(ActiveRun& run);
+  Awaitable<Result<void>> announce_motion(ActiveRun& run, const std::string& why);
+  Awaitable<Result<void>> park(ActiveRun& run);
+  void hold_if_too_many_were_given_up(ActiveRun& run);
+  Awaitable<Result<void>> bring_force(ActiveRun& run);
+  Awaitable<Result<void>> new_datum(ActiveRun& run);
+  Awaitable<Result<void>> return_to_zero(ActiveRun& run, std::int64_t line);
+  Awaitable<Result<void>> change(ActiveRun& run, RunState state, std::string reason);
+  Awaitable<Result<void>> store_lag(ActiveRun& run);
+  Awaitable<void> finish(ActiveRun& run, const Result<void>& outcome);
+  Awaitable<Result<void>> take_up(ActiveRun& run);
+  Awaitable<Result<void>> note_closure(ActiveRun& run, std::vector<ChannelValue> values,
+                                       CellTime measured, std::int64_t line);
+  void publish();
+
+  asio::any_io_executor executor_;
+  Workbench& bench_;
+  Hooks hooks_;
+  double slower_than_guessed_ = 1;  // what visits took, to guessed_point_s()
+  TaskCount& tasks_;
+  std::unique_ptr<ActiveRun> run_;
+  std::optional<DatumOpening> wanted_datum_;  // to be opened before the next point
+  std::optional<RunBefore> before_;
+  std::optional<RunProgress> last_progress_;
+  bool stands_ = false;
+  bool may_start_ = true;  // false: power or the daemon was away, and nobody has said it yet
+  bool computer_was_away_ = false;
+  bool had_datum_ = false;  // before its first one a run has not needed a reference yet
+  std::string announcement_;
+  std::int64_t counted_accepted_ = 0, counted_given_up_ = 0;  // rows up to the last such pause
+  std::int64_t sequence_ = 0;
+  bool publishing_ = false;
+  WatchList<RunProgress> watchers_;
+};
+
+}  // namespace driftwise::application

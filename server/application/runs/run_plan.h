@@ -1,0 +1,37 @@
+#pragma once
+// How a run is to be made, as its record keeps it (rules_json): after a restart it goes on by the
+// same rules.
+
+#include <optional>
+#include <string>
+
+#include "server/core/description/cell_description.h"
+#include "server/core/ids.h"
+#include "server/core/records/records.h"
+#include "server/core/result.h"
+
+namespace driftwise::application {
+
+struct RunPlan {
+  RunRules rules;
+  bool compensate = false;
+  std::optional<ModelId> compensate_with;  // none: the model that serves when a row is moved to
+  std::optional<ModelId> served_at_start;  // then the one that did so when the run was created
+};
+
+// What a run was compensated with, as far as its record says.
+struct Compensation {
+  bool compensated = false;
+  std::optional<ModelId> model;
+};
+Compensation compensation_of(const RunRecord& run);
+
+std::string write_run_plan(const RunPlan& plan);
+// Errors: data_loss BAD_RUN_PLAN. Keys that are absent keep their default, so that old records stay
+// readable.
+Result<RunPlan> read_run_plan(const std::string& json);
+
+// Errors: invalid_argument BAD_RULES, naming the rule, its value and the range.
+Result<void> check_rules(const RunRules& rules);
+
+}  // namespace driftwise::application

@@ -1,0 +1,67 @@
+#include "server/application/runs/run_state_store.h"
+
+#include "server/application/plumbing/crash_point.h"
+#include "server/application/runs/point_visit.h"
+#include "server/application/runs/trajectory_walk.h"
+
+namespace driftwise::application {
+
+Awaitable<Result<void>> store_state(ActiveRun& run) {
+  constexpr auto kRetry = std::chrono::seconds(5);
+  const auto& record = run.record;
+  RunChange change;
+  change.state = record.state;
+  change.reason = record.reason;
+  if (record.started.utc_ns != 0) change.started = record.started;
+  if (record.ended.utc_ns != 0) change.ended = record.ended;
+  change.max_lag_s = record.max_lag_s;
+  change.restarts = record.restarts;
+  change.hold = record.hold;
+  if (!run.scope.bench.boot_id.empty()) change.boot_id = run.scope.bench.boot_id;
+  while (true) {
+    auto storing = run.scope.bench.writer.call([id = record.id, change](Store& store) {
+      crash_point("before_run_state_commit");
+      auto result = store.runs().change_run(id, change);
+      if (result) crash_point("after_run_state_commit");
+      return result;
+    });
+    auto stored = co_await std::move(storing);
+    if (stored || stored.error().code != ErrorCode::resource_exhausted) co_return stored;
+    if (!is_over(record.state) || run.control.shutting_down()) co_return Result<void>{};
+    co_await sleep_unless(run.scope.bench.clock, run.scope.bench.clock.now().utc + kRetry,
+                          run.control.changed());
+  }
+}
+
+Awaitable<Result<void>> record_interruption(ActiveRun& run) {
+  const auto visit = next_visit(run.trajectory, run.record.place);
+  if (!visit) co_return Result<void>{};
+  AttemptRecord attempt;
+  attempt.row = visit->row;
+  attempt.number = ++run.attempts_of_row[visit->row];
+  attempt.verdict = Verdict::interrupted;
+  attempt.reason =
+      "the daemon ended while this row was under way or about to be; instants are those of the "
+      "restart";
+  attempt.started = attempt.ended = run.scope.bench.clock.now();
+  PointCommit commit{run.record.id, {std::move(attempt)}, {}, {}, {}, run.record.place};
+  auto stored = co_await commit_until_stored(run.scope, std::move(commit));
+  if (!stored) co_return tl::unexpected(stored.error());
+  ++run.record.attempts;
+  co_return Result<void>{};
+}
+
+DatumOpening continue_from(const CellDescription& description, std::string reason,
+                           const RunBefore& before) {
+  DatumOpening opening{std::move(reason), true, false, {}, {}};
+  if (before.data.empty()) return opening;
+  opening.before = before.data.back();
+  for (const auto& zero : before.zeros) {
+    if (zero.datum != opening.before->id) continue;
+    add_closure(opening.closures, warming_since(description, *opening.before, zero.values),
+                closure_nm(description, *opening.before, zero.values));
+  }
+  return opening;
+}
+
+}  // namespace driftwise::application

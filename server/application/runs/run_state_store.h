@@ -1,0 +1,29 @@
+#pragma once
+// How a run's state gets to disk, and how a run that was under way is taken up again.
+
+#include <string>
+#include <string_view>
+
+#include "server/application/runs/active_run.h"
+#include "server/application/runs/run_engine.h"
+
+namespace driftwise::application {
+
+// A run that stands in the store with this reason was left in good order.
+constexpr std::string_view kShutDownReason =
+    "the daemon was shut down; it goes on with the next start";
+
+// Writes state, reason, times, lag and restarts of the run's record. A full disk: an ended run
+// waits until it fits; any other state is only shown, and written with the next change.
+Awaitable<Result<void>> store_state(ActiveRun& run);
+
+// After a kill: the row that was under way, or was about to be, gets an attempt on record as
+// interrupted.
+Awaitable<Result<void>> record_interruption(ActiveRun& run);
+
+// The datum to open after a restart: homed anew, compared with the newest datum by that datum's own
+// returns to zero.
+DatumOpening continue_from(const CellDescription& description, std::string reason,
+                           const RunBefore& before);
+
+}  // namespace driftwise::application

@@ -1,0 +1,55 @@
+#include "server/application/runs/trajectory_walk.h"
+
+namespace driftwise::application {
+namespace {
+
+const TrajectoryPoint& point(const Trajectory& trajectory, std::int64_t row) {
+  return trajectory.points[static_cast<std::size_t>(row)];
+}
+std::int64_t size(const Trajectory& trajectory) {
+  return static_cast<std::int64_t>(trajectory.points.size());
+}
+
+}  // namespace
+
+std::optional<Visit> next_visit(const Trajectory& trajectory, const Place& place) {
+  const bool rows_left = place.next_row < size(trajectory);
+  if (!place.requeued.empty()) {
+    const auto& queued = place.requeued.front();
+    const bool line_is_over =
+        !rows_left || point(trajectory, place.next_row).line != point(trajectory, queued.row).line;
+    if (line_is_over) return Visit{queued.row, queued.count, true};
+  }
+  if (rows_left) return Visit{place.next_row, 0, false};
+  return std::nullopt;
+}
+
+Place place_after(Place place, const Visit& visit, Verdict verdict) {
+  if (verdict != Verdict::accepted && verdict != Verdict::requeued && verdict != Verdict::given_up)
+    return place;
+  if (visit.from_queue)
+    place.requeued.erase(place.requeued.begin());
+  else
+    ++place.next_row;
+  if (verdict == Verdict::requeued) place.requeued.push_back({visit.row, visit.requeues + 1});
+  return place;
+}
+
+bool return_to_zero_is_due(const Trajectory& trajectory, const Place& place,
+                           std::int64_t visited_row) {
+  const auto line = point(trajectory, visited_row).line;
+  const auto next = next_visit(trajectory, place);
+  if (next && point(trajectory, next->row).line == line) return false;
+  if (next && point(trajectory, next->row).zero) return false;
+  std::int64_t row = visited_row;
+  while (row > 0 && point(trajectory, row - 1).line == line) --row;
+  for (; row < size(trajectory) && point(trajectory, row).line == line; ++row)
+    if (point(trajectory, row).zero) return false;
+  return true;
+}
+
+std::int64_t visits_left(const Trajectory& trajectory, const Place& place) {
+  return size(trajectory) - place.next_row + static_cast<std::int64_t>(place.requeued.size());
+}
+
+}  // namespace driftwise::application

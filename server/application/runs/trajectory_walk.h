@@ -1,0 +1,36 @@
+#pragma once
+// Where a run goes next in its trajectory. Pure arithmetic over Place
+// (server/core/records/records.h).
+
+#include <cstdint>
+#include <optional>
+
+#include "server/core/records/records.h"
+#include "server/core/trajectory/trajectory.h"
+
+namespace driftwise::application {
+
+struct Visit {
+  std::int64_t row = 0;
+  int requeues = 0;  // how often this row has been queued again already
+  bool from_queue = false;
+};
+
+// None: the run is complete. Queued rows come at the end of the line they belong to, in their
+// order.
+std::optional<Visit> next_visit(const Trajectory& trajectory, const Place& place);
+
+// The place after a visit that ended with accepted, requeued or given_up. Other verdicts leave it
+// as it is.
+Place place_after(Place place, const Visit& visit, Verdict verdict);
+
+// True when the visit that led to this place was the last of its line, the line had no zero row of
+// its own and the next row is none either: the axis then returns to zero by itself, so that the
+// drift is known.
+bool return_to_zero_is_due(const Trajectory& trajectory, const Place& place,
+                           std::int64_t visited_row);
+
+// Visits still ahead: rows not visited yet and those queued again.
+std::int64_t visits_left(const Trajectory& trajectory, const Place& place);
+
+}  // namespace driftwise::application

@@ -1,0 +1,86 @@
+#include "server/application/serving/past_targets.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "server/compensation/correction_parts.h"
+#include "server/compensation/snapshot_builder.h"
+
+namespace driftwise::application {
+namespace {
+
+constexpr Nanoseconds kMemory = std::chrono::hours(6);  // longer than any lag the catalogue fits
+
+std::vector<std::string> slow_channels(const compensation::Snapshot& snapshot) {
+  std::vector<std::string> out;
+  for (const auto& input : snapshot.inputs)
+    if (!input.variable) out.push_back(input.channel.name());
+  return out;
+}
+
+std::vector<ChannelValue> values_of(const SeriesAnswer& series, std::size_t bucket) {
+  std::vector<ChannelValue> out;
+  for (const auto& column : series.columns)
+    if (column.count[bucket] > 0) out.push_back({column.channel, column.mean[bucket]});
+  return out;
+}
+
+// kMissing where nothing was measured: a gap is a gap.
+void add_instant(const compensation::Snapshot& snapshot, compensation::TargetRequest request,
+                 bool measured, PastTargets& out) {
+  request.now = CellTime{};  // how old it is, is known
+  request.with_uncertainty = false;
+  out.at.push_back(snapshot.built_at);
+  const auto target = compensation::compute_target(snapshot, request);
+  const bool known =
+      measured && target.refusal == compensation::Refusal::none && target.missing == 0;
+  for (std::size_t i = 0; i < out.tracks.size(); ++i) {
+    const auto parts = known ? compensation::correction_parts(snapshot, request, i) : std::nullopt;
+    out.tracks[i].correction_nm.push_back(parts ? parts->sum_nm() : kMissing);
+  }
+}
+
+}  // namespace
+
+Result<PastTargets> past_targets(Store& store, const CellDescription& cell, PastModel from,
+                                 const PastTargetsQuery& query, CellTime now) {
+  auto builder = compensation::SnapshotBuilder::create(std::move(from.model), from.id, cell);
+  if (!builder) return tl::unexpected(builder.error());
+  if (from.own_datum) {
+    builder->keep_model_datum();
+  } else if (from.datum) {
+    if (auto ok = builder->anchor(from.datum->values); !ok) return tl::unexpected(ok.error());
+  }
+  PastTargets out;
+  out.model = from.id;
+  const auto empty = builder->build(now);
+  const auto asked = compensation::compute_target(empty, query.pose);
+  if (asked.refusal == compensation::Refusal::missing_coordinate ||
+      asked.refusal == compensation::Refusal::not_finite)
+    return tl::unexpected(compensation::refusal_error(empty, asked));
+  for (const auto& output : empty.outputs) out.tracks.push_back({output.channel, {}});
+
+  SeriesQuery wanted;
+  wanted.channels = slow_channels(empty);
+  if (wanted.channels.empty()) return out;
+  wanted.from = now - query.past - kMemory;
+  wanted.to = now;
+  const double share =
+      static_cast<double>(kMemory.count()) / static_cast<double>(query.past.count());
+  wanted.buckets = static_cast<int>(query.count * (1 + share));
+  const auto series = store.series().series(wanted);
+  if (!series) return tl::unexpected(series.error());
+  const std::size_t buckets = series->columns.empty() ? 0 : series->columns.front().count.size();
+  for (std::size_t b = 0; b < buckets; ++b) {
+    const CellTime middle =
+        series->from + series->bucket * static_cast<std::int64_t>(b) + series->bucket / 2;
+    if (middle > now) break;
+    const auto values = values_of(*series, b);
+    builder->observe(values, middle);
+    if (middle >= now - query.past)
+      add_instant(builder->build(middle), query.pose, !values.empty(), out);
+  }
+  return out;
+}
+
+}  // namespace driftwise::application

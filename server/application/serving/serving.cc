@@ -1,0 +1,227 @@
+#include "server/application/serving/serving.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "server/application/plumbing/spawn.h"
+#include "server/application/provenance/promotion_questions.h"
+#include "server/application/serving/past_targets.h"
+#include "server/compensation/target.h"
+#include "server/formats/model/model_json.h"
+
+namespace driftwise::application {
+namespace {
+
+constexpr auto kMemory = std::chrono::hours(6);  // longer than any lag the catalogue fits
+constexpr int kMemoryReadings = 50'000;
+constexpr auto kShortestRebuild = std::chrono::milliseconds(500);
+
+}  // namespace
+
+Serving::Serving(asio::any_io_executor executor, const CellDescription& description,
+                 const ConfigurationBook& configuration, Clock& clock, Recorder& recorder,
+                 StoreReader& reader, EventLog& events, TaskCount& tasks)
+    : executor_(executor),
+      description_(description),
+      configuration_(configuration),
+      clock_(clock),
+      recorder_(recorder),
+      reader_(reader),
+      events_(events),
+      tasks_(tasks),
+      ended_(executor) {}
+
+void Serving::start() {
+  watch_ = recorder_.watchers().add([this](const Reading& reading) { observe(reading); });
+  tasks_.begin();
+  spawn(executor_, rebuild_for_ever());
+}
+
+void Serving::shut_down() {
+  ending_ = true;
+  ended_.raise();
+}
+
+Awaitable<Result<Serving::Followed>> Serving::load(ModelRecord record) {
+  auto model = formats::read_model_json(record.json);
+  if (!model) co_return tl::unexpected(model.error());
+  const auto runs = model->lineage.runs;
+  auto symbols = symbols_used(*model);
+  auto builder = compensation::SnapshotBuilder::create(std::move(*model), record.id, description_);
+  if (!builder) co_return tl::unexpected(builder.error());
+  Followed followed{std::move(*builder), std::nullopt, std::move(symbols), false};
+  if (!runs.empty()) {
+    const auto data = co_await reader_.call(
+        [run = runs.front()](Store& store) { return store.runs().data(run); });
+    if (data && !data->empty()) followed.own_datum = data->front().id;
+    auto looking = reader_.call([runs, present = description_.hash](Store& store) {
+      return std::ranges::all_of(runs, [&](RunId run) {
+        const auto used = store.configurations().of_run(run);
+        return used && used->back().hash == present;
+      });
+    });
+    followed.under_present = co_await std::move(looking);
+  }
+  const auto now = clock_.now().utc;
+  const auto stored = co_await reader_.call([now](Store& store) {
+    return store.readings().readings("", now - kMemory, now, kMemoryReadings);
+  });
+  if (stored)
+    for (const auto& reading : *stored) followed.builder.observe(reading);
+  // What has not reached the disk yet.
+  for (const auto& latest : recorder_.history().latest()) {
+    const ChannelValue value{latest.channel, latest.value};
+    if (!is_missing(latest.value)) followed.builder.observe({&value, 1}, latest.at);
+  }
+  co_return followed;
+}
+
+Awaitable<Result<void>> Serving::serve(std::optional<ModelRecord> model) {
+  if (model) {
+    auto loaded = co_await load(*model);
+    if (!loaded) co_return tl::unexpected(loaded.error());
+    const auto [entry, _] = followed_.insert_or_assign(model->id, std::move(*loaded));
+    set_anchor(model->id, entry->second);
+    serving_ = model->id;
+  } else {
+    serving_.reset();
+  }
+  refused_.reset();
+  rebuild();
+  co_return Result<void>{};
+}
+
+void Serving::refuse(ModelId model, Error why) {
+  events_.record_own("serving.refused",
+                     fmt::format("model {} does not serve: {}", model.value, why.message));
+  serving_.reset();
+  refused_ = std::move(why);
+  rebuild();
+}
+
+Awaitable<Result<void>> Serving::follow(ModelRecord model) {
+  if (followed_.contains(model.id)) co_return Result<void>{};
+  auto loaded = co_await load(model);
+  if (!loaded) co_return tl::unexpected(loaded.error());
+  const auto [entry, _] = followed_.insert_or_assign(model.id, std::move(*loaded));
+  set_anchor(model.id, entry->second);
+  co_return Result<void>{};
+}
+
+void Serving::anchor(const DatumRecord& datum) {
+  datum_ = datum;
+  for (auto& [id, followed] : followed_) set_anchor(id, followed);
+  rebuild();
+}
+
+std::string Serving::trouble() const {
+  const auto served = serving_ ? followed_.find(*serving_) : followed_.end();
+  return served == followed_.end() ? std::string() : served->second.trouble;
+}
+
+void Serving::set_anchor(ModelId id, Followed& followed) {
+  followed.trouble.clear();
+  if (!datum_) return;
+  if (followed.own_datum == datum_->id) {
+    followed.builder.keep_model_datum();
+    return;
+  }
+  if (const auto ok = followed.builder.anchor(datum_->values); !ok) {
+    followed.trouble = fmt::format("datum {} does not anchor model {}: {}", datum_->id.value,
+                                   id.value, ok.error().message);
+    events_.record_own("serving.unanchored", followed.trouble);
+  }
+}
+
+void Serving::observe(const Reading& reading) {
+  for (auto& [id, followed] : followed_) followed.builder.observe(reading);
+  if (!serving_ || clock_.now().utc - built_at_ < kShortestRebuild) return;
+  const auto& domain = followed_.at(*serving_).builder.model().domain;
+  for (const auto& range : domain)
+    if (!is_pose_symbol(range.channel.symbol) && reading.find(range.channel.name())) {
+      rebuild();
+      return;
+    }
+}
+
+compensation::Snapshot Serving::snapshot_of(const Followed& followed, CellTime now) const {
+  auto snapshot = followed.builder.build(now);
+  if (!configuration_.asks()) return snapshot;
+  snapshot.configuration_changed = true;
+  if (!followed.under_present) snapshot.changed_parts = configuration_.changes_of(followed.symbols);
+  return snapshot;
+}
+
+void Serving::rebuild() {
+  built_at_ = clock_.now().utc;
+  compensation::Snapshot nothing;
+  nothing.unserved = refused_;
+  const bool published = board_.publish(serving_ ? snapshot_of(followed_.at(*serving_), built_at_)
+                                                 : std::move(nothing));
+  if (published) watchers_.publish();
+}
+
+Awaitable<void> Serving::rebuild_for_ever() {
+  const auto period = nanoseconds_from_s(std::max(0.1, description_.serving.rebuild_period_s));
+  while (!ending_) {
+    if (serving_) rebuild();
+    co_await sleep_unless(clock_, clock_.now().utc + period, ended_);
+  }
+  tasks_.end();
+}
+
+Awaitable<Result<PastTargets>> Serving::past(PastTargetsQuery query) const {
+  if (!serving_ && refused_) co_return tl::unexpected(*refused_);
+  if (!serving_)
+    co_return fail(ErrorCode::failed_precondition, "NO_MODEL", "no model serves: promote one");
+  const Followed& followed = followed_.at(*serving_);
+  PastModel from{followed.builder.model(), *serving_, datum_,
+                 datum_ && followed.own_datum == datum_->id};
+  auto working = reader_.call([&cell = description_, from = std::move(from), query,
+                               now = clock_.now().utc](Store& store) mutable {
+    return past_targets(store, cell, std::move(from), query, now);
+  });
+  co_return co_await std::move(working);
+}
+
+Result<std::vector<double>> Serving::targets(const std::vector<Channel>& coordinates,
+                                             const TrajectoryPoint& point,
+                                             std::optional<ModelId> model) const {
+  if (!model) model = serving_;
+  if (!model && refused_) return tl::unexpected(*refused_);
+  if (!model)
+    return fail(ErrorCode::failed_precondition, "NO_MODEL",
+                "no model serves: promote one, or run without compensation");
+  const auto found = followed_.find(*model);
+  if (found == followed_.end())
+    return fail(ErrorCode::not_found, "MODEL_NOT_FOLLOWED",
+                fmt::format("model {} is not loaded", model->value));
+  const auto now = clock_.now().utc;
+  const auto snapshot = snapshot_of(found->second, now);
+  compensation::TargetRequest request;
+  request.now = now;
+  request.with_uncertainty = false;
+  request.show_unreachable = true;  // whoever moves there checks the limits, and names the row
+  for (std::size_t i = 0; i < coordinates.size(); ++i)
+    if (const auto variable = compensation::variable_from(coordinates[i].symbol))
+      request.set(*variable, point.target_mm[i]);
+  if (point.force_n) request.set(compensation::Variable::force, *point.force_n);
+  const auto target = compensation::compute_target(snapshot, request);
+  if (target.refusal != compensation::Refusal::none)
+    return tl::unexpected(compensation::refusal_error(snapshot, target));
+  std::vector<double> q_mm;
+  for (const auto& axis : description_.motor_channels()) {
+    std::size_t output = 0;
+    while (output < target.outputs && snapshot.outputs[output].channel.symbol != axis.symbol)
+      ++output;
+    if (output == target.outputs)
+      return fail(ErrorCode::failed_precondition, "NOT_ALL_AXES",
+                  fmt::format("model {} gives no {}: fit all motor coordinates", model->value,
+                              axis.name()));
+    q_mm.push_back(target.q_mm[output]);
+  }
+  return q_mm;
+}
+
+}  // namespace driftwise::application

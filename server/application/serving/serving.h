@@ -1,0 +1,102 @@
+#pragma once
+// The model at work: fed with every reading, anchored to the present datum, folded into snapshots.
+// Executor's thread; only the board is read by others.
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "server/application/plumbing/lag_meter.h"
+#include "server/application/plumbing/store_reader.h"
+#include "server/application/ports/watching.h"
+#include "server/application/provenance/configuration_book.h"
+#include "server/application/recording/recorder.h"
+#include "server/compensation/snapshot_board.h"
+#include "server/compensation/snapshot_builder.h"
+#include "server/core/trajectory/trajectory.h"
+
+namespace driftwise::application {
+
+class Serving {
+ public:
+  Serving(asio::any_io_executor executor, const CellDescription& description,
+          const ConfigurationBook& configuration, Clock& clock, Recorder& recorder,
+          StoreReader& reader, EventLog& events, TaskCount& tasks);
+
+  void start();  // rebuilds every rebuild_period_s and when a slow channel of the model arrives,
+                 // until shut_down()
+  void shut_down();
+
+  // Serves this model from now on; none: no model serves. Readings of the last hours bring its
+  // memory up to date. Errors: those of read_model_json and SnapshotBuilder::create; the board
+  // keeps what it had.
+  Awaitable<Result<void>> serve(std::optional<ModelRecord> model);
+  // This model should serve and cannot: every target is refused with this error, and no other model
+  // takes its place, until serve().
+  void refuse(ModelId model, Error why);
+  // Follows a model for a compensated run, beside the one that serves. Does nothing when it is
+  // followed already.
+  Awaitable<Result<void>> follow(ModelRecord model);
+  // The question of the cell file was answered.
+  void look_again() { rebuild(); }
+  // The zeroing that is in force. Everything followed is anchored to it.
+  void anchor(const DatumRecord& datum);
+
+  // Motor coordinates of all axes of the cell for a pose, from a snapshot of this moment.
+  // model: none means the one that serves. Errors: those of compensation::refusal_error; not_found
+  // MODEL_NOT_FOLLOWED; failed_precondition NOT_ALL_AXES (the model gives some motor coordinates
+  // only).
+  Result<std::vector<double>> targets(const std::vector<Channel>& coordinates,
+                                      const TrajectoryPoint& point,
+                                      std::optional<ModelId> model) const;
+
+  // What the model that serves would have answered (past_targets.h), worked out on the reader's
+  // thread. Errors: failed_precondition NO_MODEL; those of past_targets().
+  Awaitable<Result<PastTargets>> past(PastTargetsQuery query) const;
+
+  std::optional<ModelId> model() const { return serving_; }
+  const compensation::SnapshotBoard& board() const { return board_; }
+  WatchList<>& watchers() { return watchers_; }
+  const std::optional<Error>& refused() const { return refused_; }
+  std::string trouble() const;  // of the model that serves, a sentence for people; empty: none
+
+ private:
+  struct Followed {
+    compensation::SnapshotBuilder builder;
+    std::optional<DatumId>
+        own_datum;  // the first of the runs it was fitted from: its constant belongs there
+    std::vector<std::string> symbols;  // that its outputs and terms read
+    // All of its runs were measured under the present cell file, to their end.
+    bool under_present = false;
+    std::string trouble = {};  // why the present datum does not anchor it
+  };
+  // The followed model's, with what an open question of the cell file does to it.
+  compensation::Snapshot snapshot_of(const Followed& followed, CellTime now) const;
+  Awaitable<Result<Followed>> load(ModelRecord model);
+  void set_anchor(ModelId id, Followed& followed);
+  void observe(const Reading& reading);
+  void rebuild();
+  Awaitable<void> rebuild_for_ever();
+
+  asio::any_io_executor executor_;
+  const CellDescription& description_;
+  const ConfigurationBook& configuration_;
+  Clock& clock_;
+  Recorder& recorder_;
+  StoreReader& reader_;
+  EventLog& events_;
+  TaskCount& tasks_;
+  compensation::SnapshotBoard board_;
+  WatchList<> watchers_;
+  std::map<ModelId, Followed> followed_;
+  std::optional<ModelId> serving_;
+  std::optional<Error> refused_;  // nothing serves because of this
+  std::optional<DatumRecord> datum_;
+  std::shared_ptr<void> watch_;
+  CellTime built_at_;
+  Signal ended_;
+  bool ending_ = false;
+};
+
+}  // namespace driftwise::application

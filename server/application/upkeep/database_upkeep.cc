@@ -1,0 +1,254 @@
+#include "server/application/upkeep/database_upkeep.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "server/application/plumbing/spawn.h"
+#include "server/core/data/reading.h"
+
+namespace driftwise::application {
+namespace {
+
+constexpr double kLogAlarmStands_s = 3600;
+constexpr double kPause_s = 1;     // between two tables
+constexpr double kWaitIdle_s = 5;  // until the next look whether the cell is idle
+
+}  // namespace
+
+DatabaseUpkeep::DatabaseUpkeep(asio::any_io_executor executor, Clock& clock, std::string path,
+                               StoreWriter& writer, std::vector<StoreReader*> readers,
+                               StoreReader* checker, EventLog& events, TaskCount& tasks,
+                               std::function<bool()> busy)
+    : executor_(executor),
+      clock_(clock),
+      path_(std::move(path)),
+      writer_(writer),
+      readers_(std::move(readers)),
+      checker_(checker),
+      events_(events),
+      tasks_(tasks),
+      busy_(std::move(busy)),
+      ended_(executor) {}
+
+void DatabaseUpkeep::start() {
+  tasks_.begin();
+  spawn(executor_, watch());
+  if (!checker_) return;
+  tasks_.begin();
+  spawn(executor_, check());
+}
+
+void DatabaseUpkeep::shut_down() {
+  ending_ = true;
+  gives_way_ = true;
+  ended_.raise();
+}
+
+std::int64_t DatabaseUpkeep::log_bytes() const {
+  std::error_code none;
+  const auto bytes = std::filesystem::file_size(path_ + "-wal", none);
+  return none ? 0 : static_cast<std::int64_t>(bytes);
+}
+
+// "cell.sqlite.kept-20261122T093000Z", beside the path that the cell file names.
+std::string DatabaseUpkeep::copy_path() const {
+  std::string instant = to_iso8601(clock_.now().utc).substr(0, 19);
+  std::erase_if(instant, [](char c) { return c == '-' || c == ':'; });
+  return path_ + ".kept-" + instant + "Z";
+}
+
+Awaitable<void> DatabaseUpkeep::watch() {
+  while (!ending_) {
+    co_await look();
+    const double seconds = std::max(kLook_s, 0.5 * clock_.speed());
+    co_await sleep_unless(clock_, clock_.now().utc + nanoseconds_from_s(seconds), ended_);
+  }
+  tasks_.end();
+}
+
+Awaitable<void> DatabaseUpkeep::look() {
+  if (!reopened_) co_await open_again();
+  const auto state = co_await writer_.call([](Store& store) -> Result<DatabaseFiles> {
+    return store.upkeep() ? store.upkeep()->files() : DatabaseFiles::good;
+  });
+  const auto before = std::exchange(files_, *state);
+  if (files_ == DatabaseFiles::log_gone) co_return co_await replace_log();
+  if (files_ == before) co_return;
+  if (files_ == DatabaseFiles::good) {
+    events_.record_own("database.back", "database " + path_ + " is at its path again");
+    files_message_.clear();
+    copy_.clear();
+    co_return;
+  }
+  co_await keep_copy();
+}
+
+// Everything in the log goes into the database at once; then every connection is closed and opened
+// again, so that the log at the path is the one in use.
+Awaitable<void> DatabaseUpkeep::replace_log() {
+  const auto secured =
+      co_await writer_.call([](Store& store) -> Result<void> { return store.upkeep()->secure(); });
+  gives_way_ = true;
+  for (auto* reader : readers_) co_await reader->suspend();
+  if (checker_) co_await checker_->suspend();
+  co_await open_again();
+  gives_way_ = ending_;
+  log_lost_ = clock_.now().utc;
+  log_message_ = fmt::format(
+      "the log of database {} ({}-wal) was deleted or cut off by another program: {}; look what "
+      "deletes files there",
+      path_, path_,
+      !secured ? "what it held could not all be moved into the database: " + secured.error().message
+      : !reopened_ ? "all of it is in the database, and a new one could not be opened: " +
+                         reopened_.error().message
+                   : "all of it is in the database, and a new one is in use");
+  spdlog::error("{}", log_message_);
+  events_.record_own("database.log_gone", log_message_);
+}
+
+Awaitable<void> DatabaseUpkeep::open_again() {
+  reopened_ =
+      co_await writer_.call([](Store& store) -> Result<void> { return store.upkeep()->reopen(); });
+  if (!reopened_) co_return;
+  for (auto* reader : readers_) co_await reader->resume();
+  if (checker_) co_await checker_->resume();
+}
+
+void DatabaseUpkeep::list_troubles() {
+  health_.troubles.clear();
+  if (!first_trouble_.empty()) health_.troubles.push_back(first_trouble_);
+  for (const auto& one : checks_.tables)
+    if (!one.trouble.empty())
+      health_.troubles.push_back(fmt::format(
+          "table {} of database {} is damaged: {}; keep a copy, then restore a backup, or save "
+          "what can be read with: sqlite3 {} .recover",
+          one.table, path_, one.trouble, path_));
+}
+
+Awaitable<void> DatabaseUpkeep::keep_copy() {
+  const std::string target = copy_path();
+  auto copying = writer_.call(
+      [target](Store& store) -> Result<void> { return store.upkeep()->copy_to(target); });
+  const auto copied = co_await std::move(copying);
+  copy_ = target;
+  const char* what = files_ == DatabaseFiles::moved      ? "is no longer at its path"
+                     : files_ == DatabaseFiles::replaced ? "has been replaced by another file"
+                                                         : "has been written by another program";
+  const char* then = files_ == DatabaseFiles::overwritten
+                         ? "stop the daemon, put the copy or a backup at the path, start it again"
+                         : "put the file back and the cell continues, or stop the daemon, put the "
+                           "copy at the path and start it again";
+  files_message_ =
+      fmt::format("database {} {}: no point is stored and the run waits. {}. {}", path_, what,
+                  copied ? fmt::format("The record that is held open was copied to {}", target)
+                         : fmt::format("The record that is held open could not be copied whole: {}",
+                                       copied.error().message),
+                  then);
+  spdlog::error("{}", files_message_);
+  events_.record_own("database.files", files_message_);
+}
+
+std::vector<AlarmCondition> DatabaseUpkeep::conditions() const {
+  std::vector<AlarmCondition> out;
+  if (!files_message_.empty())
+    out.push_back({AlarmLevel::failed, "database.files", "database", files_message_});
+  const bool lately =
+      log_lost_.utc_ns != 0 && seconds_from(clock_.now().utc - log_lost_) < kLogAlarmStands_s;
+  if (lately) out.push_back({AlarmLevel::failed, "database.log_gone", "database", log_message_});
+  for (const auto& trouble : health_.troubles)
+    out.push_back({AlarmLevel::failed, "database.damaged", "database", trouble});
+  return out;
+}
+
+// First check, right after the start: the parts whose reading costs the same at any size.
+Awaitable<void> DatabaseUpkeep::first_look() {
+  const auto looked = co_await checker_->call([](Store& store) -> Result<std::string> {
+    return store.upkeep() ? store.upkeep()->check("", {}) : std::string();
+  });
+  if (!looked || !looked->empty())
+    first_trouble_ = fmt::format(
+        "the newest records of database {} cannot be read whole: {}; keep a copy, then restore a "
+        "backup",
+        path_, looked ? *looked : looked.error().message);
+  list_troubles();
+  const auto known = co_await checker_->call([](Store& store) -> Result<DatabaseChecks> {
+    return store.upkeep() ? store.upkeep()->checks() : DatabaseChecks{};
+  });
+  if (!known) co_return;
+  checks_ = *known;
+  health_.last_clean = checks_.last_clean;
+  list_troubles();
+}
+
+Awaitable<void> DatabaseUpkeep::check() {
+  co_await first_look();
+  auto next = clock_.now().utc + nanoseconds_from_s(kFirstCheck_s);
+  auto overdue = clock_.now().utc + nanoseconds_from_s(kPassEvery_s);
+  while (!ending_) {
+    co_await sleep_unless(clock_, next, ended_);
+    const auto now = clock_.now().utc;
+    if (ending_ || now < next) continue;
+    next = now + nanoseconds_from_s(kWaitIdle_s);
+    const bool wrong_moment = busy_() && now < overdue;
+    if (wrong_moment || files_ != DatabaseFiles::good || log_bytes() > kMostLogBytes) continue;
+    if (co_await check_next_table()) {
+      next = clock_.now().utc + nanoseconds_from_s(kPause_s);
+      continue;
+    }
+    next = clock_.now().utc + nanoseconds_from_s(kPassEvery_s);
+    overdue = next + nanoseconds_from_s(kPassEvery_s);
+  }
+  tasks_.end();
+}
+
+Awaitable<bool> DatabaseUpkeep::check_next_table() {
+  const auto tables = co_await checker_->call([](Store& store) -> Result<std::vector<std::string>> {
+    return store.upkeep() ? store.upkeep()->tables() : std::vector<std::string>();
+  });
+  if (!tables || tables->empty()) co_return false;
+  const auto last_of = [this](const std::string& table) {
+    const auto known = std::ranges::find(checks_.tables, table, &TableCheck::table);
+    return known == checks_.tables.end() ? CellTime{0} : known->checked;
+  };
+  std::vector<std::string> left;
+  const auto list = [&] {
+    left.clear();
+    for (const auto& table : *tables)
+      if (last_of(table) < checks_.begun) left.push_back(table);
+  };
+  list();
+  if (left.empty() || checks_.begun.utc_ns == 0) {  // a new pass, or the first
+    checks_.begun = clock_.now().utc;
+    list();
+  }
+  health_.tables = static_cast<std::int64_t>(tables->size());
+  health_.tables_checked = static_cast<std::int64_t>(tables->size() - left.size());
+  const std::string table = left.front();
+  auto checking = checker_->call([this, table](Store& store) {
+    return store.upkeep()->check(
+        table, [this] { return gives_way_.load() || log_bytes() > kMostLogBytes; });
+  });
+  const auto found = co_await std::move(checking);
+  if (!found) co_return true;  // gave way: again later
+  TableCheck done{table, clock_.now().utc, *found};
+  std::erase_if(checks_.tables, [&](const TableCheck& one) { return one.table == table; });
+  checks_.tables.push_back(done);
+  const bool all = left.size() == 1;
+  const bool clean = all && std::ranges::all_of(checks_.tables, [](const TableCheck& one) {
+                       return one.trouble.empty();
+                     });
+  auto keeping = writer_.call([done, begun = checks_.begun, clean](Store& store) {
+    return store.upkeep() ? store.upkeep()->keep_check(done, begun, clean) : Result<void>{};
+  });
+  static_cast<void>(co_await std::move(keeping));  // told again by the next pass
+  health_.tables_checked = health_.tables - static_cast<std::int64_t>(left.size()) + 1;
+  if (clean) health_.last_clean = done.checked;
+  list_troubles();
+  if (!done.trouble.empty()) events_.record_own("database.damaged", health_.troubles.back());
+  co_return !all;
+}
+
+}  // namespace driftwise::application

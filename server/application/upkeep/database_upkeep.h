@@ -1,0 +1,79 @@
+#pragma once
+// Care for the database while the cell works: watches its files, replaces a lost log, copies a
+// record whose file was taken away, and checks the stored pages table by table when there is time.
+//
+// Executor's thread, as the rest; the check itself runs on a thread and a read-only connection of
+// its own. Source of the rules: docs/database.md.
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/application/plumbing/event_log.h"
+#include "server/application/plumbing/signal.h"
+#include "server/application/plumbing/store_reader.h"
+#include "server/application/plumbing/store_writer.h"
+#include "server/application/ports/alarm_condition.h"
+#include "server/application/ports/database_health.h"
+
+namespace driftwise::application {
+
+class DatabaseUpkeep {
+ public:
+  static constexpr double kLook_s = 2;           // cell time between two looks at the files
+  static constexpr double kFirstCheck_s = 60;    // after the start: the cell comes first
+  static constexpr double kPassEvery_s = 86400;  // between the ends of two passes
+  // A check holds its view of the database, and the log grows meanwhile: above this it gives way.
+  static constexpr std::int64_t kMostLogBytes = 64 << 20;
+
+  // readers: the other read-only stores, which must let go while the log is replaced. checker: one
+  // for the checks alone, on a thread that nobody else uses; none: nothing is checked. busy: the
+  // robot is at work, which a check waits for, for a day at most.
+  DatabaseUpkeep(asio::any_io_executor executor, Clock& clock, std::string path,
+                 StoreWriter& writer, std::vector<StoreReader*> readers, StoreReader* checker,
+                 EventLog& events, TaskCount& tasks, std::function<bool()> busy);
+
+  void start();
+  void shut_down();
+
+  std::vector<AlarmCondition> conditions() const;
+  const DatabaseHealth& health() const { return health_; }
+
+ private:
+  Awaitable<void> watch();
+  Awaitable<void> look();
+  Awaitable<void> replace_log();
+  Awaitable<void> open_again();  // every connection, where that has not been done
+  Awaitable<void> keep_copy();
+  void list_troubles();
+  Awaitable<void> check();
+  Awaitable<void> first_look();
+  Awaitable<bool> check_next_table();  // false: the pass is over
+  std::int64_t log_bytes() const;
+  std::string copy_path() const;
+
+  asio::any_io_executor executor_;
+  Clock& clock_;
+  std::string path_;
+  StoreWriter& writer_;
+  std::vector<StoreReader*> readers_;
+  StoreReader* checker_;
+  EventLog& events_;
+  TaskCount& tasks_;
+  std::function<bool()> busy_;
+  DatabaseFiles files_ = DatabaseFiles::good;
+  std::string files_message_, copy_;
+  CellTime log_lost_;  // when a log was last lost, utc_ns 0: never
+  std::string log_message_;
+  Result<void> reopened_;
+  std::string first_trouble_;  // of the first look
+  DatabaseHealth health_;
+  DatabaseChecks checks_;
+  std::atomic<bool> gives_way_{false};  // asked by the checker's thread
+  Signal ended_;
+  bool ending_ = false;
+};
+
+}  // namespace driftwise::application

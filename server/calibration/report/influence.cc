@@ -1,0 +1,119 @@
+#include "server/calibration/report/influence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "server/calibration/design/predict.h"
+#include "server/effects/term_order.h"
+
+namespace driftwise::calibration {
+namespace {
+
+using Eigen::Index;
+
+bool is_pose_length(const std::string& symbol) {
+  return symbol == "x" || symbol == "y" || symbol == "z";
+}
+
+// The output's derivative by one channel, as a sum of terms.
+struct Derivative {
+  std::vector<effects::Term> terms;
+  std::vector<double> coefficients;
+};
+Derivative derivative_by(const OutputModel& output, const std::string& symbol) {
+  Derivative out;
+  for (std::size_t k = 0; k < output.terms.size(); ++k) {
+    for (std::size_t f = 0; f < output.terms[k].factors.size(); ++f) {
+      const auto* power = std::get_if<effects::Power>(&output.terms[k].factors[f]);
+      if (power == nullptr || power->symbol != symbol) continue;
+      effects::Term lower = output.terms[k];
+      if (power->exponent == 1)
+        lower.factors.erase(lower.factors.begin() + static_cast<std::ptrdiff_t>(f));
+      else
+        lower.factors[f] = effects::Power{symbol, power->exponent - 1};
+      out.terms.push_back(std::move(lower));
+      out.coefficients.push_back(output.coefficients[static_cast<Index>(k)] * power->exponent);
+    }
+  }
+  return out;
+}
+
+// Hours since the first of these rows of the same datum, by row; empty: untimed.
+Eigen::VectorXd hours_since_zero(const Excerpt& rows) {
+  std::map<double, double> start_s;
+  Eigen::VectorXd hours(static_cast<Index>(rows.time_s().size()));
+  for (std::size_t i = 0; i < rows.time_s().size(); ++i) {
+    const double time_s = rows.time_s()[i];
+    hours[static_cast<Index>(i)] =
+        (time_s - start_s.try_emplace(rows.datum()[i], time_s).first->second) / 3600;
+  }
+  return hours;
+}
+
+// By what an error of this channel may vary from row to row.
+std::vector<std::pair<std::string, Eigen::VectorXd>> shapes(const Excerpt& rows,
+                                                            const std::string& symbol) {
+  std::vector<std::pair<std::string, Eigen::VectorXd>> out = {
+      {"1", Eigen::VectorXd::Ones(rows.size())}};
+  if (!is_pose_length(symbol)) return out;
+  for (const char* by : {"x", "y", "z", "rx", "ry", "rz"}) {
+    const auto* column = rows.find(by);
+    if (column == nullptr) continue;
+    if (auto values = rows.values(*column); values.allFinite())
+      out.emplace_back(column->channel.name(), std::move(values));
+  }
+  if (auto hours = hours_since_zero(rows); hours.size() > 0)
+    out.emplace_back("h", std::move(hours));
+  return out;
+}
+
+std::vector<std::string> symbols_in(const OutputModel& output) {
+  std::vector<std::string> out;
+  for (const auto& term : output.terms)
+    for (const auto& symbol : effects::symbols_of(term))
+      if (symbol != "datum" && std::ranges::find(out, symbol) == out.end()) out.push_back(symbol);
+  return out;
+}
+
+}  // namespace
+
+Result<std::vector<Influence>> influences_of(const Excerpt& rows, const Projection& projection,
+                                             const OutputModel& output) {
+  std::vector<Influence> out;
+  for (const auto& symbol : symbols_in(output)) {
+    const auto derivative = derivative_by(output, symbol);
+    if (derivative.terms.empty()) continue;
+    const auto lower = rows.columns(derivative.terms);
+    if (!lower) return tl::unexpected(lower.error());
+    const Eigen::VectorXd slope = combine(
+        *lower,
+        Eigen::Map<const Eigen::VectorXd>(derivative.coefficients.data(),
+                                          static_cast<Index>(derivative.coefficients.size())));
+    for (const auto& [by, shape] : shapes(rows, symbol)) {
+      const Eigen::VectorXd error = slope.cwiseProduct(shape);
+      out.push_back({rows.find(symbol)->channel.name(), by,
+                     std::sqrt(error.squaredNorm() / static_cast<double>(error.size())),
+                     projection.coefficients(error)});
+    }
+  }
+  return out;
+}
+
+Result<void> add_influences(const Dataset& dataset, const std::vector<std::size_t>& rows,
+                            const std::string& weight_symbol, OutputModel& output) {
+  constexpr std::size_t kEnough = 4000;
+  if (rows.size() <= output.terms.size()) return {};
+  const Excerpt excerpt(dataset, rows, output, kEnough);
+  auto columns = excerpt.columns(output.terms);
+  if (!columns) return tl::unexpected(columns.error());
+  const auto* weights = weight_symbol.empty() ? nullptr : excerpt.find(weight_symbol);
+  const Projection projection(std::move(*columns), output.terms,
+                              weights == nullptr ? Eigen::VectorXd() : excerpt.values(*weights));
+  auto influences = influences_of(excerpt, projection, output);
+  if (!influences) return tl::unexpected(influences.error());
+  output.influences = std::move(*influences);
+  return {};
+}
+
+}  // namespace driftwise::calibration

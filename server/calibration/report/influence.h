@@ -1,0 +1,33 @@
+#pragma once
+// How a systematic error of a measured channel passes into a model.
+//
+// A fit takes its data at their word: if x was wrong by h(row) in every row, the outputs it was
+// offered are f(true x) against the rows' x = true x + h, and to first order the coefficients move
+// by what least squares makes of -(df/dx) h. Served at a pose, the model then errs by that shift,
+// whereas nothing in its residuals shows it. So each systematic contribution to a target's
+// uncertainty is one vector of coefficient shifts, found with the same columns and the same weights
+// as the fit itself, and what a constant or another term absorbs is absorbed here too
+// (docs/uncertainty.md; JCGM 100:2008, 5.1.3 and F.1.2.3).
+
+#include <string>
+#include <vector>
+
+#include "server/calibration/linear/projection.h"
+#include "server/calibration/model/model.h"
+
+namespace driftwise::calibration {
+
+// For every pose coordinate the output reads (x, y, z): an offset ("1"), a factor and the leakage
+// of its neighbours ("x_mm" ..), the lever arms ("rx_arcsec" ..) as far as the data have them, and
+// a steady drift since the zero of the datum ("h", hours). For the force and every other channel of
+// a term (temperatures): an offset. Channels under an effect with memory count as constants there.
+// Errors: those of raw_columns.
+Result<std::vector<Influence>> influences_of(const Excerpt& rows, const Projection& projection,
+                                             const OutputModel& output);
+
+// Fills output.influences. rows: of the calibration, in time order; at most about 4000 of them are
+// looked at, evenly spread: there is no noise to average. Errors: as above.
+Result<void> add_influences(const Dataset& dataset, const std::vector<std::size_t>& rows,
+                            const std::string& weight_symbol, OutputModel& output);
+
+}  // namespace driftwise::calibration

@@ -1,0 +1,180 @@
+#pragma once
+// One measuring computer's world, as cell.toml describes it. Text form: docs/cell-file.md; parsed
+// in server/formats/cell_file. Plain data: the same for every room.
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/core/cell_time.h"
+#include "server/core/channel.h"
+#include "server/core/description/kinematics_description.h"
+#include "server/core/description/plausibility_description.h"
+
+namespace driftwise {
+
+struct ClockDescription {
+  CellTime
+      epoch;  // at this instant of wall time cell time equals wall time (when speed is 1: unused)
+  double speed = 1.0;  // cell seconds per wall second; other than 1 only with loopback devices
+  std::string file;    // where the present speed is shared with a simulated cell; empty: none
+};
+
+// A pt1000 in four-wire ohms behind one scanner input: R(t) = R0 (1 + A t + B t^2), t >= 0 degC
+// (IEC 60751).
+struct ProbeDescription {
+  Channel channel;  // t07_degC
+  int input = 0;    // scanner channel number, 101..
+  double r0_ohm = 1000.0, a_per_degc = 3.9083e-3, b_per_degc2 = -5.775e-7;
+  std::string place;  // "upper flexure arm": for people
+  std::string part;   // "robot", "instrument" or "air": which sensors a served model may use
+  double u_k = 0.0;   // certificate: standard uncertainty, K
+};
+
+struct AxisDescription {
+  Channel channel;                // q1_mm, as read back from the scale
+  std::string device_axis;        // the controller's name for it: "X"
+  double min_mm = 0, max_mm = 0;  // soft limits: nothing moves outside, whoever asks
+  double u_scale_nm = 0;          // declared standard uncertainty of the scale
+};
+
+// One axis of an autocollimator. A device turns its spot to its own liking; sign makes the reading
+// a right-handed rotation about the cell's axis.
+struct AngleDescription {
+  Channel channel;      // ry_arcsec
+  int device_axis = 1;  // the controller's number for it, 1 or 2
+  int sign = 1;         // 1 or -1
+  double u_arcsec = 0;  // declared standard uncertainty
+};
+
+struct DeviceDescription {
+  std::string id;       // "axis", "scanner", "laser-x", "support": unique in the cell
+  std::string kind;     // "pi-gcs", "keithley-2701", "interferometer-adapter", "newport-lds1000",
+                        // "watlow-ez-zone", "load-actuator"
+  std::string address;  // "127.0.0.1:50000"
+  bool on_loopback() const;  // 127.0.0.0/8, localhost, [::1]
+  double timeout_s = 1.0;    // of one exchange, cell time; never below 250 ms of wall time
+  double period_s = 0.0;     // slow devices: the recorder reads them every period, run or no run
+  double max_age_s = 15.0;   // older values do not join a point and make a target stale
+
+  std::vector<AxisDescription> axes;     // motion controllers
+  std::vector<ProbeDescription> probes;  // scanners
+  std::optional<Channel> length;         // interferometers: x_mm
+  double u_length_nm = 0;                // ... declared standard uncertainty of one reading
+  double u_drift_nm_per_h = 0;           // ... of its steady drift since the zero
+  std::vector<AngleDescription> angles;  // autocollimators
+  std::optional<Channel> force;          // load actuators: force_N
+  // What the protocol leaves open (unit, word order, terminator, averaging, ...), by the driver's
+  // own names. The driver checks names and values and answers invalid_argument naming them.
+  std::map<std::string, std::string> options;
+};
+
+// What raw readings need to become a pose (server/correction). With it the lengths of the devices
+// are paths along beams, x_path_mm, and x_mm is the corrected pose.
+struct BeamDescription {
+  Channel length;  // x_mm: the interferometer whose beam this is
+  // Where the beam meets its mirror, from the centre of rotation, at pose zero and per mm of pose:
+  // a beam fixed in the room before a mirror that moves sideways has -1 on that side.
+  std::array<double, 3> offset_mm{}, offset_per_mm{};
+  double u_offset_mm = 0;  // standard uncertainty of each component that matters
+  // Small rotation, about x, y, z, from the axis to the direction along which this interferometer
+  // measures: what squaring the mirrors left.
+  std::array<double, 3> direction_arcsec{};
+  double u_direction_arcsec = 0;
+  double u_flatness_nm = 0;  // of its mirror, over the workspace
+};
+
+struct CorrectionDescription {
+  bool cosine = false;
+  std::vector<BeamDescription> beams;  // at most one per length; a length without: no Abbe term
+};
+
+// Force on the end-effector, by an actuator or by known weights that a person hangs.
+struct LoadDescription {
+  double max_n = 0;               // soft limit: nobody asks for more
+  double u_n = 0;                 // declared standard uncertainty of what hangs
+  double gravity_m_s2 = 9.80665;  // turns newtons into the grams a person looks for
+};
+
+struct RunRules {  // [run]; a run may override them, the run's record keeps what was used
+  int readings_per_point = 4;
+  double max_spread_nm = 5.0;  // standard deviation of a point's readings
+  int max_rereads = 2;         // failed gate: read again without moving ...
+  int max_reapproaches = 1;    // ... then move away and come again ...
+  int max_requeues = 1;        // ... then again at the end of the line; then the point is given up
+  double reapproach_mm = 0.1;  // how far away, towards the zero
+  double settle_s = 2.0;       // quiet time after in-position
+  double in_position_nm = 150.0;  // read back against commanded
+  double quiet_nm = 60.0;         // peak to peak of the readback over settle_s
+  double move_timeout_s = 30.0;
+  double max_temperature_age_s = 15.0;  // join by device time stamps
+  // The run is paused when more than this share of the rows that were decided since its start, or
+  // since the last such pause, was given up, and at least kLeastGivenUp of them; 1: never.
+  double max_given_up_share = 0.2;
+  static constexpr int kLeastGivenUp = 5;
+  // When the run ends as done: the force is taken off and the axes return to zero.
+  bool park = true;
+};
+
+enum class AfterAway { go_on, wait };  // "go-on": by itself; "wait": a person resumes the run
+
+// What a run does that was under way when the daemon ended.
+struct RestartRules {  // [run]
+  // Only the daemon was away, the controller has kept its reference.
+  AfterAway after_restart = AfterAway::go_on;
+  // The computer was started anew, or the controller has lost its reference: an unexpected start
+  // must be chosen.
+  AfterAway after_power_loss = AfterAway::wait;
+};
+
+struct StartChecks {  // [checks]
+  double stabiliser_band_k = 0.01;
+  double stabiliser_wait_s = 3600.0;   // how long the start may wait for it
+  double max_drift_nm_per_min = 60.0;  // of the zero at rest
+  double drift_window_s = 60.0;
+};
+
+struct ServingRules {  // [serving]
+  double rebuild_period_s = 5.0;
+  bool refuse_stale = false;
+  bool refuse_outside_domain = false;
+  bool refuse_outside_limits = true;  // beyond the axes' soft limits
+  double max_age_s = 60.0;            // older than this a temperature is stale
+};
+
+struct CellDescription {
+  std::string name;
+  std::string database;  // path; the parser makes it absolute, relative to the cell file
+  std::string listen = "127.0.0.1:50051";  // gRPC; port 0 picks a free one
+  std::string target_line = "";            // text target service, "host:port"; empty: off
+  std::string http = "";                   // /healthz and /metrics, "host:port"; empty: off
+  ClockDescription clock;
+  std::vector<DeviceDescription> devices;
+  RunRules run;
+  RestartRules restart;
+  StartChecks checks;
+  PlausibilityRules plausibility;
+  ServingRules serving;
+  std::optional<CorrectionDescription> correction;
+  std::optional<LoadDescription> load;              // none: the cell knows no force
+  std::optional<KinematicsDescription> kinematics;  // nominal geometry; none: an unknown robot
+  std::string text;                                 // the file as read
+  std::string hash;                                 // of the text: stored with every run
+
+  std::vector<Channel> motor_channels() const;   // q1_mm.., in order of devices and axes
+  std::vector<Channel> length_channels() const;  // x_mm .. : pose coordinates
+  // What the interferometers themselves give, same order: x_path_mm .. with [correction], else the
+  // lengths.
+  std::vector<Channel> path_channels() const;
+  std::vector<Channel> angle_channels() const;        // rx_arcsec ..
+  std::optional<Channel> force_channel() const;       // force_N in a cell with [load]
+  std::vector<Channel> temperature_channels() const;  // probes, in order
+  const DeviceDescription* find_device(const std::string& id) const;
+  const AxisDescription* find_axis(const std::string& channel_name) const;
+  const DeviceDescription* load_actuator() const;  // nullptr: an operator changes the force
+};
+
+}  // namespace driftwise

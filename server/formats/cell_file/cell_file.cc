@@ -1,0 +1,212 @@
+#include "server/formats/cell_file/cell_file.h"
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <utility>
+
+#include "server/formats/cell_file/cell_file_address.h"
+#include "server/formats/cell_file/cell_file_correction.h"
+#include "server/formats/cell_file/cell_file_devices.h"
+#include "server/formats/cell_file/cell_file_limits.h"
+#include "server/formats/cell_file/kinematics_section.h"
+#include "server/formats/text/text.h"
+#include "server/formats/text/toml_reader.h"
+
+namespace driftwise::formats {
+namespace {
+
+void check_listen(TomlReader& reader, const char* key, const std::string& address) {
+  if (address.empty()) return;
+  if (!is_port(split_address(address).port, 0))
+    return reader.refuse(key, "BAD_ADDRESS",
+                         "found " + shown(address) +
+                             ", expected host:port such as 127.0.0.1:50051 (port 0: any free one)");
+  DeviceDescription asked;
+  asked.address = address;
+  if (!asked.on_loopback())
+    reader.refuse(key, "LISTEN_NOT_LOOPBACK",
+                  "found " + shown(address) +
+                      ", expected an address on loopback (127.0.0.1, localhost or [::1]): nothing "
+                      "else may reach the daemon until TLS and roles are configured");
+}
+
+std::string beside(const std::string& file, const std::string& cell_path) {
+  if (file.empty()) return file;
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  const fs::path folder = fs::absolute(fs::path(cell_path), ignored).parent_path();
+  return (folder / file).lexically_normal().string();  // an absolute file replaces the folder
+}
+
+void read_cell(TomlReader&& cell, CellDescription& out) {
+  cell.text("name", out.name, Need::required);
+  cell.text("database", out.database, Need::required);
+  cell.text("listen", out.listen);
+  cell.text("target_line", out.target_line);
+  cell.text("http", out.http);
+  check_listen(cell, "listen", out.listen);
+  check_listen(cell, "target_line", out.target_line);
+  check_listen(cell, "http", out.http);
+  cell.finish();
+}
+
+void read_clock(TomlReader&& clock, ClockDescription& out) {
+  clock.time("epoch", out.epoch);
+  clock.number("speed", out.speed, {.min = 0, .max = 1e5, .above_min = true});
+  clock.text("file", out.file);
+  clock.finish();
+}
+
+void read_after(TomlReader& run, const char* key, AfterAway& out) {
+  std::string found = out == AfterAway::wait ? "wait" : "go-on";
+  run.choice(key, found, {"go-on", "wait"}, Need::optional);
+  out = found == "wait" ? AfterAway::wait : AfterAway::go_on;
+}
+
+void read_run(TomlReader&& run, RunRules& out, RestartRules& restart) {
+  constexpr Range kPositive{.min = 0, .above_min = true};
+  constexpr Range kNotNegative{.min = 0};
+  run.integer("readings_per_point", out.readings_per_point, 1, 1000);
+  run.number("max_spread_nm", out.max_spread_nm, kPositive);
+  run.integer("max_rereads", out.max_rereads, 0, 100);
+  run.integer("max_reapproaches", out.max_reapproaches, 0, 100);
+  run.integer("max_requeues", out.max_requeues, 0, 100);
+  run.number("reapproach_mm", out.reapproach_mm, kNotNegative);
+  run.number("settle_s", out.settle_s, kNotNegative);
+  run.number("in_position_nm", out.in_position_nm, kPositive);
+  run.number("quiet_nm", out.quiet_nm, kPositive);
+  run.number("move_timeout_s", out.move_timeout_s, kPositive);
+  run.number("max_temperature_age_s", out.max_temperature_age_s, kPositive);
+  run.number("max_given_up_share", out.max_given_up_share, {.min = 0, .max = 1});
+  run.truth("park", out.park);
+  read_after(run, "after_restart", restart.after_restart);
+  read_after(run, "after_power_loss", restart.after_power_loss);
+  run.finish();
+}
+
+void read_checks(TomlReader&& checks, StartChecks& out) {
+  checks.number("stabiliser_band_k", out.stabiliser_band_k, {.min = 0, .above_min = true});
+  checks.number("stabiliser_wait_s", out.stabiliser_wait_s, {.min = 0});
+  checks.number("max_drift_nm_per_min", out.max_drift_nm_per_min, {.min = 0, .above_min = true});
+  checks.number("drift_window_s", out.drift_window_s, {.min = 0, .above_min = true});
+  checks.finish();
+}
+
+void read_serving(TomlReader&& serving, ServingRules& out) {
+  serving.number("rebuild_period_s", out.rebuild_period_s, {.min = 0.1, .max = 3600});
+  serving.truth("refuse_stale", out.refuse_stale);
+  serving.truth("refuse_outside_domain", out.refuse_outside_domain);
+  serving.truth("refuse_outside_limits", out.refuse_outside_limits);
+  serving.number("max_age_s", out.max_age_s, {.min = 0, .above_min = true});
+  serving.finish();
+}
+
+void check_speed(TomlReader& clock, const CellDescription& cell) {
+  if (cell.clock.speed == 1.0) return;
+  for (const auto& device : cell.devices)
+    if (!device.on_loopback())
+      return clock.refuse(
+          "speed", "SPEED_NEEDS_LOOPBACK",
+          "found " + number_text(cell.clock.speed) + " with device " + shown(device.id) + " at " +
+              shown(device.address) +
+              ", expected 1: only a simulated cell on loopback has another time than the world's",
+          ErrorCode::failed_precondition);
+}
+
+void read_file(const toml::table& root, CellDescription& out, TomlProblem& problem) {
+  const toml::table none;
+  TomlReader top(root, "", problem);
+  const auto section = [&](const char* key) {
+    const auto* table = top.table(key);
+    return TomlReader(table ? *table : none, key, problem);
+  };
+  TomlReader cell = section("cell");
+  if (!root.contains("cell"))
+    top.refuse("cell", "MISSING_KEY",
+               "found no [cell] section, expected one with name and database");
+  read_cell(std::move(cell), out);
+  std::string web_root;  // kept in the text: web_root_of()
+  TomlReader web = section("web");
+  web.text("root", web_root);
+  web.finish();
+  TomlReader clock = section("clock");
+  TomlReader speed = clock;
+  read_clock(std::move(clock), out.clock);
+  read_run(section("run"), out.run, out.restart);
+  read_checks(section("checks"), out.checks);
+  read_serving(section("serving"), out.serving);
+  read_plausibility(section("plausibility"), out.plausibility);
+  for (const auto* table : top.tables("limit")) {
+    const std::string place = "limit " + std::to_string(out.plausibility.limits.size() + 1);
+    read_limit(TomlReader(*table, place, problem), out.plausibility);
+  }
+  if (const auto* kinematics = top.table("kinematics"))
+    read_kinematics(*kinematics, out.kinematics.emplace(), problem);
+  TakenNames taken;
+  for (const auto* table : top.tables("device")) {
+    const std::string place = "device " + std::to_string(out.devices.size() + 1);
+    read_device(TomlReader(*table, place, problem), place, out.devices.emplace_back(), taken,
+                problem);
+  }
+  if (out.devices.empty())
+    top.refuse("device", "MISSING_KEY", "found no [[device]], expected at least one");
+  if (const auto* load = top.table("load"))
+    read_load(TomlReader(*load, "load", problem), out.load.emplace());
+  if (const auto* correction = top.table("correction"))
+    read_correction(TomlReader(*correction, "correction", problem), out, problem);
+  top.finish();
+  if (const auto* actuator = out.load_actuator(); actuator && !out.load)
+    top.refuse("load", "MISSING_KEY",
+               "found no [load] section beside the load actuator " + shown(actuator->id) +
+                   ", expected one with max_n, the largest force it may ever apply");
+  check_speed(speed, out);
+}
+
+}  // namespace
+
+Result<CellDescription> parse_cell_file(std::string_view text, const std::string& path) {
+  TomlProblem problem{.file_name = path, .first = {}};
+  CellDescription cell;
+  try {
+    read_file(toml::parse(text, path), cell, problem);
+  } catch (const toml::parse_error& error) {
+    return fail(ErrorCode::invalid_argument, "TOML_SYNTAX",
+                at_line(path, error.source().begin.line) + "column " +
+                    std::to_string(error.source().begin.column) + ": " +
+                    std::string(error.description()));
+  }
+  if (problem.any()) return tl::unexpected(*problem.first);
+  cell.database = beside(cell.database, path);
+  cell.clock.file = beside(cell.clock.file, path);
+  cell.text = text;
+  cell.hash = content_hash(text);
+  return cell;
+}
+
+std::string web_root_of(const CellDescription& cell, const std::string& path) {
+  try {
+    return beside(toml::parse(cell.text)["web"]["root"].value_or(std::string()), path);
+  } catch (const toml::parse_error&) {  // it was not made from a cell file
+    return {};
+  }
+}
+
+Result<CellDescription> read_cell_file(const std::string& path) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored))
+    return fail(ErrorCode::invalid_argument, "NOT_A_FILE",
+                shown(path) + " is a folder, expected the cell file itself, such as " +
+                    shown((std::filesystem::path(path) / "cell.toml").string()));
+  std::ifstream file(path, std::ios::binary);
+  if (!file)
+    return fail(
+        ErrorCode::not_found, "NO_FILE",
+        "cannot open the cell file " + shown(path) + ": check the path and its permissions");
+  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (file.bad())
+    return fail(ErrorCode::not_found, "NO_FILE", "cannot read the cell file " + shown(path));
+  return parse_cell_file(text, path);
+}
+
+}  // namespace driftwise::formats

@@ -1,0 +1,24 @@
+#pragma once
+// One [[device]] of cell.toml: what every device has, and what belongs to its kind.
+
+#include <set>
+#include <string>
+
+#include "server/core/description/cell_description.h"
+#include "server/formats/text/toml_reader.h"
+
+namespace driftwise::formats {
+
+// Names that may stand once in a cell.
+struct TakenNames {
+  std::set<std::string> ids, channels;
+
+  // A channel that is taken is refused at key, DUPLICATE_CHANNEL.
+  void channel(TomlReader& reader, const char* key, const std::string& name);
+};
+
+// place: "device 2", for messages. The first problem stands in problem.
+void read_device(TomlReader&& reader, const std::string& place, DeviceDescription& out,
+                 TakenNames& taken, TomlProblem& problem);
+
+}  // namespace driftwise::formats

@@ -1,0 +1,166 @@
+#include "server/formats/csv/trajectory_csv.h"
+
+#include <algorithm>
+
+#include "server/formats/csv/csv_text.h"
+#include "server/formats/text/text.h"
+
+namespace driftwise::formats {
+namespace {
+
+enum class TrajectoryColumn : std::uint8_t { coordinate, set, line, zero, force, dwell };
+
+// The columns that are no coordinates, or none for a name that no trajectory has.
+std::optional<TrajectoryColumn> kind_from(const std::string& name) {
+  if (name == "set") return TrajectoryColumn::set;
+  if (name == "line") return TrajectoryColumn::line;
+  if (name == "zero") return TrajectoryColumn::zero;
+  if (name == "force_N") return TrajectoryColumn::force;
+  if (name == "dwell_s") return TrajectoryColumn::dwell;
+  const auto channel = parse_channel(name);
+  if (channel && channel->unit == "mm" &&
+      (is_motor_symbol(channel->symbol) || channel->symbol == "x" || channel->symbol == "y" ||
+       channel->symbol == "z"))
+    return TrajectoryColumn::coordinate;
+  return std::nullopt;
+}
+
+tl::unexpected<Error> bad_header(const char* reason, const CsvHeader& header,
+                                 const std::string& file_name, const std::string& sentence) {
+  return fail(ErrorCode::invalid_argument, reason, at_line(file_name, header.line) + sentence);
+}
+
+Result<std::vector<TrajectoryColumn>> sort_columns(const CsvHeader& header,
+                                                   const std::string& file_name,
+                                                   std::vector<Channel>& coordinates) {
+  std::vector<TrajectoryColumn> kinds;
+  for (const auto& name : header.names) {
+    const auto kind = kind_from(name);
+    if (!kind)
+      return bad_header("UNKNOWN_COLUMN", header, file_name,
+                        "column " + std::to_string(kinds.size() + 1) + ": found " + shown(name) +
+                            ", expected q1_mm, q2_mm, ... or x_mm, y_mm, z_mm, and set, line, "
+                            "zero, force_N, dwell_s");
+    kinds.push_back(*kind);
+    if (*kind == TrajectoryColumn::coordinate) coordinates.push_back(*parse_channel(name));
+  }
+  if (coordinates.empty())
+    return bad_header("NO_COORDINATES", header, file_name,
+                      "found no coordinates, expected q1_mm, q2_mm, ... or x_mm, y_mm, z_mm");
+  for (const auto& channel : coordinates)
+    if (is_motor_symbol(channel.symbol) != is_motor_symbol(coordinates.front().symbol))
+      return bad_header("MIXED_COORDINATES", header, file_name,
+                        "found " + coordinates.front().name() + " and " + channel.name() +
+                            ", expected motor coordinates only or pose coordinates only");
+  return kinds;
+}
+
+// Reads the fields of one row, and checks what a row alone can show.
+Result<TrajectoryPoint> read_point(CsvRows& rows, const std::vector<TrajectoryColumn>& kinds) {
+  TrajectoryPoint point;
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    double number = 0;
+    bool truth = false;
+    bool good = true;
+    switch (kinds[i]) {
+      case TrajectoryColumn::coordinate:
+        good = rows.number(number);
+        if (good && is_missing(number))
+          return tl::unexpected(
+              rows.problem("MISSING_COORDINATE", i, "found nothing, expected a number in mm"));
+        point.target_mm.push_back(number);
+        break;
+      case TrajectoryColumn::set:
+        good = rows.set_is_validation(truth);
+        point.set = truth ? PointSet::validation : PointSet::calibration;
+        break;
+      case TrajectoryColumn::line:
+        good = rows.integer(point.line);
+        break;
+      case TrajectoryColumn::zero:
+        good = rows.flag(point.zero);
+        break;
+      case TrajectoryColumn::force:
+        good = rows.number(number);
+        if (!is_missing(number)) point.force_n = number;
+        break;
+      case TrajectoryColumn::dwell:
+        good = rows.number(number);
+        if (good && (number < 0 || number > kMostDwell_s))
+          return tl::unexpected(rows.problem("BAD_DWELL", i,
+                                             "found " + number_text(number) + ", expected 0 to " +
+                                                 number_text(kMostDwell_s) + " s (a week)"));
+        if (!is_missing(number)) point.dwell_s = number;
+        break;
+    }
+    if (!good) return tl::unexpected(rows.error());
+  }
+  return point;
+}
+
+std::size_t first_column(const std::vector<TrajectoryColumn>& kinds, TrajectoryColumn kind) {
+  return static_cast<std::size_t>(std::ranges::find(kinds, kind) - kinds.begin());
+}
+
+}  // namespace
+
+Result<Trajectory> read_trajectory_csv(std::string_view text, const std::string& file_name) {
+  const auto header = read_csv_header(text, file_name);
+  if (!header) return tl::unexpected(header.error());
+  Trajectory trajectory;
+  const auto kinds = sort_columns(*header, file_name, trajectory.coordinates);
+  if (!kinds) return tl::unexpected(kinds.error());
+
+  // A trajectory has thousands of rows, not millions: one piece.
+  const CsvChunk whole{header->rows, header->line, 0, 0};
+  CsvRows rows(*header, file_name, whole);
+  while (rows.next_row()) {
+    auto point = read_point(rows, *kinds);
+    if (!point) return tl::unexpected(point.error());
+    if (!trajectory.points.empty() && point->line < trajectory.points.back().line)
+      return tl::unexpected(
+          rows.problem("LINE_DECREASES", first_column(*kinds, TrajectoryColumn::line),
+                       "found " + std::to_string(point->line) + " after " +
+                           std::to_string(trajectory.points.back().line) +
+                           ", expected the points of one line to follow one another"));
+    if (point->zero && !std::ranges::all_of(point->target_mm, [](double mm) { return mm == 0; }))
+      return tl::unexpected(
+          rows.problem("ZERO_NOT_AT_ZERO", first_column(*kinds, TrajectoryColumn::zero),
+                       "found 1 with coordinates that are not all 0: a return to zero goes to 0"));
+    if (trajectory.points.size() >= kMostTrajectoryRows)
+      return tl::unexpected(rows.problem(
+          "TOO_MANY_ROWS", kinds->size(),
+          "found more than " + std::to_string(kMostTrajectoryRows) + " rows: split the plan"));
+    trajectory.points.push_back(std::move(*point));
+  }
+  if (rows.failed()) return tl::unexpected(rows.error());
+  if (trajectory.points.empty())
+    return bad_header("NO_ROWS", *header, file_name,
+                      "found a header row and nothing after it, expected one row per point");
+  return trajectory;
+}
+
+std::string write_trajectory_csv(const Trajectory& trajectory) {
+  const bool has_force =
+      std::ranges::any_of(trajectory.points, [](const auto& p) { return p.force_n.has_value(); });
+  const bool has_dwell =
+      std::ranges::any_of(trajectory.points, [](const auto& p) { return p.dwell_s.has_value(); });
+  std::string out;
+  for (const auto& channel : trajectory.coordinates) out += channel.name() + ",";
+  out += "set,line,zero";
+  if (has_force) out += ",force_N";
+  if (has_dwell) out += ",dwell_s";
+  out += '\n';
+  for (const auto& point : trajectory.points) {
+    for (const double mm : point.target_mm) append_number(out, mm), out += ',';
+    out += point.set == PointSet::validation ? "validation," : "calibration,";
+    append_number(out, point.line);
+    out += point.zero ? ",1" : ",0";
+    if (has_force) out += ',', append_number(out, point.force_n.value_or(kMissing));
+    if (has_dwell) out += ',', append_number(out, point.dwell_s.value_or(kMissing));
+    out += '\n';
+  }
+  return out;
+}
+
+}  // namespace driftwise::formats

@@ -1,0 +1,177 @@
+#include "server/formats/formula/formula.h"
+
+#include <algorithm>
+
+#include "server/core/data/dataset_parts.h"
+#include "server/effects/direct_symbols.h"
+#include "server/effects/effect.h"
+#include "server/effects/term_order.h"
+#include "server/formats/formula/formula_lexer.h"
+#include "server/formats/formula/formula_tree.h"
+
+namespace driftwise::formats {
+
+struct Formula::Tree {
+  std::string text;
+  FormulaLimits limits;
+  ParsedFormula parsed;
+  std::string canonical;
+};
+
+Formula::Formula(std::unique_ptr<const Tree> tree) : tree_(std::move(tree)) {}
+Formula::Formula(Formula&&) noexcept = default;
+Formula& Formula::operator=(Formula&&) noexcept = default;
+Formula::~Formula() = default;
+
+const std::string& Formula::canonical() const { return tree_->canonical; }
+
+Result<Formula> Formula::parse(std::string_view text, const FormulaLimits& limits) {
+  auto parsed = parse_formula_text(text, limits);
+  if (!parsed) return tl::unexpected(parsed.error());
+  auto tree = std::make_unique<Tree>();
+  tree->text = text;
+  tree->limits = limits;
+  tree->canonical = print_formula(*parsed);
+  tree->parsed = std::move(*parsed);
+  return Formula(std::move(tree));
+}
+
+namespace {
+
+Result<std::vector<std::string>> outputs_of(const std::vector<FormulaOutput>& named,
+                                            const std::vector<Channel>& channels,
+                                            std::string_view text) {
+  std::vector<std::string> outputs;
+  for (const auto& output : named) {
+    const std::size_t before = outputs.size();
+    for (const auto& channel : channels)
+      if (output.name == "q" ? is_motor_symbol(channel.symbol) : channel.symbol == output.name)
+        outputs.push_back(channel.symbol);
+    if (outputs.size() > before) continue;
+    return bad_formula(text, output.at,
+                       output.name == "q"
+                           ? "q stands for the motor coordinates q1, q2, ... and there are none, " +
+                                 known_symbols(channels)
+                           : unknown_symbol(output.name, channels),
+                       "UNKNOWN_CHANNEL");
+  }
+  return outputs;
+}
+
+// "" when every effect observes channels of the units it needs.
+std::string wrong_unit(const effects::Term& term, const std::vector<Channel>& channels) {
+  for (const auto& factor : term.factors) {
+    const auto* call = std::get_if<effects::Call>(&factor);
+    const auto* kind = call == nullptr ? nullptr : effects::find_effect(call->effect);
+    if (kind == nullptr || kind->channel_units.empty()) continue;
+    for (std::size_t i = 0; i < call->symbols.size(); ++i) {
+      const auto channel = std::ranges::find(channels, call->symbols[i], &Channel::symbol);
+      if (channel != channels.end() && channel->unit != kind->channel_units[i])
+        return effects::notation(factor) + " observes " + channel->name() +
+               ", expected a channel in " + kind->channel_units[i];
+    }
+  }
+  return "";
+}
+
+}  // namespace
+
+Result<calibration::Candidates> Formula::expand(
+    const std::vector<Channel>& channels,
+    const std::vector<std::pair<std::string, std::string>>& parts) const {
+  const auto& [text, limits, parsed, canonical] = *tree_;
+  calibration::Candidates candidates;
+  candidates.formula = canonical;
+  auto outputs = outputs_of(parsed.outputs, channels, text);
+  if (!outputs) return tl::unexpected(outputs.error());
+  candidates.outputs = std::move(*outputs);
+  auto sorted = candidates.outputs;
+  std::ranges::sort(sorted);
+  if (std::ranges::adjacent_find(sorted) != sorted.end())
+    return bad_formula(text, parsed.outputs.back().at, "an output stands twice on the left");
+  auto terms = expand_sum(parsed.sum, channels, parts, text, limits);
+  if (!terms) return tl::unexpected(terms.error());
+  candidates.constant = false;
+  for (auto& term : *terms) {
+    if (term.is_constant()) {
+      candidates.constant = true;
+      continue;
+    }
+    if (const auto wrong = wrong_unit(term, channels); !wrong.empty())
+      return bad_formula(text, parsed.sum.at, wrong, "BAD_UNIT");
+    for (const auto& symbol : effects::symbols_read_at_once(term))
+      if (std::ranges::find(candidates.outputs, symbol) != candidates.outputs.end())
+        return bad_formula(
+            text, parsed.sum.at,
+            "the output " + symbol + " stands among its own terms, in " + effects::notation(term));
+    candidates.terms.push_back(std::move(term));
+  }
+  return candidates;
+}
+
+Result<calibration::Candidates> Formula::expand(const Dataset& dataset) const {
+  std::vector<Channel> channels;
+  for (const auto& column : dataset.columns) channels.push_back(column.channel);
+  if (!dataset.dwell_s.empty()) channels.push_back({"dwell", "s"});
+  return expand(channels, parts_from(dataset.metadata));
+}
+
+namespace {
+
+using Kind = FormulaNode::Kind;
+
+Result<effects::Factor> factor_of(const FormulaNode& node, std::string_view text) {
+  if (node.kind == Kind::name) return effects::Power{node.name, 1};
+  if (node.kind == Kind::power) return effects::Power{node.parts.front().name, node.number};
+  if (node.kind != Kind::effect)
+    return bad_formula(text, node.at, "one term is channels, powers and effects joined by :");
+  effects::Call call{node.name, {}, node.quantities};
+  for (const auto& part : node.parts) {
+    if (part.kind != Kind::name)
+      return bad_formula(text, part.at, "expected one channel, not a range");
+    call.symbols.push_back(part.name);
+  }
+  if (call.effect == "datum") {
+    const bool whole =
+        call.symbols.empty() && call.parameters.size() == 1 && call.parameters[0].unit.empty() &&
+        call.parameters[0].value >= 1 && call.parameters[0].value <= 1e9 &&
+        call.parameters[0].value == static_cast<double>(static_cast<int>(call.parameters[0].value));
+    if (!whole) return bad_formula(text, node.at, "expected datum(k) with a whole number k");
+    return call;
+  }
+  auto checked = effects::checked(call);
+  if (!checked) return bad_formula(text, node.at, checked.error().message, checked.error().reason);
+  return *checked;
+}
+
+}  // namespace
+
+Result<effects::Term> parse_term(std::string_view text) {
+  auto node = parse_term_text(text, {});
+  if (!node) return tl::unexpected(node.error());
+  if (node->kind == FormulaNode::Kind::one) return effects::Term{};
+  effects::Term term;
+  std::vector<FormulaNode> parts;
+  if (node->kind == FormulaNode::Kind::cross)
+    parts = std::move(node->parts);
+  else
+    parts.push_back(std::move(*node));
+  for (const auto& part : parts) {
+    auto factor = factor_of(part, text);
+    if (!factor) return tl::unexpected(factor.error());
+    term.factors.push_back(std::move(*factor));
+  }
+  return effects::canonical(term);
+}
+
+Result<calibration::Model> fit_formula(const Dataset& dataset, std::string_view formula,
+                                       calibration::FitOptions options) {
+  auto parsed = Formula::parse(formula);
+  if (!parsed) return tl::unexpected(parsed.error());
+  auto candidates = parsed->expand(dataset);
+  if (!candidates) return tl::unexpected(candidates.error());
+  options.candidates = std::move(*candidates);
+  return calibration::fit(dataset, options);
+}
+
+}  // namespace driftwise::formats

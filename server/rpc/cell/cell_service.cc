@@ -1,0 +1,155 @@
+#include <cmath>
+
+#include "driftwise/v1/cell_service.grpc.pb.h"
+#include "server/rpc/cell/convert_cell.h"
+#include "server/rpc/cell/motor_coordinates.h"
+#include "server/rpc/run/convert_run.h"
+#include "server/rpc/shared/caller.h"
+#include "server/rpc/shared/convert_values.h"
+#include "server/rpc/shared/request_checks.h"
+#include "server/rpc/shared/services.h"
+#include "server/rpc/shared/unary.h"
+#include "server/rpc/shared/watch_sources.h"
+
+namespace driftwise::rpc {
+namespace {
+
+using Context = grpc::CallbackServerContext;
+using Reactor = grpc::ServerUnaryReactor;
+
+class CellService final : public v1::CellService::CallbackService {
+ public:
+  explicit CellService(application::Cell& cell) : cell_(cell) {}
+
+  Reactor* GetStatus(Context* context, const v1::GetStatusRequest*,
+                     v1::GetStatusResponse* response) override {
+    return answer(cell_, context, [this, response]() -> Awaitable<Result<void>> {
+      *response = status_from(cell_.status());
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ListDevices(Context* context, const v1::ListDevicesRequest*,
+                       v1::ListDevicesResponse* response) override {
+    return answer(cell_, context, [this, response]() -> Awaitable<Result<void>> {
+      for (const auto& device : cell_.status().devices)
+        *response->add_devices() = device_from(device);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ListEvents(Context* context, const v1::ListEventsRequest* request,
+                      v1::ListEventsResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_cursor(request->after_event_id(), "after_event_id"); !good)
+        co_return good;
+      const auto limit = limit_from(request->limit(), 100, 1000);
+      if (!limit) co_return tl::unexpected(limit.error());
+      const auto events = co_await cell_.events(EventId{request->after_event_id()}, *limit);
+      if (!events) co_return tl::unexpected(events.error());
+      for (const auto& event : *events) *response->add_events() = event_from(event);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* TakeLease(Context* context, const v1::TakeLeaseRequest* request,
+                     v1::TakeLeaseResponse* response) override {
+    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      Nanoseconds duration = std::chrono::seconds(60);
+      if (request->has_lease_duration()) {
+        const auto asked = nanoseconds_from(request->lease_duration(), "lease_duration");
+        if (!asked) co_return tl::unexpected(asked.error());
+        duration = *asked;
+      }
+      const auto lease = cell_.take_lease(caller_of(*context), duration, request->token());
+      if (!lease) co_return tl::unexpected(lease.error());
+      *response->mutable_lease() = lease_from(*lease);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* GiveUpLease(Context* context, const v1::GiveUpLeaseRequest* request,
+                       v1::GiveUpLeaseResponse*) override {
+    return answer(cell_, context, [this, context, request]() -> Awaitable<Result<void>> {
+      co_return cell_.give_up_lease(caller_of(*context), request->token());
+    });
+  }
+
+  Reactor* StopAll(Context* context, const v1::StopAllRequest*,
+                   v1::StopAllResponse* response) override {
+    return answer(cell_, context, [this, context, response]() -> Awaitable<Result<void>> {
+      const auto answered = co_await cell_.stop_all(caller_of(*context));
+      if (!answered) co_return tl::unexpected(answered.error());
+      response->set_confirmed(answered->confirmed);
+      response->set_message(utf8_from(answered->message));
+      for (const auto& stop : answered->pending) *response->add_pending() = pending_stop_from(stop);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* Home(Context* context, const v1::HomeRequest* request, v1::HomeResponse*) override {
+    return answer(cell_, context, [this, context, request]() -> Awaitable<Result<void>> {
+      auto answered = answer_from(request->answer());
+      if (!answered) co_return tl::unexpected(answered.error());
+      auto homing = cell_.home(caller_of(*context), request->lease_token(), std::move(*answered));
+      co_return co_await std::move(homing);
+    });
+  }
+
+  Reactor* Move(Context* context, const v1::MoveRequest* request, v1::MoveResponse*) override {
+    return answer(cell_, context, [this, context, request]() -> Awaitable<Result<void>> {
+      auto q_mm = motor_coordinates_from(request->coordinates(), cell_.description());
+      if (!q_mm) co_return tl::unexpected(q_mm.error());
+      auto answered = answer_from(request->answer());
+      if (!answered) co_return tl::unexpected(answered.error());
+      auto moving = cell_.move_to(caller_of(*context), request->lease_token(), std::move(*q_mm),
+                                  std::move(*answered));
+      co_return co_await std::move(moving);
+    });
+  }
+
+  Reactor* SetStabiliser(Context* context, const v1::SetStabiliserRequest* request,
+                         v1::SetStabiliserResponse*) override {
+    return answer(cell_, context, [this, context, request]() -> Awaitable<Result<void>> {
+      if (!request->has_set_point_degc() || !std::isfinite(request->set_point_degc()))
+        co_return fail(ErrorCode::invalid_argument, "NOT_FINITE",
+                       "set_point_degc: expected a finite number of degC");
+      co_return co_await cell_.set_stabiliser(caller_of(*context), request->lease_token(),
+                                              request->device_id(), request->set_point_degc());
+    });
+  }
+
+  grpc::ServerWriteReactor<v1::WatchEventsResponse>* WatchEvents(
+      Context*, const v1::WatchEventsRequest* request) override {
+    std::optional<EventId> after;
+    if (request->has_after_event_id()) {
+      if (auto good = check_cursor(request->after_event_id(), "after_event_id"); !good)
+        return refuse_stream<v1::WatchEventsResponse>(good.error());
+      after = EventId{request->after_event_id()};
+    }
+    return Stream<v1::WatchEventsResponse>::open(cell_.executor(), watch_events(cell_, after));
+  }
+
+  grpc::ServerWriteReactor<v1::WatchReadingsResponse>* WatchReadings(
+      Context*, const v1::WatchReadingsRequest* request) override {
+    if (!request->device_id().empty() &&
+        cell_.description().find_device(request->device_id()) == nullptr)
+      return refuse_stream<v1::WatchReadingsResponse>({ErrorCode::not_found, "NO_DEVICE",
+                                                       "device_id: this cell has no device '" +
+                                                           request->device_id() +
+                                                           "': 'driftwise devices' lists them"});
+    return Stream<v1::WatchReadingsResponse>::open(cell_.executor(),
+                                                   watch_readings(cell_, request->device_id()));
+  }
+
+ private:
+  application::Cell& cell_;
+};
+
+}  // namespace
+
+std::unique_ptr<grpc::Service> make_cell_service(application::Cell& cell) {
+  return std::make_unique<CellService>(cell);
+}
+
+}  // namespace driftwise::rpc

@@ -1,0 +1,90 @@
+#include <boost/asio/co_spawn.hpp>
+#include <deque>
+
+#include "server/rpc/cell/convert_cell.h"
+#include "server/rpc/shared/watch_sources.h"
+
+namespace driftwise::rpc {
+namespace {
+
+using application::Cell;
+constexpr int kBatch = 100;
+
+struct EventsState {              // shared with the fetch, which may end after the client has gone
+  std::optional<EventId> cursor;  // the last event fetched; none until the first one happens
+  EventRecord newest;             // as announced
+  std::deque<EventRecord> batch;  // fetched, not sent yet
+  bool fetching = false, more = false;
+  std::optional<Result<void>> end;
+  std::function<void()> wake;
+};
+
+Awaitable<void> fetch(Cell& cell, std::shared_ptr<EventsState> state) {
+  state->more = false;
+  auto events = co_await cell.events(*state->cursor, kBatch);
+  state->fetching = false;
+  if (!events) {
+    state->end = tl::unexpected(events.error());
+    co_return state->wake();
+  }
+  // Announced, but not in the record yet: the announcement holds all of it.
+  if (events->empty() && state->newest.id > *state->cursor) events->push_back(state->newest);
+  for (auto& event : *events) {
+    if (event.id <= *state->cursor) continue;
+    state->cursor = event.id;
+    state->batch.push_back(std::move(event));
+  }
+  if (!state->batch.empty())
+    state->more = true;  // what came meanwhile is looked for when these are sent
+  state->wake();
+}
+
+class EventSource final : public StreamSource<v1::WatchEventsResponse> {
+ public:
+  EventSource(Cell& cell, std::optional<EventId> after) : cell_(cell) { state_->cursor = after; }
+  ~EventSource() override {
+    state_->wake = [] {};
+  }
+
+  void start(std::function<void()> wake) override {
+    state_->wake = std::move(wake);
+    state_->more = state_->cursor.has_value();
+    watch_ = cell_.watch_events([state = state_](const EventRecord& event) {
+      if (!state->cursor) state->cursor = EventId{event.id.value - 1};
+      if (event.id > state->newest.id) state->newest = event;
+      state->more = true;
+      state->wake();
+    });
+  }
+
+  std::optional<v1::WatchEventsResponse> next() override {
+    if (state_->batch.empty()) {
+      if (state_->more && !state_->fetching && !state_->end) {
+        state_->fetching = true;
+        asio::co_spawn(cell_.executor(), fetch(cell_, state_), [](std::exception_ptr bug) {
+          if (bug) std::rethrow_exception(bug);
+        });
+      }
+      return std::nullopt;
+    }
+    v1::WatchEventsResponse response;
+    *response.mutable_event() = event_from(state_->batch.front());
+    state_->batch.pop_front();
+    return response;
+  }
+  std::optional<Result<void>> ended() override { return state_->end; }
+
+ private:
+  Cell& cell_;
+  std::shared_ptr<EventsState> state_ = std::make_shared<EventsState>();
+  Cell::Watch watch_;
+};
+
+}  // namespace
+
+std::unique_ptr<StreamSource<v1::WatchEventsResponse>> watch_events(Cell& cell,
+                                                                    std::optional<EventId> after) {
+  return std::make_unique<EventSource>(cell, after);
+}
+
+}  // namespace driftwise::rpc

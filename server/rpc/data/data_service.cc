@@ -1,0 +1,121 @@
+#include "driftwise/v1/data_service.grpc.pb.h"
+#include "server/rpc/data/convert_remarks.h"
+#include "server/rpc/run/convert_run.h"
+#include "server/rpc/shared/caller.h"
+#include "server/rpc/shared/request_checks.h"
+#include "server/rpc/shared/services.h"
+#include "server/rpc/shared/unary.h"
+#include "server/rpc/shared/watch_sources.h"
+
+namespace driftwise::rpc {
+namespace {
+
+using Context = grpc::CallbackServerContext;
+using Reactor = grpc::ServerUnaryReactor;
+
+class DataService final : public v1::DataService::CallbackService {
+ public:
+  explicit DataService(application::Cell& cell) : cell_(cell) {}
+
+  grpc::ServerWriteReactor<v1::ExportDatasetResponse>* ExportDataset(
+      grpc::CallbackServerContext*, const v1::ExportDatasetRequest* request) override {
+    auto runs = run_ids_from(request->run_ids());
+    if (!runs) return refuse_stream<v1::ExportDatasetResponse>(runs.error());
+    if (runs->empty())
+      return refuse_stream<v1::ExportDatasetResponse>(
+          {ErrorCode::invalid_argument, "NO_RUNS", "run_ids: found none, expected at least one"});
+    return Stream<v1::ExportDatasetResponse>::open(
+        cell_.executor(), export_dataset(cell_, std::move(*runs), request->without_excluded()));
+  }
+
+  grpc::ServerUnaryReactor* ImportDataset(grpc::CallbackServerContext* context,
+                                          const v1::ImportDatasetRequest* request,
+                                          v1::ImportDatasetResponse* response) override {
+    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      const auto name = line_from(request->name(), kMostNameBytes, "name");
+      if (!name) co_return tl::unexpected(name.error());
+      if (auto good = check_size(request->csv(), kMostDatasetBytes, "csv"); !good) co_return good;
+      if (auto good = check_size(request->request_id(), kMostRequestIdBytes, "request_id"); !good)
+        co_return good;
+      auto importing =
+          cell_.import_dataset(caller_of(*context), *name, request->csv(), request->request_id());
+      const auto run = co_await std::move(importing);
+      if (!run) co_return tl::unexpected(run.error());
+      *response->mutable_run() = run_from(*run);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ExcludeRows(Context* context, const v1::ExcludeRowsRequest* request,
+                       v1::ExcludeRowsResponse* response) override {
+    return change_rows(context, *request, *response);
+  }
+  Reactor* RestoreRows(Context* context, const v1::RestoreRowsRequest* request,
+                       v1::RestoreRowsResponse* response) override {
+    return change_rows(context, *request, *response);
+  }
+
+  Reactor* ListExclusions(Context* context, const v1::ListExclusionsRequest* request,
+                          v1::ListExclusionsResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
+      const auto state = co_await cell_.exclusions(RunId{request->run_id()});
+      if (!state) co_return tl::unexpected(state.error());
+      *response->mutable_state() = exclusions_from(*state);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* CreateNote(Context* context, const v1::CreateNoteRequest* request,
+                      v1::CreateNoteResponse* response) override {
+    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      const auto on = subject_from(request->on());
+      if (!on) co_return tl::unexpected(on.error());
+      if (auto good = check_size(request->text(), kMostNoteBytes, "text"); !good) co_return good;
+      if (request->text().empty())
+        co_return fail(ErrorCode::invalid_argument, "NO_TEXT", "text: found nothing to note");
+      auto noting = cell_.add_note(caller_of(*context), *on, clean_text(request->text()));
+      const auto note = co_await std::move(noting);
+      if (!note) co_return tl::unexpected(note.error());
+      *response->mutable_note() = note_from(*note);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ListNotes(Context* context, const v1::ListNotesRequest* request,
+                     v1::ListNotesResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      const auto on = subject_from(request->on());
+      if (!on) co_return tl::unexpected(on.error());
+      const auto notes = co_await cell_.notes(*on);
+      if (!notes) co_return tl::unexpected(notes.error());
+      for (const auto& note : *notes) *response->add_notes() = note_from(note);
+      co_return Result<void>{};
+    });
+  }
+
+ private:
+  template <class Request, class Response>
+  Reactor* change_rows(Context* context, const Request& request, Response& response) {
+    return answer(cell_, context,
+                  [this, context, &request, &response]() -> Awaitable<Result<void>> {
+                    auto wanted = exclusion_from(request);
+                    if (!wanted) co_return tl::unexpected(wanted.error());
+                    auto changing = cell_.exclude_rows(caller_of(*context), std::move(*wanted));
+                    const auto state = co_await std::move(changing);
+                    if (!state) co_return tl::unexpected(state.error());
+                    *response.mutable_state() = exclusions_from(*state);
+                    co_return Result<void>{};
+                  });
+  }
+
+  application::Cell& cell_;
+};
+
+}  // namespace
+
+std::unique_ptr<grpc::Service> make_data_service(application::Cell& cell) {
+  return std::make_unique<DataService>(cell);
+}
+
+}  // namespace driftwise::rpc

@@ -1,0 +1,73 @@
+#include <algorithm>
+#include <boost/asio/co_spawn.hpp>
+
+#include "server/rpc/shared/watch_sources.h"
+
+namespace driftwise::rpc {
+namespace {
+
+using application::Cell;
+constexpr std::size_t kChunkBytes = 64 * 1024;
+
+struct ExportState {  // shared with the query, which may end after the client has gone
+  std::string csv;
+  std::size_t sent = 0;
+  std::optional<Result<void>> end;
+  std::function<void()> wake;
+};
+
+Awaitable<void> query(Cell& cell, std::vector<RunId> runs, bool without_excluded,
+                      std::shared_ptr<ExportState> state) {
+  auto csv = co_await cell.export_dataset(std::move(runs), without_excluded);
+  if (csv) {
+    state->csv = std::move(*csv);
+    state->end = Result<void>{};
+  } else {
+    state->end = tl::unexpected(csv.error());
+  }
+  state->wake();
+}
+
+class ExportSource final : public StreamSource<v1::ExportDatasetResponse> {
+ public:
+  ExportSource(Cell& cell, std::vector<RunId> runs, bool without_excluded)
+      : cell_(cell), runs_(std::move(runs)), without_excluded_(without_excluded) {}
+  ~ExportSource() override {
+    state_->wake = [] {};
+  }
+
+  void start(std::function<void()> wake) override {
+    state_->wake = std::move(wake);
+    asio::co_spawn(cell_.executor(), query(cell_, runs_, without_excluded_, state_),
+                   [](std::exception_ptr bug) {
+                     if (bug) std::rethrow_exception(bug);
+                   });
+  }
+
+  std::optional<v1::ExportDatasetResponse> next() override {
+    const std::size_t size = std::min(kChunkBytes, state_->csv.size() - state_->sent);
+    if (size == 0) return std::nullopt;
+    v1::ExportDatasetResponse response;
+    response.set_chunk(state_->csv.substr(state_->sent, size));
+    response.set_total_bytes(static_cast<std::int64_t>(state_->csv.size()));
+    state_->sent += size;
+    return response;
+  }
+  std::optional<Result<void>> ended() override { return state_->end; }
+
+ private:
+  Cell& cell_;
+  std::vector<RunId> runs_;
+  bool without_excluded_;
+  std::shared_ptr<ExportState> state_ = std::make_shared<ExportState>();
+};
+
+}  // namespace
+
+std::unique_ptr<StreamSource<v1::ExportDatasetResponse>> export_dataset(Cell& cell,
+                                                                        std::vector<RunId> runs,
+                                                                        bool without_excluded) {
+  return std::make_unique<ExportSource>(cell, std::move(runs), without_excluded);
+}
+
+}  // namespace driftwise::rpc

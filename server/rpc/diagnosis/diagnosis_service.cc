@@ -1,0 +1,223 @@
+#include "driftwise/v1/diagnosis_service.grpc.pb.h"
+#include "server/formats/diagnosis/diagnosis_html.h"
+#include "server/rpc/configuration/convert_provenance.h"
+#include "server/rpc/diagnosis/convert_diagnosis.h"
+#include "server/rpc/shared/caller.h"
+#include "server/rpc/shared/convert_values.h"
+#include "server/rpc/shared/request_checks.h"
+#include "server/rpc/shared/services.h"
+#include "server/rpc/shared/unary.h"
+#include "server/rpc/shared/watch_sources.h"
+
+namespace driftwise::rpc {
+namespace {
+
+using Context = grpc::CallbackServerContext;
+using Reactor = grpc::ServerUnaryReactor;
+
+class DiagnosisService final : public v1::DiagnosisService::CallbackService {
+ public:
+  explicit DiagnosisService(application::Cell& cell) : cell_(cell) {}
+
+  Reactor* CreateDiagnosis(Context* context, const v1::CreateDiagnosisRequest* request,
+                           v1::CreateDiagnosisResponse* response) override {
+    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      auto asked = diagnosis_request_from(*request);
+      if (!asked) co_return tl::unexpected(asked.error());
+      auto creating = cell_.create_diagnosis(caller_of(*context), std::move(*asked));
+      co_return put(co_await std::move(creating), *response->mutable_diagnosis());
+    });
+  }
+
+  Reactor* GetDiagnosis(Context* context, const v1::GetDiagnosisRequest* request,
+                        v1::GetDiagnosisResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->diagnosis_id(), "diagnosis_id"); !good) co_return good;
+      const DiagnosisId id{request->diagnosis_id()};
+      auto looking = cell_.diagnosis(id);
+      auto good = put(co_await std::move(looking), *response->mutable_diagnosis());
+      if (!good || !request->with_rows()) co_return good;
+      auto reading = cell_.diagnosis_rows(id);
+      const auto rows = co_await std::move(reading);
+      if (!rows) co_return tl::unexpected(rows.error());
+      *response->mutable_rows() = rows_from(*rows);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ListDiagnoses(Context* context, const v1::ListDiagnosesRequest*,
+                         v1::ListDiagnosesResponse* response) override {
+    return answer(cell_, context, [this, response]() -> Awaitable<Result<void>> {
+      const auto views = co_await cell_.diagnoses();
+      if (!views) co_return tl::unexpected(views.error());
+      for (const auto& view : *views)
+        *response->add_diagnoses() = diagnosis_from(view, DiagnosisDetail::summary);
+      co_return Result<void>{};
+    });
+  }
+
+  grpc::ServerWriteReactor<v1::WatchDiagnosisResponse>* WatchDiagnosis(
+      Context*, const v1::WatchDiagnosisRequest* request) override {
+    using Watch = Stream<v1::WatchDiagnosisResponse>;
+    if (auto good = check_id(request->diagnosis_id(), "diagnosis_id"); !good)
+      return refuse_stream<v1::WatchDiagnosisResponse>(good.error());
+    return Watch::open(cell_.executor(),
+                       watch_diagnosis(cell_, DiagnosisId{request->diagnosis_id()}));
+  }
+
+  Reactor* CancelDiagnosis(Context* context, const v1::CancelDiagnosisRequest* request,
+                           v1::CancelDiagnosisResponse* response) override {
+    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->diagnosis_id(), "diagnosis_id"); !good) co_return good;
+      auto cancelling =
+          cell_.cancel_diagnosis(caller_of(*context), DiagnosisId{request->diagnosis_id()});
+      co_return put(co_await std::move(cancelling), *response->mutable_diagnosis());
+    });
+  }
+
+  Reactor* ExportDiagnosis(Context* context, const v1::ExportDiagnosisRequest* request,
+                           v1::ExportDiagnosisResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->diagnosis_id(), "diagnosis_id"); !good) co_return good;
+      const DiagnosisId id{request->diagnosis_id()};
+      auto looking = cell_.diagnosis(id);
+      const auto view = co_await std::move(looking);
+      if (!view) co_return tl::unexpected(view.error());
+      if (!view->found)
+        co_return fail(ErrorCode::failed_precondition, "NOT_DONE",
+                       "only a diagnosis that is done has a page");
+      auto reading = cell_.diagnosis_rows(id);
+      const auto rows = co_await std::move(reading);
+      if (!rows) co_return tl::unexpected(rows.error());
+      response->set_html(utf8_from(page_of(*view, *rows)));
+      response->set_file_name("diagnosis_" + std::to_string(id.value) + ".html");
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* PreviewExtension(Context* context, const v1::PreviewExtensionRequest* request,
+                            v1::PreviewExtensionResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      v1::AcceptExtensionRequest accepting;
+      accepting.set_diagnosis_id(request->diagnosis_id());
+      accepting.set_promote(request->promote());
+      *accepting.mutable_finding_numbers() = request->finding_numbers();
+      auto asked = accept_request_from(accepting);
+      if (!asked) co_return tl::unexpected(asked.error());
+      auto looking = cell_.provenance().preview_extension(std::move(*asked));
+      const auto preview = co_await std::move(looking);
+      if (!preview) co_return tl::unexpected(preview.error());
+      *response = preview_from(*preview);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* AcceptExtension(Context* context, const v1::AcceptExtensionRequest* request,
+                           v1::AcceptExtensionResponse* response) override {
+    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      auto asked = accept_request_from(*request);
+      if (!asked) co_return tl::unexpected(asked.error());
+      auto accepting = cell_.accept_extension(caller_of(*context), std::move(*asked));
+      const auto made = co_await std::move(accepting);
+      if (!made) co_return tl::unexpected(made.error());
+      *response->mutable_extension() = extension_from(*made);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* UndoExtension(Context* context, const v1::UndoExtensionRequest* request,
+                         v1::UndoExtensionResponse* response) override {
+    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->diagnosis_id(), "diagnosis_id"); !good) co_return good;
+      auto undoing =
+          cell_.undo_extension(caller_of(*context), DiagnosisId{request->diagnosis_id()});
+      const auto undone = co_await std::move(undoing);
+      if (!undone) co_return tl::unexpected(undone.error());
+      *response->mutable_extension() = extension_from(*undone);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* CreateImprovement(Context* context, const v1::CreateImprovementRequest* request,
+                             v1::CreateImprovementResponse* response) override {
+    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      auto asked = improve_request_from(*request);
+      if (!asked) co_return tl::unexpected(asked.error());
+      auto creating = cell_.create_improvement(caller_of(*context), std::move(*asked));
+      co_return put(co_await std::move(creating), *response->mutable_improvement());
+    });
+  }
+
+  Reactor* GetImprovement(Context* context, const v1::GetImprovementRequest* request,
+                          v1::GetImprovementResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->improvement_id(), "improvement_id"); !good) co_return good;
+      auto looking = cell_.improvement(ImprovementId{request->improvement_id()});
+      co_return put(co_await std::move(looking), *response->mutable_improvement());
+    });
+  }
+
+  Reactor* ListImprovements(Context* context, const v1::ListImprovementsRequest*,
+                            v1::ListImprovementsResponse* response) override {
+    return answer(cell_, context, [this, response]() -> Awaitable<Result<void>> {
+      const auto records = co_await cell_.improvements();
+      if (!records) co_return tl::unexpected(records.error());
+      for (const auto& record : *records) *response->add_improvements() = improvement_from(record);
+      co_return Result<void>{};
+    });
+  }
+
+  grpc::ServerWriteReactor<v1::WatchImprovementResponse>* WatchImprovement(
+      Context*, const v1::WatchImprovementRequest* request) override {
+    using Watch = Stream<v1::WatchImprovementResponse>;
+    if (auto good = check_id(request->improvement_id(), "improvement_id"); !good)
+      return refuse_stream<v1::WatchImprovementResponse>(good.error());
+    return Watch::open(cell_.executor(),
+                       watch_improvement(cell_, ImprovementId{request->improvement_id()}));
+  }
+
+  Reactor* CancelImprovement(Context* context, const v1::CancelImprovementRequest* request,
+                             v1::CancelImprovementResponse* response) override {
+    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->improvement_id(), "improvement_id"); !good) co_return good;
+      auto cancelling =
+          cell_.cancel_improvement(caller_of(*context), ImprovementId{request->improvement_id()});
+      co_return put(co_await std::move(cancelling), *response->mutable_improvement());
+    });
+  }
+
+ private:
+  static std::string page_of(const application::DiagnosisView& view,
+                             const formats::DiscrepancyRows& rows) {
+    auto found = *view.found;
+    const auto dataset = formats::dataset_of(rows, found);
+    std::string source;
+    for (const RunId run : view.record.runs)
+      source += (source.empty() ? "run " : ", ") + std::to_string(run.value);
+    if (source.empty()) source = "a file";
+    return formats::diagnosis_html(
+        found, dataset,
+        {"Diagnosis " + std::to_string(view.record.id.value) + " of " + source, source});
+  }
+
+  static Result<void> put(const Result<application::DiagnosisView>& view, v1::Diagnosis& out) {
+    if (!view) return tl::unexpected(view.error());
+    out = diagnosis_from(*view, DiagnosisDetail::whole);
+    return {};
+  }
+  static Result<void> put(const Result<ImprovementRecord>& record, v1::Improvement& out) {
+    if (!record) return tl::unexpected(record.error());
+    out = improvement_from(*record);
+    return {};
+  }
+
+  application::Cell& cell_;
+};
+
+}  // namespace
+
+std::unique_ptr<grpc::Service> make_diagnosis_service(application::Cell& cell) {
+  return std::make_unique<DiagnosisService>(cell);
+}
+
+}  // namespace driftwise::rpc

@@ -1,0 +1,16 @@
+#pragma once
+// Formula checks and residuals: domain -> proto.
+
+#include "driftwise/v1/model_service.pb.h"
+#include "server/application/ports/cell.h"
+
+namespace driftwise::rpc {
+
+// With every effect that a formula may hold, for completion.
+v1::CheckFormulaResponse formula_check_from(const application::FormulaCheck& check);
+
+// Every row_step-th row, so that an answer holds at most most_numbers of them.
+v1::ListResidualsResponse residuals_from(const application::ModelResiduals& residuals,
+                                         std::size_t most_numbers = 400'000);
+
+}  // namespace driftwise::rpc

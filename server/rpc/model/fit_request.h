@@ -1,0 +1,19 @@
+#pragma once
+// CreateFit's request -> domain, with its checks. What only the data can tell (columns, ranks) is
+// the fit's business.
+
+#include "driftwise/v1/model_service.pb.h"
+#include "server/application/ports/cell.h"
+
+namespace driftwise::rpc {
+
+enum class FormulaIs { required, optional };
+
+// Errors: invalid_argument; RUNS_OR_CSV (both or neither), EMPTY_FORMULA, BAD_SELECT,
+// BAD_PROBABILITY (outside ]0, 1[, or p_remove below p_enter: the regression could go in circles),
+// BAD_CRITERION, BAD_OPTION (starts, seed, blocks, threads, too many terms), BAD_CURSOR, TOO_LONG
+// and those of run_ids_from.
+Result<application::FitRequest> fit_request_from(const v1::CreateFitRequest& request,
+                                                 FormulaIs formula = FormulaIs::required);
+
+}  // namespace driftwise::rpc

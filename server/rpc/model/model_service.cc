@@ -1,0 +1,269 @@
+#include <algorithm>
+
+#include "driftwise/v1/model_service.grpc.pb.h"
+#include "server/formats/model/model_json.h"
+#include "server/rpc/configuration/convert_provenance.h"
+#include "server/rpc/model/convert_check.h"
+#include "server/rpc/model/convert_model.h"
+#include "server/rpc/model/convert_residuals.h"
+#include "server/rpc/model/convert_study.h"
+#include "server/rpc/model/export_model.h"
+#include "server/rpc/model/fit_request.h"
+#include "server/rpc/model/model_budget.h"
+#include "server/rpc/model/study_source.h"
+#include "server/rpc/shared/caller.h"
+#include "server/rpc/shared/convert_values.h"
+#include "server/rpc/shared/request_checks.h"
+#include "server/rpc/shared/services.h"
+#include "server/rpc/shared/unary.h"
+
+namespace driftwise::rpc {
+namespace {
+
+using Context = grpc::CallbackServerContext;
+using Reactor = grpc::ServerUnaryReactor;
+
+class ModelService final : public v1::ModelService::CallbackService {
+ public:
+  explicit ModelService(application::Cell& cell) : cell_(cell) {}
+
+  Reactor* GetModel(Context* context, const v1::GetModelRequest* request,
+                    v1::GetModelResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->model_id(), "model_id"); !good) co_return good;
+      const auto record = co_await cell_.model(ModelId{request->model_id()});
+      if (!record) co_return tl::unexpected(record.error());
+      if (auto good = put(whole(record), *response->mutable_model()); !good) co_return good;
+      auto looking = cell_.provenance().ground_of_model(record->id);
+      const auto ground = co_await std::move(looking);
+      if (!ground) co_return tl::unexpected(ground.error());
+      add_page(*record, *ground, *response);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ListModels(Context* context, const v1::ListModelsRequest*,
+                      v1::ListModelsResponse* response) override {
+    return answer(cell_, context, [this, response]() -> Awaitable<Result<void>> {
+      const auto records = co_await cell_.models();
+      if (!records) co_return tl::unexpected(records.error());
+      const auto serving = cell_.status().serving;
+      const auto corrections = co_await cell_.provenance().corrections();
+      if (!corrections) co_return tl::unexpected(corrections.error());
+      for (const auto& record : *records) {
+        auto& model = *response->add_models();
+        if (auto good = put(model_from(record, serving, ModelDetail::summary), model); !good)
+          co_return good;
+        for (const auto& correction : *corrections)
+          if (std::ranges::find(record.corrections, correction.id) != record.corrections.end())
+            *model.add_corrections() = mark_from(correction);
+      }
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ListPromotions(Context* context, const v1::ListPromotionsRequest*,
+                          v1::ListPromotionsResponse* response) override {
+    return answer(cell_, context, [this, response]() -> Awaitable<Result<void>> {
+      const auto promotions = co_await cell_.promotions();
+      if (!promotions) co_return tl::unexpected(promotions.error());
+      for (const auto& promotion : *promotions)
+        *response->add_promotions() = promotion_from(promotion);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* CreateFit(Context* context, const v1::CreateFitRequest* request,
+                     v1::CreateFitResponse* response) override {
+    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      auto fit = fit_request_from(*request);
+      if (!fit) co_return tl::unexpected(fit.error());
+      if (request->with_offers()) {  // first: a model whose offers cannot be weighed is not stored
+        const auto offers = co_await cell_.weigh_offers(*fit);
+        if (!offers) co_return tl::unexpected(offers.error());
+        for (const auto& offer : *offers) *response->add_offers() = offer_from(offer);
+      }
+      co_return put(whole(co_await cell_.fit(caller_of(*context), std::move(*fit))),
+                    *response->mutable_model());
+    });
+  }
+
+  Reactor* CompareModels(Context* context, const v1::CompareModelsRequest* request,
+                         v1::CompareModelsResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (request->model_ids_size() < 2 || request->model_ids_size() > 16)
+        co_return fail(ErrorCode::invalid_argument, "BAD_MODEL_COUNT",
+                       "model_ids: found " + std::to_string(request->model_ids_size()) +
+                           " models, expected 2 to 16");
+      std::vector<v1::Model> models;
+      std::optional<ModelRecord> first;
+      for (const std::int64_t id : request->model_ids()) {
+        if (auto good = check_id(id, "model_id"); !good) co_return good;
+        auto record = co_await cell_.model(ModelId{id});
+        if (!first && record) first = *record;
+        auto model = whole(record, first ? &*first : nullptr);
+        if (!model) co_return tl::unexpected(model.error());
+        models.push_back(std::move(*model));
+      }
+      *response = comparison_of(models);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* PromoteModel(Context* context, const v1::PromoteModelRequest* request,
+                        v1::PromoteModelResponse* response) override {
+    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->model_id(), "model_id"); !good) co_return good;
+      std::optional<ModelRecord> before;
+      if (const auto serving = cell_.status().serving)
+        if (auto record = co_await cell_.model(*serving)) before = std::move(*record);
+      auto promoting =
+          cell_.promote(caller_of(*context), ModelId{request->model_id()}, request->confirmed());
+      const auto promoted = co_await std::move(promoting);
+      co_return put(whole(promoted, before ? &*before : nullptr), *response->mutable_model());
+    });
+  }
+
+  Reactor* RollBackModel(Context* context, const v1::RollBackModelRequest*,
+                         v1::RollBackModelResponse* response) override {
+    return answer(cell_, context, [this, context, response]() -> Awaitable<Result<void>> {
+      const auto record = co_await cell_.roll_back(caller_of(*context));
+      if (!record) co_return tl::unexpected(record.error());
+      if (!*record) co_return Result<void>{};
+      co_return put(whole(**record), *response->mutable_model());
+    });
+  }
+
+  Reactor* ExportModel(Context* context, const v1::ExportModelRequest* request,
+                       v1::ExportModelResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->model_id(), "model_id"); !good) co_return good;
+      const auto record = co_await cell_.model(ModelId{request->model_id()});
+      if (!record) co_return tl::unexpected(record.error());
+      co_return put(export_model(*record, request->format()), *response);
+    });
+  }
+
+  Reactor* CheckModel(Context* context, const v1::CheckModelRequest* request,
+                      v1::CheckModelResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_cursor(request->model_id(), "model_id"); !good) co_return good;
+      auto runs = run_ids_from(request->run_ids());
+      if (!runs) co_return tl::unexpected(runs.error());
+      const auto model =
+          request->model_id() == 0 ? std::nullopt : std::optional(ModelId{request->model_id()});
+      auto checking = cell_.check_model(model, std::move(*runs));
+      const auto check = co_await std::move(checking);
+      if (!check) co_return tl::unexpected(check.error());
+      *response = check_from(*check);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* CheckFormula(Context* context, const v1::CheckFormulaRequest* request,
+                        v1::CheckFormulaResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      auto fit = fit_request_from(request->fit());
+      if (!fit) co_return tl::unexpected(fit.error());
+      const auto check = co_await cell_.check_formula(std::move(*fit));
+      if (!check) co_return tl::unexpected(check.error());
+      *response = formula_check_from(*check);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ListResiduals(Context* context, const v1::ListResidualsRequest* request,
+                         v1::ListResidualsResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->model_id(), "model_id"); !good) co_return good;
+      if (auto good = check_size(request->csv(), kMostDatasetBytes, "csv"); !good) co_return good;
+      auto runs = run_ids_from(request->run_ids());
+      if (!runs) co_return tl::unexpected(runs.error());
+      auto asking = cell_.residuals(ModelId{request->model_id()}, std::move(*runs), request->csv());
+      const auto residuals = co_await std::move(asking);
+      if (!residuals) co_return tl::unexpected(residuals.error());
+      *response = residuals_from(*residuals);
+      co_return Result<void>{};
+    });
+  }
+
+  grpc::ServerWriteReactor<v1::CompareMethodsResponse>* CompareMethods(
+      Context*, const v1::CompareMethodsRequest* request) override {
+    using Response = v1::CompareMethodsResponse;
+    auto asked = methods_request_from(*request);
+    if (!asked) return refuse_stream<Response>(asked.error());
+    return Stream<Response>::open(
+        cell_.executor(), std::make_unique<StudySource<Response>>(
+                              cell_.executor(), [this, wanted = std::move(*asked)](auto study) {
+                                return compared(wanted, std::move(study));
+                              }));
+  }
+
+  grpc::ServerWriteReactor<v1::StudySensorsResponse>* StudySensors(
+      Context*, const v1::StudySensorsRequest* request) override {
+    using Response = v1::StudySensorsResponse;
+    auto asked = sensors_request_from(*request);
+    if (!asked) return refuse_stream<Response>(asked.error());
+    return Stream<Response>::open(
+        cell_.executor(), std::make_unique<StudySource<Response>>(
+                              cell_.executor(), [this, wanted = std::move(*asked)](auto study) {
+                                return sensors_chosen(wanted, std::move(study));
+                              }));
+  }
+
+ private:
+  Awaitable<Result<v1::CompareMethodsResponse>> compared(
+      application::MethodsRequest asked, std::shared_ptr<application::Study> study) {
+    const std::string formula = asked.fit.formula;
+    auto comparing = cell_.studies().compare_methods(std::move(asked), std::move(study));
+    const auto judgements = co_await std::move(comparing);
+    if (!judgements) co_return tl::unexpected(judgements.error());
+    co_return comparison_from(*judgements, formula);
+  }
+
+  Awaitable<Result<v1::StudySensorsResponse>> sensors_chosen(
+      application::SensorsRequest asked, std::shared_ptr<application::Study> study) {
+    auto choosing = cell_.studies().study_sensors(std::move(asked), std::move(study));
+    const auto choice = co_await std::move(choosing);
+    if (!choice) co_return tl::unexpected(choice.error());
+    co_return sensor_choice_from(*choice);
+  }
+
+  Result<v1::Model> whole(const Result<ModelRecord>& record,
+                          const ModelRecord* before = nullptr) const {
+    if (!record) return tl::unexpected(record.error());
+    return model_from(*record, cell_.status().serving, ModelDetail::whole, before);
+  }
+
+  // What its page says beyond the model. It could be read: whole() did.
+  // The cell file that the model was measured under. A model of a file has none: then the present
+  // one, and no hash.
+  void add_page(const ModelRecord& record, const application::ModelGround& ground,
+                v1::GetModelResponse& response) const {
+    const bool is_of_a_file = ground.configurations.empty();
+    add_ground(ground, response);
+    if (!is_of_a_file && !ground.measured_under) return;  // no text of it can be read
+    const auto& description = is_of_a_file ? cell_.description() : *ground.measured_under;
+    response.set_cell_name(description.name);
+    add_declared(description, response);
+    if (const auto model = formats::read_model_json(record.json))
+      add_budgets(*model, description, response);
+  }
+
+  template <class Message>
+  static Result<void> put(Result<Message> found, Message& out) {
+    if (!found) return tl::unexpected(found.error());
+    out = std::move(*found);
+    return {};
+  }
+
+  application::Cell& cell_;
+};
+
+}  // namespace
+
+std::unique_ptr<grpc::Service> make_model_service(application::Cell& cell) {
+  return std::make_unique<ModelService>(cell);
+}
+
+}  // namespace driftwise::rpc

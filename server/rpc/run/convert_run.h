@@ -1,0 +1,21 @@
+#pragma once
+// Runs, their points, attempts and datums: domain -> proto; a run's rules: proto -> domain.
+
+#include "driftwise/v1/run.pb.h"
+#include "server/application/ports/cell.h"
+
+namespace driftwise::rpc {
+
+v1::Run run_from(const RunRecord& run);
+// Errors: invalid_argument (a reason that is too long).
+Result<application::HoldAnswer> answer_from(const v1::HoldAnswer& answer);
+v1::RunProgress progress_from(const application::RunProgress& progress);
+v1::Point point_from(const PointRecord& point);
+v1::Attempt attempt_from(const AttemptRecord& attempt);
+v1::Datum datum_from(const DatumRecord& datum);
+
+// The cell's rules with what the request sets. Errors: invalid_argument; BAD_RULE (not finite,
+// negative or absurd, naming the field and the range), BAD_DURATION.
+Result<RunRules> rules_from(const v1::RunRules& request, RunRules rules);
+
+}  // namespace driftwise::rpc

@@ -1,0 +1,233 @@
+#include <cmath>
+
+#include "driftwise/v1/run_service.grpc.pb.h"
+#include "server/rpc/configuration/convert_provenance.h"
+#include "server/rpc/run/convert_run.h"
+#include "server/rpc/run/convert_verification.h"
+#include "server/rpc/run/create_run_request.h"
+#include "server/rpc/shared/caller.h"
+#include "server/rpc/shared/convert_values.h"
+#include "server/rpc/shared/request_checks.h"
+#include "server/rpc/shared/services.h"
+#include "server/rpc/shared/unary.h"
+#include "server/rpc/shared/watch_sources.h"
+
+namespace driftwise::rpc {
+namespace {
+
+using Context = grpc::CallbackServerContext;
+using Reactor = grpc::ServerUnaryReactor;
+
+class RunService final : public v1::RunService::CallbackService {
+ public:
+  explicit RunService(application::Cell& cell) : cell_(cell) {}
+
+  Reactor* GetRun(Context* context, const v1::GetRunRequest* request,
+                  v1::GetRunResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
+      const auto run = co_await cell_.run(RunId{request->run_id()});
+      if (!run) co_return tl::unexpected(run.error());
+      *response->mutable_run() = run_from(*run);
+      auto looking = cell_.provenance().grounds_of_runs({run->id});
+      const auto grounds = co_await std::move(looking);
+      if (!grounds) co_return tl::unexpected(grounds.error());
+      add_ground(grounds->front(), true, *response->mutable_run());
+      response->set_trajectory_text(utf8_from(run->trajectory_text));
+      response->set_rules_json(run->rules_json);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ListRuns(Context* context, const v1::ListRunsRequest* request,
+                    v1::ListRunsResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_cursor(request->before_run_id(), "before_run_id"); !good)
+        co_return good;
+      const auto limit = limit_from(request->limit(), 50, 1000);
+      if (!limit) co_return tl::unexpected(limit.error());
+      const auto runs = co_await cell_.runs(*limit, request->before_run_id());
+      if (!runs) co_return tl::unexpected(runs.error());
+      std::vector<RunId> ids;
+      for (const auto& run : *runs) ids.push_back(run.id);
+      auto looking = cell_.provenance().grounds_of_runs(std::move(ids));
+      const auto grounds = co_await std::move(looking);
+      if (!grounds) co_return tl::unexpected(grounds.error());
+      for (std::size_t i = 0; i < runs->size(); ++i) {
+        auto& run = *response->add_runs() = run_from((*runs)[i]);
+        add_ground((*grounds)[i], false, run);
+      }
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ListPoints(Context* context, const v1::ListPointsRequest* request,
+                      v1::ListPointsResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
+      if (auto good = check_cursor(request->after_point_id(), "after_point_id"); !good)
+        co_return good;
+      const auto limit = limit_from(request->limit(), 1000, 10000);
+      if (!limit) co_return tl::unexpected(limit.error());
+      const auto points =
+          co_await cell_.points(RunId{request->run_id()}, request->after_point_id(), *limit);
+      if (!points) co_return tl::unexpected(points.error());
+      for (const auto& point : *points) *response->add_points() = point_from(point);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ListAttempts(Context* context, const v1::ListAttemptsRequest* request,
+                        v1::ListAttemptsResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
+      const auto attempts = co_await cell_.attempts(RunId{request->run_id()});
+      if (!attempts) co_return tl::unexpected(attempts.error());
+      for (const auto& attempt : *attempts) *response->add_attempts() = attempt_from(attempt);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ListDatums(Context* context, const v1::ListDatumsRequest* request,
+                      v1::ListDatumsResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
+      const auto datums = co_await cell_.data(RunId{request->run_id()});
+      if (!datums) co_return tl::unexpected(datums.error());
+      for (const auto& datum : *datums) *response->add_datums() = datum_from(datum);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* CheckTrajectory(Context* context, const v1::CheckTrajectoryRequest* request,
+                           v1::CheckTrajectoryResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (auto good =
+              check_size(request->trajectory_text(), kMostTrajectoryBytes, "trajectory_text");
+          !good)
+        co_return good;
+      auto checking = cell_.check_trajectory(request->trajectory_text());
+      const auto check = co_await std::move(checking);
+      if (!check) co_return tl::unexpected(check.error());
+      *response = check_response_from(*check);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* CreateRun(Context* context, const v1::CreateRunRequest* request,
+                     v1::CreateRunResponse* response) override {
+    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      auto asked = create_run_from(*request, cell_.description().run);
+      if (!asked) co_return tl::unexpected(asked.error());
+      const auto run = co_await cell_.create_run(caller_of(*context), std::move(*asked));
+      if (!run) co_return tl::unexpected(run.error());
+      *response->mutable_run() = run_from(*run);
+      co_return Result<void>{};
+    });
+  }
+
+  grpc::ServerWriteReactor<v1::WatchRunResponse>* WatchRun(
+      Context*, const v1::WatchRunRequest* request) override {
+    std::optional<RunId> run;
+    if (request->has_run_id()) {
+      if (auto good = check_id(request->run_id(), "run_id"); !good)
+        return refuse_stream<v1::WatchRunResponse>(good.error());
+      run = RunId{request->run_id()};
+    }
+    return Stream<v1::WatchRunResponse>::open(cell_.executor(), watch_run(cell_, run));
+  }
+
+  Reactor* PauseRun(Context* context, const v1::PauseRunRequest* request,
+                    v1::PauseRunResponse* response) override {
+    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
+      const auto run = co_await cell_.pause_run(caller_of(*context), RunId{request->run_id()});
+      if (!run) co_return tl::unexpected(run.error());
+      *response->mutable_run() = run_from(*run);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ResumeRun(Context* context, const v1::ResumeRunRequest* request,
+                     v1::ResumeRunResponse* response) override {
+    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
+      auto answered = answer_from(request->answer());
+      if (!answered) co_return tl::unexpected(answered.error());
+      auto resuming =
+          cell_.resume_run(caller_of(*context), RunId{request->run_id()}, std::move(*answered));
+      const auto run = co_await std::move(resuming);
+      if (!run) co_return tl::unexpected(run.error());
+      *response->mutable_run() = run_from(*run);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* AbortRun(Context* context, const v1::AbortRunRequest* request,
+                    v1::AbortRunResponse* response) override {
+    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
+      const auto reason = line_from(request->reason(), kMostNameBytes, "reason");
+      if (!reason) co_return tl::unexpected(reason.error());
+      auto aborting = cell_.abort_run(caller_of(*context), RunId{request->run_id()}, *reason);
+      const auto run = co_await std::move(aborting);
+      if (!run) co_return tl::unexpected(run.error());
+      *response->mutable_run() = run_from(*run);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* VerifyRuns(Context* context, const v1::VerifyRunsRequest* request,
+                      v1::VerifyRunsResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (request->run_ids_size() < 1 || request->run_ids_size() > 16)
+        co_return fail(ErrorCode::invalid_argument, "BAD_RUN_COUNT",
+                       "run_ids: found " + std::to_string(request->run_ids_size()) +
+                           " runs, expected 1 to 16");
+      auto ids = run_ids_from(request->run_ids());
+      if (!ids) co_return tl::unexpected(ids.error());
+      std::optional<ModelId> range;
+      if (request->has_model_id()) {
+        if (auto good = check_id(request->model_id(), "model_id"); !good) co_return good;
+        range = ModelId{request->model_id()};
+      }
+      std::vector<RunRecord> records;
+      for (const RunId id : *ids) {
+        auto record = co_await cell_.run(id);
+        if (!record) co_return tl::unexpected(record.error());
+        records.push_back(std::move(*record));
+      }
+      auto verifying = cell_.verify_runs(std::move(*ids), range);
+      const auto verification = co_await std::move(verifying);
+      if (!verification) co_return tl::unexpected(verification.error());
+      *response = verification_from(*verification, records);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ConfirmForce(Context* context, const v1::ConfirmForceRequest* request,
+                        v1::ConfirmForceResponse* response) override {
+    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
+      if (!request->has_force_n() || !std::isfinite(request->force_n()))
+        co_return fail(ErrorCode::invalid_argument, "MISSING_FORCE",
+                       "force_n: found nothing, expected the force that acts now, N");
+      const auto run = co_await cell_.confirm_force(caller_of(*context), RunId{request->run_id()},
+                                                    request->force_n());
+      if (!run) co_return tl::unexpected(run.error());
+      *response->mutable_run() = run_from(*run);
+      co_return Result<void>{};
+    });
+  }
+
+ private:
+  application::Cell& cell_;
+};
+
+}  // namespace
+
+std::unique_ptr<grpc::Service> make_run_service(application::Cell& cell) {
+  return std::make_unique<RunService>(cell);
+}
+
+}  // namespace driftwise::rpc

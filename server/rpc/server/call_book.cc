@@ -1,0 +1,159 @@
+#include "server/rpc/server/call_book.h"
+
+#include <grpcpp/server_context.h>
+
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string_view>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+namespace driftwise::rpc {
+
+struct CallBook::Calls {
+  struct One {
+    std::string peer;
+    bool is_stream = false, blocked = false;
+    Instant since;  // of the last message, or of its beginning
+    std::function<void()> end;
+  };
+  // Ending a call may run callbacks on this thread that leave the book.
+  mutable std::recursive_mutex mutex;
+  Quotas quotas;
+  std::map<std::size_t, One> open;
+  std::size_t next_id = 0;
+  bool closing = false;
+
+  // Ends the slowest stream, of one connection or of all.
+  void end_slowest(const std::string* peer) {
+    const auto now = std::chrono::steady_clock::now();
+    std::optional<std::size_t> slowest;
+    const auto rank = [&](const One& one) {
+      return std::tuple(!(one.blocked && now - one.since >= kSlow), one.since);
+    };
+    for (const auto& [id, one] : open) {
+      if (!one.is_stream || !one.end || (peer && one.peer != *peer)) continue;
+      if (!slowest || rank(one) < rank(open.at(*slowest))) slowest = id;
+    }
+    if (!slowest) return;
+    const auto end = std::exchange(open.at(*slowest).end, nullptr);
+    end();
+  }
+
+  std::size_t streams(const std::string* peer) const {
+    std::size_t count = 0;
+    for (const auto& [id, one] : open)
+      count += one.is_stream && one.end && (!peer || one.peer == *peer) ? 1 : 0;
+    return count;
+  }
+};
+
+CallBook::CallBook(Quotas quotas) : calls_(std::make_shared<Calls>()) { calls_->quotas = quotas; }
+CallBook::~CallBook() = default;
+
+std::unique_ptr<CallBook::Entry> CallBook::enter(std::string peer, bool is_stream,
+                                                 std::function<void()> end) {
+  const std::lock_guard lock(calls_->mutex);
+  if (is_stream) {
+    // The page's streams come through the gateway, whose own door holds them within bounds.
+    const bool from_socket = !peer.starts_with("inproc") && peer != "unknown";
+    if (from_socket && calls_->streams(&peer) >= calls_->quotas.streams_per_connection)
+      calls_->end_slowest(&peer);
+    if (calls_->streams(nullptr) >= calls_->quotas.streams_in_all) calls_->end_slowest(nullptr);
+  }
+  if (is_stream && calls_->closing) std::exchange(end, nullptr)();
+  const std::size_t id = calls_->next_id++;
+  calls_->open.emplace(id, Calls::One{std::move(peer), is_stream, false,
+                                      std::chrono::steady_clock::now(), std::move(end)});
+  return std::make_unique<Entry>(calls_, id);
+}
+
+void CallBook::end_streams() {
+  const std::lock_guard lock(calls_->mutex);
+  calls_->closing = true;
+  // Ending one may take others out of the book.
+  std::vector<std::size_t> ids;
+  for (const auto& [id, one] : calls_->open)
+    if (one.is_stream && one.end) ids.push_back(id);
+  for (const std::size_t id : ids)
+    if (const auto one = calls_->open.find(id); one != calls_->open.end())
+      if (const auto end = std::exchange(one->second.end, nullptr)) end();
+}
+
+std::size_t CallBook::open_calls(const std::string& peer) const {
+  const std::lock_guard lock(calls_->mutex);
+  std::size_t count = 0;
+  for (const auto& [id, one] : calls_->open) count += one.peer == peer ? 1 : 0;
+  return count;
+}
+
+std::size_t CallBook::streams() const {
+  const std::lock_guard lock(calls_->mutex);
+  return calls_->streams(nullptr);
+}
+
+CallBook::Entry::~Entry() {
+  const std::lock_guard lock(calls_->mutex);
+  calls_->open.erase(id_);
+}
+
+void CallBook::Entry::message_begun() {
+  const std::lock_guard lock(calls_->mutex);
+  auto& one = calls_->open.at(id_);
+  one.blocked = true;
+  one.since = std::chrono::steady_clock::now();
+}
+
+void CallBook::Entry::message_taken() {
+  const std::lock_guard lock(calls_->mutex);
+  auto& one = calls_->open.at(id_);
+  one.blocked = false;
+  one.since = std::chrono::steady_clock::now();
+}
+
+namespace {
+
+namespace gx = grpc::experimental;
+
+class Entering final : public gx::Interceptor {
+ public:
+  explicit Entering(std::unique_ptr<CallBook::Entry> entry) : entry_(std::move(entry)) {}
+  void Intercept(gx::InterceptorBatchMethods* methods) override {
+    if (methods->QueryInterceptionHookPoint(gx::InterceptionHookPoints::PRE_SEND_MESSAGE))
+      entry_->message_begun();
+    if (methods->QueryInterceptionHookPoint(gx::InterceptionHookPoints::POST_SEND_MESSAGE))
+      entry_->message_taken();
+    methods->Proceed();
+  }
+
+ private:
+  std::unique_ptr<CallBook::Entry> entry_;
+};
+
+class EnteringFactory final : public gx::ServerInterceptorFactoryInterface {
+ public:
+  explicit EnteringFactory(std::shared_ptr<CallBook> book) : book_(std::move(book)) {}
+  gx::Interceptor* CreateServerInterceptor(gx::ServerRpcInfo* info) override {
+    constexpr std::string_view kTarget = "/driftwise.v1.TargetService/ComputeTarget";
+    if (info->method() != nullptr && info->method() == kTarget) return nullptr;
+    auto* context = info->server_context();
+    const bool is_stream = info->type() == gx::ServerRpcInfo::Type::SERVER_STREAMING ||
+                           info->type() == gx::ServerRpcInfo::Type::BIDI_STREAMING;
+    return new Entering(
+        book_->enter(context->peer(), is_stream, [context] { context->TryCancel(); }));
+  }
+
+ private:
+  std::shared_ptr<CallBook> book_;
+};
+
+}  // namespace
+
+std::unique_ptr<gx::ServerInterceptorFactoryInterface> entering(std::shared_ptr<CallBook> book) {
+  return std::make_unique<EnteringFactory>(std::move(book));
+}
+
+}  // namespace driftwise::rpc

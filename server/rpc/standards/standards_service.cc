@@ -1,0 +1,71 @@
+#include "driftwise/v1/standards_service.grpc.pb.h"
+#include "server/application/plumbing/signal.h"
+#include "server/formats/csv/dataset_csv.h"
+#include "server/rpc/shared/request_checks.h"
+#include "server/rpc/shared/services.h"
+#include "server/rpc/shared/unary.h"
+#include "server/rpc/standards/convert_standards.h"
+
+namespace driftwise::rpc {
+namespace {
+
+class StandardsService final : public v1::StandardsService::CallbackService {
+ public:
+  explicit StandardsService(application::Cell& cell) : cell_(cell) {}
+
+  grpc::ServerUnaryReactor* EvaluateIso2302(grpc::CallbackServerContext* context,
+                                            const v1::EvaluateIso2302Request* request,
+                                            v1::EvaluateIso2302Response* response) override {
+    return evaluate(context, request, response, &standards::iso230_2);
+  }
+  grpc::ServerUnaryReactor* EvaluateIso2303(grpc::CallbackServerContext* context,
+                                            const v1::EvaluateIso2303Request* request,
+                                            v1::EvaluateIso2303Response* response) override {
+    return evaluate(context, request, response, &standards::iso230_3);
+  }
+  grpc::ServerUnaryReactor* EvaluateIso9283(grpc::CallbackServerContext* context,
+                                            const v1::EvaluateIso9283Request* request,
+                                            v1::EvaluateIso9283Response* response) override {
+    return evaluate(context, request, response, &standards::iso9283);
+  }
+
+ private:
+  // The runs as they are exported, so that a file's figures and the daemon's are the same numbers.
+  template <class Request, class Response, class Figures>
+  grpc::ServerUnaryReactor* evaluate(grpc::CallbackServerContext* context, const Request* request,
+                                     Response* response, Figures figures_of) {
+    return answer(
+        cell_, context, [this, request, response, figures_of]() -> Awaitable<Result<void>> {
+          auto runs = run_ids_from(request->run_ids());
+          if (!runs) co_return tl::unexpected(runs.error());
+          if (runs->empty())
+            co_return fail(ErrorCode::invalid_argument, "NO_RUNS",
+                           "run_ids: found none, expected at least one");
+          auto exporting =
+              cell_.export_dataset(std::move(*runs), true);  // rows kept out are no figures either
+          const auto csv = co_await std::move(exporting);
+          if (!csv) co_return tl::unexpected(csv.error());
+          auto calculating = application::run_on(
+              cell_.background(), [text = *csv, options = options_from(*request), figures_of] {
+                const auto dataset = formats::read_dataset_csv(text, "run");
+                using Answer = decltype(figures_of(*dataset, options));
+                if (!dataset) return Answer(tl::unexpected(dataset.error()));
+                return figures_of(*dataset, options);
+              });
+          const auto figures = co_await std::move(calculating);
+          if (!figures) co_return tl::unexpected(figures.error());
+          put(*figures, *response);
+          co_return Result<void>{};
+        });
+  }
+
+  application::Cell& cell_;
+};
+
+}  // namespace
+
+std::unique_ptr<grpc::Service> make_standards_service(application::Cell& cell) {
+  return std::make_unique<StandardsService>(cell);
+}
+
+}  // namespace driftwise::rpc

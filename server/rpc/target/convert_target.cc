@@ -1,0 +1,160 @@
+#include "server/rpc/target/convert_target.h"
+
+#include <cmath>
+#include <utility>
+
+#include "server/compensation/correction_parts.h"
+#include "server/rpc/shared/convert_values.h"
+
+namespace driftwise::rpc {
+namespace {
+
+using compensation::Variable;
+
+std::optional<Variable> variable_of(std::string_view channel) {
+  const auto underscore = channel.rfind('_');
+  if (underscore == std::string_view::npos) return std::nullopt;
+  const auto variable = compensation::variable_from(channel.substr(0, underscore));
+  if (!variable) return std::nullopt;
+  const std::string_view unit = channel.substr(underscore + 1);
+  const bool rotation =
+      *variable == Variable::rx || *variable == Variable::ry || *variable == Variable::rz;
+  const std::string_view expected = *variable == Variable::force ? "N" : rotation ? "arcsec" : "mm";
+  return unit == expected ? variable : std::nullopt;
+}
+
+v1::BudgetLine::Source source_from(compensation::UncertaintySource source) {
+  using compensation::UncertaintySource;
+  switch (source) {
+    case UncertaintySource::fit:
+      return v1::BudgetLine::SOURCE_FIT;
+    case UncertaintySource::residual:
+      return v1::BudgetLine::SOURCE_RESIDUAL;
+    case UncertaintySource::temperatures:
+      return v1::BudgetLine::SOURCE_TEMPERATURES;
+    case UncertaintySource::laser:
+      return v1::BudgetLine::SOURCE_LASER;
+    case UncertaintySource::drift:
+      return v1::BudgetLine::SOURCE_DRIFT;
+    case UncertaintySource::beam_offset:
+      return v1::BudgetLine::SOURCE_BEAM_OFFSET;
+    case UncertaintySource::tilts:
+      return v1::BudgetLine::SOURCE_TILTS;
+    case UncertaintySource::beam_direction:
+      return v1::BudgetLine::SOURCE_BEAM_DIRECTION;
+    case UncertaintySource::mirror:
+      return v1::BudgetLine::SOURCE_MIRROR;
+    case UncertaintySource::force:
+      return v1::BudgetLine::SOURCE_FORCE;
+    case UncertaintySource::scale:
+      return v1::BudgetLine::SOURCE_SCALE;
+    case UncertaintySource::extrapolation:
+      return v1::BudgetLine::SOURCE_EXTRAPOLATION;
+  }
+  return v1::BudgetLine::SOURCE_UNSPECIFIED;
+}
+
+void add_flags(const compensation::Snapshot& snapshot, const compensation::Target& target,
+               v1::Target& out) {
+  if (target.flags == 0) return;
+  const auto add = [&](std::uint32_t flag, v1::Target::Flag named) {
+    if ((target.flags & flag) != 0) out.add_flags(named);
+  };
+  add(compensation::kOutsideDomain, v1::Target::FLAG_OUTSIDE_DOMAIN);
+  add(compensation::kStaleTemperature, v1::Target::FLAG_STALE_TEMPERATURE);
+  add(compensation::kMissingTemperature, v1::Target::FLAG_MISSING_TEMPERATURE);
+  add(compensation::kExpiredConditions, v1::Target::FLAG_EXPIRED_CONDITIONS);
+  add(compensation::kUnanchoredDatum, v1::Target::FLAG_UNANCHORED_DATUM);
+  add(compensation::kOutsideLimits, v1::Target::FLAG_OUTSIDE_LIMITS);
+  add(compensation::kUnknownLimits, v1::Target::FLAG_UNKNOWN_LIMITS);
+  add(compensation::kIgnoredCoordinate, v1::Target::FLAG_IGNORED_COORDINATE);
+  for (std::size_t i = 0; i < target.outputs; ++i) {
+    const auto name = snapshot.outputs[i].channel.name();
+    if ((target.unreachable >> i & 1) != 0) out.add_unreachable_channels(name);
+    if ((target.unlimited >> i & 1) != 0) out.add_unlimited_channels(name);
+  }
+  for (std::size_t i = 0; i < compensation::kVariables; ++i)
+    if ((target.ignored >> i & 1) != 0)
+      out.add_ignored_channels(compensation::channel_of(static_cast<Variable>(i)).name());
+  add(compensation::kConfigurationChanged, v1::Target::FLAG_CONFIGURATION_CHANGED);
+  for (std::size_t i = 0; i < snapshot.inputs.size(); ++i) {
+    const std::uint64_t mine = std::uint64_t{1} << i;
+    if ((target.outside & mine) != 0) out.add_outside_channels(snapshot.inputs[i].channel.name());
+    if ((target.stale & mine) != 0) out.add_stale_channels(snapshot.inputs[i].channel.name());
+    if ((target.missing & mine) != 0) out.add_missing_channels(snapshot.inputs[i].channel.name());
+  }
+}
+
+void add_parts(const compensation::CorrectionParts& parts, v1::MotorCoordinate& out) {
+  for (const auto& [source, nm] :
+       {std::pair{v1::CorrectionPart::SOURCE_GEOMETRY, parts.geometry_nm},
+        std::pair{v1::CorrectionPart::SOURCE_FORCE, parts.force_nm},
+        std::pair{v1::CorrectionPart::SOURCE_TEMPERATURES, parts.temperatures_nm}}) {
+    auto& part = *out.add_parts();
+    part.set_source(source);
+    part.set_nm(nm);
+  }
+}
+
+}  // namespace
+
+Result<compensation::TargetRequest> pose_from(
+    const google::protobuf::RepeatedPtrField<v1::ChannelValue>& pose, CellTime now) {
+  compensation::TargetRequest request;
+  request.now = now;
+  for (const auto& value : pose) {
+    const auto variable = variable_of(value.channel());
+    const auto bad = [&](std::string reason, const char* what) {
+      return fail(ErrorCode::invalid_argument, std::move(reason),
+                  "pose: " + value.channel() + what);
+    };
+    if (!variable)
+      return bad("BAD_POSE",
+                 " is not a coordinate of a pose, expected x_mm, y_mm, z_mm, rx_arcsec, ry_arcsec, "
+                 "rz_arcsec or force_N");
+    if (!value.has_value()) return bad("MISSING_VALUE", " has no value");
+    if (!std::isfinite(value.value())) return bad("NOT_FINITE", " is not a finite number");
+    if ((request.given & compensation::bit(*variable)) != 0)
+      return bad("DUPLICATE_CHANNEL", " stands twice");
+    request.set(*variable, value.value());
+  }
+  return request;
+}
+
+Result<void> answer_target(const compensation::Snapshot& snapshot,
+                           const compensation::TargetRequest& request, bool with_budget,
+                           v1::Target& out) {
+  const compensation::Target target = compensation::compute_target(snapshot, request);
+  if (target.refusal != compensation::Refusal::none)
+    return tl::unexpected(compensation::refusal_error(snapshot, target));
+  out.mutable_coordinates()->Reserve(static_cast<int>(target.outputs));
+  for (std::size_t i = 0; i < target.outputs; ++i) {
+    auto& coordinate = *out.add_coordinates();
+    coordinate.set_channel(snapshot.outputs[i].channel.name());
+    coordinate.set_position_mm(target.q_mm[i]);
+    coordinate.set_u_nm(target.u_nm[i]);
+    coordinate.set_u90_nm(target.u90_nm(i));
+    coordinate.set_expanded_nm(target.expanded_nm(i));
+    if ((target.unreachable >> i & 1) != 0) {
+      coordinate.set_min_mm(snapshot.outputs[i].min_mm);
+      coordinate.set_max_mm(snapshot.outputs[i].max_mm);
+    }
+    const auto parts = compensation::correction_parts(snapshot, request, i);
+    if (parts) coordinate.set_correction_nm(parts->sum_nm());
+    if (!with_budget) continue;
+    if (parts) add_parts(*parts, coordinate);
+    const auto budget = compensation::compute_budget(snapshot, request, i);
+    for (std::size_t line = 0; line < budget.lines; ++line) {
+      auto& added = *coordinate.add_budget();
+      added.set_source(source_from(budget.line[line].source));
+      added.set_u_nm(budget.line[line].u_nm);
+    }
+  }
+  out.set_model_id(snapshot.model.value);
+  *out.mutable_conditions_time() = timestamp_from(snapshot.built_at);
+  *out.mutable_valid_until_time() = timestamp_from(target.valid_until);
+  add_flags(snapshot, target, out);
+  return {};
+}
+
+}  // namespace driftwise::rpc

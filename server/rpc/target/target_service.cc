@@ -1,0 +1,81 @@
+// Unary targets are answered on gRPC's own thread: no hop to the executor, no lock.
+
+#include "driftwise/v1/target_service.grpc.pb.h"
+#include "server/rpc/shared/convert_values.h"
+#include "server/rpc/shared/services.h"
+#include "server/rpc/shared/unary.h"
+#include "server/rpc/shared/watch_sources.h"
+#include "server/rpc/target/convert_past_targets.h"
+#include "server/rpc/target/convert_target.h"
+#include "server/rpc/target/map_targets.h"
+
+namespace driftwise::rpc {
+namespace {
+
+class TargetService final : public v1::TargetService::CallbackService {
+ public:
+  explicit TargetService(application::Cell& cell) : cell_(cell) {}
+
+  grpc::ServerUnaryReactor* ComputeTarget(grpc::CallbackServerContext* context,
+                                          const v1::ComputeTargetRequest* request,
+                                          v1::ComputeTargetResponse* response) override {
+    return answer_now(context, compute(*request, *response));
+  }
+
+  grpc::ServerUnaryReactor* MapTargets(grpc::CallbackServerContext* context,
+                                       const v1::MapTargetsRequest* request,
+                                       v1::MapTargetsResponse* response) override {
+    static const compensation::Snapshot nothing;
+    const auto snapshot = cell_.snapshots().read();
+    return answer_now(
+        context, map_targets(snapshot ? *snapshot : nothing, *request, cell_.now(), *response));
+  }
+
+  grpc::ServerUnaryReactor* ListPastTargets(grpc::CallbackServerContext* context,
+                                            const v1::ListPastTargetsRequest* request,
+                                            v1::ListPastTargetsResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      auto query = past_targets_query_from(*request);
+      if (!query) co_return tl::unexpected(query.error());
+      auto asking = cell_.watching().past_targets(std::move(*query));
+      const auto past = co_await std::move(asking);
+      if (!past) co_return tl::unexpected(past.error());
+      fill_past_targets(*past, *response);
+      co_return Result<void>{};
+    });
+  }
+
+  grpc::ServerWriteReactor<v1::WatchTargetsResponse>* WatchTargets(
+      grpc::CallbackServerContext*, const v1::WatchTargetsRequest* request) override {
+    auto pose = pose_from(request->pose(), CellTime{});
+    if (!pose) return refuse_stream<v1::WatchTargetsResponse>(pose.error());
+    pose->show_unreachable = request->show_unreachable();
+    const auto interval =
+        nanoseconds_from(request->min_interval_duration(), "min_interval_duration");
+    if (!interval) return refuse_stream<v1::WatchTargetsResponse>(interval.error());
+    return Stream<v1::WatchTargetsResponse>::open(cell_.executor(),
+                                                  watch_targets(cell_, *pose, *interval));
+  }
+
+ private:
+  Result<void> compute(const v1::ComputeTargetRequest& request,
+                       v1::ComputeTargetResponse& response) const {
+    auto pose = pose_from(request.pose(), cell_.now());
+    if (!pose) return tl::unexpected(pose.error());
+    pose->show_unreachable = request.show_unreachable();
+    static const compensation::Snapshot nothing;  // its refusal says that no model serves
+    const auto snapshot = cell_.snapshots().read();
+    return answer_target(snapshot ? *snapshot : nothing, *pose, request.with_budget(),
+                         *response.mutable_target());
+  }
+
+  application::Cell& cell_;
+};
+
+}  // namespace
+
+std::unique_ptr<grpc::Service> make_target_service(application::Cell& cell) {
+  return std::make_unique<TargetService>(cell);
+}
+
+}  // namespace driftwise::rpc

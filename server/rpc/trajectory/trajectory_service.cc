@@ -1,0 +1,122 @@
+#include "driftwise/v1/trajectory_service.grpc.pb.h"
+#include "server/application/plumbing/signal.h"
+#include "server/core/trajectory/trajectory_generator.h"
+#include "server/formats/csv/trajectory_csv.h"
+#include "server/rpc/shared/caller.h"
+#include "server/rpc/shared/convert_values.h"
+#include "server/rpc/shared/request_checks.h"
+#include "server/rpc/shared/services.h"
+#include "server/rpc/shared/unary.h"
+
+namespace driftwise::rpc {
+namespace {
+
+using Context = grpc::CallbackServerContext;
+using Reactor = grpc::ServerUnaryReactor;
+
+v1::Trajectory kept_trajectory_from(const KeptTrajectory& kept) {
+  v1::Trajectory out;
+  out.set_id(kept.id.value);
+  out.set_name(utf8_from(kept.name));
+  out.set_text(utf8_from(kept.text));
+  out.set_row_count(kept.rows);
+  out.set_created_by(utf8_from(kept.created_by));
+  *out.mutable_create_time() = timestamp_from(kept.created);
+  out.set_hash(kept.hash);
+  return out;
+}
+
+Result<GeneratorPlan> generator_plan_from(const v1::GenerateTrajectoryRequest& request) {
+  GeneratorPlan plan;
+  for (const auto& axis : request.axes()) {
+    auto coordinate = parse_channel(axis.coordinate());
+    if (!coordinate)
+      return fail(ErrorCode::invalid_argument, "BAD_PLAN", "axes: " + coordinate.error().message);
+    plan.axes.push_back({std::move(*coordinate), axis.from_mm(), axis.to_mm(), axis.count()});
+  }
+  plan.line_length = request.line_length();
+  plan.with_validation = request.with_validation();
+  plan.forces_n.assign(request.forces_n().begin(), request.forces_n().end());
+  plan.repeats = request.repeat_count() == 0 ? 1 : request.repeat_count();
+  plan.both_directions = request.both_directions();
+  if (request.has_shuffle_seed())
+    plan.shuffle_seed = static_cast<std::uint64_t>(request.shuffle_seed());
+  return plan;
+}
+
+Result<std::string> generated_text(const GeneratorPlan& plan) {
+  const auto trajectory = generate_trajectory(plan);
+  if (!trajectory) return tl::unexpected(trajectory.error());
+  return formats::write_trajectory_csv(*trajectory);
+}
+
+class TrajectoryService final : public v1::TrajectoryService::CallbackService {
+ public:
+  explicit TrajectoryService(application::Cell& cell) : cell_(cell) {}
+
+  Reactor* CreateTrajectory(Context* context, const v1::CreateTrajectoryRequest* request,
+                            v1::CreateTrajectoryResponse* response) override {
+    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      const auto name = line_from(request->name(), kMostNameBytes, "name");
+      if (!name) co_return tl::unexpected(name.error());
+      if (auto good = check_size(request->text(), kMostTrajectoryBytes, "text"); !good)
+        co_return good;
+      auto keeping = cell_.watching().keep_trajectory(caller_of(*context), *name, request->text());
+      const auto kept = co_await std::move(keeping);
+      if (!kept) co_return tl::unexpected(kept.error());
+      *response->mutable_trajectory() = kept_trajectory_from(*kept);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* GetTrajectory(Context* context, const v1::GetTrajectoryRequest* request,
+                         v1::GetTrajectoryResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->trajectory_id(), "trajectory_id"); !good) co_return good;
+      const auto kept = co_await cell_.watching().trajectory({request->trajectory_id()});
+      if (!kept) co_return tl::unexpected(kept.error());
+      *response->mutable_trajectory() = kept_trajectory_from(*kept);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ListTrajectories(Context* context, const v1::ListTrajectoriesRequest*,
+                            v1::ListTrajectoriesResponse* response) override {
+    return answer(cell_, context, [this, response]() -> Awaitable<Result<void>> {
+      const auto all = co_await cell_.watching().trajectories();
+      if (!all) co_return tl::unexpected(all.error());
+      for (const auto& kept : *all) *response->add_trajectories() = kept_trajectory_from(kept);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* GenerateTrajectory(Context* context, const v1::GenerateTrajectoryRequest* request,
+                              v1::GenerateTrajectoryResponse* response) override {
+    // Stores nothing and moves nothing, but what it makes must be fit for this cell.
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      const auto plan = generator_plan_from(*request);
+      if (!plan) co_return tl::unexpected(plan.error());
+      auto generating =
+          application::run_on(cell_.background(), [plan = *plan] { return generated_text(plan); });
+      auto text = co_await std::move(generating);
+      if (!text) co_return tl::unexpected(text.error());
+      auto checking = cell_.check_trajectory(*text);
+      const auto checked = co_await std::move(checking);
+      if (!checked) co_return tl::unexpected(checked.error());
+      response->set_text(std::move(*text));
+      response->set_row_count(static_cast<std::int64_t>(checked->trajectory.points.size()));
+      co_return Result<void>{};
+    });
+  }
+
+ private:
+  application::Cell& cell_;
+};
+
+}  // namespace
+
+std::unique_ptr<grpc::Service> make_trajectory_service(application::Cell& cell) {
+  return std::make_unique<TrajectoryService>(cell);
+}
+
+}  // namespace driftwise::rpc

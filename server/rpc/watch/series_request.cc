@@ -1,0 +1,85 @@
+#include "server/rpc/watch/series_request.h"
+
+#include <algorithm>
+
+#include "server/rpc/shared/request_checks.h"
+#include "server/rpc/shared/wire_time.h"
+
+namespace driftwise::rpc {
+namespace {
+
+constexpr int kMostBuckets = 10'000, kMostChannels = 200;
+constexpr std::int64_t kMostBucketsInAll = 1'000'000, kNanosecondsPerSecond = 1'000'000'000;
+
+Result<CellTime> instant_from(const google::protobuf::Timestamp& time, const char* field) {
+  constexpr std::int64_t kMostSeconds = 9'000'000'000;  // 64 bits of nanoseconds reach 2262
+  if (time.seconds() < 0 || time.seconds() > kMostSeconds || time.nanos() < 0 ||
+      time.nanos() >= kNanosecondsPerSecond)
+    return fail(ErrorCode::invalid_argument, "BAD_TIME",
+                std::string(field) + ": expected an instant between 1970 and 2255");
+  return cell_time_from(UtcTime{time.seconds() * kNanosecondsPerSecond + time.nanos()});
+}
+
+Result<void> take_channels(const v1::GetSeriesRequest& request, SeriesQuery& out) {
+  if (request.channels().empty() || request.channels_size() > kMostChannels)
+    return fail(ErrorCode::invalid_argument, "BAD_CHANNEL",
+                "channels: found " + std::to_string(request.channels_size()) +
+                    " of them, expected 1 to " + std::to_string(kMostChannels));
+  for (const auto& name : request.channels()) {
+    if (const auto channel = parse_channel(name); !channel)
+      return fail(ErrorCode::invalid_argument, "BAD_CHANNEL",
+                  "channels: " + channel.error().message);
+    if (std::find(out.channels.begin(), out.channels.end(), name) != out.channels.end())
+      return fail(ErrorCode::invalid_argument, "BAD_CHANNEL",
+                  "channels: " + name + " is named twice");
+    out.channels.push_back(name);
+  }
+  return {};
+}
+
+Result<void> take_buckets(const v1::GetSeriesRequest& request, SeriesQuery& out) {
+  out.buckets = request.bucket_count();
+  if (out.buckets < 1 || out.buckets > kMostBuckets)
+    return fail(ErrorCode::invalid_argument, "BAD_BUCKETS",
+                "bucket_count: found " + std::to_string(out.buckets) + ", expected 1 to " +
+                    std::to_string(kMostBuckets));
+  if (std::int64_t{out.buckets} * request.channels_size() > kMostBucketsInAll)
+    return fail(ErrorCode::resource_exhausted, "TOO_MANY_BUCKETS",
+                "bucket_count times channels is above 1 000 000: ask for fewer of either");
+  return {};
+}
+
+}  // namespace
+
+Awaitable<Result<SeriesQuery>> series_query_from(const v1::GetSeriesRequest& request,
+                                                 application::Cell& cell) {
+  SeriesQuery out;
+  if (auto good = take_channels(request, out); !good) co_return tl::unexpected(good.error());
+  if (auto good = take_buckets(request, out); !good) co_return tl::unexpected(good.error());
+  out.to = cell.now();
+  out.from = {};
+  if (request.has_run_id()) {
+    if (auto good = check_id(request.run_id(), "run_id"); !good)
+      co_return tl::unexpected(good.error());
+    out.run = RunId{request.run_id()};
+    const auto run = co_await cell.run(*out.run);
+    if (!run) co_return tl::unexpected(run.error());
+    out.from = run->started.utc_ns != 0 ? run->started : run->created;
+    if (run->ended.utc_ns != 0) out.to = {run->ended.utc_ns + 1};
+  }
+  for (const bool is_from : {true, false}) {
+    if (is_from ? !request.has_from_time() : !request.has_to_time()) continue;
+    const auto time = instant_from(is_from ? request.from_time() : request.to_time(),
+                                   is_from ? "from_time" : "to_time");
+    if (!time) co_return tl::unexpected(time.error());
+    (is_from ? out.from : out.to) = *time;
+  }
+  if (out.from.utc_ns == 0 && !request.has_from_time())
+    out.from = {out.to.utc_ns - 3600 * kNanosecondsPerSecond};
+  if (out.from.utc_ns >= out.to.utc_ns)
+    co_return fail(ErrorCode::invalid_argument, "BAD_RANGE",
+                   "from_time is not before to_time: expected a range of at least 1 us");
+  co_return out;
+}
+
+}  // namespace driftwise::rpc

@@ -1,0 +1,93 @@
+#include <boost/asio/thread_pool.hpp>
+
+#include "driftwise/v1/watch_service.grpc.pb.h"
+#include "server/rpc/shared/caller.h"
+#include "server/rpc/shared/convert_values.h"
+#include "server/rpc/shared/request_checks.h"
+#include "server/rpc/shared/services.h"
+#include "server/rpc/shared/unary.h"
+#include "server/rpc/watch/convert_watch.h"
+#include "server/rpc/watch/series_request.h"
+#include "server/rpc/watch/watch_batches.h"
+
+namespace driftwise::rpc {
+namespace {
+
+using Context = grpc::CallbackServerContext;
+using Reactor = grpc::ServerUnaryReactor;
+
+// Streams have a thread of their own: what clients cost is not the cell's.
+class WatchService final : public v1::WatchService::CallbackService {
+ public:
+  explicit WatchService(application::Cell& cell)
+      : cell_(cell), feed_(std::make_shared<WatchFeed>(cell, thread_.get_executor())) {}
+  ~WatchService() override { thread_.join(); }
+
+  grpc::ServerWriteReactor<v1::WatchResponse>* Watch(Context*,
+                                                     const v1::WatchRequest* request) override {
+    auto wish = watch_wish_from(*request);
+    if (!wish) return refuse_stream<v1::WatchResponse>(wish.error());
+    return Stream<v1::WatchResponse>::open(feed_->executor(),
+                                           watch_batches(feed_, std::move(*wish)));
+  }
+
+  Reactor* GetSeries(Context* context, const v1::GetSeriesRequest* request,
+                     v1::GetSeriesResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      auto making = series_query_from(*request, cell_);
+      auto query = co_await std::move(making);
+      if (!query) co_return tl::unexpected(query.error());
+      auto asking = cell_.watching().series(std::move(*query));
+      const auto series = co_await std::move(asking);
+      if (!series) co_return tl::unexpected(series.error());
+      *response->mutable_from_time() = timestamp_from(series->from);
+      *response->mutable_to_time() = timestamp_from(series->to);
+      *response->mutable_bucket_duration() = duration_from(series->bucket);
+      bool raw = true;
+      for (const auto& column : series->columns) {
+        *response->add_series() = series_from(column);
+        for (const std::int64_t count : column.count) raw = raw && count <= 1;
+      }
+      response->set_raw(raw);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ListAlarms(Context* context, const v1::ListAlarmsRequest* request,
+                      v1::ListAlarmsResponse* response) override {
+    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      constexpr int kMost = 500;
+      auto asking = cell_.watching().alarms(request->with_history(), kMost);
+      const auto alarms = co_await std::move(asking);
+      if (!alarms) co_return tl::unexpected(alarms.error());
+      for (const auto& alarm : *alarms) *response->add_alarms() = alarm_from(alarm);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* AcknowledgeAlarm(Context* context, const v1::AcknowledgeAlarmRequest* request,
+                            v1::AcknowledgeAlarmResponse* response) override {
+    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->alarm_id(), "alarm_id"); !good) co_return good;
+      auto asking =
+          cell_.watching().acknowledge_alarm(caller_of(*context), AlarmId{request->alarm_id()});
+      const auto alarm = co_await std::move(asking);
+      if (!alarm) co_return tl::unexpected(alarm.error());
+      *response->mutable_alarm() = alarm_from(*alarm);
+      co_return Result<void>{};
+    });
+  }
+
+ private:
+  application::Cell& cell_;
+  boost::asio::thread_pool thread_{1};
+  std::shared_ptr<WatchFeed> feed_;
+};
+
+}  // namespace
+
+std::unique_ptr<grpc::Service> make_watch_service(application::Cell& cell) {
+  return std::make_unique<WatchService>(cell);
+}
+
+}  // namespace driftwise::rpc

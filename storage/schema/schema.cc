@@ -1,0 +1,59 @@
+#include "storage/schema/schema.h"
+
+#include <array>
+#include <string>
+
+#include "storage/schema/schema_v1.h"
+#include "storage/schema/schema_v2.h"
+#include "storage/schema/schema_v3.h"
+#include "storage/schema/schema_v4.h"
+#include "storage/schema/schema_v5.h"
+#include "storage/schema/schema_v6.h"
+#include "storage/sqlite/failure.h"
+
+namespace driftwise::storage {
+
+void refuse_foreign_or_newer(Database& db, int newest) {
+  const std::int64_t version = db.pragma("user_version");
+  const std::int64_t application = db.pragma("application_id");
+  const bool empty = db.pragma("schema_version") == 0;
+  if (application != kApplicationId && !(empty && version == 0 && application == 0))
+    throw_failure(ErrorCode::failed_precondition, "NOT_DRIFTWISE",
+                  "database " + db.path() + " was not made by Driftwise (its application_id is " +
+                      std::to_string(application) + "): name another file in [cell] database");
+  if (version > newest)
+    throw_failure(ErrorCode::failed_precondition, "SCHEMA_NEWER",
+                  "database " + db.path() + " has schema version " + std::to_string(version) +
+                      ", this program knows versions up to " + std::to_string(newest) +
+                      ": use the newer Driftwise that wrote it");
+}
+
+std::span<const std::string_view> migrations() {
+  static constexpr std::array<std::string_view, 6> kSteps = {kSchemaV1, kSchemaV2, kSchemaV3,
+                                                             kSchemaV4, kSchemaV5, kSchemaV6};
+  return kSteps;
+}
+
+void migrate(Database& db, std::span<const std::string_view> steps) {
+  const int newest = static_cast<int>(steps.size());
+  refuse_foreign_or_newer(db, newest);
+  for (std::int64_t version = db.pragma("user_version"); version < newest; ++version) {
+    Transaction transaction(db);
+    db.execute(std::string(steps[static_cast<std::size_t>(version)]));
+    db.execute("PRAGMA user_version = " + std::to_string(version + 1));
+    db.execute("PRAGMA application_id = " + std::to_string(kApplicationId));
+    transaction.commit();
+  }
+}
+
+void require_present_schema(Database& db) {
+  refuse_foreign_or_newer(db, schema_version());
+  const std::int64_t version = db.pragma("user_version");
+  if (version < schema_version())
+    throw_failure(ErrorCode::failed_precondition, "SCHEMA_OLDER",
+                  "database " + db.path() + " has schema version " + std::to_string(version) +
+                      ", this program needs " + std::to_string(schema_version()) +
+                      ": start driftwised on it once, which brings it up to date");
+}
+
+}  // namespace driftwise::storage

@@ -1,0 +1,85 @@
+#include "storage/sqlite/failure.h"
+
+#include <sqlite3.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace driftwise::storage {
+
+void throw_failure(ErrorCode code, std::string reason, std::string message) {
+  throw StorageFailure{{code, std::move(reason), std::move(message)}};
+}
+
+Error error_from_sqlite(int code, int system_errno, const std::string& file,
+                        const std::string& doing, const std::string& detail) {
+  std::string what =
+      "database " + file + ": " + doing + ": " + detail + " (SQLite " + std::to_string(code);
+  if (system_errno != 0) what += std::string(", ") + std::strerror(system_errno);
+  what += "): ";
+
+  // SQLite reports a full disk as SQLITE_FULL from a write, but as an I/O error from the
+  // shared-memory file.
+  const bool no_space =
+      code == SQLITE_FULL || code == SQLITE_IOERR_SHMSIZE ||
+      ((code & 0xff) == SQLITE_IOERR && (system_errno == ENOSPC || system_errno == EDQUOT));
+  if (no_space)
+    return {
+        ErrorCode::resource_exhausted, "DISK_FULL",
+        what +
+            "the disk is full; nothing was written: free some space, then the same call succeeds"};
+  switch (code) {
+    case SQLITE_CONSTRAINT_UNIQUE:
+    case SQLITE_CONSTRAINT_PRIMARYKEY:
+    case SQLITE_CONSTRAINT_ROWID:
+      return {ErrorCode::already_exists, "ALREADY_STORED",
+              what + "it is stored already; nothing was written"};
+    case SQLITE_CONSTRAINT_FOREIGNKEY:
+      return {
+          ErrorCode::not_found, "NO_SUCH_RECORD",
+          what + "it names a run, datum or model that is not in the database; nothing was written"};
+    default:
+      break;
+  }
+  switch (code & 0xff) {
+    case SQLITE_IOERR:
+      return {ErrorCode::data_loss, "DISK_ERROR",
+              what +
+                  "the disk failed and the change was not acknowledged: look at the disk (dmesg), "
+                  "then try again"};
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+      return {ErrorCode::data_loss, "DATABASE_DAMAGED",
+              what +
+                  "the file is damaged or no database: keep a copy, then restore a backup, or save "
+                  "what can be "
+                  "read with: sqlite3 " +
+                  file + " .recover"};
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      return {ErrorCode::failed_precondition, "DATABASE_LOCKED",
+              what +
+                  "another program holds the database: end its transaction (a sqlite3 shell?), "
+                  "then try again"};
+    case SQLITE_READONLY:
+      return {ErrorCode::failed_precondition, "READ_ONLY",
+              what +
+                  "the file cannot be written: open it for writing and look at the rights of file "
+                  "and folder"};
+    case SQLITE_CANTOPEN:
+    case SQLITE_PERM:
+    case SQLITE_AUTH:
+      return {ErrorCode::not_found, "CANNOT_OPEN",
+              what + "look at the path and at the rights of file and folder"};
+    case SQLITE_NOMEM:
+      return {ErrorCode::resource_exhausted, "OUT_OF_MEMORY",
+              what + "out of memory; nothing was written"};
+    case SQLITE_TOOBIG:
+      return {ErrorCode::invalid_argument, "TOO_BIG",
+              what + "a text is longer than the database takes"};
+    default:
+      return {ErrorCode::internal, "SQLITE_ERROR", what + "please report this as a bug"};
+  }
+}
+
+}  // namespace driftwise::storage

@@ -1,0 +1,100 @@
+#pragma once
+// What the parts of one store share: the connection, the names, and how a call begins and ends.
+
+#include <string>
+#include <type_traits>
+#include <utility>
+
+#include "storage/sqlite/database.h"
+#include "storage/sqlite/database_lock.h"
+#include "storage/sqlite/failure.h"
+#include "storage/sqlite/file_watch.h"
+#include "storage/sqlite/names.h"
+
+namespace driftwise::storage {
+
+struct Session {
+  DatabaseLock lock;  // of a writing session; released after the connection is closed
+  Database db;
+  Names names;
+  bool read_only;
+  FileWatch files;  // of a writing session
+
+  // A file that is there is locked before SQLite opens it; a new one, which only SQLite creates,
+  // right afterwards and before anything is written. Without a file (":memory:", a simulated disk)
+  // there is nothing to lock.
+  Session(const std::string& path, int flags, const std::string& vfs, bool reads_only)
+      : lock(reads_only ? DatabaseLock() : lock_of_existing(path)),
+        db(path, flags, vfs),
+        names(db),
+        read_only(reads_only) {
+    if (!reads_only && !lock.file().exists()) lock = lock_of_existing(path);
+  }
+
+  // Runs body in one transaction, durable when this returns; any failure leaves the database as it
+  // was.
+  template <class F>
+  auto write(F&& body) -> Result<std::invoke_result_t<F>> {
+    auto result = answered([&]() -> std::invoke_result_t<F> {
+      require_writable();
+      require_files();
+      Transaction transaction(db);
+      if constexpr (std::is_void_v<std::invoke_result_t<F>>) {
+        body();
+        end(transaction);
+      } else {
+        auto value = body();
+        end(transaction);
+        return value;
+      }
+    });
+    if (!result) names.forget();
+    return result;
+  }
+
+  // Runs body on one unchanging view of the database.
+  template <class F>
+  auto read(F&& body) -> Result<std::invoke_result_t<F>> {
+    return answered([&] {
+      Transaction transaction(db, Transaction::Kind::read);
+      auto value = body();
+      transaction.commit();
+      return value;
+    });
+  }
+
+  // Moves all of the log into the database and waits for readers of older states meanwhile.
+  void secure_log() {
+    const int code =
+        sqlite3_wal_checkpoint_v2(db.handle(), nullptr, SQLITE_CHECKPOINT_FULL, nullptr, nullptr);
+    files.wrote();
+    if (code != SQLITE_OK) db.fail_now("moving the log into the database");
+  }
+
+ private:
+  static DatabaseLock lock_of_existing(const std::string& path) {
+    return identity_of(path).exists() ? DatabaseLock(path) : DatabaseLock();
+  }
+  void end(Transaction& transaction) {
+    names.refresh_views();
+    transaction.commit();
+    // A log that is on no path any more goes with this process. What it holds is in the database
+    // before anybody is told. When that fails the commit stands all the same.
+    if (files.look() == DatabaseFiles::log_gone)
+      static_cast<void>(answered([this] { secure_log(); }));
+  }
+  // Into a file that is not the record any more nothing is written.
+  void require_files() {
+    const DatabaseFiles state = files.look();
+    if (state != DatabaseFiles::good && state != DatabaseFiles::log_gone)
+      throw StorageFailure{files_error(state, db.path())};
+  }
+  void require_writable() const {
+    if (read_only)
+      throw_failure(ErrorCode::failed_precondition, "READ_ONLY",
+                    "database " + db.path() +
+                        " was opened for reading: write through the store that the daemon opened");
+  }
+};
+
+}  // namespace driftwise::storage

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "server/core/ports/watch_store.h"
+#include "storage/sqlite/session.h"
+
+namespace driftwise::storage {
+
+// Columns of an AlarmRecord, in one order for every query.
+#define DRIFTWISE_SELECT_ALARM                                                              \
+  "SELECT alarm_id, level, kind, subject, message, since_ns, cleared_ns, acknowledged_ns, " \
+  "acknowledged_by, change FROM alarm"
+AlarmRecord alarm_from(const Query& row);
+
+class SqliteAlarmStore final : public AlarmStore {
+ public:
+  explicit SqliteAlarmStore(Session& session) : session_(session) {}
+  Result<AlarmRecord> raise(const AlarmRecord& alarm) override;
+  Result<AlarmRecord> tell(AlarmId id, const std::string& message,
+                           const std::vector<std::string>& consequences) override;
+  Result<AlarmRecord> clear(AlarmId id, CellTime at) override;
+  Result<AlarmRecord> acknowledge(AlarmId id, CellTime at, const std::string& who) override;
+  Result<std::vector<AlarmRecord>> alarms(bool with_history, int limit) override;
+
+ private:
+  Session& session_;
+};
+
+}  // namespace driftwise::storage

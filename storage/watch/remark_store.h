@@ -1,0 +1,25 @@
+#pragma once
+// Exclusions and notes (storage/schema/schema_v2.h). Thread: the session's.
+
+#include "server/core/ports/store.h"
+#include "storage/sqlite/session.h"
+
+namespace driftwise::storage {
+
+// Inside the caller's write transaction: as RemarkStore::exclude.
+ExclusionRecord store_exclusion(Session& session, const ExclusionRecord& exclusion);
+
+class SqliteRemarkStore final : public RemarkStore {
+ public:
+  explicit SqliteRemarkStore(Session& session) : session_(session) {}
+
+  Result<ExclusionRecord> exclude(const ExclusionRecord& exclusion) override;
+  Result<std::vector<ExclusionRecord>> exclusions(RunId run) override;
+  Result<NoteRecord> add_note(const NoteRecord& note) override;
+  Result<std::vector<NoteRecord>> notes(const NoteSubject& subject) override;
+
+ private:
+  Session& session_;
+};
+
+}  // namespace driftwise::storage

@@ -1,0 +1,257 @@
+// Alarms from their beginning to their end: one that flickers is one, one that was acknowledged
+// stays so over a restart, and a full disk loses none.
+
+#include "server/application/alarms/alarm_book.h"
+
+#include <gmock/gmock.h>
+
+#include <boost/asio/io_context.hpp>
+
+#include "tests/support/cell_in_memory.h"
+#include "tests/support/manual_clock.h"
+#include "tests/unit/application/sqlite.h"
+
+namespace driftwise::application {
+namespace {
+
+using testing::IsEmpty;
+using tests::kSqlite;
+using Conditions = std::vector<AlarmCondition>;
+
+// The alarms of a store that fails when it is told to.
+class FullDisk final : public AlarmStore {
+ public:
+  explicit FullDisk(AlarmStore& under) : under_(under) {}
+  bool full = false;
+
+  Result<AlarmRecord> raise(const AlarmRecord& alarm) override {
+    if (full) return refused();
+    return under_.raise(alarm);
+  }
+  Result<AlarmRecord> tell(AlarmId id, const std::string& message,
+                           const std::vector<std::string>& consequences) override {
+    if (full) return refused();
+    return under_.tell(id, message, consequences);
+  }
+  Result<AlarmRecord> clear(AlarmId id, CellTime at) override {
+    if (full) return refused();
+    return under_.clear(id, at);
+  }
+  Result<AlarmRecord> acknowledge(AlarmId id, CellTime at, const std::string& who) override {
+    if (full) return refused();
+    return under_.acknowledge(id, at, who);
+  }
+  Result<std::vector<AlarmRecord>> alarms(bool with_history, int limit) override {
+    return under_.alarms(with_history, limit);
+  }
+
+ private:
+  static tl::unexpected<Error> refused() {
+    return fail(ErrorCode::resource_exhausted, "DISK_FULL", "no room");
+  }
+  AlarmStore& under_;
+};
+
+// A store whose alarms stand behind that disk.
+class AlarmsOnly final : public Store {
+ public:
+  explicit AlarmsOnly(std::unique_ptr<Store> under)
+      : under_(std::move(under)), disk(under_->alarms()) {}
+  RunStore& runs() override { return under_->runs(); }
+  ReadingStore& readings() override { return under_->readings(); }
+  ModelStore& models() override { return under_->models(); }
+  EventStore& events() override { return under_->events(); }
+  RemarkStore& remarks() override { return under_->remarks(); }
+  DiagnosisStore& diagnoses() override { return under_->diagnoses(); }
+  RecordStore& records() override { return under_->records(); }
+  AlarmStore& alarms() override { return disk; }
+  SeriesStore& series() override { return under_->series(); }
+  TrajectoryStore& trajectories() override { return under_->trajectories(); }
+  StopStore& stops() override { return under_->stops(); }
+  ClockStore& clocks() override { return under_->clocks(); }
+  ConfigurationStore& configurations() override { return under_->configurations(); }
+
+ private:
+  std::unique_ptr<Store> under_;
+
+ public:
+  FullDisk disk;
+};
+
+class AlarmBookTest : public testing::Test {
+ protected:
+  AlarmBookTest() { open(); }
+
+  // As a start of the daemon does: what stands in the store is taken up.
+  void open() {
+    book.reset();
+    writer.reset();
+    store = nullptr;
+    auto opened = std::make_unique<AlarmsOnly>(kSqlite(folder / "cell.sqlite", false).value());
+    store = opened.get();
+    writer = std::make_unique<StoreWriter>(io.get_executor(), std::move(opened));
+    book = std::make_unique<AlarmBook>(clock, *writer);
+    hearing = book->watchers().add([this](const AlarmRecord& alarm) { heard.push_back(alarm); });
+    EXPECT_TRUE(done(book->restore()));
+  }
+  template <class T>
+  T done(Awaitable<T> call) {
+    std::optional<T> answer;
+    asio::co_spawn(io, std::move(call),
+                   [&](std::exception_ptr, T value) { answer = std::move(value); });
+    io.restart();
+    io.run();
+    return std::move(answer.value());
+  }
+  void done(Awaitable<void> call) {
+    asio::co_spawn(io, std::move(call), [](std::exception_ptr bug) { EXPECT_FALSE(bug); });
+    io.restart();
+    io.run();
+  }
+  void look(const Conditions& conditions) {
+    clock.advance(nanoseconds_from_s(2));
+    done(book->look(conditions));
+  }
+  std::vector<AlarmRecord> standing() { return store->alarms().alarms(false, 100).value(); }
+
+  tests::Folder folder;
+  asio::io_context io;
+  tests::ManualClock clock;
+  AlarmsOnly* store = nullptr;
+  std::unique_ptr<StoreWriter> writer;
+  std::unique_ptr<AlarmBook> book;
+  std::shared_ptr<void> hearing;
+  std::vector<AlarmRecord> heard;
+};
+
+AlarmCondition lost(const std::string& device) {
+  return {AlarmLevel::failed, "device.lost", device, device + " does not answer"};
+}
+
+TEST_F(AlarmBookTest, AConditionThatLastsIsOneAlarm) {
+  for (int i = 0; i < 5; ++i) look({lost("laser-x")});
+  ASSERT_EQ(standing().size(), 1u);
+  EXPECT_EQ(standing()[0].subject, "laser-x");
+  EXPECT_EQ(standing()[0].cleared.utc_ns, 0);
+  EXPECT_EQ(heard.size(), 1u) << "told once";
+}
+
+TEST_F(AlarmBookTest, OneThatFlickersIsOneAlarm) {
+  for (int i = 0; i < 6; ++i) look(i % 3 == 0 ? Conditions{lost("laser-x")} : Conditions{});
+  ASSERT_EQ(standing().size(), 1u) << "two looks without it are not its end";
+  EXPECT_EQ(standing()[0].cleared.utc_ns, 0);
+}
+
+TEST_F(AlarmBookTest, ThreeLooksWithoutItAreItsEndAndItsReturnIsAnother) {
+  look({lost("laser-x")});
+  for (int i = 0; i < AlarmBook::kLooksToClear; ++i) look({});
+  ASSERT_EQ(heard.size(), 2u);
+  EXPECT_GT(heard[1].cleared, heard[0].since);
+  look({lost("laser-x")});
+  ASSERT_EQ(standing().size(), 2u) << "nobody has acknowledged the first";
+  EXPECT_NE(standing()[0].id, standing()[1].id);
+}
+
+TEST_F(AlarmBookTest, TheSameKindOfTwoDevicesAreTwo) {
+  look({lost("laser-x"), lost("scanner")});
+  EXPECT_EQ(standing().size(), 2u);
+  look({lost("scanner")});
+  look({lost("scanner")});
+  look({lost("scanner")});
+  const auto all = standing();
+  EXPECT_EQ(std::ranges::count_if(all, [](const auto& a) { return a.cleared.utc_ns == 0; }), 1);
+}
+
+TEST_F(AlarmBookTest, WhatHoldsAtARestartGoesOnAndStaysAcknowledged) {
+  look({lost("laser-x")});
+  const AlarmId id = standing()[0].id;
+  const auto acknowledged = done(book->acknowledge(id, "ada"));
+  ASSERT_TRUE(acknowledged);
+  EXPECT_EQ(acknowledged->acknowledged_by, "ada");
+  open();
+  look({lost("laser-x")});
+  ASSERT_EQ(standing().size(), 1u) << "not a second one";
+  EXPECT_EQ(standing()[0].id, id);
+  EXPECT_EQ(standing()[0].acknowledged_by, "ada");
+}
+
+TEST_F(AlarmBookTest, WhatEndedWhileTheDaemonWasAwayIsClearedAfterIt) {
+  look({lost("laser-x")});
+  ASSERT_TRUE(done(book->acknowledge(standing()[0].id, "ada")));
+  open();
+  for (int i = 0; i < AlarmBook::kLooksToClear; ++i) look({});
+  EXPECT_THAT(standing(), IsEmpty());
+}
+
+TEST_F(AlarmBookTest, WhatIsOverAtOnceStandsUntilSomebodyHasSeenIt) {
+  done(book->note({AlarmLevel::failed, "run.failed", "run 3", "run 3 failed: door open"}));
+  for (int i = 0; i < 5; ++i) look({});
+  ASSERT_EQ(standing().size(), 1u);
+  EXPECT_EQ(standing()[0].cleared, standing()[0].since);
+  ASSERT_TRUE(done(book->acknowledge(standing()[0].id, "bob")));
+  EXPECT_THAT(standing(), IsEmpty());
+}
+
+TEST_F(AlarmBookTest, AFullDiskDelaysAnAlarmAndLosesNone) {
+  store->disk.full = true;
+  look({lost("laser-x")});
+  EXPECT_THAT(heard, IsEmpty());
+  store->disk.full = false;
+  look({lost("laser-x")});
+  ASSERT_EQ(standing().size(), 1u);
+  store->disk.full = true;
+  for (int i = 0; i < 5; ++i) look({});
+  EXPECT_EQ(standing()[0].cleared.utc_ns, 0) << "its end could not be written";
+  store->disk.full = false;
+  look({});
+  EXPECT_NE(standing()[0].cleared.utc_ns, 0);
+}
+
+// The full disk is such a one: when its alarm can be written, the disk is full no longer.
+TEST_F(AlarmBookTest, AnAlarmThatWasOverBeforeItCouldBeWrittenIsOnRecordWithItsBeginningAndEnd) {
+  store->disk.full = true;
+  look({lost("laser-x")});
+  ASSERT_EQ(book->unstored().size(), 1u) << "whoever asks meanwhile is told";
+  const CellTime since = book->unstored()[0].since;
+  EXPECT_EQ(since, clock.now().utc);
+  look({lost("laser-x")});
+  EXPECT_EQ(book->unstored().size(), 1u);
+  look({});
+  store->disk.full = false;
+  look({});
+  EXPECT_THAT(book->unstored(), IsEmpty());
+  ASSERT_EQ(standing().size(), 1u) << "nobody has seen it yet";
+  EXPECT_EQ(standing()[0].since, since);
+  EXPECT_GT(standing()[0].cleared, since);
+  look({lost("laser-x")});
+  EXPECT_EQ(standing().size(), 2u) << "its return is another";
+}
+
+TEST_F(AlarmBookTest, TellsConsequencesAtOnceAndNumbersNowAndThen) {
+  AlarmCondition old{AlarmLevel::warning, "channel.stale", "t01_degC", "t01_degC is 31 s old"};
+  look({old});
+  old.message = "t01_degC is 33 s old";
+  look({old});
+  EXPECT_EQ(standing()[0].message, "t01_degC is 31 s old");
+  for (int i = 0; i < 5; ++i) look({old});
+  EXPECT_EQ(standing()[0].message, "t01_degC is 33 s old");
+  old.consequences = {"run 3 waits", "t02_degC is old"};
+  look({old});
+  ASSERT_EQ(standing().size(), 1u);
+  EXPECT_EQ(standing()[0].consequences, old.consequences);
+  EXPECT_EQ(heard.size(), 3u) << "begun, new numbers, consequences";
+  open();
+  look({old});
+  EXPECT_EQ(standing()[0].message, "t01_degC is 33 s old");
+  EXPECT_EQ(standing()[0].consequences, old.consequences) << "over a restart";
+}
+
+TEST_F(AlarmBookTest, AnAlarmThatThereIsNotCannotBeAcknowledged) {
+  const auto none = done(book->acknowledge(AlarmId{77}, "ada"));
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().reason, "NO_SUCH_ALARM");
+  EXPECT_THAT(heard, IsEmpty());
+}
+
+}  // namespace
+}  // namespace driftwise::application

@@ -1,0 +1,303 @@
+// What is made of findings, by where they apply; and taken back.
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "server/application/ports/provenance.h"
+#include "server/compensation/target.h"
+#include "server/formats/csv/dataset_csv.h"
+#include "server/formats/model/model_json.h"
+#include "tests/unit/application/diagnosis/diagnosed_cell.h"
+
+namespace driftwise::tests {
+namespace {
+
+using effects::AppliesTo;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr double kPeriodNm = 93'000;  // long enough for the plan below to see it
+constexpr double kCycleNm = 40;
+
+// An imported campaign of an axis with q = 1.0002 x_true, whose interferometer reads a cycle too
+// much and whose row 7 is wrong.
+std::string imported_csv() {
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> noise_nm(0, 2);
+  std::string csv = "time_s,set,q1_mm,x_mm,t01_degC\n";
+  for (int row = 0; row < 240; ++row) {
+    const double x_true_mm = row == 0 ? 0 : -4 + 8.0 * ((row * 89) % 240) / 240.0;
+    const double cycle_mm =
+        kCycleNm * 1e-6 * std::sin(2 * std::numbers::pi * x_true_mm * 1e6 / kPeriodNm);
+    const double wrong_mm = row == 7 ? 5e-3 : 0;
+    char line[200];
+    std::snprintf(line, sizeof line, "%d,%s,%.9f,%.9f,%.6f\n", 20 * row,
+                  row % 4 == 3 ? "validation" : "calibration",
+                  1.0002 * x_true_mm + wrong_mm + 1e-6 * noise_nm(random), x_true_mm + cycle_mm,
+                  20.5 + 0.001 * row);
+    csv += line;
+  }
+  return csv;
+}
+
+class ExtensionTest : public testing::Test {
+ protected:
+  ExtensionTest()
+      : d([this](const Dataset&, const dx::DiagnoseOptions& options) -> Result<dx::Diagnosis> {
+          return diagnosis_with(options.baseline.formula, findings);
+        }) {
+    const auto imported =
+        d.cell.await(d.cell->import_dataset(d.cell.ada, "campaign", imported_csv(), ""));
+    if (!imported) throw std::runtime_error(imported.error().message);
+    run = imported->id;
+  }
+  Result<ExtensionRecord> accept(DiagnosisId id, std::vector<int> numbers = {},
+                                 bool promote = false) {
+    return d.cell.await(d.cell->accept_extension(d.cell.ada, {id, std::move(numbers), promote}));
+  }
+  calibration::Model model(ModelId id) {
+    return *formats::read_model_json(d.cell.await(d.cell->model(id))->json);
+  }
+  Dataset data() {
+    return *formats::read_dataset_csv(*d.cell.await(d.cell->export_dataset({run}, false)), "e");
+  }
+  double rmse_nm(const calibration::Model& m) { return m.outputs[0].accuracy.rmse * 1e6; }
+  double target_mm(double x_mm) {
+    compensation::TargetRequest request;
+    request.set(compensation::Variable::x, x_mm);
+    return compensation::compute_target(*d.cell->snapshots().read(), request).q_mm[0];
+  }
+
+  // What the scripted search answers with.
+  std::vector<dx::Finding> findings;
+  // In q1 the cycle shows with the other sign, times the axis' 1.0002.
+  dx::Finding cycle() const {
+    return finding_of("cyclic_error", "x", AppliesTo::correction,
+                      {"sin(x, 93000 nm)", "cos(x, 93000 nm)"}, {-1.0002 * kCycleNm * 1e-6, 0});
+  }
+  dx::Finding outlier() const {
+    auto finding = finding_of("outliers", "", AppliesTo::dataset, {}, {});
+    finding.rows = {7};
+    return finding;
+  }
+  dx::Finding bend() const {
+    return finding_of("thermal_offset", "t01", AppliesTo::robot, {"t01"}, {1e-6});
+  }
+
+  DiagnosedCell d;
+  RunId run;
+};
+
+TEST_F(ExtensionTest, AnInstrumentsErrorIsCorrectedInTheDataAndStaysOutOfTheModel) {
+  findings = {cycle(), outlier()};
+  const auto before = data();
+  const auto id = d.diagnosed(run, "q ~ x").record.id;
+  const auto made = accept(id);
+  ASSERT_TRUE(made) << made.error().message;
+  ASSERT_TRUE(made->correction && made->model);
+  ASSERT_EQ(made->excluded.size(), 1u);
+  EXPECT_THAT(made->excluded[0].rows, ElementsAre(7));
+  const auto m = model(*made->model);
+  EXPECT_EQ(m.formula, "q ~ x");  // no term of the instrument's
+  EXPECT_NEAR(m.outputs[0].coefficients[1], 1.0002, 1e-6);
+  EXPECT_LT(rmse_nm(m), 3.5);  // the noise is 2 nm; the cycle alone would be 28
+  EXPECT_EQ(m.lineage.rows_excluded, 1);
+  // Everybody who asks for the data from now on sees the corrected length.
+  const auto after = data();
+  double largest_nm = 0;
+  for (std::size_t row = 0; row < after.rows; ++row)
+    largest_nm = std::max(
+        largest_nm, 1e6 * std::abs(after.find("x")->values[row] - before.find("x")->values[row]));
+  EXPECT_NEAR(largest_nm, kCycleNm, 1);
+  EXPECT_THAT(d.cell.events_named("extension.accepted").at(0), HasSubstr("correction 1"));
+}
+
+TEST_F(ExtensionTest, UndoneItLeavesNoTrace) {
+  findings = {cycle(), outlier()};
+  const auto before = *d.cell.await(d.cell->export_dataset({run}, false));
+  const auto id = d.diagnosed(run, "q ~ x").record.id;
+  ASSERT_TRUE(accept(id));
+  EXPECT_NE(*d.cell.await(d.cell->export_dataset({run}, false)), before);
+  const auto undone = d.cell.await(d.cell->undo_extension(d.cell.ada, id));
+  ASSERT_TRUE(undone) << undone.error().message;
+  EXPECT_FALSE(undone->stands());
+  EXPECT_EQ(*d.cell.await(d.cell->export_dataset({run}, false)), before);  // to the byte
+  EXPECT_EQ(d.cell.await(d.cell->undo_extension(d.cell.ada, id)).error().reason, "NO_EXTENSION");
+}
+
+TEST_F(ExtensionTest, ARobotsEffectBecomesAModelThatServesAndTheOneBeforeServesAgain) {
+  application::FitRequest fit;
+  fit.runs = {run};
+  fit.formula = "q ~ x";
+  const auto parent = *d.cell.await(d.cell->fit(d.cell.ada, fit));
+  ASSERT_TRUE(d.cell.await(d.cell->promote(d.cell.ada, parent.id)));
+  findings = {bend()};
+  application::DiagnosisRequest request;
+  request.runs = {run};  // baseline: that of the model that serves
+  const auto id = d.cell.await(d.cell->create_diagnosis(d.cell.ada, request))->record.id;
+  d.cell.until([&] { return d.look(id).record.state == JobState::done; });
+  const auto made = accept(id, {1}, true);
+  ASSERT_TRUE(made) << made.error().message;
+  EXPECT_FALSE(made->correction);
+  EXPECT_EQ(d.cell->status().serving, made->model);
+  const auto record = *d.cell.await(d.cell->model(*made->model));
+  EXPECT_EQ(record.parent, parent.id);
+  EXPECT_THAT(record.note, HasSubstr("diagnosis 1, finding 1"));
+  EXPECT_EQ(model(*made->model).formula, "q ~ x + t01");
+  ASSERT_TRUE(d.cell.await(d.cell->undo_extension(d.cell.ada, id)));
+  EXPECT_EQ(d.cell->status().serving, parent.id);
+}
+
+TEST_F(ExtensionTest, ASetThatCannotBeToldApartNeedsAChoice) {
+  findings = {bend(), outlier()};
+  findings[0].indistinguishable_from = {"instrument_drift"};
+  const auto id = d.diagnosed(run, "q ~ x").record.id;
+  const auto refused = accept(id);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "INDISTINGUISHABLE");
+  EXPECT_THAT(refused.error().message, HasSubstr("instrument_drift"));
+  EXPECT_TRUE(accept(id, {2}));  // the other one by itself
+  EXPECT_EQ(accept(id, {1}).error().reason, "EXTENSION_STANDS");
+}
+
+TEST_F(ExtensionTest, ACorrectionThatIsHardlyKnownIsANameAndNoMore) {
+  auto tilt = finding_of("abbe_offset", "x", AppliesTo::correction, {"x^2"}, {4e-6});
+  tilt.outputs[0].u90_before = 18;
+  tilt.outputs[0].correction_rms = 1500;
+  tilt.outputs[0].correction_u90 = 900;
+  findings = {outlier(), tilt};
+  const auto id = d.diagnosed(run, "q ~ x").record.id;
+  const auto refused = accept(id, {2});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "UNCERTAIN_CORRECTION");
+  const auto rest = accept(id);  // all of it: all that can be made
+  ASSERT_TRUE(rest) << rest.error().message;
+  EXPECT_EQ(rest->findings, std::vector<int>{1});
+
+  findings[1].outputs[0].correction_u90 = 300;  // known to an eighth
+  EXPECT_TRUE(accept(d.diagnosed(run, "q ~ x").record.id, {2}));
+}
+
+TEST_F(ExtensionTest, RefusesWhatIsNotThere) {
+  EXPECT_EQ(accept(d.diagnosed(run, "q ~ x").record.id).error().reason, "NOTHING_FOUND");
+  findings = {bend()};
+  const auto id = d.diagnosed(run, "q ~ x").record.id;
+  EXPECT_EQ(accept(id, {2}).error().reason, "NO_SUCH_FINDING");
+  EXPECT_EQ(accept(DiagnosisId{77}).error().reason, "NO_SUCH_DIAGNOSIS");
+  findings = {finding_of("noise_change", "x", AppliesTo::dataset, {}, {})};
+  EXPECT_EQ(accept(d.diagnosed(run, "q ~ x").record.id).error().reason, "NOTHING_TO_MAKE");
+  application::DiagnosisRequest of_file;
+  of_file.csv = imported_csv();
+  of_file.baseline = "q ~ x";
+  findings = {bend()};
+  const auto file = d.cell.await(d.cell->create_diagnosis(d.cell.ada, of_file))->record.id;
+  d.cell.until([&] { return d.look(file).record.state == JobState::done; });
+  EXPECT_EQ(accept(file).error().reason, "FROM_A_FILE");
+}
+
+TEST_F(ExtensionTest, ShowsBeforeAcceptingWhatChangesInWhichRunsByHowMuch) {
+  // An earlier run that the diagnosis never looks at, and the run that it does.
+  const auto other =
+      d.cell.await(d.cell->import_dataset(d.cell.ada, "last week", imported_csv(), ""));
+  ASSERT_TRUE(other);
+  findings = {cycle(), outlier()};
+  const auto before = *d.cell.await(d.cell->export_dataset({other->id}, false));
+  const auto id = d.diagnosed(run, "q ~ x").record.id;
+  const auto preview = d.cell.await(d.cell->provenance().preview_extension({id, {}, false}));
+  ASSERT_TRUE(preview) << preview.error().message;
+  EXPECT_EQ(preview->formula, "q ~ x");
+  ASSERT_EQ(preview->changes.size(), 2u);
+  EXPECT_EQ(preview->changes[0].run, run) << "what was diagnosed comes first";
+  EXPECT_TRUE(preview->changes[0].diagnosed);
+  EXPECT_EQ(preview->changes[0].channel, "x_mm");
+  EXPECT_NEAR(preview->changes[0].largest_nm, kCycleNm, 1);
+  EXPECT_NEAR(preview->changes[0].rms_nm, kCycleNm / std::sqrt(2), 2);
+  EXPECT_GT(preview->changes[0].rows, 200);
+  EXPECT_EQ(preview->changes[1].run, other->id);
+  EXPECT_EQ(preview->changes[1].run_name, "last week");
+  EXPECT_TRUE(preview->earlier_runs);
+  EXPECT_TRUE(preview->later_runs);
+  ASSERT_EQ(preview->excluded.size(), 1u);
+  EXPECT_THAT(preview->sentences, testing::Contains(HasSubstr("earlier runs too")));
+  EXPECT_THAT(preview->sentences, testing::Contains(HasSubstr("run 2 'last week' by up to 40")));
+  // It changed nothing.
+  EXPECT_EQ(*d.cell.await(d.cell->export_dataset({other->id}, false)), before);
+  EXPECT_TRUE(d.cell.await(d.cell->models())->empty());
+  // And it told the truth.
+  ASSERT_TRUE(accept(id));
+  const auto after = *formats::read_dataset_csv(
+      *d.cell.await(d.cell->export_dataset({other->id}, false)), "after");
+  const auto was = *formats::read_dataset_csv(before, "before");
+  double largest_nm = 0;
+  for (std::size_t row = 0; row < was.rows; ++row)
+    largest_nm = std::max(
+        largest_nm, 1e6 * std::abs(after.find("x")->values[row] - was.find("x")->values[row]));
+  EXPECT_NEAR(preview->changes[1].largest_nm, largest_nm, 0.01);
+  EXPECT_THAT(d.cell.events_named("extension.accepted").at(0), HasSubstr("by up to 40"));
+}
+
+TEST_F(ExtensionTest, MarksRunsAndModelsThatRestOnACorrection) {
+  findings = {cycle()};
+  const auto id = d.diagnosed(run, "q ~ x").record.id;
+  const auto made = accept(id);
+  ASSERT_TRUE(made) << made.error().message;
+  const auto marks = d.cell.await(d.cell->provenance().grounds_of_runs({run}))->front();
+  ASSERT_EQ(marks.corrections.size(), 1u);
+  EXPECT_EQ(marks.corrections[0].id, made->correction);
+  ASSERT_EQ(marks.corrections[0].changes.size(), 1u);
+  EXPECT_NEAR(marks.corrections[0].changes[0].largest_nm, kCycleNm, 1);
+  application::FitRequest fit;
+  fit.runs = {run};
+  fit.formula = "q ~ x + t01";
+  const auto later = *d.cell.await(d.cell->fit(d.cell.ada, fit));
+  for (const ModelId model : {*made->model, later.id}) {
+    const auto ground = *d.cell.await(d.cell->provenance().ground_of_model(model));
+    ASSERT_EQ(ground.corrections.size(), 1u) << "model " << model.value;
+    EXPECT_TRUE(ground.corrections[0].in_force());
+    EXPECT_TRUE(ground.promotion_questions.empty());
+  }
+  ASSERT_TRUE(d.cell.await(d.cell->undo_extension(d.cell.ada, id)));
+  EXPECT_TRUE(
+      d.cell.await(d.cell->provenance().grounds_of_runs({run}))->front().corrections.empty());
+  // The models stay, and say what they rest on.
+  EXPECT_FALSE(
+      d.cell.await(d.cell->provenance().ground_of_model(later.id))->corrections[0].in_force());
+  const auto refused = d.cell.await(d.cell->promote(d.cell.ada, later.id));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "NEEDS_CONFIRMATION");
+  EXPECT_THAT(refused.error().message, HasSubstr("correction 1 of diagnosis 1"));
+  EXPECT_THAT(refused.error().message, HasSubstr("ada took back"));
+  EXPECT_TRUE(d.cell.await(d.cell->promote(d.cell.ada, later.id, true)));
+  // A fit of the data as they are now rests on nothing.
+  fit.formula = "q ~ x + x^2";
+  const auto fresh = *d.cell.await(d.cell->fit(d.cell.ada, fit));
+  EXPECT_TRUE(d.cell.await(d.cell->model(fresh.id))->corrections.empty());
+}
+
+TEST_F(ExtensionTest, RefusesAnImpossibleInstrument) {
+  auto drift = finding_of("instrument_drift", "x", AppliesTo::correction, {"x:drift()"}, {-126e-6});
+  findings = {drift};
+  const auto refused = accept(d.diagnosed(run, "q ~ x").record.id);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "IMPOSSIBLE_PARAMETER");
+  EXPECT_THAT(refused.error().message, HasSubstr("126 ppm/h"));
+  EXPECT_TRUE(d.cell.await(d.cell->models())->empty()) << "nothing was kept";
+}
+
+TEST_F(ExtensionTest, AJumpSplitsItsDatum) {
+  auto jump = finding_of("step_change", "", AppliesTo::dataset, {"step(2405 s)"}, {5e-5});
+  jump.parameters = {{"time_s", 2405, {}, {}}};
+  findings = {jump};
+  const auto made = accept(d.diagnosed(run, "q ~ x").record.id);
+  ASSERT_TRUE(made) << made.error().message;
+  const auto split = data();
+  ASSERT_EQ(split.datum.size(), 240u);
+  EXPECT_EQ(split.datum[120], split.datum[0]);  // at 2400 s
+  EXPECT_NE(split.datum[121], split.datum[0]);
+}
+
+}  // namespace
+}  // namespace driftwise::tests

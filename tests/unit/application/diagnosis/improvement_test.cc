@@ -1,0 +1,230 @@
+// The loop that improves, on virtual time: an axis that bends, and a search that looks for it.
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/application/ports/provenance.h"
+#include "server/formats/model/model_json.h"
+#include "tests/unit/application/diagnosis/diagnosed_cell.h"
+
+namespace driftwise::tests {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string kLines = lines_of(8, {-4, -2.5, -1, 1.5, 3, 4}, true);
+
+// Knows one cause: x^2. Names it while the baseline lacks it, with what it leaves on these rows.
+Result<dx::Diagnosis> looks_for_a_bend(const Dataset& data, const dx::DiagnoseOptions& options) {
+  const auto& terms = options.baseline.terms;
+  const auto bend = *formats::parse_term("x^2");
+  const bool known = std::ranges::find(terms, bend) != terms.end();
+  auto d = diagnosis_with(options.baseline.formula, {});
+  dx::OutputSummary q1;
+  q1.output = "q1";
+  q1.unit = "nm";
+  const auto& q = data.find("q1")->values;
+  const auto& x = data.find("x")->values;
+  double sum = 0, square = 0;
+  for (std::size_t row = 0; row < data.rows; ++row) {
+    sum += q[row] - x[row];
+    square += (q[row] - x[row]) * (q[row] - x[row]);
+  }
+  const auto n = static_cast<double>(data.rows);
+  q1.u90_calibration_before = 1.645e6 * std::sqrt(square / n - sum * sum / n / n);
+  q1.u90_calibration_after = known ? q1.u90_calibration_before : 20;
+  q1.a90_calibration_before = q1.u90_calibration_before;
+  q1.a90_calibration_after = q1.u90_calibration_after;
+  d.outputs = {q1};
+  if (known) return d;
+  d.verdict = dx::Verdict::extended;
+  d.findings = {finding_of("geometry_order", "x", effects::AppliesTo::robot, {"x^2"}, {-1e-4})};
+  return d;
+}
+
+class ImprovementTest : public testing::Test {
+ protected:
+  explicit ImprovementTest(application::Diagnose script = looks_for_a_bend) : d(script) {
+    d.world.bend_nm_per_mm2 = 30;
+    d.world.warming_k_per_h = 0.01;
+  }
+  Result<ImprovementRecord> begin(application::ImproveRequest request = {}) {
+    if (request.trajectory_text.empty()) request.trajectory_text = kLines;
+    request.trajectory_name = "lines.csv";
+    if (request.formula.empty()) request.formula = "q ~ x";
+    request.lease_token = d.cell.lease();
+    return d.cell.await(d.cell->create_improvement(d.cell.ada, std::move(request)));
+  }
+  ImprovementRecord look(ImprovementId id) { return *d.cell.await(d.cell->improvement(id)); }
+  ImprovementRecord finished(ImprovementId id) {
+    d.cell.until([&] { return look(id).state != JobState::running; }, 400'000);
+    return look(id);
+  }
+
+  DiagnosedCell d;
+};
+
+TEST_F(ImprovementTest, MeasuresFindsExtendsAndMeasuresAgainUntilNothingIsLeft) {
+  application::ImproveRequest request;
+  request.promotes = true;
+  const auto begun = begin(request);
+  ASSERT_TRUE(begun) << begun.error().message;
+  d.cell.until(
+      [&] {
+        return look(begun->id).turns.size() == 1 && look(begun->id).turns[0].model &&
+               look(begun->id).turns[0].runs.size() == 2;
+      },
+      400'000);
+  EXPECT_FALSE(d.cell->status().serving) << "before the fresh points have shown the gain";
+  const auto record = finished(begun->id);
+  EXPECT_EQ(record.state, JobState::done);
+  EXPECT_EQ(record.reason, "nothing beyond noise is left");
+  ASSERT_EQ(record.turns.size(), 2u);
+  const auto& first = record.turns[0];
+  EXPECT_EQ(first.runs.size(), 2u);  // the measurement, and the fresh points
+  ASSERT_EQ(first.gains.size(), 1u);
+  EXPECT_GT(first.gains[0].before.a90, 200);  // 30 nm/mm^2 over +-4 mm
+  ASSERT_TRUE(first.gains[0].measured && first.gains[0].measured_before);
+  EXPECT_GT(first.gains[0].measured_before->a90, 200);  // on the very same points
+  EXPECT_LT(first.gains[0].measured->u90, 30);          // the axis holds to 8 nm
+  EXPECT_LT(std::abs(first.gains[0].measured->mean), 30);
+  EXPECT_GE(first.gains[0].measured->a90, 0.97 * first.gains[0].measured->u90);
+  EXPECT_THAT(first.what, HasSubstr("geometry_order x"));
+  EXPECT_EQ(d.cell->status().serving, first.model);
+  EXPECT_EQ(formats::read_model_json(d.cell.await(d.cell->model(*first.model))->json)->formula,
+            "q ~ x + x^2");
+  EXPECT_TRUE(record.turns[1].diagnosis);
+  EXPECT_TRUE(record.turns[1].runs.empty());
+  EXPECT_EQ(d.cell.events_named("improvement.done").size(), 1u);
+}
+
+TEST_F(ImprovementTest, ProposesOnlyUnlessItWasToldToPromote) {
+  const auto record = finished(begin()->id);
+  EXPECT_EQ(record.state, JobState::done) << record.reason;
+  EXPECT_TRUE(record.turns[0].model);
+  EXPECT_FALSE(d.cell->status().serving);
+}
+
+TEST_F(ImprovementTest, StopsWhenTheBudgetDoesNotHoldAnotherMeasurement) {
+  application::ImproveRequest request;
+  request.budget_s = d.cell.await(d.cell->check_trajectory(kLines))->estimated_s * 1.5;
+  const auto record = finished(begin(request)->id);
+  EXPECT_EQ(record.state, JobState::done);
+  EXPECT_THAT(record.reason, HasSubstr("budget"));
+  EXPECT_EQ(record.turns.size(), 1u);
+  EXPECT_FALSE(record.turns[0].gains[0].measured);
+}
+
+TEST_F(ImprovementTest, APauseIsWaitedOut) {
+  const auto id = begin()->id;
+  d.cell.until([&] { return d.cell->status().run && d.cell->status().run->run.accepted > 3; });
+  const auto run = d.cell->status().run->run.id;
+  ASSERT_TRUE(d.cell.await(d.cell->pause_run(d.cell.ada, run)));
+  d.cell.pass(3600);
+  EXPECT_EQ(look(id).state, JobState::running);
+  ASSERT_TRUE(d.cell.resume());
+  EXPECT_EQ(finished(id).state, JobState::done);
+}
+
+TEST_F(ImprovementTest, AnAbortedRunEndsItWithTheReasonAndStays) {
+  const auto id = begin()->id;
+  d.cell.until([&] { return d.cell->status().run && d.cell->status().run->run.accepted > 3; });
+  const auto run = d.cell->status().run->run.id;
+  ASSERT_TRUE(d.cell.await(d.cell->abort_run(d.cell.ada, run, "fire alarm")));
+  const auto record = finished(id);
+  EXPECT_EQ(record.state, JobState::failed);
+  EXPECT_THAT(record.reason, HasSubstr("fire alarm"));
+  EXPECT_EQ(d.cell.await(d.cell->run(run))->state, RunState::aborted);
+}
+
+TEST_F(ImprovementTest, CancellingIsAtOnceAndStopsTheRobot) {
+  const auto id = begin()->id;
+  d.cell.until([&] { return d.cell->status().run && d.cell->status().run->run.accepted > 3; });
+  const auto run = d.cell->status().run->run.id;
+  const auto cancelled = d.cell.await(d.cell->cancel_improvement(d.cell.ada, id));
+  ASSERT_TRUE(cancelled);
+  EXPECT_EQ(cancelled->state, JobState::cancelled);
+  d.cell.until([&] { return !d.cell->status().run; });
+  EXPECT_EQ(d.cell.await(d.cell->run(run))->state, RunState::aborted);
+  EXPECT_EQ(look(id).state, JobState::cancelled);
+}
+
+TEST_F(ImprovementTest, ALeaseThatIsGivenUpEndsItBeforeTheNextMeasurement) {
+  const auto id = begin()->id;
+  d.cell.until([&] { return d.cell->status().run && d.cell->status().run->run.accepted > 3; });
+  ASSERT_TRUE(d.cell->give_up_lease(d.cell.ada, d.cell.lease()));
+  const auto record = finished(id);
+  EXPECT_EQ(record.state, JobState::failed);
+  EXPECT_THAT(record.reason, HasSubstr("lease"));
+  EXPECT_FALSE(record.turns[0].runs.empty());
+}
+
+TEST_F(ImprovementTest, RefusesWhatARunWouldBeRefusedFor) {
+  application::ImproveRequest request;
+  request.trajectory_text = "q1_mm\n99\n";
+  EXPECT_EQ(begin(request).error().reason, "SOFT_LIMIT");
+  request = {};
+  request.formula = "q ~";
+  EXPECT_EQ(begin(request).error().reason, "BAD_FORMULA");
+  request = {};
+  request.max_turns = 1000;
+  EXPECT_EQ(begin(request).error().reason, "BAD_TURNS");
+  request = {};
+  request.budget_s = 10;
+  EXPECT_EQ(begin(request).error().reason, "BAD_BUDGET");
+  request = {};  // 2 lines of 7: 8 calibration rows for 2 terms
+  request.trajectory_text = lines_of(2, {-4, -2.5, -1, 1.5, 3, 4}, true);
+  const int moves = d.world.moves;
+  const auto short_plan = begin(request);
+  EXPECT_EQ(short_plan.error().reason, "TOO_FEW_ROWS");
+  EXPECT_THAT(short_plan.error().message, HasSubstr("8 rows to learn from"));
+  EXPECT_THAT(short_plan.error().message, HasSubstr("needs 12 rows"));
+  EXPECT_EQ(d.world.moves, moves) << "it is said before the first move";
+  ASSERT_TRUE(begin());
+  EXPECT_FALSE(begin());  // one at a time
+}
+
+// A bend that does not last: on the fresh points the model before is the better one.
+TEST_F(ImprovementTest, IsUndoneWhenTheFreshPointsDoNotShowIt) {
+  application::ImproveRequest request;
+  request.promotes = true;
+  const auto id = begin(request)->id;
+  d.cell.until([&] { return !look(id).turns.empty() && !look(id).turns[0].gains.empty(); },
+               400'000);
+  d.world.bend_nm_per_mm2 = 0;
+  const auto record = finished(id);
+  EXPECT_EQ(record.state, JobState::done);
+  EXPECT_THAT(record.reason, HasSubstr("was undone"));
+  EXPECT_FALSE(d.cell->status().serving);
+  EXPECT_TRUE(d.cell.await(d.cell->promotions())->empty())
+      << "it never served, not even for a while";
+  ASSERT_TRUE(record.turns[0].gains[0].measured && record.turns[0].gains[0].measured_before);
+  EXPECT_GT(record.turns[0].gains[0].measured->a90, record.turns[0].gains[0].measured_before->a90);
+}
+
+// A search that also names a laser whose scale drifts by 126 ppm/h.
+class ImpossibleLaserTest : public ImprovementTest {
+ protected:
+  ImpossibleLaserTest()
+      : ImprovementTest([](const Dataset& data, const dx::DiagnoseOptions& options) {
+          auto found = looks_for_a_bend(data, options);
+          if (found)
+            found->findings.push_back(finding_of(
+                "instrument_drift", "x", effects::AppliesTo::correction, {"x:drift()"}, {-126e-6}));
+          return found;
+        }) {}
+};
+TEST_F(ImpossibleLaserTest, IsLeftOutAndTheRestIsAccepted) {
+  const auto record = finished(begin()->id);
+  EXPECT_EQ(record.state, JobState::done) << record.reason;
+  EXPECT_THAT(record.turns[0].what, HasSubstr("not accepted: finding 2 (instrument_drift x)"));
+  EXPECT_THAT(record.turns[0].what, HasSubstr("geometry_order x"));
+  const auto corrections = d.cell.await(d.cell->provenance().corrections());
+  EXPECT_TRUE(corrections->empty());
+  EXPECT_THAT(record.reason, HasSubstr("126 ppm/h")) << "the last turn has nothing else";
+}
+
+}  // namespace
+}  // namespace driftwise::tests

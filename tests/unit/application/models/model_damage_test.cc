@@ -1,0 +1,99 @@
+// A model is served as it was stored, or not at all.
+
+#include <gmock/gmock.h>
+
+#include "server/compensation/target.h"
+#include "server/formats/model/model_json.h"
+#include "storage/sqlite/database.h"
+#include "tests/support/cell_in_memory.h"
+#include "tests/unit/application/sqlite.h"
+
+namespace driftwise::tests {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+class ModelDamage : public testing::Test {
+ protected:
+  Folder folder;
+  const std::string path = folder / "cell.sqlite";
+  SmallWorld world;
+  std::optional<CellInMemory> cell{std::in_place, world, small_cell(path), kSqlite};
+
+  ModelRecord fit(RunId run, const std::string& formula) {
+    application::FitRequest fit;
+    fit.runs = {run};
+    fit.formula = formula;
+    auto model = cell->await((*cell)->fit(cell->ada, fit));
+    if (!model) throw std::runtime_error(model.error().message);
+    return *model;
+  }
+  // Changes the database as a disk or a person might, while the daemon is away.
+  void restart_after(const std::string& sql) {
+    const auto later = cell->now() + std::chrono::hours(1);
+    cell.reset();
+    storage::Database(path, SQLITE_OPEN_READWRITE, "").execute(sql);
+    cell.emplace(world, small_cell(path), kSqlite, later);
+    cell->pass(10);
+  }
+  Error refusal() {
+    const auto snapshot = (*cell)->snapshots().read();
+    compensation::TargetRequest request;
+    request.set(compensation::Variable::x, 1.0);
+    return compensation::refusal_error(*snapshot, compensation::compute_target(*snapshot, request));
+  }
+  std::vector<std::string> alarms(const std::string& kind) { return cell->alarms_of(kind); }
+};
+
+TEST_F(ModelDamage, AChangedCoefficientIsRefusedAndNoOtherModelTakesItsPlace) {
+  const auto run = cell->begin_run(lines_of(6, {-4, -2, 1, 3, 4}, true));
+  cell->finish_run();
+  const auto first = fit(run.id, "q1 ~ x"), second = fit(run.id, "q1 ~ x + x^2");
+  ASSERT_TRUE(cell->await((*cell)->promote(cell->ada, first.id)));
+  ASSERT_TRUE(cell->await((*cell)->promote(cell->ada, second.id)));
+  restart_after(
+      "UPDATE model SET json = replace(json, '\"p_enter\":0.05', '\"p_enter\":0.06') "
+      "WHERE model_id = " +
+      std::to_string(second.id.value));
+  EXPECT_FALSE((*cell)->status().serving) << "neither this one nor the one before";
+  EXPECT_EQ(refusal().reason, "MODEL_DAMAGED");
+  EXPECT_THAT(refusal().message, HasSubstr("model " + std::to_string(second.id.value)));
+  EXPECT_THAT(alarms("model.damaged"), SizeIs(1));
+  const auto models = *cell->await((*cell)->models());
+  ASSERT_THAT(models, SizeIs(2));
+  EXPECT_EQ(models[0].damage, "");
+  EXPECT_THAT(models[1].damage, HasSubstr("hash"));
+  EXPECT_EQ(cell->await((*cell)->model(second.id)).error().reason, "MODEL_DAMAGED");
+  EXPECT_EQ(cell->await((*cell)->promote(cell->ada, second.id)).error().reason, "MODEL_DAMAGED");
+  // A person chooses another one.
+  ASSERT_TRUE(cell->await((*cell)->promote(cell->ada, first.id)));
+  EXPECT_EQ((*cell)->status().serving, first.id);
+  EXPECT_EQ(refusal().reason, "NOT_REFUSED");
+  cell->pass(30);
+  EXPECT_THAT(alarms("model.damaged"), IsEmpty());
+}
+
+TEST_F(ModelDamage, ATextThatIsNoModelAnyMoreIsRefusedToo) {
+  const auto run = cell->begin_run(lines_of(6, {-4, -2, 1, 3, 4}, true));
+  cell->finish_run();
+  const auto model = fit(run.id, "q1 ~ x");
+  ASSERT_TRUE(cell->await((*cell)->promote(cell->ada, model.id)));
+  restart_after("UPDATE model SET json = substr(json, 1, 100)");
+  EXPECT_EQ(refusal().reason, "MODEL_DAMAGED");
+  EXPECT_THAT(*cell->await((*cell)->models()), SizeIs(1));
+}
+
+TEST_F(ModelDamage, AnUndamagedModelServesAgainAfterARestart) {
+  const auto run = cell->begin_run(lines_of(6, {-4, -2, 1, 3, 4}, true));
+  cell->finish_run();
+  const auto model = fit(run.id, "q1 ~ x + t01");
+  EXPECT_EQ(formats::stored_model_hash(model.json).value_or(""), model.hash);
+  ASSERT_TRUE(cell->await((*cell)->promote(cell->ada, model.id)));
+  restart_after("SELECT 1 WHERE 0");
+  EXPECT_EQ((*cell)->status().serving, model.id);
+}
+
+}  // namespace
+}  // namespace driftwise::tests

@@ -1,0 +1,212 @@
+#include "server/application/serving/target_line_server.h"
+
+#include <gtest/gtest.h>
+
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/read_until.hpp>
+#include <boost/asio/write.hpp>
+#include <future>
+#include <thread>
+
+#include "server/compensation/snapshot_builder.h"
+#include "tests/support/manual_clock.h"
+#include "tests/unit/compensation/models.h"
+
+namespace driftwise::application {
+namespace {
+
+using asio::ip::tcp;
+
+compensation::Snapshot snapshot_of(ModelId id) {
+  auto builder = std::move(*compensation::SnapshotBuilder::create(compensation::axis_model(), id,
+                                                                  compensation::axis_cell()));
+  builder.keep_model_datum();
+  const ChannelValue t07{"t07_degC", 21};
+  builder.observe(std::span(&t07, 1), tests::kTestEpoch);
+  return builder.build(tests::kTestEpoch);
+}
+
+// A client that speaks as a controller would: blocking, one line at a time.
+class Client {
+ public:
+  explicit Client(const std::string& address) : socket_(context_) {
+    const auto port = static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1)));
+    socket_.connect(tcp::endpoint(asio::ip::address_v4::loopback(), port));
+  }
+  void send(std::string_view text) { asio::write(socket_, asio::buffer(text)); }
+  std::string line() {  // without its end; "" when the server closed
+    boost::system::error_code error;
+    const auto size = asio::read_until(socket_, asio::dynamic_buffer(text_), '\n', error);
+    if (error) return {};
+    std::string out = text_.substr(0, size - 1);
+    text_.erase(0, size);
+    return out;
+  }
+  std::string ask(const std::string& request) {
+    send(request + "\n");
+    return line();
+  }
+
+ private:
+  asio::io_context context_;
+  tcp::socket socket_;
+  std::string text_;
+};
+
+class TargetLine : public testing::Test {
+ protected:
+  TargetLine() : work_(asio::make_work_guard(context_)), thread_([this] { context_.run(); }) {
+    server_ =
+        std::move(*TargetLineServer::start(context_.get_executor(), "127.0.0.1:0", board_, clock_));
+  }
+  ~TargetLine() override {
+    on_executor([this] { server_.reset(); });
+    work_.reset();
+    thread_.join();
+  }
+  void on_executor(std::function<void()> work) {
+    std::promise<void> done;
+    asio::post(context_, [&] {
+      work();
+      done.set_value();
+    });
+    done.get_future().wait();
+  }
+  asio::io_context context_;
+  tests::ManualClock clock_;
+  compensation::SnapshotBoard board_;
+  std::unique_ptr<TargetLineServer> server_;
+  asio::executor_work_guard<asio::io_context::executor_type> work_;
+  std::thread thread_;
+};
+
+TEST_F(TargetLine, AnswersEveryLineFromTheNewestSnapshot) {
+  Client client(server_->address());
+  EXPECT_TRUE(client.ask("TARGET x_mm=1").starts_with("ERR NO_MODEL "));
+  ASSERT_TRUE(board_.publish(snapshot_of(ModelId{3})));
+  EXPECT_EQ(client.ask("TARGET x_mm=1"),
+            "OK q1_mm=3.5252 valid_until=2026-11-21T08:00:10Z model=3 flags=-");
+  ASSERT_TRUE(board_.publish(snapshot_of(ModelId{4})));
+  EXPECT_TRUE(client.ask("TARGET x_mm=1\r").ends_with("model=4 flags=-"));
+}
+
+TEST_F(TargetLine, GoesOnAfterAMistake) {
+  ASSERT_TRUE(board_.publish(snapshot_of(ModelId{3})));
+  Client client(server_->address());
+  EXPECT_TRUE(client.ask("MOVE x_mm=1").starts_with("ERR UNKNOWN_VERB "));
+  EXPECT_TRUE(client.ask("TARGET x_mm=1").starts_with("OK "));
+}
+
+TEST_F(TargetLine, AnswersLinesThatArriveInPiecesOrTogether) {
+  ASSERT_TRUE(board_.publish(snapshot_of(ModelId{3})));
+  Client client(server_->address());
+  for (const char c : std::string_view("TARGET x_mm=0\n")) client.send(std::string_view(&c, 1));
+  EXPECT_TRUE(client.line().starts_with("OK q1_mm=1.021 "));
+  client.send("TARGET x_mm=0\nTARGET x_mm=1\nTARGET\n");
+  EXPECT_TRUE(client.line().starts_with("OK q1_mm=1.021 "));
+  EXPECT_TRUE(client.line().starts_with("OK q1_mm=3.5252 "));
+  EXPECT_TRUE(client.line().starts_with("ERR MISSING_COORDINATE "));
+}
+
+TEST_F(TargetLine, ClosesAConnectionWhoseLineNeverEnds) {
+  Client client(server_->address());
+  client.send(std::string(600, 'x'));
+  EXPECT_TRUE(client.line().starts_with("ERR LINE_TOO_LONG "));
+  EXPECT_EQ(client.line(), "");
+}
+
+// Controllers that died without closing leave sockets that nobody writes to again.
+TEST_F(TargetLine, GivesThePlaceOfTheLongestIdleClientToALiveOne) {
+  std::vector<std::unique_ptr<Client>> dead;
+  for (std::size_t i = 0; i < TargetLineServer::kMaxClients; ++i) {
+    dead.push_back(std::make_unique<Client>(server_->address()));
+    ASSERT_TRUE(dead.back()->ask("TARGET x_mm=0").starts_with("ERR NO_MODEL ")) << i;
+  }
+  const auto idle = std::chrono::steady_clock::now() + TargetLineServer::kIdle;
+  Client live(server_->address());  // takes a place as soon as one has been idle for long enough
+  std::string answer = live.ask("TARGET x_mm=0");
+  while (answer.starts_with("ERR TOO_MANY_CLIENTS")) {
+    Client again(server_->address());
+    answer = again.ask("TARGET x_mm=0");
+    if (std::chrono::steady_clock::now() > idle + std::chrono::seconds(10)) break;
+  }
+  EXPECT_TRUE(answer.starts_with("ERR NO_MODEL ")) << answer;
+  EXPECT_EQ(dead.front()->line(), "") << "the longest idle one is closed";
+  std::size_t open = 0;
+  on_executor([&] { open = server_->clients(); });
+  EXPECT_LE(open, TargetLineServer::kMaxClients);
+}
+
+TEST_F(TargetLine, TurnsAwayTheClientBeyondTheLimitWhileAllOthersAreAtWork) {
+  std::vector<std::unique_ptr<Client>> clients;
+  for (std::size_t i = 0; i < TargetLineServer::kMaxClients; ++i)
+    clients.push_back(std::make_unique<Client>(server_->address()));
+  std::string refused;
+  for (int attempt = 0; attempt < 50 && !refused.starts_with("ERR TOO_MANY_CLIENTS"); ++attempt) {
+    for (std::size_t i = 0; i < clients.size(); ++i) {
+      const auto answer = clients[i]->ask("TARGET x_mm=0");
+      ASSERT_TRUE(answer.starts_with("ERR NO_MODEL ")) << i << ": " << answer;
+    }
+    Client late(server_->address());
+    refused = late.ask("TARGET x_mm=0");
+    if (!refused.starts_with("ERR TOO_MANY_CLIENTS"))  // a slow machine: one was idle after all
+      for (auto& client : clients) client = std::make_unique<Client>(server_->address());
+  }
+  EXPECT_TRUE(refused.starts_with("ERR TOO_MANY_CLIENTS ")) << refused;
+  clients.pop_back();
+  std::size_t open = TargetLineServer::kMaxClients;
+  while (open >= TargetLineServer::kMaxClients) on_executor([&] { open = server_->clients(); });
+  Client next(server_->address());
+  EXPECT_TRUE(next.ask("TARGET x_mm=0").starts_with("ERR NO_MODEL "));
+}
+
+TEST_F(TargetLine, FlagsConditionsThatNobodyLookedAtInTime) {
+  auto snapshot = snapshot_of(ModelId{3});
+  snapshot.valid_until = tests::kTestEpoch - std::chrono::seconds(1);
+  ASSERT_TRUE(board_.publish(std::move(snapshot)));
+  Client client(server_->address());
+  EXPECT_TRUE(client.ask("TARGET x_mm=0").ends_with("flags=EXPIRED_CONDITIONS"));
+}
+
+TEST_F(TargetLine, ClosesItsConnectionsWhenItStops) {
+  Client client(server_->address());
+  client.ask("TARGET x_mm=0");
+  on_executor([this] { server_->stop(); });
+  EXPECT_EQ(client.line(), "");
+}
+
+struct Case {
+  const char* name;
+  const char* address;
+  const char* reason;
+};
+class BadTargetLineAddress : public testing::TestWithParam<Case> {};
+TEST_P(BadTargetLineAddress, IsRefused) {
+  asio::io_context context;
+  tests::ManualClock clock;
+  compensation::SnapshotBoard board;
+  const auto server =
+      TargetLineServer::start(context.get_executor(), GetParam().address, board, clock);
+  ASSERT_FALSE(server);
+  EXPECT_EQ(server.error().reason, GetParam().reason);
+}
+INSTANTIATE_TEST_SUITE_P(Table, BadTargetLineAddress,
+                         testing::Values(Case{"NoPort", "127.0.0.1", "BAD_ADDRESS"},
+                                         Case{"NoNumber", "127.0.0.1:x", "BAD_ADDRESS"},
+                                         Case{"Name", "example.org:1", "BAD_ADDRESS"},
+                                         Case{"World", "0.0.0.0:0", "LISTEN_NOT_LOOPBACK"}),
+                         [](const auto& row) { return std::string(row.param.name); });
+
+TEST_F(TargetLine, SaysThatAPortIsTaken) {
+  const auto second =
+      TargetLineServer::start(context_.get_executor(), server_->address(), board_, clock_);
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().reason, "CANNOT_LISTEN");
+  EXPECT_NE(second.error().message.find(server_->address()), std::string::npos);
+}
+
+}  // namespace
+}  // namespace driftwise::application

@@ -1,0 +1,229 @@
+// A stop pressed while the controller cannot be reached: issue 11, number 13.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+
+#include "server/application/plumbing/crash_point.h"
+#include "tests/support/cell_in_memory.h"
+#include "tests/unit/application/shared_world.h"
+#include "tests/unit/application/sqlite.h"
+
+namespace driftwise::tests {
+namespace {
+
+using testing::HasSubstr;
+
+const application::Caller kStopper{"bob", "ipv4:127.0.0.1:9"};
+const std::string kStopRows = lines_of(2, {2, -3, 1}, true);
+
+class Stopping : public testing::Test {
+ protected:
+  Folder folder;
+  SmallWorld world;
+  CellInMemory cell{world, small_cell(folder / "cell.sqlite"), kSqlite};
+
+  // Until the axis is on its long way from 2 to -3 mm.
+  void begin_and_be_on_the_way() {
+    cell.begin_run(kStopRows);
+    cell.until([&] { return world.to_mm < -2.5 && cell.now().utc_ns < world.move_end_ns; });
+  }
+  RunRecord run() { return cell->status().run->run; }
+  bool moving() const { return cell.now().utc_ns < world.move_end_ns; }
+  std::vector<StopRecord> stored() {
+    return (*kSqlite(folder / "cell.sqlite", true))->stops().pending().value();
+  }
+  std::vector<AlarmRecord> alarms() { return *cell.await(cell->watching().alarms(false, 100)); }
+};
+
+TEST_F(Stopping, IsNotForgottenWhileTheConnectionIsDown) {
+  begin_and_be_on_the_way();
+  const int moves = world.moves;
+  world.axis_away = true;
+  const auto pressed = cell.now();
+  const auto answer = cell.await(cell->stop_all(kStopper));
+  ASSERT_TRUE(answer);
+  EXPECT_LE(seconds_from(cell.now() - pressed), 0.1);
+  EXPECT_FALSE(answer->confirmed);
+  EXPECT_THAT(answer->message, HasSubstr("not confirmed: use the emergency switch"));
+  ASSERT_EQ(stored().size(), 1u) << "on disk before it was sent";
+  EXPECT_EQ(stored().front().cause, "stopped by bob");
+
+  cell.pass(0.5);
+  ASSERT_TRUE(moving()) << "the axis is still on its way when the link comes back";
+  world.axis_away = false;
+  cell.until([&] { return run().state == RunState::paused; }, 10);
+  EXPECT_GT(std::abs(world.to_mm + 3), 0.1) << "it halted on its way";
+  EXPECT_EQ(world.moves, moves);
+  EXPECT_TRUE(stored().empty());
+  EXPECT_TRUE(cell->status().pending_stops.empty());
+  EXPECT_EQ(cell.events_named("stop.unconfirmed").size(), 1u);
+  EXPECT_EQ(cell.events_named("stop.confirmed").size(), 1u);
+
+  cell.pass(600);
+  EXPECT_EQ(run().state, RunState::paused) << "nothing starts it but a person";
+  EXPECT_EQ(world.moves, moves);
+  ASSERT_TRUE(cell.resume(kStopper));
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+}
+
+TEST_F(Stopping, RefusesEveryMotionWhileItIsPendingAndSaysSoEverywhere) {
+  begin_and_be_on_the_way();
+  world.axis_away = true;
+  ASSERT_FALSE(cell.await(cell->stop_all(kStopper))->confirmed);
+  cell.pass(10);
+  const auto expect_refused = [](const auto& done) {
+    ASSERT_FALSE(done);
+    EXPECT_EQ(done.error().reason, "STOP_PENDING");
+    EXPECT_EQ(done.error().code, ErrorCode::failed_precondition);
+    EXPECT_THAT(done.error().message, HasSubstr("use the emergency switch"));
+  };
+  expect_refused(cell.await(cell->resume_run(cell.ada, run().id, {})));
+  expect_refused(cell.await(cell->home(cell.ada, cell.lease())));
+  expect_refused(cell.await(cell->move_to(cell.ada, cell.lease(), {1})));
+  application::CreateRun request;
+  request.trajectory_text = kStopRows;
+  expect_refused(cell.try_run(request));
+
+  const auto status = cell->status();
+  EXPECT_EQ(status.run->run.state, RunState::waiting);
+  EXPECT_THAT(status.run->run.reason, HasSubstr("use the emergency switch"));
+  ASSERT_FALSE(status.attention.empty());
+  EXPECT_THAT(status.attention.front(), HasSubstr("use the emergency switch"));
+  int told = 0;
+  for (const auto& alarm : alarms())
+    if (alarm.kind == "stop.unconfirmed") {
+      ++told;
+      EXPECT_EQ(alarm.level, AlarmLevel::failed);
+      EXPECT_EQ(alarm.subject, "axis");
+      EXPECT_THAT(alarm.message, HasSubstr("use the emergency switch"));
+    }
+  EXPECT_EQ(told, 1);
+  world.axis_away = false;
+  cell.until([&] { return run().state == RunState::paused; }, 10);
+  cell.pass(20);
+  for (const auto& alarm : alarms()) {
+    if (alarm.kind == "stop.unconfirmed") {
+      EXPECT_NE(alarm.cleared.utc_ns, 0);
+    }
+  }
+}
+
+TEST_F(Stopping, AnAcknowledgementOfTheCommandIsNotEnough) {
+  begin_and_be_on_the_way();
+  world.stop_does_nothing = true;
+  const auto answer = cell.await(cell->stop_all(kStopper));
+  EXPECT_FALSE(answer->confirmed);
+  EXPECT_THAT(answer->message, HasSubstr("still reports motion"));
+  cell.until([&] { return cell->status().pending_stops.empty(); }, 10);
+  EXPECT_FALSE(moving()) << "confirmed only when nothing moved any more";
+  cell.until([&] { return run().state == RunState::paused; }, 10);
+}
+
+TEST_F(Stopping, PressedAgainKeepsItsFirstPersonAndCounts) {
+  begin_and_be_on_the_way();
+  world.axis_away = true;
+  static_cast<void>(cell.await(cell->stop_all(kStopper)));
+  static_cast<void>(cell.await(cell->stop_all({"eve", "peer"})));
+  ASSERT_EQ(stored().size(), 1u);
+  EXPECT_EQ(stored().front().who, "bob");
+  EXPECT_EQ(stored().front().presses, 2);
+  world.axis_away = false;
+  cell.until([&] { return run().state == RunState::paused; }, 10);
+  EXPECT_EQ(run().reason, "stopped by eve");
+}
+
+TEST_F(Stopping, OfAMovementByHandHoldsWithoutARun) {
+  std::optional<Result<void>> moved;
+  cell.begin(cell->move_to(cell.ada, cell.lease(), {4}), moved);
+  cell.until([&] { return moved || moving(); }, 60);
+  if (moved) {  // never referenced
+    moved.reset();
+    ASSERT_TRUE(cell.await(cell->home(cell.ada, cell.lease())));
+    cell.begin(cell->move_to(cell.ada, cell.lease(), {4}), moved);
+    cell.until([&] { return moving(); }, 60);
+  }
+  world.axis_away = true;
+  EXPECT_FALSE(cell.await(cell->stop_all(kStopper))->confirmed);
+  world.axis_away = false;
+  cell.until([&] { return cell->status().pending_stops.empty(); }, 10);
+  EXPECT_LT(world.to_mm, 3.9);
+  cell.until([&] { return moved.has_value(); }, 60);
+  EXPECT_FALSE(*moved);
+}
+
+TEST_F(Stopping, AnAbortIsRememberedToo) {
+  begin_and_be_on_the_way();
+  world.axis_away = true;
+  ASSERT_TRUE(cell.await(cell->abort_run(cell.ada, run().id, "wrong mirror")));
+  EXPECT_EQ(stored().size(), 1u);
+  cell.pass(0.5);
+  ASSERT_TRUE(moving());
+  world.axis_away = false;
+  cell.until([&] { return cell->status().pending_stops.empty(); }, 10);
+  EXPECT_GT(std::abs(world.to_mm + 3), 0.1);
+}
+
+// The daemon in a child, killed when `when` says so; the world goes on.
+void kill_when(SharedWorld& world, const std::string& database, const char* crash_point) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    CellInMemory cell(*world, small_cell(database), kSqlite);
+    cell.begin_run(kStopRows);
+    cell.until([&] { return world->to_mm < -2.5 && cell.now().utc_ns < world->move_end_ns; });
+    world->axis_away = std::string_view(crash_point) == "after_stop_commit";
+    application::on_crash_point([crash_point](std::string_view name) {
+      if (name == crash_point) ::raise(SIGKILL);
+    });
+    static_cast<void>(cell.await(cell->stop_all(kStopper)));
+    cell.pass(60);
+    ::_exit(0);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status)) << crash_point;
+}
+
+TEST(StopAndKill, APendingStopIsTheFirstCommandAfterARestartAndTheRunStaysPaused) {
+  Folder folder;
+  SharedWorld world;
+  const auto database = folder / "cell.sqlite";
+  kill_when(world, database, "after_stop_commit");
+  world->axis_away = false;
+  world->axis_calls = world->first_stop_call = 0;
+  const int moves = world->moves, homes = world->homes;
+  // While the controller is still on its way: time goes on where it was.
+  const CellTime begin{world->move_begin_ns + 500'000'000};
+  CellInMemory cell(*world, small_cell(database), kSqlite, begin);
+  cell.until([&] { return cell->status().pending_stops.empty(); }, 10);
+  EXPECT_EQ(world->first_stop_call, 1);
+  EXPECT_GT(std::abs(world->to_mm + 3), 0.1) << "it halted on its way";
+  cell.until([&] { return cell->status().run.has_value(); }, 10);
+  cell.pass(600);
+  EXPECT_EQ(cell->status().run->run.state, RunState::paused);
+  EXPECT_EQ(cell->status().run->run.reason, "stopped by bob");
+  EXPECT_EQ(world->moves, moves);
+  EXPECT_EQ(world->homes, homes);
+  ASSERT_TRUE(cell.resume(kStopper));
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+}
+
+TEST(StopAndKill, AConfirmedStopLeavesTheRunPausedThoughTheRunHadNotSeenIt) {
+  Folder folder;
+  SharedWorld world;
+  const auto database = folder / "cell.sqlite";
+  kill_when(world, database, "after_stop_confirm_commit");
+  const int moves = world->moves;
+  CellInMemory cell(*world, small_cell(database), kSqlite, kWorldBegin + std::chrono::hours(1));
+  EXPECT_TRUE(cell->status().pending_stops.empty());
+  cell.until([&] { return cell->status().run.has_value(); }, 10);
+  cell.pass(600);
+  EXPECT_EQ(cell->status().run->run.state, RunState::paused);
+  EXPECT_EQ(world->moves, moves);
+}
+
+}  // namespace
+}  // namespace driftwise::tests

@@ -1,0 +1,183 @@
+// Kill -9 at every crash point in turn, a real database, a world that goes on: no point lost, none
+// doubled.
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <map>
+
+#include "server/application/plumbing/crash_point.h"
+#include "storage/sqlite_store.h"
+#include "tests/support/cell_in_memory.h"
+#include "tests/unit/application/shared_world.h"
+#include "tests/unit/application/sqlite.h"
+
+namespace driftwise::tests {
+namespace {
+
+const std::string kTrajectory = lines_of(2, {2, -3}, true);
+constexpr std::int64_t kRows = 6;
+
+// Runs the daemon in a child until it is done, or dies at the n-th passing of any crash point.
+// True: it died.
+// Readings and events go to disk by the clock and are many: `every` counts them too.
+enum class Count { commits_of_the_run, every };
+bool daemon_dies(SharedWorld& world, const std::string& database, CellTime begin, int n,
+                 bool begin_run, Count count = Count::commits_of_the_run) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    int passed = 0;
+    application::on_crash_point([&passed, n, count](std::string_view name) {
+      const bool counts = count == Count::every ||
+                          (!name.ends_with("_readings_commit") && !name.ends_with("_event_commit"));
+      if (counts && ++passed == n) ::raise(SIGKILL);
+    });
+    CellInMemory cell(*world, small_cell(database), kSqlite, begin);
+    const auto watch = cell->watch_progress([&world](const application::RunProgress& p) {
+      world->told_accepted = std::max(world->told_accepted, p.run.accepted);
+    });
+    if (begin_run) {
+      application::CreateRun request;
+      request.trajectory_text = kTrajectory;
+      request.request_id = "the-one";
+      if (!cell.try_run(request)) ::_exit(3);
+    }
+    cell.finish_run();
+    cell.shut_down();
+    ::_exit(0);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  if (WIFEXITED(status)) {
+    EXPECT_EQ(WEXITSTATUS(status), 0);
+    return false;
+  }
+  return true;
+}
+
+struct Found {
+  std::optional<RunRecord> run;
+  std::map<std::int64_t, int> points_of_row;
+  std::vector<DatumRecord> data;
+  std::vector<AttemptRecord> attempts;
+};
+
+Found look(const std::string& database) {
+  Found found;
+  auto store = *storage::open_sqlite_store(database, true);
+  const auto runs = *store->runs().runs(10, 0);
+  if (runs.empty()) return found;
+  found.run = runs.front();
+  const auto all_points = *store->runs().points(runs.front().id, 0, 1000);
+  for (const auto& point : all_points) ++found.points_of_row[point.row];
+  found.data = *store->runs().data(runs.front().id);
+  found.attempts = *store->runs().attempts(runs.front().id);
+  return found;
+}
+
+// Kills at the n-th crash point, starts again, and judges by what an outside watcher had been told.
+// False: the run was through before the n-th came.
+bool survives(int n, Count count) {
+  Folder folder;
+  SharedWorld world;
+  const auto database = folder / "cell.sqlite";
+  if (!daemon_dies(world, database, kWorldBegin, n, true, count)) return false;
+  const auto between = look(database);
+  const auto stored = static_cast<std::int64_t>(between.points_of_row.size());
+  EXPECT_GE(stored, world->told_accepted) << "a point was acknowledged and is not there";
+  if (!between.run || !is_over(between.run->state)) {
+    EXPECT_FALSE(
+        daemon_dies(world, database, kWorldBegin + std::chrono::hours(1), 1 << 30, !between.run));
+  }
+  const auto after = look(database);
+  EXPECT_TRUE(after.run);
+  if (!after.run) return true;
+  EXPECT_EQ(after.run->state, RunState::done) << after.run->reason;
+  EXPECT_EQ(static_cast<std::int64_t>(after.points_of_row.size()), kRows);
+  for (const auto& [row, points] : after.points_of_row) EXPECT_EQ(points, 1) << "row " << row;
+  if (stored > 0 && stored < kRows) {
+    EXPECT_GE(after.data.size(), 2u);
+    EXPECT_EQ(after.data.back().reason, "restart after a kill");
+    EXPECT_EQ(after.run->restarts, 1);
+  }
+  return true;
+}
+
+TEST(Restart, LosesAndDoublesNoPointAtAnyCommitOfTheRun) {
+  int n = 1;
+  for (;; ++n) {
+    SCOPED_TRACE("killed at passing " + std::to_string(n));
+    ASSERT_LT(n, 100);
+    if (!survives(n, Count::commits_of_the_run)) break;
+  }
+  EXPECT_GT(n, 2 * kRows) << "the crash points are there at all";
+}
+
+TEST(Restart, LosesAndDoublesNoPointWhenReadingsOrEventsWereOnTheirWay) {
+  for (const int n : {3, 9, 15, 21, 27, 33}) {
+    SCOPED_TRACE("killed at passing " + std::to_string(n));
+    EXPECT_TRUE(survives(n, Count::every));
+  }
+}
+
+TEST(Restart, ComparesTheZeroWithTheOneBefore) {
+  Folder folder;
+  SharedWorld world;
+  const auto database = folder / "cell.sqlite";
+  world->warming_k_per_h = 0;
+  ASSERT_TRUE(daemon_dies(world, database, kWorldBegin, 11, true));
+  world->zero_mm += 0.001;  // somebody touched the mirror: 1 um
+  ASSERT_FALSE(daemon_dies(world, database, kWorldBegin + std::chrono::hours(1), 1 << 30, false));
+  const auto after = look(database);
+  ASSERT_EQ(after.data.size(), 2u);
+  std::map<std::string, double> values;
+  for (const auto& v : after.data.back().values) values[v.channel] = v.value;
+  EXPECT_NEAR(values.at("zero_found_nm"), -1000,
+              100);  // the reference and the holding repeat within tens of nm
+  EXPECT_NEAR(values.at("zero_predicted_nm"), 0, 30);
+  auto store = *storage::open_sqlite_store(database, true);
+  int surprised = 0;
+  const auto events = *store->events().events(EventId{0}, 10'000);
+  for (const auto& event : events) surprised += event.what == "zero.surprising";
+  EXPECT_EQ(surprised, 1);
+}
+
+TEST(Restart, RecordsTheInterruptedAttempt) {
+  Folder folder;
+  SharedWorld world;
+  const auto database = folder / "cell.sqlite";
+  ASSERT_TRUE(daemon_dies(world, database, kWorldBegin, 11, true));
+  ASSERT_FALSE(daemon_dies(world, database, kWorldBegin + std::chrono::hours(1), 1 << 30, false));
+  int interrupted = 0;
+  const auto found = look(database);
+  for (const auto& attempt : found.attempts) interrupted += attempt.verdict == Verdict::interrupted;
+  EXPECT_EQ(interrupted, 1);
+}
+
+TEST(Restart, APausedRunStaysPausedUntilSomebodyResumesIt) {
+  Folder folder;
+  SmallWorld world;
+  const auto database = folder / "cell.sqlite";
+  RunId run;
+  {
+    CellInMemory cell(world, small_cell(database), kSqlite);
+    run = cell.begin_run(kTrajectory).id;
+    cell.until([&] { return cell->status().run->run.accepted == 2; });
+    ASSERT_TRUE(cell.await(cell->pause_run(cell.ada, run)));
+    cell.until([&] { return cell->status().run->run.state == RunState::paused; });
+  }
+  CellInMemory cell(world, small_cell(database), kSqlite, kWorldBegin + std::chrono::hours(1));
+  cell.until([&] { return cell->status().run.has_value(); });
+  cell.pass(600);
+  EXPECT_EQ(cell->status().run->run.state, RunState::paused);
+  ASSERT_TRUE(cell.resume());
+  const auto ended = cell.finish_run();
+  EXPECT_EQ(ended.state, RunState::done);
+  EXPECT_EQ(ended.accepted, kRows);
+  EXPECT_EQ(cell.await(cell->data(run))->back().reason, "restart");
+}
+
+}  // namespace
+}  // namespace driftwise::tests
