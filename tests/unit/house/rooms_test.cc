@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kRoot = DRIFTWISE_SOURCE_DIR;
+const fs::path kTree = DRIFTWISE_SOURCE_DIR;
 constexpr std::size_t kMostUnits = 20;
 
 // server/diagnosis is divided together with its new search.
@@ -41,10 +41,10 @@ bool is_source(const fs::path& path) {
 std::map<std::string, std::set<std::string>> units_by_folder() {
   std::map<std::string, std::set<std::string>> found;
   for (const std::string top : {"server", "drivers", "storage", "clients", "tests"})
-    for (const auto& entry : fs::recursive_directory_iterator(kRoot / top))
+    for (const auto& entry : fs::recursive_directory_iterator(kTree / top))
       if (is_source(entry.path()) &&
           entry.path().string().find("/node_modules/") == std::string::npos)
-        found[fs::relative(entry.path().parent_path(), kRoot).string()].insert(
+        found[fs::relative(entry.path().parent_path(), kTree).string()].insert(
             entry.path().stem().string());
   return found;
 }
@@ -59,9 +59,9 @@ std::string sub_room_of(const std::string& room, const std::string& path) {
 std::map<std::string, std::map<std::string, std::string>> arrows_inside(const std::string& room) {
   static const std::regex quoted(R"(^\s*#\s*include\s*"([^"]+)\")");
   std::map<std::string, std::map<std::string, std::string>> arrows;
-  for (const auto& entry : fs::recursive_directory_iterator(kRoot / room)) {
+  for (const auto& entry : fs::recursive_directory_iterator(kTree / room)) {
     if (!is_source(entry.path())) continue;
-    const std::string path = fs::relative(entry.path(), kRoot).string();
+    const std::string path = fs::relative(entry.path(), kTree).string();
     std::ifstream file(entry.path());
     std::smatch match;
     for (std::string line; std::getline(file, line);) {
@@ -77,7 +77,7 @@ std::map<std::string, std::map<std::string, std::string>> arrows_inside(const st
 
 TEST(Rooms, HoldAtMostTwentyUnitsPerFolder) {
   const auto folders = units_by_folder();
-  ASSERT_GT(folders.size(), 40U) << "the tree was not found at " << kRoot;
+  ASSERT_GT(folders.size(), 40U) << "the tree was not found at " << kTree;
   for (const auto& [folder, units] : folders) {
     if (kNotYetDivided.contains(folder)) continue;
     EXPECT_LE(units.size(), kMostUnits) << folder << " needs sub-rooms";
@@ -110,10 +110,10 @@ TEST(Rooms, SayWhatTheyAreAndWhereToStart) {
   std::vector<std::string> rooms = {"drivers", "storage", "drivers/transport",
                                     "drivers/simulated/plant", "drivers/simulated/emulators"};
   for (const std::string top : {"server", "clients"})
-    for (const auto& entry : fs::directory_iterator(kRoot / top))
-      if (entry.is_directory()) rooms.push_back(fs::relative(entry.path(), kRoot).string());
+    for (const auto& entry : fs::directory_iterator(kTree / top))
+      if (entry.is_directory()) rooms.push_back(fs::relative(entry.path(), kTree).string());
   for (const auto& room : rooms) {
-    std::ifstream readme(kRoot / room / "README.md");
+    std::ifstream readme(kTree / room / "README.md");
     ASSERT_TRUE(readme) << room << " has no README.md";
     const std::string text{std::istreambuf_iterator<char>(readme), {}};
     EXPECT_TRUE(text.find("May use:") != std::string::npos)
@@ -121,11 +121,12 @@ TEST(Rooms, SayWhatTheyAreAndWhereToStart) {
     EXPECT_TRUE(text.find("Start reading:") != std::string::npos)
         << room << "/README.md does not say where to start";
     EXPECT_LE(std::ranges::count(text, '\n'), 70) << room << "/README.md is longer than a page";
-    // Each file that is named exists.
+    const std::string start = text.substr(text.find("Start reading:"));
+    // Each file to start with exists.
     static const std::regex named(R"(`([a-z0-9_/]+\.(?:h|cc|proto|tsx?|py))`)");
-    for (auto at = std::sregex_iterator(text.begin(), text.end(), named);
+    for (auto at = std::sregex_iterator(start.begin(), start.end(), named);
          at != std::sregex_iterator(); ++at)
-      EXPECT_TRUE(fs::exists(kRoot / room / (*at)[1].str()))
+      EXPECT_TRUE(fs::exists(kTree / room / (*at)[1].str()))
           << room << "/README.md names " << (*at)[1].str();
   }
 }
