@@ -10,6 +10,8 @@
 #include "server/calibration/design/basis.h"
 #include "server/calibration/design/design_columns.h"
 #include "server/calibration/model/fit_options.h"
+#include "server/core/data/dataset.h"
+#include "server/core/result.h"
 
 namespace driftwise::calibration {
 
