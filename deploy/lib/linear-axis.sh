@@ -2,6 +2,18 @@
 
 default_speed=200
 
+proof_runs='none ten six geometry'  # runs 2 to 5
+
+# the models of run 1 and of campaign.csv, and their table
+demo_fits() {
+  fit geometry --model 'q ~ x + x^2'
+  fit ten --model 'q ~ x + x^2 + t01..t10'
+  fit six --model 'q ~ x + x^2 + t05..t10'
+  fit first300 --model 'q ~ x + x^2 + t01..t10' --first 300
+  driftwise fit "$out/campaign.csv" --model 'q ~ x + x^2 + t01..t10' --offers --json >"$out/offers.json"
+  report linear-axis fits "$out"
+}
+
 demo() {
   say "the simulated cell and the daemon, speed $speed, seed $seed"
   start_cell linear-axis "$speed" "$seed"
@@ -12,12 +24,7 @@ demo() {
   driftwise data export 1 -o "$out/campaign.csv"
 
   say "models: fitted by the daemon on its stored points"
-  fit geometry --model 'q ~ x + x^2'
-  fit ten --model 'q ~ x + x^2 + t01..t10'
-  fit six --model 'q ~ x + x^2 + t05..t10'
-  fit first300 --model 'q ~ x + x^2 + t01..t10' --first 300
-  driftwise fit "$out/campaign.csv" --model 'q ~ x + x^2 + t01..t10' --offers --json >"$out/offers.json"
-  report linear-axis fits "$out"
+  demo_fits
 
   say "the same fit on the exported file, without the daemon"
   same_offline ten "$out/campaign.csv" 'q ~ x + x^2 + t01..t10'
@@ -33,7 +40,7 @@ demo() {
   prove six --compensate
   prove geometry --compensate --model "$(model geometry)"
   local i=2 name
-  for name in none ten six geometry; do
+  for name in $proof_runs; do
     driftwise data export $i -o "$out/$name.csv"
     driftwise run verify $i --json >"$out/$name.verify.json"
     i=$((i + 1))
