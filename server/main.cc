@@ -37,6 +37,7 @@
 #include "server/application/serving/target_line_server.h"
 #include "server/application/upkeep/cell_clock.h"
 #include "server/clean_log.h"
+#include "server/core/try.h"
 #include "server/descriptor_limit.h"
 #include "server/formats/cell_file/cell_file.h"
 #include "server/rpc/server/rpc_server.h"
@@ -68,7 +69,7 @@ int exit_code_of(const Error& error) {
 
 template <class Made, class Port>
 Result<void> keep(Made made, std::vector<std::unique_ptr<Port>>& all) {
-  if (!made) return tl::unexpected(made.error());
+  DRIFTWISE_RETURN_IF_ERROR(made);
   all.push_back(std::move(*made));
   return {};
 }
@@ -79,9 +80,8 @@ Result<void> keep_load(const DeviceDescription& device, asio::any_io_executor ex
     return fail(
         ErrorCode::invalid_argument, "TWO_LOADS",
         "device '" + device.id + "': a cell has one load actuator, this file names a second one");
-  auto load = drivers::make_load_actuator(device, std::move(executor), clock);
-  if (!load) return tl::unexpected(load.error());
-  devices.load = std::move(*load);
+  DRIFTWISE_TRY(auto load, drivers::make_load_actuator(device, std::move(executor), clock));
+  devices.load = std::move(load);
   return {};
 }
 
@@ -107,9 +107,8 @@ Result<void> make_device(const DeviceDescription& device, asio::any_io_executor 
     return fail(ErrorCode::invalid_argument, "TWO_CONTROLLERS",
                 "device '" + device.id +
                     "': a cell has one motion controller, this file names a second one");
-  auto controller = drivers::make_pi_gcs(device, executor, clock, claims);
-  if (!controller) return tl::unexpected(controller.error());
-  devices.controller = std::move(*controller);
+  DRIFTWISE_TRY(auto controller, drivers::make_pi_gcs(device, executor, clock, claims));
+  devices.controller = std::move(controller);
   return {};
 }
 
@@ -118,8 +117,7 @@ Result<application::Devices> make_devices(const CellDescription& cell,
                                           const std::shared_ptr<locks::Claims>& claims) {
   application::Devices devices;
   for (const auto& device : cell.devices)
-    if (auto made = make_device(device, executor, clock, claims, devices); !made)
-      return tl::unexpected(made.error());
+    DRIFTWISE_RETURN_IF_ERROR(make_device(device, executor, clock, claims, devices));
   if (!devices.controller)
     return fail(ErrorCode::invalid_argument, "NO_CONTROLLER",
                 cell.name + ": the cell file names no motion controller (kind \"pi-gcs\")");
@@ -197,14 +195,13 @@ Result<void> open_doors(Daemon& daemon, const CellDescription& description,
                         const std::string& web_root, const Clock& clock,
                         asio::io_context& context) {
   if (!description.target_line.empty()) {
-    auto line = application::TargetLineServer::start(
-        context.get_executor(), description.target_line, daemon.cell->snapshots(), clock);
-    if (!line) return tl::unexpected(line.error());
-    daemon.target_line = std::move(*line);
+    DRIFTWISE_TRY(auto line, application::TargetLineServer::start(context.get_executor(),
+                                                                  description.target_line,
+                                                                  daemon.cell->snapshots(), clock));
+    daemon.target_line = std::move(line);
   }
-  auto rpc = rpc::RpcServer::open(*daemon.cell, description.listen);
-  if (!rpc) return tl::unexpected(rpc.error());
-  daemon.rpc = std::move(*rpc);
+  DRIFTWISE_TRY(auto rpc, rpc::RpcServer::open(*daemon.cell, description.listen));
+  daemon.rpc = std::move(rpc);
   if (daemon.http)
     daemon.http->serve(web::make_web_site({*daemon.cell, daemon.rpc->in_process_channel(),
                                            web::find_web_root(web_root), daemon.http->executor()}));
@@ -233,13 +230,11 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
                             const Arguments& arguments) {
   // A check starts nothing, so it does not ask for the clock that a simulated cell would share.
   const ClockDescription wanted = arguments.check ? ClockDescription{} : description.clock;
-  auto clock = application::CellClock::open(context.get_executor(), wanted);
-  if (!clock) return tl::unexpected(clock.error());
-  Clock& the_clock = **clock;
+  DRIFTWISE_TRY(auto clock, application::CellClock::open(context.get_executor(), wanted));
+  Clock& the_clock = *clock;
   // A check drives nothing, so it may be made beside the daemon of the same cell.
   const auto claims = arguments.check ? nullptr : std::make_shared<locks::Claims>();
-  auto devices = make_devices(description, context.get_executor(), the_clock, claims);
-  if (!devices) return tl::unexpected(devices.error());
+  DRIFTWISE_TRY(auto devices, make_devices(description, context.get_executor(), the_clock, claims));
   const std::string web_root = arguments.web_root.empty()
                                    ? formats::web_root_of(description, arguments.cell_file)
                                    : arguments.web_root;
@@ -252,26 +247,24 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
   Daemon daemon;
   std::string web_address;
   if (!description.http.empty()) {  // listens first: the cell tells where
-    auto http = web::HttpServer::open(description.http);
-    if (!http) return tl::unexpected(http.error());
-    daemon.http = std::move(*http);
+    DRIFTWISE_TRY(auto http, web::HttpServer::open(description.http));
+    daemon.http = std::move(http);
     web_address = "http://" + daemon.http->address() + "/";
   }
   const OpenStore open_store = [](const std::string& path, bool read_only) {
     return storage::open_sqlite_store(path, read_only);
   };
-  auto cell = application::Cell::open(context.get_executor(), {.description = description,
-                                                               .devices = std::move(*devices),
-                                                               .clock = std::move(*clock),
-                                                               .open_store = open_store,
-                                                               .version = DRIFTWISE_VERSION,
-                                                               .boot_id = boot_id(),
-                                                               .web_address = web_address,
-                                                               .measure_pauses = true});
-  if (!cell) return tl::unexpected(cell.error());
-  daemon.cell = std::move(*cell);
-  if (auto doors = open_doors(daemon, description, web_root, the_clock, context); !doors)
-    return tl::unexpected(doors.error());
+  DRIFTWISE_TRY(auto cell,
+                application::Cell::open(context.get_executor(), {.description = description,
+                                                                 .devices = std::move(devices),
+                                                                 .clock = std::move(clock),
+                                                                 .open_store = open_store,
+                                                                 .version = DRIFTWISE_VERSION,
+                                                                 .boot_id = boot_id(),
+                                                                 .web_address = web_address,
+                                                                 .measure_pauses = true}));
+  daemon.cell = std::move(cell);
+  DRIFTWISE_RETURN_IF_ERROR(open_doors(daemon, description, web_root, the_clock, context));
   return daemon;
 }
 

@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include "server/core/try.h"
 #include "storage/diagnosis/diagnosis_store.h"
 #include "storage/models/model_store.h"
 #include "storage/readings/reading_store.h"
@@ -72,7 +73,7 @@ class SqliteStore final : public Store {
   ConfigurationStore& configurations() override { return configurations_; }
 
   Result<void> idle() override {
-    if (auto summarised = series_.keep_up(); !summarised) return tl::unexpected(summarised.error());
+    DRIFTWISE_RETURN_IF_ERROR(series_.keep_up());
     return answered([this] {
       const bool due = SteadyClock::now() - checkpointed_ >=
                        std::chrono::duration<double>(options_.checkpoint_every_s);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "drivers/transport/words.h"
+#include "server/core/try.h"
 
 namespace driftwise::adapter {
 namespace {
@@ -90,13 +91,12 @@ std::optional<CellTime> parse_unix_time(std::string_view text) {
 }
 
 Result<Identity> parse_identity(std::string_view reply) {
-  const auto words = accepted(reply);
-  if (!words) return tl::unexpected(words.error());
+  DRIFTWISE_TRY(const auto words, accepted(reply));
   Identity out;
-  const auto channels = field(*words, "ch");
+  const auto channels = field(words, "ch");
   if (!channels || !read_number(*channels, out.channels) || out.channels < 1)
     return bad_reply("expected OK <maker> <model> <serial> ch=<count>");
-  for (const auto word : *words) {
+  for (const auto word : words) {
     if (word.starts_with("ch=")) continue;
     if (!out.text.empty()) out.text += ' ';
     out.text += word;
@@ -106,19 +106,17 @@ Result<Identity> parse_identity(std::string_view reply) {
 }
 
 Result<void> parse_ok(std::string_view reply) {
-  const auto words = accepted(reply);
-  if (!words) return tl::unexpected(words.error());
-  if (!words->empty()) return bad_reply("expected OK alone");
+  DRIFTWISE_TRY(const auto words, accepted(reply));
+  if (!words.empty()) return bad_reply("expected OK alone");
   return {};
 }
 
 Result<Measurement> parse_measurement(std::string_view reply) {
-  const auto words = accepted(reply);
-  if (!words) return tl::unexpected(words.error());
+  DRIFTWISE_TRY(const auto words, accepted(reply));
   Measurement out;
   const char* missing = nullptr;
   const auto take = [&](const char* name, auto& value) {
-    const auto text = field(*words, name);
+    const auto text = field(words, name);
     if (!missing && (!text || !read_number(*text, value))) missing = name;
   };
   const auto take_finite = [&](const char* name, double& value) {
@@ -126,7 +124,7 @@ Result<Measurement> parse_measurement(std::string_view reply) {
     if (!missing && !std::isfinite(value)) missing = name;
   };
   const auto take_time = [&](const char* name, CellTime& value) {
-    const auto text = field(*words, name);
+    const auto text = field(words, name);
     const auto time = text ? parse_unix_time(*text) : std::nullopt;
     if (!missing && !time) missing = name;
     value = time.value_or(CellTime{});
@@ -138,7 +136,7 @@ Result<Measurement> parse_measurement(std::string_view reply) {
   take_finite("t_air_C", out.air_degc);
   take_finite("t_age_s", out.air_age_s);
   take_finite("level_pct", out.level_pct);
-  const auto status = field(*words, "status");
+  const auto status = field(words, "status");
   if (!missing && (!status || !read_hex(*status, out.status))) missing = "status";
   take_time("t0", out.start);
   take_time("t1", out.end);

@@ -1,6 +1,7 @@
 #include "drivers/interferometer_adapter/adapter_options.h"
 
 #include "drivers/transport/options.h"
+#include "server/core/try.h"
 
 namespace driftwise::adapter {
 
@@ -16,10 +17,10 @@ Result<Options> read_options(const DeviceDescription& device) {
   out.max_clock_offset_s = reader.number("max_clock_offset_s", out.max_clock_offset_s, 0.001, 1e9);
   out.air_channel = reader.text("air_channel", out.air_channel);
   out.level_channel = reader.text("level_channel", out.level_channel);
-  if (auto good = reader.finish(); !good) return tl::unexpected(good.error());
+  DRIFTWISE_RETURN_IF_ERROR(reader.finish());
   for (const auto& name : {out.air_channel, out.level_channel}) {
     if (name.empty()) continue;
-    if (const auto channel = parse_channel(name); !channel) return tl::unexpected(channel.error());
+    DRIFTWISE_RETURN_IF_ERROR(parse_channel(name));
   }
   return out;
 }

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "server/core/try.h"
 #include "server/core/units.h"
 
 namespace driftwise::adapter {
@@ -63,16 +64,15 @@ Awaitable<Result<void>> Interferometer::get_ready() {
 
 Awaitable<Result<void>> Interferometer::set_up() {
   identity_line_.clear();
-  const auto reply = co_await link_.ask("IDN?\n", timeout_);
-  if (!reply) co_return tl::unexpected(reply.error());
-  const auto identity = parse_identity(*reply);
+  DRIFTWISE_CO_TRY(const auto reply, co_await link_.ask("IDN?\n", timeout_));
+  const auto identity = parse_identity(reply);
   if (!identity) co_return link_.wrong_reply(identity.error());
   if (options_.channel > identity->channels) {
     co_return link_.refused("NO_CHANNEL", "option channel = " + std::to_string(options_.channel) +
                                               ", the adapter has " +
                                               std::to_string(identity->channels));
   }
-  identity_line_ = transport::without_line_ends(*reply);
+  identity_line_ = transport::without_line_ends(reply);
   link_.set_identity(identity->text);
   if (auto set = co_await command("AVG " + std::to_string(options_.samples)); !set) co_return set;
   if (auto set = co_await send_dead_path(); !set) co_return set;
@@ -81,9 +81,8 @@ Awaitable<Result<void>> Interferometer::set_up() {
 }
 
 Awaitable<Result<void>> Interferometer::command(std::string line) {
-  const auto reply = co_await link_.ask(line + "\n", timeout_);
-  if (!reply) co_return tl::unexpected(reply.error());
-  const auto accepted = parse_ok(*reply);
+  DRIFTWISE_CO_TRY(const auto reply, co_await link_.ask(line + "\n", timeout_));
+  const auto accepted = parse_ok(reply);
   if (accepted) co_return Result<void>{};
   if (is_nonsense(accepted.error())) link_.lose_step();
   co_return link_.wrong_reply(accepted.error());
@@ -106,7 +105,7 @@ Awaitable<Result<void>> Interferometer::zero() {
 
 Awaitable<Result<Reading>> Interferometer::read() {
   const auto turn = co_await turn_.take();
-  if (auto ready = co_await get_ready(); !ready) co_return tl::unexpected(ready.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await get_ready());
   if (zero_generation_ != 0 && zero_generation_ != link_.generation()) {
     co_return fail(ErrorCode::failed_precondition, "BEAM_LOST",
                    "device '" + device_.id + "' at " + device_.address +
@@ -114,10 +113,10 @@ Awaitable<Result<Reading>> Interferometer::read() {
                        "restarted: zero again");
   }
   const CellTime asked = clock_.now().utc;
-  const auto reply =
-      co_await link_.ask("MEAS? " + std::to_string(options_.channel) + "\n", measure_timeout_);
-  if (!reply) co_return tl::unexpected(reply.error());
-  auto measurement = parse_measurement(*reply);
+  DRIFTWISE_CO_TRY(
+      const auto reply,
+      co_await link_.ask("MEAS? " + std::to_string(options_.channel) + "\n", measure_timeout_));
+  auto measurement = parse_measurement(reply);
   if (measurement && measurement->channel != options_.channel) {
     measurement =
         fail(ErrorCode::data_loss, "BAD_REPLY", "expected ch=" + std::to_string(options_.channel));

@@ -1,5 +1,7 @@
 #include "drivers/keithley_2701/scan_options.h"
 
+#include "server/core/try.h"
+
 namespace driftwise::keithley {
 
 Result<Options> read_options(const DeviceDescription& device, bool on_serial_line) {
@@ -15,7 +17,7 @@ Result<Options> read_options(const DeviceDescription& device, bool on_serial_lin
   out.relay_s = reader.number("relay_s", out.relay_s, 0, 10);
   out.require_card = reader.on_off("require_card", out.require_card);
   out.serial = transport::read_serial_settings(reader, out.serial);
-  if (auto good = reader.finish(); !good) return tl::unexpected(good.error());
+  DRIFTWISE_RETURN_IF_ERROR(reader.finish());
   return out;
 }
 

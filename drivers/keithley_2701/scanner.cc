@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "drivers/keithley_2701/platinum_resistance.h"
+#include "server/core/try.h"
 
 namespace driftwise::keithley {
 namespace {
@@ -70,11 +71,11 @@ Awaitable<Result<void>> Scanner::zero() {
 
 Awaitable<Result<Reading>> Scanner::read() {
   const auto turn = co_await turn_.take();
-  if (auto ready = co_await get_ready(); !ready) co_return tl::unexpected(ready.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await get_ready());
   const CellTime asked = clock_.now().utc;
-  const auto reply = co_await link_.ask("READ?" + options_.send_end, scan_timeout_);
-  if (!reply) co_return tl::unexpected(reply.error());
-  co_return reading_from(*reply, asked);
+  DRIFTWISE_CO_TRY(const auto reply,
+                   co_await link_.ask("READ?" + options_.send_end, scan_timeout_));
+  co_return reading_from(reply, asked);
 }
 
 Result<Reading> Scanner::reading_from(const std::string& reply, CellTime asked) {

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "drivers/keithley_2701/scanner.h"
+#include "server/core/try.h"
 
 namespace driftwise::keithley {
 namespace {
@@ -31,9 +32,8 @@ Awaitable<Result<void>> Scanner::set_up() {
   anchor_.forget();
   // A serial line keeps half a command of whoever was here before: break it off and end it.
   if (auto sent = co_await link_.tell("\x03" + options_.send_end, timeout_); !sent) co_return sent;
-  const auto identity = co_await ask("*IDN?");
-  if (!identity) co_return tl::unexpected(identity.error());
-  identity_ = transport::without_line_ends(*identity);
+  DRIFTWISE_CO_TRY(const auto identity, co_await ask("*IDN?"));
+  identity_ = transport::without_line_ends(identity);
   if (identity_.find("MODEL 27") == std::string::npos)
     co_return nonsense({ErrorCode::failed_precondition, "WRONG_DEVICE",
                         "expected a KEITHLEY MODEL 2700, 2701 or 2750"});
@@ -43,14 +43,13 @@ Awaitable<Result<void>> Scanner::set_up() {
   for (const char* command : {"*RST", "*CLS"}) {
     if (auto sent = co_await tell(command); !sent) co_return sent;
   }
-  const auto complete = co_await link_.ask("*OPC?" + options_.send_end, scan_timeout_);
-  if (!complete) co_return tl::unexpected(complete.error());
-  if (transport::without_line_ends(*complete) != "1")
+  DRIFTWISE_CO_TRY(const auto complete,
+                   co_await link_.ask("*OPC?" + options_.send_end, scan_timeout_));
+  if (transport::without_line_ends(complete) != "1")
     co_return nonsense({ErrorCode::data_loss, "BAD_REPLY", "expected 1"});
 
-  const auto cards = co_await ask("*OPT?");
-  if (!cards) co_return tl::unexpected(cards.error());
-  const std::string card_text(transport::without_line_ends(*cards));
+  DRIFTWISE_CO_TRY(const auto cards, co_await ask("*OPT?"));
+  const std::string card_text(transport::without_line_ends(cards));
   if (options_.require_card && card_text.find("77") == std::string::npos)
     co_return link_.refused(
         "NO_CARD", "no scanner card in any slot: four-wire scanning needs one (7700, 7708, ...)");
@@ -89,9 +88,8 @@ Awaitable<Result<void>> Scanner::configure() {
 }
 
 Awaitable<Result<void>> Scanner::compare_scan_list() {
-  const auto reply = co_await ask("ROUT:SCAN?");
-  if (!reply) co_return tl::unexpected(reply.error());
-  const auto list = parse_channel_list(*reply);
+  DRIFTWISE_CO_TRY(const auto reply, co_await ask("ROUT:SCAN?"));
+  const auto list = parse_channel_list(reply);
   if (!list) co_return nonsense(list.error());
   if (*list == scanned_) co_return Result<void>{};
   co_return link_.refused(
@@ -103,9 +101,8 @@ Awaitable<Result<void>> Scanner::compare_scan_list() {
 Awaitable<Result<void>> Scanner::drain_errors() {
   std::string found;
   for (int i = 0; i < kMaxErrorReads; ++i) {
-    const auto reply = co_await ask("SYST:ERR?");
-    if (!reply) co_return tl::unexpected(reply.error());
-    const auto error = parse_device_error(*reply);
+    DRIFTWISE_CO_TRY(const auto reply, co_await ask("SYST:ERR?"));
+    const auto error = parse_device_error(reply);
     if (!error) co_return nonsense(error.error());
     if (error->number == 0) break;
     found += (found.empty() ? "" : "; ") + std::to_string(error->number) + " " + error->text;

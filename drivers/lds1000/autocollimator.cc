@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "server/core/try.h"
+
 namespace driftwise::lds1000 {
 namespace {
 
@@ -63,15 +65,13 @@ Awaitable<Result<void>> Autocollimator::get_ready() {
 
 Awaitable<Result<void>> Autocollimator::set_up() {
   identity_line_.clear();
-  const auto reply = co_await ask("VE");
-  if (!reply) co_return tl::unexpected(reply.error());
-  const auto version = parse_version(*reply);
+  DRIFTWISE_CO_TRY(const auto reply, co_await ask("VE"));
+  const auto version = parse_version(reply);
   if (!version) co_return wrong(version);
-  identity_line_ = transport::without_line_ends(*reply);
+  identity_line_ = transport::without_line_ends(reply);
   link_.set_identity(*version);
   // Only the last error is kept: an old one must not be taken for an answer to what follows.
-  const auto old_error = co_await ask("TE");
-  if (!old_error) co_return tl::unexpected(old_error.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await ask("TE"));
   if (auto set = co_await set_integration(); !set) co_return set;
   for (std::size_t i = 0; i < device_.angles.size(); ++i)
     if (auto good = co_await check_axis(i); !good) co_return good;
@@ -82,12 +82,10 @@ Awaitable<Result<void>> Autocollimator::set_up() {
 Awaitable<Result<void>> Autocollimator::set_integration() {
   auto setting = "KI" + std::to_string(options_.integration_ms) + options_.end_of_command;
   if (auto told = co_await link_.tell(std::move(setting), timeout_); !told) co_return told;
-  const auto taken = co_await ask("TE");
-  if (!taken) co_return tl::unexpected(taken.error());
-  if (const auto error = parse_error(*taken); !error) co_return wrong(error);
-  const auto reply = co_await ask("XI");
-  if (!reply) co_return tl::unexpected(reply.error());
-  const auto found_ms = parse_integration_ms(*reply);
+  DRIFTWISE_CO_TRY(const auto taken, co_await ask("TE"));
+  if (const auto error = parse_error(taken); !error) co_return wrong(error);
+  DRIFTWISE_CO_TRY(const auto reply, co_await ask("XI"));
+  const auto found_ms = parse_integration_ms(reply);
   if (!found_ms) co_return wrong(found_ms);
   if (*found_ms != options_.integration_ms)
     co_return link_.refused("NOT_SET", "the integration constant is " + std::to_string(*found_ms) +
@@ -98,9 +96,8 @@ Awaitable<Result<void>> Autocollimator::set_integration() {
 
 Awaitable<Result<void>> Autocollimator::check_axis(std::size_t i) {
   const int axis = device_.angles[i].device_axis;
-  const auto reply = co_await ask(std::to_string(axis) + "TA");
-  if (!reply) co_return tl::unexpected(reply.error());
-  const auto found = parse_set_up(*reply, axis);
+  DRIFTWISE_CO_TRY(const auto reply, co_await ask(std::to_string(axis) + "TA"));
+  const auto found = parse_set_up(reply, axis);
   if (!found) co_return wrong(found);
   const bool right = found->unit == options_.unit.value_or(found->unit) &&
                      found->increment == options_.increment.value_or(found->increment);
@@ -117,9 +114,8 @@ Awaitable<Result<void>> Autocollimator::check_axis(std::size_t i) {
 }
 
 Awaitable<Result<void>> Autocollimator::check_spot() {
-  const auto reply = co_await ask("MS");
-  if (!reply) co_return tl::unexpected(reply.error());
-  const auto status = parse_status(*reply);
+  DRIFTWISE_CO_TRY(const auto reply, co_await ask("MS"));
+  const auto status = parse_status(reply);
   if (!status) co_return wrong(status);
   if (status->usable()) co_return Result<void>{};
   co_return link_.refused("NO_SPOT", status->wrong_power
@@ -129,21 +125,20 @@ Awaitable<Result<void>> Autocollimator::check_spot() {
 
 Awaitable<Result<Reading>> Autocollimator::read() {
   const auto turn = co_await turn_.take();
-  if (auto ready = co_await get_ready(); !ready) co_return tl::unexpected(ready.error());
-  if (auto spot = co_await check_spot(); !spot) co_return tl::unexpected(spot.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await get_ready());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await check_spot());
   Reading out;
   out.device = device_.id;
   out.start = clock_.now().utc;
   for (std::size_t i = 0; i < device_.angles.size(); ++i) {
     const auto& angle = device_.angles[i];
-    const auto reply = co_await ask(std::to_string(angle.device_axis) + "TP");
-    if (!reply) co_return tl::unexpected(reply.error());
-    const auto value = parse_value(*reply, angle.device_axis);
+    DRIFTWISE_CO_TRY(const auto reply, co_await ask(std::to_string(angle.device_axis) + "TP"));
+    const auto value = parse_value(reply, angle.device_axis);
     if (!value) co_return wrong(value);
     out.values.push_back({angle.channel.name(), angle.sign * arcsec_from(*value, units_[i])});
   }
   out.end = clock_.now().utc;
-  if (auto spot = co_await check_spot(); !spot) co_return tl::unexpected(spot.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await check_spot());
   out.sequence = ++sequence_;
   co_return out;
 }

@@ -1,5 +1,7 @@
 #include "drivers/lds1000/lds_options.h"
 
+#include "server/core/try.h"
+
 namespace driftwise::lds1000 {
 
 Result<Options> read_options(const DeviceDescription& device) {
@@ -13,7 +15,7 @@ Result<Options> read_options(const DeviceDescription& device) {
   const auto end = reader.choice("terminator", "cr", {"cr", "lf", "crlf"});
   out.end_of_command = end == "cr" ? "\r" : end == "lf" ? "\n" : "\r\n";
   out.serial = transport::read_serial_settings(reader, out.serial);
-  if (auto good = reader.finish(); !good) return tl::unexpected(good.error());
+  DRIFTWISE_RETURN_IF_ERROR(reader.finish());
   return out;
 }
 

@@ -2,20 +2,19 @@
 
 #include "drivers/load_actuator/weights.h"
 #include "drivers/transport/options.h"
+#include "server/core/try.h"
 
 namespace driftwise::drivers {
 
 Result<std::unique_ptr<LoadActuator>> make_load_actuator(const DeviceDescription& device,
                                                          asio::any_io_executor executor,
                                                          Clock& clock) {
-  if (auto none = transport::OptionReader(device).finish(); !none)
-    return tl::unexpected(none.error());
-  const auto address = transport::parse_address(device.address);
-  if (!address) return tl::unexpected(address.error());
+  DRIFTWISE_RETURN_IF_ERROR(transport::OptionReader(device).finish());
+  DRIFTWISE_TRY(const auto address, transport::parse_address(device.address));
   if (!device.force)
     return fail(ErrorCode::invalid_argument, "NO_FORCE",
                 "device '" + device.id + "' (load-actuator): expected channel = \"force_N\"");
-  return std::make_unique<load_actuator::Weights>(device, *address, std::move(executor), clock);
+  return std::make_unique<load_actuator::Weights>(device, address, std::move(executor), clock);
 }
 
 }  // namespace driftwise::drivers

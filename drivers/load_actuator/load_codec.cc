@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "drivers/transport/words.h"
+#include "server/core/try.h"
 
 namespace driftwise::load_actuator {
 namespace {
@@ -54,19 +55,17 @@ Result<std::vector<std::string_view>> taken(std::string_view reply) {
 }  // namespace
 
 Result<std::string> parse_identity(std::string_view reply) {
-  const auto words = taken(reply);
-  if (!words) return tl::unexpected(words.error());
-  if (words->size() < 3) return bad_load_reply("expected OK <maker> <model> <serial>");
-  return joined(*words, 0);
+  DRIFTWISE_TRY(const auto words, taken(reply));
+  if (words.size() < 3) return bad_load_reply("expected OK <maker> <model> <serial>");
+  return joined(words, 0);
 }
 
 Result<Load> parse_load(std::string_view reply) {
-  const auto words = taken(reply);
-  if (!words) return tl::unexpected(words.error());
+  DRIFTWISE_TRY(const auto words, taken(reply));
   Load out;
   int resting = 0;
-  if (words->size() != 2 || !transport::read_number((*words)[0], out.force_n) ||
-      !std::isfinite(out.force_n) || !transport::read_number((*words)[1], resting) ||
+  if (words.size() != 2 || !transport::read_number(words[0], out.force_n) ||
+      !std::isfinite(out.force_n) || !transport::read_number(words[1], resting) ||
       (resting != 0 && resting != 1))
     return bad_load_reply("expected OK <newton> <resting 1|0>");
   out.resting = resting == 1;
@@ -74,9 +73,8 @@ Result<Load> parse_load(std::string_view reply) {
 }
 
 Result<void> parse_ok(std::string_view reply) {
-  const auto words = taken(reply);
-  if (!words) return tl::unexpected(words.error());
-  if (!words->empty()) return bad_load_reply("expected OK alone");
+  DRIFTWISE_TRY(const auto words, taken(reply));
+  if (!words.empty()) return bad_load_reply("expected OK alone");
   return {};
 }
 

@@ -1,5 +1,7 @@
 #include "drivers/load_actuator/weights.h"
 
+#include "server/core/try.h"
+
 namespace driftwise::load_actuator {
 namespace {
 
@@ -41,15 +43,14 @@ Awaitable<Result<void>> Weights::get_ready() {
   if (auto up = co_await link_.connect(timeout_); !up) co_return up;
   if (link_.generation() == set_up_generation_) co_return Result<void>{};
   identity_line_.clear();
-  const auto reply = co_await link_.ask("IDN?\n", timeout_);
-  if (!reply) co_return tl::unexpected(reply.error());
-  const auto identity = parse_identity(*reply);
+  DRIFTWISE_CO_TRY(const auto reply, co_await link_.ask("IDN?\n", timeout_));
+  const auto identity = parse_identity(reply);
   if (!identity) {
     const Error error = wrong(identity).value();
     link_.drop(error.message);
     co_return tl::unexpected(error);
   }
-  identity_line_ = transport::without_line_ends(*reply);
+  identity_line_ = transport::without_line_ends(reply);
   link_.set_identity(*identity);
   set_up_generation_ = link_.generation();
   co_return Result<void>{};
@@ -57,10 +58,9 @@ Awaitable<Result<void>> Weights::get_ready() {
 
 Awaitable<Result<LoadState>> Weights::state() {
   const auto turn = co_await turn_.take();
-  if (auto ready = co_await get_ready(); !ready) co_return tl::unexpected(ready.error());
-  const auto reply = co_await link_.ask("LOAD?\n", timeout_);
-  if (!reply) co_return tl::unexpected(reply.error());
-  const auto load = parse_load(*reply);
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await get_ready());
+  DRIFTWISE_CO_TRY(const auto reply, co_await link_.ask("LOAD?\n", timeout_));
+  const auto load = parse_load(reply);
   if (!load) co_return wrong(load);
   co_return LoadState{clock_.now().utc, load->force_n, load->resting};
 }
@@ -69,9 +69,8 @@ Awaitable<Result<void>> Weights::set_force(double force_n) {
   const auto turn = co_await turn_.take();
   if (auto ready = co_await get_ready(); !ready) co_return ready;
   auto command = load_command(force_n) + "\n";
-  const auto reply = co_await link_.ask(std::move(command), timeout_);
-  if (!reply) co_return tl::unexpected(reply.error());
-  const auto accepted = parse_ok(*reply);
+  DRIFTWISE_CO_TRY(const auto reply, co_await link_.ask(std::move(command), timeout_));
+  const auto accepted = parse_ok(reply);
   if (!accepted) co_return wrong(accepted);
   co_return Result<void>{};
 }

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "server/core/try.h"
+
 namespace driftwise::gcs {
 namespace {
 
@@ -90,11 +92,10 @@ Result<std::vector<double>> parse_axis_values(std::string_view reply,
 
 Result<std::vector<bool>> parse_axis_flags(std::string_view reply,
                                            std::span<const std::string> axes) {
-  const auto values = parse_axis_values(reply, axes);
-  if (!values) return tl::unexpected(values.error());
+  DRIFTWISE_TRY(const auto values, parse_axis_values(reply, axes));
   std::vector<bool> flags;
   for (std::size_t i = 0; i < axes.size(); ++i) {
-    const double value = (*values)[i];
+    const double value = values[i];
     if (value != 0 && value != 1)
       return bad_reply("expected " + axes[i] + "=0 or " + axes[i] + "=1");
     flags.push_back(value == 1);

@@ -6,6 +6,7 @@
 
 #include "drivers/pi_gcs/gcs_codec.h"
 #include "server/core/text/quantity_text.h"
+#include "server/core/try.h"
 
 namespace driftwise::gcs {
 namespace {
@@ -62,10 +63,9 @@ Awaitable<Result<GcsController::Fetched>> GcsController::fetch(std::vector<std::
   if (!options_.pipelining) co_return replies;
   std::string message;
   for (const auto& query : queries) message += query;
-  const auto joined =
-      co_await link_.ask(std::move(message), timeout_, static_cast<int>(queries.size()));
-  if (!joined) co_return tl::unexpected(joined.error());
-  for (std::string_view rest = *joined; !rest.empty();) {
+  DRIFTWISE_CO_TRY(const auto joined, co_await link_.ask(std::move(message), timeout_,
+                                                         static_cast<int>(queries.size())));
+  for (std::string_view rest = joined; !rest.empty();) {
     const std::size_t length = std::min(transport::gcs_reply(rest), rest.size());
     replies.emplace_back(rest.substr(0, length));
     rest.remove_prefix(length);
@@ -81,36 +81,29 @@ GcsController::Text GcsController::next(Fetched& fetched, std::string query) {
 }
 
 Awaitable<Result<int>> GcsController::take_error_number() {
-  const auto reply = co_await ask("ERR?\n");
-  if (!reply) co_return tl::unexpected(reply.error());
-  co_return checked(parse_error_number(*reply));
+  DRIFTWISE_CO_TRY(const auto reply, co_await ask("ERR?\n"));
+  co_return checked(parse_error_number(reply));
 }
 
 Awaitable<Result<void>> GcsController::command(std::string text) {
-  const auto reply = co_await ask(text + "ERR?\n");
-  if (!reply) co_return tl::unexpected(reply.error());
-  const auto number = checked(parse_error_number(*reply));
-  if (!number) co_return tl::unexpected(number.error());
-  if (*number == 0) co_return Result<void>{};
-  if (*number == 5) referenced_ = false;
-  co_return link_.wrong_reply(refusal(*number, text.substr(0, text.find('\n'))));
+  DRIFTWISE_CO_TRY(const auto reply, co_await ask(text + "ERR?\n"));
+  DRIFTWISE_CO_TRY(const auto number, checked(parse_error_number(reply)));
+  if (number == 0) co_return Result<void>{};
+  if (number == 5) referenced_ = false;
+  co_return link_.wrong_reply(refusal(number, text.substr(0, text.find('\n'))));
 }
 
 Awaitable<Result<void>> GcsController::refresh_referenced() {
   if (options_.referenced_by == "memory") co_return Result<void>{};
   if (options_.referenced_by == "status") {
-    const auto reply = co_await ask(std::string(1, kStatusByte));
-    if (!reply) co_return tl::unexpected(reply.error());
-    const auto word = checked(parse_hex(*reply));
-    if (!word) co_return tl::unexpected(word.error());
-    referenced_ = (*word & kStatusReferenced) != 0;
+    DRIFTWISE_CO_TRY(const auto reply, co_await ask(std::string(1, kStatusByte)));
+    DRIFTWISE_CO_TRY(const auto word, checked(parse_hex(reply)));
+    referenced_ = (word & kStatusReferenced) != 0;
     co_return Result<void>{};
   }
-  const auto reply = co_await ask("FRF?\n");
-  if (!reply) co_return tl::unexpected(reply.error());
-  const auto flags = checked(parse_axis_flags(*reply, axes_));
-  if (!flags) co_return tl::unexpected(flags.error());
-  referenced_ = std::all_of(flags->begin(), flags->end(), [](bool flag) { return flag; });
+  DRIFTWISE_CO_TRY(const auto reply, co_await ask("FRF?\n"));
+  DRIFTWISE_CO_TRY(const auto flags, checked(parse_axis_flags(reply, axes_)));
+  referenced_ = std::all_of(flags.begin(), flags.end(), [](bool flag) { return flag; });
   co_return Result<void>{};
 }
 
@@ -120,27 +113,20 @@ Awaitable<Result<MotionState>> GcsController::read_state() {
   // axis.
   const std::string moving_query(1, kMovingByte);
   std::vector<std::string> queries{moving_query, "ONT?\n", "POS?\n"};
-  auto fetched = co_await fetch(std::move(queries));
-  if (!fetched) co_return tl::unexpected(fetched.error());
-  const auto mask_text = co_await next(*fetched, moving_query);
-  if (!mask_text) co_return tl::unexpected(mask_text.error());
-  const auto mask = checked(parse_hex(*mask_text));
-  if (!mask) co_return tl::unexpected(mask.error());
-  const auto on_target_text = co_await next(*fetched, "ONT?\n");
-  if (!on_target_text) co_return tl::unexpected(on_target_text.error());
-  const auto on_target = checked(parse_axis_flags(*on_target_text, axes_));
-  if (!on_target) co_return tl::unexpected(on_target.error());
-  const auto position_text = co_await next(*fetched, "POS?\n");
-  if (!position_text) co_return tl::unexpected(position_text.error());
-  auto positions = checked(parse_axis_values(*position_text, axes_));
-  if (!positions) co_return tl::unexpected(positions.error());
+  DRIFTWISE_CO_TRY(auto fetched, co_await fetch(std::move(queries)));
+  DRIFTWISE_CO_TRY(const auto mask_text, co_await next(fetched, moving_query));
+  DRIFTWISE_CO_TRY(const auto mask, checked(parse_hex(mask_text)));
+  DRIFTWISE_CO_TRY(const auto on_target_text, co_await next(fetched, "ONT?\n"));
+  DRIFTWISE_CO_TRY(const auto on_target, checked(parse_axis_flags(on_target_text, axes_)));
+  DRIFTWISE_CO_TRY(const auto position_text, co_await next(fetched, "POS?\n"));
+  DRIFTWISE_CO_TRY(auto positions, checked(parse_axis_values(position_text, axes_)));
   MotionState state;
   state.at = clock_.now().utc;
-  state.q_mm = std::move(*positions);
-  state.moving = trap_.under_way(*mask != 0, asked);
+  state.q_mm = std::move(positions);
+  state.moving = trap_.under_way(mask != 0, asked);
   state.referenced = referenced_;
-  state.on_target = !state.moving && std::all_of(on_target->begin(), on_target->end(),
-                                                 [](bool flag) { return flag; });
+  state.on_target = !state.moving &&
+                    std::all_of(on_target.begin(), on_target.end(), [](bool flag) { return flag; });
   answers_at_rest_ = state.moving ? 0 : answers_at_rest_ + 1;
   if (answers_at_rest_ >= kAnswersAtRest) stop_owed_ = false;
   co_return state;
@@ -148,9 +134,9 @@ Awaitable<Result<MotionState>> GcsController::read_state() {
 
 Awaitable<Result<MotionState>> GcsController::look(std::int64_t stops_seen, bool also_referenced) {
   const auto turn = co_await turn_.take();
-  if (auto ready = co_await get_ready(stops_seen); !ready) co_return tl::unexpected(ready.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await get_ready(stops_seen));
   if (also_referenced) {
-    if (auto known = co_await refresh_referenced(); !known) co_return tl::unexpected(known.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await refresh_referenced());
   }
   co_return co_await read_state();
 }
@@ -208,16 +194,15 @@ Awaitable<Result<void>> GcsController::home() {
   std::vector<double> last_mm(axes_.size(), 1e300);
   for (;;) {
     co_await clock_.sleep_for(nanoseconds_from_s(options_.home_poll_s));
-    const auto now = co_await look(stops_seen, true);
-    if (!now) co_return tl::unexpected(now.error());
-    const bool done = options_.referenced_by == "memory" ? now->on_target : now->referenced;
-    if (!now->moving && done) break;
+    DRIFTWISE_CO_TRY(const auto now, co_await look(stops_seen, true));
+    const bool done = options_.referenced_by == "memory" ? now.on_target : now.referenced;
+    if (!now.moving && done) break;
     for (std::size_t i = 0; i < last_mm.size(); ++i) {
-      if (std::abs(now->q_mm[i] - last_mm[i]) <= kProgressMm) continue;
-      last_mm[i] = now->q_mm[i];
-      last_progress = now->at;
+      if (std::abs(now.q_mm[i] - last_mm[i]) <= kProgressMm) continue;
+      last_mm[i] = now.q_mm[i];
+      last_progress = now.at;
     }
-    if (now->at - last_progress > nanoseconds_from_s(options_.home_stall_s)) {
+    if (now.at - last_progress > nanoseconds_from_s(options_.home_stall_s)) {
       co_return fail(
           ErrorCode::deadline_exceeded, "HOMING_STALLED",
           "device '" + device_.id + "' at " + device_.address + ": " + options_.reference +
@@ -253,10 +238,9 @@ Awaitable<Result<void>> GcsController::tidy_after_stop() {
   if (link_.generation() != set_up_generation_) co_return co_await set_up_or_drop();
   // 0x18 leaves error 10 behind; ours is the only command that may still have failed before it.
   for (int i = 0; i < kMaxErrorReads; ++i) {
-    const auto number = co_await take_error_number();
-    if (!number) co_return tl::unexpected(number.error());
-    if (*number == kStoppedError) trap_.disarm();  // a move not yet begun is cancelled as well
-    if (*number == 0) break;
+    DRIFTWISE_CO_TRY(const auto number, co_await take_error_number());
+    if (number == kStoppedError) trap_.disarm();  // a move not yet begun is cancelled as well
+    if (number == 0) break;
   }
   co_return Result<void>{};
 }

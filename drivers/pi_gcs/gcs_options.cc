@@ -1,5 +1,7 @@
 #include "drivers/pi_gcs/gcs_options.h"
 
+#include "server/core/try.h"
+
 namespace driftwise::gcs {
 
 Result<Options> read_options(const DeviceDescription& device) {
@@ -16,7 +18,7 @@ Result<Options> read_options(const DeviceDescription& device) {
   out.home_poll_s = reader.number("home_poll_s", out.home_poll_s, 0.001, 10);
   out.home_stall_s = reader.number("home_stall_s", out.home_stall_s, 0.1, 600);
   out.serial = transport::read_serial_settings(reader, out.serial);
-  if (auto good = reader.finish(); !good) return tl::unexpected(good.error());
+  DRIFTWISE_RETURN_IF_ERROR(reader.finish());
   return out;
 }
 

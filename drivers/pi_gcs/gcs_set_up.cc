@@ -5,6 +5,7 @@
 
 #include "drivers/pi_gcs/gcs_codec.h"
 #include "drivers/pi_gcs/gcs_controller.h"
+#include "server/core/try.h"
 
 namespace driftwise::gcs {
 
@@ -49,21 +50,18 @@ Awaitable<Result<void>> GcsController::set_up() {
   answers_at_rest_ = 0;
   if (stop_owed_)
     if (auto told = co_await link_.tell(std::string(1, kStopByte), timeout_); !told) co_return told;
-  const auto identity = co_await ask("*IDN?\n");
-  if (!identity) co_return tl::unexpected(identity.error());
-  identity_ = transport::without_line_ends(*identity);
+  DRIFTWISE_CO_TRY(const auto identity, co_await ask("*IDN?\n"));
+  identity_ = transport::without_line_ends(identity);
   link_.set_identity(identity_);
   if (auto ours = claim(serial_number_key(identity_)); !ours) co_return ours;
-  const auto old = co_await take_error_number();  // of the stop, or of an earlier client
-  if (!old) co_return tl::unexpected(old.error());
-  if (*old == kStoppedError) trap_.disarm();
+  DRIFTWISE_CO_TRY(const auto old,
+                   co_await take_error_number());  // of the stop, or of an earlier client
+  if (old == kStoppedError) trap_.disarm();
 
-  const auto names_text = co_await ask("SAI?\n");
-  if (!names_text) co_return tl::unexpected(names_text.error());
-  const auto names = checked(parse_axis_names(*names_text));
-  if (!names) co_return tl::unexpected(names.error());
+  DRIFTWISE_CO_TRY(const auto names_text, co_await ask("SAI?\n"));
+  DRIFTWISE_CO_TRY(const auto names, checked(parse_axis_names(names_text)));
   for (const auto& axis : axes_) {
-    if (std::find(names->begin(), names->end(), axis) == names->end())
+    if (std::find(names.begin(), names.end(), axis) == names.end())
       co_return link_.refused("UNKNOWN_AXIS", "the controller has no axis '" + axis +
                                                   "': correct device_axis in the cell file");
   }
@@ -99,20 +97,18 @@ Awaitable<Result<void>> GcsController::check_travel() {
       error.message += "; if it knows no TMN?, set travel_query = \"off\"";
     co_return tl::unexpected(error);
   }
-  const auto low = checked(parse_axis_values(*low_text, axes_));
-  if (!low) co_return tl::unexpected(low.error());
+  DRIFTWISE_CO_TRY(const auto low, checked(parse_axis_values(*low_text, axes_)));
   high_text = co_await next(*fetched, "TMX?\n");
-  if (!high_text) co_return tl::unexpected(high_text.error());
-  const auto high = checked(parse_axis_values(*high_text, axes_));
-  if (!high) co_return tl::unexpected(high.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(high_text);
+  DRIFTWISE_CO_TRY(const auto high, checked(parse_axis_values(*high_text, axes_)));
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const auto& axis = device_.axes[i];
-    if (axis.min_mm >= (*low)[i] && axis.max_mm <= (*high)[i]) continue;
+    if (axis.min_mm >= low[i] && axis.max_mm <= high[i]) continue;
     char text[200];
     std::snprintf(
         text, sizeof text,
         "soft limits of %s are %.9g .. %.9g mm, the controller travels %.9g .. %.9g mm only",
-        axis.channel.name().c_str(), axis.min_mm, axis.max_mm, (*low)[i], (*high)[i]);
+        axis.channel.name().c_str(), axis.min_mm, axis.max_mm, low[i], high[i]);
     co_return link_.refused("LIMITS_BEYOND_TRAVEL", text);
   }
   co_return Result<void>{};

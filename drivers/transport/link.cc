@@ -4,6 +4,7 @@
 
 #include "drivers/transport/as_tuple.h"
 #include "drivers/transport/escape.h"
+#include "server/core/try.h"
 
 namespace driftwise::transport {
 namespace {
@@ -106,14 +107,13 @@ Awaitable<Result<std::string>> Link::ask(std::string request, Nanoseconds timeou
   if (busy_) co_return fail(ErrorCode::internal, "BUSY", context("two calls at once"));
   if (!connected_) co_return fail(ErrorCode::unavailable, "LINK_DOWN", context("not connected"));
   if (!in_step_) {
-    if (auto ready = co_await get_in_step(timeout); !ready) co_return tl::unexpected(ready.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await get_in_step(timeout));
   }
   co_return co_await talk(std::move(request), timeout, replies);
 }
 
 Awaitable<Result<void>> Link::tell(std::string command, Nanoseconds timeout) {
-  auto done = co_await ask(std::move(command), timeout, 0);
-  if (!done) co_return tl::unexpected(done.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await ask(std::move(command), timeout, 0));
   co_return Result<void>{};
 }
 

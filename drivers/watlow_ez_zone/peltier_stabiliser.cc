@@ -3,6 +3,7 @@
 #include <boost/asio/co_spawn.hpp>
 
 #include "drivers/transport/link.h"
+#include "server/core/try.h"
 
 namespace driftwise::watlow {
 namespace {
@@ -48,8 +49,7 @@ auto PeltierStabiliser::run(Job job)
   const auto turn = co_await turn_.take();
   const auto timeout =
       clock_.wall_from(nanoseconds_from_s(device_.timeout_s), transport::kShortestTimeout);
-  if (auto ready = co_await wait_out_back_off(timeout); !ready)
-    co_return tl::unexpected(ready.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await wait_out_back_off(timeout));
   closed_ = false;
   if (health_.link != LinkState::connected) health_.link = LinkState::connecting;
   auto work = [this, job, timeout] {
@@ -97,17 +97,18 @@ Awaitable<Result<void>> PeltierStabiliser::set_point(double degc) {
 
 Awaitable<Result<Reading>> PeltierStabiliser::read() {
   const CellTime asked = clock_.now().utc;
-  const auto state = co_await run(
-      [](TemperatureController& controller, auto timeout) { return controller.read(timeout); });
-  if (!state) co_return tl::unexpected(state.error());
+  DRIFTWISE_CO_TRY(const auto state,
+                   co_await run([](TemperatureController& controller, auto timeout) {
+                     return controller.read(timeout);
+                   }));
   Reading out;
   out.device = device_.id;
   out.start = asked;
   out.end = clock_.now().utc;
   out.sequence = ++sequence_;
-  out.values.push_back({symbol_ + "_degC", state->process_degc});
-  out.values.push_back({symbol_ + "_set_degC", state->set_point_degc});
-  out.values.push_back({symbol_ + "_power_pct", state->power_pct});
+  out.values.push_back({symbol_ + "_degC", state.process_degc});
+  out.values.push_back({symbol_ + "_set_degC", state.set_point_degc});
+  out.values.push_back({symbol_ + "_power_pct", state.power_pct});
   co_return out;
 }
 

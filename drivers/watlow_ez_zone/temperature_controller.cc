@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "server/core/data/reading.h"
+#include "server/core/try.h"
 
 namespace driftwise::watlow {
 namespace {
@@ -44,7 +45,7 @@ Result<void> TemperatureController::prepare(std::chrono::nanoseconds timeout) {
   const std::uint16_t wanted = options_.unit == Unit::celsius ? kUnitCelsius : kUnitFahrenheit;
   if (unit && (*unit)[0] == wanted) return {};
   line_.disconnect();  // so that the next call checks again
-  if (!unit) return tl::unexpected(unit.error());
+  DRIFTWISE_RETURN_IF_ERROR(unit);
   return fail(ErrorCode::failed_precondition, "UNIT_MISMATCH",
               name() + "option unit = " + (options_.unit == Unit::celsius ? "C" : "F") +
                   ", but register 2490 holds " + describe_unit((*unit)[0]) +
@@ -52,20 +53,17 @@ Result<void> TemperatureController::prepare(std::chrono::nanoseconds timeout) {
 }
 
 Result<ControllerState> TemperatureController::read(std::chrono::nanoseconds timeout) {
-  if (auto up = prepare(timeout); !up) return tl::unexpected(up.error());
-  const auto process =
-      line_.read(at(address::kProcessValue), 3);  // the input error stands behind it
-  if (!process) return tl::unexpected(process.error());
-  const auto power = line_.read(at(address::kHeatPower), 4);
-  if (!power) return tl::unexpected(power.error());
-  const auto set_point = line_.read(at(address::kSetPoint), 2);
-  if (!set_point) return tl::unexpected(set_point.error());
+  DRIFTWISE_RETURN_IF_ERROR(prepare(timeout));
+  DRIFTWISE_TRY(const auto process,
+                line_.read(at(address::kProcessValue), 3));  // the input error stands behind it
+  DRIFTWISE_TRY(const auto power, line_.read(at(address::kHeatPower), 4));
+  DRIFTWISE_TRY(const auto set_point, line_.read(at(address::kSetPoint), 2));
   ControllerState out;
-  out.input_error = (*process)[2];
-  out.process_degc = out.input_error == kInputGood ? temperature(pair_at(*process, 0)) : kMissing;
-  out.set_point_degc = temperature(pair_at(*set_point, 0));
-  const float heat = unpack_float(pair_at(*power, 0), options_.word_order);
-  const float cool = unpack_float(pair_at(*power, 2), options_.word_order);
+  out.input_error = process[2];
+  out.process_degc = out.input_error == kInputGood ? temperature(pair_at(process, 0)) : kMissing;
+  out.set_point_degc = temperature(pair_at(set_point, 0));
+  const float heat = unpack_float(pair_at(power, 0), options_.word_order);
+  const float cool = unpack_float(pair_at(power, 2), options_.word_order);
   out.power_pct = static_cast<double>(heat) - static_cast<double>(cool);
   return out;
 }
@@ -76,36 +74,32 @@ Result<void> TemperatureController::set_point(double degc, std::chrono::nanoseco
         ErrorCode::out_of_range, "SET_POINT",
         name() + "set point " + degrees(degc) + ", allowed are 5 .. 60 degC; nothing was written");
   }
-  const auto now = read(timeout);
-  if (!now) return tl::unexpected(now.error());
-  if (now->input_error != kInputGood) {
+  DRIFTWISE_TRY(const auto now, read(timeout));
+  if (now.input_error != kInputGood) {
     return fail(ErrorCode::failed_precondition, "INPUT_ERROR",
-                name() + "input error " + describe_input_error(now->input_error) +
+                name() + "input error " + describe_input_error(now.input_error) +
                     ": mend the sensor; nothing was written");
   }
-  if (!is_plausible(now->process_degc)) {
+  if (!is_plausible(now.process_degc)) {
     return fail(
         ErrorCode::failed_precondition, "IMPLAUSIBLE_PV",
-        name() + "process value reads as " + degrees(now->process_degc) +
+        name() + "process value reads as " + degrees(now.process_degc) +
             ", expected 5 .. 60: check the options word_order and unit; nothing was written");
   }
   const auto wanted = pack_float(wire_from_degc(degc, options_.unit), options_.word_order);
-  const auto present = line_.read(at(address::kSetPoint), 2);
-  if (!present) return tl::unexpected(present.error());
-  if (!std::equal(wanted.begin(), wanted.end(), present->begin())) {
+  DRIFTWISE_TRY(const auto present, line_.read(at(address::kSetPoint), 2));
+  if (!std::equal(wanted.begin(), wanted.end(), present.begin())) {
     if (auto written = line_.write(at(address::kSetPoint), wanted); !written) return written;
-    const auto after = line_.read(at(address::kSetPoint), 2);
-    if (!after) return tl::unexpected(after.error());
-    if (!std::equal(wanted.begin(), wanted.end(), after->begin())) {
+    DRIFTWISE_TRY(const auto after, line_.read(at(address::kSetPoint), 2));
+    if (!std::equal(wanted.begin(), wanted.end(), after.begin())) {
       return fail(ErrorCode::data_loss, "NOT_TAKEN",
                   name() + "set point " + degrees(degc) + " reads back as " +
-                      degrees(temperature(pair_at(*after, 0))) +
+                      degrees(temperature(pair_at(after, 0))) +
                       ": is it limited on the controller's panel?");
     }
   }
-  const auto mode = line_.read(at(address::kMode), 1);
-  if (!mode) return tl::unexpected(mode.error());
-  if ((*mode)[0] == kModeAutomatic) return {};
+  DRIFTWISE_TRY(const auto mode, line_.read(at(address::kMode), 1));
+  if (mode[0] == kModeAutomatic) return {};
   return line_.write(at(address::kMode), std::span(&kModeAutomatic, 1));
 }
 

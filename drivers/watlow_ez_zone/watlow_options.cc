@@ -1,5 +1,7 @@
 #include "drivers/watlow_ez_zone/watlow_options.h"
 
+#include "server/core/try.h"
+
 namespace driftwise::watlow {
 
 Result<Options> read_options(const DeviceDescription& device) {
@@ -12,7 +14,7 @@ Result<Options> read_options(const DeviceDescription& device) {
   if (reader.choice("unit", "F", {"F", "C"}) == "C") out.unit = Unit::celsius;
   out.check_unit = reader.on_off("check_unit", out.check_unit);
   out.serial = transport::read_serial_settings(reader, out.serial);
-  if (auto good = reader.finish(); !good) return tl::unexpected(good.error());
+  DRIFTWISE_RETURN_IF_ERROR(reader.finish());
   return out;
 }
 

@@ -27,6 +27,7 @@
 #include "server/calibration/selection/selection_rule.h"
 #include "server/core/data/accuracy.h"
 #include "server/core/data/unusable_values.h"
+#include "server/core/try.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::calibration {
@@ -207,15 +208,12 @@ std::string datum_note(const DatumZero& zero) {
 
 // The rows as they are, every datum with its constant.
 Result<Model> fit_rows(const Dataset& dataset, const FitOptions& options) {
-  auto prepared = make_design(dataset, options);
-  if (!prepared) return tl::unexpected(prepared.error());
-  auto asked = selection_rule(options, *prepared);
-  if (!asked) return tl::unexpected(asked.error());
-  const SelectionRule& rule = *asked;
-  const Design& design = *prepared;
-  if (auto enough = check_enough_rows(dataset, design, options); !enough)
-    return tl::unexpected(enough.error());
-  if (auto apart = check_sets_apart(dataset, design); !apart) return tl::unexpected(apart.error());
+  DRIFTWISE_TRY(auto prepared, make_design(dataset, options));
+  DRIFTWISE_TRY(auto asked, selection_rule(options, prepared));
+  const SelectionRule& rule = asked;
+  const Design& design = prepared;
+  DRIFTWISE_RETURN_IF_ERROR(check_enough_rows(dataset, design, options));
+  DRIFTWISE_RETURN_IF_ERROR(check_sets_apart(dataset, design));
 
   const double start_us = options.stopwatch_us ? options.stopwatch_us() : 0;
   const auto cuts = block_cuts(design, options.blocks, options.block_gap);
@@ -223,8 +221,7 @@ Result<Model> fit_rows(const Dataset& dataset, const FitOptions& options) {
   const RowReduction whole(design, shared ? cuts : std::vector<Index>{0, design.row_count()},
                            options.solver, options.executor);
   const Triangle triangle = whole.all();
-  auto fitted = select_and_solve(design, triangle, rule, options.executor);
-  if (!fitted) return tl::unexpected(fitted.error());
+  DRIFTWISE_TRY(auto fitted, select_and_solve(design, triangle, rule, options.executor));
   const double took_us = options.stopwatch_us ? options.stopwatch_us() - start_us : 0;
 
   Model model;
@@ -251,23 +248,22 @@ Result<Model> fit_rows(const Dataset& dataset, const FitOptions& options) {
                                rule, options.executor);
   std::int64_t no_datum = 0;
   std::vector<std::string> warnings;
-  for (std::size_t o = 0; o < fitted->size(); ++o) {
-    const auto& [selection, starts, solution] = (*fitted)[o];
+  for (std::size_t o = 0; o < fitted.size(); ++o) {
+    const auto& [selection, starts, solution] = fitted[o];
     OutputModel output =
         describe_output(design, triangle, selection, solution, static_cast<Index>(o));
     output.starts = starts;
-    const auto predicted = predict_and_range(dataset, output, design.rows, options.executor);
-    if (!predicted) return tl::unexpected(predicted.error());
-    add_largest_contributions(predicted->terms, output);
+    DRIFTWISE_TRY(const auto predicted,
+                  predict_and_range(dataset, output, design.rows, options.executor));
+    add_largest_contributions(predicted.terms, output);
     const auto& measured = dataset.find(output.channel.symbol)->values;
     const Eigen::VectorXd errors =
         Eigen::Map<const Eigen::VectorXd>(measured.data(), static_cast<Index>(measured.size())) -
-        predicted->output;
+        predicted.output;
     const Eigen::VectorXd residuals = values_at(errors, design.rows);
     add_accuracy(design, residuals, solution, static_cast<Index>(o), output.accuracy);
     add_serial_errors(design, residuals, selection, solution, output);
-    if (auto done = add_influences(dataset, design.rows, options.weight_symbol, output); !done)
-      return tl::unexpected(done.error());
+    DRIFTWISE_RETURN_IF_ERROR(add_influences(dataset, design.rows, options.weight_symbol, output));
     const auto validation = validation_rows(design, dataset, errors, no_datum);
     add_held_out(design, dataset, errors, validation, held_out[o], output);
     for (auto& sentence : output_warnings(triangle, selection, output))
@@ -297,7 +293,7 @@ Result<Model> fit(const Dataset& dataset, const FitOptions& options) {
     model->warnings.insert(model->warnings.begin(), usable->sentence);
     return model;
   }
-  if (auto checked = check_options(options); !checked) return tl::unexpected(checked.error());
+  DRIFTWISE_RETURN_IF_ERROR(check_options(options));
   const double start_us = options.stopwatch_us ? options.stopwatch_us() : 0;
   auto zeros = find_datum_zeros(dataset, options);
   const double took_us = options.stopwatch_us ? options.stopwatch_us() - start_us : 0;

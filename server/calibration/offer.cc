@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <unordered_set>
 
+#include "server/core/try.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::calibration {
@@ -43,15 +44,14 @@ Result<std::vector<OfferResult>> weigh_offers(const Dataset& dataset, const FitO
     const auto fresh_texts = notations(fresh);
     FitOptions wider = base;
     wider.candidates.terms.insert(wider.candidates.terms.end(), fresh.begin(), fresh.end());
-    auto model = fit(dataset, wider);
-    if (!model) return tl::unexpected(model.error());
+    DRIFTWISE_TRY(auto model, fit(dataset, wider));
     FitOptions pressed = wider;
     pressed.forced.insert(pressed.forced.end(), fresh.begin(), fresh.end());
     pressed.blocks = 0;
     const auto forced = fit(dataset, pressed);  // may be impossible: terms without independent data
-    for (std::size_t o = 0; o < model->outputs.size(); ++o) {
+    for (std::size_t o = 0; o < model.outputs.size(); ++o) {
       const auto& before = base_model.outputs[o];
-      const auto& after = model->outputs[o];
+      const auto& after = model.outputs[o];
       OfferResult result;
       result.name = offer.name;
       result.output = after.channel.symbol;

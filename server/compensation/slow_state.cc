@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/core/try.h"
+
 namespace driftwise::compensation {
 
 std::size_t SlowState::add_channel(const Channel& channel) {
@@ -21,9 +23,9 @@ std::optional<std::size_t> SlowState::find(const std::string& symbol) const {
 Result<std::size_t> SlowState::add_call(const effects::Call& call) {
   for (std::size_t i = 0; i < calls_.size(); ++i)
     if (calls_[i].call == call) return i;
-  auto evaluator = effects::TermEvaluator::create({effects::Term{{call}}}, call.symbols);
-  if (!evaluator) return tl::unexpected(evaluator.error());
-  Tracker tracker{call, std::move(*evaluator), {}, kMissing};
+  DRIFTWISE_TRY(auto evaluator,
+                effects::TermEvaluator::create({effects::Term{{call}}}, call.symbols));
+  Tracker tracker{call, std::move(evaluator), {}, kMissing};
   for (const auto& symbol : call.symbols) tracker.channels.push_back(find(symbol).value());
   calls_.push_back(std::move(tracker));
   return calls_.size() - 1;

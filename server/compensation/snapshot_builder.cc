@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/core/try.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::compensation {
@@ -44,8 +45,7 @@ Result<SnapshotBuilder> SnapshotBuilder::create(calibration::Model model, ModelI
   made.id_ = id;
   made.rules_ = cell.serving;
   made.column_per_unit_.fill(1.0);
-  for (const auto& output : made.model_.outputs)
-    if (auto added = made.add_output(output); !added) return tl::unexpected(added.error());
+  for (const auto& output : made.model_.outputs) DRIFTWISE_RETURN_IF_ERROR(made.add_output(output));
 
   for (const auto& channel : made.slow_.channels()) {
     const auto range = widened(*made.domain_of(channel.symbol));
@@ -87,10 +87,9 @@ Result<void> SnapshotBuilder::add_output(const calibration::OutputModel& from) {
   std::vector<Eigen::Index> kept;
   for (std::size_t k = 0; k < from.terms.size(); ++k) {
     if (effects::datum_of(from.terms[k])) continue;  // the constants of other data: never served
-    auto term = split(from.terms[k]);
-    if (!term) return tl::unexpected(term.error());
-    term->coefficient = from.coefficients[static_cast<Eigen::Index>(k)];
-    output.terms.push_back(std::move(*term));
+    DRIFTWISE_TRY(auto term, split(from.terms[k]));
+    term.coefficient = from.coefficients[static_cast<Eigen::Index>(k)];
+    output.terms.push_back(std::move(term));
     kept.push_back(static_cast<Eigen::Index>(k));
   }
   output.covariance = uncertainty_of(from)(kept, kept);
@@ -112,8 +111,7 @@ Result<SnapshotBuilder::Term> SnapshotBuilder::split(const effects::Term& term) 
           in_term("reads " + symbol +
                   ", and the model does not say the range it was fitted in: fit it again"));
     if (const auto variable = variable_from(symbol)) {
-      if (auto added = add_fast_input(channel_of(*variable), *range); !added)
-        return tl::unexpected(added.error());
+      DRIFTWISE_RETURN_IF_ERROR(add_fast_input(channel_of(*variable), *range));
     } else {
       slow_.add_channel(range->channel);
     }
@@ -139,9 +137,8 @@ Result<SnapshotBuilder::Term> SnapshotBuilder::split(const effects::Term& term) 
       if (variable_from(symbol))
         return not_servable("TERM_NOT_SERVABLE",
                             in_term("follows " + symbol + " over time: a wanted pose has no past"));
-    const auto index = slow_.add_call(call);
-    if (!index) return tl::unexpected(index.error());
-    out.slow.calls.push_back(*index);
+    DRIFTWISE_TRY(const auto index, slow_.add_call(call));
+    out.slow.calls.push_back(index);
   }
   out.basis = basis_.index_of(exponents);
   return out;

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <string>
 
+#include "server/core/try.h"
+
 namespace driftwise {
 namespace {
 
@@ -77,22 +79,21 @@ std::optional<int> UnitConversion::decimal_shift() const {
 }
 
 Result<UnitConversion> unit_conversion(std::string_view from, std::string_view to) {
-  const auto source = find_unit(from), target = find_unit(to);
-  if (!source) return tl::unexpected(source.error());
-  if (!target) return tl::unexpected(target.error());
-  if (source->kind != target->kind)
+  DRIFTWISE_TRY(const auto source, find_unit(from), target = find_unit(to));
+  DRIFTWISE_RETURN_IF_ERROR(target);
+  if (source.kind != target->kind)
     return fail(ErrorCode::invalid_argument, "UNIT_KIND",
                 "found " + std::string(from) + " for a quantity in " + std::string(to) +
                     ", expected a unit of the same kind");
   if (from == to) return UnitConversion{};
   UnitConversion out;
-  out.factor = source->numerator * target->denominator;
-  out.divisor = source->denominator * target->numerator;
+  out.factor = source.numerator * target->denominator;
+  out.divisor = source.denominator * target->numerator;
   if (std::fmod(out.factor, out.divisor) == 0)
     out = {out.factor / out.divisor, 1, 0};
   else if (std::fmod(out.divisor, out.factor) == 0)
     out = {1, out.divisor / out.factor, 0};
-  out.offset = (source->offset - target->offset) * target->denominator / target->numerator;
+  out.offset = (source.offset - target->offset) * target->denominator / target->numerator;
   return out;
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 
+#include "server/core/try.h"
 #include "server/core/units.h"
 #include "server/effects/term_evaluator.h"
 #include "server/effects/term_order.h"
@@ -53,9 +54,8 @@ Result<std::optional<std::vector<double>>> shift_mm(const LengthShift& shift,
     values.push_back(dataset.values_of(symbol));
     if (values.back().empty()) return Rows();
   }
-  auto evaluator = effects::TermEvaluator::create(shift.terms, symbols);
-  if (!evaluator) return tl::unexpected(evaluator.error());
-  if (evaluator->has_memory() && dataset.time_s.empty()) return Rows();
+  DRIFTWISE_TRY(auto evaluator, effects::TermEvaluator::create(shift.terms, symbols));
+  if (evaluator.has_memory() && dataset.time_s.empty()) return Rows();
   std::vector<double> now(symbols.size()), zero(symbols.size()), columns(shift.terms.size());
   const double offset_s = clock_offset_s(shift, time_zero);
   std::map<DatumKey, double> at_zero;
@@ -70,12 +70,12 @@ Result<std::optional<std::vector<double>>> shift_mm(const LengthShift& shift,
     const auto key = datum_key(dataset, origins, row);
     auto begin = at_zero.find(key);
     if (begin == at_zero.end()) {
-      auto fork = *evaluator;
+      auto fork = evaluator;
       fork.step(time_s, zero, columns);
       const double there = weighted(columns, shift.mm);
       begin = at_zero.emplace(key, std::isfinite(there) ? there : 0.0).first;
     }
-    evaluator->step(time_s, now, columns);
+    evaluator.step(time_s, now, columns);
     mm[row] = weighted(columns, shift.mm) - begin->second;
   }
   return Rows(std::move(mm));
@@ -115,11 +115,9 @@ Result<void> amend(const DataAmendment& amendment, const std::vector<RowOrigin>&
   for (const auto& shift : amendment.shifts) {
     const auto* column = dataset.find(shift.axis);
     if (column == nullptr || !is_length(column->channel.unit)) continue;
-    auto mm = shift_mm(shift, origins, time_zero, dataset);
-    if (!mm) return tl::unexpected(mm.error());
-    if (*mm)
-      found.emplace_back(static_cast<std::size_t>(column - dataset.columns.data()),
-                         std::move(**mm));
+    DRIFTWISE_TRY(auto mm, shift_mm(shift, origins, time_zero, dataset));
+    if (mm)
+      found.emplace_back(static_cast<std::size_t>(column - dataset.columns.data()), std::move(*mm));
   }
   for (const auto& [index, mm] : found) {
     auto& column = dataset.columns[index];

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "server/core/try.h"
 #include "server/effects/term_evaluator.h"
 #include "server/effects/term_order.h"
 
@@ -31,8 +32,7 @@ Parts parts_of(const Term& term) {
 Result<std::optional<double>> first_value(const Dataset& dataset, const Term& term) {
   using Value = std::optional<double>;
   const auto symbols = effects::symbols_of(term);
-  auto evaluator = effects::TermEvaluator::create({term}, symbols);
-  if (!evaluator) return tl::unexpected(evaluator.error());
+  DRIFTWISE_TRY(auto evaluator, effects::TermEvaluator::create({term}, symbols));
   if (symbols.empty()) return Value();
   std::vector<std::span<const double>> values;
   for (const auto& symbol : symbols) {
@@ -42,7 +42,7 @@ Result<std::optional<double>> first_value(const Dataset& dataset, const Term& te
   std::vector<double> now(symbols.size()), column(1);
   for (std::size_t row = 0; row < dataset.rows; ++row) {
     for (std::size_t j = 0; j < symbols.size(); ++j) now[j] = values[j][row];
-    evaluator->step(dataset.time_s.empty() ? 0.0 : dataset.time_s[row], now, column);
+    evaluator.step(dataset.time_s.empty() ? 0.0 : dataset.time_s[row], now, column);
     if (std::isfinite(column.front())) return Value(column.front());
   }
   return Value();
@@ -56,11 +56,10 @@ Result<void> count_from_first(const Dataset& dataset, std::vector<Term>& terms,
   for (std::size_t j = 0; j < given; ++j) {
     const Parts parts = parts_of(terms[j]);
     if (parts.pose.factors.empty() || parts.others.factors.empty()) continue;
-    const auto first = first_value(dataset, parts.others);
-    if (!first) return tl::unexpected(first.error());
-    if (!*first) continue;
+    DRIFTWISE_TRY(const auto first, first_value(dataset, parts.others));
+    if (!first) continue;
     terms.push_back(effects::canonical(parts.pose));
-    mm.push_back(-mm[j] * **first);
+    mm.push_back(-mm[j] * *first);
   }
   return {};
 }

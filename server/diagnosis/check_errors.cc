@@ -7,6 +7,7 @@
 #include "server/calibration/design/design.h"
 #include "server/calibration/design/predict.h"
 #include "server/calibration/pose_of_zero.h"
+#include "server/core/try.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::diagnosis {
@@ -191,8 +192,7 @@ Result<RunErrors> run_errors(const calibration::OutputModel& output, std::int64_
   const std::vector<Index> carried = carried_terms(output);
   std::vector<effects::Term> terms;
   for (const Index k : carried) terms.push_back(output.terms[static_cast<std::size_t>(k)]);
-  const auto columns = calibration::raw_columns(data, terms);
-  if (!columns) return tl::unexpected(columns.error());
+  DRIFTWISE_TRY(const auto columns, calibration::raw_columns(data, terms));
   const Eigen::VectorXd coefficients = output.coefficients(carried);
   // Standard errors of a fit to correlated rows are too small by the root of rows per effective
   // row.
@@ -209,7 +209,7 @@ Result<RunErrors> run_errors(const calibration::OutputModel& output, std::int64_
   const auto ordinals = calibration::datum_ordinals(data);
   for (std::size_t row = 0; row < data.rows; ++row) {
     const auto i = static_cast<Index>(row);
-    if (data.is_excluded(row) || is_missing(measured->values[row]) || !columns->row(i).allFinite())
+    if (data.is_excluded(row) || is_missing(measured->values[row]) || !columns.row(i).allFinite())
       continue;
     rows_of_datum[static_cast<int>(ordinals[row])].push_back(i);
   }
@@ -221,10 +221,10 @@ Result<RunErrors> run_errors(const calibration::OutputModel& output, std::int64_
                          poses_of(run, ordinal));
     if (!anchor) {
       errors.anchored = false;
-      anchor = middle_of(*columns, measured->values, rows);
+      anchor = middle_of(columns, measured->values, rows);
     }
     for (const Index row : rows) {
-      const Eigen::RowVectorXd away = columns->row(row) - anchor->columns;
+      const Eigen::RowVectorXd away = columns.row(row) - anchor->columns;
       const double q = measured->values[static_cast<std::size_t>(row)] - anchor->q;
       errors.values[static_cast<std::size_t>(row)] = (q - away.dot(coefficients)) * factor;
       errors.model_variance += (away * covariance).dot(away) * factor * factor;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/core/try.h"
 #include "server/diagnosis/wave_columns.h"
 
 namespace driftwise::diagnosis {
@@ -35,10 +36,9 @@ Result<std::vector<Eigen::MatrixXd>> columns_of(const Problem& problem,
                                                 std::span<const Cell> cells) {
   std::vector<effects::Term> terms;
   for (const auto& cell : cells) terms.insert(terms.end(), cell.terms.begin(), cell.terms.end());
-  auto all = problem.prepared.columns(terms);
-  if (!all) return tl::unexpected(all.error());
-  fill(*all);
-  const Eigen::MatrixXd learned = problem.learned(*all);
+  DRIFTWISE_TRY(auto all, problem.prepared.columns(terms));
+  fill(all);
+  const Eigen::MatrixXd learned = problem.learned(all);
   std::vector<Eigen::MatrixXd> result;
   Eigen::Index at = 0;
   for (const auto& cell : cells) {
@@ -91,15 +91,15 @@ Result<Bank> column_bank(const Problem& problem, const Physics& physics, std::ve
       for (std::size_t begin = 0; begin < cause.cells.size(); begin += at_once) {
         if (tick && !tick()) return fail(ErrorCode::cancelled, "CANCELLED", "it was cancelled");
         const std::size_t count = std::min(at_once, cause.cells.size() - begin);
-        const auto columns = columns_of(problem, std::span(cause.cells).subspan(begin, count));
-        if (!columns) return tl::unexpected(columns.error());
+        DRIFTWISE_TRY(const auto columns,
+                      columns_of(problem, std::span(cause.cells).subspan(begin, count)));
         for (std::size_t i = 0; i < count; ++i) {
           if (!kept.empty() && cause.scale == ParameterScale::logarithmic &&
               same(bank.columns.middleCols(bank.cells.back().first, bank.cells.back().count),
-                   (*columns)[i]))
+                   columns[i]))
             continue;
           kept.push_back(std::move(cause.cells[begin + i]));
-          keep((*columns)[i]);
+          keep(columns[i]);
         }
       }
       cause.cells = std::move(kept);

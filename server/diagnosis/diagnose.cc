@@ -5,6 +5,7 @@
 
 #include "server/calibration/datum_zeros.h"
 #include "server/core/data/unusable_values.h"
+#include "server/core/try.h"
 #include "server/diagnosis/cancelled.h"
 #include "server/diagnosis/catalogue_units.h"
 #include "server/diagnosis/cause.h"
@@ -80,12 +81,12 @@ class Diagnoser {
     causes_ = std::move(catalogue.causes);
     if (!progress_.at(0.04, "working out what each cause would do")) return cancelled();
     const Physics physics(problem_, options_.levers);
-    auto bank = column_bank(problem_, physics, causes_, [this] { return progress_.tick(); });
-    if (!bank) return tl::unexpected(bank.error());
+    DRIFTWISE_TRY(auto bank,
+                  column_bank(problem_, physics, causes_, [this] { return progress_.tick(); }));
     series_.resize(problem_.timeline.rows(), static_cast<Eigen::Index>(problem_.outputs.size()));
     for (std::size_t o = 0; o < problem_.outputs.size(); ++o)
       series_.col(static_cast<Eigen::Index>(o)) = problem_.learned(problem_.outputs[o].measured);
-    if (auto ok = search(physics, std::move(*bank)); !ok) return tl::unexpected(ok.error());
+    DRIFTWISE_RETURN_IF_ERROR(search(physics, std::move(bank)));
     if (!progress_.at(1, "done")) return cancelled();
     return std::move(result_);
   }
@@ -141,9 +142,8 @@ class Diagnoser {
     for (std::size_t round = 0; round <= causes_.size(); ++round) {
       if (auto ok = grow(search, extension, noise_looked_at, round > 0); !ok) return ok;
       if (!progress_.further(0.3, "comparing what was found with all others")) return cancelled();
-      auto said = extension.settle();
-      if (!said) return tl::unexpected(said.error());
-      result_.warnings.insert(result_.warnings.end(), said->begin(), said->end());
+      DRIFTWISE_TRY(auto said, extension.settle());
+      result_.warnings.insert(result_.warnings.end(), said.begin(), said.end());
       const auto harmful = withdraw_what_harms(problem_, causes_, extension);
       for (const auto& one : harmful) {
         result_.warnings.push_back(one.sentence);
@@ -171,9 +171,8 @@ class Diagnoser {
       if (!look) return cancelled();
       result_.nulls = std::max(result_.nulls, look->nulls);
       if (look->first && look->p_adjusted <= options_.alpha) {
-        const auto added = extension.add(*look);
-        if (!added) return tl::unexpected(added.error());
-        again = !*added;  // the base is the same one
+        DRIFTWISE_TRY(const auto added, extension.add(*look));
+        again = !added;  // the base is the same one
         continue;
       }
       if (look->first) nearest_ = {name_of(causes_[*look->first]), look->p_adjusted};
@@ -214,8 +213,7 @@ class Diagnoser {
                         search_options(options_.seed + 1));
     Omnibus omnibus(remainder.whole(), remainder.series(), options_.exclude_symbols);
     while (true) {
-      const auto left = remainder.look(extension);
-      if (!left) return tl::unexpected(left.error());
+      DRIFTWISE_TRY(const auto left, remainder.look(extension));
       if (const auto series = remainder.spelled_out(extension); !series.empty()) {
         std::string names;
         for (const std::size_t i : series)
@@ -229,7 +227,7 @@ class Diagnoser {
       const auto test = omnibus.test(remainder.base(extension), omnibus_options());
       if (!test) return cancelled();
       result_.left_over.clear();
-      if (*left && (*left)->p_adjusted <= options_.alpha) result_.left_over.push_back(**left);
+      if (left && left->p_adjusted <= options_.alpha) result_.left_over.push_back(*left);
       const bool in_shape = !result_.left_over.empty();
       if (test->p <= kOmnibusLevel) result_.left_over.push_back({test->where, test->p});
       if (result_.left_over.empty()) {
@@ -389,14 +387,13 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
     fit.candidates.constant = true;
     mended = calibration::in_first_datum(mended, calibration::find_datum_zeros(mended, fit));
   }
-  auto problem = lay_out(mended, asked.baseline, kMostBlocks);
-  if (!problem) return tl::unexpected(problem.error());
+  DRIFTWISE_TRY(auto problem, lay_out(mended, asked.baseline, kMostBlocks));
   if (options.simulated.size() > 0)
-    for (std::size_t o = 0; o < problem->outputs.size(); ++o)
-      problem->outputs[o].measured -=
-          summary_unit(dataset.find(problem->outputs[o].channel.symbol)->channel.unit).factor *
+    for (std::size_t o = 0; o < problem.outputs.size(); ++o)
+      problem.outputs[o].measured -=
+          summary_unit(dataset.find(problem.outputs[o].channel.symbol)->channel.unit).factor *
           options.simulated.col(static_cast<Eigen::Index>(o));
-  auto found = Diagnoser(dataset, std::move(*problem), asked).run(std::move(sensors));
+  auto found = Diagnoser(dataset, std::move(problem), asked).run(std::move(sensors));
   if (found)
     for (auto& finding : found->findings)
       for (auto& output : finding.outputs)

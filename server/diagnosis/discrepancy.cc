@@ -6,6 +6,7 @@
 
 #include "server/calibration/datum_zeros.h"
 #include "server/calibration/design/predict.h"
+#include "server/core/try.h"
 #include "server/core/units.h"
 
 namespace driftwise::diagnosis {
@@ -63,9 +64,8 @@ Result<std::vector<OutputDiscrepancy>> discrepancy(const calibration::Model& mod
     if (!measured)
       return fail(ErrorCode::invalid_argument, "UNKNOWN_CHANNEL",
                   "the dataset has no column " + output.channel.name());
-    const auto prediction = calibration::predict(moved, output);
-    if (!prediction) return tl::unexpected(prediction.error());
-    const Eigen::VectorXd& predicted = *prediction;
+    DRIFTWISE_TRY(const auto prediction, calibration::predict(moved, output));
+    const Eigen::VectorXd& predicted = prediction;
     OutputDiscrepancy out;
     out.channel = output.channel;
     const SummaryUnit unit = summary_unit(output.channel.unit);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "server/core/try.h"
 #include "server/diagnosis/cancelled.h"
 
 namespace driftwise::diagnosis {
@@ -185,13 +186,12 @@ std::vector<Extension::Candidate> Extension::contenders(
 }
 
 Result<Named> Extension::made(const Candidate& candidate, double p_adjusted) const {
-  auto columns = filled_columns(problem_, candidate.terms);
-  if (!columns) return tl::unexpected(columns.error());
+  DRIFTWISE_TRY(auto columns, filled_columns(problem_, candidate.terms));
   Named one;
   one.cause = candidate.cause;
   one.terms = candidate.terms;
   one.parameter = candidate.refined.value;
-  one.all = std::move(*columns);
+  one.all = std::move(columns);
   one.learned = problem_.learned(one.all);
   one.p_adjusted = p_adjusted;
   one.prior = candidate.prior;
@@ -220,8 +220,7 @@ Result<bool> Extension::add(const Look& look) {
   for (const auto& candidate : best)
     if (const auto index = index_of(candidate.cause);
         index && candidate.evidence > best.front().evidence - kWithinReach) {
-      if (auto ok = add_value(*index, candidate.refined.value); !ok)
-        return tl::unexpected(ok.error());
+      DRIFTWISE_RETURN_IF_ERROR(add_value(*index, candidate.refined.value));
       return true;
     }
   std::vector<NoiseShape> noise;
@@ -243,13 +242,11 @@ Result<bool> Extension::add(const Look& look) {
                        ")");
     return false;
   }
-  auto one = made(best.front(), look.p_adjusted);
-  if (!one) return tl::unexpected(one.error());
-  named_.push_back(std::move(*one));
+  DRIFTWISE_TRY(auto one, made(best.front(), look.p_adjusted));
+  named_.push_back(std::move(one));
   update_noise();
   std::ranges::fill(ruled_out_, char{0});  // beside it, others may be asked for less
-  if (named_.size() > 1)
-    if (auto ok = reoptimise(); !ok) return tl::unexpected(ok.error());
+  if (named_.size() > 1) DRIFTWISE_RETURN_IF_ERROR(reoptimise());
   return true;
 }
 
@@ -287,11 +284,10 @@ std::optional<std::size_t> Extension::index_of(std::size_t cause) const {
 
 Result<void> Extension::set_values(Named& named, const std::vector<double>& values) const {
   named.terms = at_values(causes_[named.cause].cells.front().terms, values);
-  auto columns = filled_columns(problem_, named.terms);
-  if (!columns) return tl::unexpected(columns.error());
+  DRIFTWISE_TRY(auto columns, filled_columns(problem_, named.terms));
   named.parameter = values.front();
   named.further.assign(values.begin() + 1, values.end());
-  named.all = std::move(*columns);
+  named.all = std::move(columns);
   named.learned = problem_.learned(named.all);
   named.prior = physics_.prior(causes_[named.cause], named.terms, named.parameter, named.learned);
   return {};

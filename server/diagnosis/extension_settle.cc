@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/core/try.h"
 #include "server/diagnosis/cancelled.h"
 #include "server/diagnosis/extension.h"
 
@@ -76,23 +77,20 @@ Result<std::vector<std::string>> Extension::settle() {
       said.push_back(name + " was named and is what one value leaves of " +
                      name_of(causes_[cause]));
       withdraw(i);
-      if (auto ok = add_value(*index_of(cause), (*best)[*family].refined.value); !ok)
-        return tl::unexpected(ok.error());
+      DRIFTWISE_RETURN_IF_ERROR(add_value(*index_of(cause), (*best)[*family].refined.value));
       i = 0;
       continue;
     }
     const std::size_t first = preferred(*best);
     const Candidate& chosen = (*best)[first];
     if (chosen.cause != named_[i].cause) {
-      auto one = made(chosen, named_[i].p_adjusted);
-      if (!one) return tl::unexpected(one.error());
+      DRIFTWISE_TRY(auto one, made(chosen, named_[i].p_adjusted));
       said.push_back(name + " was named first; with the rest known, " +
-                     name_of(causes_[one->cause]) + " explains more");
-      named_[i] = std::move(*one);
+                     name_of(causes_[one.cause]) + " explains more");
+      named_[i] = std::move(one);
     } else if (named_[i].further.empty()) {
-      auto one = made(chosen, named_[i].p_adjusted);
-      if (!one) return tl::unexpected(one.error());
-      named_[i] = std::move(*one);
+      DRIFTWISE_TRY(auto one, made(chosen, named_[i].p_adjusted));
+      named_[i] = std::move(one);
     } else {
       named_[i].evidence = chosen.evidence;
       named_[i].likelihood = chosen.gain.likelihood;

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "server/core/text/quantity_text.h"
+#include "server/core/try.h"
 #include "server/core/units.h"
 #include "server/diagnosis/cancelled.h"
 #include "server/diagnosis/parameter_selection.h"
@@ -190,25 +191,21 @@ Result<GeometryDiagnosis> diagnose_geometry(
     const std::shared_ptr<const kinematics::Mechanism>& mechanism,
     const std::vector<effects::Term>& terms, double alpha, const std::function<bool()>& tick) {
   const Dataset data = marked(dataset, problem);
-  auto nominal = identify_with(data, mechanism, terms, true);
-  if (!nominal) return tl::unexpected(nominal.error());
-  const auto identified = identify_with(data, mechanism, terms, false);
-  if (!identified) return tl::unexpected(identified.error());
+  DRIFTWISE_TRY(auto nominal, identify_with(data, mechanism, terms, true));
+  DRIFTWISE_TRY(const auto identified, identify_with(data, mechanism, terms, false));
   if (tick && !tick()) return cancelled();
-  auto whole = whitened_geometry(data, problem, *identified, tick);
+  auto whole = whitened_geometry(data, problem, identified, tick);
   if (!whole) return cancelled();
-  const Geometry geometry(problem, *identified, std::move(*whole), alpha);
-  GeometryDiagnosis result{{}, {}, std::move(*nominal), {}};
+  const Geometry geometry(problem, identified, std::move(*whole), alpha);
+  GeometryDiagnosis result{{}, {}, std::move(nominal), {}};
   for (const std::size_t k : geometry.named()) result.findings.push_back(geometry.finding(k));
   std::ranges::stable_sort(result.findings, std::ranges::greater{}, &Finding::log_likelihood_ratio);
-  for (const auto& one : identified->parameters)
+  for (const auto& one : identified.parameters)
     if (!one.free && !one.parameter.placement)
       result.held.push_back({std::string(kCause) + one.parameter.name, one.note});
-  const auto extended = holding_others(*mechanism, geometry.named());
-  if (!extended) return tl::unexpected(extended.error());
-  auto fitted = identify_with(data, *extended, terms, false);
-  if (!fitted) return tl::unexpected(fitted.error());
-  result.extended = std::move(*fitted);
+  DRIFTWISE_TRY(const auto extended, holding_others(*mechanism, geometry.named()));
+  DRIFTWISE_TRY(auto fitted, identify_with(data, extended, terms, false));
+  result.extended = std::move(fitted);
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "server/core/try.h"
 #include "server/core/units.h"
 #include "server/diagnosis/aliases.h"
 #include "server/diagnosis/cause.h"
@@ -151,10 +152,9 @@ class OpenSet {
  private:
   Result<void> add_cell(Hypothesis& hypothesis, const Cause& cause,
                         const std::vector<effects::Term>& terms) {
-    auto columns = filled_columns(problem_, terms);
-    if (!columns) return tl::unexpected(columns.error());
+    DRIFTWISE_TRY(auto columns, filled_columns(problem_, terms));
     HypothesisCell cell{.terms = terms, .coefficients = {}};
-    cell.below_2lnl = -fit_.gain(*columns, acts_on(problem_, cause), cell.coefficients);
+    cell.below_2lnl = -fit_.gain(columns, acts_on(problem_, cause), cell.coefficients);
     hypothesis.cells.push_back(std::move(cell));
     return {};
   }
@@ -175,38 +175,35 @@ NoiseShape noise_of(const OutputSummary& output) {
 Result<std::vector<Hypothesis>> open_hypotheses(const Dataset& dataset,
                                                 const calibration::Candidates& baseline,
                                                 const Diagnosis& diagnosis, std::size_t finding) {
-  auto problem = lay_out(dataset, baseline, kLongestOpen);
-  if (!problem) return tl::unexpected(problem.error());
+  DRIFTWISE_TRY(auto problem, lay_out(dataset, baseline, kLongestOpen));
   std::vector<effects::Term> others;
   for (std::size_t i = 0; i < diagnosis.findings.size(); ++i) {
     const auto& one = diagnosis.findings[i];
-    if (one.cause == "outliers") problem->leave_out(one.rows);
+    if (one.cause == "outliers") problem.leave_out(one.rows);
     if (i != finding) others.insert(others.end(), one.terms.begin(), one.terms.end());
   }
-  problem->lay_blocks(kLongestOpen);
-  Eigen::MatrixXd base = problem->base_columns;
+  problem.lay_blocks(kLongestOpen);
+  Eigen::MatrixXd base = problem.base_columns;
   if (!others.empty()) {
-    const auto columns = filled_columns(*problem, others);
-    if (!columns) return tl::unexpected(columns.error());
-    base = base_and(base, *columns);
+    DRIFTWISE_TRY(const auto columns, filled_columns(problem, others));
+    base = base_and(base, columns);
   }
-  const OpenFit fit(*problem, diagnosis, base);
-  OpenSet open(dataset, *problem, fit);
+  const OpenFit fit(problem, diagnosis, base);
+  OpenSet open(dataset, problem, fit);
   const Finding& asked = diagnosis.findings[finding];
   const std::string own = asked.cause + (asked.subject.empty() ? "" : " " + asked.subject);
-  Dataset conditions = problem->prepared.conditions();
-  conditions.time_s = problem->data().time_s;
-  const auto catalogue = catalogue_for(conditions, problem->base, {});
+  Dataset conditions = problem.prepared.conditions();
+  conditions.time_s = problem.data().time_s;
+  const auto catalogue = catalogue_for(conditions, problem.base, {});
   for (const auto& cause : catalogue.causes) {
     const bool itself = name_of(cause) == own;
     if (!itself && std::ranges::find(asked.indistinguishable_from, name_of(cause)) ==
                        asked.indistinguishable_from.end())
       continue;
-    if (auto ok = open.add(cause, itself ? &asked.terms : nullptr); !ok)
-      return tl::unexpected(ok.error());
+    DRIFTWISE_RETURN_IF_ERROR(open.add(cause, itself ? &asked.terms : nullptr));
     if (itself && cause.scale == ParameterScale::inverse && !asked.parameters.empty())
-      if (auto ok = open.add_aliases(cause, asked.terms, asked.parameters.front().value); !ok)
-        return tl::unexpected(ok.error());
+      DRIFTWISE_RETURN_IF_ERROR(
+          open.add_aliases(cause, asked.terms, asked.parameters.front().value));
     if (itself && open.hypotheses.size() > 1)
       std::rotate(open.hypotheses.begin(),
                   std::ranges::find(open.hypotheses, own, &Hypothesis::name),

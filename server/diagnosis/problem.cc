@@ -6,6 +6,7 @@
 
 #include "server/calibration/design/predict.h"
 #include "server/calibration/linear/undetermined.h"
+#include "server/core/try.h"
 #include "server/diagnosis/catalogue_units.h"
 #include "server/diagnosis/held_out_gain.h"
 #include "server/diagnosis/predicted_pose.h"
@@ -216,7 +217,7 @@ void Problem::lay_blocks(std::size_t longest) {
 Result<Problem> lay_out(const Dataset& given, const calibration::Candidates& baseline,
                         std::size_t longest) {
   const Dataset dataset = in_catalogue_units(given);
-  if (auto ok = check_time(dataset); !ok) return tl::unexpected(ok.error());
+  DRIFTWISE_RETURN_IF_ERROR(check_time(dataset));
   if (baseline.outputs.empty())
     return fail(ErrorCode::invalid_argument, "NO_OUTPUT", "the baseline names no output");
   std::vector<effects::Term> base = constants(dataset);
@@ -227,15 +228,13 @@ Result<Problem> lay_out(const Dataset& given, const calibration::Candidates& bas
       return fail(ErrorCode::invalid_argument, "UNKNOWN_CHANNEL",
                   "the data have no column for output " + symbol);
   if (dataset.time_s.empty())  // a lag in the baseline needs more than the order of rows
-    if (auto ok = calibration::raw_columns(dataset, base); !ok) return tl::unexpected(ok.error());
+    DRIFTWISE_RETURN_IF_ERROR(calibration::raw_columns(dataset, base));
   Problem problem{Prepared::of(dataset), {}, {}, 1, {}, {}, {}, std::move(base), {}, {}, false};
-  if (auto ok = add_outputs(dataset, baseline.outputs, problem); !ok)
-    return tl::unexpected(ok.error());
-  auto columns = problem.prepared.columns(problem.base);
-  if (!columns) return tl::unexpected(columns.error());
-  problem.base_columns = std::move(*columns);
-  if (auto ok = divide_rows(dataset, problem); !ok) return tl::unexpected(ok.error());
-  if (auto ok = check_variation(problem); !ok) return tl::unexpected(ok.error());
+  DRIFTWISE_RETURN_IF_ERROR(add_outputs(dataset, baseline.outputs, problem));
+  DRIFTWISE_TRY(auto columns, problem.prepared.columns(problem.base));
+  problem.base_columns = std::move(columns);
+  DRIFTWISE_RETURN_IF_ERROR(divide_rows(dataset, problem));
+  DRIFTWISE_RETURN_IF_ERROR(check_variation(problem));
   leave_out_undetermined(problem, always);
   predict_coordinates(problem);
   problem.lay_blocks(longest);

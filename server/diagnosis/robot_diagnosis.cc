@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/core/data/unusable_values.h"
+#include "server/core/try.h"
 #include "server/diagnosis/cancelled.h"
 #include "server/diagnosis/geometry.h"
 #include "server/diagnosis/u90.h"
@@ -78,13 +79,12 @@ Result<RobotDiagnosis> diagnose_robot(const Dataset& dataset,
   if (const auto usable = without_unusable(dataset))
     return diagnose_robot(usable->data, mechanism, options);
   DiagnoseOptions further = options;
-  auto baseline = checked_baseline(options.baseline, *mechanism);
-  if (!baseline) return tl::unexpected(baseline.error());
-  further.baseline = std::move(*baseline);
+  DRIFTWISE_TRY(auto baseline, checked_baseline(options.baseline, *mechanism));
+  further.baseline = std::move(baseline);
   const Dataset data =
       identification::without_incomplete_rows(dataset, symbols_of(mechanism->inputs()));
-  const auto problem = lay_out(data, further.baseline, std::max<std::size_t>(1, data.rows));
-  if (!problem) return tl::unexpected(problem.error());
+  DRIFTWISE_TRY(const auto problem,
+                lay_out(data, further.baseline, std::max<std::size_t>(1, data.rows)));
   // What an arm's kinematics predicts cannot be what a cause reads: its simulation starts from the
   // joints.
   if (mechanism->predicts_pose())
@@ -94,37 +94,36 @@ Result<RobotDiagnosis> diagnose_robot(const Dataset& dataset,
     return !options.progress || options.progress(fraction, step);
   };
   if (!tell(0, "identifying the robot")) return cancelled();
-  auto geometry = diagnose_geometry(
-      data, *problem, mechanism, further.baseline.terms, options.alpha,
-      [&] { return tell(kGeometryDone / 2, "comparing the numbers of the drawing"); });
-  if (!geometry) return tl::unexpected(geometry.error());
-  const auto nominal = identification::predict(data, geometry->nominal);
-  auto extended = identification::predict(data, geometry->extended);
-  if (!nominal) return tl::unexpected(nominal.error());
-  if (!extended) return tl::unexpected(extended.error());
+  DRIFTWISE_TRY(
+      auto geometry,
+      diagnose_geometry(data, problem, mechanism, further.baseline.terms, options.alpha, [&] {
+        return tell(kGeometryDone / 2, "comparing the numbers of the drawing");
+      }));
+  const auto nominal = identification::predict(data, geometry.nominal);
+  auto extended = identification::predict(data, geometry.extended);
+  DRIFTWISE_RETURN_IF_ERROR(nominal);
+  DRIFTWISE_RETURN_IF_ERROR(extended);
   further.simulated = std::move(*extended);
   further.progress = [&](double fraction, const std::string& step) {
     return tell(kGeometryDone + (1 - kGeometryDone) * fraction, step);
   };
-  auto found = diagnose(data, further);
-  if (!found) return tl::unexpected(found.error());
-  begin_at_drawing(*problem, data, *nominal, *found);
-  found->findings.insert(found->findings.begin(),
-                         std::make_move_iterator(geometry->findings.begin()),
-                         std::make_move_iterator(geometry->findings.end()));
+  DRIFTWISE_TRY(auto found, diagnose(data, further));
+  begin_at_drawing(problem, data, *nominal, found);
+  found.findings.insert(found.findings.begin(), std::make_move_iterator(geometry.findings.begin()),
+                        std::make_move_iterator(geometry.findings.end()));
   // Once the drawing has crooked numbers, data could tell these apart, but so faintly that the next
   // identification would move them by decimetres for nothing.
-  const std::vector<std::string> held = geometry->held_names();
-  std::erase_if(found->not_testable,  // it was asked here
+  const std::vector<std::string> held = geometry.held_names();
+  std::erase_if(found.not_testable,  // it was asked here
                 [](const NotTestable& one) { return one.cause == "geometry_parameter"; });
-  found->not_testable.insert(found->not_testable.begin(),
-                             std::make_move_iterator(geometry->held.begin()),
-                             std::make_move_iterator(geometry->held.end()));
-  if (found->verdict == Verdict::adequate && !found->findings.empty())
-    found->verdict = Verdict::extended;
-  KinematicsDescription robot = kinematics::with_values(*mechanism, geometry->extended.values());
+  found.not_testable.insert(found.not_testable.begin(),
+                            std::make_move_iterator(geometry.held.begin()),
+                            std::make_move_iterator(geometry.held.end()));
+  if (found.verdict == Verdict::adequate && !found.findings.empty())
+    found.verdict = Verdict::extended;
+  KinematicsDescription robot = kinematics::with_values(*mechanism, geometry.extended.values());
   robot.hold.insert(robot.hold.end(), held.begin(), held.end());
-  return RobotDiagnosis{std::move(*found), std::move(robot)};
+  return RobotDiagnosis{std::move(found), std::move(robot)};
 }
 
 }  // namespace driftwise::diagnosis

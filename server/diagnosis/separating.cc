@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "server/core/try.h"
 #include "server/diagnosis/hypothesis.h"
 #include "server/diagnosis/separating_power.h"
 
@@ -91,20 +92,18 @@ class Designer {
     calibration::FitOptions fitting;
     fitting.candidates = baseline_;
     fitting.select = calibration::Select::all;
-    const auto model = calibration::fit(dataset_, fitting);
-    if (!model) return tl::unexpected(model.error());
+    DRIFTWISE_TRY(const auto model, calibration::fit(dataset_, fitting));
     std::vector<Tried> promising;
     SeparatingPower best;
     for (std::size_t points = kFewestPoints; points <= kMostPoints; points *= 2) {
       for (auto& plan : candidate_plans(limits_.plan, points)) {
         const double total_s = simulation::point_times(plan.trajectory, limits_.times).total_s;
         if (total_s > limits_.budget_s) continue;
-        auto rows = rows_of_plan(*model, plan.trajectory);
-        if (!rows) return tl::unexpected(rows.error());
-        auto power = separating_power(*rows, model_terms(), hypotheses, diagnosis_.outputs, 0, 1);
-        if (!power) return tl::unexpected(power.error());
-        best.expected_2lnl = std::max(best.expected_2lnl, power->expected_2lnl);
-        if (power->classes > 1) promising.push_back({std::move(plan), total_s, *power});
+        DRIFTWISE_TRY(auto rows, rows_of_plan(model, plan.trajectory));
+        DRIFTWISE_TRY(auto power,
+                      separating_power(rows, model_terms(), hypotheses, diagnosis_.outputs, 0, 1));
+        best.expected_2lnl = std::max(best.expected_2lnl, power.expected_2lnl);
+        if (power.classes > 1) promising.push_back({std::move(plan), total_s, power});
       }
     }
     // What tells most apart, and of those the shortest.
@@ -112,20 +111,19 @@ class Designer {
       return std::pair(hypotheses_left(one), one.total_s);
     });
     for (auto& one : promising) {
-      auto rows = rows_of_plan(*model, one.plan.trajectory);
-      if (!rows) return tl::unexpected(rows.error());
-      auto power = separating_power(*rows, model_terms(), hypotheses, diagnosis_.outputs,
-                                    limits_.simulations, limits_.seed);
-      if (!power) return tl::unexpected(power.error());
-      best.power = std::max(best.power, power->power);
-      if (power->power < limits_.min_power) continue;
-      std::string why = listed_by_class(hypotheses, *power) + " are told apart by " +
-                        one.plan.what + ", if the room stays as it is";
-      if (power->classes < hypotheses.size())
+      DRIFTWISE_TRY(auto rows, rows_of_plan(model, one.plan.trajectory));
+      DRIFTWISE_TRY(auto power,
+                    separating_power(rows, model_terms(), hypotheses, diagnosis_.outputs,
+                                     limits_.simulations, limits_.seed));
+      best.power = std::max(best.power, power.power);
+      if (power.power < limits_.min_power) continue;
+      std::string why = listed_by_class(hypotheses, power) + " are told apart by " + one.plan.what +
+                        ", if the room stays as it is";
+      if (power.classes < hypotheses.size())
         why +=
             "; what is joined by \"or\" stays together: nothing within the limits tells it apart";
       return SeparatingPlan{.why = std::move(why),
-                            .predicted_power = power->power,
+                            .predicted_power = power.power,
                             .trajectory = std::move(one.plan.trajectory),
                             .estimated_s = one.total_s};
     }
@@ -222,16 +220,15 @@ Result<std::optional<SeparatingPlan>> separating_plan(const Dataset& dataset,
         (finding.indistinguishable_from.empty() && finding.cause != "cyclic_error" &&
          finding.cause != "periodic_disturbance"))
       continue;
-    auto hypotheses = open_hypotheses(dataset, baseline, diagnosis, i);
-    if (!hypotheses) return tl::unexpected(hypotheses.error());
-    if (hypotheses->size() < 2) continue;
+    DRIFTWISE_TRY(auto hypotheses, open_hypotheses(dataset, baseline, diagnosis, i));
+    if (hypotheses.size() < 2) continue;
     SeparatingLimits own = limits;
     if (own.plan.coordinates.empty()) own.plan = limits_from(dataset).plan;
-    own.plan.period_mm = period_mm(*hypotheses);
-    auto plan = Designer(dataset, baseline, diagnosis, own).design(std::move(*hypotheses));
-    if (!plan) return tl::unexpected(plan.error());
-    if (plan->trajectory) return std::optional(std::move(*plan));
-    if (!first) first = std::move(*plan);
+    own.plan.period_mm = period_mm(hypotheses);
+    DRIFTWISE_TRY(auto plan,
+                  Designer(dataset, baseline, diagnosis, own).design(std::move(hypotheses)));
+    if (plan.trajectory) return std::optional(std::move(plan));
+    if (!first) first = std::move(plan);
   }
   return first;
 }

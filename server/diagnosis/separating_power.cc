@@ -6,6 +6,7 @@
 #include <random>
 
 #include "server/calibration/design/predict.h"
+#include "server/core/try.h"
 #include "server/diagnosis/noise_model.h"
 
 namespace driftwise::diagnosis {
@@ -30,8 +31,7 @@ Result<Predicted> predicted(const Dataset& rows, const std::vector<effects::Term
                             const std::vector<Hypothesis>& hypotheses,
                             const std::vector<OutputSummary>& outputs) {
   const auto n = static_cast<Eigen::Index>(rows.rows);
-  const auto base_columns = calibration::raw_columns(rows, base);
-  if (!base_columns) return tl::unexpected(base_columns.error());
+  DRIFTWISE_TRY(const auto base_columns, calibration::raw_columns(rows, base));
   const Timeline timeline = timeline_of(rows);
   std::vector<Eigen::MatrixXd> columns;  // of every cell
   Predicted out;
@@ -40,17 +40,16 @@ Result<Predicted> predicted(const Dataset& rows, const std::vector<effects::Term
                                     static_cast<Eigen::Index>(hypothesis.cells.size()));
     for (std::size_t c = 0; c < hypothesis.cells.size(); ++c) {
       const auto& cell = hypothesis.cells[c];
-      const auto raw = calibration::raw_columns(rows, cell.terms);
-      if (!raw) return tl::unexpected(raw.error());
+      DRIFTWISE_TRY(const auto raw, calibration::raw_columns(rows, cell.terms));
       for (std::size_t o = 0; o < outputs.size(); ++o)
         all.col(static_cast<Eigen::Index>(c)).segment(static_cast<Eigen::Index>(o) * n, n) =
-            *raw * cell.coefficients.col(static_cast<Eigen::Index>(o));
+            raw * cell.coefficients.col(static_cast<Eigen::Index>(o));
     }
   }
   for (std::size_t o = 0; o < outputs.size(); ++o) {
     const Whitener whitener(timeline, noise_of(outputs[o]));
-    Eigen::MatrixXd taken_up(n, base_columns->cols() + 1);
-    taken_up << Eigen::VectorXd::Ones(n), *base_columns;
+    Eigen::MatrixXd taken_up(n, base_columns.cols() + 1);
+    taken_up << Eigen::VectorXd::Ones(n), base_columns;
     whitener.apply(taken_up);
     const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(taken_up);
     const double sd = outputs[o].noise_white_sd > 0 ? outputs[o].noise_white_sd : 1;
@@ -106,15 +105,14 @@ Result<SeparatingPower> separating_power(const Dataset& rows,
                                          const std::vector<Hypothesis>& hypotheses,
                                          const std::vector<OutputSummary>& outputs, int simulations,
                                          std::uint64_t seed) {
-  const auto all = predicted(rows, base, hypotheses, outputs);
-  if (!all) return tl::unexpected(all.error());
-  SeparatingPower result = classified(*all);
+  DRIFTWISE_TRY(const auto all, predicted(rows, base, hypotheses, outputs));
+  SeparatingPower result = classified(all);
   if (simulations == 0 || result.classes < 2) return result;
   std::mt19937_64 random(seed);
   std::normal_distribution<double> gaussian;
   result.power = 1;
   for (std::size_t truth = 0; truth < hypotheses.size(); ++truth) {
-    const Eigen::VectorXd signal = all->of[truth].col(0);
+    const Eigen::VectorXd signal = all.of[truth].col(0);
     int ahead = 0;
     for (int k = 0; k < simulations; ++k) {
       Eigen::VectorXd y = signal;
@@ -122,7 +120,7 @@ Result<SeparatingPower> separating_power(const Dataset& rows,
       double own = 1e300, others = 1e300;
       for (std::size_t h = 0; h < hypotheses.size(); ++h) {
         double& side = result.class_of[h] == result.class_of[truth] ? own : others;
-        side = std::min(side, nearest(y, all->of[h]));
+        side = std::min(side, nearest(y, all.of[h]));
       }
       ahead += others - own > kAhead2lnl ? 1 : 0;
     }

@@ -8,6 +8,7 @@
 #include "server/calibration/datum_zeros.h"
 #include "server/calibration/design/predict.h"
 #include "server/core/text/quantity_text.h"
+#include "server/core/try.h"
 
 namespace driftwise::diagnosis {
 namespace {
@@ -136,15 +137,14 @@ struct RunRows {
 };
 
 Result<RunRows> rows_to_verify(const RunToVerify& run, const calibration::Model* range) {
-  const auto coordinates = coordinates_of(run);
-  if (!coordinates) return tl::unexpected(coordinates.error());
+  DRIFTWISE_TRY(const auto coordinates, coordinates_of(run));
   RunRows judged;
   judged.run.run = run.run;
   judged.run.compensated = run.compensated;
   judged.run.with = run.with;
   for (std::size_t row = 0; row < run.data.rows; ++row) {
     if (run.data.is_excluded(row)) continue;
-    const bool whole = std::ranges::all_of(*coordinates, [row](const Coordinate& one) {
+    const bool whole = std::ranges::all_of(coordinates, [row](const Coordinate& one) {
       return std::isfinite(one.measured->values[row]) && std::isfinite(one.target->values[row]);
     });
     if (!whole) continue;
@@ -154,7 +154,7 @@ Result<RunRows> rows_to_verify(const RunToVerify& run, const calibration::Model*
     }
     judged.rows.push_back(row);
     auto& position = judged.positions.emplace_back();
-    for (const auto& one : *coordinates) position.push_back(one.target->values[row]);
+    for (const auto& one : coordinates) position.push_back(one.target->values[row]);
   }
   if (judged.rows.size() < 2)
     return fail(ErrorCode::invalid_argument, "TOO_FEW_ROWS",
@@ -165,9 +165,9 @@ Result<RunRows> rows_to_verify(const RunToVerify& run, const calibration::Model*
   judged.run.rows = static_cast<std::int64_t>(judged.rows.size());
   judged.run.outside = outside.why;
   for (const std::size_t row : judged.rows) judged.run.rows_outside += outside.is_outside[row];
-  const auto shares = shares_of_holding(run, *coordinates, judged.rows);
-  for (std::size_t k = 0; k < coordinates->size(); ++k) {
-    const auto& [measured, target] = (*coordinates)[k];
+  const auto shares = shares_of_holding(run, coordinates, judged.rows);
+  for (std::size_t k = 0; k < coordinates.size(); ++k) {
+    const auto& [measured, target] = coordinates[k];
     const SummaryUnit summary = summary_unit(measured->channel.unit);
     VerifiedCoordinate one{measured->channel, summary.unit, {}, {}, {}, {}, {}, 0, 0};
     one.errors.assign(run.data.rows, kMissing);
@@ -242,9 +242,8 @@ Result<Verification> verify_runs(std::span<const RunToVerify> runs,
   std::vector<RunRows> judged;
   for (const auto& run : runs) {
     const auto* own = range != nullptr ? range : run.model != nullptr ? run.model.get() : common;
-    auto one = rows_to_verify(run, own);
-    if (!one) return tl::unexpected(one.error());
-    judged.push_back(std::move(*one));
+    DRIFTWISE_TRY(auto one, rows_to_verify(run, own));
+    judged.push_back(std::move(one));
   }
   for (std::size_t i = 1; i < judged.size(); ++i)
     result.changes.push_back(change_of(judged[0], judged[i]));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "server/core/try.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::effects {
@@ -35,13 +36,12 @@ Result<TermEvaluator> TermEvaluator::create(const std::vector<Term>& terms,
         slot.factors.push_back({false, static_cast<std::size_t>(index), plain->exponent});
         continue;
       }
-      const auto call = checked(std::get<Call>(factor));
-      if (!call) return tl::unexpected(call.error());
+      DRIFTWISE_TRY(const auto call, checked(std::get<Call>(factor)));
       auto known = std::find_if(made.calls_.begin(), made.calls_.end(),
-                                [&call](const CallSlot& one) { return one.call == *call; });
+                                [&call](const CallSlot& one) { return one.call == call; });
       if (known == made.calls_.end()) {
-        CallSlot added{*call, {}, find_effect(call->effect)->make(call->parameters), {}};
-        for (const auto& symbol : call->symbols) {
+        CallSlot added{call, {}, find_effect(call.effect)->make(call.parameters), {}};
+        for (const auto& symbol : call.symbols) {
           const auto index = index_of(symbol);
           if (index < 0) return unknown(term, symbol);
           added.inputs.push_back(static_cast<std::size_t>(index));

@@ -8,6 +8,7 @@
 #include "server/calibration/design/design.h"
 #include "server/calibration/report/held_out_figure.h"
 #include "server/calibration/report/residual_statistics.h"
+#include "server/core/try.h"
 #include "server/core/units.h"
 #include "server/effects/term_order.h"
 #include "server/identification/folds.h"
@@ -92,13 +93,11 @@ struct Bench {
     quick.fit.blocks = 0;
     quick.fit.first_rows = 0;
     quick.fit.stopwatch_us = {};
-    const auto fitted = fit_method(part, method, quick);
-    if (!fitted) return tl::unexpected(fitted.error());
-    const auto predicted = predict(dataset, *fitted);
-    if (!predicted) return tl::unexpected(predicted.error());
+    DRIFTWISE_TRY(const auto fitted, fit_method(part, method, quick));
+    DRIFTWISE_TRY(const auto predicted, predict(dataset, fitted));
     std::vector<Eigen::VectorXd> errors;
     for (Index o = 0; o < measured.cols(); ++o) {
-      errors.push_back(picked(measured - *predicted, fold.test, o));
+      errors.push_back(picked(measured - predicted, fold.test, o));
       centre_new_datums(errors.back(), fold.test, fold.train, datums);
     }
     return errors;
@@ -223,21 +222,18 @@ Result<Judgement> judge_method(const Dataset& whole, Method method, const Method
   MethodOptions once = options;
   once.fit.blocks = 0;
   once.fit.first_rows = 0;
-  auto fitted = fit_method(dataset, method, once);
-  if (!fitted) return tl::unexpected(fitted.error());
-  auto measured = measured_outputs(dataset, fitted->outputs);
-  if (!measured) return tl::unexpected(measured.error());
-  const auto predicted = predict(dataset, *fitted);
-  if (!predicted) return tl::unexpected(predicted.error());
-  const Eigen::MatrixXd errors = *measured - *predicted;
+  DRIFTWISE_TRY(auto fitted, fit_method(dataset, method, once));
+  DRIFTWISE_TRY(auto measured, measured_outputs(dataset, fitted.outputs));
+  DRIFTWISE_TRY(const auto predicted, predict(dataset, fitted));
+  const Eigen::MatrixXd errors = measured - predicted;
 
-  const Bench bench{dataset, method, once, std::move(*measured),
+  const Bench bench{dataset, method, once, std::move(measured),
                     calibration::datum_ordinals(dataset)};
   const auto calibration = rows_in(dataset, PointSet::calibration);
   const auto validation = validation_rows_known(dataset, calibration, bench.datums);
   Judgement result;
-  if (fitted->kinematics)
-    for (const auto& term : fitted->kinematics->undetermined)
+  if (fitted.kinematics)
+    for (const auto& term : fitted.kinematics->undetermined)
       result.warnings.push_back(name_of(method) + ": " + effects::notation(term) +
                                 " is left out: the calibration rows do not tell it apart from the "
                                 "terms before it");
@@ -248,21 +244,20 @@ Result<Judgement> judge_method(const Dataset& whole, Method method, const Method
   FoldErrors groups;
   std::vector<int> labels;
   if (!judge.together.empty()) {
-    auto found = group_labels(dataset, judge.together);
-    if (!found) return tl::unexpected(found.error());
-    labels = std::move(*found);
+    DRIFTWISE_TRY(auto found, group_labels(dataset, judge.together));
+    labels = std::move(found);
     std::set<int> distinct;
     for (const std::size_t row : calibration) distinct.insert(labels[row]);
     result.groups = static_cast<std::int64_t>(distinct.size());
     groups = bench.errors_of(group_folds(calibration, labels, judge.folds),
                              "with " + judge.together + " kept together", result.warnings);
   }
-  for (std::size_t o = 0; o < fitted->outputs.size(); ++o) {
+  for (std::size_t o = 0; o < fitted.outputs.size(); ++o) {
     const auto column = static_cast<Index>(o);
     const Eigen::VectorXd residuals = picked(errors, calibration, column);
     OutputFigures figures;
-    figures.channel = fitted->outputs[o];
-    figures.parameters = fitted->parameters(o);
+    figures.channel = fitted.outputs[o];
+    figures.parameters = fitted.parameters(o);
     figures.rms = std::sqrt(residuals.squaredNorm() / static_cast<double>(residuals.size()));
     const auto figures_of = [](const Eigen::VectorXd& values) {
       return error_figures(std::span(values.data(), static_cast<std::size_t>(values.size())));
@@ -282,11 +277,11 @@ Result<Judgement> judge_method(const Dataset& whole, Method method, const Method
     if (!labels.empty()) figures.pure_error = spread_within(residuals, calibration, labels);
     result.outputs.push_back(std::move(figures));
   }
-  if (one_unit(fitted->outputs)) {
-    result.fitted = std::move(*fitted);
+  if (one_unit(fitted.outputs)) {
+    result.fitted = std::move(fitted);
     add_position(result, errors, calibration, validation, blocks, groups);
   } else {
-    result.fitted = std::move(*fitted);
+    result.fitted = std::move(fitted);
   }
   return result;
 }

@@ -7,6 +7,7 @@
 #include "server/calibration/design/design.h"
 #include "server/calibration/design/predict.h"
 #include "server/calibration/linear/undetermined.h"
+#include "server/core/try.h"
 #include "server/effects/term_order.h"
 #include "server/identification/identifiability.h"
 #include "server/identification/least_squares.h"
@@ -152,10 +153,10 @@ Result<Eigen::VectorXd> start_values(const Work& work) {
   if (!work.mechanism.predicts_pose() || work.mechanism.parameters().front().held) return values;
   values.head<kinematics::kFrameParameters>().setZero();
   const Eigen::MatrixXd points = predict_rows(work.mechanism, work.inputs, values);
-  const auto fit = kinematics::fit_rigid(points.transpose(), work.outputs.transpose());
-  if (!fit) return tl::unexpected(fit.error());
+  DRIFTWISE_TRY(const auto fit,
+                kinematics::fit_rigid(points.transpose(), work.outputs.transpose()));
   values.head<kinematics::kFrameParameters>() =
-      kinematics::frame_values(fit->rotation, fit->translation);
+      kinematics::frame_values(fit.rotation, fit.translation);
   return values;
 }
 
@@ -233,19 +234,18 @@ std::vector<char> Identification::free() const {
 }
 
 Result<Identification> identify(const Dataset& dataset, const IdentifyOptions& options) {
-  const auto data = mechanism_data(dataset, *options.mechanism);
-  if (!data) return tl::unexpected(data.error());
+  DRIFTWISE_TRY(const auto data, mechanism_data(dataset, *options.mechanism));
   auto terms = linear_terms(dataset, options);
   auto columns = calibration::raw_columns(dataset, terms);
-  if (!columns) return tl::unexpected(columns.error());
+  DRIFTWISE_RETURN_IF_ERROR(columns);
   auto undetermined = take_undetermined(dataset, *columns, terms);
   if (!undetermined.empty()) columns = calibration::raw_columns(dataset, terms);
-  const Eigen::MatrixXd inputs_by_row = data->inputs.transpose();
+  const Eigen::MatrixXd inputs_by_row = data.inputs.transpose();
   const auto rows =
-      complete_rows(dataset, PointSet::calibration, {&inputs_by_row, &data->outputs, &*columns});
+      complete_rows(dataset, PointSet::calibration, {&inputs_by_row, &data.outputs, &*columns});
   Work work{*options.mechanism,
             rows_of(inputs_by_row, rows).transpose(),
-            rows_of(data->outputs, rows),
+            rows_of(data.outputs, rows),
             rows_of(*columns, rows),
             {},
             {},
@@ -256,9 +256,8 @@ Result<Identification> identify(const Dataset& dataset, const IdentifyOptions& o
                 std::to_string(rows.size()) +
                     " complete calibration rows: measure more before identifying a robot");
   centre_columns(work);
-  auto start = start_values(work);
-  if (!start) return tl::unexpected(start.error());
-  work.start = std::move(*start);
+  DRIFTWISE_TRY(auto start, start_values(work));
+  work.start = std::move(start);
   if (!predict_rows(work.mechanism, work.inputs, work.start).allFinite())
     return fail(ErrorCode::failed_precondition, "BAD_START",
                 "the nominal geometry does not reach every measured row: compare lengths, units "
@@ -269,23 +268,20 @@ Result<Identification> identify(const Dataset& dataset, const IdentifyOptions& o
   const LeastSquaresProblem problem{
       [&work](const Eigen::VectorXd& unknown) { return work.residuals(unknown); },
       [&work](const Eigen::VectorXd& unknown) { return work.jacobian(unknown); }};
-  const auto solution = minimise(problem, Eigen::VectorXd::Zero(work.unknowns()));
-  if (!solution) return tl::unexpected(solution.error());
-  Identification result = describe(work, chosen, terms, *solution);
+  DRIFTWISE_TRY(const auto solution, minimise(problem, Eigen::VectorXd::Zero(work.unknowns())));
+  Identification result = describe(work, chosen, terms, solution);
   result.mechanism = options.mechanism;
   result.undetermined = std::move(undetermined);
   return result;
 }
 
 Result<Eigen::MatrixXd> predict(const Dataset& dataset, const Identification& identification) {
-  const auto data = mechanism_data(dataset, *identification.mechanism);
-  if (!data) return tl::unexpected(data.error());
+  DRIFTWISE_TRY(const auto data, mechanism_data(dataset, *identification.mechanism));
   Eigen::MatrixXd predicted =
-      predict_rows(*identification.mechanism, data->inputs, identification.values());
+      predict_rows(*identification.mechanism, data.inputs, identification.values());
   if (identification.terms.empty()) return predicted;
-  const auto columns = calibration::raw_columns(dataset, identification.terms);
-  if (!columns) return tl::unexpected(columns.error());
-  predicted += *columns * identification.coefficients;
+  DRIFTWISE_TRY(const auto columns, calibration::raw_columns(dataset, identification.terms));
+  predicted += columns * identification.coefficients;
   return predicted;
 }
 

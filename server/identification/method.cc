@@ -6,6 +6,7 @@
 #include "server/calibration/datum_zeros.h"
 #include "server/calibration/design/predict.h"
 #include "server/core/data/unusable_values.h"
+#include "server/core/try.h"
 
 namespace driftwise::identification {
 namespace {
@@ -58,14 +59,13 @@ Result<Identification> identified(const Dataset& dataset, const MethodOptions& o
 
 // The dataset with what the nominal robot leaves in place of the outputs: e = measured - predicted.
 Result<Dataset> error_dataset(const Dataset& dataset, const Identification& nominal) {
-  const auto predicted = predict(dataset, nominal);
-  if (!predicted) return tl::unexpected(predicted.error());
+  DRIFTWISE_TRY(const auto predicted, predict(dataset, nominal));
   Dataset errors = dataset;
   for (std::size_t o = 0; o < nominal.mechanism->outputs().size(); ++o)
     for (auto& column : errors.columns)
       if (column.channel.symbol == nominal.mechanism->outputs()[o].symbol)
         for (std::size_t row = 0; row < errors.rows; ++row)
-          column.values[row] -= (*predicted)(static_cast<Index>(row), static_cast<Index>(o));
+          column.values[row] -= predicted(static_cast<Index>(row), static_cast<Index>(o));
   return errors;
 }
 
@@ -115,7 +115,7 @@ Result<FittedMethod> fit_method(const Dataset& dataset, Method method,
                                 const MethodOptions& options) {
   if (const auto usable = without_unusable(dataset))
     return fit_method(usable->data, method, options);
-  if (auto good = check_method(method, options); !good) return tl::unexpected(good.error());
+  DRIFTWISE_RETURN_IF_ERROR(check_method(method, options));
   FittedMethod fitted;
   fitted.method = method;
   const auto& stopwatch = options.fit.stopwatch_us;
@@ -123,28 +123,25 @@ Result<FittedMethod> fit_method(const Dataset& dataset, Method method,
   const Dataset* data = &dataset;
   Dataset errors;
   if (method != Method::stepwise) {
-    auto found = identified(dataset, options, method != Method::kinematic);
-    if (!found) return tl::unexpected(found.error());
-    fitted.kinematics = std::move(*found);
+    DRIFTWISE_TRY(auto found, identified(dataset, options, method != Method::kinematic));
+    fitted.kinematics = std::move(found);
     fitted.outputs = options.mechanism->outputs();
   }
   if (method == Method::classic) {
-    auto left = error_dataset(dataset, *fitted.kinematics);
-    if (!left) return tl::unexpected(left.error());
-    errors = std::move(*left);
+    DRIFTWISE_TRY(auto left, error_dataset(dataset, *fitted.kinematics));
+    errors = std::move(left);
     data = &errors;
   }
   if (method == Method::stepwise || method == Method::classic) {
     auto asked = options.fit;
     // What a drawing leaves over hardly follows the pose: it cannot tell where a zero lies.
     asked.move_datums = asked.move_datums && method == Method::stepwise;
-    auto model = calibration::fit(*data, asked);
-    if (!model) return tl::unexpected(model.error());
+    DRIFTWISE_TRY(auto model, calibration::fit(*data, asked));
     if (method == Method::stepwise) {
-      for (const auto& output : model->outputs) fitted.outputs.push_back(output.channel);
-      fitted.fit_us = model->fit_us;
+      for (const auto& output : model.outputs) fitted.outputs.push_back(output.channel);
+      fitted.fit_us = model.fit_us;
     }
-    fitted.linear = std::move(*model);
+    fitted.linear = std::move(model);
   }
   if (method != Method::stepwise && stopwatch) fitted.fit_us = stopwatch() - start_us;
   return fitted;
@@ -154,17 +151,15 @@ Result<Eigen::MatrixXd> predict(const Dataset& dataset, const FittedMethod& fitt
   Eigen::MatrixXd predicted = Eigen::MatrixXd::Zero(static_cast<Index>(dataset.rows),
                                                     static_cast<Index>(fitted.outputs.size()));
   if (fitted.kinematics) {
-    auto geometric = predict(dataset, *fitted.kinematics);
-    if (!geometric) return tl::unexpected(geometric.error());
-    predicted = std::move(*geometric);
+    DRIFTWISE_TRY(auto geometric, predict(dataset, *fitted.kinematics));
+    predicted = std::move(geometric);
   }
   if (!fitted.linear) return predicted;
   const Dataset moved = calibration::in_first_datum(dataset, fitted.linear->datum_zeros);
   for (const auto& model : fitted.linear->outputs) {
-    const auto own = calibration::predict(moved, model);
-    if (!own) return tl::unexpected(own.error());
+    DRIFTWISE_TRY(const auto own, calibration::predict(moved, model));
     const auto at = std::ranges::find(fitted.outputs, model.channel) - fitted.outputs.begin();
-    predicted.col(at) += *own;
+    predicted.col(at) += own;
   }
   return predicted;
 }

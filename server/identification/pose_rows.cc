@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "server/core/try.h"
+
 namespace driftwise::identification {
 namespace {
 
@@ -33,14 +35,14 @@ Result<MechanismData> mechanism_data(const Dataset& dataset,
   data.inputs.resize(static_cast<Index>(mechanism.inputs().size()), rows);
   data.outputs.resize(rows, static_cast<Index>(mechanism.outputs().size()));
   for (Index i = 0; i < data.inputs.rows(); ++i) {
-    const auto values = values_of(dataset, mechanism.inputs()[static_cast<std::size_t>(i)]);
-    if (!values) return tl::unexpected(values.error());
-    data.inputs.row(i) = Eigen::Map<const Eigen::RowVectorXd>((*values)->data(), rows);
+    DRIFTWISE_TRY(const auto values,
+                  values_of(dataset, mechanism.inputs()[static_cast<std::size_t>(i)]));
+    data.inputs.row(i) = Eigen::Map<const Eigen::RowVectorXd>(values->data(), rows);
   }
   for (Index o = 0; o < data.outputs.cols(); ++o) {
-    const auto values = values_of(dataset, mechanism.outputs()[static_cast<std::size_t>(o)]);
-    if (!values) return tl::unexpected(values.error());
-    data.outputs.col(o) = Eigen::Map<const Eigen::VectorXd>((*values)->data(), rows);
+    DRIFTWISE_TRY(const auto values,
+                  values_of(dataset, mechanism.outputs()[static_cast<std::size_t>(o)]));
+    data.outputs.col(o) = Eigen::Map<const Eigen::VectorXd>(values->data(), rows);
   }
   return data;
 }

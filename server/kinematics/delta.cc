@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "server/core/text/quantity_text.h"
+#include "server/core/try.h"
 #include "server/kinematics/angles.h"
 
 namespace driftwise::kinematics {
@@ -110,7 +111,7 @@ Result<void> check_delta(const KinematicsDescription& description) {
 }  // namespace
 
 Result<Delta> Delta::create(const KinematicsDescription& description) {
-  if (auto good = check_delta(description); !good) return tl::unexpected(good.error());
+  DRIFTWISE_RETURN_IF_ERROR(check_delta(description));
   Delta delta(description);
   delta.inputs_ = {{"x", "mm"}, {"y", "mm"}, {"z", "mm"}};
   int number = 0;
@@ -129,8 +130,7 @@ Result<Delta> Delta::create(const KinematicsDescription& description) {
   }
   add_frame_parameters(delta.parameters_, description.frame, description.branches.front().length_mm,
                        4, false);
-  if (auto held = hold(delta.parameters_, description.hold); !held)
-    return tl::unexpected(held.error());
+  DRIFTWISE_RETURN_IF_ERROR(hold(delta.parameters_, description.hold));
   return delta;
 }
 

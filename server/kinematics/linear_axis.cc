@@ -1,5 +1,7 @@
 #include "server/kinematics/linear_axis.h"
 
+#include "server/core/try.h"
+
 namespace driftwise::kinematics {
 
 Result<Axis> Axis::create(const KinematicsDescription& description) {
@@ -17,8 +19,7 @@ Result<Axis> Axis::create(const KinematicsDescription& description) {
   made.outputs_ = {axis.motor};
   made.parameters_ = {{"axis.offset_mm", axis.offset_mm, 1e-3, 0, true},
                       {"axis.scale_ppm", axis.scale_ppm, 100}};
-  if (auto held = hold(made.parameters_, description.hold); !held)
-    return tl::unexpected(held.error());
+  DRIFTWISE_RETURN_IF_ERROR(hold(made.parameters_, description.hold));
   return made;
 }
 

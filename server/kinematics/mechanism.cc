@@ -3,6 +3,7 @@
 #include <set>
 #include <string>
 
+#include "server/core/try.h"
 #include "server/kinematics/delta.h"
 #include "server/kinematics/linear_axis.h"
 #include "server/kinematics/serial_arm.h"
@@ -12,7 +13,7 @@ namespace {
 
 template <class Kind>
 Result<std::shared_ptr<const Mechanism>> shared(Result<Kind> made) {
-  if (!made) return tl::unexpected(made.error());
+  DRIFTWISE_RETURN_IF_ERROR(made);
   std::set<std::string> symbols;
   for (const auto* channels : {&made->inputs(), &made->outputs()})
     for (const auto& channel : *channels)

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/core/try.h"
 #include "server/kinematics/angles.h"
 #include "server/kinematics/frame.h"
 
@@ -52,7 +53,7 @@ void turn_axes(Eigen::Matrix3d& axes, int about, double angle) {
 }  // namespace
 
 Result<SerialArm> SerialArm::create(const KinematicsDescription& description) {
-  if (auto good = check_arm(description); !good) return tl::unexpected(good.error());
+  DRIFTWISE_RETURN_IF_ERROR(check_arm(description));
   SerialArm arm(description);
   auto& all = arm.parameters_;
   auto& chain = arm.chain_;
@@ -99,7 +100,7 @@ Result<SerialArm> SerialArm::create(const KinematicsDescription& description) {
     chain.push_back({Kind::shift, axis, parameter(name, nominal, kNaturalLength_mm, 1), 0, -1});
   }
   arm.outputs_ = {{"x", "mm"}, {"y", "mm"}, {"z", "mm"}};
-  if (auto held = hold(all, description.hold); !held) return tl::unexpected(held.error());
+  DRIFTWISE_RETURN_IF_ERROR(hold(all, description.hold));
   return arm;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "server/core/try.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::simulation {
@@ -37,14 +38,13 @@ Result<ForwardModel> ForwardModel::create(const calibration::Model& model,
     forward.half_range_.push_back(
         std::max(0.5 * (range.max - range.min), std::numeric_limits<double>::min()));
   }
-  auto evaluator = effects::TermEvaluator::create(terms, symbols);
-  if (!evaluator) return tl::unexpected(evaluator.error());
+  DRIFTWISE_TRY(auto evaluator, effects::TermEvaluator::create(terms, symbols));
   if (forward.pose_symbols_.size() != model.outputs.size())
     return fail(ErrorCode::failed_precondition, "NOT_SQUARE",
                 "to run a model forward it needs as many outputs as pose axes: '" + model.formula +
                     "' has " + std::to_string(model.outputs.size()) + " outputs and " +
                     std::to_string(forward.pose_symbols_.size()) + " pose axes");
-  forward.evaluator_.push_back(std::move(*evaluator));
+  forward.evaluator_.push_back(std::move(evaluator));
   return forward;
 }
 
@@ -82,8 +82,7 @@ Result<Eigen::VectorXd> ForwardModel::step(double time_s, std::span<const double
   }
   const Eigen::Map<const Eigen::VectorXd> wanted(q.data(), static_cast<Eigen::Index>(q.size()));
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-    const auto at = model_at(memory, time_s, row, pose);
-    if (!at) return tl::unexpected(at.error());
+    DRIFTWISE_TRY(const auto at, model_at(memory, time_s, row, pose));
     Eigen::MatrixXd jacobian(n, n);
     for (Eigen::Index j = 0; j < n; ++j) {
       Eigen::VectorXd up = pose, down = pose;
@@ -94,7 +93,7 @@ Result<Eigen::VectorXd> ForwardModel::step(double time_s, std::span<const double
       if (!high || !low) return tl::unexpected((high ? low : high).error());
       jacobian.col(j) = (*high - *low) / (up[j] - down[j]);
     }
-    const Eigen::VectorXd change = jacobian.partialPivLu().solve(wanted - *at);
+    const Eigen::VectorXd change = jacobian.partialPivLu().solve(wanted - at);
     if (!change.allFinite()) break;
     pose += change;
     if ((change.cwiseAbs().array() <=

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/core/try.h"
 #include "server/core/units.h"
 #include "server/effects/term_evaluator.h"
 
@@ -16,10 +17,9 @@ double millimetres_per(const Channel& channel) {
 Result<double> output_at(const calibration::OutputModel& output,
                          const std::vector<std::string>& symbols,
                          const std::vector<double>& values) {
-  auto evaluator = effects::TermEvaluator::create(output.terms, symbols);
-  if (!evaluator) return tl::unexpected(evaluator.error());
+  DRIFTWISE_TRY(auto evaluator, effects::TermEvaluator::create(output.terms, symbols));
   Eigen::VectorXd columns(static_cast<Eigen::Index>(output.terms.size()));
-  evaluator->step(0, values, {columns.data(), output.terms.size()});
+  evaluator.step(0, values, {columns.data(), output.terms.size()});
   return columns.dot(output.coefficients) * millimetres_per(output.channel);
 }
 
@@ -47,12 +47,10 @@ Result<Eigen::MatrixXd> motor_slopes(const calibration::Model& model,
     low[index] = range.min;
     high[index] = range.max;
     for (std::size_t o = 0; o < model.outputs.size(); ++o) {
-      const auto below = output_at(model.outputs[o], symbols, low);
-      if (!below) return tl::unexpected(below.error());
-      const auto above = output_at(model.outputs[o], symbols, high);
-      if (!above) return tl::unexpected(above.error());
+      DRIFTWISE_TRY(const auto below, output_at(model.outputs[o], symbols, low));
+      DRIFTWISE_TRY(const auto above, output_at(model.outputs[o], symbols, high));
       slopes(static_cast<Eigen::Index>(o), static_cast<Eigen::Index>(j)) =
-          (*above - *below) / ((range.max - range.min) * millimetres_per(range.channel));
+          (above - below) / ((range.max - range.min) * millimetres_per(range.channel));
     }
   }
   return slopes;

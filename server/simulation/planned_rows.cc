@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/core/try.h"
 #include "server/simulation/forward_model.h"
 
 namespace driftwise::simulation {
@@ -70,10 +71,9 @@ Result<Dataset> planned_rows(const calibration::Model& model, const Trajectory& 
       trajectory.points, [](const auto& point) { return point.force_n.has_value(); });
   const std::size_t force = forced ? table.add({"force", "N"}) : 0;
   values.resize(table.symbols.size(), kMissing);
-  auto forward = ForwardModel::create(model, table.symbols);
-  if (!forward) return tl::unexpected(forward.error());
+  DRIFTWISE_TRY(auto forward, ForwardModel::create(model, table.symbols));
   std::vector<std::size_t> solved;
-  for (const auto& symbol : forward->pose_symbols()) {
+  for (const auto& symbol : forward.pose_symbols()) {
     const auto at = std::ranges::find(table.symbols, symbol);
     solved.push_back(static_cast<std::size_t>(at - table.symbols.begin()));
   }
@@ -85,17 +85,16 @@ Result<Dataset> planned_rows(const calibration::Model& model, const Trajectory& 
     for (std::size_t k = 0; k < motors.size(); ++k) values[motors[k]] = point.target_mm[k];
     if (forced && point.force_n) values[force] = *point.force_n;
     std::vector<double> wanted;
-    for (const auto& symbol : forward->motor_symbols()) {
+    for (const auto& symbol : forward.motor_symbols()) {
       const auto at = std::ranges::find(table.symbols, symbol);
       wanted.push_back(at == table.symbols.end()
                            ? kMissing
                            : values[static_cast<std::size_t>(at - table.symbols.begin())]);
     }
     const double time_s = start_s + when.time_s[i];
-    const auto pose = forward->step(time_s, wanted, values);
-    if (!pose) return tl::unexpected(pose.error());
+    DRIFTWISE_TRY(const auto pose, forward.step(time_s, wanted, values));
     for (std::size_t k = 0; k < solved.size(); ++k)
-      values[solved[k]] = (*pose)[static_cast<Eigen::Index>(k)];
+      values[solved[k]] = pose[static_cast<Eigen::Index>(k)];
     rows.time_s.push_back(time_s);
     rows.dwell_s.push_back(when.dwell_s[i]);
     rows.set.push_back(point.set);

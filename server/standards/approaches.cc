@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "server/core/try.h"
 #include "server/standards/measured_columns.h"
 
 namespace driftwise::standards {
@@ -47,20 +48,18 @@ Result<AxisColumns> find_axis_columns(const Dataset& dataset, AxisColumns asked)
 }
 
 Result<std::vector<Approach>> approaches_of(const Dataset& dataset, const AxisColumns& columns) {
-  const auto target_mm = column_mm(dataset, columns.target);
-  if (!target_mm) return tl::unexpected(target_mm.error());
-  const auto measured_mm = column_mm(dataset, columns.measured);
-  if (!measured_mm) return tl::unexpected(measured_mm.error());
+  DRIFTWISE_TRY(const auto target_mm, column_mm(dataset, columns.target));
+  DRIFTWISE_TRY(const auto measured_mm, column_mm(dataset, columns.measured));
   std::vector<Approach> out;
   double before_mm = kMissing;
   for (std::size_t row = 0; row < dataset.rows; ++row) {
     Approach approach;
-    approach.target_mm = (*target_mm)[row];
+    approach.target_mm = target_mm[row];
     if (is_missing(approach.target_mm)) continue;
     if (approach.target_mm > before_mm + kSameTarget_mm) approach.side = ApproachSide::up;
     if (approach.target_mm < before_mm - kSameTarget_mm) approach.side = ApproachSide::down;
     before_mm = approach.target_mm;
-    approach.measured_mm = (*measured_mm)[row];
+    approach.measured_mm = measured_mm[row];
     approach.time_s = dataset.time_s.empty() ? 0 : dataset.time_s[row];
     approach.zero = !dataset.zero.empty() && dataset.zero[row] != 0;
     if (!is_missing(approach.measured_mm)) out.push_back(approach);

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "server/core/try.h"
 #include "server/core/units.h"
 #include "server/standards/measured_columns.h"
 
@@ -140,17 +141,14 @@ Result<Iso2302> iso230_2(const Dataset& dataset, const Iso2302Options& options) 
     return fail(ErrorCode::invalid_argument, "TOO_FEW_APPROACHES",
                 "asked for " + std::to_string(options.approaches) +
                     " approaches from each side, the standard has 5");
-  const auto columns = find_axis_columns(dataset, options.columns);
-  if (!columns) return tl::unexpected(columns.error());
-  const auto approaches = approaches_of(dataset, *columns);
-  if (!approaches) return tl::unexpected(approaches.error());
+  DRIFTWISE_TRY(const auto columns, find_axis_columns(dataset, options.columns));
+  DRIFTWISE_TRY(const auto approaches, approaches_of(dataset, columns));
   Iso2302 out;
-  const auto positions = tested(positions_of(*approaches), out.turning_points_mm);
+  const auto positions = tested(positions_of(approaches), out.turning_points_mm);
   const auto count = static_cast<std::size_t>(options.approaches);
-  if (auto enough = check_positions(positions, count); !enough)
-    return tl::unexpected(enough.error());
+  DRIFTWISE_RETURN_IF_ERROR(check_positions(positions, count));
 
-  out.columns = *columns;
+  out.columns = columns;
   out.approaches = options.approaches;
   for (const auto& position : positions) {
     Iso2302Position p;

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <deque>
 
+#include "server/core/try.h"
 #include "server/core/units.h"
 #include "server/standards/measured_columns.h"
 
@@ -118,13 +119,11 @@ std::string lacking(const std::vector<Approach>& visits, const Iso2303Options& o
 }  // namespace
 
 Result<Iso2303> iso230_3(const Dataset& dataset, const Iso2303Options& options) {
-  const auto columns = find_axis_columns(dataset, options.columns);
-  if (!columns) return tl::unexpected(columns.error());
+  DRIFTWISE_TRY(const auto columns, find_axis_columns(dataset, options.columns));
   if (dataset.time_s.empty())
     return lacks_drift("UNTIMED", "needs the time of each row (time_s), found none");
-  auto approaches = approaches_of(dataset, *columns);
-  if (!approaches) return tl::unexpected(approaches.error());
-  for (auto& approach : *approaches) approach.zero = false;
+  DRIFTWISE_TRY(auto approaches, approaches_of(dataset, columns));
+  for (auto& approach : approaches) approach.zero = false;
   const double start_s = dataset.time_s.front(), test_s = dataset.time_s.back() - start_s;
   if (test_s < options.hours * 3600)
     return lacks_drift("TOO_SHORT", "needs " + number_with(options.hours, "h") + ", found " +
@@ -132,10 +131,10 @@ Result<Iso2303> iso230_3(const Dataset& dataset, const Iso2303Options& options) 
                                         ". `driftwise trajectory iso230-3` writes a trajectory "
                                         "that lasts, --hours allows a shorter test");
   Iso2303 out;
-  out.columns = *columns;
+  out.columns = columns;
   std::string missing;
   std::size_t refused = 0;
-  for (const auto& position : positions_of(*approaches))
+  for (const auto& position : positions_of(approaches))
     for (const auto* visits : {&position.up, &position.down, &position.unknown}) {
       if (visits->empty()) continue;
       const std::string lack = lacking(*visits, options, test_s);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "server/core/try.h"
 #include "server/core/units.h"
 #include "server/standards/measured_columns.h"
 
@@ -29,7 +30,7 @@ std::string commanded_as(const Dataset& dataset, const std::string& measured) {
 }
 
 Result<void> append(std::vector<std::vector<double>>& to, Result<std::vector<double>> column) {
-  if (!column) return tl::unexpected(column.error());
+  DRIFTWISE_RETURN_IF_ERROR(column);
   to.push_back(std::move(*column));
   return {};
 }
@@ -53,32 +54,28 @@ Result<std::vector<std::pair<std::string, std::string>>> pairs_of(
 
 Result<PoseColumns> columns_of(const Dataset& dataset, const Iso9283Options& options) {
   PoseColumns out;
-  const auto positions = pairs_of(dataset, options.command, options.measured, {"x", "y", "z"});
-  if (!positions) return tl::unexpected(positions.error());
-  if (positions->empty())
+  DRIFTWISE_TRY(const auto positions,
+                pairs_of(dataset, options.command, options.measured, {"x", "y", "z"}));
+  if (positions.empty())
     return fail(ErrorCode::invalid_argument, "NO_COLUMN",
                 "found none of x, y, z, expected at least one measured position");
-  for (const auto& [command, measured] : *positions) {
+  for (const auto& [command, measured] : positions) {
     if (command.empty())
       return fail(ErrorCode::invalid_argument, "NO_COLUMN",
                   "found no column of what was commanded for " + measured + " (" + measured +
                       "_target, goal_" + measured + ", ...): name it");
-    if (auto good = append(out.command_mm, column_mm(dataset, command)); !good)
-      return tl::unexpected(good.error());
-    if (auto good = append(out.measured_mm, column_mm(dataset, measured)); !good)
-      return tl::unexpected(good.error());
+    DRIFTWISE_RETURN_IF_ERROR(append(out.command_mm, column_mm(dataset, command)));
+    DRIFTWISE_RETURN_IF_ERROR(append(out.measured_mm, column_mm(dataset, measured)));
     out.axes.push_back(measured);
   }
-  const auto rotations =
-      pairs_of(dataset, options.rotation_command, options.rotation_measured, {"rx", "ry", "rz"});
-  if (!rotations) return tl::unexpected(rotations.error());
-  for (const auto& [command, measured] : *rotations) {
+  DRIFTWISE_TRY(const auto rotations, pairs_of(dataset, options.rotation_command,
+                                               options.rotation_measured, {"rx", "ry", "rz"}));
+  for (const auto& [command, measured] : rotations) {
     if (command.empty())
       out.command_arcsec.emplace_back(dataset.rows, 0.0);
-    else if (auto good = append(out.command_arcsec, column_arcsec(dataset, command)); !good)
-      return tl::unexpected(good.error());
-    if (auto good = append(out.measured_arcsec, column_arcsec(dataset, measured)); !good)
-      return tl::unexpected(good.error());
+    else
+      DRIFTWISE_RETURN_IF_ERROR(append(out.command_arcsec, column_arcsec(dataset, command)));
+    DRIFTWISE_RETURN_IF_ERROR(append(out.measured_arcsec, column_arcsec(dataset, measured)));
     out.rotations.push_back(measured);
   }
   return out;
@@ -237,15 +234,13 @@ Result<Iso9283> iso9283(const Dataset& dataset, const Iso9283Options& options) {
   if (options.cycles < 2 || options.poses < 1)
     return fail(ErrorCode::invalid_argument, "OUT_OF_RANGE",
                 "expected at least 2 cycles (the standard has 30) over at least 1 pose (5)");
-  const auto columns = columns_of(dataset, options);
-  if (!columns) return tl::unexpected(columns.error());
-  auto visited = visited_poses(dataset, *columns, options);
-  if (auto enough = check_cycles(visited, *columns, options); !enough)
-    return tl::unexpected(enough.error());
+  DRIFTWISE_TRY(const auto columns, columns_of(dataset, options));
+  auto visited = visited_poses(dataset, columns, options);
+  DRIFTWISE_RETURN_IF_ERROR(check_cycles(visited, columns, options));
 
   Iso9283 out;
-  out.axes = columns->axes;
-  out.rotations = columns->rotations;
+  out.axes = columns.axes;
+  out.rotations = columns.rotations;
   const auto cycles = static_cast<std::size_t>(options.cycles);
   for (auto& pose : visited) {
     // The last ones: the first may have been approached from where the robot started.
@@ -253,8 +248,8 @@ Result<Iso9283> iso9283(const Dataset& dataset, const Iso9283Options& options) {
                                                              std::min(pose.rows.size(), cycles)));
     Iso9283Pose& figures = out.poses.emplace_back();
     figures.cycles = pose.rows.size();
-    position_figures(*columns, pose, options.accuracy, figures);
-    rotation_figures(*columns, pose, options.accuracy, figures);
+    position_figures(columns, pose, options.accuracy, figures);
+    rotation_figures(columns, pose, options.accuracy, figures);
   }
   worst_of_poses(out);
   out.conditions = conditions_of(dataset);

@@ -19,6 +19,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/core/try.h"
 #include "server/web/http_connection.h"
 
 namespace driftwise::web {
@@ -163,10 +164,9 @@ class ThreadedHttpServer final : public HttpServer {
 }  // namespace
 
 Result<std::unique_ptr<HttpServer>> HttpServer::open(const std::string& address) {
-  const auto endpoint = parse_loopback(address);
-  if (!endpoint) return tl::unexpected(endpoint.error());
+  DRIFTWISE_TRY(const auto endpoint, parse_loopback(address));
   auto server = std::make_unique<ThreadedHttpServer>();
-  if (const auto code = server->listen(*endpoint))
+  if (const auto code = server->listen(endpoint))
     return fail(ErrorCode::unavailable, "CANNOT_LISTEN",
                 "http address '" + address + "': " + code.message() +
                     "; choose another port in [cell] http");

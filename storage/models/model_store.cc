@@ -2,6 +2,8 @@
 
 #include <set>
 
+#include "server/core/try.h"
+
 namespace driftwise::storage {
 namespace {
 
@@ -103,10 +105,9 @@ Result<ModelRecord> SqliteModelStore::model(ModelId id) {
 
 // Each in a transaction of its own: one damaged row does not hide the others.
 Result<std::vector<ModelRecord>> SqliteModelStore::models() {
-  const auto ids = model_ids(session_);
-  if (!ids) return tl::unexpected(ids.error());
+  DRIFTWISE_TRY(const auto ids, model_ids(session_));
   std::vector<ModelRecord> models;
-  for (const std::int64_t id : *ids) {
+  for (const std::int64_t id : ids) {
     auto found = session_.read([&] { return read_model(session_, {id}); });
     if (!found) {
       ModelRecord damaged;

@@ -4,6 +4,7 @@
 #include <limits>
 #include <map>
 
+#include "server/core/try.h"
 #include "storage/readings/series_block.h"
 #include "storage/readings/series_grid.h"
 #include "storage/rows/run_rows.h"
@@ -144,10 +145,10 @@ Result<SeriesAnswer> SqliteSeriesStore::series(const SeriesQuery& asked) {
 }
 
 Result<void> SqliteSeriesStore::keep_up() {
-  const auto waiting =
-      session_.read([&] { return newest_reading(session_) - read_series_mark(session_); });
-  if (!waiting) return tl::unexpected(waiting.error());
-  if (*waiting < kReadingsPerStep / 2) return {};
+  DRIFTWISE_TRY(const auto waiting, session_.read([&] {
+    return newest_reading(session_) - read_series_mark(session_);
+  }));
+  if (waiting < kReadingsPerStep / 2) return {};
   const auto done = summarise();
   return done ? Result<void>{} : tl::unexpected(done.error());
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <boost/asio/executor_work_guard.hpp>
 
+#include "server/core/try.h"
 #include "server/formats/model/model_json.h"
 
 namespace driftwise::tests {
@@ -170,7 +171,7 @@ Awaitable<Result<app::TrajectoryCheck>> FakeCell::check_trajectory(std::string t
 
 Awaitable<Result<RunRecord>> FakeCell::create_run(app::Caller caller, app::CreateRun request) {
   if (auto error = take_failure()) co_return tl::unexpected(*error);
-  if (auto good = check_lease(request.lease_token); !good) co_return tl::unexpected(good.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(check_lease(request.lease_token));
   for (const auto& [id, run] : the_runs)
     if (!request.request_id.empty() && run.request_id == request.request_id) co_return run;
   last_caller = caller;
@@ -296,18 +297,18 @@ Awaitable<Result<RunRecord>> FakeCell::run(RunId run) {
 }
 Awaitable<Result<std::vector<PointRecord>>> FakeCell::points(RunId run, std::int64_t after_id,
                                                              int limit) {
-  if (auto found = find_run(run); !found) co_return tl::unexpected(found.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(find_run(run));
   std::vector<PointRecord> out;
   for (const auto& point : the_points)
     if (point.id.value > after_id && static_cast<int>(out.size()) < limit) out.push_back(point);
   co_return out;
 }
 Awaitable<Result<std::vector<AttemptRecord>>> FakeCell::attempts(RunId run) {
-  if (auto found = find_run(run); !found) co_return tl::unexpected(found.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(find_run(run));
   co_return the_attempts;
 }
 Awaitable<Result<std::vector<DatumRecord>>> FakeCell::data(RunId run) {
-  if (auto found = find_run(run); !found) co_return tl::unexpected(found.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(find_run(run));
   co_return the_datums;
 }
 Awaitable<Result<std::vector<EventRecord>>> FakeCell::events(EventId after, int limit) {
@@ -321,8 +322,7 @@ Awaitable<Result<std::vector<EventRecord>>> FakeCell::events(EventId after, int 
 Awaitable<Result<std::string>> FakeCell::export_dataset(std::vector<RunId> runs,
                                                         bool without_excluded) {
   last_without_excluded = without_excluded;
-  for (const RunId run : runs)
-    if (auto found = find_run(run); !found) co_return tl::unexpected(found.error());
+  for (const RunId run : runs) DRIFTWISE_CO_RETURN_IF_ERROR(find_run(run));
   co_return the_csv;
 }
 Awaitable<Result<RunRecord>> FakeCell::import_dataset(app::Caller caller, std::string name,
@@ -342,7 +342,7 @@ Awaitable<Result<RunRecord>> FakeCell::import_dataset(app::Caller caller, std::s
 Awaitable<Result<app::ExclusionState>> FakeCell::exclude_rows(app::Caller caller,
                                                               ExclusionRecord wanted) {
   if (auto error = take_failure()) co_return tl::unexpected(*error);
-  if (auto found = find_run(wanted.run); !found) co_return tl::unexpected(found.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(find_run(wanted.run));
   wanted.id = static_cast<std::int64_t>(the_exclusions.size()) + 1;
   wanted.who = caller.name;
   wanted.at.utc = the_time;
@@ -350,7 +350,7 @@ Awaitable<Result<app::ExclusionState>> FakeCell::exclude_rows(app::Caller caller
   co_return co_await exclusions(wanted.run);
 }
 Awaitable<Result<app::ExclusionState>> FakeCell::exclusions(RunId run) {
-  if (auto found = find_run(run); !found) co_return tl::unexpected(found.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(find_run(run));
   app::ExclusionState state{run, {}, {}, "state", the_exclusions};
   if (!the_exclusions.empty() && the_exclusions.back().excluded)
     state.rows = the_exclusions.back().rows;
@@ -396,16 +396,15 @@ Awaitable<Result<diagnosis::Verification>> FakeCell::verify_runs(std::vector<Run
 }
 Awaitable<Result<app::ModelResiduals>> FakeCell::residuals(ModelId id, std::vector<RunId>,
                                                            std::string) {
-  if (auto record = co_await model(id); !record) co_return tl::unexpected(record.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await model(id));
   co_return the_residuals;
 }
 Awaitable<Result<app::ModelCheck>> FakeCell::check_model(std::optional<ModelId> id,
                                                          std::vector<RunId> runs) {
   if (!id && !the_status.serving)
     co_return fail(ErrorCode::failed_precondition, "NO_MODEL", "no model serves");
-  auto record = co_await model(id ? *id : *the_status.serving);
-  if (!record) co_return tl::unexpected(record.error());
-  app::ModelCheck check{record->id, {}, the_check};
+  DRIFTWISE_CO_TRY(auto record, co_await model(id ? *id : *the_status.serving));
+  app::ModelCheck check{record.id, {}, the_check};
   for (const auto& [number, run] : the_runs)
     if (runs.empty() || std::ranges::find(runs, RunId{number}) != runs.end())
       check.runs.push_back(run);

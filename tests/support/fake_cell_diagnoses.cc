@@ -1,3 +1,4 @@
+#include "server/core/try.h"
 #include "tests/support/fake_cell.h"
 
 namespace driftwise::tests {
@@ -25,14 +26,12 @@ Awaitable<Result<app::DiagnosisView>> FakeCell::create_diagnosis(app::Caller cal
 }
 
 Awaitable<Result<app::DiagnosisView>> FakeCell::diagnosis(DiagnosisId id) {
-  const auto found = find_diagnosis(id);
-  if (!found) co_return tl::unexpected(found.error());
-  co_return **found;
+  DRIFTWISE_CO_TRY(const auto found, find_diagnosis(id));
+  co_return *found;
 }
 
 Awaitable<Result<formats::DiscrepancyRows>> FakeCell::diagnosis_rows(DiagnosisId id) {
-  const auto found = find_diagnosis(id);
-  if (!found) co_return tl::unexpected(found.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(find_diagnosis(id));
   co_return the_rows;
 }
 
@@ -43,12 +42,11 @@ Awaitable<Result<std::vector<app::DiagnosisView>>> FakeCell::diagnoses() {
 Awaitable<Result<app::DiagnosisView>> FakeCell::cancel_diagnosis(app::Caller caller,
                                                                  DiagnosisId id) {
   last_caller = caller;
-  const auto found = find_diagnosis(id);
-  if (!found) co_return tl::unexpected(found.error());
-  (*found)->record.state = JobState::cancelled;
-  (*found)->record.reason = "cancelled by " + caller.name;
-  publish_diagnosis({id, JobState::cancelled, (*found)->record.reason, 0});
-  co_return **found;
+  DRIFTWISE_CO_TRY(const auto found, find_diagnosis(id));
+  found->record.state = JobState::cancelled;
+  found->record.reason = "cancelled by " + caller.name;
+  publish_diagnosis({id, JobState::cancelled, found->record.reason, 0});
+  co_return *found;
 }
 
 Awaitable<Result<ExtensionRecord>> FakeCell::accept_extension(app::Caller caller,
@@ -56,8 +54,7 @@ Awaitable<Result<ExtensionRecord>> FakeCell::accept_extension(app::Caller caller
   last_caller = caller;
   last_accept = request;
   if (auto error = take_failure()) co_return tl::unexpected(*error);
-  const auto found = find_diagnosis(request.diagnosis);
-  if (!found) co_return tl::unexpected(found.error());
+  DRIFTWISE_CO_TRY(const auto found, find_diagnosis(request.diagnosis));
   ExtensionRecord made;
   made.diagnosis = request.diagnosis;
   made.findings = request.findings.empty() ? std::vector<int>{1} : request.findings;
@@ -65,19 +62,18 @@ Awaitable<Result<ExtensionRecord>> FakeCell::accept_extension(app::Caller caller
   made.promoted = request.promote;
   made.accepted = the_time;
   made.accepted_by = caller.name;
-  (*found)->extension = made;
+  found->extension = made;
   co_return made;
 }
 
 Awaitable<Result<ExtensionRecord>> FakeCell::undo_extension(app::Caller caller, DiagnosisId id) {
   last_caller = caller;
-  const auto found = find_diagnosis(id);
-  if (!found) co_return tl::unexpected(found.error());
-  if (!(*found)->extension)
+  DRIFTWISE_CO_TRY(const auto found, find_diagnosis(id));
+  if (!found->extension)
     co_return fail(ErrorCode::failed_precondition, "NO_EXTENSION", "nothing was accepted");
-  (*found)->extension->undone = the_time;
-  (*found)->extension->undone_by = caller.name;
-  co_return *(*found)->extension;
+  found->extension->undone = the_time;
+  found->extension->undone_by = caller.name;
+  co_return *found->extension;
 }
 
 Awaitable<Result<ImprovementRecord>> FakeCell::create_improvement(app::Caller caller,
@@ -85,7 +81,7 @@ Awaitable<Result<ImprovementRecord>> FakeCell::create_improvement(app::Caller ca
   last_caller = caller;
   last_improve = request;
   if (auto error = take_failure()) co_return tl::unexpected(*error);
-  if (auto ok = check_lease(request.lease_token); !ok) co_return tl::unexpected(ok.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(check_lease(request.lease_token));
   ImprovementRecord record;
   record.id = {static_cast<std::int64_t>(the_improvements.size()) + 1};
   record.trajectory_name = request.trajectory_name;

@@ -1,3 +1,4 @@
+#include "server/core/try.h"
 #include "tests/support/fake_cell.h"
 
 namespace driftwise::tests {
@@ -43,8 +44,7 @@ Awaitable<Result<std::vector<CorrectionRecord>>> FakeCell::corrections() {
 
 Awaitable<Result<app::ExtensionPreview>> FakeCell::preview_extension(app::AcceptRequest request) {
   if (auto error = take_failure()) co_return tl::unexpected(*error);
-  const auto found = find_diagnosis(request.diagnosis);
-  if (!found) co_return tl::unexpected(found.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(find_diagnosis(request.diagnosis));
   co_return the_preview;
 }
 

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include "server/core/try.h"
+
 namespace driftwise::tests {
 namespace {
 
@@ -64,7 +66,7 @@ class Axis final : public Simulated<MotionController> {
   }
   Awaitable<Result<MotionState>> state() override {
     ++world_.axis_calls;
-    if (auto ok = co_await answer(0.005); !ok) co_return tl::unexpected(ok.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await answer(0.005));
     const auto now = time_.now().utc;
     const bool moving = now.utc_ns < world_.move_end_ns;
     const double wander_nm =
@@ -127,7 +129,7 @@ class Laser final : public Simulated<Instrument> {
   }
   Awaitable<Result<Reading>> read() override {
     const auto start = time_.now().utc;
-    if (auto ok = co_await answer(0.25); !ok) co_return tl::unexpected(ok.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await answer(0.25));
     if (const double jump_s = std::exchange(world_.laser_clock_jump_s, 0); jump_s != 0) {
       world_.laser_clock_s += jump_s;
       ++world_.laser_clock_jumps;
@@ -172,7 +174,7 @@ class Scanner final : public Simulated<Instrument> {
   using Simulated::Simulated;
   Awaitable<Result<Reading>> read() override {
     const auto start = time_.now().utc;
-    if (auto ok = co_await answer(1.0); !ok) co_return tl::unexpected(ok.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await answer(1.0));
     ++world_.scans;
     Reading reading{"scanner", start, time_.now().utc, ++sequence_, {}};
     for (int n = 1; n <= kThermometers; ++n) {
@@ -196,7 +198,7 @@ class Support final : public Simulated<Stabiliser> {
   using Simulated::Simulated;
   Awaitable<Result<Reading>> read() override {
     const auto start = time_.now().utc;
-    if (auto ok = co_await answer(0.05); !ok) co_return tl::unexpected(ok.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await answer(0.05));
     // Its loop closes a tenth of the difference with every reading.
     world_.support_degc += 0.1 * (world_.support_set_degc - world_.support_degc);
     Reading reading{"support", start, time_.now().utc, ++sequence_, {}};
@@ -219,7 +221,7 @@ class Load final : public Simulated<LoadActuator> {
  public:
   using Simulated::Simulated;
   Awaitable<Result<LoadState>> state() override {
-    if (auto ok = co_await answer(0.01); !ok) co_return tl::unexpected(ok.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await answer(0.01));
     const auto now = time_.now().utc;
     co_return LoadState{now, world_.force_n, now.utc_ns >= world_.load_rests_at_ns};
   }

@@ -4,14 +4,15 @@
 
 #include <algorithm>
 
+#include "server/core/try.h"
+
 namespace driftwise::application {
 
 Awaitable<Result<void>> AlarmBook::restore() {
   constexpr int kMost = 10'000;
   auto asking = writer_.call([](Store& store) { return store.alarms().alarms(false, kMost); });
-  const auto alarms = co_await std::move(asking);
-  if (!alarms) co_return tl::unexpected(alarms.error());
-  for (const auto& alarm : *alarms)
+  DRIFTWISE_CO_TRY(const auto alarms, co_await std::move(asking));
+  for (const auto& alarm : alarms)
     if (alarm.cleared.utc_ns == 0)
       standing_[{alarm.kind, alarm.subject}] = {alarm.id, 0, alarm.message, alarm.consequences,
                                                 clock_.now().utc};

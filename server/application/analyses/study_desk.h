@@ -9,6 +9,7 @@
 
 #include "server/application/plumbing/signal.h"
 #include "server/application/ports/studies.h"
+#include "server/core/try.h"
 
 namespace driftwise::application {
 
@@ -61,7 +62,7 @@ inline tl::unexpected<Error> study_was_stopped() {
 template <class Answer>
 Awaitable<Result<Answer>> StudyDesk::carry_out(std::shared_ptr<Study> study,
                                                std::function<Result<Answer>(StudyBench&)> work) {
-  if (auto ok = may_begin(study); !ok) co_return tl::unexpected(ok.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(may_begin(study));
   study->tell({"waiting for its turn", 0});
   std::function<Result<Answer>()> guarded = [study, work = std::move(work),
                                              executor = executor_]() -> Result<Answer> {

@@ -5,6 +5,7 @@
 
 #include "server/application/plumbing/spawn.h"
 #include "server/application/runs/run_state_store.h"
+#include "server/core/try.h"
 #include "server/formats/csv/trajectory_csv.h"
 
 namespace driftwise::application {
@@ -18,34 +19,26 @@ StoreReader::Open reading_anew(const OpenStore& open_store, const std::string& p
 }  // namespace
 
 Result<std::unique_ptr<Cell>> Cell::open(asio::any_io_executor executor, Parts parts) {
-  auto writing = parts.open_store(parts.description.database, false);
-  if (!writing) return tl::unexpected(writing.error());
-  auto reading = parts.open_store(parts.description.database, true);
-  if (!reading) return tl::unexpected(reading.error());
-  auto checking = parts.open_store(parts.description.database, true);
-  if (!checking) return tl::unexpected(checking.error());
-  auto clocks = (*writing)->clocks().clocks();
-  if (!clocks) return tl::unexpected(clocks.error());
-  const auto newest = (*writing)->clocks().newest_instant();
-  if (!newest) return tl::unexpected(newest.error());
-  auto clock_start = begin_cell_time(*parts.clock, std::move(*clocks), *newest);
-  if (auto kept = (*writing)->clocks().add_clock(clock_start.records.back()); !kept)
-    return tl::unexpected(kept.error());
+  DRIFTWISE_TRY(auto writing, parts.open_store(parts.description.database, false));
+  DRIFTWISE_TRY(auto reading, parts.open_store(parts.description.database, true));
+  DRIFTWISE_TRY(auto checking, parts.open_store(parts.description.database, true));
+  DRIFTWISE_TRY(auto clocks, writing->clocks().clocks());
+  DRIFTWISE_TRY(const auto newest, writing->clocks().newest_instant());
+  auto clock_start = begin_cell_time(*parts.clock, std::move(clocks), newest);
+  DRIFTWISE_RETURN_IF_ERROR(writing->clocks().add_clock(clock_start.records.back()));
   // Before anybody can begin a new one.
-  const auto unfinished = (*writing)->diagnoses().fail_unfinished("the daemon ended while it ran",
-                                                                  parts.clock->now().utc);
-  if (!unfinished) return tl::unexpected(unfinished.error());
-  auto stops = (*writing)->stops().pending();
-  if (!stops) return tl::unexpected(stops.error());
-  auto configuration =
-      ConfigurationBook::open(**writing, parts.description, parts.version, parts.clock->now());
-  if (!configuration) return tl::unexpected(configuration.error());
-  auto cell = std::make_unique<CellApplication>(executor, std::move(parts), std::move(*writing),
-                                                std::move(*reading), std::move(*checking),
-                                                std::move(*configuration));
+  DRIFTWISE_TRY(const auto unfinished,
+                writing->diagnoses().fail_unfinished("the daemon ended while it ran",
+                                                     parts.clock->now().utc));
+  DRIFTWISE_TRY(auto stops, writing->stops().pending());
+  DRIFTWISE_TRY(auto configuration, ConfigurationBook::open(*writing, parts.description,
+                                                            parts.version, parts.clock->now()));
+  auto cell = std::make_unique<CellApplication>(executor, std::move(parts), std::move(writing),
+                                                std::move(reading), std::move(checking),
+                                                std::move(configuration));
   cell->know_clock(std::move(clock_start));
-  cell->restore_stops(std::move(*stops));
-  cell->tell_of_unfinished(*unfinished);
+  cell->restore_stops(std::move(stops));
+  cell->tell_of_unfinished(unfinished);
   return cell;
 }
 
@@ -192,9 +185,9 @@ Awaitable<void> CellApplication::start_up() {
 }
 
 Awaitable<Result<void>> CellApplication::restore_datum() {
-  auto datum = co_await reader_.call([](Store& store) { return store.runs().newest_datum(); });
-  if (!datum) co_return tl::unexpected(datum.error());
-  if (*datum) take_datum(**datum);
+  DRIFTWISE_CO_TRY(auto datum,
+                   co_await reader_.call([](Store& store) { return store.runs().newest_datum(); }));
+  if (datum) take_datum(*datum);
   co_return Result<void>{};
 }
 
@@ -204,24 +197,22 @@ Awaitable<Result<void>> CellApplication::restore_force() {
   const auto force = description_.force_channel();
   if (!force || description_.load_actuator()) co_return Result<void>{};
   const auto now = clock_->now().utc;
-  const auto said = co_await reader_.call([now](Store& store) {
+  DRIFTWISE_CO_TRY(const auto said, co_await reader_.call([now](Store& store) {
     return store.readings().readings(kOperatorDevice, CellTime{0}, now, kMost);
-  });
-  if (!said) co_return tl::unexpected(said.error());
-  if (said->empty()) co_return Result<void>{};
-  recorder_.observe(JudgedReading{said->back(), {}});
-  if (const double* force_n = said->back().find(force->name())) loading_.know(*force_n);
+  }));
+  if (said.empty()) co_return Result<void>{};
+  recorder_.observe(JudgedReading{said.back(), {}});
+  if (const double* force_n = said.back().find(force->name())) loading_.know(*force_n);
   co_return Result<void>{};
 }
 
 Awaitable<Result<void>> CellApplication::restore_model() {
-  auto history = co_await promotions();
-  if (!history) co_return tl::unexpected(history.error());
-  if (history->empty() || !history->back().model) co_return Result<void>{};
-  auto record = co_await model(*history->back().model);
+  DRIFTWISE_CO_TRY(auto history, co_await promotions());
+  if (history.empty() || !history.back().model) co_return Result<void>{};
+  auto record = co_await model(*history.back().model);
   if (!record) {
     // Not another model in its place: targets are refused until a person promotes one.
-    serving_.refuse(*history->back().model, record.error());
+    serving_.refuse(*history.back().model, record.error());
     co_return tl::unexpected(record.error());
   }
   if (auto ok = co_await serving_.serve(std::move(*record)); !ok) co_return ok;
@@ -231,31 +222,27 @@ Awaitable<Result<void>> CellApplication::restore_model() {
 }
 
 Awaitable<Result<void>> CellApplication::go_on_with_run() {
-  auto unfinished = co_await reader_.call([](Store& store) -> Result<std::optional<RunRecord>> {
-    auto run = store.runs().unfinished_run();
-    if (!run || *run) return run;
-    auto newest = store.runs().runs(1, 0);  // created, and killed before it began
-    if (!newest) return tl::unexpected(newest.error());
-    if (!newest->empty() && newest->front().state == RunState::queued) return newest->front();
-    return std::nullopt;
-  });
-  if (!unfinished) co_return tl::unexpected(unfinished.error());
-  if (!*unfinished) co_return Result<void>{};
-  auto record = std::move(**unfinished);
+  DRIFTWISE_CO_TRY(
+      auto unfinished, co_await reader_.call([](Store& store) -> Result<std::optional<RunRecord>> {
+        auto run = store.runs().unfinished_run();
+        if (!run || *run) return run;
+        DRIFTWISE_TRY(auto newest, store.runs().runs(1, 0));  // created, and killed before it began
+        if (!newest.empty() && newest.front().state == RunState::queued) return newest.front();
+        return std::nullopt;
+      }));
+  if (!unfinished) co_return Result<void>{};
+  auto record = std::move(*unfinished);
   auto reading =
       run_on(background(), [text = record.trajectory_text, name = record.trajectory_name] {
         return formats::read_trajectory_csv(text, name);
       });
-  auto trajectory = co_await std::move(reading);
-  if (!trajectory) co_return tl::unexpected(trajectory.error());
-  auto plan = read_run_plan(record.rules_json);
-  if (!plan) co_return tl::unexpected(plan.error());
-  if (auto ok = co_await follow_for(*plan); !ok) co_return ok;
+  DRIFTWISE_CO_TRY(auto trajectory, co_await std::move(reading));
+  DRIFTWISE_CO_TRY(auto plan, read_run_plan(record.rules_json));
+  if (auto ok = co_await follow_for(plan); !ok) co_return ok;
   std::optional<RunBefore> before;
   if (record.state != RunState::queued) {
-    auto found = co_await what_was_before(record);
-    if (!found) co_return tl::unexpected(found.error());
-    before = std::move(*found);
+    DRIFTWISE_CO_TRY(auto found, co_await what_was_before(record));
+    before = std::move(found);
   }
   if (const auto stops = stops_.records(); !stops.empty()) {
     record.state = RunState::paused;
@@ -270,7 +257,7 @@ Awaitable<Result<void>> CellApplication::go_on_with_run() {
     if (auto stored = co_await std::move(storing); !stored) co_return stored;
   }
   const bool was_paused = record.state == RunState::paused;  // then resume_run refuses meanwhile
-  engine_.begin(std::move(record), std::move(*plan), std::move(*trajectory), std::move(before),
+  engine_.begin(std::move(record), std::move(plan), std::move(trajectory), std::move(before),
                 false);
   if (!question.empty() && !was_paused)
     engine_.control()->hold(
@@ -283,18 +270,15 @@ Awaitable<Result<RunBefore>> CellApplication::what_was_before(const RunRecord& r
     constexpr int kPage = 1000;
     RunBefore before;
     before.killed = run.reason != kShutDownReason && run.state != RunState::paused;
-    auto attempts = store.runs().attempts(run.id);
-    if (!attempts) return tl::unexpected(attempts.error());
-    before.attempts = std::move(*attempts);
-    auto data = store.runs().data(run.id);
-    if (!data) return tl::unexpected(data.error());
-    before.data = std::move(*data);
+    DRIFTWISE_TRY(auto attempts, store.runs().attempts(run.id));
+    before.attempts = std::move(attempts);
+    DRIFTWISE_TRY(auto data, store.runs().data(run.id));
+    before.data = std::move(data);
     for (std::int64_t after = 0;;) {
-      auto page = store.runs().points(run.id, after, kPage);
-      if (!page) return tl::unexpected(page.error());
-      if (page->empty()) break;
-      after = page->back().id.value;
-      for (auto& point : *page)
+      DRIFTWISE_TRY(auto page, store.runs().points(run.id, after, kPage));
+      if (page.empty()) break;
+      after = page.back().id.value;
+      for (auto& point : page)
         if (point.zero) before.zeros.push_back(std::move(point));
     }
     return before;

@@ -9,6 +9,7 @@
 #include "server/application/datasets/amended_dataset.h"
 #include "server/application/models/model_integrity.h"
 #include "server/application/plumbing/spawn.h"
+#include "server/core/try.h"
 #include "server/formats/model/model_json.h"
 
 namespace driftwise::application {
@@ -25,20 +26,18 @@ struct Material {
 // What the run's datums hold, in the order in which its rows meet them.
 Result<std::vector<std::vector<ChannelValue>>> zeros_of(Store& store, RunId run,
                                                         const Dataset& data) {
-  auto records = store.runs().data(run);
-  if (!records) return tl::unexpected(records.error());
+  DRIFTWISE_TRY(auto records, store.runs().data(run));
   std::vector<std::int64_t> order;
   if (data.datum.empty()) {
-    const auto first = store.runs().points(run, 0, 1);
-    if (!first) return tl::unexpected(first.error());
-    if (!first->empty()) order.push_back(first->front().datum.value);
+    DRIFTWISE_TRY(const auto first, store.runs().points(run, 0, 1));
+    if (!first.empty()) order.push_back(first.front().datum.value);
   }
   for (const std::int64_t id : data.datum)
     if (std::ranges::find(order, id) == order.end()) order.push_back(id);
   std::vector<std::vector<ChannelValue>> zeros;
   for (const std::int64_t id : order) {
     zeros.emplace_back();
-    for (auto& record : *records)
+    for (auto& record : records)
       if (record.id.value == id) zeros.back() = std::move(record.values);
   }
   return zeros;
@@ -49,57 +48,49 @@ Result<std::vector<RunRecord>> runs_since(Store& store, const ModelRecord& model
   constexpr int kPage = 100;
   std::vector<RunRecord> found;
   for (std::int64_t before = 0; static_cast<int>(found.size()) < kMostRuns;) {
-    auto page = store.runs().runs(kPage, before);
-    if (!page) return tl::unexpected(page.error());
-    for (auto& run : *page) {
+    DRIFTWISE_TRY(auto page, store.runs().runs(kPage, before));
+    for (auto& run : page) {
       before = run.id.value;
       const bool own = std::ranges::find(fitted_from, run.id) != fitted_from.end();
       if (run.created > model.created && !own && run.accepted > 0 && run.reason != "imported" &&
           static_cast<int>(found.size()) < kMostRuns)
         found.push_back(std::move(run));
     }
-    if (static_cast<int>(page->size()) < kPage || page->back().created < model.created) break;
+    if (static_cast<int>(page.size()) < kPage || page.back().created < model.created) break;
   }
   std::ranges::reverse(found);
   return found;
 }
 
 Result<Material> gather(Store& store, ModelId id, const std::vector<RunId>& wanted) {
-  auto record = store.models().model(id);
-  if (!record) return tl::unexpected(record.error());
-  if (auto whole = check_integrity(*record); !whole) return tl::unexpected(whole.error());
-  Material material{std::move(*record), {}, {}};
+  DRIFTWISE_TRY(auto record, store.models().model(id));
+  DRIFTWISE_RETURN_IF_ERROR(check_integrity(record));
+  Material material{std::move(record), {}, {}};
   if (wanted.empty()) {
-    const auto model = formats::read_model_json(material.model.json);
-    if (!model) return tl::unexpected(model.error());
-    auto since = runs_since(store, material.model, model->lineage.runs);
-    if (!since) return tl::unexpected(since.error());
-    material.runs = std::move(*since);
+    DRIFTWISE_TRY(const auto model, formats::read_model_json(material.model.json));
+    DRIFTWISE_TRY(auto since, runs_since(store, material.model, model.lineage.runs));
+    material.runs = std::move(since);
   }
   for (const RunId run : wanted) {
-    auto one = store.runs().run(run);
-    if (!one) return tl::unexpected(one.error());
-    material.runs.push_back(std::move(*one));
+    DRIFTWISE_TRY(auto one, store.runs().run(run));
+    material.runs.push_back(std::move(one));
   }
   for (const auto& run : material.runs) {
-    auto data = amended_dataset(store, std::vector{run.id});
-    if (!data) return tl::unexpected(data.error());
+    DRIFTWISE_TRY(auto data, amended_dataset(store, std::vector{run.id}));
     std::vector<std::vector<ChannelValue>> zeros;
     if (run.reason != "imported") {
-      auto known = zeros_of(store, run.id, *data);
-      if (!known) return tl::unexpected(known.error());
-      zeros = std::move(*known);
+      DRIFTWISE_TRY(auto known, zeros_of(store, run.id, data));
+      zeros = std::move(known);
     }
-    material.data.push_back({run.id, std::move(*data), std::move(zeros)});
+    material.data.push_back({run.id, std::move(data), std::move(zeros)});
   }
   return material;
 }
 
 Result<ModelCheck> judge(Material material) {
-  const auto model = formats::read_model_json(material.model.json);
-  if (!model) return tl::unexpected(model.error());
+  DRIFTWISE_TRY(const auto model, formats::read_model_json(material.model.json));
   return ModelCheck{material.model.id, std::move(material.runs),
-                    diagnosis::check_model(*model, material.data)};
+                    diagnosis::check_model(model, material.data)};
 }
 
 }  // namespace
@@ -111,9 +102,8 @@ Awaitable<Result<ModelCheck>> CellApplication::check_model(std::optional<ModelId
     co_return fail(ErrorCode::failed_precondition, "NO_MODEL",
                    "no model serves: name one, or promote one");
   auto gathering = reader_.call([id = *id, runs](Store& store) { return gather(store, id, runs); });
-  auto material = co_await std::move(gathering);
-  if (!material) co_return tl::unexpected(material.error());
-  auto shared = std::make_shared<Material>(std::move(*material));
+  DRIFTWISE_CO_TRY(auto material, co_await std::move(gathering));
+  auto shared = std::make_shared<Material>(std::move(material));
   auto judging = run_on(worker_thread_.executor(), [shared] { return judge(std::move(*shared)); });
   co_return co_await std::move(judging);
 }

@@ -10,6 +10,7 @@
 #include "server/application/datasets/amended_dataset.h"
 #include "server/application/runs/run_plan.h"
 #include "server/core/data/dataset_parts.h"
+#include "server/core/try.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/text/text.h"
 
@@ -82,10 +83,9 @@ struct ParsedFile {
 };
 
 Result<ParsedFile> parsed(const std::string& csv, const std::string& name) {
-  auto dataset =
-      formats::read_dataset_csv(csv, name.empty() ? "dataset" : name, {}, formats::kRequestLimits);
-  if (!dataset) return tl::unexpected(dataset.error());
-  return ParsedFile{std::move(*dataset), formats::content_hash(csv)};
+  DRIFTWISE_TRY(auto dataset, formats::read_dataset_csv(csv, name.empty() ? "dataset" : name, {},
+                                                        formats::kRequestLimits));
+  return ParsedFile{std::move(dataset), formats::content_hash(csv)};
 }
 
 }  // namespace
@@ -94,25 +94,24 @@ Awaitable<Result<std::string>> CellApplication::export_dataset(std::vector<RunId
                                                                bool without_excluded) {
   auto exporting = reader_.call([runs, without_excluded, cell = description_.name,
                                  clock = clock_.get()](Store& store) -> Result<std::string> {
-    auto dataset = amended_dataset(store, runs);
-    if (!dataset) return tl::unexpected(dataset.error());
-    if (without_excluded) leave_excluded_out(*dataset);
+    DRIFTWISE_TRY(auto dataset, amended_dataset(store, runs));
+    if (without_excluded) leave_excluded_out(dataset);
     // An imported file keeps its own; of a measured run only the parts are there.
-    const auto parts = dataset->metadata;
+    const auto parts = dataset.metadata;
     if (std::ranges::all_of(parts, [](const auto& line) { return line.first == kPartsKey; })) {
-      dataset->metadata = {{"driftwise-dataset", "1"}, {"cell", cell}};
+      dataset.metadata = {{"driftwise-dataset", "1"}, {"cell", cell}};
       std::string numbers;
       for (const auto& run : runs)
         numbers += (numbers.empty() ? "" : ", ") + std::to_string(run.value);
-      dataset->metadata.emplace_back("runs", numbers);
-      dataset->metadata.emplace_back("compensation", compensations(store, runs));
+      dataset.metadata.emplace_back("runs", numbers);
+      dataset.metadata.emplace_back("compensation", compensations(store, runs));
       if (const auto zero = time_zero(store, runs))  // what time_s counts from
-        dataset->metadata.emplace_back("time_zero", to_iso8601(clock->utc(*zero)));
-      dataset->metadata.insert(dataset->metadata.end(), parts.begin(), parts.end());
+        dataset.metadata.emplace_back("time_zero", to_iso8601(clock->utc(*zero)));
+      dataset.metadata.insert(dataset.metadata.end(), parts.begin(), parts.end());
     }
     if (const auto in_force = corrections_in_force(store); !in_force.empty())
-      dataset->metadata.emplace_back("corrections", in_force);
-    return formats::write_dataset_csv(*dataset);
+      dataset.metadata.emplace_back("corrections", in_force);
+    return formats::write_dataset_csv(dataset);
   });
   co_return co_await std::move(exporting);
 }
@@ -121,14 +120,13 @@ Awaitable<Result<RunRecord>> CellApplication::import_dataset(Caller caller, std:
                                                              std::string csv,
                                                              std::string request_id) {
   auto parsing = run_on(background(), [csv = std::move(csv), name] { return parsed(csv, name); });
-  auto file = co_await std::move(parsing);
-  if (!file) co_return tl::unexpected(file.error());
-  Dataset* const dataset = &file->dataset;
+  DRIFTWISE_CO_TRY(auto file, co_await std::move(parsing));
+  Dataset* const dataset = &file.dataset;
   NewRun fresh;
   fresh.name = name;
   fresh.rows = static_cast<std::int64_t>(dataset->rows);
   // An import follows no rules; what it was made of tells a repeat from another import.
-  fresh.rules_json = nlohmann::json{{"imported_hash", file->hash}}.dump();
+  fresh.rules_json = nlohmann::json{{"imported_hash", file.hash}}.dump();
   fresh.request_id = std::move(request_id);
   fresh.config_hash = description_.hash;
   fresh.config_text = description_.text;

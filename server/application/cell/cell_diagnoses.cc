@@ -6,6 +6,7 @@
 
 #include "server/application/cell/cell_application.h"
 #include "server/application/datasets/amended_dataset.h"
+#include "server/core/try.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/formula/formula.h"
 #include "server/formats/model/model_json.h"
@@ -30,13 +31,11 @@ std::string request_json(const DiagnosisRequest& request) {
 Result<DiagnosisView> view_of(Store& store, DiagnosisRecord record) {
   DiagnosisView view;
   if (!record.result_json.empty()) {
-    auto found = formats::read_stored_diagnosis(record.result_json);
-    if (!found) return tl::unexpected(found.error());
-    view.found = std::move(*found);
+    DRIFTWISE_TRY(auto found, formats::read_stored_diagnosis(record.result_json));
+    view.found = std::move(found);
   }
-  auto extension = store.diagnoses().extension(record.id);
-  if (!extension) return tl::unexpected(extension.error());
-  view.extension = std::move(*extension);
+  DRIFTWISE_TRY(auto extension, store.diagnoses().extension(record.id));
+  view.extension = std::move(extension);
   view.record = std::move(record);
   return view;
 }
@@ -44,10 +43,8 @@ Result<DiagnosisView> view_of(Store& store, DiagnosisRecord record) {
 // What can be said before the search begins: the formula against the data, and time.
 Result<diagnosis::DiagnoseOptions> options_for(const Dataset& dataset,
                                                const DiagnosisRequest& request) {
-  auto formula = formats::Formula::parse(request.baseline);
-  if (!formula) return tl::unexpected(formula.error());
-  auto candidates = formula->expand(dataset);
-  if (!candidates) return tl::unexpected(candidates.error());
+  DRIFTWISE_TRY(auto formula, formats::Formula::parse(request.baseline));
+  DRIFTWISE_TRY(auto candidates, formula.expand(dataset));
   for (std::size_t row = 1; row < dataset.time_s.size(); ++row)
     if (dataset.time_s[row] < dataset.time_s[row - 1])
       return fail(ErrorCode::invalid_argument, "TIME_RUNS_BACK",
@@ -55,7 +52,7 @@ Result<diagnosis::DiagnoseOptions> options_for(const Dataset& dataset,
                               "the rows in time order",
                               row + 1, dataset.time_s[row], dataset.time_s[row - 1]));
   diagnosis::DiagnoseOptions options;
-  options.baseline = std::move(*candidates);
+  options.baseline = std::move(candidates);
   options.alpha = request.alpha;
   options.seed = static_cast<std::uint64_t>(request.seed);
   options.exclude_symbols = request.exclude_symbols;
@@ -71,12 +68,10 @@ Awaitable<Result<void>> CellApplication::resolve_baseline(DiagnosisRequest& requ
     if (!request.model)
       co_return fail(ErrorCode::failed_precondition, "NO_MODEL",
                      "no baseline is given and no model serves: give a formula, or a model");
-    const auto record = co_await model(*request.model);
-    if (!record) co_return tl::unexpected(record.error());
+    DRIFTWISE_CO_TRY(const auto record, co_await model(*request.model));
     if (request.baseline.empty()) {
-      const auto from = formats::read_model_json(record->json);
-      if (!from) co_return tl::unexpected(from.error());
-      request.baseline = from->formula;
+      DRIFTWISE_CO_TRY(const auto from, formats::read_model_json(record.json));
+      request.baseline = from.formula;
     }
   }
   co_return Result<void>{};
@@ -84,63 +79,56 @@ Awaitable<Result<void>> CellApplication::resolve_baseline(DiagnosisRequest& requ
 
 Awaitable<Result<DiagnosisView>> CellApplication::create_diagnosis(Caller caller,
                                                                    DiagnosisRequest request) {
-  if (auto ok = co_await resolve_baseline(request); !ok) co_return tl::unexpected(ok.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await resolve_baseline(request));
   FitRequest wanted;
   wanted.runs = request.runs;
   wanted.csv = request.csv;
   auto loading = fit_data(std::move(wanted));
-  auto dataset = co_await std::move(loading);
-  if (!dataset) co_return tl::unexpected(dataset.error());
-  const auto shared = std::make_shared<const Dataset>(std::move(*dataset));
+  DRIFTWISE_CO_TRY(auto dataset, co_await std::move(loading));
+  const auto shared = std::make_shared<const Dataset>(std::move(dataset));
   auto preparing =
       run_on(background(), [shared, request] { return options_for(*shared, request); });
-  auto options = co_await std::move(preparing);
-  if (!options) co_return tl::unexpected(options.error());
-  if (request.csv.empty()) options->levers = diagnosis::declared_lever_limits(description_);
+  DRIFTWISE_CO_TRY(auto options, co_await std::move(preparing));
+  if (request.csv.empty()) options.levers = diagnosis::declared_lever_limits(description_);
   DiagnosisRecord fresh;
   fresh.name = request.name;
   fresh.runs = request.runs;
   fresh.model = request.model;
-  fresh.baseline = options->baseline.formula;
+  fresh.baseline = options.baseline.formula;
   fresh.request_json = request_json(request);
-  auto beginning = desk_.begin(caller, std::move(fresh), shared, std::move(*options));
-  auto stored = co_await std::move(beginning);
-  if (!stored) co_return tl::unexpected(stored.error());
-  co_return DiagnosisView{std::move(*stored), std::nullopt, std::nullopt};
+  auto beginning = desk_.begin(caller, std::move(fresh), shared, std::move(options));
+  DRIFTWISE_CO_TRY(auto stored, co_await std::move(beginning));
+  co_return DiagnosisView{std::move(stored), std::nullopt, std::nullopt};
 }
 
 Awaitable<Result<DiagnosisView>> CellApplication::diagnosis(DiagnosisId id) {
   co_return co_await reader_.call([id](Store& store) -> Result<DiagnosisView> {
-    auto record = store.diagnoses().diagnosis(id);
-    if (!record) return tl::unexpected(record.error());
-    return view_of(store, std::move(*record));
+    DRIFTWISE_TRY(auto record, store.diagnoses().diagnosis(id));
+    return view_of(store, std::move(record));
   });
 }
 
 Awaitable<Result<formats::DiscrepancyRows>> CellApplication::diagnosis_rows(DiagnosisId id) {
   co_return co_await reader_.call([id](Store& store) -> Result<formats::DiscrepancyRows> {
-    const auto bytes = store.diagnoses().diagnosis_rows(id);
-    if (!bytes) return tl::unexpected(bytes.error());
-    return formats::read_discrepancy_rows(*bytes);
+    DRIFTWISE_TRY(const auto bytes, store.diagnoses().diagnosis_rows(id));
+    return formats::read_discrepancy_rows(bytes);
   });
 }
 
 Awaitable<Result<std::vector<DiagnosisView>>> CellApplication::diagnoses() {
   co_return co_await reader_.call([](Store& store) -> Result<std::vector<DiagnosisView>> {
-    auto records = store.diagnoses().diagnoses(kListedDiagnoses);
-    if (!records) return tl::unexpected(records.error());
+    DRIFTWISE_TRY(auto records, store.diagnoses().diagnoses(kListedDiagnoses));
     std::vector<DiagnosisView> views;
-    for (auto& record : *records) {
-      auto view = view_of(store, std::move(record));
-      if (!view) return tl::unexpected(view.error());
-      views.push_back(std::move(*view));
+    for (auto& record : records) {
+      DRIFTWISE_TRY(auto view, view_of(store, std::move(record)));
+      views.push_back(std::move(view));
     }
     return views;
   });
 }
 
 Awaitable<Result<DiagnosisView>> CellApplication::cancel_diagnosis(Caller caller, DiagnosisId id) {
-  if (auto ok = co_await desk_.cancel(caller, id); !ok) co_return tl::unexpected(ok.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await desk_.cancel(caller, id));
   co_return co_await diagnosis(id);
 }
 

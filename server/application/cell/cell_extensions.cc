@@ -12,6 +12,7 @@
 #include "server/application/plumbing/crash_point.h"
 #include "server/application/provenance/promotion_questions.h"
 #include "server/compensation/snapshot_builder.h"
+#include "server/core/try.h"
 #include "server/formats/diagnosis/amendment_json.h"
 #include "server/formats/diagnosis/stored_diagnosis.h"
 #include "server/formats/model/model_json.h"
@@ -36,42 +37,35 @@ struct MadeExtension {  // by the worker
 
 Result<AcceptMaterial> gather_to_accept(Store& store, const AcceptRequest& request) {
   AcceptMaterial material;
-  auto record = store.diagnoses().diagnosis(request.diagnosis);
-  if (!record) return tl::unexpected(record.error());
-  material.record = std::move(*record);
+  DRIFTWISE_TRY(auto record, store.diagnoses().diagnosis(request.diagnosis));
+  material.record = std::move(record);
   if (material.record.state != JobState::done)
     return fail(ErrorCode::failed_precondition, "NOT_DONE",
                 fmt::format("diagnosis {} is {}: only one that is done can be accepted",
                             material.record.id.value, to_string(material.record.state)));
-  auto found = formats::read_stored_diagnosis(material.record.result_json);
-  if (!found) return tl::unexpected(found.error());
-  material.found = std::move(*found);
-  auto chosen = chosen_findings(material.found, request.findings);
-  if (!chosen) return tl::unexpected(chosen.error());
-  material.chosen = std::move(*chosen);
+  DRIFTWISE_TRY(auto found, formats::read_stored_diagnosis(material.record.result_json));
+  material.found = std::move(found);
+  DRIFTWISE_TRY(auto chosen, chosen_findings(material.found, request.findings));
+  material.chosen = std::move(chosen);
   if (material.record.runs.empty())
     return fail(ErrorCode::failed_precondition, "FROM_A_FILE",
                 fmt::format("diagnosis {} is of a file, which the record does not keep: import it "
                             "('driftwise data import FILE'), diagnose that run and accept there",
                             material.record.id.value));
-  const auto standing = store.diagnoses().extension(material.record.id);
-  if (!standing) return tl::unexpected(standing.error());
-  if (*standing && (*standing)->stands())
+  DRIFTWISE_TRY(const auto standing, store.diagnoses().extension(material.record.id));
+  if (standing && standing->stands())
     return fail(ErrorCode::already_exists, "EXTENSION_STANDS",
                 fmt::format("diagnosis {} was accepted by {} and stands: undo it first to accept "
                             "other findings",
-                            material.record.id.value, (*standing)->accepted_by));
-  auto data = amended_data(store, material.record.runs);
-  if (!data) return tl::unexpected(data.error());
-  material.data = std::move(*data);
-  auto corrections = corrections_over(store, material.record.runs);
-  if (!corrections) return tl::unexpected(corrections.error());
-  material.corrections = std::move(*corrections);
+                            material.record.id.value, standing->accepted_by));
+  DRIFTWISE_TRY(auto data, amended_data(store, material.record.runs));
+  material.data = std::move(data);
+  DRIFTWISE_TRY(auto corrections, corrections_over(store, material.record.runs));
+  material.corrections = std::move(corrections);
   if (material.record.model) {
-    auto parent = store.models().model(*material.record.model);
-    if (!parent) return tl::unexpected(parent.error());
-    if (auto whole = check_integrity(*parent); !whole) return tl::unexpected(whole.error());
-    material.parent = std::move(*parent);
+    DRIFTWISE_TRY(auto parent, store.models().model(*material.record.model));
+    DRIFTWISE_RETURN_IF_ERROR(check_integrity(parent));
+    material.parent = std::move(parent);
   }
   return material;
 }
@@ -102,35 +96,34 @@ FitRequest fit_of(const AcceptMaterial& material, const ExtensionPlan& plan) {
 
 Result<MadeExtension> make_extension(AcceptMaterial material, bool promote,
                                      const CellDescription& cell) {
-  auto plan = plan_extension(material.record.id, material.found, material.chosen, material.data);
-  if (!plan) return tl::unexpected(plan.error());
-  if (auto ok = put_in_force(*plan, material.data); !ok) return tl::unexpected(ok.error());
-  auto fit = fit_of(material, *plan);
+  DRIFTWISE_TRY(auto plan,
+                plan_extension(material.record.id, material.found, material.chosen, material.data));
+  DRIFTWISE_RETURN_IF_ERROR(put_in_force(plan, material.data));
+  auto fit = fit_of(material, plan);
   auto model = fit_record(material.data.data, fit, source_of(fit));
   // A baseline may name terms that these data cannot hold apart: the selection takes what they can.
   if (!model && model.error().reason == "RANK_DEFICIENT") {
     fit.select = "stepwise";
     model = fit_record(material.data.data, fit, source_of(fit));
   }
-  if (!model) return tl::unexpected(model.error());
+  DRIFTWISE_RETURN_IF_ERROR(model);
   std::vector<std::string> questions;
   if (promote) {  // whether it can serve is seen before anything is kept
-    auto whole = formats::read_model_json(model->json);
-    if (!whole) return tl::unexpected(whole.error());
-    questions = temperature_questions(*whole, cell);
-    const auto builder = compensation::SnapshotBuilder::create(std::move(*whole), ModelId{}, cell);
-    if (!builder) return tl::unexpected(builder.error());
+    DRIFTWISE_TRY(auto whole, formats::read_model_json(model->json));
+    questions = temperature_questions(whole, cell);
+    DRIFTWISE_RETURN_IF_ERROR(
+        compensation::SnapshotBuilder::create(std::move(whole), ModelId{}, cell));
   }
-  return MadeExtension{std::move(*plan), std::move(*model), std::move(questions)};
+  return MadeExtension{std::move(plan), std::move(*model), std::move(questions)};
 }
 
 // Without a fit where none is needed: what changes, and what a promotion would ask.
 Result<MadeExtension> previewed(const AcceptMaterial& material, bool promote,
                                 const CellDescription& cell) {
   if (promote) return make_extension(material, promote, cell);
-  auto plan = plan_extension(material.record.id, material.found, material.chosen, material.data);
-  if (!plan) return tl::unexpected(plan.error());
-  return MadeExtension{std::move(*plan), {}, {}};
+  DRIFTWISE_TRY(auto plan,
+                plan_extension(material.record.id, material.found, material.chosen, material.data));
+  return MadeExtension{std::move(plan), {}, {}};
 }
 
 std::vector<std::string> sentences_of(const correction::DataAmendment& amendment) {
@@ -200,35 +193,32 @@ Awaitable<Result<ExtensionRecord>> CellApplication::accept_extension(Caller call
                                                                      AcceptRequest request) {
   auto gathering =
       reader_.call([request](Store& store) { return gather_to_accept(store, request); });
-  auto material = co_await std::move(gathering);
-  if (!material) co_return tl::unexpected(material.error());
-  auto shared = std::make_shared<AcceptMaterial>(std::move(*material));
+  DRIFTWISE_CO_TRY(auto material, co_await std::move(gathering));
+  auto shared = std::make_shared<AcceptMaterial>(std::move(material));
   auto making =
       run_on(worker_thread_.executor(), [shared, promote = request.promote, cell = &description_] {
         return make_extension(*shared, promote, *cell);
       });
-  auto made = co_await std::move(making);
-  if (!made) co_return tl::unexpected(made.error());
+  DRIFTWISE_CO_TRY(auto made, co_await std::move(making));
 
   if (request.promote && !request.confirmed)
-    if (auto ok = confirmation_of(made->questions); !ok) co_return tl::unexpected(ok.error());
-  auto changing = changes_in_all_runs(made->plan.amendment, shared->record.runs);
-  auto changes = co_await std::move(changing);
-  if (!changes) co_return tl::unexpected(changes.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(confirmation_of(made.questions));
+  auto changing = changes_in_all_runs(made.plan.amendment, shared->record.runs);
+  DRIFTWISE_CO_TRY(auto changes, co_await std::move(changing));
 
-  made->model.created = clock_->now().utc;
-  made->model.created_by = caller.name;
-  made->model.corrections = shared->corrections;
+  made.model.created = clock_->now().utc;
+  made.model.created_by = caller.name;
+  made.model.corrections = shared->corrections;
   NewExtension fresh;
   fresh.diagnosis = request.diagnosis;
-  fresh.findings = made->plan.findings;
+  fresh.findings = made.plan.findings;
   fresh.promoted = request.promote;
-  fresh.fitted = made->model;
+  fresh.fitted = made.model;
   fresh.rests_on_this = true;
-  if (!made->plan.amendment.empty())
-    fresh.correction_json = formats::write_amendment_json(made->plan.amendment);
-  fresh.changes = std::move(*changes);
-  fresh.exclusions = made->plan.exclusions;
+  if (!made.plan.amendment.empty())
+    fresh.correction_json = formats::write_amendment_json(made.plan.amendment);
+  fresh.changes = std::move(changes);
+  fresh.exclusions = made.plan.exclusions;
   fresh.at = clock_->now();
   fresh.who = caller.name;
   fresh.from = caller.peer;
@@ -246,11 +236,10 @@ Awaitable<Result<ExtensionRecord>> CellApplication::accept_extension(Caller call
   events_.record(caller, "extension.accepted", std::move(detail));
   if (stored->promoted) {
     // Its promotion is in the record already, and the worker has seen that it can serve.
-    auto record = co_await model(*stored->model);
-    if (!record) co_return tl::unexpected(record.error());
-    auto serving = serving_.serve(*record);
-    if (auto ok = co_await std::move(serving); !ok) co_return tl::unexpected(ok.error());
-    tell_serving(caller, std::move(*record), "promote");
+    DRIFTWISE_CO_TRY(auto record, co_await model(*stored->model));
+    auto serving = serving_.serve(record);
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(serving));
+    tell_serving(caller, std::move(record), "promote");
   }
   co_return stored;
 }
@@ -258,30 +247,27 @@ Awaitable<Result<ExtensionRecord>> CellApplication::accept_extension(Caller call
 Awaitable<Result<ExtensionPreview>> CellApplication::preview_extension(AcceptRequest request) {
   auto gathering =
       reader_.call([request](Store& store) { return gather_to_accept(store, request); });
-  auto material = co_await std::move(gathering);
-  if (!material) co_return tl::unexpected(material.error());
-  const auto shared = std::make_shared<AcceptMaterial>(std::move(*material));
+  DRIFTWISE_CO_TRY(auto material, co_await std::move(gathering));
+  const auto shared = std::make_shared<AcceptMaterial>(std::move(material));
   auto planning =
       run_on(worker_thread_.executor(), [shared, promote = request.promote, cell = &description_] {
         return previewed(*shared, promote, *cell);
       });
-  auto made = co_await std::move(planning);
-  if (!made) co_return tl::unexpected(made.error());
-  const auto& plan = made->plan;
+  DRIFTWISE_CO_TRY(auto made, co_await std::move(planning));
+  const auto& plan = made.plan;
   auto changing = changes_in_all_runs(plan.amendment, shared->record.runs);
-  auto changes = co_await std::move(changing);
-  if (!changes) co_return tl::unexpected(changes.error());
+  DRIFTWISE_CO_TRY(auto changes, co_await std::move(changing));
   ExtensionPreview preview;
   preview.findings = plan.findings;
   preview.formula = plan.formula;
   preview.extends_model = plan.extends_model;
-  preview.changes = std::move(*changes);
+  preview.changes = std::move(changes);
   preview.earlier_runs = std::ranges::any_of(
       preview.changes, [](const LengthChange& change) { return !change.diagnosed; });
   preview.later_runs = concerns_every_run(plan.amendment);
   for (const auto& out : plan.exclusions) preview.excluded.push_back({out.run, out.rows});
   preview.further = sentences_of(plan.amendment);
-  preview.promotion_questions = made->questions;
+  preview.promotion_questions = made.questions;
   preview.sentences = sentences_of(preview, request.promote);
   co_return preview;
 }
@@ -295,22 +281,20 @@ Awaitable<Result<std::vector<LengthChange>>> CellApplication::changes_in_all_run
   for (std::int64_t before = 0;;) {
     auto listing =
         reader_.call([before](Store& store) { return store.runs().runs(kPage, before); });
-    const auto page = co_await std::move(listing);
-    if (!page) co_return tl::unexpected(page.error());
-    for (const auto& run : *page) {
+    DRIFTWISE_CO_TRY(const auto page, co_await std::move(listing));
+    for (const auto& run : page) {
       if (run.accepted == 0 || !concerns(amendment, run.id)) continue;
       auto working = reader_.call(
           [id = run.id, amendment](Store& store) { return length_changes(store, id, amendment); });
-      auto changes = co_await std::move(working);
-      if (!changes) co_return tl::unexpected(changes.error());
-      for (auto& change : *changes) {
+      DRIFTWISE_CO_TRY(auto changes, co_await std::move(working));
+      for (auto& change : changes) {
         change.run_name = run.name;
         change.diagnosed = std::ranges::find(diagnosed, run.id) != diagnosed.end();
         all.push_back(std::move(change));
       }
     }
-    if (static_cast<int>(page->size()) < kPage) break;
-    before = page->back().id.value;
+    if (static_cast<int>(page.size()) < kPage) break;
+    before = page.back().id.value;
   }
   std::ranges::stable_sort(all, [](const LengthChange& a, const LengthChange& b) {
     return a.diagnosed != b.diagnosed ? a.diagnosed : a.largest_nm > b.largest_nm;
@@ -323,22 +307,19 @@ Awaitable<Result<ExtensionRecord>> CellApplication::undo_extension(Caller caller
   // transaction.
   std::optional<PromotionRecord> rollback;
   std::optional<ModelRecord> previous, present;
-  const auto view = co_await diagnosis(id);
-  if (!view) co_return tl::unexpected(view.error());
-  if (view->extension && view->extension->stands() && view->extension->model &&
-      serving_.model() == view->extension->model) {
+  DRIFTWISE_CO_TRY(const auto view, co_await diagnosis(id));
+  if (view.extension && view.extension->stands() && view.extension->model &&
+      serving_.model() == view.extension->model) {
     auto finding = served_before();
-    auto before = co_await std::move(finding);
-    if (!before) co_return tl::unexpected(before.error());
-    previous = std::move(*before);
-    auto reading = model(*view->extension->model);
-    auto record = co_await std::move(reading);
-    if (!record) co_return tl::unexpected(record.error());
-    present = std::move(*record);
+    DRIFTWISE_CO_TRY(auto before, co_await std::move(finding));
+    previous = std::move(before);
+    auto reading = model(*view.extension->model);
+    DRIFTWISE_CO_TRY(auto record, co_await std::move(reading));
+    present = std::move(record);
     rollback = PromotionRecord{previous ? std::optional(previous->id) : std::nullopt,
                                clock_->now().utc, caller.name, "rollback"};
     auto serving = serving_.serve(previous);  // first see that it can serve
-    if (auto ok = co_await std::move(serving); !ok) co_return tl::unexpected(ok.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(serving));
   }
   auto undoing = writer_.call([id, at = clock_->now(), caller, rollback](Store& store) {
     crash_point("before_undo_commit");

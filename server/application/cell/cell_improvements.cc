@@ -6,6 +6,7 @@
 
 #include "server/application/cell/cell_application.h"
 #include "server/application/improvement/plan_rows.h"
+#include "server/core/try.h"
 
 namespace driftwise::application {
 namespace {
@@ -27,27 +28,25 @@ Result<void> check_limits(const ImproveRequest& request) {
 
 Awaitable<Result<ImprovementRecord>> CellApplication::create_improvement(Caller caller,
                                                                          ImproveRequest request) {
-  if (auto ok = check_limits(request); !ok) co_return tl::unexpected(ok.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(check_limits(request));
   // What the first run would be refused for is said now.
-  if (auto ok = may_move(request.lease_token); !ok) co_return tl::unexpected(ok.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(may_move(request.lease_token));
   auto checking = check_trajectory(request.trajectory_text);
-  const auto check = co_await std::move(checking);
-  if (!check) co_return tl::unexpected(check.error());
-  if (request.budget_s > 0 && check->estimated_s > request.budget_s)
+  DRIFTWISE_CO_TRY(const auto check, co_await std::move(checking));
+  if (request.budget_s > 0 && check.estimated_s > request.budget_s)
     co_return fail(
         ErrorCode::invalid_argument, "BAD_BUDGET",
         fmt::format("one measurement takes about {:.0f} s, the budget is {:g} s: give it "
                     "more time, or fewer points",
-                    check->estimated_s, request.budget_s));
+                    check.estimated_s, request.budget_s));
   std::string formula = request.formula;
   if (formula.empty()) {
     DiagnosisRequest baseline;
-    if (auto ok = co_await resolve_baseline(baseline); !ok) co_return tl::unexpected(ok.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await resolve_baseline(baseline));
     formula = baseline.baseline;
   }
   // Everything that is known to fail before the robot moves.
-  if (auto ok = check_plan_rows(description_, check->trajectory, formula); !ok)
-    co_return tl::unexpected(ok.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(check_plan_rows(description_, check.trajectory, formula));
   auto beginning = improver_.begin(std::move(caller), std::move(request), std::move(formula));
   co_return co_await std::move(beginning);
 }
@@ -64,7 +63,7 @@ Awaitable<Result<std::vector<ImprovementRecord>>> CellApplication::improvements(
 Awaitable<Result<ImprovementRecord>> CellApplication::cancel_improvement(Caller caller,
                                                                          ImprovementId id) {
   auto cancelling = improver_.cancel(std::move(caller), id);
-  if (auto ok = co_await std::move(cancelling); !ok) co_return tl::unexpected(ok.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(cancelling));
   co_return co_await improvement(id);
 }
 

@@ -9,6 +9,7 @@
 #include "server/application/plumbing/crash_point.h"
 #include "server/application/plumbing/spawn.h"
 #include "server/application/provenance/promotion_questions.h"
+#include "server/core/try.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/formula/formula.h"
 #include "server/formats/model/model_json.h"
@@ -19,17 +20,13 @@ namespace {
 Result<std::vector<calibration::OfferResult>> offers_of(const Dataset& dataset,
                                                         const FitRequest& request,
                                                         const std::string& source) {
-  auto options = fit_options_from(request, dataset, source);
-  if (!options) return tl::unexpected(options.error());
-  auto formula = formats::Formula::parse(request.formula);
-  if (!formula) return tl::unexpected(formula.error());
-  auto candidates = formula->expand(dataset);
-  if (!candidates) return tl::unexpected(candidates.error());
-  options->candidates = std::move(*candidates);
-  const auto model = calibration::fit(dataset, *options);
-  if (!model) return tl::unexpected(model.error());
-  return calibration::weigh_offers(dataset, *options, *model,
-                                   calibration::published_offers(dataset, options->candidates));
+  DRIFTWISE_TRY(auto options, fit_options_from(request, dataset, source));
+  DRIFTWISE_TRY(auto formula, formats::Formula::parse(request.formula));
+  DRIFTWISE_TRY(auto candidates, formula.expand(dataset));
+  options.candidates = std::move(candidates);
+  DRIFTWISE_TRY(const auto model, calibration::fit(dataset, options));
+  return calibration::weigh_offers(dataset, options, model,
+                                   calibration::published_offers(dataset, options.candidates));
 }
 
 // Which model served before each promotion, oldest first; the last is the one that serves now.
@@ -63,27 +60,24 @@ Awaitable<Result<Dataset>> CellApplication::fit_data(FitRequest request) {
 
 Awaitable<Result<std::vector<calibration::OfferResult>>> CellApplication::weigh_offers(
     FitRequest request) {
-  auto dataset = co_await fit_data(request);
-  if (!dataset) co_return tl::unexpected(dataset.error());
-  auto weighing = run_on(worker_thread_.executor(), [data = std::move(*dataset), request] {
+  DRIFTWISE_CO_TRY(auto dataset, co_await fit_data(request));
+  auto weighing = run_on(worker_thread_.executor(), [data = std::move(dataset), request] {
     return offers_of(data, request, source_of(request));
   });
   co_return co_await std::move(weighing);
 }
 
 Awaitable<Result<ModelRecord>> CellApplication::fit(Caller caller, FitRequest request) {
-  auto dataset = co_await fit_data(request);
-  if (!dataset) co_return tl::unexpected(dataset.error());
+  DRIFTWISE_CO_TRY(auto dataset, co_await fit_data(request));
   // Those that the data just read rest on. A correction that comes or goes in between is named too.
   std::vector<CorrectionId> corrections;
   if (!request.runs.empty()) {
     auto looking =
         reader_.call([runs = request.runs](Store& store) { return corrections_over(store, runs); });
-    auto found = co_await std::move(looking);
-    if (!found) co_return tl::unexpected(found.error());
-    corrections = std::move(*found);
+    DRIFTWISE_CO_TRY(auto found, co_await std::move(looking));
+    corrections = std::move(found);
   }
-  auto fitting = run_on(worker_thread_.executor(), [data = std::move(*dataset), request] {
+  auto fitting = run_on(worker_thread_.executor(), [data = std::move(dataset), request] {
     return fit_record(data, request, source_of(request));
   });
   auto record = co_await std::move(fitting);
@@ -97,11 +91,10 @@ Awaitable<Result<ModelRecord>> CellApplication::fit(Caller caller, FitRequest re
     if (stored) crash_point("after_model_commit");
     return stored;
   });
-  auto id = co_await std::move(storing);
-  if (!id) co_return tl::unexpected(id.error());
+  DRIFTWISE_CO_TRY(auto id, co_await std::move(storing));
   events_.record(caller, "model.fitted",
-                 fmt::format("{} fitted model {}: {}", caller.name, id->value, request.formula));
-  co_return co_await model(*id);  // the same fit again is the same model: its first record stands
+                 fmt::format("{} fitted model {}: {}", caller.name, id.value, request.formula));
+  co_return co_await model(id);  // the same fit again is the same model: its first record stands
 }
 
 Awaitable<Result<std::vector<ModelRecord>>> CellApplication::models() {
@@ -121,7 +114,7 @@ Awaitable<Result<ModelRecord>> CellApplication::model(ModelId id) {
     found = std::move(unread);
   }
   if (!found) co_return found;
-  if (auto whole = check_integrity(*found); !whole) co_return tl::unexpected(whole.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(check_integrity(*found));
   co_return found;
 }
 
@@ -171,33 +164,27 @@ Awaitable<Result<ModelRecord>> CellApplication::promote(Caller caller, ModelId i
   auto record = co_await model(id);
   if (!record) co_return record;
   auto looking = ground_of_model(id);
-  const auto ground = co_await std::move(looking);
-  if (!ground) co_return tl::unexpected(ground.error());
-  if (!confirmed)
-    if (auto ok = confirmation_of(ground->promotion_questions); !ok)
-      co_return tl::unexpected(ok.error());
-  for (const auto& question : ground->promotion_questions)
+  DRIFTWISE_CO_TRY(const auto ground, co_await std::move(looking));
+  if (!confirmed) DRIFTWISE_CO_RETURN_IF_ERROR(confirmation_of(ground.promotion_questions));
+  for (const auto& question : ground.promotion_questions)
     events_.record(
         caller, "model.confirmed",
         fmt::format("{} promotes model {} although {}", caller.name, id.value, question));
-  if (auto ok = co_await put_in_service(std::move(caller), *record, "promote"); !ok)
-    co_return tl::unexpected(ok.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await put_in_service(std::move(caller), *record, "promote"));
   co_return record;
 }
 
 Awaitable<Result<std::optional<ModelRecord>>> CellApplication::served_before() {
-  auto history = co_await promotions();
-  if (!history) co_return tl::unexpected(history.error());
-  auto stack = served_in_order(*history);
+  DRIFTWISE_CO_TRY(auto history, co_await promotions());
+  auto stack = served_in_order(history);
   if (stack.empty())
     co_return fail(ErrorCode::failed_precondition, "NOTHING_TO_ROLL_BACK",
                    "no model serves: there is none to take back");
   stack.pop_back();
   std::optional<ModelRecord> previous;
   if (!stack.empty()) {
-    auto record = co_await model(stack.back());
-    if (!record) co_return tl::unexpected(record.error());
-    previous = std::move(*record);
+    DRIFTWISE_CO_TRY(auto record, co_await model(stack.back()));
+    previous = std::move(record);
   }
   co_return previous;
 }
@@ -206,8 +193,7 @@ Awaitable<Result<std::optional<ModelRecord>>> CellApplication::roll_back(Caller 
   auto finding = served_before();
   auto previous = co_await std::move(finding);
   if (!previous) co_return previous;
-  if (auto ok = co_await put_in_service(std::move(caller), *previous, "rollback"); !ok)
-    co_return tl::unexpected(ok.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await put_in_service(std::move(caller), *previous, "rollback"));
   co_return previous;
 }
 

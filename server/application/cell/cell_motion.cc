@@ -9,6 +9,7 @@
 #include "server/application/motion/motion.h"
 #include "server/application/motion/start_checks.h"
 #include "server/application/plumbing/spawn.h"
+#include "server/core/try.h"
 
 namespace driftwise::application {
 
@@ -112,7 +113,7 @@ Awaitable<Result<void>> CellApplication::home(Caller caller, std::string lease_t
   auto opening = new_datum_by_hand(scope, "homed by " + caller.name);
   auto opened = co_await std::move(opening);
   recorder_.lend_pose_instruments(false);
-  if (!opened) co_return tl::unexpected(opened.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(opened);
   take_datum(*opened);
   co_return Result<void>{};
 }
@@ -121,20 +122,18 @@ Awaitable<Result<void>> CellApplication::home(Caller caller, std::string lease_t
 // where no new one can be opened.
 Awaitable<Result<DatumRecord>> CellApplication::new_datum_by_hand(RunScope& scope,
                                                                   std::string reason) {
-  if (auto ok = co_await make_homed(scope, true); !ok) co_return tl::unexpected(ok.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await make_homed(scope, true));
   datum_trouble_ =
       "the axes were homed and no datum has been opened since: targets still count "
       "from the one before; home again, or start a run";
-  if (auto ok = co_await bench_.prepare_for_run(); !ok) co_return tl::unexpected(ok.error());
-  if (auto ok = co_await check_thermometers(scope); !ok) co_return tl::unexpected(ok.error());
-  if (description_.load)
-    if (auto ok = co_await loading_.look(bench_); !ok) co_return tl::unexpected(ok.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await bench_.prepare_for_run());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await check_thermometers(scope));
+  if (description_.load) DRIFTWISE_CO_RETURN_IF_ERROR(co_await loading_.look(bench_));
   DatumOpening opening;
   opening.reason = std::move(reason);
   auto looking = reader_.call([](Store& store) { return store.runs().newest_datum(); });
-  auto before = co_await std::move(looking);
-  if (!before) co_return tl::unexpected(before.error());
-  opening.before = std::move(*before);
+  DRIFTWISE_CO_TRY(auto before, co_await std::move(looking));
+  opening.before = std::move(before);
   auto opened = open_datum(scope, std::move(opening));
   co_return co_await std::move(opened);
 }
@@ -203,10 +202,10 @@ Awaitable<Result<void>> CellApplication::move_to(Caller caller, std::string leas
   events_.record(caller, "axes.move",
                  fmt::format("{} moves to {} mm", caller.name, fmt::join(q_mm, ", ")));
   auto scope = hand.scope("the movement");
-  const auto arrival = co_await go_to(scope, std::move(q_mm), "by hand: " + caller.name);
-  if (!arrival) co_return tl::unexpected(arrival.error());
-  if (arrival->trouble != Trouble::none)
-    co_return fail(ErrorCode::deadline_exceeded, "NOT_SETTLED", arrival->sentence);
+  DRIFTWISE_CO_TRY(const auto arrival,
+                   co_await go_to(scope, std::move(q_mm), "by hand: " + caller.name));
+  if (arrival.trouble != Trouble::none)
+    co_return fail(ErrorCode::deadline_exceeded, "NOT_SETTLED", arrival.sentence);
   co_return Result<void>{};
 }
 

@@ -8,6 +8,7 @@
 #include "server/application/datasets/extension_preview.h"
 #include "server/application/plumbing/crash_point.h"
 #include "server/application/provenance/promotion_questions.h"
+#include "server/core/try.h"
 #include "server/formats/cell_file/cell_file.h"
 #include "server/formats/diagnosis/amendment_json.h"
 #include "server/formats/model/model_json.h"
@@ -31,9 +32,8 @@ std::optional<CellDescription> description_of(Store& store, const std::string& h
 Result<RunGround> ground_of(Store& store, RunId run,
                             const std::vector<CorrectionRecord>& corrections) {
   RunGround ground;
-  auto used = store.configurations().of_run(run);
-  if (!used) return tl::unexpected(used.error());
-  ground.configurations = std::move(*used);
+  DRIFTWISE_TRY(auto used, store.configurations().of_run(run));
+  ground.configurations = std::move(used);
   for (const auto& correction : corrections) {
     if (!correction.in_force()) continue;
     const auto amendment = formats::read_amendment_json(correction.json);
@@ -45,17 +45,14 @@ Result<RunGround> ground_of(Store& store, RunId run,
 }
 
 Result<ModelGround> ground_of(Store& store, ModelId id, const CellDescription& present) {
-  const auto record = store.models().model(id);
-  if (!record) return tl::unexpected(record.error());
-  const auto model = formats::read_model_json(record->json);
-  if (!model) return tl::unexpected(model.error());
+  DRIFTWISE_TRY(const auto record, store.models().model(id));
+  DRIFTWISE_TRY(const auto model, formats::read_model_json(record.json));
   ModelGround ground;
   ground.present_hash = present.hash;
-  for (const RunId run : model->lineage.runs) {
-    const auto used = store.configurations().of_run(run);
-    if (!used) return tl::unexpected(used.error());
-    for (const auto& one : *used)
-      if (one.from <= record->created &&
+  for (const RunId run : model.lineage.runs) {
+    DRIFTWISE_TRY(const auto used, store.configurations().of_run(run));
+    for (const auto& one : used)
+      if (one.from <= record.created &&
           std::ranges::find(ground.configurations, one.hash, &UsedConfiguration::hash) ==
               ground.configurations.end())
         ground.configurations.push_back(one);
@@ -65,23 +62,21 @@ Result<ModelGround> ground_of(Store& store, ModelId id, const CellDescription& p
     const auto& last = ground.configurations.back().hash;
     ground.measured_under = description_of(store, last, present);
     if (last != present.hash) {
-      const auto text = store.configurations().text(last);
-      if (!text) return tl::unexpected(text.error());
-      ground.changes_since = formats::cell_file_difference(*text, present);
+      DRIFTWISE_TRY(const auto text, store.configurations().text(last));
+      ground.changes_since = formats::cell_file_difference(text, present);
     }
   }
-  const auto corrections = store.diagnoses().corrections();
-  if (!corrections) return tl::unexpected(corrections.error());
-  for (const auto& correction : *corrections)
-    if (std::ranges::find(record->corrections, correction.id) != record->corrections.end()) {
+  DRIFTWISE_TRY(const auto corrections, store.diagnoses().corrections());
+  for (const auto& correction : corrections)
+    if (std::ranges::find(record.corrections, correction.id) != record.corrections.end()) {
       auto& mine = ground.corrections.emplace_back(correction);
       std::erase_if(mine.changes, [&model](const LengthChange& change) {
-        return std::ranges::find(model->lineage.runs, change.run) == model->lineage.runs.end();
+        return std::ranges::find(model.lineage.runs, change.run) == model.lineage.runs.end();
       });
     }
   for (auto& questions :
-       {temperature_questions(*model, present), correction_questions(ground.corrections),
-        configuration_questions(*model, ground.changes_since)})
+       {temperature_questions(model, present), correction_questions(ground.corrections),
+        configuration_questions(model, ground.changes_since)})
     ground.promotion_questions.insert(ground.promotion_questions.end(), questions.begin(),
                                       questions.end());
   return ground;
@@ -100,12 +95,10 @@ Awaitable<Result<ConfigurationView>> CellApplication::configuration(std::string 
   if (compare_hash.empty()) compare_hash = description_.hash;
   auto reading = reader_.call(
       [hash, compare_hash, present = &description_](Store& store) -> Result<ConfigurationView> {
-        auto text = store.configurations().text(hash);
-        if (!text) return tl::unexpected(text.error());
-        ConfigurationView view{hash, std::move(*text), compare_hash, {}};
+        DRIFTWISE_TRY(auto text, store.configurations().text(hash));
+        ConfigurationView view{hash, std::move(text), compare_hash, {}};
         if (hash == compare_hash) return view;
-        const auto other = store.configurations().text(compare_hash);
-        if (!other) return tl::unexpected(other.error());
+        DRIFTWISE_RETURN_IF_ERROR(store.configurations().text(compare_hash));
         const auto compared = description_of(store, compare_hash, *present);
         if (!compared)
           return fail(
@@ -166,13 +159,11 @@ std::string CellApplication::waits_for_configuration(const RunRecord& run) const
 Awaitable<Result<std::vector<RunGround>>> CellApplication::grounds_of_runs(
     std::vector<RunId> runs) {
   auto reading = reader_.call([runs](Store& store) -> Result<std::vector<RunGround>> {
-    const auto corrections = store.diagnoses().corrections();
-    if (!corrections) return tl::unexpected(corrections.error());
+    DRIFTWISE_TRY(const auto corrections, store.diagnoses().corrections());
     std::vector<RunGround> grounds;
     for (const RunId run : runs) {
-      auto ground = ground_of(store, run, *corrections);
-      if (!ground) return tl::unexpected(ground.error());
-      grounds.push_back(std::move(*ground));
+      DRIFTWISE_TRY(auto ground, ground_of(store, run, corrections));
+      grounds.push_back(std::move(ground));
     }
     return grounds;
   });

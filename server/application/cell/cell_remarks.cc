@@ -5,6 +5,7 @@
 #include <set>
 
 #include "server/application/cell/cell_application.h"
+#include "server/core/try.h"
 #include "server/formats/text/row_ranges.h"
 
 namespace driftwise::application {
@@ -18,10 +19,9 @@ std::string hash_of(Store& store, RunId run, bool any_out) {
 }
 
 Result<ExclusionState> state_of(Store& store, RunId run) {
-  auto history = store.remarks().exclusions(run);
-  if (!history) return tl::unexpected(history.error());
+  DRIFTWISE_TRY(auto history, store.remarks().exclusions(run));
   std::set<std::int64_t> out, suspect;
-  for (const auto& step : *history)
+  for (const auto& step : history)
     for (const std::int64_t row : step.rows)
       if (step.excluded) {
         out.insert(row);
@@ -34,7 +34,7 @@ Result<ExclusionState> state_of(Store& store, RunId run) {
                         {out.begin(), out.end()},
                         {suspect.begin(), suspect.end()},
                         hash_of(store, run, !out.empty()),
-                        std::move(*history)};
+                        std::move(history)};
 }
 
 std::string subject_text(const NoteSubject& on) {
@@ -51,18 +51,17 @@ Awaitable<Result<ExclusionState>> CellApplication::exclude_rows(Caller caller,
   wanted.who = caller.name;
   wanted.from = caller.peer;
   auto storing = writer_.call([wanted](Store& store) { return store.remarks().exclude(wanted); });
-  auto stored = co_await std::move(storing);
-  if (!stored) co_return tl::unexpected(stored.error());
-  if (!stored->rows.empty()) {
-    std::vector<std::int64_t> from_one = stored->rows;  // the record counts from 0
+  DRIFTWISE_CO_TRY(auto stored, co_await std::move(storing));
+  if (!stored.rows.empty()) {
+    std::vector<std::int64_t> from_one = stored.rows;  // the record counts from 0
     for (auto& row : from_one) ++row;
     const auto rows = formats::row_ranges_text(from_one);
     auto detail =
         fmt::format("{} {} of run {} {} fits: {}", caller.name,
-                    stored->excluded ? "keeps rows " + rows : "puts rows " + rows,
-                    stored->run.value, stored->excluded ? "out of" : "back into", stored->reason);
-    events_.record(caller, stored->excluded ? "data.excluded" : "data.restored", std::move(detail),
-                   stored->run);
+                    stored.excluded ? "keeps rows " + rows : "puts rows " + rows, stored.run.value,
+                    stored.excluded ? "out of" : "back into", stored.reason);
+    events_.record(caller, stored.excluded ? "data.excluded" : "data.restored", std::move(detail),
+                   stored.run);
   }
   co_return co_await exclusions(wanted.run);
 }

@@ -4,6 +4,7 @@
 #include "server/application/models/formula_check.h"
 #include "server/calibration/datum_zeros.h"
 #include "server/calibration/design/predict.h"
+#include "server/core/try.h"
 #include "server/core/units.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/model/model_json.h"
@@ -16,8 +17,7 @@ Result<ModelResiduals> residuals_of(const calibration::Model& model, Dataset dat
   ModelResiduals found;
   const Dataset moved = calibration::in_first_datum(data, model.datum_zeros);
   for (const auto& output : model.outputs) {
-    const auto predicted = calibration::predict(moved, output);
-    if (!predicted) return tl::unexpected(predicted.error());
+    DRIFTWISE_TRY(const auto predicted, calibration::predict(moved, output));
     const auto* measured = data.find(output.channel.symbol);
     if (measured == nullptr)
       return fail(ErrorCode::invalid_argument, "UNKNOWN_CHANNEL",
@@ -27,7 +27,7 @@ Result<ModelResiduals> residuals_of(const calibration::Model& model, Dataset dat
     column.values.resize(data.rows);
     for (std::size_t row = 0; row < data.rows; ++row)
       column.values[row] =
-          (measured->values[row] - (*predicted)[static_cast<Eigen::Index>(row)]) * factor;
+          (measured->values[row] - predicted[static_cast<Eigen::Index>(row)]) * factor;
   }
   found.dataset_hash = formats::content_hash(formats::write_dataset_csv(data));
   found.same_rows = found.dataset_hash == model.lineage.dataset_hash;
@@ -45,10 +45,9 @@ Result<ModelResiduals> residuals_of(const calibration::Model& model, Dataset dat
 }  // namespace
 
 Awaitable<Result<FormulaCheck>> CellApplication::check_formula(FitRequest request) {
-  auto dataset = co_await fit_data(request);
-  if (!dataset) co_return tl::unexpected(dataset.error());
+  DRIFTWISE_CO_TRY(auto dataset, co_await fit_data(request));
   auto looking = run_on(worker_thread_.executor(),
-                        [data = std::move(*dataset), request]() -> Result<FormulaCheck> {
+                        [data = std::move(dataset), request]() -> Result<FormulaCheck> {
                           return check_formula_on(data, request);
                         });
   co_return co_await std::move(looking);
@@ -56,11 +55,9 @@ Awaitable<Result<FormulaCheck>> CellApplication::check_formula(FitRequest reques
 
 Awaitable<Result<ModelResiduals>> CellApplication::residuals(ModelId id, std::vector<RunId> runs,
                                                              std::string csv) {
-  const auto record = co_await model(id);
-  if (!record) co_return tl::unexpected(record.error());
-  auto read = formats::read_model_json(record->json);
-  if (!read) co_return tl::unexpected(read.error());
-  if (runs.empty() && csv.empty()) runs = read->lineage.runs;
+  DRIFTWISE_CO_TRY(const auto record, co_await model(id));
+  DRIFTWISE_CO_TRY(auto read, formats::read_model_json(record.json));
+  if (runs.empty() && csv.empty()) runs = read.lineage.runs;
   if (runs.empty() && csv.empty())
     co_return fail(ErrorCode::failed_precondition, "NO_ROWS",
                    "model " + std::to_string(id.value) +
@@ -69,10 +66,9 @@ Awaitable<Result<ModelResiduals>> CellApplication::residuals(ModelId id, std::ve
   FitRequest wanted;
   wanted.runs = std::move(runs);
   wanted.csv = std::move(csv);
-  auto dataset = co_await fit_data(std::move(wanted));
-  if (!dataset) co_return tl::unexpected(dataset.error());
+  DRIFTWISE_CO_TRY(auto dataset, co_await fit_data(std::move(wanted)));
   auto computing = run_on(worker_thread_.executor(),
-                          [data = std::move(*dataset), model = std::move(*read)]() mutable {
+                          [data = std::move(dataset), model = std::move(read)]() mutable {
                             return residuals_of(model, std::move(data));
                           });
   co_return co_await std::move(computing);

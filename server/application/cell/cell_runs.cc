@@ -5,6 +5,7 @@
 #include "server/application/cell/cell_application.h"
 #include "server/application/plumbing/crash_point.h"
 #include "server/application/trajectories/trajectory_check.h"
+#include "server/core/try.h"
 
 namespace driftwise::application {
 
@@ -27,47 +28,45 @@ Awaitable<Result<RunRecord>> CellApplication::create_run(Caller caller, CreateRu
   if (const auto* run = engine_.record();
       run && !request.request_id.empty() && run->request_id == request.request_id)
     co_return *run;
-  if (auto ok = may_move(request.lease_token); !ok) co_return tl::unexpected(ok.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(may_move(request.lease_token));
   RunPlan plan{request.rules.value_or(description_.run),
                request.compensate || request.compensate_with, request.compensate_with,
                std::nullopt};
   if (plan.compensate && !plan.compensate_with) plan.served_at_start = serving_.model();
-  if (auto ok = check_rules(plan.rules); !ok) co_return tl::unexpected(ok.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(check_rules(plan.rules));
   const auto name =
       request.trajectory_name.empty() ? std::string("trajectory") : request.trajectory_name;
   const auto stops = stop_events_.presses();
   auto checking = checked(name, request.trajectory_text);
-  auto check = co_await std::move(checking);
-  if (!check) co_return tl::unexpected(check.error());
-  const bool is_pose = is_pose_symbol(check->trajectory.coordinates.front().symbol);
+  DRIFTWISE_CO_TRY(auto check, co_await std::move(checking));
+  const bool is_pose = is_pose_symbol(check.trajectory.coordinates.front().symbol);
   if (plan.compensate && !is_pose)
     co_return fail(ErrorCode::invalid_argument, "NOTHING_TO_COMPENSATE",
                    fmt::format("{}: column {}: compensation needs wanted poses (x_mm ...), these "
                                "are motor coordinates",
-                               name, check->trajectory.coordinates.front().name()));
-  if (is_pose && !plan.compensate && check->trajectory.coordinates.size() > 1)
+                               name, check.trajectory.coordinates.front().name()));
+  if (is_pose && !plan.compensate && check.trajectory.coordinates.size() > 1)
     co_return fail(ErrorCode::invalid_argument, "NEEDS_COMPENSATION",
                    fmt::format("{}: column {}: with several axes a pose is no motor coordinate: "
                                "compensate with a model",
-                               name, check->trajectory.coordinates.front().name()));
+                               name, check.trajectory.coordinates.front().name()));
   if (plan.compensate && !plan.compensate_with && serving_.refused())
     co_return tl::unexpected(*serving_.refused());
   if (plan.compensate && !plan.compensate_with && !serving_.model())
     co_return fail(ErrorCode::failed_precondition, "NO_MODEL",
                    "no model serves: promote one, or run without compensation");
-  if (auto ok = co_await follow_for(plan); !ok) co_return tl::unexpected(ok.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await follow_for(plan));
   if (stop_events_.presses() != stops)
     co_return fail(ErrorCode::aborted, "STOPPED_MEANWHILE",
                    "a stop was asked for while the trajectory was read: start the run again");
   co_return co_await start_run(std::move(caller), std::move(request), std::move(plan),
-                               std::move(check->trajectory));
+                               std::move(check.trajectory));
 }
 
 Awaitable<Result<void>> CellApplication::follow_for(const RunPlan& plan) {
   if (!plan.compensate_with) co_return Result<void>{};
-  auto record = co_await model(*plan.compensate_with);
-  if (!record) co_return tl::unexpected(record.error());
-  co_return co_await serving_.follow(std::move(*record));
+  DRIFTWISE_CO_TRY(auto record, co_await model(*plan.compensate_with));
+  co_return co_await serving_.follow(std::move(record));
 }
 
 Awaitable<Result<RunRecord>> CellApplication::start_run(Caller caller, CreateRun request,
@@ -115,10 +114,9 @@ Awaitable<Result<RunRecord>> CellApplication::steer(Caller caller, RunId id, con
                                                     std::string detail,
                                                     std::function<void(RunControl&)> act) {
   if (auto known = co_await run(id); !known) co_return known;
-  auto control = control_of(id, verb);
-  if (!control) co_return tl::unexpected(control.error());
+  DRIFTWISE_CO_TRY(auto control, control_of(id, verb));
   events_.record(caller, fmt::format("run.{}", verb), std::move(detail), id);
-  act(**control);
+  act(*control);
   co_return *engine_.record();
 }
 
@@ -131,28 +129,26 @@ Awaitable<Result<RunRecord>> CellApplication::pause_run(Caller caller, RunId run
 
 Awaitable<Result<RunRecord>> CellApplication::resume_run(Caller caller, RunId id,
                                                          HoldAnswer answer) {
-  if (auto ok = stops_.check(); !ok) co_return tl::unexpected(ok.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(stops_.check());
   if (const auto* record = engine_.record(); record && record->id == id)
     if (auto question = waits_for_configuration(*record); !question.empty())
       co_return fail(ErrorCode::failed_precondition, "CONFIGURATION_CHANGED",
                      fmt::format("run {} cannot resume: {}", id.value, question));
   if (auto known = co_await run(id); !known) co_return known;
-  auto control = control_of(id, "resume");
-  if (!control) co_return tl::unexpected(control.error());
+  DRIFTWISE_CO_TRY(auto control, control_of(id, "resume"));
   if (by_hand_)
     co_return fail(ErrorCode::failed_precondition, "MOVING",
                    "a movement by hand is under way: wait for its end, or stop it");
   const auto now = clock_->now().utc;
-  const RunHold hold = (*control)->hold();
-  if (auto ok = check_answer(*engine_.record(), hold, caller.name, answer, now); !ok)
-    co_return tl::unexpected(ok.error());
+  const RunHold hold = control->hold();
+  DRIFTWISE_CO_RETURN_IF_ERROR(check_answer(*engine_.record(), hold, caller.name, answer, now));
   auto detail =
       fmt::format("resumed by {}: {}", caller.name, hold_sentence(*engine_.record(), hold, now));
   if (hold.kind == RunHold::Kind::stop && hold.who != caller.name)
     detail += fmt::format("; the stop was overridden: {}", answer.override_reason);
   events_.record(caller, "run.resume", std::move(detail), id);
   doubts_.begin_anew();  // a person looked: what the devices say now is taken as right
-  (*control)->resume();
+  control->resume();
   co_return *engine_.record();
 }
 
@@ -168,9 +164,8 @@ Awaitable<Result<RunRecord>> CellApplication::abort_run(Caller caller, RunId run
 Awaitable<Result<RunRecord>> CellApplication::confirm_force(Caller caller, RunId id,
                                                             double force_n) {
   if (auto known = co_await run(id); !known) co_return known;
-  auto control = control_of(id, "confirm a force");
-  if (!control) co_return tl::unexpected(control.error());
-  const auto wanted_n = (*control)->wanted_force();
+  DRIFTWISE_CO_TRY(auto control, control_of(id, "confirm a force"));
+  const auto wanted_n = control->wanted_force();
   if (!wanted_n)
     co_return fail(ErrorCode::failed_precondition, "NO_FORCE_WANTED",
                    fmt::format("run {} does not wait for a force, it is {}", id.value,
@@ -184,10 +179,10 @@ Awaitable<Result<RunRecord>> CellApplication::confirm_force(Caller caller, RunId
   Reading said{kOperatorDevice, now, now, 0, {{description_.force_channel()->name(), force_n}}};
   recorder_.observe(JudgedReading{said, {}});
   writer_.add(std::move(said));
-  if (auto stored = co_await writer_.flush(); !stored) co_return tl::unexpected(stored.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await writer_.flush());
   events_.record(caller, "load.confirmed",
                  fmt::format("{} confirmed {:.6g} N", caller.name, force_n), id);
-  (*control)->confirm_force();
+  control->confirm_force();
   co_return *engine_.record();
 }
 

@@ -4,6 +4,7 @@
 
 #include "server/application/cell/cell_application.h"
 #include "server/application/models/fit_options.h"
+#include "server/core/try.h"
 #include "server/formats/cell_file/kinematics_section.h"
 #include "server/formats/formula/formula.h"
 #include "server/kinematics/mechanism.h"
@@ -19,11 +20,9 @@ Result<calibration::FitOptions> options_with_candidates(const FitRequest& reques
                                                         const Dataset& data) {
   auto options = fit_options_from(request, data, source_of(request));
   if (!options || request.formula.empty()) return options;
-  const auto formula = formats::Formula::parse(request.formula);
-  if (!formula) return tl::unexpected(formula.error());
-  auto candidates = formula->expand(data);
-  if (!candidates) return tl::unexpected(candidates.error());
-  options->candidates = std::move(*candidates);
+  DRIFTWISE_TRY(const auto formula, formats::Formula::parse(request.formula));
+  DRIFTWISE_TRY(auto candidates, formula.expand(data));
+  options->candidates = std::move(candidates);
   return options;
 }
 
@@ -50,29 +49,25 @@ Result<std::vector<Judgement>> judged(const Dataset& data, const MethodsRequest&
                                       const std::optional<KinematicsDescription>& geometry,
                                       StudyBench& bench) {
   identification::MethodOptions options;
-  auto fit = options_with_candidates(request.fit, data);
-  if (!fit) return tl::unexpected(fit.error());
-  options.fit = std::move(*fit);
+  DRIFTWISE_TRY(auto fit, options_with_candidates(request.fit, data));
+  options.fit = std::move(fit);
   options.fit.executor = bench.sharing(request.fit.threads);
   if (geometry) {
-    auto mechanism = kinematics::make_mechanism(*geometry);
-    if (!mechanism) return tl::unexpected(mechanism.error());
-    options.mechanism = std::move(*mechanism);
+    DRIFTWISE_TRY(auto mechanism, kinematics::make_mechanism(*geometry));
+    options.mechanism = std::move(mechanism);
   }
-  const auto methods = methods_of(request, options.mechanism != nullptr);
-  if (!methods) return tl::unexpected(methods.error());
+  DRIFTWISE_TRY(const auto methods, methods_of(request, options.mechanism != nullptr));
   identification::JudgeOptions judge;
   judge.blocks = request.fit.blocks;
   judge.together = request.together;
   judge.folds = request.folds;
   std::vector<Judgement> judgements;
-  for (const Method method : *methods) {
-    const auto count = methods->size(), number = judgements.size() + 1;
+  for (const Method method : methods) {
+    const auto count = methods.size(), number = judgements.size() + 1;
     bench.say(static_cast<double>(number - 1) / static_cast<double>(count),
               fmt::format("{}, {} of {}", identification::name_of(method), number, count));
-    auto judgement = identification::judge_method(data, method, options, judge);
-    if (!judgement) return tl::unexpected(judgement.error());
-    judgements.push_back(std::move(*judgement));
+    DRIFTWISE_TRY(auto judgement, identification::judge_method(data, method, options, judge));
+    judgements.push_back(std::move(judgement));
   }
   return judgements;
 }
@@ -83,15 +78,13 @@ Awaitable<Result<std::vector<Judgement>>> CellApplication::compare_methods(
     MethodsRequest request, std::shared_ptr<Study> study) {
   auto geometry = description_.kinematics;
   if (!request.robot.empty()) {
-    auto given = formats::parse_robot_file(request.robot, "robot file");
-    if (!given) co_return tl::unexpected(given.error());
-    geometry = std::move(*given);
+    DRIFTWISE_CO_TRY(auto given, formats::parse_robot_file(request.robot, "robot file"));
+    geometry = std::move(given);
   }
   auto loading = fit_data(request.fit);
-  auto dataset = co_await std::move(loading);
-  if (!dataset) co_return tl::unexpected(dataset.error());
+  DRIFTWISE_CO_TRY(auto dataset, co_await std::move(loading));
   std::function<Result<std::vector<Judgement>>(StudyBench&)> work =
-      [data = std::move(*dataset), request, geometry](StudyBench& bench) {
+      [data = std::move(dataset), request, geometry](StudyBench& bench) {
         return judged(data, request, geometry, bench);
       };
   auto studying = study_desk_.carry_out(std::move(study), std::move(work));
@@ -101,18 +94,15 @@ Awaitable<Result<std::vector<Judgement>>> CellApplication::compare_methods(
 Awaitable<Result<SensorChoice>> CellApplication::study_sensors(SensorsRequest request,
                                                                std::shared_ptr<Study> study) {
   auto loading = fit_data(request.fit);
-  auto dataset = co_await std::move(loading);
-  if (!dataset) co_return tl::unexpected(dataset.error());
+  DRIFTWISE_CO_TRY(auto dataset, co_await std::move(loading));
   std::function<Result<SensorChoice>(StudyBench&)> work =
-      [data = std::move(*dataset), request](StudyBench& bench) -> Result<SensorChoice> {
-    auto options = options_with_candidates(request.fit, data);
-    if (!options) return tl::unexpected(options.error());
-    options->stopwatch_us = {};
-    options->executor = bench.counting(request.fit.threads, "trying sets of thermometers");
-    auto found = calibration::study_sensors(data, *options, request.tolerance);
-    if (!found) return tl::unexpected(found.error());
-    const auto* output = data.find(found->best.front().outputs.front().output);
-    return SensorChoice{std::move(*found), output->channel.unit};
+      [data = std::move(dataset), request](StudyBench& bench) -> Result<SensorChoice> {
+    DRIFTWISE_TRY(auto options, options_with_candidates(request.fit, data));
+    options.stopwatch_us = {};
+    options.executor = bench.counting(request.fit.threads, "trying sets of thermometers");
+    DRIFTWISE_TRY(auto found, calibration::study_sensors(data, options, request.tolerance));
+    const auto* output = data.find(found.best.front().outputs.front().output);
+    return SensorChoice{std::move(found), output->channel.unit};
   };
   auto studying = study_desk_.carry_out(std::move(study), std::move(work));
   co_return co_await std::move(studying);

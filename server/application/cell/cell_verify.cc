@@ -3,6 +3,7 @@
 #include "server/application/cell/cell_application.h"
 #include "server/application/datasets/amended_dataset.h"
 #include "server/application/runs/run_plan.h"
+#include "server/core/try.h"
 #include "server/formats/model/model_json.h"
 
 namespace driftwise::application {
@@ -16,33 +17,27 @@ struct VerifyMaterial {
 };
 
 Result<StoredModel> stored_model(Store& store, ModelId id) {
-  auto record = store.models().model(id);
-  if (!record) return tl::unexpected(record.error());
-  auto model = formats::read_model_json(record->json);
-  if (!model) return tl::unexpected(model.error());
-  return std::make_shared<const calibration::Model>(std::move(*model));
+  DRIFTWISE_TRY(auto record, store.models().model(id));
+  DRIFTWISE_TRY(auto model, formats::read_model_json(record.json));
+  return std::make_shared<const calibration::Model>(std::move(model));
 }
 
 Result<VerifyMaterial> gather_runs(Store& store, const std::vector<RunId>& runs,
                                    std::optional<ModelId> range) {
   VerifyMaterial material;
   if (range) {
-    auto model = stored_model(store, *range);
-    if (!model) return tl::unexpected(model.error());
-    material.range = std::move(*model);
+    DRIFTWISE_TRY(auto model, stored_model(store, *range));
+    material.range = std::move(model);
   }
   for (const RunId id : runs) {
-    const auto record = store.runs().run(id);
-    if (!record) return tl::unexpected(record.error());
-    auto data = amended_dataset(store, std::vector{id});
-    if (!data) return tl::unexpected(data.error());
-    const Compensation compensation = compensation_of(*record);
+    DRIFTWISE_TRY(const auto record, store.runs().run(id));
+    DRIFTWISE_TRY(auto data, amended_dataset(store, std::vector{id}));
+    const Compensation compensation = compensation_of(record);
     diagnosis::RunToVerify run{id, compensation.compensated, compensation.model, nullptr,
-                               std::move(*data)};
+                               std::move(data)};
     if (compensation.model) {
-      auto model = stored_model(store, *compensation.model);
-      if (!model) return tl::unexpected(model.error());
-      run.model = std::move(*model);
+      DRIFTWISE_TRY(auto model, stored_model(store, *compensation.model));
+      run.model = std::move(model);
     }
     material.runs.push_back(std::move(run));
   }
@@ -55,9 +50,8 @@ Awaitable<Result<diagnosis::Verification>> CellApplication::verify_runs(
     std::vector<RunId> runs, std::optional<ModelId> range) {
   auto gathering = reader_.call(
       [runs = std::move(runs), range](Store& store) { return gather_runs(store, runs, range); });
-  auto material = co_await std::move(gathering);
-  if (!material) co_return tl::unexpected(material.error());
-  auto shared = std::make_shared<VerifyMaterial>(std::move(*material));
+  DRIFTWISE_CO_TRY(auto material, co_await std::move(gathering));
+  auto shared = std::make_shared<VerifyMaterial>(std::move(material));
   auto verifying = run_on(worker_thread_.executor(), [shared]() {
     return diagnosis::verify_runs(shared->runs, shared->range.get());
   });

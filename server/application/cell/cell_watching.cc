@@ -6,17 +6,16 @@
 
 #include "server/application/cell/cell_application.h"
 #include "server/application/plumbing/spawn.h"
+#include "server/core/try.h"
 #include "server/formats/text/text.h"
 
 namespace driftwise::application {
 
 Awaitable<Result<RecordHead>> CellApplication::record_head() {
   return reader_.call([](Store& store) -> Result<RecordHead> {
-    auto database = store.records().database_id();
-    if (!database) return tl::unexpected(database.error());
-    const auto newest = store.records().newest();
-    if (!newest) return tl::unexpected(newest.error());
-    return RecordHead{std::move(*database), *newest};
+    DRIFTWISE_TRY(auto database, store.records().database_id());
+    DRIFTWISE_TRY(const auto newest, store.records().newest());
+    return RecordHead{std::move(database), newest};
   });
 }
 
@@ -158,13 +157,12 @@ Awaitable<Result<PastTargets>> CellApplication::past_targets(PastTargetsQuery qu
 Awaitable<Result<KeptTrajectory>> CellApplication::keep_trajectory(Caller caller, std::string name,
                                                                    std::string text) {
   auto checking = check_trajectory(text);
-  const auto checked = co_await std::move(checking);
-  if (!checked) co_return tl::unexpected(checked.error());
+  DRIFTWISE_CO_TRY(const auto checked, co_await std::move(checking));
   KeptTrajectory wanted;
   wanted.name = name;
   wanted.text = text;
   wanted.hash = formats::content_hash(text);
-  wanted.rows = static_cast<std::int64_t>(checked->trajectory.points.size());
+  wanted.rows = static_cast<std::int64_t>(checked.trajectory.points.size());
   wanted.created = clock_->now().utc;
   wanted.created_by = caller.name;
   auto storing = writer_.call([wanted](Store& store) { return store.trajectories().keep(wanted); });

@@ -7,6 +7,7 @@
 
 #include "server/application/datasets/extension_preview.h"
 #include "server/core/data/dataset_parts.h"
+#include "server/core/try.h"
 #include "server/formats/cell_file/cell_file.h"
 #include "server/formats/diagnosis/amendment_json.h"
 
@@ -17,11 +18,10 @@ Result<std::vector<PointRecord>> points_of(Store& store, RunId run) {
   constexpr int kPage = 5000;
   std::vector<PointRecord> points;
   for (std::int64_t after = 0;;) {
-    auto page = store.runs().points(run, after, kPage);
-    if (!page) return tl::unexpected(page.error());
-    if (page->empty()) return points;
-    after = page->back().id.value;
-    for (auto& point : *page) points.push_back(std::move(point));
+    DRIFTWISE_TRY(auto page, store.runs().points(run, after, kPage));
+    if (page.empty()) return points;
+    after = page.back().id.value;
+    for (auto& point : page) points.push_back(std::move(point));
   }
 }
 
@@ -30,14 +30,12 @@ Result<std::vector<PointRecord>> points_of(Store& store, RunId run) {
 Result<void> find_origins(Store& store, std::span<const RunId> runs, RunsData& out) {
   std::vector<PointRecord> measured, imported;
   for (const RunId run : runs) {
-    const auto record = store.runs().run(run);
-    if (!record) return tl::unexpected(record.error());
-    auto points = points_of(store, run);
-    if (!points) return tl::unexpected(points.error());
-    const bool is_imported = record->reason == "imported";
-    if (is_imported) std::ranges::sort(*points, {}, &PointRecord::row);
+    DRIFTWISE_TRY(const auto record, store.runs().run(run));
+    DRIFTWISE_TRY(auto points, points_of(store, run));
+    const bool is_imported = record.reason == "imported";
+    if (is_imported) std::ranges::sort(points, {}, &PointRecord::row);
     auto& to = is_imported ? imported : measured;
-    std::ranges::move(*points, std::back_inserter(to));
+    std::ranges::move(points, std::back_inserter(to));
   }
   std::ranges::sort(measured, {}, [](const PointRecord& point) {
     return std::tuple(point.measured.utc, point.id.value);
@@ -75,19 +73,17 @@ void add_parts(Store& store, std::span<const RunId> runs, Dataset& dataset) {
 }  // namespace
 
 Result<RunsData> measured_data(Store& store, std::span<const RunId> runs) {
-  auto dataset = store.runs().dataset(runs);
-  if (!dataset) return tl::unexpected(dataset.error());
-  add_parts(store, runs, *dataset);
-  RunsData out{std::move(*dataset), {}, {}};
-  if (auto ok = find_origins(store, runs, out); !ok) return tl::unexpected(ok.error());
+  DRIFTWISE_TRY(auto dataset, store.runs().dataset(runs));
+  add_parts(store, runs, dataset);
+  RunsData out{std::move(dataset), {}, {}};
+  DRIFTWISE_RETURN_IF_ERROR(find_origins(store, runs, out));
   return out;
 }
 
 Result<std::vector<correction::DataAmendment>> amendments_in_force(Store& store) {
-  const auto records = store.diagnoses().corrections();
-  if (!records) return tl::unexpected(records.error());
+  DRIFTWISE_TRY(const auto records, store.diagnoses().corrections());
   std::vector<correction::DataAmendment> amendments;
-  for (const auto& record : *records) {
+  for (const auto& record : records) {
     if (!record.in_force()) continue;
     auto amendment = formats::read_amendment_json(record.json);
     if (!amendment)
@@ -100,10 +96,9 @@ Result<std::vector<correction::DataAmendment>> amendments_in_force(Store& store)
 }
 
 Result<std::vector<CorrectionId>> corrections_over(Store& store, std::span<const RunId> runs) {
-  const auto records = store.diagnoses().corrections();
-  if (!records) return tl::unexpected(records.error());
+  DRIFTWISE_TRY(const auto records, store.diagnoses().corrections());
   std::vector<CorrectionId> over;
-  for (const auto& record : *records) {
+  for (const auto& record : records) {
     if (!record.in_force()) continue;
     const auto amendment = formats::read_amendment_json(record.json);
     if (!amendment)
@@ -119,25 +114,22 @@ Result<std::vector<CorrectionId>> corrections_over(Store& store, std::span<const
 Result<RunsData> amended_data(Store& store, std::span<const RunId> runs) {
   auto out = measured_data(store, runs);
   if (!out) return out;
-  const auto amendments = amendments_in_force(store);
-  if (!amendments) return tl::unexpected(amendments.error());
-  for (const auto& amendment : *amendments)
-    if (auto ok = correction::amend(amendment, out->origins, out->time_zero, out->data); !ok)
-      return tl::unexpected(ok.error());
+  DRIFTWISE_TRY(const auto amendments, amendments_in_force(store));
+  for (const auto& amendment : amendments)
+    DRIFTWISE_RETURN_IF_ERROR(
+        correction::amend(amendment, out->origins, out->time_zero, out->data));
   return out;
 }
 
 Result<Dataset> amended_dataset(Store& store, std::span<const RunId> runs) {
-  const auto records = store.diagnoses().corrections();
-  if (!records) return tl::unexpected(records.error());
-  if (std::ranges::none_of(*records, &CorrectionRecord::in_force)) {
+  DRIFTWISE_TRY(const auto records, store.diagnoses().corrections());
+  if (std::ranges::none_of(records, &CorrectionRecord::in_force)) {
     auto dataset = store.runs().dataset(runs);  // nothing to lay over: as ever
     if (dataset) add_parts(store, runs, *dataset);
     return dataset;
   }
-  auto amended = amended_data(store, runs);
-  if (!amended) return tl::unexpected(amended.error());
-  return std::move(amended->data);
+  DRIFTWISE_TRY(auto amended, amended_data(store, runs));
+  return std::move(amended.data);
 }
 
 }  // namespace driftwise::application

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "server/application/datasets/amended_dataset.h"
+#include "server/core/try.h"
 #include "server/core/units.h"
 
 namespace driftwise::application {
@@ -24,13 +25,11 @@ std::string nm_text(double nm) {
 
 Result<std::vector<LengthChange>> length_changes(Store& store, RunId run,
                                                  const correction::DataAmendment& amendment) {
-  const auto before = amended_data(store, {&run, 1});
-  if (!before) return tl::unexpected(before.error());
+  DRIFTWISE_TRY(const auto before, amended_data(store, {&run, 1}));
   correction::DataAmendment shifts;
   shifts.shifts = amendment.shifts;
-  Dataset after = before->data;
-  if (auto ok = correction::amend(shifts, before->origins, before->time_zero, after); !ok)
-    return tl::unexpected(ok.error());
+  Dataset after = before.data;
+  DRIFTWISE_RETURN_IF_ERROR(correction::amend(shifts, before.origins, before.time_zero, after));
   std::vector<LengthChange> changes;
   for (std::size_t c = 0; c < after.columns.size(); ++c) {
     const auto& channel = after.columns[c].channel;
@@ -42,13 +41,13 @@ Result<std::vector<LengthChange>> length_changes(Store& store, RunId run,
     double square = 0, count = 0;
     for (std::size_t row = 0; row < after.rows; ++row) {
       const double nm = std::abs(
-          nm_per_unit * (after.columns[c].values[row] - before->data.columns[c].values[row]));
+          nm_per_unit * (after.columns[c].values[row] - before.data.columns[c].values[row]));
       if (!std::isfinite(nm)) continue;
       square += nm * nm, count += 1;
       change.largest_nm = std::max(change.largest_nm, nm);
       if (nm < kSeen_nm || change.rows++ > 0) continue;
-      if (before->time_zero.utc_ns != 0 && !after.time_s.empty())
-        change.from = before->time_zero + nanoseconds_from_s(after.time_s[row]);
+      if (before.time_zero.utc_ns != 0 && !after.time_s.empty())
+        change.from = before.time_zero + nanoseconds_from_s(after.time_s[row]);
     }
     if (change.rows == 0) continue;
     change.rms_nm = std::sqrt(square / count);

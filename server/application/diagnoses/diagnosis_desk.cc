@@ -9,6 +9,7 @@
 
 #include "server/application/plumbing/spawn.h"
 #include "server/application/ports/cell.h"
+#include "server/core/try.h"
 #include "server/diagnosis/separating.h"
 #include "server/formats/diagnosis/separating_text.h"
 #include "server/formats/diagnosis/stored_diagnosis.h"
@@ -55,7 +56,7 @@ struct Outcome {
 };
 Result<Outcome> outcome_of(DiagnosisId id, const Result<diagnosis::Diagnosis>& found,
                            const Dataset& dataset) {
-  if (!found) return tl::unexpected(found.error());
+  DRIFTWISE_RETURN_IF_ERROR(found);
   Outcome outcome;
   outcome.end.extended = found->extended_formula;
   outcome.end.result_json = formats::write_stored_diagnosis(*found);

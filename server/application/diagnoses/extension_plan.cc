@@ -7,6 +7,7 @@
 #include <map>
 
 #include "server/application/diagnoses/instrument_agreement.h"
+#include "server/core/try.h"
 #include "server/core/units.h"
 #include "server/correction/first_conditions.h"
 #include "server/effects/effect.h"
@@ -44,7 +45,7 @@ class Planner {
     plan_.findings = chosen;
     for (const int number : chosen) {
       const auto& finding = found_.findings[static_cast<std::size_t>(number - 1)];
-      if (auto ok = add(number, finding); !ok) return tl::unexpected(ok.error());
+      DRIFTWISE_RETURN_IF_ERROR(add(number, finding));
     }
     for (auto& [run, rows] : rows_out_) {
       std::ranges::sort(rows);
@@ -164,10 +165,10 @@ class Planner {
     if (!axes_.empty()) return {};
     calibration::FitOptions options;
     options.select = calibration::Select::stepwise;
-    const auto model = formats::fit_formula(data_.data, found_.baseline_formula, options);
-    if (!model) return tl::unexpected(model.error());
-    for (const auto& output : model->outputs) outputs_.push_back(output.channel);
-    for (const auto& range : model->domain)
+    DRIFTWISE_TRY(const auto model,
+                  formats::fit_formula(data_.data, found_.baseline_formula, options));
+    for (const auto& output : model.outputs) outputs_.push_back(output.channel);
+    for (const auto& range : model.domain)
       if (is_pose_symbol(range.channel.symbol) && is_length(range.channel.unit) &&
           range.max > range.min)
         axes_.push_back(range.channel.symbol);
@@ -176,9 +177,8 @@ class Planner {
                   fmt::format("the simulation {} reads no measured length: an instrument's error "
                               "cannot be corrected in it",
                               found_.baseline_formula));
-    auto slopes = simulation::motor_slopes(*model, axes_);
-    if (!slopes) return tl::unexpected(slopes.error());
-    slopes_ = std::move(*slopes);
+    DRIFTWISE_TRY(auto slopes, simulation::motor_slopes(model, axes_));
+    slopes_ = std::move(slopes);
     return {};
   }
 

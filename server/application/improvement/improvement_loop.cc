@@ -8,6 +8,7 @@
 #include "server/application/improvement/fresh_points.h"
 #include "server/application/ports/provenance.h"
 #include "server/core/text/quantity_text.h"
+#include "server/core/try.h"
 #include "server/diagnosis/heading.h"
 #include "server/formats/csv/trajectory_csv.h"
 #include "server/formats/model/model_json.h"
@@ -99,7 +100,7 @@ ImprovementLoop::ImprovementLoop(Cell& cell, Clock& clock, Caller caller, Improv
 
 Awaitable<Result<std::string>> ImprovementLoop::carry_out() {
   began_ = cell_.now();
-  if (auto ok = co_await begin(); !ok) co_return tl::unexpected(ok.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await begin());
   while (true) {
     const auto after = co_await take_turn();
     if (!after) {
@@ -107,7 +108,7 @@ Awaitable<Result<std::string>> ImprovementLoop::carry_out() {
       static_cast<void>(co_await keep());
       co_return tl::unexpected(after.error());
     }
-    if (auto ok = co_await keep(); !ok) co_return tl::unexpected(ok.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await keep());
     if (*after == After::end) co_return reason_;
     if (turn_.number >= request_.max_turns) {
       co_return fmt::format("{} turns were made", turn_.number);
@@ -123,10 +124,9 @@ Awaitable<Result<std::string>> ImprovementLoop::carry_out() {
 Awaitable<Result<void>> ImprovementLoop::begin() {
   turn_.started = began_;
   auto checking = cell_.check_trajectory(request_.trajectory_text);
-  auto check = co_await std::move(checking);
-  if (!check) co_return tl::unexpected(check.error());
-  plan_ = std::move(check->trajectory);
-  estimated_s_ = check->estimated_s;
+  DRIFTWISE_CO_TRY(auto check, co_await std::move(checking));
+  plan_ = std::move(check.trajectory);
+  estimated_s_ = check.estimated_s;
   if (!request_.formula.empty()) {
     formula_ = request_.formula;
     co_return Result<void>{};
@@ -135,11 +135,9 @@ Awaitable<Result<void>> ImprovementLoop::begin() {
   if (!model_)
     co_return fail(ErrorCode::failed_precondition, "NO_MODEL",
                    "no formula is given and no model serves: give the first model's formula");
-  const auto record = co_await cell_.model(*model_);
-  if (!record) co_return tl::unexpected(record.error());
-  const auto model = formats::read_model_json(record->json);
-  if (!model) co_return tl::unexpected(model.error());
-  formula_ = model->formula;
+  DRIFTWISE_CO_TRY(const auto record, co_await cell_.model(*model_));
+  DRIFTWISE_CO_TRY(const auto model, formats::read_model_json(record.json));
+  formula_ = model.formula;
   co_return Result<void>{};
 }
 
@@ -147,8 +145,7 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::take_turn() {
   if (runs_.empty()) {
     auto measuring =
         measure(fmt::format("measuring {} points", plan_.points.size()), text_of_repeat(0));
-    const auto run = co_await std::move(measuring);
-    if (!run) co_return tl::unexpected(run.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(measuring));
   }
   if (!model_) {
     hooks_.tell(turn_.number, "fitting the first model");
@@ -157,17 +154,16 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::take_turn() {
     fit.formula = formula_;
     fit.note = fmt::format("of improvement {}", id_.value);
     auto fitting = cell_.fit(caller_, std::move(fit));
-    const auto model = co_await std::move(fitting);
-    if (!model) co_return tl::unexpected(model.error());
-    model_ = model->id;
+    DRIFTWISE_CO_TRY(const auto model, co_await std::move(fitting));
+    model_ = model.id;
     turn_.model = model_;
-    say(fmt::format("fitted model {}: {}", model->id.value, formula_));
+    say(fmt::format("fitted model {}: {}", model.id.value, formula_));
   }
   auto view = co_await diagnose();
-  if (!view) co_return tl::unexpected(view.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(view);
   auto separated = separate(std::move(*view));
   view = co_await std::move(separated);
-  if (!view) co_return tl::unexpected(view.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(view);
   const auto& found = *view->found;
   const auto choice = what_can_be_told(found);
   if (!choice.findings.empty()) co_return co_await extend(*view, choice.findings);
@@ -187,7 +183,7 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::take_turn() {
 }
 
 Awaitable<Result<DiagnosisView>> ImprovementLoop::diagnose() {
-  if (auto ok = check(); !ok) co_return tl::unexpected(ok.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(check());
   hooks_.tell(turn_.number, "diagnosing");
   DiagnosisRequest wanted;
   wanted.runs = runs_;
@@ -195,9 +191,8 @@ Awaitable<Result<DiagnosisView>> ImprovementLoop::diagnose() {
   wanted.model = model_;
   wanted.name = fmt::format("improvement {}, turn {}", id_.value, turn_.number);
   auto creating = cell_.create_diagnosis(caller_, std::move(wanted));
-  const auto created = co_await std::move(creating);
-  if (!created) co_return tl::unexpected(created.error());
-  diagnosis_ = turn_.diagnosis = created->record.id;
+  DRIFTWISE_CO_TRY(const auto created, co_await std::move(creating));
+  diagnosis_ = turn_.diagnosis = created.record.id;
   bool over = false;
   const auto watch = cell_.watch_diagnoses([&](const DiagnosisProgress& progress) {
     if (progress.id != diagnosis_) return;
@@ -207,14 +202,14 @@ Awaitable<Result<DiagnosisView>> ImprovementLoop::diagnose() {
     else
       hooks_.tell(turn_.number, "diagnosing: " + progress.step);
   });
-  auto view = co_await cell_.diagnosis(created->record.id);
+  auto view = co_await cell_.diagnosis(created.record.id);
   while (view && view->record.state == JobState::running && !stopping_) {
     if (!over) co_await wake_.wait();
-    view = co_await cell_.diagnosis(created->record.id);
+    view = co_await cell_.diagnosis(created.record.id);
   }
   diagnosis_.reset();
   if (!view) co_return view;
-  if (auto ok = check(); !ok) co_return tl::unexpected(ok.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(check());
   if (view->record.state != JobState::done || !view->found)
     co_return fail(ErrorCode::failed_precondition, "DIAGNOSIS_FAILED",
                    fmt::format("diagnosis {} is {}: {}", view->record.id.value,
@@ -234,14 +229,13 @@ Awaitable<Result<DiagnosisView>> ImprovementLoop::separate(DiagnosisView view) {
   say(fmt::format("{}: measured what separates them", choice.undecided));
   auto measuring =
       measure("measuring what separates " + choice.undecided, experiment->trajectory_csv);
-  const auto run = co_await std::move(measuring);
-  if (!run) co_return tl::unexpected(run.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(measuring));
   co_return co_await diagnose();
 }
 
 Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::extend(const DiagnosisView& view,
                                                                   std::vector<int> findings) {
-  if (auto ok = check(); !ok) co_return tl::unexpected(ok.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(check());
   hooks_.tell(turn_.number, "extending");
   auto choosing = acceptable(view, std::move(findings));
   findings = co_await std::move(choosing);
@@ -253,21 +247,18 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::extend(const Diagnosi
   wanted.diagnosis = view.record.id;
   wanted.findings = findings;
   auto accepting = cell_.accept_extension(caller_, std::move(wanted));
-  const auto extension = co_await std::move(accepting);
-  if (!extension) co_return tl::unexpected(extension.error());
+  DRIFTWISE_CO_TRY(const auto extension, co_await std::move(accepting));
   for (const int number : findings)
     say(view.found->findings[static_cast<std::size_t>(number - 1)].sentence);
   turn_.gains = promised_gains(*view.found);
-  if (extension->model) {
-    const auto record = co_await cell_.model(*extension->model);
-    if (!record) co_return tl::unexpected(record.error());
-    const auto model = formats::read_model_json(record->json);
-    if (!model) co_return tl::unexpected(model.error());
-    formula_ = model->formula;
-    turn_.model = extension->model;
+  if (extension.model) {
+    DRIFTWISE_CO_TRY(const auto record, co_await cell_.model(*extension.model));
+    DRIFTWISE_CO_TRY(const auto model, formats::read_model_json(record.json));
+    formula_ = model.formula;
+    turn_.model = extension.model;
   }
-  if (auto ok = co_await keep(); !ok) co_return tl::unexpected(ok.error());
-  co_return co_await measure_again(*extension);
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await keep());
+  co_return co_await measure_again(extension);
 }
 
 // Those that would be accepted each by itself; why not, of the others, is said.
@@ -306,28 +297,24 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::measure_again(
   ++repeats_;
   auto measuring = measure(fmt::format("measuring {} fresh points", plan_.points.size()),
                            text_of_repeat(repeats_));
-  const auto run = co_await std::move(measuring);
-  if (!run) co_return tl::unexpected(run.error());
+  DRIFTWISE_CO_TRY(const auto run, co_await std::move(measuring));
   if (!before || !model_) {
-    say(fmt::format("measured again, run {}", run->id.value));
+    say(fmt::format("measured again, run {}", run.id.value));
     co_return After::next_turn;
   }
-  const auto by_before = co_await errors_on(*before, run->id);
-  if (!by_before) co_return tl::unexpected(by_before.error());
-  const auto by_after = co_await errors_on(*model_, run->id);
-  if (!by_after) co_return tl::unexpected(by_after.error());
+  DRIFTWISE_CO_TRY(const auto by_before, co_await errors_on(*before, run.id));
+  DRIFTWISE_CO_TRY(const auto by_after, co_await errors_on(*model_, run.id));
   for (auto& gain : turn_.gains) {
-    gain.measured_before = fresh_figures(*by_before, gain.output);
-    gain.measured = fresh_figures(*by_after, gain.output);
+    gain.measured_before = fresh_figures(by_before, gain.output);
+    gain.measured = fresh_figures(by_after, gain.output);
   }
   const FreshVerdict verdict = judge_fresh(turn_.gains);
   say(fmt::format("A90 on fresh points, run {}, by the model before and by the new one: {}",
-                  run->id.value, verdict.measured));
+                  run.id.value, verdict.measured));
   if (verdict.judged && verdict.better && verdict.worse.empty()) co_await promote_proven();
   if (!verdict.judged || (verdict.better && verdict.worse.empty())) co_return After::next_turn;
   auto undoing = cell_.undo_extension(caller_, extension.diagnosis);
-  const auto undone = co_await std::move(undoing);
-  if (!undone) co_return tl::unexpected(undone.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(undoing));
   reason_ = verdict.worse.empty()
                 ? fmt::format("fresh points do not show the gain of diagnosis {}: it was undone",
                               extension.diagnosis.value)
@@ -356,7 +343,7 @@ Awaitable<Result<ModelCheck>> ImprovementLoop::errors_on(ModelId model, RunId ru
 
 Awaitable<Result<RunRecord>> ImprovementLoop::measure(std::string what,
                                                       std::string trajectory_text) {
-  if (auto ok = check(); !ok) co_return tl::unexpected(ok.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(check());
   hooks_.tell(turn_.number, what);
   CreateRun wanted;
   wanted.name = fmt::format("improvement {}, turn {}", id_.value, turn_.number);
@@ -369,7 +356,7 @@ Awaitable<Result<RunRecord>> ImprovementLoop::measure(std::string what,
   if (!run) co_return run;
   run_ = run->id;
   turn_.runs.push_back(run->id);
-  if (auto ok = co_await keep(); !ok) co_return tl::unexpected(ok.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await keep());
   std::optional<RunRecord> ended;
   const auto watch = cell_.watch_progress([&](const RunProgress& progress) {
     if (progress.run.id != run_) return;
@@ -387,7 +374,7 @@ Awaitable<Result<RunRecord>> ImprovementLoop::measure(std::string what,
     while (!ended && !stopping_ && cell_.now() < until) co_await sleep_unless(clock_, until, wake_);
   }
   run_.reset();
-  if (auto ok = check(); !ok) co_return tl::unexpected(ok.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(check());
   if (ended->state != RunState::done)
     co_return fail(
         ErrorCode::aborted, "RUN_ENDED_EARLY",

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "server/core/data/dataset_parts.h"
+#include "server/core/try.h"
 #include "server/diagnosis/rows_needed.h"
 #include "server/formats/formula/formula.h"
 
@@ -39,9 +40,8 @@ Dataset declared_channels(const CellDescription& cell) {
 
 Result<void> check_plan_rows(const CellDescription& cell, const Trajectory& plan,
                              const std::string& text) {
-  const auto formula = formats::Formula::parse(text);
-  if (!formula) return tl::unexpected(formula.error());
-  const auto candidates = formula->expand(declared_channels(cell));
+  DRIFTWISE_TRY(const auto formula, formats::Formula::parse(text));
+  const auto candidates = formula.expand(declared_channels(cell));
   if (!candidates) return {};
   const auto of = [&plan](PointSet set) {
     return static_cast<std::size_t>(std::ranges::count(plan.points, set, &TrajectoryPoint::set));

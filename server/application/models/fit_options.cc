@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "server/application/plumbing/fit_threads.h"
+#include "server/core/try.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/formula/formula.h"
 #include "server/formats/model/model_json.h"
@@ -16,9 +17,8 @@ namespace {
 
 Result<void> parse_terms(const std::vector<std::string>& texts, std::vector<effects::Term>& out) {
   for (const auto& text : texts) {
-    auto term = formats::parse_term(text);
-    if (!term) return tl::unexpected(term.error());
-    out.push_back(std::move(*term));
+    DRIFTWISE_TRY(auto term, formats::parse_term(text));
+    out.push_back(std::move(term));
   }
   return {};
 }
@@ -43,10 +43,8 @@ Result<calibration::FitOptions> fit_options_from(const FitRequest& request, cons
   options.hierarchy = request.hierarchy;
   options.starts = request.starts;
   options.seed = request.seed;
-  if (auto ok = parse_terms(request.force_terms, options.forced); !ok)
-    return tl::unexpected(ok.error());
-  if (auto ok = parse_terms(request.without_terms, options.excluded); !ok)
-    return tl::unexpected(ok.error());
+  DRIFTWISE_RETURN_IF_ERROR(parse_terms(request.force_terms, options.forced));
+  DRIFTWISE_RETURN_IF_ERROR(parse_terms(request.without_terms, options.excluded));
   options.exclude_channels = request.exclude_channels;
   options.weight_symbol = request.weight_symbol;
   options.first_rows = request.first_rows;
@@ -67,16 +65,14 @@ Result<calibration::FitOptions> fit_options_from(const FitRequest& request, cons
 
 Result<ModelRecord> fit_record(const Dataset& dataset, const FitRequest& request,
                                const std::string& source) {
-  auto options = fit_options_from(request, dataset, source);
-  if (!options) return tl::unexpected(options.error());
-  auto model = formats::fit_formula(dataset, request.formula, std::move(*options));
-  if (!model) return tl::unexpected(model.error());
+  DRIFTWISE_TRY(auto options, fit_options_from(request, dataset, source));
+  DRIFTWISE_TRY(auto model, formats::fit_formula(dataset, request.formula, std::move(options)));
   ModelRecord record;
-  record.name = request.name.empty() ? model->formula : request.name;
+  record.name = request.name.empty() ? model.formula : request.name;
   record.note = request.note;
-  record.json = formats::write_model_json(*model);
-  record.hash = formats::model_hash(*model);
-  record.parent = model->lineage.parent;
+  record.json = formats::write_model_json(model);
+  record.hash = formats::model_hash(model);
+  record.parent = model.lineage.parent;
   return record;
 }
 

@@ -6,6 +6,7 @@
 #include "server/calibration/linear/rank.h"
 #include "server/calibration/linear/row_reduction.h"
 #include "server/core/data/unusable_values.h"
+#include "server/core/try.h"
 #include "server/effects/term_order.h"
 #include "server/formats/formula/formula.h"
 
@@ -45,22 +46,18 @@ void count_rank(const calibration::Design& design, FormulaCheck& check) {
 
 Result<void> look(const Dataset& dataset, const FitRequest& request, FormulaCheck& check) {
   if (const auto usable = without_unusable(dataset)) return look(usable->data, request, check);
-  auto options = fit_options_from(request, dataset, "");
-  if (!options) return tl::unexpected(options.error());
-  const auto formula = formats::Formula::parse(request.formula);
-  if (!formula) return tl::unexpected(formula.error());
-  check.canonical = formula->canonical();
-  auto candidates = formula->expand(dataset);
-  if (!candidates) return tl::unexpected(candidates.error());
-  check.outputs = candidates->outputs;
-  for (const auto& term : candidates->terms) check.terms.push_back(effects::notation(term));
-  options->candidates = std::move(*candidates);
-  const auto design = calibration::make_design(dataset, *options);
-  if (!design) return tl::unexpected(design.error());
-  check.calibration = design->row_count();
-  check.validation = design->validation;
-  check.dropped = design->dropped;
-  count_rank(*design, check);
+  DRIFTWISE_TRY(auto options, fit_options_from(request, dataset, ""));
+  DRIFTWISE_TRY(const auto formula, formats::Formula::parse(request.formula));
+  check.canonical = formula.canonical();
+  DRIFTWISE_TRY(auto candidates, formula.expand(dataset));
+  check.outputs = candidates.outputs;
+  for (const auto& term : candidates.terms) check.terms.push_back(effects::notation(term));
+  options.candidates = std::move(candidates);
+  DRIFTWISE_TRY(const auto design, calibration::make_design(dataset, options));
+  check.calibration = design.row_count();
+  check.validation = design.validation;
+  check.dropped = design.dropped;
+  count_rank(design, check);
   return {};
 }
 

@@ -11,6 +11,7 @@
 #include "server/application/motion/start_checks.h"
 #include "server/application/plumbing/crash_point.h"
 #include "server/application/recording/doubts.h"
+#include "server/core/try.h"
 #include "server/core/units.h"
 
 namespace driftwise::application {
@@ -23,7 +24,7 @@ Awaitable<Result<void>> stand_at_zero(RunScope& scope, const std::string& reason
        arrival && arrival->trouble != Trouble::none && again < scope.rules.max_reapproaches;
        ++again)
     arrival = co_await go_to(scope, zero_mm, "zero: " + reason);
-  if (!arrival) co_return tl::unexpected(arrival.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(arrival);
   if (arrival->trouble != Trouble::none)
     co_return fail(ErrorCode::failed_precondition, "ZERO_NOT_REACHED",
                    "at the zero: " + arrival->sentence);
@@ -161,10 +162,9 @@ Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening)
   auto& bench = scope.bench;
   bench.doubts
       .forget_datum();  // what the instruments show until they are zeroed counts from elsewhere
-  if (auto ok = co_await make_homed(scope, opening.home); !ok) co_return tl::unexpected(ok.error());
-  if (auto ok = co_await stand_at_zero(scope, opening.reason); !ok)
-    co_return tl::unexpected(ok.error());
-  if (auto ok = co_await check_stabilisers(scope); !ok) co_return tl::unexpected(ok.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await make_homed(scope, opening.home));
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await stand_at_zero(scope, opening.reason));
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await check_stabilisers(scope));
 
   // A lost beam fails here with BEAM_LOST: then there is no old zero to compare with, and zeroing
   // brings it back.
@@ -172,30 +172,26 @@ Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening)
   const bool beam_was_lost = !old_zero && old_zero.error().reason == "BEAM_LOST";
   if (!old_zero && !beam_was_lost) co_return tl::unexpected(old_zero.error());
   if (opening.check_drift && !beam_was_lost)
-    if (auto ok = co_await check_drift(scope); !ok) co_return tl::unexpected(ok.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await check_drift(scope));
 
   scope.phase("zeroing");
   if (!beam_was_lost) {  // again, as close to the zeroing as can be
     old_zero = co_await take_readings(scope, scope.rules.readings_per_point);
-    if (!old_zero) co_return tl::unexpected(old_zero.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(old_zero);
   }
   for (std::size_t i = 0; i < bench.devices.interferometers(); ++i)
-    if (auto ok = co_await bench.devices.zero_interferometer(i); !ok)
-      co_return tl::unexpected(ok.error());
-  auto new_zero = co_await take_readings(scope, scope.rules.readings_per_point);
-  if (!new_zero) co_return tl::unexpected(new_zero.error());
-  if (auto good = bench.doubts.check_zero(new_zero->raw); !good)
-    co_return tl::unexpected(good.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await bench.devices.zero_interferometer(i));
+  DRIFTWISE_CO_TRY(auto new_zero, co_await take_readings(scope, scope.rules.readings_per_point));
+  DRIFTWISE_CO_RETURN_IF_ERROR(bench.doubts.check_zero(new_zero.raw));
 
-  DatumRecord datum{{}, scope.run, new_zero->measured, opening.reason, {}};
-  add_zero_of_scale(datum.values, bench.description, *new_zero);
+  DatumRecord datum{{}, scope.run, new_zero.measured, opening.reason, {}};
+  add_zero_of_scale(datum.values, bench.description, new_zero);
   if (old_zero)
     for (const auto& mean : old_zero->means)
       if (!is_angle_of(bench.description, mean.channel)) datum.values.push_back(mean);
-  add_slow_of_zero(datum.values, scope, *new_zero);
-  auto slow = co_await join_when_scanned(scope, datum.opened.utc);
-  if (!slow) co_return tl::unexpected(slow.error());
-  datum.values.insert(datum.values.end(), slow->begin(), slow->end());
+  add_slow_of_zero(datum.values, scope, new_zero);
+  DRIFTWISE_CO_TRY(auto slow, co_await join_when_scanned(scope, datum.opened.utc));
+  datum.values.insert(datum.values.end(), slow.begin(), slow.end());
   if (old_zero) compare(bench.description, opening, *old_zero, datum, bench.events);
 
   auto storing = bench.writer.call([datum](Store& store) {
@@ -204,9 +200,8 @@ Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening)
     if (stored) crash_point("after_datum_commit");
     return stored;
   });
-  auto id = co_await std::move(storing);
-  if (!id) co_return tl::unexpected(id.error());
-  datum.id = *id;
+  DRIFTWISE_CO_TRY(auto id, co_await std::move(storing));
+  datum.id = id;
   bench.doubts.take_datum(datum);
   bench.events.record_own("datum.opened",
                           fmt::format("datum {}: {}", datum.id.value, opening.reason), scope.run);

@@ -1,5 +1,7 @@
 #include "server/application/motion/joining.h"
 
+#include "server/core/try.h"
+
 namespace driftwise::application {
 
 Result<std::vector<ChannelValue>> join_slow_channels(const CellDescription& description,
@@ -7,9 +9,8 @@ Result<std::vector<ChannelValue>> join_slow_channels(const CellDescription& desc
                                                      CellTime instant, double max_age_s) {
   std::vector<ChannelValue> values;
   for (const auto& channel : description.temperature_channels()) {
-    const auto joined = history.at(channel.name(), instant, max_age_s);
-    if (!joined) return tl::unexpected(joined.error());
-    values.push_back({channel.name(), joined->value});
+    DRIFTWISE_TRY(const auto joined, history.at(channel.name(), instant, max_age_s));
+    values.push_back({channel.name(), joined.value});
   }
   for (const auto& latest : history.latest()) {
     const auto* device = description.find_device(latest.device);
@@ -29,7 +30,7 @@ Awaitable<Result<std::vector<ChannelValue>>> join_when_scanned(RunScope& scope, 
     auto joined = join_slow_channels(scope.bench.description, scope.bench.recorder.history(),
                                      instant, max_age_s);
     if (joined || scope.bench.clock.now().utc > limit) co_return joined;
-    if (auto ok = scope.control.check(); !ok) co_return tl::unexpected(ok.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(scope.control.check());
     scope.phase("waiting for the next temperature scan");
     co_await scope.bench.recorder.next_reading_until(limit + std::chrono::milliseconds(1));
   }

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "server/application/ports/cell.h"
+#include "server/core/try.h"
 
 namespace driftwise::application {
 namespace {
@@ -38,7 +39,7 @@ Result<Lease> LeaseBook::take(const Caller& caller, Nanoseconds duration, const 
         fmt::format("a lease of {:g} s was asked for: it lasts 1 s to 3600 s and may be renewed",
                     seconds_from(duration)));
   if (!token.empty()) {
-    if (auto ok = check(token, now); !ok) return tl::unexpected(ok.error());
+    DRIFTWISE_RETURN_IF_ERROR(check(token, now));
     entry_->lease.until = now + duration;
     return entry_->lease;
   }

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "server/core/try.h"
+
 namespace driftwise::application {
 namespace {
 
@@ -37,9 +39,8 @@ Result<void> check_force(const CellDescription& description, double force_n) {
 
 Awaitable<Result<void>> Loading::look(DeviceBench& devices) {
   if (!devices.has_load()) co_return Result<void>{};
-  const auto state = co_await devices.load_state();
-  if (!state) co_return tl::unexpected(state.error());
-  if (state->resting) know(state->force_n);
+  DRIFTWISE_CO_TRY(const auto state, co_await devices.load_state());
+  if (state.resting) know(state.force_n);
   co_return Result<void>{};
 }
 
@@ -64,17 +65,16 @@ Awaitable<Result<void>> Loading::by_actuator(RunScope& scope, double force_n) {
   if (auto ok = co_await devices.set_load(force_n); !ok) co_return ok;
   const auto limit = scope.bench.clock.now().utc + nanoseconds_from_s(kSlowest_s);
   while (true) {
-    const auto state = co_await devices.load_state();
-    if (!state) co_return tl::unexpected(state.error());
-    if (state->resting && std::abs(state->force_n - force_n) <= kNearestForce_n) {
-      know(state->force_n);
+    DRIFTWISE_CO_TRY(const auto state, co_await devices.load_state());
+    if (state.resting && std::abs(state.force_n - force_n) <= kNearestForce_n) {
+      know(state.force_n);
       // It may be a while until the actuator is read again.
       if (const auto force = scope.bench.description.force_channel())
         scope.bench.recorder.observe(
             JudgedReading{Reading{.device = devices.load_description().id,
-                                  .start = state->at,
-                                  .end = state->at,
-                                  .values = {{force->name(), state->force_n}}},
+                                  .start = state.at,
+                                  .end = state.at,
+                                  .values = {{force->name(), state.force_n}}},
                           {}});
       co_return Result<void>{};
     }
@@ -83,7 +83,7 @@ Awaitable<Result<void>> Loading::by_actuator(RunScope& scope, double force_n) {
           ErrorCode::deadline_exceeded, "LOAD_SLOW",
           fmt::format("{} was asked for {:g} N and is at {:g} N after {:g} s: look at "
                       "its pan and pulleys",
-                      devices.load_description().id, force_n, state->force_n, kSlowest_s));
+                      devices.load_description().id, force_n, state.force_n, kSlowest_s));
     if (auto ok = co_await scope.sleep_s(kLoadPoll_s); !ok) co_return ok;
   }
 }

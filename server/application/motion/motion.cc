@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "server/application/recording/doubts.h"
+#include "server/core/try.h"
 #include "server/core/units.h"
 
 namespace driftwise::application {
@@ -55,16 +56,15 @@ class QuietWindow {
 Awaitable<Result<Arrival>> wait_in_position(RunScope& scope, const std::vector<double>& q_mm) {
   const auto limit = scope.bench.clock.now().utc + nanoseconds_from_s(scope.rules.move_timeout_s);
   while (true) {
-    auto state = co_await scope.bench.devices.motion_state();
-    if (!state) co_return tl::unexpected(state.error());
-    if (auto ok = scope.control.check(); !ok) co_return tl::unexpected(ok.error());
-    const double off_nm = largest_distance_nm(state->q_mm, q_mm);
+    DRIFTWISE_CO_TRY(auto state, co_await scope.bench.devices.motion_state());
+    DRIFTWISE_CO_RETURN_IF_ERROR(scope.control.check());
+    const double off_nm = largest_distance_nm(state.q_mm, q_mm);
     const auto now = scope.bench.clock.now();
-    if (!state->moving && state->on_target && off_nm <= scope.rules.in_position_nm) {
+    if (!state.moving && state.on_target && off_nm <= scope.rules.in_position_nm) {
       scope.bench.doubts.readback_is_good();
       co_return Arrival{Trouble::none, "", now};
     }
-    if (now.utc > limit && !state->moving && state->on_target) {
+    if (now.utc > limit && !state.moving && state.on_target) {
       // No servo that holds badly is so far away: then the run waits.
       constexpr double kFarAway = 10;
       const auto off = scope.bench.doubts.readback_is_off(
@@ -78,11 +78,11 @@ Awaitable<Result<Arrival>> wait_in_position(RunScope& scope, const std::vector<d
           Trouble::not_settled,
           fmt::format("{:.0f} nm from the commanded position after {:g} s, limit {:g} nm{}", off_nm,
                       scope.rules.move_timeout_s, scope.rules.in_position_nm,
-                      state->moving      ? ", still moving"
-                      : state->on_target ? ""
-                                         : ", not on target"),
+                      state.moving      ? ", still moving"
+                      : state.on_target ? ""
+                                        : ", not on target"),
           now};
-    if (auto ok = co_await scope.sleep_s(kPoll_s); !ok) co_return tl::unexpected(ok.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await scope.sleep_s(kPoll_s));
   }
 }
 
@@ -94,9 +94,8 @@ Awaitable<Result<Arrival>> wait_quiet(RunScope& scope, Arrival arrival) {
   const double poll_s = std::max(0.05, scope.rules.settle_s / 8);
   QuietWindow window(scope.rules.settle_s);
   while (true) {
-    auto state = co_await scope.bench.devices.motion_state();
-    if (!state) co_return tl::unexpected(state.error());
-    window.add(*state);
+    DRIFTWISE_CO_TRY(auto state, co_await scope.bench.devices.motion_state());
+    window.add(state);
     if (window.full()) {
       const double peak_to_peak_nm = window.peak_to_peak_nm();
       if (peak_to_peak_nm <= scope.rules.quiet_nm) co_return arrival;
@@ -107,7 +106,7 @@ Awaitable<Result<Arrival>> wait_quiet(RunScope& scope, Arrival arrival) {
         co_return arrival;
       }
     }
-    if (auto ok = co_await scope.sleep_s(poll_s); !ok) co_return tl::unexpected(ok.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await scope.sleep_s(poll_s));
   }
 }
 
@@ -140,16 +139,13 @@ Result<void> check_soft_limits(const CellDescription& description,
 }
 
 Awaitable<Result<Arrival>> go_to(RunScope& scope, std::vector<double> q_mm, std::string cause) {
-  if (auto ok = check_soft_limits(scope.bench.description, q_mm); !ok)
-    co_return tl::unexpected(ok.error());
-  if (auto ok = scope.control.check(); !ok) co_return tl::unexpected(ok.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(check_soft_limits(scope.bench.description, q_mm));
+  DRIFTWISE_CO_RETURN_IF_ERROR(scope.control.check());
   scope.phase("moving");
-  const auto from = co_await scope.bench.devices.motion_state();
-  if (!from) co_return tl::unexpected(from.error());
+  DRIFTWISE_CO_TRY(const auto from, co_await scope.bench.devices.motion_state());
   scope.bench.writer.add(
-      MoveRecord{scope.run, scope.bench.clock.now(), from->q_mm, q_mm, std::move(cause)});
-  if (auto ok = co_await scope.bench.devices.start_move(q_mm); !ok)
-    co_return tl::unexpected(ok.error());
+      MoveRecord{scope.run, scope.bench.clock.now(), from.q_mm, q_mm, std::move(cause)});
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await scope.bench.devices.start_move(q_mm));
   auto arrival = co_await wait_in_position(scope, q_mm);
   if (!arrival || arrival->trouble != Trouble::none) co_return arrival;
   scope.phase("settling");

@@ -6,6 +6,7 @@
 
 #include "server/application/motion/point_decision.h"
 #include "server/application/recording/doubts.h"
+#include "server/core/try.h"
 #include "server/core/units.h"
 
 namespace driftwise::application {
@@ -104,21 +105,19 @@ void show_pose(RunScope& scope, const std::vector<JudgedReading>& round, std::in
 
 Awaitable<Result<void>> look_at_pose(RunScope& scope) {
   auto& bench = scope.bench;
-  auto state = co_await bench.devices.motion_state();
-  if (!state) co_return tl::unexpected(state.error());
-  auto round = co_await bench.devices.read_pose_instruments();
-  if (!round) co_return tl::unexpected(round.error());
+  DRIFTWISE_CO_TRY(auto state, co_await bench.devices.motion_state());
+  DRIFTWISE_CO_TRY(auto round, co_await bench.devices.read_pose_instruments());
   std::vector<ChannelValue> raw;
-  for (const auto& reading : *round) {
+  for (const auto& reading : round) {
     bench.recorder.observe(reading);
     for (const auto& value : reading.values)
       if (!is_missing(value.value)) raw.push_back(value);
   }
-  if (auto good = bench.doubts.check_round(*round, state->q_mm); !good) {
-    for (auto& reading : *round) bench.writer.add(std::move(reading));
+  if (auto good = bench.doubts.check_round(round, state.q_mm); !good) {
+    for (auto& reading : round) bench.writer.add(std::move(reading));
     co_return good;
   }
-  co_return bench.doubts.check_pose(bench.pose.pose(raw), state->q_mm);
+  co_return bench.doubts.check_pose(bench.pose.pose(raw), state.q_mm);
 }
 
 Awaitable<Result<Sampling>> take_readings(RunScope& scope, int count,
@@ -128,28 +127,26 @@ Awaitable<Result<Sampling>> take_readings(RunScope& scope, int count,
   Sampling sampling;
   std::optional<CellTime> first, last;
   for (int k = 0; k <= count; ++k) {
-    const auto state = co_await devices.motion_state();
-    if (!state) co_return tl::unexpected(state.error());
+    DRIFTWISE_CO_TRY(const auto state, co_await devices.motion_state());
     sampling.readings.push_back(
-        readback(scope.bench.description, devices.controller_description(), *state, k));
+        readback(scope.bench.description, devices.controller_description(), state, k));
     // The last look at the axes decides too: they may have moved during the last reading.
-    if (auto ok = scope.control.check(); !ok) co_return tl::unexpected(ok.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(scope.control.check());
     if (k == count) break;
-    auto round = co_await devices.read_pose_instruments();
-    if (!round) co_return tl::unexpected(round.error());
-    for (const auto& reading : *round) {
+    DRIFTWISE_CO_TRY(auto round, co_await devices.read_pose_instruments());
+    for (const auto& reading : round) {
       if (!first || reading.middle() < *first) first = reading.middle();
       if (!last || reading.middle() > *last) last = reading.middle();
       scope.bench.recorder.observe(reading);
     }
-    const auto good = scope.bench.doubts.check_round(*round, state->q_mm);
-    if (good) show_pose(scope, *round, k);
-    for (auto& reading : *round) sampling.readings.push_back(std::move(reading));
+    const auto good = scope.bench.doubts.check_round(round, state.q_mm);
+    if (good) show_pose(scope, round, k);
+    for (auto& reading : round) sampling.readings.push_back(std::move(reading));
     if (!good) {
       keep(scope, sampling);
       co_return tl::unexpected(good.error());
     }
-    if (auto ok = scope.control.check(); !ok) co_return tl::unexpected(ok.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(scope.control.check());
   }
   summarise(scope.bench.description, sampling);
   gate_readback(scope.bench.description, commanded_mm, sampling);

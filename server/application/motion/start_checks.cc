@@ -9,6 +9,7 @@
 #include "server/application/motion/joining.h"
 #include "server/application/motion/zero_shift.h"
 #include "server/application/recording/doubts.h"
+#include "server/core/try.h"
 #include "server/core/units.h"
 
 namespace driftwise::application {
@@ -41,25 +42,22 @@ std::string stabiliser_trouble(const RunScope& scope, std::size_t i) {
 // own wander is taken out.
 Awaitable<Result<std::vector<double>>> zeros_now_nm(RunScope& scope) {
   const auto& description = scope.bench.description;
-  auto state = co_await scope.bench.devices.motion_state();
-  if (!state) co_return tl::unexpected(state.error());
+  DRIFTWISE_CO_TRY(auto state, co_await scope.bench.devices.motion_state());
   std::vector<double> zeros;
   for (std::size_t i = 0; i < scope.bench.devices.interferometers(); ++i) {
-    auto reading = co_await scope.bench.devices.read_interferometer(i);
-    if (!reading) co_return tl::unexpected(reading.error());
-    scope.bench.recorder.observe(*reading);
-    if (!reading->rejected.empty())
-      co_return fail(ErrorCode::failed_precondition, kImplausible,
-                     reading->rejected.front().reason);
+    DRIFTWISE_CO_TRY(auto reading, co_await scope.bench.devices.read_interferometer(i));
+    scope.bench.recorder.observe(reading);
+    if (!reading.rejected.empty())
+      co_return fail(ErrorCode::failed_precondition, kImplausible, reading.rejected.front().reason);
     const auto& length = scope.bench.devices.interferometer_description(i).length;
-    const double* x_mm = length ? reading->find(length->name()) : nullptr;
+    const double* x_mm = length ? reading.find(length->name()) : nullptr;
     if (!x_mm)
       co_return fail(ErrorCode::data_loss, "NO_LENGTH",
-                     fmt::format("{} gave no length", reading->device));
+                     fmt::format("{} gave no length", reading.device));
     zeros.push_back(nm_from_mm(*x_mm));
   }
-  if (zeros.size() == 1 && description.motor_channels().size() == 1 && !state->q_mm.empty())
-    zeros.front() -= nm_from_mm(state->q_mm.front());
+  if (zeros.size() == 1 && description.motor_channels().size() == 1 && !state.q_mm.empty())
+    zeros.front() -= nm_from_mm(state.q_mm.front());
   co_return zeros;
 }
 
@@ -72,11 +70,10 @@ Awaitable<Result<double>> measure_drift(RunScope& scope) {
   const auto begin = scope.bench.clock.now().utc;
   for (int k = 0; k < kSamples; ++k) {
     const auto due = begin + nanoseconds_from_s(window_s * k / (kSamples - 1));
-    if (auto ok = co_await scope.sleep_until(due); !ok) co_return tl::unexpected(ok.error());
-    const auto zeros = co_await zeros_now_nm(scope);
-    if (!zeros) co_return tl::unexpected(zeros.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await scope.sleep_until(due));
+    DRIFTWISE_CO_TRY(const auto zeros, co_await zeros_now_nm(scope));
     times_s.push_back(seconds_from(scope.bench.clock.now().utc - begin));
-    for (std::size_t i = 0; i < zeros->size(); ++i) zeros_nm[i].push_back((*zeros)[i]);
+    for (std::size_t i = 0; i < zeros.size(); ++i) zeros_nm[i].push_back(zeros[i]);
   }
   std::vector<double> drifts;
   for (const auto& zeros : zeros_nm) drifts.push_back(drift_nm_per_min(times_s, zeros));
@@ -139,11 +136,10 @@ Awaitable<Result<void>> check_drift(RunScope& scope) {
   bool waiting = false;
   while (true) {
     scope.phase("measuring the drift at rest");
-    const auto drift = co_await measure_drift(scope);
-    if (!drift) co_return tl::unexpected(drift.error());
-    if (std::abs(*drift) <= limit) break;
+    DRIFTWISE_CO_TRY(const auto drift, co_await measure_drift(scope));
+    if (std::abs(drift) <= limit) break;
     const auto trouble =
-        fmt::format("the zero drifts by {:+.0f} nm/min at rest, limit {:g} nm/min", *drift, limit);
+        fmt::format("the zero drifts by {:+.0f} nm/min at rest, limit {:g} nm/min", drift, limit);
     const double waited_s = seconds_from(scope.bench.clock.now().utc - begin);
     if (waited_s > scope.bench.description.checks.stabiliser_wait_s)
       co_return fail(
@@ -161,9 +157,8 @@ Awaitable<Result<void>> check_drift(RunScope& scope) {
 }
 
 Awaitable<Result<void>> make_homed(RunScope& scope, bool in_any_case) {
-  const auto state = co_await scope.bench.devices.motion_state();
-  if (!state) co_return tl::unexpected(state.error());
-  if (state->referenced && !in_any_case) co_return Result<void>{};
+  DRIFTWISE_CO_TRY(const auto state, co_await scope.bench.devices.motion_state());
+  if (state.referenced && !in_any_case) co_return Result<void>{};
   if (auto ok = scope.control.check(); !ok) co_return ok;
   scope.phase("homing");
   co_return co_await scope.bench.devices.home();

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "server/core/try.h"
+
 namespace driftwise::application {
 namespace {
 
@@ -34,25 +36,22 @@ std::vector<formats::ConfigurationChange> touching(
 Result<ConfigurationBook> ConfigurationBook::open(Store& writing, const CellDescription& cell,
                                                   const std::string& version, Stamp now) {
   ConfigurationBook book;
-  const auto before = writing.configurations().accepted_hash();
-  if (!before) return tl::unexpected(before.error());
+  DRIFTWISE_TRY(const auto before, writing.configurations().accepted_hash());
   ConfigurationStart start;
   start.hash = cell.hash;
   start.version = version;
   start.at = now;
-  if (*before) {
-    start.before_hash = **before;
-    if (**before != cell.hash) {
-      const auto text = writing.configurations().text(**before);
-      if (!text) return tl::unexpected(text.error());
-      book.changes_ = formats::cell_file_difference(*text, cell);
+  if (before) {
+    start.before_hash = *before;
+    if (*before != cell.hash) {
+      DRIFTWISE_TRY(const auto text, writing.configurations().text(*before));
+      book.changes_ = formats::cell_file_difference(text, cell);
     }
   }
   start.asks = formats::any_asks(book.changes_);
   start.changes_json = formats::write_changes_json(book.changes_);
-  auto stored = writing.configurations().begin(start, cell.text);
-  if (!stored) return tl::unexpected(stored.error());
-  book.start_ = std::move(*stored);
+  DRIFTWISE_TRY(auto stored, writing.configurations().begin(start, cell.text));
+  book.start_ = std::move(stored);
   return book;
 }
 

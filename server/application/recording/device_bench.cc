@@ -5,6 +5,7 @@
 
 #include "server/application/plumbing/spawn.h"
 #include "server/application/recording/doubts.h"
+#include "server/core/try.h"
 
 namespace driftwise::application {
 
@@ -82,8 +83,7 @@ Awaitable<Result<MotionState>> DeviceBench::motion_state() {
     if (motion_watch_ && is_device_loss(state.error())) motion_watch_->lost();
     co_return state;
   }
-  if (auto good = doubts_.judge(controller_description(), *state); !good)
-    co_return tl::unexpected(good.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(doubts_.judge(controller_description(), *state));
   if (motion_watch_ && doubts_.doubts_readback()) {
     motion_watch_->released();
   } else if (motion_watch_ && motion_watch_->orders() == orders) {
@@ -152,9 +152,8 @@ Awaitable<Result<JudgedReading>> DeviceBench::read_collimator(std::size_t i) {
 }
 
 Awaitable<Result<JudgedReading>> DeviceBench::read_judged(Seat<Instrument>& seat) {
-  auto reading = co_await ask(seat, [](Instrument& d) { return d.read(); });
-  if (!reading) co_return tl::unexpected(reading.error());
-  co_return doubts_.judge(std::move(*reading));
+  DRIFTWISE_CO_TRY(auto reading, co_await ask(seat, [](Instrument& d) { return d.read(); }));
+  co_return doubts_.judge(std::move(reading));
 }
 
 Awaitable<void> DeviceBench::read_into(Seat<Instrument>& seat,
@@ -194,9 +193,9 @@ Awaitable<Result<JudgedReading>> DeviceBench::read_scanner(std::size_t i) {
   co_return co_await read_judged(*scanners_.at(i));
 }
 Awaitable<Result<JudgedReading>> DeviceBench::read_stabiliser(std::size_t i) {
-  auto reading = co_await ask(*stabilisers_.at(i), [](Stabiliser& d) { return d.read(); });
-  if (!reading) co_return tl::unexpected(reading.error());
-  co_return doubts_.judge(std::move(*reading));
+  DRIFTWISE_CO_TRY(auto reading,
+                   co_await ask(*stabilisers_.at(i), [](Stabiliser& d) { return d.read(); }));
+  co_return doubts_.judge(std::move(reading));
 }
 Awaitable<Result<void>> DeviceBench::set_stabiliser(std::size_t i, double degc) {
   co_return co_await ask(*stabilisers_.at(i), [degc](Stabiliser& d) { return d.set_point(degc); });
@@ -217,9 +216,9 @@ Awaitable<Result<void>> DeviceBench::set_load(double force_n) {
   co_return set;
 }
 Awaitable<Result<JudgedReading>> DeviceBench::read_load() {
-  const auto state = co_await ask(*load_, [](LoadActuator& d) { return d.state(); });
-  if (!state) co_return tl::unexpected(state.error());
-  co_return doubts_.judged(load_description(), *state, ++load_sequence_);
+  DRIFTWISE_CO_TRY(const auto state,
+                   co_await ask(*load_, [](LoadActuator& d) { return d.state(); }));
+  co_return doubts_.judged(load_description(), state, ++load_sequence_);
 }
 
 const DeviceDescription& DeviceBench::controller_description() const {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "server/application/plumbing/spawn.h"
+#include "server/core/try.h"
 
 namespace driftwise::application {
 
@@ -108,12 +109,11 @@ const DeviceDescription& Recorder::description_of(Kind kind, std::size_t i) cons
 
 // Where the axes are, as a reading of the controller.
 Awaitable<Result<JudgedReading>> Recorder::read_axes() {
-  const auto state = co_await bench_.motion_state();
-  if (!state) co_return tl::unexpected(state.error());
+  DRIFTWISE_CO_TRY(const auto state, co_await bench_.motion_state());
   const auto& controller = bench_.controller_description();
-  Reading reading{controller.id, state->at, state->at, ++axes_sequence_, {}};
-  for (std::size_t i = 0; i < std::min(controller.axes.size(), state->q_mm.size()); ++i)
-    reading.values.push_back({controller.axes[i].channel.name(), state->q_mm[i]});
+  Reading reading{controller.id, state.at, state.at, ++axes_sequence_, {}};
+  for (std::size_t i = 0; i < std::min(controller.axes.size(), state.q_mm.size()); ++i)
+    reading.values.push_back({controller.axes[i].channel.name(), state.q_mm[i]});
   co_return JudgedReading{std::move(reading), {}};
 }
 

@@ -10,6 +10,7 @@
 #include "server/application/motion/motion.h"
 #include "server/application/motion/point_decision.h"
 #include "server/application/motion/sampling.h"
+#include "server/core/try.h"
 
 namespace driftwise::application {
 namespace {
@@ -80,27 +81,26 @@ Awaitable<Result<Attempt>> read_point(ActiveRun& run, const Visit& visit,
                                       const std::vector<double>& commanded_mm,
                                       const Arrival& arrival, AttemptRecord& record) {
   const auto& rules = run.plan.rules;
-  auto sampling = co_await take_readings(run.scope, rules.readings_per_point, commanded_mm);
-  if (!sampling) co_return tl::unexpected(sampling.error());
-  record.readings = sampling->readings;
-  record.spread_nm = sampling->spread_nm;
-  run.progress.last_spread_nm = sampling->spread_nm;
-  if (sampling->spread_nm > rules.max_spread_nm) {
+  DRIFTWISE_CO_TRY(auto sampling,
+                   co_await take_readings(run.scope, rules.readings_per_point, commanded_mm));
+  record.readings = sampling.readings;
+  record.spread_nm = sampling.spread_nm;
+  run.progress.last_spread_nm = sampling.spread_nm;
+  if (sampling.spread_nm > rules.max_spread_nm) {
     record.reason =
-        spread_sentence(sampling->spread_nm, rules.readings_per_point, rules.max_spread_nm);
+        spread_sentence(sampling.spread_nm, rules.readings_per_point, rules.max_spread_nm);
     co_return Attempt{Trouble::spread, {}};
   }
   // A scale that jumps or wanders while the instruments are read gives no position.
-  if (sampling->off_nm > rules.in_position_nm || sampling->peak_to_peak_nm > rules.in_position_nm) {
+  if (sampling.off_nm > rules.in_position_nm || sampling.peak_to_peak_nm > rules.in_position_nm) {
     record.reason = fmt::format(
         "the readback was up to {:.0f} nm from the commanded position and moved by {:.0f} nm peak "
         "to peak while the instruments were read, limit {:g} nm",
-        sampling->off_nm, sampling->peak_to_peak_nm, rules.in_position_nm);
+        sampling.off_nm, sampling.peak_to_peak_nm, rules.in_position_nm);
     co_return Attempt{Trouble::not_settled, {}};
   }
-  const auto slow = co_await join_when_scanned(run.scope, sampling->measured.utc);
-  if (!slow) co_return tl::unexpected(slow.error());
-  co_return Attempt{Trouble::none, make_point(run, visit, commanded_mm, arrival, *sampling, *slow)};
+  DRIFTWISE_CO_TRY(const auto slow, co_await join_when_scanned(run.scope, sampling.measured.utc));
+  co_return Attempt{Trouble::none, make_point(run, visit, commanded_mm, arrival, sampling, slow)};
 }
 
 // What stands between two attempts of one visit.
@@ -113,17 +113,14 @@ Awaitable<Result<void>> come_to_row(ActiveRun& run, const Visit& visit,
                                     const CommandFor& command_for, bool anew, Stand& stand) {
   const auto& row = row_of(run, visit.row);
   if (anew) {
-    const auto away = co_await go_to(run.scope, aside_of(run, stand.commanded_mm),
-                                     fmt::format("aside of row {}", visit.row + 1));
-    if (!away) co_return tl::unexpected(away.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await go_to(run.scope, aside_of(run, stand.commanded_mm),
+                                                fmt::format("aside of row {}", visit.row + 1)));
   }
-  auto commanded = command_for(run, row);
-  if (!commanded) co_return tl::unexpected(commanded.error());
-  stand.commanded_mm = std::move(*commanded);
-  auto arrival =
-      co_await go_to(run.scope, stand.commanded_mm, fmt::format("row {}", visit.row + 1));
-  if (!arrival) co_return tl::unexpected(arrival.error());
-  stand.arrival = std::move(*arrival);
+  DRIFTWISE_CO_TRY(auto commanded, command_for(run, row));
+  stand.commanded_mm = std::move(commanded);
+  DRIFTWISE_CO_TRY(auto arrival, co_await go_to(run.scope, stand.commanded_mm,
+                                                fmt::format("row {}", visit.row + 1)));
+  stand.arrival = std::move(arrival);
   if (row.dwell_s && stand.arrival.trouble == Trouble::none) {
     run.scope.phase("dwelling");
     co_return co_await run.scope.sleep_until(stand.arrival.in_position.utc +
@@ -137,8 +134,7 @@ Awaitable<Result<Attempt>> try_once(ActiveRun& run, const Visit& visit,
                                     Stand& stand, AttemptRecord& record) {
   if (before != Verdict::reread) {
     const bool anew = before == Verdict::reapproach;
-    if (auto ok = co_await come_to_row(run, visit, command_for, anew, stand); !ok)
-      co_return tl::unexpected(ok.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await come_to_row(run, visit, command_for, anew, stand));
     if (stand.arrival.trouble != Trouble::none) {
       record.reason = stand.arrival.sentence;
       co_return Attempt{stand.arrival.trouble, {}};
@@ -168,7 +164,7 @@ Awaitable<Result<std::optional<PointId>>> commit_until_stored(RunScope& scope, P
             "run.resumed",
             no_room ? "there is room on the disk again" : "the database takes points again",
             commit.run);
-        if (auto ok = co_await scope.leave_waiting(); !ok) co_return tl::unexpected(ok.error());
+        DRIFTWISE_CO_RETURN_IF_ERROR(co_await scope.leave_waiting());
       }
       co_return stored;
     }
@@ -177,11 +173,10 @@ Awaitable<Result<std::optional<PointId>>> commit_until_stored(RunScope& scope, P
     if (!std::exchange(waiting, true)) {
       // Written when there is room again: the record must say why the run stood.
       scope.bench.events.record_own("run.trouble", stored.error().message, commit.run);
-      if (auto ok = co_await scope.enter_waiting(stored.error().message); !ok)
-        co_return tl::unexpected(ok.error());
+      DRIFTWISE_CO_RETURN_IF_ERROR(co_await scope.enter_waiting(stored.error().message));
     }
     scope.phase(no_room ? "waiting for room on the disk" : "waiting for the database");
-    if (auto ok = co_await scope.sleep_s(kRetry_s); !ok) co_return tl::unexpected(ok.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await scope.sleep_s(kRetry_s));
   }
 }
 
@@ -216,11 +211,10 @@ Awaitable<Result<VisitResult>> visit_row(ActiveRun& run, Visit visit,
                        {},
                        place_after(run.record.place, visit, verdict)};
     run.scope.phase("storing");
-    auto stored = co_await commit_until_stored(run.scope, commit);
-    if (!stored) co_return tl::unexpected(stored.error());
+    DRIFTWISE_CO_TRY(auto stored, co_await commit_until_stored(run.scope, commit));
     take_over(run, commit);
     if (verdict != Verdict::reread && verdict != Verdict::reapproach) {
-      if (commit.point && *stored) commit.point->id = **stored;
+      if (commit.point && stored) commit.point->id = *stored;
       co_return VisitResult{verdict, std::move(commit.point)};
     }
     tally = after(tally, verdict);

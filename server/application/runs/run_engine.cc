@@ -18,6 +18,7 @@
 #include "server/application/recording/doubts.h"
 #include "server/application/runs/recovery.h"
 #include "server/application/runs/run_state_store.h"
+#include "server/core/try.h"
 #include "server/core/units.h"
 
 namespace driftwise::application {
@@ -183,20 +184,19 @@ Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
     run.progress.line = row.line;
     if (auto ok = co_await bring_force(run); !ok) co_return ok;
     const auto begin = bench_.clock.now().utc;
-    auto result = co_await visit_row(run, *visit, hooks_.command_for);
-    if (!result) co_return tl::unexpected(result.error());
+    DRIFTWISE_CO_TRY(auto result, co_await visit_row(run, *visit, hooks_.command_for));
     run.pace.add(
         std::max(0.0, seconds_from(bench_.clock.now().utc - begin) - row.dwell_s.value_or(0)));
     slower_than_guessed_ = run.pace.point_s() / guessed_point_s(run.plan.rules);
-    if (result->point) run.since_closure.add(visit->row, result->point->measured.utc);
+    if (result.point) run.since_closure.add(visit->row, result.point->measured.utc);
     if (auto ok = co_await mark_doubted(run); !ok) co_return ok;
-    if (result->point && row.zero) {
-      auto noting = note_closure(run, result->point->values, result->point->measured.utc, row.line);
+    if (result.point && row.zero) {
+      auto noting = note_closure(run, result.point->values, result.point->measured.utc, row.line);
       if (auto ok = co_await std::move(noting); !ok) co_return ok;
       if (auto ok = co_await store_lag(run); !ok) co_return ok;
     }
     publish();
-    if (result->verdict == Verdict::given_up) hold_if_too_many_were_given_up(run);
+    if (result.verdict == Verdict::given_up) hold_if_too_many_were_given_up(run);
     if (return_to_zero_is_due(run.trajectory, run.record.place, visit->row))
       if (auto ok = co_await return_to_zero(run, row.line); !ok) co_return ok;
   }
@@ -207,9 +207,8 @@ Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
 // Nothing has moved yet.
 Awaitable<Result<void>> RunEngine::clear_to_move(ActiveRun& run) {
   if (may_start_) co_return Result<void>{};
-  const auto state = co_await bench_.devices.motion_state();
-  if (!state) co_return tl::unexpected(state.error());
-  const bool reference_lost = had_datum_ && !state->referenced;
+  DRIFTWISE_CO_TRY(const auto state, co_await bench_.devices.motion_state());
+  const bool reference_lost = had_datum_ && !state.referenced;
   const bool power_loss = computer_was_away_ || reference_lost;
   const auto& rules = bench_.description.restart;
   std::string why = "the daemon was away while the run was under way";
@@ -261,14 +260,12 @@ Awaitable<Result<void>> RunEngine::park(ActiveRun& run) {
   }
   const std::vector<double> zero_mm(bench_.description.motor_channels().size(), 0.0);
   if (!check_soft_limits(bench_.description, zero_mm)) co_return Result<void>{};
-  const auto state = co_await bench_.devices.motion_state();
-  if (!state) co_return tl::unexpected(state.error());
+  DRIFTWISE_CO_TRY(const auto state, co_await bench_.devices.motion_state());
   bool is_there = true;
-  for (const double q_mm : state->q_mm)
+  for (const double q_mm : state.q_mm)
     is_there = is_there && std::abs(nm_from_mm(q_mm)) <= run.plan.rules.in_position_nm;
   if (is_there) co_return Result<void>{};
-  const auto arrival = co_await go_to(run.scope, zero_mm, "parked");
-  if (!arrival) co_return tl::unexpected(arrival.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await go_to(run.scope, zero_mm, "parked"));
   co_return Result<void>{};
 }
 
@@ -307,9 +304,8 @@ Awaitable<Result<void>> RunEngine::bring_force(ActiveRun& run) {
 }
 
 Awaitable<Result<void>> RunEngine::new_datum(ActiveRun& run) {
-  auto datum = co_await open_datum(run.scope, *wanted_datum_);
-  if (!datum) co_return tl::unexpected(datum.error());
-  run.datum = std::move(*datum);
+  DRIFTWISE_CO_TRY(auto datum, co_await open_datum(run.scope, *wanted_datum_));
+  run.datum = std::move(datum);
   run.closures.clear();
   run.closure_judge.begin(run.datum->opened.utc, bench_.loading.known_n());
   if (const auto before = std::exchange(before_, std::nullopt)) add_line_under_way(run, *before);
@@ -322,19 +318,18 @@ Awaitable<Result<void>> RunEngine::new_datum(ActiveRun& run) {
 
 Awaitable<Result<void>> RunEngine::return_to_zero(ActiveRun& run, std::int64_t line) {
   const std::vector<double> zero_mm(bench_.description.motor_channels().size(), 0.0);
-  auto arrival = co_await go_to(run.scope, zero_mm, fmt::format("zero after line {}", line));
-  if (!arrival) co_return tl::unexpected(arrival.error());
-  auto sampling = co_await take_readings(run.scope, run.plan.rules.readings_per_point);
-  if (!sampling) co_return tl::unexpected(sampling.error());
-  for (auto& reading : sampling->readings) bench_.writer.add(std::move(reading));
-  auto slow = co_await join_when_scanned(run.scope, sampling->measured.utc);
-  if (!slow) co_return tl::unexpected(slow.error());
-  auto values = std::move(*slow);
+  DRIFTWISE_CO_RETURN_IF_ERROR(
+      co_await go_to(run.scope, zero_mm, fmt::format("zero after line {}", line)));
+  DRIFTWISE_CO_TRY(auto sampling,
+                   co_await take_readings(run.scope, run.plan.rules.readings_per_point));
+  for (auto& reading : sampling.readings) bench_.writer.add(std::move(reading));
+  DRIFTWISE_CO_TRY(auto slow, co_await join_when_scanned(run.scope, sampling.measured.utc));
+  auto values = std::move(slow);
   const auto motors = bench_.description.motor_channels();
   for (std::size_t i = 0; i < motors.size(); ++i)
-    values.push_back({motors[i].name(), sampling->q_mm[i]});
-  values.insert(values.end(), sampling->means.begin(), sampling->means.end());
-  auto noting = note_closure(run, std::move(values), sampling->measured.utc, line);
+    values.push_back({motors[i].name(), sampling.q_mm[i]});
+  values.insert(values.end(), sampling.means.begin(), sampling.means.end());
+  auto noting = note_closure(run, std::move(values), sampling.measured.utc, line);
   if (auto ok = co_await std::move(noting); !ok) co_return ok;
   co_return co_await store_lag(run);
 }
@@ -426,13 +421,12 @@ Awaitable<Result<void>> RunEngine::overcome(ActiveRun& run, const Error& error,
 
 // asked_for: a person has said just now that the robot may move.
 Awaitable<Result<void>> RunEngine::look_again(ActiveRun& run, Remedy remedy, bool asked_for) {
-  const auto recovery = co_await wait_for_devices(run.scope);
-  if (!recovery) co_return tl::unexpected(recovery.error());
-  if (recovery->reference_lost && had_datum_ && !asked_for) may_start_ = false;  // power was away
-  const bool beam_lost = recovery->beam_lost || remedy == Remedy::new_datum;
-  if (beam_lost || recovery->reference_lost)
+  DRIFTWISE_CO_TRY(const auto recovery, co_await wait_for_devices(run.scope));
+  if (recovery.reference_lost && had_datum_ && !asked_for) may_start_ = false;  // power was away
+  const bool beam_lost = recovery.beam_lost || remedy == Remedy::new_datum;
+  if (beam_lost || recovery.reference_lost)
     wanted_datum_ =
-        DatumOpening{beam_lost ? "beam lost" : "reference lost", recovery->reference_lost, false,
+        DatumOpening{beam_lost ? "beam lost" : "reference lost", recovery.reference_lost, false,
                      beam_lost ? std::nullopt : run.datum, run.closures};
   co_return co_await change(run, RunState::running, "");
 }

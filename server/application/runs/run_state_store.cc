@@ -3,6 +3,7 @@
 #include "server/application/plumbing/crash_point.h"
 #include "server/application/runs/point_visit.h"
 #include "server/application/runs/trajectory_walk.h"
+#include "server/core/try.h"
 
 namespace driftwise::application {
 
@@ -45,8 +46,7 @@ Awaitable<Result<void>> record_interruption(ActiveRun& run) {
       "restart";
   attempt.started = attempt.ended = run.scope.bench.clock.now();
   PointCommit commit{run.record.id, {std::move(attempt)}, {}, {}, {}, run.record.place};
-  auto stored = co_await commit_until_stored(run.scope, std::move(commit));
-  if (!stored) co_return tl::unexpected(stored.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await commit_until_stored(run.scope, std::move(commit)));
   ++run.record.attempts;
   co_return Result<void>{};
 }

@@ -8,6 +8,7 @@
 #include "server/application/recording/doubts.h"
 #include "server/application/runs/active_run.h"
 #include "server/application/runs/run_engine.h"
+#include "server/core/try.h"
 #include "server/formats/text/row_ranges.h"
 
 namespace driftwise::application {
@@ -36,8 +37,7 @@ Awaitable<Result<void>> mark_suspects(ActiveRun& run, CellTime since, std::strin
   mark.suspect = true;
   auto storing =
       run.scope.bench.writer.call([mark](Store& store) { return store.remarks().exclude(mark); });
-  auto stored = co_await std::move(storing);
-  if (!stored) co_return tl::unexpected(stored.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(storing));
   auto detail = fmt::format("rows {} of run {} are suspect and kept out of fits: {}",
                             formats::row_ranges_text(mark.rows), mark.run.value, mark.reason);
   run.scope.bench.events.record_own("data.suspect", std::move(detail), mark.run);

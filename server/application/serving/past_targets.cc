@@ -5,6 +5,7 @@
 
 #include "server/compensation/correction_parts.h"
 #include "server/compensation/snapshot_builder.h"
+#include "server/core/try.h"
 
 namespace driftwise::application {
 namespace {
@@ -44,16 +45,16 @@ void add_instant(const compensation::Snapshot& snapshot, compensation::TargetReq
 
 Result<PastTargets> past_targets(Store& store, const CellDescription& cell, PastModel from,
                                  const PastTargetsQuery& query, CellTime now) {
-  auto builder = compensation::SnapshotBuilder::create(std::move(from.model), from.id, cell);
-  if (!builder) return tl::unexpected(builder.error());
+  DRIFTWISE_TRY(auto builder,
+                compensation::SnapshotBuilder::create(std::move(from.model), from.id, cell));
   if (from.own_datum) {
-    builder->keep_model_datum();
+    builder.keep_model_datum();
   } else if (from.datum) {
-    if (auto ok = builder->anchor(from.datum->values); !ok) return tl::unexpected(ok.error());
+    DRIFTWISE_RETURN_IF_ERROR(builder.anchor(from.datum->values));
   }
   PastTargets out;
   out.model = from.id;
-  const auto empty = builder->build(now);
+  const auto empty = builder.build(now);
   const auto asked = compensation::compute_target(empty, query.pose);
   if (asked.refusal == compensation::Refusal::missing_coordinate ||
       asked.refusal == compensation::Refusal::not_finite)
@@ -68,17 +69,16 @@ Result<PastTargets> past_targets(Store& store, const CellDescription& cell, Past
   const double share =
       static_cast<double>(kMemory.count()) / static_cast<double>(query.past.count());
   wanted.buckets = static_cast<int>(query.count * (1 + share));
-  const auto series = store.series().series(wanted);
-  if (!series) return tl::unexpected(series.error());
-  const std::size_t buckets = series->columns.empty() ? 0 : series->columns.front().count.size();
+  DRIFTWISE_TRY(const auto series, store.series().series(wanted));
+  const std::size_t buckets = series.columns.empty() ? 0 : series.columns.front().count.size();
   for (std::size_t b = 0; b < buckets; ++b) {
     const CellTime middle =
-        series->from + series->bucket * static_cast<std::int64_t>(b) + series->bucket / 2;
+        series.from + series.bucket * static_cast<std::int64_t>(b) + series.bucket / 2;
     if (middle > now) break;
-    const auto values = values_of(*series, b);
-    builder->observe(values, middle);
+    const auto values = values_of(series, b);
+    builder.observe(values, middle);
     if (middle >= now - query.past)
-      add_instant(builder->build(middle), query.pose, !values.empty(), out);
+      add_instant(builder.build(middle), query.pose, !values.empty(), out);
   }
   return out;
 }

@@ -8,6 +8,7 @@
 #include "server/application/provenance/promotion_questions.h"
 #include "server/application/serving/past_targets.h"
 #include "server/compensation/target.h"
+#include "server/core/try.h"
 #include "server/formats/model/model_json.h"
 
 namespace driftwise::application {
@@ -44,13 +45,12 @@ void Serving::shut_down() {
 }
 
 Awaitable<Result<Serving::Followed>> Serving::load(ModelRecord record) {
-  auto model = formats::read_model_json(record.json);
-  if (!model) co_return tl::unexpected(model.error());
-  const auto runs = model->lineage.runs;
-  auto symbols = symbols_used(*model);
-  auto builder = compensation::SnapshotBuilder::create(std::move(*model), record.id, description_);
-  if (!builder) co_return tl::unexpected(builder.error());
-  Followed followed{std::move(*builder), std::nullopt, std::move(symbols), false};
+  DRIFTWISE_CO_TRY(auto model, formats::read_model_json(record.json));
+  const auto runs = model.lineage.runs;
+  auto symbols = symbols_used(model);
+  DRIFTWISE_CO_TRY(auto builder, compensation::SnapshotBuilder::create(std::move(model), record.id,
+                                                                       description_));
+  Followed followed{std::move(builder), std::nullopt, std::move(symbols), false};
   if (!runs.empty()) {
     const auto data = co_await reader_.call(
         [run = runs.front()](Store& store) { return store.runs().data(run); });
@@ -79,9 +79,8 @@ Awaitable<Result<Serving::Followed>> Serving::load(ModelRecord record) {
 
 Awaitable<Result<void>> Serving::serve(std::optional<ModelRecord> model) {
   if (model) {
-    auto loaded = co_await load(*model);
-    if (!loaded) co_return tl::unexpected(loaded.error());
-    const auto [entry, _] = followed_.insert_or_assign(model->id, std::move(*loaded));
+    DRIFTWISE_CO_TRY(auto loaded, co_await load(*model));
+    const auto [entry, _] = followed_.insert_or_assign(model->id, std::move(loaded));
     set_anchor(model->id, entry->second);
     serving_ = model->id;
   } else {
@@ -102,9 +101,8 @@ void Serving::refuse(ModelId model, Error why) {
 
 Awaitable<Result<void>> Serving::follow(ModelRecord model) {
   if (followed_.contains(model.id)) co_return Result<void>{};
-  auto loaded = co_await load(model);
-  if (!loaded) co_return tl::unexpected(loaded.error());
-  const auto [entry, _] = followed_.insert_or_assign(model.id, std::move(*loaded));
+  DRIFTWISE_CO_TRY(auto loaded, co_await load(model));
+  const auto [entry, _] = followed_.insert_or_assign(model.id, std::move(loaded));
   set_anchor(model.id, entry->second);
   co_return Result<void>{};
 }

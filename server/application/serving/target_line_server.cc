@@ -13,6 +13,7 @@
 #include <set>
 
 #include "server/compensation/target.h"
+#include "server/core/try.h"
 #include "server/formats/export/target_line.h"
 
 namespace driftwise::application {
@@ -219,16 +220,15 @@ void TargetLineServer::Door::answer(std::string_view line, std::string& out) con
 Result<std::unique_ptr<TargetLineServer>> TargetLineServer::start(
     asio::any_io_executor executor, const std::string& address,
     const compensation::SnapshotBoard& board, const Clock& clock) {
-  const auto endpoint = endpoint_from(address);
-  if (!endpoint) return tl::unexpected(endpoint.error());
+  DRIFTWISE_TRY(const auto endpoint, endpoint_from(address));
   tcp::acceptor acceptor(executor);
   error_code error;
   const auto attempt = [&](auto&& step) {
     if (!error) step();
   };
-  attempt([&] { acceptor.open(endpoint->protocol(), error); });
+  attempt([&] { acceptor.open(endpoint.protocol(), error); });
   attempt([&] { acceptor.set_option(tcp::acceptor::reuse_address(true), error); });
-  attempt([&] { acceptor.bind(*endpoint, error); });
+  attempt([&] { acceptor.bind(endpoint, error); });
   attempt([&] { acceptor.listen(asio::socket_base::max_listen_connections, error); });
   if (error)
     return fail(ErrorCode::unavailable, "CANNOT_LISTEN",

@@ -8,6 +8,7 @@
 #include "server/application/runs/pace.h"
 #include "server/application/trajectories/trajectory_confounding.h"
 #include "server/application/trajectories/trajectory_limits.h"
+#include "server/core/try.h"
 #include "server/formats/csv/trajectory_csv.h"
 
 namespace driftwise::application {
@@ -67,27 +68,24 @@ Result<void> check_forces(const CellDescription& description, const Trajectory& 
 Result<TrajectoryCheck> check_trajectory_text(const CellDescription& description,
                                               const std::string& name, const std::string& text,
                                               double point_s) {
-  auto trajectory = formats::read_trajectory_csv(text, name);
-  if (!trajectory) return tl::unexpected(trajectory.error());
-  const auto limits = check_trajectory_limits(description, *trajectory, name);
-  if (!limits) return tl::unexpected(limits.error());
-  if (auto ok = check_forces(description, *trajectory, name); !ok)
-    return tl::unexpected(ok.error());
+  DRIFTWISE_TRY(auto trajectory, formats::read_trajectory_csv(text, name));
+  DRIFTWISE_TRY(const auto limits, check_trajectory_limits(description, trajectory, name));
+  DRIFTWISE_RETURN_IF_ERROR(check_forces(description, trajectory, name));
   if (!(point_s > 0)) point_s = guessed_point_s(description.run);
   TrajectoryCheck check;
   std::vector<double> time_s;
   std::set<std::int64_t> lines;
-  for (const auto& point : trajectory->points) {
+  for (const auto& point : trajectory.points) {
     (point.set == PointSet::calibration ? check.calibration : check.validation)++;
     if (point.zero) ++check.zeros;
     lines.insert(point.line);
     time_s.push_back((time_s.empty() ? 0 : time_s.back()) + point_s + point.dwell_s.value_or(0));
   }
-  check.estimated_s = PlanLength(*trajectory).seconds({}, point_s);
+  check.estimated_s = PlanLength(trajectory).seconds({}, point_s);
   check.lines = static_cast<std::int64_t>(lines.size());
-  check.trajectory = std::move(*trajectory);
+  check.trajectory = std::move(trajectory);
   add_warnings(check);
-  if (!limits->empty()) check.warnings.push_back(*limits);
+  if (!limits.empty()) check.warnings.push_back(limits);
   add_confoundings(check, time_s);
   return check;
 }

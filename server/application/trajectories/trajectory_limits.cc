@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "server/core/try.h"
 #include "server/kinematics/mechanism.h"
 
 namespace driftwise::application {
@@ -68,16 +69,15 @@ Result<std::string> check_poses(const CellDescription& description,
     return std::string(
         "whether the axes reach these poses is only checked at each move: the cell has no "
         "[kinematics]");
-  const auto mechanism = kinematics::make_mechanism(*description.kinematics);
-  if (!mechanism) return tl::unexpected(mechanism.error());
-  const auto& inputs = (*mechanism)->inputs();
-  if ((*mechanism)->predicts_pose()) return std::string();
+  DRIFTWISE_TRY(const auto mechanism, kinematics::make_mechanism(*description.kinematics));
+  const auto& inputs = mechanism->inputs();
+  if (mechanism->predicts_pose()) return std::string();
   for (const auto& coordinate : trajectory.coordinates)
     if (place_of(inputs, coordinate) == inputs.size())
       return fail(ErrorCode::invalid_argument, "WRONG_COORDINATES",
                   fmt::format("column {}: the cell's kinematics has no such pose coordinate",
                               coordinate.name()));
-  const auto nominal = kinematics::nominal_values((*mechanism)->parameters());
+  const auto nominal = kinematics::nominal_values(mechanism->parameters());
   Outside outside(name);
   for (std::size_t row = 0; row < trajectory.points.size(); ++row) {
     std::vector<double> pose_mm(inputs.size(), 0.0);
@@ -87,10 +87,10 @@ Result<std::string> check_poses(const CellDescription& description,
       pose_mm[place_of(inputs, trajectory.coordinates[i])] = mm;
       found += fmt::format("{}{} = {}", i ? ", " : "", trajectory.coordinates[i].name(), mm);
     }
-    const auto q = (*mechanism)->predict(pose_mm, nominal).value;
+    const auto q = mechanism->predict(pose_mm, nominal).value;
     for (const auto& axis : axes) {
-      const auto output = place_of((*mechanism)->outputs(), axis.channel);
-      if (output == (*mechanism)->outputs().size()) continue;
+      const auto output = place_of(mechanism->outputs(), axis.channel);
+      if (output == mechanism->outputs().size()) continue;
       const double q_mm = q[static_cast<Eigen::Index>(output)];
       outside.check(row, fmt::format("{}: needs {} = {:.4f} mm", found, axis.channel.name(), q_mm),
                     q_mm, axis);

@@ -7,6 +7,8 @@
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/use_awaitable.hpp>
 
+#include "server/core/try.h"
+
 namespace driftwise::application {
 namespace {
 
@@ -32,7 +34,7 @@ Result<std::unique_ptr<CellClock>> CellClock::open(asio::any_io_executor executo
         ErrorCode::invalid_argument, "CLOCK_SPEED",
         fmt::format("[clock] speed = {:g} needs [clock] file, shared with the simulated cell",
                     description.speed));
-  if (!file) return tl::unexpected(file.error());
+  DRIFTWISE_RETURN_IF_ERROR(file);
   const auto anchor = (*file)->read();
   std::unique_ptr<CellClock> clock(
       new CellClock(std::move(executor), std::move(*file), anchor, std::move(computer)));

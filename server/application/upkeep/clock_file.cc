@@ -12,6 +12,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "server/core/try.h"
+
 namespace driftwise::application {
 namespace {
 
@@ -74,17 +76,16 @@ Result<std::unique_ptr<ClockFile>> ClockFile::open(const std::string& path,
         ErrorCode::data_loss, "BAD_CLOCK_FILE",
         fmt::format("{}: {} bytes, expected 64: delete it and start the simulated cell again", path,
                     status.st_size));
-  auto mapped = map(file.fd, path);
-  if (!mapped) return tl::unexpected(mapped.error());
-  std::unique_ptr<ClockFile> opened(new ClockFile(*mapped));
-  if (std::memcmp(static_cast<Mapped*>(*mapped)->magic, kMagic, sizeof kMagic) != 0)
+  DRIFTWISE_TRY(auto mapped, map(file.fd, path));
+  std::unique_ptr<ClockFile> opened(new ClockFile(mapped));
+  if (std::memcmp(static_cast<Mapped*>(mapped)->magic, kMagic, sizeof kMagic) != 0)
     return fail(
         ErrorCode::data_loss, "BAD_CLOCK_FILE",
         fmt::format(
             "{}: does not begin with DWCLOCK2: delete it and start the simulated cell again",
             path));
   const auto start = bytes_of(boot);
-  if (std::memcmp(static_cast<Mapped*>(*mapped)->boot, start.data(), start.size()) != 0)
+  if (std::memcmp(static_cast<Mapped*>(mapped)->boot, start.data(), start.size()) != 0)
     return fail(ErrorCode::failed_precondition, "OLD_CLOCK_FILE",
                 fmt::format("{}: is of an earlier start of this computer: start the simulated cell "
                             "first, which carries its time on",
@@ -103,14 +104,13 @@ Result<std::unique_ptr<ClockFile>> ClockFile::create(const std::string& path,
   if (file.fd < 0 || ::ftruncate(file.fd, sizeof(Mapped)) != 0)
     return fail(ErrorCode::internal, "CLOCK_FILE",
                 fmt::format("{}: {}", path, std::strerror(errno)));
-  auto mapped = map(file.fd, path);
-  if (!mapped) return tl::unexpected(mapped.error());
-  std::unique_ptr<ClockFile> created(new ClockFile(*mapped));
-  static_cast<Mapped*>(*mapped)->sequence = 0;
+  DRIFTWISE_TRY(auto mapped, map(file.fd, path));
+  std::unique_ptr<ClockFile> created(new ClockFile(mapped));
+  static_cast<Mapped*>(mapped)->sequence = 0;
   created->write(anchor);
   const auto start = bytes_of(boot);
-  std::memcpy(static_cast<Mapped*>(*mapped)->boot, start.data(), start.size());
-  std::memcpy(static_cast<Mapped*>(*mapped)->magic, kMagic, sizeof kMagic);
+  std::memcpy(static_cast<Mapped*>(mapped)->boot, start.data(), start.size());
+  std::memcpy(static_cast<Mapped*>(mapped)->magic, kMagic, sizeof kMagic);
   return created;
 }
 

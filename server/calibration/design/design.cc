@@ -6,6 +6,7 @@
 #include <map>
 
 #include "server/calibration/design/candidate_terms.h"
+#include "server/core/try.h"
 #include "server/effects/direct_symbols.h"
 #include "server/effects/term_evaluator.h"
 #include "server/effects/term_order.h"
@@ -54,16 +55,14 @@ Result<std::vector<double>> effect_column(const Dataset& dataset, const effects:
                                           const std::string& name) {
   std::vector<std::span<const double>> inputs;
   for (const auto& symbol : call.symbols) {
-    auto values = channel_values(dataset, symbol, name);
-    if (!values) return tl::unexpected(values.error());
-    inputs.push_back(*values);
+    DRIFTWISE_TRY(auto values, channel_values(dataset, symbol, name));
+    inputs.push_back(values);
   }
   if (dataset.time_s.empty())
     return fail(ErrorCode::invalid_argument, "UNTIMED",
                 name + " needs to know when each row was measured: the data have no time_s column");
-  auto evaluator = effects::TermEvaluator::create({Term{{call}}}, call.symbols);
-  if (!evaluator) return tl::unexpected(evaluator.error());
-  const Eigen::MatrixXd column = evaluator->block(dataset.time_s, inputs, dataset.rows);
+  DRIFTWISE_TRY(auto evaluator, effects::TermEvaluator::create({Term{{call}}}, call.symbols));
+  const Eigen::MatrixXd column = evaluator.block(dataset.time_s, inputs, dataset.rows);
   return std::vector<double>(column.data(), column.data() + column.size());
 }
 
@@ -97,14 +96,13 @@ Result<Columns> collect_columns(const Dataset& dataset, const std::vector<Term>&
           variables.storage.push_back(datum_column(ordinals, *ordinal));
           variables.values.emplace_back(variables.storage.back());
         } else if (const auto* call = std::get_if<effects::Call>(&single)) {
-          auto column = effect_column(dataset, *call, name);
-          if (!column) return tl::unexpected(column.error());
-          variables.storage.push_back(std::move(*column));
+          DRIFTWISE_TRY(auto column, effect_column(dataset, *call, name));
+          variables.storage.push_back(std::move(column));
           variables.values.emplace_back(variables.storage.back());
         } else {
-          auto values = channel_values(dataset, name, "term " + effects::notation(term));
-          if (!values) return tl::unexpected(values.error());
-          variables.values.push_back(*values);
+          DRIFTWISE_TRY(auto values,
+                        channel_values(dataset, name, "term " + effects::notation(term)));
+          variables.values.push_back(values);
         }
       }
       exponents[known->second] += exponent;
@@ -228,20 +226,18 @@ Result<Design> make_design(const Dataset& dataset, const FitOptions& options) {
   std::vector<std::span<const double>> outputs;
   std::vector<std::pair<std::string, std::span<const double>>> needed;
   for (const auto& symbol : options.candidates.outputs) {
-    auto values = channel_values(dataset, symbol, "the left side");
-    if (!values) return tl::unexpected(values.error());
+    DRIFTWISE_TRY(auto values, channel_values(dataset, symbol, "the left side"));
     design.outputs.push_back(dataset.find(symbol)->channel);
-    outputs.push_back(*values);
-    needed.emplace_back(symbol, *values);
+    outputs.push_back(values);
+    needed.emplace_back(symbol, values);
   }
   if (outputs.empty())
     return fail(ErrorCode::invalid_argument, "NO_OUTPUT",
                 "nothing stands on the left of the formula");
   std::span<const double> weights;
   if (!options.weight_symbol.empty()) {
-    auto values = channel_values(dataset, options.weight_symbol, "the weights");
-    if (!values) return tl::unexpected(values.error());
-    weights = *values;
+    DRIFTWISE_TRY(auto values, channel_values(dataset, options.weight_symbol, "the weights"));
+    weights = values;
     design.weighted = true;
     needed.emplace_back(options.weight_symbol, weights);
   }
@@ -255,8 +251,7 @@ Result<Design> make_design(const Dataset& dataset, const FitOptions& options) {
   datums.erase(std::unique(datums.begin(), datums.end()), datums.end());
 
   for (const auto& symbol : options.exclude_channels)
-    if (auto values = channel_values(dataset, symbol, "the list of channels to leave out"); !values)
-      return tl::unexpected(values.error());
+    DRIFTWISE_RETURN_IF_ERROR(channel_values(dataset, symbol, "the list of channels to leave out"));
   // The formula refuses it for its own terms; a term that is forced comes beside the formula.
   for (const auto& term : options.forced)
     for (const auto& symbol : effects::symbols_read_at_once(term))
@@ -267,9 +262,8 @@ Result<Design> make_design(const Dataset& dataset, const FitOptions& options) {
   OfferedTerms offered = offered_terms(options, datums);
   design.terms = std::move(offered.terms);
   design.always = std::move(offered.always);
-  auto columns = collect_columns(dataset, design.terms, ordinals);
-  if (!columns) return tl::unexpected(columns.error());
-  auto& variables = columns->variables;
+  DRIFTWISE_TRY(auto columns, collect_columns(dataset, design.terms, ordinals));
+  auto& variables = columns.variables;
   for (std::size_t v = 0; v < variables.named.size(); ++v)
     needed.emplace_back(variables.named[v].name, variables.values[v]);
 
@@ -286,9 +280,8 @@ Result<Design> make_design(const Dataset& dataset, const FitOptions& options) {
       continue;  // beyond first_rows
     RowState state = RowState::complete;
     if (clean[row] == 0) {
-      const auto seen = row_state(dataset, needed, row);
-      if (!seen) return tl::unexpected(seen.error());
-      state = *seen;
+      DRIFTWISE_TRY(const auto seen, row_state(dataset, needed, row));
+      state = seen;
     }
     if (!weights.empty() && weights[row] < 0)
       return fail(ErrorCode::invalid_argument, "BAD_VALUE",
@@ -308,9 +301,8 @@ Result<Design> make_design(const Dataset& dataset, const FitOptions& options) {
   find_ranges(design, variables.values, options.executor);
   for (std::size_t v = 0; v < design.variables.size(); ++v)
     centre(design.variables[v], variables.indicator[v] != 0);
-  auto basis = make_basis(design.variables, columns->monomials);
-  if (!basis) return tl::unexpected(basis.error());
-  design.basis = std::move(*basis);
+  DRIFTWISE_TRY(auto basis, make_basis(design.variables, columns.monomials));
+  design.basis = std::move(basis);
   design.columns = DesignColumns(
       {std::move(variables.values), std::move(outputs), weights, std::move(variables.storage)},
       design.variables, design.basis);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "server/calibration/design/design.h"
+#include "server/core/try.h"
 #include "server/effects/term_evaluator.h"
 #include "server/effects/term_order.h"
 
@@ -36,9 +37,8 @@ Result<void> for_each_chunk(const Dataset& dataset, const std::vector<effects::T
   const std::vector<double> datums = datum_ordinals(dataset);
   symbols.push_back("datum");
   values.emplace_back(datums);
-  auto evaluator = effects::TermEvaluator::create(terms, symbols);
-  if (!evaluator) return tl::unexpected(evaluator.error());
-  if (evaluator->has_memory() && dataset.time_s.empty())
+  DRIFTWISE_TRY(auto evaluator, effects::TermEvaluator::create(terms, symbols));
+  if (evaluator.has_memory() && dataset.time_s.empty())
     return fail(ErrorCode::invalid_argument, "UNTIMED",
                 "the model has effects with memory: the data need a time_s column");
   const auto evaluate = [&](effects::TermEvaluator& one, std::size_t number) {
@@ -49,12 +49,12 @@ Result<void> for_each_chunk(const Dataset& dataset, const std::vector<effects::T
                                               : std::span(dataset.time_s).subspan(at, count);
     use(static_cast<Eigen::Index>(at), one.block(times, chunk, count));
   };
-  if (evaluator->has_memory()) {
-    for (std::size_t i = 0; i < chunks_in(dataset); ++i) evaluate(*evaluator, i);
+  if (evaluator.has_memory()) {
+    for (std::size_t i = 0; i < chunks_in(dataset); ++i) evaluate(evaluator, i);
     return {};
   }
   run_on(executor, chunks_in(dataset), [&](std::size_t i) {
-    effects::TermEvaluator own = *evaluator;
+    effects::TermEvaluator own = evaluator;
     evaluate(own, i);
   });
   return {};
@@ -71,11 +71,10 @@ Eigen::VectorXd combine(const Eigen::MatrixXd& columns, const Eigen::VectorXd& c
 Result<Eigen::VectorXd> predict(const Dataset& dataset, const OutputModel& output,
                                 const Executor& executor) {
   Eigen::VectorXd predicted(static_cast<Eigen::Index>(dataset.rows));
-  const auto done = for_each_chunk(
+  DRIFTWISE_RETURN_IF_ERROR(for_each_chunk(
       dataset, output.terms, executor, [&](Eigen::Index at, const Eigen::MatrixXd& columns) {
         predicted.segment(at, columns.rows()) = combine(columns, output.coefficients);
-      });
-  if (!done) return tl::unexpected(done.error());
+      }));
   return predicted;
 }
 
@@ -88,7 +87,7 @@ Result<PredictedRows> predict_and_range(const Dataset& dataset, const OutputMode
     double low = HUGE_VAL, high = -HUGE_VAL, sum = 0;
   };
   std::vector<std::vector<Sums>> chunks(chunks_in(dataset), std::vector<Sums>(output.terms.size()));
-  const auto done = for_each_chunk(
+  DRIFTWISE_RETURN_IF_ERROR(for_each_chunk(
       dataset, output.terms, executor, [&](Eigen::Index at, const Eigen::MatrixXd& columns) {
         result.output.segment(at, columns.rows()) = combine(columns, output.coefficients);
         const auto first = static_cast<std::size_t>(at);
@@ -106,8 +105,7 @@ Result<PredictedRows> predict_and_range(const Dataset& dataset, const OutputMode
           }
           chunks[first / kPredictRows][j] = sums;
         }
-      });
-  if (!done) return tl::unexpected(done.error());
+      }));
   for (std::size_t j = 0; j < output.terms.size(); ++j) {
     Sums all;
     for (const auto& chunk : chunks) {
@@ -124,11 +122,10 @@ Result<Eigen::MatrixXd> raw_columns(const Dataset& dataset,
                                     const std::vector<effects::Term>& terms) {
   Eigen::MatrixXd all(static_cast<Eigen::Index>(dataset.rows),
                       static_cast<Eigen::Index>(terms.size()));
-  const auto done =
+  DRIFTWISE_RETURN_IF_ERROR(
       for_each_chunk(dataset, terms, {}, [&](Eigen::Index at, const Eigen::MatrixXd& columns) {
         all.middleRows(at, columns.rows()) = columns;
-      });
-  if (!done) return tl::unexpected(done.error());
+      }));
   return all;
 }
 

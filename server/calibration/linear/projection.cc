@@ -5,6 +5,7 @@
 
 #include "server/calibration/design/design.h"
 #include "server/calibration/design/predict.h"
+#include "server/core/try.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::calibration {
@@ -47,9 +48,8 @@ Excerpt::Excerpt(const Dataset& dataset, const std::vector<std::size_t>& rows,
 }
 
 Result<Eigen::MatrixXd> Excerpt::columns(const std::vector<effects::Term>& terms) const {
-  auto all = raw_columns(data_, terms);
-  if (!all) return tl::unexpected(all.error());
-  return Eigen::MatrixXd((*all)(rows_, Eigen::all));
+  DRIFTWISE_TRY(auto all, raw_columns(data_, terms));
+  return Eigen::MatrixXd(all(rows_, Eigen::all));
 }
 
 Eigen::VectorXd Excerpt::values(const DatasetColumn& column) const {

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "server/calibration/design/predict.h"
+#include "server/core/try.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::calibration {
@@ -84,10 +85,9 @@ Result<std::vector<Influence>> influences_of(const Excerpt& rows, const Projecti
   for (const auto& symbol : symbols_in(output)) {
     const auto derivative = derivative_by(output, symbol);
     if (derivative.terms.empty()) continue;
-    const auto lower = rows.columns(derivative.terms);
-    if (!lower) return tl::unexpected(lower.error());
+    DRIFTWISE_TRY(const auto lower, rows.columns(derivative.terms));
     const Eigen::VectorXd slope = combine(
-        *lower,
+        lower,
         Eigen::Map<const Eigen::VectorXd>(derivative.coefficients.data(),
                                           static_cast<Index>(derivative.coefficients.size())));
     for (const auto& [by, shape] : shapes(rows, symbol)) {
@@ -105,14 +105,12 @@ Result<void> add_influences(const Dataset& dataset, const std::vector<std::size_
   constexpr std::size_t kEnough = 4000;
   if (rows.size() <= output.terms.size()) return {};
   const Excerpt excerpt(dataset, rows, output, kEnough);
-  auto columns = excerpt.columns(output.terms);
-  if (!columns) return tl::unexpected(columns.error());
+  DRIFTWISE_TRY(auto columns, excerpt.columns(output.terms));
   const auto* weights = weight_symbol.empty() ? nullptr : excerpt.find(weight_symbol);
-  const Projection projection(std::move(*columns), output.terms,
+  const Projection projection(std::move(columns), output.terms,
                               weights == nullptr ? Eigen::VectorXd() : excerpt.values(*weights));
-  auto influences = influences_of(excerpt, projection, output);
-  if (!influences) return tl::unexpected(influences.error());
-  output.influences = std::move(*influences);
+  DRIFTWISE_TRY(auto influences, influences_of(excerpt, projection, output));
+  output.influences = std::move(influences);
   return {};
 }
 

@@ -7,6 +7,8 @@
 #include <span>
 #include <string>
 
+#include "server/core/try.h"
+
 namespace driftwise {
 namespace {
 
@@ -184,8 +186,8 @@ std::vector<Stretch> stretches_of(const GeneratorPlan& plan) {
 }  // namespace
 
 Result<Trajectory> generate_trajectory(const GeneratorPlan& plan) {
-  if (auto good = check_plan(plan); !good) return tl::unexpected(good.error());
-  if (auto good = check_row_count(plan); !good) return tl::unexpected(good.error());
+  DRIFTWISE_RETURN_IF_ERROR(check_plan(plan));
+  DRIFTWISE_RETURN_IF_ERROR(check_row_count(plan));
   Trajectory out;
   for (const auto& axis : plan.axes) out.coordinates.push_back(axis.coordinate);
   const std::size_t line_length =

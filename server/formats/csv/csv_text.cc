@@ -8,6 +8,7 @@
 
 #include "server/core/data/reading.h"
 #include "server/core/text/clean_text.h"
+#include "server/core/try.h"
 #include "server/formats/text/text.h"
 
 namespace driftwise::formats {
@@ -153,8 +154,7 @@ Result<CsvHeader> read_csv_header(std::string_view text, const std::string& file
                      " lines of metadata before the header row");
     header.metadata.push_back(metadata_from(line));
   } while (line.empty() || line.starts_with('#'));
-  if (auto names = read_names(line, file_name, limits, header); !names)
-    return tl::unexpected(names.error());
+  DRIFTWISE_RETURN_IF_ERROR(read_names(line, file_name, limits, header));
   header.rows = text;
   return header;
 }

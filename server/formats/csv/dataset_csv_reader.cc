@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "server/core/data/row_marks.h"
+#include "server/core/try.h"
 #include "server/formats/csv/csv_text.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/text/text.h"
@@ -275,25 +276,22 @@ void close_gaps(std::vector<Value>& values, const std::vector<CsvChunk>& chunks,
 
 Result<Dataset> read_dataset_csv(std::string_view text, const std::string& file_name,
                                  const calibration::Executor& executor, const CsvLimits& limits) {
-  const auto header = read_csv_header(text, file_name, limits);
-  if (!header) return tl::unexpected(header.error());
-  if (auto version = check_version(*header, file_name); !version)
-    return tl::unexpected(version.error());
+  DRIFTWISE_TRY(const auto header, read_csv_header(text, file_name, limits));
+  DRIFTWISE_RETURN_IF_ERROR(check_version(header, file_name));
   DatasetRead data;
-  data.metadata = header->metadata;
-  const auto kinds = sort_columns(*header, file_name, data);
-  if (!kinds) return tl::unexpected(kinds.error());
+  data.metadata = header.metadata;
+  DRIFTWISE_TRY(const auto kinds, sort_columns(header, file_name, data));
 
-  const auto chunks = chunks_of(*header, executor);
+  const auto chunks = chunks_of(header, executor);
   const std::size_t most_rows = chunks.back().first_row + chunks.back().most_rows;
-  if (most_rows > limits.values / header->names.size())
+  if (most_rows > limits.values / header.names.size())
     return fail(ErrorCode::invalid_argument, "TOO_MANY_VALUES",
-                at_line(file_name, header->line) + "found up to " + std::to_string(most_rows) +
-                    " rows of " + std::to_string(header->names.size()) +
+                at_line(file_name, header.line) + "found up to " + std::to_string(most_rows) +
+                    " rows of " + std::to_string(header.names.size()) +
                     " columns, expected at most " + std::to_string(limits.values) +
                     " values in all: split the file, or work on it with the command line");
-  const auto columns = make_room(data, *kinds, most_rows, executor);
-  const Reader reader(*header, file_name, columns);
+  const auto columns = make_room(data, kinds, most_rows, executor);
+  const Reader reader(header, file_name, columns);
   std::vector<Found> found(chunks.size());
   calibration::run_on(executor, chunks.size(),
                       [&](std::size_t i) { found[i] = reader.read(chunks[i]); });
@@ -301,11 +299,11 @@ Result<Dataset> read_dataset_csv(std::string_view text, const std::string& file_
   for (const auto& chunk : found) data.rows += chunk.rows;
   if (data.rows == 0)
     return fail(ErrorCode::invalid_argument, "NO_ROWS",
-                at_line(file_name, header->line) +
+                at_line(file_name, header.line) +
                     "found a header row and nothing after it, expected one row per point");
-  const auto before = channels_before(*kinds);
-  for (std::size_t i = 0; i < kinds->size(); ++i)
-    visit_column(data, (*kinds)[i], before[i],
+  const auto before = channels_before(kinds);
+  for (std::size_t i = 0; i < kinds.size(); ++i)
+    visit_column(data, kinds[i], before[i],
                  [&](auto& values) { close_gaps(values, chunks, found); });
   take_over_suspects(data);
   return std::move(static_cast<Dataset&>(data));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/core/try.h"
 #include "server/formats/csv/csv_text.h"
 #include "server/formats/text/text.h"
 
@@ -105,37 +106,34 @@ std::size_t first_column(const std::vector<TrajectoryColumn>& kinds, TrajectoryC
 }  // namespace
 
 Result<Trajectory> read_trajectory_csv(std::string_view text, const std::string& file_name) {
-  const auto header = read_csv_header(text, file_name);
-  if (!header) return tl::unexpected(header.error());
+  DRIFTWISE_TRY(const auto header, read_csv_header(text, file_name));
   Trajectory trajectory;
-  const auto kinds = sort_columns(*header, file_name, trajectory.coordinates);
-  if (!kinds) return tl::unexpected(kinds.error());
+  DRIFTWISE_TRY(const auto kinds, sort_columns(header, file_name, trajectory.coordinates));
 
   // A trajectory has thousands of rows, not millions: one piece.
-  const CsvChunk whole{header->rows, header->line, 0, 0};
-  CsvRows rows(*header, file_name, whole);
+  const CsvChunk whole{header.rows, header.line, 0, 0};
+  CsvRows rows(header, file_name, whole);
   while (rows.next_row()) {
-    auto point = read_point(rows, *kinds);
-    if (!point) return tl::unexpected(point.error());
-    if (!trajectory.points.empty() && point->line < trajectory.points.back().line)
+    DRIFTWISE_TRY(auto point, read_point(rows, kinds));
+    if (!trajectory.points.empty() && point.line < trajectory.points.back().line)
       return tl::unexpected(
-          rows.problem("LINE_DECREASES", first_column(*kinds, TrajectoryColumn::line),
-                       "found " + std::to_string(point->line) + " after " +
+          rows.problem("LINE_DECREASES", first_column(kinds, TrajectoryColumn::line),
+                       "found " + std::to_string(point.line) + " after " +
                            std::to_string(trajectory.points.back().line) +
                            ", expected the points of one line to follow one another"));
-    if (point->zero && !std::ranges::all_of(point->target_mm, [](double mm) { return mm == 0; }))
+    if (point.zero && !std::ranges::all_of(point.target_mm, [](double mm) { return mm == 0; }))
       return tl::unexpected(
-          rows.problem("ZERO_NOT_AT_ZERO", first_column(*kinds, TrajectoryColumn::zero),
+          rows.problem("ZERO_NOT_AT_ZERO", first_column(kinds, TrajectoryColumn::zero),
                        "found 1 with coordinates that are not all 0: a return to zero goes to 0"));
     if (trajectory.points.size() >= kMostTrajectoryRows)
       return tl::unexpected(rows.problem(
-          "TOO_MANY_ROWS", kinds->size(),
+          "TOO_MANY_ROWS", kinds.size(),
           "found more than " + std::to_string(kMostTrajectoryRows) + " rows: split the plan"));
-    trajectory.points.push_back(std::move(*point));
+    trajectory.points.push_back(std::move(point));
   }
   if (rows.failed()) return tl::unexpected(rows.error());
   if (trajectory.points.empty())
-    return bad_header("NO_ROWS", *header, file_name,
+    return bad_header("NO_ROWS", header, file_name,
                       "found a header row and nothing after it, expected one row per point");
   return trajectory;
 }

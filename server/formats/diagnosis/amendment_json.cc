@@ -1,5 +1,6 @@
 #include "server/formats/diagnosis/amendment_json.h"
 
+#include "server/core/try.h"
 #include "server/effects/term_order.h"
 #include "server/formats/formula/formula.h"
 #include "server/formats/text/json_place.h"
@@ -68,10 +69,9 @@ std::string write_amendment_json(const correction::DataAmendment& amendment) {
 }
 
 Result<correction::DataAmendment> read_amendment_json(std::string_view text) {
-  const auto json = parse_json(text);
-  if (!json) return tl::unexpected(json.error());
+  DRIFTWISE_TRY(const auto json, parse_json(text));
   try {
-    return read_amendment(JsonPlace(*json, ""));
+    return read_amendment(JsonPlace(json, ""));
   } catch (const JsonProblem& problem) {
     return fail(ErrorCode::invalid_argument, "BAD_CORRECTION",
                 "correction: " + problem.place + ": found " + problem.found + ", expected " +

@@ -6,6 +6,7 @@
 #include "server/compensation/snapshot.h"
 #include "server/core/channel.h"
 #include "server/core/data/reading.h"
+#include "server/core/try.h"
 #include "server/effects/term_evaluator.h"
 #include "server/effects/term_order.h"
 #include "server/formats/text/text.h"
@@ -346,28 +347,27 @@ Result<std::string> write_model_c(const calibration::Model& model, const std::st
   if (!good_name)
     return fail(ErrorCode::invalid_argument, "BAD_NAME",
                 "found the name " + shown(name) + ", expected letters, digits and '_', at most 64");
-  const auto inputs = collect_inputs(model);
-  if (!inputs) return tl::unexpected(inputs.error());
-  const auto ranges = inputs->all();
+  DRIFTWISE_TRY(const auto inputs, collect_inputs(model));
+  const auto ranges = inputs.all();
   if (ranges.size() > 31)
     return fail(ErrorCode::failed_precondition, "NOT_EXPORTABLE",
                 "the model reads " + std::to_string(ranges.size()) +
                     " channels, at most 31 have a bit in the answer");
   const std::string function = "driftwise_model_" + name;
-  std::string code = head_comment(model, function, *inputs);
+  std::string code = head_comment(model, function, inputs);
   code += "int " + function +
           "(const double *pose, const double *temperatures, double *q) {\n  int outside = 0;\n  "
           "(void)pose;\n  (void)temperatures;\n";
   for (std::size_t i = 0; i < ranges.size(); ++i) {
-    const std::string value = inputs->expression(ranges[i].channel.symbol);
+    const std::string value = inputs.expression(ranges[i].channel.symbol);
     code += "  if (!(" + value + " >= " + literal(ranges[i].min) + " && " + value +
             " <= " + literal(ranges[i].max) + ")) outside |= " + std::to_string(1u << i) + "; /* " +
             ranges[i].channel.name() + " */\n";
   }
   for (std::size_t i = 0; i < model.outputs.size(); ++i)
-    code += output_code(model.outputs[i], i, *inputs);
-  return code + "  return outside;\n}\n" + datum_code(model, function, *inputs) +
-         self_test(model, function, *inputs);
+    code += output_code(model.outputs[i], i, inputs);
+  return code + "  return outside;\n}\n" + datum_code(model, function, inputs) +
+         self_test(model, function, inputs);
 }
 
 }  // namespace driftwise::formats

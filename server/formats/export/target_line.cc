@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "server/core/text/clean_text.h"
+#include "server/core/try.h"
 #include "server/formats/text/text.h"
 
 namespace driftwise::formats {
@@ -103,7 +104,7 @@ Result<TargetRequest> parse_target_line(std::string_view line) {
   request.with_uncertainty = false;
   bool asked_u = false;
   for (auto word = take_word(rest); !word.empty(); word = take_word(rest))
-    if (auto read = read_word(word, request, asked_u); !read) return tl::unexpected(read.error());
+    DRIFTWISE_RETURN_IF_ERROR(read_word(word, request, asked_u));
   return request;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/core/data/dataset_parts.h"
+#include "server/core/try.h"
 #include "server/effects/direct_symbols.h"
 #include "server/effects/effect.h"
 #include "server/effects/term_order.h"
@@ -26,13 +27,12 @@ Formula::~Formula() = default;
 const std::string& Formula::canonical() const { return tree_->canonical; }
 
 Result<Formula> Formula::parse(std::string_view text, const FormulaLimits& limits) {
-  auto parsed = parse_formula_text(text, limits);
-  if (!parsed) return tl::unexpected(parsed.error());
+  DRIFTWISE_TRY(auto parsed, parse_formula_text(text, limits));
   auto tree = std::make_unique<Tree>();
   tree->text = text;
   tree->limits = limits;
-  tree->canonical = print_formula(*parsed);
-  tree->parsed = std::move(*parsed);
+  tree->canonical = print_formula(parsed);
+  tree->parsed = std::move(parsed);
   return Formula(std::move(tree));
 }
 
@@ -82,17 +82,15 @@ Result<calibration::Candidates> Formula::expand(
   const auto& [text, limits, parsed, canonical] = *tree_;
   calibration::Candidates candidates;
   candidates.formula = canonical;
-  auto outputs = outputs_of(parsed.outputs, channels, text);
-  if (!outputs) return tl::unexpected(outputs.error());
-  candidates.outputs = std::move(*outputs);
+  DRIFTWISE_TRY(auto outputs, outputs_of(parsed.outputs, channels, text));
+  candidates.outputs = std::move(outputs);
   auto sorted = candidates.outputs;
   std::ranges::sort(sorted);
   if (std::ranges::adjacent_find(sorted) != sorted.end())
     return bad_formula(text, parsed.outputs.back().at, "an output stands twice on the left");
-  auto terms = expand_sum(parsed.sum, channels, parts, text, limits);
-  if (!terms) return tl::unexpected(terms.error());
+  DRIFTWISE_TRY(auto terms, expand_sum(parsed.sum, channels, parts, text, limits));
   candidates.constant = false;
-  for (auto& term : *terms) {
+  for (auto& term : terms) {
     if (term.is_constant()) {
       candidates.constant = true;
       continue;
@@ -147,30 +145,26 @@ Result<effects::Factor> factor_of(const FormulaNode& node, std::string_view text
 }  // namespace
 
 Result<effects::Term> parse_term(std::string_view text) {
-  auto node = parse_term_text(text, {});
-  if (!node) return tl::unexpected(node.error());
-  if (node->kind == FormulaNode::Kind::one) return effects::Term{};
+  DRIFTWISE_TRY(auto node, parse_term_text(text, {}));
+  if (node.kind == FormulaNode::Kind::one) return effects::Term{};
   effects::Term term;
   std::vector<FormulaNode> parts;
-  if (node->kind == FormulaNode::Kind::cross)
-    parts = std::move(node->parts);
+  if (node.kind == FormulaNode::Kind::cross)
+    parts = std::move(node.parts);
   else
-    parts.push_back(std::move(*node));
+    parts.push_back(std::move(node));
   for (const auto& part : parts) {
-    auto factor = factor_of(part, text);
-    if (!factor) return tl::unexpected(factor.error());
-    term.factors.push_back(std::move(*factor));
+    DRIFTWISE_TRY(auto factor, factor_of(part, text));
+    term.factors.push_back(std::move(factor));
   }
   return effects::canonical(term);
 }
 
 Result<calibration::Model> fit_formula(const Dataset& dataset, std::string_view formula,
                                        calibration::FitOptions options) {
-  auto parsed = Formula::parse(formula);
-  if (!parsed) return tl::unexpected(parsed.error());
-  auto candidates = parsed->expand(dataset);
-  if (!candidates) return tl::unexpected(candidates.error());
-  options.candidates = std::move(*candidates);
+  DRIFTWISE_TRY(auto parsed, Formula::parse(formula));
+  DRIFTWISE_TRY(auto candidates, parsed.expand(dataset));
+  options.candidates = std::move(candidates);
   return calibration::fit(dataset, options);
 }
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "server/core/try.h"
 #include "server/effects/effect.h"
 #include "server/effects/term_order.h"
 #include "server/formats/formula/formula_lexer.h"
@@ -91,20 +92,18 @@ class Expander {
         return std::vector<Term>{Term{}};
       case Kind::name:
       case Kind::range: {
-        auto symbols = channels_of(node);
-        if (!symbols) return tl::unexpected(symbols.error());
+        DRIFTWISE_TRY(auto symbols, channels_of(node));
         std::vector<Term> terms;
-        for (const auto& symbol : *symbols) terms.push_back(plain(symbol));
+        for (const auto& symbol : symbols) terms.push_back(plain(symbol));
         return terms;
       }
       case Kind::power: {
-        auto symbols = channels_of(node.parts.front());
-        if (!symbols) return tl::unexpected(symbols.error());
-        if (symbols->size() != 1)
+        DRIFTWISE_TRY(auto symbols, channels_of(node.parts.front()));
+        if (symbols.size() != 1)
           return bad_formula(
               text_, node.at,
               node.parts.front().name + " is several channels here: write the power of each");
-        return std::vector<Term>{plain(symbols->front(), node.number)};
+        return std::vector<Term>{plain(symbols.front(), node.number)};
       }
       case Kind::poly:
         return poly(node);
@@ -149,9 +148,8 @@ class Expander {
   Terms poly(const FormulaNode& node) {
     std::vector<std::string> symbols;
     for (const auto& part : node.parts) {
-      auto some = channels_of(part);
-      if (!some) return tl::unexpected(some.error());
-      for (const auto& symbol : *some) {
+      DRIFTWISE_TRY(auto some, channels_of(part));
+      for (const auto& symbol : some) {
         if (std::ranges::find(symbols, symbol) != symbols.end())
           return bad_formula(text_, part.at, symbol + " stands twice in poly");
         symbols.push_back(symbol);
@@ -193,11 +191,10 @@ class Expander {
     std::vector<std::vector<std::string>> arguments;
     std::size_t count = 1;
     for (const auto& part : node.parts) {
-      auto symbols = channels_of(part);
-      if (!symbols) return tl::unexpected(symbols.error());
-      count *= symbols->size();
+      DRIFTWISE_TRY(auto symbols, channels_of(part));
+      count *= symbols.size();
       if (count > limits_.terms) return too_large(node.at);
-      arguments.push_back(std::move(*symbols));
+      arguments.push_back(std::move(symbols));
     }
     std::vector<Term> terms;
     for (std::size_t index = 0; index < count; ++index) {

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "server/core/try.h"
 #include "server/effects/effect.h"
 #include "server/effects/term_order.h"
 #include "server/formats/formula/formula_lexer.h"
@@ -28,10 +29,9 @@ class Parser {
     } while (look().token == Token::plus);
     if (look().token != Token::tilde) return error("expected ~ after the output");
     ++next_;
-    auto terms = sum(0);
-    if (!terms) return tl::unexpected(terms.error());
+    DRIFTWISE_TRY(auto terms, sum(0));
     if (look().token != Token::end) return error("expected + - * : or the end");
-    parsed.sum = std::move(*terms);
+    parsed.sum = std::move(terms);
     return parsed;
   }
 
@@ -115,9 +115,8 @@ class Parser {
     FormulaNode node;
     node.kind = Kind::power;
     node.at = base->at;
-    auto exponent = whole_number("a whole power from 1 to ");
-    if (!exponent) return tl::unexpected(exponent.error());
-    node.number = *exponent;
+    DRIFTWISE_TRY(auto exponent, whole_number("a whole power from 1 to "));
+    node.number = exponent;
     node.parts.push_back(std::move(*base));
     if (look().token == Token::power) return error("a power of a power: write one exponent");
     return node;
@@ -156,7 +155,7 @@ class Parser {
     }
     node = channel();
     if (look().token == Token::range) {
-      if (auto last = range(node); !last) return tl::unexpected(last.error());
+      DRIFTWISE_RETURN_IF_ERROR(range(node));
     } else if (look().token == Token::open) {
       ++next_;
       return node.name == "poly" ? poly(std::move(node)) : effect(std::move(node));
@@ -192,9 +191,8 @@ class Parser {
       ++next_;
     }
     if (node.parts.empty()) return error("expected a channel: poly(x, y, z, 3)");
-    auto degree = whole_number("the degree of poly, a whole number from 1 to ");
-    if (!degree) return tl::unexpected(degree.error());
-    node.number = *degree;
+    DRIFTWISE_TRY(auto degree, whole_number("the degree of poly, a whole number from 1 to "));
+    node.number = degree;
     if (look().token != Token::close) return error("expected ) after the degree of poly");
     ++next_;
     return node;
@@ -220,8 +218,7 @@ class Parser {
         if (lexemes_[next_ + 1].token == Token::open)
           return error("an effect observes channels, not other effects");
         node.parts.push_back(channel());
-        if (look().token == Token::range)
-          if (auto last = range(node.parts.back()); !last) return tl::unexpected(last.error());
+        if (look().token == Token::range) DRIFTWISE_RETURN_IF_ERROR(range(node.parts.back()));
       } else {
         return error("expected a channel or a quantity such as 300 s in " + node.name + "(...)");
       }
@@ -245,23 +242,20 @@ Result<Parser> parser_for(std::string_view text, const FormulaLimits& limits) {
     return fail(ErrorCode::invalid_argument, "FORMULA_TOO_LARGE",
                 "formula: " + std::to_string(text.size()) + " bytes long, at most " +
                     std::to_string(limits.text_bytes) + " are read");
-  auto lexemes = lex_formula(text);
-  if (!lexemes) return tl::unexpected(lexemes.error());
-  return Parser(text, std::move(*lexemes), limits);
+  DRIFTWISE_TRY(auto lexemes, lex_formula(text));
+  return Parser(text, std::move(lexemes), limits);
 }
 
 }  // namespace
 
 Result<ParsedFormula> parse_formula_text(std::string_view text, const FormulaLimits& limits) {
-  auto parser = parser_for(text, limits);
-  if (!parser) return tl::unexpected(parser.error());
-  return parser->formula();
+  DRIFTWISE_TRY(auto parser, parser_for(text, limits));
+  return parser.formula();
 }
 
 Result<FormulaNode> parse_term_text(std::string_view text, const FormulaLimits& limits) {
-  auto parser = parser_for(text, limits);
-  if (!parser) return tl::unexpected(parser.error());
-  return parser->term();
+  DRIFTWISE_TRY(auto parser, parser_for(text, limits));
+  return parser.term();
 }
 
 }  // namespace driftwise::formats

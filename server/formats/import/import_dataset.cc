@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/core/try.h"
 #include "server/formats/import/foreign_rows.h"
 #include "server/formats/import/grouping.h"
 #include "server/formats/import/import_poses.h"
@@ -47,24 +48,21 @@ Result<void> take_row(Gathering& g, const RowReader& reader, const ForeignRows& 
                       std::vector<double>& values) {
   ImportReport& report = g.out.report;
   ++report.rows_read;
-  const auto dropped = reader.dropped_by(row);
-  if (!dropped) return tl::unexpected(dropped.error());
-  if (*dropped) {
-    auto& entry = report.dropped[**dropped];
+  DRIFTWISE_TRY(const auto dropped, reader.dropped_by(row));
+  if (dropped) {
+    auto& entry = report.dropped[*dropped];
     ++entry.rows;
     if (entry.lines.size() < 10) entry.lines.push_back(row.line());
     return {};
   }
   if (auto read = reader.read(row, values); !read) return read;
   if (g.mapping.time) {
-    const auto time = reader.time(row);
-    if (!time) return tl::unexpected(time.error());
-    g.times.add(*time, row.line());
+    DRIFTWISE_TRY(const auto time, reader.time(row));
+    g.times.add(time, row.line());
   }
   if (g.mapping.sets.by == SetRule::By::column) {
-    const auto validation = reader.is_validation(row);
-    if (!validation) return tl::unexpected(validation.error());
-    g.validation.push_back(*validation);
+    DRIFTWISE_TRY(const auto validation, reader.is_validation(row));
+    g.validation.push_back(validation);
   }
   for (std::size_t i = 0; i < values.size(); ++i) {
     g.values[i].push_back(values[i]);
@@ -234,35 +232,32 @@ Result<ImportedDataset> import_dataset(std::string_view bytes, const std::string
                                        const ImportMapping& mapping) {
   std::string inflated;
   if (is_gzip(bytes)) {
-    auto text = gunzip(bytes, file_name, kMostImportBytes);
-    if (!text) return tl::unexpected(text.error());
-    inflated = std::move(*text);
+    DRIFTWISE_TRY(auto text, gunzip(bytes, file_name, kMostImportBytes));
+    inflated = std::move(text);
   }
-  const auto text = to_utf8(inflated.empty() ? bytes : inflated, mapping.file.encoding, file_name);
-  if (!text) return tl::unexpected(text.error());
+  DRIFTWISE_TRY(const auto text,
+                to_utf8(inflated.empty() ? bytes : inflated, mapping.file.encoding, file_name));
 
-  ForeignRows rows(*text, mapping.file.layout, file_name);
+  ForeignRows rows(text, mapping.file.layout, file_name);
   SourceTable table;
   if (!read_names(rows, mapping.file.header, table)) {
     if (rows.error()) return tl::unexpected(*rows.error());
     return bad_table("NO_HEADER", file_name, rows.line(),
                      "found no row of a table before the end of the file");
   }
-  const auto reader = RowReader::make(mapping, table, file_name);
-  if (!reader) return tl::unexpected(reader.error());
+  DRIFTWISE_TRY(const auto reader, RowReader::make(mapping, table, file_name));
   Gathering g{mapping, file_name, {}, {}, {}, {}};
   g.values.resize(mapping.columns.size());
-  describe(g.out.report, mapping, table, *reader);
-  if (auto taken = take_rows(g, rows, table, *reader); !taken) return tl::unexpected(taken.error());
+  describe(g.out.report, mapping, table, reader);
+  DRIFTWISE_RETURN_IF_ERROR(take_rows(g, rows, table, reader));
   if (mapping.time) {
-    auto ordered = g.times.put_in_order(*mapping.time, file_name);
-    if (!ordered) return tl::unexpected(ordered.error());
-    for (auto& values : g.values) values = in_order(values, ordered->rows);
-    if (!g.validation.empty()) g.validation = in_order(g.validation, ordered->rows);
-    g.out.dataset.time_s = std::move(ordered->time_s);
-    g.out.report.late_rows = ordered->late;
-    g.out.report.spread_rows = ordered->spread;
-    if (mapping.time->format.has_epoch()) g.out.report.time_zero = to_iso8601(ordered->zero);
+    DRIFTWISE_TRY(auto ordered, g.times.put_in_order(*mapping.time, file_name));
+    for (auto& values : g.values) values = in_order(values, ordered.rows);
+    if (!g.validation.empty()) g.validation = in_order(g.validation, ordered.rows);
+    g.out.dataset.time_s = std::move(ordered.time_s);
+    g.out.report.late_rows = ordered.late;
+    g.out.report.spread_rows = ordered.spread;
+    if (mapping.time->format.has_epoch()) g.out.report.time_zero = to_iso8601(ordered.zero);
   }
   place_columns(g);
   for (const auto& pose : mapping.poses) apply_pose(pose, g.out.dataset);

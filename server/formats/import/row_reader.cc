@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "server/core/data/reading.h"
+#include "server/core/try.h"
 #include "server/formats/text/text.h"
 
 namespace driftwise::formats {
@@ -109,9 +110,8 @@ Result<double> RowReader::value(const ForeignRows& row, std::size_t index) const
 Result<void> RowReader::read(const ForeignRows& row, std::vector<double>& values) const {
   values.resize(columns_.size());
   for (std::size_t i = 0; i < columns_.size(); ++i) {
-    const auto found = value(row, i);
-    if (!found) return tl::unexpected(found.error());
-    values[i] = *found;
+    DRIFTWISE_TRY(const auto found, value(row, i));
+    values[i] = found;
   }
   return {};
 }
@@ -123,9 +123,8 @@ Result<std::optional<std::size_t>> RowReader::dropped_by(const ForeignRows& row)
     if (rule.missing && is_missing_text(text)) return i;
     if (rule.equals && text == *rule.equals) return i;
     if (!rule.below && !rule.above) continue;
-    const auto found = number(row, drops_[i]);
-    if (!found) return tl::unexpected(found.error());
-    if ((rule.below && *found < *rule.below) || (rule.above && *found > *rule.above)) return i;
+    DRIFTWISE_TRY(const auto found, number(row, drops_[i]));
+    if ((rule.below && found < *rule.below) || (rule.above && found > *rule.above)) return i;
   }
   return std::nullopt;
 }

@@ -1,5 +1,6 @@
 #include "server/formats/model/model_json.h"
 
+#include "server/core/try.h"
 #include "server/formats/model/model_json_uncertainty.h"
 #include "server/formats/text/json_place.h"
 #include "server/formats/text/text.h"
@@ -401,10 +402,9 @@ Result<std::string> stored_model_hash(std::string_view text) {
 }
 
 Result<Model> read_model_json(std::string_view text) {
-  const auto json = parse_json(text);
-  if (!json) return tl::unexpected(json.error());
+  DRIFTWISE_TRY(const auto json, parse_json(text));
   try {
-    return read_whole(JsonPlace(*json, ""));
+    return read_whole(JsonPlace(json, ""));
   } catch (const JsonProblem& problem) {
     return fail(ErrorCode::invalid_argument, "BAD_MODEL",
                 (problem.place.empty() ? std::string("the text") : problem.place) + ": found " +

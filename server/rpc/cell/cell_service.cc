@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "driftwise/v1/cell_service.grpc.pb.h"
+#include "server/core/try.h"
 #include "server/rpc/cell/convert_cell.h"
 #include "server/rpc/cell/motor_coordinates.h"
 #include "server/rpc/run/convert_run.h"
@@ -43,11 +44,10 @@ class CellService final : public v1::CellService::CallbackService {
     return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_cursor(request->after_event_id(), "after_event_id"); !good)
         co_return good;
-      const auto limit = limit_from(request->limit(), 100, 1000);
-      if (!limit) co_return tl::unexpected(limit.error());
-      const auto events = co_await cell_.events(EventId{request->after_event_id()}, *limit);
-      if (!events) co_return tl::unexpected(events.error());
-      for (const auto& event : *events) *response->add_events() = event_from(event);
+      DRIFTWISE_CO_TRY(const auto limit, limit_from(request->limit(), 100, 1000));
+      DRIFTWISE_CO_TRY(const auto events,
+                       co_await cell_.events(EventId{request->after_event_id()}, limit));
+      for (const auto& event : events) *response->add_events() = event_from(event);
       co_return Result<void>{};
     });
   }
@@ -57,13 +57,13 @@ class CellService final : public v1::CellService::CallbackService {
     return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       Nanoseconds duration = std::chrono::seconds(60);
       if (request->has_lease_duration()) {
-        const auto asked = nanoseconds_from(request->lease_duration(), "lease_duration");
-        if (!asked) co_return tl::unexpected(asked.error());
-        duration = *asked;
+        DRIFTWISE_CO_TRY(const auto asked,
+                         nanoseconds_from(request->lease_duration(), "lease_duration"));
+        duration = asked;
       }
-      const auto lease = cell_.take_lease(caller_of(*context), duration, request->token());
-      if (!lease) co_return tl::unexpected(lease.error());
-      *response->mutable_lease() = lease_from(*lease);
+      DRIFTWISE_CO_TRY(const auto lease,
+                       cell_.take_lease(caller_of(*context), duration, request->token()));
+      *response->mutable_lease() = lease_from(lease);
       co_return Result<void>{};
     });
   }
@@ -78,32 +78,29 @@ class CellService final : public v1::CellService::CallbackService {
   Reactor* StopAll(Context* context, const v1::StopAllRequest*,
                    v1::StopAllResponse* response) override {
     return answer(cell_, context, [this, context, response]() -> Awaitable<Result<void>> {
-      const auto answered = co_await cell_.stop_all(caller_of(*context));
-      if (!answered) co_return tl::unexpected(answered.error());
-      response->set_confirmed(answered->confirmed);
-      response->set_message(utf8_from(answered->message));
-      for (const auto& stop : answered->pending) *response->add_pending() = pending_stop_from(stop);
+      DRIFTWISE_CO_TRY(const auto answered, co_await cell_.stop_all(caller_of(*context)));
+      response->set_confirmed(answered.confirmed);
+      response->set_message(utf8_from(answered.message));
+      for (const auto& stop : answered.pending) *response->add_pending() = pending_stop_from(stop);
       co_return Result<void>{};
     });
   }
 
   Reactor* Home(Context* context, const v1::HomeRequest* request, v1::HomeResponse*) override {
     return answer(cell_, context, [this, context, request]() -> Awaitable<Result<void>> {
-      auto answered = answer_from(request->answer());
-      if (!answered) co_return tl::unexpected(answered.error());
-      auto homing = cell_.home(caller_of(*context), request->lease_token(), std::move(*answered));
+      DRIFTWISE_CO_TRY(auto answered, answer_from(request->answer()));
+      auto homing = cell_.home(caller_of(*context), request->lease_token(), std::move(answered));
       co_return co_await std::move(homing);
     });
   }
 
   Reactor* Move(Context* context, const v1::MoveRequest* request, v1::MoveResponse*) override {
     return answer(cell_, context, [this, context, request]() -> Awaitable<Result<void>> {
-      auto q_mm = motor_coordinates_from(request->coordinates(), cell_.description());
-      if (!q_mm) co_return tl::unexpected(q_mm.error());
-      auto answered = answer_from(request->answer());
-      if (!answered) co_return tl::unexpected(answered.error());
-      auto moving = cell_.move_to(caller_of(*context), request->lease_token(), std::move(*q_mm),
-                                  std::move(*answered));
+      DRIFTWISE_CO_TRY(auto q_mm,
+                       motor_coordinates_from(request->coordinates(), cell_.description()));
+      DRIFTWISE_CO_TRY(auto answered, answer_from(request->answer()));
+      auto moving = cell_.move_to(caller_of(*context), request->lease_token(), std::move(q_mm),
+                                  std::move(answered));
       co_return co_await std::move(moving);
     });
   }

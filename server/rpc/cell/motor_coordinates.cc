@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/core/try.h"
 #include "server/rpc/shared/convert_values.h"
 
 namespace driftwise::rpc {
@@ -9,22 +10,21 @@ namespace driftwise::rpc {
 Result<std::vector<double>> motor_coordinates_from(
     const google::protobuf::RepeatedPtrField<v1::ChannelValue>& coordinates,
     const CellDescription& cell) {
-  const auto values = values_from(coordinates, "coordinates");
-  if (!values) return tl::unexpected(values.error());
+  DRIFTWISE_TRY(const auto values, values_from(coordinates, "coordinates"));
   const auto axes = cell.motor_channels();
   std::string known;
   for (const auto& axis : axes) known += (known.empty() ? "" : ", ") + axis.name();
-  for (const auto& value : *values)
+  for (const auto& value : values)
     if (std::none_of(axes.begin(), axes.end(),
                      [&](const Channel& axis) { return axis.name() == value.channel; }))
       return fail(ErrorCode::invalid_argument, "UNKNOWN_AXIS",
                   "coordinates: found " + value.channel + ", the axes of this cell are " + known);
   std::vector<double> q_mm;
   for (const auto& axis : axes) {
-    const auto found = std::find_if(values->begin(), values->end(), [&](const ChannelValue& value) {
+    const auto found = std::find_if(values.begin(), values.end(), [&](const ChannelValue& value) {
       return value.channel == axis.name();
     });
-    if (found == values->end())
+    if (found == values.end())
       return fail(
           ErrorCode::invalid_argument, "MISSING_COORDINATE",
           "coordinates: " + axis.name() + " is missing, a move names every one of " + known);

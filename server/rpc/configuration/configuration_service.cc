@@ -1,5 +1,6 @@
 #include "driftwise/v1/configuration_service.grpc.pb.h"
 #include "server/core/text/clean_text.h"
+#include "server/core/try.h"
 #include "server/rpc/configuration/convert_provenance.h"
 #include "server/rpc/shared/caller.h"
 #include "server/rpc/shared/request_checks.h"
@@ -19,13 +20,11 @@ class ConfigurationService final : public v1::ConfigurationService::CallbackServ
   Reactor* ListConfigurations(Context* context, const v1::ListConfigurationsRequest* request,
                               v1::ListConfigurationsResponse* response) override {
     return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
-      const auto limit = limit_from(request->limit(), 100, 1000);
-      if (!limit) co_return tl::unexpected(limit.error());
-      auto reading = cell_.provenance().configurations(*limit);
-      const auto starts = co_await std::move(reading);
-      if (!starts) co_return tl::unexpected(starts.error());
-      for (const auto& start : *starts) *response->add_starts() = start_from(start);
-      response->set_open_question(!starts->empty() && starts->front().is_open());
+      DRIFTWISE_CO_TRY(const auto limit, limit_from(request->limit(), 100, 1000));
+      auto reading = cell_.provenance().configurations(limit);
+      DRIFTWISE_CO_TRY(const auto starts, co_await std::move(reading));
+      for (const auto& start : starts) *response->add_starts() = start_from(start);
+      response->set_open_question(!starts.empty() && starts.front().is_open());
       co_return Result<void>{};
     });
   }
@@ -37,12 +36,11 @@ class ConfigurationService final : public v1::ConfigurationService::CallbackServ
                                check_size(request->compare_hash(), kMostNameBytes, "compare_hash")})
         if (!good) co_return good;
       auto reading = cell_.provenance().configuration(request->hash(), request->compare_hash());
-      const auto view = co_await std::move(reading);
-      if (!view) co_return tl::unexpected(view.error());
-      response->set_hash(view->hash);
-      response->set_text(view->text);
-      response->set_compared_hash(view->compared_hash);
-      for (const auto& change : view->changes) *response->add_changes() = change_from(change);
+      DRIFTWISE_CO_TRY(const auto view, co_await std::move(reading));
+      response->set_hash(view.hash);
+      response->set_text(view.text);
+      response->set_compared_hash(view.compared_hash);
+      for (const auto& change : view.changes) *response->add_changes() = change_from(change);
       co_return Result<void>{};
     });
   }
@@ -55,9 +53,8 @@ class ConfigurationService final : public v1::ConfigurationService::CallbackServ
         if (!good) co_return good;
       auto accepting = cell_.provenance().accept_configuration(caller_of(*context), request->hash(),
                                                                clean_line(request->note()));
-      const auto accepted = co_await std::move(accepting);
-      if (!accepted) co_return tl::unexpected(accepted.error());
-      *response->mutable_start() = start_from(*accepted);
+      DRIFTWISE_CO_TRY(const auto accepted, co_await std::move(accepting));
+      *response->mutable_start() = start_from(accepted);
       co_return Result<void>{};
     });
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/core/try.h"
 #include "server/rpc/shared/convert_values.h"
 #include "server/rpc/shared/request_checks.h"
 
@@ -21,16 +22,14 @@ void add_ranges(const std::vector<std::int64_t>& rows,
 
 template <class Request>
 Result<ExclusionRecord> exclusion_of(const Request& request, bool excluded) {
-  if (auto good = check_id(request.run_id(), "run_id"); !good) return tl::unexpected(good.error());
-  if (auto good = check_size(request.reason(), kMostNoteBytes, "reason"); !good)
-    return tl::unexpected(good.error());
+  DRIFTWISE_RETURN_IF_ERROR(check_id(request.run_id(), "run_id"));
+  DRIFTWISE_RETURN_IF_ERROR(check_size(request.reason(), kMostNoteBytes, "reason"));
   if (request.reason().find_first_not_of(" \t\r\n") == std::string::npos)
     return fail(ErrorCode::invalid_argument, "REASON_REQUIRED",
                 "reason: found nothing, expected why: it stands in the record");
-  auto rows = rows_from(request.rows());
-  if (!rows) return tl::unexpected(rows.error());
+  DRIFTWISE_TRY(auto rows, rows_from(request.rows()));
   return ExclusionRecord{
-      0, RunId{request.run_id()}, excluded, std::move(*rows), clean_line(request.reason()), {}, {},
+      0, RunId{request.run_id()}, excluded, std::move(rows), clean_line(request.reason()), {}, {},
       {}};
 }
 
@@ -94,17 +93,15 @@ Result<NoteSubject> subject_from(const v1::NoteSubject& subject) {
     return fail(ErrorCode::invalid_argument, "BAD_SUBJECT",
                 "on: expected a run, a run and one of its rows, or a model");
   if (subject.has_run_id()) {
-    if (auto good = check_id(subject.run_id(), "on.run_id"); !good)
-      return tl::unexpected(good.error());
+    DRIFTWISE_RETURN_IF_ERROR(check_id(subject.run_id(), "on.run_id"));
     on.run = RunId{subject.run_id()};
   }
   if (subject.has_row()) {
-    if (auto good = check_id(subject.row(), "on.row"); !good) return tl::unexpected(good.error());
+    DRIFTWISE_RETURN_IF_ERROR(check_id(subject.row(), "on.row"));
     on.row = stored_row(subject.row());
   }
   if (subject.has_model_id()) {
-    if (auto good = check_id(subject.model_id(), "on.model_id"); !good)
-      return tl::unexpected(good.error());
+    DRIFTWISE_RETURN_IF_ERROR(check_id(subject.model_id(), "on.model_id"));
     on.model = ModelId{subject.model_id()};
   }
   return on;

@@ -1,4 +1,5 @@
 #include "driftwise/v1/data_service.grpc.pb.h"
+#include "server/core/try.h"
 #include "server/rpc/data/convert_remarks.h"
 #include "server/rpc/run/convert_run.h"
 #include "server/rpc/shared/caller.h"
@@ -32,16 +33,14 @@ class DataService final : public v1::DataService::CallbackService {
                                           const v1::ImportDatasetRequest* request,
                                           v1::ImportDatasetResponse* response) override {
     return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
-      const auto name = line_from(request->name(), kMostNameBytes, "name");
-      if (!name) co_return tl::unexpected(name.error());
+      DRIFTWISE_CO_TRY(const auto name, line_from(request->name(), kMostNameBytes, "name"));
       if (auto good = check_size(request->csv(), kMostDatasetBytes, "csv"); !good) co_return good;
       if (auto good = check_size(request->request_id(), kMostRequestIdBytes, "request_id"); !good)
         co_return good;
       auto importing =
-          cell_.import_dataset(caller_of(*context), *name, request->csv(), request->request_id());
-      const auto run = co_await std::move(importing);
-      if (!run) co_return tl::unexpected(run.error());
-      *response->mutable_run() = run_from(*run);
+          cell_.import_dataset(caller_of(*context), name, request->csv(), request->request_id());
+      DRIFTWISE_CO_TRY(const auto run, co_await std::move(importing));
+      *response->mutable_run() = run_from(run);
       co_return Result<void>{};
     });
   }
@@ -59,9 +58,8 @@ class DataService final : public v1::DataService::CallbackService {
                           v1::ListExclusionsResponse* response) override {
     return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
-      const auto state = co_await cell_.exclusions(RunId{request->run_id()});
-      if (!state) co_return tl::unexpected(state.error());
-      *response->mutable_state() = exclusions_from(*state);
+      DRIFTWISE_CO_TRY(const auto state, co_await cell_.exclusions(RunId{request->run_id()}));
+      *response->mutable_state() = exclusions_from(state);
       co_return Result<void>{};
     });
   }
@@ -69,15 +67,13 @@ class DataService final : public v1::DataService::CallbackService {
   Reactor* CreateNote(Context* context, const v1::CreateNoteRequest* request,
                       v1::CreateNoteResponse* response) override {
     return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
-      const auto on = subject_from(request->on());
-      if (!on) co_return tl::unexpected(on.error());
+      DRIFTWISE_CO_TRY(const auto on, subject_from(request->on()));
       if (auto good = check_size(request->text(), kMostNoteBytes, "text"); !good) co_return good;
       if (request->text().empty())
         co_return fail(ErrorCode::invalid_argument, "NO_TEXT", "text: found nothing to note");
-      auto noting = cell_.add_note(caller_of(*context), *on, clean_text(request->text()));
-      const auto note = co_await std::move(noting);
-      if (!note) co_return tl::unexpected(note.error());
-      *response->mutable_note() = note_from(*note);
+      auto noting = cell_.add_note(caller_of(*context), on, clean_text(request->text()));
+      DRIFTWISE_CO_TRY(const auto note, co_await std::move(noting));
+      *response->mutable_note() = note_from(note);
       co_return Result<void>{};
     });
   }
@@ -85,11 +81,9 @@ class DataService final : public v1::DataService::CallbackService {
   Reactor* ListNotes(Context* context, const v1::ListNotesRequest* request,
                      v1::ListNotesResponse* response) override {
     return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
-      const auto on = subject_from(request->on());
-      if (!on) co_return tl::unexpected(on.error());
-      const auto notes = co_await cell_.notes(*on);
-      if (!notes) co_return tl::unexpected(notes.error());
-      for (const auto& note : *notes) *response->add_notes() = note_from(note);
+      DRIFTWISE_CO_TRY(const auto on, subject_from(request->on()));
+      DRIFTWISE_CO_TRY(const auto notes, co_await cell_.notes(on));
+      for (const auto& note : notes) *response->add_notes() = note_from(note);
       co_return Result<void>{};
     });
   }
@@ -99,12 +93,10 @@ class DataService final : public v1::DataService::CallbackService {
   Reactor* change_rows(Context* context, const Request& request, Response& response) {
     return answer(cell_, context,
                   [this, context, &request, &response]() -> Awaitable<Result<void>> {
-                    auto wanted = exclusion_from(request);
-                    if (!wanted) co_return tl::unexpected(wanted.error());
-                    auto changing = cell_.exclude_rows(caller_of(*context), std::move(*wanted));
-                    const auto state = co_await std::move(changing);
-                    if (!state) co_return tl::unexpected(state.error());
-                    *response.mutable_state() = exclusions_from(*state);
+                    DRIFTWISE_CO_TRY(auto wanted, exclusion_from(request));
+                    auto changing = cell_.exclude_rows(caller_of(*context), std::move(wanted));
+                    DRIFTWISE_CO_TRY(const auto state, co_await std::move(changing));
+                    *response.mutable_state() = exclusions_from(state);
                     co_return Result<void>{};
                   });
   }

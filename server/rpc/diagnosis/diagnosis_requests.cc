@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "server/core/try.h"
 #include "server/formats/text/text.h"
 #include "server/rpc/diagnosis/convert_diagnosis.h"
 #include "server/rpc/shared/request_checks.h"
@@ -11,22 +12,20 @@ Result<application::DiagnosisRequest> diagnosis_request_from(
   for (const auto& good : {check_size(request.csv(), kMostDatasetBytes, "csv"),
                            check_size(request.baseline(), kMostFormulaBytes, "baseline"),
                            check_size(request.name(), kMostNameBytes, "name")})
-    if (!good) return tl::unexpected(good.error());
+    DRIFTWISE_RETURN_IF_ERROR(good);
   if (request.csv().empty() == request.run_ids().empty())
     return fail(ErrorCode::invalid_argument, "RUNS_OR_CSV",
                 std::string("found ") +
                     (request.csv().empty() ? "neither run_ids nor csv" : "run_ids and csv") +
                     ", expected one of them");
   application::DiagnosisRequest asked;
-  auto runs = run_ids_from(request.run_ids());
-  if (!runs) return tl::unexpected(runs.error());
-  asked.runs = std::move(*runs);
+  DRIFTWISE_TRY(auto runs, run_ids_from(request.run_ids()));
+  asked.runs = std::move(runs);
   asked.csv = request.csv();
   asked.baseline = request.baseline();
   asked.name = clean_line(request.name());
   if (request.has_model_id()) {
-    if (auto good = check_id(request.model_id(), "model_id"); !good)
-      return tl::unexpected(good.error());
+    DRIFTWISE_RETURN_IF_ERROR(check_id(request.model_id(), "model_id"));
     asked.model = ModelId{request.model_id()};
   }
   if (request.has_alpha()) asked.alpha = request.alpha();
@@ -39,16 +38,14 @@ Result<application::DiagnosisRequest> diagnosis_request_from(
     return fail(ErrorCode::invalid_argument, "BAD_OPTION",
                 "seed: found " + std::to_string(asked.seed) + ", expected a number from 0");
   for (const auto& symbol : request.exclude_symbols()) {
-    if (auto good = check_size(symbol, kMostNameBytes, "exclude_symbols"); !good)
-      return tl::unexpected(good.error());
+    DRIFTWISE_RETURN_IF_ERROR(check_size(symbol, kMostNameBytes, "exclude_symbols"));
     asked.exclude_symbols.push_back(symbol);
   }
   return asked;
 }
 
 Result<application::AcceptRequest> accept_request_from(const v1::AcceptExtensionRequest& request) {
-  if (auto good = check_id(request.diagnosis_id(), "diagnosis_id"); !good)
-    return tl::unexpected(good.error());
+  DRIFTWISE_RETURN_IF_ERROR(check_id(request.diagnosis_id(), "diagnosis_id"));
   application::AcceptRequest asked;
   asked.diagnosis = {request.diagnosis_id()};
   asked.promote = request.promote();
@@ -71,7 +68,7 @@ Result<application::ImproveRequest> improve_request_from(
         check_size(request.formula(), kMostFormulaBytes, "formula"),
         check_size(request.request_id(), kMostRequestIdBytes, "request_id"),
         check_size(request.lease_token(), kMostNameBytes, "lease_token")})
-    if (!good) return tl::unexpected(good.error());
+    DRIFTWISE_RETURN_IF_ERROR(good);
   if (request.trajectory_text().empty())
     return fail(ErrorCode::invalid_argument, "EMPTY_TRAJECTORY",
                 "trajectory_text: found nothing, expected a CSV file");

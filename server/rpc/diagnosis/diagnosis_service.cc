@@ -1,4 +1,5 @@
 #include "driftwise/v1/diagnosis_service.grpc.pb.h"
+#include "server/core/try.h"
 #include "server/formats/diagnosis/diagnosis_html.h"
 #include "server/rpc/configuration/convert_provenance.h"
 #include "server/rpc/diagnosis/convert_diagnosis.h"
@@ -22,9 +23,8 @@ class DiagnosisService final : public v1::DiagnosisService::CallbackService {
   Reactor* CreateDiagnosis(Context* context, const v1::CreateDiagnosisRequest* request,
                            v1::CreateDiagnosisResponse* response) override {
     return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
-      auto asked = diagnosis_request_from(*request);
-      if (!asked) co_return tl::unexpected(asked.error());
-      auto creating = cell_.create_diagnosis(caller_of(*context), std::move(*asked));
+      DRIFTWISE_CO_TRY(auto asked, diagnosis_request_from(*request));
+      auto creating = cell_.create_diagnosis(caller_of(*context), std::move(asked));
       co_return put(co_await std::move(creating), *response->mutable_diagnosis());
     });
   }
@@ -38,9 +38,8 @@ class DiagnosisService final : public v1::DiagnosisService::CallbackService {
       auto good = put(co_await std::move(looking), *response->mutable_diagnosis());
       if (!good || !request->with_rows()) co_return good;
       auto reading = cell_.diagnosis_rows(id);
-      const auto rows = co_await std::move(reading);
-      if (!rows) co_return tl::unexpected(rows.error());
-      *response->mutable_rows() = rows_from(*rows);
+      DRIFTWISE_CO_TRY(const auto rows, co_await std::move(reading));
+      *response->mutable_rows() = rows_from(rows);
       co_return Result<void>{};
     });
   }
@@ -48,9 +47,8 @@ class DiagnosisService final : public v1::DiagnosisService::CallbackService {
   Reactor* ListDiagnoses(Context* context, const v1::ListDiagnosesRequest*,
                          v1::ListDiagnosesResponse* response) override {
     return answer(cell_, context, [this, response]() -> Awaitable<Result<void>> {
-      const auto views = co_await cell_.diagnoses();
-      if (!views) co_return tl::unexpected(views.error());
-      for (const auto& view : *views)
+      DRIFTWISE_CO_TRY(const auto views, co_await cell_.diagnoses());
+      for (const auto& view : views)
         *response->add_diagnoses() = diagnosis_from(view, DiagnosisDetail::summary);
       co_return Result<void>{};
     });
@@ -81,15 +79,13 @@ class DiagnosisService final : public v1::DiagnosisService::CallbackService {
       if (auto good = check_id(request->diagnosis_id(), "diagnosis_id"); !good) co_return good;
       const DiagnosisId id{request->diagnosis_id()};
       auto looking = cell_.diagnosis(id);
-      const auto view = co_await std::move(looking);
-      if (!view) co_return tl::unexpected(view.error());
-      if (!view->found)
+      DRIFTWISE_CO_TRY(const auto view, co_await std::move(looking));
+      if (!view.found)
         co_return fail(ErrorCode::failed_precondition, "NOT_DONE",
                        "only a diagnosis that is done has a page");
       auto reading = cell_.diagnosis_rows(id);
-      const auto rows = co_await std::move(reading);
-      if (!rows) co_return tl::unexpected(rows.error());
-      response->set_html(utf8_from(page_of(*view, *rows)));
+      DRIFTWISE_CO_TRY(const auto rows, co_await std::move(reading));
+      response->set_html(utf8_from(page_of(view, rows)));
       response->set_file_name("diagnosis_" + std::to_string(id.value) + ".html");
       co_return Result<void>{};
     });
@@ -102,12 +98,10 @@ class DiagnosisService final : public v1::DiagnosisService::CallbackService {
       accepting.set_diagnosis_id(request->diagnosis_id());
       accepting.set_promote(request->promote());
       *accepting.mutable_finding_numbers() = request->finding_numbers();
-      auto asked = accept_request_from(accepting);
-      if (!asked) co_return tl::unexpected(asked.error());
-      auto looking = cell_.provenance().preview_extension(std::move(*asked));
-      const auto preview = co_await std::move(looking);
-      if (!preview) co_return tl::unexpected(preview.error());
-      *response = preview_from(*preview);
+      DRIFTWISE_CO_TRY(auto asked, accept_request_from(accepting));
+      auto looking = cell_.provenance().preview_extension(std::move(asked));
+      DRIFTWISE_CO_TRY(const auto preview, co_await std::move(looking));
+      *response = preview_from(preview);
       co_return Result<void>{};
     });
   }
@@ -115,12 +109,10 @@ class DiagnosisService final : public v1::DiagnosisService::CallbackService {
   Reactor* AcceptExtension(Context* context, const v1::AcceptExtensionRequest* request,
                            v1::AcceptExtensionResponse* response) override {
     return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
-      auto asked = accept_request_from(*request);
-      if (!asked) co_return tl::unexpected(asked.error());
-      auto accepting = cell_.accept_extension(caller_of(*context), std::move(*asked));
-      const auto made = co_await std::move(accepting);
-      if (!made) co_return tl::unexpected(made.error());
-      *response->mutable_extension() = extension_from(*made);
+      DRIFTWISE_CO_TRY(auto asked, accept_request_from(*request));
+      auto accepting = cell_.accept_extension(caller_of(*context), std::move(asked));
+      DRIFTWISE_CO_TRY(const auto made, co_await std::move(accepting));
+      *response->mutable_extension() = extension_from(made);
       co_return Result<void>{};
     });
   }
@@ -131,9 +123,8 @@ class DiagnosisService final : public v1::DiagnosisService::CallbackService {
       if (auto good = check_id(request->diagnosis_id(), "diagnosis_id"); !good) co_return good;
       auto undoing =
           cell_.undo_extension(caller_of(*context), DiagnosisId{request->diagnosis_id()});
-      const auto undone = co_await std::move(undoing);
-      if (!undone) co_return tl::unexpected(undone.error());
-      *response->mutable_extension() = extension_from(*undone);
+      DRIFTWISE_CO_TRY(const auto undone, co_await std::move(undoing));
+      *response->mutable_extension() = extension_from(undone);
       co_return Result<void>{};
     });
   }
@@ -141,9 +132,8 @@ class DiagnosisService final : public v1::DiagnosisService::CallbackService {
   Reactor* CreateImprovement(Context* context, const v1::CreateImprovementRequest* request,
                              v1::CreateImprovementResponse* response) override {
     return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
-      auto asked = improve_request_from(*request);
-      if (!asked) co_return tl::unexpected(asked.error());
-      auto creating = cell_.create_improvement(caller_of(*context), std::move(*asked));
+      DRIFTWISE_CO_TRY(auto asked, improve_request_from(*request));
+      auto creating = cell_.create_improvement(caller_of(*context), std::move(asked));
       co_return put(co_await std::move(creating), *response->mutable_improvement());
     });
   }
@@ -160,9 +150,8 @@ class DiagnosisService final : public v1::DiagnosisService::CallbackService {
   Reactor* ListImprovements(Context* context, const v1::ListImprovementsRequest*,
                             v1::ListImprovementsResponse* response) override {
     return answer(cell_, context, [this, response]() -> Awaitable<Result<void>> {
-      const auto records = co_await cell_.improvements();
-      if (!records) co_return tl::unexpected(records.error());
-      for (const auto& record : *records) *response->add_improvements() = improvement_from(record);
+      DRIFTWISE_CO_TRY(const auto records, co_await cell_.improvements());
+      for (const auto& record : records) *response->add_improvements() = improvement_from(record);
       co_return Result<void>{};
     });
   }
@@ -201,12 +190,12 @@ class DiagnosisService final : public v1::DiagnosisService::CallbackService {
   }
 
   static Result<void> put(const Result<application::DiagnosisView>& view, v1::Diagnosis& out) {
-    if (!view) return tl::unexpected(view.error());
+    DRIFTWISE_RETURN_IF_ERROR(view);
     out = diagnosis_from(*view, DiagnosisDetail::whole);
     return {};
   }
   static Result<void> put(const Result<ImprovementRecord>& record, v1::Improvement& out) {
-    if (!record) return tl::unexpected(record.error());
+    DRIFTWISE_RETURN_IF_ERROR(record);
     out = improvement_from(*record);
     return {};
   }

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/core/channel.h"
+#include "server/core/try.h"
 #include "server/formats/model/method_json.h"
 #include "server/formats/text/text.h"
 #include "server/rpc/model/fit_request.h"
@@ -54,9 +55,8 @@ v1::MethodOutcome outcome_from(const identification::Judgement& judgement) {
 
 Result<application::MethodsRequest> methods_request_from(const v1::CompareMethodsRequest& request) {
   application::MethodsRequest asked;
-  auto fit = fit_request_from(request.fit(), FormulaIs::optional);
-  if (!fit) return tl::unexpected(fit.error());
-  asked.fit = std::move(*fit);
+  DRIFTWISE_TRY(auto fit, fit_request_from(request.fit(), FormulaIs::optional));
+  asked.fit = std::move(fit);
   if (request.methods_size() > 4)
     return fail(
         ErrorCode::invalid_argument, "BAD_METHOD",
@@ -64,7 +64,7 @@ Result<application::MethodsRequest> methods_request_from(const v1::CompareMethod
   asked.methods.assign(request.methods().begin(), request.methods().end());
   for (const auto& good : {check_size(request.robot_toml(), kMostRobotBytes, "robot_toml"),
                            check_size(request.together(), kMostNameBytes, "together")})
-    if (!good) return tl::unexpected(good.error());
+    DRIFTWISE_RETURN_IF_ERROR(good);
   asked.robot = request.robot_toml();
   asked.together = request.together();
   if (request.has_fold_count()) asked.folds = request.fold_count();
@@ -76,9 +76,8 @@ Result<application::MethodsRequest> methods_request_from(const v1::CompareMethod
 
 Result<application::SensorsRequest> sensors_request_from(const v1::StudySensorsRequest& request) {
   application::SensorsRequest asked;
-  auto fit = fit_request_from(request.fit());
-  if (!fit) return tl::unexpected(fit.error());
-  asked.fit = std::move(*fit);
+  DRIFTWISE_TRY(auto fit, fit_request_from(request.fit()));
+  asked.fit = std::move(fit);
   if (request.has_tolerance()) asked.tolerance = request.tolerance();
   if (!(asked.tolerance >= 0 && asked.tolerance <= 10))  // false for NaN
     return fail(ErrorCode::invalid_argument, "BAD_OPTION",

@@ -1,5 +1,6 @@
 #include "server/rpc/model/export_model.h"
 
+#include "server/core/try.h"
 #include "server/formats/export/model_c.h"
 #include "server/formats/model/model_json.h"
 
@@ -21,9 +22,8 @@ Result<v1::ExportModelResponse> export_model(const ModelRecord& record,
     out.set_file_name("model_" + id + ".json");
     return out;
   }
-  auto source = formats::write_model_c(*model, id);
-  if (!source) return tl::unexpected(source.error());
-  out.set_text(std::move(*source));
+  DRIFTWISE_TRY(auto source, formats::write_model_c(*model, id));
+  out.set_text(std::move(source));
   out.set_file_name("model_" + id + ".c");
   return out;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/core/try.h"
 #include "server/formats/text/text.h"
 #include "server/rpc/shared/request_checks.h"
 
@@ -63,7 +64,7 @@ Result<application::FitRequest> fit_request_from(const v1::CreateFitRequest& req
                            check_size(request.name(), kMostNameBytes, "name"),
                            check_size(request.note(), kMostNoteBytes, "note"),
                            check_cursor(request.first_rows(), "first_rows")})
-    if (!good) return tl::unexpected(good.error());
+    DRIFTWISE_RETURN_IF_ERROR(good);
   if (request.csv().empty() == request.run_ids().empty())
     return fail(ErrorCode::invalid_argument, "RUNS_OR_CSV",
                 std::string("found ") +
@@ -73,9 +74,8 @@ Result<application::FitRequest> fit_request_from(const v1::CreateFitRequest& req
     return fail(ErrorCode::invalid_argument, "EMPTY_FORMULA",
                 "formula: found nothing, expected something like q ~ x + x^2 + T");
   application::FitRequest fit;
-  auto runs = run_ids_from(request.run_ids());
-  if (!runs) return tl::unexpected(runs.error());
-  fit.runs = std::move(*runs);
+  DRIFTWISE_TRY(auto runs, run_ids_from(request.run_ids()));
+  fit.runs = std::move(runs);
   fit.csv = request.csv();
   fit.formula = request.formula();
   if (!request.select().empty()) fit.select = request.select();
@@ -84,12 +84,12 @@ Result<application::FitRequest> fit_request_from(const v1::CreateFitRequest& req
                 "select: found '" + fit.select + "', expected 'stepwise' or 'all'");
   if (request.has_p_enter()) fit.p_enter = request.p_enter();
   if (request.has_p_remove()) fit.p_remove = request.p_remove();
-  if (auto good = check_probabilities(fit); !good) return tl::unexpected(good.error());
+  DRIFTWISE_RETURN_IF_ERROR(check_probabilities(fit));
   fit.name = clean_line(request.name());
   fit.note = clean_text(request.note());
   fit.exclude_channels.assign(request.exclude_symbols().begin(), request.exclude_symbols().end());
   fit.first_rows = request.first_rows();
-  if (auto good = read_selection(request, fit); !good) return tl::unexpected(good.error());
+  DRIFTWISE_RETURN_IF_ERROR(read_selection(request, fit));
   return fit;
 }
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "driftwise/v1/model_service.grpc.pb.h"
+#include "server/core/try.h"
 #include "server/formats/model/model_json.h"
 #include "server/rpc/configuration/convert_provenance.h"
 #include "server/rpc/model/convert_check.h"
@@ -31,13 +32,11 @@ class ModelService final : public v1::ModelService::CallbackService {
                     v1::GetModelResponse* response) override {
     return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->model_id(), "model_id"); !good) co_return good;
-      const auto record = co_await cell_.model(ModelId{request->model_id()});
-      if (!record) co_return tl::unexpected(record.error());
+      DRIFTWISE_CO_TRY(const auto record, co_await cell_.model(ModelId{request->model_id()}));
       if (auto good = put(whole(record), *response->mutable_model()); !good) co_return good;
-      auto looking = cell_.provenance().ground_of_model(record->id);
-      const auto ground = co_await std::move(looking);
-      if (!ground) co_return tl::unexpected(ground.error());
-      add_page(*record, *ground, *response);
+      auto looking = cell_.provenance().ground_of_model(record.id);
+      DRIFTWISE_CO_TRY(const auto ground, co_await std::move(looking));
+      add_page(record, ground, *response);
       co_return Result<void>{};
     });
   }
@@ -45,16 +44,14 @@ class ModelService final : public v1::ModelService::CallbackService {
   Reactor* ListModels(Context* context, const v1::ListModelsRequest*,
                       v1::ListModelsResponse* response) override {
     return answer(cell_, context, [this, response]() -> Awaitable<Result<void>> {
-      const auto records = co_await cell_.models();
-      if (!records) co_return tl::unexpected(records.error());
+      DRIFTWISE_CO_TRY(const auto records, co_await cell_.models());
       const auto serving = cell_.status().serving;
-      const auto corrections = co_await cell_.provenance().corrections();
-      if (!corrections) co_return tl::unexpected(corrections.error());
-      for (const auto& record : *records) {
+      DRIFTWISE_CO_TRY(const auto corrections, co_await cell_.provenance().corrections());
+      for (const auto& record : records) {
         auto& model = *response->add_models();
         if (auto good = put(model_from(record, serving, ModelDetail::summary), model); !good)
           co_return good;
-        for (const auto& correction : *corrections)
+        for (const auto& correction : corrections)
           if (std::ranges::find(record.corrections, correction.id) != record.corrections.end())
             *model.add_corrections() = mark_from(correction);
       }
@@ -65,9 +62,8 @@ class ModelService final : public v1::ModelService::CallbackService {
   Reactor* ListPromotions(Context* context, const v1::ListPromotionsRequest*,
                           v1::ListPromotionsResponse* response) override {
     return answer(cell_, context, [this, response]() -> Awaitable<Result<void>> {
-      const auto promotions = co_await cell_.promotions();
-      if (!promotions) co_return tl::unexpected(promotions.error());
-      for (const auto& promotion : *promotions)
+      DRIFTWISE_CO_TRY(const auto promotions, co_await cell_.promotions());
+      for (const auto& promotion : promotions)
         *response->add_promotions() = promotion_from(promotion);
       co_return Result<void>{};
     });
@@ -76,14 +72,12 @@ class ModelService final : public v1::ModelService::CallbackService {
   Reactor* CreateFit(Context* context, const v1::CreateFitRequest* request,
                      v1::CreateFitResponse* response) override {
     return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
-      auto fit = fit_request_from(*request);
-      if (!fit) co_return tl::unexpected(fit.error());
+      DRIFTWISE_CO_TRY(auto fit, fit_request_from(*request));
       if (request->with_offers()) {  // first: a model whose offers cannot be weighed is not stored
-        const auto offers = co_await cell_.weigh_offers(*fit);
-        if (!offers) co_return tl::unexpected(offers.error());
-        for (const auto& offer : *offers) *response->add_offers() = offer_from(offer);
+        DRIFTWISE_CO_TRY(const auto offers, co_await cell_.weigh_offers(fit));
+        for (const auto& offer : offers) *response->add_offers() = offer_from(offer);
       }
-      co_return put(whole(co_await cell_.fit(caller_of(*context), std::move(*fit))),
+      co_return put(whole(co_await cell_.fit(caller_of(*context), std::move(fit))),
                     *response->mutable_model());
     });
   }
@@ -101,9 +95,8 @@ class ModelService final : public v1::ModelService::CallbackService {
         if (auto good = check_id(id, "model_id"); !good) co_return good;
         auto record = co_await cell_.model(ModelId{id});
         if (!first && record) first = *record;
-        auto model = whole(record, first ? &*first : nullptr);
-        if (!model) co_return tl::unexpected(model.error());
-        models.push_back(std::move(*model));
+        DRIFTWISE_CO_TRY(auto model, whole(record, first ? &*first : nullptr));
+        models.push_back(std::move(model));
       }
       *response = comparison_of(models);
       co_return Result<void>{};
@@ -127,10 +120,9 @@ class ModelService final : public v1::ModelService::CallbackService {
   Reactor* RollBackModel(Context* context, const v1::RollBackModelRequest*,
                          v1::RollBackModelResponse* response) override {
     return answer(cell_, context, [this, context, response]() -> Awaitable<Result<void>> {
-      const auto record = co_await cell_.roll_back(caller_of(*context));
-      if (!record) co_return tl::unexpected(record.error());
-      if (!*record) co_return Result<void>{};
-      co_return put(whole(**record), *response->mutable_model());
+      DRIFTWISE_CO_TRY(const auto record, co_await cell_.roll_back(caller_of(*context)));
+      if (!record) co_return Result<void>{};
+      co_return put(whole(*record), *response->mutable_model());
     });
   }
 
@@ -138,9 +130,8 @@ class ModelService final : public v1::ModelService::CallbackService {
                        v1::ExportModelResponse* response) override {
     return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->model_id(), "model_id"); !good) co_return good;
-      const auto record = co_await cell_.model(ModelId{request->model_id()});
-      if (!record) co_return tl::unexpected(record.error());
-      co_return put(export_model(*record, request->format()), *response);
+      DRIFTWISE_CO_TRY(const auto record, co_await cell_.model(ModelId{request->model_id()}));
+      co_return put(export_model(record, request->format()), *response);
     });
   }
 
@@ -148,14 +139,12 @@ class ModelService final : public v1::ModelService::CallbackService {
                       v1::CheckModelResponse* response) override {
     return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_cursor(request->model_id(), "model_id"); !good) co_return good;
-      auto runs = run_ids_from(request->run_ids());
-      if (!runs) co_return tl::unexpected(runs.error());
+      DRIFTWISE_CO_TRY(auto runs, run_ids_from(request->run_ids()));
       const auto model =
           request->model_id() == 0 ? std::nullopt : std::optional(ModelId{request->model_id()});
-      auto checking = cell_.check_model(model, std::move(*runs));
-      const auto check = co_await std::move(checking);
-      if (!check) co_return tl::unexpected(check.error());
-      *response = check_from(*check);
+      auto checking = cell_.check_model(model, std::move(runs));
+      DRIFTWISE_CO_TRY(const auto check, co_await std::move(checking));
+      *response = check_from(check);
       co_return Result<void>{};
     });
   }
@@ -163,11 +152,9 @@ class ModelService final : public v1::ModelService::CallbackService {
   Reactor* CheckFormula(Context* context, const v1::CheckFormulaRequest* request,
                         v1::CheckFormulaResponse* response) override {
     return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
-      auto fit = fit_request_from(request->fit());
-      if (!fit) co_return tl::unexpected(fit.error());
-      const auto check = co_await cell_.check_formula(std::move(*fit));
-      if (!check) co_return tl::unexpected(check.error());
-      *response = formula_check_from(*check);
+      DRIFTWISE_CO_TRY(auto fit, fit_request_from(request->fit()));
+      DRIFTWISE_CO_TRY(const auto check, co_await cell_.check_formula(std::move(fit)));
+      *response = formula_check_from(check);
       co_return Result<void>{};
     });
   }
@@ -177,12 +164,10 @@ class ModelService final : public v1::ModelService::CallbackService {
     return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->model_id(), "model_id"); !good) co_return good;
       if (auto good = check_size(request->csv(), kMostDatasetBytes, "csv"); !good) co_return good;
-      auto runs = run_ids_from(request->run_ids());
-      if (!runs) co_return tl::unexpected(runs.error());
-      auto asking = cell_.residuals(ModelId{request->model_id()}, std::move(*runs), request->csv());
-      const auto residuals = co_await std::move(asking);
-      if (!residuals) co_return tl::unexpected(residuals.error());
-      *response = residuals_from(*residuals);
+      DRIFTWISE_CO_TRY(auto runs, run_ids_from(request->run_ids()));
+      auto asking = cell_.residuals(ModelId{request->model_id()}, std::move(runs), request->csv());
+      DRIFTWISE_CO_TRY(const auto residuals, co_await std::move(asking));
+      *response = residuals_from(residuals);
       co_return Result<void>{};
     });
   }
@@ -216,22 +201,20 @@ class ModelService final : public v1::ModelService::CallbackService {
       application::MethodsRequest asked, std::shared_ptr<application::Study> study) {
     const std::string formula = asked.fit.formula;
     auto comparing = cell_.studies().compare_methods(std::move(asked), std::move(study));
-    const auto judgements = co_await std::move(comparing);
-    if (!judgements) co_return tl::unexpected(judgements.error());
-    co_return comparison_from(*judgements, formula);
+    DRIFTWISE_CO_TRY(const auto judgements, co_await std::move(comparing));
+    co_return comparison_from(judgements, formula);
   }
 
   Awaitable<Result<v1::StudySensorsResponse>> sensors_chosen(
       application::SensorsRequest asked, std::shared_ptr<application::Study> study) {
     auto choosing = cell_.studies().study_sensors(std::move(asked), std::move(study));
-    const auto choice = co_await std::move(choosing);
-    if (!choice) co_return tl::unexpected(choice.error());
-    co_return sensor_choice_from(*choice);
+    DRIFTWISE_CO_TRY(const auto choice, co_await std::move(choosing));
+    co_return sensor_choice_from(choice);
   }
 
   Result<v1::Model> whole(const Result<ModelRecord>& record,
                           const ModelRecord* before = nullptr) const {
-    if (!record) return tl::unexpected(record.error());
+    DRIFTWISE_RETURN_IF_ERROR(record);
     return model_from(*record, cell_.status().serving, ModelDetail::whole, before);
   }
 
@@ -252,7 +235,7 @@ class ModelService final : public v1::ModelService::CallbackService {
 
   template <class Message>
   static Result<void> put(Result<Message> found, Message& out) {
-    if (!found) return tl::unexpected(found.error());
+    DRIFTWISE_RETURN_IF_ERROR(found);
     out = std::move(*found);
     return {};
   }

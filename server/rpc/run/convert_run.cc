@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "server/application/runs/run_plan.h"
+#include "server/core/try.h"
 #include "server/formats/text/text.h"
 #include "server/rpc/shared/convert_values.h"
 #include "server/rpc/shared/request_checks.h"
@@ -123,9 +124,8 @@ v1::Run run_from(const RunRecord& run) {
 }
 
 Result<application::HoldAnswer> answer_from(const v1::HoldAnswer& answer) {
-  if (auto good = check_size(answer.override_reason(), kMostNameBytes, "answer.override_reason");
-      !good)
-    return tl::unexpected(good.error());
+  DRIFTWISE_RETURN_IF_ERROR(
+      check_size(answer.override_reason(), kMostNameBytes, "answer.override_reason"));
   return application::HoldAnswer{answer.hold_id(), answer.override_reason()};
 }
 

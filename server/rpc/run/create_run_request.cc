@@ -1,5 +1,6 @@
 #include "server/rpc/run/create_run_request.h"
 
+#include "server/core/try.h"
 #include "server/rpc/run/convert_run.h"
 #include "server/rpc/shared/convert_values.h"
 #include "server/rpc/shared/request_checks.h"
@@ -14,7 +15,7 @@ Result<application::CreateRun> create_run_from(const v1::CreateRunRequest& reque
         check_size(request.request_id(), kMostRequestIdBytes, "request_id"),
         check_size(request.lease_token(), kMostNameBytes, "lease_token"),
         check_size(request.trajectory_text(), kMostTrajectoryBytes, "trajectory_text")})
-    if (!good) return tl::unexpected(good.error());
+    DRIFTWISE_RETURN_IF_ERROR(good);
   if (request.trajectory_text().empty())
     return fail(ErrorCode::invalid_argument, "EMPTY_TRAJECTORY",
                 "trajectory_text: found nothing, expected a CSV file");
@@ -27,13 +28,11 @@ Result<application::CreateRun> create_run_from(const v1::CreateRunRequest& reque
   asked.lease_token = request.lease_token();
   asked.compensate = request.compensate();
   if (request.has_rules()) {
-    auto rules = rules_from(request.rules(), cell_rules);
-    if (!rules) return tl::unexpected(rules.error());
-    asked.rules = *rules;
+    DRIFTWISE_TRY(auto rules, rules_from(request.rules(), cell_rules));
+    asked.rules = rules;
   }
   if (request.has_compensate_model_id()) {
-    if (auto good = check_id(request.compensate_model_id(), "compensate_model_id"); !good)
-      return tl::unexpected(good.error());
+    DRIFTWISE_RETURN_IF_ERROR(check_id(request.compensate_model_id(), "compensate_model_id"));
     if (!request.compensate())
       return fail(ErrorCode::invalid_argument, "MODEL_WITHOUT_COMPENSATE",
                   "compensate_model_id names a model, but compensate is not set");

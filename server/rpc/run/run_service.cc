@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "driftwise/v1/run_service.grpc.pb.h"
+#include "server/core/try.h"
 #include "server/rpc/configuration/convert_provenance.h"
 #include "server/rpc/run/convert_run.h"
 #include "server/rpc/run/convert_verification.h"
@@ -26,15 +27,13 @@ class RunService final : public v1::RunService::CallbackService {
                   v1::GetRunResponse* response) override {
     return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
-      const auto run = co_await cell_.run(RunId{request->run_id()});
-      if (!run) co_return tl::unexpected(run.error());
-      *response->mutable_run() = run_from(*run);
-      auto looking = cell_.provenance().grounds_of_runs({run->id});
-      const auto grounds = co_await std::move(looking);
-      if (!grounds) co_return tl::unexpected(grounds.error());
-      add_ground(grounds->front(), true, *response->mutable_run());
-      response->set_trajectory_text(utf8_from(run->trajectory_text));
-      response->set_rules_json(run->rules_json);
+      DRIFTWISE_CO_TRY(const auto run, co_await cell_.run(RunId{request->run_id()}));
+      *response->mutable_run() = run_from(run);
+      auto looking = cell_.provenance().grounds_of_runs({run.id});
+      DRIFTWISE_CO_TRY(const auto grounds, co_await std::move(looking));
+      add_ground(grounds.front(), true, *response->mutable_run());
+      response->set_trajectory_text(utf8_from(run.trajectory_text));
+      response->set_rules_json(run.rules_json);
       co_return Result<void>{};
     });
   }
@@ -44,18 +43,15 @@ class RunService final : public v1::RunService::CallbackService {
     return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_cursor(request->before_run_id(), "before_run_id"); !good)
         co_return good;
-      const auto limit = limit_from(request->limit(), 50, 1000);
-      if (!limit) co_return tl::unexpected(limit.error());
-      const auto runs = co_await cell_.runs(*limit, request->before_run_id());
-      if (!runs) co_return tl::unexpected(runs.error());
+      DRIFTWISE_CO_TRY(const auto limit, limit_from(request->limit(), 50, 1000));
+      DRIFTWISE_CO_TRY(const auto runs, co_await cell_.runs(limit, request->before_run_id()));
       std::vector<RunId> ids;
-      for (const auto& run : *runs) ids.push_back(run.id);
+      for (const auto& run : runs) ids.push_back(run.id);
       auto looking = cell_.provenance().grounds_of_runs(std::move(ids));
-      const auto grounds = co_await std::move(looking);
-      if (!grounds) co_return tl::unexpected(grounds.error());
-      for (std::size_t i = 0; i < runs->size(); ++i) {
-        auto& run = *response->add_runs() = run_from((*runs)[i]);
-        add_ground((*grounds)[i], false, run);
+      DRIFTWISE_CO_TRY(const auto grounds, co_await std::move(looking));
+      for (std::size_t i = 0; i < runs.size(); ++i) {
+        auto& run = *response->add_runs() = run_from(runs[i]);
+        add_ground(grounds[i], false, run);
       }
       co_return Result<void>{};
     });
@@ -67,12 +63,10 @@ class RunService final : public v1::RunService::CallbackService {
       if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
       if (auto good = check_cursor(request->after_point_id(), "after_point_id"); !good)
         co_return good;
-      const auto limit = limit_from(request->limit(), 1000, 10000);
-      if (!limit) co_return tl::unexpected(limit.error());
-      const auto points =
-          co_await cell_.points(RunId{request->run_id()}, request->after_point_id(), *limit);
-      if (!points) co_return tl::unexpected(points.error());
-      for (const auto& point : *points) *response->add_points() = point_from(point);
+      DRIFTWISE_CO_TRY(const auto limit, limit_from(request->limit(), 1000, 10000));
+      DRIFTWISE_CO_TRY(const auto points, co_await cell_.points(RunId{request->run_id()},
+                                                                request->after_point_id(), limit));
+      for (const auto& point : points) *response->add_points() = point_from(point);
       co_return Result<void>{};
     });
   }
@@ -81,9 +75,8 @@ class RunService final : public v1::RunService::CallbackService {
                         v1::ListAttemptsResponse* response) override {
     return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
-      const auto attempts = co_await cell_.attempts(RunId{request->run_id()});
-      if (!attempts) co_return tl::unexpected(attempts.error());
-      for (const auto& attempt : *attempts) *response->add_attempts() = attempt_from(attempt);
+      DRIFTWISE_CO_TRY(const auto attempts, co_await cell_.attempts(RunId{request->run_id()}));
+      for (const auto& attempt : attempts) *response->add_attempts() = attempt_from(attempt);
       co_return Result<void>{};
     });
   }
@@ -92,9 +85,8 @@ class RunService final : public v1::RunService::CallbackService {
                       v1::ListDatumsResponse* response) override {
     return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
-      const auto datums = co_await cell_.data(RunId{request->run_id()});
-      if (!datums) co_return tl::unexpected(datums.error());
-      for (const auto& datum : *datums) *response->add_datums() = datum_from(datum);
+      DRIFTWISE_CO_TRY(const auto datums, co_await cell_.data(RunId{request->run_id()}));
+      for (const auto& datum : datums) *response->add_datums() = datum_from(datum);
       co_return Result<void>{};
     });
   }
@@ -107,9 +99,8 @@ class RunService final : public v1::RunService::CallbackService {
           !good)
         co_return good;
       auto checking = cell_.check_trajectory(request->trajectory_text());
-      const auto check = co_await std::move(checking);
-      if (!check) co_return tl::unexpected(check.error());
-      *response = check_response_from(*check);
+      DRIFTWISE_CO_TRY(const auto check, co_await std::move(checking));
+      *response = check_response_from(check);
       co_return Result<void>{};
     });
   }
@@ -117,11 +108,10 @@ class RunService final : public v1::RunService::CallbackService {
   Reactor* CreateRun(Context* context, const v1::CreateRunRequest* request,
                      v1::CreateRunResponse* response) override {
     return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
-      auto asked = create_run_from(*request, cell_.description().run);
-      if (!asked) co_return tl::unexpected(asked.error());
-      const auto run = co_await cell_.create_run(caller_of(*context), std::move(*asked));
-      if (!run) co_return tl::unexpected(run.error());
-      *response->mutable_run() = run_from(*run);
+      DRIFTWISE_CO_TRY(auto asked, create_run_from(*request, cell_.description().run));
+      DRIFTWISE_CO_TRY(const auto run,
+                       co_await cell_.create_run(caller_of(*context), std::move(asked)));
+      *response->mutable_run() = run_from(run);
       co_return Result<void>{};
     });
   }
@@ -141,9 +131,9 @@ class RunService final : public v1::RunService::CallbackService {
                     v1::PauseRunResponse* response) override {
     return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
-      const auto run = co_await cell_.pause_run(caller_of(*context), RunId{request->run_id()});
-      if (!run) co_return tl::unexpected(run.error());
-      *response->mutable_run() = run_from(*run);
+      DRIFTWISE_CO_TRY(const auto run,
+                       co_await cell_.pause_run(caller_of(*context), RunId{request->run_id()}));
+      *response->mutable_run() = run_from(run);
       co_return Result<void>{};
     });
   }
@@ -152,13 +142,11 @@ class RunService final : public v1::RunService::CallbackService {
                      v1::ResumeRunResponse* response) override {
     return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
-      auto answered = answer_from(request->answer());
-      if (!answered) co_return tl::unexpected(answered.error());
+      DRIFTWISE_CO_TRY(auto answered, answer_from(request->answer()));
       auto resuming =
-          cell_.resume_run(caller_of(*context), RunId{request->run_id()}, std::move(*answered));
-      const auto run = co_await std::move(resuming);
-      if (!run) co_return tl::unexpected(run.error());
-      *response->mutable_run() = run_from(*run);
+          cell_.resume_run(caller_of(*context), RunId{request->run_id()}, std::move(answered));
+      DRIFTWISE_CO_TRY(const auto run, co_await std::move(resuming));
+      *response->mutable_run() = run_from(run);
       co_return Result<void>{};
     });
   }
@@ -167,12 +155,10 @@ class RunService final : public v1::RunService::CallbackService {
                     v1::AbortRunResponse* response) override {
     return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
-      const auto reason = line_from(request->reason(), kMostNameBytes, "reason");
-      if (!reason) co_return tl::unexpected(reason.error());
-      auto aborting = cell_.abort_run(caller_of(*context), RunId{request->run_id()}, *reason);
-      const auto run = co_await std::move(aborting);
-      if (!run) co_return tl::unexpected(run.error());
-      *response->mutable_run() = run_from(*run);
+      DRIFTWISE_CO_TRY(const auto reason, line_from(request->reason(), kMostNameBytes, "reason"));
+      auto aborting = cell_.abort_run(caller_of(*context), RunId{request->run_id()}, reason);
+      DRIFTWISE_CO_TRY(const auto run, co_await std::move(aborting));
+      *response->mutable_run() = run_from(run);
       co_return Result<void>{};
     });
   }
@@ -184,23 +170,20 @@ class RunService final : public v1::RunService::CallbackService {
         co_return fail(ErrorCode::invalid_argument, "BAD_RUN_COUNT",
                        "run_ids: found " + std::to_string(request->run_ids_size()) +
                            " runs, expected 1 to 16");
-      auto ids = run_ids_from(request->run_ids());
-      if (!ids) co_return tl::unexpected(ids.error());
+      DRIFTWISE_CO_TRY(auto ids, run_ids_from(request->run_ids()));
       std::optional<ModelId> range;
       if (request->has_model_id()) {
         if (auto good = check_id(request->model_id(), "model_id"); !good) co_return good;
         range = ModelId{request->model_id()};
       }
       std::vector<RunRecord> records;
-      for (const RunId id : *ids) {
-        auto record = co_await cell_.run(id);
-        if (!record) co_return tl::unexpected(record.error());
-        records.push_back(std::move(*record));
+      for (const RunId id : ids) {
+        DRIFTWISE_CO_TRY(auto record, co_await cell_.run(id));
+        records.push_back(std::move(record));
       }
-      auto verifying = cell_.verify_runs(std::move(*ids), range);
-      const auto verification = co_await std::move(verifying);
-      if (!verification) co_return tl::unexpected(verification.error());
-      *response = verification_from(*verification, records);
+      auto verifying = cell_.verify_runs(std::move(ids), range);
+      DRIFTWISE_CO_TRY(const auto verification, co_await std::move(verifying));
+      *response = verification_from(verification, records);
       co_return Result<void>{};
     });
   }
@@ -212,10 +195,10 @@ class RunService final : public v1::RunService::CallbackService {
       if (!request->has_force_n() || !std::isfinite(request->force_n()))
         co_return fail(ErrorCode::invalid_argument, "MISSING_FORCE",
                        "force_n: found nothing, expected the force that acts now, N");
-      const auto run = co_await cell_.confirm_force(caller_of(*context), RunId{request->run_id()},
-                                                    request->force_n());
-      if (!run) co_return tl::unexpected(run.error());
-      *response->mutable_run() = run_from(*run);
+      DRIFTWISE_CO_TRY(const auto run,
+                       co_await cell_.confirm_force(caller_of(*context), RunId{request->run_id()},
+                                                    request->force_n()));
+      *response->mutable_run() = run_from(run);
       co_return Result<void>{};
     });
   }

@@ -22,6 +22,8 @@
 #include <tuple>
 #include <utility>
 
+#include "server/core/try.h"
+
 namespace driftwise::rpc {
 namespace {
 
@@ -232,15 +234,13 @@ Result<std::unique_ptr<ConnectionGate>> ConnectionGate::open(
 Result<std::unique_ptr<ConnectionGate>> ConnectionGate::open(const std::string& address,
                                                              std::shared_ptr<const CallBook> calls,
                                                              Quotas quotas) {
-  const auto where = socket_address_from(address);
-  if (!where) return tl::unexpected(where.error());
-  Descriptor socket(
-      ::socket(where->bytes.ss_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  DRIFTWISE_TRY(const auto where, socket_address_from(address));
+  Descriptor socket(::socket(where.bytes.ss_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   const int on = 1;
   ::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   SocketAddress bound;
   bound.size = sizeof bound.bytes;
-  if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&where->bytes), where->size) != 0 ||
+  if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&where.bytes), where.size) != 0 ||
       ::listen(socket.get(), SOMAXCONN) != 0 ||
       ::getsockname(socket.get(), reinterpret_cast<sockaddr*>(&bound.bytes), &bound.size) != 0)
     return fail(ErrorCode::unavailable, "ADDRESS_IN_USE",

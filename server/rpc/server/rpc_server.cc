@@ -12,6 +12,7 @@
 #include <charconv>
 #include <chrono>
 
+#include "server/core/try.h"
 #include "server/rpc/shared/services.h"
 #include "server/rpc/shared/wire_time.h"
 
@@ -71,8 +72,7 @@ void take_over_logs() {
 Result<std::unique_ptr<RpcServer>> RpcServer::open(application::Cell& cell,
                                                    const std::string& listen,
                                                    std::vector<grpc::Service*> further) {
-  const auto address = parse(listen);
-  if (!address) return tl::unexpected(address.error());
+  DRIFTWISE_TRY(const auto address, parse(listen));
   DeviceDescription probe;  // the one rule of what loopback means
   probe.address = listen;
   if (!probe.on_loopback())
@@ -99,9 +99,8 @@ Result<std::unique_ptr<RpcServer>> RpcServer::open(application::Cell& cell,
   static_cast<void>(reflected);
   grpc::ServerBuilder builder;
   out->calls_ = std::make_shared<CallBook>();
-  auto gate = ConnectionGate::open(listen, out->calls_);
-  if (!gate) return tl::unexpected(gate.error());
-  out->gate_ = std::move(*gate);
+  DRIFTWISE_TRY(auto gate, ConnectionGate::open(listen, out->calls_));
+  out->gate_ = std::move(gate);
   auto acceptor = builder.experimental().AddExternalConnectionAcceptor(
       grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
       grpc::InsecureServerCredentials());
@@ -124,7 +123,7 @@ Result<std::unique_ptr<RpcServer>> RpcServer::open(application::Cell& cell,
   if (!out->server_)
     return fail(ErrorCode::internal, "NO_SERVER", "the gRPC library made no server: see its log");
   out->gate_->accept_for(std::move(acceptor));
-  out->address_ = address->host + ":" + std::to_string(out->gate_->port());
+  out->address_ = address.host + ":" + std::to_string(out->gate_->port());
   map_times_by(&cell);
   out->cell_ = &cell;
   out->ready(false);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/core/try.h"
+
 namespace driftwise::rpc {
 
 Result<void> check_id(std::int64_t id, std::string_view field) {
@@ -34,7 +36,7 @@ Result<void> check_size(std::string_view text, std::size_t most_bytes, std::stri
 
 Result<std::string> line_from(std::string_view text, std::size_t most_bytes,
                               std::string_view field) {
-  if (auto good = check_size(text, most_bytes, field); !good) return tl::unexpected(good.error());
+  DRIFTWISE_RETURN_IF_ERROR(check_size(text, most_bytes, field));
   return clean_line(text);
 }
 
@@ -45,7 +47,7 @@ Result<std::vector<RunId>> run_ids_from(const google::protobuf::RepeatedField<st
                 "run_ids: found " + std::to_string(ids.size()) + ", expected at most 1000");
   std::vector<RunId> runs;
   for (const std::int64_t id : ids) {
-    if (auto good = check_id(id, "run_ids"); !good) return tl::unexpected(good.error());
+    DRIFTWISE_RETURN_IF_ERROR(check_id(id, "run_ids"));
     if (std::find(runs.begin(), runs.end(), RunId{id}) != runs.end())
       return fail(ErrorCode::invalid_argument, "DUPLICATE_RUN",
                   "run_ids: run " + std::to_string(id) + " stands twice");

@@ -1,5 +1,6 @@
 #include "driftwise/v1/standards_service.grpc.pb.h"
 #include "server/application/plumbing/signal.h"
+#include "server/core/try.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/rpc/shared/request_checks.h"
 #include "server/rpc/shared/services.h"
@@ -36,25 +37,22 @@ class StandardsService final : public v1::StandardsService::CallbackService {
                                      Response* response, Figures figures_of) {
     return answer(
         cell_, context, [this, request, response, figures_of]() -> Awaitable<Result<void>> {
-          auto runs = run_ids_from(request->run_ids());
-          if (!runs) co_return tl::unexpected(runs.error());
-          if (runs->empty())
+          DRIFTWISE_CO_TRY(auto runs, run_ids_from(request->run_ids()));
+          if (runs.empty())
             co_return fail(ErrorCode::invalid_argument, "NO_RUNS",
                            "run_ids: found none, expected at least one");
           auto exporting =
-              cell_.export_dataset(std::move(*runs), true);  // rows kept out are no figures either
-          const auto csv = co_await std::move(exporting);
-          if (!csv) co_return tl::unexpected(csv.error());
+              cell_.export_dataset(std::move(runs), true);  // rows kept out are no figures either
+          DRIFTWISE_CO_TRY(const auto csv, co_await std::move(exporting));
           auto calculating = application::run_on(
-              cell_.background(), [text = *csv, options = options_from(*request), figures_of] {
+              cell_.background(), [text = csv, options = options_from(*request), figures_of] {
                 const auto dataset = formats::read_dataset_csv(text, "run");
                 using Answer = decltype(figures_of(*dataset, options));
                 if (!dataset) return Answer(tl::unexpected(dataset.error()));
                 return figures_of(*dataset, options);
               });
-          const auto figures = co_await std::move(calculating);
-          if (!figures) co_return tl::unexpected(figures.error());
-          put(*figures, *response);
+          DRIFTWISE_CO_TRY(const auto figures, co_await std::move(calculating));
+          put(figures, *response);
           co_return Result<void>{};
         });
   }

@@ -1,5 +1,6 @@
 #include "server/rpc/target/convert_past_targets.h"
 
+#include "server/core/try.h"
 #include "server/rpc/shared/convert_values.h"
 #include "server/rpc/target/convert_target.h"
 
@@ -8,13 +9,11 @@ namespace driftwise::rpc {
 Result<application::PastTargetsQuery> past_targets_query_from(
     const v1::ListPastTargetsRequest& request) {
   application::PastTargetsQuery query;
-  const auto pose = pose_from(request.pose(), CellTime{});
-  if (!pose) return tl::unexpected(pose.error());
-  query.pose = *pose;
+  DRIFTWISE_TRY(const auto pose, pose_from(request.pose(), CellTime{}));
+  query.pose = pose;
   if (request.has_past_duration()) {
-    const auto past = nanoseconds_from(request.past_duration(), "past_duration");
-    if (!past) return tl::unexpected(past.error());
-    query.past = *past;
+    DRIFTWISE_TRY(const auto past, nanoseconds_from(request.past_duration(), "past_duration"));
+    query.past = past;
   }
   if (query.past < std::chrono::minutes(1) || query.past > std::chrono::hours(24))
     return fail(ErrorCode::invalid_argument, "BAD_PAST",

@@ -4,6 +4,7 @@
 
 #include "server/compensation/correction_parts.h"
 #include "server/compensation/target.h"
+#include "server/core/try.h"
 #include "server/rpc/shared/convert_values.h"
 #include "server/rpc/target/convert_target.h"
 
@@ -97,28 +98,25 @@ Result<void> map_targets(const compensation::Snapshot& snapshot,
   if (snapshot.outputs.empty())
     return tl::unexpected(compensation::refusal_error(
         snapshot, compensation::compute_target(snapshot, compensation::TargetRequest{})));
-  const auto horizontal = used_axis(snapshot, request.horizontal(), "horizontal");
-  if (!horizontal) return tl::unexpected(horizontal.error());
-  const auto vertical = used_axis(snapshot, request.vertical(), "vertical");
-  if (!vertical) return tl::unexpected(vertical.error());
-  if (horizontal->count() * vertical->count() > kMostPoses)
+  DRIFTWISE_TRY(const auto horizontal, used_axis(snapshot, request.horizontal(), "horizontal"));
+  DRIFTWISE_TRY(const auto vertical, used_axis(snapshot, request.vertical(), "vertical"));
+  if (horizontal.count() * vertical.count() > kMostPoses)
     return fail(ErrorCode::resource_exhausted, "TOO_MANY_POSES",
-                "found " + std::to_string(horizontal->count() * vertical->count()) +
+                "found " + std::to_string(horizontal.count() * vertical.count()) +
                     " poses, at most 10000 are mapped at once");
-  *response.mutable_horizontal() = *horizontal;
-  *response.mutable_vertical() = *vertical;
+  *response.mutable_horizontal() = horizontal;
+  *response.mutable_vertical() = vertical;
   for (const auto& output : snapshot.outputs)
     response.add_planes()->set_channel(output.channel.name());
   // Checks the channels, and refuses an axis that stands twice.
-  auto pose = first_pose(request, *horizontal, *vertical);
-  for (int row = 0; row < vertical->count(); ++row)
-    for (int column = 0; column < horizontal->count(); ++column) {
-      pose[pose.size() - 2].set_value(position(*horizontal, column));
-      pose[pose.size() - 1].set_value(position(*vertical, row));
-      auto asked = pose_from(pose, now);
-      if (!asked) return tl::unexpected(asked.error());
-      asked->show_unreachable = true;  // marked: a picture has no gaps
-      if (auto added = add_pose(snapshot, *asked, response); !added) return added;
+  auto pose = first_pose(request, horizontal, vertical);
+  for (int row = 0; row < vertical.count(); ++row)
+    for (int column = 0; column < horizontal.count(); ++column) {
+      pose[pose.size() - 2].set_value(position(horizontal, column));
+      pose[pose.size() - 1].set_value(position(vertical, row));
+      DRIFTWISE_TRY(auto asked, pose_from(pose, now));
+      asked.show_unreachable = true;  // marked: a picture has no gaps
+      if (auto added = add_pose(snapshot, asked, response); !added) return added;
     }
   add_domain(snapshot, response);
   response.set_model_id(snapshot.model.value);

@@ -1,6 +1,7 @@
 // Unary targets are answered on gRPC's own thread: no hop to the executor, no lock.
 
 #include "driftwise/v1/target_service.grpc.pb.h"
+#include "server/core/try.h"
 #include "server/rpc/shared/convert_values.h"
 #include "server/rpc/shared/services.h"
 #include "server/rpc/shared/unary.h"
@@ -35,12 +36,10 @@ class TargetService final : public v1::TargetService::CallbackService {
                                             const v1::ListPastTargetsRequest* request,
                                             v1::ListPastTargetsResponse* response) override {
     return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
-      auto query = past_targets_query_from(*request);
-      if (!query) co_return tl::unexpected(query.error());
-      auto asking = cell_.watching().past_targets(std::move(*query));
-      const auto past = co_await std::move(asking);
-      if (!past) co_return tl::unexpected(past.error());
-      fill_past_targets(*past, *response);
+      DRIFTWISE_CO_TRY(auto query, past_targets_query_from(*request));
+      auto asking = cell_.watching().past_targets(std::move(query));
+      DRIFTWISE_CO_TRY(const auto past, co_await std::move(asking));
+      fill_past_targets(past, *response);
       co_return Result<void>{};
     });
   }
@@ -60,12 +59,11 @@ class TargetService final : public v1::TargetService::CallbackService {
  private:
   Result<void> compute(const v1::ComputeTargetRequest& request,
                        v1::ComputeTargetResponse& response) const {
-    auto pose = pose_from(request.pose(), cell_.now());
-    if (!pose) return tl::unexpected(pose.error());
-    pose->show_unreachable = request.show_unreachable();
+    DRIFTWISE_TRY(auto pose, pose_from(request.pose(), cell_.now()));
+    pose.show_unreachable = request.show_unreachable();
     static const compensation::Snapshot nothing;  // its refusal says that no model serves
     const auto snapshot = cell_.snapshots().read();
-    return answer_target(snapshot ? *snapshot : nothing, *pose, request.with_budget(),
+    return answer_target(snapshot ? *snapshot : nothing, pose, request.with_budget(),
                          *response.mutable_target());
   }
 

@@ -1,6 +1,7 @@
 #include "driftwise/v1/trajectory_service.grpc.pb.h"
 #include "server/application/plumbing/signal.h"
 #include "server/core/trajectory/trajectory_generator.h"
+#include "server/core/try.h"
 #include "server/formats/csv/trajectory_csv.h"
 #include "server/rpc/shared/caller.h"
 #include "server/rpc/shared/convert_values.h"
@@ -45,9 +46,8 @@ Result<GeneratorPlan> generator_plan_from(const v1::GenerateTrajectoryRequest& r
 }
 
 Result<std::string> generated_text(const GeneratorPlan& plan) {
-  const auto trajectory = generate_trajectory(plan);
-  if (!trajectory) return tl::unexpected(trajectory.error());
-  return formats::write_trajectory_csv(*trajectory);
+  DRIFTWISE_TRY(const auto trajectory, generate_trajectory(plan));
+  return formats::write_trajectory_csv(trajectory);
 }
 
 class TrajectoryService final : public v1::TrajectoryService::CallbackService {
@@ -57,14 +57,12 @@ class TrajectoryService final : public v1::TrajectoryService::CallbackService {
   Reactor* CreateTrajectory(Context* context, const v1::CreateTrajectoryRequest* request,
                             v1::CreateTrajectoryResponse* response) override {
     return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
-      const auto name = line_from(request->name(), kMostNameBytes, "name");
-      if (!name) co_return tl::unexpected(name.error());
+      DRIFTWISE_CO_TRY(const auto name, line_from(request->name(), kMostNameBytes, "name"));
       if (auto good = check_size(request->text(), kMostTrajectoryBytes, "text"); !good)
         co_return good;
-      auto keeping = cell_.watching().keep_trajectory(caller_of(*context), *name, request->text());
-      const auto kept = co_await std::move(keeping);
-      if (!kept) co_return tl::unexpected(kept.error());
-      *response->mutable_trajectory() = kept_trajectory_from(*kept);
+      auto keeping = cell_.watching().keep_trajectory(caller_of(*context), name, request->text());
+      DRIFTWISE_CO_TRY(const auto kept, co_await std::move(keeping));
+      *response->mutable_trajectory() = kept_trajectory_from(kept);
       co_return Result<void>{};
     });
   }
@@ -73,9 +71,9 @@ class TrajectoryService final : public v1::TrajectoryService::CallbackService {
                          v1::GetTrajectoryResponse* response) override {
     return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->trajectory_id(), "trajectory_id"); !good) co_return good;
-      const auto kept = co_await cell_.watching().trajectory({request->trajectory_id()});
-      if (!kept) co_return tl::unexpected(kept.error());
-      *response->mutable_trajectory() = kept_trajectory_from(*kept);
+      DRIFTWISE_CO_TRY(const auto kept,
+                       co_await cell_.watching().trajectory({request->trajectory_id()}));
+      *response->mutable_trajectory() = kept_trajectory_from(kept);
       co_return Result<void>{};
     });
   }
@@ -83,9 +81,8 @@ class TrajectoryService final : public v1::TrajectoryService::CallbackService {
   Reactor* ListTrajectories(Context* context, const v1::ListTrajectoriesRequest*,
                             v1::ListTrajectoriesResponse* response) override {
     return answer(cell_, context, [this, response]() -> Awaitable<Result<void>> {
-      const auto all = co_await cell_.watching().trajectories();
-      if (!all) co_return tl::unexpected(all.error());
-      for (const auto& kept : *all) *response->add_trajectories() = kept_trajectory_from(kept);
+      DRIFTWISE_CO_TRY(const auto all, co_await cell_.watching().trajectories());
+      for (const auto& kept : all) *response->add_trajectories() = kept_trajectory_from(kept);
       co_return Result<void>{};
     });
   }
@@ -94,17 +91,14 @@ class TrajectoryService final : public v1::TrajectoryService::CallbackService {
                               v1::GenerateTrajectoryResponse* response) override {
     // Stores nothing and moves nothing, but what it makes must be fit for this cell.
     return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
-      const auto plan = generator_plan_from(*request);
-      if (!plan) co_return tl::unexpected(plan.error());
+      DRIFTWISE_CO_TRY(const auto plan, generator_plan_from(*request));
       auto generating =
-          application::run_on(cell_.background(), [plan = *plan] { return generated_text(plan); });
-      auto text = co_await std::move(generating);
-      if (!text) co_return tl::unexpected(text.error());
-      auto checking = cell_.check_trajectory(*text);
-      const auto checked = co_await std::move(checking);
-      if (!checked) co_return tl::unexpected(checked.error());
-      response->set_text(std::move(*text));
-      response->set_row_count(static_cast<std::int64_t>(checked->trajectory.points.size()));
+          application::run_on(cell_.background(), [plan = plan] { return generated_text(plan); });
+      DRIFTWISE_CO_TRY(auto text, co_await std::move(generating));
+      auto checking = cell_.check_trajectory(text);
+      DRIFTWISE_CO_TRY(const auto checked, co_await std::move(checking));
+      response->set_text(std::move(text));
+      response->set_row_count(static_cast<std::int64_t>(checked.trajectory.points.size()));
       co_return Result<void>{};
     });
   }

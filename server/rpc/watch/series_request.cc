@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/core/try.h"
 #include "server/rpc/shared/request_checks.h"
 #include "server/rpc/shared/wire_time.h"
 
@@ -54,25 +55,23 @@ Result<void> take_buckets(const v1::GetSeriesRequest& request, SeriesQuery& out)
 Awaitable<Result<SeriesQuery>> series_query_from(const v1::GetSeriesRequest& request,
                                                  application::Cell& cell) {
   SeriesQuery out;
-  if (auto good = take_channels(request, out); !good) co_return tl::unexpected(good.error());
-  if (auto good = take_buckets(request, out); !good) co_return tl::unexpected(good.error());
+  DRIFTWISE_CO_RETURN_IF_ERROR(take_channels(request, out));
+  DRIFTWISE_CO_RETURN_IF_ERROR(take_buckets(request, out));
   out.to = cell.now();
   out.from = {};
   if (request.has_run_id()) {
-    if (auto good = check_id(request.run_id(), "run_id"); !good)
-      co_return tl::unexpected(good.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(check_id(request.run_id(), "run_id"));
     out.run = RunId{request.run_id()};
-    const auto run = co_await cell.run(*out.run);
-    if (!run) co_return tl::unexpected(run.error());
-    out.from = run->started.utc_ns != 0 ? run->started : run->created;
-    if (run->ended.utc_ns != 0) out.to = {run->ended.utc_ns + 1};
+    DRIFTWISE_CO_TRY(const auto run, co_await cell.run(*out.run));
+    out.from = run.started.utc_ns != 0 ? run.started : run.created;
+    if (run.ended.utc_ns != 0) out.to = {run.ended.utc_ns + 1};
   }
   for (const bool is_from : {true, false}) {
     if (is_from ? !request.has_from_time() : !request.has_to_time()) continue;
-    const auto time = instant_from(is_from ? request.from_time() : request.to_time(),
-                                   is_from ? "from_time" : "to_time");
-    if (!time) co_return tl::unexpected(time.error());
-    (is_from ? out.from : out.to) = *time;
+    DRIFTWISE_CO_TRY(const auto time,
+                     instant_from(is_from ? request.from_time() : request.to_time(),
+                                  is_from ? "from_time" : "to_time"));
+    (is_from ? out.from : out.to) = time;
   }
   if (out.from.utc_ns == 0 && !request.has_from_time())
     out.from = {out.to.utc_ns - 3600 * kNanosecondsPerSecond};

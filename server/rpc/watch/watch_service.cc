@@ -1,6 +1,7 @@
 #include <boost/asio/thread_pool.hpp>
 
 #include "driftwise/v1/watch_service.grpc.pb.h"
+#include "server/core/try.h"
 #include "server/rpc/shared/caller.h"
 #include "server/rpc/shared/convert_values.h"
 #include "server/rpc/shared/request_checks.h"
@@ -35,16 +36,14 @@ class WatchService final : public v1::WatchService::CallbackService {
                      v1::GetSeriesResponse* response) override {
     return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
       auto making = series_query_from(*request, cell_);
-      auto query = co_await std::move(making);
-      if (!query) co_return tl::unexpected(query.error());
-      auto asking = cell_.watching().series(std::move(*query));
-      const auto series = co_await std::move(asking);
-      if (!series) co_return tl::unexpected(series.error());
-      *response->mutable_from_time() = timestamp_from(series->from);
-      *response->mutable_to_time() = timestamp_from(series->to);
-      *response->mutable_bucket_duration() = duration_from(series->bucket);
+      DRIFTWISE_CO_TRY(auto query, co_await std::move(making));
+      auto asking = cell_.watching().series(std::move(query));
+      DRIFTWISE_CO_TRY(const auto series, co_await std::move(asking));
+      *response->mutable_from_time() = timestamp_from(series.from);
+      *response->mutable_to_time() = timestamp_from(series.to);
+      *response->mutable_bucket_duration() = duration_from(series.bucket);
       bool raw = true;
-      for (const auto& column : series->columns) {
+      for (const auto& column : series.columns) {
         *response->add_series() = series_from(column);
         for (const std::int64_t count : column.count) raw = raw && count <= 1;
       }
@@ -58,9 +57,8 @@ class WatchService final : public v1::WatchService::CallbackService {
     return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
       constexpr int kMost = 500;
       auto asking = cell_.watching().alarms(request->with_history(), kMost);
-      const auto alarms = co_await std::move(asking);
-      if (!alarms) co_return tl::unexpected(alarms.error());
-      for (const auto& alarm : *alarms) *response->add_alarms() = alarm_from(alarm);
+      DRIFTWISE_CO_TRY(const auto alarms, co_await std::move(asking));
+      for (const auto& alarm : alarms) *response->add_alarms() = alarm_from(alarm);
       co_return Result<void>{};
     });
   }
@@ -71,9 +69,8 @@ class WatchService final : public v1::WatchService::CallbackService {
       if (auto good = check_id(request->alarm_id(), "alarm_id"); !good) co_return good;
       auto asking =
           cell_.watching().acknowledge_alarm(caller_of(*context), AlarmId{request->alarm_id()});
-      const auto alarm = co_await std::move(asking);
-      if (!alarm) co_return tl::unexpected(alarm.error());
-      *response->mutable_alarm() = alarm_from(*alarm);
+      DRIFTWISE_CO_TRY(const auto alarm, co_await std::move(asking));
+      *response->mutable_alarm() = alarm_from(alarm);
       co_return Result<void>{};
     });
   }

@@ -11,6 +11,7 @@
 #include "server/compensation/snapshot_builder.h"
 #include "server/compensation/target.h"
 #include "server/core/channel.h"
+#include "server/core/try.h"
 #include "server/core/units.h"
 #include "server/formats/model/model_json.h"
 
@@ -45,7 +46,7 @@ Result<calibration::Model> fitted(const Dataset& data, const std::string& formul
     fit.select = "stepwise";
     record = application::fit_record(data, fit, application::source_of(fit));
   }
-  if (!record) return tl::unexpected(record.error());
+  DRIFTWISE_RETURN_IF_ERROR(record);
   return formats::read_model_json(record->json);
 }
 
@@ -53,8 +54,7 @@ Result<calibration::Model> fitted(const Dataset& data, const std::string& formul
 Result<std::vector<std::vector<double>>> errors_at_truth(const calibration::Model& model,
                                                          const CellDescription& cell,
                                                          const PlantRun& run) {
-  auto builder = compensation::SnapshotBuilder::create(model, ModelId{1}, cell);
-  if (!builder) return tl::unexpected(builder.error());
+  DRIFTWISE_TRY(auto builder, compensation::SnapshotBuilder::create(model, ModelId{1}, cell));
   std::vector<std::vector<double>> errors(model.outputs.size());
   for (std::size_t row = 0; row < run.data.rows; ++row) {
     const CellTime at = kZeroTime + nanoseconds_from_s(run.data.time_s[row]);
@@ -62,12 +62,12 @@ Result<std::vector<std::vector<double>>> errors_at_truth(const calibration::Mode
     for (const auto& column : run.data.columns)
       if (!is_pose_symbol(column.channel.symbol))
         seen.push_back({column.channel.name(), column.values[row]});
-    builder->observe(seen, at);
+    builder.observe(seen, at);
     if (row == 0) {  // seconds after the zero: its temperatures
       for (std::size_t k = 0; k < run.zero_q_mm.size(); ++k)
         for (auto& value : seen)
           if (value.channel == "q" + std::to_string(k + 1) + "_mm") value.value = run.zero_q_mm[k];
-      if (auto ok = builder->anchor(seen); !ok) return tl::unexpected(ok.error());
+      DRIFTWISE_RETURN_IF_ERROR(builder.anchor(seen));
     }
     if (run.data.set_of(row) != PointSet::validation) continue;
     compensation::TargetRequest asked;
@@ -75,7 +75,7 @@ Result<std::vector<std::vector<double>>> errors_at_truth(const calibration::Mode
       asked.set(static_cast<compensation::Variable>(axis), run.true_mm[axis][row]);
     if (const auto force = run.data.values_of("force"); !force.empty())
       asked.set(compensation::Variable::force, force[row]);
-    const auto snapshot = builder->build(at);
+    const auto snapshot = builder.build(at);
     const auto target = compensation::compute_target(snapshot, asked);
     if (target.refusal != compensation::Refusal::none)
       return tl::unexpected(compensation::refusal_error(snapshot, target));
@@ -106,15 +106,12 @@ Result<Made> accepted(const diagnosis::Diagnosis& found, const PlantRun& run) {
     return diagnosis::correction_is_uncertain(found.findings[static_cast<std::size_t>(number - 1)]);
   });
   if (all.empty()) return fail(ErrorCode::failed_precondition, "NOTHING_FOUND", "nothing to make");
-  auto chosen = application::chosen_findings(found, all);
-  if (!chosen) return tl::unexpected(chosen.error());
+  DRIFTWISE_TRY(auto chosen, application::chosen_findings(found, all));
   auto data = runs_data(run);
-  auto plan = application::plan_extension(DiagnosisId{1}, found, *chosen, data);
-  if (!plan) return tl::unexpected(plan.error());
-  if (auto ok = application::put_in_force(*plan, data); !ok) return tl::unexpected(ok.error());
-  auto model = fitted(data.data, plan->formula);
-  if (!model) return tl::unexpected(model.error());
-  return Made{std::move(*plan), std::move(*model)};
+  DRIFTWISE_TRY(auto plan, application::plan_extension(DiagnosisId{1}, found, chosen, data));
+  DRIFTWISE_RETURN_IF_ERROR(application::put_in_force(plan, data));
+  DRIFTWISE_TRY(auto model, fitted(data.data, plan.formula));
+  return Made{std::move(plan), std::move(model)};
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "server/core/try.h"
 #include "server/diagnosis/diagnosis.h"
 #include "server/formats/formula/formula.h"
 #include "tests/hidden_effects/shapes/hidden_world.h"
@@ -16,10 +17,9 @@ using testing::HasSubstr;
 
 Result<diagnosis::Diagnosis> asked(const Dataset& data, const std::string& baseline) {
   const auto formula = formats::Formula::parse(baseline);
-  const auto candidates = formula->expand(data);
-  if (!candidates) return tl::unexpected(candidates.error());
+  DRIFTWISE_TRY(const auto candidates, formula->expand(data));
   diagnosis::DiagnoseOptions options;
-  options.baseline = *candidates;
+  options.baseline = candidates;
   options.nulls = 99;
   return diagnosis::diagnose(data, options);
 }

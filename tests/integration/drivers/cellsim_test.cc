@@ -8,6 +8,7 @@
 #include "drivers/keithley_2701/keithley_2701.h"
 #include "drivers/pi_gcs/pi_gcs.h"
 #include "drivers/watlow_ez_zone/watlow_ez_zone.h"
+#include "server/core/try.h"
 #include "tests/integration/drivers/simulated_cell.h"
 
 namespace driftwise {
@@ -64,8 +65,7 @@ class AgainstCellsim : public testing::Test {
   // Polls as the engine does; the state at the end of the move.
   Awaitable<Result<MotionState>> move_and_wait(MotionController& controller, double q_mm) {
     const std::vector<double> target{q_mm};
-    if (auto accepted = co_await controller.start_move(target); !accepted)
-      co_return tl::unexpected(accepted.error());
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await controller.start_move(target));
     for (;;) {
       const auto state = co_await controller.state();
       if (!state) co_return state;

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <sstream>
 
+#include "server/core/try.h"
+
 namespace driftwise::cli {
 namespace {
 
@@ -86,8 +88,7 @@ Result<PlanBlock> plan_block_from(const std::string& text,
   BlockReader reader{coordinates, {}, std::vector<bool>(coordinates.size(), false)};
   reader.block.ranges.resize(coordinates.size());
   std::istringstream words(text);
-  for (std::string word; words >> word;)
-    if (auto ok = reader.take(word); !ok) return tl::unexpected(ok.error());
+  for (std::string word; words >> word;) DRIFTWISE_RETURN_IF_ERROR(reader.take(word));
   const auto missing = std::ranges::find(reader.given, false);
   if (missing != reader.given.end())
     return bad_block(
@@ -101,9 +102,8 @@ Result<std::vector<Channel>> coordinates_from(const std::string& text) {
   std::vector<Channel> out;
   std::istringstream names(text);
   for (std::string name; std::getline(names, name, ',');) {
-    auto channel = parse_channel(name + "_mm");
-    if (!channel) return tl::unexpected(channel.error());
-    out.push_back(std::move(*channel));
+    DRIFTWISE_TRY(auto channel, parse_channel(name + "_mm"));
+    out.push_back(std::move(channel));
   }
   if (out.empty())
     return fail(ErrorCode::invalid_argument, "BAD_CHANNEL",
