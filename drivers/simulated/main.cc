@@ -5,6 +5,7 @@
 #include <sys/prctl.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <boost/asio/signal_set.hpp>
 #include <cmath>
 #include <filesystem>
@@ -62,7 +63,7 @@ void print_switches(bool markdown) {
     }
   };
   for (const auto& kind : emulator_kinds())
-    print("emulator." + std::string(kind.section), *kind.switches);
+    print("emulator." + std::string(kind.section), kind.switches());
   print("wire", wire_switches());
 }
 
@@ -74,12 +75,13 @@ std::string truth_json(CellPlant& plant, TimeNs now) {
   return json.dump();
 }
 
-// Which device of its kind this is, in the order of the cell file: as the server counts them.
-std::optional<int> place_of(const CellOutline& outline, const std::string& kind,
-                            const std::string& id) {
+// Place of a device among those of its quantity, in the order of the cell file: as the server
+// counts them.
+std::optional<int> place_of(const CellOutline& outline, Quantity quantity, const std::string& id) {
   int place = 0;
   for (const auto& device : outline.devices) {
-    if (device.kind != kind) continue;
+    const EmulatorKind* kind = find_emulator_kind(device.kind);
+    if (kind == nullptr || kind->quantity != quantity) continue;
     if (device.id == id || id.empty()) return place;
     ++place;
   }
@@ -89,7 +91,7 @@ std::optional<int> place_of(const CellOutline& outline, const std::string& kind,
 void add_micro_nano_hooks(FaultHooks& hooks, MicroNanoPlant& plant, const CellOutline& outline) {
   hooks.set_spot = [&plant, outline](const std::string& device, FaultHooks::Spot spot, TimeNs now) {
     using Fault = MicroNanoPlant::CollimatorFault;
-    const auto place = place_of(outline, "newport-lds1000", device);
+    const auto place = place_of(outline, Quantity::angle, device);
     if (!place) return false;
     plant.set_collimator_fault(*place,
                                spot == FaultHooks::Spot::wrong_power      ? Fault::wrong_power
@@ -114,24 +116,18 @@ bool tell_lie(LyingPlant& plant, const CellOutline& outline, const std::string& 
     return true;
   }
   constexpr int kFirstInput = 101;
-  struct Kind {
-    const char* name;
-    Lie::Of of;
-  };
-  for (const Kind& kind :
-       {Kind{"pi-gcs", Lie::Of::axis}, Kind{"interferometer-adapter", Lie::Of::length},
-        Kind{"keithley-2701", Lie::Of::probe}, Kind{"newport-lds1000", Lie::Of::angle},
-        Kind{"watlow-ez-zone", Lie::Of::stabiliser}, Kind{"load-actuator", Lie::Of::load}}) {
-    const auto place = place_of(outline, kind.name, device);
-    if (!place) continue;
-    const auto how = form == "jump"    ? Lie::Form::jump
-                     : form == "scale" ? Lie::Form::scale
-                     : form == "value" ? Lie::Form::value
-                                       : Lie::Form::constant;
-    plant.tell({kind.of, kind.of == Lie::Of::probe ? kFirstInput : *place, how, amount});
-    return true;
-  }
-  return false;
+  const auto found = std::ranges::find(outline.devices, device, &DeviceOutline::id);
+  if (found == outline.devices.end()) return false;
+  const EmulatorKind* kind = find_emulator_kind(found->kind);
+  const auto place = kind ? place_of(outline, kind->quantity, device) : std::nullopt;
+  if (!place) return false;
+  const auto how = form == "jump"    ? Lie::Form::jump
+                   : form == "scale" ? Lie::Form::scale
+                   : form == "value" ? Lie::Form::value
+                                     : Lie::Form::constant;
+  const bool is_probe = kind->quantity == Quantity::probe;
+  plant.tell({kind->quantity, is_probe ? kFirstInput : *place, how, amount});
+  return true;
 }
 
 FaultHooks hooks_of(CellPlant& plant, LyingPlant& lying, const CellOutline& outline, TimeNs epoch) {
@@ -143,7 +139,7 @@ FaultHooks hooks_of(CellPlant& plant, LyingPlant& lying, const CellOutline& outl
     add_micro_nano_hooks(hooks, *micro_nano, outline);
   // Adapters of one channel: the n-th is the plant's n-th.
   hooks.break_beam = [&plant, outline](const std::string& device, TimeNs now) {
-    const auto place = place_of(outline, "interferometer-adapter", device);
+    const auto place = place_of(outline, Quantity::length, device);
     if (place) plant.break_beam(now, *place);
     return place.has_value();
   };

@@ -55,15 +55,16 @@ struct StabiliserState {
   bool sensor_open = false;
 };
 
-class Plant {
- public:
-  virtual ~Plant() = default;
-  virtual void advance_to(TimeNs now) = 0;
+struct AxisTravel {  // hard travel of the controller
+  double min_mm = 0, max_mm = 0;
+};
 
+// One interface per kind of device; a device's emulator knows its own only.
+class PlantAxes {
+ public:
   virtual int axis_count() const = 0;
   virtual AxisState axis(int index, TimeNs now) = 0;
-  virtual double axis_min_mm(int index) const = 0;  // hard travel of the controller
-  virtual double axis_max_mm(int index) const = 0;
+  virtual AxisTravel axis_travel(int index) const = 0;
   virtual void start_move(int index, double target_mm,
                           TimeNs now) = 0;  // the caller has checked the range
   virtual void set_velocity(int index, double mm_per_s, TimeNs now) = 0;
@@ -71,6 +72,12 @@ class Plant {
   virtual void start_reference(int index, TimeNs now) = 0;  // takes its time; see axis()
   virtual void halt(TimeNs now) = 0;                        // all axes
 
+ protected:
+  ~PlantAxes() = default;
+};
+
+class PlantLengths {
+ public:
   virtual int interferometer_count() const = 0;
   // The average over the samples taken in [start, start + n / rate]; called at or after its end.
   virtual LengthReading measure_length(int index, TimeNs start, int samples) = 0;
@@ -78,15 +85,35 @@ class Plant {
   virtual void zero_length(int index, TimeNs now) = 0;
   virtual void set_dead_path_mm(int index, double mm) = 0;
 
-  // Four-wire resistance of the pt1000 on scanner input 101, 102, ..; NaN when the probe is open.
-  virtual double probe_ohm(int input, TimeNs now) = 0;
-  virtual bool has_probe(int input) const = 0;
+ protected:
+  ~PlantLengths() = default;
+};
 
-  // Robots without them keep these.
+// Robots without rotations keep these.
+class PlantAngles {
+ public:
   virtual int collimator_count() const { return 0; }
   virtual AngleReading measure_angle(int /*index*/, double /*average_s*/, TimeNs /*end*/) {
     throw std::out_of_range("this plant has no autocollimator");
   }
+
+ protected:
+  ~PlantAngles() = default;
+};
+
+class PlantThermometers {
+ public:
+  // Four-wire resistance of the pt1000 on scanner input 101, 102, ..; NaN when the probe is open.
+  virtual double probe_ohm(int input, TimeNs now) = 0;
+  virtual bool has_probe(int input) const = 0;
+
+ protected:
+  ~PlantThermometers() = default;
+};
+
+// Robots without a load keep these.
+class PlantLoad {
+ public:
   virtual bool has_load() const { return false; }
   virtual LoadState load(TimeNs /*now*/) { return {}; }
   // Weights are changed until newton hangs; see load(). The caller has checked the range.
@@ -94,6 +121,12 @@ class Plant {
     throw std::out_of_range("this plant has no load");
   }
 
+ protected:
+  ~PlantLoad() = default;
+};
+
+class PlantStabilisers {
+ public:
   virtual int stabiliser_count() const = 0;
   virtual StabiliserState stabiliser(int index, TimeNs now) = 0;
   virtual void set_set_point_degc(int index, double degc, TimeNs now) = 0;
@@ -103,6 +136,20 @@ class Plant {
   // Heat and cool proportional bands in kelvin, integral and derivative times in seconds (0: off).
   virtual void set_stabiliser_tuning(int index, double heat_band_k, double cool_band_k, double ti_s,
                                      double td_s, TimeNs now) = 0;
+
+ protected:
+  ~PlantStabilisers() = default;
+};
+
+class Plant : public PlantAxes,
+              public PlantLengths,
+              public PlantAngles,
+              public PlantThermometers,
+              public PlantLoad,
+              public PlantStabilisers {
+ public:
+  virtual ~Plant() = default;
+  virtual void advance_to(TimeNs now) = 0;
 };
 
 }  // namespace driftwise::simulated

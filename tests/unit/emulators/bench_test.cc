@@ -354,7 +354,7 @@ TEST(EmulatorDocs, ListEverySwitch) {
           << section
           << ": regenerate docs/emulators.md from driftwise-cellsim --switches --markdown";
   };
-  for (const auto& kind : emulator_kinds()) check(*kind.switches, kind.section);
+  for (const auto& kind : emulator_kinds()) check(kind.switches(), kind.section);
   check(wire_switches(), "wire");
 }
 

@@ -47,8 +47,7 @@ class TestPlant : public Plant {
     state.servo = a.servo;
     return state;
   }
-  double axis_min_mm(int) const override { return -5; }
-  double axis_max_mm(int) const override { return 5; }
+  AxisTravel axis_travel(int) const override { return {-5, 5}; }
   void start_move(int index, double target, TimeNs now) override {
     const double here = axis(index, now).q_mm;
     One& a = one(index);

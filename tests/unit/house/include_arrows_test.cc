@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -16,42 +17,55 @@ namespace fs = std::filesystem;
 
 const fs::path kRoot = DRIFTWISE_SOURCE_DIR;
 
+const std::vector<std::string> kFixedRooms = {"server/core",
+                                              "server/core/ports",
+                                              "server/locks",
+                                              "server/effects",
+                                              "server/correction",
+                                              "server/kinematics",
+                                              "server/plausibility",
+                                              "server/identification",
+                                              "server/calibration",
+                                              "server/simulation",
+                                              "server/diagnosis",
+                                              "server/compensation",
+                                              "server/standards",
+                                              "server/formats",
+                                              "server/threads",
+                                              "server/application",
+                                              "server/rpc",
+                                              "server/web",
+                                              "server/clean_log.h",
+                                              "server/clean_log.cc",
+                                              "server/main.cc",
+                                              "drivers/transport",
+                                              "drivers/simulated",
+                                              "drivers/simulated/plant",
+                                              "drivers/simulated/emulators",
+                                              "storage",
+                                              "clients/cli",
+                                              "clients/cpp",
+                                              "driftwise/v1"};
+
+// One room for every device: a folder of drivers/ that is no room of another kind.
+std::vector<std::string> device_rooms() {
+  std::vector<std::string> rooms;
+  for (const auto& entry : fs::directory_iterator(kRoot / "drivers")) {
+    const std::string room = "drivers/" + entry.path().filename().string();
+    if (entry.is_directory() && std::ranges::find(kFixedRooms, room) == kFixedRooms.end())
+      rooms.push_back(room);
+  }
+  return rooms;
+}
+
+std::vector<std::string> all_rooms() {
+  auto rooms = device_rooms();
+  rooms.insert(rooms.end(), kFixedRooms.begin(), kFixedRooms.end());
+  return rooms;
+}
+
 // The room a path belongs to: the longest of these prefixes.
-const std::vector<std::string> kRooms = {"server/core",
-                                         "server/core/ports",
-                                         "server/locks",
-                                         "server/effects",
-                                         "server/correction",
-                                         "server/kinematics",
-                                         "server/plausibility",
-                                         "server/identification",
-                                         "server/calibration",
-                                         "server/simulation",
-                                         "server/diagnosis",
-                                         "server/compensation",
-                                         "server/standards",
-                                         "server/formats",
-                                         "server/threads",
-                                         "server/application",
-                                         "server/rpc",
-                                         "server/web",
-                                         "server/clean_log.h",
-                                         "server/clean_log.cc",
-                                         "server/main.cc",
-                                         "drivers/transport",
-                                         "drivers/pi_gcs",
-                                         "drivers/keithley_2701",
-                                         "drivers/interferometer_adapter",
-                                         "drivers/lds1000",
-                                         "drivers/load_actuator",
-                                         "drivers/watlow_ez_zone",
-                                         "drivers/simulated",
-                                         "drivers/simulated/plant",
-                                         "drivers/simulated/emulators",
-                                         "storage",
-                                         "clients/cli",
-                                         "clients/cpp",
-                                         "driftwise/v1"};
+const std::vector<std::string> kRooms = all_rooms();
 
 const std::set<std::string> kMathematics = {
     "server/core",         "server/effects",        "server/correction", "server/kinematics",
@@ -64,10 +78,12 @@ std::set<std::string> with(std::set<std::string> base, const std::set<std::strin
 }
 
 const std::set<std::string> kDomain = with(kMathematics, {"server/formats"});
-const std::set<std::string> kDriver = {"server/core", "server/core/ports", "drivers/transport"};
+// The law of every device's folder.
+const std::set<std::string> kDriver = {"server/core", "server/core/ports", "server/locks",
+                                       "drivers/transport"};
 
 // What each room may include besides itself.
-const std::map<std::string, std::set<std::string>> kArrows = {
+const std::map<std::string, std::set<std::string>> kFixedArrows = {
     {"server/core", {}},
     {"server/core/ports", {"server/core"}},
     {"server/locks", {"server/core"}},
@@ -95,12 +111,6 @@ const std::map<std::string, std::set<std::string>> kArrows = {
     {"server/clean_log.cc", {"server/clean_log.h", "server/core"}},
     {"server/main.cc", std::set<std::string>(kRooms.begin(), kRooms.end())},
     {"drivers/transport", {"server/core", "server/core/ports"}},
-    {"drivers/pi_gcs", with(kDriver, {"server/locks"})},
-    {"drivers/keithley_2701", kDriver},
-    {"drivers/interferometer_adapter", kDriver},
-    {"drivers/lds1000", kDriver},
-    {"drivers/load_actuator", kDriver},
-    {"drivers/watlow_ez_zone", kDriver},
     {"drivers/simulated/plant", {}},
     {"drivers/simulated/emulators", {"drivers/simulated/plant"}},
     {"drivers/simulated", {"drivers/simulated/plant", "drivers/simulated/emulators"}},
@@ -108,6 +118,13 @@ const std::map<std::string, std::set<std::string>> kArrows = {
     {"clients/cli", with(kDomain, {"server/threads", "driftwise/v1", "clients/cpp"})},
     {"clients/cpp", {"driftwise/v1"}},
 };
+
+std::map<std::string, std::set<std::string>> all_arrows() {
+  auto arrows = kFixedArrows;
+  for (const auto& room : device_rooms()) arrows.emplace(room, kDriver);
+  return arrows;
+}
+const std::map<std::string, std::set<std::string>> kArrows = all_arrows();
 
 std::string room_of(const std::string& path) {
   std::string best;

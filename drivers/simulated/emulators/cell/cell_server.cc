@@ -2,13 +2,6 @@
 
 #include <algorithm>
 
-#include "drivers/simulated/emulators/interferometer_adapter/interferometer_emulator.h"
-#include "drivers/simulated/emulators/keithley_2701/keithley_emulator.h"
-#include "drivers/simulated/emulators/lds1000/lds1000_emulator.h"
-#include "drivers/simulated/emulators/load_actuator/load_emulator.h"
-#include "drivers/simulated/emulators/pi_gcs/pi_gcs_emulator.h"
-#include "drivers/simulated/emulators/watlow_ez_zone/watlow_emulator.h"
-
 namespace driftwise::simulated {
 namespace {
 
@@ -36,10 +29,11 @@ CellServer::CellServer(boost::asio::io_context& io, Plant& plant, SimClock& cloc
   const TimeNs now = clock_.now();
   for (const auto& device : outline.devices) {
     const Switches& switches = options.of(device.id);
-    const bool serial = ((device.kind == "keithley-2701" || device.kind == "newport-lds1000") &&
-                         switches.flag("serial")) ||
-                        (device.kind == "watlow-ez-zone" && switches.flag("rtu"));
-    serve(device.id, make_emulator(device, switches, now),
+    const EmulatorKind& kind =
+        *find_emulator_kind(device.kind);  // EmulatorOptions has refused others
+    const bool serial =
+        !kind.serial_switch.empty() && switches.flag(std::string(kind.serial_switch));
+    serve(device.id, kind.make(plant_, switches, places_, now),
           how.free_ports ? "127.0.0.1:0" : device.address, switches.integer("max_clients", 1, 1000),
           serial);
   }
@@ -55,24 +49,6 @@ CellServer::CellServer(boost::asio::io_context& io, Plant& plant, SimClock& cloc
 }
 
 CellServer::~CellServer() = default;
-
-std::unique_ptr<Emulator> CellServer::make_emulator(const DeviceOutline& device,
-                                                    const Switches& switches, TimeNs now) {
-  if (device.kind == "pi-gcs") return std::make_unique<PiGcsEmulator>(plant_, switches, now);
-  if (device.kind == "keithley-2701")
-    return std::make_unique<KeithleyEmulator>(plant_, switches, now);
-  if (device.kind == "interferometer-adapter") {
-    const int first = interferometers_;
-    interferometers_ += switches.integer("channels", 1, 16);
-    return std::make_unique<InterferometerEmulator>(plant_, switches, first);
-  }
-  if (device.kind == "newport-lds1000")
-    return std::make_unique<Lds1000Emulator>(plant_, switches, collimators_++);
-  if (device.kind == "load-actuator") return std::make_unique<LoadEmulator>(plant_, switches);
-  const int first = stabilisers_;
-  stabilisers_ += switches.integer("zones", 1, 12);
-  return std::make_unique<WatlowEmulator>(plant_, switches, first, now);
-}
 
 void CellServer::serve(const std::string& id, std::unique_ptr<Emulator> emulator,
                        const std::string& address, int max_clients, bool serial) {

@@ -35,8 +35,6 @@ class CellServer {
   void stop();
 
  private:
-  std::unique_ptr<Emulator> make_emulator(const DeviceOutline& device, const Switches& switches,
-                                          TimeNs now);
   void serve(const std::string& id, std::unique_ptr<Emulator> emulator, const std::string& address,
              int max_clients, bool serial);
   void received(std::size_t device, Session session, std::string_view bytes);
@@ -50,7 +48,7 @@ class CellServer {
   std::vector<std::unique_ptr<StreamServer>> servers_;
   std::vector<std::pair<std::string, std::string>> addresses_;
   boost::asio::steady_timer timer_;
-  int interferometers_ = 0, stabilisers_ = 0, collimators_ = 0;
+  PlantPlaces places_;
   bool started_ = false;
 };
 

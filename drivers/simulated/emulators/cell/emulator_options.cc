@@ -7,13 +7,6 @@
 #include <iterator>
 #include <sstream>
 
-#include "drivers/simulated/emulators/interferometer_adapter/interferometer_emulator.h"
-#include "drivers/simulated/emulators/keithley_2701/keithley_emulator.h"
-#include "drivers/simulated/emulators/lds1000/lds1000_emulator.h"
-#include "drivers/simulated/emulators/load_actuator/load_emulator.h"
-#include "drivers/simulated/emulators/pi_gcs/pi_gcs_emulator.h"
-#include "drivers/simulated/emulators/watlow_ez_zone/watlow_emulator.h"
-
 namespace driftwise::simulated {
 namespace {
 
@@ -70,18 +63,6 @@ std::vector<Setting> settings_of(const std::filesystem::path& file) {
 
 }  // namespace
 
-const std::vector<EmulatorKind>& emulator_kinds() {
-  static const std::vector<EmulatorKind> kKinds{
-      {"pi-gcs", "pi", &PiGcsEmulator::switches()},
-      {"keithley-2701", "scanner", &KeithleyEmulator::switches()},
-      {"interferometer-adapter", "interferometer", &InterferometerEmulator::switches()},
-      {"watlow-ez-zone", "watlow", &WatlowRegisters::switches()},
-      {"newport-lds1000", "lds1000", &Lds1000Emulator::switches()},
-      {"load-actuator", "load", &LoadEmulator::switches()},
-  };
-  return kKinds;
-}
-
 const std::vector<SwitchDescription>& wire_switches() {
   static const std::vector<SwitchDescription> kAll{
       {"chop", "true", "own", "replies arrive split and merged"},
@@ -96,13 +77,11 @@ EmulatorOptions::EmulatorOptions(const std::filesystem::path& plant_file,
                                  const std::vector<DeviceOutline>& devices)
     : devices_(devices), wire_("[wire]", wire_switches()) {
   for (const auto& device : devices_) {
-    const auto kind =
-        std::find_if(emulator_kinds().begin(), emulator_kinds().end(),
-                     [&](const EmulatorKind& one) { return one.kind == device.kind; });
-    if (kind == emulator_kinds().end())
+    const EmulatorKind* kind = find_emulator_kind(device.kind);
+    if (kind == nullptr)
       throw SetupError("device '" + device.id + "': there is no emulator for kind '" + device.kind +
                        "'");
-    by_device_.emplace(device.id, Switches("[emulator." + device.id + "]", *kind->switches));
+    by_device_.emplace(device.id, Switches("[emulator." + device.id + "]", kind->switches()));
   }
   std::vector<Setting> all = settings_of(plant_file);
   for (const auto& text : settings) {

@@ -8,18 +8,13 @@
 #include <string>
 #include <vector>
 
+#include "drivers/simulated/emulators/all_emulators.h"
 #include "drivers/simulated/emulators/cell/cell_outline.h"
 #include "drivers/simulated/emulators/switches.h"
 #include "drivers/simulated/emulators/wire.h"
 
 namespace driftwise::simulated {
 
-// One kind of device: what [[device]] kind says, the section of its switches, and the switches.
-struct EmulatorKind {
-  std::string_view kind, section;
-  const std::vector<SwitchDescription>* switches;
-};
-const std::vector<EmulatorKind>& emulator_kinds();
 const std::vector<SwitchDescription>& wire_switches();
 
 class EmulatorOptions {

@@ -4,14 +4,15 @@
 
 #include <optional>
 
+#include "drivers/simulated/emulators/emulator_kind.h"
 #include "drivers/simulated/plant/plant.h"
 
 namespace driftwise::simulated {
 
 struct Lie {
   // Quantity that is false: an axis' readback (mm), a length (nm), a thermometer (ohm), the first
-  // angle of an autocollimator (arcsec), a stabiliser's temperature (degC), the force (N).
-  enum class Of { axis, length, probe, angle, stabiliser, load };
+  // angle of an instrument for angles (arcsec), a stabiliser's temperature (degC), the force (N).
+  using Of = Quantity;
   enum class Form { jump, scale, value, constant };
   Of of = Of::length;
   int index = 0;  // among its kind; the input of a thermometer
@@ -32,8 +33,7 @@ class LyingPlant final : public Plant {
   void advance_to(TimeNs now) override { plant_.advance_to(now); }
   int axis_count() const override { return plant_.axis_count(); }
   AxisState axis(int index, TimeNs now) override;
-  double axis_min_mm(int index) const override { return plant_.axis_min_mm(index); }
-  double axis_max_mm(int index) const override { return plant_.axis_max_mm(index); }
+  AxisTravel axis_travel(int index) const override { return plant_.axis_travel(index); }
   void start_move(int index, double target_mm, TimeNs now) override {
     plant_.start_move(index, target_mm, now);
   }

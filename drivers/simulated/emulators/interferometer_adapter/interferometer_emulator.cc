@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "drivers/simulated/emulators/emulator_kind.h"
 #include "drivers/simulated/emulators/text.h"
 
 namespace driftwise::simulated {
@@ -39,7 +40,7 @@ const std::vector<SwitchDescription>& InterferometerEmulator::switches() {
   return kAll;
 }
 
-InterferometerEmulator::InterferometerEmulator(Plant& plant, const Switches& s, int first)
+InterferometerEmulator::InterferometerEmulator(PlantLengths& plant, const Switches& s, int first)
     : plant_(plant),
       first_(first),
       channels_(s.integer("channels", 1, 16)),
@@ -166,5 +167,22 @@ std::optional<int> InterferometerEmulator::channel(std::string_view text) const 
   if (!number || *number < 1 || *number > channels_) return std::nullopt;
   return number;
 }
+
+namespace emulator_kind {
+
+extern const EmulatorKind interferometer_adapter;
+const EmulatorKind interferometer_adapter{
+    .kind = "interferometer-adapter",
+    .section = "interferometer",
+    .quantity = Quantity::length,
+    .switches = InterferometerEmulator::switches,
+    .serial_switch = "",
+    .make = [](Plant& plant, const Switches& switches, PlantPlaces& places,
+               TimeNs) -> std::unique_ptr<Emulator> {
+      return std::make_unique<InterferometerEmulator>(
+          plant, switches, places.take(Quantity::length, switches.integer("channels", 1, 16)));
+    }};
+
+}  // namespace emulator_kind
 
 }  // namespace driftwise::simulated

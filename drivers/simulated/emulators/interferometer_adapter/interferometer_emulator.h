@@ -24,7 +24,7 @@ class InterferometerEmulator : public Emulator {
  public:
   static const std::vector<SwitchDescription>& switches();
   // first: the plant's interferometer behind channel 1. Throws SetupError.
-  InterferometerEmulator(Plant& plant, const Switches& switches, int first);
+  InterferometerEmulator(PlantLengths& plant, const Switches& switches, int first);
 
   void open(Session session, Link link, TimeNs now) override;
   void close(Session session, TimeNs now) override;
@@ -49,7 +49,7 @@ class InterferometerEmulator : public Emulator {
   void finish(Session session, std::uint64_t serial, const std::string& reply, TimeNs now);
   std::optional<int> channel(std::string_view text) const;  // 1..channels
 
-  Plant& plant_;
+  PlantLengths& plant_;
   int first_, channels_, samples_;
   std::string identity_;
   TimeNs latency_;

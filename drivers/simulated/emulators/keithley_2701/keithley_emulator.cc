@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "drivers/simulated/emulators/emulator_kind.h"
 #include "drivers/simulated/emulators/text.h"
 
 namespace driftwise::simulated {
@@ -50,7 +51,7 @@ const std::vector<SwitchDescription>& KeithleyEmulator::switches() {
   return kAll;
 }
 
-KeithleyEmulator::KeithleyEmulator(Plant& plant, const Switches& s, TimeNs power_on)
+KeithleyEmulator::KeithleyEmulator(PlantThermometers& plant, const Switches& s, TimeNs power_on)
     : plant_(plant),
       cards_(upper(s.text("slot1")), upper(s.text("slot2"))),
       identity_(s.text("identity")),
@@ -219,5 +220,20 @@ void KeithleyEmulator::finish_job(TimeNs now) {
   }
   start_next(now);
 }
+
+namespace emulator_kind {
+
+extern const EmulatorKind keithley_2701;
+const EmulatorKind keithley_2701{.kind = "keithley-2701",
+                                 .section = "scanner",
+                                 .quantity = Quantity::probe,
+                                 .switches = KeithleyEmulator::switches,
+                                 .serial_switch = "serial",
+                                 .make = [](Plant& plant, const Switches& switches, PlantPlaces&,
+                                            TimeNs now) -> std::unique_ptr<Emulator> {
+                                   return std::make_unique<KeithleyEmulator>(plant, switches, now);
+                                 }};
+
+}  // namespace emulator_kind
 
 }  // namespace driftwise::simulated

@@ -27,7 +27,7 @@ class KeithleyEmulator : public Emulator {
  public:
   static const std::vector<SwitchDescription>& switches();
   // Throws SetupError.
-  KeithleyEmulator(Plant& plant, const Switches& switches, TimeNs power_on);
+  KeithleyEmulator(PlantThermometers& plant, const Switches& switches, TimeNs power_on);
 
   void open(Session session, Link link, TimeNs now) override;
   void close(Session session, TimeNs now) override;
@@ -127,7 +127,7 @@ class KeithleyEmulator : public Emulator {
                       std::size_t count) const;
   ChannelSettings& settings_of(int channel);
 
-  Plant& plant_;
+  PlantThermometers& plant_;
   const Cards cards_;
   const std::string identity_, reply_terminator_;
   const bool interrupts_, typed_order_, needs_function_, user_rtd_known_, channel_suffix_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "drivers/simulated/emulators/emulator_kind.h"
 #include "drivers/simulated/emulators/text.h"
 
 namespace driftwise::simulated {
@@ -63,7 +64,7 @@ const std::vector<SwitchDescription>& Lds1000Emulator::switches() {
   return kAll;
 }
 
-Lds1000Emulator::Lds1000Emulator(Plant& plant, const Switches& s, int index)
+Lds1000Emulator::Lds1000Emulator(PlantAngles& plant, const Switches& s, int index)
     : plant_(plant),
       index_(index),
       terminator_(s.escaped_text("terminator")),
@@ -264,5 +265,21 @@ void Lds1000Emulator::reply(Session session, std::string text, TimeNs now) {
     if (clients_.contains(session)) send(session, bytes, at);
   });
 }
+
+namespace emulator_kind {
+
+extern const EmulatorKind lds1000;
+const EmulatorKind lds1000{.kind = "newport-lds1000",
+                           .section = "lds1000",
+                           .quantity = Quantity::angle,
+                           .switches = Lds1000Emulator::switches,
+                           .serial_switch = "serial",
+                           .make = [](Plant& plant, const Switches& switches, PlantPlaces& places,
+                                      TimeNs) -> std::unique_ptr<Emulator> {
+                             return std::make_unique<Lds1000Emulator>(plant, switches,
+                                                                      places.take(Quantity::angle));
+                           }};
+
+}  // namespace emulator_kind
 
 }  // namespace driftwise::simulated

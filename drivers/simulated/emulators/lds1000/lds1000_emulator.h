@@ -29,7 +29,7 @@ class Lds1000Emulator : public Emulator {
  public:
   static const std::vector<SwitchDescription>& switches();
   // index: the plant's autocollimator. Throws SetupError.
-  Lds1000Emulator(Plant& plant, const Switches& switches, int index);
+  Lds1000Emulator(PlantAngles& plant, const Switches& switches, int index);
 
   void open(Session session, Link link, TimeNs now) override;
   void close(Session session, TimeNs now) override;
@@ -62,7 +62,7 @@ class Lds1000Emulator : public Emulator {
   char status(TimeNs now);
   void reply(Session session, std::string text, TimeNs now);
 
-  Plant& plant_;
+  PlantAngles& plant_;
   int index_;
   std::string terminator_, version_, unit_text_, increment_text_;
   bool arcsec_, hold_last_, stop_known_, extended_memory_;

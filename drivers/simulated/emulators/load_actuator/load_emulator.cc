@@ -1,5 +1,6 @@
 #include "drivers/simulated/emulators/load_actuator/load_emulator.h"
 
+#include "drivers/simulated/emulators/emulator_kind.h"
 #include "drivers/simulated/emulators/text.h"
 
 namespace driftwise::simulated {
@@ -23,7 +24,7 @@ const std::vector<SwitchDescription>& LoadEmulator::switches() {
   return kAll;
 }
 
-LoadEmulator::LoadEmulator(Plant& plant, const Switches& s)
+LoadEmulator::LoadEmulator(PlantLoad& plant, const Switches& s)
     : plant_(plant),
       identity_(s.text("identity")),
       latency_(nanoseconds_from(s.number("latency_s", 0, 10))),
@@ -68,5 +69,20 @@ std::string LoadEmulator::answer(const LineBuffer::Line& line, TimeNs now) {
   plant_.set_load(*newton, now);
   return "OK";
 }
+
+namespace emulator_kind {
+
+extern const EmulatorKind load_actuator;
+const EmulatorKind load_actuator{.kind = "load-actuator",
+                                 .section = "load",
+                                 .quantity = Quantity::load,
+                                 .switches = LoadEmulator::switches,
+                                 .serial_switch = "",
+                                 .make = [](Plant& plant, const Switches& switches, PlantPlaces&,
+                                            TimeNs) -> std::unique_ptr<Emulator> {
+                                   return std::make_unique<LoadEmulator>(plant, switches);
+                                 }};
+
+}  // namespace emulator_kind
 
 }  // namespace driftwise::simulated

@@ -20,7 +20,7 @@ class LoadEmulator : public Emulator {
  public:
   static const std::vector<SwitchDescription>& switches();
   // Throws SetupError: the plant has no load.
-  LoadEmulator(Plant& plant, const Switches& switches);
+  LoadEmulator(PlantLoad& plant, const Switches& switches);
 
   void open(Session session, Link link, TimeNs now) override;
   void close(Session session, TimeNs now) override;
@@ -29,7 +29,7 @@ class LoadEmulator : public Emulator {
  private:
   std::string answer(const LineBuffer::Line& line, TimeNs now);
 
-  Plant& plant_;
+  PlantLoad& plant_;
   std::string identity_;
   TimeNs latency_;
   bool busy_is_error_;

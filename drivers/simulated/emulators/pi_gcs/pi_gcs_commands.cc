@@ -18,7 +18,8 @@ void PiGcsEmulator::move(Words words, bool relative, TimeNs now) {
       return;
     }
     if (relative) mm += target_mm_[i];
-    if (mm < plant_.axis_min_mm(axis) || mm > plant_.axis_max_mm(axis)) {
+    const AxisTravel travel = plant_.axis_travel(axis);
+    if (mm < travel.min_mm || mm > travel.max_mm) {
       error(7);
       return;
     }

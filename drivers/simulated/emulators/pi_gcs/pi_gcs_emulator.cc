@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "drivers/simulated/emulators/emulator_kind.h"
 #include "drivers/simulated/emulators/text.h"
 
 namespace driftwise::simulated {
@@ -58,7 +59,7 @@ const std::vector<SwitchDescription>& PiGcsEmulator::switches() {
   return kAll;
 }
 
-PiGcsEmulator::PiGcsEmulator(Plant& plant, const Switches& s, TimeNs power_on)
+PiGcsEmulator::PiGcsEmulator(PlantAxes& plant, const Switches& s, TimeNs power_on)
     : plant_(plant),
       names_(s.words("axes")),
       identity_(with_serial_number(s.text("identity"))),
@@ -186,9 +187,11 @@ void PiGcsEmulator::query(Session session, const std::string& name, Words words,
       return bit(state(axis).on_target && (!pending_ || stale_on_target_));
     });
   } else if (name == "TMN?" && limits_known_) {
-    reply_per_axis(session, words, now, [&](int axis) { return number(plant_.axis_min_mm(axis)); });
+    reply_per_axis(session, words, now,
+                   [&](int axis) { return number(plant_.axis_travel(axis).min_mm); });
   } else if (name == "TMX?" && limits_known_) {
-    reply_per_axis(session, words, now, [&](int axis) { return number(plant_.axis_max_mm(axis)); });
+    reply_per_axis(session, words, now,
+                   [&](int axis) { return number(plant_.axis_travel(axis).max_mm); });
   } else if (name == "VEL?" && vel_known_) {
     reply_per_axis(session, words, now, [&](int axis) { return number(at(velocity_mm_s_, axis)); });
   } else if (name == "VLS?" && vls_known_) {
@@ -205,7 +208,8 @@ void PiGcsEmulator::query(Session session, const std::string& name, Words words,
     bool all = true;
     std::string lines;
     for (const auto& [axis, mm] : *wanted) {
-      const bool inside = mm >= plant_.axis_min_mm(axis) && mm <= plant_.axis_max_mm(axis);
+      const AxisTravel travel = plant_.axis_travel(axis);
+      const bool inside = mm >= travel.min_mm && mm <= travel.max_mm;
       all = all && inside;
       lines += (lines.empty() ? "" : " \n") + at(names_, axis) + "=" + bit(inside);
     }
@@ -239,5 +243,20 @@ void PiGcsEmulator::setter(const std::string& name, Words words, TimeNs now) {
     error(2);
   }
 }
+
+namespace emulator_kind {
+
+extern const EmulatorKind pi_gcs;
+const EmulatorKind pi_gcs{.kind = "pi-gcs",
+                          .section = "pi",
+                          .quantity = Quantity::axis,
+                          .switches = PiGcsEmulator::switches,
+                          .serial_switch = "",
+                          .make = [](Plant& plant, const Switches& switches, PlantPlaces&,
+                                     TimeNs now) -> std::unique_ptr<Emulator> {
+                            return std::make_unique<PiGcsEmulator>(plant, switches, now);
+                          }};
+
+}  // namespace emulator_kind
 
 }  // namespace driftwise::simulated

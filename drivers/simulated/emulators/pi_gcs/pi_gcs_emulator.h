@@ -25,7 +25,7 @@ class PiGcsEmulator : public Emulator {
  public:
   static const std::vector<SwitchDescription>& switches();
   // Throws SetupError: a switch out of range, more axis names than the plant has axes.
-  PiGcsEmulator(Plant& plant, const Switches& switches, TimeNs power_on);
+  PiGcsEmulator(PlantAxes& plant, const Switches& switches, TimeNs power_on);
 
   void open(Session session, Link link, TimeNs now) override;
   void close(Session session, TimeNs now) override;
@@ -63,7 +63,7 @@ class PiGcsEmulator : public Emulator {
   void reply_per_axis(Session session, Words words, TimeNs now, Value value);
   void reply(Session session, std::string text, TimeNs now);  // after the controller's latency
 
-  Plant& plant_;
+  PlantAxes& plant_;
   std::vector<std::string> names_;
   std::string identity_, status_prefix_, ready_, busy_;
   bool stale_on_target_, keep_first_error_, ini_known_, limits_known_, vls_known_, vel_known_,

@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include "drivers/simulated/emulators/emulator_kind.h"
+
 namespace driftwise::simulated {
 namespace {
 
@@ -52,7 +54,8 @@ std::uint16_t modbus_crc(std::string_view bytes) {
   return static_cast<std::uint16_t>(crc);
 }
 
-WatlowEmulator::WatlowEmulator(Plant& plant, const Switches& s, int first, TimeNs power_on)
+WatlowEmulator::WatlowEmulator(PlantStabilisers& plant, const Switches& s, int first,
+                               TimeNs power_on)
     : registers_(plant, s, first, power_on),
       unit_(s.integer("unit_id", 1, 247)),
       latency_(nanoseconds_from(s.number("latency_s", 0, 10))),
@@ -167,5 +170,23 @@ void WatlowEmulator::reply(Session session, std::string frame, TimeNs now) {
     if (clients_.contains(session)) send(session, bytes, due);
   });
 }
+
+namespace emulator_kind {
+
+extern const EmulatorKind watlow_ez_zone;
+const EmulatorKind watlow_ez_zone{
+    .kind = "watlow-ez-zone",
+    .section = "watlow",
+    .quantity = Quantity::stabiliser,
+    .switches = WatlowRegisters::switches,
+    .serial_switch = "rtu",
+    .make = [](Plant& plant, const Switches& switches, PlantPlaces& places,
+               TimeNs now) -> std::unique_ptr<Emulator> {
+      return std::make_unique<WatlowEmulator>(
+          plant, switches, places.take(Quantity::stabiliser, switches.integer("zones", 1, 12)),
+          now);
+    }};
+
+}  // namespace emulator_kind
 
 }  // namespace driftwise::simulated

@@ -22,7 +22,7 @@ std::uint16_t modbus_crc(std::string_view bytes);  // CRC-16, polynomial 0xA001,
 class WatlowEmulator : public Emulator {
  public:
   // Throws SetupError.
-  WatlowEmulator(Plant& plant, const Switches& switches, int first, TimeNs power_on);
+  WatlowEmulator(PlantStabilisers& plant, const Switches& switches, int first, TimeNs power_on);
 
   void open(Session session, Link link, TimeNs now) override;
   void close(Session session, TimeNs now) override;

@@ -53,7 +53,8 @@ const std::vector<SwitchDescription>& WatlowRegisters::switches() {
   return kAll;
 }
 
-WatlowRegisters::WatlowRegisters(Plant& plant, const Switches& s, int first, TimeNs power_on)
+WatlowRegisters::WatlowRegisters(PlantStabilisers& plant, const Switches& s, int first,
+                                 TimeNs power_on)
     : plant_(plant),
       low_word_first_(s.flag("low_word_first")),
       fahrenheit_(s.flag("fahrenheit")),
@@ -186,7 +187,7 @@ ModbusException WatlowRegisters::put(Zone& zone, Kind kind, double value, bool a
       return ModbusException::address;
   }
   if (apply) {
-    using Mode = Plant::StabiliserMode;
+    using Mode = PlantStabilisers::StabiliserMode;
     const Mode mode = zone.mode == kModeAuto     ? Mode::automatic
                       : zone.mode == kModeManual ? Mode::manual
                                                  : Mode::off;

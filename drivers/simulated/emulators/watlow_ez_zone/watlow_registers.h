@@ -24,7 +24,7 @@ class WatlowRegisters {
  public:
   static const std::vector<SwitchDescription>& switches();
   // first: the plant's stabiliser in zone 1. Throws SetupError.
-  WatlowRegisters(Plant& plant, const Switches& switches, int first, TimeNs power_on);
+  WatlowRegisters(PlantStabilisers& plant, const Switches& switches, int first, TimeNs power_on);
 
   // out has the size that is asked for.
   ModbusException read(int address, std::span<std::uint16_t> out, TimeNs now);
@@ -74,7 +74,7 @@ class WatlowRegisters {
   double from_wire_degrees(double value) const;
   double wire_degrees_per_kelvin() const;
 
-  Plant& plant_;
+  PlantStabilisers& plant_;
   bool low_word_first_, fahrenheit_, tuning_from_plant_;
   int error_open_, read_limit_;
   double min_set_degc_, max_set_degc_;

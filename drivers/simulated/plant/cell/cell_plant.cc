@@ -98,8 +98,10 @@ AxisState CellPlant::axis(int index, TimeNs now) {
   return state;
 }
 
-double CellPlant::axis_min_mm(int index) const { return axis_parameters(index).min_mm; }
-double CellPlant::axis_max_mm(int index) const { return axis_parameters(index).max_mm; }
+AxisTravel CellPlant::axis_travel(int index) const {
+  const auto& axis = axis_parameters(index);
+  return {axis.min_mm, axis.max_mm};
+}
 
 void CellPlant::start_move(int index, double target_mm, TimeNs now) {
   axis_parameters(index);

@@ -37,8 +37,7 @@ class CellPlant : public Plant {
 
   int axis_count() const override { return static_cast<int>(axes_.size()); }
   AxisState axis(int index, TimeNs now) override;
-  double axis_min_mm(int index) const override;
-  double axis_max_mm(int index) const override;
+  AxisTravel axis_travel(int index) const override;
   void start_move(int index, double target_mm, TimeNs now) override;
   void set_velocity(int index, double mm_per_s, TimeNs now) override;
   void set_servo(int index, bool on, TimeNs now) override;
