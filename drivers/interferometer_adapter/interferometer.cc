@@ -6,39 +6,16 @@
 #include "server/core/units.h"
 
 namespace driftwise::adapter {
-namespace {
-
-transport::LinkSettings link_settings(const DeviceDescription& device,
-                                      const std::string& identity_line) {
-  transport::LinkSettings out;
-  out.device = device.id;
-  out.address = device.address;
-  out.resync_request = "IDN?\n";
-  out.is_resync_reply = [&identity_line](std::string_view reply) {
-    return !identity_line.empty() && reply == identity_line;
-  };
-  return out;
-}
-
-// A refusal is in step with us, nonsense is not.
-bool is_nonsense(const Error& error) { return error.reason == "BAD_REPLY"; }
-
-}  // namespace
-
 Interferometer::Interferometer(DeviceDescription device, Options options,
                                const transport::Address& address, asio::any_io_executor executor,
                                Clock& clock)
-    : device_(std::move(device)),
+    : LineDevice(std::move(device), address, std::move(executor), clock,
+                 {.resync_request = "IDN?\n"}),
       options_(std::move(options)),
-      clock_(clock),
       length_channel_(device_.length->name()),
       std_channel_(device_.length->symbol + "_std_nm"),
-      timeout_(nanoseconds_from_s(device_.timeout_s)),
       measure_timeout_(timeout_ +
-                       nanoseconds_from_s(2 * options_.samples / options_.sample_rate_hz)),
-      link_(executor, clock, link_settings(device_, identity_line_),
-            transport::make_stream(executor, address, {})),
-      turn_(executor) {}
+                       nanoseconds_from_s(2 * options_.samples / options_.sample_rate_hz)) {}
 
 DeviceHealth Interferometer::health() const {
   DeviceHealth health = link_.health();
@@ -49,22 +26,8 @@ DeviceHealth Interferometer::health() const {
   return health;
 }
 
-Awaitable<Result<void>> Interferometer::prepare() {
-  const auto turn = co_await turn_.take();
-  co_return co_await get_ready();
-}
-
-Awaitable<Result<void>> Interferometer::get_ready() {
-  if (auto up = co_await link_.connect(timeout_); !up) co_return up;
-  if (link_.generation() == set_up_generation_) co_return Result<void>{};
-  auto done = co_await set_up();
-  if (!done && link_.connected()) link_.drop(done.error().message);
-  co_return done;
-}
-
 Awaitable<Result<void>> Interferometer::set_up() {
-  identity_line_.clear();
-  DRIFTWISE_CO_TRY(const auto reply, co_await link_.ask("IDN?\n", timeout_));
+  DRIFTWISE_CO_TRY(const auto reply, co_await ask("IDN?"));
   const auto identity = parse_identity(reply);
   if (!identity) co_return link_.wrong_reply(identity.error());
   if (options_.channel > identity->channels) {
@@ -72,20 +35,17 @@ Awaitable<Result<void>> Interferometer::set_up() {
                                               ", the adapter has " +
                                               std::to_string(identity->channels));
   }
-  identity_line_ = transport::without_line_ends(reply);
-  link_.set_identity(identity->text);
+  know_identity(identity->text, reply);
   if (auto set = co_await command("AVG " + std::to_string(options_.samples)); !set) co_return set;
   if (auto set = co_await send_dead_path(); !set) co_return set;
-  set_up_generation_ = link_.generation();
   co_return Result<void>{};
 }
 
 Awaitable<Result<void>> Interferometer::command(std::string line) {
-  DRIFTWISE_CO_TRY(const auto reply, co_await link_.ask(line + "\n", timeout_));
+  DRIFTWISE_CO_TRY(const auto reply, co_await ask(std::move(line)));
   const auto accepted = parse_ok(reply);
   if (accepted) co_return Result<void>{};
-  if (is_nonsense(accepted.error())) link_.lose_step();
-  co_return link_.wrong_reply(accepted.error());
+  co_return wrong(accepted);
 }
 
 Awaitable<Result<void>> Interferometer::send_dead_path() {
@@ -95,7 +55,6 @@ Awaitable<Result<void>> Interferometer::send_dead_path() {
 }
 
 Awaitable<Result<void>> Interferometer::zero() {
-  const auto turn = co_await turn_.take();
   if (auto ready = co_await get_ready(); !ready) co_return ready;
   if (auto set = co_await send_dead_path(); !set) co_return set;
   auto done = co_await command("ZERO " + std::to_string(1 << (options_.channel - 1)));
@@ -104,7 +63,6 @@ Awaitable<Result<void>> Interferometer::zero() {
 }
 
 Awaitable<Result<Reading>> Interferometer::read() {
-  const auto turn = co_await turn_.take();
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await get_ready());
   if (zero_generation_ != 0 && zero_generation_ != link_.generation()) {
     co_return fail(ErrorCode::failed_precondition, "BEAM_LOST",
@@ -125,10 +83,7 @@ Awaitable<Result<Reading>> Interferometer::read() {
     measurement =
         fail(ErrorCode::data_loss, "BAD_REPLY", "expected n=" + std::to_string(options_.samples));
   }
-  if (!measurement) {
-    if (is_nonsense(measurement.error())) link_.lose_step();
-    co_return link_.wrong_reply(measurement.error());
-  }
+  if (!measurement) co_return wrong(measurement);
   if (auto good = check_status(*measurement); !good) co_return link_.wrong_reply(good.error());
   co_return reading_from(*measurement, asked);
 }

@@ -9,41 +9,29 @@
 #include "drivers/interferometer_adapter/adapter_codec.h"
 #include "drivers/interferometer_adapter/adapter_options.h"
 #include "drivers/transport/device_clock.h"
-#include "drivers/transport/link.h"
-#include "drivers/transport/turn.h"
+#include "drivers/transport/line_device.h"
 #include "server/core/ports/instrument.h"
 
 namespace driftwise::adapter {
 
-class Interferometer final : public Instrument {
+class Interferometer final : public transport::LineDevice<Instrument> {
  public:
   Interferometer(DeviceDescription device, Options options, const transport::Address& address,
                  asio::any_io_executor executor, Clock& clock);
 
-  const DeviceDescription& description() const override { return device_; }
   DeviceHealth health() const override;
-  std::vector<std::string> recent_exchanges() const override { return link_.log().lines(); }
-  Awaitable<Result<void>> prepare() override;
-  void close() override { link_.close(); }
   Awaitable<Result<Reading>> read() override;
   Awaitable<Result<void>> zero() override;
 
  private:
-  Awaitable<Result<void>> get_ready();
-  Awaitable<Result<void>> set_up();
+  Awaitable<Result<void>> set_up() override;
   Awaitable<Result<void>> command(std::string line);
   Awaitable<Result<void>> send_dead_path();
   Result<Reading> reading_from(const Measurement& measurement, CellTime asked);
 
-  DeviceDescription device_;
   Options options_;
-  Clock& clock_;
   std::string length_channel_, std_channel_;
-  Nanoseconds timeout_, measure_timeout_;
-  std::string identity_line_;  // brings the line back in step
-  transport::Link link_;
-  transport::Turn turn_;
-  std::int64_t set_up_generation_ = 0;
+  Nanoseconds measure_timeout_;
   std::int64_t zero_generation_ = 0;  // 0: never zeroed by us
   std::int64_t sequence_ = 0;
   transport::DeviceClock clock_of_device_;

@@ -8,19 +8,6 @@
 namespace driftwise::keithley {
 namespace {
 
-transport::LinkSettings link_settings(const DeviceDescription& device, const Options& options,
-                                      const std::string& identity) {
-  transport::LinkSettings out;
-  out.device = device.id;
-  out.address = device.address;
-  out.resync_prefix = "\x03";  // breaks the pending operation and drops its output
-  out.resync_request = "*CLS" + options.send_end + "*IDN?" + options.send_end;
-  out.is_resync_reply = [&identity](std::string_view reply) {
-    return !identity.empty() && reply == identity;
-  };
-  return out;
-}
-
 std::vector<int> scanned_inputs(const DeviceDescription& device) {
   std::vector<int> out;
   for (const auto& probe : device.probes) out.push_back(probe.input);
@@ -32,15 +19,15 @@ std::vector<int> scanned_inputs(const DeviceDescription& device) {
 
 Scanner::Scanner(DeviceDescription device, Options options, const transport::Address& address,
                  asio::any_io_executor executor, Clock& clock)
-    : device_(std::move(device)),
+    : LineDevice(std::move(device), address, std::move(executor), clock,
+                 {.end_of_command = options.send_end,
+                  .resync_request = "*CLS" + options.send_end + "*IDN?" + options.send_end,
+                  .resync_prefix = "\x03",  // breaks the pending operation and drops its output
+                  .serial = options.serial}),
       options_(std::move(options)),
-      clock_(clock),
       scanned_(scanned_inputs(device_)),
-      timeout_(nanoseconds_from_s(device_.timeout_s)),
-      scan_timeout_(nanoseconds_from_s(2 * channel_s() * static_cast<double>(scanned_.size()) + 3)),
-      link_(executor, clock, link_settings(device_, options_, identity_),
-            transport::make_stream(executor, address, options_.serial)),
-      turn_(executor) {}
+      scan_timeout_(
+          nanoseconds_from_s(2 * channel_s() * static_cast<double>(scanned_.size()) + 3)) {}
 
 // A four-wire, offset-compensated reading integrates four times (PROTOCOLS.md section 1).
 double Scanner::channel_s() const {
@@ -52,25 +39,11 @@ tl::unexpected<Error> Scanner::nonsense(const Error& error) {
   return link_.wrong_reply(error);
 }
 
-Awaitable<Result<void>> Scanner::tell(std::string command) {
-  return link_.tell(command + options_.send_end, timeout_);
-}
-Awaitable<Result<std::string>> Scanner::ask(std::string query) {
-  return link_.ask(query + options_.send_end, timeout_);
-}
-
-Awaitable<Result<void>> Scanner::prepare() {
-  const auto turn = co_await turn_.take();
-  co_return co_await get_ready();
-}
-
 Awaitable<Result<void>> Scanner::zero() {
-  co_return fail(ErrorCode::failed_precondition, "NO_ZERO",
-                 "device '" + device_.id + "': a scanner has no zero");
+  co_return transport::no_zero(device_, "a scanner has no zero");
 }
 
 Awaitable<Result<Reading>> Scanner::read() {
-  const auto turn = co_await turn_.take();
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await get_ready());
   const CellTime asked = clock_.now().utc;
   DRIFTWISE_CO_TRY(const auto reply,

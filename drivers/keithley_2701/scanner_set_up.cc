@@ -18,23 +18,15 @@ std::string number(double value) {
 
 }  // namespace
 
-Awaitable<Result<void>> Scanner::get_ready() {
-  if (auto up = co_await link_.connect(timeout_); !up) co_return up;
-  if (link_.generation() == set_up_generation_) co_return Result<void>{};
-  auto done = co_await set_up();
-  if (!done && link_.connected()) link_.drop(done.error().message);
-  co_return done;
-}
-
 Awaitable<Result<void>> Scanner::set_up() {
-  identity_.clear();
   layout_.reset();
   anchor_.forget();
   // A serial line keeps half a command of whoever was here before: break it off and end it.
   if (auto sent = co_await link_.tell("\x03" + options_.send_end, timeout_); !sent) co_return sent;
   DRIFTWISE_CO_TRY(const auto identity, co_await ask("*IDN?"));
-  identity_ = transport::without_line_ends(identity);
-  if (identity_.find("MODEL 27") == std::string::npos)
+  const std::string identity_text(transport::without_line_ends(identity));
+  know_identity(identity_text, identity);
+  if (identity_text.find("MODEL 27") == std::string::npos)
     co_return nonsense({ErrorCode::failed_precondition, "WRONG_DEVICE",
                         "expected a KEITHLEY MODEL 2700, 2701 or 2750"});
 
@@ -53,12 +45,11 @@ Awaitable<Result<void>> Scanner::set_up() {
   if (options_.require_card && card_text.find("77") == std::string::npos)
     co_return link_.refused(
         "NO_CARD", "no scanner card in any slot: four-wire scanning needs one (7700, 7708, ...)");
-  link_.set_identity(identity_ + " [" + card_text + "]");
+  link_.set_identity(identity_text + " [" + card_text + "]");
 
   if (auto done = co_await configure(); !done) co_return done;
   if (auto same = co_await compare_scan_list(); !same) co_return same;
   if (auto clean = co_await drain_errors(); !clean) co_return clean;
-  set_up_generation_ = link_.generation();
   co_return Result<void>{};
 }
 

@@ -8,18 +8,6 @@
 namespace driftwise::lds1000 {
 namespace {
 
-transport::LinkSettings link_settings_of(const DeviceDescription& device, const Options& options,
-                                         const std::string& identity_line) {
-  transport::LinkSettings out;
-  out.device = device.id;
-  out.address = device.address;
-  out.resync_request = "VE" + options.end_of_command;
-  out.is_resync_reply = [&identity_line](std::string_view reply) {
-    return !identity_line.empty() && reply == identity_line;
-  };
-  return out;
-}
-
 std::string set_up_text(Unit unit, double increment) {
   char text[64];
   std::snprintf(text, sizeof text, "unit %s, increment %g", name_of(unit), increment);
@@ -31,57 +19,29 @@ std::string set_up_text(Unit unit, double increment) {
 Autocollimator::Autocollimator(DeviceDescription device, Options options,
                                const transport::Address& address, asio::any_io_executor executor,
                                Clock& clock)
-    : device_(std::move(device)),
+    : LineDevice(std::move(device), address, std::move(executor), clock,
+                 {.end_of_command = options.end_of_command,
+                  .resync_request = "VE" + options.end_of_command,
+                  .serial = options.serial}),
       options_(std::move(options)),
-      clock_(clock),
-      timeout_(nanoseconds_from_s(device_.timeout_s)),
-      units_(device_.angles.size(), Unit::arcsec),
-      link_(executor, clock, link_settings_of(device_, options_, identity_line_),
-            transport::make_stream(executor, address, options_.serial)),
-      turn_(executor) {}
-
-Awaitable<Result<std::string>> Autocollimator::ask(std::string command) {
-  co_return co_await link_.ask(command + options_.end_of_command, timeout_);
-}
-
-template <class T>
-tl::unexpected<Error> Autocollimator::wrong(const Result<T>& parsed) {
-  if (parsed.error().reason == "BAD_REPLY") link_.lose_step();  // a refusal is in step with us
-  return link_.wrong_reply(parsed.error());
-}
-
-Awaitable<Result<void>> Autocollimator::prepare() {
-  const auto turn = co_await turn_.take();
-  co_return co_await get_ready();
-}
-
-Awaitable<Result<void>> Autocollimator::get_ready() {
-  if (auto up = co_await link_.connect(timeout_); !up) co_return up;
-  if (link_.generation() == set_up_generation_) co_return Result<void>{};
-  auto done = co_await set_up();
-  if (!done && link_.connected()) link_.drop(done.error().message);
-  co_return done;
-}
+      units_(device_.angles.size(), Unit::arcsec) {}
 
 Awaitable<Result<void>> Autocollimator::set_up() {
-  identity_line_.clear();
   DRIFTWISE_CO_TRY(const auto reply, co_await ask("VE"));
   const auto version = parse_version(reply);
   if (!version) co_return wrong(version);
-  identity_line_ = transport::without_line_ends(reply);
-  link_.set_identity(*version);
+  know_identity(*version, reply);
   // Only the last error is kept: an old one must not be taken for an answer to what follows.
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await ask("TE"));
   if (auto set = co_await set_integration(); !set) co_return set;
   for (std::size_t i = 0; i < device_.angles.size(); ++i)
     if (auto good = co_await check_axis(i); !good) co_return good;
-  set_up_generation_ = link_.generation();
   co_return Result<void>{};
 }
 
 Awaitable<Result<void>> Autocollimator::set_integration() {
-  auto setting = "KI" + std::to_string(options_.integration_ms) + options_.end_of_command;
-  if (auto told = co_await link_.tell(std::move(setting), timeout_); !told) co_return told;
+  auto setting = "KI" + std::to_string(options_.integration_ms);
+  if (auto told = co_await tell(std::move(setting)); !told) co_return told;
   DRIFTWISE_CO_TRY(const auto taken, co_await ask("TE"));
   if (const auto error = parse_error(taken); !error) co_return wrong(error);
   DRIFTWISE_CO_TRY(const auto reply, co_await ask("XI"));
@@ -124,7 +84,6 @@ Awaitable<Result<void>> Autocollimator::check_spot() {
 }
 
 Awaitable<Result<Reading>> Autocollimator::read() {
-  const auto turn = co_await turn_.take();
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await get_ready());
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await check_spot());
   Reading out;
@@ -144,8 +103,7 @@ Awaitable<Result<Reading>> Autocollimator::read() {
 }
 
 Awaitable<Result<void>> Autocollimator::zero() {
-  co_return fail(ErrorCode::failed_precondition, "NO_ZERO",
-                 "device '" + device_.id + "': an autocollimator's angle is absolute");
+  co_return transport::no_zero(device_, "an autocollimator's angle is absolute");
 }
 
 }  // namespace driftwise::lds1000

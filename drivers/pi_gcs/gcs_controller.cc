@@ -14,19 +14,6 @@ namespace {
 constexpr int kMaxErrorReads = 12;
 constexpr int kAnswersAtRest = 2;  // as MotionController::stop promises
 
-transport::LinkSettings link_settings(const DeviceDescription& device,
-                                      const std::string& identity) {
-  transport::LinkSettings out;
-  out.device = device.id;
-  out.address = device.address;
-  out.framing = transport::gcs_reply;
-  out.resync_request = "*IDN?\n";
-  out.is_resync_reply = [&identity](std::string_view reply) {
-    return !identity.empty() && reply == identity;
-  };
-  return out;
-}
-
 std::vector<std::string> axis_names(const DeviceDescription& device) {
   std::vector<std::string> out;
   for (const auto& axis : device.axes) out.push_back(axis.device_axis);
@@ -38,24 +25,18 @@ std::vector<std::string> axis_names(const DeviceDescription& device) {
 GcsController::GcsController(DeviceDescription device, Options options,
                              const transport::Address& address, asio::any_io_executor executor,
                              Clock& clock, std::shared_ptr<locks::Claims> claims)
-    : device_(std::move(device)),
+    : LineDevice(
+          std::move(device), address, executor, clock,
+          {.resync_request = "*IDN?\n", .framing = transport::gcs_reply, .serial = options.serial}),
       options_(std::move(options)),
-      clock_(clock),
       claims_(std::move(claims)),
-      link_(executor, clock, link_settings(device_, identity_),
-            transport::make_stream(executor, address, options_.serial)),
       turn_(executor),
       axes_(axis_names(device_)),
-      trap_(nanoseconds_from_s(options_.start_delay_s)),
-      timeout_(nanoseconds_from_s(device_.timeout_s)) {}
+      trap_(nanoseconds_from_s(options_.start_delay_s)) {}
 
 tl::unexpected<Error> GcsController::stopped() const {
   return fail(ErrorCode::aborted, "STOPPED",
               "device '" + device_.id + "' at " + device_.address + ": stopped");
-}
-
-GcsController::Text GcsController::ask(std::string query) {
-  return link_.ask(std::move(query), timeout_);
 }
 
 Awaitable<Result<GcsController::Fetched>> GcsController::fetch(std::vector<std::string> queries) {
@@ -235,7 +216,7 @@ Awaitable<Result<void>> GcsController::stop() {
 Awaitable<Result<void>> GcsController::tidy_after_stop() {
   if (auto up = co_await link_.connect(timeout_); !up) co_return up;
   // A new connection: the stop byte goes out first, and the error number is read.
-  if (link_.generation() != set_up_generation_) co_return co_await set_up_or_drop();
+  if (!is_set_up()) co_return co_await set_up_or_drop();
   // 0x18 leaves error 10 behind; ours is the only command that may still have failed before it.
   for (int i = 0; i < kMaxErrorReads; ++i) {
     DRIFTWISE_CO_TRY(const auto number, co_await take_error_number());

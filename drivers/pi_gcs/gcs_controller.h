@@ -1,11 +1,12 @@
 #pragma once
 // The loop behind MotionController for one GCS 2.0 controller. Use make_pi_gcs (pi_gcs.h).
 //
-// Every call takes its turn on the line. stop() does not wait: it writes 0x18 at once, ends the
-// call under way with aborted (STOPPED) and then takes its turn to bring the line back in step and
-// to clear error 10; calls that were waiting end with aborted too. Until two successive answers of
-// state() report no motion, 0x18 is the first byte on every new connection. A setter is followed by
-// ERR? in the same message, so its verdict costs one round trip.
+// stop() may come while another call is under way, so every call takes its turn on the line here
+// too. stop() does not wait: it writes 0x18 at once, ends the call under way with aborted (STOPPED)
+// and then takes its turn to bring the line back in step and to clear error 10; calls that were
+// waiting end with aborted too. Until two successive answers of state() report no motion, 0x18 is
+// the first byte on every new connection. A setter is followed by ERR? in the same message, so its
+// verdict costs one round trip.
 
 #include <deque>
 #include <memory>
@@ -15,22 +16,19 @@
 
 #include "drivers/pi_gcs/gcs_options.h"
 #include "drivers/pi_gcs/start_trap.h"
-#include "drivers/transport/link.h"
+#include "drivers/transport/line_device.h"
 #include "drivers/transport/turn.h"
 #include "server/core/ports/motion_controller.h"
 #include "server/locks/claims.h"
 
 namespace driftwise::gcs {
 
-class GcsController final : public MotionController {
+class GcsController final : public transport::LineDevice<MotionController> {
  public:
   GcsController(DeviceDescription device, Options options, const transport::Address& address,
                 asio::any_io_executor executor, Clock& clock,
                 std::shared_ptr<locks::Claims> claims = nullptr);
 
-  const DeviceDescription& description() const override { return device_; }
-  DeviceHealth health() const override { return link_.health(); }
-  std::vector<std::string> recent_exchanges() const override { return link_.log().lines(); }
   Awaitable<Result<void>> prepare() override;
   void close() override;
   Awaitable<Result<MotionState>> state() override;
@@ -43,13 +41,12 @@ class GcsController final : public MotionController {
   // Below: the caller holds the turn.
   Awaitable<Result<void>> get_ready(std::int64_t stops_seen);
   Awaitable<Result<void>> tidy_after_stop();
-  Awaitable<Result<void>> set_up();
-  Awaitable<Result<void>> set_up_or_drop();
+  Awaitable<Result<void>> set_up() override;
   Result<void> claim(const std::string& key);  // this controller is ours, or nobody claims here
   Awaitable<Result<void>> check_travel();
   Awaitable<Result<void>> command(std::string text);  // setter + ERR?
   Awaitable<Result<int>> take_error_number();
-  Text ask(std::string query);
+  Text ask(std::string query) { return link_.ask(std::move(query), timeout_); }
   using Fetched = std::deque<std::string>;
   Awaitable<Result<Fetched>> fetch(std::vector<std::string> queries);  // empty without pipelining
   Text next(Fetched& fetched, std::string query);  // ... and then asked one by one
@@ -67,21 +64,15 @@ class GcsController final : public MotionController {
   }
   tl::unexpected<Error> stopped() const;
 
-  DeviceDescription device_;
   Options options_;
-  Clock& clock_;
-  std::string identity_;  // what *IDN? answered: brings the line back in step
   std::shared_ptr<locks::Claims> claims_;
-  transport::Link link_;
   transport::Turn turn_;
   std::vector<std::string> axes_;
   StartTrap trap_;
-  Nanoseconds timeout_;
-  std::int64_t set_up_generation_ = 0;  // of the link, for which the device is set up
-  std::int64_t stops_ = 0;              // a call that sees this change has been stopped
-  int stopping_ = 0;                    // stops that have not come back yet
-  bool stop_owed_ = false;              // stopped, and motion may not have ended
-  int answers_at_rest_ = 0;             // successive answers of no motion since the last stop
+  std::int64_t stops_ = 0;   // a call that sees this change has been stopped
+  int stopping_ = 0;         // stops that have not come back yet
+  bool stop_owed_ = false;   // stopped, and motion may not have ended
+  int answers_at_rest_ = 0;  // successive answers of no motion since the last stop
   bool referenced_ = false;
 };
 

@@ -18,17 +18,10 @@ Awaitable<Result<void>> GcsController::prepare() {
 Awaitable<Result<void>> GcsController::get_ready(std::int64_t stops_seen) {
   if (stops_seen != stops_) co_return stopped();
   if (auto up = co_await link_.connect(timeout_); !up) co_return up;
-  if (link_.generation() != set_up_generation_)
+  if (!is_set_up())
     if (auto done = co_await set_up_or_drop(); !done) co_return done;
   if (stops_seen != stops_) co_return stopped();  // while it was being set up
   co_return Result<void>{};
-}
-
-Awaitable<Result<void>> GcsController::set_up_or_drop() {
-  auto done = co_await set_up();
-  if (!done && link_.connected() && done.error().code != ErrorCode::aborted)
-    link_.drop(done.error().message);
-  co_return done;
 }
 
 Result<void> GcsController::claim(const std::string& key) {
@@ -37,7 +30,6 @@ Result<void> GcsController::claim(const std::string& key) {
 }
 
 Awaitable<Result<void>> GcsController::set_up() {
-  identity_.clear();
   referenced_ = false;
   if (!stop_owed_) trap_.disarm();
   if (auto ours = claim(link_.peer_key()); !ours) co_return ours;
@@ -51,9 +43,9 @@ Awaitable<Result<void>> GcsController::set_up() {
   if (stop_owed_)
     if (auto told = co_await link_.tell(std::string(1, kStopByte), timeout_); !told) co_return told;
   DRIFTWISE_CO_TRY(const auto identity, co_await ask("*IDN?\n"));
-  identity_ = transport::without_line_ends(identity);
-  link_.set_identity(identity_);
-  if (auto ours = claim(serial_number_key(identity_)); !ours) co_return ours;
+  const std::string identity_text(transport::without_line_ends(identity));
+  know_identity(identity_text, identity);
+  if (auto ours = claim(serial_number_key(identity_text)); !ours) co_return ours;
   DRIFTWISE_CO_TRY(const auto old,
                    co_await take_error_number());  // of the stop, or of an earlier client
   if (old == kStoppedError) trap_.disarm();
@@ -81,7 +73,6 @@ Awaitable<Result<void>> GcsController::set_up() {
     if (auto set = co_await command(text + "\n"); !set) co_return set;
   }
   if (auto known = co_await refresh_referenced(); !known) co_return known;
-  set_up_generation_ = link_.generation();
   co_return Result<void>{};
 }
 

@@ -21,7 +21,6 @@ PeltierStabiliser::PeltierStabiliser(DeviceDescription device, Options options,
     : device_(std::move(device)),
       clock_(clock),
       symbol_(symbol_from_id(device_.id)),
-      turn_(executor),
       pause_(executor),
       back_off_(transport::seed_from(device_.id + device_.address), {}),
       controller_(
@@ -46,7 +45,6 @@ template <class Job>
 auto PeltierStabiliser::run(Job job)
     -> Awaitable<decltype(job(std::declval<TemperatureController&>(),
                               std::chrono::nanoseconds()))> {
-  const auto turn = co_await turn_.take();
   const auto timeout =
       clock_.wall_from(nanoseconds_from_s(device_.timeout_s), transport::kShortestTimeout);
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await wait_out_back_off(timeout));

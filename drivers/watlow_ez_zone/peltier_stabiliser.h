@@ -1,11 +1,11 @@
 #pragma once
 // The loop behind Stabiliser: hops to the Modbus thread and back. Use make_watlow_ez_zone.
 
+#include <boost/asio/as_tuple.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/thread_pool.hpp>
 
 #include "drivers/transport/back_off.h"
-#include "drivers/transport/turn.h"
 #include "drivers/watlow_ez_zone/temperature_controller.h"
 #include "server/core/ports/clock.h"
 #include "server/core/ports/stabiliser.h"
@@ -42,7 +42,6 @@ class PeltierStabiliser final : public Stabiliser {
   DeviceDescription device_;
   Clock& clock_;
   std::string symbol_;
-  transport::Turn turn_;
   asio::steady_timer pause_;
   transport::BackOff back_off_;
   std::chrono::steady_clock::time_point not_before_{};
