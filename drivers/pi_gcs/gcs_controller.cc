@@ -30,7 +30,7 @@ GcsController::GcsController(DeviceDescription device, Options options,
           {.resync_request = "*IDN?\n", .framing = transport::gcs_reply, .serial = options.serial}),
       options_(std::move(options)),
       claims_(std::move(claims)),
-      turn_(executor),
+      mutex_(executor),
       axes_(axis_names(device_)),
       trap_(nanoseconds_from_s(options_.start_delay_s)) {}
 
@@ -114,7 +114,7 @@ Awaitable<Result<MotionState>> GcsController::read_state() {
 }
 
 Awaitable<Result<MotionState>> GcsController::look(std::int64_t stops_seen, bool also_referenced) {
-  const auto turn = co_await turn_.take();
+  const auto lock = co_await mutex_.lock();
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await get_ready(stops_seen));
   if (also_referenced) {
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await refresh_referenced());
@@ -147,7 +147,7 @@ Awaitable<Result<void>> GcsController::start_move(std::span<const double> q_mm) 
   const std::string text =
       encode_move(axes_, q_mm);  // now: the span may not outlive the first wait
   const std::int64_t stops_seen = stops_;
-  const auto turn = co_await turn_.take();
+  const auto lock = co_await mutex_.lock();
   if (auto ready = co_await get_ready(stops_seen); !ready) co_return ready;
   // Armed before it is sent: a move whose answer got lost may have started all the same.
   trap_.commanded(clock_.now().utc);
@@ -157,7 +157,7 @@ Awaitable<Result<void>> GcsController::start_move(std::span<const double> q_mm) 
 }
 
 Awaitable<Result<void>> GcsController::start_referencing(std::int64_t stops_seen) {
-  const auto turn = co_await turn_.take();
+  const auto lock = co_await mutex_.lock();
   if (auto ready = co_await get_ready(stops_seen); !ready) co_return ready;
   referenced_ = false;
   if (auto on = co_await command(encode_switch("SVO", axes_, 1)); !on) co_return on;
@@ -207,7 +207,7 @@ Awaitable<Result<void>> GcsController::stop() {
   else
     link_.write_now(stop_byte);
   ++stopping_;
-  const auto turn = co_await turn_.take();
+  const auto lock = co_await mutex_.lock();
   auto tidied = co_await tidy_after_stop();
   --stopping_;
   co_return tidied;

@@ -1,9 +1,9 @@
 #pragma once
 // The loop behind MotionController for one GCS 2.0 controller. Use make_pi_gcs (pi_gcs.h).
 //
-// stop() may come while another call is under way, so every call takes its turn on the line here
+// stop() may come while another call is under way, so every call locks the line here
 // too. stop() does not wait: it writes 0x18 at once, ends the call under way with aborted (STOPPED)
-// and then takes its turn to bring the line back in step and to clear error 10; calls that were
+// and then locks the line to bring it back in step and to clear error 10; calls that were
 // waiting end with aborted too. Until two successive answers of state() report no motion, 0x18 is
 // the first byte on every new connection. A setter is followed by ERR? in the same message, so its
 // verdict costs one round trip.
@@ -17,7 +17,7 @@
 #include "drivers/pi_gcs/gcs_options.h"
 #include "drivers/pi_gcs/start_trap.h"
 #include "drivers/transport/line_device.h"
-#include "drivers/transport/turn.h"
+#include "server/core/ports/async_mutex.h"
 #include "server/core/ports/motion_controller.h"
 #include "server/locks/claims.h"
 
@@ -38,7 +38,7 @@ class GcsController final : public transport::LineDevice<MotionController> {
 
  private:
   using Text = Awaitable<Result<std::string>>;
-  // Below: the caller holds the turn.
+  // Below: the caller holds the lock.
   Awaitable<Result<void>> get_ready(std::int64_t stops_seen);
   Awaitable<Result<void>> tidy_after_stop();
   Awaitable<Result<void>> set_up() override;
@@ -66,7 +66,7 @@ class GcsController final : public transport::LineDevice<MotionController> {
 
   Options options_;
   std::shared_ptr<locks::Claims> claims_;
-  transport::Turn turn_;
+  AsyncMutex mutex_;
   std::vector<std::string> axes_;
   StartTrap trap_;
   std::int64_t stops_ = 0;   // a call that sees this change has been stopped

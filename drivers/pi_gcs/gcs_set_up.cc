@@ -11,7 +11,7 @@ namespace driftwise::gcs {
 
 Awaitable<Result<void>> GcsController::prepare() {
   const std::int64_t stops_seen = stops_;
-  const auto turn = co_await turn_.take();
+  const auto lock = co_await mutex_.lock();
   co_return co_await get_ready(stops_seen);
 }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <boost/asio/co_spawn.hpp>
-#include <boost/asio/detached.hpp>
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -19,6 +18,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/core/ports/spawn.h"
 #include "server/core/try.h"
 #include "server/web/http_connection.h"
 
@@ -80,7 +80,7 @@ class ThreadedHttpServer final : public HttpServer {
 
   void serve(std::unique_ptr<HttpSite> site) override {
     site_ = std::move(site);
-    asio::co_spawn(context_, accept_all(), asio::detached);
+    spawn(context_.get_executor(), accept_all());
     thread_ = std::thread([this] { context_.run(); });
   }
 

@@ -1,12 +1,12 @@
 #include "tests/support/scripted_peer.h"
 
 #include <boost/asio/as_tuple.hpp>
-#include <boost/asio/co_spawn.hpp>
-#include <boost/asio/detached.hpp>
 #include <boost/asio/read.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
+
+#include "server/core/ports/spawn.h"
 
 namespace driftwise::tests {
 namespace {
@@ -29,7 +29,7 @@ void ScriptedPeer::listen_again() {
   acceptor_.bind(here);
   acceptor_.listen();
   port_ = acceptor_.local_endpoint().port();
-  asio::co_spawn(context_, accept(), asio::detached);
+  spawn(context_.get_executor(), accept());
 }
 
 void ScriptedPeer::stop_listening() { acceptor_.close(); }
@@ -46,7 +46,7 @@ Awaitable<void> ScriptedPeer::accept() {
     }
     socket.set_option(tcp::no_delay(true));
     ++running_;
-    asio::co_spawn(context_, play(std::move(socket), std::move(script)), asio::detached);
+    spawn(context_.get_executor(), play(std::move(socket), std::move(script)));
   }
 }
 

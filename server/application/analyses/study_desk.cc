@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "server/application/plumbing/fit_threads.h"
+#include "server/application/plumbing/task_group.h"
 
 namespace driftwise::application {
 namespace {
@@ -70,7 +71,7 @@ calibration::Executor StudyBench::counting(int threads, const std::string& step)
   };
 }
 
-StudyDesk::StudyDesk(asio::any_io_executor executor, asio::any_io_executor worker, TaskCount& tasks)
+StudyDesk::StudyDesk(asio::any_io_executor executor, asio::any_io_executor worker, TaskGroup& tasks)
     : executor_(std::move(executor)), worker_(std::move(worker)), tasks_(tasks) {}
 
 Result<void> StudyDesk::may_begin(const std::shared_ptr<Study>& study) {
@@ -80,14 +81,10 @@ Result<void> StudyDesk::may_begin(const std::shared_ptr<Study>& study) {
         ErrorCode::resource_exhausted, "TOO_MANY_STUDIES",
         fmt::format("{} studies are under way or waiting: leave one, or wait", studies_.size()));
   studies_.push_back(study);
-  tasks_.begin();
   return {};
 }
 
-void StudyDesk::leave(const std::shared_ptr<Study>& study) {
-  std::erase(studies_, study);
-  tasks_.end();
-}
+void StudyDesk::leave(const std::shared_ptr<Study>& study) { std::erase(studies_, study); }
 
 void StudyDesk::shut_down() {
   ending_ = true;

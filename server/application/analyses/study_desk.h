@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/application/plumbing/signal.h"
+#include "server/application/plumbing/task_group.h"
 #include "server/application/ports/studies.h"
 #include "server/core/try.h"
 
@@ -34,7 +35,7 @@ class StudyDesk {
  public:
   static constexpr std::size_t kMostAtOnce = 8;  // under way or waiting for the one before
 
-  StudyDesk(asio::any_io_executor executor, asio::any_io_executor worker, TaskCount& tasks);
+  StudyDesk(asio::any_io_executor executor, asio::any_io_executor worker, TaskGroup& tasks);
 
   // work: on the worker's thread. Errors: its own; cancelled; resource_exhausted TOO_MANY_STUDIES.
   template <class Answer>
@@ -48,7 +49,7 @@ class StudyDesk {
   void leave(const std::shared_ptr<Study>& study);
 
   asio::any_io_executor executor_, worker_;
-  TaskCount& tasks_;
+  TaskGroup& tasks_;
   std::vector<std::shared_ptr<Study>> studies_;
   bool ending_ = false;
 };
@@ -63,6 +64,7 @@ template <class Answer>
 Awaitable<Result<Answer>> StudyDesk::carry_out(std::shared_ptr<Study> study,
                                                std::function<Result<Answer>(StudyBench&)> work) {
   DRIFTWISE_CO_RETURN_IF_ERROR(may_begin(study));
+  const auto task = tasks_.join();
   study->tell({"waiting for its turn", 0});
   std::function<Result<Answer>()> guarded = [study, work = std::move(work),
                                              executor = executor_]() -> Result<Answer> {

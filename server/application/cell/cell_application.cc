@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "server/application/plumbing/spawn.h"
 #include "server/application/runs/run_state_store.h"
+#include "server/core/ports/spawn.h"
 #include "server/core/try.h"
 #include "server/formats/csv/trajectory_csv.h"
 
@@ -159,15 +159,13 @@ void CellApplication::start() {
     check_after(run);
     note_for_alarms(run);
   });
-  tasks_.begin();
-  spawn(executor_, look_for_alarms());
-  tasks_.begin();
-  spawn(executor_, start_up());
+  tasks_.spawn(look_for_alarms());
+  tasks_.spawn(start_up());
 }
 
 Awaitable<void> CellApplication::start_up() {
   // Whoever wants to move meanwhile waits for his turn: a run may have to be gone on with first.
-  const auto turn = co_await beginning_.take();
+  const auto lock = co_await beginning_.lock();
   events_.record_own("daemon.started",
                      fmt::format("driftwised {} on cell '{}'", version_, description_.name));
   events_.record_own(
@@ -181,7 +179,6 @@ Awaitable<void> CellApplication::start_up() {
   tell("finding the present datum", co_await restore_datum());
   tell("serving the promoted model", co_await restore_model());
   tell("going on with the run", co_await go_on_with_run());
-  tasks_.end();
 }
 
 Awaitable<Result<void>> CellApplication::restore_datum() {
@@ -216,8 +213,7 @@ Awaitable<Result<void>> CellApplication::restore_model() {
     co_return tl::unexpected(record.error());
   }
   if (auto ok = co_await serving_.serve(std::move(*record)); !ok) co_return ok;
-  tasks_.begin();
-  spawn(executor_, check_serving_model(std::nullopt));
+  tasks_.spawn(check_serving_model(std::nullopt));
   co_return Result<void>{};
 }
 

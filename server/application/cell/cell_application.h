@@ -24,6 +24,7 @@
 #include "server/application/plumbing/pause_meter.h"
 #include "server/application/plumbing/store_reader.h"
 #include "server/application/plumbing/store_writer.h"
+#include "server/application/plumbing/task_group.h"
 #include "server/application/ports/cell.h"
 #include "server/application/ports/provenance.h"
 #include "server/application/ports/studies.h"
@@ -36,6 +37,7 @@
 #include "server/application/serving/serving.h"
 #include "server/application/upkeep/database_upkeep.h"
 #include "server/application/upkeep/wall_clock_watch.h"
+#include "server/core/ports/async_mutex.h"
 #include "server/correction/data_amendment.h"
 
 namespace driftwise::application {
@@ -239,7 +241,7 @@ class CellApplication final : public Cell, private Watching, private Studies, pr
   DeviceBench bench_;
   LagMeter lag_;
   PauseMeter pauses_;
-  TaskCount tasks_;
+  TaskGroup tasks_;
   StopEvents stop_events_;
   StopDesk stops_;
   DeviceKeeper keeper_;
@@ -263,7 +265,7 @@ class CellApplication final : public Cell, private Watching, private Studies, pr
   WallClockWatch wall_clock_;
   ClockStart clock_start_;
   DatabaseUpkeep upkeep_;
-  Turn beginning_;  // one at a time decides whether a run or a movement may begin
+  AsyncMutex beginning_;  // one at a time decides whether a run or a movement may begin
   std::optional<RunControl> by_hand_;  // set while somebody homes or moves without a run
   std::string by_hand_waits_;          // what such a movement waits for: a sentence
   std::string motion_trouble_;         // motion without a command, until a datum is opened

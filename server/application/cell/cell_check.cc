@@ -8,7 +8,6 @@
 #include "server/application/cell/cell_application.h"
 #include "server/application/datasets/amended_dataset.h"
 #include "server/application/models/model_integrity.h"
-#include "server/application/plumbing/spawn.h"
 #include "server/core/try.h"
 #include "server/formats/model/model_json.h"
 
@@ -113,8 +112,7 @@ void CellApplication::check_after(const RunProgress& progress) {
       checked_ == progress.run.id)
     return;
   checked_ = progress.run.id;
-  tasks_.begin();
-  spawn(executor_, check_serving_model(progress.run.id));
+  tasks_.spawn(check_serving_model(progress.run.id));
 }
 
 // after: the run that ended just now; none: nothing new was measured, so nothing is recorded.
@@ -138,7 +136,6 @@ Awaitable<void> CellApplication::check_serving_model(std::optional<RunId> after)
                          fmt::format("run {} is as model {} says", after->value, model->value),
                          after);
   }
-  tasks_.end();
 }
 
 }  // namespace driftwise::application

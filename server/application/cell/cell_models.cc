@@ -7,7 +7,6 @@
 #include "server/application/models/fit_options.h"
 #include "server/application/models/model_integrity.h"
 #include "server/application/plumbing/crash_point.h"
-#include "server/application/plumbing/spawn.h"
 #include "server/application/provenance/promotion_questions.h"
 #include "server/core/try.h"
 #include "server/formats/csv/dataset_csv.h"
@@ -155,8 +154,7 @@ void CellApplication::tell_serving(const Caller& caller, std::optional<ModelReco
            : fmt::format("no model serves, by {}", caller.name));
   check_trouble_.clear();
   if (next) {
-    tasks_.begin();
-    spawn(executor_, check_serving_model(std::nullopt));
+    tasks_.spawn(check_serving_model(std::nullopt));
   }
 }
 

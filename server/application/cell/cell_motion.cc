@@ -8,7 +8,7 @@
 #include "server/application/motion/datum_opening.h"
 #include "server/application/motion/motion.h"
 #include "server/application/motion/start_checks.h"
-#include "server/application/plumbing/spawn.h"
+#include "server/application/plumbing/task_group.h"
 #include "server/core/try.h"
 
 namespace driftwise::application {
@@ -54,14 +54,12 @@ Result<void> CellApplication::may_move_by_hand(const Caller& caller, const std::
 // A movement without a run: stop_all and shut_down reach it through by_hand_.
 class CellApplication::ByHand {
  public:
-  explicit ByHand(CellApplication& cell) : cell_(cell) {
+  explicit ByHand(CellApplication& cell) : cell_(cell), task_(cell.tasks_.join()) {
     cell_.by_hand_.emplace(cell_.executor_);
-    cell_.tasks_.begin();
   }
   ~ByHand() {
     cell_.by_hand_.reset();
     cell_.by_hand_waits_.clear();
-    cell_.tasks_.end();
   }
   ByHand(const ByHand&) = delete;
   // what: "homing", for who asks what it waits for.
@@ -86,6 +84,7 @@ class CellApplication::ByHand {
     co_return Result<void>{};
   }
   CellApplication& cell_;
+  TaskGroup::Membership task_;  // a task of the cell, until the movement is over
 };
 
 Awaitable<Result<StopAnswer>> CellApplication::stop_all(Caller caller) {
@@ -102,11 +101,11 @@ Awaitable<Result<StopAnswer>> CellApplication::stop_all(Caller caller) {
 
 Awaitable<Result<void>> CellApplication::home(Caller caller, std::string lease_token,
                                               HoldAnswer answer) {
-  auto turn = std::optional(co_await beginning_.take());
+  auto lock = std::optional(co_await beginning_.lock());
   if (auto ok = may_move_by_hand(caller, lease_token, answer); !ok) co_return ok;
   engine_.remeasure_zero("homed by hand");
   ByHand hand(*this);
-  turn.reset();
+  lock.reset();
   events_.record(caller, "axes.home", fmt::format("{} references the axes", caller.name));
   auto scope = hand.scope("homing");
   recorder_.lend_pose_instruments(true);
@@ -175,14 +174,10 @@ void CellApplication::axes_moved_uncommanded(const std::string& what) {
   // Own motion ends: a run is paused, a move by hand is given up. At idle the axes are left to
   // whoever moves them.
   if (!engine_.busy() && !by_hand_) return;
-  tasks_.begin();
-  spawn(executor_, halt_axes());
+  tasks_.spawn(halt_axes());
 }
 
-Awaitable<void> CellApplication::halt_axes() {
-  static_cast<void>(co_await bench_.stop());
-  tasks_.end();
-}
+Awaitable<void> CellApplication::halt_axes() { static_cast<void>(co_await bench_.stop()); }
 
 void CellApplication::take_datum(const DatumRecord& datum) {
   motion_trouble_.clear();
@@ -193,12 +188,12 @@ void CellApplication::take_datum(const DatumRecord& datum) {
 
 Awaitable<Result<void>> CellApplication::move_to(Caller caller, std::string lease_token,
                                                  std::vector<double> q_mm, HoldAnswer answer) {
-  auto turn = std::optional(co_await beginning_.take());
+  auto lock = std::optional(co_await beginning_.lock());
   if (auto ok = may_move_by_hand(caller, lease_token, answer); !ok) co_return ok;
   if (auto ok = check_soft_limits(description_, q_mm); !ok) co_return ok;
   engine_.remeasure_zero("moved by hand");
   ByHand hand(*this);
-  turn.reset();
+  lock.reset();
   events_.record(caller, "axes.move",
                  fmt::format("{} moves to {} mm", caller.name, fmt::join(q_mm, ", ")));
   auto scope = hand.scope("the movement");

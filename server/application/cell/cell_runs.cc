@@ -23,7 +23,7 @@ Awaitable<Result<TrajectoryCheck>> CellApplication::check_trajectory(std::string
 }
 
 Awaitable<Result<RunRecord>> CellApplication::create_run(Caller caller, CreateRun request) {
-  const auto turn = co_await beginning_.take();
+  const auto lock = co_await beginning_.lock();
   // A repeated request gets the first one's answer, whatever has become of the lease since.
   if (const auto* run = engine_.record();
       run && !request.request_id.empty() && run->request_id == request.request_id)

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "server/application/cell/cell_application.h"
-#include "server/application/plumbing/spawn.h"
+#include "server/core/ports/spawn.h"
 #include "server/core/try.h"
 #include "server/formats/text/text.h"
 
@@ -71,7 +71,6 @@ Awaitable<void> CellApplication::look_for_alarms() {
     const double seconds = std::max(2.0, 0.5 * clock_->speed());
     co_await sleep_unless(*clock_, clock_->now().utc + nanoseconds_from_s(seconds), alarms_end_);
   }
-  tasks_.end();
 }
 
 void CellApplication::note_clock_jumps() {

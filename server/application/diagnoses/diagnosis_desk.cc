@@ -7,7 +7,7 @@
 #include <boost/asio/post.hpp>
 #include <chrono>
 
-#include "server/application/plumbing/spawn.h"
+#include "server/application/plumbing/task_group.h"
 #include "server/application/ports/cell.h"
 #include "server/core/try.h"
 #include "server/diagnosis/separating.h"
@@ -89,7 +89,7 @@ struct DiagnosisDesk::Job {
 };
 
 DiagnosisDesk::DiagnosisDesk(asio::any_io_executor executor, asio::any_io_executor worker,
-                             Clock& clock, StoreWriter& writer, EventLog& events, TaskCount& tasks,
+                             Clock& clock, StoreWriter& writer, EventLog& events, TaskGroup& tasks,
                              Diagnose diagnose)
     : executor_(executor),
       worker_(worker),
@@ -123,8 +123,7 @@ Awaitable<Result<DiagnosisRecord>> DiagnosisDesk::begin(const Caller& caller,
   auto job = std::make_shared<Job>(stored->id, executor_);
   jobs_.emplace(stored->id, job);
   watchers_.publish(job->progress);
-  tasks_.begin();
-  spawn(executor_, carry_out(std::move(job), std::move(dataset), std::move(options)));
+  tasks_.spawn(carry_out(std::move(job), std::move(dataset), std::move(options)));
   co_return stored;
 }
 
@@ -163,7 +162,6 @@ Awaitable<void> DiagnosisDesk::carry_out(std::shared_ptr<Job> job,
     if (co_await std::move(ending)) events_.record_own(what, std::move(told));
   }
   jobs_.erase(job->id);
-  tasks_.end();
 }
 
 // The first end stands: a cancelled one is over before its thread has noticed.
@@ -227,13 +225,11 @@ void DiagnosisDesk::shut_down() {
     DiagnosisEnd how;
     how.state = JobState::failed;
     how.reason = kDaemonEnds;
-    tasks_.begin();
-    spawn(executor_,
-          [](DiagnosisDesk& desk, std::shared_ptr<Job> one, DiagnosisEnd last) -> Awaitable<void> {
-            auto ending = desk.end(one, std::move(last));
-            static_cast<void>(co_await std::move(ending));
-            desk.tasks_.end();
-          }(*this, job, std::move(how)));
+    tasks_.spawn(
+        [](DiagnosisDesk& desk, std::shared_ptr<Job> one, DiagnosisEnd last) -> Awaitable<void> {
+          auto ending = desk.end(one, std::move(last));
+          static_cast<void>(co_await std::move(ending));
+        }(*this, job, std::move(how)));
   }
 }
 

@@ -14,6 +14,7 @@
 #include "server/application/plumbing/event_log.h"
 #include "server/application/plumbing/signal.h"
 #include "server/application/plumbing/store_writer.h"
+#include "server/application/plumbing/task_group.h"
 #include "server/application/plumbing/watch_list.h"
 #include "server/application/ports/diagnosis_request.h"
 
@@ -24,7 +25,7 @@ class DiagnosisDesk {
   static constexpr std::size_t kMostAtOnce = 8;  // under way or waiting for the one before
 
   DiagnosisDesk(asio::any_io_executor executor, asio::any_io_executor worker, Clock& clock,
-                StoreWriter& writer, EventLog& events, TaskCount& tasks, Diagnose diagnose);
+                StoreWriter& writer, EventLog& events, TaskGroup& tasks, Diagnose diagnose);
   ~DiagnosisDesk();
 
   // Stores it as running and begins. Errors: resource_exhausted TOO_MANY_DIAGNOSES; those of
@@ -54,7 +55,7 @@ class DiagnosisDesk {
   Clock& clock_;
   StoreWriter& writer_;
   EventLog& events_;
-  TaskCount& tasks_;
+  TaskGroup& tasks_;
   Diagnose diagnose_;
   std::map<DiagnosisId, std::shared_ptr<Job>> jobs_;
   WatchList<DiagnosisProgress> watchers_;

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "server/application/improvement/improvement_loop.h"
-#include "server/application/plumbing/spawn.h"
+#include "server/application/plumbing/task_group.h"
 
 namespace driftwise::application {
 
@@ -15,7 +15,7 @@ struct Improver::Active {
 };
 
 Improver::Improver(asio::any_io_executor executor, Cell& cell, Clock& clock, StoreWriter& writer,
-                   EventLog& events, TaskCount& tasks)
+                   EventLog& events, TaskGroup& tasks)
     : executor_(executor),
       cell_(cell),
       clock_(clock),
@@ -71,8 +71,7 @@ Awaitable<Result<ImprovementRecord>> Improver::begin(Caller caller, ImproveReque
   active->loop = std::make_unique<ImprovementLoop>(cell_, clock_, caller, std::move(request),
                                                    stored->id, std::move(hooks));
   active_ = active;
-  tasks_.begin();
-  spawn(executor_, carry_out(std::move(active)));
+  tasks_.spawn(carry_out(std::move(active)));
   co_return stored;
 }
 
@@ -83,7 +82,6 @@ Awaitable<void> Improver::carry_out(std::shared_ptr<Active> active) {
   auto ending = end(active, reason ? JobState::done : JobState::failed, std::move(text));
   static_cast<void>(co_await std::move(ending));
   if (active_ == active) active_.reset();
-  tasks_.end();
 }
 
 Awaitable<Result<void>> Improver::end(std::shared_ptr<Active> active, JobState state,
@@ -118,7 +116,6 @@ Awaitable<void> Improver::stop(std::shared_ptr<Active> active, std::string reaso
   auto ending = end(active, JobState::failed, std::move(reason));
   static_cast<void>(co_await std::move(ending));
   co_await active->loop->stop(true);
-  tasks_.end();
 }
 
 void Improver::tell_present(const std::function<void(const ImprovementProgress&)>& to) const {
@@ -128,15 +125,13 @@ void Improver::tell_present(const std::function<void(const ImprovementProgress&)
 void Improver::shut_down() {
   ending_ = true;
   if (!active_) return;
-  tasks_.begin();
-  spawn(executor_, stop(active_, "the daemon was stopped while it ran; its runs stay"));
+  tasks_.spawn(stop(active_, "the daemon was stopped while it ran; its runs stay"));
 }
 
 void Improver::halt(const std::string& why) {
   if (!active_ || active_->over) return;
-  tasks_.begin();
-  spawn(executor_,
-        stop(active_, why + ": an improvement does not continue after a stop; its runs stay"));
+  tasks_.spawn(
+      stop(active_, why + ": an improvement does not continue after a stop; its runs stay"));
 }
 
 }  // namespace driftwise::application

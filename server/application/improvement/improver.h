@@ -10,6 +10,7 @@
 #include "server/application/plumbing/event_log.h"
 #include "server/application/plumbing/signal.h"
 #include "server/application/plumbing/store_writer.h"
+#include "server/application/plumbing/task_group.h"
 #include "server/application/plumbing/watch_list.h"
 #include "server/application/ports/diagnosis_request.h"
 
@@ -22,7 +23,7 @@ class Improver {
  public:
   // cell: outlives this.
   Improver(asio::any_io_executor executor, Cell& cell, Clock& clock, StoreWriter& writer,
-           EventLog& events, TaskCount& tasks);
+           EventLog& events, TaskGroup& tasks);
   ~Improver();
 
   // The same request_id again answers with the first one. Errors: failed_precondition
@@ -51,7 +52,7 @@ class Improver {
   Clock& clock_;
   StoreWriter& writer_;
   EventLog& events_;
-  TaskCount& tasks_;
+  TaskGroup& tasks_;
   std::shared_ptr<Active> active_;
   WatchList<ImprovementProgress> watchers_;
   bool beginning_ = false, ending_ = false;

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "server/application/plumbing/crash_point.h"
-#include "server/application/plumbing/spawn.h"
+#include "server/application/plumbing/task_group.h"
 
 namespace driftwise::application {
 namespace {
@@ -22,7 +22,7 @@ constexpr milliseconds kLeastPause{50};  // of wall time, however fast the cell'
 }  // namespace
 
 StopDesk::StopDesk(asio::any_io_executor executor, Clock& clock, StoreWriter& writer,
-                   EventLog& events, TaskCount& tasks, std::vector<Controller> controllers)
+                   EventLog& events, TaskGroup& tasks, std::vector<Controller> controllers)
     : executor_(executor),
       clock_(clock),
       writer_(writer),
@@ -144,8 +144,7 @@ Awaitable<StopAnswer> StopDesk::press(Caller caller, std::string cause) {
     }
     place.stored = false;
   }
-  tasks_.begin();
-  spawn(executor_, keep());
+  tasks_.spawn(keep());
   const auto send_by = now.utc + of_wall(kSendWithin), answer_by = now.utc + of_wall(kAnswerWithin);
   while (!all_stored() && !ending_ && clock_.now().utc < send_by)
     co_await sleep_unless(clock_, send_by, changed_);
@@ -162,13 +161,11 @@ Awaitable<StopAnswer> StopDesk::press(Caller caller, std::string cause) {
 
 // One task per controller confirms; a further press while it works is sent at once beside it.
 void StopDesk::begin_confirming(Place& place) {
-  tasks_.begin();
-  spawn(executor_, std::exchange(place.confirming, true) ? send(place) : confirm(place));
+  tasks_.spawn(std::exchange(place.confirming, true) ? send(place) : confirm(place));
 }
 
 Awaitable<void> StopDesk::send(Place& place) {
   static_cast<void>(co_await place.controller.stop());
-  tasks_.end();
 }
 
 Awaitable<void> StopDesk::keep() {
@@ -186,7 +183,6 @@ Awaitable<void> StopDesk::keep() {
           stop.presses == place.stop->presses)
         place.stored = true;
   changed_.raise();
-  tasks_.end();
 }
 
 Awaitable<void> StopDesk::confirm(Place& place) {
@@ -194,8 +190,7 @@ Awaitable<void> StopDesk::confirm(Place& place) {
   while (place.stop && !ending_) {
     const auto presses = place.stop->presses;
     if (!place.stored) {  // the disk was full or slow
-      tasks_.begin();
-      spawn(executor_, keep());
+      tasks_.spawn(keep());
     }
     const auto sent = co_await place.controller.stop();
     if (!sent) place.trouble = sent.error().message;
@@ -211,7 +206,6 @@ Awaitable<void> StopDesk::confirm(Place& place) {
     pause_s = std::min(kLongestPause_s, 2 * pause_s);
   }
   place.confirming = false;
-  tasks_.end();
 }
 
 // True: no motion in two successive answers. False: it could not be asked, or moves for so long

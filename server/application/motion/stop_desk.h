@@ -12,6 +12,7 @@
 #include "server/application/plumbing/event_log.h"
 #include "server/application/plumbing/signal.h"
 #include "server/application/plumbing/store_writer.h"
+#include "server/application/plumbing/task_group.h"
 #include "server/application/ports/cell.h"
 
 namespace driftwise::application {
@@ -26,14 +27,14 @@ class StopDesk {
   static constexpr int kAnswers = 2;  // successive answers of no motion that end a stop
 
   StopDesk(asio::any_io_executor executor, Clock& clock, StoreWriter& writer, EventLog& events,
-           TaskCount& tasks, std::vector<Controller> controllers);
+           TaskGroup& tasks, std::vector<Controller> controllers);
 
   // What the database has pending. Before start(). A stop of a controller that the cell no longer
   // has is pending for all of them.
   void restore(std::vector<StopRecord> pending);
   // Sends what is pending. Before anything else asks a device.
   void start();
-  void shut_down();  // the tasks end after the exchange under way; TaskCount says when
+  void shut_down();  // the tasks end after the exchange under way; the TaskGroup says when
 
   // Pending at once. The command is sent when the database has it, or after 40 ms of wall time: a
   // disk never delays a stop by more. Answers within 80 ms of wall time, confirmed or not.
@@ -73,7 +74,7 @@ class StopDesk {
   Clock& clock_;
   StoreWriter& writer_;
   EventLog& events_;
-  TaskCount& tasks_;
+  TaskGroup& tasks_;
   std::vector<Place> places_;        // never grows: coroutines refer into it
   std::vector<StopRecord> orphans_;  // pending, of controllers that the cell no longer has
   bool ending_ = false;

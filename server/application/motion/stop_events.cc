@@ -5,7 +5,6 @@
 
 #include <algorithm>
 
-#include "server/application/plumbing/spawn.h"
 #include "server/application/ports/cell.h"
 
 namespace driftwise::application {
@@ -26,8 +25,7 @@ void StopEvents::record(const Caller& caller, std::optional<RunId> run) {
   in_all_ = 1;
   told_ = now;
   bursting_ = true;
-  tasks_.begin();
-  spawn(executor_, wait_out());
+  tasks_.spawn(wait_out());
 }
 
 void StopEvents::shut_down() {
@@ -44,7 +42,6 @@ Awaitable<void> StopEvents::wait_out() {
   }
   if (further_ > 0) tell();
   bursting_ = false;
-  tasks_.end();
 }
 
 void StopEvents::tell() {

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "server/application/plumbing/event_log.h"
+#include "server/application/plumbing/task_group.h"
 
 namespace driftwise::application {
 
@@ -16,7 +17,7 @@ class StopEvents {
  public:
   static constexpr std::chrono::seconds kQuiet{10}, kTold{600};  // cell time
 
-  StopEvents(asio::any_io_executor executor, Clock& clock, EventLog& events, TaskCount& tasks)
+  StopEvents(asio::any_io_executor executor, Clock& clock, EventLog& events, TaskGroup& tasks)
       : executor_(executor), clock_(clock), events_(events), tasks_(tasks), ended_(executor) {}
 
   // run: the one under way, in whose log the stop is.
@@ -32,7 +33,7 @@ class StopEvents {
   asio::any_io_executor executor_;
   Clock& clock_;
   EventLog& events_;
-  TaskCount& tasks_;
+  TaskGroup& tasks_;
   Signal ended_;
   CellTime last_, told_;
   std::optional<RunId> run_;

@@ -3,8 +3,8 @@
 #include <spdlog/spdlog.h>
 
 #include "server/application/plumbing/crash_point.h"
-#include "server/application/plumbing/spawn.h"
 #include "server/application/ports/cell.h"
+#include "server/core/ports/spawn.h"
 
 namespace driftwise::application {
 

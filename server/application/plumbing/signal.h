@@ -1,6 +1,6 @@
 #pragma once
-// The few waiting tools of the executor's thread: a signal, a turn, a place to count tasks, a hop
-// to another thread. Everything here belongs to one thread and needs no mutex.
+// The waiting tools of the executor's thread: a signal, and a hop to another thread. Everything here
+// belongs to one thread and needs no mutex.
 
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/as_tuple.hpp>
@@ -33,59 +33,6 @@ class Signal {
 
 // Sleeps until the instant or until the signal is raised, whichever comes first.
 Awaitable<void> sleep_unless(Clock& clock, CellTime instant, Signal& signal);
-
-// One at a time: a device answers one question before it hears the next. First come, first served
-// among those that wait when it becomes free.
-class Turn {
- public:
-  explicit Turn(const asio::any_io_executor& executor) : free_(executor) {}
-
-  class Held {
-   public:
-    explicit Held(Turn* turn) : turn_(turn) {}
-    Held(Held&& other) noexcept : turn_(std::exchange(other.turn_, nullptr)) {}
-    Held& operator=(Held&&) = delete;
-    ~Held() {
-      if (turn_) turn_->release();
-    }
-
-   private:
-    Turn* turn_;
-  };
-
-  Awaitable<Held> take() {
-    while (taken_) co_await free_.wait();
-    taken_ = true;
-    co_return Held(this);
-  }
-  bool taken() const { return taken_; }
-
- private:
-  void release() {
-    taken_ = false;
-    free_.raise();
-  }
-  bool taken_ = false;
-  Signal free_;
-};
-
-// How many coroutines of the cell are alive: shut_down() waits until there are none.
-class TaskCount {
- public:
-  explicit TaskCount(const asio::any_io_executor& executor) : ended_(executor) {}
-  void begin() { ++count_; }
-  void end() {
-    if (--count_ == 0) ended_.raise();
-  }
-  Awaitable<void> all_ended() {
-    while (count_ > 0) co_await ended_.wait();
-  }
-  int count() const { return count_; }
-
- private:
-  int count_ = 0;
-  Signal ended_;
-};
 
 namespace detail {
 template <class Function>

@@ -3,7 +3,7 @@
 #include <optional>
 #include <utility>
 
-#include "server/application/plumbing/spawn.h"
+#include "server/application/plumbing/task_group.h"
 #include "server/application/recording/doubts.h"
 #include "server/core/try.h"
 
@@ -50,16 +50,16 @@ void DeviceBench::note(Seat<Port>& seat, const R& result) {
 
 template <class Port, class Call>
 auto DeviceBench::ask(Seat<Port>& seat, Call call) -> std::invoke_result_t<Call, Port&> {
-  const auto held = co_await seat.turn.take();
+  const auto lock = co_await seat.mutex.lock();
   auto result = co_await call(*seat.device);
   note(seat, result);
   co_return result;
 }
 
-// The turn may have been waited for: what forbids the motion may be younger than the request.
+// The lock may have been waited for: what forbids the motion may be younger than the request.
 template <class Port, class Call>
 Awaitable<Result<void>> DeviceBench::ask_to_move(Seat<Port>& seat, Call call) {
-  const auto held = co_await seat.turn.take();
+  const auto lock = co_await seat.mutex.lock();
   if (auto allowed = gate_(); !allowed) co_return allowed;
   auto result = co_await call(*seat.device);
   note(seat, result);
@@ -157,11 +157,9 @@ Awaitable<Result<JudgedReading>> DeviceBench::read_judged(Seat<Instrument>& seat
 }
 
 Awaitable<void> DeviceBench::read_into(Seat<Instrument>& seat,
-                                       std::optional<Result<JudgedReading>>& place,
-                                       TaskCount& under_way) {
+                                       std::optional<Result<JudgedReading>>& place) {
   auto reading = co_await read_judged(seat);
   place.emplace(std::move(reading));
-  under_way.end();
 }
 
 Awaitable<Result<std::vector<JudgedReading>>> DeviceBench::read_pose_instruments() {
@@ -169,11 +167,10 @@ Awaitable<Result<std::vector<JudgedReading>>> DeviceBench::read_pose_instruments
   for (auto& seat : interferometers_) seats.push_back(seat.get());
   for (auto& seat : collimators_) seats.push_back(seat.get());
   const auto executor = co_await asio::this_coro::executor;
-  TaskCount under_way(executor);
+  TaskGroup under_way(executor);
   std::vector<std::optional<Result<JudgedReading>>> answers(seats.size());
   for (std::size_t i = 0; i < seats.size(); ++i) {
-    under_way.begin();
-    spawn(executor, read_into(*seats[i], answers[i], under_way));
+    under_way.spawn(read_into(*seats[i], answers[i]));
   }
   co_await under_way.all_ended();
   std::vector<JudgedReading> readings;

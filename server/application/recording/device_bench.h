@@ -11,6 +11,7 @@
 #include "server/application/ports/cell.h"
 #include "server/application/recording/motion_watch.h"
 #include "server/core/data/judged_reading.h"
+#include "server/core/ports/async_mutex.h"
 
 namespace driftwise::application {
 
@@ -38,7 +39,7 @@ class DeviceBench {
   Awaitable<Result<MotionState>> motion_state();
   Awaitable<Result<void>> home();
   Awaitable<Result<void>> start_move(std::vector<double> q_mm);
-  Awaitable<Result<void>> stop();  // takes no turn: it interrupts whatever the controller is doing
+  Awaitable<Result<void>> stop();  // takes no lock: it interrupts whatever the controller is doing
   // Asked at the instant at which home(), start_move() and set_load() would be sent; its error is
   // theirs, and nothing is sent.
   void allow_motion_if(std::function<Result<void>()> gate) { gate_ = std::move(gate); }
@@ -82,9 +83,9 @@ class DeviceBench {
   template <class Port>
   struct Seat {
     Seat(const asio::any_io_executor& executor, std::unique_ptr<Port> d)
-        : device(std::move(d)), turn(executor) {}
+        : device(std::move(d)), mutex(executor) {}
     std::unique_ptr<Port> device;
-    Turn turn;
+    AsyncMutex mutex;
     int failures = 0;
     bool lost = false;
   };
@@ -92,8 +93,7 @@ class DeviceBench {
   auto ask(Seat<Port>& seat, Call call) -> std::invoke_result_t<Call, Port&>;
   template <class Port, class R>
   void note(Seat<Port>& seat, const R& result);
-  Awaitable<void> read_into(Seat<Instrument>& seat, std::optional<Result<JudgedReading>>& place,
-                            TaskCount& under_way);
+  Awaitable<void> read_into(Seat<Instrument>& seat, std::optional<Result<JudgedReading>>& place);
   template <class Visit>
   void for_each_seat(Visit visit) const;
 

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
-#include "server/application/plumbing/spawn.h"
+#include "server/application/plumbing/task_group.h"
 
 namespace driftwise::application {
 
 DeviceKeeper::DeviceKeeper(asio::any_io_executor executor, Clock& clock, DeviceBench& bench,
-                           TaskCount& tasks, std::function<bool()> busy)
+                           TaskGroup& tasks, std::function<bool()> busy)
     : executor_(executor),
       clock_(clock),
       bench_(bench),
@@ -19,8 +19,7 @@ DeviceKeeper::DeviceKeeper(asio::any_io_executor executor, Clock& clock, DeviceB
 void DeviceKeeper::start() {
   untried_ = bench_.status().size();
   for (std::size_t device = 0; device < bench_.status().size(); ++device) {
-    tasks_.begin();
-    spawn(executor_, keep(device));
+    tasks_.spawn(keep(device));
   }
 }
 
@@ -53,7 +52,6 @@ Awaitable<void> DeviceKeeper::keep(std::size_t device) {
     pause_s = std::max(pause_s, kLeastWall_s * clock_.speed());
     co_await sleep_unless(clock_, clock_.now().utc + nanoseconds_from_s(pause_s), ended_);
   }
-  tasks_.end();
 }
 
 }  // namespace driftwise::application

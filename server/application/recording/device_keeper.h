@@ -6,6 +6,7 @@
 
 #include <functional>
 
+#include "server/application/plumbing/task_group.h"
 #include "server/application/recording/device_bench.h"
 #include "server/core/ports/clock.h"
 
@@ -14,7 +15,7 @@ namespace driftwise::application {
 class DeviceKeeper {
  public:
   // busy: true while something else moves or measures.
-  DeviceKeeper(asio::any_io_executor executor, Clock& clock, DeviceBench& bench, TaskCount& tasks,
+  DeviceKeeper(asio::any_io_executor executor, Clock& clock, DeviceBench& bench, TaskGroup& tasks,
                std::function<bool()> busy);
 
   void start();
@@ -27,7 +28,7 @@ class DeviceKeeper {
   asio::any_io_executor executor_;
   Clock& clock_;
   DeviceBench& bench_;
-  TaskCount& tasks_;
+  TaskGroup& tasks_;
   std::function<bool()> busy_;
   std::size_t untried_ = 0;
   bool ending_ = false;

@@ -4,14 +4,14 @@
 
 #include <algorithm>
 
-#include "server/application/plumbing/spawn.h"
+#include "server/application/plumbing/task_group.h"
 #include "server/core/try.h"
 
 namespace driftwise::application {
 
 Recorder::Recorder(asio::any_io_executor executor, Clock& clock, DeviceBench& bench,
                    StoreWriter& writer, EventLog& events, LagMeter& lag, const PoseStage& pose,
-                   TaskCount& tasks)
+                   TaskGroup& tasks)
     : executor_(executor),
       clock_(clock),
       bench_(bench),
@@ -27,8 +27,7 @@ void Recorder::start() {
   const auto begin = [this](Kind kind, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
       if (period_s(kind, i) <= 0) continue;
-      tasks_.begin();
-      spawn(executor_, read_for_ever(kind, i));
+      tasks_.spawn(read_for_ever(kind, i));
     }
   };
   begin(Kind::scanner, bench_.scanners());
@@ -37,8 +36,7 @@ void Recorder::start() {
   begin(Kind::collimator, bench_.collimators());
   begin(Kind::load, bench_.has_load() ? 1 : 0);
   begin(Kind::controller, bench_.has_controller() ? 1 : 0);
-  tasks_.begin();
-  spawn(executor_, flush_for_ever());
+  tasks_.spawn(flush_for_ever());
 }
 
 void Recorder::shut_down() {
@@ -142,7 +140,6 @@ Awaitable<void> Recorder::read_for_ever(Kind kind, std::size_t i) {
     if (due <= now) due = now + (period - (now - due) % period);
     if (!ending_) co_await lag_.sleep_unless(due, ended_);
   }
-  tasks_.end();
 }
 
 Awaitable<void> Recorder::flush_for_ever() {
@@ -174,7 +171,6 @@ Awaitable<void> Recorder::flush_for_ever() {
       before_gap = writer_.dropped();
     }
   }
-  tasks_.end();
 }
 
 }  // namespace driftwise::application

@@ -14,6 +14,7 @@
 #include "server/application/plumbing/event_log.h"
 #include "server/application/plumbing/lag_meter.h"
 #include "server/application/plumbing/store_writer.h"
+#include "server/application/plumbing/task_group.h"
 #include "server/application/recording/channel_history.h"
 #include "server/application/recording/device_bench.h"
 #include "server/application/recording/pose_stage.h"
@@ -23,10 +24,10 @@ namespace driftwise::application {
 class Recorder {
  public:
   Recorder(asio::any_io_executor executor, Clock& clock, DeviceBench& bench, StoreWriter& writer,
-           EventLog& events, LagMeter& lag, const PoseStage& pose, TaskCount& tasks);
+           EventLog& events, LagMeter& lag, const PoseStage& pose, TaskGroup& tasks);
 
   void start();
-  void shut_down();  // the loops end after the reading under way; TaskCount says when
+  void shut_down();  // the loops end after the reading under way; the TaskGroup says when
 
   // A reading that somebody else took and stores: it joins and is shown, but is not stored again
   // here.
@@ -62,7 +63,7 @@ class Recorder {
   EventLog& events_;
   LagMeter& lag_;
   const PoseStage& pose_;
-  TaskCount& tasks_;
+  TaskGroup& tasks_;
   ChannelHistory history_;
   WatchList<Reading> watchers_;
   Signal ended_, arrived_;

@@ -14,7 +14,7 @@
 #include "server/application/motion/sampling.h"
 #include "server/application/motion/start_checks.h"
 #include "server/application/motion/stop_desk.h"
-#include "server/application/plumbing/spawn.h"
+#include "server/application/plumbing/task_group.h"
 #include "server/application/recording/doubts.h"
 #include "server/application/runs/recovery.h"
 #include "server/application/runs/run_state_store.h"
@@ -24,7 +24,7 @@
 namespace driftwise::application {
 
 RunEngine::RunEngine(asio::any_io_executor executor, Workbench& bench, Hooks hooks,
-                     TaskCount& tasks)
+                     TaskGroup& tasks)
     : executor_(executor), bench_(bench), hooks_(std::move(hooks)), tasks_(tasks) {}
 
 RunEngine::~RunEngine() = default;
@@ -52,8 +52,7 @@ void RunEngine::begin(RunRecord record, RunPlan plan, Trajectory trajectory,
     return change(*run_, RunState::waiting, std::move(why));
   };
   run.scope.leave_waiting = [this] { return change(*run_, RunState::running, ""); };
-  tasks_.begin();
-  spawn(executor_, execute());
+  tasks_.spawn(execute());
 }
 
 Awaitable<void> RunEngine::execute() {
@@ -68,7 +67,6 @@ Awaitable<void> RunEngine::execute() {
   const auto ended = std::move(run_);
   publishing_ = false;
   watchers_.publish(*last_progress_);
-  tasks_.end();
 }
 
 // Makes the run's record say that it runs, and what became of it while the daemon was away.

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "server/application/plumbing/task_group.h"
 #include "server/application/plumbing/watch_list.h"
 #include "server/application/ports/alarm_condition.h"
 #include "server/application/runs/active_run.h"
@@ -30,7 +31,7 @@ class RunEngine {
     std::function<void(const DatumRecord&)> datum_opened;  // serving anchors to it
     std::function<void(AlarmCondition)> alarm;             // something happened and is over at once
   };
-  RunEngine(asio::any_io_executor executor, Workbench& bench, Hooks hooks, TaskCount& tasks);
+  RunEngine(asio::any_io_executor executor, Workbench& bench, Hooks hooks, TaskGroup& tasks);
   ~RunEngine();
 
   // The run must not be over, and none may be under way. Returns at once. asked_for: a person has
@@ -85,7 +86,7 @@ class RunEngine {
   Workbench& bench_;
   Hooks hooks_;
   double slower_than_guessed_ = 1;  // what visits took, to guessed_point_s()
-  TaskCount& tasks_;
+  TaskGroup& tasks_;
   std::unique_ptr<ActiveRun> run_;
   std::optional<DatumOpening> wanted_datum_;  // to be opened before the next point
   std::optional<RunBefore> before_;

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "server/application/plumbing/spawn.h"
+#include "server/application/plumbing/task_group.h"
 #include "server/application/provenance/promotion_questions.h"
 #include "server/application/serving/past_targets.h"
 #include "server/compensation/target.h"
@@ -22,7 +22,7 @@ constexpr auto kShortestRebuild = std::chrono::milliseconds(500);
 
 Serving::Serving(asio::any_io_executor executor, const CellDescription& description,
                  const ConfigurationBook& configuration, Clock& clock, Recorder& recorder,
-                 StoreReader& reader, EventLog& events, TaskCount& tasks)
+                 StoreReader& reader, EventLog& events, TaskGroup& tasks)
     : executor_(executor),
       description_(description),
       configuration_(configuration),
@@ -35,8 +35,7 @@ Serving::Serving(asio::any_io_executor executor, const CellDescription& descript
 
 void Serving::start() {
   watch_ = recorder_.watchers().add([this](const Reading& reading) { observe(reading); });
-  tasks_.begin();
-  spawn(executor_, rebuild_for_ever());
+  tasks_.spawn(rebuild_for_ever());
 }
 
 void Serving::shut_down() {
@@ -166,7 +165,6 @@ Awaitable<void> Serving::rebuild_for_ever() {
     if (serving_) rebuild();
     co_await sleep_unless(clock_, clock_.now().utc + period, ended_);
   }
-  tasks_.end();
 }
 
 Awaitable<Result<PastTargets>> Serving::past(PastTargetsQuery query) const {

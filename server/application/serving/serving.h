@@ -9,6 +9,7 @@
 
 #include "server/application/plumbing/lag_meter.h"
 #include "server/application/plumbing/store_reader.h"
+#include "server/application/plumbing/task_group.h"
 #include "server/application/ports/watching.h"
 #include "server/application/provenance/configuration_book.h"
 #include "server/application/recording/recorder.h"
@@ -22,7 +23,7 @@ class Serving {
  public:
   Serving(asio::any_io_executor executor, const CellDescription& description,
           const ConfigurationBook& configuration, Clock& clock, Recorder& recorder,
-          StoreReader& reader, EventLog& events, TaskCount& tasks);
+          StoreReader& reader, EventLog& events, TaskGroup& tasks);
 
   void start();  // rebuilds every rebuild_period_s and when a slow channel of the model arrives,
                  // until shut_down()
@@ -86,7 +87,7 @@ class Serving {
   Recorder& recorder_;
   StoreReader& reader_;
   EventLog& events_;
-  TaskCount& tasks_;
+  TaskGroup& tasks_;
   compensation::SnapshotBoard board_;
   WatchList<> watchers_;
   std::map<ModelId, Followed> followed_;

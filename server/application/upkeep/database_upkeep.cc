@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "server/application/plumbing/spawn.h"
+#include "server/application/plumbing/task_group.h"
 #include "server/core/data/reading.h"
 
 namespace driftwise::application {
@@ -20,7 +20,7 @@ constexpr double kWaitIdle_s = 5;  // until the next look whether the cell is id
 
 DatabaseUpkeep::DatabaseUpkeep(asio::any_io_executor executor, Clock& clock, std::string path,
                                StoreWriter& writer, std::vector<StoreReader*> readers,
-                               StoreReader* checker, EventLog& events, TaskCount& tasks,
+                               StoreReader* checker, EventLog& events, TaskGroup& tasks,
                                std::function<bool()> busy)
     : executor_(executor),
       clock_(clock),
@@ -34,11 +34,9 @@ DatabaseUpkeep::DatabaseUpkeep(asio::any_io_executor executor, Clock& clock, std
       ended_(executor) {}
 
 void DatabaseUpkeep::start() {
-  tasks_.begin();
-  spawn(executor_, watch());
+  tasks_.spawn(watch());
   if (!checker_) return;
-  tasks_.begin();
-  spawn(executor_, check());
+  tasks_.spawn(check());
 }
 
 void DatabaseUpkeep::shut_down() {
@@ -66,7 +64,6 @@ Awaitable<void> DatabaseUpkeep::watch() {
     const double seconds = std::max(kLook_s, 0.5 * clock_.speed());
     co_await sleep_unless(clock_, clock_.now().utc + nanoseconds_from_s(seconds), ended_);
   }
-  tasks_.end();
 }
 
 Awaitable<void> DatabaseUpkeep::look() {
@@ -201,7 +198,6 @@ Awaitable<void> DatabaseUpkeep::check() {
     next = clock_.now().utc + nanoseconds_from_s(kPassEvery_s);
     overdue = next + nanoseconds_from_s(kPassEvery_s);
   }
-  tasks_.end();
 }
 
 Awaitable<bool> DatabaseUpkeep::check_next_table() {

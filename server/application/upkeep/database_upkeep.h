@@ -15,6 +15,7 @@
 #include "server/application/plumbing/signal.h"
 #include "server/application/plumbing/store_reader.h"
 #include "server/application/plumbing/store_writer.h"
+#include "server/application/plumbing/task_group.h"
 #include "server/application/ports/alarm_condition.h"
 #include "server/application/ports/database_health.h"
 
@@ -33,7 +34,7 @@ class DatabaseUpkeep {
   // robot is at work, which a check waits for, for a day at most.
   DatabaseUpkeep(asio::any_io_executor executor, Clock& clock, std::string path,
                  StoreWriter& writer, std::vector<StoreReader*> readers, StoreReader* checker,
-                 EventLog& events, TaskCount& tasks, std::function<bool()> busy);
+                 EventLog& events, TaskGroup& tasks, std::function<bool()> busy);
 
   void start();
   void shut_down();
@@ -61,7 +62,7 @@ class DatabaseUpkeep {
   std::vector<StoreReader*> readers_;
   StoreReader* checker_;
   EventLog& events_;
-  TaskCount& tasks_;
+  TaskGroup& tasks_;
   std::function<bool()> busy_;
   DatabaseFiles files_ = DatabaseFiles::good;
   std::string files_message_, copy_;

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "server/application/plumbing/spawn.h"
+#include "server/application/plumbing/task_group.h"
 
 namespace driftwise::application {
 namespace {
@@ -65,7 +65,7 @@ ClockStart begin_cell_time(Clock& clock, std::vector<ClockRecord> before,
 }
 
 WallClockWatch::WallClockWatch(asio::any_io_executor executor, Clock& clock, StoreWriter& writer,
-                               EventLog& events, TaskCount& tasks,
+                               EventLog& events, TaskGroup& tasks,
                                std::function<void(AlarmCondition)> alarm)
     : executor_(executor),
       clock_(clock),
@@ -78,8 +78,7 @@ WallClockWatch::WallClockWatch(asio::any_io_executor executor, Clock& clock, Sto
 void WallClockWatch::start(ClockStart start) {
   records_ = std::move(start.records);
   tell_of_start(records_.back());
-  tasks_.begin();
-  spawn(executor_, watch());
+  tasks_.spawn(watch());
 }
 
 void WallClockWatch::tell_of_start(const ClockRecord& start) {
@@ -111,7 +110,6 @@ Awaitable<void> WallClockWatch::watch() {
     co_await sleep_unless(clock_, clock_.now().utc + pause, ended_);
     if (!ending_) co_await look();
   }
-  tasks_.end();
 }
 
 Awaitable<void> WallClockWatch::look() {

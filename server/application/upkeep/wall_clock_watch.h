@@ -11,6 +11,7 @@
 #include "server/application/plumbing/event_log.h"
 #include "server/application/plumbing/signal.h"
 #include "server/application/plumbing/store_writer.h"
+#include "server/application/plumbing/task_group.h"
 #include "server/application/ports/alarm_condition.h"
 #include "server/core/ports/clock_store.h"
 
@@ -34,7 +35,7 @@ class WallClockWatch {
 
   // alarm: told of a step above kAlarm.
   WallClockWatch(asio::any_io_executor executor, Clock& clock, StoreWriter& writer,
-                 EventLog& events, TaskCount& tasks, std::function<void(AlarmCondition)> alarm);
+                 EventLog& events, TaskGroup& tasks, std::function<void(AlarmCondition)> alarm);
 
   void start(ClockStart start);
   void shut_down();
@@ -48,7 +49,7 @@ class WallClockWatch {
   Clock& clock_;
   StoreWriter& writer_;
   EventLog& events_;
-  TaskCount& tasks_;
+  TaskGroup& tasks_;
   std::function<void(AlarmCondition)> alarm_;
   std::vector<ClockRecord> records_;
   bool ending_ = false;

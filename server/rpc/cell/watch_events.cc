@@ -1,6 +1,6 @@
-#include <boost/asio/co_spawn.hpp>
 #include <deque>
 
+#include "server/core/ports/spawn.h"
 #include "server/rpc/cell/convert_cell.h"
 #include "server/rpc/shared/watch_sources.h"
 
@@ -61,9 +61,7 @@ class EventSource final : public StreamSource<v1::WatchEventsResponse> {
     if (state_->batch.empty()) {
       if (state_->more && !state_->fetching && !state_->end) {
         state_->fetching = true;
-        asio::co_spawn(cell_.executor(), fetch(cell_, state_), [](std::exception_ptr bug) {
-          if (bug) std::rethrow_exception(bug);
-        });
+        spawn(cell_.executor(), fetch(cell_, state_));
       }
       return std::nullopt;
     }

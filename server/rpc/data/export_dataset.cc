@@ -1,6 +1,6 @@
 #include <algorithm>
-#include <boost/asio/co_spawn.hpp>
 
+#include "server/core/ports/spawn.h"
 #include "server/rpc/shared/watch_sources.h"
 
 namespace driftwise::rpc {
@@ -38,10 +38,7 @@ class ExportSource final : public StreamSource<v1::ExportDatasetResponse> {
 
   void start(std::function<void()> wake) override {
     state_->wake = std::move(wake);
-    asio::co_spawn(cell_.executor(), query(cell_, runs_, without_excluded_, state_),
-                   [](std::exception_ptr bug) {
-                     if (bug) std::rethrow_exception(bug);
-                   });
+    spawn(cell_.executor(), query(cell_, runs_, without_excluded_, state_));
   }
 
   std::optional<v1::ExportDatasetResponse> next() override {

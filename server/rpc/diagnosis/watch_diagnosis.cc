@@ -1,5 +1,5 @@
-#include <boost/asio/co_spawn.hpp>
 
+#include "server/core/ports/spawn.h"
 #include "server/rpc/diagnosis/convert_diagnosis.h"
 #include "server/rpc/shared/watch_sources.h"
 
@@ -68,9 +68,7 @@ class DiagnosisSource final : public StreamSource<v1::WatchDiagnosisResponse> {
         cell_.watch_diagnoses([state = state_](const application::DiagnosisProgress& progress) {
           if (progress.id == state->id) state->take(progress);
         });
-    asio::co_spawn(cell_.executor(), look_up_diagnosis(cell_, state_), [](std::exception_ptr bug) {
-      if (bug) std::rethrow_exception(bug);
-    });
+    spawn(cell_.executor(), look_up_diagnosis(cell_, state_));
   }
   std::optional<v1::WatchDiagnosisResponse> next() override {
     if (!state_->pending) return std::nullopt;
@@ -99,10 +97,7 @@ class ImprovementSource final : public StreamSource<v1::WatchImprovementResponse
         [state = state_](const application::ImprovementProgress& progress) {
           if (progress.id == state->id) state->take(progress);
         });
-    asio::co_spawn(cell_.executor(), look_up_improvement(cell_, state_),
-                   [](std::exception_ptr bug) {
-                     if (bug) std::rethrow_exception(bug);
-                   });
+    spawn(cell_.executor(), look_up_improvement(cell_, state_));
   }
   std::optional<v1::WatchImprovementResponse> next() override {
     if (!state_->pending) return std::nullopt;

@@ -1,13 +1,13 @@
 #pragma once
 // A study as a stream: its latest progress, then its answer. Who leaves the stream ends the work.
 
-#include <boost/asio/co_spawn.hpp>
 #include <exception>
 #include <functional>
 #include <memory>
 #include <optional>
 
 #include "server/application/ports/studies.h"
+#include "server/core/ports/spawn.h"
 #include "server/rpc/shared/stream.h"
 
 namespace driftwise::rpc {
@@ -36,9 +36,7 @@ class StudySource final : public StreamSource<Response> {
           told.set_fraction(progress.fraction);
           alive->wake();
         });
-    asio::co_spawn(executor_, carry_out(carry_, study_, state_), [](std::exception_ptr bug) {
-      if (bug) std::rethrow_exception(bug);
-    });
+    spawn(executor_, carry_out(carry_, study_, state_));
   }
 
   std::optional<Response> next() override { return std::exchange(state_->pending, std::nullopt); }

@@ -1,5 +1,5 @@
-#include <boost/asio/co_spawn.hpp>
 
+#include "server/core/ports/spawn.h"
 #include "server/rpc/run/convert_run.h"
 #include "server/rpc/shared/watch_sources.h"
 
@@ -60,9 +60,7 @@ class ProgressSource final : public StreamSource<v1::WatchRunResponse> {
     watch_ = cell_.watch_progress([state = state_](const application::RunProgress& progress) {
       if (state->run && progress.run.id == *state->run) state->take(progress);
     });
-    asio::co_spawn(cell_.executor(), look_up(cell_, state_), [](std::exception_ptr bug) {
-      if (bug) std::rethrow_exception(bug);
-    });
+    spawn(cell_.executor(), look_up(cell_, state_));
   }
 
   std::optional<v1::WatchRunResponse> next() override {

@@ -10,11 +10,11 @@
 #include <grpcpp/server_context.h>
 #include <spdlog/spdlog.h>
 
-#include <boost/asio/co_spawn.hpp>
 #include <exception>
 #include <utility>
 
 #include "server/application/ports/cell.h"
+#include "server/core/ports/spawn.h"
 #include "server/rpc/shared/error_mapping.h"
 
 namespace driftwise::rpc {
@@ -38,10 +38,7 @@ template <class Work>
 grpc::ServerUnaryReactor* answer(const application::Cell& cell,
                                  grpc::CallbackServerContext* context, Work work) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  asio::co_spawn(cell.executor(), run_and_finish(reactor, std::move(work)),
-                 [](std::exception_ptr bug) {
-                   if (bug) std::rethrow_exception(bug);
-                 });
+  spawn(cell.executor(), run_and_finish(reactor, std::move(work)));
   return reactor;
 }
 

@@ -3,14 +3,13 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <boost/asio/co_spawn.hpp>
-#include <boost/asio/detached.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <mutex>
 
 #include "server/application/plumbing/signal.h"
+#include "server/core/ports/spawn.h"
 #include "server/rpc/cell/convert_cell.h"
 #include "server/rpc/diagnosis/convert_diagnosis.h"
 #include "server/rpc/run/convert_run.h"
@@ -68,7 +67,7 @@ class WatchFeed::Look : public std::enable_shared_from_this<Look> {
       self->values_news_ = self->progress_news_ = self->jobs_news_ = true;  // for who comes anew
       if (self->wanted_++ == 0 && !self->running_) {
         self->running_ = true;
-        asio::co_spawn(self->cell_.executor(), look_for_ever(self), asio::detached);
+        spawn(self->cell_.executor(), look_for_ever(self));
       }
     });
   }
@@ -287,9 +286,7 @@ void WatchFeed::fetch(const RecordCursor& after, const RecordCursor& until,
         answer(tl::unexpected(shared->error()));
     });
   };
-  asio::co_spawn(cell_.executor(),
-                 ask(cell_, after, until, back_, weak_from_this(), std::move(then)),
-                 asio::detached);
+  spawn(cell_.executor(), ask(cell_, after, until, back_, weak_from_this(), std::move(then)));
 }
 
 }  // namespace driftwise::rpc

@@ -54,4 +54,24 @@ TEST(HelperCode, ErrorsArePassedOnByMacro) {
               testing::IsEmpty());
 }
 
+TEST(HelperCode, TasksAreStartedBySpawnAndCountedByTheirGroup) {
+  // server/core/ports/spawn.h, server/application/plumbing/task_group.h
+  const std::vector<std::string> everywhere = {"server", "drivers", "storage", "clients", "tests"};
+  EXPECT_THAT(matches(everywhere, "asio::detach[e]d"), testing::IsEmpty());
+  EXPECT_THAT(matches({"server", "drivers", "storage"}, "\\btasks_?\\.(begin|end)\\(\\)"),
+              testing::IsEmpty());
+  // A completion that only throws is spawn().
+  EXPECT_THAT(
+      matches(
+          {"server", "drivers", "storage"},
+          "exception_ptr&? \\w+\\) \\{\\s*if \\((\\w+)\\) std::rethrow_exception\\(\\1\\);\\s*\\}"),
+      testing::ElementsAre(testing::StartsWith("server/core/ports/spawn.h")));
+}
+
+TEST(HelperCode, OneClassIsTheMutexOfCoroutines) {
+  // server/core/ports/async_mutex.h
+  EXPECT_THAT(matches({"server", "drivers", "storage"}, "class (Turn|\\w*Mutex)\\b(?! *;)"),
+              testing::ElementsAre(testing::StartsWith("server/core/ports/async_mutex.h")));
+}
+
 }  // namespace

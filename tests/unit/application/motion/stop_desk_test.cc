@@ -7,6 +7,7 @@
 
 #include <boost/asio/co_spawn.hpp>
 
+#include "server/application/plumbing/task_group.h"
 #include "tests/support/cell_in_memory.h"
 #include "tests/unit/application/sqlite.h"
 
@@ -30,7 +31,7 @@ class StopDeskTest : public testing::Test {
   VirtualClock clock{time};
   StoreWriter writer{io.get_executor(), tests::kSqlite(folder / "cell.sqlite", false).value()};
   EventLog events{io.get_executor(), clock, writer};
-  TaskCount tasks{io.get_executor()};
+  TaskGroup tasks{io.get_executor()};
   Motor left, right;
   StopDesk desk{io.get_executor(),
                 clock,

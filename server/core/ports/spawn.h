@@ -1,4 +1,5 @@
 #pragma once
+// The start of a coroutine that nobody awaits.
 
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/co_spawn.hpp>
@@ -6,14 +7,13 @@
 
 #include "server/core/ports/awaitable.h"
 
-namespace driftwise::application {
+namespace driftwise {
 
-// Starts a coroutine that nobody waits for. An exception is a bug: it leaves run() of the executor,
-// and the process.
+// An exception of the task is a bug: it leaves run() of the executor and ends the process.
 inline void spawn(const asio::any_io_executor& executor, Awaitable<void> task) {
   asio::co_spawn(executor, std::move(task), [](std::exception_ptr error) {
     if (error) std::rethrow_exception(error);
   });
 }
 
-}  // namespace driftwise::application
+}  // namespace driftwise
