@@ -1,6 +1,6 @@
 #include "server/web/web_site.h"
 
-#include "server/application/plumbing/signal.h"
+#include "server/application/plumbing/run_on.h"
 #include "server/web/grpc_web_gateway.h"
 #include "server/web/metrics.h"
 #include "server/web/same_origin.h"
@@ -29,13 +29,12 @@ class WebSite final : public HttpSite {
   Awaitable<HttpResponse> answer(HttpRequest request) override {
     if (request.method == "POST") co_return gateway_.open(std::move(request));
     if (request.path() == "/healthz") {
-      auto asking = application::run_on(cell_.executor(), [] { return true; });
-      co_await std::move(asking);
+      co_await application::run_on(cell_.executor(), [] {});
       co_return plain_answer(200, "ok\n");
     }
     if (request.path() != "/metrics") co_return files_.answer(request);
-    auto asking = application::run_on(cell_.executor(), [this] { return cell_.status(); });
-    const auto status = co_await std::move(asking);
+    const auto status =
+        co_await application::run_on(cell_.executor(), [this] { return cell_.status(); });
     HttpResponse response = plain_answer(200, metrics_text(status));
     response.headers.front().value = "text/plain; version=0.0.4; charset=utf-8";
     co_return response;

@@ -10,8 +10,7 @@ namespace driftwise::application {
 
 Awaitable<Result<void>> AlarmBook::restore() {
   constexpr int kMost = 10'000;
-  auto asking = writer_.call([](Store& store) { return store.alarms().alarms(false, kMost); });
-  DRIFTWISE_CO_TRY(const auto alarms, co_await std::move(asking));
+  DRIFTWISE_CO_TRY(const auto alarms, co_await writer_.alarms().alarms(false, kMost));
   for (const auto& alarm : alarms)
     if (alarm.cleared.utc_ns == 0)
       standing_[{alarm.kind, alarm.subject}] = {alarm.id, 0, alarm.message, alarm.consequences,
@@ -39,8 +38,7 @@ Awaitable<void> AlarmBook::look(std::vector<AlarmCondition> conditions) {
   for (const Key& key : over) {
     const AlarmId id = standing_[key].id;
     const CellTime now = clock_.now().utc;
-    auto clearing = writer_.call([id, now](Store& store) { return store.alarms().clear(id, now); });
-    const auto cleared = co_await std::move(clearing);
+    const auto cleared = co_await writer_.alarms().clear(id, now);
     if (!cleared) continue;
     standing_.erase(key);
     watchers_.publish(*cleared);
@@ -57,10 +55,8 @@ Awaitable<void> AlarmBook::tell_what_changed(const std::vector<AlarmCondition>& 
     const bool other =
         condition.message != told.message || condition.consequences != told.consequences;
     if (!other || (!more && clock_.now().utc - told.told < kBetweenTellings)) continue;
-    auto storing = writer_.call([id = told.id, condition](Store& store) {
-      return store.alarms().tell(id, condition.message, condition.consequences);
-    });
-    const auto stored = co_await std::move(storing);
+    const auto stored =
+        co_await writer_.alarms().tell(told.id, condition.message, condition.consequences);
     if (!stored) co_return;
     standing_[key] = {stored->id, 0, condition.message, condition.consequences, clock_.now().utc};
     watchers_.publish(*stored);
@@ -104,8 +100,7 @@ AlarmRecord AlarmBook::begun(const AlarmCondition& condition) const {
 }
 
 Awaitable<Result<AlarmRecord>> AlarmBook::store(AlarmRecord alarm) {
-  auto storing = writer_.call([alarm](Store& store) { return store.alarms().raise(alarm); });
-  auto stored = co_await std::move(storing);
+  auto stored = co_await writer_.alarms().raise(alarm);
   if (stored) watchers_.publish(*stored);
   co_return stored;
 }
@@ -119,9 +114,7 @@ std::vector<AlarmRecord> AlarmBook::unstored() const {
 
 Awaitable<Result<AlarmRecord>> AlarmBook::acknowledge(AlarmId id, std::string who) {
   const CellTime now = clock_.now().utc;
-  auto storing = writer_.call(
-      [id, now, who](Store& store) { return store.alarms().acknowledge(id, now, who); });
-  auto stored = co_await std::move(storing);
+  auto stored = co_await writer_.alarms().acknowledge(id, now, who);
   if (stored) watchers_.publish(*stored);
   co_return stored;
 }

@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "server/application/plumbing/signal.h"
+#include "server/application/plumbing/run_on.h"
 #include "server/application/plumbing/task_group.h"
 #include "server/application/ports/studies.h"
 #include "server/core/try.h"
@@ -76,8 +76,9 @@ Awaitable<Result<Answer>> StudyDesk::carry_out(std::shared_ptr<Study> study,
       return study_was_stopped();
     }
   };
-  auto working = run_on(worker_, std::move(guarded));
-  auto answer = co_await std::move(working);
+  auto answer = co_await run_on(
+      worker_, [](const std::function<Result<Answer>()>& job) { return job(); },
+      std::move(guarded));
   leave(study);
   co_return answer;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "server/application/plumbing/run_on.h"
 #include "server/application/runs/run_state_store.h"
 #include "server/core/ports/spawn.h"
 #include "server/core/try.h"
@@ -182,8 +183,7 @@ Awaitable<void> CellApplication::start_up() {
 }
 
 Awaitable<Result<void>> CellApplication::restore_datum() {
-  DRIFTWISE_CO_TRY(auto datum,
-                   co_await reader_.call([](Store& store) { return store.runs().newest_datum(); }));
+  DRIFTWISE_CO_TRY(auto datum, co_await reader_.runs().newest_datum());
   if (datum) take_datum(*datum);
   co_return Result<void>{};
 }
@@ -194,9 +194,8 @@ Awaitable<Result<void>> CellApplication::restore_force() {
   const auto force = description_.force_channel();
   if (!force || description_.load_actuator()) co_return Result<void>{};
   const auto now = clock_->now().utc;
-  DRIFTWISE_CO_TRY(const auto said, co_await reader_.call([now](Store& store) {
-    return store.readings().readings(kOperatorDevice, CellTime{0}, now, kMost);
-  }));
+  DRIFTWISE_CO_TRY(const auto said,
+                   co_await reader_.readings().readings(kOperatorDevice, CellTime{0}, now, kMost));
   if (said.empty()) co_return Result<void>{};
   recorder_.observe(JudgedReading{said.back(), {}});
   if (const double* force_n = said.back().find(force->name())) loading_.know(*force_n);
@@ -228,11 +227,9 @@ Awaitable<Result<void>> CellApplication::go_on_with_run() {
       }));
   if (!unfinished) co_return Result<void>{};
   auto record = std::move(*unfinished);
-  auto reading =
-      run_on(background(), [text = record.trajectory_text, name = record.trajectory_name] {
-        return formats::read_trajectory_csv(text, name);
-      });
-  DRIFTWISE_CO_TRY(auto trajectory, co_await std::move(reading));
+  DRIFTWISE_CO_TRY(auto trajectory,
+                   co_await run_on(background(), formats::read_trajectory_csv,
+                                   record.trajectory_text, record.trajectory_name));
   DRIFTWISE_CO_TRY(auto plan, read_run_plan(record.rules_json));
   if (auto ok = co_await follow_for(plan); !ok) co_return ok;
   std::optional<RunBefore> before;
@@ -247,10 +244,8 @@ Awaitable<Result<void>> CellApplication::go_on_with_run() {
   // Measured on under another cell file only when a person has seen the difference.
   auto question = waits_for_configuration(record);
   if (question.empty()) {
-    auto storing = writer_.call(
-        [run = record.id, used = UsedConfiguration{description_.hash, clock_->now().utc}](
-            Store& store) { return store.configurations().continue_run(run, used); });
-    if (auto stored = co_await std::move(storing); !stored) co_return stored;
+    const UsedConfiguration used{description_.hash, clock_->now().utc};
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await writer_.configurations().continue_run(record.id, used));
   }
   const bool was_paused = record.state == RunState::paused;  // then resume_run refuses meanwhile
   engine_.begin(std::move(record), std::move(plan), std::move(trajectory), std::move(before),
@@ -262,16 +257,17 @@ Awaitable<Result<void>> CellApplication::go_on_with_run() {
 }
 
 Awaitable<Result<RunBefore>> CellApplication::what_was_before(const RunRecord& run) {
-  auto looking = reader_.call([run](Store& store) -> Result<RunBefore> {
+  const bool killed = run.reason != kShutDownReason && run.state != RunState::paused;
+  co_return co_await reader_.call([killed, id = run.id](Store& store) -> Result<RunBefore> {
     constexpr int kPage = 1000;
     RunBefore before;
-    before.killed = run.reason != kShutDownReason && run.state != RunState::paused;
-    DRIFTWISE_TRY(auto attempts, store.runs().attempts(run.id));
+    before.killed = killed;
+    DRIFTWISE_TRY(auto attempts, store.runs().attempts(id));
     before.attempts = std::move(attempts);
-    DRIFTWISE_TRY(auto data, store.runs().data(run.id));
+    DRIFTWISE_TRY(auto data, store.runs().data(id));
     before.data = std::move(data);
     for (std::int64_t after = 0;;) {
-      DRIFTWISE_TRY(auto page, store.runs().points(run.id, after, kPage));
+      DRIFTWISE_TRY(auto page, store.runs().points(id, after, kPage));
       if (page.empty()) break;
       after = page.back().id.value;
       for (auto& point : page)
@@ -279,7 +275,6 @@ Awaitable<Result<RunBefore>> CellApplication::what_was_before(const RunRecord& r
     }
     return before;
   });
-  co_return co_await std::move(looking);
 }
 
 Awaitable<void> CellApplication::shut_down() {

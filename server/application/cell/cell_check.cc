@@ -8,6 +8,7 @@
 #include "server/application/cell/cell_application.h"
 #include "server/application/datasets/amended_dataset.h"
 #include "server/application/models/model_integrity.h"
+#include "server/application/plumbing/run_on.h"
 #include "server/core/try.h"
 #include "server/formats/model/model_json.h"
 
@@ -100,11 +101,10 @@ Awaitable<Result<ModelCheck>> CellApplication::check_model(std::optional<ModelId
   if (!id)
     co_return fail(ErrorCode::failed_precondition, "NO_MODEL",
                    "no model serves: name one, or promote one");
-  auto gathering = reader_.call([id = *id, runs](Store& store) { return gather(store, id, runs); });
-  DRIFTWISE_CO_TRY(auto material, co_await std::move(gathering));
-  auto shared = std::make_shared<Material>(std::move(material));
-  auto judging = run_on(worker_thread_.executor(), [shared] { return judge(std::move(*shared)); });
-  co_return co_await std::move(judging);
+  DRIFTWISE_CO_TRY(auto material, co_await reader_.call(gather, *id, runs));
+  co_return co_await run_on(
+      worker_thread_.executor(), [](Material& whole) { return judge(std::move(whole)); },
+      std::move(material));
 }
 
 void CellApplication::check_after(const RunProgress& progress) {

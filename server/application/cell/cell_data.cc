@@ -8,6 +8,7 @@
 
 #include "server/application/cell/cell_application.h"
 #include "server/application/datasets/amended_dataset.h"
+#include "server/application/plumbing/run_on.h"
 #include "server/application/runs/run_plan.h"
 #include "server/core/data/dataset_parts.h"
 #include "server/core/try.h"
@@ -88,39 +89,41 @@ Result<ParsedFile> parsed(const std::string& csv, const std::string& name) {
   return ParsedFile{std::move(dataset), formats::content_hash(csv)};
 }
 
+// The runs' rows as a dataset file, with the cell, the runs and the corrections in its metadata.
+Result<std::string> exported(Store& store, const std::vector<RunId>& runs, bool without_excluded,
+                             const std::string& cell, Clock* clock) {
+  DRIFTWISE_TRY(auto dataset, amended_dataset(store, runs));
+  if (without_excluded) leave_excluded_out(dataset);
+  // An imported file keeps its own; of a measured run only the parts are there.
+  const auto parts = dataset.metadata;
+  if (std::ranges::all_of(parts, [](const auto& line) { return line.first == kPartsKey; })) {
+    dataset.metadata = {{"driftwise-dataset", "1"}, {"cell", cell}};
+    std::string numbers;
+    for (const auto& run : runs)
+      numbers += (numbers.empty() ? "" : ", ") + std::to_string(run.value);
+    dataset.metadata.emplace_back("runs", numbers);
+    dataset.metadata.emplace_back("compensation", compensations(store, runs));
+    if (const auto zero = time_zero(store, runs))  // what time_s counts from
+      dataset.metadata.emplace_back("time_zero", to_iso8601(clock->utc(*zero)));
+    dataset.metadata.insert(dataset.metadata.end(), parts.begin(), parts.end());
+  }
+  if (const auto in_force = corrections_in_force(store); !in_force.empty())
+    dataset.metadata.emplace_back("corrections", in_force);
+  return formats::write_dataset_csv(dataset);
+}
+
 }  // namespace
 
 Awaitable<Result<std::string>> CellApplication::export_dataset(std::vector<RunId> runs,
                                                                bool without_excluded) {
-  auto exporting = reader_.call([runs, without_excluded, cell = description_.name,
-                                 clock = clock_.get()](Store& store) -> Result<std::string> {
-    DRIFTWISE_TRY(auto dataset, amended_dataset(store, runs));
-    if (without_excluded) leave_excluded_out(dataset);
-    // An imported file keeps its own; of a measured run only the parts are there.
-    const auto parts = dataset.metadata;
-    if (std::ranges::all_of(parts, [](const auto& line) { return line.first == kPartsKey; })) {
-      dataset.metadata = {{"driftwise-dataset", "1"}, {"cell", cell}};
-      std::string numbers;
-      for (const auto& run : runs)
-        numbers += (numbers.empty() ? "" : ", ") + std::to_string(run.value);
-      dataset.metadata.emplace_back("runs", numbers);
-      dataset.metadata.emplace_back("compensation", compensations(store, runs));
-      if (const auto zero = time_zero(store, runs))  // what time_s counts from
-        dataset.metadata.emplace_back("time_zero", to_iso8601(clock->utc(*zero)));
-      dataset.metadata.insert(dataset.metadata.end(), parts.begin(), parts.end());
-    }
-    if (const auto in_force = corrections_in_force(store); !in_force.empty())
-      dataset.metadata.emplace_back("corrections", in_force);
-    return formats::write_dataset_csv(dataset);
-  });
-  co_return co_await std::move(exporting);
+  co_return co_await reader_.call(exported, std::move(runs), without_excluded, description_.name,
+                                  clock_.get());
 }
 
 Awaitable<Result<RunRecord>> CellApplication::import_dataset(Caller caller, std::string name,
                                                              std::string csv,
                                                              std::string request_id) {
-  auto parsing = run_on(background(), [csv = std::move(csv), name] { return parsed(csv, name); });
-  DRIFTWISE_CO_TRY(auto file, co_await std::move(parsing));
+  DRIFTWISE_CO_TRY(auto file, co_await run_on(background(), parsed, std::move(csv), name));
   Dataset* const dataset = &file.dataset;
   NewRun fresh;
   fresh.name = name;
@@ -132,10 +135,7 @@ Awaitable<Result<RunRecord>> CellApplication::import_dataset(Caller caller, std:
   fresh.config_text = description_.text;
   fresh.operator_name = caller.name;
   fresh.created = clock_->now();
-  auto storing = writer_.call([fresh, data = std::move(*dataset)](Store& store) {
-    return store.runs().import_dataset(fresh, data);
-  });
-  auto stored = co_await std::move(storing);
+  auto stored = co_await writer_.runs().import_dataset(fresh, std::move(*dataset));
   const bool is_repeat = stored && stored->created != fresh.created.utc;
   if (stored && !is_repeat)
     events_.record(caller, "data.imported",

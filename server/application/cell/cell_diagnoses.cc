@@ -6,6 +6,7 @@
 
 #include "server/application/cell/cell_application.h"
 #include "server/application/datasets/amended_dataset.h"
+#include "server/application/plumbing/run_on.h"
 #include "server/core/try.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/formula/formula.h"
@@ -86,9 +87,12 @@ Awaitable<Result<DiagnosisView>> CellApplication::create_diagnosis(Caller caller
   auto loading = fit_data(std::move(wanted));
   DRIFTWISE_CO_TRY(auto dataset, co_await std::move(loading));
   const auto shared = std::make_shared<const Dataset>(std::move(dataset));
-  auto preparing =
-      run_on(background(), [shared, request] { return options_for(*shared, request); });
-  DRIFTWISE_CO_TRY(auto options, co_await std::move(preparing));
+  DRIFTWISE_CO_TRY(auto options,
+                   co_await run_on(
+                       background(),
+                       [](const std::shared_ptr<const Dataset>& data,
+                          const DiagnosisRequest& asked) { return options_for(*data, asked); },
+                       shared, request));
   if (request.csv.empty()) options.levers = diagnosis::declared_lever_limits(description_);
   DiagnosisRecord fresh;
   fresh.name = request.name;

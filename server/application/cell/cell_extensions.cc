@@ -9,7 +9,7 @@
 #include "server/application/diagnoses/extension_plan.h"
 #include "server/application/models/fit_options.h"
 #include "server/application/models/model_integrity.h"
-#include "server/application/plumbing/crash_point.h"
+#include "server/application/plumbing/run_on.h"
 #include "server/application/provenance/promotion_questions.h"
 #include "server/compensation/snapshot_builder.h"
 #include "server/core/try.h"
@@ -191,15 +191,15 @@ std::string made_of(const ExtensionRecord& made) {
 
 Awaitable<Result<ExtensionRecord>> CellApplication::accept_extension(Caller caller,
                                                                      AcceptRequest request) {
-  auto gathering =
-      reader_.call([request](Store& store) { return gather_to_accept(store, request); });
-  DRIFTWISE_CO_TRY(auto material, co_await std::move(gathering));
+  DRIFTWISE_CO_TRY(auto material, co_await reader_.call(gather_to_accept, request));
   auto shared = std::make_shared<AcceptMaterial>(std::move(material));
-  auto making =
-      run_on(worker_thread_.executor(), [shared, promote = request.promote, cell = &description_] {
-        return make_extension(*shared, promote, *cell);
-      });
-  DRIFTWISE_CO_TRY(auto made, co_await std::move(making));
+  DRIFTWISE_CO_TRY(auto made, co_await run_on(
+                                  worker_thread_.executor(),
+                                  [promote = request.promote, cell = &description_](
+                                      const std::shared_ptr<AcceptMaterial>& from) {
+                                    return make_extension(*from, promote, *cell);
+                                  },
+                                  shared));
 
   if (request.promote && !request.confirmed)
     DRIFTWISE_CO_RETURN_IF_ERROR(confirmation_of(made.questions));
@@ -222,13 +222,7 @@ Awaitable<Result<ExtensionRecord>> CellApplication::accept_extension(Caller call
   fresh.at = clock_->now();
   fresh.who = caller.name;
   fresh.from = caller.peer;
-  auto storing = writer_.call([fresh](Store& store) {
-    crash_point("before_extension_commit");
-    auto stored = store.diagnoses().accept(fresh);
-    if (stored) crash_point("after_extension_commit");
-    return stored;
-  });
-  auto stored = co_await std::move(storing);
+  auto stored = co_await writer_.diagnoses().accept(fresh);
   if (!stored) co_return stored;
   auto detail =
       fmt::format("{} accepted {} of diagnosis {}: {}{}", caller.name, numbers_of(stored->findings),
@@ -245,15 +239,15 @@ Awaitable<Result<ExtensionRecord>> CellApplication::accept_extension(Caller call
 }
 
 Awaitable<Result<ExtensionPreview>> CellApplication::preview_extension(AcceptRequest request) {
-  auto gathering =
-      reader_.call([request](Store& store) { return gather_to_accept(store, request); });
-  DRIFTWISE_CO_TRY(auto material, co_await std::move(gathering));
+  DRIFTWISE_CO_TRY(auto material, co_await reader_.call(gather_to_accept, request));
   const auto shared = std::make_shared<AcceptMaterial>(std::move(material));
-  auto planning =
-      run_on(worker_thread_.executor(), [shared, promote = request.promote, cell = &description_] {
-        return previewed(*shared, promote, *cell);
-      });
-  DRIFTWISE_CO_TRY(auto made, co_await std::move(planning));
+  DRIFTWISE_CO_TRY(auto made, co_await run_on(
+                                  worker_thread_.executor(),
+                                  [promote = request.promote, cell = &description_](
+                                      const std::shared_ptr<AcceptMaterial>& from) {
+                                    return previewed(*from, promote, *cell);
+                                  },
+                                  shared));
   const auto& plan = made.plan;
   auto changing = changes_in_all_runs(plan.amendment, shared->record.runs);
   DRIFTWISE_CO_TRY(auto changes, co_await std::move(changing));
@@ -279,14 +273,10 @@ Awaitable<Result<std::vector<LengthChange>>> CellApplication::changes_in_all_run
   if (amendment.shifts.empty()) co_return all;
   constexpr int kPage = 1000;
   for (std::int64_t before = 0;;) {
-    auto listing =
-        reader_.call([before](Store& store) { return store.runs().runs(kPage, before); });
-    DRIFTWISE_CO_TRY(const auto page, co_await std::move(listing));
+    DRIFTWISE_CO_TRY(const auto page, co_await reader_.runs().runs(kPage, before));
     for (const auto& run : page) {
       if (run.accepted == 0 || !concerns(amendment, run.id)) continue;
-      auto working = reader_.call(
-          [id = run.id, amendment](Store& store) { return length_changes(store, id, amendment); });
-      DRIFTWISE_CO_TRY(auto changes, co_await std::move(working));
+      DRIFTWISE_CO_TRY(auto changes, co_await reader_.call(length_changes, run.id, amendment));
       for (auto& change : changes) {
         change.run_name = run.name;
         change.diagnosed = std::ranges::find(diagnosed, run.id) != diagnosed.end();
@@ -321,13 +311,8 @@ Awaitable<Result<ExtensionRecord>> CellApplication::undo_extension(Caller caller
     auto serving = serving_.serve(previous);  // first see that it can serve
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(serving));
   }
-  auto undoing = writer_.call([id, at = clock_->now(), caller, rollback](Store& store) {
-    crash_point("before_undo_commit");
-    auto undone = store.diagnoses().undo_extension(id, at, caller.name, caller.peer, rollback);
-    if (undone) crash_point("after_undo_commit");
-    return undone;
-  });
-  auto undone = co_await std::move(undoing);
+  auto undone = co_await writer_.diagnoses().undo_extension(id, clock_->now(), caller.name,
+                                                            caller.peer, rollback);
   if (!undone) {
     if (rollback) {
       auto again = serving_.serve(present);

@@ -52,12 +52,11 @@ Awaitable<Result<ImprovementRecord>> CellApplication::create_improvement(Caller 
 }
 
 Awaitable<Result<ImprovementRecord>> CellApplication::improvement(ImprovementId id) {
-  co_return co_await reader_.call([id](Store& store) { return store.diagnoses().improvement(id); });
+  co_return co_await reader_.diagnoses().improvement(id);
 }
 
 Awaitable<Result<std::vector<ImprovementRecord>>> CellApplication::improvements() {
-  co_return co_await reader_.call(
-      [](Store& store) { return store.diagnoses().improvements(kListedImprovements); });
+  co_return co_await reader_.diagnoses().improvements(kListedImprovements);
 }
 
 Awaitable<Result<ImprovementRecord>> CellApplication::cancel_improvement(Caller caller,

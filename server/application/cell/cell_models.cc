@@ -6,7 +6,7 @@
 #include "server/application/datasets/amended_dataset.h"
 #include "server/application/models/fit_options.h"
 #include "server/application/models/model_integrity.h"
-#include "server/application/plumbing/crash_point.h"
+#include "server/application/plumbing/run_on.h"
 #include "server/application/provenance/promotion_questions.h"
 #include "server/core/try.h"
 #include "server/formats/csv/dataset_csv.h"
@@ -47,23 +47,24 @@ Awaitable<Result<Dataset>> CellApplication::fit_data(FitRequest request) {
   if (request.runs.empty() == request.csv.empty())
     co_return fail(ErrorCode::invalid_argument, "NO_DATA",
                    "a fit needs runs or a dataset, one of the two");
-  auto loading = request.csv.empty() ? reader_.call([runs = request.runs](Store& store) {
-    return amended_dataset(store, runs);
-  })
-                                     : run_on(background(), [csv = request.csv] {
-                                         return formats::read_dataset_csv(csv, "dataset", {},
-                                                                          formats::kRequestLimits);
-                                       });
-  co_return co_await std::move(loading);
+  if (request.csv.empty()) co_return co_await reader_.call(amended_dataset, request.runs);
+  co_return co_await run_on(
+      background(),
+      [](const std::string& csv) {
+        return formats::read_dataset_csv(csv, "dataset", {}, formats::kRequestLimits);
+      },
+      request.csv);
 }
 
 Awaitable<Result<std::vector<calibration::OfferResult>>> CellApplication::weigh_offers(
     FitRequest request) {
   DRIFTWISE_CO_TRY(auto dataset, co_await fit_data(request));
-  auto weighing = run_on(worker_thread_.executor(), [data = std::move(dataset), request] {
-    return offers_of(data, request, source_of(request));
-  });
-  co_return co_await std::move(weighing);
+  co_return co_await run_on(
+      worker_thread_.executor(),
+      [](const Dataset& data, const FitRequest& asked) {
+        return offers_of(data, asked, source_of(asked));
+      },
+      std::move(dataset), request);
 }
 
 Awaitable<Result<ModelRecord>> CellApplication::fit(Caller caller, FitRequest request) {
@@ -71,33 +72,27 @@ Awaitable<Result<ModelRecord>> CellApplication::fit(Caller caller, FitRequest re
   // Those that the data just read rest on. A correction that comes or goes in between is named too.
   std::vector<CorrectionId> corrections;
   if (!request.runs.empty()) {
-    auto looking =
-        reader_.call([runs = request.runs](Store& store) { return corrections_over(store, runs); });
-    DRIFTWISE_CO_TRY(auto found, co_await std::move(looking));
+    DRIFTWISE_CO_TRY(auto found, co_await reader_.call(corrections_over, request.runs));
     corrections = std::move(found);
   }
-  auto fitting = run_on(worker_thread_.executor(), [data = std::move(dataset), request] {
-    return fit_record(data, request, source_of(request));
-  });
-  auto record = co_await std::move(fitting);
+  auto record = co_await run_on(
+      worker_thread_.executor(),
+      [](const Dataset& data, const FitRequest& asked) {
+        return fit_record(data, asked, source_of(asked));
+      },
+      std::move(dataset), request);
   if (!record) co_return record;
   record->corrections = std::move(corrections);
   record->created = clock_->now().utc;
   record->created_by = caller.name;
-  auto storing = writer_.call([fresh = *record](Store& store) {
-    crash_point("before_model_commit");
-    auto stored = store.models().add_model(fresh);
-    if (stored) crash_point("after_model_commit");
-    return stored;
-  });
-  DRIFTWISE_CO_TRY(auto id, co_await std::move(storing));
+  DRIFTWISE_CO_TRY(auto id, co_await writer_.models().add_model(*record));
   events_.record(caller, "model.fitted",
                  fmt::format("{} fitted model {}: {}", caller.name, id.value, request.formula));
   co_return co_await model(id);  // the same fit again is the same model: its first record stands
 }
 
 Awaitable<Result<std::vector<ModelRecord>>> CellApplication::models() {
-  auto models = co_await reader_.call([](Store& store) { return store.models().models(); });
+  auto models = co_await reader_.models().models();
   if (!models) co_return models;
   for (auto& model : *models)
     if (const auto whole = check_integrity(model); !whole) model.damage = whole.error().message;
@@ -105,7 +100,7 @@ Awaitable<Result<std::vector<ModelRecord>>> CellApplication::models() {
 }
 
 Awaitable<Result<ModelRecord>> CellApplication::model(ModelId id) {
-  auto found = co_await reader_.call([=](Store& store) { return store.models().model(id); });
+  auto found = co_await reader_.models().model(id);
   if (!found && found.error().reason == "DATABASE_DAMAGED") {
     ModelRecord unread;
     unread.id = id;
@@ -118,7 +113,7 @@ Awaitable<Result<ModelRecord>> CellApplication::model(ModelId id) {
 }
 
 Awaitable<Result<std::vector<PromotionRecord>>> CellApplication::promotions() {
-  co_return co_await reader_.call([](Store& store) { return store.models().promotions(); });
+  co_return co_await reader_.models().promotions();
 }
 
 Awaitable<Result<void>> CellApplication::put_in_service(Caller caller,
@@ -131,13 +126,7 @@ Awaitable<Result<void>> CellApplication::put_in_service(Caller caller,
   if (auto ok = co_await serving_.serve(next); !ok) co_return ok;
   PromotionRecord promotion{next ? std::optional(next->id) : std::nullopt, clock_->now().utc,
                             caller.name, action};
-  auto storing = writer_.call([promotion](Store& store) {
-    crash_point("before_promotion_commit");
-    auto result = store.models().add_promotion(promotion);
-    if (result) crash_point("after_promotion_commit");
-    return result;
-  });
-  auto stored = co_await std::move(storing);
+  auto stored = co_await writer_.models().add_promotion(promotion);
   if (!stored) {
     static_cast<void>(co_await serving_.serve(previous));
     co_return stored;

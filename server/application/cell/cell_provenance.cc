@@ -6,7 +6,6 @@
 
 #include "server/application/cell/cell_application.h"
 #include "server/application/datasets/extension_preview.h"
-#include "server/application/plumbing/crash_point.h"
 #include "server/application/provenance/promotion_questions.h"
 #include "server/core/try.h"
 #include "server/formats/cell_file/cell_file.h"
@@ -85,31 +84,31 @@ Result<ModelGround> ground_of(Store& store, ModelId id, const CellDescription& p
 }  // namespace
 
 Awaitable<Result<std::vector<ConfigurationStart>>> CellApplication::configurations(int limit) {
-  co_return co_await reader_.call(
-      [limit](Store& store) { return store.configurations().starts(limit); });
+  co_return co_await reader_.configurations().starts(limit);
 }
 
 Awaitable<Result<ConfigurationView>> CellApplication::configuration(std::string hash,
                                                                     std::string compare_hash) {
   if (hash.empty()) hash = description_.hash;
   if (compare_hash.empty()) compare_hash = description_.hash;
-  auto reading = reader_.call(
-      [hash, compare_hash, present = &description_](Store& store) -> Result<ConfigurationView> {
-        DRIFTWISE_TRY(auto text, store.configurations().text(hash));
-        ConfigurationView view{hash, std::move(text), compare_hash, {}};
-        if (hash == compare_hash) return view;
-        DRIFTWISE_RETURN_IF_ERROR(store.configurations().text(compare_hash));
-        const auto compared = description_of(store, compare_hash, *present);
+  co_return co_await reader_.call(
+      [present = &description_](Store& store, const std::string& shown,
+                                const std::string& other) -> Result<ConfigurationView> {
+        DRIFTWISE_TRY(auto text, store.configurations().text(shown));
+        ConfigurationView view{shown, std::move(text), other, {}};
+        if (shown == other) return view;
+        DRIFTWISE_RETURN_IF_ERROR(store.configurations().text(other));
+        const auto compared = description_of(store, other, *present);
         if (!compared)
           return fail(
               ErrorCode::failed_precondition, "OLD_CONFIGURATION",
               fmt::format("configuration {} cannot be read by this program: it can be shown, not "
                           "compared with",
-                          compare_hash));
+                          other));
         view.changes = formats::cell_file_difference(view.text, *compared);
         return view;
-      });
-  co_return co_await std::move(reading);
+      },
+      hash, compare_hash);
 }
 
 Awaitable<Result<ConfigurationStart>> CellApplication::accept_configuration(Caller caller,
@@ -129,14 +128,8 @@ Awaitable<Result<ConfigurationStart>> CellApplication::accept_configuration(Call
   std::optional<RunId> continued;
   if (continues) continued = run->id;
   const auto at = clock_->now().utc;
-  auto storing = writer_.call(
-      [id = configuration_.start().id, at, who = caller.name, note, continued](Store& store) {
-        crash_point("before_configuration_commit");
-        auto accepted = store.configurations().accept(id, at, who, note, continued);
-        if (accepted) crash_point("after_configuration_commit");
-        return accepted;
-      });
-  auto accepted = co_await std::move(storing);
+  auto accepted = co_await writer_.configurations().accept(configuration_.start().id, at,
+                                                           caller.name, note, continued);
   if (!accepted) co_return accepted;
   configuration_.answered(*accepted);
   events_.record(caller, "configuration.accepted",
@@ -158,16 +151,17 @@ std::string CellApplication::waits_for_configuration(const RunRecord& run) const
 
 Awaitable<Result<std::vector<RunGround>>> CellApplication::grounds_of_runs(
     std::vector<RunId> runs) {
-  auto reading = reader_.call([runs](Store& store) -> Result<std::vector<RunGround>> {
-    DRIFTWISE_TRY(const auto corrections, store.diagnoses().corrections());
-    std::vector<RunGround> grounds;
-    for (const RunId run : runs) {
-      DRIFTWISE_TRY(auto ground, ground_of(store, run, corrections));
-      grounds.push_back(std::move(ground));
-    }
-    return grounds;
-  });
-  co_return co_await std::move(reading);
+  co_return co_await reader_.call(
+      [](Store& store, const std::vector<RunId>& asked) -> Result<std::vector<RunGround>> {
+        DRIFTWISE_TRY(const auto all, store.diagnoses().corrections());
+        std::vector<RunGround> grounds;
+        for (const RunId run : asked) {
+          DRIFTWISE_TRY(auto ground, ground_of(store, run, all));
+          grounds.push_back(std::move(ground));
+        }
+        return grounds;
+      },
+      std::move(runs));
 }
 
 Awaitable<Result<ModelGround>> CellApplication::ground_of_model(ModelId id) {
@@ -176,7 +170,7 @@ Awaitable<Result<ModelGround>> CellApplication::ground_of_model(ModelId id) {
 }
 
 Awaitable<Result<std::vector<CorrectionRecord>>> CellApplication::corrections() {
-  co_return co_await reader_.call([](Store& store) { return store.diagnoses().corrections(); });
+  co_return co_await reader_.diagnoses().corrections();
 }
 
 }  // namespace driftwise::application

@@ -50,8 +50,7 @@ Awaitable<Result<ExclusionState>> CellApplication::exclude_rows(Caller caller,
   wanted.at = clock_->now();
   wanted.who = caller.name;
   wanted.from = caller.peer;
-  auto storing = writer_.call([wanted](Store& store) { return store.remarks().exclude(wanted); });
-  DRIFTWISE_CO_TRY(auto stored, co_await std::move(storing));
+  DRIFTWISE_CO_TRY(auto stored, co_await writer_.remarks().exclude(wanted));
   if (!stored.rows.empty()) {
     std::vector<std::int64_t> from_one = stored.rows;  // the record counts from 0
     for (auto& row : from_one) ++row;
@@ -73,8 +72,7 @@ Awaitable<Result<ExclusionState>> CellApplication::exclusions(RunId run) {
 Awaitable<Result<NoteRecord>> CellApplication::add_note(Caller caller, NoteSubject on,
                                                         std::string text) {
   NoteRecord note{0, on, std::move(text), clock_->now(), caller.name, caller.peer};
-  auto storing = writer_.call([note](Store& store) { return store.remarks().add_note(note); });
-  auto stored = co_await std::move(storing);
+  auto stored = co_await writer_.remarks().add_note(note);
   if (stored)
     events_.record(caller, "note.added",
                    fmt::format("{} on {}: {}", caller.name, subject_text(on), stored->text),
@@ -83,7 +81,7 @@ Awaitable<Result<NoteRecord>> CellApplication::add_note(Caller caller, NoteSubje
 }
 
 Awaitable<Result<std::vector<NoteRecord>>> CellApplication::notes(NoteSubject on) {
-  co_return co_await reader_.call([=](Store& store) { return store.remarks().notes(on); });
+  co_return co_await reader_.remarks().notes(on);
 }
 
 }  // namespace driftwise::application

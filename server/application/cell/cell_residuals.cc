@@ -2,6 +2,7 @@
 
 #include "server/application/cell/cell_application.h"
 #include "server/application/models/formula_check.h"
+#include "server/application/plumbing/run_on.h"
 #include "server/calibration/datum_zeros.h"
 #include "server/calibration/design/predict.h"
 #include "server/core/try.h"
@@ -46,11 +47,8 @@ Result<ModelResiduals> residuals_of(const calibration::Model& model, Dataset dat
 
 Awaitable<Result<FormulaCheck>> CellApplication::check_formula(FitRequest request) {
   DRIFTWISE_CO_TRY(auto dataset, co_await fit_data(request));
-  auto looking = run_on(worker_thread_.executor(),
-                        [data = std::move(dataset), request]() -> Result<FormulaCheck> {
-                          return check_formula_on(data, request);
-                        });
-  co_return co_await std::move(looking);
+  co_return co_await run_on(worker_thread_.executor(), check_formula_on, std::move(dataset),
+                            request);
 }
 
 Awaitable<Result<ModelResiduals>> CellApplication::residuals(ModelId id, std::vector<RunId> runs,
@@ -67,11 +65,12 @@ Awaitable<Result<ModelResiduals>> CellApplication::residuals(ModelId id, std::ve
   wanted.runs = std::move(runs);
   wanted.csv = std::move(csv);
   DRIFTWISE_CO_TRY(auto dataset, co_await fit_data(std::move(wanted)));
-  auto computing = run_on(worker_thread_.executor(),
-                          [data = std::move(dataset), model = std::move(read)]() mutable {
-                            return residuals_of(model, std::move(data));
-                          });
-  co_return co_await std::move(computing);
+  co_return co_await run_on(
+      worker_thread_.executor(),
+      [](const calibration::Model& fitted, Dataset& data) {
+        return residuals_of(fitted, std::move(data));
+      },
+      std::move(read), std::move(dataset));
 }
 
 }  // namespace driftwise::application

@@ -3,18 +3,20 @@
 #include <fmt/format.h>
 
 #include "server/application/cell/cell_application.h"
-#include "server/application/plumbing/crash_point.h"
+#include "server/application/plumbing/run_on.h"
 #include "server/application/trajectories/trajectory_check.h"
 #include "server/core/try.h"
 
 namespace driftwise::application {
 
 Awaitable<Result<TrajectoryCheck>> CellApplication::checked(std::string name, std::string text) {
-  auto checking = run_on(background(), [&cell = description_, name, text,
-                                        point_s = engine_.point_s(description_.run)] {
-    return check_trajectory_text(cell, name, text, point_s);
-  });
-  co_return co_await std::move(checking);
+  co_return co_await run_on(
+      background(),
+      [cell = &description_, point_s = engine_.point_s(description_.run)](const std::string& file,
+                                                                          const std::string& csv) {
+        return check_trajectory_text(*cell, file, csv, point_s);
+      },
+      std::move(name), std::move(text));
 }
 
 Awaitable<Result<TrajectoryCheck>> CellApplication::check_trajectory(std::string text) {
@@ -83,13 +85,7 @@ Awaitable<Result<RunRecord>> CellApplication::start_run(Caller caller, CreateRun
   fresh.request_id = request.request_id;
   fresh.created = clock_->now();
   fresh.boot_id = boot_id_;
-  auto storing = writer_.call([fresh](Store& store) {
-    crash_point("before_run_create_commit");
-    auto record = store.runs().create_run(fresh);
-    if (record) crash_point("after_run_create_commit");
-    return record;
-  });
-  auto stored = co_await std::move(storing);
+  auto stored = co_await writer_.runs().create_run(fresh);
   if (!stored) co_return stored;
   const bool is_repeat = stored->created != fresh.created.utc || stored->state != RunState::queued;
   if (is_repeat) co_return stored;
@@ -187,33 +183,30 @@ Awaitable<Result<RunRecord>> CellApplication::confirm_force(Caller caller, RunId
 }
 
 Awaitable<Result<std::vector<RunRecord>>> CellApplication::runs(int limit, std::int64_t before_id) {
-  co_return co_await reader_.call(
-      [=](Store& store) { return store.runs().runs(limit, before_id); });
+  co_return co_await reader_.runs().runs(limit, before_id);
 }
 
 Awaitable<Result<RunRecord>> CellApplication::run(RunId run) {
   if (const auto* record = engine_.record(); record && record->id == run) co_return *record;
-  co_return co_await reader_.call([=](Store& store) { return store.runs().run(run); });
+  co_return co_await reader_.runs().run(run);
 }
 
 Awaitable<Result<std::vector<PointRecord>>> CellApplication::points(RunId run,
                                                                     std::int64_t after_id,
                                                                     int limit) {
-  co_return co_await reader_.call(
-      [=](Store& store) { return store.runs().points(run, after_id, limit); });
+  co_return co_await reader_.runs().points(run, after_id, limit);
 }
 
 Awaitable<Result<std::vector<AttemptRecord>>> CellApplication::attempts(RunId run) {
-  co_return co_await reader_.call([=](Store& store) { return store.runs().attempts(run); });
+  co_return co_await reader_.runs().attempts(run);
 }
 
 Awaitable<Result<std::vector<DatumRecord>>> CellApplication::data(RunId run) {
-  co_return co_await reader_.call([=](Store& store) { return store.runs().data(run); });
+  co_return co_await reader_.runs().data(run);
 }
 
 Awaitable<Result<std::vector<EventRecord>>> CellApplication::events(EventId after, int limit) {
-  co_return co_await reader_.call(
-      [=](Store& store) { return store.events().events(after, limit); });
+  co_return co_await reader_.events().events(after, limit);
 }
 
 }  // namespace driftwise::application

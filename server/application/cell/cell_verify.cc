@@ -2,6 +2,7 @@
 
 #include "server/application/cell/cell_application.h"
 #include "server/application/datasets/amended_dataset.h"
+#include "server/application/plumbing/run_on.h"
 #include "server/application/runs/run_plan.h"
 #include "server/core/try.h"
 #include "server/formats/model/model_json.h"
@@ -48,14 +49,11 @@ Result<VerifyMaterial> gather_runs(Store& store, const std::vector<RunId>& runs,
 
 Awaitable<Result<diagnosis::Verification>> CellApplication::verify_runs(
     std::vector<RunId> runs, std::optional<ModelId> range) {
-  auto gathering = reader_.call(
-      [runs = std::move(runs), range](Store& store) { return gather_runs(store, runs, range); });
-  DRIFTWISE_CO_TRY(auto material, co_await std::move(gathering));
-  auto shared = std::make_shared<VerifyMaterial>(std::move(material));
-  auto verifying = run_on(worker_thread_.executor(), [shared]() {
-    return diagnosis::verify_runs(shared->runs, shared->range.get());
-  });
-  co_return co_await std::move(verifying);
+  DRIFTWISE_CO_TRY(auto material, co_await reader_.call(gather_runs, std::move(runs), range));
+  co_return co_await run_on(
+      worker_thread_.executor(),
+      [](const VerifyMaterial& of) { return diagnosis::verify_runs(of.runs, of.range.get()); },
+      std::move(material));
 }
 
 }  // namespace driftwise::application

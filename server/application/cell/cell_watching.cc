@@ -21,8 +21,7 @@ Awaitable<Result<RecordHead>> CellApplication::record_head() {
 
 Awaitable<Result<RecordPage>> CellApplication::records(RecordCursor after, RecordCursor until,
                                                        int limit) {
-  return reader_.call(
-      [after, until, limit](Store& store) { return store.records().records(after, until, limit); });
+  return reader_.records().records(after, until, limit);
 }
 
 std::shared_ptr<void> CellApplication::watch_records(std::function<void()> on_news) {
@@ -40,9 +39,7 @@ std::shared_ptr<void> CellApplication::watch_records(std::function<void()> on_ne
 }
 
 Awaitable<Result<std::vector<AlarmRecord>>> CellApplication::alarms(bool with_history, int limit) {
-  auto asking = reader_.call(
-      [with_history, limit](Store& store) { return store.alarms().alarms(with_history, limit); });
-  auto alarms = co_await std::move(asking);
+  auto alarms = co_await reader_.alarms().alarms(with_history, limit);
   if (!alarms) co_return alarms;
   // While the disk is full these stand nowhere else.
   for (auto& alarm : alarm_book_.unstored()) alarms->insert(alarms->begin(), std::move(alarm));
@@ -146,7 +143,7 @@ void CellApplication::note_for_alarms(const RunProgress& progress) {
 }
 
 Awaitable<Result<SeriesAnswer>> CellApplication::series(SeriesQuery query) {
-  return reader_.call([query](Store& store) { return store.series().series(query); });
+  return reader_.series().series(query);
 }
 
 Awaitable<Result<PastTargets>> CellApplication::past_targets(PastTargetsQuery query) {
@@ -164,8 +161,7 @@ Awaitable<Result<KeptTrajectory>> CellApplication::keep_trajectory(Caller caller
   wanted.rows = static_cast<std::int64_t>(checked.trajectory.points.size());
   wanted.created = clock_->now().utc;
   wanted.created_by = caller.name;
-  auto storing = writer_.call([wanted](Store& store) { return store.trajectories().keep(wanted); });
-  auto kept = co_await std::move(storing);
+  auto kept = co_await writer_.trajectories().keep(wanted);
   if (kept && kept->created.utc_ns == wanted.created.utc_ns)
     events_.record(caller, "trajectory.kept",
                    fmt::format("trajectory {} '{}', {} rows", kept->id.value, name, wanted.rows));
@@ -173,11 +169,11 @@ Awaitable<Result<KeptTrajectory>> CellApplication::keep_trajectory(Caller caller
 }
 
 Awaitable<Result<KeptTrajectory>> CellApplication::trajectory(TrajectoryId id) {
-  return reader_.call([id](Store& store) { return store.trajectories().trajectory(id); });
+  return reader_.trajectories().trajectory(id);
 }
 
 Awaitable<Result<std::vector<KeptTrajectory>>> CellApplication::trajectories() {
-  return reader_.call([](Store& store) { return store.trajectories().trajectories(); });
+  return reader_.trajectories().trajectories();
 }
 
 }  // namespace driftwise::application

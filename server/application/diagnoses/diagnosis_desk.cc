@@ -7,6 +7,7 @@
 #include <boost/asio/post.hpp>
 #include <chrono>
 
+#include "server/application/plumbing/run_on.h"
 #include "server/application/plumbing/task_group.h"
 #include "server/application/ports/cell.h"
 #include "server/core/try.h"
@@ -113,9 +114,7 @@ Awaitable<Result<DiagnosisRecord>> DiagnosisDesk::begin(const Caller& caller,
   const std::string who = caller.name, peer = caller.peer;
   wanted.created = clock_.now().utc;
   wanted.created_by = who;
-  auto storing =
-      writer_.call([wanted](Store& store) { return store.diagnoses().add_diagnosis(wanted); });
-  auto stored = co_await std::move(storing);
+  auto stored = co_await writer_.diagnoses().add_diagnosis(wanted);
   if (!stored) co_return stored;
   const Caller by{who, peer};
   events_.record(by, "diagnosis.started",
@@ -144,8 +143,8 @@ Awaitable<void> DiagnosisDesk::carry_out(std::shared_ptr<Job> job,
       return Result<Outcome>(fail(ErrorCode::cancelled, "CANCELLED", "it was cancelled"));
     return outcome_of(job->id, diagnose_(*dataset, options), *dataset);
   };
-  auto working = run_on(worker_, std::move(work));
-  auto found = co_await std::move(working);
+  auto found = co_await run_on(
+      worker_, [](const std::function<Result<Outcome>()>& run) { return run(); }, std::move(work));
   if (!job->over) {
     DiagnosisEnd how;
     std::string told;
@@ -173,9 +172,7 @@ Awaitable<Result<void>> DiagnosisDesk::end(std::shared_ptr<Job> job, DiagnosisEn
   job->progress.state = how.state;
   job->progress.step = how.state == JobState::done ? "done" : how.reason;
   if (how.state == JobState::done) job->progress.fraction = 1;
-  auto storing = writer_.call(
-      [id = job->id, how](Store& store) { return store.diagnoses().end_diagnosis(id, how); });
-  auto stored = co_await std::move(storing);
+  auto stored = co_await writer_.diagnoses().end_diagnosis(job->id, how);
   if (!stored)  // a full disk: the start after this one finds it unfinished
     events_.record_own("diagnosis.failed", fmt::format("diagnosis {} could not be stored: {}",
                                                        job->id.value, stored.error().message));

@@ -46,9 +46,7 @@ Awaitable<Result<ImprovementRecord>> Improver::begin(Caller caller, ImproveReque
   fresh.created = clock_.now().utc;
   fresh.created_by = caller.name;
   beginning_ = true;
-  auto storing =
-      writer_.call([fresh](Store& store) { return store.diagnoses().add_improvement(fresh); });
-  auto stored = co_await std::move(storing);
+  auto stored = co_await writer_.diagnoses().add_improvement(fresh);
   beginning_ = false;
   if (!stored || stored->created != fresh.created) co_return stored;  // failed, or a repeat
   events_.record(
@@ -66,7 +64,7 @@ Awaitable<Result<ImprovementRecord>> Improver::begin(Caller caller, ImproveReque
     watchers_.publish(one->progress);
   };
   hooks.keep = [this, id = stored->id](ImprovementTurn turn) {
-    return writer_.call([id, turn](Store& store) { return store.diagnoses().put_turn(id, turn); });
+    return writer_.diagnoses().put_turn(id, turn);
   };
   active->loop = std::make_unique<ImprovementLoop>(cell_, clock_, caller, std::move(request),
                                                    stored->id, std::move(hooks));
@@ -88,11 +86,8 @@ Awaitable<Result<void>> Improver::end(std::shared_ptr<Active> active, JobState s
                                       std::string reason) {
   if (active->over) co_return Result<void>{};
   active->over = true;
-  auto storing =
-      writer_.call([id = active->record.id, state, reason, at = clock_.now().utc](Store& store) {
-        return store.diagnoses().end_improvement(id, state, reason, at);
-      });
-  auto stored = co_await std::move(storing);
+  auto stored = co_await writer_.diagnoses().end_improvement(active->record.id, state, reason,
+                                                             clock_.now().utc);
   auto detail = fmt::format("improvement {} is {}: {}", active->record.id.value, to_string(state),
                             stored ? reason : stored.error().message);
   events_.record_own(fmt::format("improvement.{}", to_string(state)), std::move(detail));

@@ -9,7 +9,6 @@
 #include "server/application/motion/motion.h"
 #include "server/application/motion/sampling.h"
 #include "server/application/motion/start_checks.h"
-#include "server/application/plumbing/crash_point.h"
 #include "server/application/recording/doubts.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
@@ -194,13 +193,7 @@ Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening)
   datum.values.insert(datum.values.end(), slow.begin(), slow.end());
   if (old_zero) compare(bench.description, opening, *old_zero, datum, bench.events);
 
-  auto storing = bench.writer.call([datum](Store& store) {
-    crash_point("before_datum_commit");
-    auto stored = store.runs().open_datum(datum);
-    if (stored) crash_point("after_datum_commit");
-    return stored;
-  });
-  DRIFTWISE_CO_TRY(auto id, co_await std::move(storing));
+  DRIFTWISE_CO_TRY(auto id, co_await bench.writer.runs().open_datum(datum));
   datum.id = id;
   bench.doubts.take_datum(datum);
   bench.events.record_own("datum.opened",

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "server/application/plumbing/crash_point.h"
 #include "server/application/plumbing/task_group.h"
 
 namespace driftwise::application {
@@ -170,13 +169,7 @@ Awaitable<void> StopDesk::send(Place& place) {
 
 Awaitable<void> StopDesk::keep() {
   std::vector<StopRecord> stops = records();
-  auto storing = writer_.call([stops](Store& store) {
-    crash_point("before_stop_commit");
-    auto kept = store.stops().keep(stops);
-    if (kept) crash_point("after_stop_commit");
-    return kept;
-  });
-  const auto stored = co_await std::move(storing);
+  const auto stored = co_await writer_.stops().keep(stops);
   for (auto& place : places_)
     for (const auto& stop : stops)
       if (stored && place.stop && stop.controller == place.controller.id &&
@@ -232,13 +225,7 @@ Awaitable<bool> StopDesk::at_rest(Place& place) {
 Awaitable<void> StopDesk::end(Place& place) {
   const StopRecord stop = *place.stop;
   const auto now = clock_.now();
-  auto storing = writer_.call([stop, at = now.utc](Store& store) {
-    crash_point("before_stop_confirm_commit");
-    auto confirmed = store.stops().confirm(stop, at);
-    if (confirmed) crash_point("after_stop_confirm_commit");
-    return confirmed;
-  });
-  const auto stored = co_await std::move(storing);
+  const auto stored = co_await writer_.stops().confirm(stop, now.utc);
   if (place.stop->presses != stop.presses) co_return;  // pressed again meanwhile
   if (!stored)  // a restart sends the stop once more, to an axis that rests
     events_.record_own("daemon.trouble",
@@ -257,11 +244,11 @@ Awaitable<void> StopDesk::end(Place& place) {
 Awaitable<void> StopDesk::end_orphans() {
   if (orphans_.empty()) co_return;
   const auto orphans = std::exchange(orphans_, {});
-  auto storing = writer_.call([orphans, at = clock_.now().utc](Store& store) {
-    for (const auto& stop : orphans) static_cast<void>(store.stops().confirm(stop, at));
-    return true;
-  });
-  co_await std::move(storing);
+  co_await writer_.call(
+      [at = clock_.now().utc](Store& store, const std::vector<StopRecord>& stops) {
+        for (const auto& stop : stops) static_cast<void>(store.stops().confirm(stop, at));
+      },
+      orphans);
 }
 
 }  // namespace driftwise::application

@@ -2,7 +2,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include "server/application/plumbing/crash_point.h"
 #include "server/application/ports/cell.h"
 #include "server/core/ports/spawn.h"
 
@@ -34,13 +33,7 @@ Awaitable<void> EventLog::pump() {
   constexpr auto kRetry = std::chrono::seconds(5);
   while (!pending_.empty()) {
     auto event = pending_.front();
-    auto storing = writer_.call([event](Store& store) {
-      crash_point("before_event_commit");
-      auto id = store.events().add_event(event);
-      if (id) crash_point("after_event_commit");
-      return id;
-    });
-    auto stored = co_await std::move(storing);
+    auto stored = co_await writer_.events().add_event(event);
     if (!stored && stored.error().code == ErrorCode::resource_exhausted && !shutting_down_) {
       co_await sleep_unless(clock_, clock_.now().utc + kRetry, hurry_);
       continue;

@@ -6,8 +6,8 @@
 
 namespace driftwise::application {
 
-StoreWriter::StoreWriter(asio::any_io_executor thread, std::unique_ptr<Store> store)
-    : thread_(std::move(thread)), store_(std::move(store)) {}
+StoreWriter::StoreWriter(const asio::any_io_executor& thread, std::unique_ptr<Store> store)
+    : AsyncStore(thread, thread, std::move(store)) {}
 
 StoreWriter::~StoreWriter() = default;
 
@@ -41,13 +41,14 @@ Awaitable<Result<std::optional<PointId>>> StoreWriter::commit(PointCommit commit
   parcel->slow_readings = std::exchange(readings_, {});
   parcel->moves = std::exchange(moves_, {});
   parcel->rejected = std::exchange(rejected_, {});
-  auto storing = call([parcel](Store& store) {
-    crash_point("before_point_commit");
-    auto result = store.runs().commit(*parcel);
-    if (result) crash_point("after_point_commit");
-    return result;
-  });
-  auto stored = co_await std::move(storing);
+  auto stored = co_await call(
+      [](Store& store, const std::shared_ptr<PointCommit>& kept) {
+        crash_point("before_point_commit");
+        auto result = store.runs().commit(*kept);
+        if (result) crash_point("after_point_commit");
+        return result;
+      },
+      parcel);
   if (!stored)
     put_back(std::move(parcel->slow_readings), std::move(parcel->moves),
              std::move(parcel->rejected));
@@ -56,17 +57,21 @@ Awaitable<Result<std::optional<PointId>>> StoreWriter::commit(PointCommit commit
 
 Awaitable<Result<void>> StoreWriter::flush() {
   if (readings_.empty() && moves_.empty() && rejected_.empty()) co_return Result<void>{};
-  auto readings = std::make_shared<std::vector<Reading>>(std::exchange(readings_, {}));
-  auto moves = std::make_shared<std::vector<MoveRecord>>(std::exchange(moves_, {}));
-  auto rejected = std::make_shared<std::vector<RejectedAnswer>>(std::exchange(rejected_, {}));
-  auto storing = call([readings, moves, rejected](Store& store) {
-    crash_point("before_readings_commit");
-    auto result = store.readings().append(*readings, *moves, *rejected);
-    if (result) crash_point("after_readings_commit");
-    return result;
-  });
-  auto stored = co_await std::move(storing);
-  if (!stored) put_back(std::move(*readings), std::move(*moves), std::move(*rejected));
+  auto parcel = std::make_shared<PointCommit>();
+  parcel->slow_readings = std::exchange(readings_, {});
+  parcel->moves = std::exchange(moves_, {});
+  parcel->rejected = std::exchange(rejected_, {});
+  auto stored = co_await call(
+      [](Store& store, const std::shared_ptr<PointCommit>& kept) {
+        crash_point("before_readings_commit");
+        auto result = store.readings().append(kept->slow_readings, kept->moves, kept->rejected);
+        if (result) crash_point("after_readings_commit");
+        return result;
+      },
+      parcel);
+  if (!stored)
+    put_back(std::move(parcel->slow_readings), std::move(parcel->moves),
+             std::move(parcel->rejected));
   co_return stored;
 }
 

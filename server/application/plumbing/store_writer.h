@@ -14,35 +14,29 @@
 #include <utility>
 #include <vector>
 
-#include "server/application/plumbing/signal.h"
-#include "server/core/ports/store.h"
+#include "server/application/plumbing/async_store.h"
 
 namespace driftwise::application {
 
-class StoreWriter {
+class StoreWriter : public AsyncStore {
  public:
   static constexpr std::size_t kMaxReadings = 50'000;
 
   // thread: an executor on which one thread at most runs; nobody else may touch the store.
-  StoreWriter(asio::any_io_executor thread, std::unique_ptr<Store> store);
+  StoreWriter(const asio::any_io_executor& thread, std::unique_ptr<Store> store);
   ~StoreWriter();
 
   void add(Reading reading);
   void add(MoveRecord move);
   void add(RejectedAnswer rejected);
 
+  // Other calls are made in their order, by the functions of AsyncStore.
+
   // Durable when it returns. Takes the gathered readings and moves along; the caller's commit is
   // not consumed, so that the very same one can be tried again after resource_exhausted.
   Awaitable<Result<std::optional<PointId>>> commit(PointCommit commit);
   // Writes what has gathered; does nothing when that is nothing.
   Awaitable<Result<void>> flush();
-
-  // Any other call of the store, on its thread, in the order of the calls.
-  template <class Function>
-  auto call(Function function) {
-    return run_on(thread_,
-                  [store = store_.get(), f = std::move(function)]() mutable { return f(*store); });
-  }
 
   std::size_t gathered() const { return readings_.size(); }
   // Since when the oldest reading or move has waited; none when nothing does.
@@ -53,8 +47,6 @@ class StoreWriter {
   void put_back(std::vector<Reading> readings, std::vector<MoveRecord> moves,
                 std::vector<RejectedAnswer> rejected);
 
-  asio::any_io_executor thread_;
-  std::unique_ptr<Store> store_;
   std::vector<Reading> readings_;
   std::vector<MoveRecord> moves_;
   std::vector<RejectedAnswer> rejected_;

@@ -1,6 +1,5 @@
 #include "server/application/runs/run_state_store.h"
 
-#include "server/application/plumbing/crash_point.h"
 #include "server/application/runs/point_visit.h"
 #include "server/application/runs/trajectory_walk.h"
 #include "server/core/try.h"
@@ -20,13 +19,7 @@ Awaitable<Result<void>> store_state(ActiveRun& run) {
   change.hold = record.hold;
   if (!run.scope.bench.boot_id.empty()) change.boot_id = run.scope.bench.boot_id;
   while (true) {
-    auto storing = run.scope.bench.writer.call([id = record.id, change](Store& store) {
-      crash_point("before_run_state_commit");
-      auto result = store.runs().change_run(id, change);
-      if (result) crash_point("after_run_state_commit");
-      return result;
-    });
-    auto stored = co_await std::move(storing);
+    auto stored = co_await run.scope.bench.writer.runs().change_run(record.id, change);
     if (stored || stored.error().code != ErrorCode::resource_exhausted) co_return stored;
     if (!is_over(record.state) || run.control.shutting_down()) co_return Result<void>{};
     co_await sleep_unless(run.scope.bench.clock, run.scope.bench.clock.now().utc + kRetry,

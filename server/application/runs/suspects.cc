@@ -35,9 +35,7 @@ Awaitable<Result<void>> mark_suspects(ActiveRun& run, CellTime since, std::strin
   mark.at = run.scope.bench.clock.now();
   mark.who = "daemon";
   mark.suspect = true;
-  auto storing =
-      run.scope.bench.writer.call([mark](Store& store) { return store.remarks().exclude(mark); });
-  DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(storing));
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await run.scope.bench.writer.remarks().exclude(mark));
   auto detail = fmt::format("rows {} of run {} are suspect and kept out of fits: {}",
                             formats::row_ranges_text(mark.rows), mark.run.value, mark.reason);
   run.scope.bench.events.record_own("data.suspect", std::move(detail), mark.run);

@@ -51,21 +51,19 @@ Awaitable<Result<Serving::Followed>> Serving::load(ModelRecord record) {
                                                                        description_));
   Followed followed{std::move(builder), std::nullopt, std::move(symbols), false};
   if (!runs.empty()) {
-    const auto data = co_await reader_.call(
-        [run = runs.front()](Store& store) { return store.runs().data(run); });
+    const auto data = co_await reader_.runs().data(runs.front());
     if (data && !data->empty()) followed.own_datum = data->front().id;
-    auto looking = reader_.call([runs, present = description_.hash](Store& store) {
-      return std::ranges::all_of(runs, [&](RunId run) {
-        const auto used = store.configurations().of_run(run);
-        return used && used->back().hash == present;
-      });
-    });
-    followed.under_present = co_await std::move(looking);
+    followed.under_present = co_await reader_.call(
+        [](Store& store, const std::vector<RunId>& fitted_from, const std::string& present) {
+          return std::ranges::all_of(fitted_from, [&](RunId run) {
+            const auto used = store.configurations().of_run(run);
+            return used && used->back().hash == present;
+          });
+        },
+        runs, description_.hash);
   }
   const auto now = clock_.now().utc;
-  const auto stored = co_await reader_.call([now](Store& store) {
-    return store.readings().readings("", now - kMemory, now, kMemoryReadings);
-  });
+  const auto stored = co_await reader_.readings().readings("", now - kMemory, now, kMemoryReadings);
   if (stored)
     for (const auto& reading : *stored) followed.builder.observe(reading);
   // What has not reached the disk yet.
@@ -174,11 +172,12 @@ Awaitable<Result<PastTargets>> Serving::past(PastTargetsQuery query) const {
   const Followed& followed = followed_.at(*serving_);
   PastModel from{followed.builder.model(), *serving_, datum_,
                  datum_ && followed.own_datum == datum_->id};
-  auto working = reader_.call([&cell = description_, from = std::move(from), query,
-                               now = clock_.now().utc](Store& store) mutable {
-    return past_targets(store, cell, std::move(from), query, now);
-  });
-  co_return co_await std::move(working);
+  co_return co_await reader_.call(
+      [cell = &description_, now = clock_.now().utc](Store& store, PastModel& model,
+                                                     const PastTargetsQuery& asked) {
+        return past_targets(store, *cell, std::move(model), asked, now);
+      },
+      std::move(from), std::move(query));
 }
 
 Result<std::vector<double>> Serving::targets(const std::vector<Channel>& coordinates,

@@ -127,9 +127,8 @@ void DatabaseUpkeep::list_troubles() {
 
 Awaitable<void> DatabaseUpkeep::keep_copy() {
   const std::string target = copy_path();
-  auto copying = writer_.call(
-      [target](Store& store) -> Result<void> { return store.upkeep()->copy_to(target); });
-  const auto copied = co_await std::move(copying);
+  const auto copied = co_await writer_.call(
+      [](Store& store, const std::string& path) { return store.upkeep()->copy_to(path); }, target);
   copy_ = target;
   const char* what = files_ == DatabaseFiles::moved      ? "is no longer at its path"
                      : files_ == DatabaseFiles::replaced ? "has been replaced by another file"
@@ -223,11 +222,12 @@ Awaitable<bool> DatabaseUpkeep::check_next_table() {
   health_.tables = static_cast<std::int64_t>(tables->size());
   health_.tables_checked = static_cast<std::int64_t>(tables->size() - left.size());
   const std::string table = left.front();
-  auto checking = checker_->call([this, table](Store& store) {
-    return store.upkeep()->check(
-        table, [this] { return gives_way_.load() || log_bytes() > kMostLogBytes; });
-  });
-  const auto found = co_await std::move(checking);
+  const auto found = co_await checker_->call(
+      [this](Store& store, const std::string& name) {
+        return store.upkeep()->check(
+            name, [this] { return gives_way_.load() || log_bytes() > kMostLogBytes; });
+      },
+      table);
   if (!found) co_return true;  // gave way: again later
   TableCheck done{table, clock_.now().utc, *found};
   std::erase_if(checks_.tables, [&](const TableCheck& one) { return one.table == table; });
@@ -236,10 +236,11 @@ Awaitable<bool> DatabaseUpkeep::check_next_table() {
   const bool clean = all && std::ranges::all_of(checks_.tables, [](const TableCheck& one) {
                        return one.trouble.empty();
                      });
-  auto keeping = writer_.call([done, begun = checks_.begun, clean](Store& store) {
-    return store.upkeep() ? store.upkeep()->keep_check(done, begun, clean) : Result<void>{};
-  });
-  static_cast<void>(co_await std::move(keeping));  // told again by the next pass
+  static_cast<void>(co_await writer_.call(  // told again by the next pass
+      [begun = checks_.begun, clean](Store& store, const TableCheck& check) {
+        return store.upkeep() ? store.upkeep()->keep_check(check, begun, clean) : Result<void>{};
+      },
+      done));
   health_.tables_checked = health_.tables - static_cast<std::int64_t>(left.size()) + 1;
   if (clean) health_.last_clean = done.checked;
   list_troubles();

@@ -126,8 +126,7 @@ Awaitable<void> WallClockWatch::look() {
   auto sentence = step_sentence(step, before, clock_.utc(now), "");
   events_.record_own("clock.stepped", sentence);
   if (is_alarm(step)) alarm_(alarm_of(std::move(sentence)));
-  auto storing = writer_.call([record](Store& store) { return store.clocks().add_clock(record); });
-  const auto stored = co_await std::move(storing);
+  const auto stored = co_await writer_.clocks().add_clock(record);
   if (!stored)  // the next start compares with the record before it and finds the step again
     events_.record_own("daemon.trouble",
                        "storing a step of the wall clock: " + stored.error().message);

@@ -1,5 +1,5 @@
 #include "driftwise/v1/standards_service.grpc.pb.h"
-#include "server/application/plumbing/signal.h"
+#include "server/application/plumbing/run_on.h"
 #include "server/core/try.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/rpc/shared/request_checks.h"
@@ -44,14 +44,17 @@ class StandardsService final : public v1::StandardsService::CallbackService {
           auto exporting =
               cell_.export_dataset(std::move(runs), true);  // rows kept out are no figures either
           DRIFTWISE_CO_TRY(const auto csv, co_await std::move(exporting));
-          auto calculating = application::run_on(
-              cell_.background(), [text = csv, options = options_from(*request), figures_of] {
-                const auto dataset = formats::read_dataset_csv(text, "run");
-                using Answer = decltype(figures_of(*dataset, options));
-                if (!dataset) return Answer(tl::unexpected(dataset.error()));
-                return figures_of(*dataset, options);
-              });
-          DRIFTWISE_CO_TRY(const auto figures, co_await std::move(calculating));
+          const auto options = options_from(*request);
+          DRIFTWISE_CO_TRY(const auto figures,
+                           co_await application::run_on(
+                               cell_.background(),
+                               [figures_of](const std::string& text, const auto& asked) {
+                                 const auto dataset = formats::read_dataset_csv(text, "run");
+                                 using Answer = decltype(figures_of(*dataset, asked));
+                                 if (!dataset) return Answer(tl::unexpected(dataset.error()));
+                                 return figures_of(*dataset, asked);
+                               },
+                               csv, options));
           put(figures, *response);
           co_return Result<void>{};
         });

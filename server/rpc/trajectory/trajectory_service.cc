@@ -1,5 +1,5 @@
 #include "driftwise/v1/trajectory_service.grpc.pb.h"
-#include "server/application/plumbing/signal.h"
+#include "server/application/plumbing/run_on.h"
 #include "server/core/trajectory/trajectory_generator.h"
 #include "server/core/try.h"
 #include "server/formats/csv/trajectory_csv.h"
@@ -92,9 +92,8 @@ class TrajectoryService final : public v1::TrajectoryService::CallbackService {
     // Stores nothing and moves nothing, but what it makes must be fit for this cell.
     return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
       DRIFTWISE_CO_TRY(const auto plan, generator_plan_from(*request));
-      auto generating =
-          application::run_on(cell_.background(), [plan = plan] { return generated_text(plan); });
-      DRIFTWISE_CO_TRY(auto text, co_await std::move(generating));
+      DRIFTWISE_CO_TRY(auto text,
+                       co_await application::run_on(cell_.background(), generated_text, plan));
       auto checking = cell_.check_trajectory(text);
       DRIFTWISE_CO_TRY(const auto checked, co_await std::move(checking));
       response->set_text(std::move(text));

@@ -74,4 +74,11 @@ TEST(HelperCode, OneClassIsTheMutexOfCoroutines) {
               testing::ElementsAre(testing::StartsWith("server/core/ports/async_mutex.h")));
 }
 
+TEST(HelperCode, CallsOfTheStoreAndOfOtherThreadsAreOneStatement) {
+  // server/application/plumbing/async_store.h, run_on.h: what a call owns is an argument
+  EXPECT_THAT(
+      matches({"server"}, "auto \\w+ =\\s*([\\w:]*run_on|[\\w.>()-]*(\\.|->)call)\\("),
+      testing::ElementsAre(testing::StartsWith("server/application/plumbing/async_store.h")));
+}
+
 }  // namespace
