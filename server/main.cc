@@ -37,6 +37,7 @@
 #include "server/application/serving/target_line_server.h"
 #include "server/application/upkeep/cell_clock.h"
 #include "server/clean_log.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/descriptor_limit.h"
 #include "server/formats/cell_file/cell_file.h"
@@ -78,7 +79,7 @@ Result<void> keep_load(const DeviceDescription& device, asio::any_io_executor ex
                        Clock& clock, application::Devices& devices) {
   if (devices.load)
     return fail(
-        ErrorCode::invalid_argument, "TWO_LOADS",
+        ErrorCode::invalid_argument, reasons::kTwoLoads,
         "device '" + device.id + "': a cell has one load actuator, this file names a second one");
   DRIFTWISE_TRY(auto load, drivers::make_load_actuator(device, std::move(executor), clock));
   devices.load = std::move(load);
@@ -99,12 +100,12 @@ Result<void> make_device(const DeviceDescription& device, asio::any_io_executor 
     return keep(drivers::make_newport_lds1000(device, executor, clock), devices.collimators);
   if (device.kind == "load-actuator") return keep_load(device, executor, clock, devices);
   if (device.kind != "pi-gcs")
-    return fail(ErrorCode::invalid_argument, "UNKNOWN_KIND",
+    return fail(ErrorCode::invalid_argument, reasons::kUnknownKind,
                 "device '" + device.id + "': found kind '" + device.kind +
                     "', expected pi-gcs, keithley-2701, interferometer-adapter, newport-lds1000, "
                     "watlow-ez-zone or load-actuator");
   if (devices.controller)
-    return fail(ErrorCode::invalid_argument, "TWO_CONTROLLERS",
+    return fail(ErrorCode::invalid_argument, reasons::kTwoControllers,
                 "device '" + device.id +
                     "': a cell has one motion controller, this file names a second one");
   DRIFTWISE_TRY(auto controller, drivers::make_pi_gcs(device, executor, clock, claims));
@@ -119,7 +120,7 @@ Result<application::Devices> make_devices(const CellDescription& cell,
   for (const auto& device : cell.devices)
     DRIFTWISE_RETURN_IF_ERROR(make_device(device, executor, clock, claims, devices));
   if (!devices.controller)
-    return fail(ErrorCode::invalid_argument, "NO_CONTROLLER",
+    return fail(ErrorCode::invalid_argument, reasons::kNoController,
                 cell.name + ": the cell file names no motion controller (kind \"pi-gcs\")");
   return devices;
 }
@@ -213,7 +214,7 @@ Result<void> check_web_page(const std::string& web_root) {
   std::error_code ignored;
   if (web_root.empty() || fs::is_regular_file(fs::path(web_root) / "index.html", ignored))
     return {};
-  return fail(ErrorCode::not_found, "NO_WEB_PAGE",
+  return fail(ErrorCode::not_found, reasons::kNoWebPage,
               "[web] root: found no index.html in " + web_root +
                   ", expected the folder of the web page (leave the key out for the one that came "
                   "with the program)");

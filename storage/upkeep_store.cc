@@ -2,6 +2,8 @@
 
 #include <filesystem>
 
+#include "server/core/reasons.h"
+
 namespace driftwise::storage {
 namespace {
 
@@ -90,7 +92,7 @@ Result<void> SqliteUpkeepStore::reopen() {
 Result<void> SqliteUpkeepStore::copy_to(const std::string& path) {
   return answered([&] {
     if (std::filesystem::exists(path))
-      throw_failure(ErrorCode::already_exists, "FILE_EXISTS",
+      throw_failure(ErrorCode::already_exists, reasons::kFileExists,
                     "the record is not copied: there is a file " + path + " already");
     Database copy(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, "");
     sqlite3_backup* backup =
@@ -104,7 +106,7 @@ Result<void> SqliteUpkeepStore::copy_to(const std::string& path) {
       if (line != "ok") trouble = line;
     });
     if (!trouble.empty())
-      throw_failure(ErrorCode::data_loss, "DATABASE_DAMAGED",
+      throw_failure(ErrorCode::data_loss, reasons::kDatabaseDamaged,
                     "the copy " + path + " holds what could be read, and is damaged: " + trouble);
   });
 }
@@ -127,7 +129,8 @@ Result<std::string> SqliteUpkeepStore::check(const std::string& table,
       [&] { return table.empty() ? first_look(session_.db) : quick_check(session_.db, table); });
   if (trouble) return trouble;
   if (watch.gave_way())
-    return fail(ErrorCode::cancelled, "GAVE_WAY", "the check of table " + table + " gave way");
+    return fail(ErrorCode::cancelled, reasons::kGaveWay,
+                "the check of table " + table + " gave way");
   // A page that cannot be read at all is what the check is there to find.
   if (trouble.error().code == ErrorCode::data_loss) return trouble.error().message;
   return trouble;

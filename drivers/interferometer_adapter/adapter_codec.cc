@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "drivers/transport/words.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::adapter {
@@ -15,7 +16,7 @@ using transport::read_number;
 using transport::words_of;
 
 tl::unexpected<Error> bad_reply(std::string message) {
-  return fail(ErrorCode::data_loss, "BAD_REPLY", std::move(message));
+  return fail(ErrorCode::data_loss, reasons::kBadReply, std::move(message));
 }
 
 bool read_hex(std::string_view text, std::uint32_t& value) {
@@ -28,24 +29,24 @@ bool read_hex(std::string_view text, std::uint32_t& value) {
 Error device_error(int code) {
   switch (code) {
     case 1:
-      return {ErrorCode::internal, "SYNTAX", "the adapter does not understand the request"};
+      return {ErrorCode::internal, reasons::kSyntax, "the adapter does not understand the request"};
     case 2:
-      return {ErrorCode::failed_precondition, "NO_DEVICE",
+      return {ErrorCode::failed_precondition, reasons::kNoDevice,
               "the adapter sees no interferometer on this channel: check its USB cable and the "
               "option 'channel'"};
     case 3:
-      return {ErrorCode::failed_precondition, "BEAM_LOST",
+      return {ErrorCode::failed_precondition, reasons::kBeamLost,
               "the beam was interrupted, the length is lost: free the beam and zero again"};
     case 4:
-      return {ErrorCode::deadline_exceeded, "DEVICE_TIMEOUT",
+      return {ErrorCode::deadline_exceeded, reasons::kDeviceTimeout,
               "the interferometer does not answer the adapter"};
     case 5:
-      return {ErrorCode::data_loss, "VALUES_LOST", "the adapter lost values (overflow)"};
+      return {ErrorCode::data_loss, reasons::kValuesLost, "the adapter lost values (overflow)"};
     case 6:
-      return {ErrorCode::failed_precondition, "LASER_UNSTABLE",
+      return {ErrorCode::failed_precondition, reasons::kLaserUnstable,
               "the laser is not stable: let it warm up"};
     default:
-      return {ErrorCode::failed_precondition, "REFUSED", "the adapter refuses"};
+      return {ErrorCode::failed_precondition, reasons::kRefused, "the adapter refuses"};
   }
 }
 
@@ -151,20 +152,20 @@ Result<void> check_status(const Measurement& measurement) {
   char text[48];
   std::snprintf(text, sizeof text, "status 0x%04x: ", static_cast<unsigned>(measurement.status));
   const std::string status = text;
-  if (has(0x8000)) return fail(ErrorCode::internal, "BAD_REQUEST", status + "bad request");
+  if (has(0x8000)) return fail(ErrorCode::internal, reasons::kBadRequest, status + "bad request");
   if (has(0x01))
-    return fail(ErrorCode::failed_precondition, "BEAM_LOST",
+    return fail(ErrorCode::failed_precondition, reasons::kBeamLost,
                 status + "quadrant jump, the length is lost: zero again");
   if (has(0x300))
-    return fail(ErrorCode::data_loss, "VALUES_LOST", status + "values were lost (overflow)");
+    return fail(ErrorCode::data_loss, reasons::kValuesLost, status + "values were lost (overflow)");
   if (!has(0x10))
-    return fail(ErrorCode::failed_precondition, "LASER_UNSTABLE",
+    return fail(ErrorCode::failed_precondition, reasons::kLaserUnstable,
                 status + "the laser is not stable: let it warm up");
   if (has(0x20))
-    return fail(ErrorCode::failed_precondition, "LASER_UNSTABLE",
+    return fail(ErrorCode::failed_precondition, reasons::kLaserUnstable,
                 status + "the laser was unstable since the last zero: zero again");
   if (has(0x02))
-    return fail(ErrorCode::failed_precondition, "LOW_LEVEL",
+    return fail(ErrorCode::failed_precondition, reasons::kLowLevel,
                 status + "the signal is too weak: clean and align the mirror");
   return {};
 }

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
 
@@ -31,9 +32,9 @@ Awaitable<Result<void>> Interferometer::set_up() {
   const auto identity = parse_identity(reply);
   if (!identity) co_return link_.wrong_reply(identity.error());
   if (options_.channel > identity->channels) {
-    co_return link_.refused("NO_CHANNEL", "option channel = " + std::to_string(options_.channel) +
-                                              ", the adapter has " +
-                                              std::to_string(identity->channels));
+    co_return link_.refused(reasons::kNoChannel,
+                            "option channel = " + std::to_string(options_.channel) +
+                                ", the adapter has " + std::to_string(identity->channels));
   }
   know_identity(identity->text, reply);
   if (auto set = co_await command("AVG " + std::to_string(options_.samples)); !set) co_return set;
@@ -65,7 +66,7 @@ Awaitable<Result<void>> Interferometer::zero() {
 Awaitable<Result<Reading>> Interferometer::read() {
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await get_ready());
   if (zero_generation_ != 0 && zero_generation_ != link_.generation()) {
-    co_return fail(ErrorCode::failed_precondition, "BEAM_LOST",
+    co_return fail(ErrorCode::failed_precondition, reasons::kBeamLost,
                    "device '" + device_.id + "' at " + device_.address +
                        ": the line broke since the last zero and the adapter may have been "
                        "restarted: zero again");
@@ -76,12 +77,12 @@ Awaitable<Result<Reading>> Interferometer::read() {
       co_await link_.ask("MEAS? " + std::to_string(options_.channel) + "\n", measure_timeout_));
   auto measurement = parse_measurement(reply);
   if (measurement && measurement->channel != options_.channel) {
-    measurement =
-        fail(ErrorCode::data_loss, "BAD_REPLY", "expected ch=" + std::to_string(options_.channel));
+    measurement = fail(ErrorCode::data_loss, reasons::kBadReply,
+                       "expected ch=" + std::to_string(options_.channel));
   }
   if (measurement && measurement->samples != options_.samples) {
-    measurement =
-        fail(ErrorCode::data_loss, "BAD_REPLY", "expected n=" + std::to_string(options_.samples));
+    measurement = fail(ErrorCode::data_loss, reasons::kBadReply,
+                       "expected n=" + std::to_string(options_.samples));
   }
   if (!measurement) co_return wrong(measurement);
   if (auto good = check_status(*measurement); !good) co_return link_.wrong_reply(good.error());
@@ -100,7 +101,7 @@ Result<Reading> Interferometer::reading_from(const Measurement& measurement, Cel
                   "the adapter's clock was set by %+.3f s: this reading may lie on either side of "
                   "it and is not used; the next ones count by the new offset",
                   seconds_from(*jump));
-    return link_.wrong_reply({ErrorCode::data_loss, "CLOCK_JUMPED", text});
+    return link_.wrong_reply({ErrorCode::data_loss, reasons::kClockJumped, text});
   }
   Reading out;
   out.device = device_.id;

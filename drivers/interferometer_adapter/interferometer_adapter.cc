@@ -1,6 +1,7 @@
 #include "drivers/interferometer_adapter/interferometer_adapter.h"
 
 #include "drivers/interferometer_adapter/interferometer.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::drivers {
@@ -11,7 +12,7 @@ Result<std::unique_ptr<Instrument>> make_interferometer_adapter(const DeviceDesc
   DRIFTWISE_TRY(auto options, adapter::read_options(device));
   DRIFTWISE_TRY(const auto address, transport::parse_address(device.address));
   if (!device.length || device.length->unit != "mm") {
-    return fail(ErrorCode::invalid_argument, "NO_LENGTH",
+    return fail(ErrorCode::invalid_argument, reasons::kNoLength,
                 "device '" + device.id +
                     "' (interferometer-adapter): expected length = \"<symbol>_mm\", such as x_mm");
   }

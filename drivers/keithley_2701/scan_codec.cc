@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "server/core/data/reading.h"
+#include "server/core/reasons.h"
 
 namespace driftwise::keithley {
 namespace {
@@ -14,7 +15,7 @@ constexpr double kOverflow = 1e37;
 constexpr int kMinChannel = 101,
               kMaxChannel = 599;  // five slots of the 2750; the 2700 and 2701 have two
 
-tl::unexpected<Error> bad_reply(std::string message, const char* reason = "BAD_REPLY") {
+tl::unexpected<Error> bad_reply(std::string message, Reason reason = reasons::kBadReply) {
   return fail(ErrorCode::data_loss, reason, std::move(message));
 }
 
@@ -127,7 +128,7 @@ Result<std::vector<double>> parse_fields(std::string_view reply, std::size_t cou
     return bad_reply(
         (out.size() > count ? "more than " + std::to_string(count) : std::to_string(out.size())) +
             " fields, expected " + std::to_string(count),
-        "FIELD_COUNT");
+        reasons::kFieldCount);
   }
   return out;
 }
@@ -143,7 +144,7 @@ Result<Layout> learn_layout(std::span<const double> fields, std::span<const int>
         std::string(candidates.empty() ? "no field holds" : "more than one field holds") +
             " the channel numbers " + encode_channel_list(scanned) +
             ": is FORM:ELEM READ,CHAN,TST in effect?",
-        "UNKNOWN_LAYOUT");
+        reasons::kUnknownLayout);
   }
   layout.channel = candidates.front();
   layout.reading = layout.channel == 0 ? 1 : 0;
@@ -154,10 +155,10 @@ Result<Layout> learn_layout(std::span<const double> fields, std::span<const int>
 Result<std::vector<ChannelReading>> read_scan(std::span<const double> fields, const Layout& layout,
                                               std::span<const int> scanned) {
   if (fields.size() != layout.fields * scanned.size())
-    return bad_reply("the scan does not have three fields per channel", "FIELD_COUNT");
+    return bad_reply("the scan does not have three fields per channel", reasons::kFieldCount);
   if (!holds_exactly(fields, layout, layout.channel, scanned))
     return bad_reply("the channels of the scan are not " + encode_channel_list(scanned),
-                     "WRONG_CHANNEL");
+                     reasons::kWrongChannel);
   std::vector<ChannelReading> out;
   for (std::size_t at = 0; at < fields.size(); at += layout.fields) {
     const double value = fields[at + layout.reading];

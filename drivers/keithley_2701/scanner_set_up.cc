@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "drivers/keithley_2701/scanner.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::keithley {
@@ -27,7 +28,7 @@ Awaitable<Result<void>> Scanner::set_up() {
   const std::string identity_text(transport::without_line_ends(identity));
   know_identity(identity_text, identity);
   if (identity_text.find("MODEL 27") == std::string::npos)
-    co_return nonsense({ErrorCode::failed_precondition, "WRONG_DEVICE",
+    co_return nonsense({ErrorCode::failed_precondition, reasons::kWrongDevice,
                         "expected a KEITHLEY MODEL 2700, 2701 or 2750"});
 
   // *RST and *CLS are slow; *OPC? says when they are over. The scan's time-out is long enough for
@@ -38,13 +39,14 @@ Awaitable<Result<void>> Scanner::set_up() {
   DRIFTWISE_CO_TRY(const auto complete,
                    co_await link_.ask("*OPC?" + options_.send_end, scan_timeout_));
   if (transport::without_line_ends(complete) != "1")
-    co_return nonsense({ErrorCode::data_loss, "BAD_REPLY", "expected 1"});
+    co_return nonsense({ErrorCode::data_loss, reasons::kBadReply, "expected 1"});
 
   DRIFTWISE_CO_TRY(const auto cards, co_await ask("*OPT?"));
   const std::string card_text(transport::without_line_ends(cards));
   if (options_.require_card && card_text.find("77") == std::string::npos)
     co_return link_.refused(
-        "NO_CARD", "no scanner card in any slot: four-wire scanning needs one (7700, 7708, ...)");
+        reasons::kNoCard,
+        "no scanner card in any slot: four-wire scanning needs one (7700, 7708, ...)");
   link_.set_identity(identity_text + " [" + card_text + "]");
 
   if (auto done = co_await configure(); !done) co_return done;
@@ -84,9 +86,10 @@ Awaitable<Result<void>> Scanner::compare_scan_list() {
   if (!list) co_return nonsense(list.error());
   if (*list == scanned_) co_return Result<void>{};
   co_return link_.refused(
-      "SCAN_LIST", "asked to scan " + encode_channel_list(scanned_) +
-                       ": an input is missing, or it is one of the pair of a four-wire channel "
-                       "(a 20-channel card scans 101..110 in four-wire)");
+      reasons::kScanList,
+      "asked to scan " + encode_channel_list(scanned_) +
+          ": an input is missing, or it is one of the pair of a four-wire channel "
+          "(a 20-channel card scans 101..110 in four-wire)");
 }
 
 Awaitable<Result<void>> Scanner::drain_errors() {
@@ -99,7 +102,7 @@ Awaitable<Result<void>> Scanner::drain_errors() {
     found += (found.empty() ? "" : "; ") + std::to_string(error->number) + " " + error->text;
   }
   if (found.empty()) co_return Result<void>{};
-  co_return link_.refused("SET_UP", "the scanner refused a part of its set-up: " + found);
+  co_return link_.refused(reasons::kSetUp, "the scanner refused a part of its set-up: " + found);
 }
 
 }  // namespace driftwise::keithley

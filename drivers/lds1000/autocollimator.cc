@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::lds1000 {
@@ -48,9 +49,9 @@ Awaitable<Result<void>> Autocollimator::set_integration() {
   const auto found_ms = parse_integration_ms(reply);
   if (!found_ms) co_return wrong(found_ms);
   if (*found_ms != options_.integration_ms)
-    co_return link_.refused("NOT_SET", "the integration constant is " + std::to_string(*found_ms) +
-                                           " ms after it was set to " +
-                                           std::to_string(options_.integration_ms));
+    co_return link_.refused(
+        reasons::kNotSet, "the integration constant is " + std::to_string(*found_ms) +
+                              " ms after it was set to " + std::to_string(options_.integration_ms));
   co_return Result<void>{};
 }
 
@@ -62,7 +63,7 @@ Awaitable<Result<void>> Autocollimator::check_axis(std::size_t i) {
   const bool right = found->unit == options_.unit.value_or(found->unit) &&
                      found->increment == options_.increment.value_or(found->increment);
   if (!right)
-    co_return link_.refused("WRONG_SET_UP",
+    co_return link_.refused(reasons::kWrongSetUp,
                             "axis " + std::to_string(axis) + " is set up in " +
                                 set_up_text(found->unit, found->increment) +
                                 ", the cell file expects " +
@@ -78,9 +79,10 @@ Awaitable<Result<void>> Autocollimator::check_spot() {
   const auto status = parse_status(reply);
   if (!status) co_return wrong(status);
   if (status->usable()) co_return Result<void>{};
-  co_return link_.refused("NO_SPOT", status->wrong_power
-                                         ? "wrong power received: free the beam, clean the mirror"
-                                         : "the spot is outside the range: align the mirror");
+  co_return link_.refused(reasons::kNoSpot,
+                          status->wrong_power
+                              ? "wrong power received: free the beam, clean the mirror"
+                              : "the spot is outside the range: align the mirror");
 }
 
 Awaitable<Result<Reading>> Autocollimator::read() {

@@ -7,13 +7,14 @@
 
 #include "drivers/transport/framing.h"
 #include "drivers/transport/words.h"
+#include "server/core/reasons.h"
 #include "server/core/units.h"
 
 namespace driftwise::lds1000 {
 namespace {
 
 tl::unexpected<Error> no_reply_to(const std::string& command, const std::string& expected) {
-  return fail(ErrorCode::data_loss, "BAD_REPLY",
+  return fail(ErrorCode::data_loss, reasons::kBadReply,
               "no answer to " + command + ": expected " + expected);
 }
 
@@ -90,7 +91,7 @@ Result<SetUp> parse_set_up(std::string_view reply, int axis) {
   if (!increment) return bad();
   const auto unit = unit_from(fields[fields.size() - kBack]);
   if (!unit)
-    return fail(ErrorCode::failed_precondition, "UNKNOWN_UNIT",
+    return fail(ErrorCode::failed_precondition, reasons::kUnknownUnit,
                 "axis " + std::to_string(axis) +
                     " is set up in neither sec nor microradian: set its unit on the controller");
   return SetUp{*unit, *increment};
@@ -128,18 +129,20 @@ Result<void> parse_error(std::string_view reply) {
     case '@':
       return {};
     case 'A':
-      return fail(ErrorCode::internal, "UNKNOWN_COMMAND", "the controller does not know it");
+      return fail(ErrorCode::internal, reasons::kUnknownCommand, "the controller does not know it");
     case 'B':
-      return fail(ErrorCode::invalid_argument, "BAD_AXIS", "the controller has no such axis");
+      return fail(ErrorCode::invalid_argument, reasons::kBadAxis,
+                  "the controller has no such axis");
     case 'C':
     case 'O':
-      return fail(ErrorCode::invalid_argument, "BAD_PARAMETER",
+      return fail(ErrorCode::invalid_argument, reasons::kBadParameter,
                   "the value is outside the controller's limits");
     case 'D':
-      return fail(ErrorCode::failed_precondition, "NOT_NOW",
+      return fail(ErrorCode::failed_precondition, reasons::kNotNow,
                   "the controller does not allow it now: end its acquisition or its menu first");
     case 'S':
-      return fail(ErrorCode::deadline_exceeded, "DEVICE_TIMEOUT", "the controller timed out");
+      return fail(ErrorCode::deadline_exceeded, reasons::kDeviceTimeout,
+                  "the controller timed out");
     default:
       return no_reply_to("TE", "one of @ A B C D O S");
   }

@@ -2,6 +2,7 @@
 
 #include "drivers/load_actuator/weights.h"
 #include "drivers/transport/options.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::drivers {
@@ -12,7 +13,7 @@ Result<std::unique_ptr<LoadActuator>> make_load_actuator(const DeviceDescription
   DRIFTWISE_RETURN_IF_ERROR(transport::OptionReader(device).finish());
   DRIFTWISE_TRY(const auto address, transport::parse_address(device.address));
   if (!device.force)
-    return fail(ErrorCode::invalid_argument, "NO_FORCE",
+    return fail(ErrorCode::invalid_argument, reasons::kNoForce,
                 "device '" + device.id + "' (load-actuator): expected channel = \"force_N\"");
   return std::make_unique<load_actuator::Weights>(device, address, std::move(executor), clock);
 }

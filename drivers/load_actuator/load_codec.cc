@@ -4,13 +4,14 @@
 #include <cmath>
 
 #include "drivers/transport/words.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::load_actuator {
 namespace {
 
 tl::unexpected<Error> bad_load_reply(std::string message) {
-  return fail(ErrorCode::data_loss, "BAD_REPLY", std::move(message));
+  return fail(ErrorCode::data_loss, reasons::kBadReply, std::move(message));
 }
 
 std::string joined(const std::vector<std::string_view>& words, std::size_t first) {
@@ -24,18 +25,19 @@ Error refusal(int code, const std::string& text) {
   const std::string said = text.empty() ? std::string() : " (" + text + ")";
   switch (code) {
     case 1:
-      return {ErrorCode::internal, "SYNTAX", "the actuator does not understand the request" + said};
+      return {ErrorCode::internal, reasons::kSyntax,
+              "the actuator does not understand the request" + said};
     case 2:
-      return {ErrorCode::out_of_range, "NO_SUCH_LOAD",
+      return {ErrorCode::out_of_range, reasons::kNoSuchLoad,
               "the actuator's weights do not give this force" + said};
     case 3:
-      return {ErrorCode::failed_precondition, "LOAD_BUSY",
+      return {ErrorCode::failed_precondition, reasons::kLoadBusy,
               "the actuator still moves its weights" + said};
     case 4:
-      return {ErrorCode::failed_precondition, "LOAD_JAMMED",
+      return {ErrorCode::failed_precondition, reasons::kLoadJammed,
               "the actuator is jammed: look at its pan and pulleys" + said};
     default:
-      return {ErrorCode::failed_precondition, "REFUSED", "the actuator refuses" + said};
+      return {ErrorCode::failed_precondition, reasons::kRefused, "the actuator refuses" + said};
   }
 }
 

@@ -4,13 +4,14 @@
 #include <charconv>
 #include <cmath>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::gcs {
 namespace {
 
 tl::unexpected<Error> bad_reply(std::string message) {
-  return fail(ErrorCode::data_loss, "BAD_REPLY", std::move(message));
+  return fail(ErrorCode::data_loss, reasons::kBadReply, std::move(message));
 }
 
 std::string_view trimmed(std::string_view text) {
@@ -155,23 +156,26 @@ namespace {
 struct KnownError {
   int number;
   ErrorCode code;
-  const char *reason, *text;
+  Reason reason;
+  const char* text;
 };
 constexpr KnownError kErrors[] = {
-    {1, ErrorCode::internal, "SYNTAX", "syntax error"},
-    {2, ErrorCode::failed_precondition, "UNKNOWN_COMMAND",
+    {1, ErrorCode::internal, reasons::kSyntax, "syntax error"},
+    {2, ErrorCode::failed_precondition, reasons::kUnknownCommand,
      "unknown command: is the driver's option right for this controller?"},
-    {5, ErrorCode::failed_precondition, "NOT_REFERENCED",
+    {5, ErrorCode::failed_precondition, reasons::kNotReferenced,
      "not referenced or servo off: home the axes first"},
-    {7, ErrorCode::out_of_range, "POSITION_LIMIT", "position outside the controller's limits"},
-    {8, ErrorCode::out_of_range, "VELOCITY_LIMIT", "velocity outside the controller's limits"},
-    {9, ErrorCode::failed_precondition, "PIVOT", "pivot cannot be set now"},
-    {10, ErrorCode::aborted, "STOPPED", "stopped by command"},
-    {15, ErrorCode::invalid_argument, "UNKNOWN_AXIS",
+    {7, ErrorCode::out_of_range, reasons::kPositionLimit,
+     "position outside the controller's limits"},
+    {8, ErrorCode::out_of_range, reasons::kVelocityLimit,
+     "velocity outside the controller's limits"},
+    {9, ErrorCode::failed_precondition, reasons::kPivot, "pivot cannot be set now"},
+    {10, ErrorCode::aborted, reasons::kStopped, "stopped by command"},
+    {15, ErrorCode::invalid_argument, reasons::kUnknownAxis,
      "unknown axis: compare device_axis in the cell file with SAI?"},
-    {17, ErrorCode::out_of_range, "PARAMETER_RANGE", "parameter out of range"},
-    {24, ErrorCode::internal, "PARAMETER_COUNT", "wrong number of parameters"},
-    {26, ErrorCode::internal, "PARAMETER_MISSING", "parameter missing"},
+    {17, ErrorCode::out_of_range, reasons::kParameterRange, "parameter out of range"},
+    {24, ErrorCode::internal, reasons::kParameterCount, "wrong number of parameters"},
+    {26, ErrorCode::internal, reasons::kParameterMissing, "parameter missing"},
 };
 
 const KnownError* find(int number) {
@@ -190,7 +194,8 @@ std::string describe_error(int number) {
 
 Error refusal(int number, std::string_view command) {
   const KnownError* known = find(number);
-  return {known ? known->code : ErrorCode::failed_precondition, known ? known->reason : "REFUSED",
+  return {known ? known->code : ErrorCode::failed_precondition,
+          known ? known->reason : reasons::kRefused,
           "controller refused " + std::string(command) + " with error " + describe_error(number)};
 }
 

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "drivers/pi_gcs/gcs_codec.h"
+#include "server/core/reasons.h"
 #include "server/core/text/quantity_text.h"
 #include "server/core/try.h"
 
@@ -35,7 +36,7 @@ GcsController::GcsController(DeviceDescription device, Options options,
       trap_(nanoseconds_from_s(options_.start_delay_s)) {}
 
 tl::unexpected<Error> GcsController::stopped() const {
-  return fail(ErrorCode::aborted, "STOPPED",
+  return fail(ErrorCode::aborted, reasons::kStopped,
               "device '" + device_.id + "' at " + device_.address + ": stopped");
 }
 
@@ -126,7 +127,7 @@ Awaitable<Result<MotionState>> GcsController::state() { return look(stops_, fals
 
 Result<void> GcsController::check_soft_limits(std::span<const double> q_mm) const {
   if (q_mm.size() != axes_.size()) {
-    return fail(ErrorCode::invalid_argument, "WRONG_COUNT",
+    return fail(ErrorCode::invalid_argument, reasons::kWrongCount,
                 "device '" + device_.id + "': a move of " + std::to_string(q_mm.size()) +
                     " axes, expected " + std::to_string(axes_.size()));
   }
@@ -137,7 +138,8 @@ Result<void> GcsController::check_soft_limits(std::span<const double> q_mm) cons
     std::snprintf(text, sizeof text,
                   "%.9g mm asked of %s, soft limits are %.9g .. %.9g mm; nothing was sent", q_mm[i],
                   axis.channel.name().c_str(), axis.min_mm, axis.max_mm);
-    return fail(ErrorCode::out_of_range, "SOFT_LIMIT", "device '" + device_.id + "': " + text);
+    return fail(ErrorCode::out_of_range, reasons::kSoftLimit,
+                "device '" + device_.id + "': " + text);
   }
   return {};
 }
@@ -185,7 +187,7 @@ Awaitable<Result<void>> GcsController::home() {
     }
     if (now.at - last_progress > nanoseconds_from_s(options_.home_stall_s)) {
       co_return fail(
-          ErrorCode::deadline_exceeded, "HOMING_STALLED",
+          ErrorCode::deadline_exceeded, reasons::kHomingStalled,
           "device '" + device_.id + "' at " + device_.address + ": " + options_.reference +
               " accepted, but nothing has moved for " + digits_text(options_.home_stall_s) +
               " s and the axes are not referenced; look at the reference switch and the servo");
@@ -203,7 +205,7 @@ Awaitable<Result<void>> GcsController::stop() {
   // A second stop halts again but leaves the first one's tidying alone: cut in the middle of it,
   // two equal answers would be under way and the line out of step.
   if (stopping_ == 0)
-    link_.interrupt(stop_byte, "STOPPED");
+    link_.interrupt(stop_byte, reasons::kStopped);
   else
     link_.write_now(stop_byte);
   ++stopping_;

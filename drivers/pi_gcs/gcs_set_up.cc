@@ -5,6 +5,7 @@
 
 #include "drivers/pi_gcs/gcs_codec.h"
 #include "drivers/pi_gcs/gcs_controller.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::gcs {
@@ -54,8 +55,8 @@ Awaitable<Result<void>> GcsController::set_up() {
   DRIFTWISE_CO_TRY(const auto names, checked(parse_axis_names(names_text)));
   for (const auto& axis : axes_) {
     if (std::find(names.begin(), names.end(), axis) == names.end())
-      co_return link_.refused("UNKNOWN_AXIS", "the controller has no axis '" + axis +
-                                                  "': correct device_axis in the cell file");
+      co_return link_.refused(reasons::kUnknownAxis, "the controller has no axis '" + axis +
+                                                         "': correct device_axis in the cell file");
   }
   if (options_.travel_query) {
     if (auto inside = co_await check_travel(); !inside) co_return inside;
@@ -100,7 +101,7 @@ Awaitable<Result<void>> GcsController::check_travel() {
         text, sizeof text,
         "soft limits of %s are %.9g .. %.9g mm, the controller travels %.9g .. %.9g mm only",
         axis.channel.name().c_str(), axis.min_mm, axis.max_mm, low[i], high[i]);
-    co_return link_.refused("LIMITS_BEYOND_TRAVEL", text);
+    co_return link_.refused(reasons::kLimitsBeyondTravel, text);
   }
   co_return Result<void>{};
 }

@@ -2,6 +2,7 @@
 
 #include "drivers/pi_gcs/gcs_controller.h"
 #include "drivers/transport/address_key.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::drivers {
@@ -12,7 +13,7 @@ Result<std::unique_ptr<MotionController>> make_pi_gcs(const DeviceDescription& d
   DRIFTWISE_TRY(auto options, gcs::read_options(device));
   DRIFTWISE_TRY(const auto address, transport::parse_address(device.address));
   if (device.axes.empty())
-    return fail(ErrorCode::invalid_argument, "NO_AXES",
+    return fail(ErrorCode::invalid_argument, reasons::kNoAxes,
                 "device '" + device.id + "' (pi-gcs) has no [[axes]]");
   if (claims)
     for (const auto& key : transport::keys_of(address))

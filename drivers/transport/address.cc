@@ -2,11 +2,13 @@
 
 #include <charconv>
 
+#include "server/core/reasons.h"
+
 namespace driftwise::transport {
 namespace {
 
 tl::unexpected<Error> bad_address(std::string_view text) {
-  return fail(ErrorCode::invalid_argument, "BAD_ADDRESS",
+  return fail(ErrorCode::invalid_argument, reasons::kBadAddress,
               "'" + std::string(text) +
                   "' is no address: expected host:port, [ipv6]:port or /dev/... for a serial port");
 }

@@ -12,6 +12,7 @@
 
 #include "drivers/transport/address.h"
 #include "drivers/transport/link.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::transport {
@@ -83,7 +84,7 @@ class LineDevice : public Port {
   // The codec's error about the last answer. A refusal is in step with us, nonsense is not.
   template <class T>
   tl::unexpected<Error> wrong(const Result<T>& parsed) {
-    if (parsed.error().reason == "BAD_REPLY") link_.lose_step();
+    if (parsed.error().reason == reasons::kBadReply) link_.lose_step();
     return link_.wrong_reply(parsed.error());
   }
 
@@ -117,7 +118,8 @@ class LineDevice : public Port {
 
 // The answer of an instrument that has no zero to set. why: "an autocollimator's angle is absolute"
 inline tl::unexpected<Error> no_zero(const DeviceDescription& device, const std::string& why) {
-  return fail(ErrorCode::failed_precondition, "NO_ZERO", "device '" + device.id + "': " + why);
+  return fail(ErrorCode::failed_precondition, reasons::kNoZero,
+              "device '" + device.id + "': " + why);
 }
 
 }  // namespace driftwise::transport

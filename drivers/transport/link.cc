@@ -4,6 +4,7 @@
 
 #include "drivers/transport/as_tuple.h"
 #include "drivers/transport/escape.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::transport {
@@ -64,7 +65,7 @@ void Link::start_timer(std::chrono::nanoseconds limit) {
 }
 
 Awaitable<Result<void>> Link::connect(Nanoseconds timeout) {
-  if (busy_) co_return fail(ErrorCode::internal, "BUSY", context("two calls at once"));
+  if (busy_) co_return fail(ErrorCode::internal, reasons::kBusy, context("two calls at once"));
   if (connected_ && still_there()) co_return Result<void>{};
   Running running(*this);
   const auto limit = clock_.wall_from(timeout, kShortestTimeout);
@@ -75,7 +76,7 @@ Awaitable<Result<void>> Link::connect(Nanoseconds timeout) {
       co_return fail(ErrorCode::aborted, abort_reason_,
                      context("stopped while waiting to reconnect"));
     if (wait > limit) {
-      co_return fail(ErrorCode::unavailable, "LINK_DOWN",
+      co_return fail(ErrorCode::unavailable, reasons::kLinkDown,
                      context("not connected, next attempt in " + milliseconds(wait - limit) +
                              "; last error: " + health_.last_error));
     }
@@ -99,13 +100,14 @@ Awaitable<Result<void>> Link::connect(Nanoseconds timeout) {
   drop(why);
   if (aborted)
     co_return fail(ErrorCode::aborted, abort_reason_, context("stopped while connecting"));
-  co_return tl::unexpected(note({ErrorCode::unavailable, "LINK_DOWN",
+  co_return tl::unexpected(note({ErrorCode::unavailable, reasons::kLinkDown,
                                  context(why + ": is it on, and is the address right?")}));
 }
 
 Awaitable<Result<std::string>> Link::ask(std::string request, Nanoseconds timeout, int replies) {
-  if (busy_) co_return fail(ErrorCode::internal, "BUSY", context("two calls at once"));
-  if (!connected_) co_return fail(ErrorCode::unavailable, "LINK_DOWN", context("not connected"));
+  if (busy_) co_return fail(ErrorCode::internal, reasons::kBusy, context("two calls at once"));
+  if (!connected_)
+    co_return fail(ErrorCode::unavailable, reasons::kLinkDown, context("not connected"));
   if (!in_step_) {
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await get_in_step(timeout));
   }
@@ -169,7 +171,7 @@ Error Link::ended(error_code error, std::string_view exchange, std::chrono::nano
   if (error == asio::error::message_size) {
     drop("reply too long");
     return note(
-        {ErrorCode::data_loss, "REPLY_TOO_LONG",
+        {ErrorCode::data_loss, reasons::kReplyTooLong,
          context(what + ": no end of reply within " + std::to_string(settings_.max_reply_bytes) +
                  " bytes; check framing and baud rate")});
   }
@@ -178,17 +180,17 @@ Error Link::ended(error_code error, std::string_view exchange, std::chrono::nano
   }
   if (interruption_ == Interruption::timeout) {
     if (settings_.resync_request.empty()) drop("no answer in time");
-    return note({ErrorCode::deadline_exceeded, "TIMEOUT",
+    return note({ErrorCode::deadline_exceeded, reasons::kTimeout,
                  context(what + ": no complete reply within " + milliseconds(took))});
   }
   drop(error.message());
-  return note({ErrorCode::unavailable, "LINK_LOST", context(what + ": " + error.message())});
+  return note({ErrorCode::unavailable, reasons::kLinkLost, context(what + ": " + error.message())});
 }
 
 Awaitable<Result<void>> Link::get_in_step(Nanoseconds timeout) {
   if (settings_.resync_request.empty()) {
     drop("out of step");
-    co_return fail(ErrorCode::unavailable, "LINK_LOST",
+    co_return fail(ErrorCode::unavailable, reasons::kLinkLost,
                    context("out of step after a failed exchange; reconnecting"));
   }
   std::string request = settings_.resync_prefix + settings_.resync_request;
@@ -206,7 +208,7 @@ Awaitable<Result<void>> Link::get_in_step(Nanoseconds timeout) {
     request.clear();  // only read on
   }
   drop("talks without end");
-  co_return fail(ErrorCode::data_loss, "OUT_OF_STEP", context("talks without being asked"));
+  co_return fail(ErrorCode::data_loss, reasons::kOutOfStep, context("talks without being asked"));
 }
 
 // Throws away what came without being asked for; false when the other side has closed the line.
@@ -252,7 +254,7 @@ void Link::drop(const std::string& why) {
 }
 
 void Link::close() {
-  interrupt({}, "CLOSED");
+  interrupt({}, reasons::kClosed);
   connected_ = false;
   in_step_ = true;
   stream_->close();

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "server/core/reasons.h"
+
 namespace driftwise::transport {
 
 const std::string* OptionReader::given(const std::string& name) {
@@ -15,7 +17,7 @@ const std::string* OptionReader::given(const std::string& name) {
 void OptionReader::complain(const std::string& name, const std::string& found,
                             const std::string& expected) {
   if (problem_) return;
-  problem_ = Error{ErrorCode::invalid_argument, "BAD_OPTION",
+  problem_ = Error{ErrorCode::invalid_argument, reasons::kBadOption,
                    "device '" + device_.id + "' (" + device_.kind + "): option " + name + " = '" +
                        found + "', expected " + expected};
 }
@@ -69,7 +71,7 @@ Result<void> OptionReader::finish() const {
     if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
     std::string list;
     for (const auto& known : known_) list += (list.empty() ? "" : ", ") + known;
-    return fail(ErrorCode::invalid_argument, "BAD_OPTION",
+    return fail(ErrorCode::invalid_argument, reasons::kBadOption,
                 "device '" + device_.id + "' (" + device_.kind + "): unknown option '" + name +
                     "'; known are " + list);
   }

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <thread>
 
+#include "server/core/reasons.h"
+
 namespace driftwise::watlow {
 namespace {
 
@@ -112,9 +114,9 @@ tl::unexpected<Error> ModbusMaster::failed(int number, const std::string& what,
   const std::string cause = modbus_strerror(number);
   const std::string where = "device '" + settings_.device + "' at " + settings_.address_text +
                             ", unit " + std::to_string(settings_.unit_id) + ": " + what;
-  Error error{ErrorCode::unavailable, "LINK_LOST", where + ": " + cause + " after " + time};
+  Error error{ErrorCode::unavailable, reasons::kLinkLost, where + ": " + cause + " after " + time};
   if (is_exception(number)) {
-    error = {ErrorCode::failed_precondition, "MODBUS_EXCEPTION",
+    error = {ErrorCode::failed_precondition, reasons::kModbusException,
              where + ": the device answered exception " + std::to_string(number - MODBUS_ENOBASE) +
                  " (" + cause + ")"};
   } else if (number == ETIMEDOUT || number == EMBBADCRC || number == EMBBADDATA ||
@@ -130,13 +132,13 @@ tl::unexpected<Error> ModbusMaster::failed(int number, const std::string& what,
       wait_a_frame();
       modbus_flush(context_.get());
     }
-    error = silent
-                ? Error{ErrorCode::deadline_exceeded, "TIMEOUT",
-                        where + ": no answer within " + time +
-                            "; another unit's address, baud rate or parity stays silent too"}
-                : Error{ErrorCode::data_loss, "BAD_REPLY", where + ": " + cause + " after " + time};
+    error = silent ? Error{ErrorCode::deadline_exceeded, reasons::kTimeout,
+                           where + ": no answer within " + time +
+                               "; another unit's address, baud rate or parity stays silent too"}
+                   : Error{ErrorCode::data_loss, reasons::kBadReply,
+                           where + ": " + cause + " after " + time};
   } else {
-    if (what == "connect" || number == ENOTCONN) error.reason = "LINK_DOWN";
+    if (what == "connect" || number == ENOTCONN) error.reason = reasons::kLinkDown;
     disconnect();
   }
   ++figures_.errors;

@@ -3,6 +3,7 @@
 #include <boost/asio/co_spawn.hpp>
 
 #include "drivers/transport/link.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::watlow {
@@ -36,7 +37,7 @@ Awaitable<Result<void>> PeltierStabiliser::wait_out_back_off(std::chrono::nanose
   (void)co_await pause_.async_wait(asio::as_tuple(asio::use_awaitable));
   if (wait <= limit) co_return Result<void>{};
   co_return fail(
-      ErrorCode::unavailable, "LINK_DOWN",
+      ErrorCode::unavailable, reasons::kLinkDown,
       "device '" + device_.id + "' at " + device_.address +
           ": not connected, waiting before the next attempt; last error: " + health_.last_error);
 }

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "server/core/data/reading.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::watlow {
@@ -46,7 +47,7 @@ Result<void> TemperatureController::prepare(std::chrono::nanoseconds timeout) {
   if (unit && (*unit)[0] == wanted) return {};
   line_.disconnect();  // so that the next call checks again
   DRIFTWISE_RETURN_IF_ERROR(unit);
-  return fail(ErrorCode::failed_precondition, "UNIT_MISMATCH",
+  return fail(ErrorCode::failed_precondition, reasons::kUnitMismatch,
               name() + "option unit = " + (options_.unit == Unit::celsius ? "C" : "F") +
                   ", but register 2490 holds " + describe_unit((*unit)[0]) +
                   ": correct the option or the controller");
@@ -71,18 +72,18 @@ Result<ControllerState> TemperatureController::read(std::chrono::nanoseconds tim
 Result<void> TemperatureController::set_point(double degc, std::chrono::nanoseconds timeout) {
   if (!is_plausible(degc)) {
     return fail(
-        ErrorCode::out_of_range, "SET_POINT",
+        ErrorCode::out_of_range, reasons::kSetPoint,
         name() + "set point " + degrees(degc) + ", allowed are 5 .. 60 degC; nothing was written");
   }
   DRIFTWISE_TRY(const auto now, read(timeout));
   if (now.input_error != kInputGood) {
-    return fail(ErrorCode::failed_precondition, "INPUT_ERROR",
+    return fail(ErrorCode::failed_precondition, reasons::kInputError,
                 name() + "input error " + describe_input_error(now.input_error) +
                     ": mend the sensor; nothing was written");
   }
   if (!is_plausible(now.process_degc)) {
     return fail(
-        ErrorCode::failed_precondition, "IMPLAUSIBLE_PV",
+        ErrorCode::failed_precondition, reasons::kImplausiblePv,
         name() + "process value reads as " + degrees(now.process_degc) +
             ", expected 5 .. 60: check the options word_order and unit; nothing was written");
   }
@@ -92,7 +93,7 @@ Result<void> TemperatureController::set_point(double degc, std::chrono::nanoseco
     if (auto written = line_.write(at(address::kSetPoint), wanted); !written) return written;
     DRIFTWISE_TRY(const auto after, line_.read(at(address::kSetPoint), 2));
     if (!std::equal(wanted.begin(), wanted.end(), after.begin())) {
-      return fail(ErrorCode::data_loss, "NOT_TAKEN",
+      return fail(ErrorCode::data_loss, reasons::kNotTaken,
                   name() + "set point " + degrees(degc) + " reads back as " +
                       degrees(temperature(pair_at(after, 0))) +
                       ": is it limited on the controller's panel?");

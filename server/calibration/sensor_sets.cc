@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "server/core/reasons.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::calibration {
@@ -65,15 +66,15 @@ Result<SensorStudy> study_sensors(const Dataset& dataset, const FitOptions& base
                                   double tolerance) {
   const auto sensors = thermometers(dataset, base);
   if (sensors.empty())
-    return fail(ErrorCode::invalid_argument, "NO_SENSORS",
+    return fail(ErrorCode::invalid_argument, reasons::kNoSensors,
                 "the formula offers no structure temperature tNN_degC: add T, or t04..t10");
   if (sensors.size() > kMostSensors)
-    return fail(ErrorCode::invalid_argument, "TOO_MANY_SENSORS",
+    return fail(ErrorCode::invalid_argument, reasons::kTooManySensors,
                 std::to_string(sensors.size()) + " thermometers make 2^" +
                     std::to_string(sensors.size()) + " sets, at most " +
                     std::to_string(kMostSensors) + " thermometers are studied: leave some out");
   if (base.blocks < 2)
-    return fail(ErrorCode::invalid_argument, "NO_BLOCKS",
+    return fail(ErrorCode::invalid_argument, reasons::kNoBlocks,
                 "sets are ranked by blocks of time held out: give at least 2 blocks");
   const std::size_t count = std::size_t{1} << sensors.size();
   std::vector<std::optional<SensorSet>> sets(count);

@@ -10,6 +10,7 @@
 
 #include "server/calibration/pose_of_zero.h"
 #include "server/compensation/snapshot_builder.h"
+#include "server/core/reasons.h"
 
 namespace driftwise::compensation {
 
@@ -53,7 +54,7 @@ Result<void> SnapshotBuilder::anchor(std::span<const ChannelValue> values) {
   };
   const auto incomplete = [](const std::string& name) {
     return fail(
-        ErrorCode::failed_precondition, "INCOMPLETE_DATUM",
+        ErrorCode::failed_precondition, reasons::kIncompleteDatum,
         "the zero of this datum has no " + name +
             ", which the model needs to be carried over to it: zero again with every sensor alive");
   };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/effects/term_order.h"
 
@@ -61,7 +62,7 @@ Result<SnapshotBuilder> SnapshotBuilder::create(calibration::Model model, ModelI
       made.basis_.size() > kMaxBasis ||
       made.fast_inputs_.size() + made.slow_inputs_.size() > kMaxInputs)
     return not_servable(
-        "MODEL_TOO_LARGE",
+        reasons::kModelTooLarge,
         "the model has " + std::to_string(made.outputs_.size()) + " outputs, " +
             std::to_string(made.basis_.size()) + " products of pose and force and " +
             std::to_string(made.fast_inputs_.size() + made.slow_inputs_.size()) + " inputs; 1 to " +
@@ -78,7 +79,7 @@ const calibration::ChannelRange* SnapshotBuilder::domain_of(const std::string& s
 
 Result<void> SnapshotBuilder::add_output(const calibration::OutputModel& from) {
   if (!is_motor_symbol(from.channel.symbol) || !is_length(from.channel.unit))
-    return not_servable("NOT_A_MOTOR_MODEL",
+    return not_servable(reasons::kNotAMotorModel,
                         "the model gives " + from.channel.name() +
                             ", expected motor coordinates such as q1_mm: it cannot serve targets");
   Output output;
@@ -107,7 +108,7 @@ Result<SnapshotBuilder::Term> SnapshotBuilder::split(const effects::Term& term) 
     const auto* range = domain_of(symbol);
     if (!range)
       return not_servable(
-          "NO_DOMAIN",
+          reasons::kNoDomain,
           in_term("reads " + symbol +
                   ", and the model does not say the range it was fitted in: fit it again"));
     if (const auto variable = variable_from(symbol)) {
@@ -119,7 +120,7 @@ Result<SnapshotBuilder::Term> SnapshotBuilder::split(const effects::Term& term) 
   for (const auto& factor : term.factors) {
     if (const auto* power = std::get_if<effects::Power>(&factor)) {
       if (is_motor_symbol(power->symbol))
-        return not_servable("TERM_NOT_SERVABLE",
+        return not_servable(reasons::kTermNotServable,
                             in_term("reads the motor coordinate " + power->symbol +
                                     ", which is what a target asks for"));
       if (const auto variable = variable_from(power->symbol))
@@ -130,12 +131,12 @@ Result<SnapshotBuilder::Term> SnapshotBuilder::split(const effects::Term& term) 
     }
     const auto& call = std::get<effects::Call>(factor);
     if (const auto* kind = effects::find_effect(call.effect); kind && kind->in_data_time)
-      return not_servable("TERM_NOT_SERVABLE",
+      return not_servable(reasons::kTermNotServable,
                           in_term("follows the clock of the data it was fitted to, which says "
                                   "nothing about a target asked for later"));
     for (const auto& symbol : call.symbols)
       if (variable_from(symbol))
-        return not_servable("TERM_NOT_SERVABLE",
+        return not_servable(reasons::kTermNotServable,
                             in_term("follows " + symbol + " over time: a wanted pose has no past"));
     DRIFTWISE_TRY(const auto index, slow_.add_call(call));
     out.slow.calls.push_back(index);
@@ -151,9 +152,9 @@ Result<void> SnapshotBuilder::add_fast_input(const Channel& channel,
     return {};
   const auto asked = summary_unit(channel.unit), column = summary_unit(range.channel.unit);
   if (asked.unit != column.unit)
-    return not_servable("TERM_NOT_SERVABLE", "the model has " + range.channel.name() +
-                                                 ", expected the unit of " + channel.name() +
-                                                 " or one of its kind");
+    return not_servable(reasons::kTermNotServable, "the model has " + range.channel.name() +
+                                                       ", expected the unit of " + channel.name() +
+                                                       " or one of its kind");
   const double column_per_unit =
       range.channel.unit == channel.unit ? 1.0 : asked.factor / column.factor;
   column_per_unit_[static_cast<std::size_t>(variable)] = column_per_unit;

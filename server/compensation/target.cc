@@ -8,6 +8,7 @@
 
 #include "server/compensation/basis_values.h"
 #include "server/compensation/dot.h"
+#include "server/core/reasons.h"
 
 namespace driftwise::compensation {
 namespace {
@@ -151,7 +152,7 @@ Error beyond_limits(const Snapshot& snapshot, const Target& target) {
   const auto first = static_cast<std::size_t>(std::countr_zero(target.unreachable));
   const std::string axes = axis_names(snapshot, target.unreachable);
   if (first >= snapshot.outputs.size())
-    return {ErrorCode::out_of_range, "OUTSIDE_LIMITS", "beyond the soft limits"};
+    return {ErrorCode::out_of_range, reasons::kOutsideLimits, "beyond the soft limits"};
   const auto& output = snapshot.outputs[first];
   return {ErrorCode::out_of_range, "OUTSIDE_LIMITS(" + axes + ")",
           output.channel.name() + " = " + digits_of(target.unreachable_mm) +
@@ -231,25 +232,25 @@ Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request,
 
 std::string describe_flags(const Snapshot& snapshot, const Target& target) {
   std::string out;
-  const auto add_named = [&](const char* name, const std::string& whom) {
-    out += (out.empty() ? "" : ",") + std::string(name);
+  const auto add_named = [&](const std::string& name, const std::string& whom) {
+    out += (out.empty() ? "" : ",") + name;
     if (!whom.empty()) out += "(" + whom + ")";
   };
-  const auto add = [&](const char* name, std::uint64_t bits) {
+  const auto add = [&](const std::string& name, std::uint64_t bits) {
     add_named(name, names(snapshot, bits));
   };
-  if (target.flags & kOutsideDomain) add("OUTSIDE_DOMAIN", target.outside);
+  if (target.flags & kOutsideDomain) add(reasons::kOutsideDomain, target.outside);
   if (target.flags & kStaleTemperature) add("STALE_TEMPERATURE", target.stale);
   if (target.flags & kMissingTemperature) add("MISSING_TEMPERATURE", target.missing);
   if (target.flags & kExpiredConditions) add("EXPIRED_CONDITIONS", 0);
   if (target.flags & kUnanchoredDatum) add("UNANCHORED_DATUM", 0);
   if (target.flags & kOutsideLimits)
-    add_named("OUTSIDE_LIMITS", axis_names(snapshot, target.unreachable));
+    add_named(reasons::kOutsideLimits, axis_names(snapshot, target.unreachable));
   if (target.flags & kUnknownLimits)
     add_named("UNKNOWN_LIMITS", axis_names(snapshot, target.unlimited));
   if (target.flags & kIgnoredCoordinate)
     add_named("IGNORED_COORDINATE", variable_names(target.ignored));
-  if (target.flags & kConfigurationChanged) add("CONFIGURATION_CHANGED", 0);
+  if (target.flags & kConfigurationChanged) add(reasons::kConfigurationChanged, 0);
   return out;
 }
 
@@ -259,18 +260,18 @@ Error refusal_error(const Snapshot& snapshot, const Target& target) {
       break;
     case Refusal::no_model:
       if (snapshot.unserved) return *snapshot.unserved;
-      return {ErrorCode::failed_precondition, "NO_MODEL",
+      return {ErrorCode::failed_precondition, reasons::kNoModel,
               "no model serves: fit one and promote it"};
     case Refusal::missing_coordinate:
-      return {ErrorCode::invalid_argument, "MISSING_COORDINATE",
+      return {ErrorCode::invalid_argument, reasons::kMissingCoordinate,
               "the request lacks " + names(snapshot, target.missing) +
                   ", which the model needs: state it, 0 included"};
     case Refusal::not_finite:
-      return {ErrorCode::invalid_argument, "NOT_FINITE",
+      return {ErrorCode::invalid_argument, reasons::kNotFinite,
               "found no finite number for " + names(snapshot, target.missing) +
                   ": state it in the unit of its name"};
     case Refusal::outside_domain:
-      return {ErrorCode::out_of_range, "OUTSIDE_DOMAIN",
+      return {ErrorCode::out_of_range, reasons::kOutsideDomain,
               names(snapshot, target.outside) +
                   (snapshot.refuse_outside_domain
                        ? " outside what the model was fitted on, and this cell refuses such "
@@ -279,14 +280,14 @@ Error refusal_error(const Snapshot& snapshot, const Target& target) {
                          "ask within its domain")};
     case Refusal::configuration_changed:
       return {
-          ErrorCode::failed_precondition, "CONFIGURATION_CHANGED",
+          ErrorCode::failed_precondition, reasons::kConfigurationChanged,
           "the cell file has changed in what model " + std::to_string(snapshot.model.value) +
               " uses, and nobody has accepted it: " + snapshot.changed_parts +
               ". Look at it and accept it (driftwise configuration accept), or put the file back"};
     case Refusal::stale: {
       const std::string who = names(snapshot, target.stale | target.missing);
       return {
-          ErrorCode::failed_precondition, "STALE",
+          ErrorCode::failed_precondition, reasons::kStale,
           (who.empty() ? std::string("the conditions were not looked at in time")
                        : who + " too old or never read") +
               ", and this cell refuses such targets ([serving] refuse_stale): look at the scanner"};
@@ -294,7 +295,7 @@ Error refusal_error(const Snapshot& snapshot, const Target& target) {
     case Refusal::outside_limits:
       return beyond_limits(snapshot, target);
   }
-  return {ErrorCode::internal, "NOT_REFUSED",
+  return {ErrorCode::internal, reasons::kNotRefused,
           "asked for the refusal of a target that was not refused"};
 }
 

@@ -3,6 +3,8 @@
 #include <charconv>
 #include <cstdio>
 
+#include "server/core/reasons.h"
+
 namespace driftwise {
 namespace {
 
@@ -19,7 +21,7 @@ bool read_digits(std::string_view text, std::size_t at, std::size_t count, int& 
 }
 
 tl::unexpected<Error> bad_time(std::string_view text) {
-  return fail(ErrorCode::invalid_argument, "BAD_TIME",
+  return fail(ErrorCode::invalid_argument, reasons::kBadTime,
               "'" + std::string(text) +
                   "' is no time: expected 2026-11-21T08:04:59Z or with a fraction of seconds");
 }

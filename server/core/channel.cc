@@ -5,6 +5,7 @@
 #include <cctype>
 #include <numbers>
 
+#include "server/core/reasons.h"
 #include "server/core/text/clean_text.h"
 
 namespace driftwise {
@@ -40,7 +41,7 @@ Result<Channel> parse_channel(std::string_view name) {
   }
   std::string allowed;
   for (const auto& unit : known_units()) allowed += (allowed.empty() ? "" : " ") + unit;
-  return fail(ErrorCode::invalid_argument, "BAD_CHANNEL",
+  return fail(ErrorCode::invalid_argument, reasons::kBadChannel,
               "'" + clean_line(name.substr(0, 64)) + (name.size() > 64 ? "..." : "") +
                   "' is no channel: expected <name>_<unit> such as t07_degC, unit one of " +
                   allowed);

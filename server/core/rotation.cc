@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "server/core/reasons.h"
+
 namespace driftwise {
 namespace {
 
@@ -40,7 +42,7 @@ Result<RotationConvention> rotation_convention(std::string_view name) {
     if (text == name) return convention;
     known += (known.empty() ? "" : ", ") + std::string(text);
   }
-  return fail(ErrorCode::invalid_argument, "UNKNOWN_CONVENTION",
+  return fail(ErrorCode::invalid_argument, reasons::kUnknownConvention,
               "found '" + std::string(name) + "', expected one of " + known);
 }
 
@@ -102,7 +104,7 @@ Result<Matrix3d> nearest_rotation(const Matrix3d& matrix) {
     if (rotation.determinant() > 0 && (rotation - matrix).cwiseAbs().maxCoeff() <= 1e-3)
       return rotation;
   }
-  return fail(ErrorCode::invalid_argument, "NOT_A_ROTATION",
+  return fail(ErrorCode::invalid_argument, reasons::kNotARotation,
               "found a matrix that is no rotation, expected orthonormal rows and columns and a "
               "determinant of 1");
 }

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <string>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise {
@@ -62,7 +63,7 @@ Result<UnitEntry> find_unit(std::string_view name) {
     if (unit.name == name) return unit;
     known += " " + std::string(unit.name);
   }
-  return fail(ErrorCode::invalid_argument, "UNKNOWN_UNIT",
+  return fail(ErrorCode::invalid_argument, reasons::kUnknownUnit,
               "found the unit '" + std::string(name) + "', expected one of" + known);
 }
 
@@ -82,7 +83,7 @@ Result<UnitConversion> unit_conversion(std::string_view from, std::string_view t
   DRIFTWISE_TRY(const auto source, find_unit(from), target = find_unit(to));
   DRIFTWISE_RETURN_IF_ERROR(target);
   if (source.kind != target->kind)
-    return fail(ErrorCode::invalid_argument, "UNIT_KIND",
+    return fail(ErrorCode::invalid_argument, reasons::kUnitKind,
                 "found " + std::string(from) + " for a quantity in " + std::string(to) +
                     ", expected a unit of the same kind");
   if (from == to) return UnitConversion{};

@@ -7,6 +7,7 @@
 #include "server/calibration/design/design.h"
 #include "server/calibration/design/predict.h"
 #include "server/calibration/pose_of_zero.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/effects/term_order.h"
 
@@ -187,7 +188,7 @@ Result<RunErrors> run_errors(const calibration::OutputModel& output, std::int64_
   const Dataset& data = run.data;
   const DatasetColumn* measured = data.find(output.channel.symbol);
   if (!measured)
-    return fail(ErrorCode::invalid_argument, "UNKNOWN_CHANNEL",
+    return fail(ErrorCode::invalid_argument, reasons::kUnknownChannel,
                 "the run has no channel " + output.channel.name());
   const std::vector<Index> carried = carried_terms(output);
   std::vector<effects::Term> terms;

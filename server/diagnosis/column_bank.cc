@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/diagnosis/wave_columns.h"
 
@@ -83,13 +84,14 @@ Result<Bank> column_bank(const Problem& problem, const Physics& physics, std::ve
   const std::size_t at_once = std::max<std::size_t>(1, kNumbers / problem.data().rows / 2);
   for (auto& cause : causes) {
     const std::size_t first = bank.cells.size();
-    if (tick && !tick()) return fail(ErrorCode::cancelled, "CANCELLED", "it was cancelled");
+    if (tick && !tick()) return fail(ErrorCode::cancelled, reasons::kCancelled, "it was cancelled");
     if (const auto waves = wave_columns(problem, cause, tick)) {
       for (Eigen::Index c = 0; c < waves->cols() / 2; ++c) keep(waves->middleCols(2 * c, 2));
     } else {
       std::vector<Cell> kept;
       for (std::size_t begin = 0; begin < cause.cells.size(); begin += at_once) {
-        if (tick && !tick()) return fail(ErrorCode::cancelled, "CANCELLED", "it was cancelled");
+        if (tick && !tick())
+          return fail(ErrorCode::cancelled, reasons::kCancelled, "it was cancelled");
         const std::size_t count = std::min(at_once, cause.cells.size() - begin);
         DRIFTWISE_TRY(const auto columns,
                       columns_of(problem, std::span(cause.cells).subspan(begin, count)));

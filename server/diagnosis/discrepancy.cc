@@ -6,6 +6,7 @@
 
 #include "server/calibration/datum_zeros.h"
 #include "server/calibration/design/predict.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
 
@@ -62,7 +63,7 @@ Result<std::vector<OutputDiscrepancy>> discrepancy(const calibration::Model& mod
   for (const auto& output : model.outputs) {
     const DatasetColumn* measured = dataset.find(output.channel.symbol);
     if (!measured)
-      return fail(ErrorCode::invalid_argument, "UNKNOWN_CHANNEL",
+      return fail(ErrorCode::invalid_argument, reasons::kUnknownChannel,
                   "the dataset has no column " + output.channel.name());
     DRIFTWISE_TRY(const auto prediction, calibration::predict(moved, output));
     const Eigen::VectorXd& predicted = prediction;
@@ -77,7 +78,7 @@ Result<std::vector<OutputDiscrepancy>> discrepancy(const calibration::Model& mod
       complete += std::isfinite(out.values.back()) ? 1 : 0;
     }
     if (complete < 4)
-      return fail(ErrorCode::invalid_argument, "TOO_FEW_ROWS",
+      return fail(ErrorCode::invalid_argument, reasons::kTooFewRows,
                   "only " + std::to_string(complete) + " rows have every channel that " +
                       output.channel.name() + " needs: at least 4 are wanted");
     summarise(out);

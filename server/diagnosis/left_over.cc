@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/core/reasons.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::diagnosis {
@@ -80,7 +81,7 @@ double Remainder::left_of(const Extension& extension) const {
 Result<std::optional<LeftOver>> Remainder::look(const Extension& extension) {
   if (shapes_.variables.empty()) return std::optional<LeftOver>{};
   last_ = search_.look(whole_base(extension.all()), std::vector<char>(shapes_.variables.size(), 1));
-  if (!last_) return fail(ErrorCode::cancelled, "CANCELLED", "the diagnosis was cancelled");
+  if (!last_) return fail(ErrorCode::cancelled, reasons::kCancelled, "the diagnosis was cancelled");
   if (!last_->first) return std::optional<LeftOver>{};
   return std::optional<LeftOver>{{shapes_.variables[*last_->first], last_->p_adjusted}};
 }

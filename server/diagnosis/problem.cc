@@ -6,6 +6,7 @@
 
 #include "server/calibration/design/predict.h"
 #include "server/calibration/linear/undetermined.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/diagnosis/catalogue_units.h"
 #include "server/diagnosis/held_out_gain.h"
@@ -21,7 +22,7 @@ constexpr std::size_t kBlocks = 10, kEvery = 5;
 Result<void> check_time(const Dataset& dataset) {
   for (std::size_t i = 1; i < dataset.time_s.size(); ++i)
     if (dataset.time_s[i] < dataset.time_s[i - 1])
-      return fail(ErrorCode::invalid_argument, "TIME_RUNS_BACK",
+      return fail(ErrorCode::invalid_argument, reasons::kTimeRunsBack,
                   "row " + std::to_string(i + 1) + " was measured at time_s " +
                       effects::number_text(dataset.time_s[i]) + ", before row " +
                       std::to_string(i) + " at " + effects::number_text(dataset.time_s[i - 1]) +
@@ -54,7 +55,7 @@ Result<void> add_outputs(const Dataset& dataset, const std::vector<std::string>&
   for (const auto& symbol : symbols) {
     const auto* column = dataset.find(symbol);
     if (column == nullptr)
-      return fail(ErrorCode::invalid_argument, "UNKNOWN_CHANNEL",
+      return fail(ErrorCode::invalid_argument, reasons::kUnknownChannel,
                   "the data have no column for output " + symbol);
     const auto unit = summary_unit(column->channel.unit);
     problem.outputs.push_back(
@@ -87,7 +88,7 @@ Result<void> divide_rows(const Dataset& dataset, Problem& problem) {
   }
   const std::size_t wanted = problem.base.size() + kRowsBeyondBase;
   if (problem.learn.size() < wanted)
-    return fail(ErrorCode::invalid_argument, "TOO_FEW_ROWS",
+    return fail(ErrorCode::invalid_argument, reasons::kTooFewRows,
                 std::to_string(problem.learn.size()) +
                     " rows to learn from have every value that the baseline needs (of " +
                     std::to_string(dataset.rows) + " rows): a diagnosis of this baseline needs " +
@@ -116,7 +117,7 @@ Result<void> check_variation(const Problem& problem) {
   for (const auto& output : problem.outputs) {
     const Eigen::VectorXd values = rows_of(output.measured, problem.learn);
     if (values.maxCoeff() > values.minCoeff()) continue;
-    return fail(ErrorCode::invalid_argument, "NOTHING_VARIES",
+    return fail(ErrorCode::invalid_argument, reasons::kNothingVaries,
                 "column " + output.channel.name() + " is " +
                     effects::number_text(values[0] / output.factor) +
                     " in every row: there is nothing to explain");
@@ -219,13 +220,13 @@ Result<Problem> lay_out(const Dataset& given, const calibration::Candidates& bas
   const Dataset dataset = in_catalogue_units(given);
   DRIFTWISE_RETURN_IF_ERROR(check_time(dataset));
   if (baseline.outputs.empty())
-    return fail(ErrorCode::invalid_argument, "NO_OUTPUT", "the baseline names no output");
+    return fail(ErrorCode::invalid_argument, reasons::kNoOutput, "the baseline names no output");
   std::vector<effects::Term> base = constants(dataset);
   const std::size_t always = base.size();
   for (const auto& term : baseline.terms) base.push_back(effects::canonical(term));
   for (const auto& symbol : baseline.outputs)
     if (dataset.find(symbol) == nullptr)
-      return fail(ErrorCode::invalid_argument, "UNKNOWN_CHANNEL",
+      return fail(ErrorCode::invalid_argument, reasons::kUnknownChannel,
                   "the data have no column for output " + symbol);
   if (dataset.time_s.empty())  // a lag in the baseline needs more than the order of rows
     DRIFTWISE_RETURN_IF_ERROR(calibration::raw_columns(dataset, base));

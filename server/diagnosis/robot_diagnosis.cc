@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/core/data/unusable_values.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/diagnosis/cancelled.h"
 #include "server/diagnosis/geometry.h"
@@ -39,7 +40,7 @@ Result<calibration::Candidates> checked_baseline(const calibration::Candidates& 
   std::string left, right;
   for (const auto& one : asked) left += (left.empty() ? "" : ", ") + one;
   for (const auto& one : result.outputs) right += (right.empty() ? "" : ", ") + one;
-  return fail(ErrorCode::invalid_argument, "OTHER_OUTPUTS",
+  return fail(ErrorCode::invalid_argument, reasons::kOtherOutputs,
               "the baseline's left side has " + left + ", but this robot's kinematics predicts " +
                   right + ": write \"" + right + " ~ ...\"");
 }

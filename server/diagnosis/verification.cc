@@ -7,6 +7,7 @@
 
 #include "server/calibration/datum_zeros.h"
 #include "server/calibration/design/predict.h"
+#include "server/core/reasons.h"
 #include "server/core/text/quantity_text.h"
 #include "server/core/try.h"
 
@@ -31,7 +32,7 @@ Result<std::vector<Coordinate>> coordinates_of(const RunToVerify& run) {
     const auto* measured = run.data.find(axis);
     if (measured == nullptr)
       return fail(
-          ErrorCode::invalid_argument, "UNKNOWN_CHANNEL",
+          ErrorCode::invalid_argument, reasons::kUnknownChannel,
           run_name(run.run) + " has targets " + column.channel.name() + " but no measured " + axis);
     found.push_back({measured, &column});
   }
@@ -41,7 +42,7 @@ Result<std::vector<Coordinate>> coordinates_of(const RunToVerify& run) {
   if (x != nullptr && commanded != nullptr && run.data.find("q2") == nullptr &&
       run.data.find("y") == nullptr)
     return std::vector<Coordinate>{{x, commanded}};
-  return fail(ErrorCode::invalid_argument, "NO_TARGETS",
+  return fail(ErrorCode::invalid_argument, reasons::kNoTargets,
               run_name(run.run) +
                   " has no wanted poses (columns x_target_mm ...): verify a run of a trajectory of "
                   "poses, such as `driftwise run start poses.csv --compensate`");
@@ -157,7 +158,7 @@ Result<RunRows> rows_to_verify(const RunToVerify& run, const calibration::Model*
     for (const auto& one : coordinates) position.push_back(one.target->values[row]);
   }
   if (judged.rows.size() < 2)
-    return fail(ErrorCode::invalid_argument, "TOO_FEW_ROWS",
+    return fail(ErrorCode::invalid_argument, reasons::kTooFewRows,
                 run_name(run.run) + " has " + std::to_string(judged.rows.size()) +
                     " points with target and measurement, returns to zero not counted: at least 2 "
                     "are needed");

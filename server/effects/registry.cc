@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "server/core/reasons.h"
 #include "server/effects/beam.h"
 #include "server/effects/creep.h"
 #include "server/effects/data_time.h"
@@ -95,14 +96,14 @@ std::string usage(const EffectKind& kind) {
 
 Result<Call> checked(const Call& call) {
   const auto bad = [&call](std::string why) {
-    return fail(ErrorCode::invalid_argument, "BAD_EFFECT",
+    return fail(ErrorCode::invalid_argument, reasons::kBadEffect,
                 notation(Factor(call)) + ": " + std::move(why));
   };
   const EffectKind* kind = find_effect(call.effect);
   if (kind == nullptr) {
     std::string known;
     for (const auto& one : effect_kinds()) known += (known.empty() ? "" : ", ") + usage(one);
-    return fail(ErrorCode::invalid_argument, "UNKNOWN_EFFECT",
+    return fail(ErrorCode::invalid_argument, reasons::kUnknownEffect,
                 "unknown effect '" + call.effect + "': known are " + known);
   }
   const auto given = static_cast<int>(call.symbols.size());

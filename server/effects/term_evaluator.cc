@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/effects/term_order.h"
 
@@ -17,7 +18,7 @@ Result<TermEvaluator> TermEvaluator::create(const std::vector<Term>& terms,
     return at == symbols.end() ? -1 : at - symbols.begin();
   };
   const auto unknown = [](const Term& term, const std::string& symbol) {
-    return fail(ErrorCode::invalid_argument, "UNKNOWN_CHANNEL",
+    return fail(ErrorCode::invalid_argument, reasons::kUnknownChannel,
                 "term " + notation(term) + " needs channel '" + symbol + "', which is not there");
   };
   for (const auto& raw : terms) {

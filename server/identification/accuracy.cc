@@ -8,6 +8,7 @@
 #include "server/calibration/design/design.h"
 #include "server/calibration/report/held_out_figure.h"
 #include "server/calibration/report/residual_statistics.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
 #include "server/effects/term_order.h"
@@ -42,7 +43,7 @@ Result<Eigen::MatrixXd> measured_outputs(const Dataset& dataset,
   for (std::size_t o = 0; o < outputs.size(); ++o) {
     const DatasetColumn* column = dataset.find(outputs[o].symbol);
     if (column == nullptr)
-      return fail(ErrorCode::internal, "NO_OUTPUT", "no column " + outputs[o].name());
+      return fail(ErrorCode::internal, reasons::kNoOutput, "no column " + outputs[o].name());
     measured.col(static_cast<Index>(o)) = Eigen::Map<const Eigen::VectorXd>(
         column->values.data(), static_cast<Index>(column->values.size()));
   }

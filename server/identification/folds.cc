@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "server/core/reasons.h"
+
 namespace driftwise::identification {
 
 std::vector<Fold> time_folds(const std::vector<std::size_t>& rows, int blocks, double gap) {
@@ -33,7 +35,7 @@ Result<std::vector<int>> group_labels(const Dataset& dataset, const std::string&
   std::vector<std::vector<double>> keys(dataset.rows);
   if (by == "line") {
     if (dataset.line.empty())
-      return fail(ErrorCode::invalid_argument, "NO_LINES",
+      return fail(ErrorCode::invalid_argument, reasons::kNoLines,
                   "rows cannot be kept together by line: the data have no line column");
     for (std::size_t row = 0; row < dataset.rows; ++row)
       keys[row].push_back(static_cast<double>(dataset.line[row]));
@@ -46,7 +48,7 @@ Result<std::vector<int>> group_labels(const Dataset& dataset, const std::string&
         std::string known = dataset.line.empty() ? "" : "line";
         for (const auto& one : dataset.columns)
           known += (known.empty() ? "" : " ") + one.channel.symbol;
-        return fail(ErrorCode::invalid_argument, "UNKNOWN_CHANNEL",
+        return fail(ErrorCode::invalid_argument, reasons::kUnknownChannel,
                     "rows cannot be kept together by '" + symbol.substr(0, 80) +
                         "', the data have: " + known);
       }

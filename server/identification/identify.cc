@@ -7,6 +7,7 @@
 #include "server/calibration/design/design.h"
 #include "server/calibration/design/predict.h"
 #include "server/calibration/linear/undetermined.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/effects/term_order.h"
 #include "server/identification/identifiability.h"
@@ -252,14 +253,14 @@ Result<Identification> identify(const Dataset& dataset, const IdentifyOptions& o
             {},
             {}};
   if (rows.size() < 3)
-    return fail(ErrorCode::failed_precondition, "TOO_FEW_ROWS",
+    return fail(ErrorCode::failed_precondition, reasons::kTooFewRows,
                 std::to_string(rows.size()) +
                     " complete calibration rows: measure more before identifying a robot");
   centre_columns(work);
   DRIFTWISE_TRY(auto start, start_values(work));
   work.start = std::move(start);
   if (!predict_rows(work.mechanism, work.inputs, work.start).allFinite())
-    return fail(ErrorCode::failed_precondition, "BAD_START",
+    return fail(ErrorCode::failed_precondition, reasons::kBadStart,
                 "the nominal geometry does not reach every measured row: compare lengths, units "
                 "and frames of the robot file with the data");
   const Identifiability chosen = chosen_parameters(work, options);

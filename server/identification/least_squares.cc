@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "server/core/reasons.h"
 #include "server/core/text/quantity_text.h"
 
 namespace driftwise::identification {
@@ -32,13 +33,13 @@ Result<LeastSquaresSolution> minimise(const LeastSquaresProblem& problem,
                                       const Eigen::VectorXd& start, int most_evaluations) {
   Eigen::VectorXd residuals = problem.residuals(start);
   if (!residuals.allFinite())
-    return fail(ErrorCode::failed_precondition, "BAD_START",
+    return fail(ErrorCode::failed_precondition, reasons::kBadStart,
                 "the nominal geometry does not reach every measured row: compare lengths, units "
                 "and frames of the robot file with the data");
   LeastSquaresSolution solution{start, residuals.squaredNorm(), 1};
   if (start.size() == 0) return solution;
   if (residuals.size() < start.size())
-    return fail(ErrorCode::failed_precondition, "TOO_FEW_ROWS",
+    return fail(ErrorCode::failed_precondition, reasons::kTooFewRows,
                 std::to_string(residuals.size()) + " measured values for " +
                     std::to_string(start.size()) + " unknowns: measure more, or hold parameters");
   const auto rows = static_cast<int>(residuals.size()), columns = static_cast<int>(start.size());
@@ -56,7 +57,7 @@ Result<LeastSquaresSolution> minimise(const LeastSquaresProblem& problem,
   solution.evaluations = evaluations;
   // 1 to 4: a tolerance is met; 6 to 8: it is met as far as double precision goes.
   if (info >= 1 && info != 5 && solution.values.allFinite()) return solution;
-  return fail(ErrorCode::failed_precondition, "NO_CONVERGENCE",
+  return fail(ErrorCode::failed_precondition, reasons::kNoConvergence,
               "no minimum found in " + std::to_string(evaluations) +
                   " evaluations (root mean square of what is left " +
                   digits_text(std::sqrt(solution.sum_of_squares / rows)) +

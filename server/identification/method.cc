@@ -6,6 +6,7 @@
 #include "server/calibration/datum_zeros.h"
 #include "server/calibration/design/predict.h"
 #include "server/core/data/unusable_values.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::identification {
@@ -21,13 +22,13 @@ constexpr std::array<std::pair<Method, const char*>, 4> kNames = {
 
 Result<void> check_method(Method method, const MethodOptions& options) {
   if (method != Method::stepwise && !options.mechanism)
-    return fail(ErrorCode::invalid_argument, "NO_KINEMATICS",
+    return fail(ErrorCode::invalid_argument, reasons::kNoKinematics,
                 "the " + name_of(method) +
                     " method needs the robot's nominal geometry: give a robot file with a "
                     "[kinematics] section (--kinematics robot.toml)");
   const bool needs_formula = method == Method::stepwise || method == Method::classic;
   if (needs_formula && options.fit.candidates.outputs.empty())
-    return fail(ErrorCode::invalid_argument, "NO_FORMULA",
+    return fail(ErrorCode::invalid_argument, reasons::kNoFormula,
                 "the " + name_of(method) + " method needs a formula (--model)");
   if (!options.mechanism || options.fit.candidates.outputs.empty() || method == Method::stepwise)
     return {};
@@ -39,7 +40,7 @@ Result<void> check_method(Method method, const MethodOptions& options) {
   std::string left, right;
   for (const auto& one : asked) left += (left.empty() ? "" : ", ") + one;
   for (const auto& one : predicted) right += (right.empty() ? "" : ", ") + one;
-  return fail(ErrorCode::invalid_argument, "OTHER_OUTPUTS",
+  return fail(ErrorCode::invalid_argument, reasons::kOtherOutputs,
               "the left side of the formula has " + left +
                   ", but this robot's kinematics predicts " + right + ": write \"" + right +
                   " ~ ...\"");

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::identification {
@@ -16,11 +17,11 @@ Result<const std::vector<double>*> values_of(const Dataset& dataset, const Chann
     for (const auto& one : dataset.columns)
       known += (known.empty() ? "" : " ") + one.channel.name();
     return fail(
-        ErrorCode::invalid_argument, "UNKNOWN_CHANNEL",
+        ErrorCode::invalid_argument, reasons::kUnknownChannel,
         "the robot's kinematics needs channel " + channel.name() + ", the data have: " + known);
   }
   if (column->channel.unit != channel.unit)
-    return fail(ErrorCode::invalid_argument, "WRONG_UNIT",
+    return fail(ErrorCode::invalid_argument, reasons::kWrongUnit,
                 "the robot's kinematics needs " + channel.name() + ", the data have " +
                     column->channel.name());
   return &column->values;

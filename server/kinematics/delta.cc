@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "server/core/reasons.h"
 #include "server/core/text/quantity_text.h"
 #include "server/core/try.h"
 #include "server/kinematics/angles.h"
@@ -91,7 +92,7 @@ BranchDerivatives differentiate(const Branch& branch, const Vector& pose, double
 
 Result<void> check_delta(const KinematicsDescription& description) {
   const auto bad = [](std::string sentence) {
-    return fail(ErrorCode::invalid_argument, "BAD_KINEMATICS",
+    return fail(ErrorCode::invalid_argument, reasons::kBadKinematics,
                 "kinematics: " + std::move(sentence));
   };
   if (description.branches.size() != 3)
@@ -180,7 +181,7 @@ Result<Vector> Delta::pose_from_motor(const Vector& q_mm, const Eigen::VectorXd&
       (radius[0] * radius[0] - radius[2] * radius[2] + i * i + j * j - 2 * i * x) / (2 * j);
   const double height = std::sqrt(radius[0] * radius[0] - x * x - y * y);
   if (!std::isfinite(height))
-    return fail(ErrorCode::out_of_range, "NO_POSE",
+    return fail(ErrorCode::out_of_range, reasons::kNoPose,
                 "the arms do not meet at q = " + digits_text(q_mm[0], 9) + ", " +
                     digits_text(q_mm[1], 9) + ", " + digits_text(q_mm[2], 9) +
                     " mm: no pose belongs to these motor coordinates");

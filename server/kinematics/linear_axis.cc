@@ -1,17 +1,18 @@
 #include "server/kinematics/linear_axis.h"
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::kinematics {
 
 Result<Axis> Axis::create(const KinematicsDescription& description) {
   if (description.axes.size() != 1)
-    return fail(ErrorCode::invalid_argument, "BAD_KINEMATICS",
+    return fail(ErrorCode::invalid_argument, reasons::kBadKinematics,
                 "kinematics: found " + std::to_string(description.axes.size()) +
                     " axes, expected one for a linear-axis");
   const LinearAxis& axis = description.axes.front();
   if (axis.motor.unit != "mm" || axis.pose.unit != "mm")
-    return fail(ErrorCode::invalid_argument, "BAD_KINEMATICS",
+    return fail(ErrorCode::invalid_argument, reasons::kBadKinematics,
                 "kinematics: found " + axis.motor.name() + " and " + axis.pose.name() +
                     ", expected both in mm");
   Axis made(description);

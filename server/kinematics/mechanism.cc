@@ -3,6 +3,7 @@
 #include <set>
 #include <string>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/kinematics/delta.h"
 #include "server/kinematics/linear_axis.h"
@@ -18,7 +19,7 @@ Result<std::shared_ptr<const Mechanism>> shared(Result<Kind> made) {
   for (const auto* channels : {&made->inputs(), &made->outputs()})
     for (const auto& channel : *channels)
       if (!symbols.insert(channel.symbol).second)
-        return fail(ErrorCode::invalid_argument, "BAD_KINEMATICS",
+        return fail(ErrorCode::invalid_argument, reasons::kBadKinematics,
                     "kinematics: found " + channel.name() + " twice, expected each once");
   return std::make_shared<const Kind>(std::move(*made));
 }
@@ -29,7 +30,7 @@ Result<std::shared_ptr<const Mechanism>> make_mechanism(const KinematicsDescript
   if (description.kind == "delta-vertical") return shared(Delta::create(description));
   if (description.kind == "serial-arm") return shared(SerialArm::create(description));
   if (description.kind == "linear-axis") return shared(Axis::create(description));
-  return fail(ErrorCode::invalid_argument, "BAD_KINEMATICS",
+  return fail(ErrorCode::invalid_argument, reasons::kBadKinematics,
               "kinematics: found kind '" + description.kind +
                   "', expected delta-vertical, serial-arm or linear-axis");
 }

@@ -2,6 +2,8 @@
 
 #include <string_view>
 
+#include "server/core/reasons.h"
+
 namespace driftwise::kinematics {
 namespace {
 
@@ -44,7 +46,7 @@ Result<void> hold(Parameters& parameters, const std::vector<std::string>& patter
     if (any) continue;
     std::string known;
     for (const auto& parameter : parameters) known += (known.empty() ? "" : " ") + parameter.name;
-    return fail(ErrorCode::invalid_argument, "UNKNOWN_PARAMETER",
+    return fail(ErrorCode::invalid_argument, reasons::kUnknownParameter,
                 "hold: found '" + pattern.substr(0, 80) +
                     "', which names no parameter of this robot; it has: " + known);
   }

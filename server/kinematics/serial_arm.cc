@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/kinematics/angles.h"
 #include "server/kinematics/frame.h"
@@ -29,7 +30,7 @@ double reach_of_arm_mm(const KinematicsDescription& arm) {
 
 Result<void> check_arm(const KinematicsDescription& description) {
   const auto bad = [](std::string sentence) {
-    return fail(ErrorCode::invalid_argument, "BAD_KINEMATICS",
+    return fail(ErrorCode::invalid_argument, reasons::kBadKinematics,
                 "kinematics: " + std::move(sentence));
   };
   if (description.links.empty() || description.links.size() > kMostLinks)

@@ -1,5 +1,7 @@
 #include "server/locks/claims.h"
 
+#include "server/core/reasons.h"
+
 namespace driftwise::locks {
 
 Result<void> Claims::take(const std::string& device, const std::string& key) {
@@ -9,8 +11,8 @@ Result<void> Claims::take(const std::string& device, const std::string& key) {
     held_.emplace(key, std::move(*lock));
     return {};
   }
-  if (lock.error().reason != "LOCK_HELD") return tl::unexpected(lock.error());
-  return fail(ErrorCode::failed_precondition, "CONTROLLER_IN_USE",
+  if (lock.error().reason != reasons::kLockHeld) return tl::unexpected(lock.error());
+  return fail(ErrorCode::failed_precondition, reasons::kControllerInUse,
               "device '" + device + "': its controller (" + key + ") is driven by " +
                   lock.error().message +
                   ": stop that daemon, or give this cell a controller of its own");

@@ -8,6 +8,8 @@
 #include <cstddef>
 #include <cstring>
 
+#include "server/core/reasons.h"
+
 namespace driftwise::locks {
 namespace {
 
@@ -50,13 +52,13 @@ Result<KernelLock> KernelLock::take(const std::string& name) {
   const Address address = address_of(name);
   const int socket = new_socket();
   if (socket < 0)
-    return fail(ErrorCode::internal, "NO_LOCK",
+    return fail(ErrorCode::internal, reasons::kNoLock,
                 "no socket for the lock " + name + ": " + std::strerror(errno));
   KernelLock lock(socket);
   if (bind(socket, reinterpret_cast<const sockaddr*>(&address.value), address.size) != 0) {
     if (errno == EADDRINUSE)
-      return fail(ErrorCode::failed_precondition, "LOCK_HELD", holder_of(address));
-    return fail(ErrorCode::internal, "NO_LOCK",
+      return fail(ErrorCode::failed_precondition, reasons::kLockHeld, holder_of(address));
+    return fail(ErrorCode::internal, reasons::kNoLock,
                 "cannot take the lock " + name + ": " + std::strerror(errno));
   }
   // Listening tells who asks which process this is. Nothing is ever accepted.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/effects/term_order.h"
 
@@ -40,7 +41,7 @@ Result<ForwardModel> ForwardModel::create(const calibration::Model& model,
   }
   DRIFTWISE_TRY(auto evaluator, effects::TermEvaluator::create(terms, symbols));
   if (forward.pose_symbols_.size() != model.outputs.size())
-    return fail(ErrorCode::failed_precondition, "NOT_SQUARE",
+    return fail(ErrorCode::failed_precondition, reasons::kNotSquare,
                 "to run a model forward it needs as many outputs as pose axes: '" + model.formula +
                     "' has " + std::to_string(model.outputs.size()) + " outputs and " +
                     std::to_string(forward.pose_symbols_.size()) + " pose axes");
@@ -63,7 +64,7 @@ Result<Eigen::VectorXd> ForwardModel::model_at(const effects::TermEvaluator& mem
         Eigen::Map<const Eigen::VectorXd>(columns.data() + first, coefficients.size()));
   }
   if (!q.allFinite())
-    return fail(ErrorCode::invalid_argument, "MISSING_VALUE",
+    return fail(ErrorCode::invalid_argument, reasons::kMissingValue,
                 "a channel that the model reads has no value at this reading");
   return q;
 }
@@ -106,7 +107,7 @@ Result<Eigen::VectorXd> ForwardModel::step(double time_s, std::span<const double
       return pose;
     }
   }
-  return fail(ErrorCode::failed_precondition, "NO_CONVERGENCE",
+  return fail(ErrorCode::failed_precondition, reasons::kNoConvergence,
               "no pose gives these motor coordinates by the model (last try " +
                   pose_symbols_.front() + " = " + effects::number_text(pose[0]) +
                   "): is the row far outside the fitted domain?");

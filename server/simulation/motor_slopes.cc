@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
 #include "server/effects/term_evaluator.h"
@@ -38,7 +39,7 @@ Result<Eigen::MatrixXd> motor_slopes(const calibration::Model& model,
   for (std::size_t j = 0; j < axes.size(); ++j) {
     const auto at = std::ranges::find(symbols, axes[j]);
     if (at == symbols.end())
-      return fail(ErrorCode::failed_precondition, "NO_DOMAIN",
+      return fail(ErrorCode::failed_precondition, reasons::kNoDomain,
                   "the simulation does not read " + axes[j] +
                       ": what is wrong with that length cannot be told from the motor side");
     const auto index = static_cast<std::size_t>(at - symbols.begin());

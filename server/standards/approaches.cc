@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/standards/measured_columns.h"
 
@@ -29,7 +30,7 @@ std::string motor_symbol_of(const std::string& pose) {
 Result<AxisColumns> find_axis_columns(const Dataset& dataset, AxisColumns asked) {
   const std::string pose = pose_symbol_of(asked.axis);
   if (pose.empty() && (asked.target.empty() || asked.measured.empty()))
-    return fail(ErrorCode::invalid_argument, "BAD_AXIS",
+    return fail(ErrorCode::invalid_argument, reasons::kBadAxis,
                 "found the axis '" + asked.axis +
                     "', expected q1, q2, q3, x, y or z, or the columns of what was wanted and "
                     "measured by name");
@@ -39,7 +40,7 @@ Result<AxisColumns> find_axis_columns(const Dataset& dataset, AxisColumns asked)
                                             motor_symbol_of(pose) + "_cmd"};
     asked.target = first_present(dataset, names);
     if (asked.target.empty())
-      return fail(ErrorCode::invalid_argument, "NO_COLUMN",
+      return fail(ErrorCode::invalid_argument, reasons::kNoColumn,
                   "found no column of what was commanded along " + asked.axis + " (" + names[0] +
                       ", " + names[1] + " or " + names[2] +
                       "): name it, for the position of the scale is not what was wanted");

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
 #include "server/standards/measured_columns.h"
@@ -21,7 +22,7 @@ std::string mm_text(double mm) {
   return text;
 }
 
-tl::unexpected<Error> lacks(const char* reason, const std::string& sentence) {
+tl::unexpected<Error> lacks(Reason reason, const std::string& sentence) {
   return fail(ErrorCode::failed_precondition, reason, "ISO 230-2: " + sentence);
 }
 
@@ -51,7 +52,7 @@ Result<void> check_positions(const std::vector<Position>& positions, std::size_t
   }
   if (count > kShown) missing += "; and " + std::to_string(count - kShown) + " more";
   if (count > 0)
-    return lacks("LACKS_APPROACHES",
+    return lacks(reasons::kLacksApproaches,
                  "needs " + std::to_string(needed) +
                      " approaches from each side to every position: " + missing +
                      ". `driftwise trajectory iso230-2` writes a trajectory that has them");
@@ -61,7 +62,7 @@ Result<void> check_positions(const std::vector<Position>& positions, std::size_t
       kLeastPositions, static_cast<std::size_t>(std::ceil(
                            static_cast<double>(kLeastPositions) * travel_mm / 1000 - 1e-9)));
   if (positions.size() < wanted)
-    return lacks("TOO_FEW_POSITIONS",
+    return lacks(reasons::kTooFewPositions,
                  "needs " + std::to_string(wanted) + " positions over " + mm_text(travel_mm) +
                      ", found " + std::to_string(positions.size()) +
                      ". `driftwise trajectory iso230-2` writes a trajectory that has them");
@@ -138,7 +139,7 @@ void add_warnings(Iso2302& out, const std::vector<Position>& positions, const Da
 
 Result<Iso2302> iso230_2(const Dataset& dataset, const Iso2302Options& options) {
   if (options.approaches < 5)
-    return fail(ErrorCode::invalid_argument, "TOO_FEW_APPROACHES",
+    return fail(ErrorCode::invalid_argument, reasons::kTooFewApproaches,
                 "asked for " + std::to_string(options.approaches) +
                     " approaches from each side, the standard has 5");
   DRIFTWISE_TRY(const auto columns, find_axis_columns(dataset, options.columns));

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <deque>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
 #include "server/standards/measured_columns.h"
@@ -21,7 +22,7 @@ std::string number_with(double value, const char* unit) {
   return text;
 }
 
-tl::unexpected<Error> lacks_drift(const char* reason, const std::string& sentence) {
+tl::unexpected<Error> lacks_drift(Reason reason, const std::string& sentence) {
   return fail(ErrorCode::failed_precondition, reason, "ISO 230-3: " + sentence);
 }
 
@@ -121,15 +122,16 @@ std::string lacking(const std::vector<Approach>& visits, const Iso2303Options& o
 Result<Iso2303> iso230_3(const Dataset& dataset, const Iso2303Options& options) {
   DRIFTWISE_TRY(const auto columns, find_axis_columns(dataset, options.columns));
   if (dataset.time_s.empty())
-    return lacks_drift("UNTIMED", "needs the time of each row (time_s), found none");
+    return lacks_drift(reasons::kUntimed, "needs the time of each row (time_s), found none");
   DRIFTWISE_TRY(auto approaches, approaches_of(dataset, columns));
   for (auto& approach : approaches) approach.zero = false;
   const double start_s = dataset.time_s.front(), test_s = dataset.time_s.back() - start_s;
   if (test_s < options.hours * 3600)
-    return lacks_drift("TOO_SHORT", "needs " + number_with(options.hours, "h") + ", found " +
-                                        number_with(test_s / 3600, "h") +
-                                        ". `driftwise trajectory iso230-3` writes a trajectory "
-                                        "that lasts, --hours allows a shorter test");
+    return lacks_drift(reasons::kTooShort,
+                       "needs " + number_with(options.hours, "h") + ", found " +
+                           number_with(test_s / 3600, "h") +
+                           ". `driftwise trajectory iso230-3` writes a trajectory "
+                           "that lasts, --hours allows a shorter test");
   Iso2303 out;
   out.columns = columns;
   std::string missing;
@@ -147,7 +149,7 @@ Result<Iso2303> iso230_3(const Dataset& dataset, const Iso2303Options& options) 
       }
     }
   if (out.series.empty())
-    return lacks_drift("NO_SERIES",
+    return lacks_drift(reasons::kNoSeries,
                        "needs a position that is visited from one side all through the test: " +
                            (missing.empty() ? "found no measured row" : missing) +
                            ". `driftwise trajectory iso230-3` writes a trajectory that has them");

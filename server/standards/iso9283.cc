@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
 #include "server/standards/measured_columns.h"
@@ -40,7 +41,7 @@ Result<std::vector<std::pair<std::string, std::string>>> pairs_of(
     const Dataset& dataset, const std::vector<std::string>& command,
     const std::vector<std::string>& measured, const std::vector<std::string>& usual) {
   if (!measured.empty() && !command.empty() && command.size() != measured.size())
-    return fail(ErrorCode::invalid_argument, "BAD_COLUMNS",
+    return fail(ErrorCode::invalid_argument, reasons::kBadColumns,
                 "found " + std::to_string(command.size()) + " columns of commands and " +
                     std::to_string(measured.size()) + " of measurements, expected as many");
   std::vector<std::pair<std::string, std::string>> out;
@@ -57,11 +58,11 @@ Result<PoseColumns> columns_of(const Dataset& dataset, const Iso9283Options& opt
   DRIFTWISE_TRY(const auto positions,
                 pairs_of(dataset, options.command, options.measured, {"x", "y", "z"}));
   if (positions.empty())
-    return fail(ErrorCode::invalid_argument, "NO_COLUMN",
+    return fail(ErrorCode::invalid_argument, reasons::kNoColumn,
                 "found none of x, y, z, expected at least one measured position");
   for (const auto& [command, measured] : positions) {
     if (command.empty())
-      return fail(ErrorCode::invalid_argument, "NO_COLUMN",
+      return fail(ErrorCode::invalid_argument, reasons::kNoColumn,
                   "found no column of what was commanded for " + measured + " (" + measured +
                       "_target, goal_" + measured + ", ...): name it");
     DRIFTWISE_RETURN_IF_ERROR(append(out.command_mm, column_mm(dataset, command)));
@@ -148,11 +149,11 @@ Result<void> check_cycles(std::vector<VisitedPose>& poses, const PoseColumns& co
   const std::string advice = ". `driftwise trajectory iso9283` writes a trajectory that has them";
   if (lacking > 8) missing += "; and " + std::to_string(lacking - 8) + " more";
   if (lacking > 0)
-    return fail(ErrorCode::failed_precondition, "LACKS_CYCLES",
+    return fail(ErrorCode::failed_precondition, reasons::kLacksCycles,
                 "ISO 9283: needs " + std::to_string(needed) + " cycles over each of " +
                     std::to_string(wanted) + " poses: " + missing + advice);
   if (poses.size() < wanted)
-    return fail(ErrorCode::failed_precondition, "TOO_FEW_POSES",
+    return fail(ErrorCode::failed_precondition, reasons::kTooFewPoses,
                 "ISO 9283: needs " + std::to_string(wanted) + " poses, found " +
                     std::to_string(poses.size()) + advice);
   return {};
@@ -232,7 +233,7 @@ void worst_of_poses(Iso9283& out) {
 
 Result<Iso9283> iso9283(const Dataset& dataset, const Iso9283Options& options) {
   if (options.cycles < 2 || options.poses < 1)
-    return fail(ErrorCode::invalid_argument, "OUT_OF_RANGE",
+    return fail(ErrorCode::invalid_argument, reasons::kOutOfRange,
                 "expected at least 2 cycles (the standard has 30) over at least 1 pose (5)");
   DRIFTWISE_TRY(const auto columns, columns_of(dataset, options));
   auto visited = visited_poses(dataset, columns, options);

@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "server/core/reasons.h"
 #include "server/core/unit_conversion.h"
 
 namespace driftwise::standards {
@@ -13,12 +14,12 @@ Result<std::vector<double>> converted_column(const Dataset& dataset, std::string
   if (!column) {
     std::string list;
     for (const auto& each : dataset.columns) list += " " + each.channel.name();
-    return fail(ErrorCode::invalid_argument, "NO_COLUMN",
+    return fail(ErrorCode::invalid_argument, reasons::kNoColumn,
                 "found no column '" + std::string(symbol) + "', found" + list);
   }
   const auto convert = unit_conversion(column->channel.unit, unit);
   if (!convert)
-    return fail(ErrorCode::invalid_argument, "UNIT_KIND",
+    return fail(ErrorCode::invalid_argument, reasons::kUnitKind,
                 "column " + column->channel.name() + ": " + convert.error().message);
   std::vector<double> out;
   out.reserve(column->values.size());

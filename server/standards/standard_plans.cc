@@ -4,13 +4,15 @@
 #include <array>
 #include <cmath>
 
+#include "server/core/reasons.h"
+
 namespace driftwise::standards {
 namespace {
 
 constexpr int kMostRows = 1000000;
 
 tl::unexpected<Error> bad_plan(const std::string& sentence) {
-  return fail(ErrorCode::invalid_argument, "BAD_PLAN", sentence);
+  return fail(ErrorCode::invalid_argument, reasons::kBadPlan, sentence);
 }
 
 // Trajectories are read by people too: whole nanometres.

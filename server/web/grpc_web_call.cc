@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cstdint>
 
+#include "server/core/reasons.h"
 #include "server/web/base64.h"
 
 namespace driftwise::web {
@@ -69,7 +70,7 @@ Result<GrpcWebCall> grpc_web_call(const HttpRequest& request) {
   if (const auto text = request.header("grpc-timeout"); !text.empty()) {
     out.timeout = timeout_from(text);
     if (!out.timeout)
-      return fail(ErrorCode::invalid_argument, "BAD_TIMEOUT",
+      return fail(ErrorCode::invalid_argument, reasons::kBadTimeout,
                   "grpc-timeout: found '" + printable(text) +
                       "', expected up to eight digits and one of H, M, S, m, u, n");
   }
@@ -78,7 +79,7 @@ Result<GrpcWebCall> grpc_web_call(const HttpRequest& request) {
   if (const auto text = request.header(kNameBytes); !text.empty()) {
     auto bytes = base64_decode(text);
     if (!bytes)
-      return fail(ErrorCode::invalid_argument, "BAD_METADATA",
+      return fail(ErrorCode::invalid_argument, reasons::kBadMetadata,
                   std::string(kNameBytes) + ": expected base64");
     out.metadata.push_back({std::string(kNameBytes), bytes->substr(0, 256)});
   }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "server/core/reasons.h"
 #include "server/web/base64.h"
 
 namespace driftwise::web {
@@ -40,7 +41,7 @@ std::string percent_encoded(std::string_view text) {
 }
 
 tl::unexpected<Error> bad_frame(const std::string& found) {
-  return fail(ErrorCode::invalid_argument, "BAD_FRAME",
+  return fail(ErrorCode::invalid_argument, reasons::kBadFrame,
               "gRPC-Web request: found " + found + ", expected one uncompressed message frame");
 }
 
@@ -66,7 +67,7 @@ Result<std::string> message_of_body(std::string body, GrpcWebForm form) {
   if (form == GrpcWebForm::text) {
     auto bytes = base64_decode(body);
     if (!bytes)
-      return fail(ErrorCode::invalid_argument, "BAD_BASE64",
+      return fail(ErrorCode::invalid_argument, reasons::kBadBase64,
                   "gRPC-Web request: the body is not base64, as application/grpc-web-text says");
     body = std::move(*bytes);
   }

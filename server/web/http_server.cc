@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "server/core/ports/spawn.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/web/http_connection.h"
 
@@ -43,7 +44,7 @@ Result<tcp::endpoint> parse_loopback(const std::string& address) {
                                                              : host,
                                          code);
   if (code || port > 65535 || !ip.is_loopback())
-    return fail(ErrorCode::invalid_argument, "BAD_ADDRESS",
+    return fail(ErrorCode::invalid_argument, reasons::kBadAddress,
                 "http address '" + address +
                     "': expected a loopback address and port such as 127.0.0.1:8080");
   return tcp::endpoint(ip, static_cast<std::uint16_t>(port));
@@ -167,7 +168,7 @@ Result<std::unique_ptr<HttpServer>> HttpServer::open(const std::string& address)
   DRIFTWISE_TRY(const auto endpoint, parse_loopback(address));
   auto server = std::make_unique<ThreadedHttpServer>();
   if (const auto code = server->listen(endpoint))
-    return fail(ErrorCode::unavailable, "CANNOT_LISTEN",
+    return fail(ErrorCode::unavailable, reasons::kCannotListen,
                 "http address '" + address + "': " + code.message() +
                     "; choose another port in [cell] http");
   return server;

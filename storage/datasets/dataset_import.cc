@@ -5,6 +5,7 @@
 #include <set>
 
 #include "server/core/data/row_marks.h"
+#include "server/core/reasons.h"
 #include "storage/rows/point_rows.h"
 #include "storage/rows/run_rows.h"
 #include "storage/watch/remark_store.h"
@@ -14,7 +15,7 @@ namespace {
 
 void require_length(std::size_t found, const Dataset& dataset, const std::string& name) {
   if (found != dataset.rows)
-    throw_failure(ErrorCode::invalid_argument, "BAD_DATASET",
+    throw_failure(ErrorCode::invalid_argument, reasons::kBadDataset,
                   "column " + name + " has " + std::to_string(found) + " values, the dataset has " +
                       std::to_string(dataset.rows) + " rows: give one per row");
 }
@@ -39,7 +40,7 @@ std::string checked_fields(const Dataset& dataset) {
   for (const DatasetColumn& column : dataset.columns) {
     require_length(column.values.size(), dataset, column.channel.name());
     if (!names.insert(column.channel.name()).second)
-      throw_failure(ErrorCode::invalid_argument, "BAD_DATASET",
+      throw_failure(ErrorCode::invalid_argument, reasons::kBadDataset,
                     "column " + column.channel.name() + " stands twice: name each channel once");
   }
   return fields;

@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "server/core/data/row_marks.h"
+#include "server/core/reasons.h"
 #include "storage/datasets/dataset_columns.h"
 #include "storage/datasets/dataset_rows.h"
 #include "storage/rows/run_rows.h"
@@ -18,10 +19,10 @@ void require_distinct(std::span<const RunId> runs) {
   for (const RunId run : runs)
     if (!seen.insert(run.value).second)
       throw_failure(
-          ErrorCode::invalid_argument, "BAD_RUNS",
+          ErrorCode::invalid_argument, reasons::kBadRuns,
           "run " + std::to_string(run.value) + " is named twice: a dataset takes each run once");
   if (runs.empty())
-    throw_failure(ErrorCode::invalid_argument, "BAD_RUNS",
+    throw_failure(ErrorCode::invalid_argument, reasons::kBadRuns,
                   "no run is named: a dataset is made of at least one");
 }
 

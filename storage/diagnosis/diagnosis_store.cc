@@ -1,5 +1,6 @@
 #include "storage/diagnosis/diagnosis_store.h"
 
+#include "server/core/reasons.h"
 #include "storage/diagnosis/extension_rows.h"
 #include "storage/diagnosis/improvement_rows.h"
 #include "storage/models/model_store.h"
@@ -78,7 +79,7 @@ Result<void> SqliteDiagnosisStore::end_diagnosis(DiagnosisId id, const Diagnosis
         .run();
     if (session_.db.changed_rows() == 1) return;
     const auto stored = read_diagnosis(session_, id);
-    throw_failure(ErrorCode::failed_precondition, "ALREADY_OVER",
+    throw_failure(ErrorCode::failed_precondition, reasons::kAlreadyOver,
                   "diagnosis " + std::to_string(id.value) + " is over: it is " +
                       std::string(to_string(stored.state)));
   });

@@ -4,6 +4,7 @@
 #include <map>
 #include <sstream>
 
+#include "server/core/reasons.h"
 #include "storage/models/model_store.h"
 #include "storage/watch/remark_store.h"
 
@@ -103,7 +104,7 @@ std::vector<std::int64_t> numbers_from(const std::string& text) {
 }
 
 void throw_no_such_diagnosis(Session& session, DiagnosisId id) {
-  throw_failure(ErrorCode::not_found, "NO_SUCH_DIAGNOSIS",
+  throw_failure(ErrorCode::not_found, reasons::kNoSuchDiagnosis,
                 "there is no diagnosis " + std::to_string(id.value) + " in database " +
                     session.db.path() + ": 'driftwise diagnosis list' shows those there are");
 }
@@ -116,7 +117,7 @@ void require_diagnosis(Session& session, DiagnosisId id) {
 ExtensionRecord insert_extension(Session& session, const NewExtension& extension) {
   require_diagnosis(session, extension.diagnosis);
   if (const auto last = last_extension(session, extension.diagnosis); last && last->record.stands())
-    throw_failure(ErrorCode::already_exists, "EXTENSION_STANDS",
+    throw_failure(ErrorCode::already_exists, reasons::kExtensionStands,
                   "diagnosis " + std::to_string(extension.diagnosis.value) + " was accepted by " +
                       last->record.accepted_by +
                       " and stands: undo it first to accept other findings");
@@ -166,7 +167,7 @@ ExtensionRecord undo_extension_row(Session& session, DiagnosisId id, const Stamp
   require_diagnosis(session, id);
   const auto last = last_extension(session, id);
   if (!last || !last->record.stands())
-    throw_failure(ErrorCode::failed_precondition, "NO_EXTENSION",
+    throw_failure(ErrorCode::failed_precondition, reasons::kNoExtension,
                   "nothing of diagnosis " + std::to_string(id.value) +
                       (last ? " stands any more" : " was accepted") + ": there is nothing to undo");
   if (rollback) insert_promotion(session, *rollback);

@@ -1,12 +1,13 @@
 #include "storage/diagnosis/improvement_rows.h"
 
+#include "server/core/reasons.h"
 #include "storage/diagnosis/extension_rows.h"
 
 namespace driftwise::storage {
 namespace {
 
 [[noreturn]] void throw_no_such_improvement(Session& session, ImprovementId id) {
-  throw_failure(ErrorCode::not_found, "NO_SUCH_IMPROVEMENT",
+  throw_failure(ErrorCode::not_found, reasons::kNoSuchImprovement,
                 "there is no improvement " + std::to_string(id.value) + " in database " +
                     session.db.path() + ": 'driftwise improve list' shows those there are");
 }
@@ -137,7 +138,7 @@ void end_improvement_row(Session& session, ImprovementId id, JobState state,
       .run();
   if (session.db.changed_rows() == 1) return;
   const auto stored = read_improvement(session, id);
-  throw_failure(ErrorCode::failed_precondition, "ALREADY_OVER",
+  throw_failure(ErrorCode::failed_precondition, reasons::kAlreadyOver,
                 "improvement " + std::to_string(id.value) + " is over: it is " +
                     std::string(to_string(stored.state)));
 }

@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::storage {
@@ -23,7 +24,7 @@ void read_corrections_of(Session& session, ModelRecord& model) {
 }
 
 [[noreturn]] void throw_no_such_model(Session& session, ModelId id) {
-  throw_failure(ErrorCode::not_found, "NO_SUCH_MODEL",
+  throw_failure(ErrorCode::not_found, reasons::kNoSuchModel,
                 "there is no model " + std::to_string(id.value) + " in database " +
                     session.db.path() + ": 'driftwise model list' shows those there are");
 }

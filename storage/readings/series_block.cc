@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "server/core/reasons.h"
 #include "storage/sqlite/failure.h"
 
 namespace driftwise::storage {
@@ -12,7 +13,7 @@ constexpr std::size_t kSampleBytes = sizeof(std::uint32_t) + sizeof(double);
 constexpr std::int64_t kNsPerTick = 1000;
 
 [[noreturn]] void damaged(std::string_view data) {
-  throw_failure(ErrorCode::data_loss, "DATABASE_DAMAGED",
+  throw_failure(ErrorCode::data_loss, reasons::kDatabaseDamaged,
                 "series_block holds " + std::to_string(data.size()) +
                     " bytes that are no block: empty series_block and set series_mark to 0, and "
                     "the daemon makes it again");

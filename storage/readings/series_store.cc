@@ -4,6 +4,7 @@
 #include <limits>
 #include <map>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "storage/readings/series_block.h"
 #include "storage/readings/series_grid.h"
@@ -37,7 +38,7 @@ std::int64_t newest_reading(Session& session) {
 std::int64_t channel_id_of(Session& session, const std::string& name) {
   Query query(session.db, "SELECT channel_id FROM channel WHERE name = ?");
   if (!query.bind(name).row())
-    throw_failure(ErrorCode::invalid_argument, "NO_SUCH_CHANNEL",
+    throw_failure(ErrorCode::invalid_argument, reasons::kNoSuchChannel,
                   "channel '" + name + "' was never recorded in this database");
   return query.integer(0);
 }

@@ -2,6 +2,8 @@
 
 #include <charconv>
 
+#include "server/core/reasons.h"
+
 namespace driftwise::storage {
 namespace {
 
@@ -17,7 +19,7 @@ std::vector<ChannelValue> values_of(Session& session, Query& query, std::int64_t
 Verdict verdict_from(Session& session, const std::string& text) {
   for (int i = 0; i <= static_cast<int>(Verdict::interrupted); ++i)
     if (to_string(static_cast<Verdict>(i)) == text) return static_cast<Verdict>(i);
-  throw_failure(ErrorCode::data_loss, "DATABASE_DAMAGED",
+  throw_failure(ErrorCode::data_loss, reasons::kDatabaseDamaged,
                 "database " + session.db.path() + ": table attempt has the verdict '" + text +
                     "', which no Driftwise wrote: restore what was edited");
 }

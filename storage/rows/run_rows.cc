@@ -1,5 +1,6 @@
 #include "storage/rows/run_rows.h"
 
+#include "server/core/reasons.h"
 #include "storage/rows/place_text.h"
 #include "storage/rows/run_select.h"
 
@@ -36,7 +37,7 @@ std::optional<RunRecord> run_of_request(Session& session, const NewRun& run) {
   if (earlier.trajectory_text != run.trajectory_text || earlier.name != run.name ||
       (is_import && earlier.rules_json != run.rules_json))
     throw_failure(
-        ErrorCode::already_exists, "REQUEST_ID_REUSED",
+        ErrorCode::already_exists, reasons::kRequestIdReused,
         "request '" + run.request_id + "' made run " + std::to_string(earlier.id.value) + " '" +
             earlier.name +
             "' before, with another name or content: give each new run a request id of its own");
@@ -56,7 +57,7 @@ void require_run(Session& session, RunId run) {
 }
 
 void throw_no_such_run(Session& session, RunId run) {
-  throw_failure(ErrorCode::not_found, "NO_SUCH_RUN",
+  throw_failure(ErrorCode::not_found, reasons::kNoSuchRun,
                 "there is no run " + std::to_string(run.value) + " in database " +
                     session.db.path() + ": 'driftwise run list' shows those there are");
 }

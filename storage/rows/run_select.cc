@@ -1,5 +1,6 @@
 #include "storage/rows/run_select.h"
 
+#include "server/core/reasons.h"
 #include "storage/rows/place_text.h"
 #include "storage/sqlite/failure.h"
 
@@ -25,7 +26,7 @@ RunRecord run_from(const Query& row, const std::string& file) {
   auto requeued = requeued_from(row.text(15));
   if (!state || !requeued)
     throw_failure(
-        ErrorCode::data_loss, "DATABASE_DAMAGED",
+        ErrorCode::data_loss, reasons::kDatabaseDamaged,
         "database " + file + ": run_progress of run " + std::to_string(run.id.value) +
             " has state '" + row.text(9) + "' and requeued '" + row.text(15) +
             "', expected a run state and \"row:count row:count\": restore what was edited");

@@ -1,5 +1,7 @@
 #include "storage/runs/trajectory_store.h"
 
+#include "server/core/reasons.h"
+
 namespace driftwise::storage {
 namespace {
 
@@ -32,7 +34,7 @@ Result<KeptTrajectory> SqliteTrajectoryStore::trajectory(TrajectoryId id) {
                 "SELECT trajectory_id, name, text, hash, row_count, created_ns, created_by FROM "
                 "trajectory WHERE trajectory_id = ?");
     if (!query.bind(id).row())
-      throw_failure(ErrorCode::not_found, "NO_SUCH_TRAJECTORY",
+      throw_failure(ErrorCode::not_found, reasons::kNoSuchTrajectory,
                     "there is no trajectory " + std::to_string(id.value) +
                         ": 'driftwise trajectory list' shows those there are");
     return trajectory_from(query);

@@ -3,6 +3,7 @@
 #include <array>
 #include <string>
 
+#include "server/core/reasons.h"
 #include "storage/schema/schema_v1.h"
 #include "storage/schema/schema_v2.h"
 #include "storage/schema/schema_v3.h"
@@ -18,11 +19,11 @@ void refuse_foreign_or_newer(Database& db, int newest) {
   const std::int64_t application = db.pragma("application_id");
   const bool empty = db.pragma("schema_version") == 0;
   if (application != kApplicationId && !(empty && version == 0 && application == 0))
-    throw_failure(ErrorCode::failed_precondition, "NOT_DRIFTWISE",
+    throw_failure(ErrorCode::failed_precondition, reasons::kNotDriftwise,
                   "database " + db.path() + " was not made by Driftwise (its application_id is " +
                       std::to_string(application) + "): name another file in [cell] database");
   if (version > newest)
-    throw_failure(ErrorCode::failed_precondition, "SCHEMA_NEWER",
+    throw_failure(ErrorCode::failed_precondition, reasons::kSchemaNewer,
                   "database " + db.path() + " has schema version " + std::to_string(version) +
                       ", this program knows versions up to " + std::to_string(newest) +
                       ": use the newer Driftwise that wrote it");
@@ -50,7 +51,7 @@ void require_present_schema(Database& db) {
   refuse_foreign_or_newer(db, schema_version());
   const std::int64_t version = db.pragma("user_version");
   if (version < schema_version())
-    throw_failure(ErrorCode::failed_precondition, "SCHEMA_OLDER",
+    throw_failure(ErrorCode::failed_precondition, reasons::kSchemaOlder,
                   "database " + db.path() + " has schema version " + std::to_string(version) +
                       ", this program needs " + std::to_string(schema_version()) +
                       ": start driftwised on it once, which brings it up to date");

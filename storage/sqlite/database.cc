@@ -1,6 +1,7 @@
 #include "storage/sqlite/database.h"
 
 #include "server/core/data/reading.h"
+#include "server/core/reasons.h"
 #include "storage/sqlite/failure.h"
 
 namespace driftwise::storage {
@@ -63,7 +64,7 @@ std::int64_t Database::pragma(const std::string& name) {
 
 sqlite3_stmt* Database::kept(const char* sql) {
   if (!handle_)
-    throw_failure(ErrorCode::resource_exhausted, "DATABASE_CLOSED",
+    throw_failure(ErrorCode::resource_exhausted, reasons::kDatabaseClosed,
                   "database " + path_ + " could not be opened anew: it is tried again");
   auto& slot = kept_[sql];
   if (!slot) {

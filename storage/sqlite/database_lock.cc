@@ -4,6 +4,7 @@
 
 #include <cstdio>
 
+#include "server/core/reasons.h"
 #include "storage/sqlite/failure.h"
 
 namespace driftwise::storage {
@@ -19,8 +20,8 @@ DatabaseLock::DatabaseLock(const std::string& database_path) : file_(identity_of
   std::snprintf(name, sizeof name, "database/%llx-%llx", file_.device, file_.inode);
   auto lock = locks::KernelLock::take(name);
   if (!lock) {
-    if (lock.error().reason != "LOCK_HELD") throw StorageFailure{lock.error()};
-    throw_failure(ErrorCode::failed_precondition, "DATABASE_IN_USE",
+    if (lock.error().reason != reasons::kLockHeld) throw StorageFailure{lock.error()};
+    throw_failure(ErrorCode::failed_precondition, reasons::kDatabaseInUse,
                   "database " + database_path + " is being written by " + lock.error().message +
                       ": stop that daemon, or give this cell a database of its own");
   }

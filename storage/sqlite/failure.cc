@@ -5,6 +5,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "server/core/reasons.h"
+
 namespace driftwise::storage {
 
 void throw_failure(ErrorCode code, std::string reason, std::string message) {
@@ -25,31 +27,31 @@ Error error_from_sqlite(int code, int system_errno, const std::string& file,
       ((code & 0xff) == SQLITE_IOERR && (system_errno == ENOSPC || system_errno == EDQUOT));
   if (no_space)
     return {
-        ErrorCode::resource_exhausted, "DISK_FULL",
+        ErrorCode::resource_exhausted, reasons::kDiskFull,
         what +
             "the disk is full; nothing was written: free some space, then the same call succeeds"};
   switch (code) {
     case SQLITE_CONSTRAINT_UNIQUE:
     case SQLITE_CONSTRAINT_PRIMARYKEY:
     case SQLITE_CONSTRAINT_ROWID:
-      return {ErrorCode::already_exists, "ALREADY_STORED",
+      return {ErrorCode::already_exists, reasons::kAlreadyStored,
               what + "it is stored already; nothing was written"};
     case SQLITE_CONSTRAINT_FOREIGNKEY:
       return {
-          ErrorCode::not_found, "NO_SUCH_RECORD",
+          ErrorCode::not_found, reasons::kNoSuchRecord,
           what + "it names a run, datum or model that is not in the database; nothing was written"};
     default:
       break;
   }
   switch (code & 0xff) {
     case SQLITE_IOERR:
-      return {ErrorCode::data_loss, "DISK_ERROR",
+      return {ErrorCode::data_loss, reasons::kDiskError,
               what +
                   "the disk failed and the change was not acknowledged: look at the disk (dmesg), "
                   "then try again"};
     case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
-      return {ErrorCode::data_loss, "DATABASE_DAMAGED",
+      return {ErrorCode::data_loss, reasons::kDatabaseDamaged,
               what +
                   "the file is damaged or no database: keep a copy, then restore a backup, or save "
                   "what can be "
@@ -57,28 +59,28 @@ Error error_from_sqlite(int code, int system_errno, const std::string& file,
                   file + " .recover"};
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
-      return {ErrorCode::failed_precondition, "DATABASE_LOCKED",
+      return {ErrorCode::failed_precondition, reasons::kDatabaseLocked,
               what +
                   "another program holds the database: end its transaction (a sqlite3 shell?), "
                   "then try again"};
     case SQLITE_READONLY:
-      return {ErrorCode::failed_precondition, "READ_ONLY",
+      return {ErrorCode::failed_precondition, reasons::kReadOnly,
               what +
                   "the file cannot be written: open it for writing and look at the rights of file "
                   "and folder"};
     case SQLITE_CANTOPEN:
     case SQLITE_PERM:
     case SQLITE_AUTH:
-      return {ErrorCode::not_found, "CANNOT_OPEN",
+      return {ErrorCode::not_found, reasons::kCannotOpen,
               what + "look at the path and at the rights of file and folder"};
     case SQLITE_NOMEM:
-      return {ErrorCode::resource_exhausted, "OUT_OF_MEMORY",
+      return {ErrorCode::resource_exhausted, reasons::kOutOfMemory,
               what + "out of memory; nothing was written"};
     case SQLITE_TOOBIG:
-      return {ErrorCode::invalid_argument, "TOO_BIG",
+      return {ErrorCode::invalid_argument, reasons::kTooBig,
               what + "a text is longer than the database takes"};
     default:
-      return {ErrorCode::internal, "SQLITE_ERROR", what + "please report this as a bug"};
+      return {ErrorCode::internal, reasons::kSqliteError, what + "please report this as a bug"};
   }
 }
 

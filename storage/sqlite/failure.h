@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "server/core/reasons.h"
 #include "server/core/result.h"
 
 struct sqlite3;
@@ -46,7 +47,7 @@ auto answered(F&& body) -> Result<std::invoke_result_t<F>> {
   } catch (StorageFailure& failure) {
     return tl::unexpected(std::move(failure.error));
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::resource_exhausted, "OUT_OF_MEMORY",
+    return fail(ErrorCode::resource_exhausted, reasons::kOutOfMemory,
                 "the store ran out of memory; nothing was written");
   }
 }

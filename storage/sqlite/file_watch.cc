@@ -2,6 +2,8 @@
 
 #include <sys/stat.h>
 
+#include "server/core/reasons.h"
+
 namespace driftwise::storage {
 namespace {
 
@@ -53,17 +55,17 @@ Error files_error(DatabaseFiles state, const std::string& path) {
       "alarm names the copy): ";
   switch (state) {
     case DatabaseFiles::moved:
-      return {ErrorCode::resource_exhausted, "DATABASE_MOVED",
+      return {ErrorCode::resource_exhausted, reasons::kDatabaseMoved,
               "database " + path + " is no longer at its path" + end +
                   "put the file back there and the cell continues, or stop the daemon and put the "
                   "copy there"};
     case DatabaseFiles::replaced:
-      return {ErrorCode::resource_exhausted, "DATABASE_REPLACED",
+      return {ErrorCode::resource_exhausted, reasons::kDatabaseReplaced,
               "another file has taken the place of database " + path + end +
                   "put the first file back and the cell continues, or stop the daemon, decide "
                   "which of the files is the record, and start it again"};
     default:
-      return {ErrorCode::resource_exhausted, "DATABASE_OVERWRITTEN",
+      return {ErrorCode::resource_exhausted, reasons::kDatabaseOverwritten,
               "another program has written into database " + path + end +
                   "stop the daemon, put the copy or a backup in its place, and start it again"};
   }

@@ -1,6 +1,7 @@
 #include "storage/sqlite/names.h"
 
 #include "server/core/channel.h"
+#include "server/core/reasons.h"
 #include "storage/sqlite/failure.h"
 #include "storage/sqlite/wide_views.h"
 
@@ -21,7 +22,7 @@ std::int64_t Names::channel(const std::string& name, Use use) {
     const auto parsed = parse_channel(name);
     if (!parsed) throw StorageFailure{parsed.error()};
     if (channels_.size() >= kMaxChannels)
-      throw_failure(ErrorCode::resource_exhausted, "TOO_MANY_CHANNELS",
+      throw_failure(ErrorCode::resource_exhausted, reasons::kTooManyChannels,
                     "database " + db_.path() + " holds " + std::to_string(kMaxChannels) +
                         " channels already, '" + name +
                         "' would be one more: use the names of the cell file");
@@ -57,7 +58,7 @@ const std::string& Names::channel_name(std::int64_t id) {
   if (!channel_names_.contains(id)) load();
   const auto found = channel_names_.find(id);
   if (found == channel_names_.end())
-    throw_failure(ErrorCode::data_loss, "DATABASE_DAMAGED",
+    throw_failure(ErrorCode::data_loss, reasons::kDatabaseDamaged,
                   "database " + db_.path() + ": a value names channel_id " + std::to_string(id) +
                       ", which table channel does not have: restore a backup");
   return found->second;
@@ -67,7 +68,7 @@ const std::string& Names::device_name(std::int64_t id) {
   if (!devices_.contains(id)) load();
   const auto found = devices_.find(id);
   if (found == devices_.end())
-    throw_failure(ErrorCode::data_loss, "DATABASE_DAMAGED",
+    throw_failure(ErrorCode::data_loss, reasons::kDatabaseDamaged,
                   "database " + db_.path() + ": a reading names device_id " + std::to_string(id) +
                       ", which table device does not have: restore a backup");
   return found->second;

@@ -5,6 +5,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "server/core/reasons.h"
 #include "storage/sqlite/database.h"
 #include "storage/sqlite/database_lock.h"
 #include "storage/sqlite/failure.h"
@@ -91,7 +92,7 @@ struct Session {
   }
   void require_writable() const {
     if (read_only)
-      throw_failure(ErrorCode::failed_precondition, "READ_ONLY",
+      throw_failure(ErrorCode::failed_precondition, reasons::kReadOnly,
                     "database " + db.path() +
                         " was opened for reading: write through the store that the daemon opened");
   }

@@ -2,6 +2,7 @@
 
 #include <sstream>
 
+#include "server/core/reasons.h"
 #include "server/core/text/clean_text.h"
 
 namespace driftwise::storage {
@@ -10,7 +11,7 @@ namespace {
 AlarmRecord read_alarm(Session& session, AlarmId id) {
   Query query(session.db, DRIFTWISE_SELECT_ALARM " WHERE alarm_id = ?");
   if (!query.bind(id).row())
-    throw_failure(ErrorCode::not_found, "NO_SUCH_ALARM",
+    throw_failure(ErrorCode::not_found, reasons::kNoSuchAlarm,
                   "there is no alarm " + std::to_string(id.value) +
                       ": 'driftwise alarms --all' shows those there are");
   return alarm_from(query);

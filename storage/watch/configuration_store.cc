@@ -1,5 +1,6 @@
 #include "storage/watch/configuration_store.h"
 
+#include "server/core/reasons.h"
 #include "storage/rows/run_rows.h"
 
 namespace driftwise::storage {
@@ -26,7 +27,7 @@ ConfigurationStart read_start(Session& session, std::int64_t id) {
               "at_monotonic_ns, accepted_ns, accepted_by, note FROM configuration_start "
               "WHERE start_id = ?");
   if (!query.bind(id).row())
-    throw_failure(ErrorCode::not_found, "NO_SUCH_CONFIGURATION",
+    throw_failure(ErrorCode::not_found, reasons::kNoSuchConfiguration,
                   "there is no start " + std::to_string(id) + " in database " + session.db.path());
   return start_from(query);
 }
@@ -102,7 +103,7 @@ Result<std::string> SqliteConfigurationStore::text(const std::string& hash) {
   return session_.read([&] {
     Query query(session_.db, "SELECT text FROM cell_config WHERE hash = ?");
     if (!query.bind(hash).row())
-      throw_failure(ErrorCode::not_found, "NO_SUCH_CONFIGURATION",
+      throw_failure(ErrorCode::not_found, reasons::kNoSuchConfiguration,
                     "no cell file with hash " + hash + " was ever in force on database " +
                         session_.db.path() +
                         ": 'driftwise configuration list' shows those that were");
@@ -117,7 +118,7 @@ Result<ConfigurationStart> SqliteConfigurationStore::accept(std::int64_t id, Cel
   return session_.write([&] {
     const auto start = read_start(session_, id);
     if (!start.is_open())
-      throw_failure(ErrorCode::failed_precondition, "NO_QUESTION",
+      throw_failure(ErrorCode::failed_precondition, reasons::kNoQuestion,
                     start.asks ? "configuration " + start.hash + " was accepted by " +
                                      start.accepted_by + " already"
                                : "configuration " + start.hash + " puts no question");

@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "server/core/reasons.h"
 #include "storage/models/model_store.h"
 #include "storage/rows/run_rows.h"
 
@@ -11,7 +12,7 @@ namespace {
 void require_point(Session& session, RunId run, std::int64_t row) {
   Query query(session.db, "SELECT 1 FROM point WHERE run_id = ? AND trajectory_row = ?");
   if (!query.bind(run.value, row).row())
-    throw_failure(ErrorCode::invalid_argument, "NO_SUCH_ROW",
+    throw_failure(ErrorCode::invalid_argument, reasons::kNoSuchRow,
                   "run " + std::to_string(run.value) + " has no accepted point in row " +
                       std::to_string(row + 1) + ": 'driftwise run points " +
                       std::to_string(run.value) + "' shows the rows there are");
@@ -34,7 +35,7 @@ std::optional<std::int64_t> number(const std::optional<ModelId>& id) {
 
 void require_subject(Session& session, const NoteSubject& on) {
   if (on.run.has_value() == on.model.has_value() || (on.row && !on.run))
-    throw_failure(ErrorCode::invalid_argument, "BAD_SUBJECT",
+    throw_failure(ErrorCode::invalid_argument, reasons::kBadSubject,
                   "a note is on a run, on a row of a run, or on a model: name one of them");
   if (on.run) require_run(session, *on.run);
   if (on.row) require_point(session, *on.run, *on.row);

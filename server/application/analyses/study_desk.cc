@@ -9,6 +9,7 @@
 
 #include "server/application/plumbing/fit_threads.h"
 #include "server/application/plumbing/task_group.h"
+#include "server/core/reasons.h"
 
 namespace driftwise::application {
 namespace {
@@ -78,7 +79,7 @@ Result<void> StudyDesk::may_begin(const std::shared_ptr<Study>& study) {
   if (ending_ || study->stopped()) return study_was_stopped();
   if (studies_.size() >= kMostAtOnce)
     return fail(
-        ErrorCode::resource_exhausted, "TOO_MANY_STUDIES",
+        ErrorCode::resource_exhausted, reasons::kTooManyStudies,
         fmt::format("{} studies are under way or waiting: leave one, or wait", studies_.size()));
   studies_.push_back(study);
   return {};

@@ -10,6 +10,7 @@
 #include "server/application/plumbing/run_on.h"
 #include "server/application/plumbing/task_group.h"
 #include "server/application/ports/studies.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::application {
@@ -57,7 +58,7 @@ class StudyDesk {
 struct StudyStopped {};  // thrown through a fit by a study that was stopped
 
 inline tl::unexpected<Error> study_was_stopped() {
-  return fail(ErrorCode::cancelled, "CANCELLED", "the study was stopped");
+  return fail(ErrorCode::cancelled, reasons::kCancelled, "the study was stopped");
 }
 
 template <class Answer>

@@ -9,6 +9,7 @@
 #include "server/application/datasets/amended_dataset.h"
 #include "server/application/models/model_integrity.h"
 #include "server/application/plumbing/run_on.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/model/model_json.h"
 
@@ -99,7 +100,7 @@ Awaitable<Result<ModelCheck>> CellApplication::check_model(std::optional<ModelId
                                                            std::vector<RunId> runs) {
   if (!id) id = serving_.model();
   if (!id)
-    co_return fail(ErrorCode::failed_precondition, "NO_MODEL",
+    co_return fail(ErrorCode::failed_precondition, reasons::kNoModel,
                    "no model serves: name one, or promote one");
   DRIFTWISE_CO_TRY(auto material, co_await reader_.call(gather, *id, runs));
   co_return co_await run_on(

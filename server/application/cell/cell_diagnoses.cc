@@ -7,6 +7,7 @@
 #include "server/application/cell/cell_application.h"
 #include "server/application/datasets/amended_dataset.h"
 #include "server/application/plumbing/run_on.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/formula/formula.h"
@@ -48,7 +49,7 @@ Result<diagnosis::DiagnoseOptions> options_for(const Dataset& dataset,
   DRIFTWISE_TRY(auto candidates, formula.expand(dataset));
   for (std::size_t row = 1; row < dataset.time_s.size(); ++row)
     if (dataset.time_s[row] < dataset.time_s[row - 1])
-      return fail(ErrorCode::invalid_argument, "TIME_RUNS_BACK",
+      return fail(ErrorCode::invalid_argument, reasons::kTimeRunsBack,
                   fmt::format("row {} is at {:g} s, the row before it at {:g} s: a diagnosis needs "
                               "the rows in time order",
                               row + 1, dataset.time_s[row], dataset.time_s[row - 1]));
@@ -67,7 +68,7 @@ Awaitable<Result<void>> CellApplication::resolve_baseline(DiagnosisRequest& requ
   if (request.model || request.baseline.empty()) {
     if (!request.model) request.model = serving_.model();
     if (!request.model)
-      co_return fail(ErrorCode::failed_precondition, "NO_MODEL",
+      co_return fail(ErrorCode::failed_precondition, reasons::kNoModel,
                      "no baseline is given and no model serves: give a formula, or a model");
     DRIFTWISE_CO_TRY(const auto record, co_await model(*request.model));
     if (request.baseline.empty()) {

@@ -12,6 +12,7 @@
 #include "server/application/plumbing/run_on.h"
 #include "server/application/provenance/promotion_questions.h"
 #include "server/compensation/snapshot_builder.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/diagnosis/amendment_json.h"
 #include "server/formats/diagnosis/stored_diagnosis.h"
@@ -40,7 +41,7 @@ Result<AcceptMaterial> gather_to_accept(Store& store, const AcceptRequest& reque
   DRIFTWISE_TRY(auto record, store.diagnoses().diagnosis(request.diagnosis));
   material.record = std::move(record);
   if (material.record.state != JobState::done)
-    return fail(ErrorCode::failed_precondition, "NOT_DONE",
+    return fail(ErrorCode::failed_precondition, reasons::kNotDone,
                 fmt::format("diagnosis {} is {}: only one that is done can be accepted",
                             material.record.id.value, to_string(material.record.state)));
   DRIFTWISE_TRY(auto found, formats::read_stored_diagnosis(material.record.result_json));
@@ -48,13 +49,13 @@ Result<AcceptMaterial> gather_to_accept(Store& store, const AcceptRequest& reque
   DRIFTWISE_TRY(auto chosen, chosen_findings(material.found, request.findings));
   material.chosen = std::move(chosen);
   if (material.record.runs.empty())
-    return fail(ErrorCode::failed_precondition, "FROM_A_FILE",
+    return fail(ErrorCode::failed_precondition, reasons::kFromAFile,
                 fmt::format("diagnosis {} is of a file, which the record does not keep: import it "
                             "('driftwise data import FILE'), diagnose that run and accept there",
                             material.record.id.value));
   DRIFTWISE_TRY(const auto standing, store.diagnoses().extension(material.record.id));
   if (standing && standing->stands())
-    return fail(ErrorCode::already_exists, "EXTENSION_STANDS",
+    return fail(ErrorCode::already_exists, reasons::kExtensionStands,
                 fmt::format("diagnosis {} was accepted by {} and stands: undo it first to accept "
                             "other findings",
                             material.record.id.value, standing->accepted_by));
@@ -102,7 +103,7 @@ Result<MadeExtension> make_extension(AcceptMaterial material, bool promote,
   auto fit = fit_of(material, plan);
   auto model = fit_record(material.data.data, fit, source_of(fit));
   // A baseline may name terms that these data cannot hold apart: the selection takes what they can.
-  if (!model && model.error().reason == "RANK_DEFICIENT") {
+  if (!model && model.error().reason == reasons::kRankDeficient) {
     fit.select = "stepwise";
     model = fit_record(material.data.data, fit, source_of(fit));
   }

@@ -6,6 +6,7 @@
 
 #include "server/application/cell/cell_application.h"
 #include "server/application/improvement/plan_rows.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::application {
@@ -16,10 +17,10 @@ constexpr int kListedImprovements = 200, kMostTurns = 50;
 Result<void> check_limits(const ImproveRequest& request) {
   if (request.max_turns < 1 || request.max_turns > kMostTurns)
     return fail(
-        ErrorCode::invalid_argument, "BAD_TURNS",
+        ErrorCode::invalid_argument, reasons::kBadTurns,
         fmt::format("max_turns: found {}, expected 1 to {}", request.max_turns, kMostTurns));
   if (!std::isfinite(request.budget_s) || request.budget_s < 0)
-    return fail(ErrorCode::invalid_argument, "BAD_BUDGET",
+    return fail(ErrorCode::invalid_argument, reasons::kBadBudget,
                 fmt::format("budget: found {:g} s, expected 0 (none) or more", request.budget_s));
   return {};
 }
@@ -35,7 +36,7 @@ Awaitable<Result<ImprovementRecord>> CellApplication::create_improvement(Caller 
   DRIFTWISE_CO_TRY(const auto check, co_await std::move(checking));
   if (request.budget_s > 0 && check.estimated_s > request.budget_s)
     co_return fail(
-        ErrorCode::invalid_argument, "BAD_BUDGET",
+        ErrorCode::invalid_argument, reasons::kBadBudget,
         fmt::format("one measurement takes about {:.0f} s, the budget is {:g} s: give it "
                     "more time, or fewer points",
                     check.estimated_s, request.budget_s));

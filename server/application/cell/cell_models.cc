@@ -8,6 +8,7 @@
 #include "server/application/models/model_integrity.h"
 #include "server/application/plumbing/run_on.h"
 #include "server/application/provenance/promotion_questions.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/formula/formula.h"
@@ -45,7 +46,7 @@ std::vector<ModelId> served_in_order(const std::vector<PromotionRecord>& history
 
 Awaitable<Result<Dataset>> CellApplication::fit_data(FitRequest request) {
   if (request.runs.empty() == request.csv.empty())
-    co_return fail(ErrorCode::invalid_argument, "NO_DATA",
+    co_return fail(ErrorCode::invalid_argument, reasons::kNoData,
                    "a fit needs runs or a dataset, one of the two");
   if (request.csv.empty()) co_return co_await reader_.call(amended_dataset, request.runs);
   co_return co_await run_on(
@@ -101,7 +102,7 @@ Awaitable<Result<std::vector<ModelRecord>>> CellApplication::models() {
 
 Awaitable<Result<ModelRecord>> CellApplication::model(ModelId id) {
   auto found = co_await reader_.models().model(id);
-  if (!found && found.error().reason == "DATABASE_DAMAGED") {
+  if (!found && found.error().reason == reasons::kDatabaseDamaged) {
     ModelRecord unread;
     unread.id = id;
     unread.damage = found.error().message;
@@ -165,7 +166,7 @@ Awaitable<Result<std::optional<ModelRecord>>> CellApplication::served_before() {
   DRIFTWISE_CO_TRY(auto history, co_await promotions());
   auto stack = served_in_order(history);
   if (stack.empty())
-    co_return fail(ErrorCode::failed_precondition, "NOTHING_TO_ROLL_BACK",
+    co_return fail(ErrorCode::failed_precondition, reasons::kNothingToRollBack,
                    "no model serves: there is none to take back");
   stack.pop_back();
   std::optional<ModelRecord> previous;

@@ -9,6 +9,7 @@
 #include "server/application/motion/motion.h"
 #include "server/application/motion/start_checks.h"
 #include "server/application/plumbing/task_group.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::application {
@@ -33,11 +34,11 @@ Result<void> CellApplication::may_move(const std::string& lease_token) const {
   if (auto ok = stops_.check(); !ok) return ok;
   if (auto ok = leases_.check(lease_token, clock_->now().utc); !ok) return ok;
   if (const auto* run = engine_.record())
-    return fail(ErrorCode::failed_precondition, "RUN_UNDER_WAY",
+    return fail(ErrorCode::failed_precondition, reasons::kRunUnderWay,
                 fmt::format("run {} '{}' is {}: abort it, or wait until it is over", run->id.value,
                             run->name, to_string(run->state)));
   if (by_hand_)
-    return fail(ErrorCode::failed_precondition, "MOVING",
+    return fail(ErrorCode::failed_precondition, reasons::kMoving,
                 "a movement by hand is under way: wait for its end, or stop it");
   return {};
 }
@@ -199,7 +200,7 @@ Awaitable<Result<void>> CellApplication::move_to(Caller caller, std::string leas
   DRIFTWISE_CO_TRY(const auto arrival,
                    co_await go_to(scope, std::move(q_mm), "by hand: " + caller.name));
   if (arrival.trouble != Trouble::none)
-    co_return fail(ErrorCode::deadline_exceeded, "NOT_SETTLED", arrival.sentence);
+    co_return fail(ErrorCode::deadline_exceeded, reasons::kNotSettled, arrival.sentence);
   co_return Result<void>{};
 }
 
@@ -208,7 +209,7 @@ Awaitable<Result<void>> CellApplication::set_stabiliser(Caller caller, std::stri
   constexpr double kColdest_degC = 5, kHottest_degC = 60;  // of a room and its people
   if (auto ok = leases_.check(lease_token, clock_->now().utc); !ok) co_return ok;
   if (!(degc >= kColdest_degC && degc <= kHottest_degC))
-    co_return fail(ErrorCode::invalid_argument, "SET_POINT",
+    co_return fail(ErrorCode::invalid_argument, reasons::kSetPoint,
                    fmt::format("{} degC was asked for, expected {:g} to {:g}", degc, kColdest_degC,
                                kHottest_degC));
   for (std::size_t i = 0; i < bench_.stabilisers(); ++i) {
@@ -224,7 +225,7 @@ Awaitable<Result<void>> CellApplication::set_stabiliser(Caller caller, std::stri
     known += (known.empty() ? "" : ", ") + bench_.stabiliser_description(i).id;
   auto sentence = fmt::format("the cell has no stabiliser '{}', {}", device,
                               known.empty() ? "nor any other" : "it has " + known);
-  co_return fail(ErrorCode::not_found, "NO_STABILISER", std::move(sentence));
+  co_return fail(ErrorCode::not_found, reasons::kNoStabiliser, std::move(sentence));
 }
 
 }  // namespace driftwise::application

@@ -7,6 +7,7 @@
 #include "server/application/cell/cell_application.h"
 #include "server/application/datasets/extension_preview.h"
 #include "server/application/provenance/promotion_questions.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/cell_file/cell_file.h"
 #include "server/formats/diagnosis/amendment_json.h"
@@ -101,7 +102,7 @@ Awaitable<Result<ConfigurationView>> CellApplication::configuration(std::string 
         const auto compared = description_of(store, other, *present);
         if (!compared)
           return fail(
-              ErrorCode::failed_precondition, "OLD_CONFIGURATION",
+              ErrorCode::failed_precondition, reasons::kOldConfiguration,
               fmt::format("configuration {} cannot be read by this program: it can be shown, not "
                           "compared with",
                           other));
@@ -115,11 +116,11 @@ Awaitable<Result<ConfigurationStart>> CellApplication::accept_configuration(Call
                                                                             std::string hash,
                                                                             std::string note) {
   if (!configuration_.asks())
-    co_return fail(ErrorCode::failed_precondition, "NO_QUESTION",
+    co_return fail(ErrorCode::failed_precondition, reasons::kNoQuestion,
                    fmt::format("configuration {} puts no question: there is nothing to accept",
                                description_.hash));
   if (hash != description_.hash)
-    co_return fail(ErrorCode::failed_precondition, "OTHER_CONFIGURATION",
+    co_return fail(ErrorCode::failed_precondition, reasons::kOtherConfiguration,
                    fmt::format("configuration '{}' was seen, {} is in force: look at the present "
                                "difference ('driftwise configuration show')",
                                hash, description_.hash));

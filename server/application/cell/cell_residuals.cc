@@ -5,6 +5,7 @@
 #include "server/application/plumbing/run_on.h"
 #include "server/calibration/datum_zeros.h"
 #include "server/calibration/design/predict.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
 #include "server/formats/csv/dataset_csv.h"
@@ -21,7 +22,7 @@ Result<ModelResiduals> residuals_of(const calibration::Model& model, Dataset dat
     DRIFTWISE_TRY(const auto predicted, calibration::predict(moved, output));
     const auto* measured = data.find(output.channel.symbol);
     if (measured == nullptr)
-      return fail(ErrorCode::invalid_argument, "UNKNOWN_CHANNEL",
+      return fail(ErrorCode::invalid_argument, reasons::kUnknownChannel,
                   "the rows have no channel " + output.channel.name() + ", which the model gives");
     const double factor = summary_unit(output.channel.unit).factor;
     auto& column = found.outputs.emplace_back(ModelResiduals::Output{output.channel, {}, {}});
@@ -57,7 +58,7 @@ Awaitable<Result<ModelResiduals>> CellApplication::residuals(ModelId id, std::ve
   DRIFTWISE_CO_TRY(auto read, formats::read_model_json(record.json));
   if (runs.empty() && csv.empty()) runs = read.lineage.runs;
   if (runs.empty() && csv.empty())
-    co_return fail(ErrorCode::failed_precondition, "NO_ROWS",
+    co_return fail(ErrorCode::failed_precondition, reasons::kNoRows,
                    "model " + std::to_string(id.value) +
                        " was fitted to a file, whose rows were not kept: hand in the file, or "
                        "import it as a run and fit that");

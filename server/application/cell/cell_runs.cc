@@ -5,6 +5,7 @@
 #include "server/application/cell/cell_application.h"
 #include "server/application/plumbing/run_on.h"
 #include "server/application/trajectories/trajectory_check.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::application {
@@ -43,23 +44,23 @@ Awaitable<Result<RunRecord>> CellApplication::create_run(Caller caller, CreateRu
   DRIFTWISE_CO_TRY(auto check, co_await std::move(checking));
   const bool is_pose = is_pose_symbol(check.trajectory.coordinates.front().symbol);
   if (plan.compensate && !is_pose)
-    co_return fail(ErrorCode::invalid_argument, "NOTHING_TO_COMPENSATE",
+    co_return fail(ErrorCode::invalid_argument, reasons::kNothingToCompensate,
                    fmt::format("{}: column {}: compensation needs wanted poses (x_mm ...), these "
                                "are motor coordinates",
                                name, check.trajectory.coordinates.front().name()));
   if (is_pose && !plan.compensate && check.trajectory.coordinates.size() > 1)
-    co_return fail(ErrorCode::invalid_argument, "NEEDS_COMPENSATION",
+    co_return fail(ErrorCode::invalid_argument, reasons::kNeedsCompensation,
                    fmt::format("{}: column {}: with several axes a pose is no motor coordinate: "
                                "compensate with a model",
                                name, check.trajectory.coordinates.front().name()));
   if (plan.compensate && !plan.compensate_with && serving_.refused())
     co_return tl::unexpected(*serving_.refused());
   if (plan.compensate && !plan.compensate_with && !serving_.model())
-    co_return fail(ErrorCode::failed_precondition, "NO_MODEL",
+    co_return fail(ErrorCode::failed_precondition, reasons::kNoModel,
                    "no model serves: promote one, or run without compensation");
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await follow_for(plan));
   if (stop_events_.presses() != stops)
-    co_return fail(ErrorCode::aborted, "STOPPED_MEANWHILE",
+    co_return fail(ErrorCode::aborted, reasons::kStoppedMeanwhile,
                    "a stop was asked for while the trajectory was read: start the run again");
   co_return co_await start_run(std::move(caller), std::move(request), std::move(plan),
                                std::move(check.trajectory));
@@ -100,7 +101,7 @@ Awaitable<Result<RunRecord>> CellApplication::start_run(Caller caller, CreateRun
 Result<RunControl*> CellApplication::control_of(RunId run, const char* verb) {
   const auto* record = engine_.record();
   if (record && record->id == run) return engine_.control();
-  return fail(ErrorCode::failed_precondition, "RUN_NOT_UNDER_WAY",
+  return fail(ErrorCode::failed_precondition, reasons::kRunNotUnderWay,
               fmt::format("run {} cannot {}: {}", run.value, verb,
                           record ? fmt::format("run {} is the one under way", record->id.value)
                                  : "no run is under way"));
@@ -128,12 +129,12 @@ Awaitable<Result<RunRecord>> CellApplication::resume_run(Caller caller, RunId id
   DRIFTWISE_CO_RETURN_IF_ERROR(stops_.check());
   if (const auto* record = engine_.record(); record && record->id == id)
     if (auto question = waits_for_configuration(*record); !question.empty())
-      co_return fail(ErrorCode::failed_precondition, "CONFIGURATION_CHANGED",
+      co_return fail(ErrorCode::failed_precondition, reasons::kConfigurationChanged,
                      fmt::format("run {} cannot resume: {}", id.value, question));
   if (auto known = co_await run(id); !known) co_return known;
   DRIFTWISE_CO_TRY(auto control, control_of(id, "resume"));
   if (by_hand_)
-    co_return fail(ErrorCode::failed_precondition, "MOVING",
+    co_return fail(ErrorCode::failed_precondition, reasons::kMoving,
                    "a movement by hand is under way: wait for its end, or stop it");
   const auto now = clock_->now().utc;
   const RunHold hold = control->hold();
@@ -163,11 +164,11 @@ Awaitable<Result<RunRecord>> CellApplication::confirm_force(Caller caller, RunId
   DRIFTWISE_CO_TRY(auto control, control_of(id, "confirm a force"));
   const auto wanted_n = control->wanted_force();
   if (!wanted_n)
-    co_return fail(ErrorCode::failed_precondition, "NO_FORCE_WANTED",
+    co_return fail(ErrorCode::failed_precondition, reasons::kNoForceWanted,
                    fmt::format("run {} does not wait for a force, it is {}", id.value,
                                to_string(engine_.record()->state)));
   if (!same_force(*wanted_n, force_n))
-    co_return fail(ErrorCode::invalid_argument, "WRONG_FORCE",
+    co_return fail(ErrorCode::invalid_argument, reasons::kWrongForce,
                    fmt::format("{:g} N was confirmed, run {} waits for {:g} N: {}", force_n,
                                id.value, *wanted_n, hang_sentence(*wanted_n, *description_.load)));
   // On disk before the run goes on: a restart must know what hangs there.

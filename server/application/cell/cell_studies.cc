@@ -4,6 +4,7 @@
 
 #include "server/application/cell/cell_application.h"
 #include "server/application/models/fit_options.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/cell_file/kinematics_section.h"
 #include "server/formats/formula/formula.h"
@@ -32,14 +33,14 @@ Result<std::vector<Method>> methods_of(const MethodsRequest& request, bool has_g
     const auto method = identification::method_from(name);
     if (!method)
       return fail(
-          ErrorCode::invalid_argument, "BAD_METHOD",
+          ErrorCode::invalid_argument, reasons::kBadMethod,
           fmt::format("found method '{}', expected nominal, classic, kinematic or stepwise", name));
     methods.push_back(*method);
   }
   if (methods.empty())
     methods = identification::methods_possible(!request.fit.formula.empty(), has_geometry);
   if (methods.empty())
-    return fail(ErrorCode::invalid_argument, "NO_METHOD",
+    return fail(ErrorCode::invalid_argument, reasons::kNoMethod,
                 "compare what? neither a formula is given, nor a robot file, and the cell file has "
                 "no [kinematics]");
   return methods;

@@ -7,6 +7,7 @@
 
 #include "server/application/datasets/extension_preview.h"
 #include "server/core/data/dataset_parts.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/cell_file/cell_file.h"
 #include "server/formats/diagnosis/amendment_json.h"
@@ -44,7 +45,7 @@ Result<void> find_origins(Store& store, std::span<const RunId> runs, RunsData& o
   for (const auto* points : {&measured, &imported})
     for (const auto& point : *points) out.origins.push_back({point.run, point.row});
   if (out.origins.size() == out.data.rows) return {};
-  return fail(ErrorCode::internal, "ROWS_DIFFER",
+  return fail(ErrorCode::internal, reasons::kRowsDiffer,
               "the runs have " + std::to_string(out.origins.size()) + " points and their dataset " +
                   std::to_string(out.data.rows) + " rows");
 }
@@ -88,7 +89,7 @@ Result<std::vector<correction::DataAmendment>> amendments_in_force(Store& store)
     auto amendment = formats::read_amendment_json(record.json);
     if (!amendment)
       return fail(
-          ErrorCode::data_loss, "BAD_CORRECTION",
+          ErrorCode::data_loss, reasons::kBadCorrection,
           "correction " + std::to_string(record.id.value) + ": " + amendment.error().message);
     amendments.push_back(std::move(*amendment));
   }
@@ -103,7 +104,7 @@ Result<std::vector<CorrectionId>> corrections_over(Store& store, std::span<const
     const auto amendment = formats::read_amendment_json(record.json);
     if (!amendment)
       return fail(
-          ErrorCode::data_loss, "BAD_CORRECTION",
+          ErrorCode::data_loss, reasons::kBadCorrection,
           "correction " + std::to_string(record.id.value) + ": " + amendment.error().message);
     if (std::ranges::any_of(runs, [&](RunId run) { return concerns(*amendment, run); }))
       over.push_back(record.id);

@@ -10,6 +10,7 @@
 #include "server/application/plumbing/run_on.h"
 #include "server/application/plumbing/task_group.h"
 #include "server/application/ports/cell.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/diagnosis/separating.h"
 #include "server/formats/diagnosis/separating_text.h"
@@ -40,7 +41,7 @@ Result<diagnosis::Diagnosis> diagnose_and_design(const Dataset& dataset,
   };
   if (!found || std::ranges::none_of(found->findings, is_open)) return found;
   if (!options.progress(0.99, "designing the measurement that would tell them apart"))
-    return fail(ErrorCode::cancelled, "CANCELLED", "it was cancelled");
+    return fail(ErrorCode::cancelled, reasons::kCancelled, "it was cancelled");
   const auto plan = diagnosis::separating_plan(dataset, options.baseline, *found,
                                                diagnosis::limits_from(dataset));
   if (!plan)
@@ -106,10 +107,11 @@ Awaitable<Result<DiagnosisRecord>> DiagnosisDesk::begin(const Caller& caller,
                                                         DiagnosisRecord wanted,
                                                         std::shared_ptr<const Dataset> dataset,
                                                         diagnosis::DiagnoseOptions options) {
-  if (ending_) co_return fail(ErrorCode::cancelled, "SHUTTING_DOWN", "the daemon is shutting down");
+  if (ending_)
+    co_return fail(ErrorCode::cancelled, reasons::kShuttingDown, "the daemon is shutting down");
   if (jobs_.size() >= kMostAtOnce)
     co_return fail(
-        ErrorCode::resource_exhausted, "TOO_MANY_DIAGNOSES",
+        ErrorCode::resource_exhausted, reasons::kTooManyDiagnoses,
         fmt::format("{} diagnoses are under way or waiting: cancel one, or wait", jobs_.size()));
   const std::string who = caller.name, peer = caller.peer;
   wanted.created = clock_.now().utc;
@@ -140,7 +142,7 @@ Awaitable<void> DiagnosisDesk::carry_out(std::shared_ptr<Job> job,
   };
   std::function<Result<Outcome>()> work = [this, job, dataset, options] {
     if (job->stop.load())
-      return Result<Outcome>(fail(ErrorCode::cancelled, "CANCELLED", "it was cancelled"));
+      return Result<Outcome>(fail(ErrorCode::cancelled, reasons::kCancelled, "it was cancelled"));
     return outcome_of(job->id, diagnose_(*dataset, options), *dataset);
   };
   auto found = co_await run_on(
@@ -166,7 +168,7 @@ Awaitable<void> DiagnosisDesk::carry_out(std::shared_ptr<Job> job,
 // The first end stands: a cancelled one is over before its thread has noticed.
 Awaitable<Result<void>> DiagnosisDesk::end(std::shared_ptr<Job> job, DiagnosisEnd how) {
   if (job->over)
-    co_return fail(ErrorCode::failed_precondition, "ALREADY_OVER", "the diagnosis is over");
+    co_return fail(ErrorCode::failed_precondition, reasons::kAlreadyOver, "the diagnosis is over");
   job->over = true;
   how.at = clock_.now().utc;
   job->progress.state = how.state;

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "server/application/diagnoses/instrument_agreement.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
 #include "server/correction/first_conditions.h"
@@ -61,7 +62,7 @@ class Planner {
                                   ""});
     }
     if (!plan_.extends_model && plan_.amendment.empty() && plan_.exclusions.empty())
-      return fail(ErrorCode::failed_precondition, "NOTHING_TO_MAKE",
+      return fail(ErrorCode::failed_precondition, reasons::kNothingToMake,
                   fmt::format("what was chosen of diagnosis {} changes no model, correction or "
                               "row: {}",
                               id_.value,
@@ -80,7 +81,7 @@ class Planner {
     }
     if (is_jump) return split_datum(finding);
     if (diagnosis::correction_is_uncertain(finding))
-      return fail(ErrorCode::failed_precondition, "UNCERTAIN_CORRECTION",
+      return fail(ErrorCode::failed_precondition, reasons::kUncertainCorrection,
                   fmt::format("finding {} {} stands, but nothing can be accepted of it: {}",
                               finding.cause, finding.subject, finding.sentence));
     if (finding.applies_to == AppliesTo::correction) return correct(number, finding);
@@ -173,7 +174,7 @@ class Planner {
           range.max > range.min)
         axes_.push_back(range.channel.symbol);
     if (axes_.empty())
-      return fail(ErrorCode::failed_precondition, "NO_LENGTH",
+      return fail(ErrorCode::failed_precondition, reasons::kNoLength,
                   fmt::format("the simulation {} reads no measured length: an instrument's error "
                               "cannot be corrected in it",
                               found_.baseline_formula));
@@ -199,7 +200,7 @@ Result<std::vector<int>> chosen_findings(const diagnosis::Diagnosis& found,
                                          std::vector<int> wanted) {
   const int count = static_cast<int>(found.findings.size());
   if (count == 0)
-    return fail(ErrorCode::failed_precondition, "NOTHING_FOUND",
+    return fail(ErrorCode::failed_precondition, reasons::kNothingFound,
                 "the diagnosis names no cause: there is nothing to accept");
   const bool all = wanted.empty();
   for (int number = 1; all && number <= count; ++number)
@@ -211,11 +212,11 @@ Result<std::vector<int>> chosen_findings(const diagnosis::Diagnosis& found,
   wanted.erase(again.begin(), again.end());
   for (const int number : wanted) {
     if (number < 1 || number > count)
-      return fail(ErrorCode::not_found, "NO_SUCH_FINDING",
+      return fail(ErrorCode::not_found, reasons::kNoSuchFinding,
                   fmt::format("there is no finding {}: the diagnosis has 1 to {}", number, count));
     const auto& finding = found.findings[static_cast<std::size_t>(number - 1)];
     if (all && !finding.indistinguishable_from.empty())
-      return fail(ErrorCode::failed_precondition, "INDISTINGUISHABLE",
+      return fail(ErrorCode::failed_precondition, reasons::kIndistinguishable,
                   fmt::format("finding {} ({} {}) cannot be told apart from {}: choose, by naming "
                               "the findings to accept, or measure what separates them",
                               number, finding.cause, finding.subject,

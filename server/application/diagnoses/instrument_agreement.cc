@@ -9,6 +9,7 @@
 #include <optional>
 #include <string_view>
 
+#include "server/core/reasons.h"
 #include "server/core/units.h"
 #include "server/effects/term_evaluator.h"
 #include "server/effects/term_order.h"
@@ -85,7 +86,7 @@ Result<void> check_possible(int number, const diagnosis::Finding& finding,
           nm_from_mm(claim.error_mm(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(k)));
       if (std::abs(value) <= physical.limit) continue;
       return fail(
-          ErrorCode::failed_precondition, "IMPOSSIBLE_PARAMETER",
+          ErrorCode::failed_precondition, reasons::kImpossibleParameter,
           fmt::format("{} would correct {} by {}, {} of {}: at most {} is possible. "
                       "The data cannot be explained by this instrument: look for another "
                       "cause, or accept other findings",
@@ -182,7 +183,7 @@ Result<void> check_agreement(int number, const diagnosis::Finding& finding,
       rest_nm2 < kShareOfDisagreement * kShareOfDisagreement * all_nm2)
     return {};
   return fail(
-      ErrorCode::failed_precondition, "OUTPUTS_DISAGREE",
+      ErrorCode::failed_precondition, reasons::kOutputsDisagree,
       fmt::format("{}: the outputs do not agree on one instrument: {}. One correction would "
                   "leave {:.0f} % of it. Look for a cause in the robot, or accept other "
                   "findings",

@@ -7,6 +7,7 @@
 #include "server/application/diagnoses/extension_plan.h"
 #include "server/application/improvement/fresh_points.h"
 #include "server/application/ports/provenance.h"
+#include "server/core/reasons.h"
 #include "server/core/text/quantity_text.h"
 #include "server/core/try.h"
 #include "server/diagnosis/heading.h"
@@ -133,7 +134,7 @@ Awaitable<Result<void>> ImprovementLoop::begin() {
   }
   model_ = cell_.status().serving;
   if (!model_)
-    co_return fail(ErrorCode::failed_precondition, "NO_MODEL",
+    co_return fail(ErrorCode::failed_precondition, reasons::kNoModel,
                    "no formula is given and no model serves: give the first model's formula");
   DRIFTWISE_CO_TRY(const auto record, co_await cell_.model(*model_));
   DRIFTWISE_CO_TRY(const auto model, formats::read_model_json(record.json));
@@ -211,7 +212,7 @@ Awaitable<Result<DiagnosisView>> ImprovementLoop::diagnose() {
   if (!view) co_return view;
   DRIFTWISE_CO_RETURN_IF_ERROR(check());
   if (view->record.state != JobState::done || !view->found)
-    co_return fail(ErrorCode::failed_precondition, "DIAGNOSIS_FAILED",
+    co_return fail(ErrorCode::failed_precondition, reasons::kDiagnosisFailed,
                    fmt::format("diagnosis {} is {}: {}", view->record.id.value,
                                to_string(view->record.state), view->record.reason));
   co_return view;
@@ -377,7 +378,7 @@ Awaitable<Result<RunRecord>> ImprovementLoop::measure(std::string what,
   DRIFTWISE_CO_RETURN_IF_ERROR(check());
   if (ended->state != RunState::done)
     co_return fail(
-        ErrorCode::aborted, "RUN_ENDED_EARLY",
+        ErrorCode::aborted, reasons::kRunEndedEarly,
         fmt::format("run {} is {}: {}", ended->id.value, to_string(ended->state), ended->reason));
   runs_.push_back(ended->id);
   co_return *ended;
@@ -411,7 +412,8 @@ bool ImprovementLoop::has_time_for(double seconds) const {
 }
 
 Result<void> ImprovementLoop::check() const {
-  if (stopping_) return fail(ErrorCode::cancelled, "STOPPED", "the improvement was stopped");
+  if (stopping_)
+    return fail(ErrorCode::cancelled, reasons::kStopped, "the improvement was stopped");
   return {};
 }
 

@@ -4,6 +4,7 @@
 
 #include "server/application/improvement/improvement_loop.h"
 #include "server/application/plumbing/task_group.h"
+#include "server/core/reasons.h"
 
 namespace driftwise::application {
 
@@ -29,9 +30,10 @@ Awaitable<Result<ImprovementRecord>> Improver::begin(Caller caller, ImproveReque
                                                      std::string formula) {
   if (active_ && !request.request_id.empty() && active_->record.request_id == request.request_id)
     co_return active_->record;
-  if (ending_) co_return fail(ErrorCode::cancelled, "SHUTTING_DOWN", "the daemon is shutting down");
+  if (ending_)
+    co_return fail(ErrorCode::cancelled, reasons::kShuttingDown, "the daemon is shutting down");
   if (active_ || beginning_)
-    co_return fail(ErrorCode::failed_precondition, "IMPROVEMENT_UNDER_WAY",
+    co_return fail(ErrorCode::failed_precondition, reasons::kImprovementUnderWay,
                    active_ ? fmt::format("improvement {} is under way: cancel it, or wait for it",
                                          active_->record.id.value)
                            : std::string("an improvement is about to begin"));

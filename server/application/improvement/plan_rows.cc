@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "server/core/data/dataset_parts.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/diagnosis/rows_needed.h"
 #include "server/formats/formula/formula.h"
@@ -59,7 +60,7 @@ Result<void> check_plan_rows(const CellDescription& cell, const Trajectory& plan
   const std::size_t needed = terms + diagnosis::kRowsBeyondBase;
   if (rows >= needed) return {};
   return fail(
-      ErrorCode::invalid_argument, "TOO_FEW_ROWS",
+      ErrorCode::invalid_argument, reasons::kTooFewRows,
       fmt::format("the plan has {} rows to learn from{}; {} has {} terms, and a diagnosis of "
                   "it needs {} rows at least: nothing was moved. Measure more positions, or "
                   "offer fewer terms",

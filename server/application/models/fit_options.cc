@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "server/application/plumbing/fit_threads.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/formula/formula.h"
@@ -31,11 +32,11 @@ Result<calibration::FitOptions> fit_options_from(const FitRequest& request, cons
   if (request.select == "all")
     options.select = calibration::Select::all;
   else if (request.select != "stepwise")
-    return fail(ErrorCode::invalid_argument, "BAD_OPTIONS",
+    return fail(ErrorCode::invalid_argument, reasons::kBadOptions,
                 fmt::format("select = '{}', expected 'stepwise' or 'all'", request.select));
   const auto criterion = calibration::criterion_named(request.criterion);
   if (!criterion)
-    return fail(ErrorCode::invalid_argument, "BAD_OPTIONS",
+    return fail(ErrorCode::invalid_argument, reasons::kBadOptions,
                 fmt::format("criterion = '{}', expected 'p', 'bic' or 'aic'", request.criterion));
   options.criterion = *criterion;
   options.p_enter = request.p_enter;

@@ -2,13 +2,14 @@
 
 #include <fmt/format.h>
 
+#include "server/core/reasons.h"
 #include "server/formats/model/model_json.h"
 
 namespace driftwise::application {
 
 Result<void> check_integrity(const ModelRecord& model) {
   const auto damaged = [&model](const std::string& how) {
-    return fail(ErrorCode::data_loss, "MODEL_DAMAGED",
+    return fail(ErrorCode::data_loss, reasons::kModelDamaged,
                 fmt::format("model {} '{}' in the database is damaged: {}; promote another model, "
                             "or restore the database from a backup",
                             model.id.value, model.name, how));

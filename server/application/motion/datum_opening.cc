@@ -10,6 +10,7 @@
 #include "server/application/motion/sampling.h"
 #include "server/application/motion/start_checks.h"
 #include "server/application/recording/doubts.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
 
@@ -25,7 +26,7 @@ Awaitable<Result<void>> stand_at_zero(RunScope& scope, const std::string& reason
     arrival = co_await go_to(scope, zero_mm, "zero: " + reason);
   DRIFTWISE_CO_RETURN_IF_ERROR(arrival);
   if (arrival->trouble != Trouble::none)
-    co_return fail(ErrorCode::failed_precondition, "ZERO_NOT_REACHED",
+    co_return fail(ErrorCode::failed_precondition, reasons::kZeroNotReached,
                    "at the zero: " + arrival->sentence);
   co_return Result<void>{};
 }
@@ -168,7 +169,7 @@ Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening)
   // A lost beam fails here with BEAM_LOST: then there is no old zero to compare with, and zeroing
   // brings it back.
   auto old_zero = co_await take_readings(scope, scope.rules.readings_per_point);
-  const bool beam_was_lost = !old_zero && old_zero.error().reason == "BEAM_LOST";
+  const bool beam_was_lost = !old_zero && old_zero.error().reason == reasons::kBeamLost;
   if (!old_zero && !beam_was_lost) co_return tl::unexpected(old_zero.error());
   if (opening.check_drift && !beam_was_lost)
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await check_drift(scope));

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "server/application/ports/cell.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::application {
@@ -35,7 +36,7 @@ Result<Lease> LeaseBook::take(const Caller& caller, Nanoseconds duration, const 
                               CellTime now) {
   if (duration < kShortest || duration > kLongest)
     return fail(
-        ErrorCode::invalid_argument, "LEASE_DURATION",
+        ErrorCode::invalid_argument, reasons::kLeaseDuration,
         fmt::format("a lease of {:g} s was asked for: it lasts 1 s to 3600 s and may be renewed",
                     seconds_from(duration)));
   if (!token.empty()) {
@@ -45,7 +46,7 @@ Result<Lease> LeaseBook::take(const Caller& caller, Nanoseconds duration, const 
   }
   if (entry_ && entry_->lease.until > now)
     return fail(
-        ErrorCode::permission_denied, "LEASE_HELD",
+        ErrorCode::permission_denied, reasons::kLeaseHeld,
         fmt::format("{} ({}) holds the lease to move until {}: wait, or ask for it to be given up",
                     entry_->lease.holder, entry_->lease.peer, text_of(entry_->lease.until)));
   entry_ = std::make_unique<Entry>(
@@ -55,7 +56,7 @@ Result<Lease> LeaseBook::take(const Caller& caller, Nanoseconds duration, const 
 
 Result<void> LeaseBook::give_up(const std::string& token, CellTime now) {
   if (!entry_ || entry_->lease.token != token)
-    return fail(ErrorCode::permission_denied, "LEASE_UNKNOWN",
+    return fail(ErrorCode::permission_denied, reasons::kLeaseUnknown,
                 "this token holds no lease: nothing to give up");
   static_cast<void>(now);
   entry_.reset();
@@ -64,19 +65,19 @@ Result<void> LeaseBook::give_up(const std::string& token, CellTime now) {
 
 Result<void> LeaseBook::check(const std::string& token, CellTime now) const {
   if (token.empty())
-    return fail(ErrorCode::permission_denied, "LEASE_REQUIRED",
+    return fail(ErrorCode::permission_denied, reasons::kLeaseRequired,
                 "what moves the robot needs the lease: take it first and state its token");
   if (!entry_ || entry_->lease.token != token) {
     if (const auto other = present(now))
-      return fail(ErrorCode::permission_denied, "LEASE_HELD",
+      return fail(ErrorCode::permission_denied, reasons::kLeaseHeld,
                   fmt::format("{} ({}) holds the lease to move until {}", other->holder,
                               other->peer, text_of(other->until)));
-    return fail(ErrorCode::permission_denied, "LEASE_UNKNOWN",
+    return fail(ErrorCode::permission_denied, reasons::kLeaseUnknown,
                 "this token holds no lease (given up, taken over, or from before a restart): take "
                 "a new one");
   }
   if (entry_->lease.until <= now)
-    return fail(ErrorCode::permission_denied, "LEASE_EXPIRED",
+    return fail(ErrorCode::permission_denied, reasons::kLeaseExpired,
                 fmt::format("the lease of {} ran out at {}: take it again", entry_->lease.holder,
                             text_of(entry_->lease.until)));
   return {};

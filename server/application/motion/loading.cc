@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::application {
@@ -26,12 +27,12 @@ std::string hang_sentence(double force_n, const LoadDescription& load) {
 
 Result<void> check_force(const CellDescription& description, double force_n) {
   if (!description.load)
-    return fail(ErrorCode::failed_precondition, "NO_LOAD",
+    return fail(ErrorCode::failed_precondition, reasons::kNoLoad,
                 fmt::format("force_N = {:g} was asked for, the cell knows no force: give it a "
                             "[load] section with max_n",
                             force_n));
   if (force_n >= 0 && force_n <= description.load->max_n) return {};
-  return fail(ErrorCode::out_of_range, "FORCE_LIMIT",
+  return fail(ErrorCode::out_of_range, reasons::kForceLimit,
               fmt::format("force_N = {:g} was asked for, the limit is 0 to {:g} N: stay inside, or "
                           "change [load] max_n in the cell file",
                           force_n, description.load->max_n));
@@ -80,7 +81,7 @@ Awaitable<Result<void>> Loading::by_actuator(RunScope& scope, double force_n) {
     }
     if (scope.bench.clock.now().utc > limit)
       co_return fail(
-          ErrorCode::deadline_exceeded, "LOAD_SLOW",
+          ErrorCode::deadline_exceeded, reasons::kLoadSlow,
           fmt::format("{} was asked for {:g} N and is at {:g} N after {:g} s: look at "
                       "its pan and pulleys",
                       devices.load_description().id, force_n, state.force_n, kSlowest_s));

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "server/application/recording/doubts.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
 
@@ -118,13 +119,13 @@ Result<void> check_soft_limits(const CellDescription& description,
   for (const auto& device : description.devices) {
     for (const auto& axis : device.axes) {
       if (i >= q_mm.size())
-        return fail(ErrorCode::invalid_argument, "AXIS_COUNT",
+        return fail(ErrorCode::invalid_argument, reasons::kAxisCount,
                     fmt::format("{} motor coordinates were given, {} is missing", q_mm.size(),
                                 axis.channel.name()));
       const double q = q_mm[i++];
       if (!(q >= axis.min_mm && q <= axis.max_mm))
         return fail(
-            ErrorCode::out_of_range, "SOFT_LIMIT",
+            ErrorCode::out_of_range, reasons::kSoftLimit,
             fmt::format("{} = {} mm was asked for, the soft limits of axis {} are {:g} to {:g} mm: "
                         "stay inside, or "
                         "change them in the cell file",
@@ -133,7 +134,7 @@ Result<void> check_soft_limits(const CellDescription& description,
   }
   if (i != q_mm.size())
     return fail(
-        ErrorCode::invalid_argument, "AXIS_COUNT",
+        ErrorCode::invalid_argument, reasons::kAxisCount,
         fmt::format("{} motor coordinates were given, the cell has {} axes", q_mm.size(), i));
   return {};
 }

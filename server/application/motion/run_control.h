@@ -6,6 +6,7 @@
 #include <string>
 
 #include "server/application/plumbing/signal.h"
+#include "server/core/reasons.h"
 #include "server/core/records/records.h"
 #include "server/core/result.h"
 
@@ -63,9 +64,9 @@ class RunControl {
   // engine asks held() after a point.
   Result<void> check() const {
     if (shutting_down_)
-      return fail(ErrorCode::cancelled, "SHUTTING_DOWN", "the daemon is shutting down");
-    if (aborted_) return fail(ErrorCode::aborted, "RUN_ABORTED", abort_reason_);
-    if (halted_) return fail(ErrorCode::aborted, "RUN_HALTED", hold_.reason);
+      return fail(ErrorCode::cancelled, reasons::kShuttingDown, "the daemon is shutting down");
+    if (aborted_) return fail(ErrorCode::aborted, reasons::kRunAborted, abort_reason_);
+    if (halted_) return fail(ErrorCode::aborted, reasons::kRunHalted, hold_.reason);
     return {};
   }
   Signal& changed() { return changed_; }

@@ -9,6 +9,7 @@
 #include "server/application/motion/joining.h"
 #include "server/application/motion/zero_shift.h"
 #include "server/application/recording/doubts.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
 
@@ -48,11 +49,12 @@ Awaitable<Result<std::vector<double>>> zeros_now_nm(RunScope& scope) {
     DRIFTWISE_CO_TRY(auto reading, co_await scope.bench.devices.read_interferometer(i));
     scope.bench.recorder.observe(reading);
     if (!reading.rejected.empty())
-      co_return fail(ErrorCode::failed_precondition, kImplausible, reading.rejected.front().reason);
+      co_return fail(ErrorCode::failed_precondition, reasons::kImplausible,
+                     reading.rejected.front().reason);
     const auto& length = scope.bench.devices.interferometer_description(i).length;
     const double* x_mm = length ? reading.find(length->name()) : nullptr;
     if (!x_mm)
-      co_return fail(ErrorCode::data_loss, "NO_LENGTH",
+      co_return fail(ErrorCode::data_loss, reasons::kNoLength,
                      fmt::format("{} gave no length", reading.device));
     zeros.push_back(nm_from_mm(*x_mm));
   }
@@ -111,7 +113,7 @@ Awaitable<Result<void>> check_stabilisers(RunScope& scope) {
       if (trouble.empty()) break;
       const double waited_s = seconds_from(scope.bench.clock.now().utc - begin);
       if (waited_s > wait_s)
-        co_return fail(ErrorCode::failed_precondition, "STABILISER_OFF",
+        co_return fail(ErrorCode::failed_precondition, reasons::kStabiliserOff,
                        fmt::format("{} after {:.0f} s: look at its power and its sensor, or raise "
                                    "[checks] stabiliser_wait_s",
                                    trouble, waited_s));
@@ -143,7 +145,7 @@ Awaitable<Result<void>> check_drift(RunScope& scope) {
     const double waited_s = seconds_from(scope.bench.clock.now().utc - begin);
     if (waited_s > scope.bench.description.checks.stabiliser_wait_s)
       co_return fail(
-          ErrorCode::failed_precondition, "DRIFT_TOO_FAST",
+          ErrorCode::failed_precondition, reasons::kDriftTooFast,
           fmt::format(
               "{} after {:.0f} s: let the room settle, or raise [checks] max_drift_nm_per_min",
               trouble, waited_s));

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "server/application/plumbing/task_group.h"
+#include "server/core/reasons.h"
 
 namespace driftwise::application {
 namespace {
@@ -104,7 +105,8 @@ std::string StopDesk::sentence(const Place& place) const {
 
 Result<void> StopDesk::check() const {
   for (const auto& place : places_)
-    if (place.stop) return fail(ErrorCode::failed_precondition, "STOP_PENDING", sentence(place));
+    if (place.stop)
+      return fail(ErrorCode::failed_precondition, reasons::kStopPending, sentence(place));
   return {};
 }
 

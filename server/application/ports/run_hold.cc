@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <string_view>
 
+#include "server/core/reasons.h"
+
 namespace driftwise::application {
 namespace {
 
@@ -53,10 +55,10 @@ Result<void> check_answer(const RunRecord& run, const RunHold& hold, const std::
                           const HoldAnswer& answer, CellTime now) {
   const std::string what = hold_sentence(run, hold, now);
   if (hold.kind == RunHold::Kind::none)
-    return fail(ErrorCode::failed_precondition, "NOT_PAUSED",
+    return fail(ErrorCode::failed_precondition, reasons::kNotPaused,
                 what + ": there is no pause or stop to end");
   if (answer.hold_id != hold.id())
-    return fail(ErrorCode::failed_precondition, "HOLD_NOT_NAMED",
+    return fail(ErrorCode::failed_precondition, reasons::kHoldNotNamed,
                 fmt::format("{}; the request names {} instead of this ({}): look at the machine, "
                             "then answer the question of the page or of the command line",
                             what,
@@ -65,7 +67,7 @@ Result<void> check_answer(const RunRecord& run, const RunHold& hold, const std::
                             hold.id()));
   const bool has_reason = answer.override_reason.find_first_not_of(" \t\r\n") != std::string::npos;
   if (hold.kind == RunHold::Kind::stop && hold.who != name && !has_reason)
-    return fail(ErrorCode::failed_precondition, "STOPPED_BY_ANOTHER",
+    return fail(ErrorCode::failed_precondition, reasons::kStoppedByAnother,
                 fmt::format("{}: {} resumes it, or {} gives a reason in writing, which is recorded "
                             "(--override REASON)",
                             what, hold.who, name));

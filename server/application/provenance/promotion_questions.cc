@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "server/application/provenance/configuration_book.h"
+#include "server/core/reasons.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::application {
@@ -72,7 +73,7 @@ Result<void> confirmation_of(const std::vector<std::string>& questions) {
   if (questions.empty()) return {};
   std::string text;
   for (const auto& question : questions) text += (text.empty() ? "" : "; ") + question;
-  return fail(ErrorCode::failed_precondition, "NEEDS_CONFIRMATION",
+  return fail(ErrorCode::failed_precondition, reasons::kNeedsConfirmation,
               fmt::format("before it serves a person has to confirm that it shall although {} "
                           "(--yes, or confirmed in the request)",
                           text));

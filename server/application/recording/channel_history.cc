@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/core/reasons.h"
+
 namespace driftwise::application {
 
 void ChannelHistory::add(const Reading& reading, std::span<const RejectedValue> rejected) {
@@ -35,7 +37,7 @@ Result<Joined> ChannelHistory::at(const std::string& channel, CellTime instant,
                                   double max_age_s) const {
   const auto found = tracks_.find(channel);
   if (found == tracks_.end() || found->second.samples.empty())
-    return fail(ErrorCode::failed_precondition, "CHANNEL_MISSING",
+    return fail(ErrorCode::failed_precondition, reasons::kChannelMissing,
                 fmt::format("{} gave no value yet: look at its device and probe", channel));
   const auto& samples = found->second.samples;
   const auto after = std::lower_bound(samples.begin(), samples.end(), instant,
@@ -46,7 +48,7 @@ Result<Joined> ChannelHistory::at(const std::string& channel, CellTime instant,
   const double to_before_s = has_before ? seconds_from(instant - std::prev(after)->at) : INFINITY;
   const double nearest_s = std::min(to_after_s, to_before_s);
   if (nearest_s > max_age_s)
-    return fail(ErrorCode::failed_precondition, "CHANNEL_TOO_OLD",
+    return fail(ErrorCode::failed_precondition, reasons::kChannelTooOld,
                 fmt::format("{} too old: {:.0f} s, limit {:g} s", channel, nearest_s, max_age_s));
   if (to_before_s <= max_age_s && to_after_s <= max_age_s) {
     const double gap_s = to_before_s + to_after_s;

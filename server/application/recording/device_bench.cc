@@ -5,6 +5,7 @@
 
 #include "server/application/plumbing/task_group.h"
 #include "server/application/recording/doubts.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::application {
@@ -70,7 +71,7 @@ namespace {
 // Plain functions of the port: a lambda without captures may be a coroutine's caller, its frame
 // holds only arguments.
 Error no_controller() {
-  return {ErrorCode::failed_precondition, "NO_CONTROLLER",
+  return {ErrorCode::failed_precondition, reasons::kNoController,
           "this cell has no motion controller: add one to the cell file"};
 }
 }  // namespace
@@ -203,7 +204,8 @@ Awaitable<Result<LoadState>> DeviceBench::load_state() {
   if (!state) co_return state;
   const auto reading = doubts_.judged(load_description(), *state, load_sequence_);
   if (!reading.rejected.empty())
-    co_return fail(ErrorCode::failed_precondition, kImplausible, reading.rejected.front().reason);
+    co_return fail(ErrorCode::failed_precondition, reasons::kImplausible,
+                   reading.rejected.front().reason);
   co_return state;
 }
 Awaitable<Result<void>> DeviceBench::set_load(double force_n) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/core/reasons.h"
 #include "server/core/units.h"
 
 namespace driftwise::application {
@@ -189,7 +190,7 @@ void Doubts::end(const std::string& subject) {
 }
 
 Error Doubts::implausible(const std::string& sentence) const {
-  return {ErrorCode::failed_precondition, kImplausible, sentence};
+  return {ErrorCode::failed_precondition, reasons::kImplausible, sentence};
 }
 
 std::vector<ChannelValue> Doubts::motor_values(const std::vector<double>& q_mm) const {

@@ -15,6 +15,7 @@
 #include "server/core/data/judged_reading.h"
 #include "server/core/ports/load_actuator.h"
 #include "server/core/ports/motion_controller.h"
+#include "server/core/reasons.h"
 #include "server/plausibility/frozen_in_motion.h"
 #include "server/plausibility/geometry_judge.h"
 #include "server/plausibility/value_judge.h"
@@ -22,7 +23,6 @@
 namespace driftwise::application {
 
 // Reason of every error here; the run waits and goes on by itself when the doubt is over.
-inline constexpr const char* kImplausible = "IMPLAUSIBLE";
 
 class Doubts {
  public:

@@ -10,6 +10,7 @@
 #include "server/application/motion/motion.h"
 #include "server/application/motion/point_decision.h"
 #include "server/application/motion/sampling.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::application {
@@ -169,7 +170,7 @@ Awaitable<Result<std::optional<PointId>>> commit_until_stored(RunScope& scope, P
       co_return stored;
     }
     if (stored.error().code != ErrorCode::resource_exhausted) co_return stored;
-    no_room = stored.error().reason == "DISK_FULL";
+    no_room = stored.error().reason == reasons::kDiskFull;
     if (!std::exchange(waiting, true)) {
       // Written when there is room again: the record must say why the run stood.
       scope.bench.events.record_own("run.trouble", stored.error().message, commit.run);

@@ -4,6 +4,7 @@
 
 #include "server/application/motion/joining.h"
 #include "server/application/motion/sampling.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::application {
@@ -20,7 +21,7 @@ Awaitable<Result<Recovery>> look_once(RunScope& scope) {
   for (std::size_t i = 0; i < devices.interferometers(); ++i) {
     const auto reading = co_await devices.read_interferometer(i);
     if (reading) continue;
-    if (reading.error().reason != "BEAM_LOST") co_return tl::unexpected(reading.error());
+    if (reading.error().reason != reasons::kBeamLost) co_return tl::unexpected(reading.error());
     found.beam_lost = true;
   }
   // Before the axes move again: what they say must be possible where they are.

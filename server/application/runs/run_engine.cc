@@ -18,6 +18,7 @@
 #include "server/application/recording/doubts.h"
 #include "server/application/runs/recovery.h"
 #include "server/application/runs/run_state_store.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
 
@@ -395,7 +396,7 @@ Awaitable<Result<void>> RunEngine::overcome(ActiveRun& run, const Error& error,
   // that stick are mended by a person, who need not know that a run waits for them.
   const bool by_weights = is_of_weights(error);
   if (troubles_in_a_row >= kPatience && remedy == Remedy::wait_for_device &&
-      !is_device_loss(error) && error.reason != kImplausible && !by_weights)
+      !is_device_loss(error) && error.reason != reasons::kImplausible && !by_weights)
     remedy = Remedy::hold;
   if (remedy == Remedy::hold) {
     run.control.hold({RunHold::Kind::trouble, "", bench_.clock.now().utc, error.message});
@@ -409,7 +410,7 @@ Awaitable<Result<void>> RunEngine::overcome(ActiveRun& run, const Error& error,
     if (auto ok = co_await run.scope.sleep_s(pause_s); !ok) co_return ok;
   }
   // Where only the next move shows it, it is not tried all the time: each is an alarm.
-  if (error.reason == kImplausible && troubles_in_a_row > 1) {
+  if (error.reason == reasons::kImplausible && troubles_in_a_row > 1) {
     constexpr double kFirst_s = 5, kLongest_s = 600;
     const double pause_s = std::min(kLongest_s, kFirst_s * std::exp2(troubles_in_a_row - 1));
     if (auto ok = co_await run.scope.sleep_s(pause_s); !ok) co_return ok;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "server/core/reasons.h"
+
 namespace driftwise::application {
 namespace {
 
@@ -42,7 +44,7 @@ Result<RunPlan> read_run_plan(const std::string& text) {
   RunPlan plan;
   const auto json = nlohmann::json::parse(text, nullptr, false);
   if (!json.is_object())
-    return fail(ErrorCode::data_loss, "BAD_RUN_PLAN",
+    return fail(ErrorCode::data_loss, reasons::kBadRunPlan,
                 fmt::format("the stored rules are no JSON object: '{}'", text));
   std::string bad;
   each_rule(plan.rules, [&json, &bad](const char* name, auto& value, auto, auto) {
@@ -63,7 +65,7 @@ Result<RunPlan> read_run_plan(const std::string& text) {
       found != json.end() && found->is_number_integer())
     plan.served_at_start = ModelId{found->get<std::int64_t>()};
   if (!bad.empty())
-    return fail(ErrorCode::data_loss, "BAD_RUN_PLAN",
+    return fail(ErrorCode::data_loss, reasons::kBadRunPlan,
                 fmt::format("the stored rule {} is no number", bad));
   return plan;
 }
@@ -78,7 +80,7 @@ Result<void> check_rules(const RunRules& rules) {
   Result<void> result;
   each_rule(rules, [&result](const char* name, auto value, auto low, auto high) {
     if (result && !(value >= low && value <= high))
-      result = fail(ErrorCode::invalid_argument, "BAD_RULES",
+      result = fail(ErrorCode::invalid_argument, reasons::kBadRules,
                     fmt::format("{} = {}, expected {} to {}", name, value, low, high));
   });
   return result;

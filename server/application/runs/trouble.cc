@@ -1,33 +1,29 @@
 #include "server/application/runs/trouble.h"
 
-#include <algorithm>
-#include <array>
-#include <string_view>
-
 #include "server/application/recording/device_bench.h"
+#include "server/core/reasons.h"
 
 namespace driftwise::application {
-namespace {
-
-// Refusals that the same question would meet again: a start check that ran out of time, a target
-// that cannot be given.
-constexpr std::array<std::string_view, 8> kFinal = {
-    "STABILISER_OFF", "DRIFT_TOO_FAST",     "ZERO_NOT_REACHED", "NO_ZERO",
-    "NO_MODEL",       "MISSING_COORDINATE", "NO_CONTROLLER",    "NO_LOAD"};
-
-}  // namespace
 
 bool is_of_weights(const Error& error) {
-  return error.reason == "LOAD_JAMMED" || error.reason == "LOAD_SLOW" ||
-         error.reason == "LOAD_BUSY";
+  return error.reason == reasons::kLoadJammed || error.reason == reasons::kLoadSlow ||
+         error.reason == reasons::kLoadBusy;
 }
 
 Remedy remedy_for(const Error& error) {
-  if (error.reason == "SHUTTING_DOWN") return Remedy::leave;
-  if (error.reason == "RUN_ABORTED") return Remedy::abort;
-  if (error.reason == "BEAM_LOST") return Remedy::new_datum;
+  switch (recovery_of(error.reason)) {
+    case Recovery::leave:
+      return Remedy::leave;
+    case Recovery::abort:
+      return Remedy::abort;
+    case Recovery::new_datum:
+      return Remedy::new_datum;
+    case Recovery::fail:
+      return Remedy::fail;
+    case Recovery::by_code:
+      break;
+  }
   if (error.code == ErrorCode::aborted) return Remedy::hold;
-  if (std::ranges::find(kFinal, error.reason) != kFinal.end()) return Remedy::fail;
   // A device that is away, and a device or thermometer that says "not now": both are looked at
   // again until they say something else. The engine counts, and asks for a person when nothing gets
   // better.

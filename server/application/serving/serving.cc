@@ -8,6 +8,7 @@
 #include "server/application/provenance/promotion_questions.h"
 #include "server/application/serving/past_targets.h"
 #include "server/compensation/target.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/model/model_json.h"
 
@@ -168,7 +169,8 @@ Awaitable<void> Serving::rebuild_for_ever() {
 Awaitable<Result<PastTargets>> Serving::past(PastTargetsQuery query) const {
   if (!serving_ && refused_) co_return tl::unexpected(*refused_);
   if (!serving_)
-    co_return fail(ErrorCode::failed_precondition, "NO_MODEL", "no model serves: promote one");
+    co_return fail(ErrorCode::failed_precondition, reasons::kNoModel,
+                   "no model serves: promote one");
   const Followed& followed = followed_.at(*serving_);
   PastModel from{followed.builder.model(), *serving_, datum_,
                  datum_ && followed.own_datum == datum_->id};
@@ -186,11 +188,11 @@ Result<std::vector<double>> Serving::targets(const std::vector<Channel>& coordin
   if (!model) model = serving_;
   if (!model && refused_) return tl::unexpected(*refused_);
   if (!model)
-    return fail(ErrorCode::failed_precondition, "NO_MODEL",
+    return fail(ErrorCode::failed_precondition, reasons::kNoModel,
                 "no model serves: promote one, or run without compensation");
   const auto found = followed_.find(*model);
   if (found == followed_.end())
-    return fail(ErrorCode::not_found, "MODEL_NOT_FOLLOWED",
+    return fail(ErrorCode::not_found, reasons::kModelNotFollowed,
                 fmt::format("model {} is not loaded", model->value));
   const auto now = clock_.now().utc;
   const auto snapshot = snapshot_of(found->second, now);
@@ -211,7 +213,7 @@ Result<std::vector<double>> Serving::targets(const std::vector<Channel>& coordin
     while (output < target.outputs && snapshot.outputs[output].channel.symbol != axis.symbol)
       ++output;
     if (output == target.outputs)
-      return fail(ErrorCode::failed_precondition, "NOT_ALL_AXES",
+      return fail(ErrorCode::failed_precondition, reasons::kNotAllAxes,
                   fmt::format("model {} gives no {}: fit all motor coordinates", model->value,
                               axis.name()));
     q_mm.push_back(target.q_mm[output]);

@@ -13,6 +13,7 @@
 #include <set>
 
 #include "server/compensation/target.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/export/target_line.h"
 
@@ -25,7 +26,7 @@ using WallClock = std::chrono::steady_clock;
 
 Result<tcp::endpoint> endpoint_from(const std::string& address) {
   const auto bad = [&] {
-    return fail(ErrorCode::invalid_argument, "BAD_ADDRESS",
+    return fail(ErrorCode::invalid_argument, reasons::kBadAddress,
                 "target_line: found '" + address + "', expected host:port such as 127.0.0.1:50052");
   };
   const auto colon = address.rfind(':');
@@ -41,7 +42,7 @@ Result<tcp::endpoint> endpoint_from(const std::string& address) {
   const auto ip = asio::ip::make_address(host, error);
   if (error) return bad();
   if (!ip.is_loopback())
-    return fail(ErrorCode::failed_precondition, "LISTEN_NOT_LOOPBACK",
+    return fail(ErrorCode::failed_precondition, reasons::kListenNotLoopback,
                 "target_line: found '" + address + "', expected an address on loopback");
   return tcp::endpoint(ip, port);
 }
@@ -110,7 +111,7 @@ class TargetLineServer::Door::Session : public std::enable_shared_from_this<Sess
                               self->on_read(error, count);
                             });
   }
-  void refuse(const char* reason, const char* message) {
+  void refuse(Reason reason, const char* message) {
     formats::append_error_answer(out_, {ErrorCode::resource_exhausted, reason, message});
     last_ = true;
     write();
@@ -141,7 +142,7 @@ class TargetLineServer::Door::Session : public std::enable_shared_from_this<Sess
     std::memmove(in_.data(), in_.data() + start, filled_ - start);
     filled_ -= start;
     if (filled_ >= formats::kMaxTargetLine)
-      return refuse("LINE_TOO_LONG", "no end within 512 bytes: the connection is closed");
+      return refuse(reasons::kLineTooLong, "no end within 512 bytes: the connection is closed");
     out_.empty() ? read_on() : write();
   }
   void write() {
@@ -184,7 +185,7 @@ void TargetLineServer::Door::accept_next() {
       if (room)
         session->read_on();
       else
-        session->refuse("TOO_MANY_CLIENTS", "64 connections are at work: close one first");
+        session->refuse(reasons::kTooManyClients, "64 connections are at work: close one first");
     }
     if (!error) return self->accept_next();
     // Out of descriptors, for one: a new attempt at once would fail at once, again and again.
@@ -231,7 +232,7 @@ Result<std::unique_ptr<TargetLineServer>> TargetLineServer::start(
   attempt([&] { acceptor.bind(endpoint, error); });
   attempt([&] { acceptor.listen(asio::socket_base::max_listen_connections, error); });
   if (error)
-    return fail(ErrorCode::unavailable, "CANNOT_LISTEN",
+    return fail(ErrorCode::unavailable, reasons::kCannotListen,
                 "cannot listen on " + address + " for target lines: " + error.message() +
                     "; choose another port in [cell] target_line");
   const auto local = acceptor.local_endpoint(error);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/kinematics/mechanism.h"
 
@@ -34,7 +35,7 @@ class Outside {
     if (count_ == 0) return std::string();
     auto sentence = first_;
     if (count_ > 1) sentence += fmt::format(" (and {} more values outside)", count_ - 1);
-    return fail(ErrorCode::out_of_range, "SOFT_LIMIT", sentence);
+    return fail(ErrorCode::out_of_range, reasons::kSoftLimit, sentence);
   }
 
  private:
@@ -74,7 +75,7 @@ Result<std::string> check_poses(const CellDescription& description,
   if (mechanism->predicts_pose()) return std::string();
   for (const auto& coordinate : trajectory.coordinates)
     if (place_of(inputs, coordinate) == inputs.size())
-      return fail(ErrorCode::invalid_argument, "WRONG_COORDINATES",
+      return fail(ErrorCode::invalid_argument, reasons::kWrongCoordinates,
                   fmt::format("column {}: the cell's kinematics has no such pose coordinate",
                               coordinate.name()));
   const auto nominal = kinematics::nominal_values(mechanism->parameters());
@@ -110,7 +111,7 @@ Result<std::string> check_trajectory_limits(const CellDescription& description,
       found += (found.empty() ? "" : ", ") + channel.name();
     for (const auto& axis : axes) expected += (expected.empty() ? "" : ", ") + axis.channel.name();
     return fail(
-        ErrorCode::invalid_argument, "WRONG_COORDINATES",
+        ErrorCode::invalid_argument, reasons::kWrongCoordinates,
         fmt::format("{}: found the coordinates {}, expected one for each axis of cell '{}': "
                     "{}, or a pose with as many coordinates",
                     name, found, description.name, expected));
@@ -123,7 +124,7 @@ Result<std::string> check_trajectory_limits(const CellDescription& description,
     if (found == axes.end() && is_pose_symbol(channel.symbol))
       found = axes.begin();  // the only one
     if (found == axes.end())
-      return fail(ErrorCode::invalid_argument, "WRONG_COORDINATES",
+      return fail(ErrorCode::invalid_argument, reasons::kWrongCoordinates,
                   fmt::format("column {}: no axis of cell '{}' has that name, its axes are {} ...",
                               channel.name(), description.name, axes.front().channel.name()));
     axis_of_column.push_back(static_cast<std::size_t>(found - axes.begin()));

@@ -7,6 +7,7 @@
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/use_awaitable.hpp>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::application {
@@ -19,10 +20,9 @@ constexpr auto kLongestTimer = std::chrono::seconds(1);
 Result<std::unique_ptr<CellClock>> CellClock::open(asio::any_io_executor executor,
                                                    const ClockDescription& description,
                                                    ComputerClock computer) {
-  auto file =
-      description.file.empty()
-          ? Result<std::unique_ptr<ClockFile>>(fail(ErrorCode::not_found, "NO_CLOCK_FILE", ""))
-          : ClockFile::open(description.file, computer.boot);
+  auto file = description.file.empty() ? Result<std::unique_ptr<ClockFile>>(
+                                             fail(ErrorCode::not_found, reasons::kNoClockFile, ""))
+                                       : ClockFile::open(description.file, computer.boot);
   if (!file && file.error().code == ErrorCode::not_found && description.speed == 1.0) {
     const auto boot = computer.boot_ns();
     const ClockAnchor anchor{boot, boot + application::wall_ahead_ns(computer), 1.0};
@@ -31,7 +31,7 @@ Result<std::unique_ptr<CellClock>> CellClock::open(asio::any_io_executor executo
   }
   if (description.file.empty())
     return fail(
-        ErrorCode::invalid_argument, "CLOCK_SPEED",
+        ErrorCode::invalid_argument, reasons::kClockSpeed,
         fmt::format("[clock] speed = {:g} needs [clock] file, shared with the simulated cell",
                     description.speed));
   DRIFTWISE_RETURN_IF_ERROR(file);

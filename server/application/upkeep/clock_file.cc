@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::application {
@@ -55,7 +56,7 @@ std::array<unsigned char, 16> bytes_of(const std::string& boot) {
 Result<void*> map(int fd, const std::string& path) {
   void* mapped = ::mmap(nullptr, sizeof(Mapped), PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
   if (mapped == MAP_FAILED)
-    return fail(ErrorCode::internal, "CLOCK_FILE",
+    return fail(ErrorCode::internal, reasons::kClockFile,
                 fmt::format("{}: mmap: {}", path, std::strerror(errno)));
   return mapped;
 }
@@ -66,33 +67,33 @@ Result<std::unique_ptr<ClockFile>> ClockFile::open(const std::string& path,
                                                    const std::string& boot) {
   const Descriptor file{::open(path.c_str(), O_RDWR | O_CLOEXEC)};
   if (file.fd < 0)
-    return fail(ErrorCode::not_found, "NO_CLOCK_FILE",
+    return fail(ErrorCode::not_found, reasons::kNoClockFile,
                 fmt::format("{}: {}: with [clock] speed other than 1 the simulated cell creates "
                             "this file: start it first",
                             path, std::strerror(errno)));
   struct stat status {};
   if (::fstat(file.fd, &status) != 0 || status.st_size != sizeof(Mapped))
     return fail(
-        ErrorCode::data_loss, "BAD_CLOCK_FILE",
+        ErrorCode::data_loss, reasons::kBadClockFile,
         fmt::format("{}: {} bytes, expected 64: delete it and start the simulated cell again", path,
                     status.st_size));
   DRIFTWISE_TRY(auto mapped, map(file.fd, path));
   std::unique_ptr<ClockFile> opened(new ClockFile(mapped));
   if (std::memcmp(static_cast<Mapped*>(mapped)->magic, kMagic, sizeof kMagic) != 0)
     return fail(
-        ErrorCode::data_loss, "BAD_CLOCK_FILE",
+        ErrorCode::data_loss, reasons::kBadClockFile,
         fmt::format(
             "{}: does not begin with DWCLOCK2: delete it and start the simulated cell again",
             path));
   const auto start = bytes_of(boot);
   if (std::memcmp(static_cast<Mapped*>(mapped)->boot, start.data(), start.size()) != 0)
-    return fail(ErrorCode::failed_precondition, "OLD_CLOCK_FILE",
+    return fail(ErrorCode::failed_precondition, reasons::kOldClockFile,
                 fmt::format("{}: is of an earlier start of this computer: start the simulated cell "
                             "first, which carries its time on",
                             path));
   const double speed = opened->read().speed;
   if (!std::isfinite(speed) || speed <= 0)
-    return fail(ErrorCode::data_loss, "BAD_CLOCK_FILE",
+    return fail(ErrorCode::data_loss, reasons::kBadClockFile,
                 fmt::format("{}: speed {}, expected a positive number", path, speed));
   return opened;
 }
@@ -102,7 +103,7 @@ Result<std::unique_ptr<ClockFile>> ClockFile::create(const std::string& path,
                                                      const std::string& boot) {
   const Descriptor file{::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)};
   if (file.fd < 0 || ::ftruncate(file.fd, sizeof(Mapped)) != 0)
-    return fail(ErrorCode::internal, "CLOCK_FILE",
+    return fail(ErrorCode::internal, reasons::kClockFile,
                 fmt::format("{}: {}", path, std::strerror(errno)));
   DRIFTWISE_TRY(auto mapped, map(file.fd, path));
   std::unique_ptr<ClockFile> created(new ClockFile(mapped));

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "server/core/reasons.h"
+
 namespace driftwise::calibration {
 namespace {
 
@@ -73,7 +75,7 @@ void centre(Variable& variable, bool indicator) {
 Result<Basis> make_basis(const std::vector<Variable>& variables,
                          const std::vector<Monomial>& columns, std::size_t max_monomials) {
   const auto too_many = [max_monomials] {
-    return fail(ErrorCode::invalid_argument, "TOO_MANY_TERMS",
+    return fail(ErrorCode::invalid_argument, reasons::kTooManyTerms,
                 "the terms expand to more than " + std::to_string(max_monomials) +
                     " products of powers: offer fewer or lower powers");
   };
@@ -89,7 +91,7 @@ Result<Basis> make_basis(const std::vector<Variable>& variables,
     expanded.push_back(expand(variables, column, max_monomials));
     for (const auto& [monomial, value] : expanded.back()) {
       if (!std::isfinite(static_cast<double>(value)))
-        return fail(ErrorCode::invalid_argument, "BAD_VALUE",
+        return fail(ErrorCode::invalid_argument, reasons::kBadValue,
                     "a term's values leave the range of double precision: use a lower power or "
                     "another unit");
       index.emplace(monomial, 0);

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "server/calibration/design/candidate_terms.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/effects/direct_symbols.h"
 #include "server/effects/term_evaluator.h"
@@ -38,7 +39,7 @@ Result<std::span<const double>> channel_values(const Dataset& dataset, const std
   if (!values.empty()) return values;
   std::string known;
   for (const auto& one : dataset.columns) known += (known.empty() ? "" : " ") + one.channel.symbol;
-  return fail(ErrorCode::invalid_argument, "UNKNOWN_CHANNEL",
+  return fail(ErrorCode::invalid_argument, reasons::kUnknownChannel,
               why + " needs channel '" + symbol + "', the data have: " + known);
 }
 
@@ -59,7 +60,7 @@ Result<std::vector<double>> effect_column(const Dataset& dataset, const effects:
     inputs.push_back(values);
   }
   if (dataset.time_s.empty())
-    return fail(ErrorCode::invalid_argument, "UNTIMED",
+    return fail(ErrorCode::invalid_argument, reasons::kUntimed,
                 name + " needs to know when each row was measured: the data have no time_s column");
   DRIFTWISE_TRY(auto evaluator, effects::TermEvaluator::create({Term{{call}}}, call.symbols));
   const Eigen::MatrixXd column = evaluator.block(dataset.time_s, inputs, dataset.rows);
@@ -121,7 +122,7 @@ Result<RowState> row_state(
   for (const auto& [name, values] : needed) {
     if (std::isnan(values[row])) state = RowState::missing;
     if (std::isinf(values[row]))
-      return fail(ErrorCode::invalid_argument, "BAD_VALUE",
+      return fail(ErrorCode::invalid_argument, reasons::kBadValue,
                   row_text(dataset, row) + ": " + name +
                       " is infinite; expected a number, or an empty field");
   }
@@ -232,7 +233,7 @@ Result<Design> make_design(const Dataset& dataset, const FitOptions& options) {
     needed.emplace_back(symbol, values);
   }
   if (outputs.empty())
-    return fail(ErrorCode::invalid_argument, "NO_OUTPUT",
+    return fail(ErrorCode::invalid_argument, reasons::kNoOutput,
                 "nothing stands on the left of the formula");
   std::span<const double> weights;
   if (!options.weight_symbol.empty()) {
@@ -256,7 +257,7 @@ Result<Design> make_design(const Dataset& dataset, const FitOptions& options) {
   for (const auto& term : options.forced)
     for (const auto& symbol : effects::symbols_read_at_once(term))
       if (std::ranges::find(options.candidates.outputs, symbol) != options.candidates.outputs.end())
-        return fail(ErrorCode::invalid_argument, "BAD_OPTIONS",
+        return fail(ErrorCode::invalid_argument, reasons::kBadOptions,
                     "the output " + symbol + " stands among its own terms, in the forced term " +
                         effects::notation(term) + ": it would explain itself");
   OfferedTerms offered = offered_terms(options, datums);
@@ -284,7 +285,7 @@ Result<Design> make_design(const Dataset& dataset, const FitOptions& options) {
       state = seen;
     }
     if (!weights.empty() && weights[row] < 0)
-      return fail(ErrorCode::invalid_argument, "BAD_VALUE",
+      return fail(ErrorCode::invalid_argument, reasons::kBadValue,
                   row_text(dataset, row) + ": weight " + options.weight_symbol + " is " +
                       effects::number_text(weights[row]) + "; expected 0 or more");
     if (state == RowState::missing) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "server/calibration/design/design.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/effects/term_evaluator.h"
 #include "server/effects/term_order.h"
@@ -30,7 +31,7 @@ Result<void> for_each_chunk(const Dataset& dataset, const std::vector<effects::T
   for (const auto& symbol : symbols) {
     const auto column = dataset.values_of(symbol);
     if (column.empty())
-      return fail(ErrorCode::invalid_argument, "UNKNOWN_CHANNEL",
+      return fail(ErrorCode::invalid_argument, reasons::kUnknownChannel,
                   "the model needs channel '" + symbol + "', which the data lack");
     values.emplace_back(column);
   }
@@ -39,7 +40,7 @@ Result<void> for_each_chunk(const Dataset& dataset, const std::vector<effects::T
   values.emplace_back(datums);
   DRIFTWISE_TRY(auto evaluator, effects::TermEvaluator::create(terms, symbols));
   if (evaluator.has_memory() && dataset.time_s.empty())
-    return fail(ErrorCode::invalid_argument, "UNTIMED",
+    return fail(ErrorCode::invalid_argument, reasons::kUntimed,
                 "the model has effects with memory: the data need a time_s column");
   const auto evaluate = [&](effects::TermEvaluator& one, std::size_t number) {
     const std::size_t at = number * kPredictRows, count = std::min(kPredictRows, dataset.rows - at);

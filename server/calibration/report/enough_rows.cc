@@ -5,6 +5,7 @@
 #include <string>
 
 #include "server/core/data/reading.h"
+#include "server/core/reasons.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::calibration {
@@ -56,7 +57,7 @@ Result<void> check_enough_rows(const Dataset& dataset, const Design& design,
   const auto needed = all ? static_cast<std::int64_t>(design.terms.size()) + 1 : certain + 2;
   if (rows >= needed) return {};
   const auto terms = all ? static_cast<std::int64_t>(design.terms.size()) : certain;
-  return fail(ErrorCode::failed_precondition, "TOO_FEW_ROWS",
+  return fail(ErrorCode::failed_precondition, reasons::kTooFewRows,
               std::to_string(rows) + " complete calibration rows (" +
                   std::to_string(design.dropped) + " dropped for missing values), at least " +
                   std::to_string(needed) + " are needed for " + std::to_string(terms) +

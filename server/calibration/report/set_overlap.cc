@@ -3,6 +3,8 @@
 #include <bit>
 #include <unordered_map>
 
+#include "server/core/reasons.h"
+
 namespace driftwise::calibration {
 namespace {
 
@@ -41,7 +43,7 @@ Result<void> check_sets_apart(const Dataset& dataset, const Design& design) {
     }
   }
   if (count == 0) return {};
-  return fail(ErrorCode::failed_precondition, "SETS_OVERLAP",
+  return fail(ErrorCode::failed_precondition, reasons::kSetsOverlap,
               std::to_string(count) + " of " + std::to_string(design.validation) +
                   " validation rows repeat a calibration row in every channel (first: row " +
                   std::to_string(first_validation + 1) + " is row " +

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/calibration/linear/rank.h"
+#include "server/core/reasons.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::calibration {
@@ -21,7 +22,7 @@ tl::unexpected<Error> rank_error(const Design& design, const Triangle& triangle,
   std::string sentences;
   for (const int j : deficient)
     sentences += (sentences.empty() ? "" : "; ") + collinear_sentence(design, set, j);
-  return fail(ErrorCode::failed_precondition, "RANK_DEFICIENT",
+  return fail(ErrorCode::failed_precondition, reasons::kRankDeficient,
               sentences + ": leave these terms out, or measure where they differ");
 }
 
@@ -45,7 +46,7 @@ Result<std::vector<Fitted>> select_and_solve(const Design& design, const Triangl
     Solution solution = solve(triangle, design.basis, selection.set.order(), o);
     if (!solution.deficient.empty()) return rank_error(design, triangle, solution.deficient);
     if (!solution.coefficients.allFinite())
-      return fail(ErrorCode::invalid_argument, "BAD_VALUE",
+      return fail(ErrorCode::invalid_argument, reasons::kBadValue,
                   "the coefficients of " + design.outputs[static_cast<std::size_t>(o)].symbol +
                       " leave the range of double precision: use other units");
     fitted.push_back({std::move(selection), std::move(starts), std::move(solution)});

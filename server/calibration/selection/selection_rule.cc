@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "server/calibration/selection/hierarchy.h"
+#include "server/core/reasons.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::calibration {
@@ -11,7 +12,7 @@ namespace {
 constexpr int kMostStarts = 10000;
 
 tl::unexpected<Error> bad_option(std::string why) {
-  return fail(ErrorCode::invalid_argument, "BAD_OPTIONS", std::move(why));
+  return fail(ErrorCode::invalid_argument, reasons::kBadOptions, std::move(why));
 }
 
 std::string listed(const std::vector<std::string>& names) {

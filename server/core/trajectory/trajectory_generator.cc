@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise {
@@ -18,7 +19,7 @@ struct Position {
 };
 
 tl::unexpected<Error> bad_request(const std::string& what) {
-  return fail(ErrorCode::invalid_argument, "BAD_PLAN", what);
+  return fail(ErrorCode::invalid_argument, reasons::kBadPlan, what);
 }
 
 Result<void> check_axis(const GeneratorAxis& axis) {
@@ -62,7 +63,7 @@ Result<void> check_row_count(const GeneratorPlan& plan) {
       static_cast<double>(plan.repeats) * std::max(1.0, static_cast<double>(plan.forces_n.size()));
   const double rows = passes * (cells + (plan.with_validation ? middles : 0));
   if (rows > static_cast<double>(kMostGeneratedRows))
-    return fail(ErrorCode::resource_exhausted, "TOO_MANY_ROWS",
+    return fail(ErrorCode::resource_exhausted, reasons::kTooManyRows,
                 "the plan has about " + std::to_string(std::llround(std::min(rows, 1e15))) +
                     " points, at most 200 000 are made: ask for fewer positions, forces or "
                     "repeats");
@@ -196,7 +197,7 @@ Result<Trajectory> generate_trajectory(const GeneratorPlan& plan) {
   for (const auto& stretch : stretches_of(plan))
     append_pass(stretch.positions, line_length, stretch.force_n, out, line);
   if (static_cast<std::int64_t>(out.points.size()) > kMostGeneratedRows)
-    return fail(ErrorCode::resource_exhausted, "TOO_MANY_ROWS",
+    return fail(ErrorCode::resource_exhausted, reasons::kTooManyRows,
                 "with its returns to zero the plan has " + std::to_string(out.points.size()) +
                     " rows, at most 200 000 are made: ask for longer lines or fewer positions");
   return out;

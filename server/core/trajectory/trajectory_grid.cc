@@ -5,6 +5,8 @@
 #include <random>
 #include <string>
 
+#include "server/core/reasons.h"
+
 namespace driftwise {
 namespace {
 
@@ -13,7 +15,7 @@ constexpr std::int64_t kMostPoints = 1'000'000;
 double rounded_mm(double mm) { return std::round(mm * 1e9) / 1e9; }
 
 tl::unexpected<Error> bad_plan(const std::string& message) {
-  return fail(ErrorCode::invalid_argument, "BAD_PLAN", message);
+  return fail(ErrorCode::invalid_argument, reasons::kBadPlan, message);
 }
 
 Result<void> check_ranges(const Trajectory& trajectory, const PlanBlock& block) {

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "server/core/reasons.h"
 #include "server/formats/cell_file/cell_file_address.h"
 #include "server/formats/cell_file/cell_file_correction.h"
 #include "server/formats/cell_file/cell_file_devices.h"
@@ -19,13 +20,13 @@ namespace {
 void check_listen(TomlReader& reader, const char* key, const std::string& address) {
   if (address.empty()) return;
   if (!is_port(split_address(address).port, 0))
-    return reader.refuse(key, "BAD_ADDRESS",
+    return reader.refuse(key, reasons::kBadAddress,
                          "found " + shown(address) +
                              ", expected host:port such as 127.0.0.1:50051 (port 0: any free one)");
   DeviceDescription asked;
   asked.address = address;
   if (!asked.on_loopback())
-    reader.refuse(key, "LISTEN_NOT_LOOPBACK",
+    reader.refuse(key, reasons::kListenNotLoopback,
                   "found " + shown(address) +
                       ", expected an address on loopback (127.0.0.1, localhost or [::1]): nothing "
                       "else may reach the daemon until TLS and roles are configured");
@@ -107,7 +108,7 @@ void check_speed(TomlReader& clock, const CellDescription& cell) {
   for (const auto& device : cell.devices)
     if (!device.on_loopback())
       return clock.refuse(
-          "speed", "SPEED_NEEDS_LOOPBACK",
+          "speed", reasons::kSpeedNeedsLoopback,
           "found " + number_text(cell.clock.speed) + " with device " + shown(device.id) + " at " +
               shown(device.address) +
               ", expected 1: only a simulated cell on loopback has another time than the world's",
@@ -123,7 +124,7 @@ void read_file(const toml::table& root, CellDescription& out, TomlProblem& probl
   };
   TomlReader cell = section("cell");
   if (!root.contains("cell"))
-    top.refuse("cell", "MISSING_KEY",
+    top.refuse("cell", reasons::kMissingKey,
                "found no [cell] section, expected one with name and database");
   read_cell(std::move(cell), out);
   std::string web_root;  // kept in the text: web_root_of()
@@ -150,14 +151,14 @@ void read_file(const toml::table& root, CellDescription& out, TomlProblem& probl
                 problem);
   }
   if (out.devices.empty())
-    top.refuse("device", "MISSING_KEY", "found no [[device]], expected at least one");
+    top.refuse("device", reasons::kMissingKey, "found no [[device]], expected at least one");
   if (const auto* load = top.table("load"))
     read_load(TomlReader(*load, "load", problem), out.load.emplace());
   if (const auto* correction = top.table("correction"))
     read_correction(TomlReader(*correction, "correction", problem), out, problem);
   top.finish();
   if (const auto* actuator = out.load_actuator(); actuator && !out.load)
-    top.refuse("load", "MISSING_KEY",
+    top.refuse("load", reasons::kMissingKey,
                "found no [load] section beside the load actuator " + shown(actuator->id) +
                    ", expected one with max_n, the largest force it may ever apply");
   check_speed(speed, out);
@@ -171,7 +172,7 @@ Result<CellDescription> parse_cell_file(std::string_view text, const std::string
   try {
     read_file(toml::parse(text, path), cell, problem);
   } catch (const toml::parse_error& error) {
-    return fail(ErrorCode::invalid_argument, "TOML_SYNTAX",
+    return fail(ErrorCode::invalid_argument, reasons::kTomlSyntax,
                 at_line(path, error.source().begin.line) + "column " +
                     std::to_string(error.source().begin.column) + ": " +
                     std::string(error.description()));
@@ -195,17 +196,17 @@ std::string web_root_of(const CellDescription& cell, const std::string& path) {
 Result<CellDescription> read_cell_file(const std::string& path) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored))
-    return fail(ErrorCode::invalid_argument, "NOT_A_FILE",
+    return fail(ErrorCode::invalid_argument, reasons::kNotAFile,
                 shown(path) + " is a folder, expected the cell file itself, such as " +
                     shown((std::filesystem::path(path) / "cell.toml").string()));
   std::ifstream file(path, std::ios::binary);
   if (!file)
     return fail(
-        ErrorCode::not_found, "NO_FILE",
+        ErrorCode::not_found, reasons::kNoFile,
         "cannot open the cell file " + shown(path) + ": check the path and its permissions");
   std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   if (file.bad())
-    return fail(ErrorCode::not_found, "NO_FILE", "cannot read the cell file " + shown(path));
+    return fail(ErrorCode::not_found, reasons::kNoFile, "cannot read the cell file " + shown(path));
   return parse_cell_file(text, path);
 }
 

@@ -2,6 +2,7 @@
 
 #include <charconv>
 
+#include "server/core/reasons.h"
 #include "server/formats/text/text.h"
 
 namespace driftwise::formats {
@@ -24,7 +25,7 @@ void check_device_address(TomlReader& reader, const std::string& address) {
   const bool open_ipv6 =
       host.find(':') != std::string_view::npos && !(host.starts_with('[') && host.ends_with(']'));
   if (host.empty() || open_ipv6 || !is_port(port, 1))
-    reader.refuse("address", "BAD_ADDRESS",
+    reader.refuse("address", reasons::kBadAddress,
                   "found " + shown(address) +
                       ", expected host:port such as 127.0.0.1:50000 with a port from 1 to 65535, "
                       "or a serial line such as /dev/ttyUSB0");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/core/reasons.h"
 #include "server/formats/text/text.h"
 
 namespace driftwise::formats {
@@ -34,7 +35,7 @@ void need_tilts(TomlReader& reader, const char* key, const Channel& length,
   const auto angles = cell.angle_channels();
   for (const char* axis : {"x", "y", "z"}) {
     if (length.symbol == axis || gives(angles, std::string("r") + axis)) continue;
-    reader.refuse(key, "MISSING_KEY",
+    reader.refuse(key, reasons::kMissingKey,
                   "the correction of " + shown(length.name()) + " needs r" + axis +
                       "_arcsec, expected an autocollimator with that [[device.angle]]; this cell "
                       "gives " +
@@ -62,13 +63,13 @@ void read_correction(TomlReader&& correction, CellDescription& out, TomlProblem&
     BeamDescription beam;
     read_beam(std::move(reader), beam);
     if (std::ranges::find(lengths, beam.length) == lengths.end())
-      line.refuse("length", "BAD_CHANNEL",
+      line.refuse("length", reasons::kBadChannel,
                   "found " + shown(beam.length.name()) +
                       ", which no interferometer of this cell gives; its lengths are " +
                       names_of(lengths));
     if (std::ranges::any_of(wanted.beams,
                             [&beam](const auto& other) { return other.length == beam.length; }))
-      line.refuse("length", "DUPLICATE_CHANNEL",
+      line.refuse("length", reasons::kDuplicateChannel,
                   "found " + shown(beam.length.name()) + ", which another beam has already");
     need_tilts(line, "length", beam.length, out);
     wanted.beams.push_back(beam);

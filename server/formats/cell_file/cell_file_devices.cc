@@ -1,5 +1,6 @@
 #include "server/formats/cell_file/cell_file_devices.h"
 
+#include "server/core/reasons.h"
 #include "server/formats/cell_file/cell_file_address.h"
 #include "server/formats/text/text.h"
 
@@ -14,14 +15,14 @@ void read_axis(TomlReader&& reader, AxisDescription& out, TakenNames& taken) {
   reader.number("u_scale_nm", out.u_scale_nm, {.min = 0});
   if (!is_motor_symbol(out.channel.symbol) || out.channel.unit != "mm")
     reader.refuse(
-        "channel", "BAD_CHANNEL",
+        "channel", reasons::kBadChannel,
         "found " + shown(out.channel.name()) + ", expected a motor coordinate such as q1_mm");
   if (!(out.min_mm < out.max_mm))
-    reader.refuse("min_mm", "BAD_LIMITS",
+    reader.refuse("min_mm", reasons::kBadLimits,
                   "found min_mm = " + number_text(out.min_mm) + " and max_mm = " +
                       number_text(out.max_mm) + ", expected min_mm below max_mm");
   else if (out.min_mm > 0 || out.max_mm < 0)
-    reader.refuse("min_mm", "BAD_LIMITS",
+    reader.refuse("min_mm", reasons::kBadLimits,
                   "found limits " + number_text(out.min_mm) + " .. " + number_text(out.max_mm) +
                       " mm, expected 0 between them: every run starts at zero");
   taken.channel(reader, "channel", out.channel.name());
@@ -39,7 +40,7 @@ void read_probe(TomlReader&& reader, ProbeDescription& out, TakenNames& taken) {
   reader.number("u_k", out.u_k, {.min = 0});
   if (out.channel.unit != "degC")
     reader.refuse(
-        "channel", "BAD_CHANNEL",
+        "channel", reasons::kBadChannel,
         "found " + shown(out.channel.name()) + ", expected a temperature in degC such as t07_degC");
   taken.channel(reader, "channel", out.channel.name());
   reader.finish();
@@ -52,10 +53,10 @@ void read_angle(TomlReader&& reader, AngleDescription& out, TakenNames& taken) {
   reader.number("u_arcsec", out.u_arcsec, {.min = 0});
   const bool is_rotation = is_pose_symbol(out.channel.symbol) && out.channel.symbol.front() == 'r';
   if (!is_rotation || out.channel.unit != "arcsec")
-    reader.refuse("channel", "BAD_CHANNEL",
+    reader.refuse("channel", reasons::kBadChannel,
                   "found " + shown(out.channel.name()) +
                       ", expected a rotation: rx_arcsec, ry_arcsec or rz_arcsec");
-  if (out.sign == 0) reader.refuse("sign", "OUT_OF_RANGE", "found 0, expected 1 or -1");
+  if (out.sign == 0) reader.refuse("sign", reasons::kOutOfRange, "found 0, expected 1 or -1");
   taken.channel(reader, "channel", out.channel.name());
   reader.finish();
 }
@@ -69,12 +70,13 @@ void read_angles(TomlReader& device, const std::string& place, DeviceDescription
     auto& angle = out.angles.emplace_back();
     read_angle(std::move(reader), angle, taken);
     if (!device_axes.insert(angle.device_axis).second)
-      line.refuse("device_axis", "DUPLICATE_CHANNEL",
+      line.refuse("device_axis", reasons::kDuplicateChannel,
                   "found device axis " + std::to_string(angle.device_axis) +
                       ", which another angle of this autocollimator has already");
   }
   if (out.angles.empty())
-    device.refuse("angle", "MISSING_KEY", "found nothing, expected at least one [[device.angle]]");
+    device.refuse("angle", reasons::kMissingKey,
+                  "found nothing, expected at least one [[device.angle]]");
 }
 
 void read_length(TomlReader& device, DeviceDescription& out, TakenNames& taken) {
@@ -84,7 +86,7 @@ void read_length(TomlReader& device, DeviceDescription& out, TakenNames& taken) 
   device.number("u_drift_nm_per_h", out.u_drift_nm_per_h);
   if (!is_pose_symbol(out.length->symbol) || out.length->unit != "mm")
     device.refuse(
-        "length", "BAD_CHANNEL",
+        "length", reasons::kBadChannel,
         "found " + shown(out.length->name()) + ", expected a pose coordinate in mm such as x_mm");
   taken.channel(device, "length", out.length->name());
 }
@@ -93,7 +95,7 @@ void read_force(TomlReader& device, DeviceDescription& out, TakenNames& taken) {
   out.force.emplace();
   device.channel("channel", *out.force, Need::required);
   if (out.force->symbol != "force" || out.force->unit != "N")
-    device.refuse("channel", "BAD_CHANNEL",
+    device.refuse("channel", reasons::kBadChannel,
                   "found " + shown(out.force->name()) + ", expected force_N");
   taken.channel(device, "channel", out.force->name());
 }
@@ -107,19 +109,20 @@ void read_probes(TomlReader& device, const std::string& place, DeviceDescription
     auto& probe = out.probes.emplace_back();
     read_probe(std::move(reader), probe, taken);
     if (!inputs.insert(probe.input).second)
-      line.refuse("input", "DUPLICATE_CHANNEL",
+      line.refuse("input", reasons::kDuplicateChannel,
                   "found input " + std::to_string(probe.input) +
                       ", which another probe of this scanner has already");
   }
   if (out.probes.empty())
-    device.refuse("probe", "MISSING_KEY", "found nothing, expected at least one [[device.probe]]");
+    device.refuse("probe", reasons::kMissingKey,
+                  "found nothing, expected at least one [[device.probe]]");
 }
 
 }  // namespace
 
 void TakenNames::channel(TomlReader& reader, const char* key, const std::string& name) {
   if (!channels.insert(name).second)
-    reader.refuse(key, "DUPLICATE_CHANNEL",
+    reader.refuse(key, reasons::kDuplicateChannel,
                   "found " + shown(name) + ", which another device, axis or probe gives already");
 }
 
@@ -127,7 +130,7 @@ void read_device(TomlReader&& reader, const std::string& place, DeviceDescriptio
                  TakenNames& taken, TomlProblem& problem) {
   reader.text("id", out.id, Need::required);
   if (!taken.ids.insert(out.id).second)
-    reader.refuse("id", "DUPLICATE_ID",
+    reader.refuse("id", reasons::kDuplicateId,
                   "found " + shown(out.id) + ", which another device has already");
   reader.choice("kind", out.kind,
                 {"pi-gcs", "keithley-2701", "interferometer-adapter", "newport-lds1000",
@@ -147,7 +150,8 @@ void read_device(TomlReader&& reader, const std::string& place, DeviceDescriptio
       read_axis(TomlReader(*table, axis, problem), out.axes.emplace_back(), taken);
     }
     if (out.axes.empty())
-      reader.refuse("axis", "MISSING_KEY", "found nothing, expected at least one [[device.axis]]");
+      reader.refuse("axis", reasons::kMissingKey,
+                    "found nothing, expected at least one [[device.axis]]");
   } else if (out.kind == "keithley-2701") {
     read_probes(reader, place, out, taken, problem);
   } else if (out.kind == "interferometer-adapter") {

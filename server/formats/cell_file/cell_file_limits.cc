@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/core/reasons.h"
 #include "server/formats/text/text.h"
 
 namespace driftwise::formats {
@@ -45,12 +46,12 @@ void read_limit(TomlReader&& reader, PlausibilityRules& out) {
   reader.integer("frozen_answers", frozen, 0, 1'000'000);
   if (reader.has("frozen_answers")) limit.frozen_answers = frozen;
   if (limit.min && limit.max && !(*limit.min < *limit.max))
-    reader.refuse("min", "BAD_LIMITS",
+    reader.refuse("min", reasons::kBadLimits,
                   "found min = " + number_text(*limit.min) +
                       " and max = " + number_text(*limit.max) + ", expected min below max");
   if (std::ranges::find(out.limits, limit.channel, &ChannelLimitDescription::channel) !=
       out.limits.end())
-    reader.refuse("channel", "DUPLICATE_CHANNEL",
+    reader.refuse("channel", reasons::kDuplicateChannel,
                   "found " + shown(limit.channel) + ", which another [[limit]] has already");
   reader.finish();
   out.limits.push_back(std::move(limit));

@@ -1,5 +1,6 @@
 #include "server/formats/cell_file/kinematics_section.h"
 
+#include "server/core/reasons.h"
 #include "server/formats/text/text.h"
 #include "server/kinematics/mechanism.h"
 
@@ -14,7 +15,7 @@ constexpr Range kScale_ppm{.min = -1e5, .max = 1e5};
 void read_motor(TomlReader& reader, Channel& out) {
   reader.channel("motor", out, Need::required);
   if (!out.symbol.empty() && !is_motor_symbol(out.symbol))
-    reader.refuse("motor", "BAD_CHANNEL",
+    reader.refuse("motor", reasons::kBadChannel,
                   "found " + shown(out.name()) + ", expected a motor coordinate such as q1_mm");
 }
 
@@ -46,7 +47,7 @@ void read_linear_axis(TomlReader&& reader, LinearAxis& out) {
   reader.number("offset_mm", out.offset_mm, kLength_mm);
   reader.number("scale_ppm", out.scale_ppm, kScale_ppm);
   if (!out.pose.symbol.empty() && !is_pose_symbol(out.pose.symbol))
-    reader.refuse("pose", "BAD_CHANNEL",
+    reader.refuse("pose", reasons::kBadChannel,
                   "found " + shown(out.pose.name()) + ", expected a pose coordinate such as x_mm");
   reader.finish();
 }
@@ -110,8 +111,7 @@ void read_kinematics(const toml::table& table, KinematicsDescription& out, TomlP
   reader.finish();
   if (problem.any()) return;
   if (const auto made = kinematics::make_mechanism(out); !made)
-    problem.add(made.error().code, made.error().reason.c_str(), table.source(),
-                made.error().message);
+    problem.add(made.error().code, made.error().reason, table.source(), made.error().message);
 }
 
 Result<KinematicsDescription> parse_robot_file(std::string_view text,
@@ -125,12 +125,12 @@ Result<KinematicsDescription> parse_robot_file(std::string_view text,
     if (section != nullptr)
       read_kinematics(*section, description, problem);
     else
-      top.refuse("kinematics", "NO_KINEMATICS",
+      top.refuse("kinematics", reasons::kNoKinematics,
                  "found no [kinematics] section, expected one with kind and lengths: see "
                  "docs/kinematics.md");
     if (!root.contains("cell")) top.finish();
   } catch (const toml::parse_error& error) {
-    return fail(ErrorCode::invalid_argument, "TOML_SYNTAX",
+    return fail(ErrorCode::invalid_argument, reasons::kTomlSyntax,
                 at_line(file_name, error.source().begin.line) + "column " +
                     std::to_string(error.source().begin.column) + ": " +
                     std::string(error.description()));

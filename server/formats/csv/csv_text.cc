@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "server/core/data/reading.h"
+#include "server/core/reasons.h"
 #include "server/core/text/clean_text.h"
 #include "server/core/try.h"
 #include "server/formats/text/text.h"
@@ -77,31 +78,33 @@ Result<void> read_names(std::string_view line, const std::string& file_name,
     const auto comma = rest.find(',');
     const std::string_view name = trimmed(rest.substr(0, comma));
     const std::size_t number = header.names.size() + 1;
-    const auto refuse = [&](const char* reason, const std::string& sentence) {
+    const auto refuse = [&](Reason reason, const std::string& sentence) {
       return bad(reason, file_name, header.line, sentence);
     };
     if (number > limits.columns)
-      return refuse("TOO_MANY_COLUMNS", "found more than " + std::to_string(limits.columns) +
-                                            " columns, expected one per channel: is it a table "
-                                            "with one row per point?");
+      return refuse(reasons::kTooManyColumns,
+                    "found more than " + std::to_string(limits.columns) +
+                        " columns, expected one per channel: is it a table "
+                        "with one row per point?");
     if (name.size() > limits.name_bytes)
-      return refuse("NAME_TOO_LONG", "column " + std::to_string(number) + ": found " + shown(name) +
-                                         " of " + std::to_string(name.size()) +
-                                         " bytes, expected at most " +
-                                         std::to_string(limits.name_bytes));
+      return refuse(reasons::kNameTooLong, "column " + std::to_string(number) + ": found " +
+                                               shown(name) + " of " + std::to_string(name.size()) +
+                                               " bytes, expected at most " +
+                                               std::to_string(limits.name_bytes));
     if (name.find('"') != std::string_view::npos)
-      return refuse("QUOTED_FIELD", "column " + std::to_string(number) + ": found " + shown(name) +
-                                        ", expected a name without quotes");
+      return refuse(reasons::kQuotedField, "column " + std::to_string(number) + ": found " +
+                                               shown(name) + ", expected a name without quotes");
     if (name.empty())
-      return refuse("NO_HEADER", "column " + std::to_string(number) + " has no name");
+      return refuse(reasons::kNoHeader, "column " + std::to_string(number) + " has no name");
     if (name.find(';') != std::string_view::npos)
-      return refuse("NO_HEADER", "found " + shown(name) +
-                                     ": fields are separated by commas and decimals by points");
+      return refuse(
+          reasons::kNoHeader,
+          "found " + shown(name) + ": fields are separated by commas and decimals by points");
     const auto [twin, is_new] = places.emplace(name, number);
     if (!is_new)
-      return refuse("DUPLICATE_COLUMN", "columns " + std::to_string(twin->second) + " and " +
-                                            std::to_string(number) + " are both named " +
-                                            shown(name));
+      return refuse(reasons::kDuplicateColumn, "columns " + std::to_string(twin->second) + " and " +
+                                                   std::to_string(number) + " are both named " +
+                                                   shown(name));
     header.names.emplace_back(name);
     if (comma == std::string_view::npos) break;
     rest.remove_prefix(comma + 1);
@@ -115,12 +118,12 @@ Result<CsvHeader> read_csv_header(std::string_view text, const std::string& file
                                   const CsvLimits& limits) {
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
-    return bad("NOT_TEXT", file_name, 1,
+    return bad(reasons::kNotText, file_name, 1,
                "found UTF-16 text, expected UTF-8 or plain ASCII: save the file as UTF-8");
   const std::string_view first = text.substr(0, limits.header_bytes);
   if (first.find('\n') == std::string_view::npos)
     if (const auto cr = first.find('\r'); cr != std::string_view::npos && cr + 1 < text.size())
-      return bad("NOT_TEXT", file_name, 1,
+      return bad(reasons::kNotText, file_name, 1,
                  "found lines that end in a carriage return alone, expected LF or CR LF: save the "
                  "file as CSV for Windows or Unix");
   CsvHeader header;
@@ -128,28 +131,28 @@ Result<CsvHeader> read_csv_header(std::string_view text, const std::string& file
   do {
     if (text.empty())
       return header.line == 0
-                 ? bad("EMPTY_FILE", file_name, 1,
+                 ? bad(reasons::kEmptyFile, file_name, 1,
                        "the file is empty, expected a header row such as time_s,q1_mm,x_mm")
-                 : bad("NO_HEADER", file_name, header.line,
+                 : bad(reasons::kNoHeader, file_name, header.line,
                        "found no header row before the end of the file, expected names such as "
                        "time_s,q1_mm,x_mm");
     ++header.line;
     const std::string_view start = text.substr(0, limits.header_bytes);
     if (const auto zero = start.substr(0, start.find('\n')).find('\0');
         zero != std::string_view::npos)
-      return bad("NOT_TEXT", file_name, header.line, "found a zero byte, expected text");
+      return bad(reasons::kNotText, file_name, header.line, "found a zero byte, expected text");
     if (start.size() < text.size() && start.find('\n') == std::string_view::npos) {
       if (const auto names = read_names(start, file_name, limits, header);
-          !names && names.error().reason == "TOO_MANY_COLUMNS")
+          !names && names.error().reason == reasons::kTooManyColumns)
         return tl::unexpected(names.error());  // says more than the length of the line
-      return bad("HEADER_TOO_LONG", file_name, header.line,
+      return bad(reasons::kHeaderTooLong, file_name, header.line,
                  "found no end of the line within " + std::to_string(limits.header_bytes) +
                      " bytes, expected a header row such as time_s,q1_mm,x_mm");
     }
     line = take_line(text);
     if (!line.starts_with('#')) continue;
     if (header.metadata.size() >= limits.metadata_lines)
-      return bad("TOO_MUCH_METADATA", file_name, header.line,
+      return bad(reasons::kTooMuchMetadata, file_name, header.line,
                  "found more than " + std::to_string(limits.metadata_lines) +
                      " lines of metadata before the header row");
     header.metadata.push_back(metadata_from(line));
@@ -212,20 +215,20 @@ bool CsvRows::number(double& value) {
   while (at_ != end_ && is_blank(*at_)) ++at_;
   if (at_ == end_ || *at_ == ',' || *at_ == '\n' || *at_ == '\r') {
     value = kMissing;
-    return finish_field(at_, "a number or nothing", "BAD_NUMBER");
+    return finish_field(at_, "a number or nothing", reasons::kBadNumber);
   }
   const auto [after, code] = std::from_chars(at_, end_, value);
   if (code != std::errc{} || !std::isfinite(value))
-    return refuse("BAD_NUMBER", "a finite number such as -1.5e-3, or nothing");
-  return finish_field(after, "a finite number such as -1.5e-3, or nothing", "BAD_NUMBER");
+    return refuse(reasons::kBadNumber, "a finite number such as -1.5e-3, or nothing");
+  return finish_field(after, "a finite number such as -1.5e-3, or nothing", reasons::kBadNumber);
 }
 
 bool CsvRows::integer(std::int64_t& value) {
   field_ = at_;
   while (at_ != end_ && is_blank(*at_)) ++at_;
   const auto [after, code] = std::from_chars(at_, end_, value);
-  if (code != std::errc{}) return refuse("BAD_INTEGER", "a whole number");
-  return finish_field(after, "a whole number", "BAD_INTEGER");
+  if (code != std::errc{}) return refuse(reasons::kBadInteger, "a whole number");
+  return finish_field(after, "a whole number", reasons::kBadInteger);
 }
 
 bool CsvRows::flag(bool& value) {
@@ -233,9 +236,10 @@ bool CsvRows::flag(bool& value) {
   field_ = at_;
   while (at_ != end_ && is_blank(*at_)) ++at_;
   const auto [after, code] = std::from_chars(at_, end_, number);
-  if (code != std::errc{} || (number != 0 && number != 1)) return refuse("BAD_FLAG", "0 or 1");
+  if (code != std::errc{} || (number != 0 && number != 1))
+    return refuse(reasons::kBadFlag, "0 or 1");
   value = number == 1;
-  return finish_field(after, "0 or 1", "BAD_FLAG");
+  return finish_field(after, "0 or 1", reasons::kBadFlag);
 }
 
 bool CsvRows::set_is_validation(bool& value) {
@@ -244,19 +248,19 @@ bool CsvRows::set_is_validation(bool& value) {
   const std::string_view rest(at_, static_cast<std::size_t>(end_ - at_));
   value = rest.starts_with("validation");
   if (!value && !rest.starts_with("calibration"))
-    return refuse("BAD_SET", "calibration or validation");
-  return finish_field(at_ + (value ? 10 : 11), "calibration or validation", "BAD_SET");
+    return refuse(reasons::kBadSet, "calibration or validation");
+  return finish_field(at_ + (value ? 10 : 11), "calibration or validation", reasons::kBadSet);
 }
 
-bool CsvRows::finish_field(const char* after, const char* expected, const char* reason) {
+bool CsvRows::finish_field(const char* after, const char* expected, Reason reason) {
   at_ = after;
   while (at_ != end_ && is_blank(*at_)) ++at_;
   const bool last = column_ + 1 == names_.size();
   if (at_ != end_ && *at_ == ',') {
-    if (last) return refuse("RAGGED_ROW", nullptr);
+    if (last) return refuse(reasons::kRaggedRow, nullptr);
     ++at_;
   } else if (at_ == end_ || *at_ == '\n' || (*at_ == '\r' && (at_ + 1 == end_ || at_[1] == '\n'))) {
-    if (!last) return refuse("RAGGED_ROW", nullptr);
+    if (!last) return refuse(reasons::kRaggedRow, nullptr);
   } else {
     return refuse(reason, expected);
   }
@@ -265,7 +269,7 @@ bool CsvRows::finish_field(const char* after, const char* expected, const char* 
 }
 
 // The slow path: everything about the row is looked up again from its start.
-bool CsvRows::refuse(const char* reason, const char* expected) {
+bool CsvRows::refuse(Reason reason, const char* expected) {
   failed_ = true;
   if (expected == nullptr) {
     const auto fields = std::ranges::count(row(), ',') + 1;
@@ -273,7 +277,8 @@ bool CsvRows::refuse(const char* reason, const char* expected) {
                      "found " + std::to_string(fields) + " fields, expected " +
                          std::to_string(names_.size()) + " as in the header row");
   } else if (const auto text = field(); text.find('"') != std::string_view::npos) {
-    error_ = problem("QUOTED_FIELD", column_, "found " + shown(text) + ", expected no quotes");
+    error_ =
+        problem(reasons::kQuotedField, column_, "found " + shown(text) + ", expected no quotes");
   } else {
     error_ = problem(reason, column_,
                      "found " + (text.empty() ? std::string("nothing") : shown(text)) +

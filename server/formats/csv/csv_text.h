@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "server/calibration/model/executor.h"
+#include "server/core/reasons.h"
 #include "server/core/result.h"
 
 namespace driftwise::formats {
@@ -74,8 +75,8 @@ class CsvRows {
   Error problem(std::string reason, std::size_t column, const std::string& sentence) const;
 
  private:
-  bool finish_field(const char* after, const char* expected, const char* reason);
-  bool refuse(const char* reason, const char* expected);
+  bool finish_field(const char* after, const char* expected, Reason reason);
+  bool refuse(Reason reason, const char* expected);
   std::string_view field() const;
   std::string_view row() const;
 

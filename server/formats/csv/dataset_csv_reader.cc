@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "server/core/data/row_marks.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/csv/csv_text.h"
 #include "server/formats/csv/dataset_csv.h"
@@ -67,7 +68,7 @@ struct Column {
 Result<void> check_version(const CsvHeader& header, const std::string& file_name) {
   for (const auto& [key, value] : header.metadata)
     if (key == kDatasetVersionKey && value != "1")
-      return fail(ErrorCode::invalid_argument, "UNSUPPORTED_VERSION",
+      return fail(ErrorCode::invalid_argument, reasons::kUnsupportedVersion,
                   at_line(file_name, 1) + "found driftwise-dataset " + shown(value) +
                       ", expected version 1");
   return {};
@@ -92,7 +93,7 @@ Result<std::vector<CsvColumn>> sort_columns(const CsvHeader& header, const std::
     const auto [place, is_new] = places.emplace(channel->symbol, data.columns.size());
     if (!is_new) {
       const Channel& other = data.columns[place->second].channel;
-      return fail(ErrorCode::invalid_argument, "UNITS_DISAGREE",
+      return fail(ErrorCode::invalid_argument, reasons::kUnitsDisagree,
                   at_line(file_name, header.line) + "column " + std::to_string(i + 1) + ": " +
                       name + " gives " + channel->symbol + " in " + channel->unit + ", and " +
                       other.name() + " gives it in " + other.unit +
@@ -209,7 +210,7 @@ class Reader {
       const std::size_t at = chunk.first_row + found.rows;
       if (!read_row(rows, columns_, at)) break;
       if (timed() && is_missing(time(at)))
-        found.error = rows.problem("BAD_NUMBER", time_, "found nothing, expected seconds");
+        found.error = rows.problem(reasons::kBadNumber, time_, "found nothing, expected seconds");
       else if (timed() && found.rows > 0)
         found.error = out_of_order(rows, at - 1, at);
       if (found.error) return found;
@@ -233,7 +234,7 @@ class Reader {
   std::optional<Error> out_of_order(const CsvRows& rows, std::size_t before,
                                     std::size_t now) const {
     if (time(now) > time(before)) return std::nullopt;
-    return rows.problem("TIME_NOT_INCREASING", time_,
+    return rows.problem(reasons::kTimeNotIncreasing, time_,
                         "found " + number_text(time(now)) + " after " + number_text(time(before)) +
                             ", expected a later time in every row");
   }
@@ -285,7 +286,7 @@ Result<Dataset> read_dataset_csv(std::string_view text, const std::string& file_
   const auto chunks = chunks_of(header, executor);
   const std::size_t most_rows = chunks.back().first_row + chunks.back().most_rows;
   if (most_rows > limits.values / header.names.size())
-    return fail(ErrorCode::invalid_argument, "TOO_MANY_VALUES",
+    return fail(ErrorCode::invalid_argument, reasons::kTooManyValues,
                 at_line(file_name, header.line) + "found up to " + std::to_string(most_rows) +
                     " rows of " + std::to_string(header.names.size()) +
                     " columns, expected at most " + std::to_string(limits.values) +
@@ -298,7 +299,7 @@ Result<Dataset> read_dataset_csv(std::string_view text, const std::string& file_
   if (const auto error = first_error(reader, chunks, found)) return tl::unexpected(*error);
   for (const auto& chunk : found) data.rows += chunk.rows;
   if (data.rows == 0)
-    return fail(ErrorCode::invalid_argument, "NO_ROWS",
+    return fail(ErrorCode::invalid_argument, reasons::kNoRows,
                 at_line(file_name, header.line) +
                     "found a header row and nothing after it, expected one row per point");
   const auto before = channels_before(kinds);

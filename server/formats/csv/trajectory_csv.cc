@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/csv/csv_text.h"
 #include "server/formats/text/text.h"
@@ -26,7 +27,7 @@ std::optional<TrajectoryColumn> kind_from(const std::string& name) {
   return std::nullopt;
 }
 
-tl::unexpected<Error> bad_header(const char* reason, const CsvHeader& header,
+tl::unexpected<Error> bad_header(Reason reason, const CsvHeader& header,
                                  const std::string& file_name, const std::string& sentence) {
   return fail(ErrorCode::invalid_argument, reason, at_line(file_name, header.line) + sentence);
 }
@@ -38,7 +39,7 @@ Result<std::vector<TrajectoryColumn>> sort_columns(const CsvHeader& header,
   for (const auto& name : header.names) {
     const auto kind = kind_from(name);
     if (!kind)
-      return bad_header("UNKNOWN_COLUMN", header, file_name,
+      return bad_header(reasons::kUnknownColumn, header, file_name,
                         "column " + std::to_string(kinds.size() + 1) + ": found " + shown(name) +
                             ", expected q1_mm, q2_mm, ... or x_mm, y_mm, z_mm, and set, line, "
                             "zero, force_N, dwell_s");
@@ -46,11 +47,11 @@ Result<std::vector<TrajectoryColumn>> sort_columns(const CsvHeader& header,
     if (*kind == TrajectoryColumn::coordinate) coordinates.push_back(*parse_channel(name));
   }
   if (coordinates.empty())
-    return bad_header("NO_COORDINATES", header, file_name,
+    return bad_header(reasons::kNoCoordinates, header, file_name,
                       "found no coordinates, expected q1_mm, q2_mm, ... or x_mm, y_mm, z_mm");
   for (const auto& channel : coordinates)
     if (is_motor_symbol(channel.symbol) != is_motor_symbol(coordinates.front().symbol))
-      return bad_header("MIXED_COORDINATES", header, file_name,
+      return bad_header(reasons::kMixedCoordinates, header, file_name,
                         "found " + coordinates.front().name() + " and " + channel.name() +
                             ", expected motor coordinates only or pose coordinates only");
   return kinds;
@@ -67,8 +68,8 @@ Result<TrajectoryPoint> read_point(CsvRows& rows, const std::vector<TrajectoryCo
       case TrajectoryColumn::coordinate:
         good = rows.number(number);
         if (good && is_missing(number))
-          return tl::unexpected(
-              rows.problem("MISSING_COORDINATE", i, "found nothing, expected a number in mm"));
+          return tl::unexpected(rows.problem(reasons::kMissingCoordinate, i,
+                                             "found nothing, expected a number in mm"));
         point.target_mm.push_back(number);
         break;
       case TrajectoryColumn::set:
@@ -88,7 +89,7 @@ Result<TrajectoryPoint> read_point(CsvRows& rows, const std::vector<TrajectoryCo
       case TrajectoryColumn::dwell:
         good = rows.number(number);
         if (good && (number < 0 || number > kMostDwell_s))
-          return tl::unexpected(rows.problem("BAD_DWELL", i,
+          return tl::unexpected(rows.problem(reasons::kBadDwell, i,
                                              "found " + number_text(number) + ", expected 0 to " +
                                                  number_text(kMostDwell_s) + " s (a week)"));
         if (!is_missing(number)) point.dwell_s = number;
@@ -117,23 +118,23 @@ Result<Trajectory> read_trajectory_csv(std::string_view text, const std::string&
     DRIFTWISE_TRY(auto point, read_point(rows, kinds));
     if (!trajectory.points.empty() && point.line < trajectory.points.back().line)
       return tl::unexpected(
-          rows.problem("LINE_DECREASES", first_column(kinds, TrajectoryColumn::line),
+          rows.problem(reasons::kLineDecreases, first_column(kinds, TrajectoryColumn::line),
                        "found " + std::to_string(point.line) + " after " +
                            std::to_string(trajectory.points.back().line) +
                            ", expected the points of one line to follow one another"));
     if (point.zero && !std::ranges::all_of(point.target_mm, [](double mm) { return mm == 0; }))
       return tl::unexpected(
-          rows.problem("ZERO_NOT_AT_ZERO", first_column(kinds, TrajectoryColumn::zero),
+          rows.problem(reasons::kZeroNotAtZero, first_column(kinds, TrajectoryColumn::zero),
                        "found 1 with coordinates that are not all 0: a return to zero goes to 0"));
     if (trajectory.points.size() >= kMostTrajectoryRows)
       return tl::unexpected(rows.problem(
-          "TOO_MANY_ROWS", kinds.size(),
+          reasons::kTooManyRows, kinds.size(),
           "found more than " + std::to_string(kMostTrajectoryRows) + " rows: split the plan"));
     trajectory.points.push_back(std::move(point));
   }
   if (rows.failed()) return tl::unexpected(rows.error());
   if (trajectory.points.empty())
-    return bad_header("NO_ROWS", header, file_name,
+    return bad_header(reasons::kNoRows, header, file_name,
                       "found a header row and nothing after it, expected one row per point");
   return trajectory;
 }

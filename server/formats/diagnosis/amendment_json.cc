@@ -1,5 +1,6 @@
 #include "server/formats/diagnosis/amendment_json.h"
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/effects/term_order.h"
 #include "server/formats/formula/formula.h"
@@ -73,7 +74,7 @@ Result<correction::DataAmendment> read_amendment_json(std::string_view text) {
   try {
     return read_amendment(JsonPlace(json, ""));
   } catch (const JsonProblem& problem) {
-    return fail(ErrorCode::invalid_argument, "BAD_CORRECTION",
+    return fail(ErrorCode::invalid_argument, reasons::kBadCorrection,
                 "correction: " + problem.place + ": found " + problem.found + ", expected " +
                     problem.expected);
   }

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "server/core/channel.h"
+#include "server/core/reasons.h"
 #include "server/formats/diagnosis/stored_diagnosis.h"
 #include "server/formats/text/text.h"
 
@@ -32,7 +33,7 @@ std::vector<double> every(const std::vector<T>& values, std::size_t step) {
 std::vector<double> read_doubles(const Binary& json) { return json.get<std::vector<double>>(); }
 
 tl::unexpected<Error> bad_rows(const std::string& why) {
-  return fail(ErrorCode::data_loss, "BAD_ROWS",
+  return fail(ErrorCode::data_loss, reasons::kBadRows,
               "the stored rows of the diagnosis cannot be read: " + why);
 }
 

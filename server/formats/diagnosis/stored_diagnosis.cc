@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "server/core/reasons.h"
 #include "server/effects/term_order.h"
 #include "server/formats/formula/formula.h"
 #include "server/formats/text/json_place.h"
@@ -293,11 +294,11 @@ std::string write_stored_diagnosis(const dx::Diagnosis& d) {
 
 Result<dx::Diagnosis> read_stored_diagnosis(std::string_view text) {
   const auto json = parse_json(text);
-  if (!json) return fail(ErrorCode::data_loss, "BAD_DIAGNOSIS", json.error().message);
+  if (!json) return fail(ErrorCode::data_loss, reasons::kBadDiagnosis, json.error().message);
   try {
     return read_diagnosis(JsonPlace(*json, ""));
   } catch (const JsonProblem& problem) {
-    return fail(ErrorCode::data_loss, "BAD_DIAGNOSIS",
+    return fail(ErrorCode::data_loss, reasons::kBadDiagnosis,
                 "stored diagnosis: " + problem.place + ": found " + problem.found + ", expected " +
                     problem.expected);
   }

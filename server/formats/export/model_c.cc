@@ -6,6 +6,7 @@
 #include "server/compensation/snapshot.h"
 #include "server/core/channel.h"
 #include "server/core/data/reading.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/effects/term_evaluator.h"
 #include "server/effects/term_order.h"
@@ -41,7 +42,7 @@ std::string literal(double value) {
 }
 
 tl::unexpected<Error> not_exportable(const effects::Term& term, const std::string& why) {
-  return fail(ErrorCode::failed_precondition, "NOT_EXPORTABLE",
+  return fail(ErrorCode::failed_precondition, reasons::kNotExportable,
               "term " + effects::notation(term) + " " + why);
 }
 
@@ -345,12 +346,12 @@ Result<std::string> write_model_c(const calibration::Model& model, const std::st
         return c < 0x80 && (std::isalnum(c) || c == '_');
       });
   if (!good_name)
-    return fail(ErrorCode::invalid_argument, "BAD_NAME",
+    return fail(ErrorCode::invalid_argument, reasons::kBadName,
                 "found the name " + shown(name) + ", expected letters, digits and '_', at most 64");
   DRIFTWISE_TRY(const auto inputs, collect_inputs(model));
   const auto ranges = inputs.all();
   if (ranges.size() > 31)
-    return fail(ErrorCode::failed_precondition, "NOT_EXPORTABLE",
+    return fail(ErrorCode::failed_precondition, reasons::kNotExportable,
                 "the model reads " + std::to_string(ranges.size()) +
                     " channels, at most 31 have a bit in the answer");
   const std::string function = "driftwise_model_" + name;

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "server/core/reasons.h"
 #include "server/core/text/clean_text.h"
 #include "server/core/try.h"
 #include "server/formats/text/text.h"
@@ -14,7 +15,7 @@ using compensation::Snapshot;
 using compensation::Target;
 using compensation::TargetRequest;
 
-tl::unexpected<Error> bad(const char* reason, const std::string& message) {
+tl::unexpected<Error> bad(Reason reason, const std::string& message) {
   return fail(ErrorCode::invalid_argument, reason, message);
 }
 
@@ -42,28 +43,29 @@ std::optional<compensation::Variable> variable_named(std::string_view name) {
 Result<void> read_word(std::string_view word, TargetRequest& request, bool& asked_u) {
   const auto equals = word.find('=');
   if (equals == std::string_view::npos)
-    return bad("BAD_WORD", "found " + shown(word) + ", expected name=value such as x_mm=1.5");
+    return bad(reasons::kBadWord,
+               "found " + shown(word) + ", expected name=value such as x_mm=1.5");
   const auto name = word.substr(0, equals), text = word.substr(equals + 1);
   if (name == "u") {
-    if (asked_u) return bad("DUPLICATE_NAME", "found u twice, expected it once");
+    if (asked_u) return bad(reasons::kDuplicateName, "found u twice, expected it once");
     if (text != "0" && text != "1")
-      return bad("BAD_FLAG", "u: found " + shown(text) + ", expected 0 or 1");
+      return bad(reasons::kBadFlag, "u: found " + shown(text) + ", expected 0 or 1");
     asked_u = true;
     request.with_uncertainty = text == "1";
     return {};
   }
   const auto variable = variable_named(name);
   if (!variable)
-    return bad("UNKNOWN_NAME",
+    return bad(reasons::kUnknownName,
                "found " + shown(name) +
                    ", expected x_mm, y_mm, z_mm, rx_arcsec, ry_arcsec, rz_arcsec, force_N or u");
   if (request.given & compensation::bit(*variable))
-    return bad("DUPLICATE_NAME", "found " + shown(name) + " twice, expected it once");
+    return bad(reasons::kDuplicateName, "found " + shown(name) + " twice, expected it once");
   double value = 0;
   const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (code != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
-    return bad("BAD_NUMBER", std::string(name) + ": found " + shown(text) +
-                                 ", expected a finite number such as 1.5");
+    return bad(reasons::kBadNumber, std::string(name) + ": found " + shown(text) +
+                                        ", expected a finite number such as 1.5");
   request.set(*variable, value);
   return {};
 }
@@ -93,13 +95,15 @@ void append_time(std::string& out, CellTime time) {
 
 Result<TargetRequest> parse_target_line(std::string_view line) {
   if (line.size() > kMaxTargetLine)
-    return bad("LINE_TOO_LONG", "found " + std::to_string(line.size()) +
-                                    " bytes, expected at most " + std::to_string(kMaxTargetLine));
+    return bad(reasons::kLineTooLong, "found " + std::to_string(line.size()) +
+                                          " bytes, expected at most " +
+                                          std::to_string(kMaxTargetLine));
   std::string_view rest = line;
   const auto verb = take_word(rest);
   if (verb != "TARGET")
-    return bad("UNKNOWN_VERB", "found " + (verb.empty() ? std::string("nothing") : shown(verb)) +
-                                   ", expected TARGET x_mm=1.5 u=1");
+    return bad(reasons::kUnknownVerb, "found " +
+                                          (verb.empty() ? std::string("nothing") : shown(verb)) +
+                                          ", expected TARGET x_mm=1.5 u=1");
   TargetRequest request;
   request.with_uncertainty = false;
   bool asked_u = false;

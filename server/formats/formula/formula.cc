@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/core/data/dataset_parts.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/effects/direct_symbols.h"
 #include "server/effects/effect.h"
@@ -53,7 +54,7 @@ Result<std::vector<std::string>> outputs_of(const std::vector<FormulaOutput>& na
                            ? "q stands for the motor coordinates q1, q2, ... and there are none, " +
                                  known_symbols(channels)
                            : unknown_symbol(output.name, channels),
-                       "UNKNOWN_CHANNEL");
+                       reasons::kUnknownChannel);
   }
   return outputs;
 }
@@ -96,7 +97,7 @@ Result<calibration::Candidates> Formula::expand(
       continue;
     }
     if (const auto wrong = wrong_unit(term, channels); !wrong.empty())
-      return bad_formula(text, parsed.sum.at, wrong, "BAD_UNIT");
+      return bad_formula(text, parsed.sum.at, wrong, reasons::kBadUnit);
     for (const auto& symbol : effects::symbols_read_at_once(term))
       if (std::ranges::find(candidates.outputs, symbol) != candidates.outputs.end())
         return bad_formula(

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/effects/effect.h"
 #include "server/effects/term_order.h"
@@ -76,7 +77,7 @@ class Expander {
   tl::unexpected<Error> too_large(std::size_t at) const {
     return bad_formula(
         text_, at, "the formula expands to more than " + std::to_string(limits_.terms) + " terms",
-        "FORMULA_TOO_LARGE");
+        reasons::kFormulaTooLarge);
   }
 
   Terms expand(const FormulaNode& node) {
@@ -218,7 +219,7 @@ class Expander {
   }
 
   tl::unexpected<Error> unknown(std::size_t at, const std::string& what) const {
-    return bad_formula(text_, at, what, "UNKNOWN_CHANNEL");
+    return bad_formula(text_, at, what, reasons::kUnknownChannel);
   }
 
   // The channels a name or range stands for.

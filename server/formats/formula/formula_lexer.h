@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "server/core/reasons.h"
 #include "server/core/result.h"
 
 namespace driftwise::formats {
@@ -38,6 +39,6 @@ Result<std::vector<FormulaLexeme>> lex_formula(std::string_view text);
 // "<what>, column 7:\n  q ~ x + ?\n          ^": long texts are cut to a window around the place.
 std::string point_at(std::string_view text, std::size_t at, const std::string& what);
 tl::unexpected<Error> bad_formula(std::string_view text, std::size_t at, const std::string& what,
-                                  std::string reason = "BAD_FORMULA");
+                                  std::string reason = reasons::kBadFormula);
 
 }  // namespace driftwise::formats

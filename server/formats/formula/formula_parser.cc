@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/effects/effect.h"
 #include "server/effects/term_order.h"
@@ -59,7 +60,7 @@ class Parser {
     if (depth > limits_.nesting)
       return bad_formula(text_, look().at,
                          "parentheses nest deeper than " + std::to_string(limits_.nesting),
-                         "FORMULA_TOO_LARGE");
+                         reasons::kFormulaTooLarge);
     FormulaNode node;
     node.kind = Kind::sum;
     node.at = look().at;
@@ -73,7 +74,7 @@ class Parser {
       if (node.parts.size() > limits_.terms)
         return bad_formula(text_, look().at,
                            "more than " + std::to_string(limits_.terms) + " terms",
-                           "FORMULA_TOO_LARGE");
+                           reasons::kFormulaTooLarge);
       if (look().token != Token::plus && look().token != Token::minus) return node;
       sign = take_sign();
     }
@@ -99,7 +100,7 @@ class Parser {
       if (node.parts.size() > static_cast<std::size_t>(limits_.nesting))
         return bad_formula(text_, look().at,
                            "more than " + std::to_string(limits_.nesting) + " factors",
-                           "FORMULA_TOO_LARGE");
+                           reasons::kFormulaTooLarge);
     }
     return node;
   }
@@ -239,7 +240,7 @@ class Parser {
 
 Result<Parser> parser_for(std::string_view text, const FormulaLimits& limits) {
   if (text.size() > limits.text_bytes)
-    return fail(ErrorCode::invalid_argument, "FORMULA_TOO_LARGE",
+    return fail(ErrorCode::invalid_argument, reasons::kFormulaTooLarge,
                 "formula: " + std::to_string(text.size()) + " bytes long, at most " +
                     std::to_string(limits.text_bytes) + " are read");
   DRIFTWISE_TRY(auto lexemes, lex_formula(text));

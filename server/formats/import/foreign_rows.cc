@@ -1,5 +1,6 @@
 #include "server/formats/import/foreign_rows.h"
 
+#include "server/core/reasons.h"
 #include "server/formats/text/text.h"
 
 namespace driftwise::formats {
@@ -35,8 +36,8 @@ bool ForeignRows::next() {
     const std::string_view line = take_foreign_line(rest_);
     ++line_;
     if (line.size() > kMostLineBytes)
-      return refuse("LONG_LINE", "found a line of " + std::to_string(line.size()) +
-                                     " bytes, expected the rows of a table");
+      return refuse(reasons::kLongLine, "found a line of " + std::to_string(line.size()) +
+                                            " bytes, expected the rows of a table");
     if (!layout_.comment.empty() && line.starts_with(layout_.comment)) continue;
     if (line.find_first_not_of(" \t") == std::string_view::npos) continue;
     return split(line);
@@ -66,9 +67,10 @@ bool ForeignRows::split(std::string_view row) {
     if (layout_.quotes && at < row.size() && row[at] == '"') {
       for (++at;; ++at) {
         if (at >= row.size())
-          return refuse("BAD_QUOTE", "field " + std::to_string(used_) +
-                                         ": found no closing quote on this line: are quotes part "
-                                         "of the text (quotes = false)?");
+          return refuse(reasons::kBadQuote,
+                        "field " + std::to_string(used_) +
+                            ": found no closing quote on this line: are quotes part "
+                            "of the text (quotes = false)?");
         if (row[at] != '"') {
           field += row[at];
         } else if (at + 1 < row.size() && row[at + 1] == '"') {
@@ -79,9 +81,9 @@ bool ForeignRows::split(std::string_view row) {
       }
       at = skip(at + 1);
       if (at < row.size() && !ends_here(row[at]) && !layout_.blanks_separate)
-        return refuse("BAD_QUOTE", "field " + std::to_string(used_) + ": found " +
-                                       shown(row.substr(at, 12)) +
-                                       " after the closing quote, expected the separator");
+        return refuse(reasons::kBadQuote, "field " + std::to_string(used_) + ": found " +
+                                              shown(row.substr(at, 12)) +
+                                              " after the closing quote, expected the separator");
     } else {
       const std::size_t start = at;
       while (at < row.size() && !ends_here(row[at])) ++at;
@@ -97,7 +99,7 @@ bool ForeignRows::split(std::string_view row) {
   return true;
 }
 
-bool ForeignRows::refuse(const char* reason, const std::string& sentence) {
+bool ForeignRows::refuse(Reason reason, const std::string& sentence) {
   error_ = Error{ErrorCode::invalid_argument, reason, at_line(file_name_, line_) + sentence};
   return false;
 }

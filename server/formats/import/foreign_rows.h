@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "server/core/reasons.h"
 #include "server/core/result.h"
 
 namespace driftwise::formats {
@@ -38,7 +39,7 @@ class ForeignRows {
 
  private:
   bool split(std::string_view row);
-  bool refuse(const char* reason, const std::string& sentence);
+  bool refuse(Reason reason, const std::string& sentence);
   std::string& fresh_field();
 
   std::string_view rest_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/import/foreign_rows.h"
 #include "server/formats/import/grouping.h"
@@ -18,7 +19,7 @@ namespace {
 
 using ColumnTarget = ColumnRule::Target;
 
-tl::unexpected<Error> bad_table(const char* reason, const std::string& file_name, std::size_t line,
+tl::unexpected<Error> bad_table(Reason reason, const std::string& file_name, std::size_t line,
                                 const std::string& sentence) {
   return fail(ErrorCode::invalid_argument, reason, at_line(file_name, line) + sentence);
 }
@@ -86,7 +87,7 @@ Result<void> take_rows(Gathering& g, ForeignRows& rows, const SourceTable& table
   while (standing || rows.next()) {
     standing = false;
     if (rows.fields().size() != table.names.size())
-      return bad_table("RAGGED_ROW", g.file_name, rows.line(),
+      return bad_table(reasons::kRaggedRow, g.file_name, rows.line(),
                        "found " + std::to_string(rows.fields().size()) + " fields, expected " +
                            std::to_string(table.names.size()) + " as in line " +
                            std::to_string(table.header_line));
@@ -94,10 +95,10 @@ Result<void> take_rows(Gathering& g, ForeignRows& rows, const SourceTable& table
   }
   if (rows.error()) return tl::unexpected(*rows.error());
   if (g.out.report.rows_read == 0)
-    return bad_table("NO_ROWS", g.file_name, rows.line(),
+    return bad_table(reasons::kNoRows, g.file_name, rows.line(),
                      "found a header row and nothing after it, expected one row per point");
   if (g.out.report.rows_kept == 0)
-    return bad_table("ALL_DROPPED", g.file_name, rows.line(),
+    return bad_table(reasons::kAllDropped, g.file_name, rows.line(),
                      "the mapping's drop rules left none of " +
                          std::to_string(g.out.report.rows_read) + " rows");
   return {};
@@ -242,7 +243,7 @@ Result<ImportedDataset> import_dataset(std::string_view bytes, const std::string
   SourceTable table;
   if (!read_names(rows, mapping.file.header, table)) {
     if (rows.error()) return tl::unexpected(*rows.error());
-    return bad_table("NO_HEADER", file_name, rows.line(),
+    return bad_table(reasons::kNoHeader, file_name, rows.line(),
                      "found no row of a table before the end of the file");
   }
   DRIFTWISE_TRY(const auto reader, RowReader::make(mapping, table, file_name));

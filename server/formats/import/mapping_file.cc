@@ -4,6 +4,7 @@
 #include <set>
 
 #include "server/core/data/reading.h"
+#include "server/core/reasons.h"
 #include "server/formats/import/mapping_poses.h"
 #include "server/formats/text/text.h"
 #include "server/formats/text/toml_reader.h"
@@ -26,7 +27,7 @@ void read_mark(TomlReader& reader, const char* key, char& out, std::string_view 
       text[0] < 127 && text.find_first_of("0123456789eE+-\"") == std::string::npos)
     out = text[0];
   else
-    reader.refuse(key, "OUT_OF_RANGE",
+    reader.refuse(key, reasons::kOutOfRange,
                   "found " + shown(text) + ", expected one mark of its own such as \",\"");
 }
 
@@ -40,7 +41,7 @@ void read_separator(TomlReader& file, TableLayout& out) {
       !(text[0] >= '0' && text[0] <= '9'))
     out.separator = text[0];
   else
-    file.refuse("separator", "OUT_OF_RANGE",
+    file.refuse("separator", reasons::kOutOfRange,
                 "found " + shown(text) + ", expected one character, tab or blanks");
 }
 
@@ -60,7 +61,8 @@ void read_file_rules(TomlReader&& file, FileRules& out) {
                  : encoding == "utf-16-be" ? TextEncoding::utf_16_be
                                            : TextEncoding::utf_8;
   if (!out.layout.blanks_separate && out.layout.separator == out.numbers.decimal)
-    file.refuse("separator", "BAD_RULE", "found the decimal mark, expected another character");
+    file.refuse("separator", reasons::kBadRule,
+                "found the decimal mark, expected another character");
   file.finish();
 }
 
@@ -73,7 +75,7 @@ void read_time(TomlReader&& reader, std::optional<TimeRules>& out) {
   if (one.given()) time.columns.push_back(one);
   for (auto& name : names) time.columns.push_back({std::move(name), 0});
   if (one.given() == !names.empty())
-    reader.refuse("column", "MISSING_KEY", "expected column, or columns with several names");
+    reader.refuse("column", reasons::kMissingKey, "expected column, or columns with several names");
   std::string format = "iso8601", order = "as-it-is", equal = "refuse";
   double utc_offset_h = 0;
   reader.text("format", format, Need::required);
@@ -87,7 +89,7 @@ void read_time(TomlReader&& reader, std::optional<TimeRules>& out) {
   if (parsed)
     time.format = std::move(*parsed);
   else
-    reader.refuse("format", "BAD_TIME_FORMAT", parsed.error().message);
+    reader.refuse("format", reasons::kBadTimeFormat, parsed.error().message);
   reader.finish();
   out = std::move(time);
 }
@@ -104,13 +106,13 @@ void read_target(TomlReader& reader, ColumnRule& out) {
   if (name == "zero") out.target = RuleTarget::zero;
   if (name == "dwell_s") out.target = RuleTarget::dwell;
   if (name == "set" || name == "time_s")
-    return reader.refuse("channel", "BAD_CHANNEL",
+    return reader.refuse("channel", reasons::kBadChannel,
                          "found " + shown(name) + ", which the mapping's [" +
                              (name == "set" ? "sets" : "time") + "] table is for");
   if (out.target == RuleTarget::dwell) out.channel = {"dwell", "s"};
   if (out.target != RuleTarget::channel) return;
   auto channel = parse_channel(name);
-  if (!channel) return reader.refuse("channel", "BAD_CHANNEL", channel.error().message);
+  if (!channel) return reader.refuse("channel", reasons::kBadChannel, channel.error().message);
   out.channel = std::move(*channel);
 }
 
@@ -127,11 +129,14 @@ void read_column(TomlReader&& reader, ColumnRule& out) {
     if (convert)
       out.convert = *convert;
     else
-      reader.refuse("unit", convert.error().reason == "UNIT_KIND" ? "UNIT_KIND" : "UNKNOWN_UNIT",
-                    convert.error().message);
+      reader.refuse(
+          "unit",
+          convert.error().reason == reasons::kUnitKind ? reasons::kUnitKind : reasons::kUnknownUnit,
+          convert.error().message);
   }
   if (out.scale == 0)
-    reader.refuse("scale", "OUT_OF_RANGE", "found 0, expected another factor: all would be equal");
+    reader.refuse("scale", reasons::kOutOfRange,
+                  "found 0, expected another factor: all would be equal");
   reader.finish();
 }
 
@@ -148,7 +153,7 @@ void read_drop(TomlReader&& reader, DropRule& out) {
   if (!is_missing(above)) out.above = above;
   if (reader.has("equals")) out.equals = equals;
   if (!out.missing && !out.below && !out.above && !out.equals)
-    reader.refuse("column", "BAD_RULE", "expected missing = true, below, above or equals");
+    reader.refuse("column", reasons::kBadRule, "expected missing = true, below, above or equals");
   reader.finish();
 }
 
@@ -159,13 +164,13 @@ void read_group(TomlReader&& reader, std::optional<GroupRule>& out) {
   reader.number("within", group.within, {.min = 0});
   reader.text("into", into);
   if (group.channels.empty())
-    reader.refuse("channels", "OUT_OF_RANGE", "found none, expected at least one channel");
+    reader.refuse("channels", reasons::kOutOfRange, "found none, expected at least one channel");
   if (into != "line") {
     auto channel = parse_channel(into);
     if (channel && channel->unit == "1")
       group.channel = std::move(*channel);
     else
-      reader.refuse("into", "BAD_CHANNEL",
+      reader.refuse("into", reasons::kBadChannel,
                     "found " + shown(into) +
                         ", expected line or a channel without a unit such as "
                         "goal_1");
@@ -189,10 +194,10 @@ void read_sets(TomlReader&& reader, SetRule& out) {
   out.by = every > 0 ? By::every : share > 0 ? By::share : By::column;
   const int ways = (every > 0) + (share > 0) + out.source.given();
   if (ways != 1)
-    reader.refuse("validation_every", "BAD_RULE",
+    reader.refuse("validation_every", reasons::kBadRule,
                   "expected one of validation_every, validation_share, or column with validation");
   if (out.source.given() == out.validation.empty())
-    reader.refuse("validation", "BAD_RULE",
+    reader.refuse("validation", reasons::kBadRule,
                   "expected column and validation (the texts that mean validation) together");
   reader.finish();
 }
@@ -202,7 +207,7 @@ void check_channels(TomlProblem& problem, const toml::table& root, const ImportM
   std::set<std::string> taken;
   const auto take = [&](const std::string& name) {
     if (!taken.insert(name).second)
-      problem.add(ErrorCode::invalid_argument, "DUPLICATE_CHANNEL", root.source(),
+      problem.add(ErrorCode::invalid_argument, reasons::kDuplicateChannel, root.source(),
                   "the channel " + shown(name) + " is given twice");
   };
   using RuleTarget = ColumnRule::Target;
@@ -217,7 +222,7 @@ void check_channels(TomlProblem& problem, const toml::table& root, const ImportM
   for (const auto& constant : mapping.constants) take(constant.channel.name());
   const auto expect = [&](const std::string& name, const char* table) {
     if (!taken.contains(name))
-      problem.add(ErrorCode::invalid_argument, "BAD_CHANNEL", root.source(),
+      problem.add(ErrorCode::invalid_argument, reasons::kBadChannel, root.source(),
                   std::string(table) + ": found " + shown(name) +
                       ", expected a channel that a [[column]] gives");
   };
@@ -244,7 +249,7 @@ void read_constants(TomlReader&& reader, const toml::table& table, ImportMapping
     if (channel)
       out.constants.push_back({std::move(*channel), value});
     else
-      reader.refuse(name, "BAD_CHANNEL", channel.error().message);
+      reader.refuse(name, reasons::kBadChannel, channel.error().message);
   }
 }
 
@@ -278,7 +283,7 @@ void read_mapping(const toml::table& root, ImportMapping& out, TomlProblem& prob
   out.metadata.assign(metadata.begin(), metadata.end());
   reader.finish();
   if (out.columns.empty())
-    problem.add(ErrorCode::invalid_argument, "NO_COLUMNS", root.source(),
+    problem.add(ErrorCode::invalid_argument, reasons::kNoColumns, root.source(),
                 "found no [[column]], expected one per channel");
   if (!problem.any()) check_channels(problem, root, out);
 }
@@ -293,7 +298,7 @@ Result<ImportMapping> read_import_mapping(std::string_view text, const std::stri
   try {
     read_mapping(toml::parse(text, file_name), out, problem);
   } catch (const toml::parse_error& error) {
-    return fail(ErrorCode::invalid_argument, "TOML_SYNTAX",
+    return fail(ErrorCode::invalid_argument, reasons::kTomlSyntax,
                 at_line(file_name, error.source().begin.line) + "column " +
                     std::to_string(error.source().begin.column) + ": " +
                     std::string(error.description()));

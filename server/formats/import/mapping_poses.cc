@@ -1,5 +1,6 @@
 #include "server/formats/import/mapping_poses.h"
 
+#include "server/core/reasons.h"
 #include "server/core/units.h"
 #include "server/formats/text/text.h"
 
@@ -15,7 +16,7 @@ void read_convention(TomlReader& reader, const char* key, RotationConvention& ou
   if (convention)
     out = *convention;
   else
-    reader.refuse(key, "OUT_OF_RANGE", convention.error().message);
+    reader.refuse(key, reasons::kOutOfRange, convention.error().message);
 }
 
 // Position channels measure lengths, rotation channels angles; three of them or none.
@@ -32,18 +33,19 @@ void read_triple(TomlReader& reader, const char* key, std::vector<std::string>& 
   if (good)
     out = std::move(names);
   else
-    reader.refuse(key, "BAD_CHANNEL", "expected three channels such as " + std::string(example));
+    reader.refuse(key, reasons::kBadChannel,
+                  "expected three channels such as " + std::string(example));
 }
 
 void matrix_transform(TomlReader& reader, const Rows& rows, RigidTransform& out) {
   const bool four = rows.size() == 4 && rows.front().size() == 4;
   const bool three = rows.size() == 3 && rows.front().size() == 4;
   if (!four && !three)
-    return reader.refuse("matrix", "OUT_OF_RANGE",
+    return reader.refuse("matrix", reasons::kOutOfRange,
                          "found " + std::to_string(rows.size()) +
                              " rows, expected 4 (or the first 3) of 4 numbers each");
   if (four && rows[3] != std::vector<double>{0, 0, 0, 1})
-    return reader.refuse("matrix", "OUT_OF_RANGE", "expected 0, 0, 0, 1 in the last row");
+    return reader.refuse("matrix", reasons::kOutOfRange, "expected 0, 0, 0, 1 in the last row");
   Eigen::Matrix3d matrix;
   for (int i = 0; i < 3; ++i) {
     const auto& row = rows[static_cast<std::size_t>(i)];
@@ -51,7 +53,7 @@ void matrix_transform(TomlReader& reader, const Rows& rows, RigidTransform& out)
     out.translation_mm(i) = row[3];
   }
   const auto rotation = nearest_rotation(matrix);
-  if (!rotation) return reader.refuse("matrix", "NOT_A_ROTATION", rotation.error().message);
+  if (!rotation) return reader.refuse("matrix", reasons::kNotARotation, rotation.error().message);
   out.rotation = *rotation;
 }
 
@@ -69,7 +71,7 @@ void read_transform(const toml::table* table, const std::string& place, TomlProb
   read_convention(reader, "convention", convention);
   reader.truth("inverse", inverse);
   if (reader.has("matrix") && (reader.has("translation_mm") || reader.has("rotation_deg")))
-    reader.refuse("matrix", "BAD_RULE",
+    reader.refuse("matrix", reasons::kBadRule,
                   "expected either a matrix or translation_mm and rotation_deg");
   if (!rows.empty()) {
     matrix_transform(reader, rows, out);
@@ -101,7 +103,7 @@ void read_pose(const toml::table& table, const std::string& place, TomlProblem& 
   read_transform(reader.table("frame"), place + ", frame", problem, out.frame);
   read_transform(reader.table("tool"), place + ", tool", problem, out.tool);
   if (out.rotation.empty() && (reader.has("tool") || reader.has("into_rotation")))
-    reader.refuse("rotation", "BAD_RULE",
+    reader.refuse("rotation", reasons::kBadRule,
                   "expected the pose's three angles: a tool cannot be taken off without them");
   reader.finish();
 }

@@ -4,6 +4,7 @@
 #include <limits>
 #include <numeric>
 
+#include "server/core/reasons.h"
 #include "server/formats/text/text.h"
 
 namespace driftwise::formats {
@@ -26,7 +27,7 @@ Result<RowTimes::Ordered> RowTimes::put_in_order(const TimeRules& rules,
     return static_cast<double>((row.time - out.zero).count()) / 1e9;
   };
   const auto refuse = [&](const Row& row, const Row& before, const std::string& advice) {
-    return fail(ErrorCode::invalid_argument, "TIME_NOT_INCREASING",
+    return fail(ErrorCode::invalid_argument, reasons::kTimeNotIncreasing,
                 at_line(file_name, row.line) + "found the time " + to_iso8601(row.time) +
                     " after " + to_iso8601(before.time) + " in line " +
                     std::to_string(before.line) + ", expected a later one: " + advice);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "server/core/data/reading.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/text/text.h"
 
@@ -54,7 +55,7 @@ std::vector<bool> RowReader::used() const {
   return out;
 }
 
-Error RowReader::problem(const ForeignRows& row, std::size_t field, const char* reason,
+Error RowReader::problem(const ForeignRows& row, std::size_t field, Reason reason,
                          const std::string& sentence) const {
   return {ErrorCode::invalid_argument, reason,
           at_line(*file_name_, row.line()) + table_->shown_name(field) + ": " + sentence};
@@ -69,7 +70,7 @@ Result<double> RowReader::number(const ForeignRows& row, std::size_t field, int 
   if (is_missing_text(text)) return kMissing;
   const auto found = number_in(text, mapping_->file.numbers, shift);
   if (found) return *found;
-  return tl::unexpected(problem(row, field, "BAD_NUMBER",
+  return tl::unexpected(problem(row, field, reasons::kBadNumber,
                                 "found " + (text.empty() ? std::string("nothing") : shown(text)) +
                                     ", expected a finite number" +
                                     mark_hint(text, mapping_->file.numbers) +
@@ -87,22 +88,22 @@ Result<double> RowReader::value(const ForeignRows& row, std::size_t index) const
                                           rule.target != ColumnTarget::dwell);
     if (!needed) return kMissing;
     return tl::unexpected(
-        problem(row, field, "MISSING_VALUE",
+        problem(row, field, reasons::kMissingValue,
                 "found " + shown(row.fields()[field]) + ", expected a number in every row"));
   }
   const double out = shift ? *found : rule.convert(*found * rule.scale + rule.offset);
   if (!std::isfinite(out))
-    return tl::unexpected(problem(row, field, "BAD_NUMBER",
+    return tl::unexpected(problem(row, field, reasons::kBadNumber,
                                   "found " + shown(row.fields()[field]) +
                                       ", which is no finite number in the channel's unit"));
   if (rule.target == ColumnTarget::zero && out != 0 && out != 1)
-    return tl::unexpected(problem(row, field, "BAD_FLAG",
+    return tl::unexpected(problem(row, field, reasons::kBadFlag,
                                   "found " + shown(row.fields()[field]) + ", expected 0 or 1"));
   const bool whole = rule.target == ColumnTarget::line || rule.target == ColumnTarget::run ||
                      rule.target == ColumnTarget::datum;
   if (whole && (std::trunc(out) != out || std::abs(out) > kLargestWhole))
     return tl::unexpected(
-        problem(row, field, "BAD_INTEGER",
+        problem(row, field, reasons::kBadInteger,
                 "found " + shown(row.fields()[field]) + ", expected a whole number"));
   return out;
 }
@@ -134,14 +135,14 @@ Result<CellTime> RowReader::time(const ForeignRows& row) const {
   for (const std::size_t field : times_) text += (text.empty() ? "" : " ") + row.fields()[field];
   const auto found = mapping_->time->format.read(text, mapping_->file.numbers.decimal);
   if (found) return *found;
-  return tl::unexpected(problem(row, times_.front(), "BAD_TIME", found.error().message));
+  return tl::unexpected(problem(row, times_.front(), reasons::kBadTime, found.error().message));
 }
 
 Result<bool> RowReader::is_validation(const ForeignRows& row) const {
   const std::string& text = row.fields()[set_];
   if (is_missing_text(text))
     return tl::unexpected(
-        problem(row, set_, "BAD_SET", "found " + shown(text) + ", expected the row's set"));
+        problem(row, set_, reasons::kBadSet, "found " + shown(text) + ", expected the row's set"));
   return std::ranges::find(mapping_->sets.validation, text) != mapping_->sets.validation.end();
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "server/core/reasons.h"
 #include "server/formats/import/foreign_rows.h"
 #include "server/formats/import/source_table.h"
 
@@ -31,7 +32,7 @@ class RowReader {
   std::size_t field_of(std::size_t column_rule) const { return columns_[column_rule]; }
   // Fields that some rule reads.
   std::vector<bool> used() const;
-  Error problem(const ForeignRows& row, std::size_t field, const char* reason,
+  Error problem(const ForeignRows& row, std::size_t field, Reason reason,
                 const std::string& sentence) const;
 
  private:

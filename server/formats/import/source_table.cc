@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/core/reasons.h"
 #include "server/formats/text/text.h"
 
 namespace driftwise::formats {
@@ -13,33 +14,36 @@ std::string SourceTable::shown_name(std::size_t field) const {
 
 Result<std::size_t> SourceTable::find(const SourceColumn& column, const std::string& place,
                                       const std::string& file_name) const {
-  const auto problem = [&](const char* reason, const std::string& sentence) {
+  const auto problem = [&](Reason reason, const std::string& sentence) {
     return fail(ErrorCode::invalid_argument, reason,
                 at_line(file_name, header_line) + place + " of the mapping: " + sentence);
   };
   if (column.name.empty()) {
     const auto index = static_cast<std::size_t>(column.number) - 1;
     if (column.number >= 1 && index < names.size()) return index;
-    return problem("UNKNOWN_COLUMN", "asked for column " + std::to_string(column.number) +
-                                         ", found " + std::to_string(names.size()) + " columns");
+    return problem(reasons::kUnknownColumn, "asked for column " + std::to_string(column.number) +
+                                                ", found " + std::to_string(names.size()) +
+                                                " columns");
   }
   if (!has_header)
-    return problem("UNKNOWN_COLUMN", "asked for " + shown(column.name) +
-                                         ", but the file has no header row (header = false): give "
-                                         "the column's number");
+    return problem(reasons::kUnknownColumn,
+                   "asked for " + shown(column.name) +
+                       ", but the file has no header row (header = false): give "
+                       "the column's number");
   const auto count = std::ranges::count(names, column.name);
   if (count == 1)
     return static_cast<std::size_t>(std::ranges::find(names, column.name) - names.begin());
   if (count > 1)
-    return problem("AMBIGUOUS_COLUMN", "found " + std::to_string(count) + " columns named " +
-                                           shown(column.name) + ": give the column's number");
+    return problem(reasons::kAmbiguousColumn, "found " + std::to_string(count) + " columns named " +
+                                                  shown(column.name) +
+                                                  ": give the column's number");
   const std::string nearest =
       nearest_word(column.name, std::vector<std::string_view>(names.begin(), names.end()));
   std::string list;
   for (const auto& name : names) list += (list.empty() ? "" : ", ") + shown(name);
   if (names.size() == 1) list += " (one column: is the mapping's separator the file's?)";
   return problem(
-      "UNKNOWN_COLUMN",
+      reasons::kUnknownColumn,
       "found no column named " + shown(column.name) +
           (nearest.empty() ? ", found " + list : ": did you mean " + shown(nearest) + "?"));
 }

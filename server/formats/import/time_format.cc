@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "server/core/reasons.h"
 #include "server/formats/import/number_style.h"
 #include "server/formats/text/text.h"
 
@@ -34,11 +35,11 @@ constexpr std::array<std::string_view, 12> kMonths = {"jan", "feb", "mar", "apr"
                                                       "jul", "aug", "sep", "oct", "nov", "dec"};
 
 tl::unexpected<Error> bad_format(const std::string& sentence) {
-  return fail(ErrorCode::invalid_argument, "BAD_TIME_FORMAT", sentence);
+  return fail(ErrorCode::invalid_argument, reasons::kBadTimeFormat, sentence);
 }
 
 tl::unexpected<Error> unreadable_time(std::string_view text, const std::string& expected) {
-  return fail(ErrorCode::invalid_argument, "BAD_TIME",
+  return fail(ErrorCode::invalid_argument, reasons::kBadTime,
               "found " + shown(text) + ", expected " + expected);
 }
 

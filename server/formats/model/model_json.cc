@@ -1,5 +1,6 @@
 #include "server/formats/model/model_json.h"
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/model/model_json_uncertainty.h"
 #include "server/formats/text/json_place.h"
@@ -396,7 +397,7 @@ Result<std::string> stored_model_hash(std::string_view text) {
   // In the order in which it was written: the hash is of the text.
   Json json = Json::parse(text, nullptr, false);
   if (json.is_discarded() || !json.is_object())
-    return fail(ErrorCode::invalid_argument, "BAD_MODEL", "its text is no JSON object");
+    return fail(ErrorCode::invalid_argument, reasons::kBadModel, "its text is no JSON object");
   if (json.contains("fit_us")) json["fit_us"] = 0.0;
   return content_hash(json.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
@@ -406,7 +407,7 @@ Result<Model> read_model_json(std::string_view text) {
   try {
     return read_whole(JsonPlace(json, ""));
   } catch (const JsonProblem& problem) {
-    return fail(ErrorCode::invalid_argument, "BAD_MODEL",
+    return fail(ErrorCode::invalid_argument, reasons::kBadModel,
                 (problem.place.empty() ? std::string("the text") : problem.place) + ": found " +
                     problem.found + ", expected " + problem.expected);
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "server/core/reasons.h"
 #include "server/formats/text/text.h"
 
 namespace driftwise::formats {
@@ -99,7 +100,7 @@ Result<nlohmann::json> parse_json(std::string_view text) {
     const auto line = static_cast<std::size_t>(std::ranges::count(before, '\n')) + 1;
     const auto column =
         at - (before.rfind('\n') == std::string_view::npos ? 0 : before.rfind('\n') + 1) + 1;
-    return fail(ErrorCode::invalid_argument, "JSON_SYNTAX",
+    return fail(ErrorCode::invalid_argument, reasons::kJsonSyntax,
                 "line " + std::to_string(line) + ", column " + std::to_string(column) + ": found " +
                     (at < text.size() ? shown(text.substr(at, 16)) : "the end of the text") +
                     ", expected JSON");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "server/core/reasons.h"
 #include "server/formats/text/text.h"
 
 namespace driftwise::formats {
@@ -35,10 +36,10 @@ Result<std::vector<std::int64_t>> parse_row_ranges(std::string_view text) {
                                 whole_number(without_blanks(piece.substr(dash + 1)), last) &&
                                 first <= last;
     if (!good)
-      return fail(ErrorCode::invalid_argument, "BAD_ROWS",
+      return fail(ErrorCode::invalid_argument, reasons::kBadRows,
                   "rows: found " + shown(piece) + ", expected row numbers such as 12,40-45");
     if (last - first >= static_cast<std::int64_t>(kMostRows - rows.size()))
-      return fail(ErrorCode::invalid_argument, "BAD_ROWS",
+      return fail(ErrorCode::invalid_argument, reasons::kBadRows,
                   "rows: found " + shown(piece) + ", expected at most " +
                       std::to_string(kMostRows) + " rows in all");
     for (std::int64_t row = first; row <= last; ++row) rows.push_back(row);

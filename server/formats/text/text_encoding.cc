@@ -1,5 +1,7 @@
 #include "server/formats/text/text_encoding.h"
 
+#include "server/core/reasons.h"
+
 namespace driftwise::formats {
 namespace {
 
@@ -14,7 +16,7 @@ void append_utf8(std::string& out, std::uint32_t code) {
 }
 
 tl::unexpected<Error> not_text(const std::string& file_name, const std::string& sentence) {
-  return fail(ErrorCode::invalid_argument, "NOT_TEXT", file_name + ": " + sentence);
+  return fail(ErrorCode::invalid_argument, reasons::kNotText, file_name + ": " + sentence);
 }
 
 Result<std::string> from_utf16(std::string_view bytes, bool low_first,

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "server/core/reasons.h"
 #include "server/formats/text/text.h"
 #include "server/formats/text/toml_reader.h"
 
@@ -44,7 +45,7 @@ void TomlReader::numbers(const char* key, std::vector<double>& values, std::size
   if (!read_numbers(key, *node, found)) return;
   if (found.size() != count)
     return refuse(
-        key, "OUT_OF_RANGE",
+        key, reasons::kOutOfRange,
         "found " + std::to_string(found.size()) + " numbers, expected " + std::to_string(count));
   values = std::move(found);
 }
@@ -60,7 +61,7 @@ void TomlReader::matrix(const char* key, std::vector<std::vector<double>>& rows)
     if (!read_numbers(key, item, row)) return;
     found.push_back(std::move(row));
     if (found.back().size() != found.front().size())
-      return refuse(key, "OUT_OF_RANGE",
+      return refuse(key, reasons::kOutOfRange,
                     "found rows of " + std::to_string(found.front().size()) + " and " +
                         std::to_string(found.back().size()) + " numbers, expected one length");
   }
@@ -73,7 +74,8 @@ void TomlReader::text_or_integer(const char* key, std::string& text, int& number
   if (!node) return;
   if (const auto* found = node->as_string()) {
     text = found->get();
-    if (text.empty()) refuse(key, "OUT_OF_RANGE", "found an empty string, expected some text");
+    if (text.empty())
+      refuse(key, reasons::kOutOfRange, "found an empty string, expected some text");
     return;
   }
   if (!node->is_integer()) return wrong_type(key, *node, "a string or a whole number");

@@ -5,6 +5,7 @@
 #include <map>
 #include <sstream>
 
+#include "server/core/reasons.h"
 #include "server/core/text/clean_text.h"
 #include "server/formats/text/text.h"
 
@@ -46,7 +47,7 @@ std::string found_text(const toml::node& node) {
 
 }  // namespace
 
-void TomlProblem::add(ErrorCode code, const char* reason, const toml::source_region& where,
+void TomlProblem::add(ErrorCode code, const std::string& reason, const toml::source_region& where,
                       const std::string& sentence) {
   if (!first) first = Error{code, reason, at_line(file_name, where.begin.line) + sentence};
 }
@@ -58,11 +59,11 @@ const toml::node* TomlReader::find(const char* key, Need need) {
   known_.emplace_back(key);
   const toml::node* node = table_.get(key);
   if (!node && need == Need::required)
-    refuse(key, "MISSING_KEY", "found nothing, expected this key");
+    refuse(key, reasons::kMissingKey, "found nothing, expected this key");
   return node;
 }
 
-void TomlReader::refuse(const char* key, const char* reason, const std::string& sentence,
+void TomlReader::refuse(const char* key, Reason reason, const std::string& sentence,
                         ErrorCode code) {
   const toml::node* node = table_.get(key);
   problem_.add(code, reason, node ? node->source() : table_.source(),
@@ -70,7 +71,7 @@ void TomlReader::refuse(const char* key, const char* reason, const std::string& 
 }
 
 void TomlReader::wrong_type(const char* key, const toml::node& node, const char* expected) {
-  refuse(key, "WRONG_TYPE", "found " + found_text(node) + ", expected " + expected);
+  refuse(key, reasons::kWrongType, "found " + found_text(node) + ", expected " + expected);
 }
 
 void TomlReader::text(const char* key, std::string& value, Need need) {
@@ -79,10 +80,10 @@ void TomlReader::text(const char* key, std::string& value, Need need) {
   const auto* found = node->as_string();
   if (!found) return wrong_type(key, *node, "a string");
   if (found->get().empty() && need == Need::required)
-    return refuse(key, "OUT_OF_RANGE", "found an empty string, expected some text");
+    return refuse(key, reasons::kOutOfRange, "found an empty string, expected some text");
   if (clean_line(found->get()) != found->get())
     return refuse(
-        key, "BAD_TEXT",
+        key, reasons::kBadText,
         "found " + shown(found->get()) + ", expected one line without control characters");
   value = found->get();
 }
@@ -98,7 +99,7 @@ void TomlReader::choice(const char* key, std::string& value,
   }
   std::string list;
   for (const auto word : allowed) list += (list.empty() ? "" : ", ") + std::string(word);
-  refuse(key, std::string_view(key) == "kind" ? "UNKNOWN_KIND" : "OUT_OF_RANGE",
+  refuse(key, std::string_view(key) == "kind" ? reasons::kUnknownKind : reasons::kOutOfRange,
          "found " + found_text(*node) + ", expected one of " + list);
 }
 
@@ -122,7 +123,7 @@ void TomlReader::number(const char* key, double& value, Range range, Need need) 
   if (range.min > -kAny)
     expected += (range.above_min ? " above " : " from ") + number_text(range.min);
   if (range.max < kAny) expected += " up to " + number_text(range.max);
-  refuse(key, "OUT_OF_RANGE", "found " + number_text(found) + ", expected " + expected);
+  refuse(key, reasons::kOutOfRange, "found " + number_text(found) + ", expected " + expected);
 }
 
 void TomlReader::integer(const char* key, int& value, int min, int max, Need need) {
@@ -131,7 +132,7 @@ void TomlReader::integer(const char* key, int& value, int min, int max, Need nee
   const auto* found = node->as_integer();
   if (!found) return wrong_type(key, *node, "a whole number");
   if (found->get() < min || found->get() > max)
-    return refuse(key, "OUT_OF_RANGE",
+    return refuse(key, reasons::kOutOfRange,
                   "found " + std::to_string(found->get()) + ", expected a whole number from " +
                       std::to_string(min) + " to " + std::to_string(max));
   value = static_cast<int>(found->get());
@@ -157,7 +158,7 @@ void TomlReader::vector3(const char* key, std::array<double, 3>& value, double l
     if (!item.is_number()) return wrong_type(key, item, "a number in each of the three places");
     found[i] = *item.value<double>();
     if (!std::isfinite(found[i]) || std::abs(found[i]) > limit)
-      return refuse(key, "OUT_OF_RANGE",
+      return refuse(key, reasons::kOutOfRange,
                     "found " + number_text(found[i]) + ", expected a number from " +
                         number_text(-limit) + " to " + number_text(limit));
   }
@@ -180,7 +181,7 @@ void TomlReader::time(const char* key, CellTime& value) {
   }
   const auto time = parse_iso8601(text);
   if (!time)
-    return refuse(key, "BAD_TIME",
+    return refuse(key, reasons::kBadTime,
                   "found " + shown(text) + ", expected a time in UTC such as 2011-07-22T08:00:00Z");
   value = *time;
 }
@@ -190,7 +191,7 @@ void TomlReader::channel(const char* key, Channel& value, Need need) {
   text(key, name, need);
   if (name.empty()) return;
   auto channel = parse_channel(name);
-  if (!channel) return refuse(key, "BAD_CHANNEL", channel.error().message);
+  if (!channel) return refuse(key, reasons::kBadChannel, channel.error().message);
   value = std::move(*channel);
 }
 
@@ -200,12 +201,12 @@ void TomlReader::strings(const char* key, std::map<std::string, std::string>& va
   for (const auto& [name, node] : *inner) {
     if (node.is_table() || node.is_array() || node.is_date() || node.is_time() ||
         node.is_date_time())
-      return refuse(key, "WRONG_TYPE",
+      return refuse(key, reasons::kWrongType,
                     std::string(name.str()) + ": found " + std::string(type_name(node)) +
                         ", expected a string, a number, true or false");
     const std::string text = plain_text(node);
     if (clean_line(text) != text)
-      return refuse(key, "BAD_TEXT",
+      return refuse(key, reasons::kBadText,
                     std::string(name.str()) + ": found " + shown(text) +
                         ", expected one line without control characters");
     values[std::string(name.str())] = text;
@@ -238,7 +239,7 @@ void TomlReader::finish() {
     std::string list;
     for (const auto word : known_) list += (list.empty() ? "" : ", ") + std::string(word);
     problem_.add(
-        ErrorCode::invalid_argument, "UNKNOWN_KEY", key.source(),
+        ErrorCode::invalid_argument, reasons::kUnknownKey, key.source(),
         (place_.empty() ? "" : place_ + ": ") + "found the unknown key " + shown(key.str()) +
             (nearest.empty() ? ", expected one of " + list : ": did you mean " + nearest + "?"));
   }

@@ -17,6 +17,7 @@
 
 #include "server/core/cell_time.h"
 #include "server/core/channel.h"
+#include "server/core/reasons.h"
 #include "server/core/result.h"
 
 namespace driftwise::formats {
@@ -27,7 +28,7 @@ struct TomlProblem {
   std::optional<Error> first;
 
   bool any() const { return first.has_value(); }
-  void add(ErrorCode code, const char* reason, const toml::source_region& where,
+  void add(ErrorCode code, const std::string& reason, const toml::source_region& where,
            const std::string& sentence);
 };
 
@@ -75,7 +76,7 @@ class TomlReader {
   void finish();
 
   // A problem at this key's value (or at the table when the key is absent).
-  void refuse(const char* key, const char* reason, const std::string& sentence,
+  void refuse(const char* key, Reason reason, const std::string& sentence,
               ErrorCode code = ErrorCode::invalid_argument);
   bool has(const char* key) const { return table_.contains(key); }
   std::size_t line() const { return table_.source().begin.line; }

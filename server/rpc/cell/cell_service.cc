@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "driftwise/v1/cell_service.grpc.pb.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/rpc/cell/convert_cell.h"
 #include "server/rpc/cell/motor_coordinates.h"
@@ -109,7 +110,7 @@ class CellService final : public v1::CellService::CallbackService {
                          v1::SetStabiliserResponse*) override {
     return answer(cell_, context, [this, context, request]() -> Awaitable<Result<void>> {
       if (!request->has_set_point_degc() || !std::isfinite(request->set_point_degc()))
-        co_return fail(ErrorCode::invalid_argument, "NOT_FINITE",
+        co_return fail(ErrorCode::invalid_argument, reasons::kNotFinite,
                        "set_point_degc: expected a finite number of degC");
       co_return co_await cell_.set_stabiliser(caller_of(*context), request->lease_token(),
                                               request->device_id(), request->set_point_degc());
@@ -131,7 +132,7 @@ class CellService final : public v1::CellService::CallbackService {
       Context*, const v1::WatchReadingsRequest* request) override {
     if (!request->device_id().empty() &&
         cell_.description().find_device(request->device_id()) == nullptr)
-      return refuse_stream<v1::WatchReadingsResponse>({ErrorCode::not_found, "NO_DEVICE",
+      return refuse_stream<v1::WatchReadingsResponse>({ErrorCode::not_found, reasons::kNoDevice,
                                                        "device_id: this cell has no device '" +
                                                            request->device_id() +
                                                            "': 'driftwise devices' lists them"});

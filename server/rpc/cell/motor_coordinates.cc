@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/rpc/shared/convert_values.h"
 
@@ -17,7 +18,7 @@ Result<std::vector<double>> motor_coordinates_from(
   for (const auto& value : values)
     if (std::none_of(axes.begin(), axes.end(),
                      [&](const Channel& axis) { return axis.name() == value.channel; }))
-      return fail(ErrorCode::invalid_argument, "UNKNOWN_AXIS",
+      return fail(ErrorCode::invalid_argument, reasons::kUnknownAxis,
                   "coordinates: found " + value.channel + ", the axes of this cell are " + known);
   std::vector<double> q_mm;
   for (const auto& axis : axes) {
@@ -26,7 +27,7 @@ Result<std::vector<double>> motor_coordinates_from(
     });
     if (found == values.end())
       return fail(
-          ErrorCode::invalid_argument, "MISSING_COORDINATE",
+          ErrorCode::invalid_argument, reasons::kMissingCoordinate,
           "coordinates: " + axis.name() + " is missing, a move names every one of " + known);
     q_mm.push_back(found->value);
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/rpc/shared/convert_values.h"
 #include "server/rpc/shared/request_checks.h"
@@ -25,7 +26,7 @@ Result<ExclusionRecord> exclusion_of(const Request& request, bool excluded) {
   DRIFTWISE_RETURN_IF_ERROR(check_id(request.run_id(), "run_id"));
   DRIFTWISE_RETURN_IF_ERROR(check_size(request.reason(), kMostNoteBytes, "reason"));
   if (request.reason().find_first_not_of(" \t\r\n") == std::string::npos)
-    return fail(ErrorCode::invalid_argument, "REASON_REQUIRED",
+    return fail(ErrorCode::invalid_argument, reasons::kReasonRequired,
                 "reason: found nothing, expected why: it stands in the record");
   DRIFTWISE_TRY(auto rows, rows_from(request.rows()));
   return ExclusionRecord{
@@ -38,17 +39,17 @@ Result<ExclusionRecord> exclusion_of(const Request& request, bool excluded) {
 Result<std::vector<std::int64_t>> rows_from(
     const google::protobuf::RepeatedPtrField<v1::RowRange>& ranges) {
   if (ranges.empty())
-    return fail(ErrorCode::invalid_argument, "NO_ROWS",
+    return fail(ErrorCode::invalid_argument, reasons::kNoRows,
                 "rows: found none, expected at least one range");
   std::vector<std::int64_t> rows;
   for (const auto& range : ranges) {
     if (range.first_row() < 1 || range.last_row() < range.first_row())
-      return fail(ErrorCode::invalid_argument, "BAD_ROWS",
+      return fail(ErrorCode::invalid_argument, reasons::kBadRows,
                   "rows: found " + std::to_string(range.first_row()) + " to " +
                       std::to_string(range.last_row()) +
                       ", expected a first row from 1 and a last row not before it");
     if (range.last_row() - range.first_row() >= kMostRows - static_cast<std::int64_t>(rows.size()))
-      return fail(ErrorCode::invalid_argument, "TOO_MANY_ROWS",
+      return fail(ErrorCode::invalid_argument, reasons::kTooManyRows,
                   "rows: found more than " + std::to_string(kMostRows) + " of them");
     for (std::int64_t row = range.first_row(); row <= range.last_row(); ++row)
       rows.push_back(stored_row(row));
@@ -90,7 +91,7 @@ Result<NoteSubject> subject_from(const v1::NoteSubject& subject) {
   NoteSubject on;
   if (subject.has_run_id() == subject.has_model_id() ||
       (subject.has_row() && !subject.has_run_id()))
-    return fail(ErrorCode::invalid_argument, "BAD_SUBJECT",
+    return fail(ErrorCode::invalid_argument, reasons::kBadSubject,
                 "on: expected a run, a run and one of its rows, or a model");
   if (subject.has_run_id()) {
     DRIFTWISE_RETURN_IF_ERROR(check_id(subject.run_id(), "on.run_id"));

@@ -1,4 +1,5 @@
 #include "driftwise/v1/data_service.grpc.pb.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/rpc/data/convert_remarks.h"
 #include "server/rpc/run/convert_run.h"
@@ -24,7 +25,8 @@ class DataService final : public v1::DataService::CallbackService {
     if (!runs) return refuse_stream<v1::ExportDatasetResponse>(runs.error());
     if (runs->empty())
       return refuse_stream<v1::ExportDatasetResponse>(
-          {ErrorCode::invalid_argument, "NO_RUNS", "run_ids: found none, expected at least one"});
+          {ErrorCode::invalid_argument, reasons::kNoRuns,
+           "run_ids: found none, expected at least one"});
     return Stream<v1::ExportDatasetResponse>::open(
         cell_.executor(), export_dataset(cell_, std::move(*runs), request->without_excluded()));
   }
@@ -70,7 +72,8 @@ class DataService final : public v1::DataService::CallbackService {
       DRIFTWISE_CO_TRY(const auto on, subject_from(request->on()));
       if (auto good = check_size(request->text(), kMostNoteBytes, "text"); !good) co_return good;
       if (request->text().empty())
-        co_return fail(ErrorCode::invalid_argument, "NO_TEXT", "text: found nothing to note");
+        co_return fail(ErrorCode::invalid_argument, reasons::kNoText,
+                       "text: found nothing to note");
       auto noting = cell_.add_note(caller_of(*context), on, clean_text(request->text()));
       DRIFTWISE_CO_TRY(const auto note, co_await std::move(noting));
       *response->mutable_note() = note_from(note);

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/text/text.h"
 #include "server/rpc/diagnosis/convert_diagnosis.h"
@@ -14,7 +15,7 @@ Result<application::DiagnosisRequest> diagnosis_request_from(
                            check_size(request.name(), kMostNameBytes, "name")})
     DRIFTWISE_RETURN_IF_ERROR(good);
   if (request.csv().empty() == request.run_ids().empty())
-    return fail(ErrorCode::invalid_argument, "RUNS_OR_CSV",
+    return fail(ErrorCode::invalid_argument, reasons::kRunsOrCsv,
                 std::string("found ") +
                     (request.csv().empty() ? "neither run_ids nor csv" : "run_ids and csv") +
                     ", expected one of them");
@@ -31,11 +32,11 @@ Result<application::DiagnosisRequest> diagnosis_request_from(
   if (request.has_alpha()) asked.alpha = request.alpha();
   if (!(asked.alpha > 0 && asked.alpha < 0.5))  // true for NaN
     return fail(
-        ErrorCode::invalid_argument, "BAD_ALPHA",
+        ErrorCode::invalid_argument, reasons::kBadAlpha,
         "alpha: found " + formats::number_text(asked.alpha) + ", expected above 0 and below 0.5");
   if (request.has_seed()) asked.seed = request.seed();
   if (asked.seed < 0)
-    return fail(ErrorCode::invalid_argument, "BAD_OPTION",
+    return fail(ErrorCode::invalid_argument, reasons::kBadOption,
                 "seed: found " + std::to_string(asked.seed) + ", expected a number from 0");
   for (const auto& symbol : request.exclude_symbols()) {
     DRIFTWISE_RETURN_IF_ERROR(check_size(symbol, kMostNameBytes, "exclude_symbols"));
@@ -52,7 +53,7 @@ Result<application::AcceptRequest> accept_request_from(const v1::AcceptExtension
   asked.confirmed = request.confirmed();
   for (const std::int32_t number : request.finding_numbers()) {
     if (number < 1)
-      return fail(ErrorCode::invalid_argument, "BAD_FINDING",
+      return fail(ErrorCode::invalid_argument, reasons::kBadFinding,
                   "finding_numbers: found " + std::to_string(number) +
                       ", expected numbers from 1, as the diagnosis gives them");
     asked.findings.push_back(number);
@@ -70,14 +71,14 @@ Result<application::ImproveRequest> improve_request_from(
         check_size(request.lease_token(), kMostNameBytes, "lease_token")})
     DRIFTWISE_RETURN_IF_ERROR(good);
   if (request.trajectory_text().empty())
-    return fail(ErrorCode::invalid_argument, "EMPTY_TRAJECTORY",
+    return fail(ErrorCode::invalid_argument, reasons::kEmptyTrajectory,
                 "trajectory_text: found nothing, expected a CSV file");
   if (!(request.budget_s() >= 0 && request.budget_s() <= kMostAsked_s))
-    return fail(ErrorCode::invalid_argument, "BAD_BUDGET",
+    return fail(ErrorCode::invalid_argument, reasons::kBadBudget,
                 "budget_s: found " + formats::number_text(request.budget_s()) +
                     ", expected 0 (no limit) or seconds of cell time");
   if (request.max_turns() < 0)
-    return fail(ErrorCode::invalid_argument, "BAD_TURNS",
+    return fail(ErrorCode::invalid_argument, reasons::kBadTurns,
                 "max_turns: found " + std::to_string(request.max_turns()) +
                     ", expected 0 (meaning 5) or more");
   application::ImproveRequest asked;

@@ -1,4 +1,5 @@
 #include "driftwise/v1/diagnosis_service.grpc.pb.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/diagnosis/diagnosis_html.h"
 #include "server/rpc/configuration/convert_provenance.h"
@@ -81,7 +82,7 @@ class DiagnosisService final : public v1::DiagnosisService::CallbackService {
       auto looking = cell_.diagnosis(id);
       DRIFTWISE_CO_TRY(const auto view, co_await std::move(looking));
       if (!view.found)
-        co_return fail(ErrorCode::failed_precondition, "NOT_DONE",
+        co_return fail(ErrorCode::failed_precondition, reasons::kNotDone,
                        "only a diagnosis that is done has a page");
       auto reading = cell_.diagnosis_rows(id);
       DRIFTWISE_CO_TRY(const auto rows, co_await std::move(reading));

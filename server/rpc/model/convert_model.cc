@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "server/calibration/report/accuracy.h"
+#include "server/core/reasons.h"
 #include "server/formats/model/coefficient_unit.h"
 #include "server/formats/model/model_json.h"
 #include "server/rpc/shared/convert_accuracy.h"
@@ -131,7 +132,7 @@ Result<v1::Model> model_from(const ModelRecord& record, std::optional<ModelId> s
                              ModelDetail detail, const ModelRecord* before) {
   const auto model = formats::read_model_json(record.json);
   if (!model && record.damage.empty())
-    return fail(ErrorCode::data_loss, "MODEL_DAMAGED",
+    return fail(ErrorCode::data_loss, reasons::kModelDamaged,
                 "model " + std::to_string(record.id.value) +
                     " in the database cannot be read: " + model.error().message);
   v1::Model out;

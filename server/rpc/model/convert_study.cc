@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/core/channel.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/model/method_json.h"
 #include "server/formats/text/text.h"
@@ -59,7 +60,7 @@ Result<application::MethodsRequest> methods_request_from(const v1::CompareMethod
   asked.fit = std::move(fit);
   if (request.methods_size() > 4)
     return fail(
-        ErrorCode::invalid_argument, "BAD_METHOD",
+        ErrorCode::invalid_argument, reasons::kBadMethod,
         "methods: found " + std::to_string(request.methods_size()) + ", expected at most 4");
   asked.methods.assign(request.methods().begin(), request.methods().end());
   for (const auto& good : {check_size(request.robot_toml(), kMostRobotBytes, "robot_toml"),
@@ -69,7 +70,7 @@ Result<application::MethodsRequest> methods_request_from(const v1::CompareMethod
   asked.together = request.together();
   if (request.has_fold_count()) asked.folds = request.fold_count();
   if (asked.folds < 2 || asked.folds > 1000)
-    return fail(ErrorCode::invalid_argument, "BAD_OPTION",
+    return fail(ErrorCode::invalid_argument, reasons::kBadOption,
                 "fold_count: found " + std::to_string(asked.folds) + ", expected 2 to 1000");
   return asked;
 }
@@ -80,7 +81,7 @@ Result<application::SensorsRequest> sensors_request_from(const v1::StudySensorsR
   asked.fit = std::move(fit);
   if (request.has_tolerance()) asked.tolerance = request.tolerance();
   if (!(asked.tolerance >= 0 && asked.tolerance <= 10))  // false for NaN
-    return fail(ErrorCode::invalid_argument, "BAD_OPTION",
+    return fail(ErrorCode::invalid_argument, reasons::kBadOption,
                 "tolerance: found " + formats::number_text(asked.tolerance) + ", expected 0 to 10");
   return asked;
 }

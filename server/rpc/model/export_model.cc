@@ -1,5 +1,6 @@
 #include "server/rpc/model/export_model.h"
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/export/model_c.h"
 #include "server/formats/model/model_json.h"
@@ -9,12 +10,12 @@ namespace driftwise::rpc {
 Result<v1::ExportModelResponse> export_model(const ModelRecord& record,
                                              v1::ExportModelRequest::Format format) {
   if (format != v1::ExportModelRequest::FORMAT_JSON && format != v1::ExportModelRequest::FORMAT_C)
-    return fail(ErrorCode::invalid_argument, "BAD_FORMAT",
+    return fail(ErrorCode::invalid_argument, reasons::kBadFormat,
                 "format: expected FORMAT_JSON or FORMAT_C");
   const std::string id = std::to_string(record.id.value);
   const auto model = formats::read_model_json(record.json);
   if (!model)
-    return fail(ErrorCode::data_loss, "MODEL_DAMAGED",
+    return fail(ErrorCode::data_loss, reasons::kModelDamaged,
                 "model " + id + " in the database cannot be read: " + model.error().message);
   v1::ExportModelResponse out;
   if (format == v1::ExportModelRequest::FORMAT_JSON) {

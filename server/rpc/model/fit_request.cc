@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/text/text.h"
 #include "server/rpc/shared/request_checks.h"
@@ -12,7 +13,7 @@ namespace {
 Result<void> check_probabilities(const application::FitRequest& fit) {
   const auto inside = [](double p) { return p > 0.0 && p < 1.0; };  // false for NaN
   if (inside(fit.p_enter) && inside(fit.p_remove) && fit.p_remove >= fit.p_enter) return {};
-  return fail(ErrorCode::invalid_argument, "BAD_PROBABILITY",
+  return fail(ErrorCode::invalid_argument, reasons::kBadProbability,
               "found p_enter " + formats::number_text(fit.p_enter) + " and p_remove " +
                   formats::number_text(fit.p_remove) + ", expected 0 < p_enter <= p_remove < 1");
 }
@@ -21,13 +22,13 @@ Result<void> check_probabilities(const application::FitRequest& fit) {
 Result<void> read_selection(const v1::CreateFitRequest& request, application::FitRequest& fit) {
   constexpr int kMostStarts = 10'000, kMostBlocks = 1000, kMostTerms = 1000, kMostThreads = 1024;
   const auto bad = [](const std::string& field, auto found, const std::string& expected) {
-    return fail(ErrorCode::invalid_argument, "BAD_OPTION",
+    return fail(ErrorCode::invalid_argument, reasons::kBadOption,
                 field + ": found " + std::to_string(found) + ", expected " + expected);
   };
   if (!request.criterion().empty()) fit.criterion = request.criterion();
   if (fit.criterion != "p" && fit.criterion != "bic" && fit.criterion != "aic")
     return fail(
-        ErrorCode::invalid_argument, "BAD_CRITERION",
+        ErrorCode::invalid_argument, reasons::kBadCriterion,
         "criterion: found '" + fit.criterion.substr(0, 40) + "', expected 'p', 'bic' or 'aic'");
   fit.hierarchy = request.hierarchy();
   if (request.start_count() < 0 || request.start_count() > kMostStarts)
@@ -66,12 +67,12 @@ Result<application::FitRequest> fit_request_from(const v1::CreateFitRequest& req
                            check_cursor(request.first_rows(), "first_rows")})
     DRIFTWISE_RETURN_IF_ERROR(good);
   if (request.csv().empty() == request.run_ids().empty())
-    return fail(ErrorCode::invalid_argument, "RUNS_OR_CSV",
+    return fail(ErrorCode::invalid_argument, reasons::kRunsOrCsv,
                 std::string("found ") +
                     (request.csv().empty() ? "neither run_ids nor csv" : "run_ids and csv") +
                     ", expected one of them");
   if (request.formula().empty() && formula == FormulaIs::required)
-    return fail(ErrorCode::invalid_argument, "EMPTY_FORMULA",
+    return fail(ErrorCode::invalid_argument, reasons::kEmptyFormula,
                 "formula: found nothing, expected something like q ~ x + x^2 + T");
   application::FitRequest fit;
   DRIFTWISE_TRY(auto runs, run_ids_from(request.run_ids()));
@@ -80,7 +81,7 @@ Result<application::FitRequest> fit_request_from(const v1::CreateFitRequest& req
   fit.formula = request.formula();
   if (!request.select().empty()) fit.select = request.select();
   if (fit.select != "stepwise" && fit.select != "all")
-    return fail(ErrorCode::invalid_argument, "BAD_SELECT",
+    return fail(ErrorCode::invalid_argument, reasons::kBadSelect,
                 "select: found '" + fit.select + "', expected 'stepwise' or 'all'");
   if (request.has_p_enter()) fit.p_enter = request.p_enter();
   if (request.has_p_remove()) fit.p_remove = request.p_remove();

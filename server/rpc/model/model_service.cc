@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "driftwise/v1/model_service.grpc.pb.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/model/model_json.h"
 #include "server/rpc/configuration/convert_provenance.h"
@@ -86,7 +87,7 @@ class ModelService final : public v1::ModelService::CallbackService {
                          v1::CompareModelsResponse* response) override {
     return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (request->model_ids_size() < 2 || request->model_ids_size() > 16)
-        co_return fail(ErrorCode::invalid_argument, "BAD_MODEL_COUNT",
+        co_return fail(ErrorCode::invalid_argument, reasons::kBadModelCount,
                        "model_ids: found " + std::to_string(request->model_ids_size()) +
                            " models, expected 2 to 16");
       std::vector<v1::Model> models;

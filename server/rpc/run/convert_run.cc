@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "server/application/runs/run_plan.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/text/text.h"
 #include "server/rpc/shared/convert_values.h"
@@ -84,7 +85,7 @@ bool take(bool present, V value, const char* field, double low, double high, T& 
   if (!present) return true;
   const double found = static_cast<double>(value);
   if (!std::isfinite(found) || found < low || found > high) {
-    error = {ErrorCode::invalid_argument, "BAD_RULE",
+    error = {ErrorCode::invalid_argument, reasons::kBadRule,
              std::string("rules.") + field + ": found " + formats::number_text(found) +
                  ", expected " + formats::number_text(low) + " to " + formats::number_text(high)};
     return false;

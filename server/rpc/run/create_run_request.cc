@@ -1,5 +1,6 @@
 #include "server/rpc/run/create_run_request.h"
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/rpc/run/convert_run.h"
 #include "server/rpc/shared/convert_values.h"
@@ -17,7 +18,7 @@ Result<application::CreateRun> create_run_from(const v1::CreateRunRequest& reque
         check_size(request.trajectory_text(), kMostTrajectoryBytes, "trajectory_text")})
     DRIFTWISE_RETURN_IF_ERROR(good);
   if (request.trajectory_text().empty())
-    return fail(ErrorCode::invalid_argument, "EMPTY_TRAJECTORY",
+    return fail(ErrorCode::invalid_argument, reasons::kEmptyTrajectory,
                 "trajectory_text: found nothing, expected a CSV file");
 
   application::CreateRun asked;
@@ -34,7 +35,7 @@ Result<application::CreateRun> create_run_from(const v1::CreateRunRequest& reque
   if (request.has_compensate_model_id()) {
     DRIFTWISE_RETURN_IF_ERROR(check_id(request.compensate_model_id(), "compensate_model_id"));
     if (!request.compensate())
-      return fail(ErrorCode::invalid_argument, "MODEL_WITHOUT_COMPENSATE",
+      return fail(ErrorCode::invalid_argument, reasons::kModelWithoutCompensate,
                   "compensate_model_id names a model, but compensate is not set");
     asked.compensate_with = ModelId{request.compensate_model_id()};
   }

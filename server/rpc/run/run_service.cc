@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "driftwise/v1/run_service.grpc.pb.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/rpc/configuration/convert_provenance.h"
 #include "server/rpc/run/convert_run.h"
@@ -167,7 +168,7 @@ class RunService final : public v1::RunService::CallbackService {
                       v1::VerifyRunsResponse* response) override {
     return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (request->run_ids_size() < 1 || request->run_ids_size() > 16)
-        co_return fail(ErrorCode::invalid_argument, "BAD_RUN_COUNT",
+        co_return fail(ErrorCode::invalid_argument, reasons::kBadRunCount,
                        "run_ids: found " + std::to_string(request->run_ids_size()) +
                            " runs, expected 1 to 16");
       DRIFTWISE_CO_TRY(auto ids, run_ids_from(request->run_ids()));
@@ -193,7 +194,7 @@ class RunService final : public v1::RunService::CallbackService {
     return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
       if (!request->has_force_n() || !std::isfinite(request->force_n()))
-        co_return fail(ErrorCode::invalid_argument, "MISSING_FORCE",
+        co_return fail(ErrorCode::invalid_argument, reasons::kMissingForce,
                        "force_n: found nothing, expected the force that acts now, N");
       DRIFTWISE_CO_TRY(const auto run,
                        co_await cell_.confirm_force(caller_of(*context), RunId{request->run_id()},

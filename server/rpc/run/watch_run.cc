@@ -1,5 +1,6 @@
 
 #include "server/core/ports/spawn.h"
+#include "server/core/reasons.h"
 #include "server/rpc/run/convert_run.h"
 #include "server/rpc/shared/watch_sources.h"
 
@@ -27,7 +28,7 @@ Awaitable<void> look_up(Cell& cell, std::shared_ptr<RunWatchState> state) {
   if (!state->run) {
     const auto status = cell.status();
     if (!status.run) {
-      state->end = fail(ErrorCode::failed_precondition, "NO_RUN",
+      state->end = fail(ErrorCode::failed_precondition, reasons::kNoRun,
                         "no run is under way: name one, or start one");
       co_return state->wake();
     }

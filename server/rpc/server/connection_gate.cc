@@ -22,6 +22,7 @@
 #include <tuple>
 #include <utility>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::rpc {
@@ -77,7 +78,7 @@ Result<SocketAddress> socket_address_from(const std::string& text) {
     out.size = sizeof v6;
     return out;
   }
-  return fail(ErrorCode::invalid_argument, "BAD_ADDRESS",
+  return fail(ErrorCode::invalid_argument, reasons::kBadAddress,
               "listen: found '" + text + "', expected host:port, for example 127.0.0.1:50051");
 }
 
@@ -243,7 +244,7 @@ Result<std::unique_ptr<ConnectionGate>> ConnectionGate::open(const std::string& 
   if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&where.bytes), where.size) != 0 ||
       ::listen(socket.get(), SOMAXCONN) != 0 ||
       ::getsockname(socket.get(), reinterpret_cast<sockaddr*>(&bound.bytes), &bound.size) != 0)
-    return fail(ErrorCode::unavailable, "ADDRESS_IN_USE",
+    return fail(ErrorCode::unavailable, reasons::kAddressInUse,
                 "cannot listen on " + address + " (" + std::strerror(errno) +
                     "): is another driftwised running? Stop it, or change [cell] listen");
   return std::unique_ptr<ConnectionGate>(new ConnectionGate(std::make_unique<Listener>(

@@ -12,6 +12,7 @@
 #include <charconv>
 #include <chrono>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/rpc/shared/services.h"
 #include "server/rpc/shared/wire_time.h"
@@ -49,7 +50,7 @@ Result<Address> parse(const std::string& listen) {
         !out.host.empty())
       return out;
   }
-  return fail(ErrorCode::invalid_argument, "BAD_ADDRESS",
+  return fail(ErrorCode::invalid_argument, reasons::kBadAddress,
               "listen: found '" + listen + "', expected host:port, for example 127.0.0.1:50051");
 }
 
@@ -77,7 +78,7 @@ Result<std::unique_ptr<RpcServer>> RpcServer::open(application::Cell& cell,
   probe.address = listen;
   if (!probe.on_loopback())
     return fail(
-        ErrorCode::invalid_argument, "NOT_LOOPBACK",
+        ErrorCode::invalid_argument, reasons::kNotLoopback,
         "listen: " + listen +
             " can be reached from outside this computer; use 127.0.0.1 (and ssh -L from afar)");
 
@@ -121,7 +122,8 @@ Result<std::unique_ptr<RpcServer>> RpcServer::open(application::Cell& cell,
   for (grpc::Service* service : further) builder.RegisterService(service);
   out->server_ = builder.BuildAndStart();
   if (!out->server_)
-    return fail(ErrorCode::internal, "NO_SERVER", "the gRPC library made no server: see its log");
+    return fail(ErrorCode::internal, reasons::kNoServer,
+                "the gRPC library made no server: see its log");
   out->gate_->accept_for(std::move(acceptor));
   out->address_ = address.host + ":" + std::to_string(out->gate_->port());
   map_times_by(&cell);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "server/core/channel.h"
+#include "server/core/reasons.h"
 #include "server/core/text/clean_text.h"
 #include "server/rpc/shared/wire_time.h"
 
@@ -45,7 +46,7 @@ Result<Nanoseconds> nanoseconds_from(const google::protobuf::Duration& duration,
   constexpr std::int64_t kMostS = 366LL * 86400;
   if (duration.seconds() < 0 || duration.nanos() < 0 || duration.nanos() >= kNsPerS ||
       duration.seconds() > kMostS)
-    return fail(ErrorCode::invalid_argument, "BAD_DURATION",
+    return fail(ErrorCode::invalid_argument, reasons::kBadDuration,
                 std::string(field) + ": found " + std::to_string(duration.seconds()) + " s " +
                     std::to_string(duration.nanos()) + " ns, expected 0 to one year");
   return Nanoseconds(duration.seconds() * kNsPerS + duration.nanos());
@@ -81,18 +82,18 @@ Result<std::vector<ChannelValue>> values_from(
                 std::string(field) + ": " + std::move(what));
   };
   if (values.size() > kMostValues)
-    return bad("TOO_MANY_VALUES",
+    return bad(reasons::kTooManyValues,
                "found " + std::to_string(values.size()) + " values, expected at most 64");
   std::vector<ChannelValue> out;
   for (const auto& value : values) {
     if (auto channel = parse_channel(value.channel()); !channel)
       return bad(channel.error().reason, channel.error().message);
-    if (!value.has_value()) return bad("MISSING_VALUE", value.channel() + " has no value");
+    if (!value.has_value()) return bad(reasons::kMissingValue, value.channel() + " has no value");
     if (!std::isfinite(value.value()))
-      return bad("NOT_FINITE", value.channel() + " is not a finite number");
+      return bad(reasons::kNotFinite, value.channel() + " is not a finite number");
     for (const auto& earlier : out)
       if (earlier.channel == value.channel())
-        return bad("DUPLICATE_CHANNEL", value.channel() + " stands twice");
+        return bad(reasons::kDuplicateChannel, value.channel() + " stands twice");
     out.push_back({value.channel(), value.value()});
   }
   return out;

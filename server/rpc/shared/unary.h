@@ -15,6 +15,7 @@
 
 #include "server/application/ports/cell.h"
 #include "server/core/ports/spawn.h"
+#include "server/core/reasons.h"
 #include "server/rpc/shared/error_mapping.h"
 
 namespace driftwise::rpc {
@@ -28,8 +29,8 @@ Awaitable<void> run_and_finish(grpc::ServerUnaryReactor* reactor, Work work) {
   } catch (
       const std::exception& bug) {  // ports answer with Result: whatever is thrown is a bug of ours
     spdlog::error("a call ended with an exception: {}", bug.what());
-    status =
-        to_status({ErrorCode::internal, "BUG", std::string("the daemon met a bug: ") + bug.what()});
+    status = to_status(
+        {ErrorCode::internal, reasons::kBug, std::string("the daemon met a bug: ") + bug.what()});
   }
   reactor->Finish(status);
 }

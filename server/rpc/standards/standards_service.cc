@@ -1,5 +1,6 @@
 #include "driftwise/v1/standards_service.grpc.pb.h"
 #include "server/application/plumbing/run_on.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/rpc/shared/request_checks.h"
@@ -39,7 +40,7 @@ class StandardsService final : public v1::StandardsService::CallbackService {
         cell_, context, [this, request, response, figures_of]() -> Awaitable<Result<void>> {
           DRIFTWISE_CO_TRY(auto runs, run_ids_from(request->run_ids()));
           if (runs.empty())
-            co_return fail(ErrorCode::invalid_argument, "NO_RUNS",
+            co_return fail(ErrorCode::invalid_argument, reasons::kNoRuns,
                            "run_ids: found none, expected at least one");
           auto exporting =
               cell_.export_dataset(std::move(runs), true);  // rows kept out are no figures either

@@ -1,5 +1,6 @@
 #include "server/rpc/target/convert_past_targets.h"
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/rpc/shared/convert_values.h"
 #include "server/rpc/target/convert_target.h"
@@ -16,11 +17,11 @@ Result<application::PastTargetsQuery> past_targets_query_from(
     query.past = past;
   }
   if (query.past < std::chrono::minutes(1) || query.past > std::chrono::hours(24))
-    return fail(ErrorCode::invalid_argument, "BAD_PAST",
+    return fail(ErrorCode::invalid_argument, reasons::kBadPast,
                 "past_duration: expected a minute to a day");
   if (request.count() != 0) query.count = request.count();
   if (query.count < 2 || query.count > 500)
-    return fail(ErrorCode::invalid_argument, "BAD_COUNT",
+    return fail(ErrorCode::invalid_argument, reasons::kBadCount,
                 "count: expected 2 to 500 instants, found " + std::to_string(query.count));
   return query;
 }

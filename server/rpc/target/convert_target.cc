@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "server/compensation/correction_parts.h"
+#include "server/core/reasons.h"
 #include "server/rpc/shared/convert_values.h"
 
 namespace driftwise::rpc {
@@ -109,13 +110,13 @@ Result<compensation::TargetRequest> pose_from(
                   "pose: " + value.channel() + what);
     };
     if (!variable)
-      return bad("BAD_POSE",
+      return bad(reasons::kBadPose,
                  " is not a coordinate of a pose, expected x_mm, y_mm, z_mm, rx_arcsec, ry_arcsec, "
                  "rz_arcsec or force_N");
-    if (!value.has_value()) return bad("MISSING_VALUE", " has no value");
-    if (!std::isfinite(value.value())) return bad("NOT_FINITE", " is not a finite number");
+    if (!value.has_value()) return bad(reasons::kMissingValue, " has no value");
+    if (!std::isfinite(value.value())) return bad(reasons::kNotFinite, " is not a finite number");
     if ((request.given & compensation::bit(*variable)) != 0)
-      return bad("DUPLICATE_CHANNEL", " stands twice");
+      return bad(reasons::kDuplicateChannel, " stands twice");
     request.set(*variable, value.value());
   }
   return request;

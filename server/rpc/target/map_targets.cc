@@ -4,6 +4,7 @@
 
 #include "server/compensation/correction_parts.h"
 #include "server/compensation/target.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/rpc/shared/convert_values.h"
 #include "server/rpc/target/convert_target.h"
@@ -24,7 +25,7 @@ const compensation::Snapshot::Input* fast_input(const compensation::Snapshot& sn
 Result<v1::MapAxis> used_axis(const compensation::Snapshot& snapshot, const v1::MapAxis& asked,
                               const char* field) {
   const auto bad = [&](const std::string& what) {
-    return fail(ErrorCode::invalid_argument, "BAD_AXIS", std::string(field) + ": " + what);
+    return fail(ErrorCode::invalid_argument, reasons::kBadAxis, std::string(field) + ": " + what);
   };
   if (asked.count() < 2 || asked.count() > kMostPositions)
     return bad("count: found " + std::to_string(asked.count()) + ", expected 2 to 200");
@@ -101,7 +102,7 @@ Result<void> map_targets(const compensation::Snapshot& snapshot,
   DRIFTWISE_TRY(const auto horizontal, used_axis(snapshot, request.horizontal(), "horizontal"));
   DRIFTWISE_TRY(const auto vertical, used_axis(snapshot, request.vertical(), "vertical"));
   if (horizontal.count() * vertical.count() > kMostPoses)
-    return fail(ErrorCode::resource_exhausted, "TOO_MANY_POSES",
+    return fail(ErrorCode::resource_exhausted, reasons::kTooManyPoses,
                 "found " + std::to_string(horizontal.count() * vertical.count()) +
                     " poses, at most 10000 are mapped at once");
   *response.mutable_horizontal() = horizontal;

@@ -1,5 +1,6 @@
 #include "driftwise/v1/trajectory_service.grpc.pb.h"
 #include "server/application/plumbing/run_on.h"
+#include "server/core/reasons.h"
 #include "server/core/trajectory/trajectory_generator.h"
 #include "server/core/try.h"
 #include "server/formats/csv/trajectory_csv.h"
@@ -32,7 +33,8 @@ Result<GeneratorPlan> generator_plan_from(const v1::GenerateTrajectoryRequest& r
   for (const auto& axis : request.axes()) {
     auto coordinate = parse_channel(axis.coordinate());
     if (!coordinate)
-      return fail(ErrorCode::invalid_argument, "BAD_PLAN", "axes: " + coordinate.error().message);
+      return fail(ErrorCode::invalid_argument, reasons::kBadPlan,
+                  "axes: " + coordinate.error().message);
     plan.axes.push_back({std::move(*coordinate), axis.from_mm(), axis.to_mm(), axis.count()});
   }
   plan.line_length = request.line_length();

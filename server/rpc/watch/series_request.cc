@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/rpc/shared/request_checks.h"
 #include "server/rpc/shared/wire_time.h"
@@ -16,22 +17,22 @@ Result<CellTime> instant_from(const google::protobuf::Timestamp& time, const cha
   constexpr std::int64_t kMostSeconds = 9'000'000'000;  // 64 bits of nanoseconds reach 2262
   if (time.seconds() < 0 || time.seconds() > kMostSeconds || time.nanos() < 0 ||
       time.nanos() >= kNanosecondsPerSecond)
-    return fail(ErrorCode::invalid_argument, "BAD_TIME",
+    return fail(ErrorCode::invalid_argument, reasons::kBadTime,
                 std::string(field) + ": expected an instant between 1970 and 2255");
   return cell_time_from(UtcTime{time.seconds() * kNanosecondsPerSecond + time.nanos()});
 }
 
 Result<void> take_channels(const v1::GetSeriesRequest& request, SeriesQuery& out) {
   if (request.channels().empty() || request.channels_size() > kMostChannels)
-    return fail(ErrorCode::invalid_argument, "BAD_CHANNEL",
+    return fail(ErrorCode::invalid_argument, reasons::kBadChannel,
                 "channels: found " + std::to_string(request.channels_size()) +
                     " of them, expected 1 to " + std::to_string(kMostChannels));
   for (const auto& name : request.channels()) {
     if (const auto channel = parse_channel(name); !channel)
-      return fail(ErrorCode::invalid_argument, "BAD_CHANNEL",
+      return fail(ErrorCode::invalid_argument, reasons::kBadChannel,
                   "channels: " + channel.error().message);
     if (std::find(out.channels.begin(), out.channels.end(), name) != out.channels.end())
-      return fail(ErrorCode::invalid_argument, "BAD_CHANNEL",
+      return fail(ErrorCode::invalid_argument, reasons::kBadChannel,
                   "channels: " + name + " is named twice");
     out.channels.push_back(name);
   }
@@ -41,11 +42,11 @@ Result<void> take_channels(const v1::GetSeriesRequest& request, SeriesQuery& out
 Result<void> take_buckets(const v1::GetSeriesRequest& request, SeriesQuery& out) {
   out.buckets = request.bucket_count();
   if (out.buckets < 1 || out.buckets > kMostBuckets)
-    return fail(ErrorCode::invalid_argument, "BAD_BUCKETS",
+    return fail(ErrorCode::invalid_argument, reasons::kBadBuckets,
                 "bucket_count: found " + std::to_string(out.buckets) + ", expected 1 to " +
                     std::to_string(kMostBuckets));
   if (std::int64_t{out.buckets} * request.channels_size() > kMostBucketsInAll)
-    return fail(ErrorCode::resource_exhausted, "TOO_MANY_BUCKETS",
+    return fail(ErrorCode::resource_exhausted, reasons::kTooManyBuckets,
                 "bucket_count times channels is above 1 000 000: ask for fewer of either");
   return {};
 }
@@ -76,7 +77,7 @@ Awaitable<Result<SeriesQuery>> series_query_from(const v1::GetSeriesRequest& req
   if (out.from.utc_ns == 0 && !request.has_from_time())
     out.from = {out.to.utc_ns - 3600 * kNanosecondsPerSecond};
   if (out.from.utc_ns >= out.to.utc_ns)
-    co_return fail(ErrorCode::invalid_argument, "BAD_RANGE",
+    co_return fail(ErrorCode::invalid_argument, reasons::kBadRange,
                    "from_time is not before to_time: expected a range of at least 1 us");
   co_return out;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <deque>
 
+#include "server/core/reasons.h"
 #include "server/formats/text/text.h"
 #include "server/rpc/shared/convert_values.h"
 #include "server/rpc/watch/convert_watch.h"
@@ -66,7 +67,7 @@ class BatchSource final : public StreamSource<v1::WatchResponse> {
       at_ = cursor->records;
       return true;
     }
-    end_ = fail(ErrorCode::out_of_range, "CURSOR_TOO_OLD",
+    end_ = fail(ErrorCode::out_of_range, reasons::kCursorTooOld,
                 "cursor '" + wish_.cursor.substr(0, 100) +
                     "' is none of this database: load afresh, and watch without a cursor");
     return false;
@@ -153,12 +154,12 @@ Result<WatchWish> watch_wish_from(const v1::WatchRequest& request) {
   WatchWish wish;
   wish.cursor = request.cursor();
   if (!std::isfinite(request.max_hz()) || request.max_hz() < 0 || request.max_hz() > kMostHz)
-    return fail(ErrorCode::invalid_argument, "BAD_RATE",
+    return fail(ErrorCode::invalid_argument, reasons::kBadRate,
                 "max_hz: found " + formats::number_text(request.max_hz()) + ", expected 0 to 20");
   wish.max_hz = request.max_hz() == 0 ? kUsualHz : request.max_hz();
   for (const int topic : request.topics()) {
     if (topic == v1::TOPIC_UNSPECIFIED || !v1::Topic_IsValid(topic))
-      return fail(ErrorCode::invalid_argument, "BAD_TOPIC",
+      return fail(ErrorCode::invalid_argument, reasons::kBadTopic,
                   "topics: found " + std::to_string(topic) + ", expected those of Topic");
     wish.topics.insert(static_cast<v1::Topic>(topic));
   }
