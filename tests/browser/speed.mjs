@@ -2,43 +2,17 @@
 // seen, what a zoom step costs. Shares of a core are processor time over wall time, so that other work on the machine does not
 // count, and come with the number of updates they paid for. Usage: node speed.mjs [hours of the long run, 60 unless told]
 import { execFileSync } from 'node:child_process';
-import { readdirSync, readFileSync } from 'node:fs';
 import { loadavg } from 'node:os';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { Browser, live } from './lib/browser.mjs';
 import { Cell, diagonal } from './lib/cell.mjs';
 import { skipUnlessAllIsThere } from './lib/places.mjs';
+import { browserPids, processorSeconds as cpuOf } from './lib/processor_time.mjs';
 
 skipUnlessAllIsThere();
 const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
 const median = (values) => [...values].sort((a, b) => a - b)[values.length >> 1];
-
-// CPU seconds of a process and all its descendants.
-function cpuOf(roots) {
-  const stats = readdirSync('/proc').filter((name) => /^\d+$/.test(name)).flatMap((pid) => {
-    try {
-      const fields = readFileSync(`/proc/${pid}/stat`, 'utf8').replace(/^.*\) /, '').split(' ');
-      return [{ pid: Number(pid), parent: Number(fields[1]), s: (Number(fields[11]) + Number(fields[12])) / 100 }];
-    } catch {
-      return [];
-    }
-  });
-  const wanted = new Set(roots);
-  for (let grew = true; grew; ) {
-    grew = false;
-    for (const one of stats) if (wanted.has(one.parent) && !wanted.has(one.pid)) grew = !!wanted.add(one.pid);
-  }
-  return stats.filter((one) => wanted.has(one.pid)).reduce((sum, one) => sum + one.s, 0);
-}
-
-const browserPids = (profile) => readdirSync('/proc').filter((pid) => {
-  try {
-    return /^\d+$/.test(pid) && readFileSync(`/proc/${pid}/cmdline`, 'utf8').includes(profile);
-  } catch {
-    return false;
-  }
-}).map(Number);
 
 async function firstNumber(url) {
   const browser = await Browser.open(url);
@@ -52,20 +26,15 @@ async function firstNumber(url) {
 }
 
 async function share(label, cell, browser, path, seconds = 10) {
-  const page = await browser.page(path);
+  const page = await browser.page(path, { counting: true });
   await live(page);
   await sleep(4000);
-  await page.evaluate(() => {
-    globalThis.batches = 0;
-    const heard = new BroadcastChannel('driftwise-stream');
-    heard.onmessage = (event) => event.data.kind === 'batch' && globalThis.batches++;
-  });
   const counts = await page.evaluate(() => ({ plots: document.querySelectorAll('.uplot').length, tiles: document.querySelectorAll('.live, .tile .value').length }));
   const [of, d] = [browserPids(browser.profile), [cell.daemon.pid]];
-  const [b0, d0, n0, t0] = [cpuOf(of), cpuOf(d), await page.evaluate(() => globalThis.batches), performance.now()];
+  const [b0, d0, n0, t0] = [cpuOf(of), cpuOf(d), await page.evaluate(() => globalThis.updates), performance.now()];
   await sleep(seconds * 1000);
   const s = (performance.now() - t0) / 1000;
-  const updates = ((await page.evaluate(() => globalThis.batches)) - n0) / s;
+  const updates = ((await page.evaluate(() => globalThis.updates)) - n0) / s;
   const daemon = (100 * (cpuOf(d) - d0)) / s;
   console.log(`${label}: ${counts.plots} plots, ${counts.tiles} live numbers, ${updates.toFixed(1)} updates/s: browser ${((100 * (cpuOf(of) - b0)) / s).toFixed(1)} % of a core, daemon ${daemon.toFixed(1)} %`);
   await page.close();

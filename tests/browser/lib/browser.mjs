@@ -14,6 +14,17 @@ const flags = [
   '--disable-component-update', '--disable-sync',
 ];
 
+// What the page's stream brings: the pieces of bytes that are read of it, counted where they arrive.
+function countUpdates() {
+  globalThis.updates = 0;
+  const read = ReadableStreamDefaultReader.prototype.read;
+  ReadableStreamDefaultReader.prototype.read = function (...rest) {
+    const piece = read.apply(this, rest);
+    void piece.then(({ value }) => value instanceof Uint8Array && globalThis.updates++, () => undefined);
+    return piece;
+  };
+}
+
 export class Browser {
   static async open(origin) {
     const browser = new Browser();
@@ -31,7 +42,7 @@ export class Browser {
     return browser;
   }
 
-  async page(path, { width = 1440, height = 900, dark = false, operator = 'Anna' } = {}) {
+  async page(path, { width = 1440, height = 900, dark = false, operator = 'Anna', counting = false } = {}) {
     const page = await this.context.newPage();
     page.on('console', (message) => ['error', 'warning'].includes(message.type()) && this.fault(`console: ${message.text()}`));
     page.on('pageerror', (error) => this.fault(`page error: ${error.stack}`));
@@ -39,6 +50,7 @@ export class Browser {
     await page.emulateMedia({ colorScheme: dark ? 'dark' : 'light', reducedMotion: 'reduce' });
     await page.setViewportSize({ width, height });
     if (operator) await page.addInitScript((name) => localStorage.setItem('driftwise.operator', name), operator);
+    if (counting) await page.addInitScript(countUpdates);
     await page.goto(this.origin + path);
     return page;
   }

@@ -1,4 +1,4 @@
-// The latest value of every channel. The stream writes as fast as it comes; what a component reads is painted at most ten
+// The latest value of every channel. The stream writes as fast as it comes; what a component reads is painted at most five
 // times a second, all channels in one animation frame.
 import { computed, signal, type ReadonlySignal, type Signal } from '@preact/signals';
 import type { ChannelLayout, ChannelLayout_Column, ValuesUpdate } from '@/api/gen/driftwise/v1/watch_service_pb';

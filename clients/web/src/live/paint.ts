@@ -1,10 +1,10 @@
-// One animation frame for everything that moves: numbers at most ten times a second, plots five, or as much less often as there
-// are more than twelve of them: painting is what a page costs. A hidden page gets no frames, so it draws nothing; what came
+// One animation frame for everything that moves: numbers and plots at most five times a second, plots as much less often as there
+// are more than twelve of them: a frame is what a page costs, whatever changes in it, and nobody reads a number faster. A hidden page gets no frames, so it draws nothing; what came
 // meanwhile is painted when it is looked at again.
 import { signal } from '@preact/signals';
 import { paintChannels } from './channels';
 
-const numbersEveryMs = 100;
+const numbersEveryMs = 200;
 const plotsEveryMs = 200;
 const fewPlots = 12;
 

@@ -6,9 +6,12 @@ import type { WatchResponse } from '@/api/gen/driftwise/v1/watch_service_pb';
 
 const lockName = 'driftwise-stream';
 const silentLeaderMs = 3500;
+const answersWithinMs = 3000; // to a new leader, by its followers
 
 export type TabMessage =
-  | { kind: 'hello' } // a new tab asks for the present state
+  | { kind: 'hello'; from: string } // a new tab asks for the present state
+  | { kind: 'here'; from: string } // a follower's answer to `leading`
+  | { kind: 'bye'; from: string } // a follower that closes
   | { kind: 'state'; batch: WatchResponse } // the answer to it
   | { kind: 'batch'; batch: WatchResponse }
   | { kind: 'afresh' }
@@ -27,6 +30,9 @@ export class Tabs {
   private queued: AbortController | undefined;
   private heardAt = performance.now();
   private timer: ReturnType<typeof setInterval> | undefined;
+  private readonly name = Math.random().toString(36).slice(2);
+  private readonly followers = new Set<string>(); // that this leader knows
+  private ledSinceMs = 0;
   private readonly jitterMs = Math.random() * 500; // so that not all followers reach for the lock at once
 
   constructor(private readonly role: TabRole) {}
@@ -43,29 +49,46 @@ export class Tabs {
     }
     this.channel.onmessage = (event: MessageEvent<TabMessage>) => this.heard(event.data);
     this.queue();
-    this.say({ kind: 'hello' });
+    this.say({ kind: 'hello', from: this.name });
+    addEventListener('pagehide', this.leave);
     this.timer = setInterval(() => this.everySecond(), 1000);
   }
 
   stop(): void {
+    removeEventListener('pagehide', this.leave);
+    this.leave();
     clearInterval(this.timer);
     this.queued?.abort();
     this.leading?.abort();
     this.channel?.close();
   }
 
+  // A batch is copied for every listener and, without one, for nobody: only where there is one. A follower counts until it says
+  // that it closes, however long it is silent: a page in the background may sleep, and must miss nothing.
   say(message: TabMessage): void {
+    if (message.kind === 'batch' && !this.isHeard()) return;
     this.channel?.postMessage(message);
+  }
+
+  private isHeard(): boolean {
+    return this.followers.size > 0 || performance.now() - this.ledSinceMs < answersWithinMs;
+  }
+
+  private readonly leave = (): void => {
+    if (!this.isLeader) this.say({ kind: 'bye', from: this.name });
   }
 
   private heard(message: TabMessage): void {
     if (this.isLeader) {
+      if (message.kind === 'hello' || message.kind === 'here') this.followers.add(message.from);
+      if (message.kind === 'bye') this.followers.delete(message.from);
       const batch = message.kind === 'hello' ? this.role.state() : undefined;
       if (batch) this.say({ kind: 'state', batch });
       return;
     }
-    if (message.kind === 'hello') return;
+    if (message.kind === 'hello' || message.kind === 'here' || message.kind === 'bye') return;
     this.heardAt = performance.now();
+    if (message.kind === 'leading') this.say({ kind: 'here', from: this.name });
     this.role.hear(message);
   }
 
@@ -89,6 +112,8 @@ export class Tabs {
     this.locks!
       .request(lockName, options, async () => {
         const term = (this.leading = new AbortController());
+        this.followers.clear();
+        this.ledSinceMs = performance.now();
         this.say({ kind: 'leading' });
         await this.role.lead(term.signal);
       })

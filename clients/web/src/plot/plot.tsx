@@ -86,7 +86,8 @@ export function Plot(props: PlotProps) {
   const pick = useRef(onPick);
   pick.current = onPick;
   const empty = spec.why !== undefined || spec.series.every((one) => one.x.length === 0);
-  const tick = live ? plotTick.value : 0;
+  const seen = useSignal(true);
+  const tick = live && seen.value ? plotTick.value : 0;
   useEffect(() => (live ? countLivePlot() : undefined), [live]);
 
   const gestured: Gestured = {
@@ -98,7 +99,6 @@ export function Plot(props: PlotProps) {
     },
   };
 
-  const visible = useRef(true);
   const shape = shapeOf(spec);
   useEffect(() => {
     if (empty || table || !box.current) return;
@@ -116,14 +116,14 @@ export function Plot(props: PlotProps) {
     const sized = new ResizeObserver(() => root.clientWidth > 0 && u.setSize({ width: root.clientWidth, height }));
     sized.observe(root);
     // What nobody sees is not painted; it catches up when it scrolls into view.
-    const seen = new IntersectionObserver(([entry]) => {
-      if (entry.isIntersecting && !visible.current && plot.current) redraw(plot.current, latest.current);
-      visible.current = entry.isIntersecting;
+    const watched = new IntersectionObserver(([entry]) => {
+      if (entry.isIntersecting && !seen.peek() && plot.current) redraw(plot.current, latest.current);
+      seen.value = entry.isIntersecting;
     }, { rootMargin: '100px' });
-    seen.observe(root);
+    watched.observe(root);
     return () => {
       sized.disconnect();
-      seen.disconnect();
+      watched.disconnect();
       u.destroy();
       plot.current = undefined;
     };
@@ -134,7 +134,7 @@ export function Plot(props: PlotProps) {
   const shown = useRef<readonly unknown[]>([]);
   const wish = [spec, range.value, props.chosen?.value, pointed];
   useLayoutEffect(() => {
-    if (!plot.current || !visible.current || wish.every((one, at) => one === shown.current[at])) return;
+    if (!plot.current || !seen.peek() || wish.every((one, at) => one === shown.current[at])) return;
     shown.current = wish;
     redraw(plot.current, latest.current);
   }, live ? [tick, ...wish.slice(1)] : wish);

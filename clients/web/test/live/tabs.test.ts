@@ -46,6 +46,9 @@ class FakeChannel {
   postMessage(data: TabMessage): void {
     for (const other of channels) if (other !== this) other.onmessage?.({ data });
   }
+  close(): void {
+    channels.delete(this);
+  }
 }
 
 class Tab {
@@ -92,6 +95,31 @@ describe('tabs of one browser', () => {
     expect(second.heard).toContain('state');
     first.tabs.say({ kind: 'batch', batch: first.batch() });
     expect(second.heard).toContain('batch');
+  });
+  it('copy no batch for nobody: not before another tab is there, nor after the last one has closed', async () => {
+    const first = new Tab('first');
+    await vi.advanceTimersByTimeAsync(5000);
+    const posted = vi.spyOn(FakeChannel.prototype, 'postMessage');
+    const batches = () => posted.mock.calls.filter(([message]) => message.kind === 'batch').length;
+    first.tabs.say({ kind: 'batch', batch: first.batch() });
+    expect(batches()).toBe(0);
+    const second = new Tab('second');
+    first.tabs.say({ kind: 'batch', batch: first.batch() });
+    expect(batches()).toBe(1);
+    second.tabs.stop();
+    first.tabs.say({ kind: 'batch', batch: first.batch() });
+    expect(batches()).toBe(1);
+    posted.mockRestore();
+  });
+  it('are known to a leader that took over, however long they are silent', async () => {
+    const first = new Tab('first');
+    const second = new Tab('second');
+    const third = new Tab('third');
+    first.stop!();
+    await vi.advanceTimersByTimeAsync(60_000);
+    third.heard.length = 0;
+    second.tabs.say({ kind: 'batch', batch: second.batch() });
+    expect([second.tabs.isLeader, third.heard]).toEqual([true, ['batch']]);
   });
   it('go on with the next when the leader is closed', async () => {
     const first = new Tab('first');

@@ -11,6 +11,7 @@ import { axisColours } from '@/parts/zero_plot';
 import { Plot } from '@/plot/plot';
 import type { PlotSpec } from '@/plot/spec';
 import { Panel } from '@/ui/panel';
+import { useWhileSeen } from '@/ui/use_while_seen';
 import { LiveValue } from './live_value';
 
 const usualLimit = 400; // arcsec: the range of the published autocollimators, where the cell file names none
@@ -41,9 +42,10 @@ function tilts(names: readonly string[], history: History): PlotSpec {
 
 export function Autocollimator({ device, history }: { device: Device; history: History }) {
   const angles = device.angleChannels.flatMap((name) => channel(name) ?? []);
-  const spec = useMemo(() => tilts(angles.map((one) => one.name), history), [history, angles.length]);
+  const [shown, root] = useWhileSeen(history);
+  const spec = useMemo(() => tilts(angles.map((one) => one.name), shown), [shown, angles.length]);
   return (
-    <Panel title={`Autocollimator ${device.id}`} class="instrument instrument-two">
+    <Panel title={`Autocollimator ${device.id}`} class="instrument instrument-two" root={root}>
       <div class="instrument-side">
         {angles.map((one) => (
           <div key={one.name}>

@@ -14,6 +14,7 @@ import { Plot } from '@/plot/plot';
 import type { PlotSpec } from '@/plot/spec';
 import { Panel } from '@/ui/panel';
 import { StaleNote } from '@/ui/tile';
+import { useWhileSeen } from '@/ui/use_while_seen';
 import { LiveValue } from './live_value';
 
 // In nm from the middle of what is seen: a trace about 2.5 mm would be a flat line.
@@ -56,14 +57,15 @@ function Side({ device, now, last }: { device: Device; now: Channel; last: Point
 function Row({ device, now, at, history, drift, startMs, last }: {
   device: Device; now: Channel; at: number; history: History; drift: ZeroDrift; startMs: number; last: Point | undefined;
 }) {
-  const trace = useMemo(() => tracePlot(now.name, at, history), [history, now.name]);
+  const [shown, root] = useWhileSeen(history);
+  const trace = useMemo(() => tracePlot(now.name, at, shown), [shown, now.name]);
   const zero = useMemo(() => {
     const index = drift.lengths.indexOf(now.name);
     const spec = zeroPlot({ ...drift, lengths: [now.name], nm: index < 0 ? [[]] : [drift.nm[index]], hours: index < 0 ? [] : drift.hours }, startMs);
     return { ...spec, title: `Zero of ${splitChannel(now.name).symbol} since start`, series: spec.series.map((one) => ({ ...one, colour: axisColours[at % 6] })) };
   }, [drift, now.name]);
   return (
-    <Panel title={`${splitChannel(now.name).symbol} interferometer`} class="instrument">
+    <Panel title={`${splitChannel(now.name).symbol} interferometer`} class="instrument" root={root}>
       <Side device={device} now={now} last={last} />
       <Plot spec={trace} live height={150} group="live" />
       <Plot spec={zero} live height={150} group="zero" />

@@ -18,6 +18,7 @@ import { Panel } from '@/ui/panel';
 import { Failed } from '@/ui/states';
 import { useCommand } from '@/ui/use_command';
 import { useTyped } from '@/ui/use_typed';
+import { useWhileSeen } from '@/ui/use_while_seen';
 import { Verdict } from '@/ui/verdict';
 import { LiveValue } from './live_value';
 
@@ -93,7 +94,8 @@ function controlPlot({ now, set, output }: Stabiliser, history: History): PlotSp
   };
 }
 
-export function StabiliserPanel({ of, history }: { of: Stabiliser; history: History }) {
+export function StabiliserPanel({ of, history: latest }: { of: Stabiliser; history: History }) {
+  const [history, root] = useWhileSeen(latest);
   const [changing, setChanging] = useState(false);
   const { device, now, set, output } = of;
   const setPoint = set.value.value;
@@ -101,7 +103,7 @@ export function StabiliserPanel({ of, history }: { of: Stabiliser; history: Hist
   const settled = settledFor(history, of);
   const off = now.value.value - setPoint;
   return (
-    <Panel title={spoken(device.id)} class="instrument instrument-two">
+    <Panel title={spoken(device.id)} class="instrument instrument-two" root={root}>
       <div class="instrument-side">
         <LiveValue channel={now} big />
         <dl class="facts note">

@@ -10,6 +10,7 @@ import type { Track } from '@/live/series';
 import { seriesOfTrack } from '@/parts/history_plot';
 import { Plot } from '@/plot/plot';
 import { Panel } from '@/ui/panel';
+import { useWhileSeen } from '@/ui/use_while_seen';
 import { LiveValue } from './live_value';
 
 // mK over the window, and mK/h over its last quarter by least squares.
@@ -53,14 +54,15 @@ function Small({ now, history, low, high }: { now: Channel; history: History; lo
   );
 }
 
-export function Temperatures({ names, history }: { names: readonly string[]; history: History }) {
+export function Temperatures({ names, history: latest }: { names: readonly string[]; history: History }) {
+  const [history, root] = useWhileSeen(latest);
   const seen = names.flatMap((name) => history.of(name).mean).filter(Number.isFinite);
   const low = seen.reduce((a, b) => Math.min(a, b), Infinity);
   const high = seen.reduce((a, b) => Math.max(a, b), -Infinity);
   const all = names.flatMap((name) => channel(name) ?? []);
   const silent = all.filter((one) => one.stale.value);
   return (
-    <Panel title={silent.length > 0 ? `Temperatures: ${all.length - silent.length} of ${all.length}; ${silent.map((one) => splitChannel(one.name).symbol).join(', ')} stale` : `Temperatures, °C, one scale`}>
+    <Panel title={silent.length > 0 ? `Temperatures: ${all.length - silent.length} of ${all.length}; ${silent.map((one) => splitChannel(one.name).symbol).join(', ')} stale` : `Temperatures, °C, one scale`} root={root}>
       <div class="multiples">
         {all.map((one) => <Small key={one.name} now={one} history={history} low={low} high={high} />)}
       </div>
