@@ -10,6 +10,7 @@
 #include "server/core/reasons.h"
 #include "server/core/text/clean_text.h"
 #include "server/core/try.h"
+#include "server/formats/csv/plain_decimal.h"
 #include "server/formats/text/text.h"
 
 namespace driftwise::formats {
@@ -217,10 +218,12 @@ bool CsvRows::number(double& value) {
     value = kMissing;
     return finish_field(at_, "a number or nothing", reasons::kBadNumber);
   }
+  constexpr const char* kExpected = "a finite number such as -1.5e-3, or nothing";
+  if (const char* after = read_plain_decimal(at_, end_, value))
+    return finish_field(after, kExpected, reasons::kBadNumber);
   const auto [after, code] = std::from_chars(at_, end_, value);
-  if (code != std::errc{} || !std::isfinite(value))
-    return refuse(reasons::kBadNumber, "a finite number such as -1.5e-3, or nothing");
-  return finish_field(after, "a finite number such as -1.5e-3, or nothing", reasons::kBadNumber);
+  if (code != std::errc{} || !std::isfinite(value)) return refuse(reasons::kBadNumber, kExpected);
+  return finish_field(after, kExpected, reasons::kBadNumber);
 }
 
 bool CsvRows::integer(std::int64_t& value) {
