@@ -15,7 +15,7 @@ import { browserPids, percentOfACore } from './lib/processor_time.mjs';
 
 skipUnlessAllIsThere();
 const [rounds, seconds] = [Number(process.argv[2] ?? 5), Number(process.argv[3] ?? 8)];
-const paintsPerS = 5;
+const paintsPerS = 4;
 const clients = 10;
 const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
 const inOrder = (values) => [...values].sort((a, b) => a - b);

@@ -1,4 +1,4 @@
-// The latest value of every channel. The stream writes as fast as it comes; what a component reads is painted at most five
+// The latest value of every channel. The stream writes as fast as it comes; what a component reads is painted at most four
 // times a second, all channels in one animation frame.
 import { computed, signal, type ReadonlySignal, type Signal } from '@preact/signals';
 import type { ChannelLayout, ChannelLayout_Column, ValuesUpdate } from '@/api/gen/driftwise/v1/watch_service_pb';
@@ -13,12 +13,23 @@ export interface Channel {
   measuredMs: number; // cell time of the value that is painted; -Infinity: never
 }
 
+// What one update brought of a channel: [value, cell time of it]; undefined: the update does not have it.
+export type Brought = (name: string) => readonly [number, number] | undefined;
+
 export const layout = signal<readonly Channel[]>([]);
 
 const byName = new Map<string, Channel>();
+const places = new Map<string, number>(); // in the values of an update
+const hearers = new Set<(brought: Brought) => void>();
 let revision = -1n;
 let waiting: { values: number[]; measuredMs: number[] } | undefined;
 let cellNowMs = 0;
+
+// Calls what is given for every update, also for those that are painted by nobody; returns what ends it.
+export function onValues(hearer: (brought: Brought) => void): () => void {
+  hearers.add(hearer);
+  return () => void hearers.delete(hearer);
+}
 
 // Reading `layout` makes a component follow a new layout.
 export function channel(name: string): Channel | undefined {
@@ -39,6 +50,8 @@ export function takeLayout(from: ChannelLayout): void {
   const next = from.columns.map(made);
   byName.clear();
   for (const one of next) byName.set(one.name, one);
+  places.clear();
+  next.forEach((one, at) => places.set(one.name, at));
   revision = from.revision;
   waiting = undefined;
   layout.value = next;
@@ -46,10 +59,13 @@ export function takeLayout(from: ChannelLayout): void {
 
 export function takeValues(update: ValuesUpdate, cellTimeMs: number): void {
   if (update.layoutRevision !== revision) return; // its layout comes first; without it nobody knows what these are
-  waiting = {
-    values: update.values,
-    measuredMs: update.ageMs.map((age) => (age < 0n ? -Infinity : cellTimeMs - Number(age))),
+  const measuredMs = update.ageMs.map((age) => (age < 0n ? -Infinity : cellTimeMs - Number(age)));
+  waiting = { values: update.values, measuredMs };
+  const brought: Brought = (name) => {
+    const at = places.get(name);
+    return at === undefined ? undefined : [update.values[at], measuredMs[at]];
   };
+  for (const hearer of hearers) hearer(brought);
 }
 
 export function takeCellTime(ms: number): void {

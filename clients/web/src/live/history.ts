@@ -2,9 +2,9 @@
 // starts with the whole picture; what comes live is put behind it until the record is asked again.
 import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import { failureOf, type Failure } from '@/api/errors';
-import { channel } from './channels';
+import { channel, onValues, type Brought } from './channels';
 import { connection } from './connection';
-import { onNumbers, plotTick } from './paint';
+import { plotTick } from './paint';
 import { streamBegun } from './ready';
 import { getTracks, type Track, type Tracks } from './series';
 import { cell, cellTimeMs } from './state';
@@ -33,15 +33,15 @@ export function usualStep(at: readonly number[]): number {
 class Tail {
   private readonly of = new Map<string, { atMs: number[]; value: number[] }>();
 
-  take(names: readonly string[]): void {
+  take(names: readonly string[], brought: Brought): void {
     for (const name of names) {
-      const now = channel(name);
-      if (!now || !Number.isFinite(now.measuredMs)) continue;
+      const [value, measuredMs] = brought(name) ?? [NaN, -Infinity];
+      if (!Number.isFinite(measuredMs)) continue;
       const tail = this.of.get(name) ?? { atMs: [], value: [] };
       this.of.set(name, tail);
-      if (now.measuredMs <= (tail.atMs[tail.atMs.length - 1] ?? -Infinity)) continue;
-      tail.atMs.push(now.measuredMs);
-      tail.value.push(now.value.peek());
+      if (measuredMs <= (tail.atMs[tail.atMs.length - 1] ?? -Infinity)) continue;
+      tail.atMs.push(measuredMs);
+      tail.value.push(value);
       if (tail.atMs.length > mostTail) this.forget(tail, mostTail >> 2);
     }
   }
@@ -111,8 +111,8 @@ export function useHistory(names: readonly string[], windowS: number, buckets: n
     };
   }, [key, windowS, buckets, turn, live]);
 
-  // As often as numbers are painted: the pictures of many plots are too far apart for a fast cell.
-  useEffect(() => onNumbers(() => tail.current.take(names)), [key]);
+  // Every update, not every painting: those are too far apart for the pictures of a fast cell.
+  useEffect(() => onValues((brought) => tail.current.take(names, brought)), [key]);
   void plotTick.value;
   // A window moves on by whole pixels: ten minutes on 400 of them need no picture more often than every 1.5 s.
   const step = Math.floor((cellTimeMs.peek() ?? 0) / ((windowS * 1000) / buckets));

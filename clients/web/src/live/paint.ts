@@ -1,11 +1,11 @@
-// One animation frame for everything that moves: numbers and plots at most five times a second, plots as much less often as there
-// are more than twelve of them: a frame is what a page costs, whatever changes in it, and nobody reads a number faster. A hidden page gets no frames, so it draws nothing; what came
-// meanwhile is painted when it is looked at again.
+// One animation frame for everything that moves: numbers and plots at most four times a second, plots as much less often as there
+// are more than twelve of them: a frame is what a page costs, whatever changes in it, and nobody reads a number faster. A hidden
+// page gets no frames, so it draws nothing; what came meanwhile is painted when it is looked at again.
 import { signal } from '@preact/signals';
 import { paintChannels } from './channels';
 
-const numbersEveryMs = 200;
-const plotsEveryMs = 200;
+const numbersEveryMs = 250;
+const plotsEveryMs = 250;
 const fewPlots = 12;
 
 export const plotTick = signal(0); // live plots redraw when it changes
@@ -15,14 +15,6 @@ let before = (): void => undefined;
 // What is done first within the frame: the stream's news are taken, so that whatever they change is painted with the numbers.
 export function paintFirst(what: () => void): void {
   before = what;
-}
-
-const listeners = new Set<() => void>();
-
-// Calls what is given after every painting of the numbers, in the same frame; returns what ends it.
-export function onNumbers(listener: () => void): () => void {
-  listeners.add(listener);
-  return () => void listeners.delete(listener);
 }
 
 let livePlots = 0;
@@ -41,7 +33,6 @@ function paint(now: number): void {
   numbersAt = now;
   before();
   paintChannels();
-  for (const listener of listeners) listener();
   if (now - plotsAt >= plotsEveryMs * Math.max(1, livePlots / fewPlots) - 20) {
     plotsAt = now;
     plotTick.value++;

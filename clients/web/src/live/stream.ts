@@ -22,7 +22,7 @@ let lastBatch: WatchResponse | undefined;
 const states = new Map<string, WatchEvent>();
 
 // Batches that came since the last frame. News that a run's every point brings would each cost a frame of their own, and a frame
-// is what a page costs; so they wait for the next one, a fifth of a second at most. A page that gets no frames (hidden), or none
+// is what a page costs; so they wait for the next one, a quarter of a second at most. A page that gets no frames (hidden), or none
 // in time, takes them as they come.
 const waiting: WatchResponse[] = [];
 const mostWaiting = 40;

@@ -30,7 +30,7 @@ export function StaleNote({ channel }: { channel: Channel }) {
   return <Verdict kind="warn">{age}</Verdict>;
 }
 
-// The latest value of a channel, painted five times a second without drawing anything else anew.
+// The latest value of a channel, painted four times a second without drawing anything else anew.
 export function ChannelTile({ channel, label, children }: { channel: Channel; label: ComponentChildren; children?: ComponentChildren }) {
   const unit = channel.column.unit;
   const text = useComputed(() => fixed(channel.value.value, liveDigits(unit)));

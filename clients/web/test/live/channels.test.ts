@@ -1,7 +1,7 @@
 import { create } from '@bufbuild/protobuf';
 import { beforeEach, describe, expect, it } from 'vitest';
 import { ChannelLayoutSchema, ValuesUpdateSchema } from '@/api/gen/driftwise/v1/watch_service_pb';
-import { channel, paintChannels, resetCellTime, takeCellTime, takeLayout, takeValues } from '@/live/channels';
+import { channel, onValues, paintChannels, resetCellTime, takeCellTime, takeLayout, takeValues } from '@/live/channels';
 import { connection } from '@/live/connection';
 
 const second = 1000;
@@ -35,6 +35,13 @@ describe('a channel', () => {
     expect(channel('t02_degC')!.stale.value).toBe(true);
     connection.value = { phase: 'lost', lastMs: 0 };
     expect(channel('t01_degC')!.stale.value).toBe(true);
+  });
+  it('is heard with every update, though only the last before a painting is shown', () => {
+    const heard: unknown[] = [];
+    const end = onValues((brought) => heard.push(brought('t02_degC')));
+    for (const value of [22, 23]) takeValues(create(ValuesUpdateSchema, { layoutRevision: 1n, values: [21, value], ageMs: [0n, 500n] }), value * second);
+    end();
+    expect(heard).toEqual([[22, 21_500], [23, 22_500]]);
   });
   it('keeps its signal over a new layout, so that components go on following it', () => {
     take(100 * second, [21.5, 22], [0n, 0n]);
