@@ -6,6 +6,5 @@ target_include_directories(driftwised PRIVATE ${PROJECT_SOURCE_DIR})
 target_compile_definitions(driftwised PRIVATE DRIFTWISE_VERSION="${PROJECT_VERSION}")
 target_link_libraries(driftwised PRIVATE
   driftwise_application driftwise_target_line driftwise_formats driftwise_rpc driftwise_web driftwise_storage
-  driftwise_pi_gcs driftwise_keithley_2701 driftwise_interferometer_adapter driftwise_lds1000 driftwise_load_actuator
-  driftwise_watlow_ez_zone
+  driftwise_devices
   driftwise_warnings CLI11::CLI11 spdlog::spdlog nlohmann_json::nlohmann_json)

@@ -27,13 +27,9 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "drivers/interferometer_adapter/interferometer_adapter.h"
-#include "drivers/keithley_2701/keithley_2701.h"
-#include "drivers/lds1000/newport_lds1000.h"
-#include "drivers/load_actuator/load_actuator.h"
-#include "drivers/pi_gcs/pi_gcs.h"
-#include "drivers/watlow_ez_zone/watlow_ez_zone.h"
+#include "drivers/all_devices.h"
 #include "server/application/ports/cell.h"
+#include "server/application/recording/usable_devices.h"
 #include "server/application/serving/target_line_server.h"
 #include "server/application/upkeep/cell_clock.h"
 #include "server/clean_log.h"
@@ -41,6 +37,7 @@
 #include "server/core/try.h"
 #include "server/descriptor_limit.h"
 #include "server/formats/cell_file/cell_file.h"
+#include "server/locks/claims.h"
 #include "server/rpc/server/rpc_server.h"
 #include "server/service_manager.h"
 #include "server/web/http_server.h"
@@ -68,60 +65,14 @@ int exit_code_of(const Error& error) {
   return bad_input ? 3 : 5;
 }
 
-template <class Made, class Port>
-Result<void> keep(Made made, std::vector<std::unique_ptr<Port>>& all) {
-  DRIFTWISE_RETURN_IF_ERROR(made);
-  all.push_back(std::move(*made));
-  return {};
-}
-
-Result<void> keep_load(const DeviceDescription& device, asio::any_io_executor executor,
-                       Clock& clock, application::Devices& devices) {
-  if (devices.load)
-    return fail(
-        ErrorCode::invalid_argument, reasons::kTwoLoads,
-        "device '" + device.id + "': a cell has one load actuator, this file names a second one");
-  DRIFTWISE_TRY(auto load, drivers::make_load_actuator(device, std::move(executor), clock));
-  devices.load = std::move(load);
-  return {};
-}
-
-Result<void> make_device(const DeviceDescription& device, asio::any_io_executor executor,
-                         Clock& clock, const std::shared_ptr<locks::Claims>& claims,
-                         application::Devices& devices) {
-  if (device.kind == "keithley-2701")
-    return keep(drivers::make_keithley_2701(device, executor, clock), devices.scanners);
-  if (device.kind == "interferometer-adapter")
-    return keep(drivers::make_interferometer_adapter(device, executor, clock),
-                devices.interferometers);
-  if (device.kind == "watlow-ez-zone")
-    return keep(drivers::make_watlow_ez_zone(device, executor, clock), devices.stabilisers);
-  if (device.kind == "newport-lds1000")
-    return keep(drivers::make_newport_lds1000(device, executor, clock), devices.collimators);
-  if (device.kind == "load-actuator") return keep_load(device, executor, clock, devices);
-  if (device.kind != "pi-gcs")
-    return fail(ErrorCode::invalid_argument, reasons::kUnknownKind,
-                "device '" + device.id + "': found kind '" + device.kind +
-                    "', expected pi-gcs, keithley-2701, interferometer-adapter, newport-lds1000, "
-                    "watlow-ez-zone or load-actuator");
-  if (devices.controller)
-    return fail(ErrorCode::invalid_argument, reasons::kTwoControllers,
-                "device '" + device.id +
-                    "': a cell has one motion controller, this file names a second one");
-  DRIFTWISE_TRY(auto controller, drivers::make_pi_gcs(device, executor, clock, claims));
-  devices.controller = std::move(controller);
-  return {};
-}
-
 Result<application::Devices> make_devices(const CellDescription& cell,
-                                          asio::any_io_executor executor, Clock& clock,
-                                          const std::shared_ptr<locks::Claims>& claims) {
+                                          const DeviceContext& context) {
+  DRIFTWISE_RETURN_IF_ERROR(application::check_usable(cell));
   application::Devices devices;
-  for (const auto& device : cell.devices)
-    DRIFTWISE_RETURN_IF_ERROR(make_device(device, executor, clock, claims, devices));
-  if (!devices.controller)
-    return fail(ErrorCode::invalid_argument, reasons::kNoController,
-                cell.name + ": the cell file names no motion controller (kind \"pi-gcs\")");
+  for (const auto& device : cell.devices) {
+    DRIFTWISE_TRY(auto made, find_kind(cell.kinds, device.kind)->make(device, context));
+    devices.push_back(std::move(made));
+  }
   return devices;
 }
 
@@ -235,7 +186,8 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
   Clock& the_clock = *clock;
   // A check drives nothing, so it may be made beside the daemon of the same cell.
   const auto claims = arguments.check ? nullptr : std::make_shared<locks::Claims>();
-  DRIFTWISE_TRY(auto devices, make_devices(description, context.get_executor(), the_clock, claims));
+  DRIFTWISE_TRY(auto devices,
+                make_devices(description, {context.get_executor(), the_clock, claims}));
   const std::string web_root = arguments.web_root.empty()
                                    ? formats::web_root_of(description, arguments.cell_file)
                                    : arguments.web_root;
@@ -318,7 +270,7 @@ void set_up_logging(const Arguments& arguments) {
 }
 
 int run(const Arguments& arguments) {
-  auto description = formats::read_cell_file(arguments.cell_file);
+  auto description = formats::read_cell_file(arguments.cell_file, drivers::all_devices());
   const auto complain = [](const Error& error) {
     std::cerr << "driftwised: " << error.message << " (" << error.reason << ")\n";
     return exit_code_of(error);

@@ -13,8 +13,8 @@ Interferometer::Interferometer(DeviceDescription device, Options options,
     : LineDevice(std::move(device), address, std::move(executor), clock,
                  {.resync_request = "IDN?\n"}),
       options_(std::move(options)),
-      length_channel_(device_.length->name()),
-      std_channel_(device_.length->symbol + "_std_nm"),
+      length_channel_(device_.length()->channel.name()),
+      std_channel_(device_.length()->channel.symbol + "_std_nm"),
       measure_timeout_(timeout_ +
                        nanoseconds_from_s(2 * options_.samples / options_.sample_rate_hz)) {}
 

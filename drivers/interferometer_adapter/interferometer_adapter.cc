@@ -11,7 +11,7 @@ Result<std::unique_ptr<Instrument>> make_interferometer_adapter(const DeviceDesc
                                                                 Clock& clock) {
   DRIFTWISE_TRY(auto options, adapter::read_options(device));
   DRIFTWISE_TRY(const auto address, transport::parse_address(device.address));
-  if (!device.length || device.length->unit != "mm") {
+  if (!device.length() || device.length()->channel.unit != "mm") {
     return fail(ErrorCode::invalid_argument, reasons::kNoLength,
                 "device '" + device.id +
                     "' (interferometer-adapter): expected length = \"<symbol>_mm\", such as x_mm");

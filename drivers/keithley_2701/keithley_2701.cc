@@ -16,7 +16,7 @@ Result<std::unique_ptr<Instrument>> make_keithley_2701(const DeviceDescription& 
       auto options,
       keithley::read_options(device, std::holds_alternative<transport::SerialAddress>(address)));
   std::set<int> inputs;
-  for (const auto& probe : device.probes) {
+  for (const auto& probe : device.probes()) {
     if (probe.input < 101 || probe.input > 599 || !inputs.insert(probe.input).second) {
       return fail(ErrorCode::invalid_argument, reasons::kBadProbes,
                   "device '" + device.id + "': probe " + probe.channel.name() + " on input " +

@@ -10,7 +10,7 @@ namespace {
 
 std::vector<int> scanned_inputs(const DeviceDescription& device) {
   std::vector<int> out;
-  for (const auto& probe : device.probes) out.push_back(probe.input);
+  for (const auto& probe : device.probes()) out.push_back(probe.input);
   std::sort(out.begin(), out.end());
   return out;
 }
@@ -71,7 +71,7 @@ Result<Reading> Scanner::reading_from(const std::string& reply, CellTime asked) 
   out.start = std::max(anchor_.cell_time(first->time_s) - nanoseconds_from_s(channel_s()), asked);
   out.end = std::clamp(anchor_.cell_time(last->time_s), out.start, std::max(out.start, answered));
   out.sequence = ++sequence_;
-  for (const auto& probe : device_.probes) {
+  for (const auto& probe : device_.probes()) {
     const auto found = std::find_if(scan->begin(), scan->end(),
                                     [&](const auto& one) { return one.channel == probe.input; });
     out.values.push_back({probe.channel.name(),

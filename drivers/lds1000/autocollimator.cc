@@ -25,7 +25,7 @@ Autocollimator::Autocollimator(DeviceDescription device, Options options,
                   .resync_request = "VE" + options.end_of_command,
                   .serial = options.serial}),
       options_(std::move(options)),
-      units_(device_.angles.size(), Unit::arcsec) {}
+      units_(device_.angles().size(), Unit::arcsec) {}
 
 Awaitable<Result<void>> Autocollimator::set_up() {
   DRIFTWISE_CO_TRY(const auto reply, co_await ask("VE"));
@@ -35,7 +35,7 @@ Awaitable<Result<void>> Autocollimator::set_up() {
   // Only the last error is kept: an old one must not be taken for an answer to what follows.
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await ask("TE"));
   if (auto set = co_await set_integration(); !set) co_return set;
-  for (std::size_t i = 0; i < device_.angles.size(); ++i)
+  for (std::size_t i = 0; i < device_.angles().size(); ++i)
     if (auto good = co_await check_axis(i); !good) co_return good;
   co_return Result<void>{};
 }
@@ -56,7 +56,7 @@ Awaitable<Result<void>> Autocollimator::set_integration() {
 }
 
 Awaitable<Result<void>> Autocollimator::check_axis(std::size_t i) {
-  const int axis = device_.angles[i].device_axis;
+  const int axis = device_.angles()[i].device_axis;
   DRIFTWISE_CO_TRY(const auto reply, co_await ask(std::to_string(axis) + "TA"));
   const auto found = parse_set_up(reply, axis);
   if (!found) co_return wrong(found);
@@ -91,8 +91,8 @@ Awaitable<Result<Reading>> Autocollimator::read() {
   Reading out;
   out.device = device_.id;
   out.start = clock_.now().utc;
-  for (std::size_t i = 0; i < device_.angles.size(); ++i) {
-    const auto& angle = device_.angles[i];
+  for (std::size_t i = 0; i < device_.angles().size(); ++i) {
+    const auto& angle = device_.angles()[i];
     DRIFTWISE_CO_TRY(const auto reply, co_await ask(std::to_string(angle.device_axis) + "TP"));
     const auto value = parse_value(reply, angle.device_axis);
     if (!value) co_return wrong(value);

@@ -11,7 +11,7 @@ Result<std::unique_ptr<Instrument>> make_newport_lds1000(const DeviceDescription
                                                          Clock& clock) {
   DRIFTWISE_TRY(auto options, lds1000::read_options(device));
   DRIFTWISE_TRY(const auto address, transport::parse_address(device.address));
-  if (device.angles.empty())
+  if (device.angles().empty())
     return fail(
         ErrorCode::invalid_argument, reasons::kNoAngle,
         "device '" + device.id + "' (newport-lds1000): expected at least one [[device.angle]]");

@@ -12,7 +12,7 @@ Result<std::unique_ptr<LoadActuator>> make_load_actuator(const DeviceDescription
                                                          Clock& clock) {
   DRIFTWISE_RETURN_IF_ERROR(transport::OptionReader(device).finish());
   DRIFTWISE_TRY(const auto address, transport::parse_address(device.address));
-  if (!device.force)
+  if (!device.force())
     return fail(ErrorCode::invalid_argument, reasons::kNoForce,
                 "device '" + device.id + "' (load-actuator): expected channel = \"force_N\"");
   return std::make_unique<load_actuator::Weights>(device, address, std::move(executor), clock);

@@ -17,7 +17,7 @@ constexpr int kAnswersAtRest = 2;  // as MotionController::stop promises
 
 std::vector<std::string> axis_names(const DeviceDescription& device) {
   std::vector<std::string> out;
-  for (const auto& axis : device.axes) out.push_back(axis.device_axis);
+  for (const auto& axis : device.axes()) out.push_back(axis.device_axis);
   return out;
 }
 
@@ -132,7 +132,7 @@ Result<void> GcsController::check_soft_limits(std::span<const double> q_mm) cons
                     " axes, expected " + std::to_string(axes_.size()));
   }
   for (std::size_t i = 0; i < q_mm.size(); ++i) {
-    const auto& axis = device_.axes[i];
+    const auto& axis = device_.axes()[i];
     if (q_mm[i] >= axis.min_mm && q_mm[i] <= axis.max_mm) continue;  // false for NaN too
     char text[160];
     std::snprintf(text, sizeof text,

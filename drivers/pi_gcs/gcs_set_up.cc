@@ -94,7 +94,7 @@ Awaitable<Result<void>> GcsController::check_travel() {
   DRIFTWISE_CO_RETURN_IF_ERROR(high_text);
   DRIFTWISE_CO_TRY(const auto high, checked(parse_axis_values(*high_text, axes_)));
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    const auto& axis = device_.axes[i];
+    const auto& axis = device_.axes()[i];
     if (axis.min_mm >= low[i] && axis.max_mm <= high[i]) continue;
     char text[200];
     std::snprintf(

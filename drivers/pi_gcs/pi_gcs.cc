@@ -12,7 +12,7 @@ Result<std::unique_ptr<MotionController>> make_pi_gcs(const DeviceDescription& d
                                                       std::shared_ptr<locks::Claims> claims) {
   DRIFTWISE_TRY(auto options, gcs::read_options(device));
   DRIFTWISE_TRY(const auto address, transport::parse_address(device.address));
-  if (device.axes.empty())
+  if (device.axes().empty())
     return fail(ErrorCode::invalid_argument, reasons::kNoAxes,
                 "device '" + device.id + "' (pi-gcs) has no [[axes]]");
   if (claims)

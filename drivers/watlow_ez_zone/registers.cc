@@ -42,10 +42,4 @@ std::string describe_unit(std::uint16_t code) {
   return std::to_string(code) + text;
 }
 
-std::string symbol_from_id(std::string_view id) {
-  std::string out(id);
-  std::replace(out.begin(), out.end(), '-', '_');
-  return out;
-}
-
 }  // namespace driftwise::watlow

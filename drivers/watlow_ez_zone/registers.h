@@ -10,6 +10,8 @@
 #include <string>
 #include <string_view>
 
+#include "server/core/devices/device_description.h"
+
 namespace driftwise::watlow {
 
 enum class WordOrder { low_first, high_first };  // low first by default (M): 75.0 -> 0x0000, 0x4296
@@ -46,7 +48,6 @@ bool is_plausible(double degc);  // false for NaN
 std::string describe_input_error(std::uint16_t code);  // "65 (open)"
 std::string describe_unit(std::uint16_t code);         // "30 (F)"
 
-// "support" -> "support", "laser-base" -> "laser_base": the device id as a channel's symbol.
-std::string symbol_from_id(std::string_view id);
+using driftwise::symbol_from_id;
 
 }  // namespace driftwise::watlow

@@ -23,7 +23,7 @@ std::array<std::string, 2> others(const std::string& axis) {
 
 double u_arcsec_of(const CellDescription& cell, const std::string& symbol) {
   for (const auto& device : cell.devices)
-    for (const auto& angle : device.angles)
+    for (const auto& angle : device.angles())
       if (angle.channel.symbol == symbol) return angle.u_arcsec;
   return 0;
 }
@@ -58,14 +58,14 @@ void add_beam(const CellDescription& cell, const BeamDescription& beam,
 std::vector<DeclaredError> declared_errors(const CellDescription& cell) {
   std::vector<DeclaredError> out;
   for (const auto& device : cell.devices) {
-    if (!device.length) continue;
-    const std::string& axis = device.length->symbol;
+    if (!device.length()) continue;
+    const std::string& axis = device.length()->channel.symbol;
     // The reading at the zero: every pose since has its error.
-    if (device.u_length_nm > 0)
-      out.push_back({UncertaintySource::laser, axis, "1", device.u_length_nm});
-    if (device.u_drift_nm_per_h != 0)
-      out.push_back({UncertaintySource::drift, axis, "h", device.u_drift_nm_per_h});
-    if (const auto* beam = beam_of(cell, *device.length)) add_beam(cell, *beam, out);
+    if (device.length()->u_length_nm > 0)
+      out.push_back({UncertaintySource::laser, axis, "1", device.length()->u_length_nm});
+    if (device.length()->u_drift_nm_per_h != 0)
+      out.push_back({UncertaintySource::drift, axis, "h", device.length()->u_drift_nm_per_h});
+    if (const auto* beam = beam_of(cell, device.length()->channel)) add_beam(cell, *beam, out);
   }
   if (cell.load && cell.load->u_n > 0)
     out.push_back({UncertaintySource::force, "force", "1", cell.load->u_n, false});
@@ -74,8 +74,9 @@ std::vector<DeclaredError> declared_errors(const CellDescription& cell) {
 
 double reading_noise_nm(const CellDescription& cell, const std::string& symbol) {
   for (const auto& device : cell.devices) {
-    if (device.length && device.length->symbol == symbol) return device.u_length_nm;
-    for (const auto& axis : device.axes)
+    if (device.length() && device.length()->channel.symbol == symbol)
+      return device.length()->u_length_nm;
+    for (const auto& axis : device.axes())
       if (axis.channel.symbol == symbol) return axis.u_scale_nm;
   }
   return 0;

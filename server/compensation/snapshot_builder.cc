@@ -31,7 +31,7 @@ const Eigen::MatrixXd& uncertainty_of(const calibration::OutputModel& output) {
 std::optional<std::pair<double, double>> travel_of(const Channel& channel,
                                                    const CellDescription& cell) {
   for (const auto& device : cell.devices)
-    for (const auto& axis : device.axes)
+    for (const auto& axis : device.axes())
       if (axis.channel.symbol == channel.symbol && axis.min_mm < axis.max_mm)
         return std::pair(axis.min_mm, axis.max_mm);
   return std::nullopt;
@@ -52,7 +52,7 @@ Result<SnapshotBuilder> SnapshotBuilder::create(calibration::Model model, ModelI
     const auto range = widened(*made.domain_of(channel.symbol));
     made.slow_inputs_.push_back({range.min, range.max, 0.0});
     for (const auto& device : cell.devices)
-      for (const auto& probe : device.probes)
+      for (const auto& probe : device.probes())
         if (probe.channel == channel) made.slow_inputs_.back().u = probe.u_k;
   }
   for (auto& output : made.outputs_) output.travel_mm = travel_of(output.channel, cell);

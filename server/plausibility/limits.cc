@@ -28,7 +28,7 @@ constexpr double kForceStep_n = 0.02;  // the nearest of an actuator's own weigh
 double fastest_mm_s(const CellDescription& cell) {
   double fastest = 0;
   for (const auto& device : cell.devices) {
-    if (device.axes.empty()) continue;
+    if (device.axes().empty()) continue;
     const auto given = device.options.find("velocity_mm_s");
     const double velocity =
         given == device.options.end() ? 0 : std::strtod(given->second.c_str(), nullptr);
@@ -98,14 +98,14 @@ ChannelLimit by_unit(std::string_view unit) {
 
 ChannelLimit default_of(const CellDescription& cell, const DeviceDescription& device,
                         std::string_view channel, std::string_view unit) {
-  for (const auto& axis : device.axes)
+  for (const auto& axis : device.axes())
     if (axis.channel.name() == channel) return of_axis(cell, axis);
-  for (const auto& probe : device.probes)
+  for (const auto& probe : device.probes())
     if (probe.channel.name() == channel)
       return probe.part == "air" ? temperature(kAirStep_k, kAir_k_per_s, "air in a laboratory")
                                  : temperature(kPartStep_k, kPart_k_per_s, "a part of a machine");
-  if (device.length && device.length->name() == channel) return of_length(cell);
-  for (const auto& angle : device.angles)
+  if (device.length() && device.length()->channel.name() == channel) return of_length(cell);
+  for (const auto& angle : device.angles())
     if (angle.channel.name() == channel) {
       ChannelLimit limit;
       limit.min = -kWidest_arcsec;
@@ -114,7 +114,7 @@ ChannelLimit default_of(const CellDescription& cell, const DeviceDescription& de
       limit.source = "field of the autocollimator";
       return limit;
     }
-  if (device.force && device.force->name() == channel) {
+  if (device.force() && device.force()->name() == channel) {
     ChannelLimit limit;
     limit.min = -kForceStep_n;
     limit.max = (cell.load ? cell.load->max_n : 0) + kForceStep_n;
@@ -124,7 +124,7 @@ ChannelLimit default_of(const CellDescription& cell, const DeviceDescription& de
     limit.source = "[load] max_n";
     return limit;
   }
-  if (device.kind == "watlow-ez-zone" && unit == "degC") {
+  if (device.role() == DeviceRole::stabiliser && unit == "degC") {
     auto limit = temperature(kSupportStep_k, kSupport_k_per_s, "a stabilised support");
     if (channel.ends_with("_set_degC")) {  // a command may set it anywhere, and it stays there
       limit.max_step = std::numeric_limits<double>::max();

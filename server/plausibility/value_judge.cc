@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/core/devices/role_settings.h"
+
 namespace driftwise::plausibility {
 namespace {
 
@@ -43,7 +45,7 @@ std::vector<Finding> ValueJudge::judge(JudgedReading& reading) {
   };
   // Before the values themselves are taken over as the last ones.
   if (auto whole = judge_together(*device, reading)) {
-    for (const auto& probe : device->probes)
+    for (const auto& probe : device->probes())
       if (reading.find(probe.channel.name()) != nullptr) reject(probe.channel.name(), *whole);
     findings.push_back(std::move(*whole));
   }
@@ -140,10 +142,10 @@ std::optional<Finding> ValueJudge::judge_equal(Track& track, const ChannelValue&
 
 std::optional<Finding> ValueJudge::judge_together(const DeviceDescription& device,
                                                   const Reading& reading) {
-  if (device.probes.size() < kFewestProbes) return std::nullopt;
+  if (device.probes().size() < kFewestProbes) return std::nullopt;
   double smallest_k = std::numeric_limits<double>::max(), passed_s = 0;
   int rising = 0;
-  for (const auto& probe : device.probes) {
+  for (const auto& probe : device.probes()) {
     const double* value = reading.find(probe.channel.name());
     const auto& track = track_of(device, probe.channel.name());
     if (value == nullptr || !std::isfinite(*value) || !track.last) {
@@ -157,7 +159,7 @@ std::optional<Finding> ValueJudge::judge_together(const DeviceDescription& devic
   }
   auto& whole = scanners_[device.id];
   const double limit_k = cell_.plausibility.together_k;
-  const bool one_way = static_cast<std::size_t>(std::abs(rising)) == device.probes.size();
+  const bool one_way = static_cast<std::size_t>(std::abs(rising)) == device.probes().size();
   if (one_way && smallest_k > limit_k + kTogether_k_per_s * passed_s)
     whole.stepped_by_k += rising > 0 ? smallest_k : -smallest_k;
   if (std::abs(whole.stepped_by_k) <= limit_k) {
@@ -166,26 +168,22 @@ std::optional<Finding> ValueJudge::judge_together(const DeviceDescription& devic
   }
   return Finding{
       {},
-      device.probes.front().channel.name(),
+      device.probes().front().channel.name(),
       "together",
       fmt::format("all {} probes of {} stepped together by {:+.3f} K at least and have not stepped "
                   "back, no room does more than {:g} K ([plausibility] together_k): look at the "
                   "scanner; they join no point until they are back or a person resumes the run",
-                  device.probes.size(), device.id, whole.stepped_by_k, limit_k),
+                  device.probes().size(), device.id, whole.stepped_by_k, limit_k),
       reading.middle()};
 }
 
 void ValueJudge::begin_anew(const std::string& device) {
   const auto* known = cell_.find_device(device);
   if (known == nullptr) return;
+  const auto given = channels_of_settings(*known);
   for (auto& [channel, track] : tracks_) {
-    const auto gives = [&channel](const auto& one) { return one.channel.name() == channel; };
-    const bool is_its = std::ranges::any_of(known->axes, gives) ||
-                        std::ranges::any_of(known->probes, gives) ||
-                        std::ranges::any_of(known->angles, gives) ||
-                        (known->length && known->length->name() == channel) ||
-                        (known->force && known->force->name() == channel);
-    if (!is_its) continue;
+    const auto is_it = [&channel](const Channel& one) { return one.name() == channel; };
+    if (std::ranges::none_of(given, is_it)) continue;
     track.last.reset();
     track.stepped_by = 0;
   }

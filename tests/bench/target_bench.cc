@@ -70,10 +70,10 @@ calibration::Model three_axes() {
 
 CellDescription three_axis_cell() {
   CellDescription cell = axis_cell();
-  auto axis = cell.devices[0].axes[0];
+  auto axis = cell.devices[0].axes()[0];
   for (const char* name : {"q2", "q3"}) {
     axis.channel.symbol = name;
-    cell.devices[0].axes.push_back(axis);
+    cell.devices[0].become<MotionSettings>().axes.push_back(axis);
   }
   return cell;
 }

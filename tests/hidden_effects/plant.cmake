@@ -8,7 +8,7 @@ target_include_directories(driftwise_hidden_plants PUBLIC ${PROJECT_SOURCE_DIR})
 target_compile_definitions(driftwise_hidden_plants PRIVATE DRIFTWISE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 target_link_libraries(driftwise_hidden_plants
   PUBLIC driftwise_diagnosis driftwise_plant_campaign driftwise_plant
-  PRIVATE driftwise_test_statistics driftwise_formats driftwise_warnings)
+  PRIVATE driftwise_test_statistics driftwise_devices driftwise_formats driftwise_warnings)
 
 add_executable(plant_sweep
   plants/plant_sweep_main.cc)

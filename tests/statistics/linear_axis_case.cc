@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <stdexcept>
 
+#include "drivers/all_devices.h"
 #include "drivers/simulated/plant/file/make_plant.h"
 #include "server/formats/cell_file/cell_file.h"
 #include "tests/support/plant_campaign.h"
@@ -28,7 +29,7 @@ SimulatedCase linear_axis_case(std::uint64_t seed) {
   SimulatedCase out;
   const std::string file =
       std::string(DRIFTWISE_SOURCE_DIR) + "/deploy/cells/linear-axis/cell.toml";
-  auto cell = formats::read_cell_file(file);
+  auto cell = formats::read_cell_file(file, drivers::all_devices());
   if (!cell) throw std::runtime_error(cell.error().message);
   out.cell = std::move(*cell);
   out.formula = "q1 ~ x + x^2 + t05..t10";  // the sensors on the robot: what may be served to it

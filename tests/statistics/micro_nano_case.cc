@@ -5,6 +5,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "drivers/all_devices.h"
 #include "server/correction/correction.h"
 #include "server/formats/cell_file/cell_file.h"
 
@@ -79,8 +80,9 @@ Dataset micro_nano_dataset(const std::vector<MicroNanoRow>& rows, const CellDesc
 }
 
 CellDescription micro_nano_cell() {
-  auto cell = formats::read_cell_file(std::string(DRIFTWISE_SOURCE_DIR) +
-                                      "/deploy/cells/micro-nano/cell.toml");
+  auto cell = formats::read_cell_file(
+      std::string(DRIFTWISE_SOURCE_DIR) + "/deploy/cells/micro-nano/cell.toml",
+      drivers::all_devices());
   if (!cell) throw std::runtime_error(cell.error().message);
   return std::move(*cell);
 }

@@ -65,7 +65,7 @@ FakeCell::FakeCell() {
   axis.id = "axis";
   axis.kind = "pi-gcs";
   axis.address = "127.0.0.1:50000";
-  axis.axes = {{{"q1", "mm"}, "X", -4.5, 4.5, 5}};
+  axis.become<MotionSettings>().axes = {{{"q1", "mm"}, "X", -4.5, 4.5, 5}};
   description_.devices = {axis};
   the_model_ground.configurations = {{description_.hash, the_time}};
   the_model_ground.measured_under = description_;

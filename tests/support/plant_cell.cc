@@ -6,6 +6,7 @@
 #include <iterator>
 #include <stdexcept>
 
+#include "drivers/all_devices.h"
 #include "server/formats/cell_file/cell_file.h"
 #include "tests/support/plant_campaign.h"
 
@@ -91,9 +92,9 @@ class Controller final : public InPlant<MotionController> {
   }
 
  private:
-  int axes() const { return static_cast<int>(description_.axes.size()); }
+  int axes() const { return static_cast<int>(description_.axes().size()); }
   std::string channel(int i) const {
-    return description_.axes[static_cast<std::size_t>(i)].channel.name();
+    return description_.axes()[static_cast<std::size_t>(i)].channel.name();
   }
 };
 
@@ -108,8 +109,8 @@ class Interferometer final : public InPlant<Instrument> {
     if (read.beam_broken)
       co_return fail(ErrorCode::failed_precondition, "BEAM_LOST", description_.id + ": beam lost");
     Reading reading{description_.id, start, time_.now().utc, ++sequence_, {}};
-    say(reading, description_.length->name(), read.mean_nm * kMmPerNm);
-    reading.values.push_back({description_.length->symbol + "_std_nm", read.std_nm});
+    say(reading, description_.length()->channel.name(), read.mean_nm * kMmPerNm);
+    reading.values.push_back({description_.length()->channel.symbol + "_std_nm", read.std_nm});
     say(reading, option("air_channel", "air_degC"), read.air_degc);
     say(reading, option("level_channel", "level_pct"), read.level_pct);
     co_return reading;
@@ -117,7 +118,7 @@ class Interferometer final : public InPlant<Instrument> {
   Awaitable<Result<void>> zero() override {
     co_await pass(0.1);
     world_.plant->zero_length(index_, now());
-    world_.liar.zeroed(description_.length->name());
+    world_.liar.zeroed(description_.length()->channel.name());
     co_return Result<void>{};
   }
 };
@@ -131,7 +132,7 @@ class Collimator final : public InPlant<Instrument> {
     co_await pass(kAverage_s);
     const auto read = world_.plant->measure_angle(index_, kAverage_s, now());
     Reading reading{description_.id, start, time_.now().utc, ++sequence_, {}};
-    for (const auto& angle : description_.angles)
+    for (const auto& angle : description_.angles())
       say(reading, angle.channel.name(),
           angle.sign * (angle.device_axis == 1 ? read.y_arcsec : read.z_arcsec));
     co_return reading;
@@ -148,7 +149,7 @@ class Thermometers final : public InPlant<Instrument> {
     const auto start = time_.now().utc;
     co_await pass(4.3);
     Reading reading{description_.id, start, time_.now().utc, ++sequence_, {}};
-    for (const auto& probe : description_.probes) {
+    for (const auto& probe : description_.probes()) {
       const double ohm = world_.plant->probe_ohm(probe.input, now());
       say(reading, probe.channel.name(),
           std::isnan(ohm) ? kMissing
@@ -191,7 +192,7 @@ class Weights final : public InPlant<LoadActuator> {
     co_await pass(0.01);
     const auto load = world_.plant->load(now());
     co_return LoadState{time_.now().utc,
-                        world_.liar.say(description_.force->name(), load.newton, time_.now().utc),
+                        world_.liar.say(description_.force()->name(), load.newton, time_.now().utc),
                         load.resting};
   }
   Awaitable<Result<void>> set_force(double force_n) override {
@@ -251,7 +252,7 @@ PlantWorld make_plant_world(const std::string& cell, CellTime begin, std::uint64
 }
 
 CellDescription shipped_cell(const std::string& cell, const std::string& database) {
-  auto read = formats::read_cell_file(folder_of(cell) + "cell.toml");
+  auto read = formats::read_cell_file(folder_of(cell) + "cell.toml", drivers::all_devices());
   if (!read) throw std::runtime_error(read.error().message);
   read->database = database;
   return std::move(*read);
@@ -266,19 +267,28 @@ application::Devices plant_devices(PlantWorld& world, VirtualTime& time,
   application::Devices devices;
   int lasers = 0, collimators = 0, supports = 0;
   for (const auto& one : cell.devices) {
-    if (!one.axes.empty())
-      devices.controller = std::make_unique<Controller>(world, time, one, 0);
-    else if (one.length)
-      devices.interferometers.push_back(
-          std::make_unique<Interferometer>(world, time, one, lasers++));
-    else if (!one.angles.empty())
-      devices.collimators.push_back(std::make_unique<Collimator>(world, time, one, collimators++));
-    else if (!one.probes.empty())
-      devices.scanners.push_back(std::make_unique<Thermometers>(world, time, one, 0));
-    else if (one.force)
-      devices.load = std::make_unique<Weights>(world, time, one, 0);
-    else
-      devices.stabilisers.push_back(std::make_unique<SupportLoop>(world, time, one, supports++));
+    switch (one.role()) {
+      case DeviceRole::motion:
+        devices.push_back(std::make_unique<Controller>(world, time, one, 0));
+        break;
+      case DeviceRole::length:
+        devices.push_back(std::make_unique<Interferometer>(world, time, one, lasers++));
+        break;
+      case DeviceRole::angle:
+        devices.push_back(std::make_unique<Collimator>(world, time, one, collimators++));
+        break;
+      case DeviceRole::temperature:
+        devices.push_back(std::make_unique<Thermometers>(world, time, one, 0));
+        break;
+      case DeviceRole::stabiliser:
+        devices.push_back(std::make_unique<SupportLoop>(world, time, one, supports++));
+        break;
+      case DeviceRole::load:
+        devices.push_back(std::make_unique<Weights>(world, time, one, 0));
+        break;
+      default:
+        throw std::runtime_error("device " + one.id + " has no twin in memory");
+    }
   }
   return devices;
 }

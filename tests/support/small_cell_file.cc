@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "drivers/all_devices.h"
 #include "server/formats/cell_file/cell_file.h"
 
 namespace driftwise::tests {
@@ -28,7 +29,7 @@ std::string small_cell_text(const std::string& database) {
 }
 
 CellDescription cell_of(const std::string& text) {
-  auto cell = formats::parse_cell_file(text, "/dev/shm/cell.toml");
+  auto cell = formats::parse_cell_file(text, "/dev/shm/cell.toml", drivers::all_devices());
   if (!cell) throw std::runtime_error(cell.error().message);
   return std::move(*cell);
 }

@@ -265,7 +265,7 @@ CellDescription small_cell(const std::string& database) {
   cell.text = "[cell]\nname = \"small\"\n";
   cell.hash = "5ca1ab1e";
   auto axis = device("axis", "pi-gcs", 0);
-  axis.axes.push_back({{"q1", "mm"}, "X", -5, 5, 20});
+  axis.become<MotionSettings>().axes.push_back({{"q1", "mm"}, "X", -5, 5, 20});
   auto scanner = device("scanner", "keithley-2701", 5);
   for (int n = 1; n <= kThermometers; ++n) {
     ProbeDescription probe;
@@ -273,10 +273,10 @@ CellDescription small_cell(const std::string& database) {
     probe.input = 100 + n;
     probe.part = "robot";
     probe.u_k = 0.005;
-    scanner.probes.push_back(probe);
+    scanner.become<TemperatureSettings>().probes.push_back(probe);
   }
   auto laser = device("laser-x", "interferometer-adapter", 2);
-  laser.length = Channel{"x", "mm"};
+  laser.become<LengthSettings>().channel = {"x", "mm"};
   cell.devices = {axis, scanner, laser, device("support", "watlow-ez-zone", 5)};
   cell.run.settle_s = 1;
   cell.run.quiet_nm = 80;
@@ -290,7 +290,7 @@ CellDescription small_cell_with_load(const std::string& database, bool actuator)
   cell.load = LoadDescription{4.0, 0.002, 9.81};
   if (!actuator) return cell;
   auto load = device("load", "load-actuator", 10);
-  load.force = Channel{"force", "N"};
+  load.become<LoadSettings>().force = {"force", "N"};
   cell.devices.push_back(load);
   return cell;
 }
@@ -298,16 +298,13 @@ CellDescription small_cell_with_load(const std::string& database, bool actuator)
 application::Devices small_devices(SmallWorld& world, VirtualTime& time,
                                    const CellDescription& cell) {
   application::Devices devices;
-  devices.controller = std::make_unique<Axis>(world, time, cell.devices[0], world.axis_away);
-  devices.scanners.push_back(
-      std::make_unique<Scanner>(world, time, cell.devices[1], world.scanner_away));
-  devices.interferometers.push_back(
-      std::make_unique<Laser>(world, time, cell.devices[2], world.laser_away));
-  devices.stabilisers.push_back(
-      std::make_unique<Support>(world, time, cell.devices[3], world.support_away));
+  devices.push_back(std::make_unique<Axis>(world, time, cell.devices[0], world.axis_away));
+  devices.push_back(std::make_unique<Scanner>(world, time, cell.devices[1], world.scanner_away));
+  devices.push_back(std::make_unique<Laser>(world, time, cell.devices[2], world.laser_away));
+  devices.push_back(std::make_unique<Support>(world, time, cell.devices[3], world.support_away));
   for (const auto& description : cell.devices)
-    if (description.force)
-      devices.load = std::make_unique<Load>(world, time, description, world.load_away);
+    if (description.role() == DeviceRole::load)
+      devices.push_back(std::make_unique<Load>(world, time, description, world.load_away));
   return devices;
 }
 

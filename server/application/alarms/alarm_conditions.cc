@@ -38,8 +38,8 @@ void add_devices(const CellStatus& status, std::vector<AlarmCondition>& out,
 // under way, which reads it at its points.
 bool is_read_later(const CellStatus& status, const DeviceDescription& device) {
   if (!status.run) return false;
-  if (device.length || !device.angles.empty()) return true;
-  return device.kind == "load-actuator" && status.run->phase == kChangingTheForce;
+  if (measures_pose(device.role())) return true;
+  return device.role() == DeviceRole::load && status.run->phase == kChangingTheForce;
 }
 
 void add_stale_channels(const CellStatus& status, const std::set<std::string>& lost,

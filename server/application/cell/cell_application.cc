@@ -45,12 +45,13 @@ Result<std::unique_ptr<Cell>> Cell::open(asio::any_io_executor executor, Parts p
 
 namespace {
 
-// A cell has one motion controller today; each one there is confirms a stop for itself.
+// Each controller confirms a stop for itself.
 std::vector<StopDesk::Controller> controllers_of(DeviceBench& bench) {
   std::vector<StopDesk::Controller> controllers;
-  if (bench.has_controller())
-    controllers.push_back({bench.controller_description().id, [&bench] { return bench.stop(); },
-                           [&bench] { return bench.motion_state(); }});
+  for (const auto device : bench.with_role(DeviceRole::motion))
+    controllers.push_back({bench.description(device).id,
+                           [&bench, device] { return bench.stop(device); },
+                           [&bench, device] { return bench.motion_state(device); }});
   return controllers;
 }
 

@@ -212,17 +212,17 @@ Awaitable<Result<void>> CellApplication::set_stabiliser(Caller caller, std::stri
     co_return fail(ErrorCode::invalid_argument, reasons::kSetPoint,
                    fmt::format("{} degC was asked for, expected {:g} to {:g}", degc, kColdest_degC,
                                kHottest_degC));
-  for (std::size_t i = 0; i < bench_.stabilisers(); ++i) {
-    if (bench_.stabiliser_description(i).id != device) continue;
-    auto set = co_await bench_.set_stabiliser(i, degc);
+  std::string known;
+  for (const auto i : bench_.with_role(DeviceRole::stabiliser)) {
+    const std::string& id = bench_.description(i).id;
+    known += (known.empty() ? "" : ", ") + id;
+    if (id != device) continue;
+    auto set = co_await bench_.set_point(i, degc);
     if (set)
       events_.record(caller, "stabiliser.set",
                      fmt::format("{} set {} to {:g} degC", caller.name, device, degc));
     co_return set;
   }
-  std::string known;
-  for (std::size_t i = 0; i < bench_.stabilisers(); ++i)
-    known += (known.empty() ? "" : ", ") + bench_.stabiliser_description(i).id;
   auto sentence = fmt::format("the cell has no stabiliser '{}', {}", device,
                               known.empty() ? "nor any other" : "it has " + known);
   co_return fail(ErrorCode::not_found, reasons::kNoStabiliser, std::move(sentence));

@@ -24,7 +24,7 @@ std::optional<CellDescription> description_of(Store& store, const std::string& h
   if (hash == present.hash) return present;
   const auto text = store.configurations().text(hash);
   if (!text) return std::nullopt;
-  auto cell = formats::parse_cell_file(*text, kAnyPath);
+  auto cell = formats::parse_cell_file(*text, kAnyPath, present.kinds);
   if (!cell) return std::nullopt;
   return std::move(*cell);
 }

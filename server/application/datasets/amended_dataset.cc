@@ -9,7 +9,7 @@
 #include "server/core/data/dataset_parts.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
-#include "server/formats/cell_file/cell_file.h"
+#include "server/formats/cell_file/sensor_parts.h"
 #include "server/formats/diagnosis/amendment_json.h"
 
 namespace driftwise::application {
@@ -61,11 +61,8 @@ void add_parts(Store& store, std::span<const RunId> runs, Dataset& dataset) {
     if (!used || !looked_at.insert(used->back().hash).second) continue;
     const auto text = store.configurations().text(used->back().hash);
     if (!text) continue;
-    const auto cell = formats::parse_cell_file(*text, "cell.toml");
-    if (!cell) continue;
-    for (const auto& device : cell->devices)
-      for (const auto& probe : device.probes)
-        if (dataset.find(probe.channel.symbol)) parts[probe.channel.symbol] = probe.part;
+    for (const auto& [symbol, part] : formats::sensor_parts(*text))
+      if (dataset.find(symbol)) parts[symbol] = part;
   }
   if (!parts.empty())
     dataset.metadata.emplace_back(kPartsKey, parts_text({parts.begin(), parts.end()}));

@@ -28,8 +28,8 @@ Dataset declared_channels(const CellDescription& cell) {
   if (const auto force = cell.force_channel()) add(*force);
   for (const auto& channel : cell.temperature_channels()) add(channel);
   for (const auto& device : cell.devices) {
-    for (const auto& probe : device.probes) parts.emplace_back(probe.channel.symbol, probe.part);
-    if (device.length)
+    for (const auto& probe : device.probes()) parts.emplace_back(probe.channel.symbol, probe.part);
+    if (device.length())
       for (const char* name : {"air_degC", "pressure_hPa", "humidity_pct"})
         add(*parse_channel(name));
   }

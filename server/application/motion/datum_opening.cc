@@ -179,8 +179,8 @@ Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening)
     old_zero = co_await take_readings(scope, scope.rules.readings_per_point);
     DRIFTWISE_CO_RETURN_IF_ERROR(old_zero);
   }
-  for (std::size_t i = 0; i < bench.devices.interferometers(); ++i)
-    DRIFTWISE_CO_RETURN_IF_ERROR(co_await bench.devices.zero_interferometer(i));
+  for (const auto device : bench.devices.with_role(DeviceRole::length))
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await bench.devices.zero(device));
   DRIFTWISE_CO_TRY(auto new_zero, co_await take_readings(scope, scope.rules.readings_per_point));
   DRIFTWISE_CO_RETURN_IF_ERROR(bench.doubts.check_zero(new_zero.raw));
 

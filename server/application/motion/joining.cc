@@ -14,9 +14,7 @@ Result<std::vector<ChannelValue>> join_slow_channels(const CellDescription& desc
   }
   for (const auto& latest : history.latest()) {
     const auto* device = description.find_device(latest.device);
-    const bool is_stabiliser = device && device->axes.empty() && device->probes.empty() &&
-                               !device->length && device->angles.empty() && !device->force;
-    if (!is_stabiliser) continue;
+    if (!device || !joins_when_fresh(device->role())) continue;
     if (const auto joined = history.at(latest.channel, instant, device->max_age_s))
       values.push_back({latest.channel, joined->value});
   }

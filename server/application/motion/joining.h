@@ -8,7 +8,7 @@
 
 namespace driftwise::application {
 
-// Every temperature of the cell (required), then the stabilisers' channels (where they are fresh
+// Every temperature of the cell (required), then what joins_when_fresh() (where it is fresh
 // enough). Errors, failed_precondition: CHANNEL_MISSING, CHANNEL_TOO_OLD, naming the first
 // temperature that fails.
 Result<std::vector<ChannelValue>> join_slow_channels(const CellDescription& description,

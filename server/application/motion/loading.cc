@@ -39,7 +39,7 @@ Result<void> check_force(const CellDescription& description, double force_n) {
 }
 
 Awaitable<Result<void>> Loading::look(DeviceBench& devices) {
-  if (!devices.has_load()) co_return Result<void>{};
+  if (!devices.has(DeviceRole::load)) co_return Result<void>{};
   DRIFTWISE_CO_TRY(const auto state, co_await devices.load_state());
   if (state.resting) know(state.force_n);
   co_return Result<void>{};
@@ -48,7 +48,7 @@ Awaitable<Result<void>> Loading::look(DeviceBench& devices) {
 Awaitable<Result<void>> Loading::bring_to(RunScope& scope, double force_n) {
   if (auto ok = check_force(scope.bench.description, force_n); !ok) co_return ok;
   if (auto ok = co_await look(scope.bench.devices); !ok) co_return ok;
-  const bool has_actuator = scope.bench.devices.has_load();
+  const bool has_actuator = scope.bench.devices.has(DeviceRole::load);
   const double same_n = has_actuator ? kNearestForce_n : kSameForce_n;
   if (known_n_ && std::abs(*known_n_ - force_n) <= same_n) co_return Result<void>{};
   auto changed = has_actuator ? by_actuator(scope, force_n) : by_person(scope, force_n);

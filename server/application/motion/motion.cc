@@ -117,7 +117,7 @@ Result<void> check_soft_limits(const CellDescription& description,
                                const std::vector<double>& q_mm) {
   std::size_t i = 0;
   for (const auto& device : description.devices) {
-    for (const auto& axis : device.axes) {
+    for (const auto& axis : device.axes()) {
       if (i >= q_mm.size())
         return fail(ErrorCode::invalid_argument, reasons::kAxisCount,
                     fmt::format("{} motor coordinates were given, {} is missing", q_mm.size(),

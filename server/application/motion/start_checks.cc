@@ -17,10 +17,9 @@ namespace driftwise::application {
 namespace {
 
 // What keeps a stabiliser from being ready; empty: nothing.
-std::string stabiliser_trouble(const RunScope& scope, std::size_t i) {
-  const auto& description = scope.bench.devices.stabiliser_description(i);
-  std::string stem = description.id;
-  std::replace(stem.begin(), stem.end(), '-', '_');
+std::string stabiliser_trouble(const RunScope& scope, std::size_t device) {
+  const auto& description = scope.bench.devices.description(device);
+  const std::string stem = symbol_from_id(description.id);
   const auto& history = scope.bench.recorder.history();
   const auto* present = history.latest(stem + "_degC");
   const auto* wanted = history.latest(stem + "_set_degC");
@@ -45,14 +44,14 @@ Awaitable<Result<std::vector<double>>> zeros_now_nm(RunScope& scope) {
   const auto& description = scope.bench.description;
   DRIFTWISE_CO_TRY(auto state, co_await scope.bench.devices.motion_state());
   std::vector<double> zeros;
-  for (std::size_t i = 0; i < scope.bench.devices.interferometers(); ++i) {
-    DRIFTWISE_CO_TRY(auto reading, co_await scope.bench.devices.read_interferometer(i));
+  for (const auto device : scope.bench.devices.with_role(DeviceRole::length)) {
+    DRIFTWISE_CO_TRY(auto reading, co_await scope.bench.devices.read(device));
     scope.bench.recorder.observe(reading);
     if (!reading.rejected.empty())
       co_return fail(ErrorCode::failed_precondition, reasons::kImplausible,
                      reading.rejected.front().reason);
-    const auto& length = scope.bench.devices.interferometer_description(i).length;
-    const double* x_mm = length ? reading.find(length->name()) : nullptr;
+    const auto* length = scope.bench.devices.description(device).length();
+    const double* x_mm = length ? reading.find(length->channel.name()) : nullptr;
     if (!x_mm)
       co_return fail(ErrorCode::data_loss, reasons::kNoLength,
                      fmt::format("{} gave no length", reading.device));
@@ -68,7 +67,8 @@ Awaitable<Result<double>> measure_drift(RunScope& scope) {
   constexpr int kSamples = 21;
   const double window_s = scope.bench.description.checks.drift_window_s;
   std::vector<double> times_s;
-  std::vector<std::vector<double>> zeros_nm(scope.bench.devices.interferometers());
+  std::vector<std::vector<double>> zeros_nm(
+      scope.bench.devices.with_role(DeviceRole::length).size());
   const auto begin = scope.bench.clock.now().utc;
   for (int k = 0; k < kSamples; ++k) {
     const auto due = begin + nanoseconds_from_s(window_s * k / (kSamples - 1));
@@ -87,9 +87,8 @@ Awaitable<Result<double>> measure_drift(RunScope& scope) {
 Awaitable<Result<void>> check_thermometers(RunScope& scope) {
   scope.phase("waiting for the thermometers");
   double longest_period_s = 1;
-  for (std::size_t i = 0; i < scope.bench.devices.scanners(); ++i)
-    longest_period_s =
-        std::max(longest_period_s, scope.bench.devices.scanner_description(i).period_s);
+  for (const auto device : scope.bench.devices.with_role(DeviceRole::temperature))
+    longest_period_s = std::max(longest_period_s, scope.bench.devices.description(device).period_s);
   const auto limit = scope.bench.clock.now().utc +
                      nanoseconds_from_s(3 * longest_period_s + scope.rules.max_temperature_age_s);
   while (true) {
@@ -107,9 +106,9 @@ Awaitable<Result<void>> check_stabilisers(RunScope& scope) {
   const auto begin = scope.bench.clock.now().utc;
   const double wait_s = scope.bench.description.checks.stabiliser_wait_s;
   bool waiting = false;
-  for (std::size_t i = 0; i < scope.bench.devices.stabilisers(); ++i) {
+  for (const auto device : scope.bench.devices.with_role(DeviceRole::stabiliser)) {
     while (true) {
-      const auto trouble = stabiliser_trouble(scope, i);
+      const auto trouble = stabiliser_trouble(scope, device);
       if (trouble.empty()) break;
       const double waited_s = seconds_from(scope.bench.clock.now().utc - begin);
       if (waited_s > wait_s)
@@ -130,7 +129,7 @@ Awaitable<Result<void>> check_stabilisers(RunScope& scope) {
 }
 
 Awaitable<Result<void>> check_drift(RunScope& scope) {
-  if (scope.bench.devices.interferometers() == 0 ||
+  if (!scope.bench.devices.has(DeviceRole::length) ||
       scope.bench.description.checks.drift_window_s <= 0)
     co_return Result<void>{};
   const auto begin = scope.bench.clock.now().utc;

@@ -25,10 +25,7 @@
 #include "server/core/data/dataset.h"
 #include "server/core/description/cell_description.h"
 #include "server/core/ports/clock.h"
-#include "server/core/ports/instrument.h"
-#include "server/core/ports/load_actuator.h"
-#include "server/core/ports/motion_controller.h"
-#include "server/core/ports/stabiliser.h"
+#include "server/core/ports/made_device.h"
 #include "server/core/ports/store.h"
 #include "server/core/records/stop_record.h"
 #include "server/diagnosis/check_standard.h"
@@ -41,14 +38,8 @@ struct Caller {
   std::string name, peer;
 };  // "ada", "ipv4:127.0.0.1:5020": as stated, unverified until roles exist
 
-struct Devices {  // owned here, made by main
-  std::unique_ptr<MotionController> controller;
-  std::vector<std::unique_ptr<Instrument>> interferometers;
-  std::vector<std::unique_ptr<Instrument>> collimators;
-  std::vector<std::unique_ptr<Instrument>> scanners;
-  std::vector<std::unique_ptr<Stabiliser>> stabilisers;
-  std::unique_ptr<LoadActuator> load;  // none: a person changes the force, or nobody
-};
+// The cell's devices, each behind the port of its role; made by main.
+using Devices = std::vector<MadeDevice>;
 
 struct LatestValue {
   Channel channel;

@@ -13,7 +13,7 @@ namespace {
 
 const ProbeDescription* probe_of(const CellDescription& cell, const std::string& symbol) {
   for (const auto& device : cell.devices)
-    for (const auto& probe : device.probes)
+    for (const auto& probe : device.probes())
       if (probe.channel.symbol == symbol) return &probe;
   return nullptr;
 }

@@ -1,5 +1,6 @@
 #include "server/application/recording/device_bench.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -9,6 +10,19 @@
 #include "server/core/try.h"
 
 namespace driftwise::application {
+namespace {
+
+Error no_controller() {
+  return {ErrorCode::failed_precondition, reasons::kNoController,
+          "this cell has no motion controller: add one to the cell file"};
+}
+
+template <class... Visits>
+struct Overloaded : Visits... {
+  using Visits::operator()...;
+};
+
+}  // namespace
 
 bool is_device_loss(const Error& error) {
   return error.code == ErrorCode::unavailable || error.code == ErrorCode::deadline_exceeded ||
@@ -18,76 +32,158 @@ bool is_device_loss(const Error& error) {
 DeviceBench::DeviceBench(asio::any_io_executor executor, Devices devices, Doubts& doubts,
                          OnChange on_change)
     : doubts_(doubts), on_change_(std::move(on_change)) {
-  if (devices.controller)
-    controller_ = std::make_unique<Seat<MotionController>>(executor, std::move(devices.controller));
-  for (auto& d : devices.interferometers)
-    interferometers_.push_back(std::make_unique<Seat<Instrument>>(executor, std::move(d)));
-  for (auto& d : devices.collimators)
-    collimators_.push_back(std::make_unique<Seat<Instrument>>(executor, std::move(d)));
-  for (auto& d : devices.scanners)
-    scanners_.push_back(std::make_unique<Seat<Instrument>>(executor, std::move(d)));
-  for (auto& d : devices.stabilisers)
-    stabilisers_.push_back(std::make_unique<Seat<Stabiliser>>(executor, std::move(d)));
-  if (devices.load) load_ = std::make_unique<Seat<LoadActuator>>(executor, std::move(devices.load));
+  for (auto& made : devices) slots_.push_back(std::make_unique<Slot>(executor, std::move(made)));
+  std::ranges::stable_sort(slots_, {}, [](const auto& slot) { return slot->description().role(); });
+  for (std::size_t i = 0; i < slots_.size(); ++i)
+    by_role_[static_cast<std::size_t>(description(i).role())].push_back(i);
 }
 
 DeviceBench::~DeviceBench() = default;
 
-template <class Port, class R>
-void DeviceBench::note(Seat<Port>& seat, const R& result) {
+const DeviceDescription& DeviceBench::description(std::size_t device) const {
+  return slots_.at(device)->description();
+}
+
+template <class R>
+void DeviceBench::note(Slot& slot, const R& result) {
   // One garbled answer is an error on record (health), not a lost device; no answer at all is one.
   constexpr int kGarbledInARow = 3;
   if (result || !is_device_loss(result.error())) {
-    seat.failures = 0;
-    if (std::exchange(seat.lost, false)) on_change_(seat.device->description(), nullptr);
+    slot.failures = 0;
+    if (std::exchange(slot.lost, false)) on_change_(slot.description(), nullptr);
     return;
   }
-  ++seat.failures;
+  ++slot.failures;
   const bool is_lost =
-      result.error().code != ErrorCode::data_loss || seat.failures >= kGarbledInARow;
-  if (is_lost && !std::exchange(seat.lost, true))
-    on_change_(seat.device->description(), &result.error());
+      result.error().code != ErrorCode::data_loss || slot.failures >= kGarbledInARow;
+  if (is_lost && !std::exchange(slot.lost, true)) on_change_(slot.description(), &result.error());
 }
 
 template <class Port, class Call>
-auto DeviceBench::ask(Seat<Port>& seat, Call call) -> std::invoke_result_t<Call, Port&> {
-  const auto lock = co_await seat.mutex.lock();
-  auto result = co_await call(*seat.device);
-  note(seat, result);
+auto DeviceBench::ask(Slot& slot, Port& port, Call call) -> std::invoke_result_t<Call, Port&> {
+  const auto lock = co_await slot.mutex.lock();
+  auto result = co_await call(port);
+  note(slot, result);
   co_return result;
 }
 
 // The lock may have been waited for: what forbids the motion may be younger than the request.
 template <class Port, class Call>
-Awaitable<Result<void>> DeviceBench::ask_to_move(Seat<Port>& seat, Call call) {
-  const auto lock = co_await seat.mutex.lock();
+Awaitable<Result<void>> DeviceBench::ask_to_move(Slot& slot, Port& port, Call call) {
+  const auto lock = co_await slot.mutex.lock();
   if (auto allowed = gate_(); !allowed) co_return allowed;
-  auto result = co_await call(*seat.device);
-  note(seat, result);
+  auto result = co_await call(port);
+  note(slot, result);
   co_return result;
 }
 
-namespace {
-// Plain functions of the port: a lambda without captures may be a coroutine's caller, its frame
-// holds only arguments.
-Error no_controller() {
-  return {ErrorCode::failed_precondition, reasons::kNoController,
-          "this cell has no motion controller: add one to the cell file"};
+Awaitable<Result<JudgedReading>> DeviceBench::read(std::size_t device) {
+  Slot& slot = *slots_.at(device);
+  return std::visit(
+      Overloaded{
+          [&](const std::unique_ptr<Instrument>& one) { return read_instrument(slot, *one); },
+          [&](const std::unique_ptr<Stabiliser>& one) { return read_stabiliser(slot, *one); },
+          [&](const std::unique_ptr<MotionController>&) { return read_axes(slot, device); },
+          [&](const std::unique_ptr<LoadActuator>& one) { return read_load(slot, *one); }},
+      slot.made.port);
 }
-}  // namespace
+
+Awaitable<Result<JudgedReading>> DeviceBench::read_instrument(Slot& slot, Instrument& instrument) {
+  DRIFTWISE_CO_TRY(auto reading,
+                   co_await ask(slot, instrument, [](Instrument& d) { return d.read(); }));
+  co_return doubts_.judge(std::move(reading));
+}
+
+Awaitable<Result<JudgedReading>> DeviceBench::read_stabiliser(Slot& slot, Stabiliser& stabiliser) {
+  DRIFTWISE_CO_TRY(auto reading,
+                   co_await ask(slot, stabiliser, [](Stabiliser& d) { return d.read(); }));
+  co_return doubts_.judge(std::move(reading));
+}
+
+// Where the axes are, as a reading of the controller.
+Awaitable<Result<JudgedReading>> DeviceBench::read_axes(Slot& slot, std::size_t device) {
+  DRIFTWISE_CO_TRY(const auto state, co_await motion_state(device));
+  const auto& axes = slot.description().axes();
+  Reading reading{slot.description().id, state.at, state.at, ++slot.sequence, {}};
+  for (std::size_t i = 0; i < std::min(axes.size(), state.q_mm.size()); ++i)
+    reading.values.push_back({axes[i].channel.name(), state.q_mm[i]});
+  co_return JudgedReading{std::move(reading), {}};
+}
+
+// The force; missing while weights move.
+Awaitable<Result<JudgedReading>> DeviceBench::read_load(Slot& slot, LoadActuator& actuator) {
+  DRIFTWISE_CO_TRY(const auto state,
+                   co_await ask(slot, actuator, [](LoadActuator& d) { return d.state(); }));
+  co_return doubts_.judged(slot.description(), state, ++slot.sequence);
+}
+
+Awaitable<void> DeviceBench::read_into(std::size_t device,
+                                       std::optional<Result<JudgedReading>>& place) {
+  auto reading = co_await read(device);
+  place.emplace(std::move(reading));
+}
+
+Awaitable<Result<std::vector<JudgedReading>>> DeviceBench::read_pose_instruments() {
+  std::vector<std::size_t> asked;
+  for (std::size_t i = 0; i < slots_.size(); ++i)
+    if (measures_pose(description(i).role())) asked.push_back(i);
+  const auto executor = co_await asio::this_coro::executor;
+  TaskGroup under_way(executor);
+  std::vector<std::optional<Result<JudgedReading>>> answers(asked.size());
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    under_way.spawn(read_into(asked[i], answers[i]));
+  }
+  co_await under_way.all_ended();
+  std::vector<JudgedReading> readings;
+  for (auto& answer : answers) {
+    DRIFTWISE_CO_RETURN_IF_ERROR(*answer);
+    readings.push_back(std::move(**answer));
+  }
+  co_return readings;
+}
+
+Awaitable<Result<void>> DeviceBench::zero(std::size_t device) {
+  Slot& slot = *slots_.at(device);
+  auto zeroed =
+      co_await ask(slot, *slot.made.as<Instrument>(), [](Instrument& d) { return d.zero(); });
+  doubts_.begin_anew(slot.description().id);
+  co_return zeroed;
+}
+
+Awaitable<Result<void>> DeviceBench::set_point(std::size_t device, double degc) {
+  Slot& slot = *slots_.at(device);
+  co_return co_await ask(slot, *slot.made.as<Stabiliser>(),
+                         [degc](Stabiliser& d) { return d.set_point(degc); });
+}
+
+DeviceBench::Slot* DeviceBench::controller() {
+  return has(DeviceRole::motion) ? slots_[with_role(DeviceRole::motion).front()].get() : nullptr;
+}
+
+const DeviceDescription& DeviceBench::controller_description() const {
+  return description(with_role(DeviceRole::motion).front());
+}
 
 Awaitable<Result<MotionState>> DeviceBench::motion_state() {
-  if (!controller_) co_return tl::unexpected(no_controller());
-  const auto orders = motion_watch_ ? motion_watch_->orders() : 0;
-  auto state = co_await ask(*controller_, [](MotionController& c) { return c.state(); });
+  if (!controller()) co_return tl::unexpected(no_controller());
+  co_return co_await motion_state(with_role(DeviceRole::motion).front());
+}
+
+Awaitable<Result<MotionState>> DeviceBench::motion_state(std::size_t device) {
+  Slot& slot = *slots_.at(device);
+  // Only the robot in use is commanded from here, so only its motion can be told from other motion.
+  auto* watch = &slot == controller() && motion_watch_ ? &*motion_watch_ : nullptr;
+  const auto orders = watch ? watch->orders() : 0;
+  auto state = co_await ask(slot, *slot.made.as<MotionController>(),
+                            [](MotionController& c) { return c.state(); });
   if (!state) {
-    if (motion_watch_ && is_device_loss(state.error())) motion_watch_->lost();
+    if (watch && is_device_loss(state.error())) watch->lost();
     co_return state;
   }
-  DRIFTWISE_CO_RETURN_IF_ERROR(doubts_.judge(controller_description(), *state));
-  if (motion_watch_ && doubts_.doubts_readback()) {
-    motion_watch_->released();
-  } else if (motion_watch_ && motion_watch_->orders() == orders) {
+  DRIFTWISE_CO_RETURN_IF_ERROR(doubts_.judge(slot.description(), *state));
+  if (watch && doubts_.doubts_readback()) {
+    watch->released();
+  } else if (watch && watch->orders() == orders) {
     auto looking = look_for_motion(*state);
     co_await std::move(looking);
   }
@@ -109,195 +205,113 @@ Awaitable<void> DeviceBench::look_for_motion(MotionState state) {
 void DeviceBench::watch_motion(double limit_nm,
                                std::function<Awaitable<bool>(std::vector<double>)> instruments_say,
                                std::function<void(const std::string&)> on_uncommanded) {
-  if (!controller_) return;
+  if (!controller()) return;
   instruments_say_ = std::move(instruments_say);
   std::vector<Channel> motors;
-  for (const auto& axis : controller_->device->description().axes) motors.push_back(axis.channel);
+  for (const auto& axis : controller_description().axes()) motors.push_back(axis.channel);
   motion_watch_.emplace(std::move(motors), limit_nm);
   on_uncommanded_ = std::move(on_uncommanded);
 }
 
 Awaitable<Result<void>> DeviceBench::home() {
-  if (!controller_) co_return tl::unexpected(no_controller());
+  Slot* slot = controller();
+  if (!slot) co_return tl::unexpected(no_controller());
   if (motion_watch_) motion_watch_->released();
-  auto homed = co_await ask_to_move(*controller_, [](MotionController& c) { return c.home(); });
+  auto homed = co_await ask_to_move(*slot, *slot->made.as<MotionController>(),
+                                    [](MotionController& c) { return c.home(); });
   if (motion_watch_) motion_watch_->released();
-  doubts_.begin_anew(controller_description().id);
+  doubts_.begin_anew(slot->description().id);
   co_return homed;
 }
 
 Awaitable<Result<void>> DeviceBench::start_move(std::vector<double> q_mm) {
-  if (!controller_) co_return tl::unexpected(no_controller());
-  auto started = co_await ask_to_move(*controller_, [this, &q_mm](MotionController& c) {
-    // Before it is sent: a move whose answer got lost may have started all the same.
-    if (motion_watch_) motion_watch_->commanded(q_mm);
-    return c.start_move(q_mm);
-  });
+  Slot* slot = controller();
+  if (!slot) co_return tl::unexpected(no_controller());
+  auto started = co_await ask_to_move(*slot, *slot->made.as<MotionController>(),
+                                      [this, &q_mm](MotionController& c) {
+                                        // Before it is sent: a move whose answer got lost may have
+                                        // started all the same.
+                                        if (motion_watch_) motion_watch_->commanded(q_mm);
+                                        return c.start_move(q_mm);
+                                      });
   if (!started && motion_watch_) motion_watch_->released();
   co_return started;
 }
 
 Awaitable<Result<void>> DeviceBench::stop() {
-  if (!controller_) co_return Result<void>{};
-  if (motion_watch_) motion_watch_->released();
-  auto stopped = co_await controller_->device->stop();
-  if (motion_watch_) motion_watch_->released();
+  Result<void> all;
+  for (const auto device : with_role(DeviceRole::motion))
+    if (auto stopped = co_await stop(device); !stopped && all) all = stopped;
+  co_return all;
+}
+
+Awaitable<Result<void>> DeviceBench::stop(std::size_t device) {
+  Slot& slot = *slots_.at(device);
+  const bool is_watched = &slot == controller() && motion_watch_;
+  if (is_watched) motion_watch_->released();
+  auto stopped = co_await slot.made.as<MotionController>()->stop();
+  if (is_watched) motion_watch_->released();
   co_return stopped;
 }
 
-Awaitable<Result<JudgedReading>> DeviceBench::read_interferometer(std::size_t i) {
-  co_return co_await read_judged(*interferometers_.at(i));
-}
-Awaitable<Result<JudgedReading>> DeviceBench::read_collimator(std::size_t i) {
-  co_return co_await read_judged(*collimators_.at(i));
-}
+DeviceBench::Slot& DeviceBench::load() { return *slots_[with_role(DeviceRole::load).front()]; }
 
-Awaitable<Result<JudgedReading>> DeviceBench::read_judged(Seat<Instrument>& seat) {
-  DRIFTWISE_CO_TRY(auto reading, co_await ask(seat, [](Instrument& d) { return d.read(); }));
-  co_return doubts_.judge(std::move(reading));
-}
-
-Awaitable<void> DeviceBench::read_into(Seat<Instrument>& seat,
-                                       std::optional<Result<JudgedReading>>& place) {
-  auto reading = co_await read_judged(seat);
-  place.emplace(std::move(reading));
-}
-
-Awaitable<Result<std::vector<JudgedReading>>> DeviceBench::read_pose_instruments() {
-  std::vector<Seat<Instrument>*> seats;
-  for (auto& seat : interferometers_) seats.push_back(seat.get());
-  for (auto& seat : collimators_) seats.push_back(seat.get());
-  const auto executor = co_await asio::this_coro::executor;
-  TaskGroup under_way(executor);
-  std::vector<std::optional<Result<JudgedReading>>> answers(seats.size());
-  for (std::size_t i = 0; i < seats.size(); ++i) {
-    under_way.spawn(read_into(*seats[i], answers[i]));
-  }
-  co_await under_way.all_ended();
-  std::vector<JudgedReading> readings;
-  for (auto& answer : answers) {
-    if (!*answer) co_return tl::unexpected(answer->error());
-    readings.push_back(std::move(**answer));
-  }
-  co_return readings;
-}
-
-Awaitable<Result<void>> DeviceBench::zero_interferometer(std::size_t i) {
-  auto zeroed = co_await ask(*interferometers_.at(i), [](Instrument& d) { return d.zero(); });
-  doubts_.begin_anew(interferometer_description(i).id);
-  co_return zeroed;
-}
-Awaitable<Result<JudgedReading>> DeviceBench::read_scanner(std::size_t i) {
-  co_return co_await read_judged(*scanners_.at(i));
-}
-Awaitable<Result<JudgedReading>> DeviceBench::read_stabiliser(std::size_t i) {
-  DRIFTWISE_CO_TRY(auto reading,
-                   co_await ask(*stabilisers_.at(i), [](Stabiliser& d) { return d.read(); }));
-  co_return doubts_.judge(std::move(reading));
-}
-Awaitable<Result<void>> DeviceBench::set_stabiliser(std::size_t i, double degc) {
-  co_return co_await ask(*stabilisers_.at(i), [degc](Stabiliser& d) { return d.set_point(degc); });
+const DeviceDescription& DeviceBench::load_description() const {
+  return description(with_role(DeviceRole::load).front());
 }
 
 Awaitable<Result<LoadState>> DeviceBench::load_state() {
-  auto state = co_await ask(*load_, [](LoadActuator& d) { return d.state(); });
+  Slot& slot = load();
+  auto state =
+      co_await ask(slot, *slot.made.as<LoadActuator>(), [](LoadActuator& d) { return d.state(); });
   if (!state) co_return state;
-  const auto reading = doubts_.judged(load_description(), *state, load_sequence_);
+  const auto reading = doubts_.judged(slot.description(), *state, slot.sequence);
   if (!reading.rejected.empty())
     co_return fail(ErrorCode::failed_precondition, reasons::kImplausible,
                    reading.rejected.front().reason);
   co_return state;
 }
-Awaitable<Result<void>> DeviceBench::set_load(double force_n) {
-  auto set =
-      co_await ask_to_move(*load_, [force_n](LoadActuator& d) { return d.set_force(force_n); });
-  doubts_.begin_anew(load_description().id);
-  co_return set;
-}
-Awaitable<Result<JudgedReading>> DeviceBench::read_load() {
-  DRIFTWISE_CO_TRY(const auto state,
-                   co_await ask(*load_, [](LoadActuator& d) { return d.state(); }));
-  co_return doubts_.judged(load_description(), state, ++load_sequence_);
-}
 
-const DeviceDescription& DeviceBench::controller_description() const {
-  return controller_->device->description();
-}
-const DeviceDescription& DeviceBench::interferometer_description(std::size_t i) const {
-  return interferometers_.at(i)->device->description();
-}
-const DeviceDescription& DeviceBench::collimator_description(std::size_t i) const {
-  return collimators_.at(i)->device->description();
-}
-const DeviceDescription& DeviceBench::load_description() const {
-  return load_->device->description();
-}
-const DeviceDescription& DeviceBench::scanner_description(std::size_t i) const {
-  return scanners_.at(i)->device->description();
-}
-const DeviceDescription& DeviceBench::stabiliser_description(std::size_t i) const {
-  return stabilisers_.at(i)->device->description();
+Awaitable<Result<void>> DeviceBench::set_load(double force_n) {
+  Slot& slot = load();
+  auto set = co_await ask_to_move(slot, *slot.made.as<LoadActuator>(),
+                                  [force_n](LoadActuator& d) { return d.set_force(force_n); });
+  doubts_.begin_anew(slot.description().id);
+  co_return set;
 }
 
 Awaitable<Result<void>> DeviceBench::prepare_for_run() {
-  if (!controller_) co_return tl::unexpected(no_controller());
-  if (auto ok = co_await ask(*controller_, [](MotionController& c) { return c.prepare(); }); !ok)
-    co_return ok;
-  for (auto& seat : interferometers_)
-    if (auto ok = co_await ask(*seat, [](Instrument& d) { return d.prepare(); }); !ok) co_return ok;
-  for (auto& seat : collimators_)
-    if (auto ok = co_await ask(*seat, [](Instrument& d) { return d.prepare(); }); !ok) co_return ok;
-  for (auto& seat : scanners_)
-    if (auto ok = co_await ask(*seat, [](Instrument& d) { return d.prepare(); }); !ok) co_return ok;
-  if (load_)
-    if (auto ok = co_await ask(*load_, [](LoadActuator& d) { return d.prepare(); }); !ok)
-      co_return ok;
-  for (auto& seat : stabilisers_)
-    if (auto ok = co_await ask(*seat, [](Stabiliser& d) { return d.prepare(); }); !ok) co_return ok;
+  if (!controller()) co_return tl::unexpected(no_controller());
+  for (std::size_t i = 0; i < slots_.size(); ++i) DRIFTWISE_CO_RETURN_IF_ERROR(co_await prepare(i));
   co_return Result<void>{};
 }
 
-template <class Visit>
-void DeviceBench::for_each_seat(Visit visit) const {
-  if (controller_) visit(*controller_);
-  for (const auto& seat : interferometers_) visit(*seat);
-  for (const auto& seat : collimators_) visit(*seat);
-  for (const auto& seat : scanners_) visit(*seat);
-  for (const auto& seat : stabilisers_) visit(*seat);
-  if (load_) visit(*load_);
-}
-
 Awaitable<Result<void>> DeviceBench::prepare(std::size_t device) {
-  std::optional<Awaitable<Result<void>>> asking;
-  std::size_t at = 0;
-  for_each_seat([this, device, &at, &asking](auto& seat) {
-    if (at++ == device) asking = ask(seat, [](auto& d) { return d.prepare(); });
-  });
-  if (!asking) co_return Result<void>{};
-  co_return co_await std::move(*asking);
+  if (device >= slots_.size()) co_return Result<void>{};
+  Slot& slot = *slots_[device];
+  co_return co_await ask(slot, slot.made.device(), [](Device& d) { return d.prepare(); });
 }
 
 std::vector<DeviceStatus> DeviceBench::status() const {
   std::vector<DeviceStatus> all;
-  for_each_seat([&all](const auto& seat) {
-    all.push_back({seat.device->description(), seat.device->health()});
+  for (const auto& slot : slots_) {
+    all.push_back({slot->description(), slot->made.device().health()});
     // Between two attempts a link connects, and one with garbled answers stands: until it answers,
     // a lost device is a failed one wherever it is shown.
-    if (seat.lost) all.back().health.link = LinkState::failed;
-  });
+    if (slot->lost) all.back().health.link = LinkState::failed;
+  }
   return all;
 }
 
 std::vector<std::string> DeviceBench::lost() const {
   std::vector<std::string> ids;
-  for_each_seat([&ids](const auto& seat) {
-    if (seat.lost) ids.push_back(seat.device->description().id);
-  });
+  for (const auto& slot : slots_)
+    if (slot->lost) ids.push_back(slot->description().id);
   return ids;
 }
 
 void DeviceBench::close_all() {
-  for_each_seat([](const auto& seat) { seat.device->close(); });
+  for (const auto& slot : slots_) slot->made.device().close();
 }
 
 }  // namespace driftwise::application

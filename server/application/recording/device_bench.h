@@ -1,13 +1,17 @@
 #pragma once
-// The cell's devices, each asked by one at a time, and each watched: lost once, back once.
+// The cell's devices in one list, each asked by one at a time, and each watched: lost once, back
+// once. A device's place in the list is its number: by role (DeviceRole), within a role as in the
+// cell file.
+//
+// The only mutual exclusion of a device's line is here (server/core/ports/device.h).
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "server/application/plumbing/signal.h"
 #include "server/application/ports/cell.h"
 #include "server/application/recording/motion_watch.h"
 #include "server/core/data/judged_reading.h"
@@ -26,81 +30,85 @@ class DeviceBench {
   DeviceBench(asio::any_io_executor executor, Devices devices, Doubts& doubts, OnChange on_change);
   ~DeviceBench();
 
+  std::size_t size() const { return slots_.size(); }
+  const DeviceDescription& description(std::size_t device) const;
+  // Numbers of the devices with this role.
+  const std::vector<std::size_t>& with_role(DeviceRole role) const {
+    return by_role_[static_cast<std::size_t>(role)];
+  }
+  bool has(DeviceRole role) const { return !with_role(role).empty(); }
+
+  // What the device says now: an instrument's reading, the axes' readback, the load's force.
+  // Errors besides the devices': those of judging a motion state, below. A reading says itself what
+  // of it was rejected.
+  Awaitable<Result<JudgedReading>> read(std::size_t device);
+  // Every device that measures the pose, all asked at the same time. The first that fails, by
+  // number, is the answer; the others are waited for.
+  Awaitable<Result<std::vector<JudgedReading>>> read_pose_instruments();
+  // Only of devices behind the port Instrument, and Stabiliser.
+  Awaitable<Result<void>> zero(std::size_t device);
+  Awaitable<Result<void>> set_point(std::size_t device, double degc);
+
   // Motion that nobody here commanded is told from now on, once each time (motion_watch.h), from
   // within the call that saw it. instruments_say: whether the axes are there by what the
   // interferometers measure; false also where that is not known.
   void watch_motion(double limit_nm,
                     std::function<Awaitable<bool>(std::vector<double> q_mm)> instruments_say,
                     std::function<void(const std::string&)> on_uncommanded);
-  bool has_controller() const { return controller_ != nullptr; }
-
-  // Errors besides the devices': IMPLAUSIBLE (server/application/recording/doubts.h), here and in
-  // load_state. A reading says itself what of it was rejected.
+  // Motion of the robot in use: its controller is the first one. Errors besides the devices':
+  // NO_CONTROLLER; IMPLAUSIBLE (server/application/recording/doubts.h), also in load_state.
   Awaitable<Result<MotionState>> motion_state();
   Awaitable<Result<void>> home();
   Awaitable<Result<void>> start_move(std::vector<double> q_mm);
-  Awaitable<Result<void>> stop();  // takes no lock: it interrupts whatever the controller is doing
+  // Halts the axes of every robot. Does not queue: it interrupts whatever a controller is doing.
+  // The first error is the answer, when all have been told.
+  Awaitable<Result<void>> stop();
+  // The same for one controller, by its number.
+  Awaitable<Result<MotionState>> motion_state(std::size_t controller);
+  Awaitable<Result<void>> stop(std::size_t controller);
+  const DeviceDescription& controller_description() const;
   // Asked at the instant at which home(), start_move() and set_load() would be sent; its error is
   // theirs, and nothing is sent.
   void allow_motion_if(std::function<Result<void>()> gate) { gate_ = std::move(gate); }
 
-  std::size_t interferometers() const { return interferometers_.size(); }
-  std::size_t collimators() const { return collimators_.size(); }
-  bool has_load() const { return load_ != nullptr; }
-  std::size_t scanners() const { return scanners_.size(); }
-  std::size_t stabilisers() const { return stabilisers_.size(); }
-  Awaitable<Result<JudgedReading>> read_interferometer(std::size_t i);
-  Awaitable<Result<JudgedReading>> read_collimator(std::size_t i);
-  // Every interferometer, then every collimator, all asked at the same time: what belongs to one
-  // pose. The first that fails, in that order, is the answer; the others are waited for.
-  Awaitable<Result<std::vector<JudgedReading>>> read_pose_instruments();
-  Awaitable<Result<void>> zero_interferometer(std::size_t i);
-  Awaitable<Result<JudgedReading>> read_scanner(std::size_t i);
-  Awaitable<Result<JudgedReading>> read_stabiliser(std::size_t i);
-  Awaitable<Result<void>> set_stabiliser(std::size_t i, double degc);
-  // Only with has_load().
+  // Only with has(DeviceRole::load).
   Awaitable<Result<LoadState>> load_state();
   Awaitable<Result<void>> set_load(double force_n);
-  Awaitable<Result<JudgedReading>>
-  read_load();  // the force as a reading; missing while weights move
-
-  const DeviceDescription& controller_description() const;
-  const DeviceDescription& interferometer_description(std::size_t i) const;
-  const DeviceDescription& collimator_description(std::size_t i) const;
   const DeviceDescription& load_description() const;
-  const DeviceDescription& scanner_description(std::size_t i) const;
-  const DeviceDescription& stabiliser_description(std::size_t i) const;
 
   // Connects what is not connected. The first error ends it.
   Awaitable<Result<void>> prepare_for_run();
-  // Connects one device, where it is not connected; counted in the order of status().
+  // Connects one device, where it is not connected.
   Awaitable<Result<void>> prepare(std::size_t device);
-  std::vector<DeviceStatus> status() const;
-  std::vector<std::string> lost() const;  // ids of the devices that do not answer
+  std::vector<DeviceStatus> status() const;  // by number
+  std::vector<std::string> lost() const;     // ids of the devices that do not answer
   void close_all();
 
  private:
-  template <class Port>
-  struct Seat {
-    Seat(const asio::any_io_executor& executor, std::unique_ptr<Port> d)
-        : device(std::move(d)), mutex(executor) {}
-    std::unique_ptr<Port> device;
+  struct Slot {
+    Slot(const asio::any_io_executor& executor, MadeDevice device)
+        : made(std::move(device)), mutex(executor) {}
+    const DeviceDescription& description() const { return made.device().description(); }
+    MadeDevice made;
     AsyncMutex mutex;
     int failures = 0;
     bool lost = false;
+    std::int64_t sequence = 0;  // of readings that are made here of a state
   };
   template <class Port, class Call>
-  auto ask(Seat<Port>& seat, Call call) -> std::invoke_result_t<Call, Port&>;
-  template <class Port, class R>
-  void note(Seat<Port>& seat, const R& result);
-  Awaitable<void> read_into(Seat<Instrument>& seat, std::optional<Result<JudgedReading>>& place);
-  template <class Visit>
-  void for_each_seat(Visit visit) const;
-
+  auto ask(Slot& slot, Port& port, Call call) -> std::invoke_result_t<Call, Port&>;
   template <class Port, class Call>
-  Awaitable<Result<void>> ask_to_move(Seat<Port>& seat, Call call);
+  Awaitable<Result<void>> ask_to_move(Slot& slot, Port& port, Call call);
+  template <class R>
+  void note(Slot& slot, const R& result);
 
-  Awaitable<Result<JudgedReading>> read_judged(Seat<Instrument>& seat);
+  Slot* controller();  // of the robot in use; nullptr: the cell has none
+  Slot& load();
+  Awaitable<Result<JudgedReading>> read_instrument(Slot& slot, Instrument& instrument);
+  Awaitable<Result<JudgedReading>> read_stabiliser(Slot& slot, Stabiliser& stabiliser);
+  Awaitable<Result<JudgedReading>> read_axes(Slot& slot, std::size_t device);
+  Awaitable<Result<JudgedReading>> read_load(Slot& slot, LoadActuator& actuator);
+  Awaitable<void> read_into(std::size_t device, std::optional<Result<JudgedReading>>& place);
   Awaitable<void> look_for_motion(MotionState state);
 
   Doubts& doubts_;
@@ -109,11 +117,8 @@ class DeviceBench {
   std::optional<MotionWatch> motion_watch_;
   std::function<Awaitable<bool>(std::vector<double>)> instruments_say_;
   std::function<void(const std::string&)> on_uncommanded_;
-  std::unique_ptr<Seat<MotionController>> controller_;
-  std::vector<std::unique_ptr<Seat<Instrument>>> interferometers_, collimators_, scanners_;
-  std::vector<std::unique_ptr<Seat<Stabiliser>>> stabilisers_;
-  std::unique_ptr<Seat<LoadActuator>> load_;
-  std::int64_t load_sequence_ = 0;
+  std::vector<std::unique_ptr<Slot>> slots_;
+  std::array<std::vector<std::size_t>, static_cast<std::size_t>(DeviceRole::probe) + 1> by_role_;
 };
 
 // True for what a device that is away does to a call; false for a refusal, which asking again does

@@ -17,8 +17,8 @@ DeviceKeeper::DeviceKeeper(asio::any_io_executor executor, Clock& clock, DeviceB
       looked_(executor) {}
 
 void DeviceKeeper::start() {
-  untried_ = bench_.status().size();
-  for (std::size_t device = 0; device < bench_.status().size(); ++device) {
+  untried_ = bench_.size();
+  for (std::size_t device = 0; device < bench_.size(); ++device) {
     tasks_.spawn(keep(device));
   }
 }

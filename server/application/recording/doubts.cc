@@ -59,9 +59,9 @@ Result<void> Doubts::judge(const DeviceDescription& controller, const MotionStat
 JudgedReading Doubts::judged(const DeviceDescription& load, const LoadState& state,
                              std::int64_t sequence) {
   Reading reading{load.id, state.at, state.at, sequence, {}};
-  reading.values.push_back({load.force->name(), state.resting ? state.force_n : kMissing});
+  reading.values.push_back({load.force()->name(), state.resting ? state.force_n : kMissing});
   auto answer = judge(std::move(reading));
-  const std::string channel = load.force->name();
+  const std::string channel = load.force()->name();
   if (!state.resting || !is_missing(state.force_n)) return answer;
   // While weights move there is none; at rest there must be one.
   answer.rejected.push_back({channel, "missing", channel + " has no value although it rests"});
@@ -76,10 +76,10 @@ Result<void> Doubts::check_round(std::vector<JudgedReading>& round,
   for (auto& reading : round) {
     const auto* device = cell_.find_device(reading.device);
     if (device == nullptr) continue;
-    if (device->length && !reading.is_rejected(device->length->name()))
-      if (const double* length = reading.find(device->length->name());
-          length && moved_.is_frozen(device->length->name(), *length, q_mm)) {
-        const std::string name = device->length->name();
+    if (device->length() && !reading.is_rejected(device->length()->channel.name()))
+      if (const double* length = reading.find(device->length()->channel.name());
+          length && moved_.is_frozen(device->length()->channel.name(), *length, q_mm)) {
+        const std::string name = device->length()->channel.name();
         auto reason = fmt::format("{} is {:.9g} although the axes moved", name, *length);
         if (!standing_.contains(name)) suspicion_ = Suspicion{reading.middle(), reason};
         begin(name, "reading.frozen", reason);
@@ -88,11 +88,12 @@ Result<void> Doubts::check_round(std::vector<JudgedReading>& round,
                                    reading.rejected.back()});
       }
     for (const auto& one : reading.rejected) {
-      const bool is_needed = one.test != "missing" ||
-                             (device->length && device->length->name() == one.channel) ||
-                             std::ranges::any_of(device->angles, [&one](const auto& angle) {
-                               return angle.channel.name() == one.channel;
-                             });
+      const bool is_needed =
+          one.test != "missing" ||
+          (device->length() && device->length()->channel.name() == one.channel) ||
+          std::ranges::any_of(device->angles(), [&one](const auto& angle) {
+            return angle.channel.name() == one.channel;
+          });
       if (is_needed && !first) first = one.reason;
     }
   }

@@ -24,18 +24,8 @@ Recorder::Recorder(asio::any_io_executor executor, Clock& clock, DeviceBench& be
       arrived_(executor) {}
 
 void Recorder::start() {
-  const auto begin = [this](Kind kind, std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i) {
-      if (period_s(kind, i) <= 0) continue;
-      tasks_.spawn(read_for_ever(kind, i));
-    }
-  };
-  begin(Kind::scanner, bench_.scanners());
-  begin(Kind::stabiliser, bench_.stabilisers());
-  begin(Kind::interferometer, bench_.interferometers());
-  begin(Kind::collimator, bench_.collimators());
-  begin(Kind::load, bench_.has_load() ? 1 : 0);
-  begin(Kind::controller, bench_.has_controller() ? 1 : 0);
+  for (std::size_t device = 0; device < bench_.size(); ++device)
+    if (period_s(device) > 0) tasks_.spawn(read_for_ever(device));
   tasks_.spawn(flush_for_ever());
 }
 
@@ -69,66 +59,21 @@ Awaitable<void> Recorder::next_reading_until(CellTime instant) {
   co_await sleep_unless(clock_, instant, arrived_);
 }
 
-Awaitable<Result<JudgedReading>> Recorder::read(Kind kind, std::size_t i) {
-  switch (kind) {
-    case Kind::scanner:
-      return bench_.read_scanner(i);
-    case Kind::stabiliser:
-      return bench_.read_stabiliser(i);
-    case Kind::collimator:
-      return bench_.read_collimator(i);
-    case Kind::load:
-      return bench_.read_load();
-    case Kind::controller:
-      return read_axes();
-    case Kind::interferometer:
-      break;
-  }
-  return bench_.read_interferometer(i);
+double Recorder::period_s(std::size_t device) const {
+  const auto& description = bench_.description(device);
+  const bool is_idle = description.period_s <= 0 && is_read_by_runs(description.role());
+  return is_idle ? kIdlePeriod_s : description.period_s;
 }
 
-const DeviceDescription& Recorder::description_of(Kind kind, std::size_t i) const {
-  switch (kind) {
-    case Kind::scanner:
-      return bench_.scanner_description(i);
-    case Kind::stabiliser:
-      return bench_.stabiliser_description(i);
-    case Kind::collimator:
-      return bench_.collimator_description(i);
-    case Kind::load:
-      return bench_.load_description();
-    case Kind::controller:
-      return bench_.controller_description();
-    case Kind::interferometer:
-      break;
-  }
-  return bench_.interferometer_description(i);
-}
-
-// Where the axes are, as a reading of the controller.
-Awaitable<Result<JudgedReading>> Recorder::read_axes() {
-  DRIFTWISE_CO_TRY(const auto state, co_await bench_.motion_state());
-  const auto& controller = bench_.controller_description();
-  Reading reading{controller.id, state.at, state.at, ++axes_sequence_, {}};
-  for (std::size_t i = 0; i < std::min(controller.axes.size(), state.q_mm.size()); ++i)
-    reading.values.push_back({controller.axes[i].channel.name(), state.q_mm[i]});
-  co_return JudgedReading{std::move(reading), {}};
-}
-
-double Recorder::period_s(Kind kind, std::size_t i) const {
-  const double declared_s = description_of(kind, i).period_s;
-  return declared_s <= 0 && belongs_to_run(kind) ? kIdlePeriod_s : declared_s;
-}
-
-Awaitable<void> Recorder::read_for_ever(Kind kind, std::size_t i) {
-  const auto period = nanoseconds_from_s(period_s(kind, i));
-  const bool is_run_s = belongs_to_run(kind);
-  const bool is_stored = description_of(kind, i).period_s > 0;
+Awaitable<void> Recorder::read_for_ever(std::size_t device) {
+  const auto period = nanoseconds_from_s(period_s(device));
+  const bool is_run_s = is_read_by_runs(bench_.description(device).role());
+  const bool is_stored = bench_.description(device).period_s > 0;
   auto due = clock_.now().utc;
   while (!ending_) {
     if (!is_run_s || !lent_) {
-      if (auto reading = co_await read(
-              kind, i)) {  // what fails is told by the bench, and tried again next period
+      // What fails is told by the bench, and tried again next period.
+      if (auto reading = co_await bench_.read(device)) {
         observe(*reading);
         if (is_stored) writer_.add(std::move(*reading));
       }

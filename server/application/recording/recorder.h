@@ -34,7 +34,7 @@ class Recorder {
   void observe(const JudgedReading& reading);
   // What belongs to no device: the pose after the correction stage. Joins and is shown.
   void show(const Reading& reading, std::span<const RejectedValue> rejected = {});
-  // Interferometers, autocollimators: what a run reads by itself.
+  // Devices that a run reads by itself: is_read_by_runs().
   void lend_pose_instruments(bool to_run) { lent_ = to_run; }
 
   const ChannelHistory& history() const { return history_; }
@@ -45,16 +45,9 @@ class Recorder {
 
  private:
   static constexpr double kIdlePeriod_s = 2.0;
-  enum class Kind { scanner, stabiliser, interferometer, collimator, load, controller };
-  const DeviceDescription& description_of(Kind kind, std::size_t i) const;
-  Awaitable<void> read_for_ever(Kind kind, std::size_t i);
+  Awaitable<void> read_for_ever(std::size_t device);
   Awaitable<void> flush_for_ever();
-  Awaitable<Result<JudgedReading>> read(Kind kind, std::size_t i);
-  Awaitable<Result<JudgedReading>> read_axes();
-  static bool belongs_to_run(Kind kind) {
-    return kind == Kind::interferometer || kind == Kind::collimator || kind == Kind::controller;
-  }
-  double period_s(Kind kind, std::size_t i) const;  // 0: never read here
+  double period_s(std::size_t device) const;  // 0: never read here
 
   asio::any_io_executor executor_;
   Clock& clock_;
@@ -68,7 +61,6 @@ class Recorder {
   WatchList<Reading> watchers_;
   Signal ended_, arrived_;
   bool ending_ = false, lent_ = false;
-  std::int64_t axes_sequence_ = 0;
 };
 
 }  // namespace driftwise::application

@@ -26,7 +26,7 @@ std::vector<double> aside_of(const ActiveRun& run, std::vector<double> q_mm) {
   const double away_mm = run.plan.rules.reapproach_mm;
   std::size_t i = 0;
   for (const auto& device : run.scope.bench.description.devices)
-    for (const auto& axis : device.axes) {
+    for (const auto& axis : device.axes()) {
       double& q = q_mm[i++];
       q += q > 0 ? -away_mm : away_mm;
       q = std::clamp(q, axis.min_mm, axis.max_mm);

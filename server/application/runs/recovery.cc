@@ -16,10 +16,10 @@ Awaitable<Result<Recovery>> look_once(RunScope& scope) {
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await devices.prepare_for_run());
   DRIFTWISE_CO_TRY(const auto state, co_await devices.motion_state());
   found.reference_lost = !state.referenced;
-  for (std::size_t i = 0; i < devices.collimators(); ++i)
-    DRIFTWISE_CO_RETURN_IF_ERROR(co_await devices.read_collimator(i));
-  for (std::size_t i = 0; i < devices.interferometers(); ++i) {
-    const auto reading = co_await devices.read_interferometer(i);
+  for (const auto device : devices.with_role(DeviceRole::angle))
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await devices.read(device));
+  for (const auto device : devices.with_role(DeviceRole::length)) {
+    const auto reading = co_await devices.read(device);
     if (reading) continue;
     if (reading.error().reason != reasons::kBeamLost) co_return tl::unexpected(reading.error());
     found.beam_lost = true;

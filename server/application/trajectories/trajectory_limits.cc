@@ -14,7 +14,7 @@ namespace {
 std::vector<AxisDescription> axes_of(const CellDescription& description) {
   std::vector<AxisDescription> axes;
   for (const auto& device : description.devices)
-    axes.insert(axes.end(), device.axes.begin(), device.axes.end());
+    axes.insert(axes.end(), device.axes().begin(), device.axes().end());
   return axes;
 }
 

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,63 +12,25 @@
 #include "server/core/channel.h"
 #include "server/core/description/kinematics_description.h"
 #include "server/core/description/plausibility_description.h"
+#include "server/core/devices/device_kind.h"
 
 namespace driftwise {
+
+// One kinematic structure of the cell: [[robot]]. A file without [[robot]] describes one, without
+// id.
+struct RobotDescription {
+  std::string id;             // "ma"; empty: the cell's only robot, its names carry no id
+  std::string controller;     // id of the device that moves it; its role is motion
+  std::vector<Channel> axes;  // those of the controller that are this robot's, in order
+  std::string tool;           // what is mounted on its end-effector; empty: not said
+  std::optional<KinematicsDescription> kinematics;  // nominal geometry; none: an unknown robot
+};
 
 struct ClockDescription {
   CellTime
       epoch;  // at this instant of wall time cell time equals wall time (when speed is 1: unused)
   double speed = 1.0;  // cell seconds per wall second; other than 1 only with loopback devices
   std::string file;    // where the present speed is shared with a simulated cell; empty: none
-};
-
-// A pt1000 in four-wire ohms behind one scanner input: R(t) = R0 (1 + A t + B t^2), t >= 0 degC
-// (IEC 60751).
-struct ProbeDescription {
-  Channel channel;  // t07_degC
-  int input = 0;    // scanner channel number, 101..
-  double r0_ohm = 1000.0, a_per_degc = 3.9083e-3, b_per_degc2 = -5.775e-7;
-  std::string place;  // "upper flexure arm": for people
-  std::string part;   // "robot", "instrument" or "air": which sensors a served model may use
-  double u_k = 0.0;   // certificate: standard uncertainty, K
-};
-
-struct AxisDescription {
-  Channel channel;                // q1_mm, as read back from the scale
-  std::string device_axis;        // the controller's name for it: "X"
-  double min_mm = 0, max_mm = 0;  // soft limits: nothing moves outside, whoever asks
-  double u_scale_nm = 0;          // declared standard uncertainty of the scale
-};
-
-// One axis of an autocollimator. A device turns its spot to its own liking; sign makes the reading
-// a right-handed rotation about the cell's axis.
-struct AngleDescription {
-  Channel channel;      // ry_arcsec
-  int device_axis = 1;  // the controller's number for it, 1 or 2
-  int sign = 1;         // 1 or -1
-  double u_arcsec = 0;  // declared standard uncertainty
-};
-
-struct DeviceDescription {
-  std::string id;       // "axis", "scanner", "laser-x", "support": unique in the cell
-  std::string kind;     // "pi-gcs", "keithley-2701", "interferometer-adapter", "newport-lds1000",
-                        // "watlow-ez-zone", "load-actuator"
-  std::string address;  // "127.0.0.1:50000"
-  bool on_loopback() const;  // 127.0.0.0/8, localhost, [::1]
-  double timeout_s = 1.0;    // of one exchange, cell time; never below 250 ms of wall time
-  double period_s = 0.0;     // slow devices: the recorder reads them every period, run or no run
-  double max_age_s = 15.0;   // older values do not join a point and make a target stale
-
-  std::vector<AxisDescription> axes;     // motion controllers
-  std::vector<ProbeDescription> probes;  // scanners
-  std::optional<Channel> length;         // interferometers: x_mm
-  double u_length_nm = 0;                // ... declared standard uncertainty of one reading
-  double u_drift_nm_per_h = 0;           // ... of its steady drift since the zero
-  std::vector<AngleDescription> angles;  // autocollimators
-  std::optional<Channel> force;          // load actuators: force_N
-  // What the protocol leaves open (unit, word order, terminator, averaging, ...), by the driver's
-  // own names. The driver checks names and values and answers invalid_argument naming them.
-  std::map<std::string, std::string> options;
 };
 
 // What raw readings need to become a pose (server/correction). With it the lengths of the devices
@@ -152,17 +113,22 @@ struct CellDescription {
   std::string target_line = "";            // text target service, "host:port"; empty: off
   std::string http = "";                   // /healthz and /metrics, "host:port"; empty: off
   ClockDescription clock;
+  std::vector<RobotDescription> robots;  // as the file names them; the first is the one in use
   std::vector<DeviceDescription> devices;
+  // Kinds that the file was read with: texts of the same cell that are stored are read with them.
+  // They outlive this.
+  DeviceKinds kinds;
   RunRules run;
   RestartRules restart;
   StartChecks checks;
   PlausibilityRules plausibility;
   ServingRules serving;
   std::optional<CorrectionDescription> correction;
-  std::optional<LoadDescription> load;              // none: the cell knows no force
-  std::optional<KinematicsDescription> kinematics;  // nominal geometry; none: an unknown robot
-  std::string text;                                 // the file as read
-  std::string hash;                                 // of the text: stored with every run
+  std::optional<LoadDescription> load;  // none: the cell knows no force
+  // Nominal geometry of the robot in use; none: an unknown robot.
+  std::optional<KinematicsDescription> kinematics;
+  std::string text;  // the file as read
+  std::string hash;  // of the text: stored with every run
 
   std::vector<Channel> motor_channels() const;   // q1_mm.., in order of devices and axes
   std::vector<Channel> length_channels() const;  // x_mm .. : pose coordinates

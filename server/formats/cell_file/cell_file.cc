@@ -10,6 +10,7 @@
 #include "server/formats/cell_file/cell_file_correction.h"
 #include "server/formats/cell_file/cell_file_devices.h"
 #include "server/formats/cell_file/cell_file_limits.h"
+#include "server/formats/cell_file/cell_file_robots.h"
 #include "server/formats/cell_file/kinematics_section.h"
 #include "server/formats/text/text.h"
 #include "server/formats/text/toml_reader.h"
@@ -145,13 +146,15 @@ void read_file(const toml::table& root, CellDescription& out, TomlProblem& probl
   if (const auto* kinematics = top.table("kinematics"))
     read_kinematics(*kinematics, out.kinematics.emplace(), problem);
   TakenNames taken;
+  read_robots(top, out, taken, problem);
   for (const auto* table : top.tables("device")) {
     const std::string place = "device " + std::to_string(out.devices.size() + 1);
-    read_device(TomlReader(*table, place, problem), place, out.devices.emplace_back(), taken,
-                problem);
+    read_device(TomlReader(*table, place, problem), place, out.kinds, out.devices.emplace_back(),
+                taken, problem);
   }
   if (out.devices.empty())
     top.refuse("device", reasons::kMissingKey, "found no [[device]], expected at least one");
+  if (!problem.any()) complete_robots(top, out);
   if (const auto* load = top.table("load"))
     read_load(TomlReader(*load, "load", problem), out.load.emplace());
   if (const auto* correction = top.table("correction"))
@@ -166,9 +169,11 @@ void read_file(const toml::table& root, CellDescription& out, TomlProblem& probl
 
 }  // namespace
 
-Result<CellDescription> parse_cell_file(std::string_view text, const std::string& path) {
+Result<CellDescription> parse_cell_file(std::string_view text, const std::string& path,
+                                        DeviceKinds kinds) {
   TomlProblem problem{.file_name = path, .first = {}};
   CellDescription cell;
+  cell.kinds = kinds;
   try {
     read_file(toml::parse(text, path), cell, problem);
   } catch (const toml::parse_error& error) {
@@ -193,7 +198,7 @@ std::string web_root_of(const CellDescription& cell, const std::string& path) {
   }
 }
 
-Result<CellDescription> read_cell_file(const std::string& path) {
+Result<CellDescription> read_cell_file(const std::string& path, DeviceKinds kinds) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored))
     return fail(ErrorCode::invalid_argument, reasons::kNotAFile,
@@ -207,7 +212,7 @@ Result<CellDescription> read_cell_file(const std::string& path) {
   std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   if (file.bad())
     return fail(ErrorCode::not_found, reasons::kNoFile, "cannot read the cell file " + shown(path));
-  return parse_cell_file(text, path);
+  return parse_cell_file(text, path, kinds);
 }
 
 }  // namespace driftwise::formats

@@ -10,16 +10,19 @@
 
 namespace driftwise::formats {
 
+// kinds: those that [[device]] kind may name; each reads its own settings. They outlive the result.
 // path: the file's name, for messages, and the folder that relative paths inside ([cell] database,
 // [clock] file) start from. The file itself is not opened. Errors, invalid_argument: TOML_SYNTAX,
 // UNKNOWN_KEY (with the nearest known one), MISSING_KEY, WRONG_TYPE,
 //   OUT_OF_RANGE, BAD_ADDRESS, BAD_CHANNEL, BAD_TIME, UNKNOWN_KIND, DUPLICATE_ID,
-//   DUPLICATE_CHANNEL, BAD_LIMITS, LISTEN_NOT_LOOPBACK; failed_precondition: SPEED_NEEDS_LOOPBACK.
-Result<CellDescription> parse_cell_file(std::string_view text, const std::string& path);
+//   DUPLICATE_CHANNEL, BAD_LIMITS, LISTEN_NOT_LOOPBACK, and those of cell_file_robots.h;
+//   failed_precondition: SPEED_NEEDS_LOOPBACK.
+Result<CellDescription> parse_cell_file(std::string_view text, const std::string& path,
+                                        DeviceKinds kinds);
 
 // Reads the file, then parses it. Errors: those above; not_found, NO_FILE; invalid_argument,
 // NOT_A_FILE (a folder).
-Result<CellDescription> read_cell_file(const std::string& path);
+Result<CellDescription> read_cell_file(const std::string& path, DeviceKinds kinds);
 
 // [web] root of the cell file at this path, absolute; empty: none is named.
 std::string web_root_of(const CellDescription& cell, const std::string& path);

@@ -1,5 +1,7 @@
 #include "server/formats/cell_file/cell_file_devices.h"
 
+#include <algorithm>
+
 #include "server/core/reasons.h"
 #include "server/formats/cell_file/cell_file_address.h"
 #include "server/formats/text/text.h"
@@ -7,115 +9,82 @@
 namespace driftwise::formats {
 namespace {
 
-void read_axis(TomlReader&& reader, AxisDescription& out, TakenNames& taken) {
-  reader.channel("channel", out.channel, Need::required);
-  reader.text("device_axis", out.device_axis, Need::required);
-  reader.number("min_mm", out.min_mm, {}, Need::required);
-  reader.number("max_mm", out.max_mm, {}, Need::required);
-  reader.number("u_scale_nm", out.u_scale_nm, {.min = 0});
-  if (!is_motor_symbol(out.channel.symbol) || out.channel.unit != "mm")
-    reader.refuse(
-        "channel", reasons::kBadChannel,
-        "found " + shown(out.channel.name()) + ", expected a motor coordinate such as q1_mm");
-  if (!(out.min_mm < out.max_mm))
-    reader.refuse("min_mm", reasons::kBadLimits,
-                  "found min_mm = " + number_text(out.min_mm) + " and max_mm = " +
-                      number_text(out.max_mm) + ", expected min_mm below max_mm");
-  else if (out.min_mm > 0 || out.max_mm < 0)
-    reader.refuse("min_mm", reasons::kBadLimits,
-                  "found limits " + number_text(out.min_mm) + " .. " + number_text(out.max_mm) +
-                      " mm, expected 0 between them: every run starts at zero");
-  taken.channel(reader, "channel", out.channel.name());
-  reader.finish();
-}
+// The reader that a device kind is given: one table of the file, place by place.
+class DeviceSettings final : public SettingsReader {
+ public:
+  DeviceSettings(TomlReader& toml, std::string place, TakenNames& taken, TomlProblem& problem)
+      : toml_(toml), place_(std::move(place)), taken_(taken), problem_(problem) {}
 
-void read_probe(TomlReader&& reader, ProbeDescription& out, TakenNames& taken) {
-  reader.channel("channel", out.channel, Need::required);
-  reader.integer("input", out.input, 1, 9999, Need::required);
-  reader.number("r0_ohm", out.r0_ohm, {.min = 0, .above_min = true});
-  reader.number("a_per_degc", out.a_per_degc, {.min = 0, .max = 0.1, .above_min = true});
-  reader.number("b_per_degc2", out.b_per_degc2, {.min = -1e-3, .max = 0});
-  reader.text("place", out.place);
-  reader.choice("part", out.part, {"robot", "instrument", "air"}, Need::required);
-  reader.number("u_k", out.u_k, {.min = 0});
-  if (out.channel.unit != "degC")
-    reader.refuse(
-        "channel", reasons::kBadChannel,
-        "found " + shown(out.channel.name()) + ", expected a temperature in degC such as t07_degC");
-  taken.channel(reader, "channel", out.channel.name());
-  reader.finish();
-}
-
-void read_angle(TomlReader&& reader, AngleDescription& out, TakenNames& taken) {
-  reader.channel("channel", out.channel, Need::required);
-  reader.integer("device_axis", out.device_axis, 1, 2, Need::required);
-  reader.integer("sign", out.sign, -1, 1);
-  reader.number("u_arcsec", out.u_arcsec, {.min = 0});
-  const bool is_rotation = is_pose_symbol(out.channel.symbol) && out.channel.symbol.front() == 'r';
-  if (!is_rotation || out.channel.unit != "arcsec")
-    reader.refuse("channel", reasons::kBadChannel,
-                  "found " + shown(out.channel.name()) +
-                      ", expected a rotation: rx_arcsec, ry_arcsec or rz_arcsec");
-  if (out.sign == 0) reader.refuse("sign", reasons::kOutOfRange, "found 0, expected 1 or -1");
-  taken.channel(reader, "channel", out.channel.name());
-  reader.finish();
-}
-
-void read_angles(TomlReader& device, const std::string& place, DeviceDescription& out,
-                 TakenNames& taken, TomlProblem& problem) {
-  std::set<int> device_axes;
-  for (const auto* table : device.tables("angle")) {
-    TomlReader reader(*table, place + ", angle " + std::to_string(out.angles.size() + 1), problem);
-    TomlReader line = reader;
-    auto& angle = out.angles.emplace_back();
-    read_angle(std::move(reader), angle, taken);
-    if (!device_axes.insert(angle.device_axis).second)
-      line.refuse("device_axis", reasons::kDuplicateChannel,
-                  "found device axis " + std::to_string(angle.device_axis) +
-                      ", which another angle of this autocollimator has already");
+  void text(const char* key, std::string& value, Need need) override {
+    toml_.text(key, value, need);
   }
-  if (out.angles.empty())
-    device.refuse("angle", reasons::kMissingKey,
-                  "found nothing, expected at least one [[device.angle]]");
-}
-
-void read_length(TomlReader& device, DeviceDescription& out, TakenNames& taken) {
-  out.length.emplace();
-  device.channel("length", *out.length, Need::required);
-  device.number("u_length_nm", out.u_length_nm, {.min = 0});
-  device.number("u_drift_nm_per_h", out.u_drift_nm_per_h);
-  if (!is_pose_symbol(out.length->symbol) || out.length->unit != "mm")
-    device.refuse(
-        "length", reasons::kBadChannel,
-        "found " + shown(out.length->name()) + ", expected a pose coordinate in mm such as x_mm");
-  taken.channel(device, "length", out.length->name());
-}
-
-void read_force(TomlReader& device, DeviceDescription& out, TakenNames& taken) {
-  out.force.emplace();
-  device.channel("channel", *out.force, Need::required);
-  if (out.force->symbol != "force" || out.force->unit != "N")
-    device.refuse("channel", reasons::kBadChannel,
-                  "found " + shown(out.force->name()) + ", expected force_N");
-  taken.channel(device, "channel", out.force->name());
-}
-
-void read_probes(TomlReader& device, const std::string& place, DeviceDescription& out,
-                 TakenNames& taken, TomlProblem& problem) {
-  std::set<int> inputs;
-  for (const auto* table : device.tables("probe")) {
-    TomlReader reader(*table, place + ", probe " + std::to_string(out.probes.size() + 1), problem);
-    TomlReader line = reader;
-    auto& probe = out.probes.emplace_back();
-    read_probe(std::move(reader), probe, taken);
-    if (!inputs.insert(probe.input).second)
-      line.refuse("input", reasons::kDuplicateChannel,
-                  "found input " + std::to_string(probe.input) +
-                      ", which another probe of this scanner has already");
+  void choice(const char* key, std::string& value, std::initializer_list<std::string_view> allowed,
+              Need need) override {
+    toml_.choice(key, value, allowed, need);
   }
-  if (out.probes.empty())
-    device.refuse("probe", reasons::kMissingKey,
-                  "found nothing, expected at least one [[device.probe]]");
+  void number(const char* key, double& value, Range range, Need need) override {
+    toml_.number(key, value, range, need);
+  }
+  void integer(const char* key, int& value, int min, int max, Need need) override {
+    toml_.integer(key, value, min, max, need);
+  }
+  void channel(const char* key, Channel& value, Need need) override;
+  void give(const char* key, const std::string& channel) override {
+    taken_.channel(toml_, key, channel);
+  }
+  void each(const char* key, const std::function<void(SettingsReader&)>& read) override;
+  void refuse(const char* key, Reason reason, const std::string& sentence) override {
+    toml_.refuse(key, reason, sentence);
+  }
+
+ private:
+  TomlReader& toml_;
+  std::string place_;
+  TakenNames& taken_;
+  TomlProblem& problem_;
+};
+
+// With several robots a motor or pose channel carries the robot's id and a dot: ma.q1_mm.
+void DeviceSettings::channel(const char* key, Channel& value, Need need) {
+  if (taken_.robots.empty()) return toml_.channel(key, value, need);
+  std::string name;
+  toml_.text(key, name, need);
+  if (name.empty()) return;
+  const auto dot = name.find('.');
+  const std::string robot = dot == std::string::npos ? "" : name.substr(0, dot);
+  auto parsed = parse_channel(robot.empty() ? name : name.substr(dot + 1));
+  if (!parsed) return toml_.refuse(key, reasons::kBadChannel, parsed.error().message);
+  const bool is_robots = is_motor_symbol(parsed->symbol) || is_pose_symbol(parsed->symbol);
+  if (is_robots && !taken_.robots.contains(robot)) {
+    std::string ids;
+    for (const auto& id : taken_.robots) ids += (ids.empty() ? "" : ", ") + id;
+    return toml_.refuse(key, reasons::kBadChannel,
+                        "found " + shown(name) +
+                            ", expected the id of its robot and a dot before " + "it, such as " +
+                            *taken_.robots.begin() + "." + parsed->name() + "; the robots are " +
+                            ids);
+  }
+  if (!is_robots && !robot.empty())
+    return toml_.refuse(key, reasons::kBadChannel,
+                        "found " + shown(name) + ", expected " + parsed->name() +
+                            ": it belongs to the cell, not to a robot");
+  value = std::move(*parsed);
+  if (!robot.empty()) value.symbol = robot + "." + value.symbol;
+}
+
+void DeviceSettings::each(const char* key, const std::function<void(SettingsReader&)>& read) {
+  const auto tables = toml_.tables(key);
+  int number = 0;
+  for (const auto* table : tables) {
+    const std::string place = place_ + ", " + key + " " + std::to_string(++number);
+    TomlReader one(*table, place, problem_);
+    DeviceSettings settings(one, place, taken_, problem_);
+    read(settings);
+    one.finish();
+  }
+  if (tables.empty())
+    toml_.refuse(key, reasons::kMissingKey,
+                 std::string("found nothing, expected at least one [[device.") + key + "]]");
 }
 
 }  // namespace
@@ -126,44 +95,28 @@ void TakenNames::channel(TomlReader& reader, const char* key, const std::string&
                   "found " + shown(name) + ", which another device, axis or probe gives already");
 }
 
-void read_device(TomlReader&& reader, const std::string& place, DeviceDescription& out,
-                 TakenNames& taken, TomlProblem& problem) {
+void read_device(TomlReader&& reader, const std::string& place, DeviceKinds kinds,
+                 DeviceDescription& out, TakenNames& taken, TomlProblem& problem) {
   reader.text("id", out.id, Need::required);
   if (!taken.ids.insert(out.id).second)
     reader.refuse("id", reasons::kDuplicateId,
                   "found " + shown(out.id) + ", which another device has already");
-  reader.choice("kind", out.kind,
-                {"pi-gcs", "keithley-2701", "interferometer-adapter", "newport-lds1000",
-                 "watlow-ez-zone", "load-actuator"},
-                Need::required);
+  std::vector<std::string_view> names;
+  for (const auto* kind : kinds) names.push_back(kind->id);
+  reader.choice("kind", out.kind, names, Need::required);
   reader.text("address", out.address, Need::required);
   check_device_address(reader, out.address);
   reader.number("timeout_s", out.timeout_s, {.min = 0, .max = 3600, .above_min = true});
   reader.number("period_s", out.period_s, {.min = 0, .max = 86400});
   reader.number("max_age_s", out.max_age_s, {.min = 0, .above_min = true});
   reader.strings("options", out.options);
-  if (problem.any()) return;  // without a kind the rest cannot be judged
+  const auto* kind = find_kind(kinds, out.kind);
+  if (problem.any() || kind == nullptr) return;  // without a kind the rest cannot be judged
 
-  if (out.kind == "pi-gcs") {
-    for (const auto* table : reader.tables("axis")) {
-      const std::string axis = place + ", axis " + std::to_string(out.axes.size() + 1);
-      read_axis(TomlReader(*table, axis, problem), out.axes.emplace_back(), taken);
-    }
-    if (out.axes.empty())
-      reader.refuse("axis", reasons::kMissingKey,
-                    "found nothing, expected at least one [[device.axis]]");
-  } else if (out.kind == "keithley-2701") {
-    read_probes(reader, place, out, taken, problem);
-  } else if (out.kind == "interferometer-adapter") {
-    read_length(reader, out, taken);
-  } else if (out.kind == "newport-lds1000") {
-    read_angles(reader, place, out, taken, problem);
-  } else if (out.kind == "load-actuator") {
-    read_force(reader, out, taken);
-  } else {
-    taken.channel(reader, "id",
-                  out.id + "_degC");  // a stabiliser gives <id>_degC, <id>_set_degC, <id>_power_pct
-  }
+  out.settings = settings_for(kind->role);
+  DeviceSettings settings(reader, place, taken, problem);
+  kind->read_settings(settings, out);
+  out.channels = kind->channels(out);
   reader.finish();
 }
 

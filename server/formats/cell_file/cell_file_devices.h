@@ -1,5 +1,5 @@
 #pragma once
-// One [[device]] of cell.toml: what every device has, and what belongs to its kind.
+// One [[device]] of cell.toml: what every device has; its kind reads the rest.
 
 #include <set>
 #include <string>
@@ -12,13 +12,14 @@ namespace driftwise::formats {
 // Names that may stand once in a cell.
 struct TakenNames {
   std::set<std::string> ids, channels;
+  std::set<std::string> robots;  // ids of several robots: they stand before motor and pose channels
 
   // A channel that is taken is refused at key, DUPLICATE_CHANNEL.
   void channel(TomlReader& reader, const char* key, const std::string& name);
 };
 
 // place: "device 2", for messages. The first problem stands in problem.
-void read_device(TomlReader&& reader, const std::string& place, DeviceDescription& out,
-                 TakenNames& taken, TomlProblem& problem);
+void read_device(TomlReader&& reader, const std::string& place, DeviceKinds kinds,
+                 DeviceDescription& out, TakenNames& taken, TomlProblem& problem);
 
 }  // namespace driftwise::formats

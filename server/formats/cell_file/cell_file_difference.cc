@@ -50,19 +50,13 @@ std::vector<std::string> with_lengths(const CellDescription& cell, const std::st
 
 std::vector<std::string> symbols_of(const CellDescription& cell, const DeviceDescription& device) {
   std::vector<std::string> symbols;
-  for (const auto& axis : device.axes) symbols.push_back(axis.channel.symbol);
-  for (const auto& probe : device.probes) symbols.push_back(probe.channel.symbol);
-  if (device.length)
-    for (const char* also : {"air", "pressure", "humidity"}) symbols.emplace_back(also);
-  if (device.length) symbols.push_back(device.length->symbol);
-  for (const auto& angle : device.angles)
-    for (auto& symbol : with_lengths(cell, angle.channel.symbol)) symbols.push_back(symbol);
-  if (device.force) symbols.push_back(device.force->symbol);
-  if (symbols.empty()) {  // a stabiliser
-    std::string stem = device.id;
-    std::ranges::replace(stem, '-', '_');
-    for (const char* end : {"", "_set", "_power"}) symbols.push_back(stem + end);
-  }
+  const bool is_length = device.role() == DeviceRole::length;
+  if (is_length) symbols = {"air", "pressure", "humidity"};  // its length depends on the air
+  const bool is_angle = device.role() == DeviceRole::angle;
+  for (const auto& channel : device.channels)
+    for (auto& symbol :
+         is_angle ? with_lengths(cell, channel.symbol) : std::vector<std::string>{channel.symbol})
+      symbols.push_back(std::move(symbol));
   return symbols;
 }
 
@@ -77,21 +71,21 @@ void add_device(const CellDescription& cell, const DeviceDescription& device, Pa
                  {"timeout_s", text_of(device.timeout_s)},
                  {"period_s", text_of(device.period_s)},
                  {"max_age_s", text_of(device.max_age_s)}};
-  if (device.length) {
-    part.values["length"] = device.length->name();
-    part.values["u_length_nm"] = text_of(device.u_length_nm);
-    part.values["u_drift_nm_per_h"] = text_of(device.u_drift_nm_per_h);
+  if (const auto* length = device.length()) {
+    part.values["length"] = length->channel.name();
+    part.values["u_length_nm"] = text_of(length->u_length_nm);
+    part.values["u_drift_nm_per_h"] = text_of(length->u_drift_nm_per_h);
   }
-  if (device.force) part.values["channel"] = device.force->name();
+  if (const auto* force = device.force()) part.values["channel"] = force->name();
   for (const auto& [name, value] : device.options) part.values["options." + name] = value;
-  for (const auto& axis : device.axes)
+  for (const auto& axis : device.axes())
     parts["axis " + axis.channel.name()] = {{{"device", device.id},
                                              {"device_axis", axis.device_axis},
                                              {"min_mm", text_of(axis.min_mm)},
                                              {"max_mm", text_of(axis.max_mm)},
                                              {"u_scale_nm", text_of(axis.u_scale_nm)}},
                                             {axis.channel.symbol}};
-  for (const auto& probe : device.probes)
+  for (const auto& probe : device.probes())
     parts["probe " + probe.channel.name()] = {{{"device", device.id},
                                                {"input", text_of(probe.input)},
                                                {"part", probe.part},
@@ -101,7 +95,7 @@ void add_device(const CellDescription& cell, const DeviceDescription& device, Pa
                                                {"b_per_degc2", text_of(probe.b_per_degc2)},
                                                {"u_k", text_of(probe.u_k)}},
                                               {probe.channel.symbol}};
-  for (const auto& angle : device.angles)
+  for (const auto& angle : device.angles())
     parts["angle " + angle.channel.name()] = {{{"device", device.id},
                                                {"device_axis", text_of(angle.device_axis)},
                                                {"sign", text_of(angle.sign)},
@@ -406,7 +400,7 @@ std::set<std::string> exchanged_devices(const CellDescription& before,
 std::vector<ConfigurationChange> cell_file_difference(std::string_view before_text,
                                                       const CellDescription& after) {
   if (before_text == after.text) return {};
-  const auto before = parse_cell_file(before_text, "cell.toml");
+  const auto before = parse_cell_file(before_text, "cell.toml", after.kinds);
   std::vector<ConfigurationChange> changes;
   if (!before) {
     ConfigurationChange whole{

@@ -31,8 +31,9 @@ struct ConfigurationChange {
   bool operator==(const ConfigurationChange&) const = default;
 };
 
-// Those that ask first, then in order of the places. Text that is no cell file (any more) differs
-// as a whole: one change that asks and affects every channel of `after`.
+// before_text is read with the kinds of `after`. Those that ask first, then in order of the places.
+// Text that is no cell file (any more) differs as a whole: one change that asks and affects every
+// channel of `after`.
 std::vector<ConfigurationChange> cell_file_difference(std::string_view before_text,
                                                       const CellDescription& after);
 

@@ -6,8 +6,6 @@
 #include <cstdio>
 #include <numeric>
 
-#include "server/core/text/clean_text.h"
-
 namespace driftwise::formats {
 namespace {
 
@@ -39,29 +37,6 @@ void append_number(std::string& out, std::int64_t value) {
   char digits[24];
   const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
   out.append(digits, end);
-}
-
-std::string number_text(double value) {
-  std::string out;
-  append_number(out, value);
-  return out.empty() ? "not a number" : out;
-}
-
-std::string shown(std::string_view text) {
-  constexpr std::size_t kLongest = 40;
-  std::string out = "'";
-  for (const char c : text.substr(0, kLongest)) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte >= 0x20 && byte != 0x7f) {
-      out += c;
-    } else {
-      char hex[8];
-      std::snprintf(hex, sizeof hex, "\\x%02x", byte);
-      out += hex;
-    }
-  }
-  out = clean_line(out);  // what is obeyed without being a control character of ASCII
-  return out + (text.size() > kLongest ? "...'" : "'");
 }
 
 std::string at_line(std::string_view file_name, std::size_t line) {

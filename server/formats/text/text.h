@@ -7,16 +7,16 @@
 #include <string_view>
 #include <vector>
 
+#include "server/core/text/shown_text.h"
+
 namespace driftwise::formats {
 
 // Shortest digits that read back as the same double; nothing for NaN and the infinities (an empty
 // field).
 void append_number(std::string& out, double value);
 void append_number(std::string& out, std::int64_t value);
-std::string number_text(double value);
-
-// Found text as a message shows it: in quotes, unprintable bytes as \xHH, cut after 40 characters.
-std::string shown(std::string_view text);
+using driftwise::number_text;
+using driftwise::shown;
 
 // "drift.csv:7: "
 std::string at_line(std::string_view file_name, std::size_t line);

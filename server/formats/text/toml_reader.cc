@@ -89,7 +89,7 @@ void TomlReader::text(const char* key, std::string& value, Need need) {
 }
 
 void TomlReader::choice(const char* key, std::string& value,
-                        std::initializer_list<std::string_view> allowed, Need need) {
+                        std::span<const std::string_view> allowed, Need need) {
   const auto* node = find(key, need);
   if (!node) return;
   const auto found = node->value<std::string_view>();

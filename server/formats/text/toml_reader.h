@@ -8,15 +8,16 @@
 #include <array>
 #include <cstdint>
 #include <initializer_list>
-#include <limits>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "server/core/cell_time.h"
 #include "server/core/channel.h"
+#include "server/core/devices/settings_reader.h"
 #include "server/core/reasons.h"
 #include "server/core/result.h"
 
@@ -32,13 +33,6 @@ struct TomlProblem {
            const std::string& sentence);
 };
 
-enum class Need { required, optional };
-
-struct Range {
-  double min = -std::numeric_limits<double>::max(), max = std::numeric_limits<double>::max();
-  bool above_min = false;  // min itself is not allowed
-};
-
 class TomlReader {
  public:
   // place: "device 2, probe 3", "run"; empty for the top level.
@@ -46,8 +40,12 @@ class TomlReader {
 
   // Each leaves its argument as it is when an optional key is absent or something was wrong.
   void text(const char* key, std::string& value, Need need = Need::optional);
-  void choice(const char* key, std::string& value, std::initializer_list<std::string_view> allowed,
+  void choice(const char* key, std::string& value, std::span<const std::string_view> allowed,
               Need need);
+  void choice(const char* key, std::string& value, std::initializer_list<std::string_view> allowed,
+              Need need) {
+    choice(key, value, std::span(allowed.begin(), allowed.size()), need);
+  }
   void number(const char* key, double& value, Range range = {}, Need need = Need::optional);
   void integer(const char* key, int& value, int min, int max, Need need = Need::optional);
   void truth(const char* key, bool& value);

@@ -51,7 +51,7 @@ v1::Device device_from(const application::DeviceStatus& device) {
   out.set_last_error(utf8_from(health.last_error));
   if (health.last_good.utc_ns != 0)
     *out.mutable_last_good_time() = timestamp_from(health.last_good);
-  for (const auto& axis : description.axes) {
+  for (const auto& axis : description.axes()) {
     auto& added = *out.add_axes();
     added.set_channel(axis.channel.name());
     added.set_device_axis(axis.device_axis);
@@ -59,7 +59,7 @@ v1::Device device_from(const application::DeviceStatus& device) {
     added.set_max_mm(axis.max_mm);
     added.set_u_scale_nm(axis.u_scale_nm);
   }
-  for (const auto& probe : description.probes) {
+  for (const auto& probe : description.probes()) {
     auto& added = *out.add_probes();
     added.set_channel(probe.channel.name());
     added.set_input(probe.input);
@@ -67,9 +67,9 @@ v1::Device device_from(const application::DeviceStatus& device) {
     added.set_part(probe.part);
     added.set_u_kelvin(probe.u_k);
   }
-  if (description.length) out.set_length_channel(description.length->name());
-  for (const auto& angle : description.angles) out.add_angle_channels(angle.channel.name());
-  if (description.force) out.set_force_channel(description.force->name());
+  if (description.length()) out.set_length_channel(description.length()->channel.name());
+  for (const auto& angle : description.angles()) out.add_angle_channels(angle.channel.name());
+  if (description.force()) out.set_force_channel(description.force()->name());
   return out;
 }
 

@@ -57,15 +57,17 @@ void add_declared(const CellDescription& cell, v1::GetModelResponse& out) {
     added.set_value(value);
   };
   for (const auto& device : cell.devices) {
-    for (const auto& axis : device.axes)
+    for (const auto& axis : device.axes())
       add(device.id, axis.channel.name(), "u_scale_nm", axis.u_scale_nm);
-    if (device.length) {
-      add(device.id, device.length->name(), "u_length_nm", device.u_length_nm);
-      add(device.id, device.length->name(), "u_drift_nm_per_h", device.u_drift_nm_per_h);
+    if (device.length()) {
+      add(device.id, device.length()->channel.name(), "u_length_nm", device.length()->u_length_nm);
+      add(device.id, device.length()->channel.name(), "u_drift_nm_per_h",
+          device.length()->u_drift_nm_per_h);
     }
-    for (const auto& angle : device.angles)
+    for (const auto& angle : device.angles())
       add(device.id, angle.channel.name(), "u_arcsec", angle.u_arcsec);
-    for (const auto& probe : device.probes) add(device.id, probe.channel.name(), "u_k", probe.u_k);
+    for (const auto& probe : device.probes())
+      add(device.id, probe.channel.name(), "u_k", probe.u_k);
   }
   if (cell.correction) {
     for (const auto& beam : cell.correction->beams) {

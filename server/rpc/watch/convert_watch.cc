@@ -29,18 +29,18 @@ void describe_column(const DeviceDescription& device, const std::string& channel
   out.set_interval_s(device.period_s);
   out.set_stale_after_s(device.period_s > 0 ? std::max(device.max_age_s, 3 * device.period_s)
                                             : device.max_age_s);
-  for (const auto& probe : device.probes)
+  for (const auto& probe : device.probes())
     if (probe.channel.name() == channel) {
       out.set_place(probe.place);
       out.set_part(probe.part);
     }
-  for (const auto& axis : device.axes)
+  for (const auto& axis : device.axes())
     if (axis.channel.name() == channel) {
       out.set_min(axis.min_mm);
       out.set_max(axis.max_mm);
       out.set_part("robot");
     }
-  if (device.length && device.length->name() == channel) out.set_part("instrument");
+  if (device.length() && device.length()->channel.name() == channel) out.set_part("instrument");
 }
 
 }  // namespace

@@ -24,17 +24,18 @@ CellDescription cell_of(const Dataset& data, Robot robot) {
   scanner.id = "scanner";
   for (const auto& column : data.columns) {
     const auto& channel = column.channel;
-    if (is_motor_symbol(channel.symbol)) axes.axes.push_back({channel, channel.symbol, -5, 5, 0});
+    if (is_motor_symbol(channel.symbol))
+      axes.become<MotionSettings>().axes.push_back({channel, channel.symbol, -5, 5, 0});
     if (is_structure_temperature(channel)) {
       ProbeDescription probe;
       probe.channel = channel;
       probe.part = "robot";
-      scanner.probes.push_back(probe);
+      scanner.become<TemperatureSettings>().probes.push_back(probe);
     }
     if (is_pose_symbol(channel.symbol) && channel.unit == "mm") {
       DeviceDescription laser;
       laser.id = "laser-" + channel.symbol;
-      laser.length = channel;
+      laser.become<LengthSettings>().channel = channel;
       cell.devices.push_back(laser);
     }
   }
@@ -73,9 +74,9 @@ std::vector<std::string> found_in(const Dataset& data, Robot robot) {
       const auto add = [&](const Channel& channel) {
         reading.values.push_back({channel.name(), data.find(channel.symbol)->values[row]});
       };
-      for (const auto& probe : device.probes) add(probe.channel);
-      for (const auto& axis : device.axes) add(axis.channel);
-      if (device.length) add(*device.length);
+      for (const auto& probe : device.probes()) add(probe.channel);
+      for (const auto& axis : device.axes()) add(axis.channel);
+      if (device.length()) add(device.length()->channel);
       for (const auto& finding : values.judge(reading)) found.push_back(finding.reason);
     }
     // The worlds have no rows marked as zero: they come back to where they began.

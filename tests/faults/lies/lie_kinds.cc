@@ -70,16 +70,16 @@ std::vector<ChannelOfCell> channels_of(const CellDescription& cell) {
     const auto add = [&](std::string name, What what) {
       all.push_back({std::move(name), device.id, what, {}});
     };
-    for (const auto& axis : device.axes) add(axis.channel.name(), What::motor);
-    for (const auto& probe : device.probes)
+    for (const auto& axis : device.axes()) add(axis.channel.name(), What::motor);
+    for (const auto& probe : device.probes())
       add(probe.channel.name(), probe.part == "air" ? What::air : What::part);
-    for (const auto& angle : device.angles) add(angle.channel.name(), What::angle);
-    if (device.length) {
-      add(device.length->name(), What::length);
+    for (const auto& angle : device.angles()) add(angle.channel.name(), What::angle);
+    if (device.length()) {
+      add(device.length()->channel.name(), What::length);
       add(option(device, "air_channel", "air_degC"), What::air);
       add(option(device, "level_channel", "level_pct"), What::share);
     }
-    if (device.force) add(device.force->name(), What::force);
+    if (device.force()) add(device.force()->name(), What::force);
     if (device.kind == "watlow-ez-zone") {
       std::string stem = device.id;
       std::ranges::replace(stem, '-', '_');

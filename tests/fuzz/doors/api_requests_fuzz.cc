@@ -32,7 +32,7 @@ void check(const Result<T>& result) {
 
 CellDescription one_axis() {
   DeviceDescription device;
-  device.axes = {{{"q1", "mm"}, "X", -4.5, 4.5, 5}};
+  device.become<MotionSettings>().axes = {{{"q1", "mm"}, "X", -4.5, 4.5, 5}};
   CellDescription cell;
   cell.devices = {device};
   return cell;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "drivers/all_devices.h"
 #include "server/calibration/design/predict.h"
 #include "server/calibration/fit.h"
 #include "server/core/units.h"
@@ -81,8 +82,9 @@ std::optional<double> left_to_find_nm(const PlantCase& one, const PlantRun& run,
 
 CellDescription cell_of(const PlantCase& one) {
   const std::string folder = one.micro_nano ? "micro-nano" : "linear-axis";
-  auto cell = formats::read_cell_file(std::string(DRIFTWISE_SOURCE_DIR) + "/deploy/cells/" +
-                                      folder + "/cell.toml");
+  auto cell = formats::read_cell_file(
+      std::string(DRIFTWISE_SOURCE_DIR) + "/deploy/cells/" + folder + "/cell.toml",
+      drivers::all_devices());
   if (!cell) throw std::runtime_error(cell.error().message);
   return std::move(*cell);
 }

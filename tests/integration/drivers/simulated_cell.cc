@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "drivers/all_devices.h"
 #include "server/formats/cell_file/cell_file.h"
 
 namespace driftwise::tests {
@@ -74,7 +75,7 @@ SimulatedCell::SimulatedCell(const std::vector<std::string>& settings, double sp
   const auto json = nlohmann::json::parse(ready->substr(6));
   for (const auto& [name, value] : json.items())
     if (value.is_string()) addresses_[name] = value.get<std::string>();
-  auto description = formats::read_cell_file(folder_.path() + "/cell.toml");
+  auto description = formats::read_cell_file(folder_.path() + "/cell.toml", drivers::all_devices());
   if (!description) throw std::runtime_error(description.error().message);
   description_ = std::move(*description);
   clock_ = std::make_unique<SharedClock>(folder_.path() + "/clock.state");

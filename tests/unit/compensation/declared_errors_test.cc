@@ -56,7 +56,7 @@ CellDescription three_beam_cell() {
   for (const char* symbol : {"x", "y", "z"}) {
     DeviceDescription laser;
     laser.id = std::string("laser-") + symbol;
-    laser.length = Channel{symbol, "mm"};
+    laser.become<LengthSettings>().channel = {symbol, "mm"};
     cell.devices.push_back(laser);
   }
   cell.correction.emplace();
@@ -89,7 +89,8 @@ TEST(DeclaredErrors, OfTheLengthAtTheZeroPassThroughTheJacobian) {
   const auto model = fitted(two_axis_rows());
   auto cell = three_beam_cell();
   for (auto& device : cell.devices)
-    if (device.length) device.u_length_nm = device.length->symbol == "z" ? 10 : 5;
+    if (device.length())
+      device.become<LengthSettings>().u_length_nm = device.length()->channel.symbol == "z" ? 10 : 5;
   // dq1 = 1.01 dx + 0.02 dy + 0.4 dz
   EXPECT_NEAR(line_of(budget_at(model, cell, 1, 2, -1), UncertaintySource::laser),
               std::hypot(1.01 * 5, 0.02 * 5, 0.4 * 10), 0.01);
@@ -123,7 +124,7 @@ TEST(DeclaredErrors, AddUpToTheExpandedUncertaintyWithTheOtherLines) {
   const auto model = fitted(two_axis_rows());
   auto cell = three_beam_cell();
   for (auto& device : cell.devices)
-    if (device.length) device.u_length_nm = 5, device.u_drift_nm_per_h = 7;
+    if (device.length()) device.settings = LengthSettings{device.length()->channel, 5, 7};
   for (auto& beam : cell.correction->beams)
     beam.u_offset_mm = 0.3, beam.u_direction_arcsec = 2, beam.u_flatness_nm = 10;
   double expanded_nm = 0;

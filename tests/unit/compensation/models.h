@@ -35,16 +35,16 @@ inline CellDescription axis_cell() {
   CellDescription cell;
   DeviceDescription axis;
   axis.id = "axis";
-  axis.axes = {{.channel = {"q1", "mm"},
-                .device_axis = "X",
-                .min_mm = -250,
-                .max_mm = 250,
-                .u_scale_nm = 3}};
+  axis.become<MotionSettings>().axes = {{.channel = {"q1", "mm"},
+                                         .device_axis = "X",
+                                         .min_mm = -250,
+                                         .max_mm = 250,
+                                         .u_scale_nm = 3}};
   DeviceDescription scanner;
   scanner.id = "scanner";
-  scanner.probes.emplace_back();
-  scanner.probes[0].channel = {"t07", "degC"};
-  scanner.probes[0].u_k = 0.002;
+  scanner.become<TemperatureSettings>().probes.emplace_back();
+  scanner.become<TemperatureSettings>().probes[0].channel = {"t07", "degC"};
+  scanner.become<TemperatureSettings>().probes[0].u_k = 0.002;
   cell.devices = {axis, scanner};
   cell.serving.max_age_s = 60;
   cell.serving.rebuild_period_s = 5;

@@ -200,8 +200,8 @@ class LimitedAxis : public ServedAxis {
  protected:
   // q1(x) = 1 + 2 x + 0.5 x^2 + ... : 3.5 at x = 1, 7 at x = 2.
   void SetUp() override {
-    cell.devices[0].axes[0].min_mm = -0.2;
-    cell.devices[0].axes[0].max_mm = 5;
+    cell.devices[0].become<MotionSettings>().axes[0].min_mm = -0.2;
+    cell.devices[0].become<MotionSettings>().axes[0].max_mm = 5;
   }
   Target asked(double x_mm, bool show_unreachable) {
     TargetRequest request;
@@ -248,7 +248,7 @@ TEST_F(LimitedAxis, OnlyFlagsWhereTheCellFileSaysSo) {
 }
 
 TEST_F(LimitedAxis, SaysThatNoLimitsAreKnown) {
-  cell.devices[0].axes.clear();
+  cell.devices[0].become<MotionSettings>().axes.clear();
   serve(axis_model(), cell);
   read_t07(21);
   const auto target = asked(2, false);

@@ -15,7 +15,7 @@ class AutocollimatorLoop : public tests::DriverFixture {
  protected:
   DeviceDescription collimator(std::map<std::string, std::string> options = {}) {
     auto out = device("collimator-1", "newport-lds1000");
-    out.angles = {{{"ry", "arcsec"}, 1, 1, 0}};
+    out.become<AngleSettings>().angles = {{{"ry", "arcsec"}, 1, 1, 0}};
     out.options = std::move(options);
     return out;
   }
@@ -54,7 +54,7 @@ TEST_F(AutocollimatorLoop, ReadsBetweenTwoGoodStates) {
 
 TEST_F(AutocollimatorLoop, ReadsTwoAxesWithTheirSignsAndUnits) {
   auto both = collimator();
-  both.angles = {{{"ry", "arcsec"}, 1, -1, 0}, {{"rz", "arcsec"}, 2, 1, 0}};
+  both.become<AngleSettings>().angles = {{{"ry", "arcsec"}, 1, -1, 0}, {{"rz", "arcsec"}, 2, 1, 0}};
   peer.on_connection(
       identified_and({expect("1TA\r"), send(kSeconds), expect("2TA\r"),
                       send("2TA,RT,04512,1,\xB5rad,00102,00241\r"), expect("MS\r"), send("MS@\r"),
@@ -112,7 +112,7 @@ TEST_F(AutocollimatorLoop, HasNoZero) {
 
 TEST_F(AutocollimatorLoop, ChecksItsDescription) {
   auto none = collimator();
-  none.angles.clear();
+  none.become<AngleSettings>().angles.clear();
   EXPECT_EQ(drivers::make_newport_lds1000(none, context.get_executor(), clock).error().reason,
             "NO_ANGLE");
   EXPECT_EQ(

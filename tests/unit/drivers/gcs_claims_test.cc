@@ -26,7 +26,7 @@ class GcsClaims : public tests::DriverFixture {
   Result<std::unique_ptr<MotionController>> make(const std::string& address, Claims claims) {
     auto description = device("axis", "pi-gcs");
     description.address = address;
-    description.axes.push_back({{"q1", "mm"}, "X", -2, 2, 5});
+    description.become<MotionSettings>().axes.push_back({{"q1", "mm"}, "X", -2, 2, 5});
     return drivers::make_pi_gcs(description, context.get_executor(), clock, std::move(claims));
   }
   // A number of its own for each test process: these locks are the whole computer's.

@@ -17,7 +17,7 @@ class GcsLoop : public tests::DriverFixture {
  protected:
   DeviceDescription axis(std::map<std::string, std::string> options = {}) {
     auto out = device("axis", "pi-gcs");
-    out.axes.push_back({{"q1", "mm"}, "X", -2, 2, 5});
+    out.become<MotionSettings>().axes.push_back({{"q1", "mm"}, "X", -2, 2, 5});
     out.options = std::move(options);
     out.options.emplace("home_poll_s", "0.005");
     out.options.emplace("start_delay_s", "0");
@@ -91,7 +91,7 @@ TEST_F(GcsLoop, LearnsFromTheStatusWordWhenToldTo) {
 
 TEST_F(GcsLoop, RefusesSoftLimitsBeyondTheTravel) {
   auto wide = axis();
-  wide.axes[0].max_mm = 3.5;
+  wide.become<MotionSettings>().axes[0].max_mm = 3.5;
   peer.on_connection({expect("*IDN?\n"), send("PI\n"), expect("ERR?\n"), send("0\n"),
                       expect("SAI?\n"), send("X\n"), expect("TMN?\n"), send("X=-3\n"),
                       expect("TMX?\n"), send("X=3\n")});
@@ -315,7 +315,7 @@ TEST(GcsFactory, ChecksOptionsAndAddress) {
   device.id = "axis";
   device.address = "127.0.0.1:5000";
   EXPECT_EQ(drivers::make_pi_gcs(device, context.get_executor(), clock).error().reason, "NO_AXES");
-  device.axes.push_back({{"q1", "mm"}, "X", -1, 1, 0});
+  device.become<MotionSettings>().axes.push_back({{"q1", "mm"}, "X", -1, 1, 0});
   EXPECT_TRUE(drivers::make_pi_gcs(device, context.get_executor(), clock));
   device.options["velocity"] = "1";
   EXPECT_EQ(drivers::make_pi_gcs(device, context.get_executor(), clock).error().reason,

@@ -15,7 +15,7 @@ class InterferometerLoop : public tests::DriverFixture {
  protected:
   DeviceDescription laser(std::map<std::string, std::string> options = {}) {
     auto out = device("laser-x", "interferometer-adapter");
-    out.length = Channel{"x", "mm"};
+    out.become<LengthSettings>().channel = {"x", "mm"};
     out.options = std::move(options);
     out.options.emplace("dead_path_mm", "120");
     out.options.emplace("sample_rate_hz", "1e8");
@@ -144,7 +144,7 @@ TEST_F(InterferometerLoop, LeavesAnOldAirTemperatureOut) {
 
 TEST_F(InterferometerLoop, ChecksItsDescription) {
   auto none = laser();
-  none.length.reset();
+  none.settings = StabiliserSettings{};
   EXPECT_EQ(
       drivers::make_interferometer_adapter(none, context.get_executor(), clock).error().reason,
       "NO_LENGTH");

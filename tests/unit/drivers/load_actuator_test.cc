@@ -53,7 +53,7 @@ class LoadActuatorLoop : public tests::DriverFixture {
  protected:
   LoadActuator& make() {
     auto description = device("load", "load-actuator");
-    description.force = Channel{"force", "N"};
+    description.become<LoadSettings>().force = {"force", "N"};
     auto made = drivers::make_load_actuator(description, context.get_executor(), clock);
     EXPECT_TRUE(made) << made.error().message;
     actuator = std::move(*made);

@@ -23,8 +23,10 @@ class ScannerLoop : public tests::DriverFixture {
   DeviceDescription scanner(std::map<std::string, std::string> options = {}) {
     auto out = device("scanner", "keithley-2701");
     out.timeout_s = 1;
-    out.probes.push_back({{"t01", "degC"}, 101, 1000.0, 3.9083e-3, -5.775e-7, "", "robot", 0});
-    out.probes.push_back({{"t02", "degC"}, 102, 999.9, 3.9083e-3, -5.775e-7, "", "robot", 0});
+    out.become<TemperatureSettings>().probes.push_back(
+        {{"t01", "degC"}, 101, 1000.0, 3.9083e-3, -5.775e-7, "", "robot", 0});
+    out.become<TemperatureSettings>().probes.push_back(
+        {{"t02", "degC"}, 102, 999.9, 3.9083e-3, -5.775e-7, "", "robot", 0});
     out.options = std::move(options);
     return out;
   }
@@ -150,10 +152,10 @@ TEST_F(ScannerLoop, HasNoZero) { EXPECT_EQ(run(make(scanner()).zero()).error().r
 
 TEST_F(ScannerLoop, RefusesProbesThatCannotBe) {
   auto twice = scanner();
-  twice.probes[1].input = 101;
+  twice.become<TemperatureSettings>().probes[1].input = 101;
   EXPECT_EQ(drivers::make_keithley_2701(twice, context.get_executor(), clock).error().reason,
             "BAD_PROBES");
-  twice.probes.clear();
+  twice.become<TemperatureSettings>().probes.clear();
   EXPECT_EQ(drivers::make_keithley_2701(twice, context.get_executor(), clock).error().reason,
             "BAD_PROBES");
 }

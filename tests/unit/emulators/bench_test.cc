@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 
 #include "drivers/simulated/emulators/cell/cell_outline.h"
@@ -345,14 +346,22 @@ TEST(EmulatorOptions, NamesWhatItDoesNotKnow) {
 }
 
 TEST(EmulatorDocs, ListEverySwitch) {
-  std::ifstream in(DRIFTWISE_SOURCE_DIR "/docs/emulators.md");
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  namespace fs = std::filesystem;
+  const fs::path docs = DRIFTWISE_SOURCE_DIR "/docs";
+  std::vector<fs::path> pages{docs / "emulators.md"};
+  for (const auto& page : fs::directory_iterator(docs / "devices")) pages.push_back(page);
+  std::string text;
+  for (const auto& page : pages) {
+    std::ifstream in(page);
+    text.append(std::istreambuf_iterator<char>(in), {});
+  }
   const auto check = [&](const std::vector<SwitchDescription>& all, std::string_view section) {
     for (const auto& one : all)
       EXPECT_THAT(text,
                   HasSubstr("| `" + std::string(one.name) + "` | " + std::string(one.meaning)))
           << section
-          << ": regenerate docs/emulators.md from driftwise-cellsim --switches --markdown";
+          << ": put the table of driftwise-cellsim --switches --markdown into docs/emulators.md or "
+             "docs/devices/<device>.md";
   };
   for (const auto& kind : emulator_kinds()) check(kind.switches(), kind.section);
   check(wire_switches(), "wire");

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include "drivers/all_devices.h"
 #include "server/formats/cell_file/cell_file.h"
 
 namespace driftwise::formats {
@@ -100,7 +101,7 @@ std::string text_with(std::string text, const std::string& from, const std::stri
 
 std::vector<ConfigurationChange> changes_to(const std::string& after,
                                             const std::string& before = kDifferenceCell) {
-  const auto cell = parse_cell_file(after, "cell.toml");
+  const auto cell = parse_cell_file(after, "cell.toml", drivers::all_devices());
   EXPECT_TRUE(cell) << (cell ? "" : cell.error().message);
   return cell ? cell_file_difference(before, *cell) : std::vector<ConfigurationChange>();
 }

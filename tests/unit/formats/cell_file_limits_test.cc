@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "drivers/all_devices.h"
 #include "server/formats/cell_file/cell_file.h"
 
 namespace driftwise::formats {
@@ -33,7 +34,7 @@ max_step = 0.001
 max_per_s = 6
 frozen_answers = 4
 )",
-                                    "cell.toml");
+                                    "cell.toml", drivers::all_devices());
   ASSERT_TRUE(cell) << cell.error().message;
   const auto& rules = cell->plausibility;
   EXPECT_EQ(rules.geometry_um, 5);
@@ -49,8 +50,8 @@ frozen_answers = 4
 }
 
 TEST(CellFileLimits, HaveDefaults) {
-  const auto cell =
-      parse_cell_file(kFront + "[[limit]]\nchannel = \"x_mm\"\nmax = 2\n", "cell.toml");
+  const auto cell = parse_cell_file(kFront + "[[limit]]\nchannel = \"x_mm\"\nmax = 2\n",
+                                    "cell.toml", drivers::all_devices());
   ASSERT_TRUE(cell) << cell.error().message;
   EXPECT_EQ(cell->plausibility.closure_nm, 300);
   EXPECT_FALSE(cell->plausibility.closure_nm_per_min);
@@ -60,7 +61,7 @@ TEST(CellFileLimits, HaveDefaults) {
 
 TEST(CellFileLimits, AreRefusedWithTheirPlace) {
   const auto refused = [](const std::string& text) {
-    const auto cell = parse_cell_file(kFront + text, "cell.toml");
+    const auto cell = parse_cell_file(kFront + text, "cell.toml", drivers::all_devices());
     return cell ? std::string() : cell.error().reason + ": " + cell.error().message;
   };
   EXPECT_NE(refused("[plausibility]\nclosure_nm = 0\n").find("OUT_OF_RANGE"), std::string::npos);

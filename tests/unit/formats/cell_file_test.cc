@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "drivers/all_devices.h"
+
 namespace driftwise::formats {
 namespace {
 
@@ -67,7 +69,7 @@ address = "127.0.0.1:502"
 )";
 
 TEST(ParseCellFile, ReadsEverySectionAndKeepsDefaults) {
-  const auto cell = parse_cell_file(kCell, "/etc/driftwise/cell.toml");
+  const auto cell = parse_cell_file(kCell, "/etc/driftwise/cell.toml", drivers::all_devices());
   ASSERT_TRUE(cell) << cell.error().message;
   EXPECT_EQ(cell->name, "linear-axis");
   EXPECT_EQ(cell->http, "127.0.0.1:0");
@@ -85,8 +87,8 @@ TEST(ParseCellFile, ReadsEverySectionAndKeepsDefaults) {
   EXPECT_EQ(cell->devices[0].options.at("terminator"), "lf");
   EXPECT_EQ(cell->devices[0].options.at("poll_ms"), "20");
   EXPECT_EQ(cell->devices[0].options.at("echo"), "false");
-  EXPECT_EQ(cell->devices[1].probes[0].r0_ohm, 1000.12);
-  EXPECT_EQ(cell->devices[1].probes[1].b_per_degc2, -5.775e-7);  // IEC 60751
+  EXPECT_EQ(cell->devices[1].probes()[0].r0_ohm, 1000.12);
+  EXPECT_EQ(cell->devices[1].probes()[1].b_per_degc2, -5.775e-7);  // IEC 60751
   EXPECT_EQ(cell->length_channels()[0].name(), "x_mm");
   EXPECT_EQ(cell->text, kCell);
   EXPECT_EQ(cell->hash.size(), 16u);
@@ -95,12 +97,13 @@ TEST(ParseCellFile, ReadsEverySectionAndKeepsDefaults) {
 TEST(ParseCellFile, KeepsAnAbsoluteDatabase) {
   std::string text = kCell;
   text.replace(text.find("data/cell.db"), 12, "/var/lib/cell.db");
-  EXPECT_EQ(parse_cell_file(text, "cell.toml")->database, "/var/lib/cell.db");
+  EXPECT_EQ(parse_cell_file(text, "cell.toml", drivers::all_devices())->database,
+            "/var/lib/cell.db");
 }
 
 TEST(ParseCellFile, GivesAnotherHashToAnotherText) {
-  EXPECT_NE(parse_cell_file(kCell, "cell.toml")->hash,
-            parse_cell_file(kCell + "\n", "cell.toml")->hash);
+  EXPECT_NE(parse_cell_file(kCell, "cell.toml", drivers::all_devices())->hash,
+            parse_cell_file(kCell + "\n", "cell.toml", drivers::all_devices())->hash);
 }
 
 struct CellFileMistake {
@@ -116,7 +119,7 @@ TEST_P(BadCell, IsRefusedWithFileLineFieldFoundAndExpected) {
   const auto at = text.find(GetParam().from);
   ASSERT_NE(at, std::string::npos);
   text.replace(at, std::string_view(GetParam().from).size(), GetParam().to);
-  const auto cell = parse_cell_file(text, "cell.toml");
+  const auto cell = parse_cell_file(text, "cell.toml", drivers::all_devices());
   ASSERT_FALSE(cell);
   EXPECT_EQ(cell.error().reason, GetParam().reason) << cell.error().message;
   EXPECT_TRUE(cell.error().message.find(GetParam().says) != std::string::npos)
@@ -192,7 +195,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& row) { return std::string(row.param.name); });
 
 TEST(ReadCellFile, RefusesAFolderAndNamesTheFileThatMayBeMeant) {
-  const auto cell = read_cell_file("/");
+  const auto cell = read_cell_file("/", drivers::all_devices());
   ASSERT_FALSE(cell);
   EXPECT_EQ(cell.error().reason, "NOT_A_FILE");
   EXPECT_EQ(cell.error().message,
@@ -202,13 +205,13 @@ TEST(ReadCellFile, RefusesAFolderAndNamesTheFileThatMayBeMeant) {
 TEST(ParseCellFile, RefusesSpeedWithHardwareAsAPrecondition) {
   std::string text = kCell;
   text.replace(text.find("127.0.0.1:502\""), 13, "/dev/ttyUSB0");
-  const auto cell = parse_cell_file(text, "cell.toml");
+  const auto cell = parse_cell_file(text, "cell.toml", drivers::all_devices());
   ASSERT_FALSE(cell);
   EXPECT_EQ(cell.error().code, ErrorCode::failed_precondition);
 }
 
 TEST(ReadCellFile, NamesAFileThatIsNotThere) {
-  const auto cell = read_cell_file("/nowhere/cell.toml");
+  const auto cell = read_cell_file("/nowhere/cell.toml", drivers::all_devices());
   ASSERT_FALSE(cell);
   EXPECT_EQ(cell.error().reason, "NO_FILE");
   EXPECT_NE(cell.error().message.find("/nowhere/cell.toml"), std::string::npos);

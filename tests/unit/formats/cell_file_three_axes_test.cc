@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "drivers/all_devices.h"
 #include "server/formats/cell_file/cell_file.h"
 
 namespace driftwise::formats {
@@ -72,9 +73,9 @@ cosine = true
 )";
 
 TEST(ParseCellFileOfThreeAxes, ReadsAutocollimatorsCorrectionAndLoad) {
-  const auto cell = parse_cell_file(kThreeAxes, "cell.toml");
+  const auto cell = parse_cell_file(kThreeAxes, "cell.toml", drivers::all_devices());
   ASSERT_TRUE(cell) << cell.error().message;
-  const auto& angles = cell->find_device("collimator-1")->angles;
+  const auto& angles = cell->find_device("collimator-1")->angles();
   ASSERT_EQ(angles.size(), 2u);
   EXPECT_EQ(angles[0].channel.name(), "ry_arcsec");
   EXPECT_EQ(angles[0].device_axis, 1);
@@ -103,7 +104,7 @@ TEST(ParseCellFileOfThreeAxes, ReadsAutocollimatorsCorrectionAndLoad) {
 }
 
 TEST(ParseCellFileOfThreeAxes, NamesTheRawPathsBesideTheCorrectedPose) {
-  auto cell = parse_cell_file(kThreeAxes, "cell.toml");
+  auto cell = parse_cell_file(kThreeAxes, "cell.toml", drivers::all_devices());
   ASSERT_TRUE(cell);
   EXPECT_EQ(cell->length_channels()[1].name(), "z_mm");
   EXPECT_EQ(cell->path_channels()[1].name(), "z_path_mm");
@@ -115,7 +116,7 @@ TEST(ParseCellFileOfThreeAxes, KnowsALoadThatAPersonChanges) {
   std::string text = kThreeAxes;
   const auto from = text.find("[[device]]\nid = \"load\"");
   text.erase(from, text.find("[load]") - from);
-  const auto cell = parse_cell_file(text, "cell.toml");
+  const auto cell = parse_cell_file(text, "cell.toml", drivers::all_devices());
   ASSERT_TRUE(cell) << cell.error().message;
   EXPECT_EQ(cell->load_actuator(), nullptr);
   EXPECT_EQ(cell->force_channel()->name(), "force_N");
@@ -123,7 +124,8 @@ TEST(ParseCellFileOfThreeAxes, KnowsALoadThatAPersonChanges) {
 
 TEST(ParseCellFileOfThreeAxes, ReadsTheMicroNano) {
   const auto cell =
-      read_cell_file(std::string(DRIFTWISE_SOURCE_DIR) + "/deploy/cells/micro-nano/cell.toml");
+      read_cell_file(std::string(DRIFTWISE_SOURCE_DIR) + "/deploy/cells/micro-nano/cell.toml",
+                     drivers::all_devices());
   ASSERT_TRUE(cell) << cell.error().message;
   EXPECT_EQ(cell->motor_channels().size(), 3u);
   EXPECT_EQ(cell->path_channels().size(), 3u);
@@ -145,7 +147,7 @@ TEST_P(BadThreeAxes, AreRefusedWithFileLineFieldFoundAndExpected) {
   const auto at = text.find(GetParam().from);
   ASSERT_NE(at, std::string::npos);
   text.replace(at, std::string_view(GetParam().from).size(), GetParam().to);
-  const auto cell = parse_cell_file(text, "cell.toml");
+  const auto cell = parse_cell_file(text, "cell.toml", drivers::all_devices());
   ASSERT_FALSE(cell);
   EXPECT_EQ(cell.error().reason, GetParam().reason) << cell.error().message;
   EXPECT_NE(cell.error().message.find(GetParam().says), std::string::npos) << cell.error().message;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "drivers/all_devices.h"
 #include "server/formats/cell_file/cell_file.h"
 
 namespace driftwise::formats {
@@ -99,7 +100,7 @@ TEST(RobotFile, MayBeAWholeCell) {
                            "\"X\"\nmin_mm = -1\nmax_mm = 1\n";
   const auto robot = parse_robot_file(cell, "cell.toml");
   ASSERT_TRUE(robot) << robot.error().message;
-  const auto description = parse_cell_file(cell, "cell.toml");
+  const auto description = parse_cell_file(cell, "cell.toml", drivers::all_devices());
   ASSERT_TRUE(description) << description.error().message;
   ASSERT_TRUE(description->kinematics);
   EXPECT_EQ(write_robot_file(*description->kinematics), write_robot_file(*robot));
@@ -109,7 +110,7 @@ TEST(CellFile, NeedsNoKinematics) {
   const auto cell = parse_cell_file(
       "[cell]\nname = \"m\"\ndatabase = \"m.db\"\n[[device]]\nid = \"a\"\nkind = "
       "\"watlow-ez-zone\"\naddress = \"127.0.0.1:1\"\n",
-      "cell.toml");
+      "cell.toml", drivers::all_devices());
   ASSERT_TRUE(cell) << cell.error().message;
   EXPECT_FALSE(cell->kinematics);
 }

@@ -15,22 +15,22 @@ inline CellDescription cell() {
   DeviceDescription axis;
   axis.id = "axis";
   axis.options["velocity_mm_s"] = "5";
-  axis.axes.push_back({{"q1", "mm"}, "X", -5, 5, 0});
+  axis.become<MotionSettings>().axes.push_back({{"q1", "mm"}, "X", -5, 5, 0});
   DeviceDescription laser;
   laser.id = "laser-x";
-  laser.length = Channel{"x", "mm"};
+  laser.become<LengthSettings>().channel = {"x", "mm"};
   DeviceDescription scanner;
   scanner.id = "scanner";
   for (const char* name : {"t01", "t02", "t03"}) {
     ProbeDescription probe;
     probe.channel = {name, "degC"};
     probe.part = "robot";
-    scanner.probes.push_back(probe);
+    scanner.become<TemperatureSettings>().probes.push_back(probe);
   }
   ProbeDescription air;
   air.channel = {"t04", "degC"};
   air.part = "air";
-  scanner.probes.push_back(air);
+  scanner.become<TemperatureSettings>().probes.push_back(air);
   cell.devices = {axis, laser, scanner};
   auto& kinematics = cell.kinematics.emplace();
   kinematics.kind = "linear-axis";

@@ -14,11 +14,11 @@ CellDescription three_lasers(bool corrected) {
   for (const char* axis : {"x", "y", "z"}) {
     DeviceDescription laser;
     laser.id = std::string("laser-") + axis;
-    laser.length = Channel{axis, "mm"};
+    laser.become<LengthSettings>().channel = {axis, "mm"};
     cell.devices.push_back(laser);
   }
   DeviceDescription collimator;
-  collimator.angles = {
+  collimator.become<AngleSettings>().angles = {
       {{"rx", "arcsec"}, 1, 1, 0}, {{"ry", "arcsec"}, 2, 1, 0}, {{"rz", "arcsec"}, 1, 1, 0}};
   cell.devices.push_back(collimator);
   if (corrected) {
@@ -69,7 +69,7 @@ TEST(PoseStage, WithoutACorrectionOnlyCountsRotationsFromTheZero) {
 
 TEST(PoseStage, IsTheIdentityForOneLength) {
   CellDescription cell;
-  cell.devices.emplace_back().length = Channel{"x", "mm"};
+  cell.devices.emplace_back().become<LengthSettings>().channel = {"x", "mm"};
   PoseStage stage(cell);
   EXPECT_TRUE(stage.is_identity());
   EXPECT_EQ(stage.pose(kRaw).size(), kRaw.size());

@@ -9,7 +9,7 @@ CellDescription cell() {
   CellDescription c;
   c.name = "linear";
   DeviceDescription axis;
-  axis.axes.push_back({{"q1", "mm"}, "X", -4.5, 4.5, 20});
+  axis.become<MotionSettings>().axes.push_back({{"q1", "mm"}, "X", -4.5, 4.5, 20});
   c.devices = {axis};
   return c;
 }
@@ -55,7 +55,7 @@ CellDescription delta_cell() {
   c.kinematics.emplace().kind = "delta-vertical";
   for (int i = 0; i < 3; ++i) {
     const Channel motor{"q" + std::to_string(i + 1), "mm"};
-    c.devices.emplace_back().axes.push_back({motor, "X", -0.2, 2.8, 5});
+    c.devices.emplace_back().become<MotionSettings>().axes.push_back({motor, "X", -0.2, 2.8, 5});
     DeltaBranch branch;
     branch.motor = motor;
     branch.azimuth_deg = 120.0 * i;

@@ -1,0 +1,19 @@
+#include "drivers/interferometer_adapter/interferometer_adapter.h"
+#include "server/core/devices/device_kind.h"
+#include "server/core/devices/role_settings.h"
+#include "server/core/ports/made_device.h"
+
+namespace driftwise::device_kind {
+
+extern const DeviceKind interferometer_adapter;
+const DeviceKind interferometer_adapter{
+    .id = "interferometer-adapter",
+    .role = DeviceRole::length,
+    .read_settings = read_length_settings,
+    .channels = channels_of_settings,
+    .make = [](const DeviceDescription& device,
+               const DeviceContext& context) -> Result<MadeDevice> {
+      return drivers::make_interferometer_adapter(device, context.executor, context.clock);
+    }};
+
+}  // namespace driftwise::device_kind

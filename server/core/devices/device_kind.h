@@ -1,0 +1,40 @@
+#pragma once
+// A kind of device as its driver declares it, once: drivers/<device>/device.cc. The list of all is
+// drivers/all_devices.cc.
+
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "server/core/devices/device_description.h"
+#include "server/core/devices/settings_reader.h"
+#include "server/core/result.h"
+
+namespace driftwise {
+
+// Both in server/core/ports/made_device.h.
+struct DeviceContext;
+struct MadeDevice;
+
+struct DeviceKind {
+  std::string_view id;  // as [[device]] kind names it: "pi-gcs"
+  DeviceRole role;
+  // Reads what belongs to the kind into description.settings, which hold the role's defaults.
+  void (*read_settings)(SettingsReader& reader, DeviceDescription& device);
+  // Channels that a device with these settings gives.
+  std::vector<Channel> (*channels)(const DeviceDescription& device);
+  // The driver behind the role's port. Connects in prepare() or the first call, not here.
+  // Errors: invalid_argument naming the option or the key.
+  Result<MadeDevice> (*make)(const DeviceDescription& device, const DeviceContext& context);
+};
+
+// In the order in which messages name them.
+using DeviceKinds = std::span<const DeviceKind* const>;
+
+inline const DeviceKind* find_kind(DeviceKinds kinds, std::string_view id) {
+  for (const auto* kind : kinds)
+    if (kind->id == id) return kind;
+  return nullptr;
+}
+
+}  // namespace driftwise

@@ -1,0 +1,97 @@
+// What a cell file may describe and a daemon cannot use yet, and a bench that holds it all the
+// same.
+
+#include "server/application/recording/usable_devices.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/support/cell_in_memory.h"
+#include "tests/unit/application/sqlite.h"
+
+namespace driftwise::tests {
+namespace {
+
+using application::check_usable;
+using testing::HasSubstr;
+
+// A controller whose axis stands still.
+class StillController final : public MotionController {
+ public:
+  StillController(DeviceDescription description, VirtualTime& time, int& stops)
+      : description_(std::move(description)), time_(time), stops_(stops) {}
+  const DeviceDescription& description() const override { return description_; }
+  DeviceHealth health() const override { return {}; }
+  Awaitable<Result<void>> prepare() override { co_return Result<void>{}; }
+  void close() override {}
+  Awaitable<Result<MotionState>> state() override {
+    co_return MotionState{time_.now().utc, {0.0}, false, true, true};
+  }
+  Awaitable<Result<void>> home() override { co_return Result<void>{}; }
+  Awaitable<Result<void>> start_move(std::span<const double>) override { co_return Result<void>{}; }
+  Awaitable<Result<void>> stop() override {
+    ++stops_;
+    co_return Result<void>{};
+  }
+
+ private:
+  DeviceDescription description_;
+  VirtualTime& time_;
+  int& stops_;
+};
+
+DeviceDescription controller_of(const std::string& id, const std::string& channel_symbol) {
+  DeviceDescription device;
+  device.id = id;
+  device.kind = "pi-gcs";
+  device.become<MotionSettings>().axes = {{{channel_symbol, "mm"}, "X", -1, 1, 0}};
+  return device;
+}
+
+TEST(UsableDevices, AreOneRobotsOnly) {
+  CellDescription cell;
+  cell.name = "two";
+  cell.devices = {controller_of("gantry", "ma.q1"), controller_of("hexapod", "mn.q1")};
+  cell.robots = {{.id = "ma", .controller = "gantry", .axes = {}, .tool = {}, .kinematics = {}},
+                 {.id = "mn", .controller = "hexapod", .axes = {}, .tool = {}, .kinematics = {}}};
+  const auto refused = check_usable(cell);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "TWO_ROBOTS");
+  EXPECT_THAT(refused.error().message, HasSubstr("robot 'mn' (controller 'hexapod')"));
+  EXPECT_THAT(refused.error().message, HasSubstr("cell file of its own"));
+}
+
+TEST(UsableDevices, NeedOneController) {
+  CellDescription cell;
+  cell.name = "none";
+  EXPECT_EQ(check_usable(cell).error().reason, "NO_CONTROLLER");
+  cell.devices = {controller_of("a", "q1")};
+  EXPECT_TRUE(check_usable(cell));
+  cell.devices.push_back(controller_of("b", "q2"));
+  EXPECT_EQ(check_usable(cell).error().reason, "TWO_CONTROLLERS");
+}
+
+TEST(SeveralControllers, AreHeldShownAndStopped) {
+  Folder folder;
+  SmallWorld world;
+  int stops = 0;
+  auto description = small_cell(folder / "cell.sqlite");
+  description.devices.push_back(controller_of("hexapod", "mn.q1"));
+  const auto make = [&](VirtualTime& time, const CellDescription& described) {
+    auto devices = small_devices(world, time, described);
+    devices.push_back(std::make_unique<StillController>(described.devices.back(), time, stops));
+    return devices;
+  };
+  CellInMemory cell(make, description, kSqlite, {});
+  cell.pass(10);
+  const auto status = cell->status();
+  ASSERT_EQ(status.devices.size(), 5U);
+  EXPECT_EQ(status.devices[0].description.id, "axis");
+  EXPECT_EQ(status.devices[1].description.id, "hexapod");
+  const auto stopped = cell.await(cell->stop_all(cell.ada));
+  ASSERT_TRUE(stopped) << stopped.error().message;
+  EXPECT_GE(stops, 1);
+  EXPECT_GE(world.stops, 1);
+}
+
+}  // namespace
+}  // namespace driftwise::tests
