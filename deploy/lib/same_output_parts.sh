@@ -59,7 +59,7 @@ put() {
   local code=0
   "${@:2}" >"$1.out" 2>"$1.err" || code=$?
   echo $code >"$1.code"
-  sed -E -i 's/"fit_us":[^,}]*/"fit_us":0/g; s/"model_id":[0-9]*/"model_id":0/g; s/[0-9.]+ ms$/- ms/;
+  sed -E -i 's/"fit_us":[^,}]*/"fit_us":0/g; s/"model_id":[0-9]*/"model_id":0/g; s/ *[0-9.]+ ms$/ - ms/;
              s/"(version|commit)":"[^"]*"/"\1":""/g' "$1.out" "$1.err"
 }
 
