@@ -13,6 +13,7 @@
   DEVICE(lds1000)                 \
   DEVICE(watlow_ez_zone)          \
   DEVICE(load_actuator)           \
+  DEVICE(inclinometer)            \
   // end of the list
 // clang-format on
 

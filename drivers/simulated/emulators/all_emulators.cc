@@ -13,6 +13,7 @@
   EMULATOR(watlow_ez_zone)            \
   EMULATOR(lds1000)                   \
   EMULATOR(load_actuator)             \
+  EMULATOR(inclinometer)              \
   // end of the list
 // clang-format on
 
