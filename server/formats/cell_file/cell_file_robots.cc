@@ -56,7 +56,7 @@ std::vector<Channel> axes_of(const DeviceDescription& controller) {
 }
 
 template <class Names>
-std::string list_of(const Names& names) {
+std::string joined_names(const Names& names) {
   std::string list;
   for (const auto& name : names) list += (list.empty() ? "" : ", ") + std::string(name);
   return list.empty() ? "none" : list;
@@ -79,14 +79,14 @@ void complete_robot(TomlReader& top, const CellDescription& cell, RobotDescripti
     return refuse(
         reasons::kBadController,
         "controller: found " + shown(robot.controller) +
-            ", expected the id of a motion controller of this cell: " + list_of(controllers));
+            ", expected the id of a motion controller of this cell: " + joined_names(controllers));
   const auto all = axes_of(*controller);
   if (robot.axes.empty()) robot.axes = all;
   for (const auto& axis : robot.axes)
     if (std::ranges::find(all, axis) == all.end())
       return refuse(reasons::kBadChannel, "axes: found " + shown(axis.name()) +
                                               ", expected axes of " + shown(controller->id) + ": " +
-                                              list_of(names_of_axes(all)));
+                                              joined_names(names_of_axes(all)));
 }
 
 }  // namespace
