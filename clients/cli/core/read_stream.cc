@@ -23,6 +23,8 @@ class Zeros {
     for (std::size_t i = 0; i < block.size(); ++i)
       if (block[i] == '\0') ++count_[(begin + i) % 2];
   }
+  // A compressed table (gzip, RFC 1952) is no text and may be one.
+  static bool compressed(std::string_view text) { return text.starts_with("\x1f\x8b"); }
   bool tell_of_no_text(std::size_t bytes) const {
     return std::min(count_[0], count_[1]) > bytes / 2000 + 1;
   }
@@ -51,7 +53,7 @@ std::string read_stream(std::istream& stream, const std::string& name, std::size
                        "cannot read " + name + ": " + std::strerror(errno != 0 ? errno : EIO));
     zeros.count({block.data(), count}, text.size());
     text.append(block.data(), count);
-    if (zeros.tell_of_no_text(text.size()))
+    if (!Zeros::compressed(text) && zeros.tell_of_no_text(text.size()))
       throw unreadable("NOT_TEXT", name + ": found zero bytes among the first " +
                                        std::to_string(text.size()) + " bytes, expected text");
     if (text.size() > most_bytes)
