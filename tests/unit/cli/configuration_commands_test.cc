@@ -1,7 +1,6 @@
 // driftwise configuration: the difference is shown, and nothing is accepted unseen.
 
 #include "clients/cli/pages/configuration_text.h"
-
 #include "tests/unit/cli/cli_fixture.h"
 
 namespace driftwise::tests {
