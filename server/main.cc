@@ -28,9 +28,11 @@
 #include <thread>
 
 #include "drivers/all_devices.h"
-#include "server/application/ports/cell.h"
+#include "server/application/cell/cell.h"
 #include "server/application/recording/usable_devices.h"
 #include "server/application/serving/target_line_server.h"
+#include "server/application/serving/targets.h"
+#include "server/application/status/overview.h"
 #include "server/application/upkeep/cell_clock.h"
 #include "server/clean_log.h"
 #include "server/core/reasons.h"
@@ -147,16 +149,17 @@ Result<void> open_doors(Daemon& daemon, const CellDescription& description,
                         const std::string& web_root, const Clock& clock,
                         asio::io_context& context) {
   if (!description.target_line.empty()) {
-    DRIFTWISE_TRY(auto line, application::TargetLineServer::start(context.get_executor(),
-                                                                  description.target_line,
-                                                                  daemon.cell->snapshots(), clock));
+    DRIFTWISE_TRY(auto line, application::TargetLineServer::start(
+                                 context.get_executor(), description.target_line,
+                                 daemon.cell->services().targets.snapshots(), clock));
     daemon.target_line = std::move(line);
   }
-  DRIFTWISE_TRY(auto rpc, rpc::RpcServer::open(*daemon.cell, description.listen));
+  DRIFTWISE_TRY(auto rpc, rpc::RpcServer::open(daemon.cell->services(), description.listen));
   daemon.rpc = std::move(rpc);
   if (daemon.http)
-    daemon.http->serve(web::make_web_site({*daemon.cell, daemon.rpc->in_process_channel(),
-                                           web::find_web_root(web_root), daemon.http->executor()}));
+    daemon.http->serve(web::make_web_site(
+        {daemon.cell->services().host, daemon.cell->services().overview,
+         daemon.rpc->in_process_channel(), web::find_web_root(web_root), daemon.http->executor()}));
   return {};
 }
 
@@ -245,7 +248,8 @@ void serve_until_signal(Daemon& daemon, asio::io_context& context, const Argumen
     const Notice notice(arguments.cell_file, content);
     daemon.rpc->ready(true);
     const ServiceManager service_manager(context.get_executor());
-    spdlog::info("{} is ready: {}", daemon.cell->description().name, content.dump());
+    spdlog::info("{} is ready: {}", daemon.cell->services().overview.description().name,
+                 content.dump());
     int signal = 0;
     sigwait(&signals, &signal);
     spdlog::info("{}: shutting down", strsignal(signal));

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "server/application/ports/cell.h"
+#include "server/application/status/cell_status.h"
 
 namespace driftwise::web {
 

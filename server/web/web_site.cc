@@ -15,7 +15,10 @@ namespace fs = std::filesystem;
 class WebSite final : public HttpSite {
  public:
   explicit WebSite(WebSiteParts parts)
-      : cell_(parts.cell), gateway_(parts.executor, parts.channel), files_(parts.root) {}
+      : host_(parts.host),
+        overview_(parts.overview),
+        gateway_(parts.executor, parts.channel),
+        files_(parts.root) {}
 
   std::variant<HttpResponse, std::size_t> admit(const HttpRequest& head) override {
     if (auto refused = refuse_foreign(head)) return std::move(*refused);
@@ -29,19 +32,20 @@ class WebSite final : public HttpSite {
   Awaitable<HttpResponse> answer(HttpRequest request) override {
     if (request.method == "POST") co_return gateway_.open(std::move(request));
     if (request.path() == "/healthz") {
-      co_await application::run_on(cell_.executor(), [] {});
+      co_await application::run_on(host_.executor(), [] {});
       co_return plain_answer(200, "ok\n");
     }
     if (request.path() != "/metrics") co_return files_.answer(request);
     const auto status =
-        co_await application::run_on(cell_.executor(), [this] { return cell_.status(); });
+        co_await application::run_on(host_.executor(), [this] { return overview_.status(); });
     HttpResponse response = plain_answer(200, metrics_text(status));
     response.headers.front().value = "text/plain; version=0.0.4; charset=utf-8";
     co_return response;
   }
 
  private:
-  application::Cell& cell_;
+  const application::Host& host_;
+  const application::Overview& overview_;
   GrpcWebGateway gateway_;
   StaticFiles files_;
 };

@@ -7,13 +7,15 @@
 #include <filesystem>
 #include <memory>
 
-#include "server/application/ports/cell.h"
+#include "server/application/ports/host.h"
+#include "server/application/status/overview.h"
 #include "server/web/http_message.h"
 
 namespace driftwise::web {
 
 struct WebSiteParts {
-  application::Cell& cell;                 // outlives the site
+  const application::Host& host;           // outlives the site, as
+  const application::Overview& overview;   // does this
   std::shared_ptr<grpc::Channel> channel;  // to the services, inside the process
   std::filesystem::path root;              // with index.html; empty: no page
   asio::any_io_executor executor;          // the web thread

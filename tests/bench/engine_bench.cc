@@ -65,7 +65,7 @@ double engine_point_us(const std::string& path) {
   std::int64_t accepted =
       0;  // as a watcher is told: asking for the status at every step would be the figure
   const auto watch =
-      cell->watch_progress([&](const application::RunProgress& p) { accepted = p.run.accepted; });
+      cell->runs.watch([&](const application::RunProgress& p) { accepted = p.run.accepted; });
   cell.until([&] { return accepted == 1; });
   const auto begin = SteadyTime::now();
   cell.until([&] { return accepted == kPoints; });

@@ -16,7 +16,7 @@
 #include "empty_service.grpc.pb.h"
 #include "server/compensation/snapshot_builder.h"
 #include "server/rpc/server/rpc_server.h"
-#include "tests/support/fake_cell.h"
+#include "tests/support/fakes.h"
 #include "tests/unit/compensation/models.h"
 
 namespace {
@@ -62,12 +62,15 @@ double median(std::vector<double> values) {
 
 int main(int argc, char** argv) {
   const int calls = argc > 1 ? std::max(100, std::atoi(argv[1])) : 5000;
-  tests::FakeCell cell;
+  tests::LiveCell cell;
+  tests::FakeTargets served;
   auto builder = std::move(*compensation::SnapshotBuilder::create(
       compensation::axis_model(), ModelId{1}, compensation::axis_cell()));
-  cell.on_executor([&] { cell.publish_snapshot(builder.build(cell.the_time)); });
+  const CellTime now = cell.now();
+  cell.on_executor([&] { served.publish(builder.build(now)); });
   EmptyService empty_service;
-  auto server = std::move(*rpc::RpcServer::open(cell, "127.0.0.1:0", {&empty_service}));
+  auto server = std::move(
+      *rpc::RpcServer::open(cell.services({.targets = &served}), "127.0.0.1:0", {&empty_service}));
   const auto channel = grpc::CreateChannel(server->address(), grpc::InsecureChannelCredentials());
   v1::TargetService::Stub targets(channel);
   bench::EmptyService::Stub empties(channel);

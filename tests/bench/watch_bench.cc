@@ -1,5 +1,5 @@
-// What those who watch cost: 40 channels, 20 updates a second, 0, 1 and 10 clients of Watch over
-// loopback, each for some seconds.
+// What those who watch cost: the small cell's channels, 20 updates a second, 0, 1 and 10 clients of
+// Watch over loopback, each for some seconds.
 //
 //   watch_bench [seconds]      prints one JSON object
 //
@@ -20,12 +20,13 @@
 
 #include "driftwise/v1/watch_service.grpc.pb.h"
 #include "server/rpc/server/rpc_server.h"
-#include "tests/support/fake_cell.h"
+#include "tests/support/fakes.h"
 
 namespace {
 
 using namespace driftwise;
-using tests::FakeCell;
+using tests::FakeFeeds;
+using tests::LiveCell;
 
 double cpu_s(clockid_t clock) {
   timespec now{};
@@ -52,8 +53,8 @@ struct Client {
   std::thread thread;
 };
 
-nlohmann::ordered_json measure(FakeCell& cell, const std::string& address, int clients,
-                               double seconds) {
+nlohmann::ordered_json measure(LiveCell& cell, FakeFeeds& feeds, const std::string& address,
+                               int clients, double seconds) {
   std::atomic<std::int64_t> batches{0};
   std::vector<std::unique_ptr<Client>> watching;
   for (int i = 0; i < clients; ++i) watching.push_back(std::make_unique<Client>(address, batches));
@@ -66,10 +67,10 @@ nlohmann::ordered_json measure(FakeCell& cell, const std::string& address, int c
   const auto begin = std::chrono::steady_clock::now();
   const auto end = begin + std::chrono::duration<double>(seconds);
   for (int i = 0; std::chrono::steady_clock::now() < end; ++i) {
+    if (i % 20 == 0) cell.add_event("bench");
     cell.on_executor([&] {
-      for (auto& value : cell.the_status.values) value.value += 1e-3;
-      cell.publish_reading({"scanner", cell.the_time, cell.the_time, i, {}});
-      if (i % 20 == 0) cell.add_event("bench");
+      feeds.readings.publish({"scanner", tests::kWorldBegin, tests::kWorldBegin, i, {}});
+      if (i % 20 == 0) feeds.records.publish();
     });
     std::this_thread::sleep_until(begin + std::chrono::milliseconds(50) * (i + 1));
   }
@@ -84,21 +85,14 @@ nlohmann::ordered_json measure(FakeCell& cell, const std::string& address, int c
 
 int main(int argc, char** argv) {
   const double seconds = argc > 1 ? std::stod(argv[1]) : 10;
-  FakeCell cell;
-  cell.on_executor([&] {
-    for (int i = 0; i < 40; ++i)
-      cell.the_status.values.push_back({.channel = {"t" + std::to_string(i), "degC"},
-                                        .value = 20,
-                                        .at = cell.the_time,
-                                        .age_s = 1,
-                                        .device = "scanner"});
-  });
-  auto server = rpc::RpcServer::open(cell, "127.0.0.1:0");
+  LiveCell cell;
+  FakeFeeds feeds;
+  auto server = rpc::RpcServer::open(cell.services({.feeds = &feeds}), "127.0.0.1:0");
   if (!server) return 1;
   (*server)->ready(true);
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
   for (const int clients : {0, 1, 10})
-    out.push_back(measure(cell, (*server)->address(), clients, seconds));
+    out.push_back(measure(cell, feeds, (*server)->address(), clients, seconds));
   std::puts(out.dump(2).c_str());
   return 0;
 }

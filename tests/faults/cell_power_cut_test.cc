@@ -45,12 +45,12 @@ Told live(SmallWorld& world, const std::string& database, UnsyncedVfs& disk) {
   Told told;
   try {
     CellInMemory cell(world, small_cell(database), store_on(disk.name()));
-    const auto watch = cell->watch_progress([&](const application::RunProgress& progress) {
+    const auto watch = cell->runs.watch([&](const application::RunProgress& progress) {
       told.accepted = std::max(told.accepted, progress.run.accepted);
       told.done |= progress.run.state == RunState::done;
     });
     told.run = ask_for_the_run(cell).has_value();
-    if (told.run) cell.until([&] { return disk.power_is_cut() || !cell->status().run; });
+    if (told.run) cell.until([&] { return disk.power_is_cut() || !cell.status().run; });
   } catch (const std::runtime_error&) {  // it could not even be opened
     EXPECT_TRUE(disk.power_is_cut());
   }
@@ -73,10 +73,10 @@ void judge(SmallWorld& world, const std::string& database, const Told& told) {
   CellInMemory cell(world, small_cell(database), store_on(""), later);
   const auto run = ask_for_the_run(cell);
   ASSERT_TRUE(run) << run.error().message;
-  cell.until([&] { return !cell->status().run; });
-  const auto ended = *cell.await(cell->run(run->id));
+  cell.until([&] { return !cell.status().run; });
+  const auto ended = *cell.await(cell->runs.get(run->id));
   EXPECT_EQ(ended.state, RunState::done) << ended.reason;
-  const auto points = *cell.await(cell->points(run->id, 0, 1000));
+  const auto points = *cell.await(cell.points(run->id, 0, 1000));
   std::map<std::int64_t, int> of_row;
   std::int64_t from_before = 0;
   for (const auto& point : points) {

@@ -93,26 +93,26 @@ void CellInMemory::pass(double seconds) {
 }
 
 application::HoldAnswer CellInMemory::answer(std::string override_reason) {
-  const auto run = cell_->status().run;
+  const auto run = status().run;
   return {run ? run->run.hold.id() : 0, std::move(override_reason)};
 }
 
 Result<RunRecord> CellInMemory::resume(const application::Caller& who,
                                        std::string override_reason) {
-  const RunId run = cell_->status().run->run.id;
-  return await(cell_->resume_run(who, run, answer(std::move(override_reason))));
+  const RunId run = status().run->run.id;
+  return await(cell_->services().runs.resume(who, run, answer(std::move(override_reason))));
 }
 
 std::string CellInMemory::lease() {
-  auto lease = cell_->take_lease(ada, std::chrono::hours(1), lease_);
-  if (!lease) lease = cell_->take_lease(ada, std::chrono::hours(1), "");
+  auto lease = cell_->services().manual.take_lease(ada, std::chrono::hours(1), lease_);
+  if (!lease) lease = cell_->services().manual.take_lease(ada, std::chrono::hours(1), "");
   if (!lease) throw std::runtime_error(lease.error().message);
   return lease_ = lease->token;
 }
 
 Result<RunRecord> CellInMemory::try_run(application::CreateRun request) {
   if (request.lease_token.empty()) request.lease_token = lease();
-  return await(cell_->create_run(ada, std::move(request)));
+  return await(cell_->services().runs.create(ada, std::move(request)));
 }
 
 RunRecord CellInMemory::begin_run(const std::string& trajectory_csv) {
@@ -128,14 +128,14 @@ RunRecord CellInMemory::begin_run(const std::string& trajectory_csv) {
 RunRecord CellInMemory::finish_run() {
   RunRecord last;
   const auto watch =
-      cell_->watch_progress([&last](const application::RunProgress& p) { last = p.run; });
-  until([this, &last] { return is_over(last.state) && !cell_->status().run; });
+      cell_->services().runs.watch([&last](const application::RunProgress& p) { last = p.run; });
+  until([this, &last] { return is_over(last.state) && !status().run; });
   return last;
 }
 
 std::vector<std::string> CellInMemory::events_named(const std::string& what) {
   std::vector<std::string> details;
-  const auto events = await(cell_->events(EventId{0}, 100'000));
+  const auto events = await(this->events(EventId{0}, 100'000));
   if (!events) throw std::runtime_error(events.error().message);
   for (const auto& event : *events)
     if (event.what == what) details.push_back(event.detail);
@@ -144,7 +144,7 @@ std::vector<std::string> CellInMemory::events_named(const std::string& what) {
 
 std::vector<std::string> CellInMemory::alarms_of(const std::string& kind) {
   std::vector<std::string> messages;
-  const auto alarms = await(cell_->watching().alarms(false, 100));
+  const auto alarms = await(cell_->services().alarms.list(false, 100));
   if (!alarms) throw std::runtime_error(alarms.error().message);
   for (const auto& alarm : *alarms)
     if (alarm.kind == kind && alarm.cleared.utc_ns == 0) messages.push_back(alarm.message);

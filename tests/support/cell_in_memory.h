@@ -9,6 +9,27 @@
 #include <stdexcept>
 #include <string>
 
+#include "server/application/alarms/alarms.h"
+#include "server/application/analyses/studies.h"
+#include "server/application/annotations/annotations.h"
+#include "server/application/cell/cell.h"
+#include "server/application/checks/model_checks.h"
+#include "server/application/configuration/configurations.h"
+#include "server/application/datasets/datasets.h"
+#include "server/application/diagnoses/diagnoses.h"
+#include "server/application/diagnoses/extensions.h"
+#include "server/application/improvement/improvements.h"
+#include "server/application/manual/manual_control.h"
+#include "server/application/models/models.h"
+#include "server/application/models/promotions.h"
+#include "server/application/plumbing/store_reader.h"
+#include "server/application/ports/host.h"
+#include "server/application/provenance/provenance.h"
+#include "server/application/runs/runs.h"
+#include "server/application/serving/targets.h"
+#include "server/application/status/overview.h"
+#include "server/application/trajectories/trajectories.h"
+#include "server/application/watching/feeds.h"
 #include "tests/support/small_world.h"
 
 namespace driftwise::tests {
@@ -48,8 +69,36 @@ class CellInMemory {
                CellTime begin = kWorldBegin);
   ~CellInMemory();  // shuts down in good order, when that has not been done
 
-  application::Cell& operator*() { return *cell_; }
-  application::Cell* operator->() { return cell_.get(); }
+  const application::Services& operator*() const { return cell_->services(); }
+  const application::Services* operator->() const { return &cell_->services(); }
+  application::Cell& cell() { return *cell_; }
+  application::CellStatus status() const { return cell_->services().overview.status(); }
+
+  // Queries of the store, on the reader's thread.
+  template <class Query>
+  auto read(Query query) const {
+    return cell_->services().records.call(std::move(query));
+  }
+  auto run(RunId id) const { return cell_->services().runs.get(id); }
+  auto runs(int limit, std::int64_t before_id) const {
+    return read([=](Store& store) { return store.runs().runs(limit, before_id); });
+  }
+  auto points(RunId id, std::int64_t after_id, int limit) const {
+    return read([=](Store& store) { return store.runs().points(id, after_id, limit); });
+  }
+  auto attempts(RunId id) const {
+    return read([=](Store& store) { return store.runs().attempts(id); });
+  }
+  auto datums(RunId id) const {
+    return read([=](Store& store) { return store.runs().data(id); });
+  }
+  auto events(EventId after, int limit) const {
+    return read([=](Store& store) { return store.events().events(after, limit); });
+  }
+  auto promotions() const {
+    return read([](Store& store) { return store.models().promotions(); });
+  }
+  asio::io_context& io() { return io_; }
   CellTime now() const { return time_.now().utc; }
   VirtualTime& time() { return time_; }
 

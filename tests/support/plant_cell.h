@@ -9,7 +9,7 @@
 #include <string>
 
 #include "drivers/simulated/plant/file/make_plant.h"
-#include "server/application/ports/cell.h"
+#include "server/application/cell/cell.h"
 #include "tests/support/virtual_time.h"
 
 namespace driftwise::tests {

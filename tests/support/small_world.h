@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "server/application/ports/cell.h"
+#include "server/application/cell/cell.h"
 #include "tests/support/virtual_time.h"
 
 namespace driftwise::tests {

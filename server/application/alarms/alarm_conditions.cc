@@ -8,7 +8,7 @@
 
 #include "server/application/motion/loading.h"
 #include "server/application/plumbing/pause_meter.h"
-#include "server/application/runs/run_plan.h"
+#include "server/application/ports/run_plan.h"
 
 namespace driftwise::application {
 namespace {

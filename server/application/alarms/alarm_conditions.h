@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "server/application/ports/alarm_condition.h"
-#include "server/application/ports/cell.h"
+#include "server/application/runs/run_progress.h"
+#include "server/application/status/cell_status.h"
 
 namespace driftwise::application {
 

@@ -7,9 +7,9 @@
 #include <memory>
 #include <vector>
 
+#include "server/application/analyses/studies.h"
 #include "server/application/plumbing/run_on.h"
 #include "server/application/plumbing/task_group.h"
-#include "server/application/ports/studies.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 

@@ -9,7 +9,6 @@
 
 #include "server/application/plumbing/run_on.h"
 #include "server/application/plumbing/task_group.h"
-#include "server/application/ports/cell.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/diagnosis/separating.h"

@@ -11,12 +11,12 @@
 #include <map>
 #include <memory>
 
+#include "server/application/diagnoses/diagnosis_progress.h"
 #include "server/application/plumbing/event_log.h"
 #include "server/application/plumbing/signal.h"
 #include "server/application/plumbing/store_writer.h"
 #include "server/application/plumbing/task_group.h"
 #include "server/application/plumbing/watch_list.h"
-#include "server/application/ports/diagnosis_request.h"
 
 namespace driftwise::application {
 

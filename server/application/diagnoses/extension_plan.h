@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "server/application/datasets/amended_dataset.h"
-#include "server/application/ports/diagnosis_request.h"
+#include "server/diagnosis/diagnosis.h"
 
 namespace driftwise::application {
 

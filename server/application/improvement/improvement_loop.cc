@@ -6,7 +6,6 @@
 
 #include "server/application/diagnoses/extension_plan.h"
 #include "server/application/improvement/fresh_points.h"
-#include "server/application/ports/provenance.h"
 #include "server/core/reasons.h"
 #include "server/core/text/quantity_text.h"
 #include "server/core/try.h"
@@ -89,18 +88,19 @@ Choice what_can_be_told(const diagnosis::Diagnosis& found) {
 
 }  // namespace
 
-ImprovementLoop::ImprovementLoop(Cell& cell, Clock& clock, Caller caller, ImproveRequest request,
+ImprovementLoop::ImprovementLoop(asio::any_io_executor executor, ImprovementServices services,
+                                 Clock& clock, Caller caller, ImproveRequest request,
                                  ImprovementId id, Hooks hooks)
-    : cell_(cell),
+    : services_(services),
       clock_(clock),
       caller_(std::move(caller)),
       request_(std::move(request)),
       id_(id),
       hooks_(std::move(hooks)),
-      wake_(cell.executor()) {}
+      wake_(executor) {}
 
 Awaitable<Result<std::string>> ImprovementLoop::carry_out() {
-  began_ = cell_.now();
+  began_ = clock_.now().utc;
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await begin());
   while (true) {
     const auto after = co_await take_turn();
@@ -117,14 +117,14 @@ Awaitable<Result<std::string>> ImprovementLoop::carry_out() {
     const int next = turn_.number + 1;
     turn_ = {};
     turn_.number = next;
-    turn_.started = cell_.now();
+    turn_.started = clock_.now().utc;
   }
 }
 
 // What is known before the robot moves.
 Awaitable<Result<void>> ImprovementLoop::begin() {
   turn_.started = began_;
-  auto checking = cell_.check_trajectory(request_.trajectory_text);
+  auto checking = services_.trajectories.check("trajectory", request_.trajectory_text);
   DRIFTWISE_CO_TRY(auto check, co_await std::move(checking));
   plan_ = std::move(check.trajectory);
   estimated_s_ = check.estimated_s;
@@ -132,11 +132,11 @@ Awaitable<Result<void>> ImprovementLoop::begin() {
     formula_ = request_.formula;
     co_return Result<void>{};
   }
-  model_ = cell_.status().serving;
+  model_ = services_.serving.model();
   if (!model_)
     co_return fail(ErrorCode::failed_precondition, reasons::kNoModel,
                    "no formula is given and no model serves: give the first model's formula");
-  DRIFTWISE_CO_TRY(const auto record, co_await cell_.model(*model_));
+  DRIFTWISE_CO_TRY(const auto record, co_await services_.models.get(*model_));
   DRIFTWISE_CO_TRY(const auto model, formats::read_model_json(record.json));
   formula_ = model.formula;
   co_return Result<void>{};
@@ -154,7 +154,7 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::take_turn() {
     fit.runs = runs_;
     fit.formula = formula_;
     fit.note = fmt::format("of improvement {}", id_.value);
-    auto fitting = cell_.fit(caller_, std::move(fit));
+    auto fitting = services_.models.fit(caller_, std::move(fit));
     DRIFTWISE_CO_TRY(const auto model, co_await std::move(fitting));
     model_ = model.id;
     turn_.model = model_;
@@ -191,11 +191,11 @@ Awaitable<Result<DiagnosisView>> ImprovementLoop::diagnose() {
   wanted.baseline = formula_;
   wanted.model = model_;
   wanted.name = fmt::format("improvement {}, turn {}", id_.value, turn_.number);
-  auto creating = cell_.create_diagnosis(caller_, std::move(wanted));
+  auto creating = services_.diagnoses.create(caller_, std::move(wanted));
   DRIFTWISE_CO_TRY(const auto created, co_await std::move(creating));
   diagnosis_ = turn_.diagnosis = created.record.id;
   bool over = false;
-  const auto watch = cell_.watch_diagnoses([&](const DiagnosisProgress& progress) {
+  const auto watch = services_.diagnoses.watch([&](const DiagnosisProgress& progress) {
     if (progress.id != diagnosis_) return;
     over = progress.state != JobState::running;
     if (over)
@@ -203,10 +203,10 @@ Awaitable<Result<DiagnosisView>> ImprovementLoop::diagnose() {
     else
       hooks_.tell(turn_.number, "diagnosing: " + progress.step);
   });
-  auto view = co_await cell_.diagnosis(created.record.id);
+  auto view = co_await services_.diagnoses.get(created.record.id);
   while (view && view->record.state == JobState::running && !stopping_) {
     if (!over) co_await wake_.wait();
-    view = co_await cell_.diagnosis(created.record.id);
+    view = co_await services_.diagnoses.get(created.record.id);
   }
   diagnosis_.reset();
   if (!view) co_return view;
@@ -247,13 +247,13 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::extend(const Diagnosi
   AcceptRequest wanted;
   wanted.diagnosis = view.record.id;
   wanted.findings = findings;
-  auto accepting = cell_.accept_extension(caller_, std::move(wanted));
+  auto accepting = services_.extensions.accept(caller_, std::move(wanted));
   DRIFTWISE_CO_TRY(const auto extension, co_await std::move(accepting));
   for (const int number : findings)
     say(view.found->findings[static_cast<std::size_t>(number - 1)].sentence);
   turn_.gains = promised_gains(*view.found);
   if (extension.model) {
-    DRIFTWISE_CO_TRY(const auto record, co_await cell_.model(*extension.model));
+    DRIFTWISE_CO_TRY(const auto record, co_await services_.models.get(*extension.model));
     DRIFTWISE_CO_TRY(const auto model, formats::read_model_json(record.json));
     formula_ = model.formula;
     turn_.model = extension.model;
@@ -275,7 +275,7 @@ Awaitable<std::vector<int>> ImprovementLoop::acceptable(const DiagnosisView& vie
     AcceptRequest alone;
     alone.diagnosis = view.record.id;
     alone.findings = {number};
-    auto looking = cell_.provenance().preview_extension(std::move(alone));
+    auto looking = services_.extensions.preview(std::move(alone));
     const auto preview = co_await std::move(looking);
     if (preview)
       kept.push_back(number);
@@ -314,7 +314,7 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::measure_again(
                   run.id.value, verdict.measured));
   if (verdict.judged && verdict.better && verdict.worse.empty()) co_await promote_proven();
   if (!verdict.judged || (verdict.better && verdict.worse.empty())) co_return After::next_turn;
-  auto undoing = cell_.undo_extension(caller_, extension.diagnosis);
+  auto undoing = services_.extensions.undo(caller_, extension.diagnosis);
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(undoing));
   reason_ = verdict.worse.empty()
                 ? fmt::format("fresh points do not show the gain of diagnosis {}: it was undone",
@@ -328,7 +328,7 @@ Awaitable<Result<ImprovementLoop::After>> ImprovementLoop::measure_again(
 // A question that only a person can answer leaves the model proposed.
 Awaitable<void> ImprovementLoop::promote_proven() {
   if (!request_.promotes || !model_) co_return;
-  auto promoting = cell_.promote(caller_, *model_);
+  auto promoting = services_.promotions.promote(caller_, *model_);
   const auto promoted = co_await std::move(promoting);
   say(promoted
           ? fmt::format("promoted model {}", model_->value)
@@ -338,7 +338,7 @@ Awaitable<void> ImprovementLoop::promote_proven() {
 // A model's errors on a run that it was not fitted from, as a check standard has them: counted from
 // the run's own zero, so that their mean counts.
 Awaitable<Result<ModelCheck>> ImprovementLoop::errors_on(ModelId model, RunId run) {
-  auto checking = cell_.check_model(model, {run});
+  auto checking = services_.checks.check_model(model, {run});
   co_return co_await std::move(checking);
 }
 
@@ -351,15 +351,15 @@ Awaitable<Result<RunRecord>> ImprovementLoop::measure(std::string what,
   wanted.trajectory_name = request_.trajectory_name;
   wanted.trajectory_text = std::move(trajectory_text);
   wanted.lease_token = request_.lease_token;
-  static_cast<void>(cell_.take_lease(caller_, kLease, request_.lease_token));
-  auto creating = cell_.create_run(caller_, std::move(wanted));
+  static_cast<void>(services_.manual.take_lease(caller_, kLease, request_.lease_token));
+  auto creating = services_.runs.create(caller_, std::move(wanted));
   auto run = co_await std::move(creating);
   if (!run) co_return run;
   run_ = run->id;
   turn_.runs.push_back(run->id);
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await keep());
   std::optional<RunRecord> ended;
-  const auto watch = cell_.watch_progress([&](const RunProgress& progress) {
+  const auto watch = services_.runs.watch([&](const RunProgress& progress) {
     if (progress.run.id != run_) return;
     hooks_.tell(turn_.number,
                 fmt::format("{}: {} of {}, {}", what, progress.run.accepted, progress.run.rows,
@@ -370,9 +370,10 @@ Awaitable<Result<RunRecord>> ImprovementLoop::measure(std::string what,
     wake_.raise();
   });
   while (!ended && !stopping_) {  // a run that waits or is paused needs the lease as well
-    static_cast<void>(cell_.take_lease(caller_, kLease, request_.lease_token));
-    const auto until = cell_.now() + std::chrono::duration_cast<Nanoseconds>(kRenewEvery);
-    while (!ended && !stopping_ && cell_.now() < until) co_await sleep_unless(clock_, until, wake_);
+    static_cast<void>(services_.manual.take_lease(caller_, kLease, request_.lease_token));
+    const auto until = clock_.now().utc + std::chrono::duration_cast<Nanoseconds>(kRenewEvery);
+    while (!ended && !stopping_ && clock_.now().utc < until)
+      co_await sleep_unless(clock_, until, wake_);
   }
   run_.reset();
   DRIFTWISE_CO_RETURN_IF_ERROR(check());
@@ -388,17 +389,17 @@ Awaitable<void> ImprovementLoop::stop(bool leave_run) {
   stopping_ = true;
   wake_.raise();
   if (diagnosis_) {
-    auto cancelling = cell_.cancel_diagnosis(caller_, *diagnosis_);
+    auto cancelling = services_.diagnoses.cancel(caller_, *diagnosis_);
     static_cast<void>(co_await std::move(cancelling));
   }
   if (run_ && !leave_run) {
-    auto aborting = cell_.abort_run(caller_, *run_, "its improvement was cancelled");
+    auto aborting = services_.runs.abort(caller_, *run_, "its improvement was cancelled");
     static_cast<void>(co_await std::move(aborting));
   }
 }
 
 Awaitable<Result<void>> ImprovementLoop::keep() {
-  turn_.ended = cell_.now();
+  turn_.ended = clock_.now().utc;
   co_return co_await hooks_.keep(turn_);
 }
 
@@ -408,7 +409,7 @@ void ImprovementLoop::say(const std::string& sentence) {
 
 bool ImprovementLoop::has_time_for(double seconds) const {
   return request_.budget_s <= 0 ||
-         seconds_from(cell_.now() - began_) + seconds <= request_.budget_s;
+         seconds_from(clock_.now().utc - began_) + seconds <= request_.budget_s;
 }
 
 Result<void> ImprovementLoop::check() const {

@@ -12,7 +12,7 @@
 // when what is left is in no catalogue, after the last turn, or when the budget of time does not
 // hold another measurement.
 //
-// Executor's thread. It moves the robot through Cell::create_run alone, under the lease of whoever
+// Executor's thread. It moves the robot through Runs::create alone, under the lease of whoever
 // began it, which it renews: a lease that is given up ends it at its next measurement.
 
 #include <functional>
@@ -20,10 +20,34 @@
 #include <string>
 #include <vector>
 
+#include "server/application/checks/model_checks.h"
+#include "server/application/diagnoses/diagnoses.h"
+#include "server/application/diagnoses/extensions.h"
+#include "server/application/improvement/improvements.h"
+#include "server/application/manual/manual_control.h"
+#include "server/application/models/models.h"
+#include "server/application/models/promotions.h"
 #include "server/application/plumbing/signal.h"
-#include "server/application/ports/cell.h"
+#include "server/application/runs/runs.h"
+#include "server/application/serving/serving.h"
+#include "server/application/trajectories/trajectories.h"
+#include "server/core/ports/clock.h"
+#include "server/core/trajectory/trajectory.h"
 
 namespace driftwise::application {
+
+// What the loop works with; all of them outlive it.
+struct ImprovementServices {
+  Trajectories& trajectories;
+  ManualControl& manual;
+  Runs& runs;
+  Models& models;
+  ModelChecks& checks;
+  Promotions& promotions;
+  Diagnoses& diagnoses;
+  Extensions& extensions;
+  const Serving& serving;
+};
 
 class ImprovementLoop {
  public:
@@ -31,8 +55,8 @@ class ImprovementLoop {
     std::function<void(int turn, const std::string& step)> tell;
     std::function<Awaitable<Result<void>>(ImprovementTurn)> keep;  // stores a turn, again and again
   };
-  ImprovementLoop(Cell& cell, Clock& clock, Caller caller, ImproveRequest request, ImprovementId id,
-                  Hooks hooks);
+  ImprovementLoop(asio::any_io_executor executor, ImprovementServices services, Clock& clock,
+                  Caller caller, ImproveRequest request, ImprovementId id, Hooks hooks);
 
   // Result: why it ended well. Errors: of the step that failed; cancelled STOPPED after stop().
   Awaitable<Result<std::string>> carry_out();
@@ -58,7 +82,7 @@ class ImprovementLoop {
   Result<void> check() const;
   std::string text_of_repeat(int repeat) const;
 
-  Cell& cell_;
+  ImprovementServices services_;
   Clock& clock_;
   Caller caller_;
   ImproveRequest request_;

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "server/application/improvement/improvement_loop.h"
 #include "server/application/plumbing/task_group.h"
 #include "server/core/reasons.h"
 
@@ -15,10 +14,10 @@ struct Improver::Active {
   bool over = false;  // how it ends is decided
 };
 
-Improver::Improver(asio::any_io_executor executor, Cell& cell, Clock& clock, StoreWriter& writer,
-                   EventLog& events, TaskGroup& tasks)
+Improver::Improver(asio::any_io_executor executor, ImprovementServices services, Clock& clock,
+                   StoreWriter& writer, EventLog& events, TaskGroup& tasks)
     : executor_(executor),
-      cell_(cell),
+      services_(services),
       clock_(clock),
       writer_(writer),
       events_(events),
@@ -68,8 +67,8 @@ Awaitable<Result<ImprovementRecord>> Improver::begin(Caller caller, ImproveReque
   hooks.keep = [this, id = stored->id](ImprovementTurn turn) {
     return writer_.diagnoses().put_turn(id, turn);
   };
-  active->loop = std::make_unique<ImprovementLoop>(cell_, clock_, caller, std::move(request),
-                                                   stored->id, std::move(hooks));
+  active->loop = std::make_unique<ImprovementLoop>(
+      executor_, services_, clock_, caller, std::move(request), stored->id, std::move(hooks));
   active_ = active;
   tasks_.spawn(carry_out(std::move(active)));
   co_return stored;

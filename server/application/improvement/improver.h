@@ -7,23 +7,20 @@
 #include <memory>
 #include <optional>
 
+#include "server/application/improvement/improvement_loop.h"
 #include "server/application/plumbing/event_log.h"
 #include "server/application/plumbing/signal.h"
 #include "server/application/plumbing/store_writer.h"
 #include "server/application/plumbing/task_group.h"
 #include "server/application/plumbing/watch_list.h"
-#include "server/application/ports/diagnosis_request.h"
 
 namespace driftwise::application {
 
-class Cell;
-class ImprovementLoop;
-
 class Improver {
  public:
-  // cell: outlives this.
-  Improver(asio::any_io_executor executor, Cell& cell, Clock& clock, StoreWriter& writer,
-           EventLog& events, TaskGroup& tasks);
+  // All of them outlive this.
+  Improver(asio::any_io_executor executor, ImprovementServices services, Clock& clock,
+           StoreWriter& writer, EventLog& events, TaskGroup& tasks);
   ~Improver();
 
   // The same request_id again answers with the first one. Errors: failed_precondition
@@ -48,7 +45,7 @@ class Improver {
   Awaitable<void> stop(std::shared_ptr<Active> active, std::string reason);
 
   asio::any_io_executor executor_;
-  Cell& cell_;
+  ImprovementServices services_;
   Clock& clock_;
   StoreWriter& writer_;
   EventLog& events_;

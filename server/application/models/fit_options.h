@@ -2,7 +2,7 @@
 // What a client asks of a fit, as the options of one: the daemon's fit of a run and the command
 // line's fit of a file then differ in nothing. Pure: a fit runs on the worker's thread.
 
-#include "server/application/ports/cell.h"
+#include "server/application/models/fit_request.h"
 #include "server/calibration/fit.h"
 
 namespace driftwise::application {

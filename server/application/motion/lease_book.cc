@@ -4,7 +4,6 @@
 
 #include <random>
 
-#include "server/application/ports/cell.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 

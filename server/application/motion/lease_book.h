@@ -7,14 +7,17 @@
 #include <optional>
 #include <string>
 
+#include "server/application/ports/caller.h"
 #include "server/core/cell_time.h"
 #include "server/core/result.h"
 #include "server/core/utc_map.h"
 
 namespace driftwise::application {
 
-struct Caller;
-struct Lease;
+struct Lease {
+  std::string token, holder, peer;
+  CellTime until;
+};
 
 class LeaseBook {
  public:

@@ -13,9 +13,18 @@
 #include "server/application/plumbing/signal.h"
 #include "server/application/plumbing/store_writer.h"
 #include "server/application/plumbing/task_group.h"
-#include "server/application/ports/cell.h"
+#include "server/application/ports/caller.h"
+#include "server/core/ports/motion_controller.h"
+#include "server/core/records/stop_record.h"
 
 namespace driftwise::application {
+
+// What became of a stop within the time of its answer.
+struct StopAnswer {
+  bool confirmed = false;           // every controller has reported no motion twice in succession
+  std::string message;              // a sentence; not confirmed: "... use the emergency switch ..."
+  std::vector<StopRecord> pending;  // by controller: those that have not confirmed
+};
 
 class StopDesk {
  public:

@@ -5,8 +5,6 @@
 
 #include <algorithm>
 
-#include "server/application/ports/cell.h"
-
 namespace driftwise::application {
 
 void StopEvents::record(const Caller& caller, std::optional<RunId> run) {

@@ -2,7 +2,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include "server/application/ports/cell.h"
 #include "server/core/ports/spawn.h"
 
 namespace driftwise::application {

@@ -7,12 +7,11 @@
 
 #include "server/application/plumbing/store_writer.h"
 #include "server/application/plumbing/watch_list.h"
+#include "server/application/ports/caller.h"
 #include "server/core/ports/clock.h"
 #include "server/core/records/records.h"
 
 namespace driftwise::application {
-
-struct Caller;
 
 class EventLog {
  public:

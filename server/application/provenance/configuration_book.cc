@@ -65,6 +65,11 @@ std::string ConfigurationBook::question() const {
       start_.before_hash, list_of(asking, kMostNamed));
 }
 
+std::string ConfigurationBook::question_for(const RunRecord& run) const {
+  if (!asks() || run.created >= start_.at.utc) return {};
+  return question();
+}
+
 std::string ConfigurationBook::event() const {
   if (start_.before_hash.empty())
     return fmt::format("configuration {} is in force, the first on this database", start_.hash);

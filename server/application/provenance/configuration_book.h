@@ -23,6 +23,8 @@ class ConfigurationBook {
   bool asks() const { return start_.is_open(); }
   // A sentence with the first differences and what to do; empty: no question.
   std::string question() const;
+  // Why a run that was begun under another cell file may not continue; empty: it may.
+  std::string question_for(const RunRecord& run) const;
   // What happened at this start, for the event.
   std::string event() const;
   // Those of the open question's changes that touch one of these symbols, as a list for people;

@@ -12,7 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "server/application/ports/cell.h"
+#include "server/application/recording/device_status.h"
+#include "server/application/recording/devices.h"
 #include "server/application/recording/motion_watch.h"
 #include "server/core/data/judged_reading.h"
 #include "server/core/ports/async_mutex.h"

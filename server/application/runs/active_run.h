@@ -8,9 +8,10 @@
 #include "server/application/motion/datum_opening.h"
 #include "server/application/motion/run_control.h"
 #include "server/application/motion/workbench.h"
-#include "server/application/runs/pace.h"
-#include "server/application/runs/run_plan.h"
+#include "server/application/ports/run_plan.h"
+#include "server/application/runs/run_progress.h"
 #include "server/application/runs/suspects.h"
+#include "server/application/trajectories/pace.h"
 #include "server/core/trajectory/trajectory.h"
 #include "server/plausibility/closure_judge.h"
 

@@ -15,6 +15,7 @@
 #include "server/application/motion/start_checks.h"
 #include "server/application/motion/stop_desk.h"
 #include "server/application/plumbing/task_group.h"
+#include "server/application/ports/run_hold.h"
 #include "server/application/recording/doubts.h"
 #include "server/application/runs/recovery.h"
 #include "server/application/runs/run_state_store.h"

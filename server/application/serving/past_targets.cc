@@ -10,7 +10,7 @@
 namespace driftwise::application {
 namespace {
 
-constexpr Nanoseconds kMemory = std::chrono::hours(6);  // longer than any lag the catalogue fits
+constexpr Nanoseconds kReadBack = std::chrono::hours(6);  // longer than any lag the catalogue fits
 
 std::vector<std::string> slow_channels(const compensation::Snapshot& snapshot) {
   std::vector<std::string> out;
@@ -64,10 +64,10 @@ Result<PastTargets> past_targets(Store& store, const CellDescription& cell, Past
   SeriesQuery wanted;
   wanted.channels = slow_channels(empty);
   if (wanted.channels.empty()) return out;
-  wanted.from = now - query.past - kMemory;
+  wanted.from = now - query.past - kReadBack;
   wanted.to = now;
   const double share =
-      static_cast<double>(kMemory.count()) / static_cast<double>(query.past.count());
+      static_cast<double>(kReadBack.count()) / static_cast<double>(query.past.count());
   wanted.buckets = static_cast<int>(query.count * (1 + share));
   DRIFTWISE_TRY(const auto series, store.series().series(wanted));
   const std::size_t buckets = series.columns.empty() ? 0 : series.columns.front().count.size();

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/application/ports/watching.h"
+#include "server/application/serving/targets.h"
 #include "server/calibration/model/model.h"
 #include "server/core/description/cell_description.h"
 #include "server/core/ports/store.h"

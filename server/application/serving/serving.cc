@@ -221,4 +221,9 @@ Result<std::vector<double>> Serving::targets(const std::vector<Channel>& coordin
   return q_mm;
 }
 
+std::shared_ptr<void> Serving::watch_snapshots(std::function<void()> on_rebuilt) {
+  on_rebuilt();
+  return watchers_.add(std::move(on_rebuilt));
+}
+
 }  // namespace driftwise::application

@@ -10,16 +10,16 @@
 #include "server/application/plumbing/lag_meter.h"
 #include "server/application/plumbing/store_reader.h"
 #include "server/application/plumbing/task_group.h"
-#include "server/application/ports/watching.h"
 #include "server/application/provenance/configuration_book.h"
 #include "server/application/recording/recorder.h"
+#include "server/application/serving/targets.h"
 #include "server/compensation/snapshot_board.h"
 #include "server/compensation/snapshot_builder.h"
 #include "server/core/trajectory/trajectory.h"
 
 namespace driftwise::application {
 
-class Serving {
+class Serving final : public Targets {
  public:
   Serving(asio::any_io_executor executor, const CellDescription& description,
           const ConfigurationBook& configuration, Clock& clock, Recorder& recorder,
@@ -52,13 +52,12 @@ class Serving {
                                       const TrajectoryPoint& point,
                                       std::optional<ModelId> model) const;
 
-  // What the model that serves would have answered (past_targets.h), worked out on the reader's
-  // thread. Errors: failed_precondition NO_MODEL; those of past_targets().
-  Awaitable<Result<PastTargets>> past(PastTargetsQuery query) const;
+  // Targets.
+  const compensation::SnapshotBoard& snapshots() const override { return board_; }
+  std::shared_ptr<void> watch_snapshots(std::function<void()> on_rebuilt) override;
+  Awaitable<Result<PastTargets>> past(PastTargetsQuery query) const override;
 
   std::optional<ModelId> model() const { return serving_; }
-  const compensation::SnapshotBoard& board() const { return board_; }
-  WatchList<>& watchers() { return watchers_; }
   const std::optional<Error>& refused() const { return refused_; }
   std::string trouble() const;  // of the model that serves, a sentence for people; empty: none
 

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "server/application/motion/loading.h"
-#include "server/application/runs/pace.h"
+#include "server/application/trajectories/pace.h"
 #include "server/application/trajectories/trajectory_confounding.h"
 #include "server/application/trajectories/trajectory_limits.h"
 #include "server/core/try.h"

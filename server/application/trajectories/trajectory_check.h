@@ -3,7 +3,8 @@
 
 #include <string>
 
-#include "server/application/ports/cell.h"
+#include "server/application/trajectories/trajectories.h"
+#include "server/core/description/cell_description.h"
 
 namespace driftwise::application {
 

@@ -1,6 +1,10 @@
 #include <cmath>
 
 #include "driftwise/v1/cell_service.grpc.pb.h"
+#include "server/application/manual/manual_control.h"
+#include "server/application/plumbing/store_reader.h"
+#include "server/application/status/overview.h"
+#include "server/application/watching/feeds.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/rpc/cell/convert_cell.h"
@@ -21,20 +25,25 @@ using Reactor = grpc::ServerUnaryReactor;
 
 class CellService final : public v1::CellService::CallbackService {
  public:
-  explicit CellService(application::Cell& cell) : cell_(cell) {}
+  explicit CellService(const application::Services& cell)
+      : host_(cell.host),
+        overview_(cell.overview),
+        records_(cell.records),
+        manual_(cell.manual),
+        feeds_(cell.feeds) {}
 
   Reactor* GetStatus(Context* context, const v1::GetStatusRequest*,
                      v1::GetStatusResponse* response) override {
-    return answer(cell_, context, [this, response]() -> Awaitable<Result<void>> {
-      *response = status_from(cell_.status());
+    return answer(host_, context, [this, response]() -> Awaitable<Result<void>> {
+      *response = status_from(overview_.status());
       co_return Result<void>{};
     });
   }
 
   Reactor* ListDevices(Context* context, const v1::ListDevicesRequest*,
                        v1::ListDevicesResponse* response) override {
-    return answer(cell_, context, [this, response]() -> Awaitable<Result<void>> {
-      for (const auto& device : cell_.status().devices)
+    return answer(host_, context, [this, response]() -> Awaitable<Result<void>> {
+      for (const auto& device : overview_.status().devices)
         *response->add_devices() = device_from(device);
       co_return Result<void>{};
     });
@@ -42,12 +51,12 @@ class CellService final : public v1::CellService::CallbackService {
 
   Reactor* ListEvents(Context* context, const v1::ListEventsRequest* request,
                       v1::ListEventsResponse* response) override {
-    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_cursor(request->after_event_id(), "after_event_id"); !good)
         co_return good;
       DRIFTWISE_CO_TRY(const auto limit, limit_from(request->limit(), 100, 1000));
-      DRIFTWISE_CO_TRY(const auto events,
-                       co_await cell_.events(EventId{request->after_event_id()}, limit));
+      DRIFTWISE_CO_TRY(const auto events, co_await records_.events().events(
+                                              EventId{request->after_event_id()}, limit));
       for (const auto& event : events) *response->add_events() = event_from(event);
       co_return Result<void>{};
     });
@@ -55,7 +64,7 @@ class CellService final : public v1::CellService::CallbackService {
 
   Reactor* TakeLease(Context* context, const v1::TakeLeaseRequest* request,
                      v1::TakeLeaseResponse* response) override {
-    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       Nanoseconds duration = std::chrono::seconds(60);
       if (request->has_lease_duration()) {
         DRIFTWISE_CO_TRY(const auto asked,
@@ -63,7 +72,7 @@ class CellService final : public v1::CellService::CallbackService {
         duration = asked;
       }
       DRIFTWISE_CO_TRY(const auto lease,
-                       cell_.take_lease(caller_of(*context), duration, request->token()));
+                       manual_.take_lease(caller_of(*context), duration, request->token()));
       *response->mutable_lease() = lease_from(lease);
       co_return Result<void>{};
     });
@@ -71,15 +80,15 @@ class CellService final : public v1::CellService::CallbackService {
 
   Reactor* GiveUpLease(Context* context, const v1::GiveUpLeaseRequest* request,
                        v1::GiveUpLeaseResponse*) override {
-    return answer(cell_, context, [this, context, request]() -> Awaitable<Result<void>> {
-      co_return cell_.give_up_lease(caller_of(*context), request->token());
+    return answer(host_, context, [this, context, request]() -> Awaitable<Result<void>> {
+      co_return manual_.give_up_lease(caller_of(*context), request->token());
     });
   }
 
   Reactor* StopAll(Context* context, const v1::StopAllRequest*,
                    v1::StopAllResponse* response) override {
-    return answer(cell_, context, [this, context, response]() -> Awaitable<Result<void>> {
-      DRIFTWISE_CO_TRY(const auto answered, co_await cell_.stop_all(caller_of(*context)));
+    return answer(host_, context, [this, context, response]() -> Awaitable<Result<void>> {
+      DRIFTWISE_CO_TRY(const auto answered, co_await manual_.stop_all(caller_of(*context)));
       response->set_confirmed(answered.confirmed);
       response->set_message(utf8_from(answered.message));
       for (const auto& stop : answered.pending) *response->add_pending() = pending_stop_from(stop);
@@ -88,32 +97,32 @@ class CellService final : public v1::CellService::CallbackService {
   }
 
   Reactor* Home(Context* context, const v1::HomeRequest* request, v1::HomeResponse*) override {
-    return answer(cell_, context, [this, context, request]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, context, request]() -> Awaitable<Result<void>> {
       DRIFTWISE_CO_TRY(auto answered, answer_from(request->answer()));
-      auto homing = cell_.home(caller_of(*context), request->lease_token(), std::move(answered));
+      auto homing = manual_.home(caller_of(*context), request->lease_token(), std::move(answered));
       co_return co_await std::move(homing);
     });
   }
 
   Reactor* Move(Context* context, const v1::MoveRequest* request, v1::MoveResponse*) override {
-    return answer(cell_, context, [this, context, request]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, context, request]() -> Awaitable<Result<void>> {
       DRIFTWISE_CO_TRY(auto q_mm,
-                       motor_coordinates_from(request->coordinates(), cell_.description()));
+                       motor_coordinates_from(request->coordinates(), overview_.description()));
       DRIFTWISE_CO_TRY(auto answered, answer_from(request->answer()));
-      auto moving = cell_.move_to(caller_of(*context), request->lease_token(), std::move(q_mm),
-                                  std::move(answered));
+      auto moving = manual_.move_to(caller_of(*context), request->lease_token(), std::move(q_mm),
+                                    std::move(answered));
       co_return co_await std::move(moving);
     });
   }
 
   Reactor* SetStabiliser(Context* context, const v1::SetStabiliserRequest* request,
                          v1::SetStabiliserResponse*) override {
-    return answer(cell_, context, [this, context, request]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, context, request]() -> Awaitable<Result<void>> {
       if (!request->has_set_point_degc() || !std::isfinite(request->set_point_degc()))
         co_return fail(ErrorCode::invalid_argument, reasons::kNotFinite,
                        "set_point_degc: expected a finite number of degC");
-      co_return co_await cell_.set_stabiliser(caller_of(*context), request->lease_token(),
-                                              request->device_id(), request->set_point_degc());
+      co_return co_await manual_.set_stabiliser(caller_of(*context), request->lease_token(),
+                                                request->device_id(), request->set_point_degc());
     });
   }
 
@@ -125,28 +134,33 @@ class CellService final : public v1::CellService::CallbackService {
         return refuse_stream<v1::WatchEventsResponse>(good.error());
       after = EventId{request->after_event_id()};
     }
-    return Stream<v1::WatchEventsResponse>::open(cell_.executor(), watch_events(cell_, after));
+    return Stream<v1::WatchEventsResponse>::open(host_.executor(),
+                                                 watch_events(host_, feeds_, records_, after));
   }
 
   grpc::ServerWriteReactor<v1::WatchReadingsResponse>* WatchReadings(
       Context*, const v1::WatchReadingsRequest* request) override {
     if (!request->device_id().empty() &&
-        cell_.description().find_device(request->device_id()) == nullptr)
+        overview_.description().find_device(request->device_id()) == nullptr)
       return refuse_stream<v1::WatchReadingsResponse>({ErrorCode::not_found, reasons::kNoDevice,
                                                        "device_id: this cell has no device '" +
                                                            request->device_id() +
                                                            "': 'driftwise devices' lists them"});
-    return Stream<v1::WatchReadingsResponse>::open(cell_.executor(),
-                                                   watch_readings(cell_, request->device_id()));
+    return Stream<v1::WatchReadingsResponse>::open(host_.executor(),
+                                                   watch_readings(feeds_, request->device_id()));
   }
 
  private:
-  application::Cell& cell_;
+  application::Host& host_;
+  application::Overview& overview_;
+  application::StoreReader& records_;
+  application::ManualControl& manual_;
+  application::Feeds& feeds_;
 };
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> make_cell_service(application::Cell& cell) {
+std::unique_ptr<grpc::Service> make_cell_service(const application::Services& cell) {
   return std::make_unique<CellService>(cell);
 }
 

@@ -2,7 +2,7 @@
 // The cell's status, devices, lease and events: domain -> proto.
 
 #include "driftwise/v1/cell_service.pb.h"
-#include "server/application/ports/cell.h"
+#include "server/application/status/cell_status.h"
 
 namespace driftwise::rpc {
 

@@ -1,5 +1,8 @@
 #include <deque>
 
+#include "server/application/plumbing/store_reader.h"
+#include "server/application/ports/host.h"
+#include "server/application/watching/feeds.h"
 #include "server/core/ports/spawn.h"
 #include "server/rpc/cell/convert_cell.h"
 #include "server/rpc/shared/watch_sources.h"
@@ -7,7 +10,10 @@
 namespace driftwise::rpc {
 namespace {
 
-using application::Cell;
+using application::Feeds;
+using application::Host;
+using application::StoreReader;
+
 constexpr int kBatch = 100;
 
 struct EventsState {              // shared with the fetch, which may end after the client has gone
@@ -19,9 +25,9 @@ struct EventsState {              // shared with the fetch, which may end after 
   std::function<void()> wake;
 };
 
-Awaitable<void> fetch(Cell& cell, std::shared_ptr<EventsState> state) {
+Awaitable<void> fetch(StoreReader& records, std::shared_ptr<EventsState> state) {
   state->more = false;
-  auto events = co_await cell.events(*state->cursor, kBatch);
+  auto events = co_await records.events().events(*state->cursor, kBatch);
   state->fetching = false;
   if (!events) {
     state->end = tl::unexpected(events.error());
@@ -41,7 +47,10 @@ Awaitable<void> fetch(Cell& cell, std::shared_ptr<EventsState> state) {
 
 class EventSource final : public StreamSource<v1::WatchEventsResponse> {
  public:
-  EventSource(Cell& cell, std::optional<EventId> after) : cell_(cell) { state_->cursor = after; }
+  EventSource(const Host& host, Feeds& feeds, StoreReader& records, std::optional<EventId> after)
+      : host_(host), feeds_(feeds), records_(records) {
+    state_->cursor = after;
+  }
   ~EventSource() override {
     state_->wake = [] {};
   }
@@ -49,7 +58,7 @@ class EventSource final : public StreamSource<v1::WatchEventsResponse> {
   void start(std::function<void()> wake) override {
     state_->wake = std::move(wake);
     state_->more = state_->cursor.has_value();
-    watch_ = cell_.watch_events([state = state_](const EventRecord& event) {
+    watch_ = feeds_.watch_events([state = state_](const EventRecord& event) {
       if (!state->cursor) state->cursor = EventId{event.id.value - 1};
       if (event.id > state->newest.id) state->newest = event;
       state->more = true;
@@ -61,7 +70,7 @@ class EventSource final : public StreamSource<v1::WatchEventsResponse> {
     if (state_->batch.empty()) {
       if (state_->more && !state_->fetching && !state_->end) {
         state_->fetching = true;
-        spawn(cell_.executor(), fetch(cell_, state_));
+        spawn(host_.executor(), fetch(records_, state_));
       }
       return std::nullopt;
     }
@@ -73,16 +82,19 @@ class EventSource final : public StreamSource<v1::WatchEventsResponse> {
   std::optional<Result<void>> ended() override { return state_->end; }
 
  private:
-  Cell& cell_;
+  const Host& host_;
+  Feeds& feeds_;
+  StoreReader& records_;
   std::shared_ptr<EventsState> state_ = std::make_shared<EventsState>();
-  Cell::Watch watch_;
+  std::shared_ptr<void> watch_;
 };
 
 }  // namespace
 
-std::unique_ptr<StreamSource<v1::WatchEventsResponse>> watch_events(Cell& cell,
+std::unique_ptr<StreamSource<v1::WatchEventsResponse>> watch_events(const Host& host, Feeds& feeds,
+                                                                    StoreReader& records,
                                                                     std::optional<EventId> after) {
-  return std::make_unique<EventSource>(cell, after);
+  return std::make_unique<EventSource>(host, feeds, records, after);
 }
 
 }  // namespace driftwise::rpc

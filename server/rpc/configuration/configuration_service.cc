@@ -1,4 +1,6 @@
 #include "driftwise/v1/configuration_service.grpc.pb.h"
+#include "server/application/configuration/configurations.h"
+#include "server/application/plumbing/store_reader.h"
 #include "server/core/text/clean_text.h"
 #include "server/core/try.h"
 #include "server/rpc/configuration/convert_provenance.h"
@@ -15,13 +17,14 @@ using Reactor = grpc::ServerUnaryReactor;
 
 class ConfigurationService final : public v1::ConfigurationService::CallbackService {
  public:
-  explicit ConfigurationService(application::Cell& cell) : cell_(cell) {}
+  explicit ConfigurationService(const application::Services& cell)
+      : host_(cell.host), records_(cell.records), configurations_(cell.configurations) {}
 
   Reactor* ListConfigurations(Context* context, const v1::ListConfigurationsRequest* request,
                               v1::ListConfigurationsResponse* response) override {
-    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       DRIFTWISE_CO_TRY(const auto limit, limit_from(request->limit(), 100, 1000));
-      auto reading = cell_.provenance().configurations(limit);
+      auto reading = records_.configurations().starts(limit);
       DRIFTWISE_CO_TRY(const auto starts, co_await std::move(reading));
       for (const auto& start : starts) *response->add_starts() = start_from(start);
       response->set_open_question(!starts.empty() && starts.front().is_open());
@@ -31,11 +34,11 @@ class ConfigurationService final : public v1::ConfigurationService::CallbackServ
 
   Reactor* GetConfiguration(Context* context, const v1::GetConfigurationRequest* request,
                             v1::GetConfigurationResponse* response) override {
-    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       for (const auto& good : {check_size(request->hash(), kMostNameBytes, "hash"),
                                check_size(request->compare_hash(), kMostNameBytes, "compare_hash")})
         if (!good) co_return good;
-      auto reading = cell_.provenance().configuration(request->hash(), request->compare_hash());
+      auto reading = configurations_.get(request->hash(), request->compare_hash());
       DRIFTWISE_CO_TRY(const auto view, co_await std::move(reading));
       response->set_hash(view.hash);
       response->set_text(view.text);
@@ -47,12 +50,12 @@ class ConfigurationService final : public v1::ConfigurationService::CallbackServ
 
   Reactor* AcceptConfiguration(Context* context, const v1::AcceptConfigurationRequest* request,
                                v1::AcceptConfigurationResponse* response) override {
-    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       for (const auto& good : {check_size(request->hash(), kMostNameBytes, "hash"),
                                check_size(request->note(), kMostNoteBytes, "note")})
         if (!good) co_return good;
-      auto accepting = cell_.provenance().accept_configuration(caller_of(*context), request->hash(),
-                                                               clean_line(request->note()));
+      auto accepting =
+          configurations_.accept(caller_of(*context), request->hash(), clean_line(request->note()));
       DRIFTWISE_CO_TRY(const auto accepted, co_await std::move(accepting));
       *response->mutable_start() = start_from(accepted);
       co_return Result<void>{};
@@ -60,12 +63,14 @@ class ConfigurationService final : public v1::ConfigurationService::CallbackServ
   }
 
  private:
-  application::Cell& cell_;
+  application::Host& host_;
+  application::StoreReader& records_;
+  application::Configurations& configurations_;
 };
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> make_configuration_service(application::Cell& cell) {
+std::unique_ptr<grpc::Service> make_configuration_service(const application::Services& cell) {
   return std::make_unique<ConfigurationService>(cell);
 }
 

@@ -5,7 +5,9 @@
 #include "driftwise/v1/diagnosis_service.pb.h"
 #include "driftwise/v1/model_service.pb.h"
 #include "driftwise/v1/run.pb.h"
-#include "server/application/ports/provenance.h"
+#include "server/application/configuration/configurations.h"
+#include "server/application/diagnoses/extensions.h"
+#include "server/application/provenance/provenance.h"
 
 namespace driftwise::rpc {
 

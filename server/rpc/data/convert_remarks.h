@@ -2,7 +2,7 @@
 // Exclusions and notes: requests -> domain with their checks, domain -> proto.
 
 #include "driftwise/v1/data_service.pb.h"
-#include "server/application/ports/cell.h"
+#include "server/application/annotations/annotations.h"
 
 namespace driftwise::rpc {
 

@@ -1,12 +1,15 @@
 #include <algorithm>
 
+#include "server/application/datasets/datasets.h"
+#include "server/application/ports/host.h"
 #include "server/core/ports/spawn.h"
 #include "server/rpc/shared/watch_sources.h"
 
 namespace driftwise::rpc {
 namespace {
 
-using application::Cell;
+using application::Datasets;
+using application::Host;
 constexpr std::size_t kChunkBytes = 64 * 1024;
 
 struct ExportState {  // shared with the query, which may end after the client has gone
@@ -16,9 +19,9 @@ struct ExportState {  // shared with the query, which may end after the client h
   std::function<void()> wake;
 };
 
-Awaitable<void> query(Cell& cell, std::vector<RunId> runs, bool without_excluded,
+Awaitable<void> query(Datasets& datasets, std::vector<RunId> runs, bool without_excluded,
                       std::shared_ptr<ExportState> state) {
-  auto csv = co_await cell.export_dataset(std::move(runs), without_excluded);
+  auto csv = co_await datasets.export_csv(std::move(runs), without_excluded);
   if (csv) {
     state->csv = std::move(*csv);
     state->end = Result<void>{};
@@ -30,15 +33,18 @@ Awaitable<void> query(Cell& cell, std::vector<RunId> runs, bool without_excluded
 
 class ExportSource final : public StreamSource<v1::ExportDatasetResponse> {
  public:
-  ExportSource(Cell& cell, std::vector<RunId> runs, bool without_excluded)
-      : cell_(cell), runs_(std::move(runs)), without_excluded_(without_excluded) {}
+  ExportSource(const Host& host, Datasets& datasets, std::vector<RunId> runs, bool without_excluded)
+      : host_(host),
+        datasets_(datasets),
+        runs_(std::move(runs)),
+        without_excluded_(without_excluded) {}
   ~ExportSource() override {
     state_->wake = [] {};
   }
 
   void start(std::function<void()> wake) override {
     state_->wake = std::move(wake);
-    spawn(cell_.executor(), query(cell_, runs_, without_excluded_, state_));
+    spawn(host_.executor(), query(datasets_, runs_, without_excluded_, state_));
   }
 
   std::optional<v1::ExportDatasetResponse> next() override {
@@ -53,7 +59,8 @@ class ExportSource final : public StreamSource<v1::ExportDatasetResponse> {
   std::optional<Result<void>> ended() override { return state_->end; }
 
  private:
-  Cell& cell_;
+  const Host& host_;
+  Datasets& datasets_;
   std::vector<RunId> runs_;
   bool without_excluded_;
   std::shared_ptr<ExportState> state_ = std::make_shared<ExportState>();
@@ -61,10 +68,11 @@ class ExportSource final : public StreamSource<v1::ExportDatasetResponse> {
 
 }  // namespace
 
-std::unique_ptr<StreamSource<v1::ExportDatasetResponse>> export_dataset(Cell& cell,
+std::unique_ptr<StreamSource<v1::ExportDatasetResponse>> export_dataset(const Host& host,
+                                                                        Datasets& datasets,
                                                                         std::vector<RunId> runs,
                                                                         bool without_excluded) {
-  return std::make_unique<ExportSource>(cell, std::move(runs), without_excluded);
+  return std::make_unique<ExportSource>(host, datasets, std::move(runs), without_excluded);
 }
 
 }  // namespace driftwise::rpc

@@ -2,7 +2,10 @@
 // Diagnoses and improvements: requests -> domain with their checks, domain -> proto.
 
 #include "driftwise/v1/diagnosis_service.pb.h"
-#include "server/application/ports/cell.h"
+#include "server/application/diagnoses/diagnoses.h"
+#include "server/application/diagnoses/extensions.h"
+#include "server/application/improvement/improvements.h"
+#include "server/formats/diagnosis/stored_diagnosis.h"
 
 namespace driftwise::rpc {
 

@@ -1,7 +1,12 @@
 #include "driftwise/v1/diagnosis_service.grpc.pb.h"
+#include "server/application/diagnoses/diagnoses.h"
+#include "server/application/diagnoses/extensions.h"
+#include "server/application/improvement/improvements.h"
+#include "server/application/plumbing/store_reader.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/diagnosis/diagnosis_html.h"
+#include "server/formats/diagnosis/stored_diagnosis.h"
 #include "server/rpc/configuration/convert_provenance.h"
 #include "server/rpc/diagnosis/convert_diagnosis.h"
 #include "server/rpc/shared/caller.h"
@@ -17,29 +22,40 @@ namespace {
 using Context = grpc::CallbackServerContext;
 using Reactor = grpc::ServerUnaryReactor;
 
+constexpr int kListedImprovements = 200;
+
+Result<formats::DiscrepancyRows> rows_of(Store& store, DiagnosisId id) {
+  DRIFTWISE_TRY(const auto bytes, store.diagnoses().diagnosis_rows(id));
+  return formats::read_discrepancy_rows(bytes);
+}
+
 class DiagnosisService final : public v1::DiagnosisService::CallbackService {
  public:
-  explicit DiagnosisService(application::Cell& cell) : cell_(cell) {}
+  explicit DiagnosisService(const application::Services& cell)
+      : host_(cell.host),
+        records_(cell.records),
+        diagnoses_(cell.diagnoses),
+        extensions_(cell.extensions),
+        improvements_(cell.improvements) {}
 
   Reactor* CreateDiagnosis(Context* context, const v1::CreateDiagnosisRequest* request,
                            v1::CreateDiagnosisResponse* response) override {
-    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       DRIFTWISE_CO_TRY(auto asked, diagnosis_request_from(*request));
-      auto creating = cell_.create_diagnosis(caller_of(*context), std::move(asked));
+      auto creating = diagnoses_.create(caller_of(*context), std::move(asked));
       co_return put(co_await std::move(creating), *response->mutable_diagnosis());
     });
   }
 
   Reactor* GetDiagnosis(Context* context, const v1::GetDiagnosisRequest* request,
                         v1::GetDiagnosisResponse* response) override {
-    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->diagnosis_id(), "diagnosis_id"); !good) co_return good;
       const DiagnosisId id{request->diagnosis_id()};
-      auto looking = cell_.diagnosis(id);
+      auto looking = diagnoses_.get(id);
       auto good = put(co_await std::move(looking), *response->mutable_diagnosis());
       if (!good || !request->with_rows()) co_return good;
-      auto reading = cell_.diagnosis_rows(id);
-      DRIFTWISE_CO_TRY(const auto rows, co_await std::move(reading));
+      DRIFTWISE_CO_TRY(const auto rows, co_await records_.call(rows_of, id));
       *response->mutable_rows() = rows_from(rows);
       co_return Result<void>{};
     });
@@ -47,8 +63,8 @@ class DiagnosisService final : public v1::DiagnosisService::CallbackService {
 
   Reactor* ListDiagnoses(Context* context, const v1::ListDiagnosesRequest*,
                          v1::ListDiagnosesResponse* response) override {
-    return answer(cell_, context, [this, response]() -> Awaitable<Result<void>> {
-      DRIFTWISE_CO_TRY(const auto views, co_await cell_.diagnoses());
+    return answer(host_, context, [this, response]() -> Awaitable<Result<void>> {
+      DRIFTWISE_CO_TRY(const auto views, co_await diagnoses_.list());
       for (const auto& view : views)
         *response->add_diagnoses() = diagnosis_from(view, DiagnosisDetail::summary);
       co_return Result<void>{};
@@ -60,32 +76,31 @@ class DiagnosisService final : public v1::DiagnosisService::CallbackService {
     using Watch = Stream<v1::WatchDiagnosisResponse>;
     if (auto good = check_id(request->diagnosis_id(), "diagnosis_id"); !good)
       return refuse_stream<v1::WatchDiagnosisResponse>(good.error());
-    return Watch::open(cell_.executor(),
-                       watch_diagnosis(cell_, DiagnosisId{request->diagnosis_id()}));
+    return Watch::open(host_.executor(),
+                       watch_diagnosis(host_, diagnoses_, DiagnosisId{request->diagnosis_id()}));
   }
 
   Reactor* CancelDiagnosis(Context* context, const v1::CancelDiagnosisRequest* request,
                            v1::CancelDiagnosisResponse* response) override {
-    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->diagnosis_id(), "diagnosis_id"); !good) co_return good;
       auto cancelling =
-          cell_.cancel_diagnosis(caller_of(*context), DiagnosisId{request->diagnosis_id()});
+          diagnoses_.cancel(caller_of(*context), DiagnosisId{request->diagnosis_id()});
       co_return put(co_await std::move(cancelling), *response->mutable_diagnosis());
     });
   }
 
   Reactor* ExportDiagnosis(Context* context, const v1::ExportDiagnosisRequest* request,
                            v1::ExportDiagnosisResponse* response) override {
-    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->diagnosis_id(), "diagnosis_id"); !good) co_return good;
       const DiagnosisId id{request->diagnosis_id()};
-      auto looking = cell_.diagnosis(id);
+      auto looking = diagnoses_.get(id);
       DRIFTWISE_CO_TRY(const auto view, co_await std::move(looking));
       if (!view.found)
         co_return fail(ErrorCode::failed_precondition, reasons::kNotDone,
                        "only a diagnosis that is done has a page");
-      auto reading = cell_.diagnosis_rows(id);
-      DRIFTWISE_CO_TRY(const auto rows, co_await std::move(reading));
+      DRIFTWISE_CO_TRY(const auto rows, co_await records_.call(rows_of, id));
       response->set_html(utf8_from(page_of(view, rows)));
       response->set_file_name("diagnosis_" + std::to_string(id.value) + ".html");
       co_return Result<void>{};
@@ -94,13 +109,13 @@ class DiagnosisService final : public v1::DiagnosisService::CallbackService {
 
   Reactor* PreviewExtension(Context* context, const v1::PreviewExtensionRequest* request,
                             v1::PreviewExtensionResponse* response) override {
-    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       v1::AcceptExtensionRequest accepting;
       accepting.set_diagnosis_id(request->diagnosis_id());
       accepting.set_promote(request->promote());
       *accepting.mutable_finding_numbers() = request->finding_numbers();
       DRIFTWISE_CO_TRY(auto asked, accept_request_from(accepting));
-      auto looking = cell_.provenance().preview_extension(std::move(asked));
+      auto looking = extensions_.preview(std::move(asked));
       DRIFTWISE_CO_TRY(const auto preview, co_await std::move(looking));
       *response = preview_from(preview);
       co_return Result<void>{};
@@ -109,9 +124,9 @@ class DiagnosisService final : public v1::DiagnosisService::CallbackService {
 
   Reactor* AcceptExtension(Context* context, const v1::AcceptExtensionRequest* request,
                            v1::AcceptExtensionResponse* response) override {
-    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       DRIFTWISE_CO_TRY(auto asked, accept_request_from(*request));
-      auto accepting = cell_.accept_extension(caller_of(*context), std::move(asked));
+      auto accepting = extensions_.accept(caller_of(*context), std::move(asked));
       DRIFTWISE_CO_TRY(const auto made, co_await std::move(accepting));
       *response->mutable_extension() = extension_from(made);
       co_return Result<void>{};
@@ -120,10 +135,9 @@ class DiagnosisService final : public v1::DiagnosisService::CallbackService {
 
   Reactor* UndoExtension(Context* context, const v1::UndoExtensionRequest* request,
                          v1::UndoExtensionResponse* response) override {
-    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->diagnosis_id(), "diagnosis_id"); !good) co_return good;
-      auto undoing =
-          cell_.undo_extension(caller_of(*context), DiagnosisId{request->diagnosis_id()});
+      auto undoing = extensions_.undo(caller_of(*context), DiagnosisId{request->diagnosis_id()});
       DRIFTWISE_CO_TRY(const auto undone, co_await std::move(undoing));
       *response->mutable_extension() = extension_from(undone);
       co_return Result<void>{};
@@ -132,26 +146,27 @@ class DiagnosisService final : public v1::DiagnosisService::CallbackService {
 
   Reactor* CreateImprovement(Context* context, const v1::CreateImprovementRequest* request,
                              v1::CreateImprovementResponse* response) override {
-    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       DRIFTWISE_CO_TRY(auto asked, improve_request_from(*request));
-      auto creating = cell_.create_improvement(caller_of(*context), std::move(asked));
+      auto creating = improvements_.create(caller_of(*context), std::move(asked));
       co_return put(co_await std::move(creating), *response->mutable_improvement());
     });
   }
 
   Reactor* GetImprovement(Context* context, const v1::GetImprovementRequest* request,
                           v1::GetImprovementResponse* response) override {
-    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->improvement_id(), "improvement_id"); !good) co_return good;
-      auto looking = cell_.improvement(ImprovementId{request->improvement_id()});
+      auto looking = records_.diagnoses().improvement(ImprovementId{request->improvement_id()});
       co_return put(co_await std::move(looking), *response->mutable_improvement());
     });
   }
 
   Reactor* ListImprovements(Context* context, const v1::ListImprovementsRequest*,
                             v1::ListImprovementsResponse* response) override {
-    return answer(cell_, context, [this, response]() -> Awaitable<Result<void>> {
-      DRIFTWISE_CO_TRY(const auto records, co_await cell_.improvements());
+    return answer(host_, context, [this, response]() -> Awaitable<Result<void>> {
+      DRIFTWISE_CO_TRY(const auto records,
+                       co_await records_.diagnoses().improvements(kListedImprovements));
       for (const auto& record : records) *response->add_improvements() = improvement_from(record);
       co_return Result<void>{};
     });
@@ -162,16 +177,17 @@ class DiagnosisService final : public v1::DiagnosisService::CallbackService {
     using Watch = Stream<v1::WatchImprovementResponse>;
     if (auto good = check_id(request->improvement_id(), "improvement_id"); !good)
       return refuse_stream<v1::WatchImprovementResponse>(good.error());
-    return Watch::open(cell_.executor(),
-                       watch_improvement(cell_, ImprovementId{request->improvement_id()}));
+    return Watch::open(host_.executor(),
+                       watch_improvement(host_, improvements_, records_,
+                                         ImprovementId{request->improvement_id()}));
   }
 
   Reactor* CancelImprovement(Context* context, const v1::CancelImprovementRequest* request,
                              v1::CancelImprovementResponse* response) override {
-    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->improvement_id(), "improvement_id"); !good) co_return good;
       auto cancelling =
-          cell_.cancel_improvement(caller_of(*context), ImprovementId{request->improvement_id()});
+          improvements_.cancel(caller_of(*context), ImprovementId{request->improvement_id()});
       co_return put(co_await std::move(cancelling), *response->mutable_improvement());
     });
   }
@@ -201,12 +217,16 @@ class DiagnosisService final : public v1::DiagnosisService::CallbackService {
     return {};
   }
 
-  application::Cell& cell_;
+  application::Host& host_;
+  application::StoreReader& records_;
+  application::Diagnoses& diagnoses_;
+  application::Extensions& extensions_;
+  application::Improvements& improvements_;
 };
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> make_diagnosis_service(application::Cell& cell) {
+std::unique_ptr<grpc::Service> make_diagnosis_service(const application::Services& cell) {
   return std::make_unique<DiagnosisService>(cell);
 }
 

@@ -1,4 +1,8 @@
 
+#include "server/application/diagnoses/diagnoses.h"
+#include "server/application/improvement/improvements.h"
+#include "server/application/plumbing/store_reader.h"
+#include "server/application/ports/host.h"
 #include "server/core/ports/spawn.h"
 #include "server/rpc/diagnosis/convert_diagnosis.h"
 #include "server/rpc/shared/watch_sources.h"
@@ -6,7 +10,10 @@
 namespace driftwise::rpc {
 namespace {
 
-using application::Cell;
+using application::Diagnoses;
+using application::Host;
+using application::Improvements;
+using application::StoreReader;
 
 // The latest state of a job only: a slow client never slows whoever works. Progress has id, state;
 // Record the job's end as the store has it.
@@ -33,8 +40,8 @@ using DiagnosisWatch = JobWatchState<DiagnosisId, application::DiagnosisProgress
 using ImprovementWatch = JobWatchState<ImprovementId, application::ImprovementProgress>;
 
 // One that is over is told as it ended; one under way as well, should nobody have told yet.
-Awaitable<void> look_up_diagnosis(Cell& cell, std::shared_ptr<DiagnosisWatch> state) {
-  const auto view = co_await cell.diagnosis(state->id);
+Awaitable<void> look_up_diagnosis(Diagnoses& diagnoses, std::shared_ptr<DiagnosisWatch> state) {
+  const auto view = co_await diagnoses.get(state->id);
   if (!view) co_return state->refuse(view.error());
   const auto& record = view->record;
   if (record.state != JobState::running)
@@ -45,8 +52,8 @@ Awaitable<void> look_up_diagnosis(Cell& cell, std::shared_ptr<DiagnosisWatch> st
     state->take({record.id, record.state, "", 0});
 }
 
-Awaitable<void> look_up_improvement(Cell& cell, std::shared_ptr<ImprovementWatch> state) {
-  const auto record = co_await cell.improvement(state->id);
+Awaitable<void> look_up_improvement(StoreReader& records, std::shared_ptr<ImprovementWatch> state) {
+  const auto record = co_await records.diagnoses().improvement(state->id);
   if (!record) co_return state->refuse(record.error());
   const int turns = static_cast<int>(record->turns.size());
   if (record->state != JobState::running)
@@ -57,18 +64,20 @@ Awaitable<void> look_up_improvement(Cell& cell, std::shared_ptr<ImprovementWatch
 
 class DiagnosisSource final : public StreamSource<v1::WatchDiagnosisResponse> {
  public:
-  DiagnosisSource(Cell& cell, DiagnosisId id) : cell_(cell) { state_->id = id; }
+  DiagnosisSource(const Host& host, Diagnoses& diagnoses, DiagnosisId id)
+      : host_(host), diagnoses_(diagnoses) {
+    state_->id = id;
+  }
   ~DiagnosisSource() override {
     state_->wake = [] {};
   }
   void start(std::function<void()> wake) override {
     state_->wake = std::move(wake);
     // Watching before looking: one that ends in between is seen by one of the two.
-    watch_ =
-        cell_.watch_diagnoses([state = state_](const application::DiagnosisProgress& progress) {
-          if (progress.id == state->id) state->take(progress);
-        });
-    spawn(cell_.executor(), look_up_diagnosis(cell_, state_));
+    watch_ = diagnoses_.watch([state = state_](const application::DiagnosisProgress& progress) {
+      if (progress.id == state->id) state->take(progress);
+    });
+    spawn(host_.executor(), look_up_diagnosis(diagnoses_, state_));
   }
   std::optional<v1::WatchDiagnosisResponse> next() override {
     if (!state_->pending) return std::nullopt;
@@ -80,24 +89,29 @@ class DiagnosisSource final : public StreamSource<v1::WatchDiagnosisResponse> {
   std::optional<Result<void>> ended() override { return state_->end; }
 
  private:
-  Cell& cell_;
+  const Host& host_;
+  Diagnoses& diagnoses_;
   std::shared_ptr<DiagnosisWatch> state_ = std::make_shared<DiagnosisWatch>();
-  Cell::Watch watch_;
+  std::shared_ptr<void> watch_;
 };
 
 class ImprovementSource final : public StreamSource<v1::WatchImprovementResponse> {
  public:
-  ImprovementSource(Cell& cell, ImprovementId id) : cell_(cell) { state_->id = id; }
+  ImprovementSource(const Host& host, Improvements& improvements, StoreReader& records,
+                    ImprovementId id)
+      : host_(host), improvements_(improvements), records_(records) {
+    state_->id = id;
+  }
   ~ImprovementSource() override {
     state_->wake = [] {};
   }
   void start(std::function<void()> wake) override {
     state_->wake = std::move(wake);
-    watch_ = cell_.watch_improvements(
-        [state = state_](const application::ImprovementProgress& progress) {
+    watch_ =
+        improvements_.watch([state = state_](const application::ImprovementProgress& progress) {
           if (progress.id == state->id) state->take(progress);
         });
-    spawn(cell_.executor(), look_up_improvement(cell_, state_));
+    spawn(host_.executor(), look_up_improvement(records_, state_));
   }
   std::optional<v1::WatchImprovementResponse> next() override {
     if (!state_->pending) return std::nullopt;
@@ -109,21 +123,24 @@ class ImprovementSource final : public StreamSource<v1::WatchImprovementResponse
   std::optional<Result<void>> ended() override { return state_->end; }
 
  private:
-  Cell& cell_;
+  const Host& host_;
+  Improvements& improvements_;
+  StoreReader& records_;
   std::shared_ptr<ImprovementWatch> state_ = std::make_shared<ImprovementWatch>();
-  Cell::Watch watch_;
+  std::shared_ptr<void> watch_;
 };
 
 }  // namespace
 
-std::unique_ptr<StreamSource<v1::WatchDiagnosisResponse>> watch_diagnosis(Cell& cell,
+std::unique_ptr<StreamSource<v1::WatchDiagnosisResponse>> watch_diagnosis(const Host& host,
+                                                                          Diagnoses& diagnoses,
                                                                           DiagnosisId id) {
-  return std::make_unique<DiagnosisSource>(cell, id);
+  return std::make_unique<DiagnosisSource>(host, diagnoses, id);
 }
 
-std::unique_ptr<StreamSource<v1::WatchImprovementResponse>> watch_improvement(Cell& cell,
-                                                                              ImprovementId id) {
-  return std::make_unique<ImprovementSource>(cell, id);
+std::unique_ptr<StreamSource<v1::WatchImprovementResponse>> watch_improvement(
+    const Host& host, Improvements& improvements, StoreReader& records, ImprovementId id) {
+  return std::make_unique<ImprovementSource>(host, improvements, records, id);
 }
 
 }  // namespace driftwise::rpc

@@ -2,7 +2,8 @@
 // A check of a model, and what offers would add: domain -> proto.
 
 #include "driftwise/v1/model_service.pb.h"
-#include "server/application/ports/cell.h"
+#include "server/application/checks/model_checks.h"
+#include "server/calibration/offer.h"
 
 namespace driftwise::rpc {
 

@@ -2,7 +2,7 @@
 // Formula checks and residuals: domain -> proto.
 
 #include "driftwise/v1/model_service.pb.h"
-#include "server/application/ports/cell.h"
+#include "server/application/models/models.h"
 
 namespace driftwise::rpc {
 

@@ -3,7 +3,7 @@
 // proto.
 
 #include "driftwise/v1/model_service.pb.h"
-#include "server/application/ports/studies.h"
+#include "server/application/analyses/studies.h"
 
 namespace driftwise::rpc {
 

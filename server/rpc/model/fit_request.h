@@ -3,7 +3,7 @@
 // the fit's business.
 
 #include "driftwise/v1/model_service.pb.h"
-#include "server/application/ports/cell.h"
+#include "server/application/models/fit_request.h"
 
 namespace driftwise::rpc {
 

@@ -1,6 +1,13 @@
 #include <algorithm>
 
 #include "driftwise/v1/model_service.grpc.pb.h"
+#include "server/application/analyses/studies.h"
+#include "server/application/checks/model_checks.h"
+#include "server/application/models/models.h"
+#include "server/application/models/promotions.h"
+#include "server/application/plumbing/store_reader.h"
+#include "server/application/provenance/provenance.h"
+#include "server/application/status/overview.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/model/model_json.h"
@@ -27,15 +34,23 @@ using Reactor = grpc::ServerUnaryReactor;
 
 class ModelService final : public v1::ModelService::CallbackService {
  public:
-  explicit ModelService(application::Cell& cell) : cell_(cell) {}
+  explicit ModelService(const application::Services& cell)
+      : host_(cell.host),
+        overview_(cell.overview),
+        records_(cell.records),
+        models_(cell.models),
+        promotions_(cell.promotions),
+        checks_(cell.checks),
+        provenance_(cell.provenance),
+        studies_(cell.studies) {}
 
   Reactor* GetModel(Context* context, const v1::GetModelRequest* request,
                     v1::GetModelResponse* response) override {
-    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->model_id(), "model_id"); !good) co_return good;
-      DRIFTWISE_CO_TRY(const auto record, co_await cell_.model(ModelId{request->model_id()}));
+      DRIFTWISE_CO_TRY(const auto record, co_await models_.get(ModelId{request->model_id()}));
       if (auto good = put(whole(record), *response->mutable_model()); !good) co_return good;
-      auto looking = cell_.provenance().ground_of_model(record.id);
+      auto looking = provenance_.ground_of_model(record.id);
       DRIFTWISE_CO_TRY(const auto ground, co_await std::move(looking));
       add_page(record, ground, *response);
       co_return Result<void>{};
@@ -44,10 +59,10 @@ class ModelService final : public v1::ModelService::CallbackService {
 
   Reactor* ListModels(Context* context, const v1::ListModelsRequest*,
                       v1::ListModelsResponse* response) override {
-    return answer(cell_, context, [this, response]() -> Awaitable<Result<void>> {
-      DRIFTWISE_CO_TRY(const auto records, co_await cell_.models());
-      const auto serving = cell_.status().serving;
-      DRIFTWISE_CO_TRY(const auto corrections, co_await cell_.provenance().corrections());
+    return answer(host_, context, [this, response]() -> Awaitable<Result<void>> {
+      DRIFTWISE_CO_TRY(const auto records, co_await models_.list());
+      const auto serving = overview_.status().serving;
+      DRIFTWISE_CO_TRY(const auto corrections, co_await records_.diagnoses().corrections());
       for (const auto& record : records) {
         auto& model = *response->add_models();
         if (auto good = put(model_from(record, serving, ModelDetail::summary), model); !good)
@@ -62,8 +77,8 @@ class ModelService final : public v1::ModelService::CallbackService {
 
   Reactor* ListPromotions(Context* context, const v1::ListPromotionsRequest*,
                           v1::ListPromotionsResponse* response) override {
-    return answer(cell_, context, [this, response]() -> Awaitable<Result<void>> {
-      DRIFTWISE_CO_TRY(const auto promotions, co_await cell_.promotions());
+    return answer(host_, context, [this, response]() -> Awaitable<Result<void>> {
+      DRIFTWISE_CO_TRY(const auto promotions, co_await records_.models().promotions());
       for (const auto& promotion : promotions)
         *response->add_promotions() = promotion_from(promotion);
       co_return Result<void>{};
@@ -72,20 +87,20 @@ class ModelService final : public v1::ModelService::CallbackService {
 
   Reactor* CreateFit(Context* context, const v1::CreateFitRequest* request,
                      v1::CreateFitResponse* response) override {
-    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       DRIFTWISE_CO_TRY(auto fit, fit_request_from(*request));
       if (request->with_offers()) {  // first: a model whose offers cannot be weighed is not stored
-        DRIFTWISE_CO_TRY(const auto offers, co_await cell_.weigh_offers(fit));
+        DRIFTWISE_CO_TRY(const auto offers, co_await models_.weigh_offers(fit));
         for (const auto& offer : offers) *response->add_offers() = offer_from(offer);
       }
-      co_return put(whole(co_await cell_.fit(caller_of(*context), std::move(fit))),
+      co_return put(whole(co_await models_.fit(caller_of(*context), std::move(fit))),
                     *response->mutable_model());
     });
   }
 
   Reactor* CompareModels(Context* context, const v1::CompareModelsRequest* request,
                          v1::CompareModelsResponse* response) override {
-    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (request->model_ids_size() < 2 || request->model_ids_size() > 16)
         co_return fail(ErrorCode::invalid_argument, reasons::kBadModelCount,
                        "model_ids: found " + std::to_string(request->model_ids_size()) +
@@ -94,7 +109,7 @@ class ModelService final : public v1::ModelService::CallbackService {
       std::optional<ModelRecord> first;
       for (const std::int64_t id : request->model_ids()) {
         if (auto good = check_id(id, "model_id"); !good) co_return good;
-        auto record = co_await cell_.model(ModelId{id});
+        auto record = co_await models_.get(ModelId{id});
         if (!first && record) first = *record;
         DRIFTWISE_CO_TRY(auto model, whole(record, first ? &*first : nullptr));
         models.push_back(std::move(model));
@@ -106,13 +121,13 @@ class ModelService final : public v1::ModelService::CallbackService {
 
   Reactor* PromoteModel(Context* context, const v1::PromoteModelRequest* request,
                         v1::PromoteModelResponse* response) override {
-    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->model_id(), "model_id"); !good) co_return good;
       std::optional<ModelRecord> before;
-      if (const auto serving = cell_.status().serving)
-        if (auto record = co_await cell_.model(*serving)) before = std::move(*record);
-      auto promoting =
-          cell_.promote(caller_of(*context), ModelId{request->model_id()}, request->confirmed());
+      if (const auto serving = overview_.status().serving)
+        if (auto record = co_await models_.get(*serving)) before = std::move(*record);
+      auto promoting = promotions_.promote(caller_of(*context), ModelId{request->model_id()},
+                                           request->confirmed());
       const auto promoted = co_await std::move(promoting);
       co_return put(whole(promoted, before ? &*before : nullptr), *response->mutable_model());
     });
@@ -120,8 +135,8 @@ class ModelService final : public v1::ModelService::CallbackService {
 
   Reactor* RollBackModel(Context* context, const v1::RollBackModelRequest*,
                          v1::RollBackModelResponse* response) override {
-    return answer(cell_, context, [this, context, response]() -> Awaitable<Result<void>> {
-      DRIFTWISE_CO_TRY(const auto record, co_await cell_.roll_back(caller_of(*context)));
+    return answer(host_, context, [this, context, response]() -> Awaitable<Result<void>> {
+      DRIFTWISE_CO_TRY(const auto record, co_await promotions_.roll_back(caller_of(*context)));
       if (!record) co_return Result<void>{};
       co_return put(whole(*record), *response->mutable_model());
     });
@@ -129,21 +144,21 @@ class ModelService final : public v1::ModelService::CallbackService {
 
   Reactor* ExportModel(Context* context, const v1::ExportModelRequest* request,
                        v1::ExportModelResponse* response) override {
-    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->model_id(), "model_id"); !good) co_return good;
-      DRIFTWISE_CO_TRY(const auto record, co_await cell_.model(ModelId{request->model_id()}));
+      DRIFTWISE_CO_TRY(const auto record, co_await models_.get(ModelId{request->model_id()}));
       co_return put(export_model(record, request->format()), *response);
     });
   }
 
   Reactor* CheckModel(Context* context, const v1::CheckModelRequest* request,
                       v1::CheckModelResponse* response) override {
-    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_cursor(request->model_id(), "model_id"); !good) co_return good;
       DRIFTWISE_CO_TRY(auto runs, run_ids_from(request->run_ids()));
       const auto model =
           request->model_id() == 0 ? std::nullopt : std::optional(ModelId{request->model_id()});
-      auto checking = cell_.check_model(model, std::move(runs));
+      auto checking = checks_.check_model(model, std::move(runs));
       DRIFTWISE_CO_TRY(const auto check, co_await std::move(checking));
       *response = check_from(check);
       co_return Result<void>{};
@@ -152,9 +167,9 @@ class ModelService final : public v1::ModelService::CallbackService {
 
   Reactor* CheckFormula(Context* context, const v1::CheckFormulaRequest* request,
                         v1::CheckFormulaResponse* response) override {
-    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       DRIFTWISE_CO_TRY(auto fit, fit_request_from(request->fit()));
-      DRIFTWISE_CO_TRY(const auto check, co_await cell_.check_formula(std::move(fit)));
+      DRIFTWISE_CO_TRY(const auto check, co_await models_.check_formula(std::move(fit)));
       *response = formula_check_from(check);
       co_return Result<void>{};
     });
@@ -162,11 +177,12 @@ class ModelService final : public v1::ModelService::CallbackService {
 
   Reactor* ListResiduals(Context* context, const v1::ListResidualsRequest* request,
                          v1::ListResidualsResponse* response) override {
-    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->model_id(), "model_id"); !good) co_return good;
       if (auto good = check_size(request->csv(), kMostDatasetBytes, "csv"); !good) co_return good;
       DRIFTWISE_CO_TRY(auto runs, run_ids_from(request->run_ids()));
-      auto asking = cell_.residuals(ModelId{request->model_id()}, std::move(runs), request->csv());
+      auto asking =
+          models_.residuals(ModelId{request->model_id()}, std::move(runs), request->csv());
       DRIFTWISE_CO_TRY(const auto residuals, co_await std::move(asking));
       *response = residuals_from(residuals);
       co_return Result<void>{};
@@ -179,8 +195,8 @@ class ModelService final : public v1::ModelService::CallbackService {
     auto asked = methods_request_from(*request);
     if (!asked) return refuse_stream<Response>(asked.error());
     return Stream<Response>::open(
-        cell_.executor(), std::make_unique<StudySource<Response>>(
-                              cell_.executor(), [this, wanted = std::move(*asked)](auto study) {
+        host_.executor(), std::make_unique<StudySource<Response>>(
+                              host_.executor(), [this, wanted = std::move(*asked)](auto study) {
                                 return compared(wanted, std::move(study));
                               }));
   }
@@ -191,8 +207,8 @@ class ModelService final : public v1::ModelService::CallbackService {
     auto asked = sensors_request_from(*request);
     if (!asked) return refuse_stream<Response>(asked.error());
     return Stream<Response>::open(
-        cell_.executor(), std::make_unique<StudySource<Response>>(
-                              cell_.executor(), [this, wanted = std::move(*asked)](auto study) {
+        host_.executor(), std::make_unique<StudySource<Response>>(
+                              host_.executor(), [this, wanted = std::move(*asked)](auto study) {
                                 return sensors_chosen(wanted, std::move(study));
                               }));
   }
@@ -201,14 +217,14 @@ class ModelService final : public v1::ModelService::CallbackService {
   Awaitable<Result<v1::CompareMethodsResponse>> compared(
       application::MethodsRequest asked, std::shared_ptr<application::Study> study) {
     const std::string formula = asked.fit.formula;
-    auto comparing = cell_.studies().compare_methods(std::move(asked), std::move(study));
+    auto comparing = studies_.compare_methods(std::move(asked), std::move(study));
     DRIFTWISE_CO_TRY(const auto judgements, co_await std::move(comparing));
     co_return comparison_from(judgements, formula);
   }
 
   Awaitable<Result<v1::StudySensorsResponse>> sensors_chosen(
       application::SensorsRequest asked, std::shared_ptr<application::Study> study) {
-    auto choosing = cell_.studies().study_sensors(std::move(asked), std::move(study));
+    auto choosing = studies_.study_sensors(std::move(asked), std::move(study));
     DRIFTWISE_CO_TRY(const auto choice, co_await std::move(choosing));
     co_return sensor_choice_from(choice);
   }
@@ -216,7 +232,7 @@ class ModelService final : public v1::ModelService::CallbackService {
   Result<v1::Model> whole(const Result<ModelRecord>& record,
                           const ModelRecord* before = nullptr) const {
     DRIFTWISE_RETURN_IF_ERROR(record);
-    return model_from(*record, cell_.status().serving, ModelDetail::whole, before);
+    return model_from(*record, overview_.status().serving, ModelDetail::whole, before);
   }
 
   // What its page says beyond the model. It could be read: whole() did.
@@ -227,7 +243,7 @@ class ModelService final : public v1::ModelService::CallbackService {
     const bool is_of_a_file = ground.configurations.empty();
     add_ground(ground, response);
     if (!is_of_a_file && !ground.measured_under) return;  // no text of it can be read
-    const auto& description = is_of_a_file ? cell_.description() : *ground.measured_under;
+    const auto& description = is_of_a_file ? overview_.description() : *ground.measured_under;
     response.set_cell_name(description.name);
     add_declared(description, response);
     if (const auto model = formats::read_model_json(record.json))
@@ -241,12 +257,19 @@ class ModelService final : public v1::ModelService::CallbackService {
     return {};
   }
 
-  application::Cell& cell_;
+  application::Host& host_;
+  application::Overview& overview_;
+  application::StoreReader& records_;
+  application::Models& models_;
+  application::Promotions& promotions_;
+  application::ModelChecks& checks_;
+  application::Provenance& provenance_;
+  application::Studies& studies_;
 };
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> make_model_service(application::Cell& cell) {
+std::unique_ptr<grpc::Service> make_model_service(const application::Services& cell) {
   return std::make_unique<ModelService>(cell);
 }
 

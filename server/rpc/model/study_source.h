@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "server/application/ports/studies.h"
+#include "server/application/analyses/studies.h"
 #include "server/core/ports/spawn.h"
 #include "server/rpc/shared/stream.h"
 

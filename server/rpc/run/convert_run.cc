@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "server/application/runs/run_plan.h"
+#include "server/application/ports/run_plan.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/text/text.h"

@@ -2,7 +2,9 @@
 // Runs, their points, attempts and datums: domain -> proto; a run's rules: proto -> domain.
 
 #include "driftwise/v1/run.pb.h"
-#include "server/application/ports/cell.h"
+#include "server/application/ports/run_hold.h"
+#include "server/application/runs/run_progress.h"
+#include "server/core/description/cell_description.h"
 
 namespace driftwise::rpc {
 

@@ -2,7 +2,8 @@
 // CreateRun's request -> domain, with its checks; a trajectory's check -> proto.
 
 #include "driftwise/v1/run_service.pb.h"
-#include "server/application/ports/cell.h"
+#include "server/application/runs/runs.h"
+#include "server/application/trajectories/trajectories.h"
 
 namespace driftwise::rpc {
 

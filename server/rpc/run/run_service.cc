@@ -1,6 +1,12 @@
 #include <cmath>
 
 #include "driftwise/v1/run_service.grpc.pb.h"
+#include "server/application/checks/model_checks.h"
+#include "server/application/plumbing/store_reader.h"
+#include "server/application/provenance/provenance.h"
+#include "server/application/runs/runs.h"
+#include "server/application/status/overview.h"
+#include "server/application/trajectories/trajectories.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/rpc/configuration/convert_provenance.h"
@@ -22,15 +28,22 @@ using Reactor = grpc::ServerUnaryReactor;
 
 class RunService final : public v1::RunService::CallbackService {
  public:
-  explicit RunService(application::Cell& cell) : cell_(cell) {}
+  explicit RunService(const application::Services& cell)
+      : host_(cell.host),
+        overview_(cell.overview),
+        records_(cell.records),
+        runs_(cell.runs),
+        trajectories_(cell.trajectories),
+        checks_(cell.checks),
+        provenance_(cell.provenance) {}
 
   Reactor* GetRun(Context* context, const v1::GetRunRequest* request,
                   v1::GetRunResponse* response) override {
-    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
-      DRIFTWISE_CO_TRY(const auto run, co_await cell_.run(RunId{request->run_id()}));
+      DRIFTWISE_CO_TRY(const auto run, co_await runs_.get(RunId{request->run_id()}));
       *response->mutable_run() = run_from(run);
-      auto looking = cell_.provenance().grounds_of_runs({run.id});
+      auto looking = provenance_.grounds_of_runs({run.id});
       DRIFTWISE_CO_TRY(const auto grounds, co_await std::move(looking));
       add_ground(grounds.front(), true, *response->mutable_run());
       response->set_trajectory_text(utf8_from(run.trajectory_text));
@@ -41,14 +54,15 @@ class RunService final : public v1::RunService::CallbackService {
 
   Reactor* ListRuns(Context* context, const v1::ListRunsRequest* request,
                     v1::ListRunsResponse* response) override {
-    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_cursor(request->before_run_id(), "before_run_id"); !good)
         co_return good;
       DRIFTWISE_CO_TRY(const auto limit, limit_from(request->limit(), 50, 1000));
-      DRIFTWISE_CO_TRY(const auto runs, co_await cell_.runs(limit, request->before_run_id()));
+      DRIFTWISE_CO_TRY(const auto runs,
+                       co_await records_.runs().runs(limit, request->before_run_id()));
       std::vector<RunId> ids;
       for (const auto& run : runs) ids.push_back(run.id);
-      auto looking = cell_.provenance().grounds_of_runs(std::move(ids));
+      auto looking = provenance_.grounds_of_runs(std::move(ids));
       DRIFTWISE_CO_TRY(const auto grounds, co_await std::move(looking));
       for (std::size_t i = 0; i < runs.size(); ++i) {
         auto& run = *response->add_runs() = run_from(runs[i]);
@@ -60,13 +74,14 @@ class RunService final : public v1::RunService::CallbackService {
 
   Reactor* ListPoints(Context* context, const v1::ListPointsRequest* request,
                       v1::ListPointsResponse* response) override {
-    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
       if (auto good = check_cursor(request->after_point_id(), "after_point_id"); !good)
         co_return good;
       DRIFTWISE_CO_TRY(const auto limit, limit_from(request->limit(), 1000, 10000));
-      DRIFTWISE_CO_TRY(const auto points, co_await cell_.points(RunId{request->run_id()},
-                                                                request->after_point_id(), limit));
+      DRIFTWISE_CO_TRY(const auto points,
+                       co_await records_.runs().points(RunId{request->run_id()},
+                                                       request->after_point_id(), limit));
       for (const auto& point : points) *response->add_points() = point_from(point);
       co_return Result<void>{};
     });
@@ -74,9 +89,10 @@ class RunService final : public v1::RunService::CallbackService {
 
   Reactor* ListAttempts(Context* context, const v1::ListAttemptsRequest* request,
                         v1::ListAttemptsResponse* response) override {
-    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
-      DRIFTWISE_CO_TRY(const auto attempts, co_await cell_.attempts(RunId{request->run_id()}));
+      DRIFTWISE_CO_TRY(const auto attempts,
+                       co_await records_.runs().attempts(RunId{request->run_id()}));
       for (const auto& attempt : attempts) *response->add_attempts() = attempt_from(attempt);
       co_return Result<void>{};
     });
@@ -84,9 +100,9 @@ class RunService final : public v1::RunService::CallbackService {
 
   Reactor* ListDatums(Context* context, const v1::ListDatumsRequest* request,
                       v1::ListDatumsResponse* response) override {
-    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
-      DRIFTWISE_CO_TRY(const auto datums, co_await cell_.data(RunId{request->run_id()}));
+      DRIFTWISE_CO_TRY(const auto datums, co_await records_.runs().data(RunId{request->run_id()}));
       for (const auto& datum : datums) *response->add_datums() = datum_from(datum);
       co_return Result<void>{};
     });
@@ -94,12 +110,12 @@ class RunService final : public v1::RunService::CallbackService {
 
   Reactor* CheckTrajectory(Context* context, const v1::CheckTrajectoryRequest* request,
                            v1::CheckTrajectoryResponse* response) override {
-    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good =
               check_size(request->trajectory_text(), kMostTrajectoryBytes, "trajectory_text");
           !good)
         co_return good;
-      auto checking = cell_.check_trajectory(request->trajectory_text());
+      auto checking = trajectories_.check("trajectory", request->trajectory_text());
       DRIFTWISE_CO_TRY(const auto check, co_await std::move(checking));
       *response = check_response_from(check);
       co_return Result<void>{};
@@ -108,10 +124,10 @@ class RunService final : public v1::RunService::CallbackService {
 
   Reactor* CreateRun(Context* context, const v1::CreateRunRequest* request,
                      v1::CreateRunResponse* response) override {
-    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
-      DRIFTWISE_CO_TRY(auto asked, create_run_from(*request, cell_.description().run));
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      DRIFTWISE_CO_TRY(auto asked, create_run_from(*request, overview_.description().run));
       DRIFTWISE_CO_TRY(const auto run,
-                       co_await cell_.create_run(caller_of(*context), std::move(asked)));
+                       co_await runs_.create(caller_of(*context), std::move(asked)));
       *response->mutable_run() = run_from(run);
       co_return Result<void>{};
     });
@@ -125,15 +141,16 @@ class RunService final : public v1::RunService::CallbackService {
         return refuse_stream<v1::WatchRunResponse>(good.error());
       run = RunId{request->run_id()};
     }
-    return Stream<v1::WatchRunResponse>::open(cell_.executor(), watch_run(cell_, run));
+    return Stream<v1::WatchRunResponse>::open(host_.executor(),
+                                              watch_run(host_, overview_, runs_, run));
   }
 
   Reactor* PauseRun(Context* context, const v1::PauseRunRequest* request,
                     v1::PauseRunResponse* response) override {
-    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
       DRIFTWISE_CO_TRY(const auto run,
-                       co_await cell_.pause_run(caller_of(*context), RunId{request->run_id()}));
+                       co_await runs_.pause(caller_of(*context), RunId{request->run_id()}));
       *response->mutable_run() = run_from(run);
       co_return Result<void>{};
     });
@@ -141,11 +158,11 @@ class RunService final : public v1::RunService::CallbackService {
 
   Reactor* ResumeRun(Context* context, const v1::ResumeRunRequest* request,
                      v1::ResumeRunResponse* response) override {
-    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
       DRIFTWISE_CO_TRY(auto answered, answer_from(request->answer()));
       auto resuming =
-          cell_.resume_run(caller_of(*context), RunId{request->run_id()}, std::move(answered));
+          runs_.resume(caller_of(*context), RunId{request->run_id()}, std::move(answered));
       DRIFTWISE_CO_TRY(const auto run, co_await std::move(resuming));
       *response->mutable_run() = run_from(run);
       co_return Result<void>{};
@@ -154,10 +171,10 @@ class RunService final : public v1::RunService::CallbackService {
 
   Reactor* AbortRun(Context* context, const v1::AbortRunRequest* request,
                     v1::AbortRunResponse* response) override {
-    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
       DRIFTWISE_CO_TRY(const auto reason, line_from(request->reason(), kMostNameBytes, "reason"));
-      auto aborting = cell_.abort_run(caller_of(*context), RunId{request->run_id()}, reason);
+      auto aborting = runs_.abort(caller_of(*context), RunId{request->run_id()}, reason);
       DRIFTWISE_CO_TRY(const auto run, co_await std::move(aborting));
       *response->mutable_run() = run_from(run);
       co_return Result<void>{};
@@ -166,7 +183,7 @@ class RunService final : public v1::RunService::CallbackService {
 
   Reactor* VerifyRuns(Context* context, const v1::VerifyRunsRequest* request,
                       v1::VerifyRunsResponse* response) override {
-    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (request->run_ids_size() < 1 || request->run_ids_size() > 16)
         co_return fail(ErrorCode::invalid_argument, reasons::kBadRunCount,
                        "run_ids: found " + std::to_string(request->run_ids_size()) +
@@ -179,10 +196,10 @@ class RunService final : public v1::RunService::CallbackService {
       }
       std::vector<RunRecord> records;
       for (const RunId id : ids) {
-        DRIFTWISE_CO_TRY(auto record, co_await cell_.run(id));
+        DRIFTWISE_CO_TRY(auto record, co_await runs_.get(id));
         records.push_back(std::move(record));
       }
-      auto verifying = cell_.verify_runs(std::move(ids), range);
+      auto verifying = checks_.verify_runs(std::move(ids), range);
       DRIFTWISE_CO_TRY(const auto verification, co_await std::move(verifying));
       *response = verification_from(verification, records);
       co_return Result<void>{};
@@ -191,13 +208,13 @@ class RunService final : public v1::RunService::CallbackService {
 
   Reactor* ConfirmForce(Context* context, const v1::ConfirmForceRequest* request,
                         v1::ConfirmForceResponse* response) override {
-    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
       if (!request->has_force_n() || !std::isfinite(request->force_n()))
         co_return fail(ErrorCode::invalid_argument, reasons::kMissingForce,
                        "force_n: found nothing, expected the force that acts now, N");
       DRIFTWISE_CO_TRY(const auto run,
-                       co_await cell_.confirm_force(caller_of(*context), RunId{request->run_id()},
+                       co_await runs_.confirm_force(caller_of(*context), RunId{request->run_id()},
                                                     request->force_n()));
       *response->mutable_run() = run_from(run);
       co_return Result<void>{};
@@ -205,12 +222,18 @@ class RunService final : public v1::RunService::CallbackService {
   }
 
  private:
-  application::Cell& cell_;
+  application::Host& host_;
+  application::Overview& overview_;
+  application::StoreReader& records_;
+  application::Runs& runs_;
+  application::Trajectories& trajectories_;
+  application::ModelChecks& checks_;
+  application::Provenance& provenance_;
 };
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> make_run_service(application::Cell& cell) {
+std::unique_ptr<grpc::Service> make_run_service(const application::Services& cell) {
   return std::make_unique<RunService>(cell);
 }
 

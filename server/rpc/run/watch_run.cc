@@ -1,4 +1,7 @@
 
+#include "server/application/ports/host.h"
+#include "server/application/runs/runs.h"
+#include "server/application/status/overview.h"
 #include "server/core/ports/spawn.h"
 #include "server/core/reasons.h"
 #include "server/rpc/run/convert_run.h"
@@ -7,7 +10,9 @@
 namespace driftwise::rpc {
 namespace {
 
-using application::Cell;
+using application::Host;
+using application::Overview;
+using application::Runs;
 
 struct RunWatchState {  // shared with the look-up, which may end after the client has gone
   std::optional<RunId> run;
@@ -24,9 +29,10 @@ struct RunWatchState {  // shared with the look-up, which may end after the clie
 };
 
 // The record of the run, for one that is over, and the number of the one under way.
-Awaitable<void> look_up(Cell& cell, std::shared_ptr<RunWatchState> state) {
+Awaitable<void> look_up(const Overview& overview, Runs& runs,
+                        std::shared_ptr<RunWatchState> state) {
   if (!state->run) {
-    const auto status = cell.status();
+    const auto status = overview.status();
     if (!status.run) {
       state->end = fail(ErrorCode::failed_precondition, reasons::kNoRun,
                         "no run is under way: name one, or start one");
@@ -35,7 +41,7 @@ Awaitable<void> look_up(Cell& cell, std::shared_ptr<RunWatchState> state) {
     state->run = status.run->run.id;
     co_return state->take(*status.run);
   }
-  const auto record = co_await cell.run(*state->run);
+  const auto record = co_await runs.get(*state->run);
   if (!record) {
     if (!state->end) state->end = tl::unexpected(record.error());
     co_return state->wake();
@@ -50,7 +56,10 @@ Awaitable<void> look_up(Cell& cell, std::shared_ptr<RunWatchState> state) {
 
 class ProgressSource final : public StreamSource<v1::WatchRunResponse> {
  public:
-  ProgressSource(Cell& cell, std::optional<RunId> run) : cell_(cell) { state_->run = run; }
+  ProgressSource(const Host& host, const Overview& overview, Runs& runs, std::optional<RunId> run)
+      : host_(host), overview_(overview), runs_(runs) {
+    state_->run = run;
+  }
   ~ProgressSource() override {
     state_->wake = [] {};
   }
@@ -58,10 +67,10 @@ class ProgressSource final : public StreamSource<v1::WatchRunResponse> {
   void start(std::function<void()> wake) override {
     state_->wake = std::move(wake);
     // Watching before looking: a run that ends in between is seen by one of the two.
-    watch_ = cell_.watch_progress([state = state_](const application::RunProgress& progress) {
+    watch_ = runs_.watch([state = state_](const application::RunProgress& progress) {
       if (state->run && progress.run.id == *state->run) state->take(progress);
     });
-    spawn(cell_.executor(), look_up(cell_, state_));
+    spawn(host_.executor(), look_up(overview_, runs_, state_));
   }
 
   std::optional<v1::WatchRunResponse> next() override {
@@ -74,16 +83,19 @@ class ProgressSource final : public StreamSource<v1::WatchRunResponse> {
   std::optional<Result<void>> ended() override { return state_->end; }
 
  private:
-  Cell& cell_;
+  const Host& host_;
+  const Overview& overview_;
+  Runs& runs_;
   std::shared_ptr<RunWatchState> state_ = std::make_shared<RunWatchState>();
-  Cell::Watch watch_;
+  std::shared_ptr<void> watch_;
 };
 
 }  // namespace
 
-std::unique_ptr<StreamSource<v1::WatchRunResponse>> watch_run(Cell& cell,
+std::unique_ptr<StreamSource<v1::WatchRunResponse>> watch_run(const Host& host,
+                                                              const Overview& overview, Runs& runs,
                                                               std::optional<RunId> run) {
-  return std::make_unique<ProgressSource>(cell, run);
+  return std::make_unique<ProgressSource>(host, overview, runs, run);
 }
 
 }  // namespace driftwise::rpc

@@ -70,7 +70,7 @@ void take_over_logs() {
 
 }  // namespace
 
-Result<std::unique_ptr<RpcServer>> RpcServer::open(application::Cell& cell,
+Result<std::unique_ptr<RpcServer>> RpcServer::open(const application::Services& cell,
                                                    const std::string& listen,
                                                    std::vector<grpc::Service*> further) {
   DRIFTWISE_TRY(const auto address, parse(listen));
@@ -126,8 +126,8 @@ Result<std::unique_ptr<RpcServer>> RpcServer::open(application::Cell& cell,
                 "the gRPC library made no server: see its log");
   out->gate_->accept_for(std::move(acceptor));
   out->address_ = address.host + ":" + std::to_string(out->gate_->port());
-  map_times_by(&cell);
-  out->cell_ = &cell;
+  map_times_by(&cell.host);
+  out->host_ = &cell.host;
   out->ready(false);
   return out;
 }
@@ -147,7 +147,7 @@ void RpcServer::shut_down(std::chrono::milliseconds grace) {
   server_->Shutdown(std::chrono::system_clock::now() + grace);
   server_->Wait();
   server_.reset();
-  stop_mapping_times_by(cell_);
+  stop_mapping_times_by(host_);
 }
 
 std::shared_ptr<grpc::Channel> RpcServer::in_process_channel() {

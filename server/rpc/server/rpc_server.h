@@ -19,7 +19,8 @@
 #include <string>
 #include <vector>
 
-#include "server/application/ports/cell.h"
+#include "server/application/cell/services.h"
+#include "server/application/ports/host.h"
 #include "server/rpc/server/call_book.h"
 #include "server/rpc/server/connection_gate.h"
 
@@ -33,7 +34,8 @@ class RpcServer {
   // in-process gateway of the web and for benchmarks; borrowed. Errors: invalid_argument
   // NOT_LOOPBACK (only loopback, until TLS and roles are configured), BAD_ADDRESS; unavailable,
   // ADDRESS_IN_USE.
-  static Result<std::unique_ptr<RpcServer>> open(application::Cell& cell, const std::string& listen,
+  static Result<std::unique_ptr<RpcServer>> open(const application::Services& cell,
+                                                 const std::string& listen,
                                                  std::vector<grpc::Service*> further = {});
   ~RpcServer();
 
@@ -53,7 +55,7 @@ class RpcServer {
   std::unique_ptr<ConnectionGate> gate_;  // ends before the server
   std::unique_ptr<grpc::Server> server_;
   std::string address_;
-  const application::Cell* cell_ = nullptr;
+  const application::Host* host_ = nullptr;
 };
 
 }  // namespace driftwise::rpc

@@ -4,7 +4,7 @@
 
 #include <grpcpp/server_context.h>
 
-#include "server/application/ports/cell.h"
+#include "server/application/ports/caller.h"
 
 namespace driftwise::rpc {
 

@@ -1,5 +1,5 @@
 #pragma once
-// A unary call that is answered by the cell: from gRPC's thread to the executor's and back.
+// A unary call that is answered by a service: from gRPC's thread to the executor's and back.
 //
 // work: a callable that makes an Awaitable<Result<void>>; it runs on the executor's thread, may
 // fill the response, and what it captures lives until it is done (so a capturing lambda coroutine
@@ -13,7 +13,7 @@
 #include <exception>
 #include <utility>
 
-#include "server/application/ports/cell.h"
+#include "server/application/ports/host.h"
 #include "server/core/ports/spawn.h"
 #include "server/core/reasons.h"
 #include "server/rpc/shared/error_mapping.h"
@@ -36,10 +36,10 @@ Awaitable<void> run_and_finish(grpc::ServerUnaryReactor* reactor, Work work) {
 }
 
 template <class Work>
-grpc::ServerUnaryReactor* answer(const application::Cell& cell,
+grpc::ServerUnaryReactor* answer(const application::Host& host,
                                  grpc::CallbackServerContext* context, Work work) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  spawn(cell.executor(), run_and_finish(reactor, std::move(work)));
+  spawn(host.executor(), run_and_finish(reactor, std::move(work)));
   return reactor;
 }
 

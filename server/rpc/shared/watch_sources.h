@@ -13,7 +13,7 @@
 #include "driftwise/v1/diagnosis_service.pb.h"
 #include "driftwise/v1/run_service.pb.h"
 #include "driftwise/v1/target_service.pb.h"
-#include "server/application/ports/cell.h"
+#include "server/application/cell/services.h"
 #include "server/compensation/target.h"
 #include "server/rpc/shared/stream.h"
 
@@ -21,31 +21,36 @@ namespace driftwise::rpc {
 
 // run: none means the one under way. Ends after the state in which the run is over.
 // Errors: not_found; failed_precondition NO_RUN.
-std::unique_ptr<StreamSource<v1::WatchRunResponse>> watch_run(application::Cell& cell,
+std::unique_ptr<StreamSource<v1::WatchRunResponse>> watch_run(const application::Host& host,
+                                                              const application::Overview& overview,
+                                                              application::Runs& runs,
                                                               std::optional<RunId> run);
 
 // End after the state in which the job is over. Errors: not_found.
-std::unique_ptr<StreamSource<v1::WatchDiagnosisResponse>> watch_diagnosis(application::Cell& cell,
-                                                                          DiagnosisId id);
+std::unique_ptr<StreamSource<v1::WatchDiagnosisResponse>> watch_diagnosis(
+    const application::Host& host, application::Diagnoses& diagnoses, DiagnosisId id);
 std::unique_ptr<StreamSource<v1::WatchImprovementResponse>> watch_improvement(
-    application::Cell& cell, ImprovementId id);
+    const application::Host& host, application::Improvements& improvements,
+    application::StoreReader& records, ImprovementId id);
 
 // after: none means from now on. Never ends by itself.
-std::unique_ptr<StreamSource<v1::WatchEventsResponse>> watch_events(application::Cell& cell,
-                                                                    std::optional<EventId> after);
+std::unique_ptr<StreamSource<v1::WatchEventsResponse>> watch_events(
+    const application::Host& host, application::Feeds& feeds, application::StoreReader& records,
+    std::optional<EventId> after);
 
 // device: empty for all. Never ends by itself.
-std::unique_ptr<StreamSource<v1::WatchReadingsResponse>> watch_readings(application::Cell& cell,
+std::unique_ptr<StreamSource<v1::WatchReadingsResponse>> watch_readings(application::Feeds& feeds,
                                                                         std::string device);
 
 // The first at once, then one after each rebuild of the snapshot, at least min_interval of wall
 // time apart. Ends with the error when a target is refused (no model serves, or the cell refuses
 // stale ones): ask again later.
 std::unique_ptr<StreamSource<v1::WatchTargetsResponse>> watch_targets(
-    application::Cell& cell, compensation::TargetRequest request, Nanoseconds min_interval);
+    const application::Host& host, application::Targets& targets,
+    compensation::TargetRequest request, Nanoseconds min_interval);
 
-std::unique_ptr<StreamSource<v1::ExportDatasetResponse>> export_dataset(application::Cell& cell,
-                                                                        std::vector<RunId> runs,
-                                                                        bool without_excluded);
+std::unique_ptr<StreamSource<v1::ExportDatasetResponse>> export_dataset(
+    const application::Host& host, application::Datasets& datasets, std::vector<RunId> runs,
+    bool without_excluded);
 
 }  // namespace driftwise::rpc

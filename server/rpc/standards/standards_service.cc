@@ -1,4 +1,5 @@
 #include "driftwise/v1/standards_service.grpc.pb.h"
+#include "server/application/datasets/datasets.h"
 #include "server/application/plumbing/run_on.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
@@ -13,7 +14,8 @@ namespace {
 
 class StandardsService final : public v1::StandardsService::CallbackService {
  public:
-  explicit StandardsService(application::Cell& cell) : cell_(cell) {}
+  explicit StandardsService(const application::Services& cell)
+      : host_(cell.host), datasets_(cell.datasets) {}
 
   grpc::ServerUnaryReactor* EvaluateIso2302(grpc::CallbackServerContext* context,
                                             const v1::EvaluateIso2302Request* request,
@@ -37,18 +39,18 @@ class StandardsService final : public v1::StandardsService::CallbackService {
   grpc::ServerUnaryReactor* evaluate(grpc::CallbackServerContext* context, const Request* request,
                                      Response* response, Figures figures_of) {
     return answer(
-        cell_, context, [this, request, response, figures_of]() -> Awaitable<Result<void>> {
+        host_, context, [this, request, response, figures_of]() -> Awaitable<Result<void>> {
           DRIFTWISE_CO_TRY(auto runs, run_ids_from(request->run_ids()));
           if (runs.empty())
             co_return fail(ErrorCode::invalid_argument, reasons::kNoRuns,
                            "run_ids: found none, expected at least one");
           auto exporting =
-              cell_.export_dataset(std::move(runs), true);  // rows kept out are no figures either
+              datasets_.export_csv(std::move(runs), true);  // rows kept out are no figures either
           DRIFTWISE_CO_TRY(const auto csv, co_await std::move(exporting));
           const auto options = options_from(*request);
           DRIFTWISE_CO_TRY(const auto figures,
                            co_await application::run_on(
-                               cell_.background(),
+                               host_.background(),
                                [figures_of](const std::string& text, const auto& asked) {
                                  const auto dataset = formats::read_dataset_csv(text, "run");
                                  using Answer = decltype(figures_of(*dataset, asked));
@@ -61,12 +63,13 @@ class StandardsService final : public v1::StandardsService::CallbackService {
         });
   }
 
-  application::Cell& cell_;
+  application::Host& host_;
+  application::Datasets& datasets_;
 };
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> make_standards_service(application::Cell& cell) {
+std::unique_ptr<grpc::Service> make_standards_service(const application::Services& cell) {
   return std::make_unique<StandardsService>(cell);
 }
 

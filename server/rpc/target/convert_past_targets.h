@@ -2,7 +2,7 @@
 // What a target would have been: request and answer.
 
 #include "driftwise/v1/target_service.pb.h"
-#include "server/application/ports/watching.h"
+#include "server/application/serving/targets.h"
 #include "server/core/result.h"
 
 namespace driftwise::rpc {

@@ -1,6 +1,8 @@
 // Unary targets are answered on gRPC's own thread: no hop to the executor, no lock.
 
 #include "driftwise/v1/target_service.grpc.pb.h"
+#include "server/application/ports/host.h"
+#include "server/application/serving/targets.h"
 #include "server/core/try.h"
 #include "server/rpc/shared/convert_values.h"
 #include "server/rpc/shared/services.h"
@@ -15,7 +17,8 @@ namespace {
 
 class TargetService final : public v1::TargetService::CallbackService {
  public:
-  explicit TargetService(application::Cell& cell) : cell_(cell) {}
+  explicit TargetService(const application::Services& cell)
+      : host_(cell.host), targets_(cell.targets) {}
 
   grpc::ServerUnaryReactor* ComputeTarget(grpc::CallbackServerContext* context,
                                           const v1::ComputeTargetRequest* request,
@@ -27,17 +30,17 @@ class TargetService final : public v1::TargetService::CallbackService {
                                        const v1::MapTargetsRequest* request,
                                        v1::MapTargetsResponse* response) override {
     static const compensation::Snapshot nothing;
-    const auto snapshot = cell_.snapshots().read();
+    const auto snapshot = targets_.snapshots().read();
     return answer_now(
-        context, map_targets(snapshot ? *snapshot : nothing, *request, cell_.now(), *response));
+        context, map_targets(snapshot ? *snapshot : nothing, *request, host_.now(), *response));
   }
 
   grpc::ServerUnaryReactor* ListPastTargets(grpc::CallbackServerContext* context,
                                             const v1::ListPastTargetsRequest* request,
                                             v1::ListPastTargetsResponse* response) override {
-    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       DRIFTWISE_CO_TRY(auto query, past_targets_query_from(*request));
-      auto asking = cell_.watching().past_targets(std::move(query));
+      auto asking = targets_.past(std::move(query));
       DRIFTWISE_CO_TRY(const auto past, co_await std::move(asking));
       fill_past_targets(past, *response);
       co_return Result<void>{};
@@ -52,27 +55,28 @@ class TargetService final : public v1::TargetService::CallbackService {
     const auto interval =
         nanoseconds_from(request->min_interval_duration(), "min_interval_duration");
     if (!interval) return refuse_stream<v1::WatchTargetsResponse>(interval.error());
-    return Stream<v1::WatchTargetsResponse>::open(cell_.executor(),
-                                                  watch_targets(cell_, *pose, *interval));
+    return Stream<v1::WatchTargetsResponse>::open(host_.executor(),
+                                                  watch_targets(host_, targets_, *pose, *interval));
   }
 
  private:
   Result<void> compute(const v1::ComputeTargetRequest& request,
                        v1::ComputeTargetResponse& response) const {
-    DRIFTWISE_TRY(auto pose, pose_from(request.pose(), cell_.now()));
+    DRIFTWISE_TRY(auto pose, pose_from(request.pose(), host_.now()));
     pose.show_unreachable = request.show_unreachable();
     static const compensation::Snapshot nothing;  // its refusal says that no model serves
-    const auto snapshot = cell_.snapshots().read();
+    const auto snapshot = targets_.snapshots().read();
     return answer_target(snapshot ? *snapshot : nothing, pose, request.with_budget(),
                          *response.mutable_target());
   }
 
-  application::Cell& cell_;
+  application::Host& host_;
+  application::Targets& targets_;
 };
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> make_target_service(application::Cell& cell) {
+std::unique_ptr<grpc::Service> make_target_service(const application::Services& cell) {
   return std::make_unique<TargetService>(cell);
 }
 

@@ -1,23 +1,31 @@
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
 
+#include "server/application/ports/host.h"
+#include "server/application/serving/targets.h"
 #include "server/rpc/shared/watch_sources.h"
 #include "server/rpc/target/convert_target.h"
 
 namespace driftwise::rpc {
 namespace {
 
-using application::Cell;
+using application::Host;
+using application::Targets;
 using WallClock = std::chrono::steady_clock;
 
 class TargetSource final : public StreamSource<v1::WatchTargetsResponse> {
  public:
-  TargetSource(Cell& cell, compensation::TargetRequest request, Nanoseconds min_interval)
-      : cell_(cell), request_(request), min_interval_(min_interval), timer_(cell.executor()) {}
+  TargetSource(const Host& host, Targets& targets, compensation::TargetRequest request,
+               Nanoseconds min_interval)
+      : host_(host),
+        targets_(targets),
+        request_(request),
+        min_interval_(min_interval),
+        timer_(host.executor()) {}
 
   void start(std::function<void()> wake) override {
     wake_ = wake;
-    watch_ = cell_.watch_snapshots([this, wake = std::move(wake)] {
+    watch_ = targets_.watch_snapshots([this, wake = std::move(wake)] {
       due_ = true;
       wake();
     });
@@ -33,8 +41,8 @@ class TargetSource final : public StreamSource<v1::WatchTargetsResponse> {
     due_ = false;
     not_before_ = now + min_interval_;
     v1::WatchTargetsResponse response;
-    const auto snapshot = cell_.snapshots().read();
-    request_.now = cell_.now();
+    const auto snapshot = targets_.snapshots().read();
+    request_.now = host_.now();
     const compensation::Snapshot nothing;  // its refusal says that no model serves
     const auto answered =
         answer_target(snapshot ? *snapshot : nothing, request_, false, *response.mutable_target());
@@ -54,7 +62,8 @@ class TargetSource final : public StreamSource<v1::WatchTargetsResponse> {
     });
   }
 
-  Cell& cell_;
+  const Host& host_;
+  Targets& targets_;
   compensation::TargetRequest request_;
   Nanoseconds min_interval_;
   boost::asio::steady_timer timer_;
@@ -62,14 +71,15 @@ class TargetSource final : public StreamSource<v1::WatchTargetsResponse> {
   std::function<void()> wake_;
   bool due_ = true;  // the first target goes out at once
   std::optional<Result<void>> end_;
-  Cell::Watch watch_;  // last: it goes first, and with it the callback that knows this
+  std::shared_ptr<void> watch_;  // last: it goes first, and with it the callback that knows this
 };
 
 }  // namespace
 
 std::unique_ptr<StreamSource<v1::WatchTargetsResponse>> watch_targets(
-    Cell& cell, compensation::TargetRequest request, Nanoseconds min_interval) {
-  return std::make_unique<TargetSource>(cell, request, min_interval);
+    const Host& host, Targets& targets, compensation::TargetRequest request,
+    Nanoseconds min_interval) {
+  return std::make_unique<TargetSource>(host, targets, request, min_interval);
 }
 
 }  // namespace driftwise::rpc

@@ -1,5 +1,7 @@
 #include "driftwise/v1/trajectory_service.grpc.pb.h"
 #include "server/application/plumbing/run_on.h"
+#include "server/application/plumbing/store_reader.h"
+#include "server/application/trajectories/trajectories.h"
 #include "server/core/reasons.h"
 #include "server/core/trajectory/trajectory_generator.h"
 #include "server/core/try.h"
@@ -54,15 +56,16 @@ Result<std::string> generated_text(const GeneratorPlan& plan) {
 
 class TrajectoryService final : public v1::TrajectoryService::CallbackService {
  public:
-  explicit TrajectoryService(application::Cell& cell) : cell_(cell) {}
+  explicit TrajectoryService(const application::Services& cell)
+      : host_(cell.host), records_(cell.records), trajectories_(cell.trajectories) {}
 
   Reactor* CreateTrajectory(Context* context, const v1::CreateTrajectoryRequest* request,
                             v1::CreateTrajectoryResponse* response) override {
-    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       DRIFTWISE_CO_TRY(const auto name, line_from(request->name(), kMostNameBytes, "name"));
       if (auto good = check_size(request->text(), kMostTrajectoryBytes, "text"); !good)
         co_return good;
-      auto keeping = cell_.watching().keep_trajectory(caller_of(*context), name, request->text());
+      auto keeping = trajectories_.keep(caller_of(*context), name, request->text());
       DRIFTWISE_CO_TRY(const auto kept, co_await std::move(keeping));
       *response->mutable_trajectory() = kept_trajectory_from(kept);
       co_return Result<void>{};
@@ -71,10 +74,10 @@ class TrajectoryService final : public v1::TrajectoryService::CallbackService {
 
   Reactor* GetTrajectory(Context* context, const v1::GetTrajectoryRequest* request,
                          v1::GetTrajectoryResponse* response) override {
-    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->trajectory_id(), "trajectory_id"); !good) co_return good;
       DRIFTWISE_CO_TRY(const auto kept,
-                       co_await cell_.watching().trajectory({request->trajectory_id()}));
+                       co_await records_.trajectories().trajectory({request->trajectory_id()}));
       *response->mutable_trajectory() = kept_trajectory_from(kept);
       co_return Result<void>{};
     });
@@ -82,8 +85,8 @@ class TrajectoryService final : public v1::TrajectoryService::CallbackService {
 
   Reactor* ListTrajectories(Context* context, const v1::ListTrajectoriesRequest*,
                             v1::ListTrajectoriesResponse* response) override {
-    return answer(cell_, context, [this, response]() -> Awaitable<Result<void>> {
-      DRIFTWISE_CO_TRY(const auto all, co_await cell_.watching().trajectories());
+    return answer(host_, context, [this, response]() -> Awaitable<Result<void>> {
+      DRIFTWISE_CO_TRY(const auto all, co_await records_.trajectories().trajectories());
       for (const auto& kept : all) *response->add_trajectories() = kept_trajectory_from(kept);
       co_return Result<void>{};
     });
@@ -92,11 +95,11 @@ class TrajectoryService final : public v1::TrajectoryService::CallbackService {
   Reactor* GenerateTrajectory(Context* context, const v1::GenerateTrajectoryRequest* request,
                               v1::GenerateTrajectoryResponse* response) override {
     // Stores nothing and moves nothing, but what it makes must be fit for this cell.
-    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       DRIFTWISE_CO_TRY(const auto plan, generator_plan_from(*request));
       DRIFTWISE_CO_TRY(auto text,
-                       co_await application::run_on(cell_.background(), generated_text, plan));
-      auto checking = cell_.check_trajectory(text);
+                       co_await application::run_on(host_.background(), generated_text, plan));
+      auto checking = trajectories_.check("trajectory", text);
       DRIFTWISE_CO_TRY(const auto checked, co_await std::move(checking));
       response->set_text(std::move(text));
       response->set_row_count(static_cast<std::int64_t>(checked.trajectory.points.size()));
@@ -105,12 +108,14 @@ class TrajectoryService final : public v1::TrajectoryService::CallbackService {
   }
 
  private:
-  application::Cell& cell_;
+  application::Host& host_;
+  application::StoreReader& records_;
+  application::Trajectories& trajectories_;
 };
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> make_trajectory_service(application::Cell& cell) {
+std::unique_ptr<grpc::Service> make_trajectory_service(const application::Services& cell) {
   return std::make_unique<TrajectoryService>(cell);
 }
 

@@ -4,7 +4,9 @@
 #include <vector>
 
 #include "driftwise/v1/watch_service.pb.h"
-#include "server/application/ports/cell.h"
+#include "server/application/diagnoses/diagnosis_progress.h"
+#include "server/application/improvement/improvements.h"
+#include "server/application/status/cell_status.h"
 #include "server/core/records/watch_records.h"
 
 namespace driftwise::rpc {

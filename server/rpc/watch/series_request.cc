@@ -54,16 +54,17 @@ Result<void> take_buckets(const v1::GetSeriesRequest& request, SeriesQuery& out)
 }  // namespace
 
 Awaitable<Result<SeriesQuery>> series_query_from(const v1::GetSeriesRequest& request,
-                                                 application::Cell& cell) {
+                                                 const application::Host& host,
+                                                 application::Runs& runs) {
   SeriesQuery out;
   DRIFTWISE_CO_RETURN_IF_ERROR(take_channels(request, out));
   DRIFTWISE_CO_RETURN_IF_ERROR(take_buckets(request, out));
-  out.to = cell.now();
+  out.to = host.now();
   out.from = {};
   if (request.has_run_id()) {
     DRIFTWISE_CO_RETURN_IF_ERROR(check_id(request.run_id(), "run_id"));
     out.run = RunId{request.run_id()};
-    DRIFTWISE_CO_TRY(const auto run, co_await cell.run(*out.run));
+    DRIFTWISE_CO_TRY(const auto run, co_await runs.get(*out.run));
     out.from = run.started.utc_ns != 0 ? run.started : run.created;
     if (run.ended.utc_ns != 0) out.to = {run.ended.utc_ns + 1};
   }

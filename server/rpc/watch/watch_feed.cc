@@ -8,8 +8,15 @@
 #include <chrono>
 #include <mutex>
 
+#include "server/application/diagnoses/diagnoses.h"
 #include "server/application/plumbing/signal.h"
+#include "server/application/plumbing/store_reader.h"
+#include "server/application/ports/host.h"
+#include "server/application/runs/runs.h"
+#include "server/application/status/overview.h"
+#include "server/application/watching/feeds.h"
 #include "server/core/ports/spawn.h"
+#include "server/core/try.h"
 #include "server/rpc/cell/convert_cell.h"
 #include "server/rpc/diagnosis/convert_diagnosis.h"
 #include "server/rpc/run/convert_run.h"
@@ -33,6 +40,12 @@ bool same_columns(const v1::ChannelLayout& a, const v1::ChannelLayout& b) {
   for (int i = 0; i < a.columns_size(); ++i)
     if (a.columns(i).SerializeAsString() != b.columns(i).SerializeAsString()) return false;
   return true;
+}
+
+Result<RecordHead> read_head(Store& store) {
+  DRIFTWISE_TRY(auto database, store.records().database_id());
+  DRIFTWISE_TRY(const auto newest, store.records().newest());
+  return RecordHead{std::move(database), newest};
 }
 
 }  // namespace
@@ -59,25 +72,26 @@ class WatchFeed::Back {
 
 class WatchFeed::Look : public std::enable_shared_from_this<Look> {
  public:
-  Look(application::Cell& cell, std::shared_ptr<Back> back) : cell_(cell), back_(std::move(back)) {}
+  Look(const application::Services& cell, std::shared_ptr<Back> back)
+      : cell_(cell), back_(std::move(back)) {}
 
   void begin(std::weak_ptr<WatchFeed> feed) {
-    asio::post(cell_.executor(), [self = shared_from_this(), feed = std::move(feed)] {
+    asio::post(cell_.host.executor(), [self = shared_from_this(), feed = std::move(feed)] {
       self->feed_ = feed;
       self->values_news_ = self->progress_news_ = self->jobs_news_ = true;  // for who comes anew
       if (self->wanted_++ == 0 && !self->running_) {
         self->running_ = true;
-        spawn(self->cell_.executor(), look_for_ever(self));
+        spawn(self->cell_.host.executor(), look_for_ever(self));
       }
     });
   }
   void end() {
-    asio::post(cell_.executor(), [self = shared_from_this()] { --self->wanted_; });
+    asio::post(cell_.host.executor(), [self = shared_from_this()] { --self->wanted_; });
   }
 
  private:
   static Awaitable<void> look_for_ever(std::shared_ptr<Look> self) {
-    asio::steady_timer timer(self->cell_.executor());
+    asio::steady_timer timer(self->cell_.host.executor());
     auto due = std::chrono::steady_clock::now();
     while (self->wanted_ > 0) {
       self->watch_again();
@@ -103,15 +117,15 @@ class WatchFeed::Look : public std::enable_shared_from_this<Look> {
     if (!watches_.empty()) return;
     values_news_ = progress_news_ = records_news_ = true;
     head_ = {};
-    watches_.push_back(cell_.watch_readings([this](const Reading&) { values_news_ = true; }));
+    watches_.push_back(cell_.feeds.watch_readings([this](const Reading&) { values_news_ = true; }));
     watches_.push_back(
-        cell_.watch_progress([this](const application::RunProgress&) { progress_news_ = true; }));
-    watches_.push_back(cell_.watching().watch_records([this] { records_news_ = true; }));
+        cell_.runs.watch([this](const application::RunProgress&) { progress_news_ = true; }));
+    watches_.push_back(cell_.feeds.watch_records([this] { records_news_ = true; }));
     diagnoses_.clear();
     improvements_.clear();
-    watches_.push_back(cell_.watch_diagnoses(
+    watches_.push_back(cell_.diagnoses.watch(
         [this](const application::DiagnosisProgress& job) { note(diagnoses_, job); }));
-    watches_.push_back(cell_.watch_improvements(
+    watches_.push_back(cell_.improvements.watch(
         [this](const application::ImprovementProgress& job) { note(improvements_, job); }));
   }
 
@@ -138,12 +152,11 @@ class WatchFeed::Look : public std::enable_shared_from_this<Look> {
     if (!news.values && !news.progress && !news.cell) return;
     if (news.cell) cell_due_ = now + kCellEvery;
     news.values = news.values || news.cell;  // ages grow
-    news.status = std::make_shared<const application::CellStatus>(cell_.status());
+    news.status = std::make_shared<const application::CellStatus>(cell_.overview.status());
   }
 
   Awaitable<void> read_records(News& news) {
-    auto asking = cell_.watching().record_head();
-    const auto head = co_await std::move(asking);
+    const auto head = co_await cell_.records.call(read_head);
     if (!head) {
       spdlog::warn("watching: {}", head.error().message);
       co_return;
@@ -151,7 +164,7 @@ class WatchFeed::Look : public std::enable_shared_from_this<Look> {
     if (head_.database.empty()) head_ = *head;  // what was before is read by those who ask for it
     RecordCursor at = head_.newest;
     while (at != head->newest) {
-      auto reading = cell_.watching().records(at, head->newest, kPageRecords);
+      auto reading = cell_.records.records().records(at, head->newest, kPageRecords);
       auto page = co_await std::move(reading);
       if (!page) {
         spdlog::warn("watching: {}", page.error().message);
@@ -172,7 +185,7 @@ class WatchFeed::Look : public std::enable_shared_from_this<Look> {
     });
   }
 
-  application::Cell& cell_;
+  application::Services cell_;
   std::shared_ptr<Back> back_;
   std::weak_ptr<WatchFeed> feed_;
   int wanted_ = 0;
@@ -181,11 +194,11 @@ class WatchFeed::Look : public std::enable_shared_from_this<Look> {
   std::map<DiagnosisId, application::DiagnosisProgress> diagnoses_;  // under way
   std::map<ImprovementId, application::ImprovementProgress> improvements_;
   WallClock::time_point cell_due_{};
-  application::RecordHead head_;
-  std::vector<application::Cell::Watch> watches_;
+  RecordHead head_;
+  std::vector<std::shared_ptr<void>> watches_;
 };
 
-WatchFeed::WatchFeed(application::Cell& cell, asio::any_io_executor watch_thread)
+WatchFeed::WatchFeed(const application::Services& cell, asio::any_io_executor watch_thread)
     : cell_(cell),
       watch_thread_(watch_thread),
       back_(std::make_shared<Back>(std::move(watch_thread))),
@@ -272,10 +285,10 @@ std::shared_ptr<const WatchChunk> WatchFeed::chunk_after(const RecordCursor& cur
 
 void WatchFeed::fetch(const RecordCursor& after, const RecordCursor& until,
                       std::function<void(Result<WatchChunk>)> then) {
-  const auto ask = [](application::Cell& cell, RecordCursor from, RecordCursor to,
+  const auto ask = [](application::StoreReader& records, RecordCursor from, RecordCursor to,
                       std::shared_ptr<Back> back, std::weak_ptr<WatchFeed> feed,
                       std::function<void(Result<WatchChunk>)> answer) -> Awaitable<void> {
-    auto reading = cell.watching().records(from, to, kPageRecords);
+    auto reading = records.records().records(from, to, kPageRecords);
     auto page = co_await std::move(reading);
     auto shared = std::make_shared<Result<RecordPage>>(std::move(page));
     back->post([shared, from, feed, answer] {
@@ -286,7 +299,8 @@ void WatchFeed::fetch(const RecordCursor& after, const RecordCursor& until,
         answer(tl::unexpected(shared->error()));
     });
   };
-  spawn(cell_.executor(), ask(cell_, after, until, back_, weak_from_this(), std::move(then)));
+  spawn(cell_.host.executor(),
+        ask(cell_.records, after, until, back_, weak_from_this(), std::move(then)));
 }
 
 }  // namespace driftwise::rpc

@@ -16,8 +16,10 @@
 #include <vector>
 
 #include "driftwise/v1/watch_service.pb.h"
-#include "server/application/ports/cell.h"
-#include "server/application/ports/watching.h"
+#include "server/application/cell/services.h"
+#include "server/application/diagnoses/diagnosis_progress.h"
+#include "server/application/improvement/improvements.h"
+#include "server/application/status/cell_status.h"
 #include "server/rpc/watch/watch_cursor.h"
 
 namespace driftwise::rpc {
@@ -38,9 +40,14 @@ struct WatchChunk {  // records between two cursors
   std::vector<v1::WatchEvent> events;
 };
 
+struct RecordHead {
+  std::string database;  // its own name
+  RecordCursor newest;
+};
+
 class WatchFeed : public std::enable_shared_from_this<WatchFeed> {
  public:
-  WatchFeed(application::Cell& cell, asio::any_io_executor watch_thread);
+  WatchFeed(const application::Services& cell, asio::any_io_executor watch_thread);
   ~WatchFeed();
 
   asio::any_io_executor executor() const { return watch_thread_; }
@@ -61,14 +68,14 @@ class WatchFeed : public std::enable_shared_from_this<WatchFeed> {
     bool values = false, cell = false, progress = false, jobs = false;
     std::vector<application::DiagnosisProgress> diagnoses;  // under way, when there is news of jobs
     std::vector<application::ImprovementProgress> improvements;
-    application::RecordHead head;
+    RecordHead head;
     std::vector<std::pair<RecordCursor, RecordPage>> pages;  // each with where it begins
   };
   void take(News news);
   static void take_states(const News& news, WatchTick& tick);
   void forget_oldest();
 
-  application::Cell& cell_;
+  application::Services cell_;
   asio::any_io_executor watch_thread_;
   std::shared_ptr<Back> back_;
   std::shared_ptr<Look> look_;

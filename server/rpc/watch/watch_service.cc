@@ -1,6 +1,9 @@
 #include <boost/asio/thread_pool.hpp>
 
 #include "driftwise/v1/watch_service.grpc.pb.h"
+#include "server/application/alarms/alarms.h"
+#include "server/application/plumbing/store_reader.h"
+#include "server/application/runs/runs.h"
 #include "server/core/try.h"
 #include "server/rpc/shared/caller.h"
 #include "server/rpc/shared/convert_values.h"
@@ -20,8 +23,12 @@ using Reactor = grpc::ServerUnaryReactor;
 // Streams have a thread of their own: what clients cost is not the cell's.
 class WatchService final : public v1::WatchService::CallbackService {
  public:
-  explicit WatchService(application::Cell& cell)
-      : cell_(cell), feed_(std::make_shared<WatchFeed>(cell, thread_.get_executor())) {}
+  explicit WatchService(const application::Services& cell)
+      : host_(cell.host),
+        records_(cell.records),
+        runs_(cell.runs),
+        alarms_(cell.alarms),
+        feed_(std::make_shared<WatchFeed>(cell, thread_.get_executor())) {}
   ~WatchService() override { thread_.join(); }
 
   grpc::ServerWriteReactor<v1::WatchResponse>* Watch(Context*,
@@ -34,10 +41,10 @@ class WatchService final : public v1::WatchService::CallbackService {
 
   Reactor* GetSeries(Context* context, const v1::GetSeriesRequest* request,
                      v1::GetSeriesResponse* response) override {
-    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
-      auto making = series_query_from(*request, cell_);
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      auto making = series_query_from(*request, host_, runs_);
       DRIFTWISE_CO_TRY(auto query, co_await std::move(making));
-      auto asking = cell_.watching().series(std::move(query));
+      auto asking = records_.series().series(std::move(query));
       DRIFTWISE_CO_TRY(const auto series, co_await std::move(asking));
       *response->mutable_from_time() = timestamp_from(series.from);
       *response->mutable_to_time() = timestamp_from(series.to);
@@ -54,9 +61,9 @@ class WatchService final : public v1::WatchService::CallbackService {
 
   Reactor* ListAlarms(Context* context, const v1::ListAlarmsRequest* request,
                       v1::ListAlarmsResponse* response) override {
-    return answer(cell_, context, [this, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       constexpr int kMost = 500;
-      auto asking = cell_.watching().alarms(request->with_history(), kMost);
+      auto asking = alarms_.list(request->with_history(), kMost);
       DRIFTWISE_CO_TRY(const auto alarms, co_await std::move(asking));
       for (const auto& alarm : alarms) *response->add_alarms() = alarm_from(alarm);
       co_return Result<void>{};
@@ -65,10 +72,9 @@ class WatchService final : public v1::WatchService::CallbackService {
 
   Reactor* AcknowledgeAlarm(Context* context, const v1::AcknowledgeAlarmRequest* request,
                             v1::AcknowledgeAlarmResponse* response) override {
-    return answer(cell_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->alarm_id(), "alarm_id"); !good) co_return good;
-      auto asking =
-          cell_.watching().acknowledge_alarm(caller_of(*context), AlarmId{request->alarm_id()});
+      auto asking = alarms_.acknowledge(caller_of(*context), AlarmId{request->alarm_id()});
       DRIFTWISE_CO_TRY(const auto alarm, co_await std::move(asking));
       *response->mutable_alarm() = alarm_from(alarm);
       co_return Result<void>{};
@@ -76,14 +82,17 @@ class WatchService final : public v1::WatchService::CallbackService {
   }
 
  private:
-  application::Cell& cell_;
+  application::Host& host_;
+  application::StoreReader& records_;
+  application::Runs& runs_;
+  application::Alarms& alarms_;
   boost::asio::thread_pool thread_{1};
   std::shared_ptr<WatchFeed> feed_;
 };
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> make_watch_service(application::Cell& cell) {
+std::unique_ptr<grpc::Service> make_watch_service(const application::Services& cell) {
   return std::make_unique<WatchService>(cell);
 }
 

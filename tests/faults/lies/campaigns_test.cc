@@ -5,7 +5,7 @@
 
 #include <iostream>
 
-#include "server/application/ports/watching.h"
+#include "server/application/alarms/alarms.h"
 #include "storage/sqlite_store.h"
 #include "tests/support/cell_in_memory.h"
 #include "tests/support/plant_cell.h"
@@ -27,7 +27,7 @@ void expect_nothing_rejected(const std::string& cell) {
       },
       tests::CellInMemory::Further{});
   std::vector<std::string> troubles;
-  const auto watch = in_memory->watch_events([&troubles](const EventRecord& event) {
+  const auto watch = in_memory->feeds.watch_events([&troubles](const EventRecord& event) {
     for (const char* what :
          {"reading.", "pose.", "readback.", "closure.", "data.suspect", "run.trouble"})
       if (event.what.starts_with(what)) troubles.push_back(event.what + ": " + event.detail);
@@ -35,14 +35,14 @@ void expect_nothing_rejected(const std::string& cell) {
   const auto run = in_memory.begin_run(tests::shipped_trajectory(cell));
   application::RunProgress last;
   const auto progress =
-      in_memory->watch_progress([&last](const application::RunProgress& p) { last = p; });
+      in_memory->runs.watch([&last](const application::RunProgress& p) { last = p; });
   in_memory.until([&] { return is_over(last.run.state); }, 40 * 3600);
   EXPECT_EQ(last.run.state, RunState::done) << last.run.reason;
   EXPECT_EQ(troubles, std::vector<std::string>{});
-  const auto state = in_memory.await(in_memory->exclusions(run.id));
+  const auto state = in_memory.await(in_memory->annotations.exclusions(run.id));
   ASSERT_TRUE(state);
   EXPECT_TRUE(state->suspect_rows.empty());
-  const auto attempts = in_memory.await(in_memory->attempts(run.id));
+  const auto attempts = in_memory.await(in_memory.attempts(run.id));
   ASSERT_TRUE(attempts);
   int by_readback = 0;
   for (const auto& attempt : *attempts) by_readback += attempt.reason.starts_with("the readback");

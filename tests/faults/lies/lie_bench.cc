@@ -6,7 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "server/application/ports/watching.h"
+#include "server/application/alarms/alarms.h"
 #include "storage/sqlite_store.h"
 
 namespace driftwise::lies {
@@ -63,8 +63,8 @@ LieBench::LieBench(const std::string& cell, std::uint64_t seed)
       },
       tests::CellInMemory::Further{});
   watches_.push_back(
-      (*cell_)->watch_events([this](const EventRecord& event) { events_.push_back(event); }));
-  watches_.push_back((*cell_)->watch_progress(
+      (*cell_)->feeds.watch_events([this](const EventRecord& event) { events_.push_back(event); }));
+  watches_.push_back((*cell_)->runs.watch(
       [this](const application::RunProgress& progress) { progress_ = progress; }));
   begin_run();
 }
@@ -72,9 +72,9 @@ LieBench::LieBench(const std::string& cell, std::uint64_t seed)
 LieBench::~LieBench() { watches_.clear(); }
 
 void LieBench::begin_run() {
-  if (run_ && (*cell_)->status().run) {
-    auto aborted = cell_->await((*cell_)->abort_run(cell_->ada, *run_, "the next lies"));
-    cell_->until([this] { return !(*cell_)->status().run; });
+  if (run_ && cell_->status().run) {
+    auto aborted = cell_->await((*cell_)->runs.abort(cell_->ada, *run_, "the next lies"));
+    cell_->until([this] { return !cell_->status().run; });
     cell_->pass(10);  // the axes have confirmed that they were stopped
   }
   run_ = cell_->begin_run(trajectory_of(description_)).id;
@@ -96,7 +96,7 @@ int LieBench::closures() const {
 
 void LieBench::come_to_mid_line() {
   cell_->lease();
-  if (rows_decided() > (kLines - 60) * kPerLine || !(*cell_)->status().run) begin_run();
+  if (rows_decided() > (kLines - 60) * kPerLine || !cell_->status().run) begin_run();
   const auto from = rows_decided();
   cell_->until([this, from] {
     return progress_->run.state == RunState::running && rows_decided() > from &&
@@ -105,7 +105,7 @@ void LieBench::come_to_mid_line() {
 }
 
 std::vector<AlarmRecord> LieBench::alarms_since(CellTime since) {
-  auto all = cell_->await((*cell_)->watching().alarms(true, 1000));
+  auto all = cell_->await((*cell_)->alarms.list(true, 1000));
   if (!all) throw std::runtime_error(all.error().message);
   std::erase_if(*all, [since](const AlarmRecord& alarm) { return alarm.since < since; });
   return std::move(*all);
@@ -174,9 +174,9 @@ Episode LieBench::tell(const ChannelOfCell& channel, Kind kind, double size) {
 }
 
 void LieBench::look_at_rows(const ChannelOfCell& channel, CellTime from, Episode& episode) {
-  const auto points = cell_->await((*cell_)->points(*run_, 0, 100'000));
-  const auto data = cell_->await((*cell_)->data(*run_));
-  const auto state = cell_->await((*cell_)->exclusions(*run_));
+  const auto points = cell_->await(cell_->points(*run_, 0, 100'000));
+  const auto data = cell_->await(cell_->datums(*run_));
+  const auto state = cell_->await((*cell_)->annotations.exclusions(*run_));
   if (!points || !data || !state) throw std::runtime_error("the run cannot be read");
   const std::set<std::int64_t> suspect(state->suspect_rows.begin(), state->suspect_rows.end());
   for (const auto& point : *points) {

@@ -46,7 +46,7 @@ TEST(Lies, AnInterferometerThatIsNotZeroAfterItsZeroingOpensNoDatum) {
   world.liar.tell(
       "x_mm", [](double value, CellTime) { return value + kOff_mm; }, true);
   cell.begin_run("q1_mm,set,line,zero\n1,calibration,1,0\n0,calibration,1,1\n");
-  const auto progress = [&cell] { return cell->status().run; };
+  const auto progress = [&cell] { return cell.status().run; };
   cell.until([&] { return progress() && progress()->run.state == RunState::waiting; });
   EXPECT_NE(progress()->run.reason.find("right after it was zeroed"), std::string::npos)
       << progress()->run.reason;

@@ -1,7 +1,7 @@
 #pragma once
 // The real store under the cell in memory.
 
-#include "server/application/ports/cell.h"
+#include "server/application/cell/cell.h"
 #include "storage/sqlite_store.h"
 
 namespace driftwise::tests {

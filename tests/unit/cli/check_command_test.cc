@@ -10,10 +10,12 @@ namespace {
 class CheckCommand : public CliTest {
  protected:
   CheckCommand() {
+    fakes.checks = &checks;
+    fakes.models = &models;
+    cell.add_model("q1 ~ x");
     cell.on_executor([this] {
-      cell.add_model("q1 ~ x");
-      cell.the_runs[1].id = RunId{1};
-      auto& report = cell.the_check;
+      checks.runs.emplace_back().id = RunId{1};
+      auto& report = checks.report;
       diagnosis::OutputCheck output{{"q1", "mm"}, "nm", {12.3, 14, 0.4, "blocks of time"}, {}};
       diagnosis::CheckPoint good, blind;
       good.run = RunId{1};
@@ -31,6 +33,8 @@ class CheckCommand : public CliTest {
       report.verdict = diagnosis::CheckVerdict::in_control;
     });
   }
+  FakeModelChecks checks;
+  FakeModels models{cell};
 };
 
 TEST_F(CheckCommand, ShowsEveryRunOnItsChart) {
@@ -46,8 +50,8 @@ TEST_F(CheckCommand, ShowsEveryRunOnItsChart) {
 
 TEST_F(CheckCommand, SaysNoWithItsExitCode) {
   cell.on_executor([this] {
-    cell.the_check.verdict = diagnosis::CheckVerdict::recalibrate;
-    cell.the_check.reasons = {"run 1: q1 errs by +83.0 nm on average, limit 41.0"};
+    checks.report.verdict = diagnosis::CheckVerdict::recalibrate;
+    checks.report.reasons = {"run 1: q1 errs by +83.0 nm on average, limit 41.0"};
   });
   const auto said = run({"model", "check", "1", "--runs", "1"});
   EXPECT_EQ(said.exit, 1);
@@ -62,8 +66,8 @@ TEST_F(CheckCommand, SaysNoWithItsExitCode) {
 
 TEST_F(CheckCommand, NothingJudgedIsNoGoodNews) {
   cell.on_executor([this] {
-    cell.the_check.verdict = diagnosis::CheckVerdict::not_judged;
-    cell.the_check.outputs.clear();
+    checks.report.verdict = diagnosis::CheckVerdict::not_judged;
+    checks.report.outputs.clear();
   });
   const auto said = run({"model", "check", "1"});
   EXPECT_EQ(said.exit, 5);
@@ -90,7 +94,7 @@ TEST_F(CheckCommand, AFitOfARunTakesWhatAFitOfAFileTakes) {
                          "--seed",      "7",         "--force",     "t07",      "--without",
                          "x^2",         "--weights", "w",           "--blocks", "5"});
   EXPECT_EQ(said.exit, 0) << said.err;
-  const auto fit = cell.on_executor([this] { return cell.last_fit; });
+  const auto fit = cell.on_executor([this] { return models.last_fit; });
   EXPECT_EQ(fit.criterion, "bic");
   EXPECT_TRUE(fit.hierarchy);
   EXPECT_EQ(fit.starts, 3);
@@ -108,7 +112,7 @@ TEST_F(CheckCommand, ShowsWhatOffersWouldAddOfARunToo) {
     offer.name = "cross terms";
     offer.output = "q1";
     offer.best_p = 0.4;
-    cell.the_offers = {offer};
+    models.offers = {offer};
   });
   const auto said = run({"fit", "--run", "1", "--model", "q1 ~ x", "--offers"});
   EXPECT_THAT(said.out, HasSubstr("q1, cross terms: all rejected (smallest p 0.4)"));

@@ -1,5 +1,5 @@
 #pragma once
-// The command line driven as a person drives it, against a real server over a FakeCell.
+// The command line driven as a person drives it, against a real server over a real cell.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 
 #include "clients/cli/cli.h"
 #include "server/rpc/server/rpc_server.h"
-#include "tests/support/fake_cell.h"
+#include "tests/support/fakes.h"
 #include "tests/support/process.h"
 
 namespace driftwise::tests {
@@ -20,18 +20,21 @@ using testing::HasSubstr;
 
 class CliTest : public testing::Test {
  protected:
+  // diagnose: in the place of the search for causes.
+  explicit CliTest(app::Diagnose diagnose = {}) : cell(std::move(diagnose)) {}
   struct Outcome {
     int exit = -1;
     std::string out, err;
   };
 
-  CliTest() {
-    auto opened = rpc::RpcServer::open(cell, "127.0.0.1:0");
+  void SetUp() override {
+    auto opened = rpc::RpcServer::open(cell.services(fakes), "127.0.0.1:0");
     if (!opened) throw std::runtime_error(opened.error().message);
     server = std::move(*opened);
     server->ready(true);
     environment = {{"DRIFTWISE_SERVER", server->address()}, {"USER", "ada"}};
   }
+  void TearDown() override { server.reset(); }
 
   // answer: what a person types at a terminal when asked; none: nobody is there.
   Outcome run(std::vector<std::string> arguments, bool terminal = false,
@@ -65,7 +68,8 @@ class CliTest : public testing::Test {
   }
 
   TemporaryFolder folder;
-  FakeCell cell;
+  LiveCell cell;
+  Fakes fakes;  // set by the test's constructor
   std::unique_ptr<rpc::RpcServer> server;
   std::map<std::string, std::string> environment;
 };

@@ -9,9 +9,9 @@ namespace {
 class ConfigurationCommands : public CliTest {
  protected:
   ConfigurationCommands() {
-    cell.on_executor([this] {
+    fakes.configurations = &configurations;
+    cell.on_store([this](Store& store) {
       ConfigurationStart start;
-      start.id = 2;
       start.hash = "bbbb";
       start.before_hash = "aaaa";
       start.asks = true;
@@ -20,11 +20,13 @@ class ConfigurationCommands : public CliTest {
       start.changes_json = formats::write_changes_json(
           {{"probe t07_degC", "input", "107", "108", true, {"t07"}},
            {"cell", "listen", "127.0.0.1:1", "127.0.0.1:2", false, {}}});
-      cell.the_starts = {start};
-      cell.the_configuration.hash = "bbbb";
-      cell.the_configuration.text = "[cell]\nname = \"bench\"\n";
+      configurations.start = store.configurations().begin(start, kText)->id;
+      configurations.view.hash = "bbbb";
+      configurations.view.text = kText;
     });
   }
+  static constexpr const char* kText = "[cell]\nname = \"bench\"\n";
+  FakeConfigurations configurations{cell};
 };
 
 TEST_F(ConfigurationCommands, ShowSaysWhatAsksAndWhatIsRecordedOnly) {
@@ -46,8 +48,7 @@ TEST_F(ConfigurationCommands, AcceptShowsTheDifferenceAndAsks) {
   EXPECT_THAT(declined.err, HasSubstr("probe t07_degC: input 107 -> 108"));
   EXPECT_THAT(declined.err, testing::Not(HasSubstr("listen")));
   EXPECT_EQ(run({"configuration", "accept", "--note", "new plugs"}, true, "y\n").exit, 0);
-  EXPECT_THAT(cell.on_executor([this] { return cell.calls; }),
-              testing::Contains("accept_configuration bbbb new plugs"));
+  EXPECT_EQ(cell.on_executor([this] { return configurations.last_note; }), "new plugs");
   const auto again = run({"configuration", "accept", "--yes"});
   EXPECT_EQ(again.exit, 5);
   EXPECT_THAT(again.err, HasSubstr("nothing to accept"));

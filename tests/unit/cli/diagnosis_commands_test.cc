@@ -1,7 +1,8 @@
-// diagnose --run, diagnosis, improve: over the wire to a cell that answers as scripted.
+// diagnose --run, diagnosis, improve: over the wire to a cell.
 
 #include "clients/cli/commands/diagnoses/diagnosis_commands.h"
 
+#include "server/formats/diagnosis/stored_diagnosis.h"
 #include "server/formats/formula/formula.h"
 #include "tests/unit/cli/cli_fixture.h"
 
@@ -11,18 +12,24 @@ namespace {
 namespace dx = driftwise::diagnosis;
 
 class DiagnosisCommands : public CliTest {
- protected:
-  DiagnosisCommands() {
-    cell.on_executor([this] { cell.the_diagnoses = {lag_of_run_3()}; });
+ public:
+  DiagnosisCommands() { fakes.extensions = &extensions; }
+  // In the record, done.
+  DiagnosisId add(const dx::Diagnosis& found) {
+    return cell.on_store([&](Store& store) {
+      DiagnosisRecord record;
+      record.baseline = found.baseline_formula;
+      record.created = kWorldBegin;
+      record.created_by = "ada";
+      const auto id = store.diagnoses().add_diagnosis(record)->id;
+      const DiagnosisEnd end{
+          JobState::done, "", found.extended_formula, formats::write_stored_diagnosis(found), "",
+          kWorldBegin};
+      EXPECT_TRUE(store.diagnoses().end_diagnosis(id, end));
+      return id;
+    });
   }
-  static app::DiagnosisView lag_of_run_3() {
-    app::DiagnosisView view;
-    view.record.id = {1};
-    view.record.state = JobState::done;
-    view.record.runs = {{3}};
-    view.record.baseline = "q ~ x";
-    view.record.created = {1'790'000'000'000'000'000};
-    view.record.created_by = "ada";
+  static dx::Diagnosis a_lag() {
     dx::Diagnosis found;
     found.verdict = dx::Verdict::extended;
     found.baseline_formula = "q ~ x";
@@ -44,22 +51,23 @@ class DiagnosisCommands : public CliTest {
     lag.terms = {*formats::parse_term("lag(t07, 1830 s)")};
     lag.sentence = "the structure follows t07 with a delay of 1830 s";
     found.findings = {lag};
-    view.found = found;
-    return view;
+    return found;
   }
+  FakeExtensions extensions{cell};
 };
 
 TEST_F(DiagnosisCommands, NameACauseThatCannotBeTestedOnce) {
-  cell.on_executor([this] {
-    cell.the_diagnoses[0].found->not_testable = {{"cyclic_error", "x is visited at 3 places"},
-                                                 {"cyclic_error", "y is visited at 3 places"},
-                                                 {"abbe_offset", "no tilt"}};
-  });
+  auto found = a_lag();
+  found.not_testable = {{"cyclic_error", "x is visited at 3 places"},
+                        {"cyclic_error", "y is visited at 3 places"},
+                        {"abbe_offset", "no tilt"}};
+  add(found);
   EXPECT_THAT(run({"diagnosis", "show", "1"}).out,
               HasSubstr("not testable with these data: cyclic_error; abbe_offset\n"));
 }
 
 TEST_F(DiagnosisCommands, ShowWhatWasFound) {
+  add(a_lag());
   const auto said = run({"diagnosis", "show", "1"});
   EXPECT_EQ(said.exit, 0) << said.err;
   EXPECT_THAT(said.out, HasSubstr("verdict   extended"));
@@ -76,36 +84,40 @@ TEST_F(DiagnosisCommands, ShowWhatWasFound) {
 }
 
 TEST_F(DiagnosisCommands, AnUnexplainedOneSaysNoWithItsExitCode) {
-  cell.on_executor([this] {
-    cell.the_diagnoses[0].found->verdict = dx::Verdict::unexplained;
-    cell.the_diagnoses[0].found->left_over = {{"line", 0.002}};
-  });
+  auto found = a_lag();
+  found.verdict = dx::Verdict::unexplained;
+  found.left_over = {{"line", 0.002}};
+  add(found);
   const auto said = run({"diagnosis", "show", "1"});
   EXPECT_EQ(said.exit, 1);
   EXPECT_THAT(said.out, HasSubstr("left over: goes with line"));
 }
 
 TEST_F(DiagnosisCommands, AcceptAndUndo) {
+  add(a_lag());
+  extensions.makes = cell.add_model("q ~ x");
   const auto made = json({"diagnosis", "accept", "1", "--finding", "1", "--promote", "--yes"});
-  EXPECT_EQ(made["model_id"], 7);
+  EXPECT_EQ(made["model_id"], 1);
   EXPECT_EQ(made["promoted"], true);
   EXPECT_EQ(made["finding_numbers"], nlohmann::json({1}));
   EXPECT_TRUE(made["undo_time"].is_null());
-  EXPECT_EQ(cell.on_executor([this] { return cell.last_caller.name; }), "ada");
+  EXPECT_EQ(cell.on_executor([this] { return extensions.last_caller.name; }), "ada");
   EXPECT_FALSE(json({"diagnosis", "undo", "1"})["undo_time"].is_null());
   EXPECT_THAT(run({"diagnosis", "show", "1"}).out, HasSubstr("undone at"));
 }
 
 TEST_F(DiagnosisCommands, AcceptShowsTheSizesAndAsks) {
+  add(a_lag());
   cell.on_executor([this] {
-    cell.the_preview.findings = {1};
-    cell.the_preview.sentences = {
+    extensions.the_preview.findings = {1};
+    extensions.the_preview.sentences = {
         "changes x_mm of run 3 'weekend' by up to 3220 nm (rms 812 nm) in 200 rows",
         "earlier runs too: every export, fit and check of the runs above sees the corrected "
         "lengths"};
   });
   const auto accepted = [this] {
-    return cell.on_executor([this] { return cell.the_diagnoses[0].extension.has_value(); });
+    return cell.on_store(
+        [](Store& store) { return store.diagnoses().extension(DiagnosisId{1})->has_value(); });
   };
   const auto nobody = run({"diagnosis", "accept", "1"});  // no terminal
   EXPECT_EQ(nobody.exit, 2);
@@ -126,24 +138,25 @@ TEST_F(DiagnosisCommands, AcceptShowsTheSizesAndAsks) {
   EXPECT_TRUE(accepted());
 }
 
-TEST_F(DiagnosisCommands, DiagnoseARunWaitsForItsEnd) {
-  std::thread ends([this] {
-    while (!cell.on_executor([this] { return cell.the_diagnoses.size() > 1; }))
-      std::this_thread::yield();
-    cell.on_executor([this] {
-      auto done = lag_of_run_3();
-      done.record.id = {2};
-      cell.the_diagnoses[1] = done;
-      cell.publish_diagnosis({DiagnosisId{2}, JobState::done, "done", 1});
-    });
-  });
-  const auto said = run({"diagnose", "--run", "3", "--baseline", "q ~ x", "--without", "t03"});
-  ends.join();
+class DiagnosedAtTheDaemon : public CliTest {
+ protected:
+  DiagnosedAtTheDaemon()
+      : CliTest(
+            [this](const Dataset&, const dx::DiagnoseOptions& options) -> Result<dx::Diagnosis> {
+              left_out = options.exclude_symbols;
+              return DiagnosisCommands::a_lag();
+            }) {}
+  std::vector<std::string> left_out;  // of the search, on the cell's thread
+};
+
+TEST_F(DiagnosedAtTheDaemon, DiagnoseARunWaitsForItsEnd) {
+  const auto csv = file("d.csv", "time_s,q1_mm,x_mm,t03_degC\n0,1,1,20\n1,2,2,20\n2,3,3.1,20\n");
+  ASSERT_EQ(run({"data", "import", csv}).exit, 0);
+  const auto said = run({"diagnose", "--run", "1", "--baseline", "q ~ x", "--without", "t03"});
   EXPECT_EQ(said.exit, 0) << said.err;
-  EXPECT_THAT(said.out, HasSubstr("diagnosis 2: done"));
-  const auto asked = cell.on_executor([this] { return cell.last_diagnosis; });
-  EXPECT_EQ(asked.runs, std::vector<RunId>{RunId{3}});
-  EXPECT_EQ(asked.exclude_symbols, std::vector<std::string>{"t03"});
+  EXPECT_THAT(said.out, HasSubstr("diagnosis 1: done"));
+  EXPECT_EQ(cell.on_executor([this] { return left_out; }), std::vector<std::string>{"t03"});
+  EXPECT_EQ(json({"diagnosis", "show", "1"})["diagnosis"]["run_ids"], nlohmann::json({1}));
 }
 
 TEST_F(DiagnosisCommands, RefuseWhatMeansNothing) {
@@ -160,16 +173,16 @@ TEST_F(DiagnosisCommands, RefuseWhatMeansNothing) {
 }
 
 TEST_F(DiagnosisCommands, ImprovementsTurnByTurn) {
-  cell.on_executor([this] {
+  const RunId run_id = cell.add_run(), again = cell.add_run();
+  const ModelId model = cell.add_model("q ~ x");
+  cell.on_store([&](Store& store) {
     ImprovementRecord record;
-    record.id = {1};
-    record.state = JobState::done;
-    record.reason = "nothing beyond noise is left";
+    record.created = kWorldBegin;
     record.trajectory_name = "plan.csv";
     record.formula = "q ~ x";
     ImprovementTurn turn;
-    turn.runs = {{3}, {4}};
-    turn.model = ModelId{2};
+    turn.runs = {run_id, again};
+    turn.model = model;
     turn.what = "found a lag";
     turn.gains = {{"q1",
                    "nm",
@@ -177,8 +190,11 @@ TEST_F(DiagnosisCommands, ImprovementsTurnByTurn) {
                    ErrorFigures{.u90 = 12.4, .a90 = 12.4},
                    ErrorFigures{.u90 = 81, .a90 = 85.5},
                    ErrorFigures{.mean = 2.5, .u90 = 12.6, .a90 = 13.1}}};
-    record.turns = {turn};
-    cell.the_improvements = {record};
+    auto& jobs = store.diagnoses();
+    const auto id = jobs.add_improvement(record)->id;
+    ASSERT_TRUE(jobs.put_turn(id, turn));
+    ASSERT_TRUE(
+        jobs.end_improvement(id, JobState::done, "nothing beyond noise is left", kWorldBegin));
   });
   const auto said = run({"improve", "show", "1"});
   EXPECT_EQ(said.exit, 0) << said.err;

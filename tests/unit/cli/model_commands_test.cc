@@ -1,3 +1,4 @@
+#include "server/formats/model/model_json.h"
 #include "tests/unit/cli/cli_fixture.h"
 
 namespace driftwise::tests {
@@ -6,8 +7,10 @@ namespace {
 class ModelCommandsTest : public CliTest {
  protected:
   ModelCommandsTest() {
-    cell.on_executor([&] { cell.add_model("q ~ x + T"); });
+    fakes.models = &models;
+    cell.add_model("q ~ x + T");
   }
+  FakeModels models{cell};
 };
 
 TEST_F(ModelCommandsTest, ShowsAPageToSign) {
@@ -15,8 +18,7 @@ TEST_F(ModelCommandsTest, ShowsAPageToSign) {
   EXPECT_EQ(page.exit, 0);
   for (const char* line :
        {"Model 1  first\n", "formula     q ~ x + T\n",
-        "data        runs 1: 560 rows calibration, 448 validation, 0 dropped\n",
-        "fitted      2023-11-14 22:13:20 UTC by ada\n",
+        "data        runs 1: 560 rows calibration, 448 validation, 0 dropped\n", " UTC by ada\n",
         "accuracy    A90 9.7 nm (q1, validation rows, mean +2 nm, U90 9.1 nm)\n",
         "A90 9.70 nm on the validation rows (mean +2.00, U90 9.10)\n",
         "q1_mm: coefficients in mm per unit of the term, 558 degrees of freedom; standard errors "
@@ -40,7 +42,7 @@ TEST_F(ModelCommandsTest, JsonCarriesTheUnitInTheKey) {
 }
 
 TEST_F(ModelCommandsTest, PromotesComparesAndRollsBack) {
-  cell.on_executor([&] { cell.add_model("q ~ x"); });
+  cell.add_model("q ~ x");
   EXPECT_EQ(run({"model", "promote", "2", "--dry-run"}).exit, 0);
   EXPECT_EQ(json({"model", "list"})["models"][1]["serving"], false);
   EXPECT_EQ(run({"model", "promote", "2"}).out,
@@ -52,17 +54,39 @@ TEST_F(ModelCommandsTest, PromotesComparesAndRollsBack) {
   EXPECT_EQ(run({"model", "promote", "9"}).exit, 3);
 }
 
+// A model that rests on a correction that was taken back since.
 TEST_F(ModelCommandsTest, APromotionWithAQuestionAsks) {
-  cell.on_executor([&] {
-    cell.the_model_ground.promotion_questions = {"t01 is a thermometer of the instrument"};
+  cell.on_store([](Store& store) {
+    DiagnosisRecord record;
+    record.created = kWorldBegin;
+    const auto id = store.diagnoses().add_diagnosis(record);
+    ASSERT_TRUE(id && store.diagnoses().end_diagnosis(
+                          id->id, {JobState::done, "", "", "{}", "", kWorldBegin}));
+    auto model = store.models().model(ModelId{1});
+    ASSERT_TRUE(model);
+    auto whole = formats::read_model_json(model->json);
+    ASSERT_TRUE(whole);
+    whole->lineage.dataset_hash = "of corrected lengths";
+    NewExtension fresh;
+    fresh.diagnosis = id->id;
+    fresh.findings = {1};
+    fresh.fitted = *model;
+    fresh.fitted->json = formats::write_model_json(*whole);
+    fresh.fitted->hash = *formats::stored_model_hash(fresh.fitted->json);
+    fresh.correction_json = "{}";
+    fresh.rests_on_this = true;
+    fresh.at = {kWorldBegin, 0};
+    fresh.who = "ada";
+    ASSERT_TRUE(store.diagnoses().accept(fresh));
+    ASSERT_TRUE(store.diagnoses().undo_extension(id->id, {kWorldBegin, 1}, "ada", "", {}));
   });
-  const auto nobody = run({"model", "promote", "1"});
+  const auto nobody = run({"model", "promote", "2"});
   EXPECT_EQ(nobody.exit, 2);
-  EXPECT_THAT(nobody.err, HasSubstr("t01 is a thermometer of the instrument"));
-  EXPECT_EQ(run({"model", "promote", "1"}, true, "n\n").exit, 5);
-  EXPECT_TRUE(cell.on_executor([&] { return cell.the_promotions.empty(); }));
-  EXPECT_EQ(run({"model", "promote", "1"}, true, "y\n").exit, 0);
-  EXPECT_EQ(run({"model", "promote", "1", "--yes"}).exit, 0);
+  EXPECT_THAT(nobody.err, HasSubstr("correction 1"));
+  EXPECT_EQ(run({"model", "promote", "2"}, true, "n\n").exit, 5);
+  EXPECT_TRUE(json({"model", "history"})["promotions"].empty());
+  EXPECT_EQ(run({"model", "promote", "2"}, true, "y\n").exit, 0);
+  EXPECT_EQ(run({"model", "promote", "2", "--yes"}).exit, 0);
 }
 
 TEST_F(ModelCommandsTest, ExportsJsonAndC) {
@@ -78,7 +102,7 @@ TEST_F(ModelCommandsTest, FitsAtTheDaemonAndPrintsTheFitsOwnJson) {
       json({"fit", "--run", "3", "--model", "q ~ x + T", "--exclude", "t01,t02", "--first", "300"});
   EXPECT_EQ(fit["schema"], "driftwise.fit.v1");
   EXPECT_EQ(fit["model_id"], 2);
-  const auto asked = cell.on_executor([&] { return cell.last_fit; });
+  const auto asked = cell.on_executor([&] { return models.last_fit; });
   EXPECT_EQ(asked.runs, std::vector<RunId>{RunId{3}});
   EXPECT_EQ(asked.exclude_channels, (std::vector<std::string>{"t01", "t02"}));
   EXPECT_EQ(asked.first_rows, 300);

@@ -8,16 +8,22 @@ namespace {
 
 class StudyCommandsTest : public CliTest {
  protected:
+  StudyCommandsTest() {
+    fakes.studies = &studies;
+    fakes.models = &models;
+  }
+  FakeStudies studies;
+  FakeModels models{cell};
   void a_choice() {
     cell.on_executor([&] {
-      cell.the_choice.unit = "mm";
+      studies.choice.unit = "mm";
       calibration::SensorSet one, none;
       one.sensors = {"t04"};
       one.outputs = {{"q1", 30e-6, 0, 30e-6, {}, {}, {}}};
       one.a90_blocks_rms = 30e-6;
       none.outputs = {{"q1", 90e-6, 0, 90e-6, {}, {}, {}}};
       none.a90_blocks_rms = 90e-6;
-      cell.the_choice.study = {{one, none}, 0, 2, 0.1};
+      studies.choice.study = {{one, none}, 0, 2, 0.1};
     });
   }
 };
@@ -29,7 +35,7 @@ TEST_F(StudyCommandsTest, ThermometersOfARunAreChosenAtTheDaemon) {
   EXPECT_EQ(page.exit, 0) << page.err;
   EXPECT_THAT(page.out, HasSubstr("t04   <- suffices"));
   EXPECT_THAT(page.out, HasSubstr("+60.0"));
-  const auto asked = cell.on_executor([&] { return cell.last_sensors; });
+  const auto asked = cell.on_executor([&] { return studies.last_sensors; });
   EXPECT_EQ(asked.fit.runs, std::vector{RunId{3}});
   EXPECT_EQ(asked.fit.threads, 2);
   EXPECT_EQ(asked.fit.exclude_channels, std::vector<std::string>{"t01"});
@@ -49,7 +55,7 @@ TEST_F(StudyCommandsTest, MethodsOfARunAreComparedAtTheDaemon) {
     figures.channel = {"q1", "mm"};
     figures.a90_calibration = 41e-6;
     one.outputs = {figures};
-    cell.the_judgements = {one};
+    studies.judgements = {one};
   });
   const auto robot = file("robot.toml", "[kinematics]\nkind = \"linear-axis\"\n");
   const auto page =
@@ -58,7 +64,7 @@ TEST_F(StudyCommandsTest, MethodsOfARunAreComparedAtTheDaemon) {
   EXPECT_EQ(page.exit, 0) << page.err;
   EXPECT_THAT(page.out, HasSubstr("stepwise"));
   EXPECT_THAT(page.out, HasSubstr("41 nm"));
-  const auto asked = cell.on_executor([&] { return cell.last_methods; });
+  const auto asked = cell.on_executor([&] { return studies.last_methods; });
   EXPECT_EQ(asked.fit.runs, (std::vector{RunId{3}, RunId{4}}));
   EXPECT_THAT(asked.robot, HasSubstr("linear-axis"));
   EXPECT_EQ(asked.folds, 5);
@@ -78,19 +84,19 @@ TEST_F(StudyCommandsTest, SaysWhatIsMissingOrTooMuch) {
 
 TEST_F(StudyCommandsTest, TheThreadsOfAFitAreAskedFor) {
   EXPECT_EQ(run({"fit", "--run", "3", "--model", "q ~ x", "--threads", "3"}).exit, 0);
-  EXPECT_EQ(cell.on_executor([&] { return cell.last_fit.threads; }), 3);
+  EXPECT_EQ(cell.on_executor([&] { return models.last_fit.threads; }), 3);
 }
 
 TEST_F(StudyCommandsTest, AFormulaIsCheckedBeforeItIsFitted) {
   cell.on_executor([&] {
-    cell.the_formula_check.canonical = "q ~ x + T";
-    cell.the_formula_check.outputs = {"q1"};
-    cell.the_formula_check.terms = {"x", "t07"};
-    cell.the_formula_check.calibration = 40;
-    cell.the_formula_check.rank = 2;
-    cell.the_formula_check.columns = 3;
-    cell.the_formula_check.look_alikes = {"t07 cannot be told apart from 1"};
-    cell.the_formula_check.channels = {{"x", "mm"}, {"t07", "degC"}};
+    models.formula_check.canonical = "q ~ x + T";
+    models.formula_check.outputs = {"q1"};
+    models.formula_check.terms = {"x", "t07"};
+    models.formula_check.calibration = 40;
+    models.formula_check.rank = 2;
+    models.formula_check.columns = 3;
+    models.formula_check.look_alikes = {"t07 cannot be told apart from 1"};
+    models.formula_check.channels = {{"x", "mm"}, {"t07", "degC"}};
   });
   const auto page = run({"formula", "check", "q~x+T", "--run", "3"});
   EXPECT_EQ(page.exit, 0) << page.err;
@@ -99,7 +105,7 @@ TEST_F(StudyCommandsTest, AFormulaIsCheckedBeforeItIsFitted) {
   EXPECT_THAT(page.out, HasSubstr("! t07 cannot be told apart from 1"));
   EXPECT_THAT(page.out, HasSubstr("t07_degC"));
   EXPECT_EQ(json({"formula", "check", "q~x+T", "--run", "3"})["rank"], 2);
-  cell.on_executor([&] { cell.the_formula_check.problem = "unknown channel 'to7'"; });
+  cell.on_executor([&] { models.formula_check.problem = "unknown channel 'to7'"; });
   const auto wrong = run({"formula", "check", "q ~ to7", "--run", "3"});
   EXPECT_EQ(wrong.exit, 1);
   EXPECT_THAT(wrong.out, HasSubstr("unknown channel 'to7'"));
@@ -109,13 +115,13 @@ TEST_F(StudyCommandsTest, AFormulaIsCheckedBeforeItIsFitted) {
 TEST_F(StudyCommandsTest, ResidualsComeAsADatasetWithWhatTheyComeTo) {
   ASSERT_EQ(run({"fit", "--run", "3", "--model", "q ~ x"}).exit, 0);
   cell.on_executor([&] {
-    auto& data = cell.the_residuals.data;
+    auto& data = models.the_residuals.data;
     data.rows = 3;
     data.time_s = {0, 10, 20};
     data.set = {PointSet::calibration, PointSet::calibration, PointSet::calibration};
     data.columns = {{{"t07", "degC"}, {20.5, 20.6, 20.7}}};
-    cell.the_residuals.outputs = {{{"q1", "mm"}, {1.5, -2.5, 1}, {}}};
-    cell.the_residuals.same_rows = true;
+    models.the_residuals.outputs = {{{"q1", "mm"}, {1.5, -2.5, 1}, {}}};
+    models.the_residuals.same_rows = true;
   });
   const auto rows = run({"model", "residuals", "1"});
   EXPECT_EQ(rows.exit, 0) << rows.err;

@@ -71,22 +71,25 @@ constexpr double kT05_degc = 21.125, kT06_degc = 22.5;
 class ThreeAxes : public CliTest {
  protected:
   ThreeAxes() {
+    fakes.targets = &targets;
     CellDescription description;
     auto builder =
         compensation::SnapshotBuilder::create(three_axis_model(), ModelId{1}, description);
     if (!builder) throw std::runtime_error(builder.error().message);
     builder->keep_model_datum();
     const std::vector<ChannelValue> values = {{"t05_degC", kT05_degc}, {"t06_degC", kT06_degc}};
+    const CellTime now = cell.now();
     cell.on_executor([&] {
-      builder->observe(values, cell.the_time);
-      snapshot = builder->build(cell.the_time);
-      cell.publish_snapshot(snapshot);
+      builder->observe(values, now);
+      snapshot = builder->build(now);
+      targets.publish(snapshot);
     });
     expected = compensation::compute_target(snapshot, kPose.request());
   }
   std::vector<std::string> words(const std::string& verb) const {
     return {verb, "x=1.2345678", "y=0.3456789", "z=2.4567891", "force=0.3924"};
   }
+  FakeTargets targets;
   compensation::Snapshot snapshot;
   compensation::Target expected;
 };

@@ -1,4 +1,5 @@
 #include "driftwise/v1/cell_service.grpc.pb.h"
+#include "server/rpc/cell/convert_cell.h"
 #include "tests/unit/rpc/rpc_fixture.h"
 
 namespace driftwise::tests {
@@ -9,6 +10,15 @@ using CellStub = v1::CellService::Stub;
 class CellServiceTest : public RpcTest {
  protected:
   std::string lease() { return ask(&CellStub::TakeLease, v1::TakeLeaseRequest{})->lease().token(); }
+  void home() {
+    v1::HomeRequest request;
+    request.set_lease_token(lease());
+    const auto homed = ask(&CellStub::Home, request);
+    ASSERT_TRUE(homed) << homed.error().message;
+    v1::GiveUpLeaseRequest give_up;
+    give_up.set_token(request.lease_token());
+    ASSERT_TRUE(ask(&CellStub::GiveUpLease, give_up));
+  }
   v1::MoveRequest move_to(double q_mm, const std::string& token) {
     v1::MoveRequest request;
     request.set_lease_token(token);
@@ -19,44 +29,54 @@ class CellServiceTest : public RpcTest {
   }
 };
 
-TEST_F(CellServiceTest, TellsTheStatusWithValuesAndWhatIsMissing) {
+TEST_F(CellServiceTest, TellsTheStatusWithItsValues) {
   const auto status = ask(&CellStub::GetStatus, v1::GetStatusRequest{});
   ASSERT_TRUE(status);
-  EXPECT_EQ(status->cell_name(), "linear-axis");
-  ASSERT_EQ(status->values_size(), 2);
-  EXPECT_EQ(status->values(0).channel(), "t07_degC");
-  EXPECT_DOUBLE_EQ(status->values(0).value(), 20.5123);
-  EXPECT_FALSE(status->values(1).has_value()) << "a probe that gave nothing has no value, not 0";
+  EXPECT_EQ(status->cell_name(), "small");
+  const auto value_of = [&](const std::string& wanted) {
+    for (const auto& value : status->values())
+      if (value.channel() == wanted) return value;
+    return v1::LatestValue();
+  };
+  EXPECT_NEAR(value_of("t01_degC").value(), 20.1, 0.05);
   EXPECT_FALSE(status->has_run());
   EXPECT_FALSE(status->has_serving_model_id());
+}
+
+TEST(CellStatus, AProbeThatGaveNothingHasNoValue) {
+  app::CellStatus status;
+  status.values = {{{"t07", "degC"}, kMissing, {}, 0, true, "scanner"}};
+  EXPECT_FALSE(rpc::status_from(status).values(0).has_value()) << "and not 0";
 }
 
 TEST_F(CellServiceTest, ListsDevicesWithTheirSoftLimits) {
   const auto devices = ask(&CellStub::ListDevices, v1::ListDevicesRequest{});
   ASSERT_TRUE(devices);
-  ASSERT_EQ(devices->devices_size(), 1);
+  ASSERT_EQ(devices->devices_size(), 4);
   EXPECT_EQ(devices->devices(0).link(), v1::Device::LINK_CONNECTED);
-  EXPECT_DOUBLE_EQ(devices->devices(0).axes(0).max_mm(), 4.5);
+  EXPECT_DOUBLE_EQ(devices->devices(0).axes(0).max_mm(), 5);
 }
 
 TEST_F(CellServiceTest, GivesTheLeaseToOneClientAndNeverShowsItsToken) {
-  EXPECT_EQ(lease(), "token-ada");
+  const std::string token = lease();
+  EXPECT_FALSE(token.empty());
   EXPECT_THAT(ask(&CellStub::TakeLease, v1::TakeLeaseRequest{}, "bob"),
               FailsWith(ErrorCode::permission_denied, "LEASE_HELD"));
   const auto status = ask(&CellStub::GetStatus, v1::GetStatusRequest{});
   EXPECT_EQ(status->lease().holder(), "ada");
   EXPECT_EQ(status->lease().token(), "");
   v1::GiveUpLeaseRequest give_up;
-  give_up.set_token("token-ada");
+  give_up.set_token(token);
   EXPECT_TRUE(ask(&CellStub::GiveUpLease, give_up));
   EXPECT_TRUE(ask(&CellStub::TakeLease, v1::TakeLeaseRequest{}, "bob"));
 }
 
 TEST_F(CellServiceTest, RecordsWhoCalledAndFromWhere) {
   lease();
-  EXPECT_EQ(cell.on_executor([&] { return cell.last_caller.name; }), "ada");
-  EXPECT_TRUE(
-      cell.on_executor([&] { return cell.last_caller.peer; }).starts_with("ipv4:127.0.0.1:"));
+  const auto taken = cell.last_event("lease.taken");
+  ASSERT_TRUE(taken);
+  EXPECT_EQ(taken->who, "ada");
+  EXPECT_TRUE(taken->from.starts_with("ipv4:127.0.0.1:")) << taken->from;
 }
 
 TEST_F(CellServiceTest, RefusesALeaseOfNegativeOrAbsurdDuration) {
@@ -72,9 +92,12 @@ TEST_F(CellServiceTest, RefusesALeaseOfNegativeOrAbsurdDuration) {
 TEST_F(CellServiceTest, MovesWithTheLeaseOnly) {
   EXPECT_THAT(ask(&CellStub::Move, move_to(0.25, "")),
               FailsWith(ErrorCode::permission_denied, "LEASE_REQUIRED"));
-  EXPECT_TRUE(ask(&CellStub::Move, move_to(0.25, lease())));
-  EXPECT_EQ(cell.on_executor([&] { return cell.calls; }),
-            std::vector<std::string>{"move_to ada q=0.250000"});
+  const auto passing = cell.passing();
+  home();
+  const auto moved = ask(&CellStub::Move, move_to(0.25, lease()));
+  EXPECT_TRUE(moved) << moved.error().message;
+  EXPECT_NEAR(cell.on_executor([&] { return cell.world.to_mm - cell.world.reference_mm; }), 0.25,
+              1e-3);
 }
 
 TEST_F(CellServiceTest, RefusesAMoveThatIsNotMeant) {
@@ -82,7 +105,7 @@ TEST_F(CellServiceTest, RefusesAMoveThatIsNotMeant) {
   EXPECT_THAT(ask(&CellStub::Move, move_to(std::nan(""), token)),
               FailsWith(ErrorCode::invalid_argument, "NOT_FINITE"));
   EXPECT_THAT(ask(&CellStub::Move, move_to(99, token)),
-              FailsWith(ErrorCode::out_of_range, "OUTSIDE_LIMITS"));
+              FailsWith(ErrorCode::out_of_range, "SOFT_LIMIT"));
   auto request = move_to(1, token);
   request.mutable_coordinates(0)->set_channel("q2_mm");
   EXPECT_THAT(ask(&CellStub::Move, request),
@@ -103,26 +126,28 @@ TEST_F(CellServiceTest, RefusesAMoveThatIsNotMeant) {
   for (int i = 0; i < 70; ++i) request.add_coordinates()->set_channel("q1_mm");
   EXPECT_THAT(ask(&CellStub::Move, request),
               FailsWith(ErrorCode::invalid_argument, "TOO_MANY_VALUES"));
-  EXPECT_EQ(cell.on_executor([&] { return cell.calls.size(); }), 0U)
-      << "the cell heard of none of them";
+  EXPECT_EQ(cell.on_executor([&] { return cell.world.moves; }), 0) << "the axis heard of none";
 }
 
 TEST_F(CellServiceTest, StopsWithoutALease) {
+  const auto passing = cell.passing();  // a stop asks the axis twice
   EXPECT_TRUE(ask(&CellStub::StopAll, v1::StopAllRequest{}, "bob"));
-  EXPECT_EQ(cell.on_executor([&] { return cell.calls; }), std::vector<std::string>{"stop_all bob"});
+  EXPECT_GE(cell.on_executor([&] { return cell.world.stops; }), 1);
+  EXPECT_EQ(cell.last_event("stop")->who, "bob");
 }
 
 TEST_F(CellServiceTest, HomesAndTellsWhyNot) {
+  const auto passing = cell.passing();
+  home();
+  EXPECT_EQ(cell.on_executor([&] { return cell.world.homes; }), 1);
   v1::HomeRequest request;
-  request.set_lease_token(lease());
-  EXPECT_TRUE(ask(&CellStub::Home, request));
-  cell.on_executor([&] {
-    cell.fail_next = Error{ErrorCode::aborted, "STOPPED", "stopped by bob"};
-  });
-  EXPECT_THAT(ask(&CellStub::Home, request), FailsWith(ErrorCode::aborted, "STOPPED"));
+  ASSERT_TRUE(ask(&CellStub::TakeLease, v1::TakeLeaseRequest{}));
+  request.set_lease_token("another");
+  EXPECT_THAT(ask(&CellStub::Home, request), FailsWith(ErrorCode::permission_denied, "LEASE_HELD"));
 }
 
 TEST_F(CellServiceTest, SetsAStabiliserToAStatedTemperatureOnly) {
+  const auto passing = cell.passing();  // the controller answers after a while
   v1::SetStabiliserRequest request;
   request.set_lease_token(lease());
   request.set_device_id("support");
@@ -130,20 +155,21 @@ TEST_F(CellServiceTest, SetsAStabiliserToAStatedTemperatureOnly) {
               FailsWith(ErrorCode::invalid_argument, "NOT_FINITE"));
   request.set_set_point_degc(20.5);
   EXPECT_TRUE(ask(&CellStub::SetStabiliser, request));
-  EXPECT_EQ(cell.on_executor([&] { return cell.calls; }),
-            std::vector<std::string>{"set_stabiliser support 20.500000"});
+  EXPECT_EQ(cell.on_executor([&] { return cell.world.support_set_degc; }), 20.5);
 }
 
 TEST_F(CellServiceTest, ListsEventsByCursor) {
-  cell.on_executor([&] {
-    for (int i = 0; i < 5; ++i) cell.add_event("device.lost");
-  });
+  EventId before;
+  for (int i = 0; i < 5; ++i) {
+    const EventId added = cell.add_event("device.lost");
+    if (i == 2) before = added;
+  }
   v1::ListEventsRequest request;
-  request.set_after_event_id(3);
+  request.set_after_event_id(before.value);
   const auto events = ask(&CellStub::ListEvents, request);
   ASSERT_TRUE(events);
   ASSERT_EQ(events->events_size(), 2);
-  EXPECT_EQ(events->events(0).id(), 4);
+  EXPECT_EQ(events->events(0).id(), before.value + 1);
   request.set_after_event_id(-1);
   EXPECT_THAT(ask(&CellStub::ListEvents, request),
               FailsWith(ErrorCode::invalid_argument, "BAD_CURSOR"));
@@ -154,13 +180,14 @@ TEST_F(CellServiceTest, ListsEventsByCursor) {
 }
 
 TEST_F(CellServiceTest, ANameIsCutAndFreedOfControlCharacters) {
+  const auto passing = cell.passing();  // a stop asks the axis twice
   EXPECT_TRUE(ask(&CellStub::StopAll, v1::StopAllRequest{}, std::string(500, 'n')));
-  EXPECT_EQ(cell.on_executor([&] { return cell.calls.at(0); }), "stop_all " + std::string(64, 'n'));
+  EXPECT_EQ(cell.last_event("stop")->who, std::string(64, 'n'));
   Call call("");
   call.AddMetadata("driftwise-operator-bin", "J\xc3\xbcrg\n\xff");
-  v1::StopAllResponse response;
-  EXPECT_TRUE(CellStub(channel).StopAll(&call, {}, &response).ok());
-  EXPECT_EQ(cell.on_executor([&] { return cell.calls.at(1); }), "stop_all J\xc3\xbcrg ?");
+  v1::TakeLeaseResponse response;
+  EXPECT_TRUE(CellStub(channel).TakeLease(&call, {}, &response).ok());
+  EXPECT_EQ(cell.last_event("lease.taken")->who, "J\xc3\xbcrg ?");
 }
 
 }  // namespace

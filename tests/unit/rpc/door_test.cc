@@ -69,9 +69,20 @@ class IdleConnection {
   bool connected_ = false;
 };
 
-class RpcDoor : public RpcTest {};
+class RpcDoor : public RpcTest {
+ protected:
+  RpcDoor() { fakes.feeds = &feeds; }
+  void tell(const std::string& what) {
+    EventRecord event;
+    event.id = cell.add_event(what);
+    event.what = what;
+    cell.on_executor([&] { feeds.events.publish(event); });
+  }
+  FakeFeeds feeds;
+};
 
 TEST_F(RpcDoor, HoldsIdleConnectionsWithinTheQuota) {
+  const auto passing = cell.passing();  // a stop asks the axis twice
   const std::size_t before = open_descriptors();
   std::vector<IdleConnection> idle;
   for (int i = 0; i < 400; ++i) idle.emplace_back(server->address());
@@ -91,13 +102,13 @@ TEST_F(RpcDoor, KeepsTheConnectionThatHasACall) {
   Call call;
   CellStub stub(channel);
   const auto reader = stub.WatchEvents(&call, {});
-  ASSERT_TRUE(eventually([&] { return cell.watchers == 1; }));
+  ASSERT_TRUE(eventually([&] { return feeds.events.now == 1; }));
   std::vector<IdleConnection> idle;
   for (int i = 0; i < 300; ++i) idle.emplace_back(server->address());
   EXPECT_TRUE(eventually([&] {
     return std::any_of(idle.begin(), idle.end(), [](const auto& one) { return one.closed(); });
   }));
-  cell.on_executor([&] { cell.add_event("still here"); });
+  tell("still here");
   v1::WatchEventsResponse event;
   ASSERT_TRUE(reader->Read(&event)) << "idle connections made room, not the stream's";
   EXPECT_EQ(event.event().what(), "still here");
@@ -106,6 +117,7 @@ TEST_F(RpcDoor, KeepsTheConnectionThatHasACall) {
 }
 
 TEST_F(RpcDoor, EndsTheSlowestStreamOfAConnectionBeyondItsQuota) {
+  const auto passing = cell.passing();  // a stop asks the axis twice
   const std::size_t quota = rpc::CallBook::Quotas{}.streams_per_connection;
   CellStub stub(channel);
   std::vector<std::unique_ptr<Call>> calls;
@@ -115,13 +127,13 @@ TEST_F(RpcDoor, EndsTheSlowestStreamOfAConnectionBeyondItsQuota) {
     calls.push_back(std::make_unique<Call>());
     readers.push_back(stub.WatchEvents(calls.back().get(), {}));
     // Only a stream that watches can have a message, and none has one before all are there.
-    ASSERT_TRUE(eventually([&] { return cell.watchers_begun == static_cast<int>(i + 1); }));
+    ASSERT_TRUE(eventually([&] { return feeds.events.begun == static_cast<int>(i + 1); }));
     if (i >= quota) {
       EXPECT_FALSE(readers.at(i - quota)->Read(&event)) << "the oldest one";
     }
   }
-  EXPECT_TRUE(eventually([&] { return cell.watchers == static_cast<int>(quota); }));
-  cell.on_executor([&] { cell.add_event("news"); });
+  EXPECT_TRUE(eventually([&] { return feeds.events.now == static_cast<int>(quota); }));
+  tell("news");
   EXPECT_TRUE(readers.back()->Read(&event)) << "the newest one is served";
   EXPECT_TRUE(ask(&CellStub::StopAll, {}, "ada"));
   for (auto& call : calls) call->TryCancel();
@@ -282,6 +294,7 @@ TEST_F(RpcDoor, HoldsABoundedPartOfUnfinishedMessages) {
   EXPECT_GT(sent, 1'000'000) << "the attack came through at all";
   EXPECT_LT(most - before, rpc::RpcServer::kMostBufferBytes + (std::size_t{100} << 20))
       << sent << " bytes were taken";
+  const auto passing = cell.passing();  // a stop asks the axis twice
   EXPECT_TRUE(ask(&CellStub::StopAll, {}, "ada"));
 }
 

@@ -11,6 +11,8 @@ using ModelStub = v1::ModelService::Stub;
 
 class ModelServiceTest : public RpcTest {
  protected:
+  ModelServiceTest() { fakes.models = &models; }
+  FakeModels models{cell};
   v1::CreateFitRequest a_fit() {
     v1::CreateFitRequest request;
     request.add_run_ids(1);
@@ -34,7 +36,7 @@ TEST_F(ModelServiceTest, FitsAndAnswersWithTheStoredModel) {
   ASSERT_TRUE(fit) << fit.error().message;
   EXPECT_EQ(fit->model().id(), 1);
   EXPECT_EQ(fit->model().formula(), "q ~ x + T");
-  const auto asked = cell.on_executor([&] { return cell.last_fit; });
+  const auto asked = cell.on_executor([&] { return models.last_fit; });
   EXPECT_EQ(asked.runs, std::vector<RunId>{RunId{1}});
   EXPECT_DOUBLE_EQ(asked.p_enter, 0.01);
   EXPECT_DOUBLE_EQ(asked.p_remove, 0.10);
@@ -79,7 +81,7 @@ TEST_F(ModelServiceTest, RefusesAFitThatCannotBeMeant) {
   request.set_formula(std::string(20'000, 'x'));
   EXPECT_THAT(ask(&ModelStub::CreateFit, request),
               FailsWith(ErrorCode::invalid_argument, "TOO_LONG"));
-  EXPECT_TRUE(cell.on_executor([&] { return cell.the_models.empty(); }));
+  EXPECT_EQ(ask(&ModelStub::ListModels, {})->models_size(), 0);
 }
 
 TEST_F(ModelServiceTest, GivesFiguresInTheSummaryUnitAndCoefficientsInTheColumns) {
@@ -103,9 +105,9 @@ TEST_F(ModelServiceTest, GivesFiguresInTheSummaryUnitAndCoefficientsInTheColumns
 
 TEST_F(ModelServiceTest, AnswersAFormulaWithATypoWithTheProblemAndItsPlace) {
   cell.on_executor([&] {
-    cell.the_formula_check.problem = "formula: unknown channel 'to7'";
-    cell.the_formula_check.problem_offset = 8;
-    cell.the_formula_check.channels = {{"x", "mm"}, {"t07", "degC"}};
+    models.formula_check.problem = "formula: unknown channel 'to7'";
+    models.formula_check.problem_offset = 8;
+    models.formula_check.channels = {{"x", "mm"}, {"t07", "degC"}};
   });
   v1::CheckFormulaRequest request;
   *request.mutable_fit() = a_fit();
@@ -123,12 +125,12 @@ TEST_F(ModelServiceTest, AnswersAFormulaWithATypoWithTheProblemAndItsPlace) {
 TEST_F(ModelServiceTest, ListsResidualsWithTheChannelsTheyMayGoWith) {
   ASSERT_TRUE(ask(&ModelStub::CreateFit, a_fit()));
   cell.on_executor([&] {
-    auto& data = cell.the_residuals.data;
+    auto& data = models.the_residuals.data;
     data.rows = 3;
     data.time_s = {0, 10, 20};
     data.set = {PointSet::calibration, PointSet::validation, PointSet::calibration};
     data.columns = {{{"t07", "degC"}, {20.5, 20.6, kMissing}}};
-    cell.the_residuals.outputs = {{{"q1", "mm"}, {1.5, -2.5, 0.5}, {}}};
+    models.the_residuals.outputs = {{{"q1", "mm"}, {1.5, -2.5, 0.5}, {}}};
   });
   const auto rows = ask(&ModelStub::ListResiduals, of<v1::ListResidualsRequest>(1));
   ASSERT_TRUE(rows) << rows.error().message;
@@ -155,7 +157,7 @@ TEST_F(ModelServiceTest, PromotesOneAndRollsBackToNone) {
   EXPECT_EQ(history->promotions(1).action(), v1::Promotion::ACTION_ROLLBACK);
   EXPECT_FALSE(history->promotions(1).has_model_id());
   EXPECT_THAT(ask(&ModelStub::PromoteModel, of<v1::PromoteModelRequest>(5)),
-              FailsWith(ErrorCode::not_found, "NO_MODEL"));
+              FailsWith(ErrorCode::not_found, "NO_SUCH_MODEL"));
   EXPECT_THAT(ask(&ModelStub::PromoteModel, of<v1::PromoteModelRequest>(-5)),
               FailsWith(ErrorCode::invalid_argument, "BAD_ID"));
 }
@@ -194,8 +196,13 @@ TEST_F(ModelServiceTest, ExportsAsJsonAndAsC) {
 }
 
 TEST_F(ModelServiceTest, SaysWhenAStoredModelIsDamaged) {
-  ASSERT_TRUE(ask(&ModelStub::CreateFit, a_fit()));
-  cell.on_executor([&] { cell.the_models[0].json = "{"; });
+  cell.on_store([](Store& store) {
+    ModelRecord damaged;
+    damaged.json = "{";
+    damaged.hash = "0123";
+    damaged.created = kWorldBegin;
+    ASSERT_TRUE(store.models().add_model(damaged));
+  });
   EXPECT_THAT(ask(&ModelStub::GetModel, of<v1::GetModelRequest>(1)),
               FailsWith(ErrorCode::data_loss, "MODEL_DAMAGED"));
 }

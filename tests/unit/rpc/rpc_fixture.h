@@ -1,5 +1,5 @@
 #pragma once
-// A real gRPC server on a free port over a FakeCell, and a client's view of it.
+// A real gRPC server on a free port over a real cell, and a client's view of it.
 
 #include <gmock/gmock.h>
 #include <grpcpp/create_channel.h>
@@ -10,14 +10,14 @@
 
 #include "server/rpc/server/rpc_server.h"
 #include "server/rpc/shared/error_mapping.h"
-#include "tests/support/fake_cell.h"
+#include "tests/support/fakes.h"
 
 namespace driftwise::tests {
 
 class RpcTest : public testing::Test {
  protected:
-  RpcTest() {
-    auto opened = rpc::RpcServer::open(cell, "127.0.0.1:0");
+  void SetUp() override {
+    auto opened = rpc::RpcServer::open(cell.services(fakes), "127.0.0.1:0");
     if (!opened) throw std::runtime_error(opened.error().message);
     server = std::move(*opened);
     server->ready(true);
@@ -28,6 +28,7 @@ class RpcTest : public testing::Test {
     channel =
         grpc::CreateCustomChannel(server->address(), grpc::InsecureChannelCredentials(), arguments);
   }
+  void TearDown() override { server.reset(); }
 
   struct Call : grpc::ClientContext {
     explicit Call(const std::string& operator_name = "ada") {
@@ -62,7 +63,8 @@ class RpcTest : public testing::Test {
     return false;
   }
 
-  FakeCell cell;
+  LiveCell cell;
+  Fakes fakes;  // set by the test's constructor
   std::unique_ptr<rpc::RpcServer> server;
   std::shared_ptr<grpc::Channel> channel;
 };

@@ -47,18 +47,18 @@ TEST_F(RpcServerTest, IsServingPerServiceOnlyWhenReady) {
 
 TEST_F(RpcServerTest, ListensOnLoopbackOnly) {
   for (const char* listen : {"0.0.0.0:0", "192.168.1.4:0", "[::]:0", "example.org:0"})
-    EXPECT_THAT(rpc::RpcServer::open(cell, listen),
+    EXPECT_THAT(rpc::RpcServer::open(cell.services(), listen),
                 FailsWith(ErrorCode::invalid_argument, "NOT_LOOPBACK"))
         << listen;
   for (const char* listen :
        {"", "127.0.0.1", "127.0.0.1:", "127.0.0.1:99999", "127.0.0.1:-1", "127.0.0.1:x", ":50051"})
-    EXPECT_THAT(rpc::RpcServer::open(cell, listen),
+    EXPECT_THAT(rpc::RpcServer::open(cell.services(), listen),
                 FailsWith(ErrorCode::invalid_argument, "BAD_ADDRESS"))
         << listen;
 }
 
 TEST_F(RpcServerTest, SaysWhenThePortIsTaken) {
-  EXPECT_THAT(rpc::RpcServer::open(cell, server->address()),
+  EXPECT_THAT(rpc::RpcServer::open(cell.services(), server->address()),
               FailsWith(ErrorCode::unavailable, "ADDRESS_IN_USE"));
 }
 

@@ -3,6 +3,8 @@
 #include "driftwise/v1/cell_service.grpc.pb.h"
 #include "driftwise/v1/data_service.grpc.pb.h"
 #include "driftwise/v1/run_service.grpc.pb.h"
+#include "server/application/ports/run_plan.h"
+#include "server/formats/csv/dataset_csv.h"
 #include "tests/unit/rpc/rpc_fixture.h"
 
 namespace driftwise::tests {
@@ -16,50 +18,55 @@ class RunServiceTest : public RpcTest {
     v1::CreateRunRequest request;
     request.set_name("weekend");
     request.set_trajectory_name("weekend.csv");
-    request.set_trajectory_text("x_mm\n0\n1\n0\n");
-    request.set_lease_token(ask(&v1::CellService::Stub::TakeLease, renewal())->lease().token());
-    return request;
-  }
-  v1::TakeLeaseRequest renewal() {
-    v1::TakeLeaseRequest request;
-    request.set_token("token-ada");
+    request.set_trajectory_text("q1_mm\n0\n1\n0\n");
+    request.set_lease_token(ask(&v1::CellService::Stub::TakeLease, {})->lease().token());
     return request;
   }
 };
 
 TEST_F(RunServiceTest, ChecksATrajectoryAndNamesWhatIsWrong) {
   v1::CheckTrajectoryRequest request;
-  request.set_trajectory_text("x_mm\n0\n");
+  request.set_trajectory_text("q1_mm\n0\n1\n0\n");
   const auto check = ask(&RunStub::CheckTrajectory, request);
   ASSERT_TRUE(check);
   EXPECT_EQ(check->row_count(), 3);
-  EXPECT_EQ(check->coordinates(0), "x_mm");
-  EXPECT_EQ(check->estimated_duration().seconds(), 42);
-  EXPECT_EQ(check->estimated_duration().nanos(), 500'000'000);
-  request.set_trajectory_text("x_mm\nbad\n");
+  EXPECT_EQ(check->coordinates(0), "q1_mm");
+  EXPECT_GT(check->estimated_duration().seconds(), 3);
+  request.set_trajectory_text("q1_mm\nbad\n");
   EXPECT_THAT(ask(&RunStub::CheckTrajectory, request),
               FailsWith(ErrorCode::invalid_argument, "BAD_NUMBER"));
 }
 
 TEST_F(RunServiceTest, CreatesARunAsItWasAskedFor) {
   auto request = a_run();
-  request.set_compensate(true);
-  request.set_compensate_model_id(7);
   request.mutable_rules()->set_readings_per_point(6);
   request.mutable_rules()->mutable_settle_duration()->set_nanos(500'000'000);
   const auto created = ask(&RunStub::CreateRun, request);
   ASSERT_TRUE(created);
-  EXPECT_EQ(created->run().state(), v1::Run::STATE_RUNNING);
   EXPECT_EQ(created->run().operator_name(), "ada");
   EXPECT_FALSE(created->run().has_end_time());
-  const auto asked = cell.on_executor([&] { return cell.last_create; });
-  EXPECT_EQ(asked.trajectory_text, "x_mm\n0\n1\n0\n");
-  EXPECT_EQ(asked.compensate_with, ModelId{7});
-  ASSERT_TRUE(asked.rules);
-  EXPECT_EQ(asked.rules->readings_per_point, 6);
-  EXPECT_DOUBLE_EQ(asked.rules->settle_s, 0.5);
-  EXPECT_DOUBLE_EQ(asked.rules->max_spread_nm, 5.0)
+  v1::GetRunRequest kept;
+  kept.set_run_id(created->run().id());
+  const auto run = ask(&RunStub::GetRun, kept);
+  ASSERT_TRUE(run);
+  EXPECT_EQ(run->trajectory_text(), "q1_mm\n0\n1\n0\n");
+  const auto plan = app::read_run_plan(run->rules_json());
+  ASSERT_TRUE(plan);
+  EXPECT_EQ(plan->rules.readings_per_point, 6);
+  EXPECT_DOUBLE_EQ(plan->rules.settle_s, 0.5);
+  EXPECT_DOUBLE_EQ(plan->rules.quiet_nm, 80)
       << "what the request leaves out is as in the cell file";
+}
+
+TEST_F(RunServiceTest, CompensatesWithTheModelThatIsNamed) {
+  auto request = a_run();
+  request.set_trajectory_text("x_mm\n0\n1\n0\n");
+  request.set_compensate(true);
+  request.set_compensate_model_id(7);
+  EXPECT_THAT(ask(&RunStub::CreateRun, request), FailsWith(ErrorCode::not_found, "NO_SUCH_MODEL"));
+  request.set_compensate_model_id(cell.add_model("q ~ x").value);
+  const auto created = ask(&RunStub::CreateRun, request);
+  EXPECT_TRUE(created) << created.error().message;
 }
 
 TEST_F(RunServiceTest, ARepeatedRequestAnswersWithTheFirstRun) {
@@ -109,12 +116,20 @@ TEST_F(RunServiceTest, RefusesARequestThatCannotBeMeant) {
   request = good;
   request.set_lease_token("wrong");
   EXPECT_THAT(ask(&RunStub::CreateRun, request),
-              FailsWith(ErrorCode::permission_denied, "LEASE_REQUIRED"));
-  EXPECT_TRUE(cell.on_executor([&] { return cell.the_runs.empty(); })) << "nothing is half-done";
+              FailsWith(ErrorCode::permission_denied, "LEASE_HELD"));
+  EXPECT_EQ(ask(&RunStub::ListRuns, {})->runs_size(), 0) << "nothing is half-done";
 }
 
-TEST_F(RunServiceTest, ConfirmsAForceThatWasSaid) {
-  ASSERT_TRUE(ask(&RunStub::CreateRun, a_run()));
+class SteeredRun : public RpcTest {
+ protected:
+  SteeredRun() {
+    fakes.runs = &runs;
+    runs.add(1);
+  }
+  FakeRuns runs;
+};
+
+TEST_F(SteeredRun, ConfirmsAForceThatWasSaid) {
   v1::ConfirmForceRequest request;
   request.set_run_id(1);
   EXPECT_THAT(ask(&RunStub::ConfirmForce, request),
@@ -125,7 +140,7 @@ TEST_F(RunServiceTest, ConfirmsAForceThatWasSaid) {
   request.set_force_n(0);
   EXPECT_TRUE(ask(&RunStub::ConfirmForce, request)) << "no force is a force that can be confirmed";
   request.set_run_id(7);
-  EXPECT_THAT(ask(&RunStub::ConfirmForce, request), FailsWith(ErrorCode::not_found, "NO_RUN"));
+  EXPECT_THAT(ask(&RunStub::ConfirmForce, request), FailsWith(ErrorCode::not_found, "NO_SUCH_RUN"));
 }
 
 TEST_F(RunServiceTest, ShowsARunWithItsTrajectoryAndItsRules) {
@@ -135,8 +150,8 @@ TEST_F(RunServiceTest, ShowsARunWithItsTrajectoryAndItsRules) {
   const auto run = ask(&RunStub::GetRun, request);
   ASSERT_TRUE(run);
   EXPECT_EQ(run->run().name(), "weekend");
-  EXPECT_EQ(run->trajectory_text(), "x_mm\n0\n1\n0\n");
-  EXPECT_EQ(run->rules_json(), "{}");
+  EXPECT_EQ(run->trajectory_text(), "q1_mm\n0\n1\n0\n");
+  EXPECT_THAT(run->rules_json(), testing::HasSubstr("settle_s"));
 }
 
 TEST_F(RunServiceTest, SaysWhichIdIsBadAndWhichUnknown) {
@@ -146,19 +161,19 @@ TEST_F(RunServiceTest, SaysWhichIdIsBadAndWhichUnknown) {
     EXPECT_THAT(ask(&RunStub::GetRun, request), FailsWith(ErrorCode::invalid_argument, "BAD_ID"));
   }
   request.set_run_id(999);
-  EXPECT_THAT(ask(&RunStub::GetRun, request), FailsWith(ErrorCode::not_found, "NO_RUN"));
+  EXPECT_THAT(ask(&RunStub::GetRun, request), FailsWith(ErrorCode::not_found, "NO_SUCH_RUN"));
   v1::PauseRunRequest pause;
   pause.set_run_id(999);
-  EXPECT_THAT(ask(&RunStub::PauseRun, pause), FailsWith(ErrorCode::not_found, "NO_RUN"));
+  EXPECT_THAT(ask(&RunStub::PauseRun, pause), FailsWith(ErrorCode::not_found, "NO_SUCH_RUN"));
   v1::ListAttemptsRequest attempts;
   attempts.set_run_id(999);
-  EXPECT_THAT(ask(&RunStub::ListAttempts, attempts), FailsWith(ErrorCode::not_found, "NO_RUN"));
+  EXPECT_THAT(ask(&RunStub::ListAttempts, attempts),
+              FailsWith(ErrorCode::not_found, "NO_SUCH_RUN"));
   v1::ListDatumsRequest datums;
   EXPECT_THAT(ask(&RunStub::ListDatums, datums), FailsWith(ErrorCode::invalid_argument, "BAD_ID"));
 }
 
-TEST_F(RunServiceTest, PausesResumesAndAbortsForAnybody) {
-  ASSERT_TRUE(ask(&RunStub::CreateRun, a_run()));
+TEST_F(SteeredRun, PausesResumesAndAbortsForAnybody) {
   v1::PauseRunRequest pause;
   pause.set_run_id(1);
   EXPECT_EQ(ask(&RunStub::PauseRun, pause, "bob")->run().reason(), "paused by bob");
@@ -174,18 +189,10 @@ TEST_F(RunServiceTest, PausesResumesAndAbortsForAnybody) {
 }
 
 TEST_F(RunServiceTest, PagesThroughRunsAndPoints) {
-  cell.on_executor([&] {
-    for (std::int64_t i = 1; i <= 7; ++i) {
-      RunRecord run;
-      run.id = {i};
-      cell.the_runs[i] = run;
-      PointRecord point;
-      point.id = {i};
-      point.values = {{"x_mm", 1.5}, {"t07_degC", kMissing}};
-      point.row = 11;
-      cell.the_points.push_back(point);
-    }
-  });
+  for (int i = 1; i <= 7; ++i) cell.add_run();
+  PointRecord point;
+  point.values = {{"x_mm", 1.5}, {"t07_degC", kMissing}};
+  cell.add_points(RunId{1}, std::vector<PointRecord>(7, point));
   v1::ListRunsRequest runs;
   runs.set_limit(3);
   runs.set_before_run_id(5);
@@ -200,7 +207,7 @@ TEST_F(RunServiceTest, PagesThroughRunsAndPoints) {
   ASSERT_TRUE(found);
   ASSERT_EQ(found->points_size(), 2);
   // The record counts rows from 0, the API and every client from 1.
-  EXPECT_EQ(found->points(0).row(), 12);
+  EXPECT_EQ(found->points(0).row(), 6);
   EXPECT_FALSE(found->points(0).values(1).has_value());
   points.set_limit(10001);
   EXPECT_THAT(ask(&RunStub::ListPoints, points),
@@ -209,13 +216,15 @@ TEST_F(RunServiceTest, PagesThroughRunsAndPoints) {
   EXPECT_THAT(ask(&RunStub::ListRuns, runs), FailsWith(ErrorCode::invalid_argument, "BAD_LIMIT"));
 }
 
-TEST_F(RunServiceTest, CarriesEveryKindOfErrorOfTheCell) {
+TEST_F(SteeredRun, CarriesEveryKindOfErrorOfTheCell) {
+  v1::GetRunRequest request;
+  request.set_run_id(1);
   for (const ErrorCode code :
        {ErrorCode::already_exists, ErrorCode::failed_precondition, ErrorCode::aborted,
         ErrorCode::out_of_range, ErrorCode::resource_exhausted, ErrorCode::unavailable,
         ErrorCode::data_loss, ErrorCode::internal}) {
-    cell.on_executor([&] { cell.fail_next = Error{code, "WHY", "what to do"}; });
-    EXPECT_THAT(ask(&RunStub::ListRuns, v1::ListRunsRequest{}), FailsWith(code, "WHY"));
+    cell.on_executor([&] { runs.fail_next = Error{code, "WHY", "what to do"}; });
+    EXPECT_THAT(ask(&RunStub::GetRun, request), FailsWith(code, "WHY"));
   }
 }
 
@@ -233,15 +242,20 @@ TEST_F(RunServiceTest, DatasetsGoOutInPiecesAndComeBackTheSame) {
   v1::DataService::Stub stub(channel);
   const auto reader = stub.ExportDataset(&call, out);
   std::string back;
-  int pieces = 0;
+  std::int64_t pieces = 0, total = 0;
   for (v1::ExportDatasetResponse piece; reader->Read(&piece); ++pieces) {
     EXPECT_LE(piece.chunk().size(), 65536U);
-    EXPECT_EQ(piece.total_bytes(), static_cast<std::int64_t>(csv.size()));
+    total = piece.total_bytes();
     back += piece.chunk();
   }
   EXPECT_TRUE(reader->Finish().ok());
-  EXPECT_EQ(back, csv);
-  EXPECT_EQ(pieces, 5);
+  EXPECT_EQ(std::ssize(back), total);
+  EXPECT_EQ(pieces, (total + 65535) / 65536);
+  const auto sent = formats::read_dataset_csv(csv, "sent"),
+             kept = formats::read_dataset_csv(back, "kept");
+  ASSERT_TRUE(sent && kept);
+  ASSERT_EQ(kept->rows, sent->rows);
+  EXPECT_EQ(kept->find("q1")->values, sent->find("q1")->values);
 }
 
 TEST_F(RunServiceTest, ExportRefusesNothingUnknownAndTwice) {
@@ -256,7 +270,7 @@ TEST_F(RunServiceTest, ExportRefusesNothingUnknownAndTwice) {
     return rpc::to_error(reader->Finish()).reason;
   };
   EXPECT_EQ(refused({}), "NO_RUNS");
-  EXPECT_EQ(refused({12}), "NO_RUN");
+  EXPECT_EQ(refused({12}), "NO_SUCH_RUN");
   EXPECT_EQ(refused({-1}), "BAD_ID");
   EXPECT_EQ(refused({1, 1}), "DUPLICATE_RUN");
   EXPECT_EQ(refused(std::vector<std::int64_t>(2000, 1)), "TOO_MANY_RUNS");

@@ -10,13 +10,9 @@ namespace {
 class StreamsTest : public RpcTest {
  protected:
   StreamsTest() {
-    cell.on_executor([&] {
-      RunRecord run;
-      run.id = {3};
-      run.rows = 100;
-      run.state = RunState::running;
-      cell.the_runs[3] = run;
-    });
+    fakes.runs = &runs;
+    fakes.feeds = &feeds;
+    runs.add(3);
   }
   app::RunProgress progress(std::int64_t accepted, RunState state = RunState::running) {
     app::RunProgress p;
@@ -28,8 +24,17 @@ class StreamsTest : public RpcTest {
     return p;
   }
   void publish(const app::RunProgress& p) {
-    cell.on_executor([&] { cell.publish_progress(p); });
+    cell.on_executor([&] { runs.progress.publish(p); });
   }
+  EventRecord add_event(const std::string& what) {
+    EventRecord event;
+    event.what = what;
+    event.id = cell.add_event(what);
+    cell.on_executor([&] { feeds.events.publish(event); });
+    return event;
+  }
+  FakeRuns runs;
+  FakeFeeds feeds;
 
  private:
   std::int64_t sequence_ = 0;
@@ -41,7 +46,7 @@ TEST_F(StreamsTest, AWatchEndsWithTheStateInWhichTheRunIsOver) {
   request.set_run_id(3);
   v1::RunService::Stub stub(channel);
   const auto reader = stub.WatchRun(&call, request);
-  ASSERT_TRUE(eventually([&] { return cell.watchers == 1; }));
+  ASSERT_TRUE(eventually([&] { return runs.progress.now == 1; }));
   publish(progress(1));
   v1::WatchRunResponse response;
   ASSERT_TRUE(reader->Read(&response));
@@ -52,7 +57,7 @@ TEST_F(StreamsTest, AWatchEndsWithTheStateInWhichTheRunIsOver) {
   EXPECT_EQ(response.progress().run().state(), v1::Run::STATE_DONE);
   EXPECT_FALSE(reader->Read(&response));
   EXPECT_TRUE(reader->Finish().ok());
-  EXPECT_TRUE(eventually([&] { return cell.watchers == 0; }));
+  EXPECT_TRUE(eventually([&] { return runs.progress.now == 0; }));
 }
 
 // The grace is for calls that will end by themselves; whoever watches is told at once.
@@ -62,7 +67,7 @@ TEST_F(StreamsTest, AnOpenWatchDoesNotDelayTheEndOfTheDaemon) {
   request.set_run_id(3);
   v1::RunService::Stub stub(channel);
   const auto reader = stub.WatchRun(&call, request);
-  ASSERT_TRUE(eventually([&] { return cell.watchers == 1; }));
+  ASSERT_TRUE(eventually([&] { return runs.progress.now == 1; }));
   const auto grace = std::chrono::seconds(60);
   const auto begin = std::chrono::steady_clock::now();
   server->shut_down(grace);
@@ -74,7 +79,7 @@ TEST_F(StreamsTest, AnOpenWatchDoesNotDelayTheEndOfTheDaemon) {
 }
 
 TEST_F(StreamsTest, AWatchOfARunThatIsOverTellsItsEnd) {
-  cell.on_executor([&] { cell.the_runs[3].state = RunState::failed; });
+  cell.on_executor([&] { runs.runs[3].state = RunState::failed; });
   Call call;
   v1::WatchRunRequest request;
   request.set_run_id(3);
@@ -110,7 +115,7 @@ TEST_F(StreamsTest, ASlowWatcherMissesStatesButNeverSlowsTheRun) {
   request.set_run_id(3);
   v1::RunService::Stub stub(channel);
   const auto reader = stub.WatchRun(&call, request);
-  ASSERT_TRUE(eventually([&] { return cell.watchers == 1; }));
+  ASSERT_TRUE(eventually([&] { return runs.progress.now == 1; }));
   constexpr int kStates = 3000;
   auto big = progress(0);
   big.run.reason = std::string(2000, 'r');  // 6 MB in all, far more than the windows hold
@@ -137,40 +142,33 @@ TEST_F(StreamsTest, ASlowWatcherMissesStatesButNeverSlowsTheRun) {
 }
 
 TEST_F(StreamsTest, EventsComeAllAndInOrderFromACursor) {
-  cell.on_executor([&] {
-    for (int i = 0; i < 250; ++i) cell.add_event("run.started");  // more than a batch
-  });
+  const std::int64_t first = add_event("run.started").id.value;
+  for (int i = 1; i < 250; ++i) add_event("run.started");  // more than a batch
   Call call;
   v1::WatchEventsRequest request;
-  request.set_after_event_id(10);
+  request.set_after_event_id(first + 9);
   v1::CellService::Stub stub(channel);
   const auto reader = stub.WatchEvents(&call, request);
   v1::WatchEventsResponse response;
-  for (std::int64_t id = 11; id <= 250; ++id) {
+  for (std::int64_t id = first + 10; id < first + 250; ++id) {
     ASSERT_TRUE(reader->Read(&response));
     ASSERT_EQ(response.event().id(), id);
   }
-  cell.on_executor([&] {
-    for (int i = 0; i < 150; ++i) cell.add_event("lease.taken");  // while it watches
-  });
-  for (std::int64_t id = 251; id <= 400; ++id) {
+  for (int i = 0; i < 150; ++i) add_event("lease.taken");  // while it watches
+  for (std::int64_t id = first + 250; id < first + 400; ++id) {
     ASSERT_TRUE(reader->Read(&response));
     ASSERT_EQ(response.event().id(), id);
   }
 }
 
 TEST_F(StreamsTest, EventsWithoutACursorBeginNow) {
-  cell.on_executor([&] {
-    for (int i = 0; i < 5; ++i) cell.add_event("old");
-  });
+  for (int i = 0; i < 5; ++i) add_event("old");
   Call call;
   v1::CellService::Stub stub(channel);
   const auto reader = stub.WatchEvents(&call, v1::WatchEventsRequest{});
-  ASSERT_TRUE(eventually([&] { return cell.watchers == 1; }));
-  cell.on_executor([&] {
-    cell.add_event("new");
-    cell.add_event("newer");
-  });
+  ASSERT_TRUE(eventually([&] { return feeds.events.now == 1; }));
+  add_event("new");
+  add_event("newer");
   v1::WatchEventsResponse response;
   ASSERT_TRUE(reader->Read(&response));
   EXPECT_EQ(response.event().what(), "new");
@@ -182,37 +180,24 @@ TEST_F(StreamsTest, AnEventThatIsNotInTheRecordYetIsNotLost) {
   Call call;
   v1::CellService::Stub stub(channel);
   v1::WatchEventsRequest request;
-  request.set_after_event_id(0);
+  const std::int64_t newest = add_event("last").id.value;
+  request.set_after_event_id(newest);
   const auto reader = stub.WatchEvents(&call, request);
-  ASSERT_TRUE(eventually([&] { return cell.watchers == 1; }));
-  cell.on_executor([&] {
-    cell.add_event("quick");
-    cell.the_events.clear();  // the query does not see it
-  });
+  ASSERT_TRUE(eventually([&] { return feeds.events.now == 1; }));
+  EventRecord quick;
+  quick.id = {newest + 1};
+  quick.what = "quick";
+  cell.on_executor([&] { feeds.events.publish(quick); });  // the query does not see it
   v1::WatchEventsResponse response;
   ASSERT_TRUE(reader->Read(&response));
   EXPECT_EQ(response.event().what(), "quick");
-}
-
-TEST_F(StreamsTest, AFailingRecordEndsTheEventsWithItsReason) {
-  cell.on_executor([&] {
-    cell.fail_next = Error{ErrorCode::data_loss, "DATABASE_DAMAGED", "page 7"};
-  });
-  Call call;
-  v1::CellService::Stub stub(channel);
-  v1::WatchEventsRequest request;
-  request.set_after_event_id(0);
-  const auto reader = stub.WatchEvents(&call, request);
-  v1::WatchEventsResponse response;
-  EXPECT_FALSE(reader->Read(&response));
-  EXPECT_EQ(rpc::to_error(reader->Finish()).reason, "DATABASE_DAMAGED");
 }
 
 TEST_F(StreamsTest, ReadingsTellHowManyWereMissed) {
   Call call;
   v1::CellService::Stub stub(channel);
   const auto reader = stub.WatchReadings(&call, v1::WatchReadingsRequest{});
-  ASSERT_TRUE(eventually([&] { return cell.watchers == 1; }));
+  ASSERT_TRUE(eventually([&] { return feeds.readings.now == 1; }));
   constexpr std::int64_t kReadings = 20'000;
   cell.on_executor([&] {
     Reading reading;
@@ -220,7 +205,7 @@ TEST_F(StreamsTest, ReadingsTellHowManyWereMissed) {
     reading.values = {{std::string(500, 'c') + "_degC", 20.5}};
     for (std::int64_t i = 1; i <= kReadings; ++i) {  // in one go: no write can finish in between
       reading.sequence = i;
-      cell.publish_reading(reading);
+      feeds.readings.publish(reading);
     }
   });
   v1::WatchReadingsResponse response;
@@ -251,24 +236,24 @@ TEST_F(StreamsTest, FortyClientsThatVanishLeaveNothingBehind) {
     v1::CellService::Stub stub(channel);
     const auto reader = stub.WatchReadings(&call, v1::WatchReadingsRequest{});
     if (round % 2 == 0) {
-      ASSERT_TRUE(eventually([&] { return cell.watchers > 0; }));
+      ASSERT_TRUE(eventually([&] { return feeds.readings.now > 0; }));
     }
     call.TryCancel();  // also before the stream began
     reader->Finish();
   }
-  EXPECT_TRUE(eventually([&] { return cell.watchers == 0; }));
+  EXPECT_TRUE(eventually([&] { return feeds.readings.now == 0; }));
 }
 
 TEST_F(StreamsTest, AShutdownEndsOpenStreams) {
   Call call;
   v1::CellService::Stub stub(channel);
   const auto reader = stub.WatchReadings(&call, v1::WatchReadingsRequest{});
-  ASSERT_TRUE(eventually([&] { return cell.watchers == 1; }));
+  ASSERT_TRUE(eventually([&] { return feeds.readings.now == 1; }));
   server->shut_down(std::chrono::milliseconds(10));
   v1::WatchReadingsResponse response;
   EXPECT_FALSE(reader->Read(&response));
   EXPECT_FALSE(reader->Finish().ok());
-  EXPECT_TRUE(eventually([&] { return cell.watchers == 0; }));
+  EXPECT_TRUE(eventually([&] { return feeds.readings.now == 0; }));
 }
 
 }  // namespace

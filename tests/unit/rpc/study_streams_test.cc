@@ -9,6 +9,8 @@ namespace {
 
 class StudyStreamsTest : public RpcTest {
  protected:
+  StudyStreamsTest() { fakes.studies = &studies; }
+  FakeStudies studies;
   static v1::CompareMethodsRequest comparison() {
     v1::CompareMethodsRequest request;
     request.mutable_fit()->add_run_ids(3);
@@ -57,7 +59,7 @@ identification::Judgement judgement() {
 }
 
 TEST_F(StudyStreamsTest, AComparisonTellsItsProgressThenItsAnswer) {
-  cell.on_executor([&] { cell.the_judgements = {judgement()}; });
+  cell.on_executor([&] { studies.judgements = {judgement()}; });
   const auto [messages, end] = compared<v1::CompareMethodsResponse>(comparison());
   ASSERT_TRUE(end) << end.error().message;
   const auto& answer = messages.back();
@@ -71,7 +73,7 @@ TEST_F(StudyStreamsTest, AComparisonTellsItsProgressThenItsAnswer) {
   EXPECT_THAT(answer.json(), testing::HasSubstr("driftwise.comparison.v1"));
   EXPECT_THAT(answer.table(), testing::HasSubstr("classic"));
   for (std::size_t i = 0; i + 1 < messages.size(); ++i) EXPECT_TRUE(messages[i].has_progress());
-  const auto asked = cell.on_executor([&] { return cell.last_methods; });
+  const auto asked = cell.on_executor([&] { return studies.last_methods; });
   EXPECT_EQ(asked.fit.runs, std::vector{RunId{3}});
   EXPECT_EQ(asked.fit.threads, 2);
   EXPECT_EQ(asked.methods, std::vector<std::string>{"classic"});
@@ -79,7 +81,7 @@ TEST_F(StudyStreamsTest, AComparisonTellsItsProgressThenItsAnswer) {
 }
 
 TEST_F(StudyStreamsTest, WhoLeavesEndsTheWork) {
-  cell.on_executor([&] { cell.studies_wait = true; });
+  cell.on_executor([&] { studies.waits = true; });
   Call call;
   const auto reader = v1::ModelService::Stub(channel).CompareMethods(&call, comparison());
   v1::CompareMethodsResponse first;
@@ -87,12 +89,13 @@ TEST_F(StudyStreamsTest, WhoLeavesEndsTheWork) {
   EXPECT_EQ(first.progress().step(), "looking");
   call.TryCancel();
   reader->Finish();
-  EXPECT_TRUE(eventually([&] { return cell.last_study->stopped(); }));
+  EXPECT_TRUE(eventually([&] { return studies.last->stopped(); }));
 }
 
 TEST_F(StudyStreamsTest, AFailureEndsTheStreamWithItsReason) {
   cell.on_executor([&] {
-    cell.fail_next = Error{ErrorCode::invalid_argument, "OTHER_OUTPUTS", "the left side differs"};
+    studies.fail_next =
+        Error{ErrorCode::invalid_argument, "OTHER_OUTPUTS", "the left side differs"};
   });
   const auto [messages, end] = compared<v1::CompareMethodsResponse>(comparison());
   EXPECT_TRUE(messages.empty());
@@ -101,7 +104,7 @@ TEST_F(StudyStreamsTest, AFailureEndsTheStreamWithItsReason) {
 }
 
 TEST_F(StudyStreamsTest, AComparisonNeedsNoFormulaAndAStudyOfSensorsDoes) {
-  cell.on_executor([&] { cell.the_judgements = {judgement()}; });
+  cell.on_executor([&] { studies.judgements = {judgement()}; });
   auto request = comparison();
   request.mutable_fit()->clear_formula();
   EXPECT_TRUE(compared<v1::CompareMethodsResponse>(request).second);
@@ -120,7 +123,7 @@ TEST_F(StudyStreamsTest, AComparisonNeedsNoFormulaAndAStudyOfSensorsDoes) {
 
 TEST_F(StudyStreamsTest, SetsOfThermometersComeInTheSummaryUnit) {
   cell.on_executor([&] {
-    cell.the_choice.unit = "mm";
+    studies.choice.unit = "mm";
     calibration::SensorSet two, none;
     two.sensors = {"t01", "t04"};
     two.outputs = {{"q1", 30e-6, 4e-6, 31e-6, 35e-6, {}, {}}};
@@ -128,7 +131,7 @@ TEST_F(StudyStreamsTest, SetsOfThermometersComeInTheSummaryUnit) {
     two.a90_blocks_rms = 31e-6;
     none.outputs = {{"q1", 90e-6, 0, 90e-6, {}, {}, {}}};
     none.u90_blocks_rms = 90e-6;
-    cell.the_choice.study = {{two, none}, 0, 4, 0.2};
+    studies.choice.study = {{two, none}, 0, 4, 0.2};
   });
   v1::StudySensorsRequest request;
   request.mutable_fit()->add_run_ids(3);
@@ -145,7 +148,7 @@ TEST_F(StudyStreamsTest, SetsOfThermometersComeInTheSummaryUnit) {
   EXPECT_DOUBLE_EQ(answer.best(0).outputs(0).mean_blocks(), 4);
   EXPECT_EQ(answer.unit(), "nm");
   EXPECT_EQ(answer.tried_set_count(), 4);
-  EXPECT_EQ(cell.on_executor([&] { return cell.last_sensors.tolerance; }), 0.2);
+  EXPECT_EQ(cell.on_executor([&] { return studies.last_sensors.tolerance; }), 0.2);
 }
 
 }  // namespace

@@ -42,11 +42,14 @@ v1::ComputeTargetRequest at(const std::string& channel, double value) {
 
 class TargetServiceTest : public RpcTest {
  protected:
+  TargetServiceTest() { fakes.targets = &targets; }
+  FakeTargets targets;
+  const CellTime the_time = cell.now();
   void serve(double offset_mm, std::function<void(Snapshot&)> change = {}) {
     cell.on_executor([&] {
-      auto snapshot = line_snapshot(cell.the_time, offset_mm);
+      auto snapshot = line_snapshot(the_time, offset_mm);
       if (change) change(snapshot);
-      cell.publish_snapshot(std::move(snapshot));
+      targets.publish(std::move(snapshot));
     });
   }
 };
@@ -200,7 +203,8 @@ TEST_F(TargetServiceTest, AStreamFollowsTheConditionsAndEndsWithTheClient) {
   EXPECT_DOUBLE_EQ(response.target().coordinates(0).position_mm(), 1 + 2e-6);
   call.TryCancel();
   reader->Finish();
-  EXPECT_TRUE(eventually([&] { return cell.watchers == 0; })) << "the cancelled stream was noticed";
+  EXPECT_TRUE(eventually([&] { return targets.rebuilt.now == 0; }))
+      << "the cancelled stream was noticed";
 }
 
 TEST_F(TargetServiceTest, AStreamWaitsItsIntervalAndThenTellsTheLatest) {
@@ -222,9 +226,9 @@ TEST_F(TargetServiceTest, AStreamWaitsItsIntervalAndThenTellsTheLatest) {
 
 TEST_F(TargetServiceTest, PastTargetsComeWithTheirTimesAndGapsStayGaps) {
   cell.on_executor([&] {
-    cell.the_past.model = {3};
-    cell.the_past.at = {cell.the_time, cell.the_time + std::chrono::seconds(30)};
-    cell.the_past.tracks = {{{"q1", "mm"}, {-12.5, kMissing}}};
+    targets.the_past.model = {3};
+    targets.the_past.at = {the_time, the_time + std::chrono::seconds(30)};
+    targets.the_past.tracks = {{{"q1", "mm"}, {-12.5, kMissing}}};
   });
   v1::ListPastTargetsRequest request;
   *request.mutable_pose() = at("x_mm", 1).pose();
@@ -238,8 +242,8 @@ TEST_F(TargetServiceTest, PastTargetsComeWithTheirTimesAndGapsStayGaps) {
   EXPECT_EQ(answer->tracks(0).correction_nm(0), -12.5);
   EXPECT_TRUE(std::isnan(answer->tracks(0).correction_nm(1)));
   cell.on_executor([&] {
-    EXPECT_EQ(cell.last_past.past, std::chrono::minutes(10));
-    EXPECT_EQ(cell.last_past.count, 60);
+    EXPECT_EQ(targets.last_past.past, std::chrono::minutes(10));
+    EXPECT_EQ(targets.last_past.count, 60);
   });
 }
 

@@ -9,6 +9,16 @@ namespace {
 
 class WatchJobsTest : public RpcTest {
  protected:
+  WatchJobsTest() {
+    fakes.feeds = &feeds;
+    fakes.diagnoses = &diagnoses;
+    fakes.improvements = &improvements;
+    run = cell.add_run();
+  }
+  FakeFeeds feeds;
+  FakeDiagnoses diagnoses;
+  FakeImprovements improvements;
+  RunId run;
   struct Page {  // one that is open
     Call call;
     std::unique_ptr<grpc::ClientReader<v1::WatchResponse>> reader;
@@ -42,9 +52,18 @@ class WatchJobsTest : public RpcTest {
   // As the store and the desk do it: on record first, then told.
   void change(DiagnosisChange what, const std::string& step, double fraction) {
     cell.on_executor([&] {
-      cell.the_diagnosis_changes.push_back(what);
-      cell.publish_diagnosis({what.id, what.state, step, fraction});
-      cell.add_event("diagnosis");
+      auto& store = cell.store().diagnoses();
+      if (what.state == JobState::running) {
+        DiagnosisRecord record;
+        record.runs = {run};
+        record.created = kWorldBegin;
+        ASSERT_EQ(store.add_diagnosis(record)->id, what.id);
+      } else {
+        ASSERT_TRUE(
+            store.end_diagnosis(what.id, {what.state, what.reason, "", "", "", kWorldBegin}));
+      }
+      diagnoses.progress.publish({what.id, what.state, step, fraction});
+      feeds.records.publish();
     });
   }
 };
@@ -60,7 +79,8 @@ TEST_F(WatchJobsTest, AnOpenPageSeesADiagnosisThatSomebodyElseStarts) {
   EXPECT_EQ(seen->diagnosis().diagnosis_id(), 1);
   EXPECT_EQ(seen->diagnosis().state(), v1::Diagnosis::STATE_RUNNING);
   cell.on_executor([&] {
-    cell.publish_diagnosis({DiagnosisId{1}, JobState::running, "looking for a cause in q1", 0.6});
+    diagnoses.progress.publish(
+        {DiagnosisId{1}, JobState::running, "looking for a cause in q1", 0.6});
   });
   seen = until(*page, [](const v1::WatchEvent& event) { return event.diagnosis().fraction() > 0; });
   ASSERT_TRUE(seen);
@@ -77,12 +97,12 @@ TEST_F(WatchJobsTest, AnOpenPageSeesADiagnosisThatSomebodyElseStarts) {
 TEST_F(WatchJobsTest, APageThatOpensMeanwhileBeginsWithWhatIsUnderWay) {
   const auto first = open();
   cursor_of(*first);
-  change({DiagnosisId{2}, JobState::running, ""}, "looking for a cause in q1", 0.3);
+  change({DiagnosisId{1}, JobState::running, ""}, "looking for a cause in q1", 0.3);
   ASSERT_TRUE(until(*first, kIsDiagnosis));
   const auto second = open();
   const auto seen = until(*second, kIsDiagnosis);
   ASSERT_TRUE(seen);
-  EXPECT_EQ(seen->diagnosis().diagnosis_id(), 2);
+  EXPECT_EQ(seen->diagnosis().diagnosis_id(), 1);
   EXPECT_EQ(seen->diagnosis().step(), "looking for a cause in q1");
   first->call.TryCancel();
   second->call.TryCancel();
@@ -105,11 +125,16 @@ TEST_F(WatchJobsTest, APageThatSleptHearsHowItEndedByItsCursor) {
 }
 
 TEST_F(WatchJobsTest, TheTurnsOfAnImprovementAreToldOneByOne) {
+  cell.on_store([](Store& store) {
+    ImprovementRecord record;
+    record.created = kWorldBegin;
+    ASSERT_TRUE(store.diagnoses().add_improvement(record));
+  });
   const auto page = open();
   cursor_of(*page);
   for (const int turn : {1, 2}) {
     cell.on_executor([&] {
-      cell.publish_improvement({ImprovementId{1}, JobState::running, turn, "measuring"});
+      improvements.progress.publish({ImprovementId{1}, JobState::running, turn, "measuring"});
     });
     const auto seen = until(
         *page, [&](const v1::WatchEvent& event) { return event.improvement().turn() == turn; });
@@ -117,10 +142,10 @@ TEST_F(WatchJobsTest, TheTurnsOfAnImprovementAreToldOneByOne) {
     EXPECT_EQ(seen->improvement().step(), "measuring");
   }
   cell.on_executor([&] {
-    cell.the_improvement_changes.push_back(
-        {ImprovementId{1}, JobState::done, "nothing beyond noise is left", 2});
-    cell.publish_improvement({ImprovementId{1}, JobState::done, 2, "nothing beyond noise is left"});
-    cell.add_event("improvement.done");
+    const std::string why = "nothing beyond noise is left";
+    ASSERT_TRUE(cell.store().diagnoses().end_improvement({1}, JobState::done, why, kWorldBegin));
+    improvements.progress.publish({ImprovementId{1}, JobState::done, 2, why});
+    feeds.records.publish();
   });
   const auto end = until(*page, [](const v1::WatchEvent& event) {
     return event.improvement().state() == v1::Improvement::STATE_DONE;

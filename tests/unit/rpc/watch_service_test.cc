@@ -7,9 +7,22 @@ namespace driftwise::tests {
 namespace {
 
 using WatchStub = v1::WatchService::Stub;
+using namespace std::string_literals;
 
 class WatchServiceTest : public RpcTest {
  protected:
+  WatchServiceTest() {
+    fakes.feeds = &feeds;
+    run = cell.add_run();
+  }
+  FakeFeeds feeds;
+  RunId run;
+  // The number of the event.
+  std::int64_t add_event(const std::string& what) {
+    const EventId id = cell.add_event(what);
+    cell.on_executor([&] { feeds.records.publish(); });
+    return id.value;
+  }
   struct Seen {
     std::vector<std::int64_t> events, points;
     std::vector<std::string> kinds;  // of everything, in order
@@ -52,15 +65,7 @@ class WatchServiceTest : public RpcTest {
     return batch.cursor();
   }
 
-  void add_points(int count) {
-    cell.on_executor([&] {
-      for (int i = 0; i < count; ++i) {
-        PointRecord point;
-        point.id = {static_cast<std::int64_t>(cell.the_points.size()) + 1};
-        cell.the_points.push_back(point);
-      }
-    });
-  }
+  void add_points(int count) { cell.add_points(run, count); }
 };
 
 std::vector<std::int64_t> numbers(std::int64_t from, std::int64_t to) {
@@ -70,27 +75,21 @@ std::vector<std::int64_t> numbers(std::int64_t from, std::int64_t to) {
 }
 
 TEST_F(WatchServiceTest, BeginsWithTheLayoutTheValuesAndTheCell) {
-  cell.on_executor([&] {
-    cell.the_status.name = "bench 3";
-    cell.the_status.values.clear();
-    cell.the_status.values.push_back(
-        {.channel = {"t07", "degC"}, .value = 20.5, .at = {1}, .age_s = 2, .device = "scanner"});
-    cell.the_status.values.push_back({.channel = {"t08", "degC"}, .at = {}, .device = "scanner"});
-  });
   Call call;
   WatchStub stub(channel);
   const auto reader = stub.Watch(&call, v1::WatchRequest{});
   v1::WatchResponse batch;
   ASSERT_TRUE(reader->Read(&batch));
   ASSERT_GE(batch.events_size(), 3);
-  EXPECT_EQ(batch.events(0).layout().columns(0).channel(), "t07_degC");
-  EXPECT_EQ(batch.events(0).layout().columns(0).unit(), "degC");
+  const auto& columns = batch.events(0).layout().columns();
+  const auto t01 = std::ranges::find(columns, "t01_degC", &v1::ChannelLayout::Column::channel);
+  ASSERT_NE(t01, columns.end());
+  EXPECT_EQ(t01->unit(), "degC");
   EXPECT_EQ(batch.events(1).values().layout_revision(), batch.events(0).layout().revision());
-  EXPECT_EQ(batch.events(1).values().values(0), 20.5);
-  EXPECT_EQ(batch.events(1).values().age_ms(0), 2000);
-  EXPECT_TRUE(std::isnan(batch.events(1).values().values(1)));
-  EXPECT_EQ(batch.events(1).values().age_ms(1), -1);
-  EXPECT_EQ(batch.events(2).cell().cell_name(), "bench 3");
+  const auto at = static_cast<int>(t01 - columns.begin());
+  EXPECT_NEAR(batch.events(1).values().values(at), 20.1, 0.05);
+  EXPECT_GE(batch.events(1).values().age_ms(at), 0);
+  EXPECT_EQ(batch.events(2).cell().cell_name(), "small");
   EXPECT_TRUE(batch.events(2).cell().values().empty());
   EXPECT_TRUE(batch.has_server_time());
   call.TryCancel();
@@ -114,51 +113,51 @@ TEST_F(WatchServiceTest, AHeartbeatComesEverySecondWhateverHappens) {
 }
 
 TEST_F(WatchServiceTest, AReturningClientGetsEveryRecordOnceWhereItLeft) {
-  cell.on_executor([&] { cell.add_event("before"); });
+  const std::int64_t first = add_event("before");
   std::string cursor = cursor_now();
   std::vector<std::int64_t> events, points;
   for (int visit = 0; visit < 4; ++visit) {
     const int count = visit == 2 ? 1700 : 20;  // more than a page
     add_points(count);
-    const auto last = cell.on_executor([&] {
-      for (int i = 0; i < count; ++i) cell.add_event("while away");
-      return cell.the_events.back().id.value;
-    });
+    std::int64_t last = 0;
+    for (int i = 0; i < count; ++i) last = add_event("while away");
     const auto seen = watch_until_event(last, cursor);
     events.insert(events.end(), seen.events.begin(), seen.events.end());
     points.insert(points.end(), seen.points.begin(), seen.points.end());
     cursor = seen.cursor;
   }
-  EXPECT_EQ(events, numbers(2, 1 + 3 * 20 + 1700));
+  EXPECT_EQ(events, numbers(first + 1, first + 3 * 20 + 1700));
   EXPECT_EQ(points, numbers(1, 3 * 20 + 1700));
 }
 
 TEST_F(WatchServiceTest, AStreamThatStaysGetsEveryRecordOnceAsItHappens) {
+  const std::int64_t first = add_event("before");
   const std::string cursor = cursor_now();
   std::thread happening([&] {
     for (int i = 0; i < 300; ++i) {
-      cell.on_executor([&] { cell.add_event("now"); });
+      add_event("now");
       if (i % 10 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
   });
-  EXPECT_EQ(watch_until_event(300, cursor).events, numbers(1, 300));
+  EXPECT_EQ(watch_until_event(first + 300, cursor).events, numbers(first + 1, first + 300));
   happening.join();
 }
 
 TEST_F(WatchServiceTest, TopicsLeaveOutTheRestAndTheCursorGoesOn) {
   const std::string cursor = cursor_now();
   add_points(3);
-  cell.on_executor([&] { cell.add_event("one"); });
-  const auto seen = watch_until_event(1, cursor, {v1::TOPIC_EVENTS});
+  const auto seen = watch_until_event(add_event("one"), cursor, {v1::TOPIC_EVENTS});
   EXPECT_EQ(seen.kinds, (std::vector<std::string>{"record"}));
-  cell.on_executor([&] { cell.add_event("two"); });
-  EXPECT_TRUE(watch_until_event(2, seen.cursor).points.empty());  // they were before this cursor
+  EXPECT_TRUE(watch_until_event(add_event("two"), seen.cursor)
+                  .points.empty());  // they were before this cursor
 }
 
 TEST_F(WatchServiceTest, RefusesACursorOfAnotherDatabaseOrOfTheFuture) {
-  for (const std::string cursor :
-       {"bb22.0.0.0.0.0.0.0", "aa11.99.0.0.0.0.0.0", "nonsense", "aa11.1.2.3",
-        "aa11.0.0.0.0.0.0" /* of a version before this one */, "aa11.-1.0.0.0.0.0.0"}) {
+  const std::string now = cursor_now(), database = now.substr(0, now.find('.'));
+  for (const std::string& cursor :
+       {"bb22.0.0.0.0.0.0.0"s, database + ".99.0.0.0.0.0.0", "nonsense"s, database + ".1.2.3",
+        database + ".0.0.0.0.0.0" /* of a version before this one */,
+        database + ".-1.0.0.0.0.0.0"}) {
     Call call;
     v1::WatchRequest request;
     request.set_cursor(cursor);
@@ -194,8 +193,8 @@ TEST_F(WatchServiceTest, ManyClientsCostTheCellOneLook) {
     v1::WatchResponse batch;
     ASSERT_TRUE(readers.back()->Read(&batch));
   }
-  const int before = cell.on_executor([&] { return cell.pages_read; });
-  cell.on_executor([&] { cell.add_event("news"); });
+  EXPECT_EQ(feeds.records.now, 1) << "one look for all";
+  add_event("news");
   for (auto& reader : readers) {
     v1::WatchResponse batch;
     bool told = false;
@@ -203,28 +202,28 @@ TEST_F(WatchServiceTest, ManyClientsCostTheCellOneLook) {
       for (const auto& event : batch.events()) told = told || event.has_record();
     EXPECT_TRUE(told);
   }
-  EXPECT_EQ(cell.on_executor([&] { return cell.pages_read; }), before + 1);
+  EXPECT_EQ(feeds.records.begun, 1);
   for (auto& call : calls) call->TryCancel();
 }
 
 TEST_F(WatchServiceTest, AlarmsAreListedAndAcknowledgedOneByOne) {
-  cell.on_executor([&] {
-    cell.the_alarms.push_back({{1},
-                               AlarmLevel::failed,
-                               "device.lost",
-                               "laser-x",
-                               "it is gone",
-                               {5},
-                               {},
-                               {},
-                               "",
-                               {"run 3 waits"},
-                               1});
-    cell.the_alarms.push_back(
-        {{2}, AlarmLevel::warning, "channel.stale", "t07_degC", "old", {6}, {}, {}, "", {}, 2});
+  const AlarmId lost = cell.on_store([](Store& store) {
+    AlarmRecord alarm;
+    alarm.level = AlarmLevel::warning;
+    alarm.kind = "channel.stale";
+    alarm.subject = "t07_degC";
+    alarm.message = "old";
+    alarm.since = {6};
+    EXPECT_TRUE(store.alarms().raise(alarm));
+    alarm.level = AlarmLevel::failed;
+    alarm.kind = "device.lost";
+    alarm.subject = "laser-x";
+    alarm.message = "it is gone";
+    alarm.consequences = {"run 3 waits"};
+    return store.alarms().raise(alarm)->id;
   });
   v1::AcknowledgeAlarmRequest request;
-  request.set_alarm_id(1);
+  request.set_alarm_id(lost.value);
   const auto done = ask(&WatchStub::AcknowledgeAlarm, request, "ada");
   ASSERT_TRUE(done);
   EXPECT_EQ(done->alarm().acknowledged_by(), "ada");
@@ -234,22 +233,25 @@ TEST_F(WatchServiceTest, AlarmsAreListedAndAcknowledgedOneByOne) {
   ASSERT_EQ(list->alarms(0).consequences_size(), 1);
   EXPECT_EQ(list->alarms(0).consequences(0), "run 3 waits");
   EXPECT_FALSE(list->alarms(1).has_acknowledge_time());
-  request.set_alarm_id(9);
+  request.set_alarm_id(99);
   EXPECT_THAT(ask(&WatchStub::AcknowledgeAlarm, request),
               FailsWith(ErrorCode::not_found, "NO_SUCH_ALARM"));
 }
 
 TEST_F(WatchServiceTest, ASeriesKeepsWhatFloatsWouldLose) {
-  cell.on_executor([&] {
-    cell.the_series.columns.push_back({"x_mm",
-                                       {10.000000001, kMissing},
-                                       {10.000000003, kMissing},
-                                       {10.000000002, kMissing},
-                                       {2, 0}});
+  cell.on_store([](Store& store) {
+    std::vector<Reading> readings;
+    for (int i = 0; i < 2; ++i) {
+      const CellTime at{1'700'000'000'000'000'000 + i};
+      readings.push_back({"laser-y", at, at, i, {{"y_mm", 10.000000001 + 2e-9 * i}}});
+    }
+    ASSERT_TRUE(store.readings().append(readings, {}));
   });
   v1::GetSeriesRequest request;
-  request.add_channels("x_mm");
+  request.add_channels("y_mm");
   request.set_bucket_count(2);
+  request.mutable_from_time()->set_seconds(1'700'000'000);
+  request.mutable_to_time()->set_seconds(1'700'000'020);
   const auto answer = ask(&WatchStub::GetSeries, request);
   ASSERT_TRUE(answer);
   const auto& series = answer->series(0);

@@ -1,6 +1,6 @@
 #pragma once
 // The web door as a browser meets it: a real HTTP server on a free port before a gRPC server over a
-// FakeCell, and a folder of files.
+// real cell, and a folder of files.
 
 #include <gmock/gmock.h>
 
@@ -10,7 +10,7 @@
 #include "server/rpc/server/rpc_server.h"
 #include "server/web/http_server.h"
 #include "server/web/web_site.h"
-#include "tests/support/fake_cell.h"
+#include "tests/support/fakes.h"
 #include "tests/support/http_client.h"
 #include "tests/support/process.h"
 
@@ -18,8 +18,9 @@ namespace driftwise::tests {
 
 class WebTest : public testing::Test {
  protected:
-  WebTest() {
-    auto opened = rpc::RpcServer::open(cell, "127.0.0.1:0");
+  void SetUp() override {
+    const auto services = cell.services(fakes);
+    auto opened = rpc::RpcServer::open(services, "127.0.0.1:0");
     if (!opened) throw std::runtime_error(opened.error().message);
     server = std::move(*opened);
     server->ready(true);
@@ -32,15 +33,20 @@ class WebTest : public testing::Test {
     auto listening = web::HttpServer::open("127.0.0.1:0");
     if (!listening) throw std::runtime_error(listening.error().message);
     http = std::move(*listening);
-    http->serve(web::make_web_site({cell, server->in_process_channel(), root(), http->executor()}));
+    http->serve(web::make_web_site({services.host, services.overview, server->in_process_channel(),
+                                    root(), http->executor()}));
   }
-  ~WebTest() override { http.reset(); }
+  void TearDown() override {
+    http.reset();
+    server.reset();
+  }
 
   std::string root() const { return folder.path() + "/web"; }
   std::string address() const { return http->address(); }
 
   TemporaryFolder folder;
-  FakeCell cell;
+  LiveCell cell;
+  Fakes fakes;  // set by the test's constructor
   std::unique_ptr<rpc::RpcServer> server;
   std::unique_ptr<web::HttpServer> http;
 };

@@ -41,22 +41,22 @@ StepOutcome run_with(const std::vector<double>& steps_s) {
   const auto id = cell.begin_run(kClockRows).id;
   std::int64_t at_point = 3;
   for (const double step_s : steps_s) {
-    cell.until([&] { return cell->status().run->run.accepted == at_point; }, 3600);
+    cell.until([&] { return cell.status().run->run.accepted == at_point; }, 3600);
     cell.time().wall_clock_set += nanoseconds_from_s(step_s);
     at_point += 3;
   }
   StepOutcome outcome;
   outcome.run = cell.finish_run();
   cell.pass(5);
-  outcome.points = *cell.await(cell->points(id, 0, 1000));
+  outcome.points = *cell.await(cell.points(id, 0, 1000));
   outcome.steps = cell.events_named("clock.stepped");
-  const auto alarms = *cell.await(cell->watching().alarms(true, 100));
+  const auto alarms = *cell.await(cell->alarms.list(true, 100));
   for (const auto& alarm : alarms)
     if (alarm.kind == "clock.stepped") outcome.alarms.push_back(alarm);
-  const auto csv = *cell.await(cell->export_dataset({id}, false));
+  const auto csv = *cell.await(cell->datasets.export_csv({id}, false));
   EXPECT_THAT(csv, HasSubstr("\ntime_s,"));
   outcome.time_s = first_column(csv);
-  outcome.utc_offset = Nanoseconds(cell->utc(cell.now()).ns - cell.now().utc_ns);
+  outcome.utc_offset = Nanoseconds(cell->host.utc(cell.now()).ns - cell.now().utc_ns);
   return outcome;
 }
 
@@ -116,12 +116,12 @@ TEST(WallClock, WhatWasBeforeAStepKeepsItsUtcAcrossARestart) {
     cell.pass(10);
     cell.time().wall_clock_set = std::chrono::seconds(-600);
     cell.pass(10);
-    EXPECT_EQ(cell->utc(early).ns, early.utc_ns);
+    EXPECT_EQ(cell->host.utc(early).ns, early.utc_ns);
   }
   CellInMemory cell(world, small_cell(folder / "cell.sqlite"), kSqlite,
                     kWorldBegin + std::chrono::hours(1));
-  EXPECT_EQ(cell->utc(early).ns, early.utc_ns);
-  EXPECT_EQ(cell->utc(cell->cell_time(cell->utc(early))), cell->utc(early));
+  EXPECT_EQ(cell->host.utc(early).ns, early.utc_ns);
+  EXPECT_EQ(cell->host.utc(cell->host.cell_time(cell->host.utc(early))), cell->host.utc(early));
   EXPECT_EQ(cell.events_named("clock.stepped").size(), 2u)
       << "and the clock that was put right while the daemon was away";
 }
@@ -132,14 +132,14 @@ TEST(DeviceClockSet, RepeatsThePointUnderWayAndTheRunContinues) {
   SmallWorld world;
   CellInMemory cell(world, small_cell(folder / "cell.sqlite"), kSqlite);
   const auto id = cell.begin_run(kClockRows).id;
-  cell.until([&] { return cell->status().run->run.accepted == 3; }, 3600);
-  cell.until([&] { return cell->status().run->phase == "reading"; }, 60);
+  cell.until([&] { return cell.status().run->run.accepted == 3; }, 3600);
+  cell.until([&] { return cell.status().run->phase == "reading"; }, 60);
   world.laser_clock_jump_s = 3600;
   const auto ended = cell.finish_run();
   EXPECT_EQ(ended.state, RunState::done) << ended.reason;
   EXPECT_EQ(ended.accepted, ended.rows);
   int interrupted = 0;
-  const auto attempts = *cell.await(cell->attempts(id));
+  const auto attempts = *cell.await(cell.attempts(id));
   for (const auto& attempt : attempts) interrupted += attempt.verdict == Verdict::interrupted;
   EXPECT_EQ(interrupted, 1);
   cell.pass(10);
@@ -147,7 +147,7 @@ TEST(DeviceClockSet, RepeatsThePointUnderWayAndTheRunContinues) {
   ASSERT_EQ(jumps.size(), 1u);
   EXPECT_THAT(jumps[0], HasSubstr("laser-x was set by +3600.000 s"));
   int told = 0;
-  const auto alarms = *cell.await(cell->watching().alarms(false, 100));
+  const auto alarms = *cell.await(cell->alarms.list(false, 100));
   for (const auto& alarm : alarms)
     if (alarm.kind == "device.clock") {
       ++told;

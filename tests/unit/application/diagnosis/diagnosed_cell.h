@@ -64,12 +64,12 @@ class DiagnosedCell {
     application::DiagnosisRequest request;
     request.runs = {run};
     request.baseline = baseline;
-    const auto view = cell.await(cell->create_diagnosis(cell.ada, std::move(request)));
+    const auto view = cell.await(cell->diagnoses.create(cell.ada, std::move(request)));
     if (!view) throw std::runtime_error(view.error().message);
     return *view;
   }
   application::DiagnosisView look(DiagnosisId id) {
-    const auto view = cell.await(cell->diagnosis(id));
+    const auto view = cell.await(cell->diagnoses.get(id));
     if (!view) throw std::runtime_error(view.error().message);
     return *view;
   }

@@ -27,7 +27,7 @@ TEST(DiagnosisDesk, StoresWhatWasFoundAndSaysSo) {
   DiagnosedCell d(finds_a_bend);
   const auto run = d.measured(kPlan);
   std::vector<std::string> steps;
-  const auto watch = d.cell->watch_diagnoses(
+  const auto watch = d.cell->diagnoses.watch(
       [&](const DiagnosisProgress& progress) { steps.push_back(progress.step); });
   const auto begun = d.begin_diagnosis(run, "q ~ x");
   EXPECT_EQ(begun.record.state, JobState::running);
@@ -41,20 +41,25 @@ TEST(DiagnosisDesk, StoresWhatWasFoundAndSaysSo) {
   EXPECT_EQ(view.found->rows_calibration, 20u);
   EXPECT_THAT(steps, ElementsAre("waiting for its turn", "looking for a cause in q1", "done"));
   EXPECT_THAT(d.cell.events_named("diagnosis.done").at(0), HasSubstr("geometry_order x"));
-  EXPECT_EQ(d.cell.await(d.cell->diagnoses())->size(), 1u);
+  EXPECT_EQ(d.cell.await(d.cell->diagnoses.list())->size(), 1u);
 }
 
 TEST(DiagnosisDesk, WhoWatchesTheRecordIsCalledForItsEndAndFindsItThere) {
   DiagnosedCell d(finds_a_bend);
   const auto run = d.measured(kPlan);
-  const auto head = d.cell.await(d.cell->watching().record_head()).value();
+  const auto head =
+      d.cell.await(d.cell.read([](Store& store) { return store.records().newest(); })).value();
   int called = 0;
-  const auto watch = d.cell->watching().watch_records([&] { ++called; });
+  const auto watch = d.cell->feeds.watch_records([&] { ++called; });
   const auto id = d.begin_diagnosis(run, "q ~ x").record.id;
   d.cell.until([&] { return d.look(id).record.state != JobState::running; });
   EXPECT_GT(called, 0);
-  const auto now = d.cell.await(d.cell->watching().record_head()).value();
-  const auto page = d.cell.await(d.cell->watching().records(head.newest, now.newest, 100)).value();
+  const auto now =
+      d.cell.await(d.cell.read([](Store& store) { return store.records().newest(); })).value();
+  const auto page =
+      d.cell
+          .await(d.cell.read([&](Store& store) { return store.records().records(head, now, 100); }))
+          .value();
   ASSERT_EQ(page.diagnoses.size(), 1u);
   EXPECT_EQ(page.diagnoses[0].id, id);
   EXPECT_EQ(page.diagnoses[0].state, JobState::done);
@@ -65,7 +70,7 @@ TEST(DiagnosisDesk, ACancelledOneIsOverBeforeItsThreadHasNoticed) {
   const auto run = d.measured(kPlan);
   const auto id = d.begin_diagnosis(run, "q ~ x").record.id;
   const auto before = d.cell.now();
-  const auto cancelled = d.cell.await(d.cell->cancel_diagnosis(d.cell.ada, id));
+  const auto cancelled = d.cell.await(d.cell->diagnoses.cancel(d.cell.ada, id));
   ASSERT_TRUE(cancelled);
   EXPECT_EQ(cancelled->record.state, JobState::cancelled);
   EXPECT_EQ(cancelled->record.reason, "cancelled by ada");
@@ -83,7 +88,7 @@ TEST(DiagnosisDesk, AFitDoesNotWaitForADiagnosis) {
   application::FitRequest fit;
   fit.runs = {run};
   fit.formula = "q ~ x";
-  ASSERT_TRUE(d.cell.await(d.cell->fit(d.cell.ada, fit)));
+  ASSERT_TRUE(d.cell.await(d.cell->models.fit(d.cell.ada, fit)));
   EXPECT_EQ(d.look(id).record.state, JobState::running);
 }
 
@@ -94,7 +99,7 @@ TEST(DiagnosisDesk, RefusesANinthAtOnce) {
   application::DiagnosisRequest ninth;
   ninth.runs = {run};
   ninth.baseline = "q ~ x";
-  const auto refused = d.cell.await(d.cell->create_diagnosis(d.cell.ada, ninth));
+  const auto refused = d.cell.await(d.cell->diagnoses.create(d.cell.ada, ninth));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().reason, "TOO_MANY_DIAGNOSES");
 }
@@ -115,10 +120,10 @@ TEST(DiagnosisDesk, RefusesAFormulaThatTheDataLackAChannelFor) {
   application::DiagnosisRequest request;
   request.runs = {run};
   request.baseline = "q ~ x + t77";
-  EXPECT_EQ(d.cell.await(d.cell->create_diagnosis(d.cell.ada, request)).error().reason,
+  EXPECT_EQ(d.cell.await(d.cell->diagnoses.create(d.cell.ada, request)).error().reason,
             "UNKNOWN_CHANNEL");
   request.baseline.clear();  // and nothing serves
-  EXPECT_EQ(d.cell.await(d.cell->create_diagnosis(d.cell.ada, request)).error().reason, "NO_MODEL");
+  EXPECT_EQ(d.cell.await(d.cell->diagnoses.create(d.cell.ada, request)).error().reason, "NO_MODEL");
 }
 
 TEST(DiagnosisDesk, OneUnderWayWhenTheDaemonEndsHasFailedAtTheNextStart) {
@@ -137,11 +142,11 @@ TEST(DiagnosisDesk, OneUnderWayWhenTheDaemonEndsHasFailedAtTheNextStart) {
     application::DiagnosisRequest request;
     request.runs = {run.id};
     request.baseline = "q ~ x";
-    id = cell.await(cell->create_diagnosis(cell.ada, request))->record.id;
+    id = cell.await(cell->diagnoses.create(cell.ada, request))->record.id;
     asio::post(elsewhere, [] {});
     bool down = false;
     // Ends in good order: the search is told to stop and gets its turn to notice.
-    asio::co_spawn(cell->executor(), cell->shut_down(),
+    asio::co_spawn(cell->host.executor(), cell.cell().shut_down(),
                    [&down](std::exception_ptr) { down = true; });
     cell.until([&] {
       elsewhere.restart();
@@ -151,7 +156,7 @@ TEST(DiagnosisDesk, OneUnderWayWhenTheDaemonEndsHasFailedAtTheNextStart) {
     cell.forget();
   }
   CellInMemory again(world, description, kSqlite, kWorldBegin + std::chrono::hours(24));
-  const auto view = again.await(again->diagnosis(id));
+  const auto view = again.await(again->diagnoses.get(id));
   ASSERT_TRUE(view);
   EXPECT_EQ(view->record.state, JobState::failed);
   EXPECT_THAT(view->record.reason, HasSubstr("the daemon"));

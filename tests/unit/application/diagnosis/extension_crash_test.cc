@@ -71,14 +71,16 @@ void die_at(const std::string& database, const std::string& point) {
                          const dx::DiagnoseOptions& options) -> Result<dx::Diagnosis> {
           return diagnosis_with(options.baseline.formula, {wave, wrong});
         }});
-    if (!cell.await(cell->import_dataset(cell.ada, "campaign", campaign_csv(), ""))) ::_exit(3);
+    if (!cell.await(cell->datasets.import_csv(cell.ada, "campaign", campaign_csv(), "")))
+      ::_exit(3);
     application::DiagnosisRequest request;
     request.runs = {RunId{1}};
     request.baseline = "q ~ x";
-    if (!cell.await(cell->create_diagnosis(cell.ada, request))) ::_exit(4);
-    cell.until([&] { return cell.await(cell->diagnosis({1}))->record.state == JobState::done; });
-    if (!cell.await(cell->accept_extension(cell.ada, {DiagnosisId{1}, {}, true}))) ::_exit(5);
-    static_cast<void>(cell.await(cell->undo_extension(cell.ada, DiagnosisId{1})));
+    if (!cell.await(cell->diagnoses.create(cell.ada, request))) ::_exit(4);
+    cell.until(
+        [&] { return cell.await(cell->diagnoses.get({1}))->record.state == JobState::done; });
+    if (!cell.await(cell->extensions.accept(cell.ada, {DiagnosisId{1}, {}, true}))) ::_exit(5);
+    static_cast<void>(cell.await(cell->extensions.undo(cell.ada, DiagnosisId{1})));
     ::_exit(0);
   }
   int status = 0;
@@ -102,7 +104,7 @@ TEST(AcceptCrash, AfterItAllOfItIs) {
   CellInMemory cell(world, small_cell(folder / "cell.sqlite"), kSqlite,
                     kWorldBegin + std::chrono::hours(1));
   cell.pass(10);
-  EXPECT_EQ(cell->status().serving, ModelId{1});
+  EXPECT_EQ(cell.status().serving, ModelId{1});
 }
 
 TEST(AcceptCrash, UndoneIsUndoneWhole) {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "server/application/ports/provenance.h"
+#include "server/application/provenance/provenance.h"
 #include "server/compensation/target.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/model/model_json.h"
@@ -50,25 +50,26 @@ class ExtensionTest : public testing::Test {
           return diagnosis_with(options.baseline.formula, findings);
         }) {
     const auto imported =
-        d.cell.await(d.cell->import_dataset(d.cell.ada, "campaign", imported_csv(), ""));
+        d.cell.await(d.cell->datasets.import_csv(d.cell.ada, "campaign", imported_csv(), ""));
     if (!imported) throw std::runtime_error(imported.error().message);
     run = imported->id;
   }
   Result<ExtensionRecord> accept(DiagnosisId id, std::vector<int> numbers = {},
                                  bool promote = false) {
-    return d.cell.await(d.cell->accept_extension(d.cell.ada, {id, std::move(numbers), promote}));
+    return d.cell.await(d.cell->extensions.accept(d.cell.ada, {id, std::move(numbers), promote}));
   }
   calibration::Model model(ModelId id) {
-    return *formats::read_model_json(d.cell.await(d.cell->model(id))->json);
+    return *formats::read_model_json(d.cell.await(d.cell->models.get(id))->json);
   }
   Dataset data() {
-    return *formats::read_dataset_csv(*d.cell.await(d.cell->export_dataset({run}, false)), "e");
+    return *formats::read_dataset_csv(*d.cell.await(d.cell->datasets.export_csv({run}, false)),
+                                      "e");
   }
   double rmse_nm(const calibration::Model& m) { return m.outputs[0].accuracy.rmse * 1e6; }
   double target_mm(double x_mm) {
     compensation::TargetRequest request;
     request.set(compensation::Variable::x, x_mm);
-    return compensation::compute_target(*d.cell->snapshots().read(), request).q_mm[0];
+    return compensation::compute_target(*d.cell->targets.snapshots().read(), request).q_mm[0];
   }
 
   // What the scripted search answers with.
@@ -117,38 +118,38 @@ TEST_F(ExtensionTest, AnInstrumentsErrorIsCorrectedInTheDataAndStaysOutOfTheMode
 
 TEST_F(ExtensionTest, UndoneItLeavesNoTrace) {
   findings = {cycle(), outlier()};
-  const auto before = *d.cell.await(d.cell->export_dataset({run}, false));
+  const auto before = *d.cell.await(d.cell->datasets.export_csv({run}, false));
   const auto id = d.diagnosed(run, "q ~ x").record.id;
   ASSERT_TRUE(accept(id));
-  EXPECT_NE(*d.cell.await(d.cell->export_dataset({run}, false)), before);
-  const auto undone = d.cell.await(d.cell->undo_extension(d.cell.ada, id));
+  EXPECT_NE(*d.cell.await(d.cell->datasets.export_csv({run}, false)), before);
+  const auto undone = d.cell.await(d.cell->extensions.undo(d.cell.ada, id));
   ASSERT_TRUE(undone) << undone.error().message;
   EXPECT_FALSE(undone->stands());
-  EXPECT_EQ(*d.cell.await(d.cell->export_dataset({run}, false)), before);  // to the byte
-  EXPECT_EQ(d.cell.await(d.cell->undo_extension(d.cell.ada, id)).error().reason, "NO_EXTENSION");
+  EXPECT_EQ(*d.cell.await(d.cell->datasets.export_csv({run}, false)), before);  // to the byte
+  EXPECT_EQ(d.cell.await(d.cell->extensions.undo(d.cell.ada, id)).error().reason, "NO_EXTENSION");
 }
 
 TEST_F(ExtensionTest, ARobotsEffectBecomesAModelThatServesAndTheOneBeforeServesAgain) {
   application::FitRequest fit;
   fit.runs = {run};
   fit.formula = "q ~ x";
-  const auto parent = *d.cell.await(d.cell->fit(d.cell.ada, fit));
-  ASSERT_TRUE(d.cell.await(d.cell->promote(d.cell.ada, parent.id)));
+  const auto parent = *d.cell.await(d.cell->models.fit(d.cell.ada, fit));
+  ASSERT_TRUE(d.cell.await(d.cell->promotions.promote(d.cell.ada, parent.id)));
   findings = {bend()};
   application::DiagnosisRequest request;
   request.runs = {run};  // baseline: that of the model that serves
-  const auto id = d.cell.await(d.cell->create_diagnosis(d.cell.ada, request))->record.id;
+  const auto id = d.cell.await(d.cell->diagnoses.create(d.cell.ada, request))->record.id;
   d.cell.until([&] { return d.look(id).record.state == JobState::done; });
   const auto made = accept(id, {1}, true);
   ASSERT_TRUE(made) << made.error().message;
   EXPECT_FALSE(made->correction);
-  EXPECT_EQ(d.cell->status().serving, made->model);
-  const auto record = *d.cell.await(d.cell->model(*made->model));
+  EXPECT_EQ(d.cell.status().serving, made->model);
+  const auto record = *d.cell.await(d.cell->models.get(*made->model));
   EXPECT_EQ(record.parent, parent.id);
   EXPECT_THAT(record.note, HasSubstr("diagnosis 1, finding 1"));
   EXPECT_EQ(model(*made->model).formula, "q ~ x + t01");
-  ASSERT_TRUE(d.cell.await(d.cell->undo_extension(d.cell.ada, id)));
-  EXPECT_EQ(d.cell->status().serving, parent.id);
+  ASSERT_TRUE(d.cell.await(d.cell->extensions.undo(d.cell.ada, id)));
+  EXPECT_EQ(d.cell.status().serving, parent.id);
 }
 
 TEST_F(ExtensionTest, ASetThatCannotBeToldApartNeedsAChoice) {
@@ -193,7 +194,7 @@ TEST_F(ExtensionTest, RefusesWhatIsNotThere) {
   of_file.csv = imported_csv();
   of_file.baseline = "q ~ x";
   findings = {bend()};
-  const auto file = d.cell.await(d.cell->create_diagnosis(d.cell.ada, of_file))->record.id;
+  const auto file = d.cell.await(d.cell->diagnoses.create(d.cell.ada, of_file))->record.id;
   d.cell.until([&] { return d.look(file).record.state == JobState::done; });
   EXPECT_EQ(accept(file).error().reason, "FROM_A_FILE");
 }
@@ -201,12 +202,12 @@ TEST_F(ExtensionTest, RefusesWhatIsNotThere) {
 TEST_F(ExtensionTest, ShowsBeforeAcceptingWhatChangesInWhichRunsByHowMuch) {
   // An earlier run that the diagnosis never looks at, and the run that it does.
   const auto other =
-      d.cell.await(d.cell->import_dataset(d.cell.ada, "last week", imported_csv(), ""));
+      d.cell.await(d.cell->datasets.import_csv(d.cell.ada, "last week", imported_csv(), ""));
   ASSERT_TRUE(other);
   findings = {cycle(), outlier()};
-  const auto before = *d.cell.await(d.cell->export_dataset({other->id}, false));
+  const auto before = *d.cell.await(d.cell->datasets.export_csv({other->id}, false));
   const auto id = d.diagnosed(run, "q ~ x").record.id;
-  const auto preview = d.cell.await(d.cell->provenance().preview_extension({id, {}, false}));
+  const auto preview = d.cell.await(d.cell->extensions.preview({id, {}, false}));
   ASSERT_TRUE(preview) << preview.error().message;
   EXPECT_EQ(preview->formula, "q ~ x");
   ASSERT_EQ(preview->changes.size(), 2u);
@@ -224,12 +225,12 @@ TEST_F(ExtensionTest, ShowsBeforeAcceptingWhatChangesInWhichRunsByHowMuch) {
   EXPECT_THAT(preview->sentences, testing::Contains(HasSubstr("earlier runs too")));
   EXPECT_THAT(preview->sentences, testing::Contains(HasSubstr("run 2 'last week' by up to 40")));
   // It changed nothing.
-  EXPECT_EQ(*d.cell.await(d.cell->export_dataset({other->id}, false)), before);
-  EXPECT_TRUE(d.cell.await(d.cell->models())->empty());
+  EXPECT_EQ(*d.cell.await(d.cell->datasets.export_csv({other->id}, false)), before);
+  EXPECT_TRUE(d.cell.await(d.cell->models.list())->empty());
   // And it told the truth.
   ASSERT_TRUE(accept(id));
   const auto after = *formats::read_dataset_csv(
-      *d.cell.await(d.cell->export_dataset({other->id}, false)), "after");
+      *d.cell.await(d.cell->datasets.export_csv({other->id}, false)), "after");
   const auto was = *formats::read_dataset_csv(before, "before");
   double largest_nm = 0;
   for (std::size_t row = 0; row < was.rows; ++row)
@@ -244,7 +245,7 @@ TEST_F(ExtensionTest, MarksRunsAndModelsThatRestOnACorrection) {
   const auto id = d.diagnosed(run, "q ~ x").record.id;
   const auto made = accept(id);
   ASSERT_TRUE(made) << made.error().message;
-  const auto marks = d.cell.await(d.cell->provenance().grounds_of_runs({run}))->front();
+  const auto marks = d.cell.await(d.cell->provenance.grounds_of_runs({run}))->front();
   ASSERT_EQ(marks.corrections.size(), 1u);
   EXPECT_EQ(marks.corrections[0].id, made->correction);
   ASSERT_EQ(marks.corrections[0].changes.size(), 1u);
@@ -252,29 +253,28 @@ TEST_F(ExtensionTest, MarksRunsAndModelsThatRestOnACorrection) {
   application::FitRequest fit;
   fit.runs = {run};
   fit.formula = "q ~ x + t01";
-  const auto later = *d.cell.await(d.cell->fit(d.cell.ada, fit));
+  const auto later = *d.cell.await(d.cell->models.fit(d.cell.ada, fit));
   for (const ModelId model : {*made->model, later.id}) {
-    const auto ground = *d.cell.await(d.cell->provenance().ground_of_model(model));
+    const auto ground = *d.cell.await(d.cell->provenance.ground_of_model(model));
     ASSERT_EQ(ground.corrections.size(), 1u) << "model " << model.value;
     EXPECT_TRUE(ground.corrections[0].in_force());
     EXPECT_TRUE(ground.promotion_questions.empty());
   }
-  ASSERT_TRUE(d.cell.await(d.cell->undo_extension(d.cell.ada, id)));
-  EXPECT_TRUE(
-      d.cell.await(d.cell->provenance().grounds_of_runs({run}))->front().corrections.empty());
+  ASSERT_TRUE(d.cell.await(d.cell->extensions.undo(d.cell.ada, id)));
+  EXPECT_TRUE(d.cell.await(d.cell->provenance.grounds_of_runs({run}))->front().corrections.empty());
   // The models stay, and say what they rest on.
   EXPECT_FALSE(
-      d.cell.await(d.cell->provenance().ground_of_model(later.id))->corrections[0].in_force());
-  const auto refused = d.cell.await(d.cell->promote(d.cell.ada, later.id));
+      d.cell.await(d.cell->provenance.ground_of_model(later.id))->corrections[0].in_force());
+  const auto refused = d.cell.await(d.cell->promotions.promote(d.cell.ada, later.id));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().reason, "NEEDS_CONFIRMATION");
   EXPECT_THAT(refused.error().message, HasSubstr("correction 1 of diagnosis 1"));
   EXPECT_THAT(refused.error().message, HasSubstr("ada took back"));
-  EXPECT_TRUE(d.cell.await(d.cell->promote(d.cell.ada, later.id, true)));
+  EXPECT_TRUE(d.cell.await(d.cell->promotions.promote(d.cell.ada, later.id, true)));
   // A fit of the data as they are now rests on nothing.
   fit.formula = "q ~ x + x^2";
-  const auto fresh = *d.cell.await(d.cell->fit(d.cell.ada, fit));
-  EXPECT_TRUE(d.cell.await(d.cell->model(fresh.id))->corrections.empty());
+  const auto fresh = *d.cell.await(d.cell->models.fit(d.cell.ada, fit));
+  EXPECT_TRUE(d.cell.await(d.cell->models.get(fresh.id))->corrections.empty());
 }
 
 TEST_F(ExtensionTest, RefusesAnImpossibleInstrument) {
@@ -284,7 +284,7 @@ TEST_F(ExtensionTest, RefusesAnImpossibleInstrument) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().reason, "IMPOSSIBLE_PARAMETER");
   EXPECT_THAT(refused.error().message, HasSubstr("126 ppm/h"));
-  EXPECT_TRUE(d.cell.await(d.cell->models())->empty()) << "nothing was kept";
+  EXPECT_TRUE(d.cell.await(d.cell->models.list())->empty()) << "nothing was kept";
 }
 
 TEST_F(ExtensionTest, AJumpSplitsItsDatum) {

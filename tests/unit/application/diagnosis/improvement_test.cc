@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/application/ports/provenance.h"
+#include "server/application/provenance/provenance.h"
 #include "server/formats/model/model_json.h"
 #include "tests/unit/application/diagnosis/diagnosed_cell.h"
 
@@ -55,9 +55,12 @@ class ImprovementTest : public testing::Test {
     request.trajectory_name = "lines.csv";
     if (request.formula.empty()) request.formula = "q ~ x";
     request.lease_token = d.cell.lease();
-    return d.cell.await(d.cell->create_improvement(d.cell.ada, std::move(request)));
+    return d.cell.await(d.cell->improvements.create(d.cell.ada, std::move(request)));
   }
-  ImprovementRecord look(ImprovementId id) { return *d.cell.await(d.cell->improvement(id)); }
+  ImprovementRecord look(ImprovementId id) {
+    return *d.cell.await(
+        d.cell.read([id](Store& store) { return store.diagnoses().improvement(id); }));
+  }
   ImprovementRecord finished(ImprovementId id) {
     d.cell.until([&] { return look(id).state != JobState::running; }, 400'000);
     return look(id);
@@ -77,7 +80,7 @@ TEST_F(ImprovementTest, MeasuresFindsExtendsAndMeasuresAgainUntilNothingIsLeft) 
                look(begun->id).turns[0].runs.size() == 2;
       },
       400'000);
-  EXPECT_FALSE(d.cell->status().serving) << "before the fresh points have shown the gain";
+  EXPECT_FALSE(d.cell.status().serving) << "before the fresh points have shown the gain";
   const auto record = finished(begun->id);
   EXPECT_EQ(record.state, JobState::done);
   EXPECT_EQ(record.reason, "nothing beyond noise is left");
@@ -92,8 +95,8 @@ TEST_F(ImprovementTest, MeasuresFindsExtendsAndMeasuresAgainUntilNothingIsLeft) 
   EXPECT_LT(std::abs(first.gains[0].measured->mean), 30);
   EXPECT_GE(first.gains[0].measured->a90, 0.97 * first.gains[0].measured->u90);
   EXPECT_THAT(first.what, HasSubstr("geometry_order x"));
-  EXPECT_EQ(d.cell->status().serving, first.model);
-  EXPECT_EQ(formats::read_model_json(d.cell.await(d.cell->model(*first.model))->json)->formula,
+  EXPECT_EQ(d.cell.status().serving, first.model);
+  EXPECT_EQ(formats::read_model_json(d.cell.await(d.cell->models.get(*first.model))->json)->formula,
             "q ~ x + x^2");
   EXPECT_TRUE(record.turns[1].diagnosis);
   EXPECT_TRUE(record.turns[1].runs.empty());
@@ -104,12 +107,13 @@ TEST_F(ImprovementTest, ProposesOnlyUnlessItWasToldToPromote) {
   const auto record = finished(begin()->id);
   EXPECT_EQ(record.state, JobState::done) << record.reason;
   EXPECT_TRUE(record.turns[0].model);
-  EXPECT_FALSE(d.cell->status().serving);
+  EXPECT_FALSE(d.cell.status().serving);
 }
 
 TEST_F(ImprovementTest, StopsWhenTheBudgetDoesNotHoldAnotherMeasurement) {
   application::ImproveRequest request;
-  request.budget_s = d.cell.await(d.cell->check_trajectory(kLines))->estimated_s * 1.5;
+  request.budget_s =
+      d.cell.await(d.cell->trajectories.check("trajectory", kLines))->estimated_s * 1.5;
   const auto record = finished(begin(request)->id);
   EXPECT_EQ(record.state, JobState::done);
   EXPECT_THAT(record.reason, HasSubstr("budget"));
@@ -119,9 +123,9 @@ TEST_F(ImprovementTest, StopsWhenTheBudgetDoesNotHoldAnotherMeasurement) {
 
 TEST_F(ImprovementTest, APauseIsWaitedOut) {
   const auto id = begin()->id;
-  d.cell.until([&] { return d.cell->status().run && d.cell->status().run->run.accepted > 3; });
-  const auto run = d.cell->status().run->run.id;
-  ASSERT_TRUE(d.cell.await(d.cell->pause_run(d.cell.ada, run)));
+  d.cell.until([&] { return d.cell.status().run && d.cell.status().run->run.accepted > 3; });
+  const auto run = d.cell.status().run->run.id;
+  ASSERT_TRUE(d.cell.await(d.cell->runs.pause(d.cell.ada, run)));
   d.cell.pass(3600);
   EXPECT_EQ(look(id).state, JobState::running);
   ASSERT_TRUE(d.cell.resume());
@@ -130,31 +134,31 @@ TEST_F(ImprovementTest, APauseIsWaitedOut) {
 
 TEST_F(ImprovementTest, AnAbortedRunEndsItWithTheReasonAndStays) {
   const auto id = begin()->id;
-  d.cell.until([&] { return d.cell->status().run && d.cell->status().run->run.accepted > 3; });
-  const auto run = d.cell->status().run->run.id;
-  ASSERT_TRUE(d.cell.await(d.cell->abort_run(d.cell.ada, run, "fire alarm")));
+  d.cell.until([&] { return d.cell.status().run && d.cell.status().run->run.accepted > 3; });
+  const auto run = d.cell.status().run->run.id;
+  ASSERT_TRUE(d.cell.await(d.cell->runs.abort(d.cell.ada, run, "fire alarm")));
   const auto record = finished(id);
   EXPECT_EQ(record.state, JobState::failed);
   EXPECT_THAT(record.reason, HasSubstr("fire alarm"));
-  EXPECT_EQ(d.cell.await(d.cell->run(run))->state, RunState::aborted);
+  EXPECT_EQ(d.cell.await(d.cell->runs.get(run))->state, RunState::aborted);
 }
 
 TEST_F(ImprovementTest, CancellingIsAtOnceAndStopsTheRobot) {
   const auto id = begin()->id;
-  d.cell.until([&] { return d.cell->status().run && d.cell->status().run->run.accepted > 3; });
-  const auto run = d.cell->status().run->run.id;
-  const auto cancelled = d.cell.await(d.cell->cancel_improvement(d.cell.ada, id));
+  d.cell.until([&] { return d.cell.status().run && d.cell.status().run->run.accepted > 3; });
+  const auto run = d.cell.status().run->run.id;
+  const auto cancelled = d.cell.await(d.cell->improvements.cancel(d.cell.ada, id));
   ASSERT_TRUE(cancelled);
   EXPECT_EQ(cancelled->state, JobState::cancelled);
-  d.cell.until([&] { return !d.cell->status().run; });
-  EXPECT_EQ(d.cell.await(d.cell->run(run))->state, RunState::aborted);
+  d.cell.until([&] { return !d.cell.status().run; });
+  EXPECT_EQ(d.cell.await(d.cell->runs.get(run))->state, RunState::aborted);
   EXPECT_EQ(look(id).state, JobState::cancelled);
 }
 
 TEST_F(ImprovementTest, ALeaseThatIsGivenUpEndsItBeforeTheNextMeasurement) {
   const auto id = begin()->id;
-  d.cell.until([&] { return d.cell->status().run && d.cell->status().run->run.accepted > 3; });
-  ASSERT_TRUE(d.cell->give_up_lease(d.cell.ada, d.cell.lease()));
+  d.cell.until([&] { return d.cell.status().run && d.cell.status().run->run.accepted > 3; });
+  ASSERT_TRUE(d.cell->manual.give_up_lease(d.cell.ada, d.cell.lease()));
   const auto record = finished(id);
   EXPECT_EQ(record.state, JobState::failed);
   EXPECT_THAT(record.reason, HasSubstr("lease"));
@@ -197,8 +201,8 @@ TEST_F(ImprovementTest, IsUndoneWhenTheFreshPointsDoNotShowIt) {
   const auto record = finished(id);
   EXPECT_EQ(record.state, JobState::done);
   EXPECT_THAT(record.reason, HasSubstr("was undone"));
-  EXPECT_FALSE(d.cell->status().serving);
-  EXPECT_TRUE(d.cell.await(d.cell->promotions())->empty())
+  EXPECT_FALSE(d.cell.status().serving);
+  EXPECT_TRUE(d.cell.await(d.cell.promotions())->empty())
       << "it never served, not even for a while";
   ASSERT_TRUE(record.turns[0].gains[0].measured && record.turns[0].gains[0].measured_before);
   EXPECT_GT(record.turns[0].gains[0].measured->a90, record.turns[0].gains[0].measured_before->a90);
@@ -221,7 +225,8 @@ TEST_F(ImpossibleLaserTest, IsLeftOutAndTheRestIsAccepted) {
   EXPECT_EQ(record.state, JobState::done) << record.reason;
   EXPECT_THAT(record.turns[0].what, HasSubstr("not accepted: finding 2 (instrument_drift x)"));
   EXPECT_THAT(record.turns[0].what, HasSubstr("geometry_order x"));
-  const auto corrections = d.cell.await(d.cell->provenance().corrections());
+  const auto corrections =
+      d.cell.await(d.cell.read([](Store& store) { return store.diagnoses().corrections(); }));
   EXPECT_TRUE(corrections->empty());
   EXPECT_THAT(record.reason, HasSubstr("126 ppm/h")) << "the last turn has nothing else";
 }

@@ -1,7 +1,7 @@
 // Studies of a stored run: the same figures as the engine gives, told as they go, ended when nobody
 // wants them any more.
 
-#include "server/application/ports/studies.h"
+#include "server/application/analyses/studies.h"
 
 #include <gmock/gmock.h>
 
@@ -41,9 +41,11 @@ class StudiesTest : public testing::Test {
     fit.blocks = 4;
     return fit;
   }
-  Dataset data() { return d.cell.await(d.cell->residuals(stored_model(), {}, "")).value().data; }
+  Dataset data() {
+    return d.cell.await(d.cell->models.residuals(stored_model(), {}, "")).value().data;
+  }
   ModelId stored_model() {
-    return d.cell.await(d.cell->fit(d.cell.ada, fit_of("q ~ x"))).value().id;
+    return d.cell.await(d.cell->models.fit(d.cell.ada, fit_of("q ~ x"))).value().id;
   }
 
   DiagnosedCell d;
@@ -59,7 +61,7 @@ class StudiesElsewhereTest : public StudiesTest {
 TEST_F(StudiesTest, MethodsOfARunAreThoseOfItsRows) {
   application::MethodsRequest asked{
       .fit = fit_of("q ~ x + T"), .methods = {}, .robot = kAxis, .together = "", .folds = 10};
-  const auto judged = d.cell.await(d.cell->studies().compare_methods(asked, a_study()));
+  const auto judged = d.cell.await(d.cell->studies.compare_methods(asked, a_study()));
   ASSERT_TRUE(judged) << judged.error().message;
   ASSERT_THAT(*judged, SizeIs(4)) << "all that a formula and a geometry allow";
   EXPECT_EQ(told.front().step, "waiting for its turn");
@@ -83,19 +85,19 @@ TEST_F(StudiesTest, MethodsOfARunAreThoseOfItsRows) {
 TEST_F(StudiesTest, AsksForAFormulaOrAGeometry) {
   application::MethodsRequest nothing{
       .fit = fit_of(""), .methods = {}, .robot = "", .together = "", .folds = 10};
-  EXPECT_EQ(d.cell.await(d.cell->studies().compare_methods(nothing, a_study())).error().reason,
+  EXPECT_EQ(d.cell.await(d.cell->studies.compare_methods(nothing, a_study())).error().reason,
             "NO_METHOD");
   nothing.methods = {"guess"};
-  EXPECT_EQ(d.cell.await(d.cell->studies().compare_methods(nothing, a_study())).error().reason,
+  EXPECT_EQ(d.cell.await(d.cell->studies.compare_methods(nothing, a_study())).error().reason,
             "BAD_METHOD");
   nothing.robot = "[kinematics]\nkind = \"spider\"\n";
-  EXPECT_EQ(d.cell.await(d.cell->studies().compare_methods(nothing, a_study())).error().reason,
+  EXPECT_EQ(d.cell.await(d.cell->studies.compare_methods(nothing, a_study())).error().reason,
             "UNKNOWN_KIND");
 }
 
 TEST_F(StudiesTest, EverySetOfThermometersIsTriedWhateverTheNumberOfThreads) {
   application::SensorsRequest asked{.fit = fit_of("q ~ x + T"), .tolerance = 0.1};
-  const auto one = d.cell.await(d.cell->studies().study_sensors(asked, a_study()));
+  const auto one = d.cell.await(d.cell->studies.study_sensors(asked, a_study()));
   ASSERT_TRUE(one) << one.error().message;
   EXPECT_EQ(one->unit, "mm");
   EXPECT_GE(one->study.sets_tried, 8u);
@@ -106,7 +108,7 @@ TEST_F(StudiesTest, EverySetOfThermometersIsTriedWhateverTheNumberOfThreads) {
     before = progress.fraction;
   }
   asked.fit.threads = 4;
-  const auto four = d.cell.await(d.cell->studies().study_sensors(asked, a_study()));
+  const auto four = d.cell.await(d.cell->studies.study_sensors(asked, a_study()));
   ASSERT_TRUE(four);
   for (std::size_t i = 0; i < one->study.best.size(); ++i) {
     EXPECT_EQ(four->study.best[i].sensors, one->study.best[i].sensors);
@@ -116,7 +118,7 @@ TEST_F(StudiesTest, EverySetOfThermometersIsTriedWhateverTheNumberOfThreads) {
 
 TEST_F(StudiesTest, ARefusalOfTheEngineIsTheAnswer) {
   application::SensorsRequest asked{.fit = fit_of("q ~ x"), .tolerance = 0.1};
-  EXPECT_EQ(d.cell.await(d.cell->studies().study_sensors(asked, a_study())).error().reason,
+  EXPECT_EQ(d.cell.await(d.cell->studies.study_sensors(asked, a_study())).error().reason,
             "NO_SENSORS");
 }
 
@@ -124,9 +126,9 @@ TEST_F(StudiesElsewhereTest, AStoppedOneDoesNoWorkAndAFitDoesNotWaitForIt) {
   application::SensorsRequest asked{.fit = fit_of("q ~ x + T"), .tolerance = 0.1};
   const auto study = a_study();
   std::optional<Result<application::SensorChoice>> answer;
-  d.cell.begin(d.cell->studies().study_sensors(asked, study), answer);
+  d.cell.begin(d.cell->studies.study_sensors(asked, study), answer);
   d.cell.until([&] { return !told.empty(); });
-  EXPECT_TRUE(d.cell.await(d.cell->fit(d.cell.ada, fit_of("q ~ x + x^2"))));
+  EXPECT_TRUE(d.cell.await(d.cell->models.fit(d.cell.ada, fit_of("q ~ x + x^2"))));
   EXPECT_FALSE(answer);
   study->stop();
   d.let_diagnoses_run();
@@ -141,10 +143,10 @@ TEST_F(StudiesElsewhereTest, RefusesANinthAtOnce) {
   std::vector<std::optional<Result<application::SensorChoice>>> answers(8);
   for (auto& answer : answers) {
     studies.push_back(a_study());
-    d.cell.begin(d.cell->studies().study_sensors(asked, studies.back()), answer);
+    d.cell.begin(d.cell->studies.study_sensors(asked, studies.back()), answer);
   }
   d.cell.until([&] { return told.size() == 8; });
-  const auto ninth = d.cell.await(d.cell->studies().study_sensors(asked, a_study()));
+  const auto ninth = d.cell.await(d.cell->studies.study_sensors(asked, a_study()));
   EXPECT_EQ(ninth.error().reason, "TOO_MANY_STUDIES");
   for (const auto& study : studies) study->stop();
   d.let_diagnoses_run();

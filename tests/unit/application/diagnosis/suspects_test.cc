@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-#include "server/application/ports/watching.h"
+#include "server/application/alarms/alarms.h"
 #include "tests/support/cell_in_memory.h"
 #include "tests/unit/application/sqlite.h"
 
@@ -35,11 +35,11 @@ class FalseLength : public testing::Test {
     return static_cast<std::int64_t>(cell.events_named(what).size());
   }
   void until_accepted(std::int64_t points) {
-    cell.until([&] { return cell->status().run && cell->status().run->run.accepted >= points; });
+    cell.until([&] { return cell.status().run && cell.status().run->run.accepted >= points; });
   }
   std::vector<std::string> alarm_kinds() {
     std::vector<std::string> kinds;
-    const auto alarms = cell.await(cell->watching().alarms(true, 100));
+    const auto alarms = cell.await(cell->alarms.list(true, 100));
     if (!alarms) throw std::runtime_error(alarms.error().message);
     for (const auto& alarm : *alarms) kinds.push_back(alarm.kind);
     return kinds;
@@ -63,16 +63,16 @@ TEST_F(FalseLength, AJumpOfTenMicrometresMarksThePointsSinceTheLastGoodClosure) 
   until_accepted(8);
   world.zero_mm -= 0.010;
   EXPECT_EQ(cell.finish_run().state, RunState::done);
-  const auto state = cell.await(cell->exclusions(run));
+  const auto state = cell.await(cell->annotations.exclusions(run));
   ASSERT_TRUE(state);
   EXPECT_THAT(state->suspect_rows, ElementsAre(6, 7, 8, 9, 10));
   EXPECT_EQ(state->rows, state->suspect_rows);
   EXPECT_THAT(alarm_kinds(), testing::Contains("closure.bad"));
   EXPECT_EQ(count("datum.opened"), 2) << "what follows counts from a zero of its own";
-  const auto csv = cell.await(cell->export_dataset({run}, false));
+  const auto csv = cell.await(cell->datasets.export_csv({run}, false));
   ASSERT_TRUE(csv);
   EXPECT_THAT(*csv, HasSubstr("excluded,suspect,"));
-  const auto without = cell.await(cell->export_dataset({run}, true));
+  const auto without = cell.await(cell->datasets.export_csv({run}, true));
   ASSERT_TRUE(without);
   EXPECT_THAT(*without, Not(HasSubstr("suspect")));
 
@@ -81,7 +81,7 @@ TEST_F(FalseLength, AJumpOfTenMicrometresMarksThePointsSinceTheLastGoodClosure) 
   back.excluded = false;
   back.rows = {6, 7};
   back.reason = "the jump came later";
-  const auto after = cell.await(cell->exclude_rows(cell.ada, back));
+  const auto after = cell.await(cell->annotations.exclude_rows(cell.ada, back));
   ASSERT_TRUE(after);
   EXPECT_THAT(after->suspect_rows, ElementsAre(8, 9, 10));
 }
@@ -90,14 +90,14 @@ TEST_F(FalseLength, ALengthThatDoesNotFollowTheAxisIsNoPointAndTheRunWaits) {
   const auto run = cell.begin_run(lines_of(3, {2, -3, 1, -1}, true)).id;
   until_accepted(7);
   world.zero_mm -= 5e6;  // 5 km
-  cell.until([&] { return cell->status().run->run.state == RunState::waiting; });
-  const auto waiting = cell->status().run->run;
+  cell.until([&] { return cell.status().run->run.state == RunState::waiting; });
+  const auto waiting = cell.status().run->run;
   cell.pass(300);
-  EXPECT_EQ(cell->status().run->run.accepted, waiting.accepted);
+  EXPECT_EQ(cell.status().run->run.accepted, waiting.accepted);
   EXPECT_THAT(alarm_kinds(), testing::Contains("reading.range"));
   world.zero_mm += 5e6;
   EXPECT_EQ(cell.finish_run().state, RunState::done);
-  const auto state = cell.await(cell->exclusions(run));
+  const auto state = cell.await(cell->annotations.exclusions(run));
   ASSERT_TRUE(state);
   EXPECT_THAT(state->rows, ElementsAre());
 }
@@ -106,7 +106,7 @@ TEST_F(FalseLength, ATrueCampaignHasNoMark) {
   const auto run = cell.begin_run(lines_of(10, {2, -3, 1, -1}, true)).id;
   EXPECT_EQ(cell.finish_run().state, RunState::done);
   EXPECT_THAT(alarm_kinds(), ElementsAre());
-  EXPECT_TRUE(cell.await(cell->exclusions(run))->rows.empty());
+  EXPECT_TRUE(cell.await(cell->annotations.exclusions(run))->rows.empty());
   EXPECT_EQ(count("run.trouble"), 0);
 }
 

@@ -26,7 +26,7 @@ class ModelDamage : public testing::Test {
     application::FitRequest fit;
     fit.runs = {run};
     fit.formula = formula;
-    auto model = cell->await((*cell)->fit(cell->ada, fit));
+    auto model = cell->await((*cell)->models.fit(cell->ada, fit));
     if (!model) throw std::runtime_error(model.error().message);
     return *model;
   }
@@ -39,7 +39,7 @@ class ModelDamage : public testing::Test {
     cell->pass(10);
   }
   Error refusal() {
-    const auto snapshot = (*cell)->snapshots().read();
+    const auto snapshot = (*cell)->targets.snapshots().read();
     compensation::TargetRequest request;
     request.set(compensation::Variable::x, 1.0);
     return compensation::refusal_error(*snapshot, compensation::compute_target(*snapshot, request));
@@ -51,25 +51,26 @@ TEST_F(ModelDamage, AChangedCoefficientIsRefusedAndNoOtherModelTakesItsPlace) {
   const auto run = cell->begin_run(lines_of(6, {-4, -2, 1, 3, 4}, true));
   cell->finish_run();
   const auto first = fit(run.id, "q1 ~ x"), second = fit(run.id, "q1 ~ x + x^2");
-  ASSERT_TRUE(cell->await((*cell)->promote(cell->ada, first.id)));
-  ASSERT_TRUE(cell->await((*cell)->promote(cell->ada, second.id)));
+  ASSERT_TRUE(cell->await((*cell)->promotions.promote(cell->ada, first.id)));
+  ASSERT_TRUE(cell->await((*cell)->promotions.promote(cell->ada, second.id)));
   restart_after(
       "UPDATE model SET json = replace(json, '\"p_enter\":0.05', '\"p_enter\":0.06') "
       "WHERE model_id = " +
       std::to_string(second.id.value));
-  EXPECT_FALSE((*cell)->status().serving) << "neither this one nor the one before";
+  EXPECT_FALSE(cell->status().serving) << "neither this one nor the one before";
   EXPECT_EQ(refusal().reason, "MODEL_DAMAGED");
   EXPECT_THAT(refusal().message, HasSubstr("model " + std::to_string(second.id.value)));
   EXPECT_THAT(alarms("model.damaged"), SizeIs(1));
-  const auto models = *cell->await((*cell)->models());
+  const auto models = *cell->await((*cell)->models.list());
   ASSERT_THAT(models, SizeIs(2));
   EXPECT_EQ(models[0].damage, "");
   EXPECT_THAT(models[1].damage, HasSubstr("hash"));
-  EXPECT_EQ(cell->await((*cell)->model(second.id)).error().reason, "MODEL_DAMAGED");
-  EXPECT_EQ(cell->await((*cell)->promote(cell->ada, second.id)).error().reason, "MODEL_DAMAGED");
+  EXPECT_EQ(cell->await((*cell)->models.get(second.id)).error().reason, "MODEL_DAMAGED");
+  EXPECT_EQ(cell->await((*cell)->promotions.promote(cell->ada, second.id)).error().reason,
+            "MODEL_DAMAGED");
   // A person chooses another one.
-  ASSERT_TRUE(cell->await((*cell)->promote(cell->ada, first.id)));
-  EXPECT_EQ((*cell)->status().serving, first.id);
+  ASSERT_TRUE(cell->await((*cell)->promotions.promote(cell->ada, first.id)));
+  EXPECT_EQ(cell->status().serving, first.id);
   EXPECT_EQ(refusal().reason, "NOT_REFUSED");
   cell->pass(30);
   EXPECT_THAT(alarms("model.damaged"), IsEmpty());
@@ -79,10 +80,10 @@ TEST_F(ModelDamage, ATextThatIsNoModelAnyMoreIsRefusedToo) {
   const auto run = cell->begin_run(lines_of(6, {-4, -2, 1, 3, 4}, true));
   cell->finish_run();
   const auto model = fit(run.id, "q1 ~ x");
-  ASSERT_TRUE(cell->await((*cell)->promote(cell->ada, model.id)));
+  ASSERT_TRUE(cell->await((*cell)->promotions.promote(cell->ada, model.id)));
   restart_after("UPDATE model SET json = substr(json, 1, 100)");
   EXPECT_EQ(refusal().reason, "MODEL_DAMAGED");
-  EXPECT_THAT(*cell->await((*cell)->models()), SizeIs(1));
+  EXPECT_THAT(*cell->await((*cell)->models.list()), SizeIs(1));
 }
 
 TEST_F(ModelDamage, AnUndamagedModelServesAgainAfterARestart) {
@@ -90,9 +91,9 @@ TEST_F(ModelDamage, AnUndamagedModelServesAgainAfterARestart) {
   cell->finish_run();
   const auto model = fit(run.id, "q1 ~ x + t01");
   EXPECT_EQ(formats::stored_model_hash(model.json).value_or(""), model.hash);
-  ASSERT_TRUE(cell->await((*cell)->promote(cell->ada, model.id)));
+  ASSERT_TRUE(cell->await((*cell)->promotions.promote(cell->ada, model.id)));
   restart_after("SELECT 1 WHERE 0");
-  EXPECT_EQ((*cell)->status().serving, model.id);
+  EXPECT_EQ(cell->status().serving, model.id);
 }
 
 }  // namespace

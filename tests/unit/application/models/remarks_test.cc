@@ -23,11 +23,11 @@ class Remarks : public testing::Test {
     wanted.excluded = out;
     wanted.rows = std::move(rows);
     wanted.reason = "someone leaned on the table";
-    return cell.await(cell->exclude_rows(cell.ada, wanted));
+    return cell.await(cell->annotations.exclude_rows(cell.ada, wanted));
   }
   calibration::Model fitted(application::FitRequest request) {
     request.formula = "q ~ x";
-    const auto record = cell.await(cell->fit(cell.ada, std::move(request)));
+    const auto record = cell.await(cell->models.fit(cell.ada, std::move(request)));
     if (!record) throw std::runtime_error(record.error().message);
     return *formats::read_model_json(record->json);
   }
@@ -63,12 +63,12 @@ TEST_F(Remarks, KeepRowsOutOfTheFitOfTheRunAndOfItsExportAlike) {
             before.lineage.rows_calibration + before.lineage.rows_validation);
 
   application::FitRequest of_file;
-  of_file.csv = *cell.await(cell->export_dataset({run}, false));
+  of_file.csv = *cell.await(cell->datasets.export_csv({run}, false));
   const auto offline = fitted(of_file);
   EXPECT_EQ(offline.outputs[0].coefficients, after.outputs[0].coefficients);
   EXPECT_EQ(offline.lineage.exclusions_hash, after.lineage.exclusions_hash);
   EXPECT_EQ(offline.lineage.dataset_hash != before.lineage.dataset_hash, true);
-  of_file.csv = *cell.await(cell->export_dataset({run}, true));
+  of_file.csv = *cell.await(cell->datasets.export_csv({run}, true));
   EXPECT_THAT(of_file.csv, testing::Not(HasSubstr("excluded")));
   EXPECT_EQ(fitted(of_file).outputs[0].coefficients, after.outputs[0].coefficients);
 
@@ -85,7 +85,7 @@ TEST_F(Remarks, SayWhoKeptWhatOutAndWhy) {
       ElementsAre("ada keeps rows 4,9-10 of run 1 out of fits: someone leaned on the table"));
   EXPECT_THAT(cell.events_named("data.restored"),
               ElementsAre("ada puts rows 9 of run 1 back into fits: someone leaned on the table"));
-  const auto state = cell.await(cell->exclusions(run));
+  const auto state = cell.await(cell->annotations.exclusions(run));
   ASSERT_TRUE(state);
   EXPECT_THAT(state->rows, ElementsAre(3, 9));
   EXPECT_EQ(state->history.size(), 2u);
@@ -94,13 +94,16 @@ TEST_F(Remarks, SayWhoKeptWhatOutAndWhy) {
 
 TEST_F(Remarks, RefuseRowsThatAreNotThere) {
   EXPECT_EQ(exclude({3, 999}).error().reason, "NO_SUCH_ROW");
-  EXPECT_TRUE(cell.await(cell->exclusions(run))->rows.empty());
-  EXPECT_EQ(cell.await(cell->exclusions(RunId{9})).error().reason, "NO_SUCH_RUN");
+  EXPECT_TRUE(cell.await(cell->annotations.exclusions(run))->rows.empty());
+  EXPECT_EQ(cell.await(cell->annotations.exclusions(RunId{9})).error().reason, "NO_SUCH_RUN");
 }
 
 TEST_F(Remarks, KeepNotes) {
-  ASSERT_TRUE(cell.await(cell->add_note(cell.ada, {.run = run, .row = 2, .model = {}}, "a cough")));
-  const auto notes = cell.await(cell->notes({.run = run, .row = {}, .model = {}}));
+  ASSERT_TRUE(cell.await(
+      cell->annotations.add_note(cell.ada, {.run = run, .row = 2, .model = {}}, "a cough")));
+  const auto notes = cell.await(cell.read([run = run](Store& store) {
+    return store.remarks().notes({.run = run, .row = {}, .model = {}});
+  }));
   ASSERT_TRUE(notes);
   EXPECT_EQ(notes->at(0).text, "a cough");
   EXPECT_EQ(notes->at(0).who, "ada");
@@ -108,17 +111,17 @@ TEST_F(Remarks, KeepNotes) {
 }
 
 TEST_F(Remarks, ImportOfTheSameRequestTwiceIsOneRun) {
-  const std::string csv = *cell.await(cell->export_dataset({run}, false));
-  const auto first = cell.await(cell->import_dataset(cell.ada, "d.csv", csv, "7d0f"));
+  const std::string csv = *cell.await(cell->datasets.export_csv({run}, false));
+  const auto first = cell.await(cell->datasets.import_csv(cell.ada, "d.csv", csv, "7d0f"));
   cell.pass(1);
-  const auto again = cell.await(cell->import_dataset(cell.ada, "d.csv", csv, "7d0f"));
+  const auto again = cell.await(cell->datasets.import_csv(cell.ada, "d.csv", csv, "7d0f"));
   ASSERT_TRUE(first && again);
   EXPECT_EQ(first->id, again->id);
   EXPECT_EQ(cell.events_named("data.imported").size(), 1u);
-  const auto other = cell.await(cell->import_dataset(cell.ada, "d.csv", csv + "\n", "7d0f"));
+  const auto other = cell.await(cell->datasets.import_csv(cell.ada, "d.csv", csv + "\n", "7d0f"));
   ASSERT_FALSE(other);
   EXPECT_EQ(other.error().reason, "REQUEST_ID_REUSED");
-  EXPECT_NE(cell.await(cell->import_dataset(cell.ada, "d.csv", csv, ""))->id, first->id);
+  EXPECT_NE(cell.await(cell->datasets.import_csv(cell.ada, "d.csv", csv, ""))->id, first->id);
 }
 
 }  // namespace

@@ -30,12 +30,12 @@ class ServingTest : public testing::Test {
     application::FitRequest fit;
     fit.runs = {run.id};
     fit.formula = "q1 ~ x + t01";
-    const auto model = cell.await(cell->fit(cell.ada, fit));
+    const auto model = cell.await(cell->models.fit(cell.ada, fit));
     if (!model) throw std::runtime_error(model.error().message);
     return *model;
   }
   double target_mm(double x_mm) {
-    const auto snapshot = cell->snapshots().read();
+    const auto snapshot = cell->targets.snapshots().read();
     compensation::TargetRequest request;
     request.set(compensation::Variable::x, x_mm);
     return compensation::compute_target(*snapshot, request).q_mm[0];
@@ -44,8 +44,9 @@ class ServingTest : public testing::Test {
 
 TEST_F(ServingTest, NothingServesBeforeAPromotion) {
   cell.pass(20);
-  EXPECT_FALSE(cell->status().serving);
-  EXPECT_EQ(cell.await(cell->roll_back(cell.ada)).error().reason, "NOTHING_TO_ROLL_BACK");
+  EXPECT_FALSE(cell.status().serving);
+  EXPECT_EQ(cell.await(cell->promotions.roll_back(cell.ada)).error().reason,
+            "NOTHING_TO_ROLL_BACK");
   auto request = application::CreateRun{};
   request.trajectory_text = "x_mm\n1\n";
   request.compensate = true;
@@ -54,8 +55,8 @@ TEST_F(ServingTest, NothingServesBeforeAPromotion) {
 
 TEST_F(ServingTest, ThePromotedModelFollowsTheTemperature) {
   const auto model = fit_after_campaign();
-  ASSERT_TRUE(cell.await(cell->promote(cell.ada, model.id)));
-  EXPECT_EQ(cell->status().serving, model.id);
+  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, model.id)));
+  EXPECT_EQ(cell.status().serving, model.id);
   const double before_mm = target_mm(1.0);
   cell.pass(600);  // two thirds of a kelvin: the world grows by 150 nm/K
   const double moved_nm = (target_mm(1.0) - before_mm) * 1e6;
@@ -65,13 +66,13 @@ TEST_F(ServingTest, ThePromotedModelFollowsTheTemperature) {
 TEST_F(ServingTest, ThePastOfATargetIsMadeFromTheRecordedTemperatures) {
   application::PastTargetsQuery query;
   query.pose.set(compensation::Variable::x, 1.0);
-  EXPECT_EQ(cell.await(cell->watching().past_targets(query)).error().reason, "NO_MODEL");
+  EXPECT_EQ(cell.await(cell->targets.past(query)).error().reason, "NO_MODEL");
   const auto model = fit_after_campaign();
   cell.pass(1800);  // before it serves: what it would have said is known all the same
-  ASSERT_TRUE(cell.await(cell->promote(cell.ada, model.id)));
+  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, model.id)));
   query.past = std::chrono::minutes(20);
   query.count = 40;
-  const auto past = cell.await(cell->watching().past_targets(query));
+  const auto past = cell.await(cell->targets.past(query));
   ASSERT_TRUE(past) << past.error().message;
   ASSERT_EQ(past->tracks.size(), 1u);
   EXPECT_EQ(past->tracks[0].channel.name(), "q1_mm");
@@ -83,12 +84,12 @@ TEST_F(ServingTest, ThePastOfATargetIsMadeFromTheRecordedTemperatures) {
   EXPECT_GT(hours, 0.25);
   EXPECT_NEAR((nm.back() - nm.front()) / hours, -150 * 4, 40);
   // It ends where the target of this moment stands.
-  const auto snapshot = cell->snapshots().read();
+  const auto snapshot = cell->targets.snapshots().read();
   const auto now = compensation::correction_parts(*snapshot, query.pose, 0);
   ASSERT_TRUE(now);
   EXPECT_NEAR(nm.back(), now->sum_nm(), 12);
   query.pose = {};
-  EXPECT_EQ(cell.await(cell->watching().past_targets(query)).error().reason, "MISSING_COORDINATE");
+  EXPECT_EQ(cell.await(cell->targets.past(query)).error().reason, "MISSING_COORDINATE");
 }
 
 TEST_F(ServingTest, AModelThatIsFollowedLeavesTheTroubleOfTheServedOne) {
@@ -98,10 +99,10 @@ TEST_F(ServingTest, AModelThatIsFollowedLeavesTheTroubleOfTheServedOne) {
   fit.csv = "q1_mm,x_mm,t99_degC\n";
   for (int i = 0; i < 40; ++i)
     fit.csv += fmt::format("{},{},{}\n", 1.0 * i + 1e-4 * (i % 7) + 1e-6 * (i % 3), i, 20 + i % 7);
-  const auto foreign = cell.await(cell->fit(cell.ada, fit));
+  const auto foreign = cell.await(cell->models.fit(cell.ada, fit));
   ASSERT_TRUE(foreign) << foreign.error().message;
-  ASSERT_TRUE(cell.await(cell->promote(cell.ada, foreign->id, true)));
-  const auto said = [&] { return cell->status().attention; };
+  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, foreign->id, true)));
+  const auto said = [&] { return cell.status().attention; };
   ASSERT_THAT(said(), testing::Contains(testing::HasSubstr("does not anchor")));
   application::CreateRun compensated;
   compensated.trajectory_text = "x_mm\n1\n2\n";
@@ -114,7 +115,7 @@ TEST_F(ServingTest, AModelThatIsFollowedLeavesTheTroubleOfTheServedOne) {
 
 TEST_F(ServingTest, TheResidualsOfAFitAreThoseOfItsAccuracy) {
   const auto record = fit_after_campaign();
-  const auto residuals = cell.await(cell->residuals(record.id, {}, ""));
+  const auto residuals = cell.await(cell->models.residuals(record.id, {}, ""));
   ASSERT_TRUE(residuals) << residuals.error().message;
   EXPECT_TRUE(residuals->same_rows);
   ASSERT_EQ(residuals->outputs.size(), 1u);
@@ -128,7 +129,7 @@ TEST_F(ServingTest, TheResidualsOfAFitAreThoseOfItsAccuracy) {
   const auto model = *formats::read_model_json(record.json);
   EXPECT_NEAR(std::sqrt(squares / model.outputs[0].dof), model.outputs[0].accuracy.rmse * 1e6,
               1e-6);
-  EXPECT_EQ(cell.await(cell->residuals(record.id, {}, "x_mm\n1\n")).error().reason,
+  EXPECT_EQ(cell.await(cell->models.residuals(record.id, {}, "x_mm\n1\n")).error().reason,
             "UNKNOWN_CHANNEL");
 }
 
@@ -137,16 +138,16 @@ TEST_F(ServingTest, AFormulaIsJudgedOnTheRowsOfARun) {
   application::FitRequest fit;
   fit.runs = {RunId{1}};
   fit.formula = "q1 ~ x + t0l";
-  const auto check = cell.await(cell->check_formula(fit));
+  const auto check = cell.await(cell->models.check_formula(fit));
   ASSERT_TRUE(check) << check.error().message;
   EXPECT_NE(check->problem.find("t0l"), std::string::npos);
   fit.runs = {RunId{99}};
-  EXPECT_FALSE(cell.await(cell->check_formula(fit))) << "no such run is an error of its own";
+  EXPECT_FALSE(cell.await(cell->models.check_formula(fit))) << "no such run is an error of its own";
 }
 
 TEST_F(ServingTest, ACompensatedRunArrivesWhereItWasAsked) {
   const auto model = fit_after_campaign();
-  ASSERT_TRUE(cell.await(cell->promote(cell.ada, model.id)));
+  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, model.id)));
   cell.pass(1800);  // 150 nm of drift since the campaign's end, more since its zero
   auto request = application::CreateRun{};
   request.trajectory_text =
@@ -156,7 +157,7 @@ TEST_F(ServingTest, ACompensatedRunArrivesWhereItWasAsked) {
   ASSERT_TRUE(run) << run.error().message;
   const auto ended = cell.finish_run();
   ASSERT_EQ(ended.state, RunState::done) << ended.reason;
-  const auto all_points = *cell.await(cell->points(run->id, 0, 100));
+  const auto all_points = *cell.await(cell.points(run->id, 0, 100));
   for (const auto& point : all_points) {
     double x = kMissing, wanted = kMissing;
     for (const auto& v : point.values) {
@@ -171,7 +172,7 @@ TEST_F(ServingTest, ACompensatedRunArrivesWhereItWasAsked) {
 
 TEST_F(ServingTest, AVerificationSaysWhatCompensationAchieved) {
   const auto model = fit_after_campaign();
-  ASSERT_TRUE(cell.await(cell->promote(cell.ada, model.id)));
+  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, model.id)));
   world.bend_nm_per_mm2 = 0;
   auto request = application::CreateRun{};
   request.trajectory_text =
@@ -186,7 +187,7 @@ TEST_F(ServingTest, AVerificationSaysWhatCompensationAchieved) {
   ASSERT_TRUE(without) << without.error().message;
   ASSERT_EQ(cell.finish_run().state, RunState::done);
 
-  const auto found = cell.await(cell->verify_runs({with->id, without->id}, std::nullopt));
+  const auto found = cell.await(cell->checks.verify_runs({with->id, without->id}, std::nullopt));
   ASSERT_TRUE(found) << found.error().message;
   ASSERT_EQ(found->runs.size(), 2u);
   const auto& run = found->runs[0];
@@ -202,7 +203,7 @@ TEST_F(ServingTest, AVerificationSaysWhatCompensationAchieved) {
   EXPECT_EQ(x.inside.rows + x.outside.rows, 4);
   ASSERT_TRUE(x.by_model.has_value());
   std::vector<double> errors;
-  const auto points = cell.await(cell->points(with->id, 0, 100));
+  const auto points = cell.await(cell.points(with->id, 0, 100));
   ASSERT_TRUE(points);
   for (const auto& point : *points) {
     double measured = kMissing, wanted = kMissing;
@@ -223,32 +224,32 @@ TEST_F(ServingTest, AVerificationSaysWhatCompensationAchieved) {
   ASSERT_TRUE(found->heading[0].before.has_value());
   EXPECT_EQ(*found->heading[0].before, found->runs[1].coordinates[0].all);
   // What the file of the run says of it.
-  EXPECT_NE(cell.await(cell->export_dataset({with->id, without->id}, false))
+  EXPECT_NE(cell.await(cell->datasets.export_csv({with->id, without->id}, false))
                 ->find("# compensation: run 2 with model 1, run 3 none\n"),
             std::string::npos);
-  EXPECT_EQ(cell.await(cell->verify_runs({RunId{99}}, std::nullopt)).error().code,
+  EXPECT_EQ(cell.await(cell->checks.verify_runs({RunId{99}}, std::nullopt)).error().code,
             ErrorCode::not_found);
 }
 
 TEST_F(ServingTest, ATargetAfterHomingByHandCountsFromTheNewDatum) {
   const auto model = fit_after_campaign();
-  ASSERT_TRUE(cell.await(cell->promote(cell.ada, model.id)));
-  const auto run_datum = cell.await(cell->data(RunId{1}))->back();
+  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, model.id)));
+  const auto run_datum = cell.await(cell.datums(RunId{1}))->back();
   cell.pass(1800);         // 300 nm of growth since, which is what the instruments would show ...
   world.homing_nm = 2000;  // ... and scales that begin elsewhere
-  ASSERT_TRUE(cell.await(cell->home(cell.ada, cell.lease())));
+  ASSERT_TRUE(cell.await(cell->manual.home(cell.ada, cell.lease())));
   EXPECT_EQ(world.zeroings, 2);
   const auto opened = cell.events_named("datum.opened");
   EXPECT_EQ(opened.back(), "datum 2: homed by ada");
   EXPECT_EQ(cell.events_named("zero.compared").size() + cell.events_named("zero.surprising").size(),
             1u);
-  EXPECT_TRUE(cell->status().attention.empty());
+  EXPECT_TRUE(cell.status().attention.empty());
   // Zeroed here and now: the pose 0 is where the robot stands, whatever the model's own datum was.
   EXPECT_NEAR(target_mm(0), world.to_mm + world.reference_mm, 60e-6);  // holding: sd 8 nm
 }
 
 TEST_F(ServingTest, TheDatumOfAHomingByHandIsThereAfterARestart) {
-  ASSERT_TRUE(cell.await(cell->home(cell.ada, cell.lease())));
+  ASSERT_TRUE(cell.await(cell->manual.home(cell.ada, cell.lease())));
   cell.shut_down();
   auto store = kSqlite(folder / "cell.sqlite", true);
   ASSERT_TRUE(store);
@@ -261,10 +262,10 @@ TEST_F(ServingTest, TheDatumOfAHomingByHandIsThereAfterARestart) {
 TEST_F(ServingTest, HomingWaitsForTheStabiliserAndSaysSo) {
   world.support_degc = 22;
   std::optional<Result<void>> done;
-  cell.begin(cell->home(cell.ada, cell.lease()), done);
-  cell.until([&] { return !cell->status().attention.empty(); });
+  cell.begin(cell->manual.home(cell.ada, cell.lease()), done);
+  cell.until([&] { return !cell.status().attention.empty(); });
   cell.until([&] {
-    const auto attention = cell->status().attention;
+    const auto attention = cell.status().attention;
     return std::ranges::any_of(attention, [](const std::string& sentence) {
       return sentence.starts_with("homing waits: the stabiliser support is at 22.");
     });
@@ -273,15 +274,15 @@ TEST_F(ServingTest, HomingWaitsForTheStabiliserAndSaysSo) {
   world.support_degc = 23;
   cell.until([&] { return done.has_value(); });
   EXPECT_TRUE(*done);
-  EXPECT_TRUE(cell->status().attention.empty());
+  EXPECT_TRUE(cell.status().attention.empty());
 }
 
 TEST_F(ServingTest, HomingThatEndsWithoutADatumIsSaid) {
   world.scanner_away = true;
-  const auto homed = cell.await(cell->home(cell.ada, cell.lease()));
+  const auto homed = cell.await(cell->manual.home(cell.ada, cell.lease()));
   ASSERT_FALSE(homed);
   EXPECT_EQ(world.homes, 1);
-  const auto attention = cell->status().attention;
+  const auto attention = cell.status().attention;
   EXPECT_TRUE(std::ranges::any_of(attention, [](const std::string& sentence) {
     return sentence.starts_with("the axes were homed and no datum has been opened since");
   }));
@@ -293,18 +294,18 @@ TEST_F(ServingTest, RollBackServesTheModelBefore) {
   fit.runs = {RunId{1}};
   fit.formula = "q1 ~ x + x^2";
   fit.select = "all";
-  const auto second = cell.await(cell->fit(cell.ada, fit));
+  const auto second = cell.await(cell->models.fit(cell.ada, fit));
   ASSERT_TRUE(second) << second.error().message;
-  ASSERT_TRUE(cell.await(cell->promote(cell.ada, first.id)));
-  ASSERT_TRUE(cell.await(cell->promote(cell.ada, second->id)));
-  const auto back = cell.await(cell->roll_back(cell.ada));
+  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, first.id)));
+  ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, second->id)));
+  const auto back = cell.await(cell->promotions.roll_back(cell.ada));
   ASSERT_TRUE(back && *back);
   EXPECT_EQ((*back)->id, first.id);
-  EXPECT_EQ(cell->status().serving, first.id);
-  const auto none = cell.await(cell->roll_back(cell.ada));
+  EXPECT_EQ(cell.status().serving, first.id);
+  const auto none = cell.await(cell->promotions.roll_back(cell.ada));
   ASSERT_TRUE(none);
   EXPECT_FALSE(*none);
-  EXPECT_FALSE(cell->status().serving);
+  EXPECT_FALSE(cell.status().serving);
 }
 
 TEST_F(ServingTest, TheSameFitAgainIsTheSameModel) {
@@ -312,7 +313,7 @@ TEST_F(ServingTest, TheSameFitAgainIsTheSameModel) {
   application::FitRequest fit;
   fit.runs = {RunId{1}};
   fit.formula = "q1 ~ x + t01";
-  EXPECT_EQ(cell.await(cell->fit(cell.ada, fit))->id, model.id);
+  EXPECT_EQ(cell.await(cell->models.fit(cell.ada, fit))->id, model.id);
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/application/ports/cell.h"
+#include "server/application/cell/cell.h"
 
 namespace driftwise::application {
 namespace {

@@ -31,12 +31,12 @@ class Stopping : public testing::Test {
     cell.begin_run(kStopRows);
     cell.until([&] { return world.to_mm < -2.5 && cell.now().utc_ns < world.move_end_ns; });
   }
-  RunRecord run() { return cell->status().run->run; }
+  RunRecord run() { return cell.status().run->run; }
   bool moving() const { return cell.now().utc_ns < world.move_end_ns; }
   std::vector<StopRecord> stored() {
     return (*kSqlite(folder / "cell.sqlite", true))->stops().pending().value();
   }
-  std::vector<AlarmRecord> alarms() { return *cell.await(cell->watching().alarms(false, 100)); }
+  std::vector<AlarmRecord> alarms() { return *cell.await(cell->alarms.list(false, 100)); }
 };
 
 TEST_F(Stopping, IsNotForgottenWhileTheConnectionIsDown) {
@@ -44,7 +44,7 @@ TEST_F(Stopping, IsNotForgottenWhileTheConnectionIsDown) {
   const int moves = world.moves;
   world.axis_away = true;
   const auto pressed = cell.now();
-  const auto answer = cell.await(cell->stop_all(kStopper));
+  const auto answer = cell.await(cell->manual.stop_all(kStopper));
   ASSERT_TRUE(answer);
   EXPECT_LE(seconds_from(cell.now() - pressed), 0.1);
   EXPECT_FALSE(answer->confirmed);
@@ -59,7 +59,7 @@ TEST_F(Stopping, IsNotForgottenWhileTheConnectionIsDown) {
   EXPECT_GT(std::abs(world.to_mm + 3), 0.1) << "it halted on its way";
   EXPECT_EQ(world.moves, moves);
   EXPECT_TRUE(stored().empty());
-  EXPECT_TRUE(cell->status().pending_stops.empty());
+  EXPECT_TRUE(cell.status().pending_stops.empty());
   EXPECT_EQ(cell.events_named("stop.unconfirmed").size(), 1u);
   EXPECT_EQ(cell.events_named("stop.confirmed").size(), 1u);
 
@@ -73,7 +73,7 @@ TEST_F(Stopping, IsNotForgottenWhileTheConnectionIsDown) {
 TEST_F(Stopping, RefusesEveryMotionWhileItIsPendingAndSaysSoEverywhere) {
   begin_and_be_on_the_way();
   world.axis_away = true;
-  ASSERT_FALSE(cell.await(cell->stop_all(kStopper))->confirmed);
+  ASSERT_FALSE(cell.await(cell->manual.stop_all(kStopper))->confirmed);
   cell.pass(10);
   const auto expect_refused = [](const auto& done) {
     ASSERT_FALSE(done);
@@ -81,14 +81,14 @@ TEST_F(Stopping, RefusesEveryMotionWhileItIsPendingAndSaysSoEverywhere) {
     EXPECT_EQ(done.error().code, ErrorCode::failed_precondition);
     EXPECT_THAT(done.error().message, HasSubstr("use the emergency switch"));
   };
-  expect_refused(cell.await(cell->resume_run(cell.ada, run().id, {})));
-  expect_refused(cell.await(cell->home(cell.ada, cell.lease())));
-  expect_refused(cell.await(cell->move_to(cell.ada, cell.lease(), {1})));
+  expect_refused(cell.await(cell->runs.resume(cell.ada, run().id, {})));
+  expect_refused(cell.await(cell->manual.home(cell.ada, cell.lease())));
+  expect_refused(cell.await(cell->manual.move_to(cell.ada, cell.lease(), {1})));
   application::CreateRun request;
   request.trajectory_text = kStopRows;
   expect_refused(cell.try_run(request));
 
-  const auto status = cell->status();
+  const auto status = cell.status();
   EXPECT_EQ(status.run->run.state, RunState::waiting);
   EXPECT_THAT(status.run->run.reason, HasSubstr("use the emergency switch"));
   ASSERT_FALSE(status.attention.empty());
@@ -115,10 +115,10 @@ TEST_F(Stopping, RefusesEveryMotionWhileItIsPendingAndSaysSoEverywhere) {
 TEST_F(Stopping, AnAcknowledgementOfTheCommandIsNotEnough) {
   begin_and_be_on_the_way();
   world.stop_does_nothing = true;
-  const auto answer = cell.await(cell->stop_all(kStopper));
+  const auto answer = cell.await(cell->manual.stop_all(kStopper));
   EXPECT_FALSE(answer->confirmed);
   EXPECT_THAT(answer->message, HasSubstr("still reports motion"));
-  cell.until([&] { return cell->status().pending_stops.empty(); }, 10);
+  cell.until([&] { return cell.status().pending_stops.empty(); }, 10);
   EXPECT_FALSE(moving()) << "confirmed only when nothing moved any more";
   cell.until([&] { return run().state == RunState::paused; }, 10);
 }
@@ -126,8 +126,8 @@ TEST_F(Stopping, AnAcknowledgementOfTheCommandIsNotEnough) {
 TEST_F(Stopping, PressedAgainKeepsItsFirstPersonAndCounts) {
   begin_and_be_on_the_way();
   world.axis_away = true;
-  static_cast<void>(cell.await(cell->stop_all(kStopper)));
-  static_cast<void>(cell.await(cell->stop_all({"eve", "peer"})));
+  static_cast<void>(cell.await(cell->manual.stop_all(kStopper)));
+  static_cast<void>(cell.await(cell->manual.stop_all({"eve", "peer"})));
   ASSERT_EQ(stored().size(), 1u);
   EXPECT_EQ(stored().front().who, "bob");
   EXPECT_EQ(stored().front().presses, 2);
@@ -138,18 +138,18 @@ TEST_F(Stopping, PressedAgainKeepsItsFirstPersonAndCounts) {
 
 TEST_F(Stopping, OfAMovementByHandHoldsWithoutARun) {
   std::optional<Result<void>> moved;
-  cell.begin(cell->move_to(cell.ada, cell.lease(), {4}), moved);
+  cell.begin(cell->manual.move_to(cell.ada, cell.lease(), {4}), moved);
   cell.until([&] { return moved || moving(); }, 60);
   if (moved) {  // never referenced
     moved.reset();
-    ASSERT_TRUE(cell.await(cell->home(cell.ada, cell.lease())));
-    cell.begin(cell->move_to(cell.ada, cell.lease(), {4}), moved);
+    ASSERT_TRUE(cell.await(cell->manual.home(cell.ada, cell.lease())));
+    cell.begin(cell->manual.move_to(cell.ada, cell.lease(), {4}), moved);
     cell.until([&] { return moving(); }, 60);
   }
   world.axis_away = true;
-  EXPECT_FALSE(cell.await(cell->stop_all(kStopper))->confirmed);
+  EXPECT_FALSE(cell.await(cell->manual.stop_all(kStopper))->confirmed);
   world.axis_away = false;
-  cell.until([&] { return cell->status().pending_stops.empty(); }, 10);
+  cell.until([&] { return cell.status().pending_stops.empty(); }, 10);
   EXPECT_LT(world.to_mm, 3.9);
   cell.until([&] { return moved.has_value(); }, 60);
   EXPECT_FALSE(*moved);
@@ -158,12 +158,12 @@ TEST_F(Stopping, OfAMovementByHandHoldsWithoutARun) {
 TEST_F(Stopping, AnAbortIsRememberedToo) {
   begin_and_be_on_the_way();
   world.axis_away = true;
-  ASSERT_TRUE(cell.await(cell->abort_run(cell.ada, run().id, "wrong mirror")));
+  ASSERT_TRUE(cell.await(cell->runs.abort(cell.ada, run().id, "wrong mirror")));
   EXPECT_EQ(stored().size(), 1u);
   cell.pass(0.5);
   ASSERT_TRUE(moving());
   world.axis_away = false;
-  cell.until([&] { return cell->status().pending_stops.empty(); }, 10);
+  cell.until([&] { return cell.status().pending_stops.empty(); }, 10);
   EXPECT_GT(std::abs(world.to_mm + 3), 0.1);
 }
 
@@ -178,7 +178,7 @@ void kill_when(SharedWorld& world, const std::string& database, const char* cras
     application::on_crash_point([crash_point](std::string_view name) {
       if (name == crash_point) ::raise(SIGKILL);
     });
-    static_cast<void>(cell.await(cell->stop_all(kStopper)));
+    static_cast<void>(cell.await(cell->manual.stop_all(kStopper)));
     cell.pass(60);
     ::_exit(0);
   }
@@ -198,13 +198,13 @@ TEST(StopAndKill, APendingStopIsTheFirstCommandAfterARestartAndTheRunStaysPaused
   // While the controller is still on its way: time goes on where it was.
   const CellTime begin{world->move_begin_ns + 500'000'000};
   CellInMemory cell(*world, small_cell(database), kSqlite, begin);
-  cell.until([&] { return cell->status().pending_stops.empty(); }, 10);
+  cell.until([&] { return cell.status().pending_stops.empty(); }, 10);
   EXPECT_EQ(world->first_stop_call, 1);
   EXPECT_GT(std::abs(world->to_mm + 3), 0.1) << "it halted on its way";
-  cell.until([&] { return cell->status().run.has_value(); }, 10);
+  cell.until([&] { return cell.status().run.has_value(); }, 10);
   cell.pass(600);
-  EXPECT_EQ(cell->status().run->run.state, RunState::paused);
-  EXPECT_EQ(cell->status().run->run.reason, "stopped by bob");
+  EXPECT_EQ(cell.status().run->run.state, RunState::paused);
+  EXPECT_EQ(cell.status().run->run.reason, "stopped by bob");
   EXPECT_EQ(world->moves, moves);
   EXPECT_EQ(world->homes, homes);
   ASSERT_TRUE(cell.resume(kStopper));
@@ -218,10 +218,10 @@ TEST(StopAndKill, AConfirmedStopLeavesTheRunPausedThoughTheRunHadNotSeenIt) {
   kill_when(world, database, "after_stop_confirm_commit");
   const int moves = world->moves;
   CellInMemory cell(*world, small_cell(database), kSqlite, kWorldBegin + std::chrono::hours(1));
-  EXPECT_TRUE(cell->status().pending_stops.empty());
-  cell.until([&] { return cell->status().run.has_value(); }, 10);
+  EXPECT_TRUE(cell.status().pending_stops.empty());
+  cell.until([&] { return cell.status().run.has_value(); }, 10);
   cell.pass(600);
-  EXPECT_EQ(cell->status().run->run.state, RunState::paused);
+  EXPECT_EQ(cell.status().run->run.state, RunState::paused);
   EXPECT_EQ(world->moves, moves);
 }
 

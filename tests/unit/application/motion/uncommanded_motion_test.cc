@@ -29,24 +29,24 @@ class UncommandedMotion : public testing::Test {
 
 TEST_F(UncommandedMotion, PausesTheRunAndAcceptsNoPointOfIt) {
   const auto run = cell.begin_run(lines_of(2, {2, -3, 1}, true));
-  cell.until([&] { return cell->status().run->run.accepted == 3; });
-  cell.until([&] { return cell->status().run->phase == "reading"; });
+  cell.until([&] { return cell.status().run->run.accepted == 3; });
+  cell.until([&] { return cell.status().run->phase == "reading"; });
   push(0.01);
-  cell.until([&] { return cell->status().run->run.state == RunState::paused; });
-  const auto accepted = cell->status().run->run.accepted;
+  cell.until([&] { return cell.status().run->run.state == RunState::paused; });
+  const auto accepted = cell.status().run->run.accepted;
   EXPECT_EQ(accepted, 3);
   cell.pass(600);
-  EXPECT_EQ(cell->status().run->run.accepted, accepted) << "a person decides";
+  EXPECT_EQ(cell.status().run->run.accepted, accepted) << "a person decides";
   EXPECT_THAT(alarms("motion.uncommanded"), SizeIs(1));
   EXPECT_THAT(cell.events_named("motion.uncommanded"), SizeIs(1));
-  EXPECT_EQ(cell.await(cell->attempts(run.id))->back().verdict, Verdict::interrupted);
-  EXPECT_THAT(cell.await(cell->attempts(run.id))->back().reason,
+  EXPECT_EQ(cell.await(cell.attempts(run.id))->back().verdict, Verdict::interrupted);
+  EXPECT_THAT(cell.await(cell.attempts(run.id))->back().reason,
               HasSubstr("moved without a command"));
 
   ASSERT_TRUE(cell.resume());
   const auto ended = cell.finish_run();
   EXPECT_EQ(ended.state, RunState::done) << ended.reason;
-  const auto data = *cell.await(cell->data(run.id));
+  const auto data = *cell.await(cell.datums(run.id));
   ASSERT_THAT(data, SizeIs(2));
   EXPECT_EQ(data[1].reason, "uncommanded motion");
   cell.pass(30);
@@ -54,7 +54,7 @@ TEST_F(UncommandedMotion, PausesTheRunAndAcceptsNoPointOfIt) {
 }
 
 TEST_F(UncommandedMotion, IsSeenWithoutARunToo) {
-  ASSERT_TRUE(cell.await(cell->home(cell.ada, cell.lease())));
+  ASSERT_TRUE(cell.await(cell->manual.home(cell.ada, cell.lease())));
   cell.pass(20);
   EXPECT_THAT(alarms("motion.uncommanded"), IsEmpty());
   push(0.5);
@@ -65,22 +65,22 @@ TEST_F(UncommandedMotion, IsSeenWithoutARunToo) {
 
 TEST_F(UncommandedMotion, IsSeenWhileARunIsPaused) {
   const auto run = cell.begin_run(lines_of(1, {2, -3}, true));
-  cell.until([&] { return cell->status().run->run.accepted == 2; });
-  ASSERT_TRUE(cell.await(cell->pause_run(cell.ada, run.id)));
-  cell.until([&] { return cell->status().run->run.state == RunState::paused; });
+  cell.until([&] { return cell.status().run->run.accepted == 2; });
+  ASSERT_TRUE(cell.await(cell->runs.pause(cell.ada, run.id)));
+  cell.until([&] { return cell.status().run->run.state == RunState::paused; });
   cell.pass(20);
   push(0.5);
   cell.pass(20);
   EXPECT_THAT(alarms("motion.uncommanded"), SizeIs(1));
   ASSERT_TRUE(cell.resume());
   EXPECT_EQ(cell.finish_run().state, RunState::done);
-  EXPECT_THAT(*cell.await(cell->data(run.id)), SizeIs(2));
+  EXPECT_THAT(*cell.await(cell.datums(run.id)), SizeIs(2));
 }
 
 TEST_F(UncommandedMotion, IsNotSeenInARunThatNobodyDisturbs) {
   cell.begin_run(lines_of(3, {2, -3, 1}, true));
   EXPECT_EQ(cell.finish_run().state, RunState::done);
-  ASSERT_TRUE(cell.await(cell->move_to(cell.ada, cell.lease(), {1.5})));
+  ASSERT_TRUE(cell.await(cell->manual.move_to(cell.ada, cell.lease(), {1.5})));
   cell.pass(60);
   EXPECT_THAT(cell.events_named("motion.uncommanded"), IsEmpty());
 }
@@ -100,13 +100,13 @@ TEST(FalseReadback, IsToldFromMotionByTheMeasuredPose) {
     world.zero_mm += by_mm;
   };
   cell.begin_run(lines_of(2, {2, -3, 1}, true));
-  cell.until([&] { return cell->status().run->run.accepted == 3; });
-  cell.until([&] { return cell->status().run->phase == "reading"; });
+  cell.until([&] { return cell.status().run->run.accepted == 3; });
+  cell.until([&] { return cell.status().run->phase == "reading"; });
   shift_readback(0.1);
-  cell.until([&] { return cell->status().run->run.state == RunState::waiting; });
+  cell.until([&] { return cell.status().run->run.state == RunState::waiting; });
   cell.pass(600);
   EXPECT_THAT(cell.events_named("motion.uncommanded"), IsEmpty());
-  EXPECT_EQ(cell->status().run->run.state, RunState::waiting) << "it is no matter for a person";
+  EXPECT_EQ(cell.status().run->run.state, RunState::waiting) << "it is no matter for a person";
   shift_readback(-0.1);
   EXPECT_EQ(cell.finish_run().state, RunState::done);
   EXPECT_THAT(cell.events_named("motion.uncommanded"), IsEmpty());

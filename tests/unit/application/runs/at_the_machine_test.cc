@@ -28,34 +28,34 @@ class AtTheMachine : public testing::Test {
 
   RunId begin_and_accept(int count) {
     const auto run = cell.begin_run(trajectory);
-    cell.until([&] { return cell->status().run->run.accepted == count; });
+    cell.until([&] { return cell.status().run->run.accepted == count; });
     return run.id;
   }
   void until_paused() {
-    cell.until([&] { return cell->status().run->run.state == RunState::paused; });
+    cell.until([&] { return cell.status().run->run.state == RunState::paused; });
   }
   std::vector<std::string> alarms(const std::string& kind) { return cell.alarms_of(kind); }
 };
 
 TEST_F(AtTheMachine, ResumeNamesThePauseThatItEnds) {
   const RunId run = begin_and_accept(2);
-  EXPECT_EQ(cell.await(cell->resume_run(cell.ada, run, {})).error().reason, "NOT_PAUSED");
-  ASSERT_TRUE(cell.await(cell->pause_run(cell.ada, run)));
+  EXPECT_EQ(cell.await(cell->runs.resume(cell.ada, run, {})).error().reason, "NOT_PAUSED");
+  ASSERT_TRUE(cell.await(cell->runs.pause(cell.ada, run)));
   until_paused();
   const auto first = cell.answer();
-  EXPECT_EQ(cell->status().run->run.hold.who, "ada");
+  EXPECT_EQ(cell.status().run->run.hold.who, "ada");
   cell.pass(720);
-  const auto unnamed = cell.await(cell->resume_run(bob, run, {}));
+  const auto unnamed = cell.await(cell->runs.resume(bob, run, {}));
   ASSERT_FALSE(unnamed);
   EXPECT_EQ(unnamed.error().reason, "HOLD_NOT_NAMED");
   EXPECT_THAT(unnamed.error().message, HasSubstr("run 1 was paused by ada 12 min ago"));
   // A pause is ended by anybody who names it, and by nobody twice.
-  ASSERT_TRUE(cell.await(cell->resume_run(bob, run, first)));
-  cell.until([&] { return cell->status().run->run.state == RunState::running; });
-  EXPECT_EQ(cell->status().run->run.hold.kind, RunHold::Kind::none);
-  ASSERT_TRUE(cell.await(cell->pause_run(bob, run)));
+  ASSERT_TRUE(cell.await(cell->runs.resume(bob, run, first)));
+  cell.until([&] { return cell.status().run->run.state == RunState::running; });
+  EXPECT_EQ(cell.status().run->run.hold.kind, RunHold::Kind::none);
+  ASSERT_TRUE(cell.await(cell->runs.pause(bob, run)));
   until_paused();
-  EXPECT_EQ(cell.await(cell->resume_run(cell.ada, run, first)).error().reason, "HOLD_NOT_NAMED")
+  EXPECT_EQ(cell.await(cell->runs.resume(cell.ada, run, first)).error().reason, "HOLD_NOT_NAMED")
       << "that was another pause";
   EXPECT_THAT(cell.events_named("run.resume").front(),
               HasSubstr("resumed by bob: run 1 was paused by ada 12 min ago"));
@@ -63,22 +63,22 @@ TEST_F(AtTheMachine, ResumeNamesThePauseThatItEnds) {
 
 TEST_F(AtTheMachine, AStopIsEndedByTheSameNameOrWithAReasonInWriting) {
   const RunId run = begin_and_accept(2);
-  static_cast<void>(cell.await(cell->stop_all(cell.ada)));
+  static_cast<void>(cell.await(cell->manual.stop_all(cell.ada)));
   until_paused();
-  EXPECT_EQ(cell->status().run->run.hold.kind, RunHold::Kind::stop);
+  EXPECT_EQ(cell.status().run->run.hold.kind, RunHold::Kind::stop);
   const auto refused = cell.resume(bob);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().reason, "STOPPED_BY_ANOTHER");
   EXPECT_THAT(refused.error().message, HasSubstr("stopped by ada"));
   EXPECT_EQ(cell.resume(bob, "  ").error().reason, "STOPPED_BY_ANOTHER") << "blanks are no reason";
   // A pause on top of it makes it no weaker.
-  ASSERT_TRUE(cell.await(cell->pause_run(bob, run)));
+  ASSERT_TRUE(cell.await(cell->runs.pause(bob, run)));
   EXPECT_EQ(cell.resume(bob).error().reason, "STOPPED_BY_ANOTHER");
   ASSERT_TRUE(cell.resume(bob, "ada went home, the door is closed"));
   EXPECT_THAT(cell.events_named("run.resume").front(),
               HasSubstr("overridden: ada went home, the door is closed"));
-  cell.until([&] { return cell->status().run->run.accepted == 4; });
-  static_cast<void>(cell.await(cell->stop_all(cell.ada)));
+  cell.until([&] { return cell.status().run->run.accepted == 4; });
+  static_cast<void>(cell.await(cell->manual.stop_all(cell.ada)));
   until_paused();
   EXPECT_TRUE(cell.resume(cell.ada)) << "the same name";
   EXPECT_EQ(cell.finish_run().state, RunState::done);
@@ -86,8 +86,8 @@ TEST_F(AtTheMachine, AStopIsEndedByTheSameNameOrWithAReasonInWriting) {
 
 TEST_F(AtTheMachine, AStopIsInTheLogOfTheRun) {
   const RunId run = begin_and_accept(1);
-  static_cast<void>(cell.await(cell->stop_all(cell.ada)));
-  const auto events = *cell.await(cell->events(EventId{0}, 1000));
+  static_cast<void>(cell.await(cell->manual.stop_all(cell.ada)));
+  const auto events = *cell.await(cell.events(EventId{0}, 1000));
   const auto stop = std::find_if(events.begin(), events.end(),
                                  [](const auto& one) { return one.what == "stop"; });
   ASSERT_NE(stop, events.end());
@@ -96,19 +96,20 @@ TEST_F(AtTheMachine, AStopIsInTheLogOfTheRun) {
 
 TEST_F(AtTheMachine, TheAxesMayBeMovedInAPausedRunByWhoMayEndThePause) {
   const RunId run = begin_and_accept(3);
-  EXPECT_EQ(cell.await(cell->move_to(cell.ada, cell.lease(), {1})).error().reason, "RUN_UNDER_WAY");
-  static_cast<void>(cell.await(cell->stop_all(cell.ada)));
+  EXPECT_EQ(cell.await(cell->manual.move_to(cell.ada, cell.lease(), {1})).error().reason,
+            "RUN_UNDER_WAY");
+  static_cast<void>(cell.await(cell->manual.stop_all(cell.ada)));
   until_paused();
   cell.pass(5);
-  EXPECT_EQ(cell.await(cell->move_to(cell.ada, cell.lease(), {1.5}, {})).error().reason,
+  EXPECT_EQ(cell.await(cell->manual.move_to(cell.ada, cell.lease(), {1.5}, {})).error().reason,
             "HOLD_NOT_NAMED");
-  EXPECT_EQ(cell.await(cell->home(bob, cell.lease(), cell.answer())).error().reason,
+  EXPECT_EQ(cell.await(cell->manual.home(bob, cell.lease(), cell.answer())).error().reason,
             "STOPPED_BY_ANOTHER");
-  ASSERT_TRUE(cell.await(cell->move_to(cell.ada, cell.lease(), {1.5}, cell.answer())));
+  ASSERT_TRUE(cell.await(cell->manual.move_to(cell.ada, cell.lease(), {1.5}, cell.answer())));
   EXPECT_NEAR(world.to_mm, 1.5, 1e-3);
-  EXPECT_EQ(cell->status().run->run.state, RunState::paused) << "it moves no run on";
+  EXPECT_EQ(cell.status().run->run.state, RunState::paused) << "it moves no run on";
   std::optional<Result<void>> homed;
-  cell.begin(cell->home(cell.ada, cell.lease(), cell.answer()), homed);
+  cell.begin(cell->manual.home(cell.ada, cell.lease(), cell.answer()), homed);
   cell.pass(1);
   EXPECT_EQ(cell.resume().error().reason, "MOVING");
   cell.until([&] { return homed.has_value(); });
@@ -117,24 +118,24 @@ TEST_F(AtTheMachine, TheAxesMayBeMovedInAPausedRunByWhoMayEndThePause) {
   ASSERT_TRUE(cell.resume());
   const auto ended = cell.finish_run();
   EXPECT_EQ(ended.state, RunState::done) << ended.reason;
-  const auto data = *cell.await(cell->data(run));
+  const auto data = *cell.await(cell.datums(run));
   ASSERT_THAT(data, SizeIs(2));
   EXPECT_EQ(data[1].reason, "moved by hand");
-  EXPECT_THAT(*cell.await(cell->points(run, 0, 100)), SizeIs(8));
+  EXPECT_THAT(*cell.await(cell.points(run, 0, 100)), SizeIs(8));
 }
 
 TEST_F(AtTheMachine, PositionsAndLengthsAreSeenBetweenRuns) {
-  ASSERT_TRUE(cell.await(cell->home(cell.ada, cell.lease())));
-  ASSERT_TRUE(cell.await(cell->move_to(cell.ada, cell.lease(), {1.25})));
+  ASSERT_TRUE(cell.await(cell->manual.home(cell.ada, cell.lease())));
+  ASSERT_TRUE(cell.await(cell->manual.move_to(cell.ada, cell.lease(), {1.25})));
   cell.pass(5);
   const auto value_of = [&](const std::string& channel) {
-    for (const auto& value : cell->status().values)
+    for (const auto& value : cell.status().values)
       if (value.channel.name() == channel && value.age_s < 5) return value.value;
     return kMissing;
   };
   EXPECT_NEAR(value_of("q1_mm"), 1.25, 1e-3);
   EXPECT_NEAR(value_of("x_mm"), 1.25, 1e-2);
-  const auto before = *cell.await(cell->events(EventId{0}, 1000));
+  const auto before = *cell.await(cell.events(EventId{0}, 1000));
   cell.pass(60);
   const auto store = *kSqlite(folder / "cell.sqlite", true);
   EXPECT_THAT(
@@ -153,12 +154,12 @@ TEST_F(AtTheMachine, ARunThatGivesUpTooManyRowsIsPaused) {
   request.rules = small_cell("").run;
   request.rules->max_requeues = 0;
   ASSERT_TRUE(cell.try_run(request));
-  cell.until([&] { return cell->status().run->run.accepted == 4; });
+  cell.until([&] { return cell.status().run->run.accepted == 4; });
   world.disturbed_readings = 1'000'000;
   until_paused();
-  EXPECT_EQ(cell->status().run->run.given_up, 5);
-  EXPECT_EQ(cell->status().run->run.hold.kind, RunHold::Kind::trouble);
-  EXPECT_THAT(cell->status().run->run.reason, HasSubstr("of the last 9 rows were given up"));
+  EXPECT_EQ(cell.status().run->run.given_up, 5);
+  EXPECT_EQ(cell.status().run->run.hold.kind, RunHold::Kind::trouble);
+  EXPECT_THAT(cell.status().run->run.reason, HasSubstr("of the last 9 rows were given up"));
   world.disturbed_readings = 0;
   ASSERT_TRUE(cell.resume());
   EXPECT_EQ(cell.finish_run().state, RunState::done) << "counted anew from there";
@@ -185,14 +186,14 @@ TEST(EndOfARun, AsksThePersonWhoHungTheWeights) {
   SmallWorld world;
   CellInMemory cell(world, small_cell_with_load(folder / "cell.sqlite", false), kSqlite);
   const auto run = cell.begin_run(kLoaded);
-  const auto waits = [&] { return cell->status().run->phase == "waiting for a person"; };
+  const auto waits = [&] { return cell.status().run->phase == "waiting for a person"; };
   cell.until(waits);
-  ASSERT_TRUE(cell.await(cell->confirm_force(cell.ada, run.id, 0)));
-  cell.until([&] { return waits() && cell->status().run->run.accepted == 1; });
-  ASSERT_TRUE(cell.await(cell->confirm_force(cell.ada, run.id, 2.305)));
-  cell.until([&] { return waits() && cell->status().run->run.accepted == 3; });
-  EXPECT_THAT(cell->status().run->run.reason, HasSubstr("take every weight off: 0 N"));
-  ASSERT_TRUE(cell.await(cell->confirm_force(cell.ada, run.id, 0)));
+  ASSERT_TRUE(cell.await(cell->runs.confirm_force(cell.ada, run.id, 0)));
+  cell.until([&] { return waits() && cell.status().run->run.accepted == 1; });
+  ASSERT_TRUE(cell.await(cell->runs.confirm_force(cell.ada, run.id, 2.305)));
+  cell.until([&] { return waits() && cell.status().run->run.accepted == 3; });
+  EXPECT_THAT(cell.status().run->run.reason, HasSubstr("take every weight off: 0 N"));
+  ASSERT_TRUE(cell.await(cell->runs.confirm_force(cell.ada, run.id, 0)));
   EXPECT_EQ(cell.finish_run().state, RunState::done);
 }
 
@@ -201,8 +202,8 @@ TEST(EndOfARun, MovesNothingAfterAnAbortAndSaysWhichForceIsOn) {
   SmallWorld world;
   CellInMemory cell(world, small_cell_with_load(folder / "cell.sqlite", true), kSqlite);
   const auto run = cell.begin_run(kLoaded);
-  cell.until([&] { return cell->status().run->run.accepted == 2; });
-  ASSERT_TRUE(cell.await(cell->abort_run(cell.ada, run.id, "enough")));
+  cell.until([&] { return cell.status().run->run.accepted == 2; });
+  ASSERT_TRUE(cell.await(cell->runs.abort(cell.ada, run.id, "enough")));
   EXPECT_EQ(cell.finish_run().state, RunState::aborted);
   const int moves = world.moves, loads = world.loads;
   cell.pass(600);
@@ -231,10 +232,10 @@ TEST(Weights, ThatStickedAndWereMendedLetTheRunGoOn) {
   CellInMemory cell(world, small_cell_with_load(folder / "cell.sqlite", true), kSqlite);
   world.load_jammed = true;
   cell.begin_run(kLoaded);
-  cell.until([&] { return cell->status().run->run.state == RunState::waiting; });
+  cell.until([&] { return cell.status().run->run.state == RunState::waiting; });
   cell.pass(3600);
-  EXPECT_EQ(cell->status().run->run.state, RunState::waiting);
-  EXPECT_THAT(cell->status().run->run.reason, HasSubstr("jammed"));
+  EXPECT_EQ(cell.status().run->run.state, RunState::waiting);
+  EXPECT_THAT(cell.status().run->run.reason, HasSubstr("jammed"));
   world.load_jammed = false;
   EXPECT_EQ(cell.finish_run().state, RunState::done) << "nobody has to say so to the daemon";
 }
@@ -253,7 +254,7 @@ class AfterAwayTest : public testing::Test {
   void run_is_interrupted() {
     CellInMemory cell(world, description, kSqlite);
     run = cell.begin_run(lines_of(2, {2, -3, 1}, true)).id;
-    cell.until([&] { return cell->status().run->run.accepted == 3; });
+    cell.until([&] { return cell.status().run->run.accepted == 3; });
     later = cell.now() + std::chrono::minutes(10);
   }
   CellInMemory::Further after(const std::string& boot_id) {
@@ -275,8 +276,8 @@ TEST_F(AfterAwayTest, OfTheDaemonTheRunWaitsWhereTheCellFileSaysSo) {
   description.restart.after_restart = AfterAway::wait;
   run_is_interrupted();
   CellInMemory cell(world, description, kSqlite, after("first"));
-  cell.until([&] { return cell->status().run->run.state == RunState::paused; });
-  EXPECT_THAT(cell->status().run->run.reason, HasSubstr("after_restart"));
+  cell.until([&] { return cell.status().run->run.state == RunState::paused; });
+  EXPECT_THAT(cell.status().run->run.reason, HasSubstr("after_restart"));
   ASSERT_TRUE(cell.resume());
   EXPECT_EQ(cell.finish_run().state, RunState::done);
 }
@@ -285,15 +286,15 @@ TEST_F(AfterAwayTest, OfTheComputerNothingMovesUntilAPersonResumes) {
   run_is_interrupted();
   const int homes = world.homes, moves = world.moves;
   CellInMemory cell(world, description, kSqlite, after("second"));
-  cell.until([&] { return cell->status().run->run.state == RunState::paused; });
+  cell.until([&] { return cell.status().run->run.state == RunState::paused; });
   cell.pass(7200);
   EXPECT_EQ(world.homes, homes);
   EXPECT_EQ(world.moves, moves);
-  EXPECT_EQ(cell->status().run->run.hold.kind, RunHold::Kind::restart);
-  EXPECT_THAT(cell->status().run->run.reason, HasSubstr("the computer was started anew"));
+  EXPECT_EQ(cell.status().run->run.hold.kind, RunHold::Kind::restart);
+  EXPECT_THAT(cell.status().run->run.reason, HasSubstr("the computer was started anew"));
   ASSERT_TRUE(cell.resume());
   EXPECT_EQ(cell.finish_run().state, RunState::done);
-  EXPECT_THAT(*cell.await(cell->points(run, 0, 100)), SizeIs(8));
+  EXPECT_THAT(*cell.await(cell.points(run, 0, 100)), SizeIs(8));
 }
 
 TEST_F(AfterAwayTest, ALostReferenceCountsAsALossOfPower) {
@@ -301,9 +302,9 @@ TEST_F(AfterAwayTest, ALostReferenceCountsAsALossOfPower) {
   world.referenced = false;
   const int homes = world.homes;
   CellInMemory cell(world, description, kSqlite, after("first"));
-  cell.until([&] { return cell->status().run->run.state == RunState::paused; });
+  cell.until([&] { return cell.status().run->run.state == RunState::paused; });
   EXPECT_EQ(world.homes, homes);
-  EXPECT_THAT(cell->status().run->run.reason, HasSubstr("lost its reference"));
+  EXPECT_THAT(cell.status().run->run.reason, HasSubstr("lost its reference"));
 }
 
 TEST_F(AfterAwayTest, GoingOnAfterALossOfPowerIsAnnouncedForAMinute) {
@@ -311,7 +312,7 @@ TEST_F(AfterAwayTest, GoingOnAfterALossOfPowerIsAnnouncedForAMinute) {
   run_is_interrupted();
   const int homes = world.homes, moves = world.moves;
   CellInMemory cell(world, description, kSqlite, after("second"));
-  cell.until([&] { return cell->status().run && cell->status().run->phase == "about to move"; });
+  cell.until([&] { return cell.status().run && cell.status().run->phase == "about to move"; });
   const auto announced = cell.now();
   cell.pass(50);
   EXPECT_EQ(world.homes + world.moves, homes + moves);
@@ -326,9 +327,9 @@ TEST_F(AfterAwayTest, AStopCancelsTheAnnouncedMotion) {
   run_is_interrupted();
   const int homes = world.homes, moves = world.moves;
   CellInMemory cell(world, description, kSqlite, after("second"));
-  cell.until([&] { return cell->status().run && cell->status().run->phase == "about to move"; });
-  static_cast<void>(cell.await(cell->stop_all({"bob", "peer"})));
-  cell.until([&] { return cell->status().run->run.state == RunState::paused; });
+  cell.until([&] { return cell.status().run && cell.status().run->phase == "about to move"; });
+  static_cast<void>(cell.await(cell->manual.stop_all({"bob", "peer"})));
+  cell.until([&] { return cell.status().run->run.state == RunState::paused; });
   cell.pass(7200);
   EXPECT_EQ(world.homes + world.moves, homes + moves);
   EXPECT_EQ(cell.resume().error().reason, "STOPPED_BY_ANOTHER");
@@ -338,16 +339,15 @@ TEST_F(AfterAwayTest, PausedStaysPausedWithWhoPausedIt) {
   {
     CellInMemory cell(world, description, kSqlite);
     run = cell.begin_run(lines_of(2, {2, -3, 1}, true)).id;
-    cell.until([&] { return cell->status().run->run.accepted == 3; });
-    static_cast<void>(cell.await(cell->stop_all(cell.ada)));
-    cell.until([&] { return cell->status().run->run.state == RunState::paused; });
+    cell.until([&] { return cell.status().run->run.accepted == 3; });
+    static_cast<void>(cell.await(cell->manual.stop_all(cell.ada)));
+    cell.until([&] { return cell.status().run->run.state == RunState::paused; });
     later = cell.now() + std::chrono::minutes(10);
   }
   CellInMemory cell(world, description, kSqlite, after("second"));
-  cell.until([&] {
-    return cell->status().run && cell->status().run->run.hold.kind != RunHold::Kind::none;
-  });
-  EXPECT_EQ(cell->status().run->run.hold.who, "ada");
+  cell.until(
+      [&] { return cell.status().run && cell.status().run->run.hold.kind != RunHold::Kind::none; });
+  EXPECT_EQ(cell.status().run->run.hold.who, "ada");
   EXPECT_EQ(cell.resume({"bob", "peer"}).error().reason, "STOPPED_BY_ANOTHER");
   ASSERT_TRUE(cell.resume());
   EXPECT_EQ(cell.finish_run().state, RunState::done);

@@ -17,8 +17,8 @@ class Campaign : public testing::Test {
   SmallWorld world;
   CellDescription description = small_cell(folder / "cell.sqlite");
   CellInMemory cell{world, description, kSqlite};
-  std::vector<PointRecord> points(RunId run) { return *cell.await(cell->points(run, 0, 10'000)); }
-  std::vector<AttemptRecord> attempts(RunId run) { return *cell.await(cell->attempts(run)); }
+  std::vector<PointRecord> points(RunId run) { return *cell.await(cell.points(run, 0, 10'000)); }
+  std::vector<AttemptRecord> attempts(RunId run) { return *cell.await(cell.attempts(run)); }
 };
 
 TEST_F(Campaign, MeasuresEveryRowOnceAndEndsAtZero) {
@@ -66,8 +66,8 @@ TEST_F(Campaign, ReturnsToZeroAfterLinesThatBringNone) {
 
 TEST_F(Campaign, RereadsADisturbedGroupWithoutMoving) {
   const auto run = cell.begin_run(lines_of(1, {2, -3}, false));
-  cell.until([&] { return cell->status().run->run.accepted == 1; });
-  cell.until([&] { return cell->status().run->phase == "reading"; });
+  cell.until([&] { return cell.status().run->run.accepted == 1; });
+  cell.until([&] { return cell.status().run->phase == "reading"; });
   const int moves = world.moves;
   world.disturbed_readings = 4;
   cell.finish_run();
@@ -84,8 +84,8 @@ TEST_F(Campaign, ReapproachesRequeuesAndGivesUpWithinTheBudgets) {
   world.disturbance_nm = 100;
   const auto run = cell.begin_run(lines_of(1, {2, -3}, false));
   cell.until([&] {
-    return cell->status().run->phase == "reading" && cell->status().run->run.accepted == 0 &&
-           world.zeroings == 1 && cell->status().run->row == 0 && world.moves > 1;
+    return cell.status().run->phase == "reading" && cell.status().run->run.accepted == 0 &&
+           world.zeroings == 1 && cell.status().run->row == 0 && world.moves > 1;
   });
   world.disturbed_readings = 4 * 12 + 4;  // until row 0 is given up; row 1 is disturbed in between
   const auto ended = cell.finish_run();
@@ -126,11 +126,11 @@ TEST_F(Campaign, WaitsForTheStabiliserBeforeTheStart) {
   world.support_degc = 21;
   std::set<std::string> phases;
   const auto watch =
-      cell->watch_progress([&](const application::RunProgress& p) { phases.insert(p.phase); });
+      cell->runs.watch([&](const application::RunProgress& p) { phases.insert(p.phase); });
   const auto run = cell.begin_run(lines_of(1, {2}, false));
   cell.until(
-      [&] { return cell->status().run && cell->status().run->run.state == RunState::waiting; });
-  EXPECT_NE(cell->status().run->run.reason.find("set-point"), std::string::npos);
+      [&] { return cell.status().run && cell.status().run->run.state == RunState::waiting; });
+  EXPECT_NE(cell.status().run->run.reason.find("set-point"), std::string::npos);
   EXPECT_EQ(cell.finish_run().state, RunState::done);
   EXPECT_TRUE(phases.contains("waiting for the stabiliser"));
 }
@@ -152,7 +152,7 @@ TEST_F(Campaign, RecordsTheSlowChannelsRunOrNoRun) {
   const int scans = world.scans;
   cell.pass(100);
   EXPECT_GE(world.scans, scans + 20);
-  const auto status = cell->status();
+  const auto status = cell.status();
   ASSERT_GE(status.values.size(), 5u);
   for (const auto& value : status.values) EXPECT_FALSE(value.stale) << value.channel.name();
 }
@@ -161,7 +161,7 @@ TEST_F(Campaign, TellsWatchersOnlyWhatIsOnDisk) {
   std::int64_t last_sequence = 0;
   bool behind = false;
   auto reading = *kSqlite(description.database, true);
-  const auto watch = cell->watch_progress([&](const application::RunProgress& p) {
+  const auto watch = cell->runs.watch([&](const application::RunProgress& p) {
     EXPECT_GT(p.sequence, last_sequence);
     last_sequence = p.sequence;
     const auto stored = reading->runs().run(p.run.id);
@@ -175,8 +175,8 @@ TEST_F(Campaign, TellsWatchersOnlyWhatIsOnDisk) {
 
 TEST_F(Campaign, EstimatesItsEnd) {
   cell.begin_run(lines_of(10, {2, -3, 1}, true));
-  cell.until([&] { return cell->status().run->run.accepted == 20; });
-  const auto estimate = cell->status().run->estimated_end;
+  cell.until([&] { return cell.status().run->run.accepted == 20; });
+  const auto estimate = cell.status().run->estimated_end;
   const auto asked_at = cell.now();
   const auto ended = cell.finish_run();
   EXPECT_NEAR(seconds_from(estimate - asked_at) / seconds_from(ended.ended - asked_at), 1, 0.15);
@@ -185,13 +185,13 @@ TEST_F(Campaign, EstimatesItsEnd) {
 TEST_F(Campaign, IsTheSameEveryTime) {
   const auto run = cell.begin_run(lines_of(2, {2, -3}, true));
   cell.finish_run();
-  const auto csv = *cell.await(cell->export_dataset({run.id}, false));
+  const auto csv = *cell.await(cell->datasets.export_csv({run.id}, false));
   Folder other_folder;
   SmallWorld other_world;
   CellInMemory other(other_world, small_cell(other_folder / "cell.sqlite"), kSqlite);
   const auto again = other.begin_run(lines_of(2, {2, -3}, true));
   other.finish_run();
-  EXPECT_EQ(*other.await(other->export_dataset({again.id}, false)), csv);
+  EXPECT_EQ(*other.await(other->datasets.export_csv({again.id}, false)), csv);
 }
 
 }  // namespace

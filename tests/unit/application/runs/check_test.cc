@@ -22,9 +22,9 @@ class Check : public testing::Test {
     application::FitRequest request;
     request.runs = {run.id};
     request.formula = "q ~ x + T";
-    const auto model = cell.await(cell->fit(cell.ada, request));
+    const auto model = cell.await(cell->models.fit(cell.ada, request));
     ASSERT_TRUE(model) << model.error().message;
-    ASSERT_TRUE(cell.await(cell->promote(cell.ada, model->id)));
+    ASSERT_TRUE(cell.await(cell->promotions.promote(cell.ada, model->id)));
     cell.pass(60);
   }
   Folder folder;
@@ -38,8 +38,8 @@ TEST_F(Check, LeavesARobotThatIsAsItWasAlone) {
   cell.pass(60);
   EXPECT_THAT(cell.events_named("check.in_control"),
               testing::ElementsAre("run 2 is as model 1 says"));
-  EXPECT_THAT(cell->status().attention, IsEmpty());
-  const auto check = cell.await(cell->check_model({}, {}));
+  EXPECT_THAT(cell.status().attention, IsEmpty());
+  const auto check = cell.await(cell->checks.check_model({}, {}));
   ASSERT_TRUE(check) << check.error().message;
   ASSERT_EQ(check->runs.size(), 1u);
   EXPECT_EQ(check->runs[0].id, RunId{2});
@@ -52,18 +52,18 @@ TEST_F(Check, SaysRecalibrateNowOfARobotThatDriftsOtherwise) {
   measure(4);
   cell.pass(60);
   ASSERT_EQ(cell.events_named("check.recalibrate").size(), 1u);
-  ASSERT_EQ(cell->status().attention.size(), 1u);
-  EXPECT_THAT(cell->status().attention[0],
+  ASSERT_EQ(cell.status().attention.size(), 1u);
+  EXPECT_THAT(cell.status().attention[0],
               HasSubstr("recalibrate now: the robot no longer does what model 1 says: run 2: q1"));
   // A new model of the robot as it is now, and nothing is wrong any more.
   learn_and_serve();
-  EXPECT_THAT(cell->status().attention, IsEmpty());
+  EXPECT_THAT(cell.status().attention, IsEmpty());
 }
 
 TEST_F(Check, WithoutAModelThereIsNothingToSay) {
   measure(2);
   cell.pass(60);
-  EXPECT_EQ(cell.await(cell->check_model({}, {})).error().reason, "NO_MODEL");
+  EXPECT_EQ(cell.await(cell->checks.check_model({}, {})).error().reason, "NO_MODEL");
   EXPECT_THAT(cell.events_named("check.in_control"), IsEmpty());
 }
 
@@ -73,11 +73,11 @@ TEST_F(Check, DevicesAreConnectedFromTheStart) {
   world.laser_away = true;  // no run: nobody but the keeper would see it
   cell.pass(30);
   ASSERT_EQ(cell.events_named("device.lost").size(), 1u);
-  EXPECT_THAT(cell->status().attention, testing::Contains(HasSubstr("laser")));
+  EXPECT_THAT(cell.status().attention, testing::Contains(HasSubstr("laser")));
   world.laser_away = false;
   cell.pass(200);
   EXPECT_EQ(cell.events_named("device.back").size(), 1u);
-  EXPECT_THAT(cell->status().attention, IsEmpty());
+  EXPECT_THAT(cell.status().attention, IsEmpty());
 }
 
 }  // namespace

@@ -33,8 +33,9 @@ TEST_F(Commands, ASecondRunIsRefusedWhileOneIsUnderWay) {
   const auto second = cell.try_run(request(lines_of(1, {1}, false)));
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().reason, "RUN_UNDER_WAY");
-  EXPECT_EQ(cell.await(cell->move_to(cell.ada, cell.lease(), {1})).error().reason, "RUN_UNDER_WAY");
-  EXPECT_EQ(cell.await(cell->home(cell.ada, cell.lease())).error().reason, "RUN_UNDER_WAY");
+  EXPECT_EQ(cell.await(cell->manual.move_to(cell.ada, cell.lease(), {1})).error().reason,
+            "RUN_UNDER_WAY");
+  EXPECT_EQ(cell.await(cell->manual.home(cell.ada, cell.lease())).error().reason, "RUN_UNDER_WAY");
 }
 
 TEST_F(Commands, TheSameRequestTwiceIsOneRun) {
@@ -49,32 +50,35 @@ TEST_F(Commands, TheSameRequestTwiceIsOneRun) {
   ASSERT_TRUE(later);
   EXPECT_EQ(later->id, first->id);
   EXPECT_EQ(later->state, RunState::done);
-  EXPECT_EQ(cell.await(cell->runs(10, 0))->size(), 1u);
+  EXPECT_EQ(cell.await(cell.runs(10, 0))->size(), 1u);
 }
 
 TEST_F(Commands, NothingMovesOutsideTheSoftLimits) {
   EXPECT_EQ(cell.try_run(request(lines_of(1, {5.1}, false))).error().reason, "SOFT_LIMIT");
-  EXPECT_EQ(cell.await(cell->move_to(cell.ada, cell.lease(), {-5.001})).error().reason,
+  EXPECT_EQ(cell.await(cell->manual.move_to(cell.ada, cell.lease(), {-5.001})).error().reason,
             "SOFT_LIMIT");
-  EXPECT_EQ(cell.await(cell->move_to(cell.ada, cell.lease(), {1, 2})).error().reason, "AXIS_COUNT");
-  EXPECT_EQ(cell.await(cell->move_to(cell.ada, cell.lease(), {kMissing})).error().reason,
+  EXPECT_EQ(cell.await(cell->manual.move_to(cell.ada, cell.lease(), {1, 2})).error().reason,
+            "AXIS_COUNT");
+  EXPECT_EQ(cell.await(cell->manual.move_to(cell.ada, cell.lease(), {kMissing})).error().reason,
             "SOFT_LIMIT");
   EXPECT_EQ(world.moves, 0);
 }
 
 TEST_F(Commands, MovesByHandAndSaysWho) {
-  ASSERT_TRUE(cell.await(cell->home(cell.ada, cell.lease())));
-  ASSERT_TRUE(cell.await(cell->move_to(cell.ada, cell.lease(), {1.5})));
+  ASSERT_TRUE(cell.await(cell->manual.home(cell.ada, cell.lease())));
+  ASSERT_TRUE(cell.await(cell->manual.move_to(cell.ada, cell.lease(), {1.5})));
   EXPECT_NEAR(world.to_mm, 1.5, 1e-4);
   EXPECT_EQ(cell.events_named("axes.move").front(), "ada moves to 1.5 mm");
 }
 
 TEST_F(Commands, SetsTheStabiliserWithinReason) {
-  ASSERT_TRUE(cell.await(cell->set_stabiliser(cell.ada, cell.lease(), "support", 23.5)));
+  ASSERT_TRUE(cell.await(cell->manual.set_stabiliser(cell.ada, cell.lease(), "support", 23.5)));
   EXPECT_EQ(world.support_set_degc, 23.5);
-  EXPECT_EQ(cell.await(cell->set_stabiliser(cell.ada, cell.lease(), "support", 200)).error().reason,
+  EXPECT_EQ(cell.await(cell->manual.set_stabiliser(cell.ada, cell.lease(), "support", 200))
+                .error()
+                .reason,
             "SET_POINT");
-  const auto oven = cell.await(cell->set_stabiliser(cell.ada, cell.lease(), "oven", 23));
+  const auto oven = cell.await(cell->manual.set_stabiliser(cell.ada, cell.lease(), "oven", 23));
   EXPECT_EQ(oven.error().reason, "NO_STABILISER");
   EXPECT_EQ(oven.error().message, "the cell has no stabiliser 'oven', it has support");
 }
@@ -82,16 +86,16 @@ TEST_F(Commands, SetsTheStabiliserWithinReason) {
 TEST_F(Commands, ADatasetGoesOutAndComesBackExactly) {
   const auto run = cell.begin_run(lines_of(2, {1, -2}, true));
   cell.finish_run();
-  const auto csv = cell.await(cell->export_dataset({run.id}, false));
+  const auto csv = cell.await(cell->datasets.export_csv({run.id}, false));
   ASSERT_TRUE(csv) << csv.error().message;
-  const auto imported = cell.await(cell->import_dataset(cell.ada, "again.csv", *csv, ""));
+  const auto imported = cell.await(cell->datasets.import_csv(cell.ada, "again.csv", *csv, ""));
   ASSERT_TRUE(imported) << imported.error().message;
   EXPECT_EQ(imported->state, RunState::done);
-  EXPECT_EQ(*cell.await(cell->export_dataset({imported->id}, false)), *csv);
+  EXPECT_EQ(*cell.await(cell->datasets.export_csv({imported->id}, false)), *csv);
 }
 
 TEST_F(Commands, SteeringARunThatIsNotThereSaysSo) {
-  EXPECT_EQ(cell.await(cell->pause_run(cell.ada, RunId{99})).error().code, ErrorCode::not_found);
+  EXPECT_EQ(cell.await(cell->runs.pause(cell.ada, RunId{99})).error().code, ErrorCode::not_found);
 }
 
 }  // namespace

@@ -24,20 +24,20 @@ double force_of(const PointRecord& point) {
 
 std::vector<double> forces(CellInMemory& cell, RunId run) {
   std::vector<double> out;
-  const auto points = cell.await(cell->points(run, 0, 100));
+  const auto points = cell.await(cell.points(run, 0, 100));
   for (const auto& point : *points) out.push_back(force_of(point));
   return out;
 }
 
 bool waits_for_a_person(CellInMemory& cell) {
-  const auto run = cell->status().run;
+  const auto run = cell.status().run;
   return run && run->phase == "waiting for a person";
 }
 
 // At the end of the run, which asks for it.
 void unload(CellInMemory& cell, RunId run) {
-  cell.until([&] { return waits_for_a_person(cell) && cell->status().run->run.accepted == 4; });
-  ASSERT_TRUE(cell.await(cell->confirm_force(cell.ada, run, 0)));
+  cell.until([&] { return waits_for_a_person(cell) && cell.status().run->run.accepted == 4; });
+  ASSERT_TRUE(cell.await(cell->runs.confirm_force(cell.ada, run, 0)));
 }
 
 TEST(HangSentence, SaysNewtonAndGram) {
@@ -58,7 +58,7 @@ TEST(Force, IsChangedByTheActuatorBetweenTwoPoints) {
                                "end the weights are taken off";
   EXPECT_EQ(forces(cell, run.id), (std::vector<double>{0, 0, 2.305, 2.305}));
   EXPECT_EQ(cell.events_named("load.changed").size(), 2u);
-  const auto data = cell.await(cell->data(run.id));
+  const auto data = cell.await(cell.datums(run.id));
   ASSERT_EQ(data->size(), 1u);
   bool datum_knows = false;
   for (const auto& value : data->front().values) datum_knows |= value.channel == "force_N";
@@ -83,7 +83,7 @@ TEST(Force, ThatTheActuatorChangesRaisesNoAlarm) {
   EXPECT_EQ(cell.finish_run().state, RunState::done);
   EXPECT_GE(world.loads, 3);
   cell.pass(30);
-  const auto alarms = cell.await(cell->watching().alarms(true, 100));
+  const auto alarms = cell.await(cell->alarms.list(true, 100));
   ASSERT_TRUE(alarms);
   for (const auto& alarm : *alarms) ADD_FAILURE() << alarm.kind << ": " << alarm.message;
 }
@@ -95,17 +95,17 @@ TEST(Force, WaitsForThePersonWhoHangsTheWeights) {
   const auto run = cell.begin_run(kTwoForces);
   cell.until([&] { return waits_for_a_person(cell); });
   // Nobody has said yet what hangs there: the first row's 0 N is asked for too.
-  EXPECT_THAT(cell->status().run->run.reason, HasSubstr("take every weight off: 0 N"));
-  ASSERT_TRUE(cell.await(cell->confirm_force(cell.ada, run.id, 0)));
-  cell.until([&] { return waits_for_a_person(cell) && cell->status().run->run.accepted == 2; });
-  EXPECT_EQ(cell->status().run->run.state, RunState::waiting);
-  EXPECT_EQ(cell->status().run->run.reason,
+  EXPECT_THAT(cell.status().run->run.reason, HasSubstr("take every weight off: 0 N"));
+  ASSERT_TRUE(cell.await(cell->runs.confirm_force(cell.ada, run.id, 0)));
+  cell.until([&] { return waits_for_a_person(cell) && cell.status().run->run.accepted == 2; });
+  EXPECT_EQ(cell.status().run->run.state, RunState::waiting);
+  EXPECT_EQ(cell.status().run->run.reason,
             "hang 2.305 N (235 g), then: driftwise run confirm 1 --force 2.305");
 
-  const auto wrong = cell.await(cell->confirm_force(cell.ada, run.id, 1.5));
+  const auto wrong = cell.await(cell->runs.confirm_force(cell.ada, run.id, 1.5));
   EXPECT_EQ(wrong.error().reason, "WRONG_FORCE");
   EXPECT_THAT(wrong.error().message, HasSubstr("hang 2.305 N (235 g)"));
-  ASSERT_TRUE(cell.await(cell->confirm_force(cell.ada, run.id, 2.305)));
+  ASSERT_TRUE(cell.await(cell->runs.confirm_force(cell.ada, run.id, 2.305)));
   unload(cell, run.id);
   const auto done = cell.finish_run();
   EXPECT_EQ(done.state, RunState::done) << done.reason;
@@ -118,10 +118,10 @@ TEST(Force, RefusesAConfirmationThatNobodyAskedFor) {
   SmallWorld world;
   CellInMemory cell(world, small_cell_with_load(folder / "cell.sqlite", true), kSqlite);
   const auto run = cell.begin_run(kTwoForces);
-  EXPECT_EQ(cell.await(cell->confirm_force(cell.ada, run.id, 2.305)).error().reason,
+  EXPECT_EQ(cell.await(cell->runs.confirm_force(cell.ada, run.id, 2.305)).error().reason,
             "NO_FORCE_WANTED");
   cell.finish_run();
-  EXPECT_EQ(cell.await(cell->confirm_force(cell.ada, run.id, 2.305)).error().reason,
+  EXPECT_EQ(cell.await(cell->runs.confirm_force(cell.ada, run.id, 2.305)).error().reason,
             "RUN_NOT_UNDER_WAY");
 }
 
@@ -135,15 +135,15 @@ TEST(Force, OfAPersonIsKnownAfterARestart) {
     CellInMemory cell(world, description, kSqlite);
     run = cell.begin_run(kTwoForces).id;
     cell.until([&] { return waits_for_a_person(cell); });
-    ASSERT_TRUE(cell.await(cell->confirm_force(cell.ada, run, 0)));
-    cell.until([&] { return waits_for_a_person(cell) && cell->status().run->run.accepted == 2; });
+    ASSERT_TRUE(cell.await(cell->runs.confirm_force(cell.ada, run, 0)));
+    cell.until([&] { return waits_for_a_person(cell) && cell.status().run->run.accepted == 2; });
     later = cell.now() + std::chrono::seconds(60);
   }  // ends while it waits
   CellInMemory cell(world, description, kSqlite, later);
   cell.until([&] { return waits_for_a_person(cell); });
-  EXPECT_THAT(cell->status().run->run.reason, HasSubstr("hang 2.305 N"))
+  EXPECT_THAT(cell.status().run->run.reason, HasSubstr("hang 2.305 N"))
       << "0 N is known, so only the change is asked for";
-  ASSERT_TRUE(cell.await(cell->confirm_force(cell.ada, run, 2.305)));
+  ASSERT_TRUE(cell.await(cell->runs.confirm_force(cell.ada, run, 2.305)));
   unload(cell, run);
   EXPECT_EQ(cell.finish_run().state, RunState::done);
   EXPECT_EQ(forces(cell, run), (std::vector<double>{0, 0, 2.305, 2.305}));
@@ -155,7 +155,7 @@ TEST(Force, IsWaitedForNoLongerWhenTheRunIsAborted) {
   CellInMemory cell(world, small_cell_with_load(folder / "cell.sqlite", false), kSqlite);
   const auto run = cell.begin_run(kTwoForces);
   cell.until([&] { return waits_for_a_person(cell); });
-  ASSERT_TRUE(cell.await(cell->abort_run(cell.ada, run.id, "enough")));
+  ASSERT_TRUE(cell.await(cell->runs.abort(cell.ada, run.id, "enough")));
   EXPECT_EQ(cell.finish_run().state, RunState::aborted);
 }
 

@@ -1,4 +1,4 @@
-#include "server/application/runs/pace.h"
+#include "server/application/trajectories/pace.h"
 
 #include <gtest/gtest.h>
 

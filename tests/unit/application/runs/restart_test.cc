@@ -35,7 +35,7 @@ bool daemon_dies(SharedWorld& world, const std::string& database, CellTime begin
       if (counts && ++passed == n) ::raise(SIGKILL);
     });
     CellInMemory cell(*world, small_cell(database), kSqlite, begin);
-    const auto watch = cell->watch_progress([&world](const application::RunProgress& p) {
+    const auto watch = cell->runs.watch([&world](const application::RunProgress& p) {
       world->told_accepted = std::max(world->told_accepted, p.run.accepted);
     });
     if (begin_run) {
@@ -164,19 +164,19 @@ TEST(Restart, APausedRunStaysPausedUntilSomebodyResumesIt) {
   {
     CellInMemory cell(world, small_cell(database), kSqlite);
     run = cell.begin_run(kTrajectory).id;
-    cell.until([&] { return cell->status().run->run.accepted == 2; });
-    ASSERT_TRUE(cell.await(cell->pause_run(cell.ada, run)));
-    cell.until([&] { return cell->status().run->run.state == RunState::paused; });
+    cell.until([&] { return cell.status().run->run.accepted == 2; });
+    ASSERT_TRUE(cell.await(cell->runs.pause(cell.ada, run)));
+    cell.until([&] { return cell.status().run->run.state == RunState::paused; });
   }
   CellInMemory cell(world, small_cell(database), kSqlite, kWorldBegin + std::chrono::hours(1));
-  cell.until([&] { return cell->status().run.has_value(); });
+  cell.until([&] { return cell.status().run.has_value(); });
   cell.pass(600);
-  EXPECT_EQ(cell->status().run->run.state, RunState::paused);
+  EXPECT_EQ(cell.status().run->run.state, RunState::paused);
   ASSERT_TRUE(cell.resume());
   const auto ended = cell.finish_run();
   EXPECT_EQ(ended.state, RunState::done);
   EXPECT_EQ(ended.accepted, kRows);
-  EXPECT_EQ(cell.await(cell->data(run))->back().reason, "restart");
+  EXPECT_EQ(cell.await(cell.datums(run))->back().reason, "restart");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "server/application/runs/run_plan.h"
+#include "server/application/ports/run_plan.h"
 
 #include <gtest/gtest.h>
 

@@ -18,17 +18,17 @@ class RunTroubles : public testing::Test {
 
   void begin_and_accept(int count) {
     cell.begin_run(trajectory);
-    cell.until([&] { return cell->status().run->run.accepted == count; });
+    cell.until([&] { return cell.status().run->run.accepted == count; });
   }
-  RunId run() { return cell->status().run->run.id; }
+  RunId run() { return cell.status().run->run.id; }
   void expect_waiting() {
-    cell.until([&] { return cell->status().run->run.state == RunState::waiting; }, 120);
-    EXPECT_FALSE(cell->status().run->run.reason.empty());
+    cell.until([&] { return cell.status().run->run.state == RunState::waiting; }, 120);
+    EXPECT_FALSE(cell.status().run->run.reason.empty());
   }
   // Every row has its point, once.
   void expect_complete(const RunRecord& ended) {
     EXPECT_EQ(ended.state, RunState::done) << ended.reason;
-    const auto points = *cell.await(cell->points(ended.id, 0, 1000));
+    const auto points = *cell.await(cell.points(ended.id, 0, 1000));
     ASSERT_EQ(points.size(), 8u);
     for (std::size_t i = 0; i < points.size(); ++i)
       EXPECT_EQ(points[i].row, static_cast<std::int64_t>(i));
@@ -54,8 +54,8 @@ TEST_F(RunTroubles, AsksAPersonThenHomesAndOpensADatumWhenTheReferenceWasLost) {
   expect_waiting();
   world.referenced = false;
   world.axis_away = false;
-  cell.until([&] { return cell->status().run->run.state == RunState::paused; });
-  EXPECT_THAT(cell->status().run->run.reason,
+  cell.until([&] { return cell.status().run->run.state == RunState::paused; });
+  EXPECT_THAT(cell.status().run->run.reason,
               testing::HasSubstr("lost its reference while the run was under way"));
   cell.pass(3600);
   EXPECT_EQ(world.homes + world.moves, homes + moves) << "an unexpected start must be chosen";
@@ -63,7 +63,7 @@ TEST_F(RunTroubles, AsksAPersonThenHomesAndOpensADatumWhenTheReferenceWasLost) {
   const auto ended = cell.finish_run();
   expect_complete(ended);
   EXPECT_EQ(world.homes, homes + 1);
-  const auto data = *cell.await(cell->data(ended.id));
+  const auto data = *cell.await(cell.datums(ended.id));
   ASSERT_EQ(data.size(), 2u);
   EXPECT_EQ(data[1].reason, "reference lost");
 }
@@ -73,14 +73,14 @@ TEST_F(RunTroubles, OpensADatumWhenTheBeamWasLost) {
   world.beam_lost = true;
   const auto ended = cell.finish_run();
   expect_complete(ended);
-  const auto data = *cell.await(cell->data(ended.id));
+  const auto data = *cell.await(cell.datums(ended.id));
   ASSERT_EQ(data.size(), 2u);
   EXPECT_EQ(data[1].reason, "beam lost");
-  const auto points = *cell.await(cell->points(ended.id, 0, 1000));
+  const auto points = *cell.await(cell.points(ended.id, 0, 1000));
   EXPECT_EQ(points.front().datum, data[0].id);
   EXPECT_EQ(points.back().datum, data[1].id);
   bool interrupted = false;
-  const auto all_attempts = *cell.await(cell->attempts(ended.id));
+  const auto all_attempts = *cell.await(cell.attempts(ended.id));
   for (const auto& attempt : all_attempts) interrupted |= attempt.verdict == Verdict::interrupted;
   EXPECT_TRUE(interrupted);
 }
@@ -98,8 +98,8 @@ TEST_F(RunTroubles, TakesNoPointWithTemperaturesThatAreTooOld) {
   begin_and_accept(2);
   world.scanner_away = true;
   expect_waiting();
-  EXPECT_NE(cell->status().run->run.reason.find("too old"), std::string::npos);
-  EXPECT_LE(cell->status().run->run.accepted, 5);
+  EXPECT_NE(cell.status().run->run.reason.find("too old"), std::string::npos);
+  EXPECT_LE(cell.status().run->run.accepted, 5);
   world.scanner_away = false;
   expect_complete(cell.finish_run());
 }
@@ -108,7 +108,7 @@ TEST_F(RunTroubles, WaitsForABrokenProbe) {
   begin_and_accept(2);
   world.probe_broken = true;
   expect_waiting();
-  EXPECT_NE(cell->status().run->run.reason.find("t03_degC"), std::string::npos);
+  EXPECT_NE(cell.status().run->run.reason.find("t03_degC"), std::string::npos);
   world.probe_broken = false;
   expect_complete(cell.finish_run());
 }
@@ -117,23 +117,23 @@ TEST_F(RunTroubles, HoldsForAPersonAfterAnEmergencyStop) {
   begin_and_accept(2);
   world.halted = true;
   expect_waiting();
-  const auto accepted = cell->status().run->run.accepted;
+  const auto accepted = cell.status().run->run.accepted;
   cell.pass(600);
-  EXPECT_EQ(cell->status().run->run.accepted, accepted);
-  EXPECT_EQ(cell->status().run->run.state, RunState::waiting);
+  EXPECT_EQ(cell.status().run->run.accepted, accepted);
+  EXPECT_EQ(cell.status().run->run.state, RunState::waiting);
   ASSERT_TRUE(cell.resume());
   expect_complete(cell.finish_run());
 }
 
 TEST_F(RunTroubles, PausesAfterThePresentPointAndResumes) {
   begin_and_accept(2);
-  ASSERT_TRUE(cell.await(cell->pause_run(cell.ada, run())));
-  cell.until([&] { return cell->status().run->run.state == RunState::paused; });
-  EXPECT_EQ(cell->status().run->run.reason, "paused by ada");
-  const auto accepted = cell->status().run->run.accepted;
+  ASSERT_TRUE(cell.await(cell->runs.pause(cell.ada, run())));
+  cell.until([&] { return cell.status().run->run.state == RunState::paused; });
+  EXPECT_EQ(cell.status().run->run.reason, "paused by ada");
+  const auto accepted = cell.status().run->run.accepted;
   EXPECT_EQ(accepted, 3);  // the point under way was finished
   cell.pass(1000);
-  EXPECT_EQ(cell->status().run->run.accepted, accepted);
+  EXPECT_EQ(cell.status().run->run.accepted, accepted);
   ASSERT_TRUE(cell.resume());
   expect_complete(cell.finish_run());
 }
@@ -141,12 +141,12 @@ TEST_F(RunTroubles, PausesAfterThePresentPointAndResumes) {
 TEST_F(RunTroubles, AbortsWithTheReasonAndKeepsWhatWasMeasured) {
   begin_and_accept(2);
   const auto id = run();
-  ASSERT_TRUE(cell.await(cell->abort_run(cell.ada, id, "wrong mirror")));
+  ASSERT_TRUE(cell.await(cell->runs.abort(cell.ada, id, "wrong mirror")));
   const auto ended = cell.finish_run();
   EXPECT_EQ(ended.state, RunState::aborted);
   EXPECT_EQ(ended.reason, "aborted by ada: wrong mirror");
-  EXPECT_EQ(cell.await(cell->points(id, 0, 100))->size(), 2u);
-  EXPECT_FALSE(cell.await(cell->resume_run(cell.ada, id, {})));
+  EXPECT_EQ(cell.await(cell.points(id, 0, 100))->size(), 2u);
+  EXPECT_FALSE(cell.await(cell->runs.resume(cell.ada, id, {})));
   // The cell is free for the next run.
   cell.begin_run(trajectory);
   EXPECT_EQ(cell.finish_run().state, RunState::done);
@@ -154,15 +154,15 @@ TEST_F(RunTroubles, AbortsWithTheReasonAndKeepsWhatWasMeasured) {
 
 TEST_F(RunTroubles, StopAllHaltsTheAxisAtOnceAndNeedsNoLease) {
   begin_and_accept(2);
-  cell.until([&] { return cell->status().run->phase == "moving"; });
+  cell.until([&] { return cell.status().run->phase == "moving"; });
   const int stops = world.stops;
-  EXPECT_TRUE(cell.await(cell->stop_all({"bob", "peer"}))->confirmed);
+  EXPECT_TRUE(cell.await(cell->manual.stop_all({"bob", "peer"}))->confirmed);
   EXPECT_GT(world.stops, stops);
-  cell.until([&] { return cell->status().run->run.state == RunState::paused; });
-  EXPECT_EQ(cell->status().run->run.reason, "stopped by bob");
-  EXPECT_EQ(cell->status().run->run.accepted, 2);  // unlike a pause, the point was not finished
+  cell.until([&] { return cell.status().run->run.state == RunState::paused; });
+  EXPECT_EQ(cell.status().run->run.reason, "stopped by bob");
+  EXPECT_EQ(cell.status().run->run.accepted, 2);  // unlike a pause, the point was not finished
   cell.pass(1000);
-  EXPECT_EQ(cell->status().run->run.accepted, 2);
+  EXPECT_EQ(cell.status().run->run.accepted, 2);
   ASSERT_TRUE(cell.resume({"bob", "peer"}));
   expect_complete(cell.finish_run());
   EXPECT_EQ(world.zeroings, 1);  // one slip costs one attempt, not the zero
@@ -173,25 +173,25 @@ TEST_F(RunTroubles, StopAllHoldsARunThatWaitsForADevice) {
   world.axis_away = true;
   expect_waiting();
   // He hears that the axis is away, and the stop stays pending until it is back.
-  EXPECT_FALSE(cell.await(cell->stop_all({"bob", "peer"}))->confirmed);
+  EXPECT_FALSE(cell.await(cell->manual.stop_all({"bob", "peer"}))->confirmed);
   cell.pass(60);
-  EXPECT_EQ(cell->status().run->run.state, RunState::waiting);
-  EXPECT_EQ(cell->status().pending_stops.size(), 1u);
+  EXPECT_EQ(cell.status().run->run.state, RunState::waiting);
+  EXPECT_EQ(cell.status().pending_stops.size(), 1u);
   world.axis_away = false;
-  cell.until([&] { return cell->status().run->run.state == RunState::paused; });
+  cell.until([&] { return cell.status().run->run.state == RunState::paused; });
   cell.pass(600);
-  EXPECT_EQ(cell->status().run->run.state, RunState::paused);
+  EXPECT_EQ(cell.status().run->run.state, RunState::paused);
   // Stopped once more while it stands, it stands on, with who was last.
-  ASSERT_TRUE(cell.await(cell->stop_all({"eve", "peer"})));
-  cell.until([&] { return cell->status().run->run.reason == "stopped by eve"; });
+  ASSERT_TRUE(cell.await(cell->manual.stop_all({"eve", "peer"})));
+  cell.until([&] { return cell.status().run->run.reason == "stopped by eve"; });
   ASSERT_TRUE(cell.resume({"eve", "peer"}));
   expect_complete(cell.finish_run());
 }
 
 TEST_F(RunTroubles, AStoppedRunCanBeAborted) {
   begin_and_accept(2);
-  ASSERT_TRUE(cell.await(cell->stop_all({"bob", "peer"})));
-  ASSERT_TRUE(cell.await(cell->abort_run(cell.ada, run(), "enough")));
+  ASSERT_TRUE(cell.await(cell->manual.stop_all({"bob", "peer"})));
+  ASSERT_TRUE(cell.await(cell->runs.abort(cell.ada, run(), "enough")));
   const auto ended = cell.finish_run();
   EXPECT_EQ(ended.state, RunState::aborted);
   EXPECT_EQ(ended.reason, "aborted by ada: enough");
@@ -212,11 +212,11 @@ TEST_F(RunTroubles, ADeviceThatIsLostIsOneAlarmAndTheRunThatWaitsStandsUnderIt) 
   world.laser_away = true;
   expect_waiting();
   cell.pass(60);
-  for (const auto& device : cell->status().devices) {
+  for (const auto& device : cell.status().devices) {
     const bool is_lost = device.description.id == "laser-x";
     EXPECT_EQ(device.health.link == LinkState::failed, is_lost) << device.description.id;
   }
-  const auto alarms = cell.await(cell->watching().alarms(false, 100));
+  const auto alarms = cell.await(cell->alarms.list(false, 100));
   ASSERT_TRUE(alarms);
   ASSERT_EQ(alarms->size(), 1u);
   EXPECT_EQ(alarms->front().kind, "device.lost");

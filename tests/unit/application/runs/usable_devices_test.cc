@@ -83,11 +83,11 @@ TEST(SeveralControllers, AreHeldShownAndStopped) {
   };
   CellInMemory cell(make, description, kSqlite, {});
   cell.pass(10);
-  const auto status = cell->status();
+  const auto status = cell->overview.status();
   ASSERT_EQ(status.devices.size(), 5U);
   EXPECT_EQ(status.devices[0].description.id, "axis");
   EXPECT_EQ(status.devices[1].description.id, "hexapod");
-  const auto stopped = cell.await(cell->stop_all(cell.ada));
+  const auto stopped = cell.await(cell->manual.stop_all(cell.ada));
   ASSERT_TRUE(stopped) << stopped.error().message;
   EXPECT_GE(stops, 1);
   EXPECT_GE(world.stops, 1);

@@ -7,7 +7,7 @@
 #include <csignal>
 
 #include "server/application/plumbing/crash_point.h"
-#include "server/application/ports/provenance.h"
+#include "server/application/provenance/provenance.h"
 #include "server/compensation/target.h"
 #include "tests/support/cell_in_memory.h"
 #include "tests/support/small_cell_file.h"
@@ -39,8 +39,7 @@ class ConfigurationTest : public testing::Test {
         "input = 0", "input = 102");
   }
   RunId measured() {
-    const auto run =
-        (*cell)->status().run ? (*cell)->status().run->run : cell->begin_run(kTrajectory);
+    const auto run = cell->status().run ? cell->status().run->run : cell->begin_run(kTrajectory);
     const auto ended = cell->finish_run();
     EXPECT_EQ(ended.state, RunState::done) << ended.reason;
     return run.id;
@@ -50,24 +49,24 @@ class ConfigurationTest : public testing::Test {
     fit.runs = {run};
     fit.formula = formula;
     fit.select = select;
-    const auto model = cell->await((*cell)->fit(cell->ada, fit));
+    const auto model = cell->await((*cell)->models.fit(cell->ada, fit));
     if (!model) throw std::runtime_error(model.error().message);
     return model->id;
   }
   application::ModelGround ground(ModelId id) {
-    return *cell->await((*cell)->provenance().ground_of_model(id));
+    return *cell->await((*cell)->provenance.ground_of_model(id));
   }
   application::RunGround ground(RunId id) {
-    return cell->await((*cell)->provenance().grounds_of_runs({id}))->front();
+    return cell->await((*cell)->provenance.grounds_of_runs({id}))->front();
   }
   compensation::Target target() {
     compensation::TargetRequest request;
     request.set(compensation::Variable::x, 1.5);
-    return compensation::compute_target(*(*cell)->snapshots().read(), request);
+    return compensation::compute_target(*(*cell)->targets.snapshots().read(), request);
   }
   Result<ConfigurationStart> accept() {
-    return cell->await((*cell)->provenance().accept_configuration(
-        cell->ada, (*cell)->description().hash, "the plugs were changed"));
+    return cell->await((*cell)->configurations.accept(
+        cell->ada, (*cell)->overview.description().hash, "the plugs were changed"));
   }
 
   Folder folder;
@@ -84,7 +83,8 @@ TEST_F(ConfigurationTest, EveryStartIsOnRecordWithTheDifference) {
   const auto port = replaced(text, "127.0.0.1:3", "127.0.0.1:33");
   start("# the port of the laser moved\n" + port);
   auto& fourth = start(exchanged());
-  const auto starts = *fourth.await(fourth->provenance().configurations(10));
+  const auto starts =
+      *fourth.await(fourth.read([](Store& store) { return store.configurations().starts(10); }));
   ASSERT_EQ(starts.size(), 4u);  // newest first
   EXPECT_TRUE(starts[3].before_hash.empty());
   EXPECT_EQ(starts[2].before_hash, starts[3].hash);
@@ -96,33 +96,31 @@ TEST_F(ConfigurationTest, EveryStartIsOnRecordWithTheDifference) {
               ElementsAre(HasSubstr("device laser-x: port 3 -> 33"),
                           HasSubstr("probe t01_degC: input 101 -> 102")));
   // Every one of them can be read again.
-  const auto old = fourth.await(fourth->provenance().configuration(starts[1].hash, ""));
+  const auto old = fourth.await(fourth->configurations.get(starts[1].hash, ""));
   ASSERT_TRUE(old) << old.error().message;
   EXPECT_EQ(old->text, "# the port of the laser moved\n" + port);
   EXPECT_THAT(old->changes, SizeIs(3));  // the port back, and the two inputs
-  EXPECT_EQ(fourth.await(fourth->provenance().configuration("0", "")).error().reason,
+  EXPECT_EQ(fourth.await(fourth->configurations.get("0", "")).error().reason,
             "NO_SUCH_CONFIGURATION");
 }
 
 TEST_F(ConfigurationTest, AChangedPartIsAskedAboutBeforeARunContinues) {
   start(text);
   const auto run = cell->begin_run(kTrajectory).id;
-  cell->until([&] { return (*cell)->status().run->run.accepted == 3; });
+  cell->until([&] { return cell->status().run->run.accepted == 3; });
   auto& again = start(exchanged());
-  ASSERT_TRUE(again->status().run);
+  ASSERT_TRUE(again.status().run);
   const int moves = world.moves, homes = world.homes;
   again.pass(1800);
-  EXPECT_EQ(again->status().run->run.state, RunState::waiting);
-  EXPECT_THAT(again->status().run->run.reason, HasSubstr("probe t01_degC: input 101 -> 102"));
+  EXPECT_EQ(again.status().run->run.state, RunState::waiting);
+  EXPECT_THAT(again.status().run->run.reason, HasSubstr("probe t01_degC: input 101 -> 102"));
   EXPECT_EQ(world.moves, moves) << "nothing moves until a person answers";
   EXPECT_EQ(world.homes, homes);
-  EXPECT_EQ(again->status().run->run.accepted, 3);
-  EXPECT_THAT(again->status().attention, testing::Contains(HasSubstr("the cell file has changed")));
-  EXPECT_EQ(again.await(again->resume_run(again.ada, run, {})).error().reason,
+  EXPECT_EQ(again.status().run->run.accepted, 3);
+  EXPECT_THAT(again.status().attention, testing::Contains(HasSubstr("the cell file has changed")));
+  EXPECT_EQ(again.await(again->runs.resume(again.ada, run, {})).error().reason,
             "CONFIGURATION_CHANGED");
-  EXPECT_EQ(again.await(again->provenance().accept_configuration(again.ada, "seen another", ""))
-                .error()
-                .reason,
+  EXPECT_EQ(again.await(again->configurations.accept(again.ada, "seen another", "")).error().reason,
             "OTHER_CONFIGURATION");
   const auto accepted = accept();
   ASSERT_TRUE(accepted) << accepted.error().message;
@@ -132,7 +130,7 @@ TEST_F(ConfigurationTest, AChangedPartIsAskedAboutBeforeARunContinues) {
   const auto used = ground(run).configurations;
   ASSERT_EQ(used.size(), 2u) << "the run names both";
   EXPECT_NE(used[0].hash, used[1].hash);
-  EXPECT_EQ(used[1].hash, again->description().hash);
+  EXPECT_EQ(used[1].hash, again->overview.description().hash);
   EXPECT_THAT(again.events_named("configuration.accepted"),
               ElementsAre(HasSubstr("the plugs were changed")));
 }
@@ -140,7 +138,7 @@ TEST_F(ConfigurationTest, AChangedPartIsAskedAboutBeforeARunContinues) {
 TEST_F(ConfigurationTest, APortOrACommentDoesNotKeepARunWaiting) {
   start(text);
   const auto run = cell->begin_run(kTrajectory).id;
-  cell->until([&] { return (*cell)->status().run->run.accepted == 3; });
+  cell->until([&] { return cell->status().run->run.accepted == 3; });
   start("# moved\n" + replaced(text, "127.0.0.1:3", "127.0.0.1:33"));
   EXPECT_EQ(measured(), run);
   EXPECT_THAT(ground(run).configurations, SizeIs(2)) << "recorded all the same";
@@ -149,11 +147,11 @@ TEST_F(ConfigurationTest, APortOrACommentDoesNotKeepARunWaiting) {
 TEST_F(ConfigurationTest, TheFilePutBackAsksNothingMore) {
   start(text);
   const auto run = cell->begin_run(kTrajectory).id;
-  cell->until([&] { return (*cell)->status().run->run.accepted == 3; });
+  cell->until([&] { return cell->status().run->run.accepted == 3; });
   start(exchanged());
-  EXPECT_EQ((*cell)->status().run->run.state, RunState::waiting);
+  EXPECT_EQ(cell->status().run->run.state, RunState::waiting);
   start(exchanged());  // an open question outlives a restart
-  EXPECT_EQ((*cell)->status().run->run.state, RunState::waiting);
+  EXPECT_EQ(cell->status().run->run.state, RunState::waiting);
   start(text);
   EXPECT_EQ(measured(), run);
   EXPECT_THAT(ground(run).configurations, SizeIs(1));
@@ -163,12 +161,12 @@ TEST_F(ConfigurationTest, TargetsOfAModelThatUsesTheChangedPartAreRefusedUntilSo
   start(text);
   const auto run = measured();
   const auto uses_t01 = fitted(run, "q ~ x + t01");
-  ASSERT_TRUE(cell->await((*cell)->promote(cell->ada, uses_t01)));
+  ASSERT_TRUE(cell->await((*cell)->promotions.promote(cell->ada, uses_t01)));
   EXPECT_EQ(target().refusal, compensation::Refusal::none);
   start(exchanged());
-  EXPECT_EQ((*cell)->status().serving, uses_t01);
+  EXPECT_EQ(cell->status().serving, uses_t01);
   ASSERT_EQ(target().refusal, compensation::Refusal::configuration_changed);
-  const auto said = compensation::refusal_error(*(*cell)->snapshots().read(), target());
+  const auto said = compensation::refusal_error(*(*cell)->targets.snapshots().read(), target());
   EXPECT_EQ(said.reason, "CONFIGURATION_CHANGED");
   EXPECT_THAT(said.message, HasSubstr("probe t01_degC: input 101 -> 102"));
   ASSERT_TRUE(accept());
@@ -179,19 +177,19 @@ TEST_F(ConfigurationTest, TargetsOfAModelThatUsesTheChangedPartAreRefusedUntilSo
 TEST_F(ConfigurationTest, TargetsOfAnotherModelAreServedWithTheFlag) {
   start(text);
   const auto model = fitted(measured(), "q ~ x + t03");
-  ASSERT_TRUE(cell->await((*cell)->promote(cell->ada, model)));
+  ASSERT_TRUE(cell->await((*cell)->promotions.promote(cell->ada, model)));
   start(exchanged());
   const auto served = target();
   EXPECT_EQ(served.refusal, compensation::Refusal::none);
   EXPECT_NE(served.flags & compensation::kConfigurationChanged, 0u);
-  EXPECT_THAT(compensation::describe_flags(*(*cell)->snapshots().read(), served),
+  EXPECT_THAT(compensation::describe_flags(*(*cell)->targets.snapshots().read(), served),
               HasSubstr("CONFIGURATION_CHANGED"));
 }
 
 TEST_F(ConfigurationTest, AModelNamesTheCellFileItWasMeasuredUnder) {
   start(text);
   const auto model = fitted(measured(), "q ~ x + t01");
-  const auto then = (*cell)->description().hash;
+  const auto then = (*cell)->overview.description().hash;
   EXPECT_EQ(ground(model).configurations.front().hash, then);
   EXPECT_THAT(ground(model).changes_since, IsEmpty());
   auto& later = start(replaced(exchanged(), "u_scale_nm = 20", "u_scale_nm = 40"));
@@ -199,30 +197,31 @@ TEST_F(ConfigurationTest, AModelNamesTheCellFileItWasMeasuredUnder) {
   const auto now = ground(model);
   ASSERT_THAT(now.configurations, SizeIs(1));
   EXPECT_EQ(now.configurations.front().hash, then);
-  EXPECT_EQ(now.present_hash, later->description().hash);
+  EXPECT_EQ(now.present_hash, later->overview.description().hash);
   ASSERT_TRUE(now.measured_under);
   EXPECT_EQ(now.measured_under->find_axis("q1_mm")->u_scale_nm, 20) << "as declared then";
   EXPECT_THAT(now.changes_since, SizeIs(3));
   // Promoted now it would be fed with another thermometer: a person has to say so.
-  const auto refused = later.await(later->promote(later.ada, model));
+  const auto refused = later.await(later->promotions.promote(later.ada, model));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().reason, "NEEDS_CONFIRMATION");
   EXPECT_THAT(refused.error().message, HasSubstr("probe t01_degC: input 101 -> 102"));
-  EXPECT_FALSE(later->status().serving);
-  EXPECT_TRUE(later.await(later->promote(later.ada, model, true)));
+  EXPECT_FALSE(later.status().serving);
+  EXPECT_TRUE(later.await(later->promotions.promote(later.ada, model, true)));
 }
 
 TEST_F(ConfigurationTest, AnInstrumentsThermometerInAServedModelIsAskedAbout) {
   start(text);
   const auto run = measured();
-  const auto refused = cell->await((*cell)->promote(cell->ada, fitted(run, "q ~ x + t05")));
+  const auto refused =
+      cell->await((*cell)->promotions.promote(cell->ada, fitted(run, "q ~ x + t05")));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().reason, "NEEDS_CONFIRMATION");
   EXPECT_THAT(refused.error().message, HasSubstr("t05 is a thermometer of the instrument"));
   // The small world's thermometers go together: the selection takes one of the robot's.
   const auto robot = fitted(run, "q ~ x + R", "stepwise");
   EXPECT_THAT(ground(robot).promotion_questions, IsEmpty());
-  EXPECT_TRUE(cell->await((*cell)->promote(cell->ada, robot)));
+  EXPECT_TRUE(cell->await((*cell)->promotions.promote(cell->ada, robot)));
 }
 
 // Killed around the answer's commit: the question is open and the run waits, or it is answered, the
@@ -235,7 +234,7 @@ bool answered_when_killed_at(const std::string& point) {
     SmallWorld world;
     CellInMemory cell(world, cell_of(text), kSqlite);
     cell.begin_run(lines_of(2, {2, -3}, true));
-    cell.until([&] { return cell->status().run->run.accepted == 2; });
+    cell.until([&] { return cell.status().run->run.accepted == 2; });
   }
   const pid_t child = ::fork();
   if (child == 0) {
@@ -245,8 +244,8 @@ bool answered_when_killed_at(const std::string& point) {
     SmallWorld world;
     CellInMemory cell(world, cell_of(changed), kSqlite, kWorldBegin + std::chrono::hours(1));
     cell.pass(10);
-    static_cast<void>(cell.await(
-        cell->provenance().accept_configuration(cell.ada, cell->description().hash, "")));
+    static_cast<void>(
+        cell.await(cell->configurations.accept(cell.ada, cell->overview.description().hash, "")));
     ::_exit(0);
   }
   int status = 0;
@@ -256,9 +255,9 @@ bool answered_when_killed_at(const std::string& point) {
   world.referenced = true;  // the controller was not away
   CellInMemory cell(world, cell_of(changed), kSqlite, kWorldBegin + std::chrono::hours(2));
   cell.pass(10);
-  const bool waits = cell->status().run->run.state == RunState::waiting;
+  const bool waits = cell.status().run->run.state == RunState::waiting;
   const auto used =
-      cell.await(cell->provenance().grounds_of_runs({RunId{1}}))->front().configurations;
+      cell.await(cell->provenance.grounds_of_runs({RunId{1}}))->front().configurations;
   EXPECT_EQ(used.size(), waits ? 1u : 2u) << "the answer and the run's cell file are one commit";
   if (!waits) {
     EXPECT_EQ(cell.finish_run().state, RunState::done);

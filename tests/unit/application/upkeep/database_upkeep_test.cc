@@ -38,7 +38,7 @@ class DatabaseUpkeepInACell : public testing::Test {
   std::vector<std::string> alarms(const std::string& kind) { return cell().alarms_of(kind); }
   RunRecord begin_and_accept(int count) {
     auto run = cell().begin_run(lines_of(2, {2, -3, 1}, true));
-    cell().until([&] { return cell()->status().run->run.accepted == count; });
+    cell().until([&] { return cell().status().run->run.accepted == count; });
     return run;
   }
   std::string copy() {
@@ -69,7 +69,7 @@ TEST_F(DatabaseUpkeepInACell, ADeletedLogCostsNothingAndIsToldOf) {
   fs::remove(path + "-wal");
   const auto ended = cell().finish_run();
   EXPECT_EQ(ended.state, RunState::done) << ended.reason;
-  EXPECT_EQ(cell().await(cell()->points(run.id, 0, 100))->size(), 8u);
+  EXPECT_EQ(cell().await(cell().points(run.id, 0, 100))->size(), 8u);
   EXPECT_THAT(cell().events_named("database.log_gone"), SizeIs(1));
   ASSERT_THAT(alarms("database.log_gone"), SizeIs(1));
   EXPECT_THAT(alarms("database.log_gone").front(), HasSubstr("a new one is in use"));
@@ -79,11 +79,11 @@ TEST_F(DatabaseUpkeepInACell, ADeletedLogCostsNothingAndIsToldOf) {
 TEST_F(DatabaseUpkeepInACell, AMovedFileStopsTheRunUntilItIsBack) {
   const auto run = begin_and_accept(3);
   fs::rename(path, folder / "elsewhere.sqlite");
-  cell().until([&] { return cell()->status().run->run.state == RunState::waiting; }, 300);
-  const auto accepted = cell()->status().run->run.accepted;
+  cell().until([&] { return cell().status().run->run.state == RunState::waiting; }, 300);
+  const auto accepted = cell().status().run->run.accepted;
   EXPECT_EQ(accepted, 3) << "no point is accepted that is not stored";
   cell().pass(600);
-  EXPECT_EQ(cell()->status().run->run.accepted, accepted);
+  EXPECT_EQ(cell().status().run->run.accepted, accepted);
   const auto told = alarms("database.files");
   ASSERT_THAT(told, SizeIs(1));
   EXPECT_THAT(told.front(), HasSubstr("is no longer at its path"));
@@ -95,7 +95,7 @@ TEST_F(DatabaseUpkeepInACell, AMovedFileStopsTheRunUntilItIsBack) {
   fs::rename(folder / "elsewhere.sqlite", path);
   const auto ended = cell().finish_run();
   EXPECT_EQ(ended.state, RunState::done) << ended.reason;
-  EXPECT_EQ(cell().await(cell()->points(run.id, 0, 100))->size(), 8u);
+  EXPECT_EQ(cell().await(cell().points(run.id, 0, 100))->size(), 8u);
   cell().pass(30);
   EXPECT_THAT(alarms("database.files"), IsEmpty());
 }
@@ -105,7 +105,7 @@ TEST_F(DatabaseUpkeepInACell, AFileInItsPlaceIsNotWritten) {
   { const auto other = *kSqlite(folder / "other.sqlite", false); }
   const auto before = bytes_of(folder / "other.sqlite");
   fs::rename(folder / "other.sqlite", path);
-  cell().until([&] { return cell()->status().run->run.state == RunState::waiting; }, 300);
+  cell().until([&] { return cell().status().run->run.state == RunState::waiting; }, 300);
   cell().pass(30);
   EXPECT_TRUE(bytes_of(path) == before);
   ASSERT_THAT(alarms("database.files"), SizeIs(1));
@@ -114,26 +114,26 @@ TEST_F(DatabaseUpkeepInACell, AFileInItsPlaceIsNotWritten) {
 
 TEST_F(DatabaseUpkeepInACell, ChecksThePagesAtIdleAndTellsWhenTheyWereClean) {
   begin_and_accept(3);
-  EXPECT_EQ(cell()->status().database.last_clean.utc_ns, 0);
+  EXPECT_EQ(cell().status().database.last_clean.utc_ns, 0);
   cell().finish_run();
   cell().pass(300);
-  const auto clean = cell()->status().database;
+  const auto clean = cell().status().database;
   EXPECT_GT(clean.last_clean.utc_ns, 0);
   EXPECT_THAT(clean.troubles, IsEmpty());
   EXPECT_GT(clean.tables, 20);
   EXPECT_EQ(clean.tables_checked, clean.tables);
   restart();
   cell().pass(5);
-  EXPECT_EQ(cell()->status().database.last_clean, clean.last_clean) << "still said after a restart";
+  EXPECT_EQ(cell().status().database.last_clean, clean.last_clean) << "still said after a restart";
 }
 
 TEST_F(DatabaseUpkeepInACell, ContinuesTheCheckAfterARestart) {
   begin_and_accept(1);
   cell().finish_run();
-  cell().until([&] { return cell()->status().database.tables_checked == 6; }, 300);
+  cell().until([&] { return cell().status().database.tables_checked == 6; }, 300);
   restart();
   cell().pass(300);
-  EXPECT_GT(cell()->status().database.last_clean.utc_ns, 0);
+  EXPECT_GT(cell().status().database.last_clean.utc_ns, 0);
   cell().shut_down();
   const auto half_an_hour = begin - std::chrono::minutes(30);
   EXPECT_EQ(number("SELECT count(*) FROM database_check WHERE checked_ns < " +
@@ -146,24 +146,24 @@ TEST_F(DatabaseUpkeepInACell, FindsDamageThatHappenedWhileItWasAway) {
   begin_and_accept(3);
   cell().finish_run();
   cell().pass(300);
-  const auto clean = cell()->status().database.last_clean;
+  const auto clean = cell().status().database.last_clean;
   begin = cell().now() + std::chrono::hours(48);
   cell_.reset();
   damage(number("SELECT rootpage FROM sqlite_schema WHERE name = 'attempt'"));
   cell().pass(3600);
-  EXPECT_EQ(cell()->status().database.last_clean, clean);
-  ASSERT_THAT(cell()->status().database.troubles, SizeIs(1));
-  EXPECT_THAT(cell()->status().database.troubles.front(), HasSubstr("table attempt"));
+  EXPECT_EQ(cell().status().database.last_clean, clean);
+  ASSERT_THAT(cell().status().database.troubles, SizeIs(1));
+  EXPECT_THAT(cell().status().database.troubles.front(), HasSubstr("table attempt"));
   EXPECT_THAT(alarms("database.damaged"), SizeIs(1));
 }
 
 TEST_F(DatabaseUpkeepInACell, ACheckWaitsWhileTheRobotIsAtWork) {
   begin_and_accept(2);
-  ASSERT_TRUE(cell().await(cell()->pause_run(cell().ada, cell()->status().run->run.id)));
+  ASSERT_TRUE(cell().await(cell()->runs.pause(cell().ada, cell().status().run->run.id)));
   cell().pass(7200);
-  EXPECT_EQ(cell()->status().database.tables_checked, 0);
+  EXPECT_EQ(cell().status().database.tables_checked, 0);
   cell().pass(86400);
-  EXPECT_GT(cell()->status().database.tables_checked, 0) << "a day late at most";
+  EXPECT_GT(cell().status().database.tables_checked, 0) << "a day late at most";
 }
 
 }  // namespace

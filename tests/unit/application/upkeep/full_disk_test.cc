@@ -107,19 +107,19 @@ class FullDiskTest : public testing::Test {
 
 TEST_F(FullDiskTest, TheRunWaitsWithTheSentenceAndLosesNothing) {
   cell.begin_run(lines_of(2, {2, -3, 1}, true));
-  cell.until([&] { return cell->status().run->run.accepted == 3; });
+  cell.until([&] { return cell.status().run->run.accepted == 3; });
   full = true;
-  cell.until([&] { return cell->status().run->run.state == RunState::waiting; });
-  EXPECT_EQ(cell->status().run->run.reason, "the disk is full: make room");
+  cell.until([&] { return cell.status().run->run.state == RunState::waiting; });
+  EXPECT_EQ(cell.status().run->run.reason, "the disk is full: make room");
   const int scans_before = world.scans;
   const auto moves_before = world.moves;
   cell.pass(900);
-  EXPECT_EQ(cell->status().run->run.accepted, 3);
+  EXPECT_EQ(cell.status().run->run.accepted, 3);
   EXPECT_EQ(world.moves, moves_before);
   full = false;
   const auto ended = cell.finish_run();
   EXPECT_EQ(ended.state, RunState::done);
-  const auto points = *cell.await(cell->points(ended.id, 0, 100));
+  const auto points = *cell.await(cell.points(ended.id, 0, 100));
   ASSERT_EQ(points.size(), 8u);
   // The scans of the full quarter of an hour are there too.
   cell.pass(20);
@@ -136,9 +136,9 @@ TEST_F(FullDiskTest, TheRunWaitsWithTheSentenceAndLosesNothing) {
 
 TEST_F(FullDiskTest, ShutDownDoesNotWaitForRoom) {
   cell.begin_run(lines_of(2, {2, -3, 1}, true));
-  cell.until([&] { return cell->status().run->run.accepted == 3; });
+  cell.until([&] { return cell.status().run->run.accepted == 3; });
   full = true;
-  cell.until([&] { return cell->status().run->run.state == RunState::waiting; });
+  cell.until([&] { return cell.status().run->run.state == RunState::waiting; });
   cell.shut_down();
   full = false;
 }

@@ -30,7 +30,7 @@ class TextsElsewhere : public testing::Test {
     cell.begin(std::move(call), answer);
     cell.pass(1);
     EXPECT_FALSE(answer.has_value()) << "read on the executor";
-    EXPECT_TRUE(cell.await(cell->stop_all(cell.ada)));
+    EXPECT_TRUE(cell.await(cell->manual.stop_all(cell.ada)));
     cell.until([&] {
       elsewhere.restart();
       elsewhere.poll();
@@ -43,20 +43,19 @@ class TextsElsewhere : public testing::Test {
 const std::string kData = "time_s,q1_mm,x_mm\n1,0,0\n2,1,1.001\n3,2,2.001\n4,3,3.002\n";
 
 TEST_F(TextsElsewhere, ADataset) {
-  EXPECT_TRUE(read_elsewhere(cell->import_dataset(cell.ada, "drift.csv", kData, "")));
+  EXPECT_TRUE(read_elsewhere(cell->datasets.import_csv(cell.ada, "drift.csv", kData, "")));
 }
 
 TEST_F(TextsElsewhere, ADatasetOfAFit) {
   application::FitRequest request;
   request.csv = kData;
   request.formula = "q ~ x";
-  EXPECT_TRUE(read_elsewhere(cell->check_formula(request)));
+  EXPECT_TRUE(read_elsewhere(cell->models.check_formula(request)));
 }
 
 TEST_F(TextsElsewhere, ATrajectory) {
-  EXPECT_TRUE(read_elsewhere(cell->check_trajectory(lines_of(1, {1}, false))));
-  EXPECT_TRUE(
-      read_elsewhere(cell->watching().keep_trajectory(cell.ada, "plan", lines_of(1, {1}, false))));
+  EXPECT_TRUE(read_elsewhere(cell->trajectories.check("trajectory", lines_of(1, {1}, false))));
+  EXPECT_TRUE(read_elsewhere(cell->trajectories.keep(cell.ada, "plan", lines_of(1, {1}, false))));
 }
 
 TEST_F(TextsElsewhere, TheTrajectoryOfARun) {
@@ -64,7 +63,7 @@ TEST_F(TextsElsewhere, TheTrajectoryOfARun) {
   request.name = request.trajectory_name = "r";
   request.trajectory_text = lines_of(1, {1}, false);
   request.lease_token = cell.lease();
-  const auto run = read_elsewhere(cell->create_run(cell.ada, request));
+  const auto run = read_elsewhere(cell->runs.create(cell.ada, request));
   ASSERT_FALSE(run) << "a run that was asked for before the stop begins after it";
   EXPECT_EQ(run.error().reason, "STOPPED_MEANWHILE");
   EXPECT_EQ(world.moves, 0);

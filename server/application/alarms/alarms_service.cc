@@ -1,0 +1,166 @@
+#include "server/application/alarms/alarms_service.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "server/application/motion/loading.h"
+#include "server/application/motion/stop_desk.h"
+#include "server/application/recording/doubts.h"
+#include "server/core/ports/spawn.h"
+#include "server/core/try.h"
+
+namespace driftwise::application {
+
+AlarmsService::AlarmsService(asio::any_io_executor executor, Sources sources, StoreReader& reader,
+                             AlarmBook& book, TaskGroup& tasks)
+    : executor_(executor),
+      description_(sources.bench.description),
+      clock_(sources.bench.clock),
+      bench_(sources.bench.devices),
+      recorder_(sources.bench.recorder),
+      writer_(sources.bench.writer),
+      events_(sources.bench.events),
+      loading_(sources.bench.loading),
+      stops_(sources.bench.stops),
+      doubts_(sources.bench.doubts),
+      overview_(sources.overview),
+      engine_(sources.engine),
+      right_(sources.right),
+      manual_(sources.manual),
+      serving_(sources.serving),
+      checks_(sources.checks),
+      configuration_(sources.configuration),
+      upkeep_(sources.upkeep),
+      reader_(reader),
+      book_(book),
+      tasks_(tasks),
+      wake_(executor) {}
+
+void AlarmsService::start() { tasks_.spawn(look_for_ever()); }
+
+void AlarmsService::shut_down() {
+  ending_ = true;
+  wake_.raise();
+}
+
+void AlarmsService::note(AlarmCondition condition) {
+  spawn(executor_, book_.note(std::move(condition)));
+}
+
+Awaitable<Result<std::vector<AlarmRecord>>> AlarmsService::list(bool with_history, int limit) {
+  auto alarms = co_await reader_.alarms().alarms(with_history, limit);
+  if (!alarms) co_return alarms;
+  // While the disk is full these stand nowhere else.
+  for (auto& alarm : book_.unstored()) alarms->insert(alarms->begin(), std::move(alarm));
+  if (alarms->size() > static_cast<std::size_t>(std::max(limit, 0)))
+    alarms->resize(static_cast<std::size_t>(std::max(limit, 0)));
+  co_return alarms;
+}
+
+Awaitable<Result<AlarmRecord>> AlarmsService::acknowledge(Caller caller, AlarmId id) {
+  auto storing = book_.acknowledge(id, caller.name);
+  auto alarm = co_await std::move(storing);
+  if (alarm)
+    events_.record(caller, "alarm.acknowledged",
+                   fmt::format("alarm {}, {}: {}", id.value, alarm->kind, alarm->message));
+  co_return alarm;
+}
+
+// Every two seconds of cell time, and at most twice a second of wall time.
+Awaitable<void> AlarmsService::look_for_ever() {
+  if (const auto restored = co_await book_.restore(); !restored)
+    events_.record_own("daemon.trouble", "reading the alarms: " + restored.error().message);
+  while (!ending_) {
+    note_clock_jumps();
+    auto looking = book_.look(incidents_.group(alarms_now(), clock_.now().utc));
+    co_await std::move(looking);
+    const double seconds = std::max(2.0, 0.5 * clock_.speed());
+    co_await sleep_unless(clock_, clock_.now().utc + nanoseconds_from_s(seconds), wake_);
+  }
+}
+
+void AlarmsService::note_clock_jumps() {
+  for (const auto& device : bench_.status()) {
+    auto& known = clock_jumps_[device.description.id];
+    if (device.health.clock_jumps == known) continue;
+    known = device.health.clock_jumps;
+    events_.record_own(
+        "device.clock_jumped",
+        fmt::format("the clock of {} was set by {:+.3f} s: a point under way is repeated, later "
+                    "readings count by the new offset",
+                    device.description.id, seconds_from(device.health.last_clock_jump)));
+  }
+}
+
+std::vector<AlarmCondition> AlarmsService::alarms_now() const {
+  std::vector<AlarmCondition> out = alarm_conditions(overview_.status());
+  // Channels that a run has just given back are read again within their period.
+  if (const auto& last = engine_.progress(); last && !engine_.busy())
+    std::erase_if(out, [&](const AlarmCondition& one) {
+      const auto* device =
+          one.kind == "channel.stale" ? description_.find_device(one.device) : nullptr;
+      return device != nullptr && measures_pose(device->role()) &&
+             seconds_from(clock_.now().utc - last->run.ended) <= device->max_age_s;
+    });
+  for (auto& stop : stops_.unconfirmed())
+    out.push_back(
+        {AlarmLevel::failed, "stop.unconfirmed", stop.controller, std::move(stop.sentence)});
+  for (auto& doubt : doubts_.conditions()) {
+    for (const auto& latest : recorder_.history().latest())
+      if (latest.channel == doubt.subject) doubt.device = latest.device;
+    out.push_back(std::move(doubt));
+  }
+  if (const auto* run = engine_.record(); run && engine_.busy())
+    if (const auto trend = quality_.condition(rules_of(*run).max_spread_nm)) out.push_back(*trend);
+  if (!engine_.announcement().empty())
+    out.push_back({AlarmLevel::failed, "run.moves_soon",
+                   fmt::format("run {}", engine_.record()->id.value), engine_.announcement()});
+  // While a run works the force is the run's; after a stop, an abort or a failure nothing takes it
+  // off by itself.
+  const auto acts_n = force_now();
+  if (acts_n && !same_force(*acts_n, 0) && (!engine_.busy() || engine_.stands()) &&
+      !right_.by_hand())
+    out.push_back({AlarmLevel::warning, "load.on", "force",
+                   fmt::format("{:.6g} N act on the robot and nothing takes them off by itself: {}",
+                               *acts_n, hang_sentence(0, *description_.load))});
+  if (!manual_.motion_trouble().empty())
+    out.push_back({AlarmLevel::failed, "motion.uncommanded", "axes", manual_.motion_trouble()});
+  if (serving_.refused())
+    out.push_back(
+        {AlarmLevel::failed, "model.damaged", "served model", serving_.refused()->message});
+  if (!serving_.trouble().empty())
+    out.push_back({AlarmLevel::warning, "serving.trouble", "served model", serving_.trouble()});
+  if (!checks_.trouble().empty())
+    out.push_back({AlarmLevel::warning, "model.doubtful", "served model", checks_.trouble()});
+  if (auto question = configuration_.question(); !question.empty())
+    out.push_back({AlarmLevel::warning, "configuration.changed", "cell file", std::move(question)});
+  for (auto& condition : upkeep_.conditions()) out.push_back(std::move(condition));
+  if (writer_.dropped() > 0)
+    out.push_back({AlarmLevel::failed, "record.dropped", "database",
+                   "slow readings were dropped because nothing could be written: make room on the "
+                   "disk; the record says from when to when"});
+  return out;
+}
+
+void AlarmsService::note_progress(const RunProgress& progress) {
+  quality_.take(progress);
+  const RunRecord& run = progress.run;
+  if (run.state != RunState::failed || last_failed_ == run.id) return;
+  last_failed_ = run.id;
+  spawn(executor_,
+        book_.note({AlarmLevel::failed, "run.failed", fmt::format("run {}", run.id.value),
+                    fmt::format("run {} failed: {}", run.id.value, run.reason)}));
+}
+
+// An actuator is asked in its period; without one a person has said it.
+std::optional<double> AlarmsService::force_now() const {
+  const auto channel = description_.force_channel();
+  if (!channel || !description_.load) return std::nullopt;
+  if (!description_.load_actuator()) return loading_.known_n();
+  const auto* latest = recorder_.history().latest(channel->name());
+  if (!latest || is_missing(latest->value)) return std::nullopt;
+  return latest->value;
+}
+
+}  // namespace driftwise::application

@@ -1,0 +1,41 @@
+#include "server/application/cell/cell.h"
+
+#include "server/application/cell/composition.h"
+#include "server/core/try.h"
+
+namespace driftwise::application {
+
+Result<std::unique_ptr<Cell>> Cell::open(asio::any_io_executor executor, Parts parts) {
+  DRIFTWISE_TRY(auto writing, parts.open_store(parts.description.database, false));
+  DRIFTWISE_TRY(auto reading, parts.open_store(parts.description.database, true));
+  DRIFTWISE_TRY(auto checking, parts.open_store(parts.description.database, true));
+  DRIFTWISE_TRY(auto clocks, writing->clocks().clocks());
+  DRIFTWISE_TRY(const auto newest, writing->clocks().newest_instant());
+  auto clock_start = begin_cell_time(*parts.clock, std::move(clocks), newest);
+  DRIFTWISE_RETURN_IF_ERROR(writing->clocks().add_clock(clock_start.records.back()));
+  // Before anybody can begin a new one.
+  DRIFTWISE_TRY(const auto unfinished,
+                writing->diagnoses().fail_unfinished("the daemon ended while it ran",
+                                                     parts.clock->now().utc));
+  DRIFTWISE_TRY(auto stops, writing->stops().pending());
+  DRIFTWISE_TRY(auto configuration, ConfigurationBook::open(*writing, parts.description,
+                                                            parts.version, parts.clock->now()));
+  OpenedRecord opened{
+      std::move(writing),     std::move(reading), std::move(checking), std::move(configuration),
+      std::move(clock_start), std::move(stops),   unfinished};
+  return std::unique_ptr<Cell>(
+      new Cell(std::make_unique<Composition>(executor, std::move(parts), std::move(opened))));
+}
+
+Cell::Cell(std::unique_ptr<Composition> parts)
+    : parts_(std::move(parts)), services_(parts_->services()) {}
+
+Cell::~Cell() = default;
+
+void Cell::start() { parts_->start(); }
+
+Awaitable<void> Cell::devices_looked_at() { return parts_->keeper.looked(); }
+
+Awaitable<void> Cell::shut_down() { return parts_->shut_down(); }
+
+}  // namespace driftwise::application

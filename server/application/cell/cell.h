@@ -1,0 +1,61 @@
+#pragma once
+// The daemon as one object: composes the parts of a cell, starts them and shuts them down. What
+// clients ask is answered by its services.
+//
+// Thread: the executor's (co_spawn onto it). Lifetime: start() once, then shut_down() once; the
+// destructor expects the executor to have stopped.
+
+#include <boost/asio/any_io_executor.hpp>
+#include <memory>
+#include <string>
+
+#include "server/application/cell/services.h"
+#include "server/application/diagnoses/diagnosis_progress.h"
+#include "server/application/recording/devices.h"
+#include "server/core/description/cell_description.h"
+#include "server/core/ports/awaitable.h"
+#include "server/core/ports/clock.h"
+#include "server/core/ports/store.h"
+#include "server/core/result.h"
+
+namespace driftwise::application {
+
+class Composition;
+
+class Cell {
+ public:
+  struct Parts {
+    CellDescription description;
+    Devices devices;
+    std::unique_ptr<Clock> clock;
+    OpenStore open_store;
+    std::string version;
+    // Where the writing store, the queries, the fits and the diagnoses run: at most one thread each
+    // at a time. Empty: threads of the cell's own. A test hands in its one executor and has
+    // everything in order.
+    asio::any_io_executor storage_thread = {}, query_thread = {}, worker_thread = {},
+                          diagnosis_thread = {}, text_thread = {}, upkeep_thread = {};
+    std::string boot_id = {};      // of this start of the computer; empty: not known
+    std::string web_address = {};  // "http://127.0.0.1:8080/", told in status(); empty: no web door
+    Diagnose diagnose = {};        // empty: diagnosis::diagnose
+    bool measure_pauses = false;   // of the executor: by the wall clock, so not in virtual time
+  };
+  static Result<std::unique_ptr<Cell>> open(asio::any_io_executor executor, Parts parts);
+  ~Cell();
+
+  // Starts the recorder and, where a run was under way when the daemon ended, its continuation.
+  void start();
+  // Resumes when every device has been tried once, and the status says which are there.
+  Awaitable<void> devices_looked_at();
+  Awaitable<void> shut_down();
+
+  const Services& services() const { return services_; }
+
+ private:
+  explicit Cell(std::unique_ptr<Composition> parts);
+
+  std::unique_ptr<Composition> parts_;
+  Services services_;
+};
+
+}  // namespace driftwise::application

@@ -1,0 +1,142 @@
+#include "server/application/cell/composition.h"
+
+#include <fmt/format.h>
+
+namespace driftwise::application {
+namespace {
+
+StoreReader::Open reading_anew(const OpenStore& open_store, const std::string& path) {
+  return [open_store, path] { return open_store(path, true); };
+}
+
+// Each controller confirms a stop for itself.
+std::vector<StopDesk::Controller> controllers_of(DeviceBench& bench) {
+  std::vector<StopDesk::Controller> controllers;
+  for (const auto device : bench.with_role(DeviceRole::motion))
+    controllers.push_back({bench.description(device).id,
+                           [&bench, device] { return bench.stop(device); },
+                           [&bench, device] { return bench.motion_state(device); }});
+  return controllers;
+}
+
+}  // namespace
+
+Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedRecord opened)
+    : executor(on),
+      description(std::move(given.description)),
+      configuration(std::move(opened.configuration)),
+      clock(std::move(given.clock)),
+      version(std::move(given.version)),
+      boot_id(std::move(given.boot_id)),
+      storage_thread(given.storage_thread),
+      query_thread(given.query_thread),
+      worker_thread(given.worker_thread),
+      diagnosis_thread(given.diagnosis_thread),
+      text_thread(given.text_thread),
+      upkeep_thread(given.upkeep_thread),
+      host(on, text_thread.executor(), *clock),
+      writer(storage_thread.executor(), std::move(opened.writing)),
+      reader(on, query_thread.executor(), std::move(opened.reading),
+             reading_anew(given.open_store, description.database)),
+      checker(on, upkeep_thread.executor(), std::move(opened.checking),
+              reading_anew(given.open_store, description.database)),
+      events(on, *clock, writer),
+      doubts(description, *clock, writer, events, [this] { alarms.look_now(); }),
+      bench(on, std::move(given.devices), doubts,
+            [this](const DeviceDescription& device, const Error* error) {
+              if (error)
+                events.record_own("device.lost", error->message);
+              else
+                events.record_own("device.back",
+                                  fmt::format("{} at {} answers again", device.id, device.address));
+            }),
+      lag(*clock),
+      pauses(on),
+      tasks(on),
+      stop_events(on, *clock, events, tasks),
+      stops(on, *clock, writer, events, tasks, controllers_of(bench)),
+      keeper(on, *clock, bench, tasks, [this] { return engine.busy() || right.by_hand(); }),
+      pose(description),
+      recorder(on, *clock, bench, writer, events, lag, pose, tasks),
+      workbench{description, *clock, bench,   recorder, writer, events,
+                lag,         pose,   loading, stops,    doubts, boot_id},
+      serving(on, description, configuration, *clock, recorder, reader, events, tasks),
+      engine(
+          on, workbench,
+          {[this](const ActiveRun& run, const TrajectoryPoint& row) -> Result<std::vector<double>> {
+             if (!run.plan.compensate) return row.target_mm;
+             TrajectoryPoint wanted = row;
+             if (!wanted.force_n) wanted.force_n = loading.known_n();
+             return serving.targets(run.trajectory.coordinates, wanted, run.plan.compensate_with);
+           },
+           [this](const DatumRecord& datum) { manual.take_datum(datum); },
+           [this](AlarmCondition condition) { alarms.note(std::move(condition)); }},
+          tasks),
+      leases([this](CellTime instant) { return clock->utc(instant); }),
+      right(on, *clock, stops, leases, engine),
+      alarm_book(*clock, writer),
+      diagnosis_desk(on, diagnosis_thread.executor(), *clock, writer, events, tasks,
+                     std::move(given.diagnose)),
+      study_desk(on, diagnosis_thread.executor(), tasks),
+      wall_clock(on, *clock, writer, events, tasks,
+                 [this](AlarmCondition condition) { alarms.note(std::move(condition)); }),
+      clock_start(std::move(opened.clock_start)),
+      upkeep(on, *clock, description.database, writer, {&reader}, &checker, events, tasks,
+             [this] { return engine.busy() || right.by_hand() != nullptr; }),
+      trajectories(description, *clock, writer, events, text_thread.executor(),
+                   [this] { return engine.point_s(description.run); }),
+      datasets(description, *clock, reader, writer, events, text_thread.executor()),
+      annotations(*clock, reader, writer, events),
+      models(*clock, reader, writer, events, datasets, worker_thread.executor()),
+      provenance(description, reader),
+      checks(worker_thread.executor(), reader, events, serving, tasks),
+      promotions(*clock, reader, writer, events, models, provenance, serving,
+                 [this](bool any) { checks.served_another(any); }),
+      runs(workbench, reader, engine, right, stop_events, trajectories, models, serving,
+           configuration, text_thread.executor()),
+      manual(on, workbench, reader, engine, right, leases, stop_events, serving, tasks,
+             [this](const std::string& why) { improver.halt(why); }),
+      configurations(description, *clock, reader, writer, events, configuration, engine, serving),
+      diagnoses(description, reader, diagnosis_desk, datasets, models, serving,
+                text_thread.executor()),
+      extensions(description, *clock, reader, writer, events, diagnoses, models, promotions,
+                 serving, worker_thread.executor()),
+      improver(
+          on,
+          {trajectories, manual, runs, models, checks, promotions, diagnoses, extensions, serving},
+          *clock, writer, events, tasks),
+      improvements(description, reader, right, trajectories, diagnoses, improver),
+      studies(description, datasets, study_desk),
+      overview({version, std::move(given.web_address)},
+               {workbench, engine, leases, manual, serving, checks, configuration, upkeep, pauses}),
+      alarms(on,
+             {workbench, overview, engine, right, manual, serving, checks, configuration, upkeep},
+             reader, alarm_book, tasks),
+      feeds(events, recorder, engine, alarm_book, diagnosis_desk, improver),
+      measure_pauses_(given.measure_pauses) {
+  stops.restore(std::move(opened.stops));
+  manual.start();
+  if (opened.unfinished_jobs > 0)
+    events.record_own("diagnosis.failed",
+                      fmt::format("{} of the diagnoses and improvements were under way when the "
+                                  "daemon ended: they have failed; their runs stay",
+                                  opened.unfinished_jobs));
+}
+
+Composition::~Composition() {
+  // Nothing of ours may run on a thread of its own while members go.
+  storage_thread.join();
+  query_thread.join();
+  worker_thread.join();
+  diagnosis_thread.join();
+  text_thread.join();
+  upkeep_thread.join();
+}
+
+Services Composition::services() {
+  return {host,        overview,   reader,       manual,  runs,    trajectories, datasets,
+          annotations, models,     promotions,   checks,  serving, provenance,   configurations,
+          diagnoses,   extensions, improvements, studies, alarms,  feeds};
+}
+
+}  // namespace driftwise::application

@@ -1,0 +1,148 @@
+// The check standard: does the robot still do what a model says? Asked by people, and by the cell
+// itself after every run.
+
+#include "server/application/checks/model_checks_service.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "server/application/datasets/amended_dataset.h"
+#include "server/application/models/model_integrity.h"
+#include "server/application/plumbing/run_on.h"
+#include "server/core/reasons.h"
+#include "server/core/try.h"
+#include "server/formats/model/model_json.h"
+
+namespace driftwise::application {
+namespace {
+
+constexpr int kMostRuns = 50;  // older ones weigh less than 1e-4 in an EWMA of lambda 0.2
+
+struct Material {
+  ModelRecord model;
+  std::vector<RunRecord> runs;
+  std::vector<diagnosis::RunToCheck> data;
+};
+
+// What the run's datums hold, in the order in which its rows meet them.
+Result<std::vector<std::vector<ChannelValue>>> zeros_of(Store& store, RunId run,
+                                                        const Dataset& data) {
+  DRIFTWISE_TRY(auto records, store.runs().data(run));
+  std::vector<std::int64_t> order;
+  if (data.datum.empty()) {
+    DRIFTWISE_TRY(const auto first, store.runs().points(run, 0, 1));
+    if (!first.empty()) order.push_back(first.front().datum.value);
+  }
+  for (const std::int64_t id : data.datum)
+    if (std::ranges::find(order, id) == order.end()) order.push_back(id);
+  std::vector<std::vector<ChannelValue>> zeros;
+  for (const std::int64_t id : order) {
+    zeros.emplace_back();
+    for (auto& record : records)
+      if (record.id.value == id) zeros.back() = std::move(record.values);
+  }
+  return zeros;
+}
+
+Result<std::vector<RunRecord>> runs_since(Store& store, const ModelRecord& model,
+                                          const std::vector<RunId>& fitted_from) {
+  constexpr int kPage = 100;
+  std::vector<RunRecord> found;
+  for (std::int64_t before = 0; static_cast<int>(found.size()) < kMostRuns;) {
+    DRIFTWISE_TRY(auto page, store.runs().runs(kPage, before));
+    for (auto& run : page) {
+      before = run.id.value;
+      const bool own = std::ranges::find(fitted_from, run.id) != fitted_from.end();
+      if (run.created > model.created && !own && run.accepted > 0 && run.reason != "imported" &&
+          static_cast<int>(found.size()) < kMostRuns)
+        found.push_back(std::move(run));
+    }
+    if (static_cast<int>(page.size()) < kPage || page.back().created < model.created) break;
+  }
+  std::ranges::reverse(found);
+  return found;
+}
+
+Result<Material> gather(Store& store, ModelId id, const std::vector<RunId>& wanted) {
+  DRIFTWISE_TRY(auto record, store.models().model(id));
+  DRIFTWISE_RETURN_IF_ERROR(check_integrity(record));
+  Material material{std::move(record), {}, {}};
+  if (wanted.empty()) {
+    DRIFTWISE_TRY(const auto model, formats::read_model_json(material.model.json));
+    DRIFTWISE_TRY(auto since, runs_since(store, material.model, model.lineage.runs));
+    material.runs = std::move(since);
+  }
+  for (const RunId run : wanted) {
+    DRIFTWISE_TRY(auto one, store.runs().run(run));
+    material.runs.push_back(std::move(one));
+  }
+  for (const auto& run : material.runs) {
+    DRIFTWISE_TRY(auto data, amended_dataset(store, std::vector{run.id}));
+    std::vector<std::vector<ChannelValue>> zeros;
+    if (run.reason != "imported") {
+      DRIFTWISE_TRY(auto known, zeros_of(store, run.id, data));
+      zeros = std::move(known);
+    }
+    material.data.push_back({run.id, std::move(data), std::move(zeros)});
+  }
+  return material;
+}
+
+Result<ModelCheck> judge(Material material) {
+  DRIFTWISE_TRY(const auto model, formats::read_model_json(material.model.json));
+  return ModelCheck{material.model.id, std::move(material.runs),
+                    diagnosis::check_model(model, material.data)};
+}
+
+}  // namespace
+
+Awaitable<Result<ModelCheck>> ModelChecksService::check_model(std::optional<ModelId> id,
+                                                              std::vector<RunId> runs) {
+  if (!id) id = serving_.model();
+  if (!id)
+    co_return fail(ErrorCode::failed_precondition, reasons::kNoModel,
+                   "no model serves: name one, or promote one");
+  DRIFTWISE_CO_TRY(auto material, co_await reader_.call(gather, *id, runs));
+  co_return co_await run_on(
+      worker_, [](Material& whole) { return judge(std::move(whole)); }, std::move(material));
+}
+
+void ModelChecksService::served_another(bool any) {
+  trouble_.clear();
+  if (!any) return;
+  tasks_.spawn(check_served(std::nullopt));
+}
+
+void ModelChecksService::check_after(const RunProgress& progress) {
+  if (!is_over(progress.run.state) || progress.run.accepted == 0 || !serving_.model() ||
+      checked_ == progress.run.id)
+    return;
+  checked_ = progress.run.id;
+  tasks_.spawn(check_served(progress.run.id));
+}
+
+// after: the run that ended just now; none: nothing new was measured, so nothing is recorded.
+Awaitable<void> ModelChecksService::check_served(std::optional<RunId> after) {
+  const auto model = serving_.model();
+  auto checking = check_model(model, {});
+  const auto check = co_await std::move(checking);
+  if (!check) {
+    if (after) events_.record_own("check.failed", check.error().message, after);
+  } else if (serving_.model() == model) {
+    const auto& report = check->report;
+    trouble_.clear();
+    if (report.verdict == diagnosis::CheckVerdict::recalibrate)
+      trouble_ = fmt::format("recalibrate now: the robot no longer does what model {} says: {}",
+                             model->value, fmt::join(report.reasons, "; "));
+    const bool says_it = after && !check->runs.empty() && check->runs.back().id == *after;
+    if (says_it && report.verdict == diagnosis::CheckVerdict::recalibrate)
+      events_.record_own("check.recalibrate", trouble_, after);
+    else if (says_it && report.verdict == diagnosis::CheckVerdict::in_control)
+      events_.record_own("check.in_control",
+                         fmt::format("run {} is as model {} says", after->value, model->value),
+                         after);
+  }
+}
+
+}  // namespace driftwise::application

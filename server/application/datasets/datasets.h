@@ -1,0 +1,30 @@
+#pragma once
+// Datasets: loaded for a fit, exported, imported. Executor's thread.
+
+#include <string>
+#include <vector>
+
+#include "server/application/ports/caller.h"
+#include "server/core/data/dataset.h"
+#include "server/core/ports/awaitable.h"
+#include "server/core/records/records.h"
+#include "server/core/result.h"
+
+namespace driftwise::application {
+
+class Datasets {
+ public:
+  virtual ~Datasets() = default;
+
+  // Of runs, with the corrections in force, or of a CSV text: one of the two. Errors:
+  // invalid_argument NO_DATA; those of amended_dataset and read_dataset_csv.
+  virtual Awaitable<Result<Dataset>> load(std::vector<RunId> runs, std::string csv) = 0;
+  // CSV text. Rows kept out of fits are marked in a column, or left out.
+  virtual Awaitable<Result<std::string>> export_csv(std::vector<RunId> runs,
+                                                    bool without_excluded) = 0;
+  // Becomes a run, done. The same request_id again answers with the first run.
+  virtual Awaitable<Result<RunRecord>> import_csv(Caller caller, std::string name, std::string csv,
+                                                  std::string request_id) = 0;
+};
+
+}  // namespace driftwise::application

@@ -1,0 +1,159 @@
+#include "server/application/datasets/datasets_service.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "server/application/datasets/amended_dataset.h"
+#include "server/application/plumbing/run_on.h"
+#include "server/application/ports/run_plan.h"
+#include "server/core/data/dataset_parts.h"
+#include "server/core/reasons.h"
+#include "server/core/try.h"
+#include "server/formats/csv/dataset_csv.h"
+#include "server/formats/text/text.h"
+
+namespace driftwise::application {
+namespace {
+
+// The instant of the runs' first point; nothing when none was accepted.
+std::optional<CellTime> time_zero(Store& store, const std::vector<RunId>& runs) {
+  std::optional<CellTime> first;
+  for (const RunId run : runs)
+    if (const auto points = store.runs().points(run, 0, 1); points && !points->empty())
+      first = std::min(first.value_or(points->front().measured.utc), points->front().measured.utc);
+  return first;
+}
+
+// "run 4 with model 3, run 5 none": a compensated run is told from an uncompensated one.
+std::string compensations(Store& store, const std::vector<RunId>& runs) {
+  std::string text;
+  for (const auto& run : runs) {
+    const auto record = store.runs().run(run);
+    if (!record) continue;
+    const Compensation of = compensation_of(*record);
+    text += fmt::format("{}run {} {}", text.empty() ? "" : ", ", run.value,
+                        !of.compensated ? "none"
+                        : of.model      ? fmt::format("with model {}", of.model->value)
+                                        : "with the model that served");
+  }
+  return text;
+}
+
+// "1, 3": whoever reads the file elsewhere shall know that its lengths are not as they were read.
+std::string corrections_in_force(Store& store) {
+  std::string numbers;
+  if (const auto records = store.diagnoses().corrections())
+    for (const auto& record : *records)
+      if (record.in_force())
+        numbers += (numbers.empty() ? "" : ", ") + std::to_string(record.id.value);
+  return numbers;
+}
+
+template <class T>
+void keep_rows(std::vector<T>& values, const std::vector<std::size_t>& rows) {
+  if (values.empty()) return;
+  std::vector<T> kept;
+  kept.reserve(rows.size());
+  for (const std::size_t row : rows) kept.push_back(values[row]);
+  values = std::move(kept);
+}
+
+void leave_excluded_out(Dataset& dataset) {
+  if (dataset.excluded.empty()) return;
+  std::vector<std::size_t> rows;
+  for (std::size_t row = 0; row < dataset.rows; ++row)
+    if (!dataset.is_excluded(row)) rows.push_back(row);
+  keep_rows(dataset.time_s, rows);
+  keep_rows(dataset.set, rows);
+  keep_rows(dataset.line, rows);
+  keep_rows(dataset.zero, rows);
+  keep_rows(dataset.dwell_s, rows);
+  keep_rows(dataset.run, rows);
+  keep_rows(dataset.datum, rows);
+  for (auto& column : dataset.columns) keep_rows(column.values, rows);
+  dataset.excluded.clear();
+  dataset.rows = rows.size();
+}
+
+struct ParsedFile {
+  Dataset dataset;
+  std::string hash;  // of the text
+};
+
+Result<ParsedFile> parsed(const std::string& csv, const std::string& name) {
+  DRIFTWISE_TRY(auto dataset, formats::read_dataset_csv(csv, name.empty() ? "dataset" : name, {},
+                                                        formats::kRequestLimits));
+  return ParsedFile{std::move(dataset), formats::content_hash(csv)};
+}
+
+// The runs' rows as a dataset file, with the cell, the runs and the corrections in its metadata.
+Result<std::string> exported(Store& store, const std::vector<RunId>& runs, bool without_excluded,
+                             const std::string& cell, Clock* clock) {
+  DRIFTWISE_TRY(auto dataset, amended_dataset(store, runs));
+  if (without_excluded) leave_excluded_out(dataset);
+  // An imported file keeps its own; of a measured run only the parts are there.
+  const auto parts = dataset.metadata;
+  if (std::ranges::all_of(parts, [](const auto& line) { return line.first == kPartsKey; })) {
+    dataset.metadata = {{"driftwise-dataset", "1"}, {"cell", cell}};
+    std::string numbers;
+    for (const auto& run : runs)
+      numbers += (numbers.empty() ? "" : ", ") + std::to_string(run.value);
+    dataset.metadata.emplace_back("runs", numbers);
+    dataset.metadata.emplace_back("compensation", compensations(store, runs));
+    if (const auto zero = time_zero(store, runs))  // what time_s counts from
+      dataset.metadata.emplace_back("time_zero", to_iso8601(clock->utc(*zero)));
+    dataset.metadata.insert(dataset.metadata.end(), parts.begin(), parts.end());
+  }
+  if (const auto in_force = corrections_in_force(store); !in_force.empty())
+    dataset.metadata.emplace_back("corrections", in_force);
+  return formats::write_dataset_csv(dataset);
+}
+
+}  // namespace
+
+Awaitable<Result<Dataset>> DatasetsService::load(std::vector<RunId> runs, std::string csv) {
+  if (runs.empty() == csv.empty())
+    co_return fail(ErrorCode::invalid_argument, reasons::kNoData,
+                   "a fit needs runs or a dataset, one of the two");
+  if (csv.empty()) co_return co_await reader_.call(amended_dataset, runs);
+  co_return co_await run_on(
+      background_,
+      [](const std::string& text) {
+        return formats::read_dataset_csv(text, "dataset", {}, formats::kRequestLimits);
+      },
+      csv);
+}
+
+Awaitable<Result<std::string>> DatasetsService::export_csv(std::vector<RunId> runs,
+                                                           bool without_excluded) {
+  co_return co_await reader_.call(exported, std::move(runs), without_excluded, description_.name,
+                                  &clock_);
+}
+
+Awaitable<Result<RunRecord>> DatasetsService::import_csv(Caller caller, std::string name,
+                                                         std::string csv, std::string request_id) {
+  DRIFTWISE_CO_TRY(auto file, co_await run_on(background_, parsed, std::move(csv), name));
+  Dataset* const dataset = &file.dataset;
+  NewRun fresh;
+  fresh.name = name;
+  fresh.rows = static_cast<std::int64_t>(dataset->rows);
+  // An import follows no rules; what it was made of tells a repeat from another import.
+  fresh.rules_json = nlohmann::json{{"imported_hash", file.hash}}.dump();
+  fresh.request_id = std::move(request_id);
+  fresh.config_hash = description_.hash;
+  fresh.config_text = description_.text;
+  fresh.operator_name = caller.name;
+  fresh.created = clock_.now();
+  auto stored = co_await writer_.runs().import_dataset(fresh, std::move(*dataset));
+  const bool is_repeat = stored && stored->created != fresh.created.utc;
+  if (stored && !is_repeat)
+    events_.record(caller, "data.imported",
+                   fmt::format("{} imported '{}': {} rows", caller.name, name, stored->rows),
+                   stored->id);
+  co_return stored;
+}
+
+}  // namespace driftwise::application

@@ -1,0 +1,329 @@
+#include "server/application/diagnoses/extensions_service.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "server/application/datasets/extension_preview.h"
+#include "server/application/diagnoses/extension_plan.h"
+#include "server/application/models/fit_options.h"
+#include "server/application/models/model_integrity.h"
+#include "server/application/plumbing/run_on.h"
+#include "server/application/provenance/promotion_questions.h"
+#include "server/compensation/snapshot_builder.h"
+#include "server/core/reasons.h"
+#include "server/core/try.h"
+#include "server/formats/diagnosis/amendment_json.h"
+#include "server/formats/diagnosis/stored_diagnosis.h"
+#include "server/formats/model/model_json.h"
+
+namespace driftwise::application {
+namespace {
+
+struct AcceptMaterial {  // read from the store
+  DiagnosisRecord record;
+  diagnosis::Diagnosis found;
+  std::vector<int> chosen;
+  RunsData data;
+  std::vector<CorrectionId> corrections;  // in force over them
+  std::optional<ModelRecord> parent;
+};
+
+struct MadeExtension {  // by the worker
+  ExtensionPlan plan;
+  ModelRecord model;
+  std::vector<std::string> questions;  // before it is promoted
+};
+
+Result<AcceptMaterial> gather_to_accept(Store& store, const AcceptRequest& request) {
+  AcceptMaterial material;
+  DRIFTWISE_TRY(auto record, store.diagnoses().diagnosis(request.diagnosis));
+  material.record = std::move(record);
+  if (material.record.state != JobState::done)
+    return fail(ErrorCode::failed_precondition, reasons::kNotDone,
+                fmt::format("diagnosis {} is {}: only one that is done can be accepted",
+                            material.record.id.value, to_string(material.record.state)));
+  DRIFTWISE_TRY(auto found, formats::read_stored_diagnosis(material.record.result_json));
+  material.found = std::move(found);
+  DRIFTWISE_TRY(auto chosen, chosen_findings(material.found, request.findings));
+  material.chosen = std::move(chosen);
+  if (material.record.runs.empty())
+    return fail(ErrorCode::failed_precondition, reasons::kFromAFile,
+                fmt::format("diagnosis {} is of a file, which the record does not keep: import it "
+                            "('driftwise data import FILE'), diagnose that run and accept there",
+                            material.record.id.value));
+  DRIFTWISE_TRY(const auto standing, store.diagnoses().extension(material.record.id));
+  if (standing && standing->stands())
+    return fail(ErrorCode::already_exists, reasons::kExtensionStands,
+                fmt::format("diagnosis {} was accepted by {} and stands: undo it first to accept "
+                            "other findings",
+                            material.record.id.value, standing->accepted_by));
+  DRIFTWISE_TRY(auto data, amended_data(store, material.record.runs));
+  material.data = std::move(data);
+  DRIFTWISE_TRY(auto corrections, corrections_over(store, material.record.runs));
+  material.corrections = std::move(corrections);
+  if (material.record.model) {
+    DRIFTWISE_TRY(auto parent, store.models().model(*material.record.model));
+    DRIFTWISE_RETURN_IF_ERROR(check_integrity(parent));
+    material.parent = std::move(parent);
+  }
+  return material;
+}
+
+FitRequest fit_of(const AcceptMaterial& material, const ExtensionPlan& plan) {
+  FitRequest fit;
+  fit.runs = material.record.runs;
+  fit.formula = plan.formula;
+  fit.select = "all";
+  if (material.parent) {
+    fit.parent = material.parent->id;
+    if (const auto parent = formats::read_model_json(material.parent->json)) {
+      fit.select = parent->select;
+      fit.criterion = parent->criterion;
+      fit.p_enter = parent->p_enter;
+      fit.p_remove = parent->p_remove;
+      fit.hierarchy = parent->hierarchy;
+    }
+  }
+  fit.note = fmt::format("from diagnosis {}", material.record.id.value);
+  for (const int number : plan.findings) {
+    const auto& finding = material.found.findings[static_cast<std::size_t>(number - 1)];
+    fit.note += fmt::format("{} finding {}: {}", number == plan.findings.front() ? "," : ";",
+                            number, finding.sentence);
+  }
+  return fit;
+}
+
+Result<MadeExtension> make_extension(AcceptMaterial material, bool promote,
+                                     const CellDescription& cell) {
+  DRIFTWISE_TRY(auto plan,
+                plan_extension(material.record.id, material.found, material.chosen, material.data));
+  DRIFTWISE_RETURN_IF_ERROR(put_in_force(plan, material.data));
+  auto fit = fit_of(material, plan);
+  auto model = fit_record(material.data.data, fit, source_of(fit));
+  // A baseline may name terms that these data cannot hold apart: the selection takes what they can.
+  if (!model && model.error().reason == reasons::kRankDeficient) {
+    fit.select = "stepwise";
+    model = fit_record(material.data.data, fit, source_of(fit));
+  }
+  DRIFTWISE_RETURN_IF_ERROR(model);
+  std::vector<std::string> questions;
+  if (promote) {  // whether it can serve is seen before anything is kept
+    DRIFTWISE_TRY(auto whole, formats::read_model_json(model->json));
+    questions = temperature_questions(whole, cell);
+    DRIFTWISE_RETURN_IF_ERROR(
+        compensation::SnapshotBuilder::create(std::move(whole), ModelId{}, cell));
+  }
+  return MadeExtension{std::move(plan), std::move(*model), std::move(questions)};
+}
+
+// Without a fit where none is needed: what changes, and what a promotion would ask.
+Result<MadeExtension> previewed(const AcceptMaterial& material, bool promote,
+                                const CellDescription& cell) {
+  if (promote) return make_extension(material, promote, cell);
+  DRIFTWISE_TRY(auto plan,
+                plan_extension(material.record.id, material.found, material.chosen, material.data));
+  return MadeExtension{std::move(plan), {}, {}};
+}
+
+std::vector<std::string> sentences_of(const correction::DataAmendment& amendment) {
+  std::vector<std::string> sentences;
+  for (const auto& split : amendment.splits)
+    sentences.push_back(
+        fmt::format("the datum of run {} is split before row {}", split.run.value, split.row + 1));
+  for (const auto& out : amendment.sensors)
+    sentences.push_back(fmt::format("{} is left out of run {}", out.symbol, out.run.value));
+  return sentences;
+}
+
+std::vector<std::string> sentences_of(const ExtensionPreview& preview, bool promote) {
+  constexpr std::size_t kMostNamed = 12;
+  std::vector<std::string> sentences;
+  sentences.push_back(fmt::format(
+      "a model is fitted: {}{}", preview.formula,
+      promote ? ", and serves targets at once" : ", which serves nobody until it is promoted"));
+  std::size_t named = 0;
+  for (const auto& change : preview.changes)
+    if (named++ < kMostNamed) sentences.push_back("changes " + sentence(change));
+  if (named > kMostNamed)
+    sentences.push_back(fmt::format("... and {} more lengths of runs", named - kMostNamed));
+  if (preview.earlier_runs)
+    sentences.push_back(
+        "earlier runs too: every export, fit and check of the runs above sees the "
+        "corrected lengths from now on; the stored points stay as they were");
+  else if (!preview.changes.empty())
+    sentences.push_back(
+        "every export, fit and check of these runs sees the corrected lengths from "
+        "now on; the stored points stay as they were");
+  if (preview.later_runs) sentences.push_back("and so does every run that is measured later");
+  for (const auto& out : preview.excluded)
+    sentences.push_back(fmt::format("{} row{} of run {} {} kept out of fits", out.rows.size(),
+                                    out.rows.size() == 1 ? "" : "s", out.run.value,
+                                    out.rows.size() == 1 ? "is" : "are"));
+  sentences.insert(sentences.end(), preview.further.begin(), preview.further.end());
+  return sentences;
+}
+
+// ", x_mm of run 3 by up to 40 nm": for the event.
+std::string largest_of(const std::vector<LengthChange>& changes) {
+  if (changes.empty()) return {};
+  const auto& largest = *std::ranges::max_element(changes, {}, &LengthChange::largest_nm);
+  return fmt::format(", changes {}{}", sentence(largest),
+                     changes.size() > 1 ? fmt::format(", and {} more", changes.size() - 1) : "");
+}
+
+std::string numbers_of(const std::vector<int>& findings) {
+  return fmt::format("finding{} {}", findings.size() == 1 ? "" : "s", fmt::join(findings, ", "));
+}
+
+std::string made_of(const ExtensionRecord& made) {
+  std::string text;
+  const auto say = [&text](const std::string& what) { text += (text.empty() ? "" : ", ") + what; };
+  if (made.model)
+    say(fmt::format("model {}{}", made.model->value, made.promoted ? ", which serves" : ""));
+  if (made.correction) say(fmt::format("correction {}", made.correction->value));
+  for (const auto& out : made.excluded)
+    say(fmt::format("{} rows of run {} kept out", out.rows.size(), out.run.value));
+  return text;
+}
+
+}  // namespace
+
+Awaitable<Result<ExtensionRecord>> ExtensionsService::accept(Caller caller, AcceptRequest request) {
+  DRIFTWISE_CO_TRY(auto material, co_await reader_.call(gather_to_accept, request));
+  auto shared = std::make_shared<AcceptMaterial>(std::move(material));
+  DRIFTWISE_CO_TRY(auto made, co_await run_on(
+                                  worker_,
+                                  [promote = request.promote, cell = &description_](
+                                      const std::shared_ptr<AcceptMaterial>& from) {
+                                    return make_extension(*from, promote, *cell);
+                                  },
+                                  shared));
+
+  if (request.promote && !request.confirmed)
+    DRIFTWISE_CO_RETURN_IF_ERROR(confirmation_of(made.questions));
+  auto changing = changes_in_all_runs(made.plan.amendment, shared->record.runs);
+  DRIFTWISE_CO_TRY(auto changes, co_await std::move(changing));
+
+  made.model.created = clock_.now().utc;
+  made.model.created_by = caller.name;
+  made.model.corrections = shared->corrections;
+  NewExtension fresh;
+  fresh.diagnosis = request.diagnosis;
+  fresh.findings = made.plan.findings;
+  fresh.promoted = request.promote;
+  fresh.fitted = made.model;
+  fresh.rests_on_this = true;
+  if (!made.plan.amendment.empty())
+    fresh.correction_json = formats::write_amendment_json(made.plan.amendment);
+  fresh.changes = std::move(changes);
+  fresh.exclusions = made.plan.exclusions;
+  fresh.at = clock_.now();
+  fresh.who = caller.name;
+  fresh.from = caller.peer;
+  auto stored = co_await writer_.diagnoses().accept(fresh);
+  if (!stored) co_return stored;
+  auto detail =
+      fmt::format("{} accepted {} of diagnosis {}: {}{}", caller.name, numbers_of(stored->findings),
+                  request.diagnosis.value, made_of(*stored), largest_of(fresh.changes));
+  events_.record(caller, "extension.accepted", std::move(detail));
+  if (stored->promoted) {
+    // Its promotion is in the record already, and the worker has seen that it can serve.
+    DRIFTWISE_CO_TRY(auto record, co_await models_.get(*stored->model));
+    auto serving = serving_.serve(record);
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(serving));
+    promotions_.announce(caller, std::move(record), "promote");
+  }
+  co_return stored;
+}
+
+Awaitable<Result<ExtensionPreview>> ExtensionsService::preview(AcceptRequest request) {
+  DRIFTWISE_CO_TRY(auto material, co_await reader_.call(gather_to_accept, request));
+  const auto shared = std::make_shared<AcceptMaterial>(std::move(material));
+  DRIFTWISE_CO_TRY(auto made, co_await run_on(
+                                  worker_,
+                                  [promote = request.promote, cell = &description_](
+                                      const std::shared_ptr<AcceptMaterial>& from) {
+                                    return previewed(*from, promote, *cell);
+                                  },
+                                  shared));
+  const auto& plan = made.plan;
+  auto changing = changes_in_all_runs(plan.amendment, shared->record.runs);
+  DRIFTWISE_CO_TRY(auto changes, co_await std::move(changing));
+  ExtensionPreview preview;
+  preview.findings = plan.findings;
+  preview.formula = plan.formula;
+  preview.extends_model = plan.extends_model;
+  preview.changes = std::move(changes);
+  preview.earlier_runs = std::ranges::any_of(
+      preview.changes, [](const LengthChange& change) { return !change.diagnosed; });
+  preview.later_runs = concerns_every_run(plan.amendment);
+  for (const auto& out : plan.exclusions) preview.excluded.push_back({out.run, out.rows});
+  preview.further = sentences_of(plan.amendment);
+  preview.promotion_questions = made.questions;
+  preview.sentences = sentences_of(preview, request.promote);
+  co_return preview;
+}
+
+// Every run in the record, one call of the reader each: others have their turn in between.
+Awaitable<Result<std::vector<LengthChange>>> ExtensionsService::changes_in_all_runs(
+    correction::DataAmendment amendment, std::vector<RunId> diagnosed) {
+  std::vector<LengthChange> all;
+  if (amendment.shifts.empty()) co_return all;
+  constexpr int kPage = 1000;
+  for (std::int64_t before = 0;;) {
+    DRIFTWISE_CO_TRY(const auto page, co_await reader_.runs().runs(kPage, before));
+    for (const auto& run : page) {
+      if (run.accepted == 0 || !concerns(amendment, run.id)) continue;
+      DRIFTWISE_CO_TRY(auto changes, co_await reader_.call(length_changes, run.id, amendment));
+      for (auto& change : changes) {
+        change.run_name = run.name;
+        change.diagnosed = std::ranges::find(diagnosed, run.id) != diagnosed.end();
+        all.push_back(std::move(change));
+      }
+    }
+    if (static_cast<int>(page.size()) < kPage) break;
+    before = page.back().id.value;
+  }
+  std::ranges::stable_sort(all, [](const LengthChange& a, const LengthChange& b) {
+    return a.diagnosed != b.diagnosed ? a.diagnosed : a.largest_nm > b.largest_nm;
+  });
+  co_return all;
+}
+
+Awaitable<Result<ExtensionRecord>> ExtensionsService::undo(Caller caller, DiagnosisId id) {
+  // Where its model serves, whoever promoted it, the one before serves again. In the same
+  // transaction.
+  std::optional<PromotionRecord> rollback;
+  std::optional<ModelRecord> previous, present;
+  DRIFTWISE_CO_TRY(const auto view, co_await diagnoses_.get(id));
+  if (view.extension && view.extension->stands() && view.extension->model &&
+      serving_.model() == view.extension->model) {
+    auto finding = promotions_.served_before();
+    DRIFTWISE_CO_TRY(auto before, co_await std::move(finding));
+    previous = std::move(before);
+    auto reading = models_.get(*view.extension->model);
+    DRIFTWISE_CO_TRY(auto record, co_await std::move(reading));
+    present = std::move(record);
+    rollback = PromotionRecord{previous ? std::optional(previous->id) : std::nullopt,
+                               clock_.now().utc, caller.name, "rollback"};
+    auto serving = serving_.serve(previous);  // first see that it can serve
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(serving));
+  }
+  auto undone = co_await writer_.diagnoses().undo_extension(id, clock_.now(), caller.name,
+                                                            caller.peer, rollback);
+  if (!undone) {
+    if (rollback) {
+      auto again = serving_.serve(present);
+      static_cast<void>(co_await std::move(again));
+    }
+    co_return undone;
+  }
+  auto detail = fmt::format("{} undid {} of diagnosis {}: {} no longer in force", caller.name,
+                            numbers_of(undone->findings), id.value, made_of(*undone));
+  events_.record(caller, "extension.undone", std::move(detail));
+  if (rollback) promotions_.announce(caller, std::move(previous), "rollback");
+  co_return undone;
+}
+
+}  // namespace driftwise::application

@@ -1,0 +1,238 @@
+#include "server/application/manual/manual_control_service.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "server/application/motion/datum_opening.h"
+#include "server/application/motion/motion.h"
+#include "server/application/motion/start_checks.h"
+#include "server/application/plumbing/task_group.h"
+#include "server/application/recording/motion_watch.h"
+#include "server/core/reasons.h"
+#include "server/core/try.h"
+
+namespace driftwise::application {
+
+ManualControlService::ManualControlService(asio::any_io_executor executor, Workbench& bench,
+                                           StoreReader& reader, RunEngine& engine,
+                                           RightToMove& right, LeaseBook& leases,
+                                           StopEvents& stop_events, Serving& serving,
+                                           TaskGroup& tasks,
+                                           std::function<void(const std::string&)> on_stop)
+    : executor_(std::move(executor)),
+      workbench_(bench),
+      description_(bench.description),
+      clock_(bench.clock),
+      bench_(bench.devices),
+      recorder_(bench.recorder),
+      events_(bench.events),
+      pose_(bench.pose),
+      loading_(bench.loading),
+      stops_(bench.stops),
+      doubts_(bench.doubts),
+      reader_(reader),
+      engine_(engine),
+      right_(right),
+      leases_(leases),
+      stop_events_(stop_events),
+      serving_(serving),
+      tasks_(tasks),
+      on_stop_(std::move(on_stop)) {}
+
+void ManualControlService::start() {
+  bench_.allow_motion_if([this]() -> Result<void> {
+    const auto allowed = stops_.check();
+    if (allowed) return {};
+    return fail(ErrorCode::aborted, allowed.error().reason, allowed.error().message);
+  });
+  bench_.watch_motion(
+      MotionWatch::kPerInPosition * description_.run.in_position_nm,
+      [this](std::vector<double> q_mm) { return axes_measured_at(std::move(q_mm)); },
+      [this](const std::string& what) { axes_moved_uncommanded(what); });
+}
+
+Result<Lease> ManualControlService::take_lease(const Caller& caller, Nanoseconds duration,
+                                               const std::string& token) {
+  auto lease = leases_.take(caller, duration, token, clock_.now().utc);
+  if (lease && token.empty())
+    events_.record(
+        caller, "lease.taken",
+        fmt::format("{} may move until {}", caller.name, to_iso8601(clock_.utc(lease->until))));
+  return lease;
+}
+
+Result<void> ManualControlService::give_up_lease(const Caller& caller, const std::string& token) {
+  auto done = leases_.give_up(token, clock_.now().utc);
+  if (done)
+    events_.record(caller, "lease.given_up", fmt::format("{} gave the lease up", caller.name));
+  return done;
+}
+
+// A movement without a run: stop_all and shut_down reach it through RightToMove::by_hand.
+class ManualControlService::ByHand {
+ public:
+  explicit ByHand(ManualControlService& service)
+      : service_(service), control_(service.right_.begin_by_hand()), task_(service.tasks_.join()) {}
+  ~ByHand() {
+    service_.right_.end_by_hand();
+    service_.waits_.clear();
+  }
+  ByHand(const ByHand&) = delete;
+  // what: "homing", for who asks what it waits for.
+  RunScope scope(const std::string& what) {
+    const auto wait = [this, what](const std::string& why) {
+      service_.waits_ = why.empty() ? why : fmt::format("{} waits: {}", what, why);
+      if (!why.empty()) service_.events_.record_own("axes.waiting", service_.waits_);
+    };
+    return {service_.workbench_,
+            control_,
+            service_.description_.run,
+            std::nullopt,
+            [](const std::string&) {},
+            [wait](std::string why) { return at_once(wait, std::move(why)); },
+            [wait] { return at_once(wait, ""); }};
+  }
+
+ private:
+  static Awaitable<Result<void>> at_once(std::function<void(const std::string&)> act,
+                                         std::string why) {
+    act(why);
+    co_return Result<void>{};
+  }
+  ManualControlService& service_;
+  RunControl& control_;
+  TaskGroup::Membership task_;  // a task of the cell, until the movement is over
+};
+
+Awaitable<Result<StopAnswer>> ManualControlService::stop_all(Caller caller) {
+  const auto* run = engine_.record();
+  stop_events_.record(caller, run ? std::optional(run->id) : std::nullopt);
+  const auto why = fmt::format("stopped by {}", caller.name);
+  if (auto* control = engine_.control())
+    control->halt({RunHold::Kind::stop, caller.name, clock_.now().utc, why});
+  if (auto* by_hand = right_.by_hand()) by_hand->abort(why);
+  on_stop_(why);
+  auto pressing = stops_.press(std::move(caller), why);
+  co_return co_await std::move(pressing);
+}
+
+Awaitable<Result<void>> ManualControlService::home(Caller caller, std::string lease_token,
+                                                   HoldAnswer answer) {
+  auto lock = std::optional(co_await right_.turn());
+  if (auto ok = right_.check_by_hand(caller, lease_token, answer); !ok) co_return ok;
+  engine_.remeasure_zero("homed by hand");
+  ByHand hand(*this);
+  lock.reset();
+  events_.record(caller, "axes.home", fmt::format("{} references the axes", caller.name));
+  auto scope = hand.scope("homing");
+  recorder_.lend_pose_instruments(true);
+  auto opening = new_datum_by_hand(scope, "homed by " + caller.name);
+  auto opened = co_await std::move(opening);
+  recorder_.lend_pose_instruments(false);
+  DRIFTWISE_CO_RETURN_IF_ERROR(opened);
+  take_datum(*opened);
+  co_return Result<void>{};
+}
+
+// Referenced axes count from somewhere else by some nanometres, so the datum before is over, even
+// where no new one can be opened.
+Awaitable<Result<DatumRecord>> ManualControlService::new_datum_by_hand(RunScope& scope,
+                                                                       std::string reason) {
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await make_homed(scope, true));
+  datum_trouble_ =
+      "the axes were homed and no datum has been opened since: targets still count "
+      "from the one before; home again, or start a run";
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await bench_.prepare_for_run());
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await check_thermometers(scope));
+  if (description_.load) DRIFTWISE_CO_RETURN_IF_ERROR(co_await loading_.look(bench_));
+  DatumOpening opening;
+  opening.reason = std::move(reason);
+  DRIFTWISE_CO_TRY(auto before, co_await reader_.runs().newest_datum());
+  opening.before = std::move(before);
+  auto opened = open_datum(scope, std::move(opening));
+  co_return co_await std::move(opened);
+}
+
+Awaitable<bool> ManualControlService::axes_measured_at(std::vector<double> q_mm) {
+  const auto round = co_await bench_.read_pose_instruments();
+  if (!round) co_return false;
+  std::vector<ChannelValue> raw;
+  for (const auto& reading : *round)
+    for (const auto& value : reading.values)
+      if (!is_missing(value.value) && !reading.is_rejected(value.channel)) raw.push_back(value);
+  co_return doubts_.pose_is_at(pose_.pose(raw), q_mm);
+}
+
+// The point under way is not accepted: its attempt ends as interrupted with this reason. The run is
+// paused until a person resumes it, and then measures its zero again.
+void ManualControlService::axes_moved_uncommanded(const std::string& what) {
+  motion_trouble_ = fmt::format(
+      "the axes moved without a command of this daemon ({}): look who else drives them, then open "
+      "a new datum (resume the run, home, or start a run)",
+      what);
+  const auto* run = engine_.record();
+  events_.record_own("motion.uncommanded", motion_trouble_,
+                     run ? std::optional(run->id) : std::nullopt);
+  engine_.remeasure_zero("uncommanded motion");
+  if (auto* control = engine_.control())
+    control->halt({RunHold::Kind::trouble, "", clock_.now().utc, motion_trouble_});
+  if (auto* by_hand = right_.by_hand()) by_hand->abort(motion_trouble_);
+  // Own motion ends: a run is paused, a move by hand is given up. At idle the axes are left to
+  // whoever moves them.
+  if (!engine_.busy() && !right_.by_hand()) return;
+  tasks_.spawn(halt_axes());
+}
+
+Awaitable<void> ManualControlService::halt_axes() { static_cast<void>(co_await bench_.stop()); }
+
+void ManualControlService::take_datum(const DatumRecord& datum) {
+  motion_trouble_.clear();
+  datum_trouble_.clear();
+  pose_.set_zero(datum.values);
+  serving_.anchor(datum);
+}
+
+Awaitable<Result<void>> ManualControlService::move_to(Caller caller, std::string lease_token,
+                                                      std::vector<double> q_mm, HoldAnswer answer) {
+  auto lock = std::optional(co_await right_.turn());
+  if (auto ok = right_.check_by_hand(caller, lease_token, answer); !ok) co_return ok;
+  if (auto ok = check_soft_limits(description_, q_mm); !ok) co_return ok;
+  engine_.remeasure_zero("moved by hand");
+  ByHand hand(*this);
+  lock.reset();
+  events_.record(caller, "axes.move",
+                 fmt::format("{} moves to {} mm", caller.name, fmt::join(q_mm, ", ")));
+  auto scope = hand.scope("the movement");
+  DRIFTWISE_CO_TRY(const auto arrival,
+                   co_await go_to(scope, std::move(q_mm), "by hand: " + caller.name));
+  if (arrival.trouble != Trouble::none)
+    co_return fail(ErrorCode::deadline_exceeded, reasons::kNotSettled, arrival.sentence);
+  co_return Result<void>{};
+}
+
+Awaitable<Result<void>> ManualControlService::set_stabiliser(Caller caller, std::string lease_token,
+                                                             std::string device, double degc) {
+  constexpr double kColdest_degC = 5, kHottest_degC = 60;  // of a room and its people
+  if (auto ok = leases_.check(lease_token, clock_.now().utc); !ok) co_return ok;
+  if (!(degc >= kColdest_degC && degc <= kHottest_degC))
+    co_return fail(ErrorCode::invalid_argument, reasons::kSetPoint,
+                   fmt::format("{} degC was asked for, expected {:g} to {:g}", degc, kColdest_degC,
+                               kHottest_degC));
+  std::string known;
+  for (const auto i : bench_.with_role(DeviceRole::stabiliser)) {
+    const std::string& id = bench_.description(i).id;
+    known += (known.empty() ? "" : ", ") + id;
+    if (id != device) continue;
+    auto set = co_await bench_.set_point(i, degc);
+    if (set)
+      events_.record(caller, "stabiliser.set",
+                     fmt::format("{} set {} to {:g} degC", caller.name, device, degc));
+    co_return set;
+  }
+  auto sentence = fmt::format("the cell has no stabiliser '{}', {}", device,
+                              known.empty() ? "nor any other" : "it has " + known);
+  co_return fail(ErrorCode::not_found, reasons::kNoStabiliser, std::move(sentence));
+}
+
+}  // namespace driftwise::application

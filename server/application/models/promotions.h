@@ -1,0 +1,26 @@
+#pragma once
+// The model in service: promoted, rolled back. Executor's thread.
+
+#include <optional>
+
+#include "server/application/ports/caller.h"
+#include "server/core/ports/awaitable.h"
+#include "server/core/records/records.h"
+#include "server/core/result.h"
+
+namespace driftwise::application {
+
+class Promotions {
+ public:
+  virtual ~Promotions() = default;
+
+  // confirmed: a person has read ModelGround::promotion_questions. Errors: failed_precondition
+  // NEEDS_CONFIRMATION, with the questions.
+  virtual Awaitable<Result<ModelRecord>> promote(Caller caller, ModelId id,
+                                                 bool confirmed = false) = 0;
+  // To the model that served before; none: no model serves. Errors: failed_precondition
+  // NOTHING_TO_ROLL_BACK.
+  virtual Awaitable<Result<std::optional<ModelRecord>>> roll_back(Caller caller) = 0;
+};
+
+}  // namespace driftwise::application

@@ -1,0 +1,95 @@
+#include "server/application/models/promotions_service.h"
+
+#include <fmt/format.h>
+
+#include "server/application/plumbing/crash_point.h"
+#include "server/application/provenance/promotion_questions.h"
+#include "server/core/reasons.h"
+#include "server/core/try.h"
+
+namespace driftwise::application {
+
+namespace {
+
+// Which model served before each promotion, oldest first; the last is the one that serves now.
+std::vector<ModelId> served_in_order(const std::vector<PromotionRecord>& history) {
+  std::vector<ModelId> stack;
+  for (const auto& step : history) {
+    if (step.action == "rollback") {
+      if (!stack.empty()) stack.pop_back();
+    } else if (step.model) {
+      stack.push_back(*step.model);
+    }
+  }
+  return stack;
+}
+
+}  // namespace
+
+Awaitable<Result<void>> PromotionsService::put_in_service(Caller caller,
+                                                          std::optional<ModelRecord> next,
+                                                          std::string action) {
+  std::optional<ModelRecord> previous;
+  if (const auto serving = serving_.model())
+    if (auto record = co_await models_.get(*serving)) previous = std::move(*record);
+  // First see that it can serve, then write it down: what stands in the record is what serves.
+  if (auto ok = co_await serving_.serve(next); !ok) co_return ok;
+  PromotionRecord promotion{next ? std::optional(next->id) : std::nullopt, clock_.now().utc,
+                            caller.name, action};
+  auto stored = co_await writer_.models().add_promotion(promotion);
+  if (!stored) {
+    static_cast<void>(co_await serving_.serve(previous));
+    co_return stored;
+  }
+  announce(caller, std::move(next), action);
+  co_return Result<void>{};
+}
+
+void PromotionsService::announce(const Caller& caller, std::optional<ModelRecord> next,
+                                 const std::string& action) {
+  events_.record(
+      caller, "model." + action,
+      next ? fmt::format("model {} '{}' serves, by {}", next->id.value, next->name, caller.name)
+           : fmt::format("no model serves, by {}", caller.name));
+  served_another_(next.has_value());
+}
+
+Awaitable<Result<ModelRecord>> PromotionsService::promote(Caller caller, ModelId id,
+                                                          bool confirmed) {
+  auto record = co_await models_.get(id);
+  if (!record) co_return record;
+  auto looking = provenance_.ground_of_model(id);
+  DRIFTWISE_CO_TRY(const auto ground, co_await std::move(looking));
+  if (!confirmed) DRIFTWISE_CO_RETURN_IF_ERROR(confirmation_of(ground.promotion_questions));
+  for (const auto& question : ground.promotion_questions)
+    events_.record(
+        caller, "model.confirmed",
+        fmt::format("{} promotes model {} although {}", caller.name, id.value, question));
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await put_in_service(std::move(caller), *record, "promote"));
+  co_return record;
+}
+
+Awaitable<Result<std::optional<ModelRecord>>> PromotionsService::served_before() {
+  DRIFTWISE_CO_TRY(auto history, co_await reader_.models().promotions());
+  auto stack = served_in_order(history);
+  if (stack.empty())
+    co_return fail(ErrorCode::failed_precondition, reasons::kNothingToRollBack,
+                   "no model serves: there is none to take back");
+  stack.pop_back();
+  std::optional<ModelRecord> previous;
+  if (!stack.empty()) {
+    DRIFTWISE_CO_TRY(auto record, co_await models_.get(stack.back()));
+    previous = std::move(record);
+  }
+  co_return previous;
+}
+
+Awaitable<Result<std::optional<ModelRecord>>> PromotionsService::roll_back(Caller caller) {
+  auto finding = served_before();
+  auto previous = co_await std::move(finding);
+  if (!previous) co_return previous;
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await put_in_service(std::move(caller), *previous, "rollback"));
+  co_return previous;
+}
+
+}  // namespace driftwise::application

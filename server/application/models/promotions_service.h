@@ -1,0 +1,53 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "server/application/models/models.h"
+#include "server/application/models/promotions.h"
+#include "server/application/plumbing/event_log.h"
+#include "server/application/plumbing/store_reader.h"
+#include "server/application/provenance/provenance.h"
+#include "server/application/serving/serving.h"
+
+namespace driftwise::application {
+
+class PromotionsService final : public Promotions {
+ public:
+  // served_another: called when another model, or none (false), has begun to serve. All of them
+  // outlive this.
+  PromotionsService(Clock& clock, StoreReader& reader, StoreWriter& writer, EventLog& events,
+                    Models& models, Provenance& provenance, Serving& serving,
+                    std::function<void(bool)> served_another)
+      : clock_(clock),
+        reader_(reader),
+        writer_(writer),
+        events_(events),
+        models_(models),
+        provenance_(provenance),
+        serving_(serving),
+        served_another_(std::move(served_another)) {}
+
+  Awaitable<Result<ModelRecord>> promote(Caller caller, ModelId id, bool confirmed) override;
+  Awaitable<Result<std::optional<ModelRecord>>> roll_back(Caller caller) override;
+
+  // What a roll-back would serve. Errors: failed_precondition NOTHING_TO_ROLL_BACK.
+  Awaitable<Result<std::optional<ModelRecord>>> served_before();
+  // The event of a promotion that is on record already.
+  void announce(const Caller& caller, std::optional<ModelRecord> next, const std::string& action);
+
+ private:
+  Awaitable<Result<void>> put_in_service(Caller caller, std::optional<ModelRecord> next,
+                                         std::string action);
+
+  Clock& clock_;
+  StoreReader& reader_;
+  StoreWriter& writer_;
+  EventLog& events_;
+  Models& models_;
+  Provenance& provenance_;
+  Serving& serving_;
+  std::function<void(bool)> served_another_;
+};
+
+}  // namespace driftwise::application

@@ -1,0 +1,90 @@
+#include "server/application/provenance/provenance_service.h"
+
+#include <algorithm>
+
+#include "server/application/datasets/extension_preview.h"
+#include "server/application/provenance/promotion_questions.h"
+#include "server/application/provenance/stored_description.h"
+#include "server/core/try.h"
+#include "server/formats/diagnosis/amendment_json.h"
+#include "server/formats/model/model_json.h"
+
+namespace driftwise::application {
+namespace {
+
+Result<RunGround> ground_of(Store& store, RunId run,
+                            const std::vector<CorrectionRecord>& corrections) {
+  RunGround ground;
+  DRIFTWISE_TRY(auto used, store.configurations().of_run(run));
+  ground.configurations = std::move(used);
+  for (const auto& correction : corrections) {
+    if (!correction.in_force()) continue;
+    const auto amendment = formats::read_amendment_json(correction.json);
+    if (!amendment || !concerns(*amendment, run)) continue;
+    auto& mine = ground.corrections.emplace_back(correction);
+    std::erase_if(mine.changes, [run](const LengthChange& change) { return change.run != run; });
+  }
+  return ground;
+}
+
+Result<ModelGround> ground_of(Store& store, ModelId id, const CellDescription& present) {
+  DRIFTWISE_TRY(const auto record, store.models().model(id));
+  DRIFTWISE_TRY(const auto model, formats::read_model_json(record.json));
+  ModelGround ground;
+  ground.present_hash = present.hash;
+  for (const RunId run : model.lineage.runs) {
+    DRIFTWISE_TRY(const auto used, store.configurations().of_run(run));
+    for (const auto& one : used)
+      if (one.from <= record.created &&
+          std::ranges::find(ground.configurations, one.hash, &UsedConfiguration::hash) ==
+              ground.configurations.end())
+        ground.configurations.push_back(one);
+  }
+  std::ranges::stable_sort(ground.configurations, {}, &UsedConfiguration::from);
+  if (!ground.configurations.empty()) {
+    const auto& last = ground.configurations.back().hash;
+    ground.measured_under = stored_description(store, last, present);
+    if (last != present.hash) {
+      DRIFTWISE_TRY(const auto text, store.configurations().text(last));
+      ground.changes_since = formats::cell_file_difference(text, present);
+    }
+  }
+  DRIFTWISE_TRY(const auto corrections, store.diagnoses().corrections());
+  for (const auto& correction : corrections)
+    if (std::ranges::find(record.corrections, correction.id) != record.corrections.end()) {
+      auto& mine = ground.corrections.emplace_back(correction);
+      std::erase_if(mine.changes, [&model](const LengthChange& change) {
+        return std::ranges::find(model.lineage.runs, change.run) == model.lineage.runs.end();
+      });
+    }
+  for (auto& questions :
+       {temperature_questions(model, present), correction_questions(ground.corrections),
+        configuration_questions(model, ground.changes_since)})
+    ground.promotion_questions.insert(ground.promotion_questions.end(), questions.begin(),
+                                      questions.end());
+  return ground;
+}
+
+}  // namespace
+
+Awaitable<Result<std::vector<RunGround>>> ProvenanceService::grounds_of_runs(
+    std::vector<RunId> runs) {
+  co_return co_await reader_.call(
+      [](Store& store, const std::vector<RunId>& asked) -> Result<std::vector<RunGround>> {
+        DRIFTWISE_TRY(const auto all, store.diagnoses().corrections());
+        std::vector<RunGround> grounds;
+        for (const RunId run : asked) {
+          DRIFTWISE_TRY(auto ground, ground_of(store, run, all));
+          grounds.push_back(std::move(ground));
+        }
+        return grounds;
+      },
+      std::move(runs));
+}
+
+Awaitable<Result<ModelGround>> ProvenanceService::ground_of_model(ModelId id) {
+  co_return co_await reader_.call(
+      [id, present = &description_](Store& store) { return ground_of(store, id, *present); });
+}
+
+}  // namespace driftwise::application

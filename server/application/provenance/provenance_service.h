@@ -1,0 +1,20 @@
+#pragma once
+
+#include "server/application/plumbing/store_reader.h"
+#include "server/application/provenance/provenance.h"
+
+namespace driftwise::application {
+
+class ProvenanceService final : public Provenance {
+ public:
+  ProvenanceService(const CellDescription& description, StoreReader& reader)
+      : description_(description), reader_(reader) {}
+  Awaitable<Result<std::vector<RunGround>>> grounds_of_runs(std::vector<RunId> runs) override;
+  Awaitable<Result<ModelGround>> ground_of_model(ModelId id) override;
+
+ private:
+  const CellDescription& description_;
+  StoreReader& reader_;
+};
+
+}  // namespace driftwise::application

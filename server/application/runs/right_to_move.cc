@@ -1,0 +1,31 @@
+#include "server/application/runs/right_to_move.h"
+
+#include <fmt/format.h>
+
+#include "server/core/reasons.h"
+
+namespace driftwise::application {
+
+Result<void> RightToMove::check(const std::string& lease_token) const {
+  if (auto ok = stops_.check(); !ok) return ok;
+  if (auto ok = leases_.check(lease_token, clock_.now().utc); !ok) return ok;
+  if (const auto* run = engine_.record())
+    return fail(ErrorCode::failed_precondition, reasons::kRunUnderWay,
+                fmt::format("run {} '{}' is {}: abort it, or wait until it is over", run->id.value,
+                            run->name, to_string(run->state)));
+  if (by_hand_)
+    return fail(ErrorCode::failed_precondition, reasons::kMoving,
+                "a movement by hand is under way: wait for its end, or stop it");
+  return {};
+}
+
+Result<void> RightToMove::check_by_hand(const Caller& caller, const std::string& lease_token,
+                                        const HoldAnswer& answer) const {
+  if (!engine_.stands() || by_hand_) return check(lease_token);
+  if (auto ok = stops_.check(); !ok) return ok;
+  if (auto ok = leases_.check(lease_token, clock_.now().utc); !ok) return ok;
+  return check_answer(*engine_.record(), engine_.record()->hold, caller.name, answer,
+                      clock_.now().utc);
+}
+
+}  // namespace driftwise::application

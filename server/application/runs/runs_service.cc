@@ -1,0 +1,202 @@
+#include "server/application/runs/runs_service.h"
+
+#include <fmt/format.h>
+
+#include "server/application/motion/loading.h"
+#include "server/application/plumbing/run_on.h"
+#include "server/application/ports/run_hold.h"
+#include "server/application/recording/doubts.h"
+#include "server/core/reasons.h"
+#include "server/core/try.h"
+
+namespace driftwise::application {
+
+RunsService::RunsService(Workbench& bench, StoreReader& reader, RunEngine& engine,
+                         RightToMove& right, StopEvents& stop_events, Trajectories& trajectories,
+                         Models& models, Serving& serving, const ConfigurationBook& configuration,
+                         asio::any_io_executor background)
+    : description_(bench.description),
+      clock_(bench.clock),
+      recorder_(bench.recorder),
+      writer_(bench.writer),
+      events_(bench.events),
+      stops_(bench.stops),
+      doubts_(bench.doubts),
+      boot_id_(bench.boot_id),
+      reader_(reader),
+      engine_(engine),
+      right_(right),
+      stop_events_(stop_events),
+      trajectories_(trajectories),
+      models_(models),
+      serving_(serving),
+      configuration_(configuration),
+      background_(std::move(background)) {}
+
+Awaitable<Result<RunRecord>> RunsService::create(Caller caller, CreateRun request) {
+  const auto lock = co_await right_.turn();
+  // A repeated request gets the first one's answer, whatever has become of the lease since.
+  if (const auto* run = engine_.record();
+      run && !request.request_id.empty() && run->request_id == request.request_id)
+    co_return *run;
+  DRIFTWISE_CO_RETURN_IF_ERROR(right_.check(request.lease_token));
+  RunPlan plan{request.rules.value_or(description_.run),
+               request.compensate || request.compensate_with, request.compensate_with,
+               std::nullopt};
+  if (plan.compensate && !plan.compensate_with) plan.served_at_start = serving_.model();
+  DRIFTWISE_CO_RETURN_IF_ERROR(check_rules(plan.rules));
+  const auto name =
+      request.trajectory_name.empty() ? std::string("trajectory") : request.trajectory_name;
+  const auto stops = stop_events_.presses();
+  auto checking = trajectories_.check(name, request.trajectory_text);
+  DRIFTWISE_CO_TRY(auto check, co_await std::move(checking));
+  const bool is_pose = is_pose_symbol(check.trajectory.coordinates.front().symbol);
+  if (plan.compensate && !is_pose)
+    co_return fail(ErrorCode::invalid_argument, reasons::kNothingToCompensate,
+                   fmt::format("{}: column {}: compensation needs wanted poses (x_mm ...), these "
+                               "are motor coordinates",
+                               name, check.trajectory.coordinates.front().name()));
+  if (is_pose && !plan.compensate && check.trajectory.coordinates.size() > 1)
+    co_return fail(ErrorCode::invalid_argument, reasons::kNeedsCompensation,
+                   fmt::format("{}: column {}: with several axes a pose is no motor coordinate: "
+                               "compensate with a model",
+                               name, check.trajectory.coordinates.front().name()));
+  if (plan.compensate && !plan.compensate_with && serving_.refused())
+    co_return tl::unexpected(*serving_.refused());
+  if (plan.compensate && !plan.compensate_with && !serving_.model())
+    co_return fail(ErrorCode::failed_precondition, reasons::kNoModel,
+                   "no model serves: promote one, or run without compensation");
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await follow_for(plan));
+  if (stop_events_.presses() != stops)
+    co_return fail(ErrorCode::aborted, reasons::kStoppedMeanwhile,
+                   "a stop was asked for while the trajectory was read: start the run again");
+  co_return co_await start_run(std::move(caller), std::move(request), std::move(plan),
+                               std::move(check.trajectory));
+}
+
+Awaitable<Result<void>> RunsService::follow_for(const RunPlan& plan) {
+  if (!plan.compensate_with) co_return Result<void>{};
+  DRIFTWISE_CO_TRY(auto record, co_await models_.get(*plan.compensate_with));
+  co_return co_await serving_.follow(std::move(record));
+}
+
+Awaitable<Result<RunRecord>> RunsService::start_run(Caller caller, CreateRun request, RunPlan plan,
+                                                    Trajectory trajectory) {
+  NewRun fresh;
+  fresh.name = request.name.empty() ? request.trajectory_name : request.name;
+  fresh.trajectory_name = request.trajectory_name;
+  fresh.trajectory_text = request.trajectory_text;
+  fresh.rows = static_cast<std::int64_t>(trajectory.points.size());
+  fresh.rules_json = write_run_plan(plan);
+  fresh.config_hash = description_.hash;
+  fresh.config_text = description_.text;
+  fresh.operator_name = caller.name;
+  fresh.request_id = request.request_id;
+  fresh.created = clock_.now();
+  fresh.boot_id = boot_id_;
+  auto stored = co_await writer_.runs().create_run(fresh);
+  if (!stored) co_return stored;
+  const bool is_repeat = stored->created != fresh.created.utc || stored->state != RunState::queued;
+  if (is_repeat) co_return stored;
+  events_.record(caller, "run.created",
+                 fmt::format("{} created run {} '{}': {} rows", caller.name, stored->id.value,
+                             stored->name, stored->rows),
+                 stored->id);
+  engine_.begin(*stored, std::move(plan), std::move(trajectory), std::nullopt, true);
+  co_return *engine_.record();
+}
+
+Result<RunControl*> RunsService::control_of(RunId run, const char* verb) {
+  const auto* record = engine_.record();
+  if (record && record->id == run) return engine_.control();
+  return fail(ErrorCode::failed_precondition, reasons::kRunNotUnderWay,
+              fmt::format("run {} cannot {}: {}", run.value, verb,
+                          record ? fmt::format("run {} is the one under way", record->id.value)
+                                 : "no run is under way"));
+}
+
+Awaitable<Result<RunRecord>> RunsService::steer(Caller caller, RunId id, const char* verb,
+                                                std::string detail,
+                                                std::function<void(RunControl&)> act) {
+  if (auto known = co_await get(id); !known) co_return known;
+  DRIFTWISE_CO_TRY(auto control, control_of(id, verb));
+  events_.record(caller, fmt::format("run.{}", verb), std::move(detail), id);
+  act(*control);
+  co_return *engine_.record();
+}
+
+Awaitable<Result<RunRecord>> RunsService::pause(Caller caller, RunId run) {
+  auto why = fmt::format("paused by {}", caller.name);
+  const RunHold hold{RunHold::Kind::pause, caller.name, clock_.now().utc, why};
+  std::function<void(RunControl&)> act = [hold](RunControl& control) { control.hold(hold); };
+  co_return co_await steer(caller, run, "pause", why, std::move(act));
+}
+
+Awaitable<Result<RunRecord>> RunsService::resume(Caller caller, RunId id, HoldAnswer answer) {
+  DRIFTWISE_CO_RETURN_IF_ERROR(stops_.check());
+  if (const auto* record = engine_.record(); record && record->id == id)
+    if (auto question = configuration_.question_for(*record); !question.empty())
+      co_return fail(ErrorCode::failed_precondition, reasons::kConfigurationChanged,
+                     fmt::format("run {} cannot resume: {}", id.value, question));
+  if (auto known = co_await get(id); !known) co_return known;
+  DRIFTWISE_CO_TRY(auto control, control_of(id, "resume"));
+  if (right_.by_hand())
+    co_return fail(ErrorCode::failed_precondition, reasons::kMoving,
+                   "a movement by hand is under way: wait for its end, or stop it");
+  const auto now = clock_.now().utc;
+  const RunHold hold = control->hold();
+  DRIFTWISE_CO_RETURN_IF_ERROR(check_answer(*engine_.record(), hold, caller.name, answer, now));
+  auto detail =
+      fmt::format("resumed by {}: {}", caller.name, hold_sentence(*engine_.record(), hold, now));
+  if (hold.kind == RunHold::Kind::stop && hold.who != caller.name)
+    detail += fmt::format("; the stop was overridden: {}", answer.override_reason);
+  events_.record(caller, "run.resume", std::move(detail), id);
+  doubts_.begin_anew();  // a person looked: what the devices say now is taken as right
+  control->resume();
+  co_return *engine_.record();
+}
+
+Awaitable<Result<RunRecord>> RunsService::abort(Caller caller, RunId run, std::string why) {
+  auto reason = fmt::format("aborted by {}{}{}", caller.name, why.empty() ? "" : ": ", why);
+  std::function<void(RunControl&)> act = [reason](RunControl& control) { control.abort(reason); };
+  auto record = co_await steer(caller, run, "abort", reason, std::move(act));
+  auto pressing = stops_.press(caller, fmt::format("run {} {}", run.value, reason));
+  if (record) co_await std::move(pressing);
+  co_return record;
+}
+
+Awaitable<Result<RunRecord>> RunsService::confirm_force(Caller caller, RunId id, double force_n) {
+  if (auto known = co_await get(id); !known) co_return known;
+  DRIFTWISE_CO_TRY(auto control, control_of(id, "confirm a force"));
+  const auto wanted_n = control->wanted_force();
+  if (!wanted_n)
+    co_return fail(ErrorCode::failed_precondition, reasons::kNoForceWanted,
+                   fmt::format("run {} does not wait for a force, it is {}", id.value,
+                               to_string(engine_.record()->state)));
+  if (!same_force(*wanted_n, force_n))
+    co_return fail(ErrorCode::invalid_argument, reasons::kWrongForce,
+                   fmt::format("{:g} N was confirmed, run {} waits for {:g} N: {}", force_n,
+                               id.value, *wanted_n, hang_sentence(*wanted_n, *description_.load)));
+  // On disk before the run goes on: a restart must know what hangs there.
+  const auto now = clock_.now().utc;
+  Reading said{kOperatorDevice, now, now, 0, {{description_.force_channel()->name(), force_n}}};
+  recorder_.observe(JudgedReading{said, {}});
+  writer_.add(std::move(said));
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await writer_.flush());
+  events_.record(caller, "load.confirmed",
+                 fmt::format("{} confirmed {:.6g} N", caller.name, force_n), id);
+  control->confirm_force();
+  co_return *engine_.record();
+}
+
+Awaitable<Result<RunRecord>> RunsService::get(RunId run) {
+  if (const auto* record = engine_.record(); record && record->id == run) co_return *record;
+  co_return co_await reader_.call([=](Store& store) { return store.runs().run(run); });
+}
+
+std::shared_ptr<void> RunsService::watch(std::function<void(const RunProgress&)> on_change) {
+  if (engine_.progress()) on_change(*engine_.progress());
+  return engine_.watchers().add(std::move(on_change));
+}
+
+}  // namespace driftwise::application

@@ -1,0 +1,72 @@
+// The run that was under way when the daemon ended.
+
+#include "server/application/plumbing/run_on.h"
+#include "server/application/runs/run_state_store.h"
+#include "server/application/runs/runs_service.h"
+#include "server/core/try.h"
+#include "server/formats/csv/trajectory_csv.h"
+
+namespace driftwise::application {
+
+Awaitable<Result<void>> RunsService::continue_unfinished() {
+  DRIFTWISE_CO_TRY(
+      auto unfinished, co_await reader_.call([](Store& store) -> Result<std::optional<RunRecord>> {
+        auto run = store.runs().unfinished_run();
+        if (!run || *run) return run;
+        DRIFTWISE_TRY(auto newest, store.runs().runs(1, 0));  // created, and killed before it began
+        if (!newest.empty() && newest.front().state == RunState::queued) return newest.front();
+        return std::nullopt;
+      }));
+  if (!unfinished) co_return Result<void>{};
+  auto record = std::move(*unfinished);
+  DRIFTWISE_CO_TRY(auto trajectory,
+                   co_await run_on(background_, formats::read_trajectory_csv,
+                                   record.trajectory_text, record.trajectory_name));
+  DRIFTWISE_CO_TRY(auto plan, read_run_plan(record.rules_json));
+  if (auto ok = co_await follow_for(plan); !ok) co_return ok;
+  std::optional<RunBefore> before;
+  if (record.state != RunState::queued) {
+    DRIFTWISE_CO_TRY(auto found, co_await what_was_before(record));
+    before = std::move(found);
+  }
+  if (const auto stops = stops_.records(); !stops.empty()) {
+    record.state = RunState::paused;
+    record.reason = stops.front().cause;
+  }
+  // Measured on under another cell file only when a person has seen the difference.
+  auto question = configuration_.question_for(record);
+  if (question.empty()) {
+    const UsedConfiguration used{description_.hash, clock_.now().utc};
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await writer_.configurations().continue_run(record.id, used));
+  }
+  const bool was_paused = record.state == RunState::paused;  // then resume_run refuses meanwhile
+  engine_.begin(std::move(record), std::move(plan), std::move(trajectory), std::move(before),
+                false);
+  if (!question.empty() && !was_paused)
+    engine_.control()->hold(
+        {RunHold::Kind::configuration, "", clock_.now().utc, std::move(question)});
+  co_return Result<void>{};
+}
+
+Awaitable<Result<RunBefore>> RunsService::what_was_before(const RunRecord& run) {
+  const bool killed = run.reason != kShutDownReason && run.state != RunState::paused;
+  co_return co_await reader_.call([killed, id = run.id](Store& store) -> Result<RunBefore> {
+    constexpr int kPage = 1000;
+    RunBefore before;
+    before.killed = killed;
+    DRIFTWISE_TRY(auto attempts, store.runs().attempts(id));
+    before.attempts = std::move(attempts);
+    DRIFTWISE_TRY(auto data, store.runs().data(id));
+    before.data = std::move(data);
+    for (std::int64_t after = 0;;) {
+      DRIFTWISE_TRY(auto page, store.runs().points(id, after, kPage));
+      if (page.empty()) break;
+      after = page.back().id.value;
+      for (auto& point : page)
+        if (point.zero) before.zeros.push_back(std::move(point));
+    }
+    return before;
+  });
+}
+
+}  // namespace driftwise::application

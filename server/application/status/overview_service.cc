@@ -1,0 +1,82 @@
+#include "server/application/status/overview_service.h"
+
+#include <fmt/format.h>
+
+#include "server/application/motion/loading.h"
+
+namespace driftwise::application {
+
+OverviewService::OverviewService(Program program, Sources sources)
+    : program_(std::move(program)),
+      description_(sources.bench.description),
+      clock_(sources.bench.clock),
+      bench_(sources.bench.devices),
+      recorder_(sources.bench.recorder),
+      writer_(sources.bench.writer),
+      stops_(sources.bench.stops),
+      engine_(sources.engine),
+      leases_(sources.leases),
+      manual_(sources.manual),
+      serving_(sources.serving),
+      checks_(sources.checks),
+      configuration_(sources.configuration),
+      upkeep_(sources.upkeep),
+      pauses_(sources.pauses) {}
+
+CellStatus OverviewService::status() const {
+  CellStatus status;
+  status.name = description_.name;
+  status.version = program_.version;
+  status.config_hash = description_.hash;
+  status.web_address = program_.web_address;
+  status.now = clock_.now();
+  status.utc_offset = Nanoseconds(clock_.utc(status.now.utc).ns - status.now.utc.utc_ns);
+  status.speed = clock_.speed();
+  status.devices = bench_.status();
+  for (const auto& latest : recorder_.history().latest()) {
+    auto channel = parse_channel(latest.channel);
+    if (!channel) continue;
+    const auto* device = description_.find_device(latest.device);
+    const bool never = latest.at.utc_ns == 0;
+    const double age_s = never ? 0 : seconds_from(status.now.utc - latest.at);
+    // What a person said holds until he says something else; the pose belongs to no one device.
+    const double max_age_s = device                             ? device->max_age_s
+                             : latest.device == kOperatorDevice ? age_s
+                                                                : DeviceDescription{}.max_age_s;
+    status.values.push_back(
+        {*channel, latest.value, latest.at, age_s, never || age_s > max_age_s, latest.device});
+  }
+  if (engine_.busy()) status.run = engine_.progress();
+  status.lease = leases_.present(status.now.utc);
+  status.serving = serving_.model();
+  status.database = upkeep_.health();
+  status.attention = attention();
+  status.longest_pause_s = pauses_.longest_s();
+  status.recent_pause_s = pauses_.recent_s();
+  status.pending_stops = stops_.records();
+  return status;
+}
+
+std::vector<std::string> OverviewService::attention() const {
+  std::vector<std::string> sentences;
+  for (auto& stop : stops_.unconfirmed()) sentences.push_back(std::move(stop.sentence));
+  for (const auto& id : bench_.lost())
+    sentences.push_back(fmt::format("device {} does not answer", id));
+  if (const auto* run = engine_.record(); run && run->state == RunState::waiting)
+    sentences.push_back(fmt::format("run {} waits: {}", run->id.value, run->reason));
+  if (auto question = configuration_.question(); !question.empty())
+    sentences.push_back(std::move(question));
+  if (!manual_.waits().empty()) sentences.push_back(manual_.waits());
+  if (!manual_.motion_trouble().empty()) sentences.push_back(manual_.motion_trouble());
+  if (!manual_.datum_trouble().empty()) sentences.push_back(manual_.datum_trouble());
+  if (serving_.refused()) sentences.push_back(serving_.refused()->message);
+  if (!serving_.trouble().empty()) sentences.push_back(serving_.trouble());
+  if (!checks_.trouble().empty()) sentences.push_back(checks_.trouble());
+  for (const auto& condition : upkeep_.conditions()) sentences.push_back(condition.message);
+  if (writer_.dropped() > 0)
+    sentences.push_back(
+        fmt::format("{} slow readings were dropped: nothing could be written", writer_.dropped()));
+  return sentences;
+}
+
+}  // namespace driftwise::application
