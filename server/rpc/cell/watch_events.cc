@@ -27,6 +27,7 @@ struct EventsState {              // shared with the fetch, which may end after 
 
 Awaitable<void> fetch(StoreReader& records, std::shared_ptr<EventsState> state) {
   state->more = false;
+  const EventRecord announced = state->newest;  // before: what comes meanwhile is fetched next
   auto events = co_await records.events().events(*state->cursor, kBatch);
   state->fetching = false;
   if (!events) {
@@ -34,7 +35,7 @@ Awaitable<void> fetch(StoreReader& records, std::shared_ptr<EventsState> state) 
     co_return state->wake();
   }
   // Announced, but not in the record yet: the announcement holds all of it.
-  if (events->empty() && state->newest.id > *state->cursor) events->push_back(state->newest);
+  if (events->empty() && announced.id > *state->cursor) events->push_back(announced);
   for (auto& event : *events) {
     if (event.id <= *state->cursor) continue;
     state->cursor = event.id;
