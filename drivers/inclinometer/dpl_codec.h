@@ -9,7 +9,7 @@
 //
 // Commands are one byte without an end; a byte that it does not know gets no answer (M). Whether
 // the echo of s has a line end of its own is not said (U): an echo in front of a line is left out.
-// What it sends beyond its range is not said (U): a value beyond the option range_deg is refused.
+// Readings beyond the range are not described (U): a value beyond the option range_deg is refused.
 // M: maker's document. U: unconfirmed.
 
 #include <string>

@@ -11,7 +11,7 @@
 
 namespace driftwise::inclinometer {
 
-// What the protocol leaves open, with the default; options of the cell file.
+// Options of the cell file: facts that the protocol leaves open, with their defaults.
 struct Options {
   int readings = 4;       // pairs that are averaged: the last digit is 0.001 deg, 3.6 arcsec
   double range_deg = 30;  // of the model: beyond it what is sent is not specified (U)

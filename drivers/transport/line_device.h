@@ -17,7 +17,7 @@
 
 namespace driftwise::transport {
 
-// What differs between text lines.
+// Format of one text line: terminator, resynchronisation, framing, serial settings.
 struct LineFormat {
   std::string end_of_command = "\n";
   std::string resync_request;  // answered with the identity; see LinkSettings

@@ -8,7 +8,7 @@
 
 namespace driftwise {
 
-// What an error in the middle of a run means for the run.
+// Recovery: the effect of an error on the run in which it occurs.
 enum class Recovery : std::uint8_t {
   by_code,    // what the error's code says: server/application/runs/trouble.h
   leave,      // the daemon ends: the run continues at its next start

@@ -26,7 +26,7 @@
 #define DRIFTWISE_CO_RETURN_IF_ERROR(...) \
   DRIFTWISE_IF_ERROR_BY(co_return, DRIFTWISE_UNIQUE_NAME(driftwise_result_), __VA_ARGS__)
 
-// What they are made of.
+// Implementation of the macros.
 #define DRIFTWISE_TRY_BY(leave, result, declaration, ...)           \
   auto result = __VA_ARGS__;                                        \
   if (!result) leave ::tl::unexpected(::std::move(result).error()); \

@@ -13,7 +13,7 @@
 
 namespace driftwise::simulated {
 
-// What a plant has for devices of a kind.
+// Physical quantities that a plant offers to devices of a kind.
 enum class Quantity { axis, length, probe, angle, stabiliser, load };
 
 // Places in the plant, handed out in the order of the cell file: the second interferometer measures

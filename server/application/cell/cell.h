@@ -30,8 +30,8 @@ class Cell {
     std::unique_ptr<Clock> clock;
     OpenStore open_store;
     std::string version;
-    // Where the writing store, the queries, the fits and the diagnoses run: at most one thread each
-    // at a time. Empty: threads of the cell's own. A test hands in its one executor and has
+    // Executors of the writing store, the queries, the fits and the diagnoses: at most one thread
+    // each at a time. Empty: threads of the cell's own. A test hands in its one executor and has
     // everything in order.
     asio::any_io_executor storage_thread = {}, query_thread = {}, worker_thread = {},
                           diagnosis_thread = {}, text_thread = {}, upkeep_thread = {};

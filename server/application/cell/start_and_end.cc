@@ -1,4 +1,4 @@
-// How the parts of a cell start and end.
+// Start and end of a cell: the order of its parts.
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -25,7 +25,7 @@ void Composition::start() {
 }
 
 Awaitable<void> Composition::start_up() {
-  // Whoever wants to move meanwhile waits for his turn: a run may have to be gone on with first.
+  // Requests to move wait meanwhile: an unfinished run may have to be continued first.
   const auto lock = co_await right.turn();
   events.record_own("daemon.started",
                     fmt::format("driftwised {} on cell '{}'", version, description.name));
@@ -48,7 +48,7 @@ Awaitable<Result<void>> Composition::restore_datum() {
   co_return Result<void>{};
 }
 
-// What a person said last; an actuator is asked when a run needs it.
+// The force that a person stated last; an actuator is asked when a run needs it.
 Awaitable<Result<void>> Composition::restore_force() {
   constexpr int kMost = 100'000;  // weights are changed by hand
   const auto force = description.force_channel();

@@ -1,4 +1,4 @@
-// What compensation achieved: runs as they were measured, against what was wanted.
+// Verification of compensation: measured poses of runs against the commanded ones.
 
 #include "server/application/checks/model_checks_service.h"
 #include "server/application/datasets/amended_dataset.h"

@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kListedDiagnoses = 500;
 
-// What was asked, for the record. A file is known by its hash.
+// The request as the record keeps it. A file is identified by its hash.
 std::string request_json(const DiagnosisRequest& request) {
   nlohmann::ordered_json json{{"baseline", request.baseline},
                               {"alpha", request.alpha},
@@ -42,7 +42,7 @@ Result<DiagnosisView> view_of(Store& store, DiagnosisRecord record) {
   return view;
 }
 
-// What can be said before the search begins: the formula against the data, and time.
+// Checks before the search begins: the formula against the data, and time.
 Result<diagnosis::DiagnoseOptions> options_for(const Dataset& dataset,
                                                const DiagnosisRequest& request) {
   DRIFTWISE_TRY(auto formula, formats::Formula::parse(request.baseline));

@@ -14,7 +14,7 @@
 
 namespace driftwise::application {
 
-// What a formula offers on some data, without fitting it.
+// Terms that a formula offers on some data, without a fit.
 struct FormulaCheck {
   std::string problem;                        // with the place marked; empty: it can be fitted
   std::optional<std::size_t> problem_offset;  // bytes into the formula, where the text is at fault

@@ -1,4 +1,4 @@
-// What is asked of a formula before a fit and of a model after it.
+// Checks of a formula before a fit, residuals of a model after it.
 
 #include "server/application/models/formula_check.h"
 #include "server/application/models/models_service.h"

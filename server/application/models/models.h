@@ -16,7 +16,7 @@
 
 namespace driftwise::application {
 
-// What a model leaves unexplained on the rows of a dataset.
+// Residuals of a model on the rows of a dataset.
 struct ModelResiduals {
   struct Output {
     Channel channel;               // q1_mm

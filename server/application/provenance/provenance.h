@@ -1,5 +1,5 @@
 #pragma once
-// What data rest on: the cell files that they were measured under, the corrections laid over them.
+// Provenance of data: the cell files they were measured under, the corrections applied to them.
 // Executor's thread.
 
 #include <optional>

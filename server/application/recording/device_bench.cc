@@ -100,7 +100,7 @@ Awaitable<Result<JudgedReading>> DeviceBench::read_stabiliser(Slot& slot, Stabil
   co_return doubts_.judge(std::move(reading));
 }
 
-// Where the axes are, as a reading of the controller.
+// Axis positions as a reading of the controller.
 Awaitable<Result<JudgedReading>> DeviceBench::read_axes(Slot& slot, std::size_t device) {
   DRIFTWISE_CO_TRY(const auto state, co_await motion_state(device));
   const auto& axes = slot.description().axes();

@@ -1,5 +1,5 @@
 #pragma once
-// What a cell file may describe and this version cannot use yet.
+// Devices and robots that a cell file may describe and this version cannot use yet.
 
 #include "server/core/description/cell_description.h"
 

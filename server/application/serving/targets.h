@@ -35,7 +35,7 @@ class Targets {
  public:
   virtual ~Targets() = default;
 
-  // What serves now. Any thread; readers take no lock.
+  // The serving snapshot. Any thread; readers take no lock.
   virtual const compensation::SnapshotBoard& snapshots() const = 0;
   // Calls back at once and after every rebuild until the handle is destroyed. Executor's thread.
   virtual std::shared_ptr<void> watch_snapshots(std::function<void()> on_rebuilt) = 0;

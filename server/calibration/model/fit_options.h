@@ -17,7 +17,7 @@ namespace driftwise::calibration {
 
 enum class Select { stepwise, all };
 
-// What a formula says about one dataset: server/formats/formula makes it.
+// A formula applied to one dataset: outputs and candidate terms. server/formats/formula makes it.
 struct Candidates {
   std::string formula;               // canonical, for the record
   std::vector<std::string> outputs;  // symbols: "q1"

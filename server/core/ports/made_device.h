@@ -1,5 +1,5 @@
 #pragma once
-// What a device kind's factory is given and what it makes.
+// Arguments of a device kind's factory, and the device that it makes.
 
 #include <boost/asio/any_io_executor.hpp>
 #include <memory>

@@ -13,7 +13,7 @@ export interface Channel {
   measuredMs: number; // cell time of the value that is painted; -Infinity: never
 }
 
-// What one update brought of a channel: [value, cell time of it]; undefined: the update does not have it.
+// News of a channel in one update: [value, its cell time]; undefined: the update does not have the channel.
 export type Brought = (name: string) => readonly [number, number] | undefined;
 
 export const layout = signal<readonly Channel[]>([]);

@@ -99,7 +99,7 @@ void DplEmulator::stream_later(TimeNs now) {
   });
 }
 
-// What one client is sent leaves in its order, as on one wire.
+// Answers to one client leave in their order, as on one wire.
 void DplEmulator::reply(Session session, const std::string& text, TimeNs now) {
   Client& client = clients_.at(session);
   const bool takes_time = client.link == Link::serial && baud_ > 0;
