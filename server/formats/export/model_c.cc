@@ -10,6 +10,8 @@
 #include "server/core/try.h"
 #include "server/effects/term_evaluator.h"
 #include "server/effects/term_order.h"
+#include "server/formats/export/model_c_parts.h"
+#include "server/formats/export/model_c_text.h"
 #include "server/formats/text/text.h"
 
 namespace driftwise::formats {
@@ -17,37 +19,13 @@ namespace {
 
 constexpr std::size_t kTestVectors = 24;
 
-// What the function reads, in order of the model's domain: pose and force, then the rest.
-struct Inputs {
-  std::vector<calibration::ChannelRange> pose, slow;
-
-  std::string expression(const std::string& symbol) const {
-    for (std::size_t i = 0; i < pose.size(); ++i)
-      if (pose[i].channel.symbol == symbol) return "pose[" + std::to_string(i) + "]";
-    for (std::size_t i = 0; i < slow.size(); ++i)
-      if (slow[i].channel.symbol == symbol) return "temperatures[" + std::to_string(i) + "]";
-    return {};
-  }
-  std::vector<calibration::ChannelRange> all() const {
-    auto out = pose;
-    out.insert(out.end(), slow.begin(), slow.end());
-    return out;
-  }
-};
-
-std::string literal(double value) {
-  std::string text = number_text(value);
-  if (text.find_first_of(".e") == std::string::npos) text += ".0";
-  return text;
-}
-
 tl::unexpected<Error> not_exportable(const effects::Term& term, const std::string& why) {
   return fail(ErrorCode::failed_precondition, reasons::kNotExportable,
               "term " + effects::notation(term) + " " + why);
 }
 
-Result<Inputs> collect_inputs(const calibration::Model& model) {
-  Inputs inputs;
+Result<CInputs> collect_inputs(const calibration::Model& model) {
+  CInputs inputs;
   for (const auto& range : model.domain)
     (compensation::variable_from(range.channel.symbol) ? inputs.pose : inputs.slow)
         .push_back(range);
@@ -65,30 +43,22 @@ Result<Inputs> collect_inputs(const calibration::Model& model) {
   return inputs;
 }
 
-// "pose[0] * pose[0]": a power as effects::power multiplies it.
-std::string power_expression(const std::string& value, int exponent) {
-  std::string out = value;
-  for (int i = 1; i < exponent; ++i) out += " * " + value;
-  return exponent > 1 ? "(" + out + ")" : out;
-}
-
-std::string term_expression(const effects::Term& term, const Inputs& inputs) {
+std::string term_expression(const effects::Term& term, const CInputs& inputs) {
   std::string out;
   const effects::Term ordered = effects::canonical(term);
   for (const auto& factor : ordered.factors) {
     const auto& power = std::get<effects::Power>(factor);
-    out += (out.empty() ? "" : " * ") +
-           power_expression(inputs.expression(power.symbol), power.exponent);
+    out += (out.empty() ? "" : " * ") + c_power(inputs.expression(power.symbol), power.exponent);
   }
   return out;
 }
 
 std::string output_code(const calibration::OutputModel& output, std::size_t index,
-                        const Inputs& inputs) {
+                        const CInputs& inputs) {
   std::string code = "  {\n    double sum = 0.0; /* " + output.channel.name() + " */\n";
   for (std::size_t k = 0; k < output.terms.size(); ++k) {
     if (effects::datum_of(output.terms[k])) continue;
-    const std::string value = literal(output.coefficients[static_cast<Eigen::Index>(k)]);
+    const std::string value = c_literal(output.coefficients[static_cast<Eigen::Index>(k)]);
     const std::string product = term_expression(output.terms[k], inputs);
     code += "    sum += " + value + (product.empty() ? "" : " * (" + product + ")") + ";\n";
   }
@@ -126,7 +96,7 @@ double reference(const calibration::OutputModel& output, const std::vector<std::
   return sum;
 }
 
-std::string vector_table(const calibration::Model& model, const Inputs& inputs) {
+std::string vector_table(const calibration::Model& model, const CInputs& inputs) {
   const auto ranges = inputs.all();
   std::vector<std::string> symbols;
   for (const auto& range : ranges) symbols.push_back(range.channel.symbol);
@@ -135,9 +105,9 @@ std::string vector_table(const calibration::Model& model, const Inputs& inputs) 
     std::vector<double> values;
     for (std::size_t i = 0; i < ranges.size(); ++i) values.push_back(test_value(ranges[i], i, v));
     std::string row;
-    for (const double value : values) row += literal(value) + ", ";
+    for (const double value : values) row += c_literal(value) + ", ";
     for (const auto& output : model.outputs)
-      row += literal(reference(output, symbols, values)) + ", ";
+      row += c_literal(reference(output, symbols, values)) + ", ";
     row.resize(row.size() - 2);
     table += "  {" + row + "},\n";
   }
@@ -159,7 +129,7 @@ std::string comment_safe(std::string text) {
 }
 
 std::string head_comment(const calibration::Model& model, const std::string& function,
-                         const Inputs& inputs) {
+                         const CInputs& inputs) {
   std::string outputs;
   for (const auto& output : model.outputs)
     outputs += (outputs.empty() ? "" : ", ") + output.channel.name();
@@ -190,12 +160,6 @@ std::string head_comment(const calibration::Model& model, const std::string& fun
          " */\n"
          "int " +
          function + "(const double *pose, const double *temperatures, double *q);\n\n";
-}
-
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-  for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size()))
-    text.replace(at, what.size(), by);
-  return text;
 }
 
 // Newton's method of calibration::pose_of_zero, as plain C; @n axes.
@@ -249,7 +213,7 @@ constexpr const char* kPoseOfZero = R"(  {
 
 // The zero of another datum: where it lies in the model's own, and targets from there.
 std::string datum_code(const calibration::Model& model, const std::string& function,
-                       const Inputs& inputs) {
+                       const CInputs& inputs) {
   std::string axes, ranges;
   std::size_t count = 0;
   bool ranged = true;
@@ -258,7 +222,7 @@ std::string datum_code(const calibration::Model& model, const std::string& funct
     const double range = inputs.pose[i].max - inputs.pose[i].min;
     ranged = ranged && range > 0;
     axes += (count == 0 ? "" : ", ") + std::to_string(i);
-    ranges += (count++ == 0 ? "" : ", ") + literal(range);
+    ranges += (count++ == 0 ? "" : ", ") + c_literal(range);
   }
   const bool solvable = ranged && count > 0 && count == model.outputs.size();
   std::string code =
@@ -289,17 +253,17 @@ std::string datum_code(const calibration::Model& model, const std::string& funct
       "  for (v = 0; v < @q; ++v) q[v] += zero[@p + v];\n"
       "  return outside;\n}\n";
   const auto size = inputs.pose.size();
-  code = replaced(std::move(code), "@axes", axes);
-  code = replaced(std::move(code), "@ranges", ranges);
-  code = replaced(std::move(code), "@n", std::to_string(count));
-  code = replaced(std::move(code), "@p", std::to_string(size));
-  code = replaced(std::move(code), "@m", std::to_string(std::max<std::size_t>(size, 1)));
-  code = replaced(std::move(code), "@q", std::to_string(model.outputs.size()));
-  return replaced(std::move(code), "@f", function);
+  code = c_replaced(std::move(code), "@axes", axes);
+  code = c_replaced(std::move(code), "@ranges", ranges);
+  code = c_replaced(std::move(code), "@n", std::to_string(count));
+  code = c_replaced(std::move(code), "@p", std::to_string(size));
+  code = c_replaced(std::move(code), "@m", std::to_string(std::max<std::size_t>(size, 1)));
+  code = c_replaced(std::move(code), "@q", std::to_string(model.outputs.size()));
+  return c_replaced(std::move(code), "@f", function);
 }
 
 std::string self_test(const calibration::Model& model, const std::string& function,
-                      const Inputs& inputs) {
+                      const CInputs& inputs) {
   const std::string in = std::to_string(inputs.pose.size() + inputs.slow.size()),
                     fast = std::to_string(inputs.pose.size());
   const std::string out = std::to_string(model.outputs.size());
@@ -320,9 +284,24 @@ std::string self_test(const calibration::Model& model, const std::string& functi
          "    const int outside = " +
          function + "(vectors[v], vectors[v] + " + fast +
          ", q);\n"
+         "    double folded[" +
+         function + "_folded], fast[" + out +
+         "];\n"
+         "    (void)" +
+         function + "_fold(vectors[v] + " + fast +
+         ", folded);\n"
+         "    (void)" +
+         function +
+         "_fast(folded, vectors[v], fast);\n"
          "    for (int i = 0; i < " +
          out +
          "; ++i) {\n"
+         "      const double apart = fast[i] - q[i];\n"
+         "      if (!(apart * apart <= 1e-18 * (1.0 + q[i] * q[i]))) {\n"
+         "        ++failures;\n"
+         "        printf(\"vector %d output %d: two parts give %.17g, one gives %.17g\\n\", v, i, "
+         "fast[i], q[i]);\n"
+         "      }\n"
          "      if (q[i] != vectors[v][" +
          in +
          " + i] || outside != 0) {\n"
@@ -359,16 +338,11 @@ Result<std::string> write_model_c(const calibration::Model& model, const std::st
   code += "int " + function +
           "(const double *pose, const double *temperatures, double *q) {\n  int outside = 0;\n  "
           "(void)pose;\n  (void)temperatures;\n";
-  for (std::size_t i = 0; i < ranges.size(); ++i) {
-    const std::string value = inputs.expression(ranges[i].channel.symbol);
-    code += "  if (!(" + value + " >= " + literal(ranges[i].min) + " && " + value +
-            " <= " + literal(ranges[i].max) + ")) outside |= " + std::to_string(1u << i) + "; /* " +
-            ranges[i].channel.name() + " */\n";
-  }
+  code += c_domain_tests(inputs, 0, ranges.size());
   for (std::size_t i = 0; i < model.outputs.size(); ++i)
     code += output_code(model.outputs[i], i, inputs);
   return code + "  return outside;\n}\n" + datum_code(model, function, inputs) +
-         self_test(model, function, inputs);
+         model_c_parts(model, function, inputs) + self_test(model, function, inputs);
 }
 
 }  // namespace driftwise::formats

@@ -12,6 +12,7 @@
 // Two further functions carry it to another zero, as serving does (docs/decisions/0005):
 // ..._zero(pose, temperatures, q, zero) finds where that zero lies in the model's own datum,
 // ..._from(zero, pose, temperatures, q) answers from there.
+// Three functions do the same in a slow and a fast part: model_c_parts.h.
 // With -DDRIFTWISE_MODEL_SELF_TEST the file has a main that runs the test vectors it carries and
 // exits 0 or 1.
 

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <iterator>
 #include <random>
 
@@ -150,6 +151,51 @@ TEST_F(CompiledModel, SaysWhenAnotherZeroIsKnownByAConstantOnly) {
   ASSERT_EQ(compile(source, ""), 0);
   ASSERT_EQ(run_model(), 0);
   EXPECT_EQ(output(), "9 0\n");
+}
+
+// Figure 3.11 of the study: temperatures are folded in every few seconds, the loop has geometry
+// only. The fast part must cost a loop microseconds; 20 leave room for a busy machine.
+TEST_F(CompiledModel, AnswersInAFastPartWhatTheSlowPartFoldedIn) {
+  auto model = axis_model();
+  model.outputs.push_back(model.outputs[0]);
+  model.outputs[1].channel = {"q2", "mm"};
+  model.outputs[1].terms[4] = term({power("y"), power("x", 3), power("force", 2)});
+  model.domain.push_back({{"y", "mm"}, -1, 1});
+  model.domain.push_back({{"force", "N"}, 0, 300});
+  std::string source = *write_model_c(model, "axis");
+  source +=
+      "#include <stdio.h>\n#include <time.h>\nint main(void) {\n"
+      "  const double zero[5] = {0.02, -0.01, 0.0, 0.3, -0.4};\n"
+      "  double folded[driftwise_model_axis_folded], q[2], one[2], worst = 0.0, sum = 0.0;\n"
+      "  int bits = 0, expected = 0, i, k;\n  clock_t begin;\n"
+      "  for (k = 0; k < 200; ++k) {\n"
+      "    const double t[1] = {15.0 + 0.1 * k};\n"
+      "    const double pose[3] = {-5.0 + 0.05 * k, 0.011 * (k - 100), 1.7 * k};\n"
+      "    (void)driftwise_model_axis_fold(t, folded);\n"
+      "    bits |= driftwise_model_axis_fast(folded, pose, q) ^ driftwise_model_axis(pose, t, "
+      "one);\n    expected |= driftwise_model_axis(pose, t, one);\n"
+      "    for (i = 0; i < 2; ++i) if ((q[i] - one[i]) * (q[i] - one[i]) > worst) worst = "
+      "(q[i] - one[i]) * (q[i] - one[i]);\n"
+      "    bits |= driftwise_model_axis_fast_from(zero, folded, pose, q) ^ "
+      "driftwise_model_axis_from(zero, pose, t, one);\n"
+      "    for (i = 0; i < 2; ++i) if ((q[i] - one[i]) * (q[i] - one[i]) > worst) worst = "
+      "(q[i] - one[i]) * (q[i] - one[i]);\n"
+      "  }\n  begin = clock();\n"
+      "  for (k = 0; k < 100000; ++k) {\n"
+      "    const double pose[3] = {1e-5 * k, -1e-6 * k, 1.0};\n"
+      "    (void)driftwise_model_axis_fast(folded, pose, q);\n    sum += q[0] + q[1];\n  }\n"
+      "  printf(\"%d %d %.17g %.17g %g\\n\", bits, expected, worst, 1e6 * (double)(clock() - "
+      "begin) / CLOCKS_PER_SEC / 100000, sum);\n  return 0;\n}\n";
+  ASSERT_EQ(compile(source, ""), 0);
+  ASSERT_EQ(run_model(), 0);
+  int bits = -1, expected = -1;
+  double worst_mm2 = -1, us = -1;
+  ASSERT_EQ(std::sscanf(output().c_str(), "%d %d %lf %lf", &bits, &expected, &worst_mm2, &us), 4);
+  EXPECT_EQ(bits, 0) << "both say the same of the domain";
+  EXPECT_NE(expected, 0) << "some of these poses and temperatures lie outside";
+  EXPECT_LT(worst_mm2, 1e-18) << "rounding: less than 1e-3 nm at 300 N squared";
+  EXPECT_LT(us, 20);
+  std::cout << "fast part: " << us << " us per target\n";
 }
 
 TEST(WriteModelC, RefusesANameThatIsNoIdentifier) {
