@@ -26,6 +26,8 @@ std::string_view to_string(ErrorCode code) {
       return "data_loss";
     case ErrorCode::permission_denied:
       return "permission_denied";
+    case ErrorCode::unauthenticated:
+      return "unauthenticated";
     case ErrorCode::cancelled:
       return "cancelled";
     case ErrorCode::internal:

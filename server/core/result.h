@@ -19,7 +19,8 @@ enum class ErrorCode {
   unavailable,          // a device or the daemon cannot be reached
   deadline_exceeded,    // no answer in time
   data_loss,            // what was stored or received is damaged
-  permission_denied,    // somebody else holds the lease
+  permission_denied,    // somebody else holds the lease, or the role is too low
+  unauthenticated,      // nobody has said who asks, or nobody believes it
   cancelled,
   internal,  // a bug of ours
 };

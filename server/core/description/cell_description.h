@@ -10,6 +10,7 @@
 
 #include "server/core/cell_time.h"
 #include "server/core/channel.h"
+#include "server/core/description/access_description.h"
 #include "server/core/description/kinematics_description.h"
 #include "server/core/description/plausibility_description.h"
 #include "server/core/devices/device_kind.h"
@@ -112,6 +113,7 @@ struct CellDescription {
   std::string listen = "127.0.0.1:50051";  // gRPC; port 0 picks a free one
   std::string target_line = "";            // text target service, "host:port"; empty: off
   std::string http = "";                   // /healthz and /metrics, "host:port"; empty: off
+  AccessDescription access;                // who may reach the daemon, and by which further doors
   ClockDescription clock;
   std::vector<RobotDescription> robots;  // as the file names them; the first is the one in use
   std::vector<DeviceDescription> devices;

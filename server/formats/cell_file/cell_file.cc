@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/core/reasons.h"
+#include "server/formats/cell_file/cell_file_access.h"
 #include "server/formats/cell_file/cell_file_address.h"
 #include "server/formats/cell_file/cell_file_correction.h"
 #include "server/formats/cell_file/cell_file_devices.h"
@@ -24,13 +25,15 @@ void check_listen(TomlReader& reader, const char* key, const std::string& addres
     return reader.refuse(key, reasons::kBadAddress,
                          "found " + shown(address) +
                              ", expected host:port such as 127.0.0.1:50051 (port 0: any free one)");
-  DeviceDescription asked;
+  DeviceDescription asked;  // the one rule of what loopback means
   asked.address = address;
   if (!asked.on_loopback())
-    reader.refuse(key, reasons::kListenNotLoopback,
-                  "found " + shown(address) +
-                      ", expected an address on loopback (127.0.0.1, localhost or [::1]): nothing "
-                      "else may reach the daemon until TLS and roles are configured");
+    reader.refuse(
+        key, reasons::kListenNotLoopback,
+        "found " + shown(address) +
+            ", expected an address on loopback (127.0.0.1, localhost or [::1]): a door that "
+            "others can reach needs TLS and stands under " +
+            shown(key) + " of [access] (docs/access.md)");
 }
 
 std::string beside(const std::string& file, const std::string& cell_path) {
@@ -132,6 +135,8 @@ void read_file(const toml::table& root, CellDescription& out, TomlProblem& probl
   TomlReader web = section("web");
   web.text("root", web_root);
   web.finish();
+  if (const auto* access = top.table("access"))
+    read_access(TomlReader(*access, "access", problem), out.access);
   TomlReader clock = section("clock");
   TomlReader speed = clock;
   read_clock(std::move(clock), out.clock);
@@ -185,6 +190,8 @@ Result<CellDescription> parse_cell_file(std::string_view text, const std::string
   if (problem.any()) return tl::unexpected(*problem.first);
   cell.database = beside(cell.database, path);
   cell.clock.file = beside(cell.clock.file, path);
+  for (std::string* file : {&cell.access.certificate, &cell.access.key, &cell.access.authority})
+    *file = beside(*file, path);
   cell.text = text;
   cell.hash = content_hash(text);
   return cell;

@@ -15,7 +15,7 @@ namespace driftwise::formats {
 // [clock] file) start from. The file itself is not opened. Errors, invalid_argument: TOML_SYNTAX,
 // UNKNOWN_KEY (with the nearest known one), MISSING_KEY, WRONG_TYPE,
 //   OUT_OF_RANGE, BAD_ADDRESS, BAD_CHANNEL, BAD_TIME, UNKNOWN_KIND, DUPLICATE_ID,
-//   DUPLICATE_CHANNEL, BAD_LIMITS, LISTEN_NOT_LOOPBACK, and those of cell_file_robots.h;
+//   DUPLICATE_CHANNEL, BAD_LIMITS, LISTEN_NOT_LOOPBACK, NEEDS_TLS, and those of cell_file_robots.h;
 //   failed_precondition: SPEED_NEEDS_LOOPBACK.
 Result<CellDescription> parse_cell_file(std::string_view text, const std::string& path,
                                         DeviceKinds kinds);

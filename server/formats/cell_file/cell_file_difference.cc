@@ -301,6 +301,7 @@ std::set<std::pair<std::string, std::string>> known_keys() {
   };
   add("cell", {"name", "database", "listen", "target_line", "http"});
   add("web", {"*"});
+  add("access", {"*"});
   add("clock", {"epoch", "speed", "file"});
   add("run",
       {"readings_per_point", "max_spread_nm", "max_rereads", "max_reapproaches", "max_requeues",

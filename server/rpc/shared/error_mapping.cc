@@ -9,7 +9,7 @@
 namespace driftwise::rpc {
 namespace {
 
-constexpr std::array<std::pair<ErrorCode, grpc::StatusCode>, 13> kCodes = {{
+constexpr std::array<std::pair<ErrorCode, grpc::StatusCode>, 14> kCodes = {{
     {ErrorCode::invalid_argument, grpc::StatusCode::INVALID_ARGUMENT},
     {ErrorCode::not_found, grpc::StatusCode::NOT_FOUND},
     {ErrorCode::already_exists, grpc::StatusCode::ALREADY_EXISTS},
@@ -21,6 +21,7 @@ constexpr std::array<std::pair<ErrorCode, grpc::StatusCode>, 13> kCodes = {{
     {ErrorCode::deadline_exceeded, grpc::StatusCode::DEADLINE_EXCEEDED},
     {ErrorCode::data_loss, grpc::StatusCode::DATA_LOSS},
     {ErrorCode::permission_denied, grpc::StatusCode::PERMISSION_DENIED},
+    {ErrorCode::unauthenticated, grpc::StatusCode::UNAUTHENTICATED},
     {ErrorCode::cancelled, grpc::StatusCode::CANCELLED},
     {ErrorCode::internal, grpc::StatusCode::INTERNAL},
 }};

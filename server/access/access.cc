@@ -1,0 +1,63 @@
+#include "server/access/access.h"
+
+#include <pwd.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+
+#include "server/access/private_file.h"
+#include "server/core/try.h"
+
+namespace driftwise::access {
+namespace {
+
+std::string user_name() {
+  const passwd* user = ::getpwuid(::geteuid());
+  return user != nullptr ? user->pw_name : std::to_string(::geteuid());
+}
+
+std::int64_t now_utc_s() {
+  return std::chrono::duration_cast<std::chrono::seconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+}  // namespace
+
+Result<void> Access::check(const AccessDescription& description) {
+  if (!description.tls()) return {};
+  DRIFTWISE_RETURN_IF_ERROR(
+      check_certificate(description.certificate, description.key, now_utc_s()));
+  if (!description.authority.empty())
+    DRIFTWISE_RETURN_IF_ERROR(read_certificate(description.authority));
+  return {};
+}
+
+Result<std::unique_ptr<Access>> Access::open(const AccessDescription& description,
+                                             const std::string& state_folder) {
+  std::unique_ptr<Access> out(new Access);
+  out->description_ = description;
+  const std::filesystem::path folder(state_folder);
+  Authoriser::Parts parts{.loopback = description.loopback, .local_user = user_name()};
+  out->socket_path_ = (folder / "driftwised.sock").string();
+  DRIFTWISE_RETURN_IF_ERROR(check(description));
+  DRIFTWISE_TRY(auto tokens, TokenBook::open((folder / "tokens.json").string()));
+  out->tokens_ = std::move(tokens);
+  parts.tokens = out->tokens_.get();
+  if (description.configured) {
+    parts.local_token = token_text(new_token());
+    out->token_file_ = (folder / "driftwised.token").string();
+    DRIFTWISE_RETURN_IF_ERROR(write_private_file(out->token_file_, parts.local_token + "\n"));
+  }
+  out->authoriser_ = std::make_unique<Authoriser>(std::move(parts));
+  return out;
+}
+
+Access::~Access() {
+  if (!token_file_.empty()) std::remove(token_file_.c_str());
+}
+
+}  // namespace driftwise::access

@@ -1,0 +1,46 @@
+#pragma once
+// Access of one daemon, put together at its start: certificate checked, tokens read, the local
+// token written. Made and destroyed on one thread; its parts are for any.
+//
+// In the state folder (the database's), all of mode 0600: "tokens.json" (token_book.h),
+// "driftwised.token" (made at each start: a program that may read it is admin; removed at the end)
+// and "driftwised.sock" (made by the gRPC door).
+
+#include <memory>
+#include <string>
+
+#include "server/access/authoriser.h"
+#include "server/access/certificate.h"
+#include "server/access/token_book.h"
+#include "server/core/description/access_description.h"
+
+namespace driftwise::access {
+
+class Access {
+ public:
+  // Writes nothing where [access] is not configured. Errors: those of check_certificate and
+  // TokenBook::open; unavailable CANNOT_WRITE.
+  static Result<std::unique_ptr<Access>> open(const AccessDescription& description,
+                                              const std::string& state_folder);
+  // The same without writing anything: for a look at the cell file.
+  static Result<void> check(const AccessDescription& description);
+  ~Access();
+  Access(const Access&) = delete;
+  Access& operator=(const Access&) = delete;
+
+  const AccessDescription& description() const { return description_; }
+  Authoriser& authoriser() { return *authoriser_; }
+  TokenBook& tokens() { return *tokens_; }
+  const std::string& token_file() const { return token_file_; }    // empty: none was written
+  const std::string& socket_path() const { return socket_path_; }  // where the unix socket belongs
+
+ private:
+  Access() = default;
+
+  AccessDescription description_;
+  std::string token_file_, socket_path_;
+  std::unique_ptr<TokenBook> tokens_;
+  std::unique_ptr<Authoriser> authoriser_;
+};
+
+}  // namespace driftwise::access

@@ -1,0 +1,35 @@
+#pragma once
+// The daemon's certificate, as files: read for checks and warnings. TLS itself is the libraries'
+// matter.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "server/core/result.h"
+
+namespace driftwise::access {
+
+struct CertificateFacts {
+  std::string subject, issuer;  // common names
+  std::int64_t not_before_utc_s = 0, not_after_utc_s = 0;
+  std::vector<std::string> names;  // DNS names and addresses it is good for
+  std::vector<std::string> uris;
+};
+
+// The first certificate of a PEM file. Errors: not_found NO_FILE, invalid_argument BAD_CERTIFICATE,
+// each with the path.
+Result<CertificateFacts> read_certificate(const std::string& path);
+
+// Both files can be read, the key is the certificate's, and it is good now. Errors: those above;
+// invalid_argument BAD_KEY; failed_precondition KEY_MISMATCH, CERTIFICATE_EXPIRED, KEY_READABLE
+// (others may read the key).
+Result<CertificateFacts> check_certificate(const std::string& certificate, const std::string& key,
+                                           std::int64_t now_utc_s);
+
+inline constexpr std::int64_t kExpiryWarningDays = 30;
+// A sentence from 30 days before the end on; empty before that.
+std::string expiry_warning(const std::string& path, const CertificateFacts& facts,
+                           std::int64_t now_utc_s);
+
+}  // namespace driftwise::access
