@@ -16,6 +16,7 @@
 #include "drivers/simulated/emulators/cell/cell_server.h"
 #include "drivers/simulated/emulators/cell/lying_plant.h"
 #include "drivers/simulated/emulators/text.h"
+#include "drivers/simulated/plant/file/hide.h"
 #include "drivers/simulated/plant/file/make_plant.h"
 
 namespace driftwise::simulated {
@@ -33,6 +34,10 @@ constexpr const char* kExamples = R"(Examples:
   # another controller model, no chopping of replies, quiet room
   driftwise-cellsim ... --set emulator.pi.ini=false --set wire.chop=false --set room.wander_w=0
 
+  # hide something in it, and read the answer when the finding stands
+  driftwise-cellsim ... --hide backlash:q1=80nm,thermal_lag:t07=1800s
+  driftwise-cellsim ... --hide random --seed 20261122 --sealed /tmp/answer.json
+
   # every switch of every device
   driftwise-cellsim --switches
 
@@ -45,6 +50,8 @@ struct Arguments {
   double speed = 0;  // 0: the cell file's
   std::uint64_t seed = 1;
   std::vector<std::string> settings;
+  std::string hide;  // causes, or "random"
+  fs::path sealed;   // where the answer goes
 };
 
 void print_switches(bool markdown) {
@@ -199,6 +206,13 @@ int run(Arguments arguments) {
   // twice.
   std::vector<std::string> settings{"axis.start_delay_s=0"};
   settings.insert(settings.end(), arguments.settings.begin(), arguments.settings.end());
+  if (!arguments.hide.empty()) {
+    const auto causes =
+        hide(arguments.hide, read_plant_file(arguments.plant, settings), arguments.seed);
+    for (const auto& cause : causes) settings.push_back(cause.override);
+    if (!arguments.sealed.empty())
+      write_file(arguments.sealed, hidden_answer_json(causes, arguments.seed));
+  }
   const auto plant = make_any_plant(
       arguments.plant, {.seed = arguments.seed, .overrides = settings, .epoch_ns = epoch});
   if (instance)
@@ -255,6 +269,11 @@ int main(int argc, char** argv) {
   app.add_option("--set", arguments.settings,
                  "section.key=value over the plant file; may be repeated")
       ->allow_extra_args(false);
+  app.add_option("--hide", arguments.hide,
+                 "causes to hide in the plant: backlash:q1=80nm,thermal_lag:t07=1800s, or random");
+  app.add_option("--sealed", arguments.sealed,
+                 "with --hide: file for the answer; it is written before the cell serves")
+      ->needs("--hide");
   app.add_flag("--switches", switches, "list the devices' switches with default and meaning");
   app.add_flag("--markdown", markdown, "with --switches: as the tables of docs/emulators.md");
   try {
