@@ -1,24 +1,29 @@
 #!/usr/bin/env bash
 # The published study from nothing to proof: installs what is missing, builds, lets the daemon measure the simulated robot over its real
 # protocols, fits, validates, serves compensated targets, and moves to new positions while the air drifts. Safe to repeat.
-# Usage: deploy/demo.sh [linear-axis | micro-nano] [--speed CELL_SECONDS_PER_SECOND] [--seed N] [--no-build] [--keep]
+# Usage: deploy/demo.sh [linear-axis | micro-nano] [--speed CELL_SECONDS_PER_SECOND] [--seed N] [--hide-seed N | --no-hide] [--no-build]
+#                       [--keep]
 #   linear-axis   case A, one flexure axis under the air's drift (without a name: this one)
 #   micro-nano    case B, a delta of three axes under heat and force
+#   --hide-seed   what the last chapter hides is drawn with it: the day's date (20261231) unless given; --no-hide leaves the chapter out
 #   --keep        the cell, the daemon and its page run on until Enter or Ctrl-C
 source "$(dirname "$0")/lib/common.sh"
 
-robot=linear-axis speed= seed=1 build=yes keep=no
+robot=linear-axis speed= seed=1 hide_seed=$(date +%Y%m%d) build=yes keep=no
 case "${1:-}" in linear-axis | micro-nano) robot=$1; shift ;; esac
 while [ $# -gt 0 ]; do
   case "$1" in
     --speed) speed=${2:?--speed needs a number}; shift 2 ;;
     --seed) seed=${2:?--seed needs a number}; shift 2 ;;
+    --hide-seed) hide_seed=${2:?--hide-seed needs a number}; shift 2 ;;
+    --no-hide) hide_seed=; shift ;;
     --no-build) build=no; shift ;;
     --keep) keep=yes; shift ;;
-    *) die "unknown option '$1'; there are the robots linear-axis and micro-nano, first, then --speed, --seed, --no-build and --keep" ;;
+    *) die "unknown option '$1'; there are the robots linear-axis and micro-nano, first, then --speed, --seed, --hide-seed, --no-hide, --no-build and --keep" ;;
   esac
 done
 source "$root/deploy/lib/cell.sh"
+source "$root/deploy/lib/hidden.sh"
 source "$root/deploy/lib/$robot.sh"
 speed=${speed:-$default_speed}
 
@@ -33,5 +38,9 @@ fi
 need_programs
 part "the demo"
 demo
+if [ -n "$hide_seed" ] && [ $robot = linear-axis ]; then
+  part "hide it yourself"
+  hidden_chapter "$hide_seed"
+fi
 parts_summary
 if [ $keep = yes ]; then keep_running; else next_words; fi

@@ -18,4 +18,7 @@ void print_micro_nano_fits(const std::string& folder);
 // {compensated,products,geometry}.{csv,verify.json} and truth.csv
 void print_micro_nano_proof(const std::string& folder);
 
+// sealed.json (driftwise-cellsim --sealed) and diagnosis.json. True: every cause was named.
+bool print_hidden(const std::string& folder);
+
 }  // namespace driftwise::demo

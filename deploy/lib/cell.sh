@@ -28,13 +28,13 @@ wait_for() {  # wait_for FILE PID WHAT: until the file is there, for at most 60 
   die "$3 was not ready within 60 s: see the logs in $out"
 }
 
-# start_cell NAME SPEED SEED: sets cell (its files) and out (its folder, emptied), and goes there: `driftwise` then finds
-# the daemon by driftwised.json.
+# start_cell NAME SPEED SEED [options of driftwise-cellsim]: sets cell (its files) and out (its folder, emptied; instance names
+# another), and goes there: `driftwise` then finds the daemon by driftwised.json.
 start_cell() {
   cell=$root/deploy/cells/$1
-  out=$root/out/$1
+  out=$root/out/${instance:-$1}
   rm -rf "$out"; mkdir -p "$out"; cd "$out"
-  "$bin/driftwise-cellsim" --plant "$cell/plant.toml" --cell "$cell/cell.toml" --instantiate "$out" --speed "$2" --seed "$3" \
+  "$bin/driftwise-cellsim" --plant "$cell/plant.toml" --cell "$cell/cell.toml" --instantiate "$out" --speed "$2" --seed "$3" "${@:4}" \
     >"$out/cellsim.out" 2>"$out/cellsim.log" & cellsim=$!
   wait_for "$out/cellsim.out" "$cellsim" driftwise-cellsim
   "$bin/driftwised" --cell "$out/cell.toml" >"$out/driftwised.out" 2>"$out/driftwised.log" & daemon=$!

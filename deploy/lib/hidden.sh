@@ -1,0 +1,17 @@
+# Hide it yourself: a second cell hides a cause that is drawn with the day's date, `driftwise improve` looks for it on the wire,
+# and the sealed answer is opened. Sourced by demo.sh.
+
+# hidden_chapter SEED: in a subshell, beside the cell of the demo, which may run on.
+hidden_chapter() (
+  cellsim= daemon= instance=hidden
+  trap finish EXIT
+  say "hide it yourself: a cell hides something, drawn with seed $1"
+  start_cell linear-axis 400 "$1" --hide random --sealed "$root/out/hidden-answer.json"
+  driftwise trajectory generate --axis q1_mm=-3.9:3.9:18 --both-directions --repeat 14 --validation -o plan.csv
+  # A hidden step or play may be larger than what a return to zero may differ by.
+  driftwise improve plan.csv --model 'q ~ x + x^2 + T' --max-turns 1 --json >improvement.json || true
+  driftwise improve show 1 || true
+  driftwise diagnosis show 1 --json >diagnosis.json
+  mv "$root/out/hidden-answer.json" sealed.json
+  report hidden "$out" || echo "Not everything was found: what a run of four hours on 18 positions can show is limited (docs/limits.md)."
+)
