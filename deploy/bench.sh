@@ -24,6 +24,7 @@ say "a target in process (goal 300 ns, with uncertainty 1 us; three axes, 30 ter
 run target_bench "$bin/target_bench" --benchmark_repetitions=7 --benchmark_report_aggregates_only=true 2>/dev/null
 say "unary gRPC target against an empty call (goal p99 1.2 x)"
 run rpc_bench "$bin/rpc_bench" 3000
+run rpc_bench_tls "$bin/rpc_bench" 3000 tls
 say "text line against a bare echo (goal p99 1.3 x)"
 run target_line_bench "$bin/target_line_bench" 3000
 say "regression (triangle, selection, solution)"

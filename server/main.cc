@@ -28,6 +28,7 @@
 #include <thread>
 
 #include "drivers/all_devices.h"
+#include "server/access/access.h"
 #include "server/application/cell/cell.h"
 #include "server/application/recording/usable_devices.h"
 #include "server/application/serving/target_line_server.h"
@@ -140,6 +141,7 @@ class ExecutorThread {
 // The cell with its doors; the web's stands on gRPC's. Destroyed in reverse.
 struct Daemon {
   std::unique_ptr<application::Cell> cell;
+  std::unique_ptr<access::Access> access;
   std::unique_ptr<application::TargetLineServer> target_line;
   std::unique_ptr<rpc::RpcServer> rpc;
   std::unique_ptr<web::HttpServer> http;
@@ -154,7 +156,8 @@ Result<void> open_doors(Daemon& daemon, const CellDescription& description,
                                  daemon.cell->services().targets.snapshots(), clock));
     daemon.target_line = std::move(line);
   }
-  DRIFTWISE_TRY(auto rpc, rpc::RpcServer::open(daemon.cell->services(), description.listen));
+  DRIFTWISE_TRY(auto rpc, rpc::RpcServer::open(daemon.cell->services(), description.listen, {},
+                                               daemon.access.get()));
   daemon.rpc = std::move(rpc);
   if (daemon.http)
     daemon.http->serve(web::make_web_site(
@@ -198,7 +201,10 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
     if (arguments.check) return tl::unexpected(page.error());
     spdlog::warn("{}", page.error().message);  // no reason not to measure
   }
-  if (arguments.check) return Daemon{};
+  if (arguments.check) {
+    DRIFTWISE_RETURN_IF_ERROR(access::Access::check(description.access));
+    return Daemon{};
+  }
 
   Daemon daemon;
   std::string web_address;
@@ -220,12 +226,21 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
                                                                  .web_address = web_address,
                                                                  .measure_pauses = true}));
   daemon.cell = std::move(cell);
+  // The database is ours by now, and so are the files beside it.
+  DRIFTWISE_TRY(auto access,
+                access::Access::open(description.access,
+                                     fs::path(description.database).parent_path().string()));
+  daemon.access = std::move(access);
+  daemon.access->authoriser().tell(&daemon.cell->access_witness());
   DRIFTWISE_RETURN_IF_ERROR(open_doors(daemon, description, web_root, the_clock, context));
   return daemon;
 }
 
 nlohmann::ordered_json notice_of(const Daemon& daemon) {
   nlohmann::ordered_json notice = {{"grpc", daemon.rpc->address()}};
+  if (!daemon.rpc->socket_path().empty()) notice["socket"] = daemon.rpc->socket_path();
+  if (!daemon.access->token_file().empty()) notice["token_file"] = daemon.access->token_file();
+  if (!daemon.rpc->tls_address().empty()) notice["grpc_tls"] = daemon.rpc->tls_address();
   if (daemon.target_line) notice["target_line"] = daemon.target_line->address();
   if (daemon.http) {
     notice["http"] = daemon.http->address();
@@ -261,6 +276,7 @@ void serve_until_signal(Daemon& daemon, asio::io_context& context, const Argumen
   executor.run([&] {
     if (daemon.target_line) daemon.target_line->stop();
   });
+  daemon.access->authoriser().tell(nullptr);
   asio::co_spawn(context, daemon.cell->shut_down(), asio::use_future).wait();
 }
 

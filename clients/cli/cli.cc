@@ -4,6 +4,8 @@
 #include <CLI/Formatter.hpp>
 #include <algorithm>
 
+#include "clients/cli/commands/access/certificate_commands.h"
+#include "clients/cli/commands/access/token_commands.h"
 #include "clients/cli/commands/cell/alarm_commands.h"
 #include "clients/cli/commands/cell/cell_commands.h"
 #include "clients/cli/commands/cell/watch_command.h"
@@ -106,6 +108,13 @@ void add_shared_options(CLI::App& app, Session& session) {
   app.add_option("--server", session.server,
                  "host:port of the daemon; else $DRIFTWISE_SERVER, else driftwised.json here, else "
                  "127.0.0.1:50051");
+  app.add_option("--tls-ca", session.way.tls_ca,
+                 "TLS: certificate of the authority behind the daemon's; else $DRIFTWISE_TLS_CA");
+  app.add_option("--tls-cert", session.way.tls_cert,
+                 "TLS: your certificate, which names your role; else $DRIFTWISE_TLS_CERT");
+  app.add_option("--tls-key", session.way.tls_key, "its key; else $DRIFTWISE_TLS_KEY");
+  app.add_option("--token-file", session.way.token_file,
+                 "file with a token (driftwise token create); else $DRIFTWISE_TOKEN_FILE");
   session.operator_name = session.console.variable("USER");
   app.add_option("--operator", session.operator_name, "who asks: stands in the record")
       ->default_str("$USER");
@@ -124,6 +133,8 @@ void add_everything(CLI::App& app, Session& session) {
   add_status_commands(app, session);
   add_alarm_commands(app, session);
   add_configuration_commands(app, session);
+  add_token_commands(app, session);
+  add_certificate_commands(app, session);
   add_watch_command(app, session);
   add_trajectory_commands(app, session);
   add_run_commands(app, session);

@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -30,6 +28,8 @@ const char* code_text(grpc::StatusCode code) {
       return "already_exists";
     case grpc::StatusCode::PERMISSION_DENIED:
       return "permission_denied";
+    case grpc::StatusCode::UNAUTHENTICATED:
+      return "unauthenticated";
     case grpc::StatusCode::RESOURCE_EXHAUSTED:
       return "resource_exhausted";
     case grpc::StatusCode::FAILED_PRECONDITION:
@@ -55,20 +55,6 @@ v1::ErrorDetail detail_of(const grpc::Status& status) {
   if (packed.ParseFromString(status.error_details()))
     for (const auto& any : packed.details()) any.UnpackTo(&detail);
   return detail;
-}
-
-// What gRPC would try for ever, or look up as a name: "localhost", "127.0.0.1:70000". Its own forms
-// (unix:/path, dns:///name) pass.
-std::string checked_address(const std::string& address, const char* from) {
-  const auto colon = address.rfind(':');
-  const std::string port = colon == std::string::npos ? "" : address.substr(colon + 1);
-  const bool number = !port.empty() && port.find_first_not_of("0123456789") == std::string::npos;
-  const bool beyond = number && (port.size() > 5 || std::stoi(port) > 65535 || std::stoi(port) < 1);
-  if (colon == std::string::npos || port.empty() || beyond)
-    throw Failure{ExitCode::usage, "usage", "BAD_ADDRESS",
-                  std::string(from) + ": found '" + address +
-                      "', expected host:port such as 127.0.0.1:50051"};
-  return address;
 }
 
 using google::protobuf::FieldDescriptor;
@@ -105,21 +91,14 @@ std::string field_without_text(const google::protobuf::Message& message) {
 
 }  // namespace
 
-std::string server_address(const std::string& flag, const Console& console) {
-  if (!flag.empty()) return checked_address(flag, "--server");
-  if (const auto variable = console.variable("DRIFTWISE_SERVER"); !variable.empty())
-    return checked_address(variable, "DRIFTWISE_SERVER");
-  const auto notice = std::filesystem::path(console.working_folder) / "driftwised.json";
-  std::ifstream file(notice);
-  if (!file) return "127.0.0.1:50051";
-  const auto json = nlohmann::json::parse(file, nullptr, false);
-  if (json.is_object() && json.contains("grpc") && json["grpc"].is_string()) return json["grpc"];
-  throw Failure{
-      ExitCode::bad_input, "invalid_argument", "BAD_NOTICE",
-      notice.string() +
-          ": expected a JSON object with the daemon's address under \"grpc\"; remove the file or "
-          "give --server host:port"};
+namespace {
+
+std::shared_ptr<grpc::ChannelCredentials> credentials_of(const Way& way) {
+  if (!way.tls()) return grpc::InsecureChannelCredentials();
+  return grpc::SslCredentials({way.authority_pem, way.key_pem, way.certificate_pem});
 }
+
+}  // namespace
 
 ExitCode exit_code_of(const grpc::Status& status) {
   switch (status.error_code()) {
@@ -136,17 +115,19 @@ ExitCode exit_code_of(const grpc::Status& status) {
   }
 }
 
-Connection::Connection(std::string address, std::string operator_name, double timeout_s,
+Connection::Connection(const Way& way, std::string operator_name, double timeout_s,
                        Interrupt* interrupt)
-    : address_(std::move(address)),
+    : address_(way.address),
+      token_(way.token),
+      tls_(way.tls()),
       operator_name_(std::move(operator_name)),
       timeout_s_(timeout_s),
       interrupt_(interrupt) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(64 * 1024 * 1024);
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY,
-                   0);  // the daemon listens on loopback, or at the end of a tunnel
-  channel_ = grpc::CreateCustomChannel(address_, grpc::InsecureChannelCredentials(), arguments);
+                   0);  // the daemon is on the same network, or at the end of a tunnel
+  channel_ = grpc::CreateCustomChannel(address_, credentials_of(way), arguments);
 }
 
 void Connection::check_text(const google::protobuf::Message& request) {
@@ -162,6 +143,7 @@ void Connection::prepare(grpc::ClientContext& context, double usual_s) const {
                                    [](char c) { return c >= 0x20 && c < 0x7F; });
     context.AddMetadata(ascii ? "driftwise-operator" : "driftwise-operator-bin", operator_name_);
   }
+  if (!token_.empty()) context.AddMetadata("authorization", "Bearer " + token_);
   const double limit_s = timeout_s_ > 0 ? timeout_s_ : usual_s;
   if (limit_s > 0)
     context.set_deadline(std::chrono::system_clock::now() +
@@ -180,7 +162,8 @@ void Connection::check(const grpc::Status& status) const {
     failure = {
         ExitCode::unreachable, "unavailable", "NO_DAEMON",
         "cannot reach the daemon at " + address_ +
-            ": is driftwised running there? Start it, or name another with --server host:port"};
+            ": is driftwised running there? Start it, or name another with --server host:port" +
+            (tls_ ? " (TLS: " + status.error_message() + ")" : "")};
   if (detail.reason().empty() && status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED)
     failure = {ExitCode::unreachable, "deadline_exceeded", "TIMEOUT",
                "no answer from " + address_ +

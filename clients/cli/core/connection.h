@@ -16,13 +16,9 @@
 #include "clients/cli/core/clean_message.h"
 #include "clients/cli/core/console.h"
 #include "clients/cli/core/interrupt.h"
+#include "clients/cli/core/way.h"
 
 namespace driftwise::cli {
-
-// Flag, else DRIFTWISE_SERVER, else "grpc" of driftwised.json in the working folder, else
-// 127.0.0.1:50051. Throws Failure: bad_input for a driftwised.json that cannot be read, usage for
-// an address without a port.
-std::string server_address(const std::string& flag, const Console& console);
 
 // Exit codes of a failed call: input 3, daemon or device away 4, interrupted 130, everything
 // else 5.
@@ -30,8 +26,7 @@ ExitCode exit_code_of(const grpc::Status& status);
 
 class Connection {
  public:
-  Connection(std::string address, std::string operator_name, double timeout_s,
-             Interrupt* interrupt);
+  Connection(const Way& way, std::string operator_name, double timeout_s, Interrupt* interrupt);
 
   std::shared_ptr<grpc::Channel> channel() const { return channel_; }
   const std::string& address() const { return address_; }
@@ -93,7 +88,9 @@ class Connection {
  private:
   void check(const grpc::Status& status) const;  // throws Failure
 
-  std::string address_, operator_name_;
+  std::string address_, token_;
+  bool tls_;
+  std::string operator_name_;
   double timeout_s_;
   Interrupt* interrupt_;
   std::shared_ptr<grpc::Channel> channel_;

@@ -16,11 +16,14 @@ struct Session {
   std::string server, operator_name;  // --server, --operator
   double timeout_s = 0;               // --timeout; 0: not given
   std::function<ExitCode()> action;   // set by the command that was named
+  WayOptions way = {};                // --tls-ca, --tls-cert, --tls-key, --token-file
 
-  // Throws Failure for an unreadable driftwised.json; the connection itself is made by the first
-  // call.
+  // Throws Failure for files that cannot be used (way.h); the connection itself is made by the
+  // first call.
   Connection connect() const {
-    return {server_address(server, console), operator_name, timeout_s, interrupt};
+    WayOptions options = way;
+    options.server = server;
+    return {find_way(options, console), operator_name, timeout_s, interrupt};
   }
 };
 

@@ -16,7 +16,7 @@ import tempfile
 
 def generated(proto_folder, output):
     """Python's message classes from the proto files, as anybody would make them."""
-    names = ["values", "target_service"]
+    names = ["access", "values", "target_service"]
     files = [os.path.join(proto_folder, "driftwise", "v1", name + ".proto") for name in names]
     subprocess.run(["protoc", "--proto_path", proto_folder, "--python_out", output, *files], check=True)
     sys.path.insert(0, output)

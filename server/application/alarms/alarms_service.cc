@@ -32,6 +32,7 @@ AlarmsService::AlarmsService(asio::any_io_executor executor, Sources sources, St
       checks_(sources.checks),
       configuration_(sources.configuration),
       upkeep_(sources.upkeep),
+      access_(sources.access),
       reader_(reader),
       book_(book),
       tasks_(tasks),
@@ -136,6 +137,7 @@ std::vector<AlarmCondition> AlarmsService::alarms_now() const {
   if (auto question = configuration_.question(); !question.empty())
     out.push_back({AlarmLevel::warning, "configuration.changed", "cell file", std::move(question)});
   for (auto& condition : upkeep_.conditions()) out.push_back(std::move(condition));
+  for (auto& condition : access_.conditions()) out.push_back(std::move(condition));
   if (writer_.dropped() > 0)
     out.push_back({AlarmLevel::failed, "record.dropped", "database",
                    "slow readings were dropped because nothing could be written: make room on the "

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "server/application/access/access_desk.h"
 #include "server/application/alarms/alarm_book.h"
 #include "server/application/alarms/alarm_conditions.h"
 #include "server/application/alarms/alarms.h"
@@ -37,6 +38,7 @@ class AlarmsService final : public Alarms {
     const ModelChecksService& checks;
     const ConfigurationBook& configuration;
     const DatabaseUpkeep& upkeep;
+    const AccessDesk& access;
   };
   AlarmsService(asio::any_io_executor executor, Sources sources, StoreReader& reader,
                 AlarmBook& book, TaskGroup& tasks);
@@ -74,6 +76,7 @@ class AlarmsService final : public Alarms {
   const ModelChecksService& checks_;
   const ConfigurationBook& configuration_;
   const DatabaseUpkeep& upkeep_;
+  const AccessDesk& access_;
   StoreReader& reader_;
   AlarmBook& book_;
   TaskGroup& tasks_;

@@ -34,6 +34,8 @@ Cell::~Cell() = default;
 
 void Cell::start() { parts_->start(); }
 
+access::AccessWitness& Cell::access_witness() { return parts_->access; }
+
 Awaitable<void> Cell::devices_looked_at() { return parts_->keeper.looked(); }
 
 Awaitable<void> Cell::shut_down() { return parts_->shut_down(); }

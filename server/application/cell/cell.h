@@ -9,6 +9,7 @@
 #include <memory>
 #include <string>
 
+#include "server/access/access_witness.h"
 #include "server/application/cell/services.h"
 #include "server/application/diagnoses/diagnosis_progress.h"
 #include "server/application/recording/devices.h"
@@ -50,6 +51,8 @@ class Cell {
   Awaitable<void> shut_down();
 
   const Services& services() const { return services_; }
+  // What the doors tell of access becomes events and alarms. Any thread, until shut_down().
+  access::AccessWitness& access_witness();
 
  private:
   explicit Cell(std::unique_ptr<Composition> parts);

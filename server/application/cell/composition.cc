@@ -83,6 +83,8 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
       clock_start(std::move(opened.clock_start)),
       upkeep(on, *clock, description.database, writer, {&reader}, &checker, events, tasks,
              [this] { return engine.busy() || right.by_hand() != nullptr; }),
+      access(on, text_thread.executor(), description.access, *clock, events, tasks,
+             [this](AlarmCondition condition) { alarms.note(std::move(condition)); }),
       trajectories(description, *clock, writer, events, text_thread.executor(),
                    [this] { return engine.point_s(description.run); }),
       datasets(description, *clock, reader, writer, events, text_thread.executor()),
@@ -110,7 +112,8 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
       overview({version, std::move(given.web_address)},
                {workbench, engine, leases, manual, serving, checks, configuration, upkeep, pauses}),
       alarms(on,
-             {workbench, overview, engine, right, manual, serving, checks, configuration, upkeep},
+             {workbench, overview, engine, right, manual, serving, checks, configuration, upkeep,
+              access},
              reader, alarm_book, tasks),
       feeds(events, recorder, engine, alarm_book, diagnosis_desk, improver),
       measure_pauses_(given.measure_pauses) {

@@ -5,6 +5,7 @@
 #include <boost/asio/thread_pool.hpp>
 #include <optional>
 
+#include "server/application/access/access_desk.h"
 #include "server/application/alarms/alarm_book.h"
 #include "server/application/alarms/alarms_service.h"
 #include "server/application/analyses/studies_service.h"
@@ -115,6 +116,7 @@ class Composition {
   WallClockWatch wall_clock;
   ClockStart clock_start;
   DatabaseUpkeep upkeep;
+  AccessDesk access;
 
   // Services.
   TrajectoriesService trajectories;

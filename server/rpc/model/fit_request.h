@@ -4,6 +4,7 @@
 
 #include "driftwise/v1/model_service.pb.h"
 #include "server/application/models/fit_request.h"
+#include "server/core/result.h"
 
 namespace driftwise::rpc {
 

@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "server/rpc/shared/call_context.h"
+
 namespace driftwise::rpc {
 
 struct CallBook::Calls {
@@ -140,6 +142,9 @@ class EnteringFactory final : public gx::ServerInterceptorFactoryInterface {
     constexpr std::string_view kTarget = "/driftwise.v1.TargetService/ComputeTarget";
     if (info->method() != nullptr && info->method() == kTarget) return nullptr;
     auto* context = info->server_context();
+    // Whoever may not call takes nobody's place.
+    if (const auto* call = dynamic_cast<const CallContext*>(context); call && call->refused())
+      return nullptr;
     const bool is_stream = info->type() == gx::ServerRpcInfo::Type::SERVER_STREAMING ||
                            info->type() == gx::ServerRpcInfo::Type::BIDI_STREAMING;
     return new Entering(

@@ -2,7 +2,8 @@
 // The calls that are open at the gRPC door, by connection: which connections are idle, and which
 // stream makes room when there are too many.
 //
-// An interceptor enters each call but single targets, whose path stays as short as it was. A stream
+// An interceptor enters each call but single targets, whose path stays as short as it was, and
+// those that the guard has refused. A stream
 // beyond the quotas ends the slowest: the one whose client has not taken a message for longest,
 // else the one without a message for longest. A new stream is always let in, as a new page must be;
 // unary calls (a stop) are not counted. Any thread.

@@ -9,6 +9,7 @@
 #include <sys/eventfd.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -52,7 +53,23 @@ struct SocketAddress {
   socklen_t size = 0;
 };
 
+constexpr std::string_view kUnix = "unix:";
+
+Result<SocketAddress> unix_address_from(std::string_view path) {
+  SocketAddress out;
+  auto& address = reinterpret_cast<sockaddr_un&>(out.bytes);
+  if (path.empty() || path.size() >= sizeof address.sun_path)
+    return fail(ErrorCode::invalid_argument, reasons::kBadAddress,
+                "socket " + std::string(path) + ": found a path of " + std::to_string(path.size()) +
+                    " bytes, expected at most " + std::to_string(sizeof address.sun_path - 1));
+  address.sun_family = AF_UNIX;
+  std::memcpy(address.sun_path, path.data(), path.size());
+  out.size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size() + 1);
+  return out;
+}
+
 Result<SocketAddress> socket_address_from(const std::string& text) {
+  if (text.starts_with(kUnix)) return unix_address_from(std::string_view(text).substr(5));
   const auto colon = text.rfind(':');
   std::string host = text.substr(0, colon);
   unsigned port = 65'536;
@@ -82,7 +99,30 @@ Result<SocketAddress> socket_address_from(const std::string& text) {
               "listen: found '" + text + "', expected host:port, for example 127.0.0.1:50051");
 }
 
+// Of another start that was killed. A file of another kind is left alone, and bind() refuses.
+void remove_old_socket(const sockaddr_storage& address) {
+  if (address.ss_family != AF_UNIX) return;
+  const char* path = reinterpret_cast<const sockaddr_un&>(address).sun_path;
+  struct stat about {};
+  if (::lstat(path, &about) == 0 && S_ISSOCK(about.st_mode)) ::unlink(path);
+}
+
+// Nobody can connect between bind() and listen(), so the mode is in force for the first one.
+bool keep_to_owner(const sockaddr_storage& address) {
+  if (address.ss_family != AF_UNIX) return true;
+  return ::chmod(reinterpret_cast<const sockaddr_un&>(address).sun_path, 0600) == 0;
+}
+
+bool is_ours(int socket, const sockaddr_storage& from) {
+  if (from.ss_family != AF_UNIX) return true;
+  ucred who{};
+  socklen_t size = sizeof who;
+  return ::getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &who, &size) == 0 &&
+         (who.uid == ::geteuid() || who.uid == 0);
+}
+
 std::uint16_t port_of(const sockaddr_storage& address) {
+  if (address.ss_family == AF_UNIX) return 0;
   return ntohs(address.ss_family == AF_INET
                    ? reinterpret_cast<const sockaddr_in&>(address).sin_port
                    : reinterpret_cast<const sockaddr_in6&>(address).sin6_port);
@@ -90,6 +130,7 @@ std::uint16_t port_of(const sockaddr_storage& address) {
 
 // "ipv4:127.0.0.1", "ipv6:[::1]"; with ":5020" it is the peer as gRPC prints it.
 std::string host_of(const sockaddr_storage& address) {
+  if (address.ss_family == AF_UNIX) return "unix:";
   char text[INET6_ADDRSTRLEN] = "";
   if (address.ss_family == AF_INET) {
     ::inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in&>(address).sin_addr, text,
@@ -118,20 +159,21 @@ std::uint32_t silent_ms(int fd) {
 
 class ConnectionGate::Listener {
  public:
-  Listener(Descriptor socket, std::uint16_t port, std::shared_ptr<const CallBook> calls,
+  Listener(Descriptor socket, SocketAddress where, std::shared_ptr<const CallBook> calls,
            Quotas quotas)
       : socket_(std::move(socket)),
         wake_(::eventfd(0, EFD_CLOEXEC)),
-        port_(port),
+        where_(where),
         calls_(std::move(calls)),
         quotas_(quotas) {}
   ~Listener() {
     const std::uint64_t one = 1;
     static_cast<void>(!::write(wake_.get(), &one, sizeof one));
     if (thread_.joinable()) thread_.join();
+    remove_old_socket(where_.bytes);
   }
 
-  std::uint16_t port() const { return port_; }
+  std::uint16_t port() const { return port_of(where_.bytes); }
   void accept_for(std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> server) {
     server_ = std::move(server);
     thread_ = std::thread([this] { accept_all(); });
@@ -153,6 +195,7 @@ class ConnectionGate::Listener {
       if (waited[1].revents != 0) return;
       if (waited[0].revents == 0) continue;
       sockaddr_storage from{};
+      from.ss_family = where_.bytes.ss_family;  // a unix client without a name tells none
       socklen_t size = sizeof from;
       Descriptor fresh(::accept4(socket_.get(), reinterpret_cast<sockaddr*>(&from), &size,
                                  SOCK_NONBLOCK | SOCK_CLOEXEC));
@@ -175,6 +218,7 @@ class ConnectionGate::Listener {
   void take(Descriptor fresh, const sockaddr_storage& from) {
     const int on = 1;
     ::setsockopt(fresh.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    if (!is_ours(fresh.get(), from)) return;
     const std::string host = host_of(from);
     forget_closed();
     std::map<std::string, std::size_t> counts;
@@ -186,8 +230,10 @@ class ConnectionGate::Listener {
                                             [](auto& a, auto& b) { return a.second < b.second; });
       close_slowest(&busiest->first);
     }
-    connections_.push_back(
-        {fresh.get(), inode_of(fresh.get()), host, host + ":" + std::to_string(port_of(from))});
+    // All clients of a unix socket have one name.
+    const std::string peer =
+        from.ss_family == AF_UNIX ? host : host + ":" + std::to_string(port_of(from));
+    connections_.push_back({fresh.get(), inode_of(fresh.get()), host, peer});
     grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters handed;
     handed.listener_fd = socket_.get();
     handed.fd = fresh.release();
@@ -219,7 +265,7 @@ class ConnectionGate::Listener {
   }
 
   Descriptor socket_, wake_;
-  std::uint16_t port_;
+  SocketAddress where_;
   std::shared_ptr<const CallBook> calls_;
   Quotas quotas_;
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> server_;
@@ -241,14 +287,15 @@ Result<std::unique_ptr<ConnectionGate>> ConnectionGate::open(const std::string& 
   ::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   SocketAddress bound;
   bound.size = sizeof bound.bytes;
+  remove_old_socket(where.bytes);
   if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&where.bytes), where.size) != 0 ||
-      ::listen(socket.get(), SOMAXCONN) != 0 ||
+      !keep_to_owner(where.bytes) || ::listen(socket.get(), SOMAXCONN) != 0 ||
       ::getsockname(socket.get(), reinterpret_cast<sockaddr*>(&bound.bytes), &bound.size) != 0)
     return fail(ErrorCode::unavailable, reasons::kAddressInUse,
                 "cannot listen on " + address + " (" + std::strerror(errno) +
                     "): is another driftwised running? Stop it, or change [cell] listen");
-  return std::unique_ptr<ConnectionGate>(new ConnectionGate(std::make_unique<Listener>(
-      std::move(socket), port_of(bound.bytes), std::move(calls), quotas)));
+  return std::unique_ptr<ConnectionGate>(new ConnectionGate(
+      std::make_unique<Listener>(std::move(socket), bound, std::move(calls), quotas)));
 }
 
 ConnectionGate::ConnectionGate(std::unique_ptr<Listener> listener)

@@ -1,5 +1,5 @@
 #pragma once
-// The listening socket of the gRPC door: it holds the number of connections within bounds, which
+// A listening socket of the gRPC door: it holds the number of connections within bounds, which
 // gRPC itself does not, and hands each one over to the server.
 //
 // A client beyond the quotas takes the place of the connection without a call that has been silent
@@ -25,8 +25,10 @@ class ConnectionGate {
     std::size_t in_all = 256;
     std::size_t per_peer = 224;  // of one address: programs of one computer are one peer
   };
-  // address: "127.0.0.1:0", "localhost:50051", "[::1]:0". Listens, accepts nobody yet. Errors:
-  // invalid_argument BAD_ADDRESS; unavailable ADDRESS_IN_USE.
+  // address: "127.0.0.1:0", "localhost:50051", "[::1]:0", "unix:/path". Listens, accepts nobody
+  // yet. A unix socket has mode 0600, a socket that stands in its place is removed, and only
+  // processes of this user and of root come in: the kernel says whose they are. Errors:
+  // invalid_argument BAD_ADDRESS (a path is at most 107 bytes); unavailable ADDRESS_IN_USE.
   static Result<std::unique_ptr<ConnectionGate>> open(const std::string& address,
                                                       std::shared_ptr<const CallBook> calls);
   static Result<std::unique_ptr<ConnectionGate>> open(const std::string& address,
@@ -36,7 +38,7 @@ class ConnectionGate {
   ConnectionGate(const ConnectionGate&) = delete;
   ConnectionGate& operator=(const ConnectionGate&) = delete;
 
-  std::uint16_t port() const;
+  std::uint16_t port() const;  // 0: a unix socket
   // From now on connections go to the server that the acceptor belongs to. Once.
   void accept_for(std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> server);
 

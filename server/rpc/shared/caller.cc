@@ -1,26 +1,52 @@
 #include "server/rpc/shared/caller.h"
 
 #include "server/core/text/clean_text.h"
+#include "server/rpc/shared/call_context.h"
 
 namespace driftwise::rpc {
 
-application::Caller caller_of(const grpc::CallbackServerContext& context) {
-  constexpr std::size_t kMostBytes = 64;
-  application::Caller caller{"unknown", context.peer()};
+std::string_view metadata_value(const grpc::ServerContextBase& context, const char* key) {
   const auto& metadata = context.client_metadata();
-  // Only the web gateway is inside the process, where gRPC knows no peer; it says who stands behind
-  // it.
-  if (caller.peer == "unknown" || caller.peer.starts_with("inproc")) {
-    const auto behind = metadata.find("driftwise-peer");
-    if (behind != metadata.end())
-      caller.peer = clean_line({behind->second.data(), behind->second.size()});
-  }
-  for (const char* key : {"driftwise-operator", "driftwise-operator-bin"}) {
-    const auto found = metadata.find(key);
-    if (found == metadata.end() || found->second.empty()) continue;
-    caller.name = clean_line({found->second.data(), std::min(found->second.size(), kMostBytes)});
-  }
-  return caller;
+  const auto found = metadata.find(key);
+  if (found == metadata.end()) return {};
+  return {found->second.data(), found->second.size()};
+}
+
+bool from_inside(const grpc::ServerContextBase& context) {
+  const std::string peer = context.peer();
+  return peer == "unknown" || peer.starts_with("inproc");
+}
+
+std::string peer_of(const grpc::ServerContextBase& context) {
+  // The gateway says who stands behind it.
+  if (from_inside(context))
+    if (const auto behind = metadata_value(context, "driftwise-peer"); !behind.empty())
+      return clean_line(behind);
+  return context.peer();
+}
+
+std::string stated_name(const grpc::ServerContextBase& context) {
+  constexpr std::size_t kMostBytes = 64;
+  std::string name;
+  for (const char* key : {"driftwise-operator", "driftwise-operator-bin"})
+    if (const auto found = metadata_value(context, key); !found.empty())
+      name = clean_line(found.substr(0, kMostBytes));
+  return name;
+}
+
+const access::Identity& identity_of(const grpc::CallbackServerContext& context) {
+  static const access::Identity nobody{"unknown", access::Role::viewer,
+                                       access::Proof::open_loopback, "", "unknown"};
+  const auto* call = dynamic_cast<const CallContext*>(&context);
+  return call && call->who() ? *call->who() : nobody;
+}
+
+application::Caller caller_of(const grpc::CallbackServerContext& context) {
+  const auto& who = identity_of(context);
+  if (who.proof == access::Proof::open_loopback) return {who.name, who.from};
+  std::string proof(to_string(who.proof));
+  if (!who.credential.empty()) proof += " " + who.credential;
+  return {who.name, who.from + " (" + proof + ")"};
 }
 
 }  // namespace driftwise::rpc

@@ -7,6 +7,11 @@
 
 #include "server/application/cell/services.h"
 
+namespace driftwise::access {
+class Authoriser;
+class TokenBook;
+}  // namespace driftwise::access
+
 namespace driftwise::rpc {
 
 std::unique_ptr<grpc::Service> make_cell_service(const application::Services& cell);
@@ -19,5 +24,8 @@ std::unique_ptr<grpc::Service> make_standards_service(const application::Service
 std::unique_ptr<grpc::Service> make_trajectory_service(const application::Services& cell);
 std::unique_ptr<grpc::Service> make_watch_service(const application::Services& cell);
 std::unique_ptr<grpc::Service> make_configuration_service(const application::Services& cell);
+// tokens: nullptr: none are kept. Both outlive the service.
+std::unique_ptr<grpc::Service> make_access_service(access::Authoriser& authoriser,
+                                                   access::TokenBook* tokens);
 
 }  // namespace driftwise::rpc

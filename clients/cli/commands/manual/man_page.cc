@@ -97,6 +97,8 @@ constexpr const char* kExitStatus =
 constexpr const char* kEnvironment =
     ".SH ENVIRONMENT\n"
     ".TP\n.B DRIFTWISE_SERVER\nhost:port of the daemon, where \\-\\-server is not given\n"
+    ".TP\n.B DRIFTWISE_TLS_CA, DRIFTWISE_TLS_CERT, DRIFTWISE_TLS_KEY, DRIFTWISE_TOKEN_FILE\n"
+    "as the options of these names\n"
     ".TP\n.B NO_COLOR\nno colour, not on a terminal either\n"
     ".SH FILES\n"
     ".TP\n.I driftwised.json\nin the working folder: the address of the daemon that keeps it "

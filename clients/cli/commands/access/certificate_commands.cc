@@ -1,0 +1,261 @@
+#include "clients/cli/commands/access/certificate_commands.h"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+
+#include "clients/cli/commands/access/role_text.h"
+#include "clients/cli/core/validators.h"
+
+extern char** environ;
+
+namespace driftwise::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CertificateArguments {
+  std::string folder = "tls", name, role;
+  std::vector<std::string> names;
+  double days = 0;
+};
+
+constexpr double kAuthorityDays = 3650, kServerDays = 825, kClientDays = 365;
+
+Failure cannot(const std::string& what, const std::string& why) {
+  return {ExitCode::refused, "failed_precondition", "NO_CERTIFICATE", what + ": " + why};
+}
+
+// A file that goes with its holder.
+class Scratch {
+ public:
+  explicit Scratch(fs::path path) : path_(std::move(path)) {}
+  ~Scratch() {
+    std::error_code ignored;
+    fs::remove(path_, ignored);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  std::string path() const { return path_.string(); }
+
+ private:
+  fs::path path_;
+};
+
+// openssl(1) with these arguments, no shell between; what it says is in the message of a failure.
+void openssl(const fs::path& folder, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "openssl");
+  std::vector<char*> pointers;
+  for (auto& argument : arguments) pointers.push_back(argument.data());
+  pointers.push_back(nullptr);
+  const Scratch said(folder / ".openssl.said");
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, said.path().c_str(),
+                                   O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+  pid_t process = 0;
+  const int failed =
+      ::posix_spawnp(&process, "openssl", &actions, nullptr, pointers.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (failed != 0)
+    throw cannot("openssl cannot be executed",
+                 std::string(std::strerror(failed)) + ": install it (Debian: apt install openssl)");
+  int status = 0;
+  while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
+  std::ifstream file(said.path());
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  throw cannot("openssl " + arguments.at(1) + " failed", text.substr(0, 600));
+}
+
+void make_folder(const fs::path& folder) {
+  std::error_code failed;
+  if (fs::is_directory(folder, failed)) return;
+  fs::create_directories(folder, failed);
+  if (!failed) fs::permissions(folder, fs::perms::owner_all, failed);
+  if (failed)
+    throw Failure{ExitCode::bad_input, "invalid_argument", "CANNOT_WRITE",
+                  "cannot make " + folder.string() + ": " + failed.message()};
+}
+
+void rename_file(const std::string& from, const fs::path& to) {
+  std::error_code failed;
+  fs::rename(from, to, failed);
+  if (failed)
+    throw Failure{ExitCode::bad_input, "invalid_argument", "CANNOT_WRITE",
+                  "cannot write " + to.string() + ": " + failed.message()};
+}
+
+bool is_address(const std::string& text) {
+  std::array<unsigned char, sizeof(in6_addr)> bytes{};
+  return ::inet_pton(AF_INET, text.c_str(), bytes.data()) == 1 ||
+         ::inet_pton(AF_INET6, text.c_str(), bytes.data()) == 1;
+}
+
+// What may stand in a file name, a subject and a configuration of openssl without a meaning there.
+void check_plain(const std::string& text, const char* what, const char* further) {
+  const bool good =
+      !text.empty() && text.size() <= 60 && text.front() != '-' && text.front() != '.' &&
+      text.find_first_not_of(
+          std::string("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.") +
+          further) == std::string::npos;
+  if (!good)
+    throw Failure{ExitCode::bad_input, "invalid_argument", "BAD_NAME",
+                  std::string(what) + ": found '" + text +
+                      "', expected 1 to 60 letters, digits, '-', '_' and '.'"};
+}
+
+std::string days_text(double asked, double usual) {
+  return std::to_string(static_cast<int>(std::ceil(asked > 0 ? asked : usual)));
+}
+
+const std::vector<std::string> kNewKey = {"-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256",
+                                          "-nodes"};
+
+std::vector<std::string> with_new_key(std::vector<std::string> arguments) {
+  arguments.insert(arguments.end(), kNewKey.begin(), kNewKey.end());
+  return arguments;
+}
+
+// folder/stem.key and folder/stem.pem, signed by the folder's authority; the key is there first, so
+// that a daemon that looks between the two waits for the certificate.
+void sign(const fs::path& folder, const std::string& stem, const std::string& subject,
+          const std::string& use, const std::string& alternative_names, const std::string& days) {
+  const Scratch key(folder / ("." + stem + ".key")), request(folder / ("." + stem + ".csr")),
+      certificate(folder / ("." + stem + ".pem")), extensions(folder / ("." + stem + ".cnf"));
+  std::ofstream(extensions.path())
+      << "basicConstraints = critical, CA:FALSE\nkeyUsage = critical, digitalSignature\n"
+      << "extendedKeyUsage = " << use << "\nsubjectAltName = " << alternative_names << '\n';
+  openssl(folder, with_new_key({"req", "-new", "-keyout", key.path(), "-out", request.path(),
+                                "-subj", "/CN=" + subject}));
+  openssl(folder,
+          {"x509", "-req", "-in", request.path(), "-CA", (folder / "authority.pem").string(),
+           "-CAkey", (folder / "authority.key").string(), "-CAcreateserial", "-CAserial",
+           (folder / "authority.srl").string(), "-days", days, "-sha256", "-extfile",
+           extensions.path(), "-out", certificate.path()});
+  rename_file(key.path(), folder / (stem + ".key"));
+  rename_file(certificate.path(), folder / (stem + ".pem"));
+}
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "localhost";
+}
+
+bool make_authority(const fs::path& folder) {
+  if (fs::exists(folder / "authority.pem") && fs::exists(folder / "authority.key")) return false;
+  const std::string subject = ("Driftwise authority " + host_name()).substr(0, 60);
+  openssl(folder,
+          with_new_key({"req", "-x509", "-new", "-keyout", (folder / "authority.key").string(),
+                        "-out", (folder / "authority.pem").string(), "-days",
+                        days_text(0, kAuthorityDays), "-sha256", "-subj", "/CN=" + subject,
+                        "-addext", "keyUsage = critical, keyCertSign, cRLSign"}));
+  return true;
+}
+
+ExitCode cert_init(const Session& session, const CertificateArguments& a) {
+  const fs::path folder = fs::path(session.console.working_folder) / a.folder;
+  std::vector<std::string> names = {"localhost", "127.0.0.1", "::1", host_name()};
+  names.insert(names.end(), a.names.begin(), a.names.end());
+  std::string alternative;
+  for (const auto& name : names) {
+    if (!is_address(name)) check_plain(name, "--name", "*");
+    alternative +=
+        (alternative.empty() ? "" : ", ") + std::string(is_address(name) ? "IP:" : "DNS:") + name;
+  }
+  make_folder(folder);
+  const bool fresh = make_authority(folder);
+  const std::string subject = a.names.empty() ? host_name() : a.names.front();
+  sign(folder, "server", subject.substr(0, 60), "serverAuth", alternative,
+       days_text(a.days, kServerDays));
+  const auto path = [&](const char* name) { return (fs::path(a.folder) / name).string(); };
+  if (session.console.json) {
+    session.console.print_json({{"certificate", path("server.pem")},
+                                {"key", path("server.key")},
+                                {"authority", path("authority.pem")},
+                                {"names", names},
+                                {"new_authority", fresh}});
+    return ExitCode::done;
+  }
+  session.console.out << "[access]\nlisten = \"0.0.0.0:50052\"\ncertificate = \""
+                      << path("server.pem") << "\"\nkey = \"" << path("server.key")
+                      << "\"\nauthority = \"" << path("authority.pem") << "\"\n";
+  session.console.err << (fresh ? "a new authority is in " : "signed by the authority in ")
+                      << path("authority.pem") << "; its key " << path("authority.key")
+                      << " signs every further certificate: keep it, and nowhere else\n"
+                      << "the lines above belong into the cell file; clients need "
+                      << path("authority.pem") << " (--tls-ca)\n";
+  return ExitCode::done;
+}
+
+ExitCode cert_client(const Session& session, const CertificateArguments& a) {
+  const fs::path folder = fs::path(session.console.working_folder) / a.folder;
+  check_plain(a.name, "NAME", "");
+  if (a.name == "authority" || a.name == "server")
+    throw Failure{ExitCode::bad_input, "invalid_argument", "BAD_NAME",
+                  "NAME: '" + a.name + "' is the name of a file of 'driftwise cert init'"};
+  if (!fs::exists(folder / "authority.key"))
+    throw Failure{ExitCode::bad_input, "not_found", "NO_FILE",
+                  (folder / "authority.key").string() +
+                      " is not there: make the authority with 'driftwise cert init', or name its "
+                      "folder with --folder"};
+  sign(folder, a.name, a.name, "clientAuth", "URI:driftwise:role/" + a.role,
+       days_text(a.days, kClientDays));
+  const auto path = [&](const std::string& name) { return (fs::path(a.folder) / name).string(); };
+  if (session.console.json)
+    session.console.print_json({{"certificate", path(a.name + ".pem")},
+                                {"key", path(a.name + ".key")},
+                                {"authority", path("authority.pem")},
+                                {"role", a.role}});
+  else
+    session.console.out << "driftwise --server HOST:50052 --tls-ca " << path("authority.pem")
+                        << " --tls-cert " << path(a.name + ".pem") << " --tls-key "
+                        << path(a.name + ".key") << " status\n";
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_certificate_commands(CLI::App& app, Session& session) {
+  CLI::App& certificates =
+      *app.add_subcommand("cert", "Certificates of an authority of your own; no daemon is asked")
+           ->require_subcommand(1);
+  auto a = std::make_shared<CertificateArguments>();
+  const auto shared = [&](CLI::App& command) {
+    command.add_option("--folder", a->folder, "of the certificates and keys")->default_str("tls");
+    command.add_option("--days", a->days, "how long it is good")
+        ->check(number_between(0.001, 36500));
+  };
+  CLI::App& beginning =
+      add_command(certificates, session, "init",
+                  "An authority, where there is none, and a new certificate for the daemon",
+                  [&session, a] { return cert_init(session, *a); });
+  beginning.add_option("--name", a->names,
+                       "host name or address that clients use; this host's are in it anyway");
+  shared(beginning);
+  CLI::App& client = add_command(certificates, session, "client",
+                                 "A certificate for a person or a program, with a role",
+                                 [&session, a] { return cert_client(session, *a); });
+  client.add_option("NAME", a->name, "who it is: stands in the record")->required();
+  client.add_option("--role", a->role, "viewer, controller, operator, engineer or admin")
+      ->required()
+      ->check(CLI::IsMember(role_names()));
+  shared(client);
+}
+
+}  // namespace driftwise::cli

@@ -1,0 +1,74 @@
+#include "server/application/access/access_desk.h"
+
+#include <boost/asio/post.hpp>
+#include <chrono>
+#include <utility>
+
+#include "server/access/certificate.h"
+#include "server/access/wrong_tries.h"
+#include "server/application/plumbing/run_on.h"
+
+namespace driftwise::application {
+namespace {
+
+// Certificates end by UTC, whatever cell time is.
+std::int64_t utc_now_s() {
+  return std::chrono::duration_cast<std::chrono::seconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+std::vector<AlarmCondition> look_at_certificate(const std::string& certificate,
+                                                const std::string& key) {
+  const auto facts = access::check_certificate(certificate, key, utc_now_s());
+  if (!facts)
+    return {{AlarmLevel::failed, "certificate.unusable", certificate, facts.error().message}};
+  auto warning = access::expiry_warning(certificate, *facts, utc_now_s());
+  if (warning.empty()) return {};
+  return {{AlarmLevel::warning, "certificate.ends", certificate, std::move(warning)}};
+}
+
+}  // namespace
+
+AccessDesk::AccessDesk(asio::any_io_executor executor, asio::any_io_executor texts,
+                       const AccessDescription& description, Clock& clock, EventLog& events,
+                       TaskGroup& tasks, std::function<void(AlarmCondition)> alarm)
+    : executor_(executor),
+      texts_(std::move(texts)),
+      description_(description),
+      clock_(clock),
+      events_(events),
+      tasks_(tasks),
+      alarm_(std::move(alarm)),
+      ended_(executor) {}
+
+void AccessDesk::note(access::AccessNote what) {
+  asio::post(executor_, [this, what = std::move(what)] { take(what); });
+}
+
+void AccessDesk::take(const access::AccessNote& what) {
+  if (ending_) return;
+  events_.record({what.who, what.from}, access::to_event(what.kind), what.detail);
+  if (what.kind == access::AccessNote::Kind::locked)
+    alarm_({AlarmLevel::warning, "access.wrong_tries", access::source_of(what.from), what.detail});
+}
+
+void AccessDesk::start() {
+  if (description_.tls()) tasks_.spawn(watch());
+}
+
+void AccessDesk::shut_down() {
+  ending_ = true;
+  ended_.raise();
+}
+
+Awaitable<void> AccessDesk::watch() {
+  while (!ending_) {
+    conditions_ =
+        co_await run_on(texts_, &look_at_certificate, description_.certificate, description_.key);
+    const auto pause = nanoseconds_from_s(kLook_s * clock_.speed());
+    co_await sleep_unless(clock_, clock_.now().utc + pause, ended_);
+  }
+}
+
+}  // namespace driftwise::application

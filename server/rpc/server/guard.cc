@@ -1,0 +1,213 @@
+#include "server/rpc/server/guard.h"
+
+#include <grpcpp/impl/rpc_service_method.h>
+
+#include <list>
+#include <mutex>
+#include <unordered_set>
+#include <utility>
+
+#include "driftwise/v1/access.pb.h"
+#include "server/core/reasons.h"
+#include "server/core/try.h"
+#include "server/rpc/shared/call_context.h"
+#include "server/rpc/shared/caller.h"
+#include "server/rpc/shared/error_mapping.h"
+
+namespace driftwise::rpc {
+namespace {
+
+namespace gx = grpc::experimental;
+
+std::string path_of(const google::protobuf::MethodDescriptor& method) {
+  return "/" + method.service()->full_name() + "/" + method.name();
+}
+
+std::vector<std::string> properties(const grpc::AuthContext& context, const char* name) {
+  std::vector<std::string> out;
+  for (const auto& value : context.FindPropertyValues(name))
+    out.emplace_back(value.data(), value.size());
+  return out;
+}
+
+std::string bearer_of(const grpc::ServerContextBase& context) {
+  std::string_view text = metadata_value(context, "authorization");
+  constexpr std::string_view kScheme = "Bearer ";
+  if (text.empty()) return {};
+  // Another scheme is a try with something that is no token.
+  if (!text.starts_with(kScheme)) return "?";
+  text.remove_prefix(kScheme.size());
+  return text.empty() ? "?" : std::string(text);
+}
+
+access::Evidence evidence_of(const grpc::ServerContextBase& context) {
+  access::Evidence evidence;
+  evidence.from = peer_of(context);
+  evidence.stated_name = stated_name(context);
+  evidence.bearer = bearer_of(context);
+  const std::string peer = context.peer();
+  if (peer.starts_with("unix")) {
+    evidence.door = access::Door::unix_socket;
+    return evidence;
+  }
+  evidence.door = access::Door::loopback;
+  if (from_inside(context)) return evidence;
+  const auto connection = context.auth_context();
+  if (!connection) return evidence;
+  for (const auto& type : properties(*connection, "transport_security_type"))
+    if (type == "ssl" || type == "tls") evidence.door = access::Door::tls;
+  if (evidence.door != access::Door::tls) return evidence;
+  evidence.certificate_uris = properties(*connection, "peer_uri");
+  if (auto names = properties(*connection, "x509_common_name"); !names.empty())
+    evidence.certificate_name = std::move(names.front());
+  return evidence;
+}
+
+Result<access::Identity> identity_behind(const grpc::ServerContextBase& context,
+                                         access::Authoriser& authoriser) {
+  if (from_inside(context))
+    if (auto who = authoriser.vouched(metadata_value(context, access::Authoriser::kVouchedKey)))
+      return *who;
+  return authoriser.identify(evidence_of(context));
+}
+
+// Lives as long as the call, and has its end say why.
+class Refusing final : public gx::Interceptor {
+ public:
+  explicit Refusing(grpc::Status why) : why_(std::move(why)) {}
+  void Intercept(gx::InterceptorBatchMethods* methods) override {
+    if (methods->QueryInterceptionHookPoint(gx::InterceptionHookPoints::PRE_SEND_STATUS))
+      methods->ModifySendStatus(why_);
+    methods->Proceed();
+  }
+
+ private:
+  grpc::Status why_;
+};
+
+class JudgingFactory final : public gx::ServerInterceptorFactoryInterface {
+ public:
+  JudgingFactory(access::Authoriser& authoriser, RoleTable table)
+      : authoriser_(authoriser), table_(std::move(table)) {}
+
+  gx::Interceptor* CreateServerInterceptor(gx::ServerRpcInfo* info) override {
+    auto* context = dynamic_cast<CallContext*>(info->server_context());
+    if (context == nullptr || info->method() == nullptr) return nullptr;
+    const auto needed = table_.find(std::string_view(info->method()));
+    if (needed == table_.end()) return nullptr;
+    auto who = identity_behind(*context, authoriser_);
+    if (!who) return refuse(*context, who.error());
+    std::string_view name = needed->first;
+    name.remove_prefix(name.rfind('/') + 1);
+    if (const auto may = authoriser_.authorise(*who, {name, needed->second}); !may)
+      return refuse(*context, may.error());
+    context->allow(std::move(*who));
+    return nullptr;
+  }
+
+ private:
+  static gx::Interceptor* refuse(CallContext& context, const Error& why) {
+    context.refuse();
+    return new Refusing(to_status(why));
+  }
+
+  access::Authoriser& authoriser_;
+  RoleTable table_;
+};
+
+// gRPC gives back those of calls that began; the others (at the end of the server) go here.
+class JudgedContexts final : public grpc::ContextAllocator {
+ public:
+  ~JudgedContexts() override {
+    for (auto* context : out_) delete context;
+  }
+  grpc::CallbackServerContext* NewCallbackServerContext() override {
+    auto* context = new CallContext;
+    const std::lock_guard lock(mutex_);
+    out_.insert(context);
+    return context;
+  }
+  void Release(grpc::CallbackServerContext* context) override {
+    {
+      const std::lock_guard lock(mutex_);
+      // Of a call to a method that nobody has, gRPC gives back a context of its own, which it
+      // destroys itself.
+      if (out_.erase(context) == 0) return;
+    }
+    delete context;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::unordered_set<grpc::CallbackServerContext*> out_;
+};
+
+// A generated handler runs no method of a call whose message was not good; a refused call is one.
+class GuardedHandler final : public grpc::internal::MethodHandler {
+ public:
+  explicit GuardedHandler(grpc::internal::MethodHandler& inner) : inner_(inner) {}
+
+  void RunHandler(const HandlerParameter& parameter) override {
+    const auto* context = dynamic_cast<const CallContext*>(parameter.server_context);
+    if (context != nullptr && context->who()) return inner_.RunHandler(parameter);
+    inner_.RunHandler({parameter.call, parameter.server_context, parameter.request,
+                       grpc::Status(grpc::StatusCode::PERMISSION_DENIED, ""),
+                       parameter.internal_data, parameter.call_requester});
+  }
+  void* Deserialize(grpc_call* call, grpc_byte_buffer* request, grpc::Status* status,
+                    void** handler_data) override {
+    return inner_.Deserialize(call, request, status, handler_data);
+  }
+
+ private:
+  grpc::internal::MethodHandler& inner_;
+};
+
+class GuardedService final : public grpc::Service {
+ public:
+  GuardedService(grpc::Service& inner, const google::protobuf::ServiceDescriptor& descriptor) {
+    using grpc::internal::RpcMethod;
+    for (int i = 0; i < descriptor.method_count(); ++i) {
+      const auto& method = *descriptor.method(i);
+      const auto type =
+          method.server_streaming() ? RpcMethod::SERVER_STREAMING : RpcMethod::NORMAL_RPC;
+      names_.push_back(path_of(method));
+      AddMethod(new grpc::internal::RpcServiceMethod(names_.back().c_str(), type, nullptr));
+      MarkMethodCallback(i, new GuardedHandler(*(inner.*&GuardedService::GetHandler)(i)));
+    }
+  }
+
+ private:
+  std::list<std::string> names_;  // gRPC keeps pointers to them
+};
+
+}  // namespace
+
+Result<void> add_roles(const google::protobuf::ServiceDescriptor& service, RoleTable& table) {
+  for (int i = 0; i < service.method_count(); ++i) {
+    const auto& method = *service.method(i);
+    const auto role = method.options().GetExtension(v1::role);
+    if (role < v1::ROLE_VIEWER || role > v1::ROLE_ADMIN)
+      return fail(ErrorCode::internal, reasons::kNoRole,
+                  method.full_name() +
+                      " declares no role: give it option (driftwise.v1.role) in its proto file");
+    table.insert_or_assign(path_of(method), static_cast<access::Role>(role));
+  }
+  return {};
+}
+
+std::unique_ptr<gx::ServerInterceptorFactoryInterface> judging(access::Authoriser& authoriser,
+                                                               RoleTable table) {
+  return std::make_unique<JudgingFactory>(authoriser, std::move(table));
+}
+
+std::unique_ptr<grpc::ContextAllocator> judged_contexts() {
+  return std::make_unique<JudgedContexts>();
+}
+
+std::unique_ptr<grpc::Service> guarded(grpc::Service& inner,
+                                       const google::protobuf::ServiceDescriptor& descriptor) {
+  return std::make_unique<GuardedService>(inner, descriptor);
+}
+
+}  // namespace driftwise::rpc
