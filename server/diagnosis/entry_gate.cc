@@ -146,6 +146,8 @@ double EntryGate::score(const std::vector<Fold>& folds, const SoftBase& base,
   const SoftBase independent = independent_base(base);
   const Eigen::Index free = independent.free_count();
   std::vector<Side> sides;
+  const bool may_not_act =
+      (bank_.prior.middleRows(first, width).array() > 0).colwise().any().count() > 1;
   for (Eigen::Index o = 0; o < series_.cols(); ++o) {
     const auto at = static_cast<std::size_t>(o);
     const Eigen::VectorXd prior = bank_.prior.col(o).segment(first, width);
@@ -180,6 +182,7 @@ double EntryGate::score(const std::vector<Fold>& folds, const SoftBase& base,
     std::vector<Sums> learned;
     std::vector<Eigen::LLT<Eigen::MatrixXd>> fits;
     std::vector<Eigen::MatrixXd> a0;
+    std::vector<std::vector<double>> shares;  // per side, per cell: what its rows say
     Eigen::VectorXd evidence = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(cells.size()));
     for (const Side& side : sides) {
       Sums sums = side.all;
@@ -191,17 +194,22 @@ double EntryGate::score(const std::vector<Fold>& folds, const SoftBase& base,
       const Eigen::MatrixXd turned = fits.back().matrixL().solve(sums.bz);
       const Eigen::VectorXd left = fits.back().matrixL().solve(sums.by);
       const Eigen::VectorXd along = sums.zy - turned.transpose() * left;
+      auto& of_cell = shares.emplace_back();
       for (std::size_t c = 0; c < cells.size(); ++c) {
         const auto own_turned = turned.middleCols(cells[c].first, cells[c].count);
-        Eigen::MatrixXd g = sums.zz[c] - own_turned.transpose() * own_turned;
-        g.diagonal().array() += 1;
-        const Eigen::LLT<Eigen::MatrixXd> cholesky(g);
-        double log_determinant = 0;
-        for (Eigen::Index k = 0; k < g.cols(); ++k)
-          log_determinant += 2 * std::log(std::max(cholesky.matrixL()(k, k), 1e-12));
-        evidence[static_cast<Eigen::Index>(c)] +=
-            cholesky.matrixL().solve(along.segment(cells[c].first, cells[c].count)).squaredNorm() -
-            log_determinant;
+        const Eigen::MatrixXd gram = sums.zz[c] - own_turned.transpose() * own_turned;
+        const Eigen::VectorXd own_along = along.segment(cells[c].first, cells[c].count);
+        ByShare two_ln{};
+        for (std::size_t w = 0; w < two_ln.size(); ++w) {
+          Eigen::MatrixXd g = kPriorShares[w] * kPriorShares[w] * gram;
+          g.diagonal().array() += 1;
+          const Eigen::LLT<Eigen::MatrixXd> cholesky(g);
+          two_ln[w] = cholesky.matrixL().solve(kPriorShares[w] * own_along).squaredNorm();
+          for (Eigen::Index k = 0; k < g.cols(); ++k)
+            two_ln[w] -= 2 * std::log(std::max(cholesky.matrixL()(k, k), 1e-12));
+        }
+        evidence[static_cast<Eigen::Index>(c)] += averaged(two_ln, may_not_act);
+        of_cell.push_back(likeliest_share(two_ln, may_not_act));
       }
       a0.push_back(std::move(a));
       learned.push_back(std::move(sums));
@@ -213,18 +221,20 @@ double EntryGate::score(const std::vector<Fold>& folds, const SoftBase& base,
     const auto& cell = cells[static_cast<std::size_t>(best)];
     for (std::size_t s = 0; s < sides.size(); ++s) {
       const Side& side = sides[s];
+      const double share = shares[s][static_cast<std::size_t>(best)];
+      if (share == 0) continue;
       const Eigen::Index p = a0[s].cols(), k = cell.count;
       const Eigen::MatrixXd b = side.base(fold.out, Eigen::all);
       const Eigen::VectorXd y = side.y(fold.out);
       Eigen::MatrixXd a(p + k, p + k), x(b.rows(), p + k);
       a.topLeftCorner(p, p) = a0[s];
-      a.topRightCorner(p, k) = learned[s].bz.middleCols(cell.first, k);
+      a.topRightCorner(p, k) = share * learned[s].bz.middleCols(cell.first, k);
       a.bottomLeftCorner(k, p) = a.topRightCorner(p, k).transpose();
-      a.bottomRightCorner(k, k) = learned[s].zz[static_cast<std::size_t>(best)];
+      a.bottomRightCorner(k, k) = share * share * learned[s].zz[static_cast<std::size_t>(best)];
       a.bottomRightCorner(k, k).diagonal().array() += 1;
-      x << b, side.cells(fold.out, Eigen::seqN(cell.first, k));
+      x << b, share * side.cells(fold.out, Eigen::seqN(cell.first, k));
       Eigen::VectorXd along(p + k);
-      along << learned[s].by, learned[s].zy.segment(cell.first, k);
+      along << learned[s].by, share * learned[s].zy.segment(cell.first, k);
       total += predictive(a, along, x, y) - predictive(a0[s], learned[s].by, b, y);
     }
   }

@@ -76,6 +76,20 @@ SoftBase Extension::all(std::optional<std::size_t> without) const {
   return base;
 }
 
+SoftBase Extension::described(std::size_t output, std::optional<std::size_t> without) const {
+  SoftBase base = all(without);
+  Eigen::Index at = problem_.base_columns.cols();
+  for (std::size_t i = 0; i < named_.size(); ++i) {
+    if (i == without) continue;
+    const auto& typical = named_[i].prior.typical.col(static_cast<Eigen::Index>(output));
+    for (Eigen::Index k = 0; k < typical.size(); ++k, ++at) {
+      const double sd = typical[k] * named_[i].share[output];
+      base.precision[at] = sd > 0 ? std::pow(noise_sd_[output] / sd, 2) : 1e300;
+    }
+  }
+  return base;
+}
+
 std::vector<char> Extension::allowed() const {
   std::vector<char> allowed(causes_.size(), 1);
   for (std::size_t c = 0; c < causes_.size(); ++c)
@@ -197,6 +211,7 @@ Result<Named> Extension::made(const Candidate& candidate, double p_adjusted) con
   one.prior = candidate.prior;
   one.evidence = candidate.evidence;
   one.likelihood = candidate.gain.likelihood;
+  one.share = candidate.gain.share;
   return one;
 }
 

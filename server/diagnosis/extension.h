@@ -29,7 +29,8 @@ struct Named {
   AmplitudePrior prior;
   double evidence =
       0;  // beyond the baseline and the others: 2 ln of the marginal likelihoods' ratio
-  double likelihood = 0;  // growth of 2 ln L
+  double likelihood = 0;      // growth of 2 ln L
+  std::vector<double> share;  // of the prior's width, per output; 0: does not act there
   std::vector<std::size_t> rivals;
 };
 
@@ -53,6 +54,9 @@ class Extension {
   // one of the named out. Named columns have their cause's prior.
   SoftBase learned(std::optional<std::size_t> without = {}) const;
   SoftBase all(std::optional<std::size_t> without = {}) const;
+  // As all(), with the priors of one output: what is predicted of it. A cause that these data say
+  // does not act there adds nothing.
+  SoftBase described(std::size_t output, std::optional<std::size_t> without = {}) const;
   // Causes that are not named nor ruled out, and those named that may take a further value of their
   // parameter.
   std::vector<char> allowed() const;

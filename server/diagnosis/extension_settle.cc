@@ -94,6 +94,7 @@ Result<std::vector<std::string>> Extension::settle() {
     } else {
       named_[i].evidence = chosen.evidence;
       named_[i].likelihood = chosen.gain.likelihood;
+      named_[i].share = chosen.gain.share;
     }
     name_rivals(i, *best, first);
     ++i;

@@ -41,8 +41,9 @@ struct Integrated {
   double log_determinant = 0;
 };
 
-// 2 ln of the mean over the shares of the prior, and of "does not act" where that is one of them.
-double averaged(const std::array<double, kPriorShares.size()>& two_ln, bool may_not_act) {
+}  // namespace
+
+double averaged(const ByShare& two_ln, bool may_not_act) {
   double top = may_not_act ? 0 : two_ln[0];
   for (const double one : two_ln) top = std::max(top, one);
   double sum = may_not_act ? std::exp(-top / 2) : 0;
@@ -50,7 +51,11 @@ double averaged(const std::array<double, kPriorShares.size()>& two_ln, bool may_
   return top + 2 * std::log(sum / static_cast<double>(two_ln.size() + (may_not_act ? 1 : 0)));
 }
 
-}  // namespace
+double likeliest_share(const ByShare& two_ln, bool may_not_act) {
+  const auto best = std::ranges::max_element(two_ln);
+  if (may_not_act && *best < 0) return 0;
+  return kPriorShares[static_cast<std::size_t>(best - two_ln.begin())];
+}
 
 Eigen::MatrixXd news_of(const WhitenedSpace& space, Eigen::MatrixXd columns) {
   space.whiten(columns);
@@ -156,6 +161,7 @@ Gain Ground::gain(const Eigen::MatrixXd& columns, const PriorSd& prior) const {
   Gain result;
   const auto count = static_cast<std::size_t>(outputs());
   result.of_output.assign(count, 0);
+  result.share.assign(count, 0);
   result.shape = best_;
   result.contribution.resize(count);
   Eigen::MatrixXd lowest = Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(kPriorShares.size()),
@@ -193,10 +199,11 @@ Gain Ground::gain(const Eigen::MatrixXd& columns, const PriorSd& prior) const {
     const auto at = static_cast<std::size_t>(o);
     if (!std::isfinite(lowest(0, o))) continue;
     const double without = criterion_(static_cast<Eigen::Index>(best_[at]), o);
-    std::array<double, kPriorShares.size()> two_ln{};
+    ByShare two_ln{};
     for (std::size_t k = 0; k < two_ln.size(); ++k)
       two_ln[k] = without - lowest(static_cast<Eigen::Index>(k), o);
     result.of_output[at] = averaged(two_ln, may_not_act);
+    result.share[at] = likeliest_share(two_ln, may_not_act);
     result.gain += result.of_output[at];
     result.likelihood += without - lowest_free[o];
   }

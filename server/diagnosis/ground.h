@@ -26,6 +26,14 @@ using PriorSd = Eigen::MatrixXd;
 // of these shares of the typical standard deviation; where a cause may act on several outputs also
 // none at all, for it need not act on all of them.
 inline constexpr std::array<double, 3> kPriorShares = {1, 0.2, 0.04};
+// 2 ln of the marginal likelihood's ratio under each share of the prior's width.
+using ByShare = std::array<double, kPriorShares.size()>;
+// 2 ln of the mean over the shares, and over "does not act" where that is possible.
+double averaged(const ByShare& two_ln, bool may_not_act);
+// Mode of the posterior over the shares, whose odds are equal; 0: does not act. Of equals the
+// widest.
+double likeliest_share(const ByShare& two_ln, bool may_not_act);
+
 // A column of which the simulation's columns leave less than this share of its whitened length says
 // nothing of its effect: no shape is known better. x * t at 20 degC that change by 0.1 K leaves
 // 5e-3.
@@ -39,6 +47,7 @@ struct Gain {
   double gain = 0;        // 2 ln of the marginal likelihood's ratio, with the effect to without it
   double likelihood = 0;  // growth of 2 ln L at the best amplitudes within three prior widths
   std::vector<double> of_output;              // of gain
+  std::vector<double> share;                  // of the prior's width, per output: likeliest_share()
   std::vector<std::size_t> shape;             // of the noise with the effect, per output
   std::vector<Eigen::VectorXd> contribution;  // per output, whitened; empty: not asked
 };

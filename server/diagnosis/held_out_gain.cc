@@ -37,10 +37,23 @@ Eigen::VectorXd residuals(const Problem& problem, const ProblemOutput& output,
   return fitted_elsewhere(base, output.measured, problem.learn);
 }
 
+Eigen::VectorXd judged_residuals(const Problem& problem, const ProblemOutput& output,
+                                 const SoftBase& base) {
+  Eigen::VectorXd judged(static_cast<Eigen::Index>(problem.judge.size()));
+  Eigen::Index at = 0;
+  for (const auto& fold : problem.folds) {
+    const auto count = static_cast<Eigen::Index>(fold.judge.size());
+    judged.segment(at, count) =
+        rows_of(fitted_elsewhere(base, output.measured, fold.learn), fold.judge);
+    at += count;
+  }
+  return judged;
+}
+
 HeldOut held_out(const Problem& problem, const ProblemOutput& output, const SoftBase& before,
                  const SoftBase& after) {
-  const Eigen::VectorXd judged_before = rows_of(residuals(problem, output, before), problem.judge);
-  const Eigen::VectorXd judged = rows_of(residuals(problem, output, after), problem.judge);
+  const Eigen::VectorXd judged_before = judged_residuals(problem, output, before);
+  const Eigen::VectorXd judged = judged_residuals(problem, output, after);
   HeldOut result{figures_of(judged_before), figures_of(judged), {}, {}};
   // Jackknife over contiguous blocks: autocorrelation stays inside them.
   const auto n = static_cast<std::size_t>(judged.size());

@@ -16,11 +16,14 @@ struct HeldOut {
   Interval u90_after_ci90, a90_after_ci90;  // over blocks of them
 };
 
-// Fitted on the learning rows by least squares (with the prior of the amplitudes that have one),
-// judged on the judging rows. before, after: every
-// row of the dataset, the columns of the two simulations.
+// Each fold fitted by least squares (with the prior of the amplitudes that have one) and judged on
+// its own rows. before, after: every row of the dataset, the columns of the two simulations.
 HeldOut held_out(const Problem& problem, const ProblemOutput& output, const SoftBase& before,
                  const SoftBase& after);
+
+// Residuals of the rows of `judge`, each from the fit that did not see it.
+Eigen::VectorXd judged_residuals(const Problem& problem, const ProblemOutput& output,
+                                 const SoftBase& base);
 
 // Residuals of every row of the dataset, from a fit to the learning rows; NaN where columns are.
 Eigen::VectorXd residuals(const Problem& problem, const ProblemOutput& output,

@@ -26,8 +26,8 @@ double ratio_of(const Eigen::VectorXd& before, const Eigen::VectorXd& after) {
 // Jackknife over contiguous blocks of the ratio itself: what both share cancels.
 Compared compared(const Problem& problem, const ProblemOutput& output, const SoftBase& without,
                   const SoftBase& with) {
-  const Eigen::VectorXd before = rows_of(residuals(problem, output, without), problem.judge);
-  const Eigen::VectorXd after = rows_of(residuals(problem, output, with), problem.judge);
+  const Eigen::VectorXd before = judged_residuals(problem, output, without);
+  const Eigen::VectorXd after = judged_residuals(problem, output, with);
   const auto n = static_cast<std::size_t>(before.size());
   Compared result{std::sqrt(before.squaredNorm() / static_cast<double>(n)),
                   std::sqrt(after.squaredNorm() / static_cast<double>(n)), 0};
@@ -54,13 +54,15 @@ struct Harm {
   std::string sentence;
 };
 
-// index: the finding that is to go if the comparison is bad.
+// index: the finding that is to go if the comparison is bad. only: compared with the
+// others in, else with none.
 std::optional<Harm> harm_of(const Problem& problem, const std::vector<Cause>& causes,
-                            const Extension& extension, std::size_t index, const SoftBase& without,
-                            const SoftBase& with) {
+                            const Extension& extension, std::size_t index, bool only) {
   std::optional<Harm> worst;
-  for (const auto& output : problem.outputs) {
-    const Compared one = compared(problem, output, without, with);
+  for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
+    const auto& output = problem.outputs[o];
+    const SoftBase without = only ? extension.described(o, index) : SoftBase(problem.base_columns);
+    const Compared one = compared(problem, output, without, extension.described(o));
     const double ratio = one.after / std::max(one.before, 1e-300);
     if (!(ratio > kWorse) || !(one.ratio_low > 1) || (worst && ratio <= worst->ratio)) continue;
     const std::string figures = "A90 of " + output.channel.symbol + " " +
@@ -81,19 +83,18 @@ std::vector<Harmful> withdraw_what_harms(const Problem& problem, const std::vect
                                          Extension& extension) {
   std::vector<Harmful> harmful;
   while (problem.judge.size() >= kFewestJudges && !extension.named().empty()) {
-    const SoftBase with = extension.all();
     std::optional<Harm> worst;
     const auto take = [&](std::optional<Harm> harm) {
       if (harm && (!worst || harm->ratio > worst->ratio)) worst = std::move(harm);
     };
     for (std::size_t i = 0; i < extension.named().size(); ++i)
-      take(harm_of(problem, causes, extension, i, extension.all(i), with));
+      take(harm_of(problem, causes, extension, i, true));
     if (!worst)  // no one of them, but all together: the weakest goes
       take(harm_of(problem, causes, extension,
                    static_cast<std::size_t>(
                        std::ranges::min_element(extension.named(), {}, &Named::evidence) -
                        extension.named().begin()),
-                   SoftBase(problem.base_columns), with));
+                   false));
     if (!worst) break;
     harmful.push_back({extension.named()[worst->index].cause, std::move(worst->sentence)});
     extension.withdraw(worst->index);

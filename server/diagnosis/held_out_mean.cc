@@ -47,7 +47,8 @@ std::vector<LeftOver> means_beyond_noise(const Problem& problem,
                                          const std::vector<OutputSummary>& outputs,
                                          const Eigen::MatrixXd& columns, double alpha) {
   std::vector<LeftOver> beyond;
-  if (problem.judge.size() < kFewestHeldOut) return beyond;
+  // The mean over blocks that are held out in turn is that of the fit: none.
+  if (problem.judged_in_turn || problem.judge.size() < kFewestHeldOut) return beyond;
   const double leverage = leverage_of_mean(problem, columns);
   // The noise is that of the search's rows, which are averages of so many.
   const auto averaged = static_cast<double>(problem.rows_per_block);

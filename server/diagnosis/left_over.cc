@@ -15,7 +15,9 @@ Problem with_all_rows(const Problem& problem, std::size_t longest) {
   Problem whole = problem;
   whole.learn.insert(whole.learn.end(), whole.judge.begin(), whole.judge.end());
   whole.judge.clear();
+  whole.folds.clear();
   std::ranges::sort(whole.learn);
+  whole.learn.erase(std::ranges::unique(whole.learn).begin(), whole.learn.end());
   whole.lay_blocks(longest);
   const auto& known = problem.timeline;
   if (known.sd.size() == 0) return whole;

@@ -1,8 +1,11 @@
 #include "server/diagnosis/problem.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
+#include <random>
 
 #include "server/calibration/design/predict.h"
 #include "server/calibration/linear/undetermined.h"
@@ -18,6 +21,9 @@ namespace driftwise::diagnosis {
 namespace {
 
 constexpr std::size_t kBlocks = 10, kEvery = 5;
+constexpr std::size_t kGapShare = 4;         // of a block, left out of the fit on either side of it
+constexpr std::size_t kMostLearned = 20000;  // rows of one such fit: more tell it nothing new
+constexpr double kDetermined = 1e-9;         // of a column's length beyond the others
 
 Result<void> check_time(const Dataset& dataset) {
   for (std::size_t i = 1; i < dataset.time_s.size(); ++i)
@@ -67,7 +73,43 @@ Result<void> add_outputs(const Dataset& dataset, const std::vector<std::string>&
   return {};
 }
 
-Result<void> divide_rows(const Dataset& dataset, Problem& problem) {
+// Blocks of time, each with the rows that its fit learns from: all others but those within a
+// quarter of a block. A block without which a term of the baseline is not determined has no
+// held-out figure.
+std::vector<Fold> folds_of(const Problem& problem) {
+  const auto rank = [&problem](const std::vector<std::size_t>& rows) {
+    Eigen::MatrixXd x = rows_of(problem.base_columns, rows);
+    x = x * x.colwise().norm().cwiseMax(1e-300).cwiseInverse().asDiagonal();
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(x);
+    qr.setThreshold(kDetermined);
+    return qr.rank();
+  };
+  const std::size_t n = problem.learn.size();
+  const Eigen::Index whole = rank(problem.learn);
+  std::vector<Fold> folds;
+  std::mt19937_64 random(1);
+  for (std::size_t k = 0; k < kBlocks; ++k) {
+    const std::size_t begin = k * n / kBlocks, end = (k + 1) * n / kBlocks,
+                      gap = (end - begin) / kGapShare;
+    Fold fold;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (i >= begin && i < end)
+        fold.judge.push_back(problem.learn[i]);
+      else if (i + gap < begin || i >= end + gap)
+        fold.learn.push_back(problem.learn[i]);
+    }
+    if (fold.judge.empty() || fold.learn.size() < problem.base.size() + kRowsBeyondBase) continue;
+    if (fold.learn.size() > kMostLearned) {  // drawn, not every so many: a plan may be periodic
+      std::vector<std::size_t> drawn;
+      std::ranges::sample(fold.learn, std::back_inserter(drawn), kMostLearned, random);
+      fold.learn = std::move(drawn);
+    }
+    if (rank(fold.learn) == whole) folds.push_back(std::move(fold));
+  }
+  return folds;
+}
+
+Result<void> divide_rows(const Dataset& dataset, Judging judging, Problem& problem) {
   std::vector<std::size_t> complete;
   for (std::size_t row = 0; row < dataset.rows; ++row) {
     const auto at = static_cast<Eigen::Index>(row);
@@ -81,9 +123,10 @@ Result<void> divide_rows(const Dataset& dataset, Problem& problem) {
   // validation rows only: there is nothing to learn from but them
   problem.judged_by_validation = validation > 0 && validation < complete.size();
   for (std::size_t i = 0; i < complete.size(); ++i) {
-    const bool judges = problem.judged_by_validation
-                            ? dataset.set_of(complete[i]) == PointSet::validation
-                            : i * kBlocks / complete.size() % kEvery == kEvery - 2;
+    const bool judges =
+        problem.judged_by_validation
+            ? dataset.set_of(complete[i]) == PointSet::validation
+            : judging == Judging::apart && i * kBlocks / complete.size() % kEvery == kEvery - 2;
     (judges ? problem.judge : problem.learn).push_back(complete[i]);
   }
   const std::size_t wanted = problem.base.size() + kRowsBeyondBase;
@@ -93,6 +136,14 @@ Result<void> divide_rows(const Dataset& dataset, Problem& problem) {
                     " rows to learn from have every value that the baseline needs (of " +
                     std::to_string(dataset.rows) + " rows): a diagnosis of this baseline needs " +
                     std::to_string(wanted) + " at least");
+  problem.judged_in_turn = !problem.judged_by_validation && judging == Judging::in_turn;
+  if (problem.judged_in_turn) {
+    problem.folds = folds_of(problem);
+    for (const auto& fold : problem.folds)
+      problem.judge.insert(problem.judge.end(), fold.judge.begin(), fold.judge.end());
+  } else {
+    problem.folds = {{problem.learn, problem.judge}};
+  }
   return {};
 }
 
@@ -191,6 +242,10 @@ void Problem::leave_out(const std::vector<std::size_t>& rows) {
   const auto gone = [&rows](std::size_t row) { return std::ranges::binary_search(rows, row); };
   std::erase_if(learn, gone);
   std::erase_if(judge, gone);
+  for (auto& fold : folds) {
+    std::erase_if(fold.learn, gone);
+    std::erase_if(fold.judge, gone);
+  }
 }
 
 void Problem::lay_blocks(std::size_t longest) {
@@ -216,7 +271,7 @@ void Problem::lay_blocks(std::size_t longest) {
 }
 
 Result<Problem> lay_out(const Dataset& given, const calibration::Candidates& baseline,
-                        std::size_t longest) {
+                        std::size_t longest, Judging judging) {
   const Dataset dataset = in_catalogue_units(given);
   DRIFTWISE_RETURN_IF_ERROR(check_time(dataset));
   if (baseline.outputs.empty())
@@ -230,11 +285,12 @@ Result<Problem> lay_out(const Dataset& given, const calibration::Candidates& bas
                   "the data have no column for output " + symbol);
   if (dataset.time_s.empty())  // a lag in the baseline needs more than the order of rows
     DRIFTWISE_RETURN_IF_ERROR(calibration::raw_columns(dataset, base));
-  Problem problem{Prepared::of(dataset), {}, {}, 1, {}, {}, {}, std::move(base), {}, {}, false};
+  Problem problem{Prepared::of(dataset), {}, {}, {},    1,    {}, {}, {},
+                  std::move(base),       {}, {}, false, false};
   DRIFTWISE_RETURN_IF_ERROR(add_outputs(dataset, baseline.outputs, problem));
   DRIFTWISE_TRY(auto columns, problem.prepared.columns(problem.base));
   problem.base_columns = std::move(columns);
-  DRIFTWISE_RETURN_IF_ERROR(divide_rows(dataset, problem));
+  DRIFTWISE_RETURN_IF_ERROR(divide_rows(dataset, judging, problem));
   DRIFTWISE_RETURN_IF_ERROR(check_variation(problem));
   leave_out_undetermined(problem, always);
   predict_coordinates(problem);

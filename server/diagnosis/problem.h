@@ -25,9 +25,16 @@ struct ProblemOutput {
   Eigen::VectorXd measured;  // every row of the dataset, in the summary unit
 };
 
+// Rows that one fit of the held-out figures learns from, and those it is judged on.
+struct Fold {
+  std::vector<std::size_t> learn, judge;
+};
+
 struct Problem {
   Prepared prepared;
-  std::vector<std::size_t> learn, judge;  // complete rows, in time order
+  std::vector<std::size_t> learn;  // complete rows that the search works on, in time order
+  std::vector<std::size_t> judge;  // rows with a held-out figure: of all folds, in time order
+  std::vector<Fold> folds;
   std::size_t rows_per_block = 1;
   std::vector<std::size_t> block_of;  // of each learning row
   Timeline timeline;                  // of the blocks
@@ -35,7 +42,8 @@ struct Problem {
   std::vector<effects::Term> base;          // the constant and further datums first
   Eigen::MatrixXd base_columns;             // every row of the dataset, raw
   std::vector<effects::Term> undetermined;  // of the baseline, left out: calibration/undetermined.h
-  bool judged_by_validation = false;        // else the judging rows are blocks of time taken out
+  bool judged_by_validation = false;
+  bool judged_in_turn = false;  // each block of time by a fit to the others; else rows kept apart
 
   const Dataset& data() const { return prepared.data(); }
   std::vector<std::string> output_symbols() const;
@@ -47,14 +55,20 @@ struct Problem {
   void lay_blocks(std::size_t longest);
 };
 
+// Held-out rows of a dataset that marks none as validation.
+enum class Judging {
+  in_turn,  // each of ten blocks of time, by a fit to the others; the search works on all rows
+  apart     // two of ten blocks of time, which take no part in anything else
+};
+
 Eigen::MatrixXd rows_of(const Eigen::MatrixXd& columns, const std::vector<std::size_t>& rows);
 
-// Rows marked validation judge; where there are none, every fifth of ten blocks of time does.
+// Rows marked validation are held out; where there are none, those that `judging` says.
 // longest: blocks that the search works with at most. The problem is in the catalogue's units
 // (catalogue_units.h), whatever the dataset is in.
 // Errors: invalid_argument UNKNOWN_CHANNEL, NO_OUTPUT, TOO_FEW_ROWS, TIME_RUNS_BACK, UNTIMED,
 // NOTHING_VARIES.
 Result<Problem> lay_out(const Dataset& dataset, const calibration::Candidates& baseline,
-                        std::size_t longest);
+                        std::size_t longest, Judging judging = Judging::in_turn);
 
 }  // namespace driftwise::diagnosis

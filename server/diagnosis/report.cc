@@ -92,7 +92,6 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
   const Ground ground = extension.ground(index, extension.shapes());
   const auto on = acts_on(problem, cause);
   const Gain gain = ground.gain(named.learned, named.prior.typical);
-  const SoftBase before = extension.all(index), after = extension.all();
   const SoftBase base = extension.learned(index);
   const auto shown = static_cast<std::size_t>(
       std::ranges::count_if(gain.of_output, [](double one) { return one > kShown2lnl; }));
@@ -105,7 +104,8 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
     const WeightedFit fit(
         problem, base, named.learned, o, ground.space(gain.shape[o]).shape(),
         named.prior.typical.col(static_cast<Eigen::Index>(o)).unaryExpr([&](double sd) {
-          return sd > 0 ? std::pow(extension.noise_sd(o) / sd, 2) : 0;
+          const double share = std::max(named.share[o], kPriorShares.back());
+          return sd > 0 ? std::pow(extension.noise_sd(o) / (share * sd), 2) : 0;
         }));
     Eigen::VectorXd added = Eigen::VectorXd::Zero(named.learned.rows());
     for (Eigen::Index k = 0; k < named.learned.cols(); ++k) {
@@ -141,7 +141,8 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
         added - base.columns * base.columns.colPivHouseholderQr().solve(added);
     one.amplitude = std::sqrt(beyond_rest.squaredNorm() / static_cast<double>(added.size()));
     if (problem.judge.size() >= 4) {
-      const auto held = held_out(problem, output, before, after);
+      const auto held =
+          held_out(problem, output, extension.described(o, index), extension.described(o));
       one.u90_before = held.before.u90;
       one.u90_after = held.after.u90;
       one.mean_before = held.before.mean;
@@ -217,7 +218,6 @@ std::vector<Finding> findings_of(const Problem& problem, const std::vector<Cause
 std::vector<OutputSummary> outputs_of(const Problem& problem, const Dataset& dataset,
                                       const Extension& extension) {
   std::vector<OutputSummary> outputs;
-  const SoftBase now = extension.all();
   const Ground ground(problem.timeline, noise_grid(problem.timeline), extension.learned(), [&] {
     Eigen::MatrixXd series(problem.timeline.rows(),
                            static_cast<Eigen::Index>(problem.outputs.size()));
@@ -229,6 +229,7 @@ std::vector<OutputSummary> outputs_of(const Problem& problem, const Dataset& dat
     const auto& output = problem.outputs[o];
     OutputSummary one{.output = output.channel.symbol, .unit = output.unit};
     const Eigen::VectorXd before = residuals(problem, output, problem.base_columns);
+    const SoftBase now = extension.described(o);
     const Eigen::VectorXd after = residuals(problem, output, now);
     one.before.assign(before.data(), before.data() + before.size());
     one.after.assign(after.data(), after.data() + after.size());
@@ -242,8 +243,9 @@ std::vector<OutputSummary> outputs_of(const Problem& problem, const Dataset& dat
     one.a90_calibration_after = learned_after.a90;
     one.noise_floor_u90 = noise_floor(problem, after);
     if (problem.judge.size() >= 4) {
-      const ErrorFigures judged_before = figures_of(rows_of(before, problem.judge)),
-                         judged_after = figures_of(rows_of(after, problem.judge));
+      const ErrorFigures judged_before =
+                             figures_of(judged_residuals(problem, output, problem.base_columns)),
+                         judged_after = figures_of(judged_residuals(problem, output, now));
       one.u90_validation_before = judged_before.u90;
       one.mean_validation_before = judged_before.mean;
       one.a90_validation_before = judged_before.a90;

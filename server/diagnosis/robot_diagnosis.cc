@@ -84,8 +84,8 @@ Result<RobotDiagnosis> diagnose_robot(const Dataset& dataset,
   further.baseline = std::move(baseline);
   const Dataset data =
       identification::without_incomplete_rows(dataset, symbols_of(mechanism->inputs()));
-  DRIFTWISE_TRY(const auto problem,
-                lay_out(data, further.baseline, std::max<std::size_t>(1, data.rows)));
+  DRIFTWISE_TRY(const auto problem, lay_out(data, further.baseline,
+                                            std::max<std::size_t>(1, data.rows), Judging::apart));
   // What an arm's kinematics predicts cannot be what a cause reads: its simulation starts from the
   // joints.
   if (mechanism->predicts_pose())

@@ -86,6 +86,7 @@ std::vector<OutlierRow> outlier_rows(const Problem& problem) {
   std::vector<std::size_t> rows = problem.learn;
   rows.insert(rows.end(), problem.judge.begin(), problem.judge.end());
   std::ranges::sort(rows);
+  rows.erase(std::ranges::unique(rows).begin(), rows.end());
   std::set<std::size_t> wrong;
   for (const auto& output : problem.outputs) {
     const Eigen::VectorXd left = residuals(problem, output, problem.base_columns);

@@ -23,10 +23,11 @@ import judge_report
 SIZES = {
     # null, singles per cause and strength, pairs, unlisted, pairs of units
     "quick": {"null": 60, "single": 1, "pair": 14, "unlisted": 18, "units": 6},
+    "paired": {"null": 120, "single": 2, "pair": 28, "unlisted": 36, "units": 0},
     "night": {"null": 500, "single": 10, "pair": 50, "unlisted": 30, "units": 25},
     "full": {"null": 2000, "single": 40, "pair": 200, "unlisted": 120, "units": 100},
 }
-SEED_BASE = {"quick": 1000000, "night": 2000000, "full": 3000000}
+SEED_BASE = {"quick": 1000000, "paired": 1900000, "night": 2000000, "full": 3000000}
 # Strengths of singles (promise 95 and 98 %), pairs and unlisted effects.
 SINGLE_CHI2 = (75, 150)
 PAIR_CHI2 = 200

@@ -290,4 +290,12 @@ def compare(before, after):
           f"after {sum(second[k]['right'] for k in both)}; won {len(won)}, lost {len(lost)}; McNemar p = {p:.3g}")
     if lost:
         print("lost: " + " ".join(map(str, lost)))
+    kinds = {r["number"]: " ".join([r["key"]["kind"]] + ([f"chi2 {r['key']['chi2']:g}"] if r["key"]["hidden"] else []))
+             for r in after if r.get("result")}
+    for kind in sorted(set(kinds[k] for k in both)):
+        own = [k for k in both if kinds[k] == kind]
+        print(f"  {kind}: {len(own)}; right {sum(first[k]['right'] for k in own)} -> {sum(second[k]['right'] for k in own)}, "
+              f"won {sum(k in won for k in own)}, lost {sum(k in lost for k in own)}")
+    worse = [sum(side[k]["worse"] for k in both) for side in (first, second)]
+    print(f"  extended with a figure held out more than 2 % worse: {worse[0]} -> {worse[1]}")
     return 1 if len(lost) > len(won) and p < 0.05 else 0

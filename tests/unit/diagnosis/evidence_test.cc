@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -164,6 +165,49 @@ TEST(Evidence, WhereACauseDoesNotActItsWidthCostsNoMoreThanTheOdds) {
   EXPECT_GT(gain.of_output[0], 10);
   EXPECT_NEAR(gain.of_output[1], 2 * std::log(0.25), 0.01)
       << "four possibilities, one of them none";
+}
+
+// Twice the log of the density of y where the amplitude of w has the prior N(0, sd^2); white noise
+// of 1.
+double log_density_2(const Eigen::VectorXd& y, const Eigen::VectorXd& w, double sd) {
+  const Eigen::MatrixXd covariance =
+      Eigen::MatrixXd::Identity(kRows, kRows) + sd * sd * w * w.transpose();
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(covariance);
+  return -cholesky.matrixL().solve(y).squaredNorm() -
+         2 * Eigen::MatrixXd(cholesky.matrixL()).diagonal().array().log().sum();
+}
+
+TEST(LikeliestShare, IsTheModeOfThePosteriorOverThePriorsWidths) {
+  const Timeline when = timeline();
+  Eigen::VectorXd w = random_columns(1, 23);
+  w.array() -= w.mean();
+  w.normalize();
+  constexpr double kTypical = 250;
+  const std::vector<double> amplitudes = {200, 40, 8, 0};  // in standard errors
+  Eigen::MatrixXd series = random_columns(4, 24);
+  for (Eigen::Index o = 0; o < 4; ++o) {
+    auto y = series.col(o);
+    y.array() -= y.mean();
+    y -= w.dot(y) * w;
+    y *= std::sqrt(static_cast<double>(kRows - 1)) / y.norm();
+    y += amplitudes[static_cast<std::size_t>(o)] * w;
+  }
+  const Ground ground(when, {{0, 1}}, SoftBase(Eigen::MatrixXd::Ones(kRows, 1)), series);
+  const Gain gain = ground.settled_gain(w, Eigen::MatrixXd::Constant(1, 4, kTypical));
+  for (Eigen::Index o = 0; o < 4; ++o) {
+    double likeliest = 0, most = log_density_2(series.col(o), w, 0);
+    for (const double share : {1.0, 0.2, 0.04})  // and none: equal odds
+      if (const double here = log_density_2(series.col(o), w, share * kTypical); here > most)
+        most = here, likeliest = share;
+    EXPECT_EQ(gain.share[static_cast<std::size_t>(o)], likeliest) << o;
+  }
+  EXPECT_EQ(gain.share, (std::vector<double>{1, 0.2, 0.04, 0})) << "each of them is met";
+}
+
+TEST(LikeliestShare, OfACauseOfOneOutputIsNeverNone) {
+  EXPECT_EQ(likeliest_share({-9, -6, -2}, true), 0);
+  EXPECT_EQ(likeliest_share({-9, -6, -2}, false), 0.04);
+  EXPECT_EQ(likeliest_share({-9, 1, -2}, true), 0.2);
 }
 
 TEST(EvidenceTail, GivesTheChanceOfTheLargestOfMany) {
