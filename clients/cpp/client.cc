@@ -16,8 +16,9 @@ struct Client::State {
   std::unique_ptr<v1::CellService::Stub> cell;
 };
 
-Client::Client(std::string address, std::string operator_name) : state_(new State) {
-  state_->link = std::make_shared<Link>(std::move(address), std::move(operator_name));
+Client::Client(std::string address, std::string operator_name, const Credentials& credentials)
+    : state_(new State) {
+  state_->link = std::make_shared<Link>(std::move(address), std::move(operator_name), credentials);
   state_->targets = v1::TargetService::NewStub(state_->link->channel);
   state_->cell = v1::CellService::NewStub(state_->link->channel);
 }
@@ -26,6 +27,7 @@ Client::Client(Client&&) noexcept = default;
 Client& Client::operator=(Client&&) noexcept = default;
 
 Answer<Target> Client::target(const Pose& pose, std::chrono::milliseconds limit) const {
+  if (state_->link->trouble) return tl::unexpected(*state_->link->trouble);
   grpc::ClientContext context;
   state_->link->sign(context);
   context.set_deadline(std::chrono::system_clock::now() + limit);
@@ -43,6 +45,7 @@ TargetFollower Client::follow(Pose pose, std::chrono::milliseconds min_interval)
 }
 
 Answer<void> Client::stop_all(std::chrono::milliseconds limit) const {
+  if (state_->link->trouble) return tl::unexpected(*state_->link->trouble);
   grpc::ClientContext context;
   state_->link->sign(context);
   context.set_deadline(std::chrono::system_clock::now() + limit);

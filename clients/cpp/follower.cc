@@ -53,6 +53,7 @@ void TargetFollower::State::publish(Answer<Target> news) {
 }
 
 void TargetFollower::State::read_one_stream() {
+  if (link_->trouble) return publish(tl::unexpected(*link_->trouble));
   grpc::ClientContext context;
   link_->sign(context);
   v1::WatchTargetsRequest request;

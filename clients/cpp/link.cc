@@ -4,25 +4,63 @@
 #include <grpcpp/security/credentials.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 
 namespace driftwise::client {
 namespace {
 
-std::shared_ptr<grpc::Channel> open_channel(const std::string& address) {
+// Empty for no path.
+std::string read_pem(const std::filesystem::path& path, std::optional<Failure>& trouble) {
+  if (path.empty()) return {};
+  std::ifstream file(path, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  if ((!file || text.empty()) && !trouble)
+    trouble =
+        Failure{"BAD_CREDENTIALS",
+                path.string() + ": cannot be read, expected a PEM file that this user may read"};
+  return text;
+}
+
+std::shared_ptr<grpc::ChannelCredentials> credentials_of(const Credentials& given,
+                                                         std::optional<Failure>& trouble) {
+  if (given.authority.empty()) {
+    if (!given.certificate.empty() || !given.key.empty())
+      trouble = Failure{"BAD_CREDENTIALS",
+                        "a client certificate is shown over TLS only: name the authority that "
+                        "signed the daemon's certificate"};
+    return grpc::InsecureChannelCredentials();
+  }
+  grpc::SslCredentialsOptions options;
+  options.pem_root_certs = read_pem(given.authority, trouble);
+  options.pem_cert_chain = read_pem(given.certificate, trouble);
+  options.pem_private_key = read_pem(given.key, trouble);
+  if (options.pem_cert_chain.empty() != options.pem_private_key.empty() && !trouble)
+    trouble = Failure{"BAD_CREDENTIALS", "certificate and key belong together: name both or none"};
+  return grpc::SslCredentials(options);
+}
+
+std::shared_ptr<grpc::Channel> open_channel(
+    const std::string& address, const std::shared_ptr<grpc::ChannelCredentials>& credentials) {
   grpc::ChannelArguments arguments;
-  // The daemon listens on loopback, or at the end of a tunnel: never through a proxy.
+  // The daemon stands on this computer or in its network: never through a proxy.
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   // gRPC's own pause between two attempts grows to two minutes; a controller cannot wait so long.
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1000);
-  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+  return grpc::CreateCustomChannel(address, credentials, arguments);
 }
 
 }  // namespace
 
-Link::Link(std::string to, std::string who)
-    : address(std::move(to)), operator_name(std::move(who)), channel(open_channel(address)) {}
+Link::Link(std::string to, std::string who, const Credentials& credentials)
+    : address(std::move(to)),
+      operator_name(std::move(who)),
+      bearer(credentials.token.empty() ? "" : "Bearer " + credentials.token),
+      channel(open_channel(address, credentials_of(credentials, trouble))) {}
 
 void Link::sign(grpc::ClientContext& context) const {
+  if (!bearer.empty()) context.AddMetadata("authorization", bearer);
   if (operator_name.empty()) return;
   const bool ascii = std::all_of(operator_name.begin(), operator_name.end(),
                                  [](char c) { return c >= 0x20 && c < 0x7F; });

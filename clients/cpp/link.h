@@ -5,15 +5,19 @@
 #include <grpcpp/client_context.h>
 
 #include <memory>
+#include <optional>
 #include <string>
+
+#include "clients/cpp/include/driftwise/client.h"
 
 namespace driftwise::client {
 
 struct Link {
-  std::string address, operator_name;
+  std::string address, operator_name, bearer;
+  std::optional<Failure> trouble;  // with the files of the credentials: every call fails with it
   std::shared_ptr<grpc::Channel> channel;
 
-  Link(std::string to, std::string who);
+  Link(std::string to, std::string who, const Credentials& credentials);
   void sign(grpc::ClientContext& context) const;  // who is asking
 };
 

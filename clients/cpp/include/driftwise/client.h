@@ -22,8 +22,9 @@
 namespace driftwise::client {
 
 // reason: UPPER_SNAKE and stable, see docs/api.md ("NO_MODEL", "OUTSIDE_DOMAIN"); this library adds
-// NO_DAEMON (nothing answers at the address), TIMEOUT, NO_NOTICE and BAD_NOTICE (driftwised.json),
-// NOT_YET (a follower has heard nothing yet). message: a sentence for a person.
+// NO_DAEMON (nothing answers at the address), BAD_CREDENTIALS (files that cannot be read), TIMEOUT,
+// NO_NOTICE and BAD_NOTICE (driftwised.json), NOT_YET (a follower has heard nothing yet). message:
+// a sentence for a person.
 struct Failure {
   std::string reason, message;
 };
@@ -72,11 +73,21 @@ class TargetFollower {
   std::unique_ptr<State> state_;
 };
 
+// What the daemon wants to see (docs/access.md). Nothing: a plain connection, which only loopback
+// takes.
+struct Credentials {
+  std::filesystem::path authority;         // PEM: who signed the daemon's certificate; given: TLS
+  std::filesystem::path certificate, key;  // PEM of a client certificate with a role; or
+  std::string token;                       // "dwt_..."
+};
+
 class Client {
  public:
-  // address: "127.0.0.1:50051". operator_name stands in the record, unverified. Connects when first
-  // asked, and again after a loss.
-  explicit Client(std::string address, std::string operator_name = "controller");
+  // address: "127.0.0.1:50051". operator_name stands in the record where nobody proves anything.
+  // Connects when first asked, and again after a loss. Credentials that cannot be read: every call
+  // fails with BAD_CREDENTIALS.
+  explicit Client(std::string address, std::string operator_name = "controller",
+                  const Credentials& credentials = {});
   ~Client();
   Client(Client&&) noexcept;
   Client& operator=(Client&&) noexcept;
