@@ -24,6 +24,7 @@
 #include <fstream>
 #include <future>
 #include <iostream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -31,7 +32,6 @@
 #include "server/access/access.h"
 #include "server/application/cell/cell.h"
 #include "server/application/recording/usable_devices.h"
-#include "server/application/serving/target_line_server.h"
 #include "server/application/serving/targets.h"
 #include "server/application/status/overview.h"
 #include "server/application/upkeep/cell_clock.h"
@@ -40,6 +40,7 @@
 #include "server/core/try.h"
 #include "server/descriptor_limit.h"
 #include "server/formats/cell_file/cell_file.h"
+#include "server/line/target_line_server.h"
 #include "server/locks/claims.h"
 #include "server/rpc/server/rpc_server.h"
 #include "server/service_manager.h"
@@ -140,29 +141,61 @@ class ExecutorThread {
 
 // The cell with its doors; the web's stands on gRPC's. Destroyed in reverse.
 struct Daemon {
-  std::unique_ptr<application::Cell> cell;
   std::unique_ptr<access::Access> access;
-  std::unique_ptr<application::TargetLineServer> target_line;
+  std::unique_ptr<application::Cell> cell;
+  // By the key of driftwised.json that names them: "target_line", "target_line_tls", ...
+  std::map<std::string, std::unique_ptr<line::TargetLineServer>> lines;
   std::unique_ptr<rpc::RpcServer> rpc;
-  std::unique_ptr<web::HttpServer> http;
+  std::unique_ptr<web::HttpServer> http, https;
 };
+
+tls::TlsFiles tls_files(const AccessDescription& access) {
+  return {access.certificate, access.key, access.authority};
+}
+
+Result<void> open_line(Daemon& daemon, const std::string& key, line::LineDoor door,
+                       const Clock& clock, asio::io_context& context) {
+  if (door.address.empty()) return {};
+  DRIFTWISE_TRY(daemon.lines[key],
+                line::TargetLineServer::start(
+                    {context.get_executor(), daemon.cell->services().host.background(),
+                     daemon.cell->services().targets.snapshots(), clock, *daemon.access},
+                    std::move(door)));
+  return {};
+}
+
+Result<void> open_lines(Daemon& daemon, const CellDescription& description, const Clock& clock,
+                        asio::io_context& context) {
+  const AccessDescription& access = description.access;
+  DRIFTWISE_RETURN_IF_ERROR(
+      open_line(daemon, "target_line", {description.target_line}, clock, context));
+  DRIFTWISE_RETURN_IF_ERROR(open_line(daemon, "target_line_plain",
+                                      {access.plain_target_line, line::LineKind::plain_network,
+                                       nullptr, access.plain_interface, access.plain_allow},
+                                      clock, context));
+  if (access.target_line.empty()) return {};
+  DRIFTWISE_TRY(auto material,
+                tls::TlsMaterial::open(tls_files(access), tls::ClientCertificate::accepted));
+  return open_line(daemon, "target_line_tls",
+                   {access.target_line, line::LineKind::tls, std::move(material)}, clock, context);
+}
+
+// The page at one of its doors.
+void serve_page(web::HttpServer& http, Daemon& daemon, const std::string& web_root, bool secure) {
+  http.serve(web::make_web_site({daemon.cell->services().host, daemon.cell->services().overview,
+                                 daemon.rpc->in_process_channel(), web::find_web_root(web_root),
+                                 http.executor(), *daemon.access, secure, http.port()}));
+}
 
 Result<void> open_doors(Daemon& daemon, const CellDescription& description,
                         const std::string& web_root, const Clock& clock,
                         asio::io_context& context) {
-  if (!description.target_line.empty()) {
-    DRIFTWISE_TRY(auto line, application::TargetLineServer::start(
-                                 context.get_executor(), description.target_line,
-                                 daemon.cell->services().targets.snapshots(), clock));
-    daemon.target_line = std::move(line);
-  }
+  DRIFTWISE_RETURN_IF_ERROR(open_lines(daemon, description, clock, context));
   DRIFTWISE_TRY(auto rpc, rpc::RpcServer::open(daemon.cell->services(), description.listen, {},
                                                daemon.access.get()));
   daemon.rpc = std::move(rpc);
-  if (daemon.http)
-    daemon.http->serve(web::make_web_site(
-        {daemon.cell->services().host, daemon.cell->services().overview,
-         daemon.rpc->in_process_channel(), web::find_web_root(web_root), daemon.http->executor()}));
+  if (daemon.http) serve_page(*daemon.http, daemon, web_root, false);
+  if (daemon.https) serve_page(*daemon.https, daemon, web_root, true);
   return {};
 }
 
@@ -211,7 +244,15 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
   if (!description.http.empty()) {  // listens first: the cell tells where
     DRIFTWISE_TRY(auto http, web::HttpServer::open(description.http));
     daemon.http = std::move(http);
-    web_address = "http://" + daemon.http->address() + "/";
+    web_address = daemon.http->origin() + "/";
+  }
+  if (!description.access.http.empty()) {
+    DRIFTWISE_TRY(auto material,
+                  tls::TlsMaterial::open(tls_files(description.access),
+                                         tls::ClientCertificate::ignored, "http/1.1"));
+    DRIFTWISE_TRY(daemon.https,
+                  web::HttpServer::open(description.access.http, std::move(material)));
+    if (web_address.empty()) web_address = daemon.https->origin() + "/";
   }
   const OpenStore open_store = [](const std::string& path, bool read_only) {
     return storage::open_sqlite_store(path, read_only);
@@ -241,11 +282,12 @@ nlohmann::ordered_json notice_of(const Daemon& daemon) {
   if (!daemon.rpc->socket_path().empty()) notice["socket"] = daemon.rpc->socket_path();
   if (!daemon.access->token_file().empty()) notice["token_file"] = daemon.access->token_file();
   if (!daemon.rpc->tls_address().empty()) notice["grpc_tls"] = daemon.rpc->tls_address();
-  if (daemon.target_line) notice["target_line"] = daemon.target_line->address();
+  for (const auto& [key, line] : daemon.lines) notice[key] = line->address();
   if (daemon.http) {
     notice["http"] = daemon.http->address();
-    notice["web"] = "http://" + daemon.http->address() + "/";
+    notice["web"] = daemon.http->origin() + "/";
   }
+  if (daemon.https) notice["web_tls"] = daemon.https->origin() + "/";
   notice["pid"] = getpid();
   return notice;
 }
@@ -272,9 +314,10 @@ void serve_until_signal(Daemon& daemon, asio::io_context& context, const Argumen
   pthread_sigmask(SIG_UNBLOCK, &signals,
                   nullptr);  // a second signal ends it at once: the record survives that
   daemon.http.reset();
+  daemon.https.reset();
   daemon.rpc->shut_down(std::chrono::seconds(2));
   executor.run([&] {
-    if (daemon.target_line) daemon.target_line->stop();
+    for (auto& [key, line] : daemon.lines) line->stop();
   });
   daemon.access->authoriser().tell(nullptr);
   asio::co_spawn(context, daemon.cell->shut_down(), asio::use_future).wait();

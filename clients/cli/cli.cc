@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "clients/cli/commands/access/certificate_commands.h"
+#include "clients/cli/commands/access/open_command.h"
 #include "clients/cli/commands/access/token_commands.h"
 #include "clients/cli/commands/cell/alarm_commands.h"
 #include "clients/cli/commands/cell/cell_commands.h"
@@ -134,6 +135,7 @@ void add_everything(CLI::App& app, Session& session) {
   add_alarm_commands(app, session);
   add_configuration_commands(app, session);
   add_token_commands(app, session);
+  add_open_command(app, session);
   add_certificate_commands(app, session);
   add_watch_command(app, session);
   add_trajectory_commands(app, session);

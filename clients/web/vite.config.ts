@@ -19,6 +19,6 @@ export default defineConfig({
       },
     },
   },
-  server: { host: '127.0.0.1', proxy: { '^/driftwise\\.v1\\.': { target: daemon } } },
+  server: { host: '127.0.0.1', proxy: { '^/(driftwise\\.v1\\.|session$)': { target: daemon } } },
   test: { environment: 'jsdom', include: ['test/**/*.test.{ts,tsx}'], css: true, setupFiles: ['test/setup.ts'] },
 });

@@ -41,7 +41,9 @@ Result<std::unique_ptr<Access>> Access::open(const AccessDescription& descriptio
   std::unique_ptr<Access> out(new Access);
   out->description_ = description;
   const std::filesystem::path folder(state_folder);
-  Authoriser::Parts parts{.loopback = description.loopback, .local_user = user_name()};
+  Authoriser::Parts parts;
+  parts.loopback = description.loopback;
+  parts.local_user = user_name();
   out->socket_path_ = (folder / "driftwised.sock").string();
   DRIFTWISE_RETURN_IF_ERROR(check(description));
   DRIFTWISE_TRY(auto tokens, TokenBook::open((folder / "tokens.json").string()));

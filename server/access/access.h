@@ -11,6 +11,7 @@
 
 #include "server/access/authoriser.h"
 #include "server/access/certificate.h"
+#include "server/access/page_links.h"
 #include "server/access/token_book.h"
 #include "server/core/description/access_description.h"
 
@@ -31,6 +32,7 @@ class Access {
   const AccessDescription& description() const { return description_; }
   Authoriser& authoriser() { return *authoriser_; }
   TokenBook& tokens() { return *tokens_; }
+  PageLinks& links() { return links_; }
   const std::string& token_file() const { return token_file_; }    // empty: none was written
   const std::string& socket_path() const { return socket_path_; }  // where the unix socket belongs
 
@@ -39,6 +41,7 @@ class Access {
 
   AccessDescription description_;
   std::string token_file_, socket_path_;
+  PageLinks links_;
   std::unique_ptr<TokenBook> tokens_;
   std::unique_ptr<Authoriser> authoriser_;
 };

@@ -218,6 +218,7 @@ inline constexpr Reason kNotExportable{"NOT_EXPORTABLE", Recovery::by_code};
 inline constexpr Reason kNotFinite{"NOT_FINITE", Recovery::by_code};
 inline constexpr Reason kNotLoopback{"NOT_LOOPBACK", Recovery::by_code};
 inline constexpr Reason kNotNow{"NOT_NOW", Recovery::by_code};
+inline constexpr Reason kNotOnInterface{"NOT_ON_INTERFACE", Recovery::by_code};
 inline constexpr Reason kNotPaused{"NOT_PAUSED", Recovery::by_code};
 inline constexpr Reason kNotReferenced{"NOT_REFERENCED", Recovery::by_code};
 inline constexpr Reason kNotRefused{"NOT_REFUSED", Recovery::by_code};

@@ -2,6 +2,7 @@
 
 #include <grpcpp/support/slice.h>
 
+#include "server/access/authoriser.h"
 #include "server/web/base64.h"
 #include "server/web/forwarded_call.h"
 #include "server/web/grpc_web_call.h"
@@ -20,10 +21,12 @@ std::string frame_of(const grpc::ByteBuffer& message) {
   return out;
 }
 
+constexpr std::string_view kSessionOver = "the session has ended: log in again";
+
 class CallBody final : public BodyStream {
  public:
-  CallBody(std::shared_ptr<ForwardedCall> call, GrpcWebForm form)
-      : call_(std::move(call)), form_(form) {}
+  CallBody(std::shared_ptr<ForwardedCall> call, GrpcWebForm form, std::function<bool()> lasts)
+      : call_(std::move(call)), form_(form), lasts_(std::move(lasts)) {}
   ~CallBody() override { call_->cancel(); }  // nothing to do when it is over
 
   Awaitable<Piece> next() override {
@@ -31,11 +34,17 @@ class CallBody final : public BodyStream {
     auto waiting = call->next();
     const auto message = co_await std::move(waiting);
     Piece piece;
-    piece.last = !message;
-    const grpc::Status& status = call->status();
-    piece.bytes = message ? frame_of(*message)
-                          : trailers_frame(status.error_code(), status.error_message(),
-                                           status.error_details());
+    if (message && lasts_ && !lasts_()) {
+      call->cancel();
+      piece.last = true;
+      piece.bytes = trailers_frame(grpc::StatusCode::UNAUTHENTICATED, kSessionOver, {});
+    } else {
+      piece.last = !message;
+      const grpc::Status& status = call->status();
+      piece.bytes = message ? frame_of(*message)
+                            : trailers_frame(status.error_code(), status.error_message(),
+                                             status.error_details());
+    }
     if (form_ == GrpcWebForm::text) piece.bytes = base64_encode(piece.bytes);
     co_return piece;
   }
@@ -44,6 +53,7 @@ class CallBody final : public BodyStream {
  private:
   std::shared_ptr<ForwardedCall> call_;
   GrpcWebForm form_;
+  std::function<bool()> lasts_;
 };
 
 HttpResponse answer_in(GrpcWebForm form) {
@@ -56,7 +66,11 @@ HttpResponse answer_in(GrpcWebForm form) {
 
 HttpResponse refused_call(GrpcWebForm form, const Error& error) {
   HttpResponse response = answer_in(form);
-  response.body = trailers_frame(grpc::StatusCode::INVALID_ARGUMENT, error.message, {});
+  const auto code = error.code == ErrorCode::unauthenticated ? grpc::StatusCode::UNAUTHENTICATED
+                    : error.code == ErrorCode::resource_exhausted
+                        ? grpc::StatusCode::RESOURCE_EXHAUSTED
+                        : grpc::StatusCode::INVALID_ARGUMENT;
+  response.body = trailers_frame(code, error.message, {});
   if (form == GrpcWebForm::text) response.body = base64_encode(response.body);
   return response;
 }
@@ -84,17 +98,24 @@ std::variant<HttpResponse, std::size_t> GrpcWebGateway::admit(const HttpRequest&
   return *form == GrpcWebForm::text ? (kMost + 2) / 3 * 4 : kMost;
 }
 
-HttpResponse GrpcWebGateway::open(HttpRequest request) {
+HttpResponse GrpcWebGateway::refuse(const HttpRequest& request, const Error& error) {
+  return refused_call(grpc_web_form(request.header("content-type")).value_or(GrpcWebForm::binary),
+                      error);
+}
+
+HttpResponse GrpcWebGateway::open(HttpRequest request, Behalf behalf) {
   const GrpcWebForm form =
       grpc_web_form(request.header("content-type")).value_or(GrpcWebForm::binary);
-  const auto call = grpc_web_call(request);
+  auto call = grpc_web_call(request);
   if (!call) return refused_call(form, call.error());
   const auto message = message_of_body(std::move(request.body), form);
   if (!message) return refused_call(form, message.error());
+  if (!behalf.vouched.empty())
+    call->metadata.push_back({access::Authoriser::kVouchedKey, std::move(behalf.vouched)});
   auto forwarded = std::make_shared<ForwardedCall>(executor_);
   forwarded->begin(stub_, *call, *message);
   HttpResponse response = answer_in(form);
-  response.stream = std::make_shared<CallBody>(std::move(forwarded), form);
+  response.stream = std::make_shared<CallBody>(std::move(forwarded), form, std::move(behalf.lasts));
   return response;
 }
 

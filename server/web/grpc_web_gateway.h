@@ -9,7 +9,9 @@
 #include <grpcpp/generic/generic_stub.h>
 
 #include <boost/asio/any_io_executor.hpp>
+#include <functional>
 #include <memory>
+#include <string>
 #include <variant>
 
 #include "server/web/grpc_web_frame.h"
@@ -26,8 +28,16 @@ class GrpcWebGateway {
   // Is it a call, and may it come in? A refusal: 404 no such path, 405 not POST, 415 not gRPC-Web.
   static std::variant<HttpResponse, std::size_t> admit(const HttpRequest& head);
 
+  // On whose behalf: vouched stands as metadata in the call (Authoriser::vouch); empty: nobody, and
+  // the service decides. lasts: false ends a stream, as when the session is over; empty: it lasts.
+  struct Behalf {
+    std::string vouched;
+    std::function<bool()> lasts;
+  };
   // Always 200: what the call comes to stands in its trailers, also when the request was no frame.
-  HttpResponse open(HttpRequest request);
+  HttpResponse open(HttpRequest request, Behalf behalf);
+  // The same form of answer without a call: nobody is logged in.
+  static HttpResponse refuse(const HttpRequest& request, const Error& error);
 
  private:
   asio::any_io_executor executor_;

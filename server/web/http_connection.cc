@@ -7,6 +7,8 @@
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/cancellation_signal.hpp>
 #include <boost/asio/redirect_error.hpp>
+#include <boost/asio/ssl/error.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/core/buffers_cat.hpp>
@@ -14,6 +16,7 @@
 #include <boost/beast/core/string.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http.hpp>
+#include <boost/beast/ssl/ssl_stream.hpp>
 
 #include "server/web/security_headers.h"
 
@@ -29,14 +32,22 @@ using WallClock = std::chrono::steady_clock;
 
 constexpr std::string_view kStopPath = "/driftwise.v1.CellService/StopAll";
 constexpr std::size_t kMaxHeaderBytes = 16 * 1024;
-constexpr auto kIdleLimit = seconds(75), kHeaderLimit = seconds(10), kBodyPauseLimit = seconds(20),
-               kBodyLimit = seconds(300), kWriteLimit = seconds(60);
+constexpr auto kHandshakeLimit = seconds(10), kIdleLimit = seconds(75), kHeaderLimit = seconds(10),
+               kBodyPauseLimit = seconds(20), kBodyLimit = seconds(300), kWriteLimit = seconds(60);
 
 using Parser = http::request_parser<http::string_body>;
 
-HttpRequest head_of(const Parser& parser, const std::string& peer) {
+// What the connection itself says of each of its requests.
+struct Ends {
+  std::string peer, local;  // "ipv4:127.0.0.1:5020"; "127.0.0.1"
+  bool secure = false;
+};
+
+HttpRequest head_of(const Parser& parser, const Ends& ends) {
   HttpRequest out;
-  out.peer = peer;
+  out.peer = ends.peer;
+  out.local = ends.local;
+  out.secure = ends.secure;
   out.method = std::string(parser.get().method_string());
   out.target = std::string(parser.get().target());
   for (const auto& field : parser.get()) {
@@ -55,6 +66,12 @@ std::string peer_of(const tcp::socket& socket) {
   const bool v6 = end.address().is_v6();
   return (v6 ? "ipv6:[" : "ipv4:") + end.address().to_string() + (v6 ? "]:" : ":") +
          std::to_string(end.port());
+}
+
+std::string local_of(const tcp::socket& socket) {
+  Code gone;
+  const auto end = socket.local_endpoint(gone);
+  return gone ? std::string() : end.address().to_string();
 }
 
 // "ipv4:127.0.0.1:5020" -> "ipv4:127.0.0.1"
@@ -80,14 +97,28 @@ HttpResponse refusal(Code why) {
   return plain_answer(400, "this is not an HTTP/1.1 request: " + why.message() + "\n");
 }
 
+using PlainStream = beast::tcp_stream;
+using TlsStream = beast::ssl_stream<beast::tcp_stream>;
+
+// Stream: one of the two above.
+template <class Stream>
 class BeastConnection final : public HttpConnection,
-                              public std::enable_shared_from_this<BeastConnection> {
+                              public std::enable_shared_from_this<BeastConnection<Stream>> {
+  static constexpr bool kTls = std::is_same_v<Stream, TlsStream>;
+
  public:
-  BeastConnection(tcp::socket socket, HttpSite& site, BodyBudget& budget)
-      : peer_(peer_of(socket)), stream_(std::move(socket)), site_(site), budget_(budget) {
+  // tls: of a TlsStream, which keeps it alive.
+  BeastConnection(tcp::socket socket, std::shared_ptr<asio::ssl::context> tls, HttpSite& site,
+                  BodyBudget& budget)
+      : ends_{peer_of(socket), local_of(socket), kTls},
+        tls_(std::move(tls)),
+        stream_(make_stream(std::move(socket))),
+        idle_(stream_.get_executor()),
+        site_(site),
+        budget_(budget) {
     Code ignored;
-    stream_.socket().set_option(tcp::no_delay(true), ignored);
-    watch_peer(stream_.socket());
+    tcp_stream().socket().set_option(tcp::no_delay(true), ignored);
+    watch_peer(tcp_stream().socket());
   }
 
   Awaitable<void> serve() override { return serve_requests(); }
@@ -98,7 +129,7 @@ class BeastConnection final : public HttpConnection,
     const auto age = WallClock::now() - since_;
     const bool waits = (activity_ == Activity::blocked && age < seconds(1)) ||
                        (activity_ == Activity::answering && age > seconds(2));
-    return {without_port(peer_), waits ? Activity::waiting : activity_, since_};
+    return {without_port(ends_.peer), waits ? Activity::waiting : activity_, since_};
   }
   bool closing() const override { return closing_; }
   void end_soon() override {
@@ -109,16 +140,25 @@ class BeastConnection final : public HttpConnection,
     ending_ = closing_ = true;
     if (answering_) answering_->abandon();
     Code ignored;
-    stream_.socket().shutdown(tcp::socket::shutdown_both, ignored);
-    stream_.close();
+    tcp_stream().socket().shutdown(tcp::socket::shutdown_both, ignored);
+    tcp_stream().close();
+    idle_.cancel();
   }
 
  private:
+  Stream make_stream(tcp::socket socket) {
+    if constexpr (kTls)
+      return Stream(std::move(socket), *tls_);
+    else
+      return Stream(std::move(socket));
+  }
+  beast::tcp_stream& tcp_stream() { return beast::get_lowest_layer(stream_); }
   auto token() { return asio::redirect_error(asio::use_awaitable, code_); }
 
   // GCC 12 lays the frame of this coroutine out wrongly when it is the virtual function itself.
   Awaitable<void> serve_requests() {
     bool goes_on = true;
+    if constexpr (kTls) goes_on = co_await shake_hands();
     while (goes_on && !ending_) {
       goes_on = co_await first_byte();
       if (!goes_on) break;
@@ -129,9 +169,31 @@ class BeastConnection final : public HttpConnection,
     close();
   }
 
+  Awaitable<bool> shake_hands() {
+    now(Activity::receiving);
+    tcp_stream().expires_after(kHandshakeLimit);
+    co_await stream_.async_handshake(asio::ssl::stream_base::server, token());
+    now(Activity::idle);
+    if (!code_) co_return true;
+    // Somebody typed http:// where the door speaks https://.
+    if (ERR_GET_REASON(static_cast<unsigned long>(code_.value())) == SSL_R_HTTP_REQUEST) {
+      static constexpr std::string_view kHint =
+          "HTTP/1.1 400 Bad Request\r\nContent-Type: text/plain; charset=utf-8\r\n"
+          "Connection: close\r\nContent-Length: 46\r\n\r\n"
+          "this door speaks TLS: write https:// instead.\n";
+      co_await asio::async_write(tcp_stream(), asio::buffer(kHint), token());
+    }
+    co_return false;
+  }
+
   Awaitable<bool> first_byte() {
+    if (ahead_) {  // it is being read already
+      idle_.expires_after(kIdleLimit);
+      co_await idle_.async_wait(token());
+      if (ahead_ || gone_) co_return false;
+    }
     if (buffer_.size() > 0) co_return true;  // sent ahead
-    stream_.expires_after(kIdleLimit);
+    tcp_stream().expires_after(kIdleLimit);
     const std::size_t bytes = co_await stream_.async_read_some(buffer_.prepare(4096), token());
     buffer_.commit(bytes);
     co_return !code_;
@@ -142,10 +204,10 @@ class BeastConnection final : public HttpConnection,
     Parser parser;
     parser.header_limit(kMaxHeaderBytes);
     parser.body_limit(boost::none);  // it depends on the address
-    stream_.expires_after(kHeaderLimit);
+    tcp_stream().expires_after(kHeaderLimit);
     co_await http::async_read_header(stream_, buffer_, parser, token());
     if (code_) co_return co_await refuse(code_);
-    HttpRequest request = head_of(parser, peer_);
+    HttpRequest request = head_of(parser, ends_);
     const bool is_head = parser.get().method() == http::verb::head;
     const bool is_last = !parser.get().keep_alive();
     auto admitted = site_.admit(request);
@@ -158,8 +220,8 @@ class BeastConnection final : public HttpConnection,
     parser.body_limit(limit);
     if (parser.content_length() && *parser.content_length() > limit)
       co_return co_await refuse(http::make_error_code(http::error::body_limit));
-    const std::weak_ptr<BeastConnection> weak = weak_from_this();
-    BodyBudget::Share share(budget_, without_port(peer_), [weak] {
+    const std::weak_ptr<BeastConnection> weak = this->weak_from_this();
+    BodyBudget::Share share(budget_, without_port(ends_.peer), [weak] {
       if (const auto alive = weak.lock()) alive->close();
     });
     if (!co_await read_body(parser, share)) co_return false;
@@ -182,13 +244,13 @@ class BeastConnection final : public HttpConnection,
   Awaitable<bool> read_body(Parser& parser, BodyBudget::Share& share) {
     if (beast::iequals(parser.get()[http::field::expect], "100-continue")) {
       static constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
-      stream_.expires_after(kWriteLimit);
+      tcp_stream().expires_after(kWriteLimit);
       co_await asio::async_write(stream_, asio::buffer(kContinue), token());
       if (code_) co_return false;
     }
     const auto until = WallClock::now() + kBodyLimit;
     while (!parser.is_done()) {
-      stream_.expires_at(std::min(until, WallClock::now() + kBodyPauseLimit));
+      tcp_stream().expires_at(std::min(until, WallClock::now() + kBodyPauseLimit));
       co_await http::async_read_some(stream_, buffer_, parser, token());
       if (code_) co_return co_await refuse(code_);
       now(Activity::receiving);
@@ -219,8 +281,8 @@ class BeastConnection final : public HttpConnection,
     co_await std::move(writing);
     // What the client still sends is read away for a moment: closing on it would cut the answer.
     Code ignored;
-    stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
-    stream_.expires_after(seconds(2));
+    tcp_stream().socket().shutdown(tcp::socket::shutdown_send, ignored);
+    tcp_stream().expires_after(seconds(2));
     for (std::size_t left = 1 << 20; left > 0 && !code_;) {
       buffer_.clear();
       const std::size_t bytes = co_await stream_.async_read_some(buffer_.prepare(8192), token());
@@ -243,7 +305,7 @@ class BeastConnection final : public HttpConnection,
     if (response.status != 304) message.prepare_payload();
     if (is_head) message.body().clear();
     http::response_serializer<http::string_body> serializer(message);
-    stream_.expires_after(kWriteLimit);
+    tcp_stream().expires_after(kWriteLimit);
     if (is_head) {
       co_await http::async_write_header(stream_, serializer, token());
     } else {
@@ -259,25 +321,25 @@ class BeastConnection final : public HttpConnection,
     http::response_serializer<http::empty_body> serializer(message);
     answering_ = response.stream;
     auto watched = watch_for_close();
-    stream_.expires_after(kWriteLimit);
+    tcp_stream().expires_after(kWriteLimit);
     co_await http::async_write_header(stream_, serializer, token());
     bool done = false;
     bool began = false;  // until its first message a call is at work
     const Activity kind = activity_;
     while (!code_ && !done) {
-      stream_.expires_never();
+      tcp_stream().expires_never();
       if (kind != Activity::stopping && began) now(Activity::waiting);
       BodyStream::Piece piece = co_await response.stream->next();
       if (closed_) break;
       done = piece.last;
-      stream_.expires_after(kWriteLimit);
+      tcp_stream().expires_after(kWriteLimit);
       if (kind != Activity::stopping) now(Activity::blocked);
       co_await write_piece(piece);
       began = true;
     }
     if (!done) response.stream->abandon();
     answering_.reset();
-    watched->emit(asio::cancellation_type::total);
+    if (watched) watched->emit(asio::cancellation_type::total);
     co_return done && !code_ && message.keep_alive();
   }
 
@@ -296,24 +358,51 @@ class BeastConnection final : public HttpConnection,
   }
 
   // Reads nothing: what a client sends ahead stays where it is. Emit the signal to end the watch.
+  // Behind TLS a close can only be read: that read is the first one of the next request too.
   std::shared_ptr<asio::cancellation_signal> watch_for_close() {
-    auto signal = std::make_shared<asio::cancellation_signal>();
-    auto self = shared_from_this();
-    stream_.socket().async_wait(
-        tcp::socket::wait_read,
-        asio::bind_cancellation_slot(signal->slot(), [self, signal](const Code& code) {
-          if (code || !self->answering_) return;
-          char one = 0;
-          if (::recv(self->stream_.socket().native_handle(), &one, 1, MSG_PEEK | MSG_DONTWAIT) != 0)
-            return;
-          self->closed_ = true;
-          self->answering_->abandon();
-        }));
-    return signal;
+    if constexpr (kTls) {
+      if (buffer_.size() == 0 && !ahead_) read_ahead();
+      return nullptr;
+    } else {
+      auto signal = std::make_shared<asio::cancellation_signal>();
+      auto self = this->shared_from_this();
+      stream_.socket().async_wait(
+          tcp::socket::wait_read,
+          asio::bind_cancellation_slot(signal->slot(), [self, signal](const Code& code) {
+            if (code || !self->answering_) return;
+            char one = 0;
+            if (::recv(self->stream_.socket().native_handle(), &one, 1, MSG_PEEK | MSG_DONTWAIT) !=
+                0)
+              return;
+            self->client_left();
+          }));
+      return signal;
+    }
   }
 
-  std::string peer_;
-  beast::tcp_stream stream_;
+  void read_ahead() {
+    ahead_ = true;
+    tcp_stream().expires_never();
+    stream_.async_read_some(buffer_.prepare(4096),
+                            [self = this->shared_from_this()](const Code& code, std::size_t bytes) {
+                              self->ahead_ = false;
+                              self->buffer_.commit(bytes);
+                              self->gone_ = static_cast<bool>(code);
+                              if (code) self->client_left();
+                              self->idle_.cancel();
+                            });
+  }
+
+  void client_left() {
+    if (!answering_) return;
+    closed_ = true;
+    answering_->abandon();
+  }
+
+  Ends ends_;
+  std::shared_ptr<asio::ssl::context> tls_;
+  Stream stream_;
+  asio::steady_timer idle_;
   HttpSite& site_;
   beast::flat_buffer buffer_{kMaxHeaderBytes + 8192};
   BodyBudget& budget_;
@@ -322,13 +411,19 @@ class BeastConnection final : public HttpConnection,
   DoorInstant since_ = WallClock::now();
   std::shared_ptr<BodyStream> answering_;
   bool ending_ = false, closed_ = false, closing_ = false;
+  bool ahead_ = false;  // the next request's first bytes are being read
+  bool gone_ = false;   // ... and the client closed instead
 };
 
 }  // namespace
 
-std::shared_ptr<HttpConnection> HttpConnection::make(tcp::socket socket, HttpSite& site,
-                                                     BodyBudget& budget) {
-  return std::make_shared<BeastConnection>(std::move(socket), site, budget);
+std::shared_ptr<HttpConnection> HttpConnection::make(tcp::socket socket,
+                                                     std::shared_ptr<asio::ssl::context> tls,
+                                                     HttpSite& site, BodyBudget& budget) {
+  if (tls)
+    return std::make_shared<BeastConnection<TlsStream>>(std::move(socket), std::move(tls), site,
+                                                        budget);
+  return std::make_shared<BeastConnection<PlainStream>>(std::move(socket), nullptr, site, budget);
 }
 
 }  // namespace driftwise::web

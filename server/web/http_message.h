@@ -21,7 +21,9 @@ struct HttpRequest {
   std::string target;               // "/runs/17?tab=points", as it came
   std::vector<HttpHeader> headers;  // names in lower case, in the order they came
   std::string body;
-  std::string peer;  // "ipv4:127.0.0.1:5020", as gRPC writes it
+  std::string peer;     // "ipv4:127.0.0.1:5020", as gRPC writes it
+  std::string local;    // the address it came to, "127.0.0.1"
+  bool secure = false;  // over TLS
 
   std::string_view path() const {  // the target without its query
     return std::string_view(target).substr(0, target.find('?'));

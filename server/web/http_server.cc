@@ -32,27 +32,35 @@ constexpr std::size_t kMostClosing = 64;  // that were told to close and are on 
 constexpr auto kGrace =
     std::chrono::milliseconds(500);  // for answers under way when the daemon ends
 
-Result<tcp::endpoint> parse_loopback(const std::string& address) {
+Result<tcp::endpoint> parse(const std::string& address, bool secure) {
   const std::size_t cut = address.rfind(':');
   boost::system::error_code code;
   unsigned port = 65536;
   if (cut != std::string::npos)
     std::from_chars(address.data() + cut + 1, address.data() + address.size(), port);
   const std::string host = cut == std::string::npos ? "" : address.substr(0, cut);
+  const bool bracketed = host.size() > 2 && host.starts_with('[') && host.ends_with(']');
   const auto ip = asio::ip::make_address(host == "localhost" ? "127.0.0.1"
-                                         : host == "[::1]"   ? "::1"
+                                         : bracketed         ? host.substr(1, host.size() - 2)
                                                              : host,
                                          code);
-  if (code || port > 65535 || !ip.is_loopback())
-    return fail(ErrorCode::invalid_argument, reasons::kBadAddress,
+  if (code || port > 65535)
+    return fail(
+        ErrorCode::invalid_argument, reasons::kBadAddress,
+        "http address '" + address + "': expected an address and a port such as 127.0.0.1:8080");
+  if (!secure && !ip.is_loopback())
+    return fail(ErrorCode::invalid_argument, reasons::kNeedsTls,
                 "http address '" + address +
-                    "': expected a loopback address and port such as 127.0.0.1:8080");
+                    "' can be reached from outside this computer, and the cell file has no [tls]: "
+                    "make certificates with driftwise cert init and name them there, or listen on "
+                    "127.0.0.1");
   return tcp::endpoint(ip, static_cast<std::uint16_t>(port));
 }
 
 class ThreadedHttpServer final : public HttpServer {
  public:
-  ThreadedHttpServer() : acceptor_(context_), grace_(context_) {}
+  explicit ThreadedHttpServer(std::unique_ptr<tls::TlsMaterial> tls)
+      : tls_(std::move(tls)), acceptor_(context_), grace_(context_) {}
   ~ThreadedHttpServer() override {
     asio::post(context_, [this] { end(); });
     work_.reset();
@@ -75,6 +83,7 @@ class ThreadedHttpServer final : public HttpServer {
     const std::string host = endpoint_.address().to_string();
     return (endpoint_.address().is_v6() ? "[" + host + "]" : host) + ":" + std::to_string(port());
   }
+  std::string origin() const override { return (tls_ ? "https://" : "http://") + address(); }
   asio::any_io_executor executor() const override {
     return const_cast<asio::io_context&>(context_).get_executor();
   }
@@ -103,7 +112,8 @@ class ThreadedHttpServer final : public HttpServer {
 
   void take(tcp::socket socket) {
     const auto place = connections_.insert(
-        connections_.end(), HttpConnection::make(std::move(socket), *site_, budget_));
+        connections_.end(),
+        HttpConnection::make(std::move(socket), tls_ ? tls_->context() : nullptr, *site_, budget_));
     asio::co_spawn(context_, (*place)->serve(), [this, place](const std::exception_ptr& bug) {
       connections_.erase(place);
       if (connections_.empty()) grace_.cancel();
@@ -150,6 +160,7 @@ class ThreadedHttpServer final : public HttpServer {
     for (const auto& one : present) ((*one).*what)();
   }
 
+  std::unique_ptr<tls::TlsMaterial> tls_;
   asio::io_context context_{1};
   std::optional<asio::executor_work_guard<asio::io_context::executor_type>> work_{
       context_.get_executor()};
@@ -164,9 +175,10 @@ class ThreadedHttpServer final : public HttpServer {
 
 }  // namespace
 
-Result<std::unique_ptr<HttpServer>> HttpServer::open(const std::string& address) {
-  DRIFTWISE_TRY(const auto endpoint, parse_loopback(address));
-  auto server = std::make_unique<ThreadedHttpServer>();
+Result<std::unique_ptr<HttpServer>> HttpServer::open(const std::string& address,
+                                                     std::unique_ptr<tls::TlsMaterial> tls) {
+  DRIFTWISE_TRY(const auto endpoint, parse(address, tls != nullptr));
+  auto server = std::make_unique<ThreadedHttpServer>(std::move(tls));
   if (const auto code = server->listen(endpoint))
     return fail(ErrorCode::unavailable, reasons::kCannotListen,
                 "http address '" + address + "': " + code.message() +

@@ -1,8 +1,13 @@
 #include "server/web/web_site.h"
 
+#include <algorithm>
+
 #include "server/application/plumbing/run_on.h"
+#include "server/core/reasons.h"
+#include "server/web/entrance.h"
 #include "server/web/grpc_web_gateway.h"
 #include "server/web/metrics.h"
+#include "server/web/request_rate.h"
 #include "server/web/same_origin.h"
 #include "server/web/security_headers.h"
 #include "server/web/static_files.h"
@@ -12,17 +17,36 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Of bodies of clients that nobody knows yet: room for a log-in, not for a dataset.
+constexpr std::size_t kMostUnknownBody = 64 * 1024;
+
+std::string address_of(const std::string& peer) { return peer.substr(0, peer.rfind(':')); }
+
 class WebSite final : public HttpSite {
  public:
   explicit WebSite(WebSiteParts parts)
       : host_(parts.host),
         overview_(parts.overview),
+        access_(parts.access),
+        entrance_({parts.access, parts.host, parts.secure, parts.port}),
         gateway_(parts.executor, parts.channel),
         files_(parts.root) {}
 
   std::variant<HttpResponse, std::size_t> admit(const HttpRequest& head) override {
-    if (auto refused = refuse_foreign(head)) return std::move(*refused);
-    if (head.path().starts_with("/driftwise.v1.")) return GrpcWebGateway::admit(head);
+    if (auto refused = refuse_foreign(head, access_.description().names))
+      return std::move(*refused);
+    const bool trusted = entrance_.trusts(head);
+    if (!trusted && !rate_.takes(address_of(head.peer), std::chrono::steady_clock::now()))
+      return refused_answer({ErrorCode::resource_exhausted, reasons::kTooManyTries,
+                             "too many requests from this address before a log-in: try again in a "
+                             "second"});
+    if (head.path() == kSession) return admit_session(head);
+    if (head.path().starts_with("/driftwise.v1.")) {
+      auto admitted = GrpcWebGateway::admit(head);
+      if (auto* most = std::get_if<std::size_t>(&admitted); most != nullptr && !trusted)
+        *most = std::min(*most, kMostUnknownBody);
+      return admitted;
+    }
     if (head.method == "GET" || head.method == "HEAD") return std::size_t{0};
     HttpResponse refused = plain_answer(405, "only GET and HEAD are answered here\n");
     refused.headers.push_back({"Allow", "GET, HEAD"});
@@ -30,12 +54,59 @@ class WebSite final : public HttpSite {
   }
 
   Awaitable<HttpResponse> answer(HttpRequest request) override {
-    if (request.method == "POST") co_return gateway_.open(std::move(request));
+    if (request.path() == kSession) {
+      auto answering = entrance_.session(std::move(request));
+      co_return co_await std::move(answering);
+    }
+    if (request.method == "POST") {
+      auto calling = call(std::move(request));
+      co_return co_await std::move(calling);
+    }
     if (request.path() == "/healthz") {
       co_await application::run_on(host_.executor(), [] {});
       co_return plain_answer(200, "ok\n");
     }
     if (request.path() != "/metrics") co_return files_.answer(request);
+    auto telling = metrics(std::move(request));
+    co_return co_await std::move(telling);
+  }
+
+ private:
+  static constexpr std::string_view kSession = "/session";
+
+  static std::variant<HttpResponse, std::size_t> admit_session(const HttpRequest& head) {
+    if (head.method == "GET" || head.method == "DELETE") return std::size_t{0};
+    if (head.method != "POST") {
+      HttpResponse refused = plain_answer(405, "GET, POST and DELETE are answered here\n");
+      refused.headers.push_back({"Allow", "GET, POST, DELETE"});
+      return refused;
+    }
+    // Forms of other pages cannot send it without being asked for leave; there is none.
+    if (!head.header("content-type").starts_with("application/json"))
+      return plain_answer(415, "Content-Type: expected application/json\n");
+    return Entrance::kMostBody;
+  }
+
+  Awaitable<HttpResponse> call(HttpRequest request) {
+    auto asking = entrance_.visitor(request);
+    auto visitor = co_await std::move(asking);
+    if (!visitor) co_return GrpcWebGateway::refuse(request, visitor.error());
+    GrpcWebGateway::Behalf behalf;
+    if (visitor->identity) behalf.vouched = access_.authoriser().vouch(*visitor->identity);
+    if (!visitor->session.empty())
+      behalf.lasts = [this, session = visitor->session] { return entrance_.lasts(session); };
+    co_return gateway_.open(std::move(request), std::move(behalf));
+  }
+
+  Awaitable<HttpResponse> metrics(HttpRequest request) {
+    auto asking = entrance_.visitor(request);
+    const auto visitor = co_await std::move(asking);
+    if (!visitor) co_return refused_answer(visitor.error());
+    if (visitor->identity)
+      if (const auto may = access_.authoriser().authorise(*visitor->identity,
+                                                          {"/metrics", access::Role::viewer});
+          !may)
+        co_return refused_answer(may.error());
     const auto status =
         co_await application::run_on(host_.executor(), [this] { return overview_.status(); });
     HttpResponse response = plain_answer(200, metrics_text(status));
@@ -43,9 +114,11 @@ class WebSite final : public HttpSite {
     co_return response;
   }
 
- private:
   const application::Host& host_;
   const application::Overview& overview_;
+  access::Access& access_;
+  Entrance entrance_;
+  RequestRate rate_;
   GrpcWebGateway gateway_;
   StaticFiles files_;
 };

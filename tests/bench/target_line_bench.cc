@@ -16,8 +16,8 @@
 #include <thread>
 #include <vector>
 
-#include "server/application/serving/target_line_server.h"
 #include "server/compensation/snapshot_builder.h"
+#include "server/line/target_line_server.h"
 #include "tests/support/manual_clock.h"
 #include "tests/unit/compensation/models.h"
 
@@ -100,8 +100,9 @@ int main(int argc, char** argv) {
   auto builder = std::move(*compensation::SnapshotBuilder::create(
       compensation::axis_model(), ModelId{1}, compensation::axis_cell()));
   if (!board.publish(builder.build(clock.now().utc))) return 1;
-  auto server = std::move(
-      *application::TargetLineServer::start(context.get_executor(), "127.0.0.1:0", board, clock));
+  const auto access = *access::Access::open({}, "/nonexistent");  // an open loopback, no tokens
+  auto server = std::move(*line::TargetLineServer::start(
+      {context.get_executor(), context.get_executor(), board, clock, *access}, {"127.0.0.1:0"}));
   tcp::acceptor acceptor(context, tcp::endpoint(asio::ip::address_v4::loopback(), 0));
   acceptor.async_accept([](error_code error, tcp::socket socket) {
     if (!error) std::make_shared<Echo>(std::move(socket))->read_on();

@@ -48,14 +48,19 @@ HttpClient::HttpClient(const std::string& address) : address_(address) {
   }
 }
 
+HttpClient::HttpClient(const std::string& address, const TlsTrust& trust)
+    : address_(address), tls_(std::make_unique<TlsClient>(address, trust)) {}
+
 HttpClient::~HttpClient() { close(); }
 
 void HttpClient::close() {
+  tls_.reset();
   if (socket_ >= 0) ::close(socket_);
   socket_ = -1;
 }
 
 void HttpClient::send(std::string_view bytes) const {
+  if (tls_) return tls_->send(bytes);
   while (!bytes.empty()) {
     const auto count = ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
     if (count < 0) throw std::runtime_error(address_ + ": closed while sending");
@@ -64,6 +69,11 @@ void HttpClient::send(std::string_view bytes) const {
 }
 
 bool HttpClient::receive() {
+  if (tls_) {
+    const std::string more = tls_->receive();
+    received_ += more;
+    return !more.empty();
+  }
   pollfd wait_for{socket_, POLLIN, 0};
   if (poll(&wait_for, 1, kLimitMs) <= 0)
     throw std::runtime_error(address_ + ": nothing came; so far: " + received_);

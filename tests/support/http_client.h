@@ -4,9 +4,12 @@
 // headers.
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "tests/support/tls_client.h"
 
 namespace driftwise::tests {
 
@@ -20,7 +23,8 @@ struct HttpReply {
 
 class HttpClient {
  public:
-  explicit HttpClient(const std::string& address);  // "127.0.0.1:40200"
+  explicit HttpClient(const std::string& address);                // "127.0.0.1:40200"
+  HttpClient(const std::string& address, const TlsTrust& trust);  // https
   ~HttpClient();
   HttpClient(const HttpClient&) = delete;
   HttpClient& operator=(const HttpClient&) = delete;
@@ -43,6 +47,7 @@ class HttpClient {
 
   std::string address_, received_;
   int socket_ = -1;
+  std::unique_ptr<TlsClient> tls_;
 };
 
 // gRPC-Web as its specification has it.

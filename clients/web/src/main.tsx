@@ -8,6 +8,7 @@ import { Shell } from './app/shell';
 import { followPrinting } from './app/printing';
 import { followKeys } from './app/keys';
 import { followLinks } from './app/router';
+import { enter, session } from './app/session';
 import { followTheme } from './app/theme';
 import { startStream } from './live/stream';
 
@@ -16,5 +17,7 @@ followTheme();
 followLinks(root);
 followKeys();
 followPrinting();
-startStream();
-render(<Shell />, root);
+void enter().then(() => {
+  if (session.value.state !== 'out') startStream();
+  render(<Shell />, root);
+});

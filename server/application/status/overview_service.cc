@@ -59,6 +59,12 @@ CellStatus OverviewService::status() const {
 
 std::vector<std::string> OverviewService::attention() const {
   std::vector<std::string> sentences;
+  if (const auto& access = description_.access; !access.plain_target_line.empty())
+    sentences.push_back(
+        fmt::format("the text line at {} is not encrypted: whoever is on the network of {} can "
+                    "read targets and "
+                    "pretend to be a listed address",
+                    access.plain_target_line, access.plain_interface));
   for (auto& stop : stops_.unconfirmed()) sentences.push_back(std::move(stop.sentence));
   for (const auto& id : bench_.lost())
     sentences.push_back(fmt::format("device {} does not answer", id));

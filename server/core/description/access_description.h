@@ -3,6 +3,7 @@
 // docs/cell-file.md; what it means: docs/access.md.
 
 #include <string>
+#include <vector>
 
 namespace driftwise {
 
@@ -23,6 +24,12 @@ struct AccessDescription {
   std::string listen;       // gRPC
   std::string http;         // the page
   std::string target_line;  // the text line
+  // The text line without TLS on a network of its own: for the addresses listed, targets only.
+  std::string plain_target_line, plain_interface;
+  std::vector<std::string> plain_allow;  // "192.168.7.10", "192.168.7.0/24"
+
+  std::vector<std::string> names;  // by which browsers call the page, besides its address
+  double session_h = 12;           // how long a log-in of the page lasts
 
   bool tls() const { return !certificate.empty(); }
 };

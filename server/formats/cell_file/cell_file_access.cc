@@ -39,6 +39,16 @@ void read_access(TomlReader&& access, AccessDescription& out) {
   check_tls_door(access, "listen", out.listen, tls);
   check_tls_door(access, "http", out.http, tls);
   check_tls_door(access, "target_line", out.target_line, tls);
+  access.texts("names", out.names);
+  access.number("session_h", out.session_h, {.min = 0.1, .max = 720});
+  access.text("plain_target_line", out.plain_target_line);
+  access.text("plain_interface", out.plain_interface);
+  access.texts("plain_allow", out.plain_allow);
+  check_tls_door(access, "plain_target_line", out.plain_target_line, true);
+  if (!out.plain_target_line.empty() && (out.plain_interface.empty() || out.plain_allow.empty()))
+    access.refuse("plain_target_line", reasons::kMissingKey,
+                  "found a text line without TLS, expected beside it plain_interface, the network "
+                  "interface it stands on, and plain_allow, the addresses that may ask there");
   access.finish();
 }
 

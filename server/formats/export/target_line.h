@@ -1,6 +1,6 @@
 #pragma once
 // The text protocol for controllers without gRPC: one line asks, one line answers. Codec only; the
-// socket is server/application/target_line_server. Manual with examples: docs/target-line.md.
+// socket is server/line/target_line_server. Manual with examples: docs/target-line.md.
 //
 //   TARGET x_mm=1.5 u=1
 //   OK q1_mm=1.500123456 u90_nm=8.1 valid_until=2026-11-21T08:05:04Z model=3 flags=-

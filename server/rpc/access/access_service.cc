@@ -2,6 +2,7 @@
 
 #include "driftwise/v1/access_service.grpc.pb.h"
 #include "server/access/authoriser.h"
+#include "server/access/page_links.h"
 #include "server/access/token_book.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
@@ -36,8 +37,8 @@ v1::Token token_from(const access::TokenRecord& record) {
 // Tokens end by UTC, whatever cell time is: no Host is asked.
 class AccessService final : public v1::AccessService::CallbackService {
  public:
-  AccessService(access::Authoriser& authoriser, access::TokenBook* tokens)
-      : authoriser_(authoriser), tokens_(tokens) {}
+  AccessService(access::Authoriser& authoriser, access::TokenBook* tokens, access::PageLinks* links)
+      : authoriser_(authoriser), tokens_(tokens), links_(links) {}
 
   Reactor* GetIdentity(Context* context, const v1::GetIdentityRequest*,
                        v1::GetIdentityResponse* response) override {
@@ -66,6 +67,15 @@ class AccessService final : public v1::AccessService::CallbackService {
   Reactor* RevokeToken(Context* context, const v1::RevokeTokenRequest* request,
                        v1::RevokeTokenResponse* response) override {
     return answer_now(context, revoke(*context, *request, *response));
+  }
+
+  Reactor* CreatePageLink(Context* context, const v1::CreatePageLinkRequest*,
+                          v1::CreatePageLinkResponse* response) override {
+    if (!links_)
+      return answer_now(context, fail(ErrorCode::failed_precondition, reasons::kNoWebPage,
+                                      "this daemon was started without a page"));
+    response->set_link(links_->make(identity_of(*context), std::chrono::steady_clock::now()));
+    return answer_now(context, Result<void>{});
   }
 
  private:
@@ -111,13 +121,15 @@ class AccessService final : public v1::AccessService::CallbackService {
 
   access::Authoriser& authoriser_;
   access::TokenBook* tokens_;
+  access::PageLinks* links_;
 };
 
 }  // namespace
 
 std::unique_ptr<grpc::Service> make_access_service(access::Authoriser& authoriser,
-                                                   access::TokenBook* tokens) {
-  return std::make_unique<AccessService>(authoriser, tokens);
+                                                   access::TokenBook* tokens,
+                                                   access::PageLinks* links) {
+  return std::make_unique<AccessService>(authoriser, tokens, links);
 }
 
 }  // namespace driftwise::rpc

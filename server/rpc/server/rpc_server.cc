@@ -98,6 +98,7 @@ struct RpcServer::Building {
   grpc::ServerBuilder builder;
   access::Authoriser& authoriser;
   access::TokenBook* tokens = nullptr;
+  access::PageLinks* links = nullptr;
   std::vector<std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor>> acceptors = {};
   RoleTable roles = {};
 };
@@ -116,7 +117,8 @@ Result<void> RpcServer::add_services(const application::Services& cell, Building
     return {};
   };
   for (const auto& one : kServices) DRIFTWISE_RETURN_IF_ERROR(add(one.name, one.make(cell)));
-  return add(kAccessService, make_access_service(building.authoriser, building.tokens));
+  return add(kAccessService,
+             make_access_service(building.authoriser, building.tokens, building.links));
 }
 
 Result<void> RpcServer::add_door(Building& building, const std::string& address,
@@ -167,7 +169,8 @@ Result<std::unique_ptr<RpcServer>> RpcServer::open(const application::Services& 
     out->own_authoriser_ = std::make_unique<access::Authoriser>(access::Authoriser::Parts{});
   Building building{.builder = {},
                     .authoriser = access ? access->authoriser() : *out->own_authoriser_,
-                    .tokens = access ? &access->tokens() : nullptr};
+                    .tokens = access ? &access->tokens() : nullptr,
+                    .links = access ? &access->links() : nullptr};
   auto& builder = building.builder;
   DRIFTWISE_RETURN_IF_ERROR(out->add_doors(building, listen, access));
 

@@ -9,6 +9,7 @@
 
 namespace driftwise::access {
 class Authoriser;
+class PageLinks;
 class TokenBook;
 }  // namespace driftwise::access
 
@@ -24,8 +25,9 @@ std::unique_ptr<grpc::Service> make_standards_service(const application::Service
 std::unique_ptr<grpc::Service> make_trajectory_service(const application::Services& cell);
 std::unique_ptr<grpc::Service> make_watch_service(const application::Services& cell);
 std::unique_ptr<grpc::Service> make_configuration_service(const application::Services& cell);
-// tokens: nullptr: none are kept. Both outlive the service.
+// tokens: nullptr: none are kept; links: nullptr: there is no page. All outlive the service.
 std::unique_ptr<grpc::Service> make_access_service(access::Authoriser& authoriser,
-                                                   access::TokenBook* tokens);
+                                                   access::TokenBook* tokens,
+                                                   access::PageLinks* links);
 
 }  // namespace driftwise::rpc

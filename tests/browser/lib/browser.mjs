@@ -26,10 +26,10 @@ function countUpdates() {
 }
 
 export class Browser {
-  static async open(origin) {
+  static async open(origin, { ignoreHTTPSErrors = false } = {}) {
     const browser = new Browser();
     browser.profile = mkdtempSync(join(tmpdir(), 'driftwise-profile-'));
-    browser.context = await chromium.launchPersistentContext(browser.profile, { executablePath: chromiumPath, args: flags, acceptDownloads: true });
+    browser.context = await chromium.launchPersistentContext(browser.profile, { executablePath: chromiumPath, args: flags, acceptDownloads: true, ignoreHTTPSErrors });
     browser.faults = [];
     browser.expected = []; // patterns of console messages that a test brings about itself (a daemon that was killed)
     await browser.context.route('**/*', (route) => {

@@ -2,7 +2,7 @@
 // free. The daemon can be killed and started again at the same address, as a page sees it.
 import { spawn } from 'node:child_process';
 import { createServer } from 'node:net';
-import { existsSync, mkdtempSync, openSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { appendFileSync, existsSync, mkdtempSync, openSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { binFolder, sourceFolder, webFolder } from './places.mjs';
@@ -36,13 +36,15 @@ async function end(child, signal) {
 }
 
 export class Cell {
-  static async start({ cell = 'micro-nano', speed = 100, seed = 1, settings = [] } = {}) {
+  // access: text of the [access] section; {folder} in it is the cell's folder.
+  static async start({ cell = 'micro-nano', speed = 100, seed = 1, settings = [], access = undefined } = {}) {
     const started = new Cell();
     started.folder = mkdtempSync(join(tmpdir(), 'driftwise-browser-'));
     const from = join(sourceFolder, 'deploy/cells', cell);
     try {
       await started.startPlant(from, speed, seed, settings);
       await started.keepAddress();
+      if (access !== undefined) appendFileSync(join(started.folder, 'cell.toml'), `\n[access]\n${access.replaceAll('{folder}', started.folder)}\n`);
       await started.startDaemon();
     } catch (error) {
       await started.stop();
@@ -87,6 +89,11 @@ export class Cell {
       if (ended(this.daemon)) throw new Error(`driftwised ended:\n${readFileSync(join(this.folder, 'driftwised.log'), 'utf8').slice(-2000)}`);
       return existsSync(notice);
     });
+  }
+
+  // What driftwised.json says: "web_tls", "grpc_tls", ...
+  notice() {
+    return JSON.parse(readFileSync(join(this.folder, 'driftwised.json'), 'utf8'));
   }
 
   kill() {

@@ -20,7 +20,10 @@ class WebTest : public testing::Test {
  protected:
   void SetUp() override {
     const auto services = cell.services(fakes);
-    auto opened = rpc::RpcServer::open(services, "127.0.0.1:0");
+    auto entering = access::Access::open(description(), folder.path());
+    if (!entering) throw std::runtime_error(entering.error().message);
+    access = std::move(*entering);
+    auto opened = rpc::RpcServer::open(services, "127.0.0.1:0", {}, access.get());
     if (!opened) throw std::runtime_error(opened.error().message);
     server = std::move(*opened);
     server->ready(true);
@@ -30,21 +33,29 @@ class WebTest : public testing::Test {
     write_file(root() + "/assets/index-BWqQ7d2x.js.gz", "packed");
     write_file(root() + "/favicon.svg", "<svg/>");
     write_file(folder.path() + "/secret.txt", "not for you");
-    auto listening = web::HttpServer::open("127.0.0.1:0");
+    auto tls = material();
+    const bool secure = tls != nullptr;
+    auto listening = web::HttpServer::open("127.0.0.1:0", std::move(tls));
     if (!listening) throw std::runtime_error(listening.error().message);
     http = std::move(*listening);
     http->serve(web::make_web_site({services.host, services.overview, server->in_process_channel(),
-                                    root(), http->executor()}));
+                                    root(), http->executor(), *access, secure, http->port()}));
   }
   void TearDown() override {
     http.reset();
     server.reset();
+    access->authoriser().tell(nullptr);
   }
 
   std::string root() const { return folder.path() + "/web"; }
   std::string address() const { return http->address(); }
 
+  // Of the cell file; and the door's certificate, none for a plain one.
+  virtual AccessDescription description() { return {}; }
+  virtual std::unique_ptr<tls::TlsMaterial> material() { return nullptr; }
+
   TemporaryFolder folder;
+  std::unique_ptr<access::Access> access;
   LiveCell cell;
   Fakes fakes;  // set by the test's constructor
   std::unique_ptr<rpc::RpcServer> server;

@@ -19,6 +19,7 @@ constexpr auto kExamples = std::to_array<Example>({
      "a token for a program, in a file of mode 0600"},
     {"token list", "driftwise token list", "who may come in by a token"},
     {"token revoke", "driftwise token revoke k3f9a2c1", "no further call with it"},
+    {"open", "driftwise open", "a link to the page, logged in as you; it works once"},
     {"cert init", "driftwise cert init --name cell7.lab.example --name 10.0.0.7",
      "an authority and the daemon's certificate, in tls/"},
     {"cert client", "driftwise cert client ada --role operator",

@@ -1,6 +1,6 @@
 // One client per service, over gRPC-Web to where the page came from. Every call carries the operator's name, as the
 // command line sends it: plain when it is printable ASCII, in the -bin form otherwise (server/rpc/shared/caller.cc).
-import { createClient, type Interceptor, type Transport } from '@connectrpc/connect';
+import { Code, ConnectError, createClient, type Interceptor, type Transport } from '@connectrpc/connect';
 import { createGrpcWebTransport } from '@connectrpc/connect-web';
 import type { DescService } from '@bufbuild/protobuf';
 import { CellService } from './gen/driftwise/v1/cell_service_pb';
@@ -12,7 +12,7 @@ import { RunService } from './gen/driftwise/v1/run_service_pb';
 import { TargetService } from './gen/driftwise/v1/target_service_pb';
 import { TrajectoryService } from './gen/driftwise/v1/trajectory_service_pb';
 import { WatchService } from './gen/driftwise/v1/watch_service_pb';
-import { operatorName } from '@/app/session';
+import { operatorName, sessionLost } from '@/app/session';
 
 const printable = /^[\x20-\x7e]+$/;
 
@@ -29,6 +29,15 @@ const whoAsks: Interceptor = (next) => (request) => {
   return next(request);
 };
 
+const whoIsOut: Interceptor = (next) => async (request) => {
+  try {
+    return await next(request);
+  } catch (error) {
+    if (ConnectError.from(error).code === Code.Unauthenticated) void sessionLost();
+    throw error;
+  }
+};
+
 let transport: Transport | undefined;
 
 // Tests put a transport in memory here, before the first call.
@@ -37,7 +46,7 @@ export function useTransport(other: Transport): void {
 }
 
 function pageTransport(): Transport {
-  transport ??= createGrpcWebTransport({ baseUrl: location.origin, interceptors: [whoAsks] });
+  transport ??= createGrpcWebTransport({ baseUrl: location.origin, interceptors: [whoAsks, whoIsOut] });
   return transport;
 }
 

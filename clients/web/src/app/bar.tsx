@@ -6,7 +6,7 @@ import { helpOpen } from './keys';
 import { LiveDot } from './live_dot';
 import { askName } from './name';
 import { place } from './router';
-import { operatorName } from './session';
+import { operatorName, session } from './session';
 import { StopButton } from './stop';
 import { dark, setTheme } from './theme';
 import { views, type ViewEntry } from './views';
@@ -25,8 +25,9 @@ export function Bar({ current }: { current: ViewEntry | undefined }) {
         <ul>{views.map((view) => <li key={view.name}><ViewLink view={view} current={view === current} /></li>)}</ul>
       </nav>
       <div class="bar-tools">
-        <button type="button" class="icon-button name" onClick={() => void askName()} title="Your name, as it stands in the record">
+        <button type="button" class="icon-button name" onClick={() => void askName()} title={session.value.state === 'in' ? 'Who is logged in here' : 'Your name, as it stands in the record'}>
           {operatorName.value || 'Your name?'}
+          {session.value.state === 'in' && <span class="muted"> {session.value.role}</span>}
         </button>
         <button type="button" class="icon-button" aria-label={dark.value ? 'Light colours' : 'Dark colours'} title={dark.value ? 'Light colours' : 'Dark colours'} onClick={() => setTheme(dark.value ? 'light' : 'dark')}>
           <svg width="16" height="16" viewBox="0 0 16 16" aria-hidden="true"><circle cx="8" cy="8" r="6.5" fill="none" stroke="currentColor" stroke-width="1.5" /><path d="M8 1.5a6.5 6.5 0 0 1 0 13Z" fill="currentColor" /></svg>

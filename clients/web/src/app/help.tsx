@@ -6,7 +6,7 @@ import { dateClock, ms } from '@/format/time';
 import { cell } from '@/live/state';
 import { helpOpen, keysOn, setKeysOn } from './keys';
 import { askName } from './name';
-import { operatorName } from './session';
+import { operatorName, session } from './session';
 import { setTheme, theme, type Theme } from './theme';
 import { views } from './views';
 
@@ -45,8 +45,8 @@ function HelpContent() {
       <h2 id="help-title">Settings and keys</h2>
       <div class="stack">
         <div class="row">
-          <span>You are <strong>{operatorName.value || 'not named yet'}</strong></span>
-          <Button small onPress={() => void askName()}>{operatorName.value ? 'Change the name' : 'Type your name'}</Button>
+          <span>You are <strong>{operatorName.value || 'not named yet'}</strong>{session.value.state === 'in' && `, ${session.value.role}`}</span>
+          <Button small onPress={() => void askName()}>{session.value.state === 'in' ? 'Session' : operatorName.value ? 'Change the name' : 'Type your name'}</Button>
         </div>
         <fieldset class="choices">
           <legend>Colours</legend>

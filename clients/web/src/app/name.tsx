@@ -2,8 +2,9 @@
 import { signal } from '@preact/signals';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { Button } from '@/ui/button';
+import { dateClock } from '@/format/time';
 import { Field } from '@/ui/field';
-import { operatorName, setOperatorName } from './session';
+import { logOut, operatorName, session, setOperatorName } from './session';
 
 const asked = signal<((given: boolean) => void) | undefined>(undefined);
 
@@ -28,8 +29,34 @@ export function NameDialog() {
   };
   return (
     <dialog ref={dialog} aria-labelledby="name-title" onCancel={(event) => { event.preventDefault(); answer(false); }}>
-      {now && <NameForm answer={answer} />}
+      {now && (session.value.state === 'in' ? <WhoIsLoggedIn close={() => answer(true)} /> : <NameForm answer={answer} />)}
     </dialog>
+  );
+}
+
+const mays: Record<string, string> = {
+  viewer: 'sees everything and may stop every motion',
+  controller: 'sees, stops, and asks for targets',
+  operator: 'also moves, runs, confirms and acknowledges',
+  engineer: 'also changes models, plans, data sets and corrections',
+  admin: 'may do everything, tokens included',
+};
+
+// A log-in proves the name: it is not typed, and who may do what stands beside it.
+function WhoIsLoggedIn({ close }: { close: () => void }) {
+  const { name, role = '', ends } = session.value;
+  return (
+    <>
+      <h2 id="name-title">{name}</h2>
+      <dl class="facts">
+        <dt>Role</dt><dd>{role}{mays[role] && `: ${mays[role]}`}</dd>
+        {ends && <><dt>Logged in until</dt><dd>{dateClock(Date.parse(ends))}</dd></>}
+      </dl>
+      <div class="actions">
+        <Button onPress={close}>Close</Button>
+        <Button kind="main" onPress={() => void logOut()}>Log out</Button>
+      </div>
+    </>
   );
 }
 

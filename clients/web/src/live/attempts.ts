@@ -2,6 +2,7 @@
 // once when the browser says that it is online; always from the cursor of the last batch.
 import { Code, ConnectError } from '@connectrpc/connect';
 import { api } from '@/api/client';
+import { sessionLost } from '@/app/session';
 import type { WatchResponse } from '@/api/gen/driftwise/v1/watch_service_pb';
 
 const waitsMs = [200, 500, 1000, 2000, 5000];
@@ -54,7 +55,9 @@ export async function keepStreaming(listener: StreamListener, signal: AbortSigna
     try {
       await once(counting, signal);
     } catch (error) {
-      if (ConnectError.from(error).code === Code.OutOfRange) listener.afresh();
+      const { code } = ConnectError.from(error);
+      if (code === Code.OutOfRange) listener.afresh();
+      if (code === Code.Unauthenticated) void sessionLost();
     }
     if (signal.aborted) return;
     const wait = waitsMs[Math.min(failures++, waitsMs.length - 1)];

@@ -8,7 +8,7 @@ export function Field({ label, unit, value, onInput, wrong, hint, type = 'text',
   onInput: (text: string) => void;
   wrong?: string | undefined;
   hint?: string;
-  type?: 'text' | 'search' | 'number';
+  type?: 'text' | 'search' | 'number' | 'password';
   mono?: boolean;
   autofocus?: boolean;
   list?: string;
@@ -20,10 +20,9 @@ export function Field({ label, unit, value, onInput, wrong, hint, type = 'text',
       <input
         id={id}
         class={mono ? 'mono' : undefined}
-        type={type === 'number' ? 'text' : type}
+        {...(type === 'password' ? { type } : { type: type === 'number' ? 'text' : type, list })}
         inputMode={type === 'number' ? 'decimal' : undefined}
         value={value}
-        list={list}
         autoFocus={autofocus}
         autoComplete="off"
         spellcheck={false}

@@ -1,24 +1,23 @@
-#include "server/application/serving/target_line_server.h"
+#include "server/line/target_line_server.h"
 
 #include <gtest/gtest.h>
 
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
-#include <boost/asio/read_until.hpp>
-#include <boost/asio/write.hpp>
 #include <future>
 #include <thread>
 
 #include "server/compensation/snapshot_builder.h"
 #include "tests/support/manual_clock.h"
+#include "tests/support/process.h"
 #include "tests/unit/compensation/models.h"
+#include "tests/unit/line/line_client.h"
 
-namespace driftwise::application {
+namespace driftwise::line {
 namespace {
 
-using asio::ip::tcp;
+using Client = tests::LineClient;
 
 compensation::Snapshot snapshot_of(ModelId id) {
   auto builder = std::move(*compensation::SnapshotBuilder::create(compensation::axis_model(), id,
@@ -29,38 +28,10 @@ compensation::Snapshot snapshot_of(ModelId id) {
   return builder.build(tests::kTestEpoch);
 }
 
-// A client that speaks as a controller would: blocking, one line at a time.
-class Client {
- public:
-  explicit Client(const std::string& address) : socket_(context_) {
-    const auto port = static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1)));
-    socket_.connect(tcp::endpoint(asio::ip::address_v4::loopback(), port));
-  }
-  void send(std::string_view text) { asio::write(socket_, asio::buffer(text)); }
-  std::string line() {  // without its end; "" when the server closed
-    boost::system::error_code error;
-    const auto size = asio::read_until(socket_, asio::dynamic_buffer(text_), '\n', error);
-    if (error) return {};
-    std::string out = text_.substr(0, size - 1);
-    text_.erase(0, size);
-    return out;
-  }
-  std::string ask(const std::string& request) {
-    send(request + "\n");
-    return line();
-  }
-
- private:
-  asio::io_context context_;
-  tcp::socket socket_;
-  std::string text_;
-};
-
 class TargetLine : public testing::Test {
  protected:
   TargetLine() : work_(asio::make_work_guard(context_)), thread_([this] { context_.run(); }) {
-    server_ =
-        std::move(*TargetLineServer::start(context_.get_executor(), "127.0.0.1:0", board_, clock_));
+    server_ = std::move(*TargetLineServer::start(parts(), {"127.0.0.1:0"}));
   }
   ~TargetLine() override {
     on_executor([this] { server_.reset(); });
@@ -75,9 +46,14 @@ class TargetLine : public testing::Test {
     });
     done.get_future().wait();
   }
+  LineParts parts() {
+    return {context_.get_executor(), context_.get_executor(), board_, clock_, *access_};
+  }
   asio::io_context context_;
   tests::ManualClock clock_;
   compensation::SnapshotBoard board_;
+  const tests::TemporaryFolder folder_;
+  std::unique_ptr<access::Access> access_ = *access::Access::open({}, folder_.path());
   std::unique_ptr<TargetLineServer> server_;
   asio::executor_work_guard<asio::io_context::executor_type> work_;
   std::thread thread_;
@@ -188,8 +164,11 @@ TEST_P(BadTargetLineAddress, IsRefused) {
   asio::io_context context;
   tests::ManualClock clock;
   compensation::SnapshotBoard board;
-  const auto server =
-      TargetLineServer::start(context.get_executor(), GetParam().address, board, clock);
+  const tests::TemporaryFolder folder;
+  const auto access = *access::Access::open({}, folder.path());
+  const auto server = TargetLineServer::start(
+      {context.get_executor(), context.get_executor(), board, clock, *access},
+      {GetParam().address});
   ASSERT_FALSE(server);
   EXPECT_EQ(server.error().reason, GetParam().reason);
 }
@@ -201,12 +180,11 @@ INSTANTIATE_TEST_SUITE_P(Table, BadTargetLineAddress,
                          [](const auto& row) { return std::string(row.param.name); });
 
 TEST_F(TargetLine, SaysThatAPortIsTaken) {
-  const auto second =
-      TargetLineServer::start(context_.get_executor(), server_->address(), board_, clock_);
+  const auto second = TargetLineServer::start(parts(), {server_->address()});
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().reason, "CANNOT_LISTEN");
   EXPECT_NE(second.error().message.find(server_->address()), std::string::npos);
 }
 
 }  // namespace
-}  // namespace driftwise::application
+}  // namespace driftwise::line
