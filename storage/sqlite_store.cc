@@ -3,6 +3,8 @@
 #include <chrono>
 
 #include "server/core/try.h"
+#include "storage/audit/audit_store.h"
+#include "storage/chain/chain_recorder.h"
 #include "storage/diagnosis/diagnosis_store.h"
 #include "storage/models/model_store.h"
 #include "storage/readings/reading_store.h"
@@ -52,7 +54,8 @@ class SqliteStore final : public Store {
         stops_(session_),
         clocks_(session_),
         upkeep_(session_, [this] { set_up_connection(); }),
-        configurations_(session_) {
+        configurations_(session_),
+        audit_(session_, protected_) {
     set_up_connection();
   }
 
@@ -71,6 +74,7 @@ class SqliteStore final : public Store {
   ClockStore& clocks() override { return clocks_; }
   UpkeepStore* upkeep() override { return &upkeep_; }
   ConfigurationStore& configurations() override { return configurations_; }
+  AuditStore& audit() override { return audit_; }
 
   Result<void> idle() override {
     DRIFTWISE_RETURN_IF_ERROR(series_.keep_up());
@@ -99,6 +103,11 @@ class SqliteStore final : public Store {
     // The log is emptied in idle(), between points, and not by the commit that happens to fill it.
     sqlite3_wal_hook(db.handle(), &SqliteStore::committed, this);
     migrate(db);
+    session_.at_commit = nullptr;
+    chain_.reset();  // it refers to what is made anew
+    chain_.emplace(db, protected_.emplace(db));
+    chain_->begin();
+    session_.at_commit = &*chain_;
     session_.files.begin(db.path(), db.pragma("page_size"));
     checkpointed_ = SteadyClock::now();
   }
@@ -149,6 +158,9 @@ class SqliteStore final : public Store {
   SqliteClockStore clocks_;
   SqliteUpkeepStore upkeep_;
   SqliteConfigurationStore configurations_;
+  std::optional<ProtectedTables> protected_;
+  std::optional<ChainRecorder> chain_;
+  SqliteAuditStore audit_;
 };
 
 }  // namespace

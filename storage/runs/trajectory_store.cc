@@ -16,14 +16,15 @@ Result<KeptTrajectory> SqliteTrajectoryStore::keep(const KeptTrajectory& traject
   return session_.write([&] {
     Query(session_.db,
           "INSERT OR IGNORE INTO trajectory (name, text, hash, row_count, created_ns, created_by) "
-          "VALUES (?, ?, ?, ?, ?, ?)")
+          "SELECT ?1, ?2, ?3, ?4, ?5, ?6 WHERE NOT EXISTS (SELECT 1 FROM trajectory WHERE text = "
+          "?2)")
         .bind(trajectory.name, trajectory.text, trajectory.hash, trajectory.rows,
               trajectory.created.utc_ns, trajectory.created_by)
         .run();
     Query query(session_.db,
                 "SELECT trajectory_id, name, text, hash, row_count, created_ns, created_by FROM "
-                "trajectory WHERE hash = ?");
-    query.bind(trajectory.hash).row();
+                "trajectory WHERE text = ?");
+    query.bind(trajectory.text).row();
     return trajectory_from(query);
   });
 }

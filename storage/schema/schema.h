@@ -15,6 +15,7 @@ constexpr std::int64_t kApplicationId = 0x44574442;
 
 // migrations[n] takes a database from version n to n + 1.
 std::span<const std::string_view> migrations();
+constexpr std::int64_t kChainVersion = 7;  // from here on a database has a chain
 inline int schema_version() { return static_cast<int>(migrations().size()); }
 
 // Looks only: a file of somebody else, or of a later program, must not even be switched to WAL.

@@ -14,12 +14,21 @@
 
 namespace driftwise::storage {
 
+// What is written within every transaction, right before it is committed.
+class AtCommit {
+ public:
+  virtual ~AtCommit() = default;
+  virtual void at_commit() = 0;    // throws StorageFailure: the transaction is rolled back
+  virtual void rolled_back() = 0;  // nothing of the transaction is there
+};
+
 struct Session {
   DatabaseLock lock;  // of a writing session; released after the connection is closed
   Database db;
   Names names;
   bool read_only;
   FileWatch files;  // of a writing session
+  AtCommit* at_commit = nullptr;
 
   // A file that is there is locked before SQLite opens it; a new one, which only SQLite creates,
   // right afterwards and before anything is written. Without a file (":memory:", a simulated disk)
@@ -49,7 +58,10 @@ struct Session {
         return value;
       }
     });
-    if (!result) names.forget();
+    if (!result) {
+      names.forget();
+      if (at_commit) at_commit->rolled_back();
+    }
     return result;
   }
 
@@ -78,6 +90,7 @@ struct Session {
   }
   void end(Transaction& transaction) {
     names.refresh_views();
+    if (at_commit) at_commit->at_commit();
     transaction.commit();
     // A log that is on no path any more goes with this process. What it holds is in the database
     // before anybody is told. When that fails the commit stands all the same.
@@ -91,6 +104,9 @@ struct Session {
       throw StorageFailure{files_error(state, db.path())};
   }
   void require_writable() const {
+    if (!read_only && at_commit == nullptr)
+      throw_failure(ErrorCode::resource_exhausted, reasons::kDatabaseClosed,
+                    "database " + db.path() + " could not be opened anew: it is tried again");
     if (read_only)
       throw_failure(ErrorCode::failed_precondition, reasons::kReadOnly,
                     "database " + db.path() +

@@ -25,16 +25,18 @@ std::vector<EventRecord> read_events(Session& session, std::int64_t after, std::
   return events;
 }
 
+EventId insert_event(Session& session, const EventRecord& event) {
+  Query(session.db,
+        "INSERT INTO event (at_ns, at_monotonic_ns, who, peer, what, detail, run_id) VALUES (?, "
+        "?, ?, ?, ?, ?, ?)")
+      .bind(event.at.utc.utc_ns, event.at.monotonic_ns, event.who, event.from, event.what,
+            event.detail, event.run)
+      .run();
+  return EventId{session.db.last_row_id()};
+}
+
 Result<EventId> SqliteEventStore::add_event(const EventRecord& event) {
-  return session_.write([&] {
-    Query(session_.db,
-          "INSERT INTO event (at_ns, at_monotonic_ns, who, peer, what, detail, run_id) VALUES (?, "
-          "?, ?, ?, ?, ?, ?)")
-        .bind(event.at.utc.utc_ns, event.at.monotonic_ns, event.who, event.from, event.what,
-              event.detail, event.run)
-        .run();
-    return EventId{session_.db.last_row_id()};
-  });
+  return session_.write([&] { return insert_event(session_, event); });
 }
 
 Result<std::vector<EventRecord>> SqliteEventStore::events(EventId after, int limit) {

@@ -9,6 +9,8 @@ namespace driftwise::storage {
 std::vector<EventRecord> read_events(Session& session, std::int64_t after, std::int64_t until,
                                      int limit);
 
+EventId insert_event(Session& session, const EventRecord& event);
+
 class SqliteEventStore final : public EventStore {
  public:
   explicit SqliteEventStore(Session& session) : session_(session) {}

@@ -5,8 +5,10 @@
 //   store_bench [folder]      prints one JSON object; the folder says which disk (default: the
 //   current one)
 //
-// A point: one attempt of 4 interferometer readings and 4 readbacks, one scan of 9 temperatures,
-// one move, the joined point: 12 channels. Pin it: taskset -c 1 store_bench
+// Both with the entry of the chain that each commit appends. A group: what the recorder stores of
+// one scan, 3 readings of 10 channels. A point: one attempt of 4 interferometer readings and 4
+// readbacks, one scan of 9 temperatures, one move, the joined point: 12 channels. Pin it: taskset
+// -c 1 store_bench
 
 #include <sqlite3.h>
 
@@ -55,6 +57,18 @@ struct Cell {
   }
 };
 
+std::vector<Reading> scan_at(int s) {
+  std::vector<Reading> group;
+  for (int device = 0; device < 3; ++device) {
+    Reading reading{"scanner-" + std::to_string(device), at_s(s).utc, at_s(s + 0.8).utc, s, {}};
+    for (int i = 0; i < 10; ++i)
+      reading.values.push_back(
+          {"t" + std::to_string(10 * device + i) + "_degC", 20.0 + 1e-7 * (s * 31 % 9973)});
+    group.push_back(std::move(reading));
+  }
+  return group;
+}
+
 // Bare and store in turn, point by point, so that both meet the same disk.
 nlohmann::ordered_json commit_ratio(const std::string& folder) {
   storage::Database bare(folder + "/bare.db", SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, "");
@@ -95,6 +109,47 @@ nlohmann::ordered_json commit_ratio(const std::string& folder) {
           {"checkpoint_max_us", quantile(idle_us, 1.0)}};
 }
 
+// The same of the recorder's groups.
+nlohmann::ordered_json group_ratio(const std::string& folder) {
+  storage::Database bare(folder + "/bare_group.db", SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, "");
+  bare.execute(
+      "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; CREATE TABLE t (v REAL) STRICT");
+  const std::string path = folder + "/group.db";
+  const auto store = storage::open_store(path);
+  std::vector<double> ratios, bare_us, store_us;
+  int scan = 0;
+  for (int pair = 0; pair < kPairs; ++pair) {
+    std::vector<double> bare_block, store_block;
+    for (int i = 0; i < kPerBlock; ++i, ++scan) {
+      auto begin = Clock::now();
+      storage::Query(bare, "INSERT INTO t (v) VALUES (?)").bind(scan + 0.5).run();
+      bare_block.push_back(microseconds_since(begin));
+      const auto group = scan_at(scan);
+      begin = Clock::now();
+      if (!store->readings().append(group, {})) throw std::runtime_error("append failed");
+      store_block.push_back(microseconds_since(begin));
+      if (!store->idle()) throw std::runtime_error("idle failed");
+    }
+    bare_us.push_back(median(bare_block));
+    store_us.push_back(median(store_block));
+    ratios.push_back(store_us.back() / bare_us.back());
+  }
+  storage::Database db(path, SQLITE_OPEN_READONLY, "");
+  double chain_bytes = 0;
+  db.for_each_row("SELECT avg(length(bytes)) FROM chain WHERE what = 'rows'",
+                  [&](const std::string& text) { chain_bytes = std::stod(text); });
+  const auto begin = Clock::now();
+  const auto report = store->audit().verify({}, {});
+  if (!report || !report->intact()) throw std::runtime_error("the chain does not hold");
+  return {{"bare_commit_us", median(bare_us)},
+          {"group_commit_us", median(store_us)},
+          {"ratio", median(ratios)},
+          {"ratio_of_pairs", ratios},
+          {"chain_bytes_per_group", chain_bytes},
+          {"verify_rows", report->rows},
+          {"verify_seconds", microseconds_since(begin) * 1e-6}};
+}
+
 nlohmann::ordered_json queries(const std::string& folder) {
   const auto store = storage::open_store(folder + "/cell.db", true);
   const RunId run = store->runs().runs(1, 0)->at(0).id;
@@ -128,13 +183,7 @@ nlohmann::ordered_json long_run(const std::string& folder, int hours) {
     const auto store = storage::open_store(path);
     std::vector<Reading> waiting;
     for (int s = 0; s < hours * 3600; ++s) {
-      for (int device = 0; device < 3; ++device) {
-        Reading reading{"scanner-" + std::to_string(device), at_s(s).utc, at_s(s + 0.8).utc, s, {}};
-        for (int i = 0; i < 10; ++i)
-          reading.values.push_back(
-              {"t" + std::to_string(10 * device + i) + "_degC", 20.0 + 1e-7 * (s * 31 % 9973)});
-        waiting.push_back(std::move(reading));
-      }
+      for (Reading& reading : scan_at(s)) waiting.push_back(std::move(reading));
       if (s % 10 != 9) continue;
       if (!store->readings().append(waiting, {}) || !store->idle())
         throw std::runtime_error("append failed");
@@ -156,6 +205,7 @@ int main(int argc, char** argv) {
   nlohmann::ordered_json result = {{"schema", "driftwise.store_bench.v1"},
                                    {"sqlite", sqlite3_libversion()}};
   result["commit"] = commit_ratio(folder);
+  result["group"] = group_ratio(folder);
   result["query"] = queries(folder);
   result["recorder"] = long_run(folder, argc > 2 ? std::stoi(argv[2]) : 1);
   std::filesystem::remove_all(folder);

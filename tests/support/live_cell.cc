@@ -143,7 +143,8 @@ app::Services LiveCell::services(const Fakes& fakes) {
           fakes.improvements ? *fakes.improvements : own.improvements,
           fakes.studies ? *fakes.studies : own.studies,
           own.alarms,
-          fakes.feeds ? *fakes.feeds : own.feeds};
+          fakes.feeds ? *fakes.feeds : own.feeds,
+          own.keeping};
 }
 
 EventId LiveCell::add_event(const std::string& what) {

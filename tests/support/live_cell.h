@@ -84,6 +84,7 @@ class LiveCell {
   // For fakes, on the cell's thread.
   ModelId put_model(const std::string& formula);
   Store& store() { return *store_; }
+  std::string database() const { return folder_ / "cell.sqlite"; }
 
   SmallWorld world;  // on the cell's thread
 

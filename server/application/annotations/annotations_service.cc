@@ -58,8 +58,10 @@ Awaitable<Result<ExclusionState>> AnnotationsService::exclude_rows(Caller caller
         fmt::format("{} {} of run {} {} fits: {}", caller.name,
                     stored.excluded ? "keeps rows " + rows : "puts rows " + rows, stored.run.value,
                     stored.excluded ? "out of" : "back into", stored.reason);
-    events_.record(caller, stored.excluded ? "data.excluded" : "data.restored", std::move(detail),
-                   stored.run);
+    events_.record(
+        caller, stored.excluded ? "data.excluded" : "data.restored", std::move(detail), stored.run,
+        {fmt::format("run {} rows {}", stored.run.value, rows),
+         stored.excluded ? "in fits" : "out of fits", stored.excluded ? "out of fits" : "in fits"});
   }
   co_return co_await exclusions(wanted.run);
 }

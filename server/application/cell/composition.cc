@@ -139,7 +139,7 @@ Composition::~Composition() {
 Services Composition::services() {
   return {host,        overview,   reader,       manual,  runs,    trajectories, datasets,
           annotations, models,     promotions,   checks,  serving, provenance,   configurations,
-          diagnoses,   extensions, improvements, studies, alarms,  feeds};
+          diagnoses,   extensions, improvements, studies, alarms,  feeds,        upkeep};
 }
 
 }  // namespace driftwise::application

@@ -20,6 +20,7 @@ class Models;
 class Overview;
 class Promotions;
 class Provenance;
+class RecordKeeping;
 class Runs;
 class StoreReader;
 class Studies;
@@ -47,6 +48,7 @@ struct Services {
   Studies& studies;
   Alarms& alarms;
   Feeds& feeds;
+  RecordKeeping& keeping;
 };
 
 }  // namespace driftwise::application

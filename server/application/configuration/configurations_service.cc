@@ -56,7 +56,8 @@ Awaitable<Result<ConfigurationStart>> ConfigurationsService::accept(Caller calle
   configuration_.answered(*accepted);
   events_.record(caller, "configuration.accepted",
                  fmt::format("{} accepted configuration {} after {}{}{}", caller.name, hash,
-                             accepted->before_hash, note.empty() ? "" : ": ", note));
+                             accepted->before_hash, note.empty() ? "" : ": ", note),
+                 continued, {"configuration", accepted->before_hash, hash});
   serving_.look_again();
   // A pause or a stop of a person's stays; whoever resumes the run ends it.
   if (auto* control = engine_.control();

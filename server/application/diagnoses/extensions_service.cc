@@ -226,13 +226,15 @@ Awaitable<Result<ExtensionRecord>> ExtensionsService::accept(Caller caller, Acce
   auto detail =
       fmt::format("{} accepted {} of diagnosis {}: {}{}", caller.name, numbers_of(stored->findings),
                   request.diagnosis.value, made_of(*stored), largest_of(fresh.changes));
-  events_.record(caller, "extension.accepted", std::move(detail));
+  const auto before = serving_.model();
+  events_.record(caller, "extension.accepted", std::move(detail), {},
+                 {fmt::format("diagnosis {}", request.diagnosis.value), "", made_of(*stored)});
   if (stored->promoted) {
     // Its promotion is in the record already, and the worker has seen that it can serve.
     DRIFTWISE_CO_TRY(auto record, co_await models_.get(*stored->model));
     auto serving = serving_.serve(record);
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(serving));
-    promotions_.announce(caller, std::move(record), "promote");
+    promotions_.announce(caller, std::move(record), "promote", before);
   }
   co_return stored;
 }
@@ -321,8 +323,11 @@ Awaitable<Result<ExtensionRecord>> ExtensionsService::undo(Caller caller, Diagno
   }
   auto detail = fmt::format("{} undid {} of diagnosis {}: {} no longer in force", caller.name,
                             numbers_of(undone->findings), id.value, made_of(*undone));
-  events_.record(caller, "extension.undone", std::move(detail));
-  if (rollback) promotions_.announce(caller, std::move(previous), "rollback");
+  events_.record(caller, "extension.undone", std::move(detail), {},
+                 {fmt::format("diagnosis {}", id.value), made_of(*undone), ""});
+  if (rollback)
+    promotions_.announce(caller, std::move(previous), "rollback",
+                         present ? std::optional(present->id) : std::nullopt);
   co_return undone;
 }
 

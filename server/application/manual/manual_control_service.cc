@@ -227,7 +227,8 @@ Awaitable<Result<void>> ManualControlService::set_stabiliser(Caller caller, std:
     auto set = co_await bench_.set_point(i, degc);
     if (set)
       events_.record(caller, "stabiliser.set",
-                     fmt::format("{} set {} to {:g} degC", caller.name, device, degc));
+                     fmt::format("{} set {} to {:g} degC", caller.name, device, degc), {},
+                     {"stabiliser " + device, "", fmt::format("{:g} degC", degc)});
     co_return set;
   }
   auto sentence = fmt::format("the cell has no stabiliser '{}', {}", device,

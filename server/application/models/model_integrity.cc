@@ -15,7 +15,7 @@ Result<void> check_integrity(const ModelRecord& model) {
                             model.id.value, model.name, how));
   };
   if (!model.damage.empty()) return damaged(model.damage);
-  const auto found = formats::stored_model_hash(model.json);
+  const auto found = formats::stored_model_hash(model.json, model.hash);
   if (!found) return damaged(found.error().message);
   if (*found == model.hash) return {};
   return damaged(

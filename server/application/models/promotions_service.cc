@@ -41,16 +41,20 @@ Awaitable<Result<void>> PromotionsService::put_in_service(Caller caller,
     static_cast<void>(co_await serving_.serve(previous));
     co_return stored;
   }
-  announce(caller, std::move(next), action);
+  announce(caller, std::move(next), action, previous ? std::optional(previous->id) : std::nullopt);
   co_return Result<void>{};
 }
 
 void PromotionsService::announce(const Caller& caller, std::optional<ModelRecord> next,
-                                 const std::string& action) {
+                                 const std::string& action, std::optional<ModelId> before) {
+  const auto name = [](const std::optional<ModelId>& model) {
+    return model ? fmt::format("model {}", model->value) : std::string();
+  };
   events_.record(
       caller, "model." + action,
       next ? fmt::format("model {} '{}' serves, by {}", next->id.value, next->name, caller.name)
-           : fmt::format("no model serves, by {}", caller.name));
+           : fmt::format("no model serves, by {}", caller.name),
+      {}, {"serving model", name(before), name(next ? std::optional(next->id) : std::nullopt)});
   served_another_(next.has_value());
 }
 

@@ -34,7 +34,9 @@ class PromotionsService final : public Promotions {
   // What a roll-back would serve. Errors: failed_precondition NOTHING_TO_ROLL_BACK.
   Awaitable<Result<std::optional<ModelRecord>>> served_before();
   // The event of a promotion that is on record already.
-  void announce(const Caller& caller, std::optional<ModelRecord> next, const std::string& action);
+  // before: the model that served; none: not known here, or none did.
+  void announce(const Caller& caller, std::optional<ModelRecord> next, const std::string& action,
+                std::optional<ModelId> before = {});
 
  private:
   Awaitable<Result<void>> put_in_service(Caller caller, std::optional<ModelRecord> next,

@@ -260,4 +260,18 @@ Awaitable<Result<void>> AsyncConfigurationStore::continue_run(RunId run,
                                                                         std::move(used));
 }
 
+Awaitable<Result<AuditRecord>> AsyncAuditStore::add(AuditRecord act,
+                                                    std::optional<EventRecord> event) const {
+  return ask<&Store::audit, &AuditStore::add>(store_, std::move(act), std::move(event));
+}
+
+Awaitable<Result<std::vector<AuditRecord>>> AsyncAuditStore::acts(std::int64_t before_id,
+                                                                  int limit) const {
+  return ask<&Store::audit, &AuditStore::acts>(store_, before_id, limit);
+}
+
+Awaitable<Result<ChainHead>> AsyncAuditStore::head() const {
+  return ask<&Store::audit, &AuditStore::head>(store_);
+}
+
 }  // namespace driftwise::application

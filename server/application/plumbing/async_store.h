@@ -179,6 +179,17 @@ class AsyncConfigurationStore {
   AsyncStore& store_;
 };
 
+class AsyncAuditStore {
+ public:
+  explicit AsyncAuditStore(AsyncStore& store) : store_(store) {}
+  Awaitable<Result<AuditRecord>> add(AuditRecord act, std::optional<EventRecord> event) const;
+  Awaitable<Result<std::vector<AuditRecord>>> acts(std::int64_t before_id, int limit) const;
+  Awaitable<Result<ChainHead>> head() const;
+
+ private:
+  AsyncStore& store_;
+};
+
 // One store and the one thread that may touch it.
 class AsyncStore {
  public:
@@ -195,6 +206,7 @@ class AsyncStore {
   AsyncStopStore stops() { return AsyncStopStore(*this); }
   AsyncClockStore clocks() { return AsyncClockStore(*this); }
   AsyncConfigurationStore configurations() { return AsyncConfigurationStore(*this); }
+  AsyncAuditStore audit() { return AsyncAuditStore(*this); }
 
   // Several calls of the store in one go: function(store, arguments...) on its thread. The rules
   // for closures and arguments are those of run_on().

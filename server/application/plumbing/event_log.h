@@ -13,6 +13,12 @@
 
 namespace driftwise::application {
 
+// What an act of a person changed, for the audit.
+struct ActChange {
+  std::string subject;        // "model 3"; empty: the run, where there is one
+  std::string before, after;  // empty: none
+};
+
 class EventLog {
  public:
   static constexpr std::size_t kMaxPending =
@@ -20,10 +26,10 @@ class EventLog {
 
   EventLog(asio::any_io_executor executor, Clock& clock, StoreWriter& writer);
 
-  // Returns at once; the event is written by the log's own coroutine. what: dotted and stable;
-  // detail: a sentence.
+  // Returns at once; the event is written by the log's own coroutine, and with it, in one
+  // transaction, the act in the audit. what: dotted and stable; detail: a sentence.
   void record(const Caller& who, std::string what, std::string detail,
-              std::optional<RunId> run = {});
+              std::optional<RunId> run = {}, ActChange change = {});
   void record_own(std::string what, std::string detail,
                   std::optional<RunId> run = {});  // by the daemon itself
 
@@ -34,14 +40,19 @@ class EventLog {
   WatchList<EventRecord>& watchers() { return watchers_; }
 
  private:
-  void push(EventRecord event);
+  struct Pending {
+    EventRecord event;
+    std::optional<AuditRecord> act;  // of a person
+  };
+  void push(Pending pending);
+  Awaitable<Result<EventId>> store(const Pending& pending);
   Awaitable<void> pump();
 
   asio::any_io_executor executor_;
   Clock& clock_;
   StoreWriter& writer_;
   WatchList<EventRecord> watchers_;
-  std::deque<EventRecord> pending_;
+  std::deque<Pending> pending_;
   bool pumping_ = false, shutting_down_ = false;
   Signal drained_, hurry_;
 };

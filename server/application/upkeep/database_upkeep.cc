@@ -199,6 +199,15 @@ Awaitable<void> DatabaseUpkeep::check() {
   }
 }
 
+Awaitable<Result<ChainReport>> DatabaseUpkeep::verify(std::optional<ChainHead> kept) {
+  StoreReader* const reader = checker_ != nullptr ? checker_ : readers_.front();
+  co_return co_await reader->call(
+      [this](Store& store, const std::optional<ChainHead>& head) {
+        return store.audit().verify(head, [this] { return gives_way_.load(); });
+      },
+      kept);
+}
+
 Awaitable<bool> DatabaseUpkeep::check_next_table() {
   const auto tables = co_await checker_->call([](Store& store) -> Result<std::vector<std::string>> {
     return store.upkeep() ? store.upkeep()->tables() : std::vector<std::string>();

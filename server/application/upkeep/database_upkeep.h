@@ -18,10 +18,11 @@
 #include "server/application/plumbing/task_group.h"
 #include "server/application/ports/alarm_condition.h"
 #include "server/application/ports/database_health.h"
+#include "server/application/upkeep/record_keeping.h"
 
 namespace driftwise::application {
 
-class DatabaseUpkeep {
+class DatabaseUpkeep final : public RecordKeeping {
  public:
   static constexpr double kLook_s = 2;           // cell time between two looks at the files
   static constexpr double kFirstCheck_s = 60;    // after the start: the cell comes first
@@ -38,6 +39,8 @@ class DatabaseUpkeep {
 
   void start();
   void shut_down();
+
+  Awaitable<Result<ChainReport>> verify(std::optional<ChainHead> kept) override;
 
   std::vector<AlarmCondition> conditions() const;
   const DatabaseHealth& health() const { return health_; }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "server/core/data/dataset.h"
+#include "server/core/ports/audit_store.h"
 #include "server/core/ports/clock_store.h"
 #include "server/core/ports/configuration_store.h"
 #include "server/core/ports/stop_store.h"
@@ -162,6 +163,7 @@ class Store {
   // nullptr: a store without files of its own.
   virtual UpkeepStore* upkeep() { return nullptr; }
   virtual ConfigurationStore& configurations() = 0;
+  virtual AuditStore& audit() = 0;
   // Housekeeping that must not delay a point (SQLite: a checkpoint of the log, a step of the
   // summaries): call it on the
   // store's thread when there is time, between points; it does nothing when there is nothing to do.

@@ -49,7 +49,7 @@ class TrajectoryStore {
  public:
   virtual ~TrajectoryStore() = default;
   virtual Result<KeptTrajectory> keep(
-      const KeptTrajectory& trajectory) = 0;                       // same hash: the first one
+      const KeptTrajectory& trajectory) = 0;                       // same text: the first one
   virtual Result<KeptTrajectory> trajectory(TrajectoryId id) = 0;  // not_found NO_SUCH_TRAJECTORY
   virtual Result<std::vector<KeptTrajectory>> trajectories() = 0;  // newest first, without texts
 };

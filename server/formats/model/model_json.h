@@ -19,7 +19,8 @@ std::string write_model_json(const calibration::Model& model, int indent = -1);
 // The same of a model's JSON as it is stored, without reading it as a model: equal to model_hash()
 // of the model that it was written from, as long as nothing in it has changed. Errors: BAD_MODEL
 // (no JSON).
-Result<std::string> stored_model_hash(std::string_view json);
+// stored: the hash that stands beside it, whose form the answer has; empty: the present form.
+Result<std::string> stored_model_hash(std::string_view json, std::string_view stored = {});
 std::string model_hash(const calibration::Model& model);
 
 // Errors, invalid_argument: JSON_SYNTAX (with line and column), BAD_MODEL naming the place

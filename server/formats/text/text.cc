@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <numeric>
 
+#include "server/digest/sha256.h"
+
 namespace driftwise::formats {
 namespace {
 
@@ -61,7 +63,11 @@ std::string nearest_word(std::string_view found, const std::vector<std::string_v
   return std::string(best);
 }
 
-std::string content_hash(std::string_view text) {
+std::string content_hash(std::string_view text) { return digest::sha256_hex(text); }
+
+std::string content_hash_like(std::string_view stored, std::string_view text) {
+  constexpr std::size_t kOlderDigits = 16;
+  if (stored.size() != kOlderDigits) return content_hash(text);
   std::uint64_t hash = 0xcbf29ce484222325u;
   for (const char c : text) {
     hash ^= static_cast<unsigned char>(c);

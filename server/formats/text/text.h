@@ -24,9 +24,10 @@ std::string at_line(std::string_view file_name, std::size_t line);
 // The known word nearest to the found one, when it is near enough to be meant; "" otherwise.
 std::string nearest_word(std::string_view found, const std::vector<std::string_view>& known);
 
-// Identifies a text (cell file, dataset, model): FNV-1a, 64 bit, as 16 hex digits. It tells
-// versions apart and is no protection against somebody who forges them. Source: draft-eastlake-fnv,
-// offset basis and prime for 64 bits.
+// Identifies a text (cell file, dataset, model): SHA-256, 64 hexadecimal digits.
 std::string content_hash(std::string_view text);
+// The same as programs before wrote it, in the form of a stored one: one of 16 digits is FNV-1a, 64
+// bit (draft-eastlake-fnv), which is no protection against somebody who forges a text.
+std::string content_hash_like(std::string_view stored, std::string_view text);
 
 }  // namespace driftwise::formats

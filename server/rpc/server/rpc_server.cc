@@ -40,7 +40,8 @@ constexpr MadeService kServices[] = {
     {"driftwise.v1.WatchService", make_watch_service},
     {"driftwise.v1.DiagnosisService", make_diagnosis_service},
     {"driftwise.v1.StandardsService", make_standards_service},
-    {"driftwise.v1.ConfigurationService", make_configuration_service}};
+    {"driftwise.v1.ConfigurationService", make_configuration_service},
+    {"driftwise.v1.RecordService", make_record_service}};
 constexpr const char* kAccessService = "driftwise.v1.AccessService";
 
 struct Address {

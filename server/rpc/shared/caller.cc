@@ -46,7 +46,7 @@ application::Caller caller_of(const grpc::CallbackServerContext& context) {
   if (who.proof == access::Proof::open_loopback) return {who.name, who.from};
   std::string proof(to_string(who.proof));
   if (!who.credential.empty()) proof += " " + who.credential;
-  return {who.name, who.from + " (" + proof + ")"};
+  return {who.name, who.from + " (" + proof + ")", proof};
 }
 
 }  // namespace driftwise::rpc

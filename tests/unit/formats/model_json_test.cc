@@ -5,6 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "server/formats/text/text.h"
 #include "tests/unit/compensation/models.h"
 
 namespace driftwise::formats {
@@ -133,6 +134,14 @@ INSTANTIATE_TEST_SUITE_P(
         ModelMistake{"Runs", "/lineage/runs/1", "1.5",
                      "lineage.runs[1]: found '1.5', expected a whole number"}),
     [](const auto& row) { return std::string(row.param.name); });
+
+// FIPS 180-4's "abc", and the FNV-1a of draft-eastlake-fnv of "a": what programs before wrote.
+TEST(ContentHash, IsSha256AndReadsTheOlderFormInItsOwn) {
+  EXPECT_EQ(content_hash("abc"),
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(content_hash_like("0123456789abcdef", "a"), "af63dc4c8601ec8c");
+  EXPECT_EQ(content_hash_like(content_hash("b"), "a"), content_hash("a"));
+}
 
 TEST(ReadModelJson, NamesLineAndColumnOfASyntaxError) {
   const auto model = read_model_json("{\n  \"schema\": oops\n}");

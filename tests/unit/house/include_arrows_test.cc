@@ -19,6 +19,7 @@ const fs::path kRoot = DRIFTWISE_SOURCE_DIR;
 
 const std::vector<std::string> kFixedRooms = {"server/core",
                                               "server/core/ports",
+                                              "server/digest",
                                               "server/locks",
                                               "server/access",
                                               "server/effects",
@@ -91,6 +92,7 @@ const std::set<std::string> kDriver = {"server/core", "server/core/ports", "serv
 const std::map<std::string, std::set<std::string>> kFixedArrows = {
     {"server/core", {}},
     {"server/core/ports", {"server/core"}},
+    {"server/digest", {}},
     {"server/locks", {"server/core"}},
     {"server/access", {"server/core"}},
     {"server/effects", {"server/core"}},
@@ -107,7 +109,7 @@ const std::map<std::string, std::set<std::string>> kFixedArrows = {
     {"server/compensation",
      {"server/core", "server/effects", "server/calibration", "server/correction"}},
     {"server/standards", {"server/core"}},
-    {"server/formats", kMathematics},
+    {"server/formats", with(kMathematics, {"server/digest"})},
     {"server/threads", {"server/calibration"}},
     {"server/tls", {"server/core"}},
     {"server/line",
@@ -128,8 +130,9 @@ const std::map<std::string, std::set<std::string>> kFixedArrows = {
     {"drivers/simulated/plant", {}},
     {"drivers/simulated/emulators", {"drivers/simulated/plant"}},
     {"drivers/simulated", {"drivers/simulated/plant", "drivers/simulated/emulators"}},
-    {"storage", {"server/core", "server/core/ports", "server/locks"}},
-    {"clients/cli", with(kDomain, {"server/threads", "driftwise/v1", "clients/cpp"})},
+    {"storage", {"server/core", "server/core/ports", "server/digest", "server/locks"}},
+    {"clients/cli", with(kDomain, {"server/core/ports", "server/threads", "driftwise/v1",
+                                   "clients/cpp", "storage"})},
     {"clients/cpp", {"driftwise/v1"}},
 };
 

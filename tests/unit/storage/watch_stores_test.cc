@@ -132,7 +132,9 @@ TEST_F(WatchStoresTest, ATrajectoryOnceKeptNeverChanges) {
   const auto kept = store->trajectories().keep(wanted).value();
   wanted.name = "another name";
   EXPECT_EQ(store->trajectories().keep(wanted)->name, "grid");
-  wanted.hash = "h2";
+  wanted.hash = "h2";  // as a later program names the same text
+  EXPECT_EQ(store->trajectories().keep(wanted)->id, kept.id);
+  wanted.text = "q1_mm\n1\n";
   EXPECT_NE(store->trajectories().keep(wanted)->id, kept.id);
   const auto all = store->trajectories().trajectories().value();
   ASSERT_EQ(all.size(), 2U);

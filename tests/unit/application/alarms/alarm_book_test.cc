@@ -70,6 +70,7 @@ class AlarmsOnly final : public Store {
   StopStore& stops() override { return under_->stops(); }
   ClockStore& clocks() override { return under_->clocks(); }
   ConfigurationStore& configurations() override { return under_->configurations(); }
+  AuditStore& audit() override { return under_->audit(); }
 
  private:
   std::unique_ptr<Store> under_;

@@ -9,7 +9,7 @@ namespace driftwise::tests {
 namespace {
 
 // Passes everything on, but refuses commits while the disk is full.
-class FullDisk final : public Store, RunStore, ReadingStore, EventStore {
+class FullDisk final : public Store, RunStore, ReadingStore, EventStore, AuditStore {
  public:
   FullDisk(std::unique_ptr<Store> inner, const bool& full)
       : inner_(std::move(inner)), full_(full) {}
@@ -26,6 +26,7 @@ class FullDisk final : public Store, RunStore, ReadingStore, EventStore {
   StopStore& stops() override { return inner_->stops(); }
   ClockStore& clocks() override { return inner_->clocks(); }
   ConfigurationStore& configurations() override { return inner_->configurations(); }
+  AuditStore& audit() override { return *this; }
 
  private:
   template <class T>
@@ -85,6 +86,23 @@ class FullDisk final : public Store, RunStore, ReadingStore, EventStore {
   }
   Result<std::vector<EventRecord>> events(EventId after, int limit) override {
     return inner_->events().events(after, limit);
+  }
+
+  Result<AuditRecord> add(const AuditRecord& act,
+                          const std::optional<EventRecord>& event) override {
+    return or_full<AuditRecord>([&] { return inner_->audit().add(act, event); });
+  }
+  Result<std::vector<AuditRecord>> acts(std::int64_t before_id, int limit) override {
+    return inner_->audit().acts(before_id, limit);
+  }
+  Result<ChainHead> head() override { return inner_->audit().head(); }
+  Result<ChainReport> verify(const std::optional<ChainHead>& outside,
+                             const std::function<bool()>& give_way) override {
+    return inner_->audit().verify(outside, give_way);
+  }
+  Result<RecordCopy> back_up(const std::string& path,
+                             const std::function<bool()>& give_way) override {
+    return or_full<RecordCopy>([&] { return inner_->audit().back_up(path, give_way); });
   }
 
   std::unique_ptr<Store> inner_;

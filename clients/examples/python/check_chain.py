@@ -1,0 +1,192 @@
+#!/usr/bin/env python3
+"""Checks the chain of a Driftwise record, with Python's standard library alone.
+
+    check_chain.py cell.db            prints HASH@N, or what differs; exit code 1: something does
+
+Written from docs/database.md, "The chain": it shares no code with the daemon.
+"""
+
+import hashlib
+import re
+import sqlite3
+import struct
+import sys
+
+KINDS = {
+    1: (["hash"], ["cell_config"]),
+    2: (["start_id"], ["configuration_start"]),
+    3: (["run_id"], ["run"]),
+    4: (["run_id"], ["run_progress"]),
+    5: (["run_id"], ["run_configuration"]),
+    6: (["run_id"], ["imported_file", "imported_metadata", "imported_column"]),
+    7: (["channel_id"], ["channel"]),
+    8: (["device_id"], ["device"]),
+    9: (["datum_id"], ["datum", "datum_value"]),
+    10: (["point_id"], ["point", "point_value"]),
+    11: (["attempt_id"], ["attempt"]),
+    12: (["reading_id"], ["reading", "reading_value"]),
+    13: (["device_id", "start_ns", "sequence"], ["rejected_value"]),
+    14: (["at_ns", "ordinal"], ["move"]),
+    15: (["model_id"], ["model", "model_correction"]),
+    16: (["promotion_id"], ["promotion"]),
+    17: (["event_id"], ["event"]),
+    18: (["exclusion_id"], ["exclusion", "exclusion_row", "suspect_mark"]),
+    19: (["note_id"], ["note"]),
+    20: (["diagnosis_id"], ["diagnosis", "diagnosis_run"]),
+    21: (["correction_id"], ["correction", "correction_change"]),
+    22: (["extension_id"], ["extension", "extension_exclusion"]),
+    23: (["improvement_id"], ["improvement"]),
+    24: (["improvement_id", "number"], ["improvement_turn", "improvement_gain"]),
+    25: (["alarm_id"], ["alarm"]),
+    26: (["trajectory_id"], ["trajectory"]),
+    27: (["stop_id"], ["stop"]),
+    28: (["clock_id"], ["clock"]),
+    29: (["one"], ["database_identity"]),
+    30: (["audit_id"], ["audit"]),
+}
+
+
+def integer(value):
+    if value == 0:
+        return b"\0"
+    length = 1
+    while not -(1 << (8 * length - 1)) <= value < 1 << (8 * length - 1):
+        length += 1
+    return bytes([length]) + value.to_bytes(length, "big", signed=True)
+
+
+def encoded(value):
+    if value is None:
+        return b"\x10"
+    if isinstance(value, int):
+        return integer(value)
+    if isinstance(value, float):
+        return b"\x11" + struct.pack(">d", value)
+    if isinstance(value, bytes):  # a BLOB; texts are read as Text below
+        return b"\x13" + integer(len(value)) + value
+    return b"\x12" + integer(len(value.bytes)) + value.bytes
+
+
+class Text:
+    def __init__(self, raw):
+        self.bytes = raw
+
+
+class Reader:
+    def __init__(self, data):
+        self.data, self.at = data, 0
+
+    def take(self, count):
+        piece = self.data[self.at : self.at + count]
+        if len(piece) != count:
+            raise ValueError("too short")
+        self.at += count
+        return piece
+
+    def integer(self):
+        return int.from_bytes(self.take(self.take(1)[0]), "big", signed=True)
+
+    def value(self):
+        begin, head = self.at, self.take(1)[0]
+        if head == 0x11:
+            self.take(8)
+        elif head in (0x12, 0x13):
+            self.take(self.integer())
+        elif head != 0x10:
+            self.take(head)
+        return self.data[begin : self.at]
+
+
+class Record:
+    def __init__(self, path):
+        self.db = sqlite3.connect(f"file:{path}?mode=ro", uri=True)
+        self.db.text_factory = Text
+        self.tables = {}
+        for key, tables in KINDS.values():
+            for table in tables:
+                columns = [
+                    (name.bytes.decode(), pk)
+                    for name, pk, hidden in self.db.execute(
+                        "SELECT name, pk, hidden FROM pragma_table_xinfo(?) ORDER BY cid", (table,)
+                    )
+                    if hidden == 0
+                ]
+                primary = [name for name, pk in sorted(columns, key=lambda c: c[1]) if pk > 0]
+                rest = [name for name in primary if name not in key]
+                self.tables[table] = ([name for name, _ in columns], rest)
+
+    def layout(self, kind):
+        return f"{kind}" + "".join(
+            f" {table}({','.join(self.tables[table][0])})" for table in KINDS[kind][1]
+        )
+
+    # Every unit of a kind: the bytes of its key -> (digest, how many rows)
+    def units(self, kind):
+        key, tables = KINDS[kind]
+        found = {}
+        for place, table in enumerate(tables):
+            columns, rest = self.tables[table]
+            order = f" ORDER BY {', '.join(rest)}" if rest else ""
+            for row in self.db.execute(
+                f"SELECT {', '.join(key)}, {', '.join(columns)} FROM {table}{order}"
+            ):
+                name = b"".join(encoded(value) for value in row[: len(key)])
+                text = integer(place) + b"".join(encoded(value) for value in row[len(key) :])
+                found.setdefault(name, []).append(text)
+        return {
+            name: hashlib.sha256(integer(kind) + name + b"".join(rows)).digest()
+            for name, rows in found.items()
+        }
+
+
+def check(path):
+    record, problems = Record(path), []
+    head, last, newest, since = bytes(32), 0, {kind: {} for kind in KINDS}, {}
+    for entry, what, data, stored in record.db.execute(
+        "SELECT entry_id, what, bytes, head FROM chain ORDER BY entry_id"
+    ):
+        head = hashlib.sha256(head + integer(entry) + encoded(what) + data).digest()
+        if entry != last + 1 or head != stored:
+            problems.append(f"entry {entry} of the chain differs")
+            head = stored
+        last = entry
+        if what.bytes == b"layout":
+            kind = int(re.match(rb"\d+", data).group())
+            newest[kind], since[kind] = {}, data.decode()
+            continue
+        reader = Reader(data)
+        while reader.at < len(data):
+            kind = reader.integer()
+            key = b"".join(reader.value() for _ in KINDS[kind][0])
+            digest, rows = reader.take(32), reader.integer()
+            for _ in range(rows):
+                table = KINDS[kind][1][reader.integer()]
+                for _ in record.tables[table][1]:
+                    reader.value()
+                reader.take(4)
+            newest[kind][key] = digest if rows else None
+    for kind, (_, tables) in KINDS.items():
+        if since.get(kind) != record.layout(kind):
+            problems.append(f"{tables[0]}: other columns than the chain has")
+        found = record.units(kind)
+        for key in found.keys() | newest[kind].keys():
+            expected = newest[kind].get(key)
+            if found.get(key) != expected:
+                state = "differs" if key in found and expected else (
+                    "is missing" if expected else "is inserted")
+                problems.append(f"{tables[0]} with key {key.hex()} {state}")
+    return problems, f"{head.hex()}@{last}"
+
+
+def main():
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    problems, head = check(sys.argv[1])
+    for problem in problems:
+        print(problem)
+    if problems:
+        sys.exit(1)
+    print(head)
+
+
+main()

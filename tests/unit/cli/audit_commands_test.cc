@@ -1,0 +1,63 @@
+// driftwise audit: by the daemon and on a file, and what it says of a record that was changed.
+
+#include "storage/sqlite/database.h"
+#include "tests/unit/cli/cli_fixture.h"
+
+namespace driftwise::tests {
+namespace {
+
+class AuditCommands : public CliTest {
+ protected:
+  AuditCommands() { cell.add_points(cell.add_run(), 3); }
+  std::string database() const { return cell.database(); }
+};
+
+TEST_F(AuditCommands, ListShowsWhoDidWhatWithTheValueBeforeAndAfter) {
+  EXPECT_EQ(run({"note", "add", "--run", "1", "the door was open"}).exit, 0);
+  const auto acts = json({"audit", "list"})["acts"];
+  ASSERT_EQ(acts.size(), 1U);
+  EXPECT_EQ(acts[0]["who"], "ada");
+  EXPECT_EQ(acts[0]["proof"], "stated");
+  EXPECT_EQ(acts[0]["what"], "note.added");
+  EXPECT_EQ(acts[0]["subject"], "run 1");
+  EXPECT_GT(acts[0]["event_id"], 0);
+  EXPECT_EQ(json({"audit", "list", "--database", database()})["acts"], acts);
+  EXPECT_THAT(run({"audit", "list"}).out, HasSubstr("note.added"));
+}
+
+TEST_F(AuditCommands, HeadIsTheSameByTheDaemonAndOfTheFile) {
+  const auto head = run({"audit", "head"}).out;
+  EXPECT_THAT(head, testing::MatchesRegex("[0-9a-f]+@[0-9]+\n"));
+  EXPECT_EQ(run({"audit", "head", "--database", database()}).out, head);
+}
+
+TEST_F(AuditCommands, VerifyHoldsTheRecordAgainstItsChainAndAKeptHead) {
+  const auto head = run({"audit", "head"}).out;
+  const std::string kept = head.substr(0, head.size() - 1);
+  EXPECT_EQ(run({"audit", "verify", "--head", kept}).exit, 0);
+  const auto whole = run({"audit", "verify"});
+  EXPECT_EQ(whole.exit, 0) << whole.out;
+  EXPECT_THAT(whole.out, HasSubstr("the record is as it was stored"));
+
+  storage::Database(database(), SQLITE_OPEN_READWRITE, "")
+      .execute("UPDATE point_value SET value = value + 1 WHERE point_id = 2");
+  for (const auto& arguments : {std::vector<std::string>{"audit", "verify"},
+                                {"audit", "verify", "--database", database()}}) {
+    const auto changed = run(arguments);
+    EXPECT_EQ(changed.exit, 1);
+    EXPECT_THAT(changed.out, HasSubstr("the record was changed"));
+    EXPECT_THAT(changed.out, HasSubstr("point_value with point_id 2, channel_id"));
+  }
+}
+
+TEST_F(AuditCommands, SayWhatIsWrongWithAHeadOrAFile) {
+  const auto head = run({"audit", "verify", "--head", "deadbeef@3"});
+  EXPECT_EQ(head.exit, 2);
+  EXPECT_THAT(head.err, HasSubstr("expected HASH@N"));
+  const auto file = run({"audit", "verify", "--database", folder.path() + "/none.db"});
+  EXPECT_EQ(file.exit, 3);
+  EXPECT_THAT(file.err, HasSubstr("none.db"));
+}
+
+}  // namespace
+}  // namespace driftwise::tests
