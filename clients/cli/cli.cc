@@ -22,6 +22,7 @@
 #include "clients/cli/commands/models/formula_commands.h"
 #include "clients/cli/commands/models/model_commands.h"
 #include "clients/cli/commands/record/audit_commands.h"
+#include "clients/cli/commands/record/backup_commands.h"
 #include "clients/cli/commands/runs/report_command.h"
 #include "clients/cli/commands/runs/run_commands.h"
 #include "clients/cli/commands/targets/target_command.h"
@@ -154,6 +155,7 @@ void add_everything(CLI::App& app, Session& session) {
   add_standard_commands(app, session);
   add_report_command(app, session);
   add_audit_commands(app, session);
+  add_backup_commands(app, session);
   add_manual_commands(app, session);
   add_examples(app, kFooter);
 }

@@ -37,6 +37,7 @@ inline constexpr Reason kAlreadyOver{"ALREADY_OVER", Recovery::by_code};
 inline constexpr Reason kAlreadyStored{"ALREADY_STORED", Recovery::by_code};
 inline constexpr Reason kAmbiguousColumn{"AMBIGUOUS_COLUMN", Recovery::by_code};
 inline constexpr Reason kAxisCount{"AXIS_COUNT", Recovery::by_code};
+inline constexpr Reason kBackupUnderWay{"BACKUP_UNDER_WAY", Recovery::by_code};
 inline constexpr Reason kBadAddress{"BAD_ADDRESS", Recovery::by_code};
 inline constexpr Reason kBadAlpha{"BAD_ALPHA", Recovery::by_code};
 inline constexpr Reason kBadAxis{"BAD_AXIS", Recovery::by_code};

@@ -81,8 +81,9 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
       wall_clock(on, *clock, writer, events, tasks,
                  [this](AlarmCondition condition) { alarms.note(std::move(condition)); }),
       clock_start(std::move(opened.clock_start)),
-      upkeep(on, *clock, description.database, writer, {&reader}, &checker, events, tasks,
-             [this] { return engine.busy() || right.by_hand() != nullptr; }),
+      upkeep(
+          on, *clock, description.database, writer, {&reader}, &checker, events, tasks,
+          [this] { return engine.busy() || right.by_hand() != nullptr; }, description.backup),
       access(on, text_thread.executor(), description.access, *clock, events, tasks,
              [this](AlarmCondition condition) { alarms.note(std::move(condition)); }),
       trajectories(description, *clock, writer, events, text_thread.executor(),

@@ -21,7 +21,7 @@ constexpr double kWaitIdle_s = 5;  // until the next look whether the cell is id
 DatabaseUpkeep::DatabaseUpkeep(asio::any_io_executor executor, Clock& clock, std::string path,
                                StoreWriter& writer, std::vector<StoreReader*> readers,
                                StoreReader* checker, EventLog& events, TaskGroup& tasks,
-                               std::function<bool()> busy)
+                               std::function<bool()> busy, BackupRules backups)
     : executor_(executor),
       clock_(clock),
       path_(std::move(path)),
@@ -31,10 +31,13 @@ DatabaseUpkeep::DatabaseUpkeep(asio::any_io_executor executor, Clock& clock, std
       events_(events),
       tasks_(tasks),
       busy_(std::move(busy)),
+      backups_(clock, path_, std::move(backups), checker ? *checker : *readers_.front(), events,
+               [this] { return gives_way_.load(); }),
       ended_(executor) {}
 
 void DatabaseUpkeep::start() {
   tasks_.spawn(watch());
+  tasks_.spawn(keep_backups());
   if (!checker_) return;
   tasks_.spawn(check());
 }
@@ -64,6 +67,34 @@ Awaitable<void> DatabaseUpkeep::watch() {
     const double seconds = std::max(kLook_s, 0.5 * clock_.speed());
     co_await sleep_unless(clock_, clock_.now().utc + nanoseconds_from_s(seconds), ended_);
   }
+}
+
+Awaitable<void> DatabaseUpkeep::keep_backups() {
+  constexpr double kLookAtSchedule_s = 60;
+  CellTime measured{0};
+  while (!ending_) {
+    const auto now = clock_.now().utc;
+    if (seconds_from(now - measured) >= kMeasure_s) {
+      measured = now;
+      measure();
+    }
+    co_await backups_.make_if_due();
+    co_await sleep_unless(clock_, clock_.now().utc + nanoseconds_from_s(kLookAtSchedule_s), ended_);
+  }
+}
+
+void DatabaseUpkeep::measure() {
+  std::error_code none;
+  const auto bytes = std::filesystem::file_size(path_, none);
+  if (none) return;
+  const auto space = std::filesystem::space(std::filesystem::path(path_).parent_path(), none);
+  if (none) return;
+  forecast_.take(clock_.now().utc, static_cast<std::int64_t>(bytes) + log_bytes(),
+                 static_cast<std::int64_t>(space.available));
+}
+
+Awaitable<Result<RecordCopy>> DatabaseUpkeep::back_up(Caller caller) {
+  co_return co_await backups_.make(&caller);
 }
 
 Awaitable<void> DatabaseUpkeep::look() {
@@ -154,6 +185,9 @@ std::vector<AlarmCondition> DatabaseUpkeep::conditions() const {
   const bool lately =
       log_lost_.utc_ns != 0 && seconds_from(clock_.now().utc - log_lost_) < kLogAlarmStands_s;
   if (lately) out.push_back({AlarmLevel::failed, "database.log_gone", "database", log_message_});
+  if (auto warning = forecast_.warning(path_); !warning.empty())
+    out.push_back({AlarmLevel::warning, "disk.forecast", "database", std::move(warning)});
+  for (auto& condition : backups_.conditions()) out.push_back(std::move(condition));
   for (const auto& trouble : health_.troubles)
     out.push_back({AlarmLevel::failed, "database.damaged", "database", trouble});
   return out;

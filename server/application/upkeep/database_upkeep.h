@@ -18,6 +18,8 @@
 #include "server/application/plumbing/task_group.h"
 #include "server/application/ports/alarm_condition.h"
 #include "server/application/ports/database_health.h"
+#include "server/application/upkeep/backups.h"
+#include "server/application/upkeep/disk_forecast.h"
 #include "server/application/upkeep/record_keeping.h"
 
 namespace driftwise::application {
@@ -25,6 +27,7 @@ namespace driftwise::application {
 class DatabaseUpkeep final : public RecordKeeping {
  public:
   static constexpr double kLook_s = 2;           // cell time between two looks at the files
+  static constexpr double kMeasure_s = 600;      // between two looks at the size and the disk
   static constexpr double kFirstCheck_s = 60;    // after the start: the cell comes first
   static constexpr double kPassEvery_s = 86400;  // between the ends of two passes
   // A check holds its view of the database, and the log grows meanwhile: above this it gives way.
@@ -35,18 +38,22 @@ class DatabaseUpkeep final : public RecordKeeping {
   // robot is at work, which a check waits for, for a day at most.
   DatabaseUpkeep(asio::any_io_executor executor, Clock& clock, std::string path,
                  StoreWriter& writer, std::vector<StoreReader*> readers, StoreReader* checker,
-                 EventLog& events, TaskGroup& tasks, std::function<bool()> busy);
+                 EventLog& events, TaskGroup& tasks, std::function<bool()> busy,
+                 BackupRules backups);
 
   void start();
   void shut_down();
 
   Awaitable<Result<ChainReport>> verify(std::optional<ChainHead> kept) override;
+  Awaitable<Result<RecordCopy>> back_up(Caller caller) override;
 
   std::vector<AlarmCondition> conditions() const;
   const DatabaseHealth& health() const { return health_; }
 
  private:
   Awaitable<void> watch();
+  Awaitable<void> keep_backups();
+  void measure();
   Awaitable<void> look();
   Awaitable<void> replace_log();
   Awaitable<void> open_again();  // every connection, where that has not been done
@@ -76,6 +83,8 @@ class DatabaseUpkeep final : public RecordKeeping {
   DatabaseHealth health_;
   DatabaseChecks checks_;
   std::atomic<bool> gives_way_{false};  // asked by the checker's thread
+  Backups backups_;
+  DiskForecast forecast_;
   Signal ended_;
   bool ending_ = false;
 };

@@ -3,8 +3,9 @@
 
 #include <optional>
 
+#include "server/application/ports/caller.h"
 #include "server/core/ports/awaitable.h"
-#include "server/core/records/audit_records.h"
+#include "server/core/records/copy_records.h"
 #include "server/core/result.h"
 
 namespace driftwise::application {
@@ -14,6 +15,9 @@ class RecordKeeping {
   virtual ~RecordKeeping() = default;
   // server/core/ports/audit_store.h; on the thread of the checks, one after the other.
   virtual Awaitable<Result<ChainReport>> verify(std::optional<ChainHead> kept) = 0;
+  // A verified copy into the folder of backups; on the same thread. Errors: failed_precondition
+  // BACKUP_UNDER_WAY; those of the disk.
+  virtual Awaitable<Result<RecordCopy>> back_up(Caller caller) = 0;
 };
 
 }  // namespace driftwise::application

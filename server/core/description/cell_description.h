@@ -11,6 +11,7 @@
 #include "server/core/cell_time.h"
 #include "server/core/channel.h"
 #include "server/core/description/access_description.h"
+#include "server/core/description/backup_rules.h"
 #include "server/core/description/kinematics_description.h"
 #include "server/core/description/plausibility_description.h"
 #include "server/core/devices/device_kind.h"
@@ -125,6 +126,7 @@ struct CellDescription {
   StartChecks checks;
   PlausibilityRules plausibility;
   ServingRules serving;
+  BackupRules backup;
   std::optional<CorrectionDescription> correction;
   std::optional<LoadDescription> load;  // none: the cell knows no force
   // Nominal geometry of the robot in use; none: an unknown robot.

@@ -107,6 +107,13 @@ void read_serving(TomlReader&& serving, ServingRules& out) {
   serving.finish();
 }
 
+void read_backup(TomlReader&& backup, BackupRules& out) {
+  backup.text("folder", out.folder);
+  backup.number("every_h", out.every_h, {.min = 0, .max = 8784});
+  backup.integer("keep", out.keep, 1, 10'000);
+  backup.finish();
+}
+
 void check_speed(TomlReader& clock, const CellDescription& cell) {
   if (cell.clock.speed == 1.0) return;
   for (const auto& device : cell.devices)
@@ -143,6 +150,7 @@ void read_file(const toml::table& root, CellDescription& out, TomlProblem& probl
   read_run(section("run"), out.run, out.restart);
   read_checks(section("checks"), out.checks);
   read_serving(section("serving"), out.serving);
+  read_backup(section("backup"), out.backup);
   read_plausibility(section("plausibility"), out.plausibility);
   for (const auto* table : top.tables("limit")) {
     const std::string place = "limit " + std::to_string(out.plausibility.limits.size() + 1);
@@ -192,6 +200,7 @@ Result<CellDescription> parse_cell_file(std::string_view text, const std::string
   cell.clock.file = beside(cell.clock.file, path);
   for (std::string* file : {&cell.access.certificate, &cell.access.key, &cell.access.authority})
     *file = beside(*file, path);
+  cell.backup.folder = beside(cell.backup.folder, path);
   cell.text = text;
   cell.hash = content_hash(text);
   return cell;

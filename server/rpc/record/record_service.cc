@@ -3,6 +3,7 @@
 #include "server/application/upkeep/record_keeping.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
+#include "server/rpc/shared/caller.h"
 #include "server/rpc/shared/convert_values.h"
 #include "server/rpc/shared/request_checks.h"
 #include "server/rpc/shared/services.h"
@@ -73,6 +74,20 @@ class RecordService final : public v1::RecordService::CallbackService {
       auto reading = records_.audit().head();
       DRIFTWISE_CO_TRY(const auto head, co_await std::move(reading));
       *response->mutable_head() = head_from(head);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* BackUpRecord(Context* context, const v1::BackUpRecordRequest*,
+                        v1::BackUpRecordResponse* response) override {
+    return answer(host_, context, [this, context, response]() -> Awaitable<Result<void>> {
+      auto copying = keeping_.back_up(caller_of(*context));
+      DRIFTWISE_CO_TRY(const auto copy, co_await std::move(copying));
+      v1::RecordCopy& out = *response->mutable_copy();
+      out.set_path(utf8_from(copy.path));
+      out.set_byte_count(copy.bytes);
+      out.set_row_count(copy.rows);
+      *out.mutable_head() = head_from(copy.head);
       co_return Result<void>{};
     });
   }

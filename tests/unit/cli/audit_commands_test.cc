@@ -50,6 +50,24 @@ TEST_F(AuditCommands, VerifyHoldsTheRecordAgainstItsChainAndAKeptHead) {
   }
 }
 
+TEST_F(AuditCommands, BackupIsRestoredElsewhereAndNeverOverARecord) {
+  const auto copy = json({"backup"});
+  EXPECT_EQ(copy["head"]["hash"].get<std::string>().size(), 64U);
+  const std::string back = folder.path() + "/back.db";
+  const auto restored = run({"restore", copy["path"], "--database", back});
+  EXPECT_EQ(restored.exit, 0) << restored.err;
+  EXPECT_THAT(restored.out, HasSubstr("restored " + back));
+  EXPECT_EQ(run({"audit", "verify", "--database", back}).exit, 0);
+  const auto again = run({"restore", copy["path"], "--database", back});
+  EXPECT_EQ(again.exit, 3);
+  EXPECT_THAT(again.err, HasSubstr("--replace"));
+  EXPECT_EQ(run({"restore", copy["path"], "--database", back, "--replace", "--yes"}).exit, 0);
+  const auto under_a_daemon =
+      run({"restore", copy["path"], "--database", database(), "--replace", "--yes"});
+  EXPECT_EQ(under_a_daemon.exit, 3);
+  EXPECT_THAT(under_a_daemon.err, HasSubstr("database"));
+}
+
 TEST_F(AuditCommands, SayWhatIsWrongWithAHeadOrAFile) {
   const auto head = run({"audit", "verify", "--head", "deadbeef@3"});
   EXPECT_EQ(head.exit, 2);

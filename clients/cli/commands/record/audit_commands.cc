@@ -19,23 +19,6 @@ struct AuditArguments {
   int limit = 0;
 };
 
-std::string head_text(const v1::ChainHead& head) {
-  return head.hash() + "@" + std::to_string(head.entry());
-}
-
-v1::ChainHead head_from(const std::string& text) {
-  const auto head = chain_head_from(text);
-  if (!head)
-    throw Failure{ExitCode::usage, "usage", "BAD_CHAIN_HEAD",
-                  "--head: found '" + text +
-                      "', expected HASH@N as 'driftwise audit head' prints it: 64 hexadecimal "
-                      "digits, @, the number of an entry"};
-  v1::ChainHead message;
-  message.set_entry(head->entry);
-  message.set_hash(head->hash);
-  return message;
-}
-
 ExitCode list_acts(const Session& session, const AuditArguments& a) {
   v1::ListActsRequest request;
   request.set_limit(a.limit);
@@ -78,7 +61,11 @@ ExitCode show_head(const Session& session, const AuditArguments& a) {
 
 ExitCode verify_record(const Session& session, const AuditArguments& a) {
   v1::VerifyRecordRequest request;
-  if (!a.kept.empty()) *request.mutable_kept() = head_from(a.kept);
+  if (!a.kept.empty()) {
+    const ChainHead kept = kept_head(a.kept);
+    request.mutable_kept()->set_entry(kept.entry);
+    request.mutable_kept()->set_hash(kept.hash);
+  }
   const auto report = a.database.empty()
                           ? session.connect().ask(&RecordStub::VerifyRecord, request, kCheckTakes_s)
                           : verified_file(a.database, request);

@@ -26,6 +26,29 @@ UtcMap utc_of(Store& store) {
 
 }  // namespace
 
+std::string head_text(const v1::ChainHead& head) {
+  return to_string(ChainHead{head.entry(), head.hash()});
+}
+
+ChainHead kept_head(const std::string& text) {
+  const auto head = chain_head_from(text);
+  if (!head)
+    throw Failure{ExitCode::usage, "usage", "BAD_CHAIN_HEAD",
+                  "--head: found '" + text +
+                      "', expected HASH@N as 'driftwise audit head' prints it: 64 hexadecimal "
+                      "digits, @, the number of an entry"};
+  return *head;
+}
+
+v1::RecordCopy copy_message(const RecordCopy& copy) {
+  v1::RecordCopy message;
+  message.set_path(copy.path);
+  message.set_byte_count(copy.bytes);
+  message.set_row_count(copy.rows);
+  set_head(*message.mutable_head(), copy.head);
+  return message;
+}
+
 v1::ListActsResponse acts_of_file(const std::string& path, const v1::ListActsRequest& request) {
   const auto store = open_record(path);
   const UtcMap utc = utc_of(*store);

@@ -5,9 +5,15 @@
 #include <string>
 
 #include "driftwise/v1/record_service.pb.h"
-#include "server/core/records/audit_records.h"
+#include "server/core/records/copy_records.h"
 
 namespace driftwise::cli {
+
+// "HASH@N"
+std::string head_text(const v1::ChainHead& head);
+// What a person typed after --head. Throws Failure: usage.
+ChainHead kept_head(const std::string& text);
+v1::RecordCopy copy_message(const RecordCopy& copy);
 
 v1::ListActsResponse acts_of_file(const std::string& path, const v1::ListActsRequest& request);
 v1::GetChainHeadResponse head_of_file(const std::string& path);

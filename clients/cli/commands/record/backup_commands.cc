@@ -1,0 +1,93 @@
+#include "clients/cli/commands/record/backup_commands.h"
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+
+#include "clients/cli/commands/record/record_file.h"
+#include "clients/cli/core/confirm.h"
+#include "clients/cli/core/proto_json.h"
+#include "clients/cli/core/text.h"
+#include "clients/cli/core/value_or_throw.h"
+#include "driftwise/v1/record_service.grpc.pb.h"
+#include "storage/audit/record_copy.h"
+
+namespace driftwise::cli {
+namespace {
+
+constexpr double kBackupTakes_s = 3600;  // a record of weeks, onto a slow disk
+
+struct RestoreArguments {
+  std::string copy, database, kept;
+  bool replace = false, yes = false;
+};
+
+void print_copy(const Console& console, const v1::RecordCopy& copy, const std::string& what) {
+  if (console.json) {
+    console.print_json(json_from(copy));
+    return;
+  }
+  console.out << what << copy.path() << ": " << copy.row_count() << " rows, "
+              << fixed(static_cast<double>(copy.byte_count()) / 1e6, 1) << " MB, checked\n";
+  if (copy.head().entry() > 0)
+    console.out << "head " << head_text(copy.head()) << " (keep it on another computer)\n";
+}
+
+ExitCode back_up(const Session& session) {
+  const auto copy =
+      session.connect().ask(&v1::RecordService::Stub::BackUpRecord, {}, kBackupTakes_s).copy();
+  print_copy(session.console, copy, "");
+  return ExitCode::done;
+}
+
+// "cell.db.before-20261122T093000Z"
+std::string name_of_present(const std::string& database) {
+  const auto now = std::chrono::duration_cast<std::chrono::nanoseconds>(
+      std::chrono::system_clock::now().time_since_epoch());
+  std::string instant = to_iso8601(CellTime{now.count()}).substr(0, 19);
+  std::erase_if(instant, [](char c) { return c == '-' || c == ':'; });
+  return database + ".before-" + instant + "Z";
+}
+
+ExitCode restore(const Session& session, const RestoreArguments& a) {
+  storage::Restore wanted{a.copy, a.database, {}, {}};
+  if (!a.kept.empty()) wanted.kept = kept_head(a.kept);
+  const bool is_there = std::filesystem::exists(a.database);
+  if (a.replace && is_there) {
+    wanted.present_kept_as = name_of_present(a.database);
+    confirm(session.console, a.yes, "record " + a.database + ":",
+            {"becomes what " + a.copy + " holds; what was measured after that is not in it",
+             "the present record is kept as " + wanted.present_kept_as},
+            "Restore it");
+  }
+  const auto restored = storage::restore_record(wanted);
+  if (!restored) {
+    auto failure = failure_of(restored.error());
+    if (restored.error().reason == "FILE_EXISTS" && !a.replace)
+      failure.message += "; --replace keeps it under another name and puts the copy in its place";
+    throw Failure(failure);
+  }
+  print_copy(session.console, copy_message(*restored), "restored ");
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_backup_commands(CLI::App& app, Session& session) {
+  add_command(app, session, "backup",
+              "Copies the record while the cell works, checks the copy, prints where it is",
+              [&session] { return back_up(session); });
+  auto a = std::make_shared<RestoreArguments>();
+  CLI::App& restoring =
+      add_command(app, session, "restore", "Puts a copy of a record in its place; without a daemon",
+                  [&session, a] { return restore(session, *a); });
+  restoring.add_option("COPY", a->copy, "a backup")->required();
+  restoring.add_option("--database", a->database, "where to: [cell] database of the cell file")
+      ->required();
+  restoring.add_option("--head", a->kept, "HASH@N that was kept: the copy must hold it");
+  restoring.add_flag("--replace", a->replace,
+                     "a record that is there is kept under another name; else it is refused");
+  restoring.add_flag("--yes", a->yes, "ask nothing: for scripts");
+}
+
+}  // namespace driftwise::cli

@@ -1,0 +1,106 @@
+// Backups by the cell file's schedule and when asked, and the forecast of a disk that fills up.
+
+#include "server/application/upkeep/backups.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include "server/application/upkeep/disk_forecast.h"
+#include "server/application/upkeep/record_keeping.h"
+#include "tests/support/cell_in_memory.h"
+#include "tests/unit/application/sqlite.h"
+
+namespace driftwise::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+class BackupsInACell : public testing::Test {
+ protected:
+  Folder folder;
+  SmallWorld world;
+  std::optional<CellInMemory> cell_;
+
+  CellInMemory& cell(BackupRules rules) {
+    auto description = small_cell(folder / "cell.sqlite");
+    description.backup = std::move(rules);
+    return cell_.emplace(world, description, kSqlite, kWorldBegin);
+  }
+  std::vector<std::string> files(const std::string& extension) const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder / "kept"))
+      if (entry.path().extension() == extension) names.push_back(entry.path().string());
+    std::ranges::sort(names);
+    return names;
+  }
+};
+
+TEST_F(BackupsInACell, AreMadeByTheScheduleAndTheNewestStay) {
+  auto& running = cell({folder / "kept", 2, 3});
+  running.pass(9 * 3600);
+  ASSERT_THAT(files(".db"), SizeIs(3));
+  EXPECT_THAT(files(".head"), SizeIs(3));
+  EXPECT_THAT(running.events_named("backup.made"), SizeIs(testing::Ge(4)));
+  EXPECT_THAT(running.events_named("backup.removed"), testing::Not(IsEmpty()));
+  const auto newest = kSqlite(files(".db").back(), true).value();
+  EXPECT_TRUE(newest->audit().verify({}, {})->intact());
+}
+
+TEST_F(BackupsInACell, AreMadeWhileARunIsUnderWayWhenSomebodyAsks) {
+  auto& running = cell({folder / "kept", 0, 3});
+  running.begin_run(lines_of(2, {2, -3, 1}, true));
+  running.until([&] { return running.status().run->run.accepted == 3; });
+  const auto made = running.await(running->keeping.back_up(running.ada));
+  ASSERT_TRUE(made) << made.error().message;
+  EXPECT_EQ(kSqlite(made->path, true).value()->runs().points(RunId{1}, 0, 0)->size(), 3U);
+  EXPECT_EQ(running.finish_run().state, RunState::done);
+  EXPECT_THAT(running.events_named("backup.made"), SizeIs(1));
+}
+
+TEST_F(BackupsInACell, ThatFailAreAnAlarmUntilOneIsMade) {
+  std::ofstream(folder / "kept") << "a file where the folder should be";
+  auto& running = cell({folder / "kept", 2, 3});
+  running.pass(600);
+  ASSERT_THAT(running.alarms_of("backup.failed"), SizeIs(1));
+  EXPECT_THAT(running.alarms_of("backup.failed").front(), HasSubstr("kept"));
+  fs::remove(folder / "kept");
+  running.pass(2 * 3600);
+  EXPECT_THAT(running.alarms_of("backup.failed"), IsEmpty());
+  EXPECT_THAT(files(".db"), testing::Not(IsEmpty()));
+}
+
+TEST(DiskForecast, NeedsAnHourAndGrowth) {
+  application::DiskForecast forecast;
+  const auto at_h = [](double hours) { return CellTime{0} + nanoseconds_from_s(hours * 3600); };
+  forecast.take(at_h(0), 100'000'000, 1'000'000'000);
+  forecast.take(at_h(0.5), 101'000'000, 1'000'000'000);
+  EXPECT_FALSE(forecast.days());
+  forecast.take(at_h(2), 110'000'000, 216'000'000);
+  EXPECT_DOUBLE_EQ(forecast.bytes_per_hour(), 5'000'000);
+  EXPECT_DOUBLE_EQ(*forecast.days(), 1.8);
+  EXPECT_THAT(forecast.warning("cell.db"), HasSubstr("the disk of cell.db is full in 43 hours"));
+}
+
+TEST(DiskForecast, GoesByTheLastDayAndIsSilentWhileThereIsRoom) {
+  application::DiskForecast forecast;
+  const auto at_h = [](double hours) { return CellTime{0} + nanoseconds_from_s(hours * 3600); };
+  // A day of 10 MB an hour, then two of 1 MB an hour.
+  double bytes = 0;
+  for (int hour = 0; hour <= 72; ++hour) {
+    forecast.take(at_h(hour), static_cast<std::int64_t>(bytes), 216'000'000);
+    bytes += hour < 24 ? 10e6 : 1e6;
+  }
+  EXPECT_DOUBLE_EQ(forecast.bytes_per_hour(), 1e6);
+  EXPECT_THAT(forecast.warning("cell.db"), HasSubstr("is full in 9 days"));
+  forecast.take(at_h(73), static_cast<std::int64_t>(bytes), 1'000'000'000'000);
+  EXPECT_THAT(forecast.warning("cell.db"), IsEmpty());
+}
+
+}  // namespace
+}  // namespace driftwise::tests

@@ -1,0 +1,103 @@
+// Copies of a record: checked, never over another file, and put back with their chain.
+
+#include "storage/audit/record_copy.h"
+
+#include "tests/unit/storage/store_fixture.h"
+
+namespace driftwise::storage {
+namespace {
+
+using testing::HasSubstr;
+
+class RecordCopyTest : public StoreTest {
+ protected:
+  RecordCopyTest() {
+    for (int row = 0; row < 5; ++row)
+      EXPECT_TRUE(store->runs().commit(example_commit(run, datum, row)));
+  }
+  std::string copy = folder / "copy.db", other = folder / "other.db";
+  std::string kept_as = folder / "cell.db.before";
+
+  static std::size_t points_in(const std::string& file) {
+    return open_store(file, true)->runs().points(RunId{1}, 0, 0)->size();
+  }
+};
+
+TEST_F(RecordCopyTest, HoldsTheRecordAsItWasWhileMoreIsStored) {
+  const auto reader = open_store(path, true);
+  const auto head = store->audit().head().value();
+  const auto made = reader->audit().back_up(copy, {});
+  ASSERT_TRUE(made) << made.error().message;
+  ASSERT_TRUE(store->runs().commit(example_commit(run, datum, 5)));
+  EXPECT_EQ(made->head, head);
+  EXPECT_GT(made->rows, 250);
+  EXPECT_EQ(points_in(copy), 5U);
+  EXPECT_TRUE(open_store(copy, true)->audit().verify(head, {})->intact());
+  EXPECT_FALSE(std::filesystem::exists(copy + ".part"));
+}
+
+TEST_F(RecordCopyTest, NeverOverwritesAndLeavesNothingOfACopyThatGaveWay) {
+  ASSERT_TRUE(store->audit().back_up(copy, {}));
+  EXPECT_EQ(store->audit().back_up(copy, {}).error().reason, "FILE_EXISTS");
+  const auto gave_way = store->audit().back_up(other, [] { return true; });
+  // A record of a few pages is copied in the first step.
+  if (!gave_way) {
+    EXPECT_EQ(gave_way.error().reason, "GAVE_WAY");
+    EXPECT_FALSE(std::filesystem::exists(other));
+  }
+  EXPECT_FALSE(std::filesystem::exists(other + ".part"));
+}
+
+TEST_F(RecordCopyTest, ComesBackWhereNothingIs) {
+  const auto head = store->audit().back_up(copy, {})->head;
+  const auto restored = restore_record({copy, other, "", head});
+  ASSERT_TRUE(restored) << restored.error().message;
+  EXPECT_EQ(points_in(other), 5U);
+  auto back = open_store(other);  // and goes on from there
+  EXPECT_TRUE(back->runs().commit(example_commit(run, datum, 5)));
+  EXPECT_TRUE(back->audit().verify(head, {})->intact());
+}
+
+TEST_F(RecordCopyTest, ReplacesARecordOnlyWhenAskedAndKeepsIt) {
+  ASSERT_TRUE(store->audit().back_up(copy, {}));
+  ASSERT_TRUE(store->runs().commit(example_commit(run, datum, 5)));
+  EXPECT_EQ(restore_record({copy, path, "", {}}).error().reason, "FILE_EXISTS");
+  EXPECT_EQ(restore_record({copy, path, kept_as, {}}).error().reason, "DATABASE_IN_USE");
+  store.reset();
+  const auto restored = restore_record({copy, path, kept_as, {}});
+  ASSERT_TRUE(restored) << restored.error().message;
+  EXPECT_EQ(points_in(path), 5U);
+  EXPECT_EQ(points_in(kept_as), 6U);
+}
+
+TEST_F(RecordCopyTest, IsRefusedWhereItWasChangedOrIsOlderThanAKeptHead) {
+  ASSERT_TRUE(store->audit().back_up(copy, {}));
+  ASSERT_TRUE(store->runs().commit(example_commit(run, datum, 5)));
+  const auto later = store->audit().head().value();
+  const auto older = restore_record({copy, other, "", later});
+  ASSERT_FALSE(older);
+  EXPECT_EQ(older.error().reason, "RECORD_CHANGED");
+  Database(copy, SQLITE_OPEN_READWRITE, "").execute("UPDATE point_value SET value = 1.5");
+  const auto changed = restore_record({copy, other, "", {}});
+  ASSERT_FALSE(changed);
+  EXPECT_THAT(changed.error().message, HasSubstr("point_value with point_id 1"));
+  EXPECT_FALSE(std::filesystem::exists(other));
+}
+
+TEST_F(RecordCopyTest, OfALaterProgramIsRefused) {
+  ASSERT_TRUE(store->audit().back_up(copy, {}));
+  Database(copy, SQLITE_OPEN_READWRITE, "").execute("PRAGMA user_version = 99");
+  EXPECT_EQ(restore_record({copy, other, "", {}}).error().reason, "SCHEMA_NEWER");
+}
+
+TEST(RecordCopy, OfAnEarlierProgramComesBack) {
+  const TemporaryFolder folder;
+  const auto restored =
+      restore_record({copy_of_version_1_cell(folder), folder / "back.db", "", {}});
+  ASSERT_TRUE(restored) << restored.error().message;
+  EXPECT_EQ(restored->head.entry, 0);
+  EXPECT_EQ(open_store(folder / "back.db")->runs().runs(0, 0)->size(), 2U);
+}
+
+}  // namespace
+}  // namespace driftwise::storage
