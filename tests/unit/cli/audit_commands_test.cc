@@ -40,13 +40,13 @@ TEST_F(AuditCommands, VerifyHoldsTheRecordAgainstItsChainAndAKeptHead) {
   EXPECT_THAT(whole.out, HasSubstr("the record is as it was stored"));
 
   storage::Database(database(), SQLITE_OPEN_READWRITE, "")
-      .execute("UPDATE point_value SET value = value + 1 WHERE point_id = 2");
+      .execute("UPDATE point SET line = line + 7 WHERE point_id = 2");
   for (const auto& arguments : {std::vector<std::string>{"audit", "verify"},
                                 {"audit", "verify", "--database", database()}}) {
     const auto changed = run(arguments);
     EXPECT_EQ(changed.exit, 1);
     EXPECT_THAT(changed.out, HasSubstr("the record was changed"));
-    EXPECT_THAT(changed.out, HasSubstr("point_value with point_id 2, channel_id"));
+    EXPECT_THAT(changed.out, HasSubstr("point with point_id 2 differs"));
   }
 }
 
