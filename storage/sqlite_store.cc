@@ -37,16 +37,37 @@ constexpr const char* kWriterPragmas =
 class SqliteStore final : public Store {
  public:
   SqliteStore(const std::string& path, bool read_only, const SqliteOptions& options)
-      : session_(path,
+      : Store({.runs = &runs_,
+               .points = &points_,
+               .readings = &readings_,
+               .models = &models_,
+               .events = &events_,
+               .remarks = &remarks_,
+               .diagnoses = &diagnoses_,
+               .extensions = &extensions_,
+               .improvements = &improvements_,
+               .records = &records_,
+               .alarms = &alarms_,
+               .series = &series_,
+               .trajectories = &trajectories_,
+               .stops = &stops_,
+               .clocks = &clocks_,
+               .configurations = &configurations_,
+               .audit = &audit_,
+               .upkeep = &upkeep_}),
+        session_(path,
                  read_only ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE,
                  options.vfs, read_only),
         options_(options),
         runs_(session_),
+        points_(session_),
         readings_(session_),
         models_(session_),
         events_(session_),
         remarks_(session_),
         diagnoses_(session_),
+        extensions_(session_),
+        improvements_(session_),
         records_(session_),
         alarms_(session_),
         series_(session_),
@@ -58,23 +79,6 @@ class SqliteStore final : public Store {
         audit_(session_, protected_) {
     set_up_connection();
   }
-
-  RunStore& runs() override { return runs_; }
-  ReadingStore& readings() override { return readings_; }
-  ModelStore& models() override { return models_; }
-  EventStore& events() override { return events_; }
-  RemarkStore& remarks() override { return remarks_; }
-  DiagnosisStore& diagnoses() override { return diagnoses_; }
-
-  RecordStore& records() override { return records_; }
-  AlarmStore& alarms() override { return alarms_; }
-  SeriesStore& series() override { return series_; }
-  TrajectoryStore& trajectories() override { return trajectories_; }
-  StopStore& stops() override { return stops_; }
-  ClockStore& clocks() override { return clocks_; }
-  UpkeepStore* upkeep() override { return &upkeep_; }
-  ConfigurationStore& configurations() override { return configurations_; }
-  AuditStore& audit() override { return audit_; }
 
   Result<void> idle() override {
     DRIFTWISE_RETURN_IF_ERROR(series_.keep_up());
@@ -145,11 +149,14 @@ class SqliteStore final : public Store {
   SteadyClock::time_point checkpointed_;
   int log_pages_ = 0;
   SqliteRunStore runs_;
+  SqlitePointStore points_;
   SqliteReadingStore readings_;
   SqliteModelStore models_;
   SqliteEventStore events_;
   SqliteRemarkStore remarks_;
   SqliteDiagnosisStore diagnoses_;
+  SqliteExtensionStore extensions_;
+  SqliteImprovementStore improvements_;
   SqliteRecordStore records_;
   SqliteAlarmStore alarms_;
   SqliteSeriesStore series_;

@@ -111,45 +111,45 @@ Result<std::string> SqliteDiagnosisStore::diagnosis_rows(DiagnosisId id) {
   });
 }
 
-Result<ExtensionRecord> SqliteDiagnosisStore::accept(const NewExtension& extension) {
+Result<ExtensionRecord> SqliteExtensionStore::accept(const NewExtension& extension) {
   return session_.write([&] { return insert_extension(session_, extension); });
 }
 
-Result<ExtensionRecord> SqliteDiagnosisStore::undo_extension(
+Result<ExtensionRecord> SqliteExtensionStore::undo_extension(
     DiagnosisId id, const Stamp& at, const std::string& who, const std::string& from,
     const std::optional<PromotionRecord>& rollback) {
   return session_.write([&] { return undo_extension_row(session_, id, at, who, from, rollback); });
 }
 
-Result<std::optional<ExtensionRecord>> SqliteDiagnosisStore::extension(DiagnosisId id) {
+Result<std::optional<ExtensionRecord>> SqliteExtensionStore::extension(DiagnosisId id) {
   return session_.read([&] {
     require_diagnosis(session_, id);
     return read_extension(session_, id);
   });
 }
 
-Result<std::vector<CorrectionRecord>> SqliteDiagnosisStore::corrections() {
+Result<std::vector<CorrectionRecord>> SqliteExtensionStore::corrections() {
   return session_.read([&] { return read_corrections(session_); });
 }
 
-Result<ImprovementRecord> SqliteDiagnosisStore::add_improvement(const ImprovementRecord& wanted) {
+Result<ImprovementRecord> SqliteImprovementStore::add_improvement(const ImprovementRecord& wanted) {
   return session_.write([&] { return insert_improvement(session_, wanted); });
 }
 
-Result<void> SqliteDiagnosisStore::put_turn(ImprovementId id, const ImprovementTurn& turn) {
+Result<void> SqliteImprovementStore::put_turn(ImprovementId id, const ImprovementTurn& turn) {
   return session_.write([&] { put_turn_row(session_, id, turn); });
 }
 
-Result<void> SqliteDiagnosisStore::end_improvement(ImprovementId id, JobState state,
-                                                   const std::string& reason, CellTime at) {
+Result<void> SqliteImprovementStore::end_improvement(ImprovementId id, JobState state,
+                                                     const std::string& reason, CellTime at) {
   return session_.write([&] { end_improvement_row(session_, id, state, reason, at); });
 }
 
-Result<ImprovementRecord> SqliteDiagnosisStore::improvement(ImprovementId id) {
+Result<ImprovementRecord> SqliteImprovementStore::improvement(ImprovementId id) {
   return session_.read([&] { return read_improvement(session_, id); });
 }
 
-Result<std::vector<ImprovementRecord>> SqliteDiagnosisStore::improvements(int limit) {
+Result<std::vector<ImprovementRecord>> SqliteImprovementStore::improvements(int limit) {
   return session_.read([&] { return read_improvements(session_, limit); });
 }
 

@@ -21,11 +21,11 @@ Result<void> SqliteRunStore::change_run(RunId run, const RunChange& change) {
   return session_.write([&] { change_run_row(session_, run, change); });
 }
 
-Result<DatumId> SqliteRunStore::open_datum(const DatumRecord& datum) {
+Result<DatumId> SqlitePointStore::open_datum(const DatumRecord& datum) {
   return session_.write([&] { return insert_datum(session_, datum, std::nullopt); });
 }
 
-Result<std::optional<PointId>> SqliteRunStore::commit(const PointCommit& commit) {
+Result<std::optional<PointId>> SqlitePointStore::commit(const PointCommit& commit) {
   return session_.write([&] {
     std::int64_t given_up = 0;
     for (const AttemptRecord& attempt : commit.attempts) {
@@ -73,29 +73,29 @@ Result<std::optional<RunRecord>> SqliteRunStore::unfinished_run() {
   });
 }
 
-Result<std::vector<PointRecord>> SqliteRunStore::points(RunId run, std::int64_t after_id,
-                                                        int limit) {
+Result<std::vector<PointRecord>> SqlitePointStore::points(RunId run, std::int64_t after_id,
+                                                          int limit) {
   return session_.read([&] {
     require_run(session_, run);
     return read_points(session_, run, after_id, limit);
   });
 }
 
-Result<std::vector<AttemptRecord>> SqliteRunStore::attempts(RunId run) {
+Result<std::vector<AttemptRecord>> SqlitePointStore::attempts(RunId run) {
   return session_.read([&] {
     require_run(session_, run);
     return read_attempts(session_, run);
   });
 }
 
-Result<std::vector<DatumRecord>> SqliteRunStore::data(RunId run) {
+Result<std::vector<DatumRecord>> SqlitePointStore::data(RunId run) {
   return session_.read([&] {
     require_run(session_, run);
     return read_datums(session_, run);
   });
 }
 
-Result<std::optional<DatumRecord>> SqliteRunStore::newest_datum() {
+Result<std::optional<DatumRecord>> SqlitePointStore::newest_datum() {
   return session_.read([&] { return read_newest_datum(session_); });
 }
 

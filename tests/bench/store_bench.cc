@@ -53,7 +53,7 @@ struct Cell {
   DatumId datum;
   explicit Cell(const std::string& path) : store(storage::open_store(path)) {
     run = store->runs().create_run(storage::example_run()).value().id;
-    datum = store->runs().open_datum(storage::example_datum(run)).value();
+    datum = store->points().open_datum(storage::example_datum(run)).value();
   }
 };
 
@@ -88,7 +88,7 @@ nlohmann::ordered_json commit_ratio(const std::string& folder) {
 
       const PointCommit commit = storage::example_commit(cell.run, cell.datum, row);
       begin = Clock::now();
-      if (!cell.store->runs().commit(commit)) throw std::runtime_error("commit failed");
+      if (!cell.store->points().commit(commit)) throw std::runtime_error("commit failed");
       store_block.push_back(microseconds_since(begin));
       begin = Clock::now();
       if (!cell.store->idle()) throw std::runtime_error("idle failed");

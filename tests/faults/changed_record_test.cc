@@ -46,7 +46,7 @@ class WholeRecord {
     const RunId run = store->runs().create_run(example_run()).value().id;
     EXPECT_TRUE(store->configurations().accept(start->id, at_s(1).utc, "ada", "seen", run));
     EXPECT_TRUE(store->configurations().continue_run(run, {"beef", at_s(1).utc}));
-    const DatumId datum = store->runs().open_datum(example_datum(run)).value();
+    const DatumId datum = store->points().open_datum(example_datum(run)).value();
     for (int row = 0; row < 40; ++row) {
       auto commit = example_commit(run, datum, row);
       if (row % 7 == 0) {
@@ -54,7 +54,7 @@ class WholeRecord {
         commit.rejected.push_back(
             {reading.device, reading.start, reading.sequence, {"x_mm", "range", "above 12 mm"}});
       }
-      EXPECT_TRUE(store->runs().commit(commit));
+      EXPECT_TRUE(store->points().commit(commit));
     }
     Dataset file;
     file.rows = 4;
@@ -116,10 +116,10 @@ class WholeRecord {
     made.rests_on_this = true;
     made.at = at_s(10);
     made.who = "ada";
-    EXPECT_TRUE(store.diagnoses().accept(made));
+    EXPECT_TRUE(store.extensions().accept(made));
     ImprovementRecord loop;
     loop.trajectory_name = "plan.csv";
-    const auto improvement = store.diagnoses().add_improvement(loop).value().id;
+    const auto improvement = store.improvements().add_improvement(loop).value().id;
     ImprovementTurn turn;
     turn.runs = {run};
     turn.what = "measured";
@@ -128,7 +128,7 @@ class WholeRecord {
     gain.unit = "nm";
     gain.before = {.u90 = 60.0, .a90 = 61.0};
     turn.gains = {gain};
-    EXPECT_TRUE(store.diagnoses().put_turn(improvement, turn));
+    EXPECT_TRUE(store.improvements().put_turn(improvement, turn));
   }
 };
 

@@ -43,20 +43,20 @@ class FailingDisk : public testing::TestWithParam<Case> {
 TEST_P(FailingDisk, FailsThePointWholeAndTakesItAfterwards) {
   auto store = open_store(path, false, {.vfs = disk.name(), .checkpoint_pages = 1000000});
   const RunId run = store->runs().create_run(storage::example_run()).value().id;
-  const DatumId datum = store->runs().open_datum(storage::example_datum(run)).value();
+  const DatumId datum = store->points().open_datum(storage::example_datum(run)).value();
   int failures = 0;
   for (std::int64_t row = 0; row < 40; ++row) {
     const PointCommit commit = example_commit(run, datum, row);
     fail_from(disk.changes() + 1 +
               row);  // one change later each time, until the commit gets through
-    const auto failed = store->runs().commit(commit);
+    const auto failed = store->points().commit(commit);
     disk.heal();
     if (!failed) {
       ++failures;
       expect_expected(failed.error());
       EXPECT_EQ(store->runs().run(run)->accepted, row);
-      EXPECT_EQ(store->runs().points(run, 0, 0)->size(), static_cast<std::size_t>(row));
-      const auto again = store->runs().commit(commit);
+      EXPECT_EQ(store->points().points(run, 0, 0)->size(), static_cast<std::size_t>(row));
+      const auto again = store->points().commit(commit);
       ASSERT_TRUE(again) << again.error().message;
     }
     EXPECT_EQ(store->runs().run(run)->accepted, row + 1);
@@ -64,24 +64,24 @@ TEST_P(FailingDisk, FailsThePointWholeAndTakesItAfterwards) {
   EXPECT_GE(failures, 5);  // each of the first commits was hit
   store.reset();
   store = open_store(path, false, {.vfs = disk.name()});
-  EXPECT_EQ(store->runs().points(run, 0, 0)->size(), 40u);
+  EXPECT_EQ(store->points().points(run, 0, 0)->size(), 40u);
   EXPECT_EQ(store->readings().readings("scanner", {0}, at_s(1e9).utc, 0)->size(), 40u);
 }
 
 TEST_P(FailingDisk, FailsTheCheckpointAndLosesNothing) {
   auto store = open_store(path, false, {.vfs = disk.name(), .checkpoint_pages = 30});
   const RunId run = store->runs().create_run(storage::example_run()).value().id;
-  const DatumId datum = store->runs().open_datum(storage::example_datum(run)).value();
+  const DatumId datum = store->points().open_datum(storage::example_datum(run)).value();
   for (int row = 0; row < 10; ++row)
-    ASSERT_TRUE(store->runs().commit(example_commit(run, datum, row)));
+    ASSERT_TRUE(store->points().commit(example_commit(run, datum, row)));
   fail_from(disk.changes() + 1);
   const auto checkpoint = store->idle();
   ASSERT_FALSE(checkpoint);
   expect_expected(checkpoint.error());
   disk.heal();
-  EXPECT_EQ(store->runs().points(run, 0, 0)->size(), 10u);
+  EXPECT_EQ(store->points().points(run, 0, 0)->size(), 10u);
   EXPECT_TRUE(store->idle());
-  ASSERT_TRUE(store->runs().commit(example_commit(run, datum, 10)));
+  ASSERT_TRUE(store->points().commit(example_commit(run, datum, 10)));
 }
 
 TEST_P(FailingDisk, FailsTheOpeningOfANewDatabase) {

@@ -37,11 +37,11 @@ Acknowledged work(const std::string& path, const std::string& vfs) {
       if (!run) return seen;
       seen.run = run->id;
     }
-    const auto datum = store.runs().open_datum(storage::example_datum(*seen.run));
+    const auto datum = store.points().open_datum(storage::example_datum(*seen.run));
     if (!datum) return seen;
     seen.datum = *datum;
     for (int i = 0; i < kPointsPerSession; ++i) {
-      if (!store.runs().commit(example_commit(*seen.run, *datum, seen.points, 2))) return seen;
+      if (!store.points().commit(example_commit(*seen.run, *datum, seen.points, 2))) return seen;
       ++seen.points;
       (void)store.idle();  // its failure must cost nothing
       const Reading scan{"support",
@@ -74,7 +74,7 @@ void judge(const std::string& path, const Acknowledged& seen) {
   ASSERT_TRUE(opened) << opened.error().message;
   Store& store = **opened;
   if (!seen.run) return;
-  const auto points = store.runs().points(*seen.run, 0, 0).value();
+  const auto points = store.points().points(*seen.run, 0, 0).value();
   const auto count = static_cast<std::int64_t>(points.size());
   EXPECT_GE(count, seen.points) << "an acknowledged point is lost";
   EXPECT_LE(count, seen.points + 1);
@@ -88,7 +88,7 @@ void judge(const std::string& path, const Acknowledged& seen) {
   EXPECT_EQ(run.accepted, count);
   EXPECT_EQ(run.attempts, count);
   EXPECT_EQ(run.place.next_row, count);
-  EXPECT_EQ(store.runs().attempts(*seen.run)->size(), points.size());
+  EXPECT_EQ(store.points().attempts(*seen.run)->size(), points.size());
   const auto readings = [&](const char* device) {
     return static_cast<std::int64_t>(
         store.readings().readings(device, {0}, at_s(1e9).utc, 0)->size());
@@ -101,9 +101,9 @@ void judge(const std::string& path, const Acknowledged& seen) {
   EXPECT_EQ(static_cast<std::int64_t>(store.readings().moves({0}, at_s(1e9).utc)->size()), count);
   EXPECT_GE(static_cast<std::int64_t>(store.events().events({0}, 0)->size()), seen.events);
   // And the run goes on.
-  const auto datum = store.runs().open_datum(storage::example_datum(*seen.run, 1e4));
+  const auto datum = store.points().open_datum(storage::example_datum(*seen.run, 1e4));
   ASSERT_TRUE(datum) << datum.error().message;
-  const auto next = store.runs().commit(example_commit(*seen.run, *datum, count, 2));
+  const auto next = store.points().commit(example_commit(*seen.run, *datum, count, 2));
   EXPECT_TRUE(next) << next.error().message;
 }
 

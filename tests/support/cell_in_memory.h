@@ -84,13 +84,13 @@ class CellInMemory {
     return read([=](Store& store) { return store.runs().runs(limit, before_id); });
   }
   auto points(RunId id, std::int64_t after_id, int limit) const {
-    return read([=](Store& store) { return store.runs().points(id, after_id, limit); });
+    return read([=](Store& store) { return store.points().points(id, after_id, limit); });
   }
   auto attempts(RunId id) const {
-    return read([=](Store& store) { return store.runs().attempts(id); });
+    return read([=](Store& store) { return store.points().attempts(id); });
   }
   auto datums(RunId id) const {
-    return read([=](Store& store) { return store.runs().data(id); });
+    return read([=](Store& store) { return store.points().data(id); });
   }
   auto events(EventId after, int limit) const {
     return read([=](Store& store) { return store.events().events(after, limit); });

@@ -304,10 +304,10 @@ class FakeExtensions final : public app::Extensions {
     fresh.promoted = request.promote;
     fresh.at = {kWorldBegin, 0};
     fresh.who = caller.name;
-    co_return cell_.store().diagnoses().accept(fresh);
+    co_return cell_.store().extensions().accept(fresh);
   }
   Awaitable<Result<ExtensionRecord>> undo(app::Caller caller, DiagnosisId id) override {
-    co_return cell_.store().diagnoses().undo_extension(id, {kWorldBegin, 1}, caller.name, "", {});
+    co_return cell_.store().extensions().undo_extension(id, {kWorldBegin, 1}, caller.name, "", {});
   }
 
  private:

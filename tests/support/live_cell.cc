@@ -187,7 +187,7 @@ DatumId LiveCell::add_datum(RunId run) {
     datum.run = run;
     datum.opened = {cell_->now(), 0};
     datum.reason = "start";
-    return good(store_->runs().open_datum(datum));
+    return good(store_->points().open_datum(datum));
   });
 }
 
@@ -208,7 +208,7 @@ void LiveCell::add_points(RunId run, std::vector<PointRecord> points) {
       commit.attempts = {attempt};
       commit.point = std::move(point);
       commit.place.next_row = row;
-      good(store_->runs().commit(commit));
+      good(store_->points().commit(commit));
     }
   });
 }

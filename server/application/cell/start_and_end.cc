@@ -44,7 +44,7 @@ Awaitable<void> Composition::start_up() {
 }
 
 Awaitable<Result<void>> Composition::restore_datum() {
-  DRIFTWISE_CO_TRY(auto datum, co_await reader.runs().newest_datum());
+  DRIFTWISE_CO_TRY(auto datum, co_await reader.points().newest_datum());
   if (datum) manual.take_datum(*datum);
   co_return Result<void>{};
 }

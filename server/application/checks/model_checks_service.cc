@@ -28,10 +28,10 @@ struct Material {
 // What the run's datums hold, in the order in which its rows meet them.
 Result<std::vector<std::vector<ChannelValue>>> zeros_of(Store& store, RunId run,
                                                         const Dataset& data) {
-  DRIFTWISE_TRY(auto records, store.runs().data(run));
+  DRIFTWISE_TRY(auto records, store.points().data(run));
   std::vector<std::int64_t> order;
   if (data.datum.empty()) {
-    DRIFTWISE_TRY(const auto first, store.runs().points(run, 0, 1));
+    DRIFTWISE_TRY(const auto first, store.points().points(run, 0, 1));
     if (!first.empty()) order.push_back(first.front().datum.value);
   }
   for (const std::int64_t id : data.datum)

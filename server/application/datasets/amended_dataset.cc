@@ -19,7 +19,7 @@ Result<std::vector<PointRecord>> points_of(Store& store, RunId run) {
   constexpr int kPage = 5000;
   std::vector<PointRecord> points;
   for (std::int64_t after = 0;;) {
-    DRIFTWISE_TRY(auto page, store.runs().points(run, after, kPage));
+    DRIFTWISE_TRY(auto page, store.points().points(run, after, kPage));
     if (page.empty()) return points;
     after = page.back().id.value;
     for (auto& point : page) points.push_back(std::move(point));
@@ -79,7 +79,7 @@ Result<RunsData> measured_data(Store& store, std::span<const RunId> runs) {
 }
 
 Result<std::vector<correction::DataAmendment>> amendments_in_force(Store& store) {
-  DRIFTWISE_TRY(const auto records, store.diagnoses().corrections());
+  DRIFTWISE_TRY(const auto records, store.extensions().corrections());
   std::vector<correction::DataAmendment> amendments;
   for (const auto& record : records) {
     if (!record.in_force()) continue;
@@ -94,7 +94,7 @@ Result<std::vector<correction::DataAmendment>> amendments_in_force(Store& store)
 }
 
 Result<std::vector<CorrectionId>> corrections_over(Store& store, std::span<const RunId> runs) {
-  DRIFTWISE_TRY(const auto records, store.diagnoses().corrections());
+  DRIFTWISE_TRY(const auto records, store.extensions().corrections());
   std::vector<CorrectionId> over;
   for (const auto& record : records) {
     if (!record.in_force()) continue;
@@ -120,7 +120,7 @@ Result<RunsData> amended_data(Store& store, std::span<const RunId> runs) {
 }
 
 Result<Dataset> amended_dataset(Store& store, std::span<const RunId> runs) {
-  DRIFTWISE_TRY(const auto records, store.diagnoses().corrections());
+  DRIFTWISE_TRY(const auto records, store.extensions().corrections());
   if (std::ranges::none_of(records, &CorrectionRecord::in_force)) {
     auto dataset = store.runs().dataset(runs);  // nothing to lay over: as ever
     if (dataset) add_parts(store, runs, *dataset);

@@ -22,7 +22,7 @@ namespace {
 std::optional<CellTime> time_zero(Store& store, const std::vector<RunId>& runs) {
   std::optional<CellTime> first;
   for (const RunId run : runs)
-    if (const auto points = store.runs().points(run, 0, 1); points && !points->empty())
+    if (const auto points = store.points().points(run, 0, 1); points && !points->empty())
       first = std::min(first.value_or(points->front().measured.utc), points->front().measured.utc);
   return first;
 }
@@ -45,7 +45,7 @@ std::string compensations(Store& store, const std::vector<RunId>& runs) {
 // "1, 3": whoever reads the file elsewhere shall know that its lengths are not as they were read.
 std::string corrections_in_force(Store& store) {
   std::string numbers;
-  if (const auto records = store.diagnoses().corrections())
+  if (const auto records = store.extensions().corrections())
     for (const auto& record : *records)
       if (record.in_force())
         numbers += (numbers.empty() ? "" : ", ") + std::to_string(record.id.value);

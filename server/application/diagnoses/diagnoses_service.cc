@@ -36,7 +36,7 @@ Result<DiagnosisView> view_of(Store& store, DiagnosisRecord record) {
     DRIFTWISE_TRY(auto found, formats::read_stored_diagnosis(record.result_json));
     view.found = std::move(found);
   }
-  DRIFTWISE_TRY(auto extension, store.diagnoses().extension(record.id));
+  DRIFTWISE_TRY(auto extension, store.extensions().extension(record.id));
   view.extension = std::move(extension);
   view.record = std::move(record);
   return view;

@@ -52,7 +52,7 @@ Result<AcceptMaterial> gather_to_accept(Store& store, const AcceptRequest& reque
                 fmt::format("diagnosis {} is of a file, which the record does not keep: import it "
                             "('driftwise data import FILE'), diagnose that run and accept there",
                             material.record.id.value));
-  DRIFTWISE_TRY(const auto standing, store.diagnoses().extension(material.record.id));
+  DRIFTWISE_TRY(const auto standing, store.extensions().extension(material.record.id));
   if (standing && standing->stands())
     return fail(ErrorCode::already_exists, reasons::kExtensionStands,
                 fmt::format("diagnosis {} was accepted by {} and stands: undo it first to accept "
@@ -221,7 +221,7 @@ Awaitable<Result<ExtensionRecord>> ExtensionsService::accept(Caller caller, Acce
   fresh.at = clock_.now();
   fresh.who = caller.name;
   fresh.from = caller.peer;
-  auto stored = co_await writer_.diagnoses().accept(fresh);
+  auto stored = co_await writer_.extensions().accept(fresh);
   if (!stored) co_return stored;
   auto detail =
       fmt::format("{} accepted {} of diagnosis {}: {}{}", caller.name, numbers_of(stored->findings),
@@ -312,8 +312,8 @@ Awaitable<Result<ExtensionRecord>> ExtensionsService::undo(Caller caller, Diagno
     auto serving = serving_.serve(previous);  // first see that it can serve
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(serving));
   }
-  auto undone = co_await writer_.diagnoses().undo_extension(id, clock_.now(), caller.name,
-                                                            caller.peer, rollback);
+  auto undone = co_await writer_.extensions().undo_extension(id, clock_.now(), caller.name,
+                                                             caller.peer, rollback);
   if (!undone) {
     if (rollback) {
       auto again = serving_.serve(present);

@@ -54,7 +54,8 @@ Awaitable<Result<ImprovementRecord>> ImprovementsService::create(Caller caller,
 Awaitable<Result<ImprovementRecord>> ImprovementsService::cancel(Caller caller, ImprovementId id) {
   auto cancelling = improver_.cancel(std::move(caller), id);
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(cancelling));
-  co_return co_await reader_.call([id](Store& store) { return store.diagnoses().improvement(id); });
+  co_return co_await reader_.call(
+      [id](Store& store) { return store.improvements().improvement(id); });
 }
 
 std::shared_ptr<void> ImprovementsService::watch(

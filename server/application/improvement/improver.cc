@@ -47,7 +47,7 @@ Awaitable<Result<ImprovementRecord>> Improver::begin(Caller caller, ImproveReque
   fresh.created = clock_.now().utc;
   fresh.created_by = caller.name;
   beginning_ = true;
-  auto stored = co_await writer_.diagnoses().add_improvement(fresh);
+  auto stored = co_await writer_.improvements().add_improvement(fresh);
   beginning_ = false;
   if (!stored || stored->created != fresh.created) co_return stored;  // failed, or a repeat
   events_.record(
@@ -65,7 +65,7 @@ Awaitable<Result<ImprovementRecord>> Improver::begin(Caller caller, ImproveReque
     watchers_.publish(one->progress);
   };
   hooks.keep = [this, id = stored->id](ImprovementTurn turn) {
-    return writer_.diagnoses().put_turn(id, turn);
+    return writer_.improvements().put_turn(id, turn);
   };
   active->loop = std::make_unique<ImprovementLoop>(
       executor_, services_, clock_, caller, std::move(request), stored->id, std::move(hooks));
@@ -87,8 +87,8 @@ Awaitable<Result<void>> Improver::end(std::shared_ptr<Active> active, JobState s
                                       std::string reason) {
   if (active->over) co_return Result<void>{};
   active->over = true;
-  auto stored = co_await writer_.diagnoses().end_improvement(active->record.id, state, reason,
-                                                             clock_.now().utc);
+  auto stored = co_await writer_.improvements().end_improvement(active->record.id, state, reason,
+                                                                clock_.now().utc);
   auto detail = fmt::format("improvement {} is {}: {}", active->record.id.value, to_string(state),
                             stored ? reason : stored.error().message);
   events_.record_own(fmt::format("improvement.{}", to_string(state)), std::move(detail));

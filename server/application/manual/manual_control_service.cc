@@ -148,7 +148,7 @@ Awaitable<Result<DatumRecord>> ManualControlService::new_datum_by_hand(RunScope&
   if (description_.load) DRIFTWISE_CO_RETURN_IF_ERROR(co_await loading_.look(bench_));
   DatumOpening opening;
   opening.reason = std::move(reason);
-  DRIFTWISE_CO_TRY(auto before, co_await reader_.runs().newest_datum());
+  DRIFTWISE_CO_TRY(auto before, co_await reader_.points().newest_datum());
   opening.before = std::move(before);
   auto opened = open_datum(scope, std::move(opening));
   co_return co_await std::move(opened);

@@ -194,7 +194,7 @@ Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening)
   datum.values.insert(datum.values.end(), slow.begin(), slow.end());
   if (old_zero) compare(bench.description, opening, *old_zero, datum, bench.events);
 
-  DRIFTWISE_CO_TRY(auto id, co_await bench.writer.runs().open_datum(datum));
+  DRIFTWISE_CO_TRY(auto id, co_await bench.writer.points().open_datum(datum));
   datum.id = id;
   bench.doubts.take_datum(datum);
   bench.events.record_own("datum.opened",

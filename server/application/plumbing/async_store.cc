@@ -43,21 +43,22 @@ Awaitable<Result<std::vector<RunRecord>>> AsyncRunStore::runs(int limit,
   return ask<&Store::runs, &RunStore::runs>(store_, limit, before_id);
 }
 
-Awaitable<Result<std::vector<PointRecord>>> AsyncRunStore::points(RunId run, std::int64_t after_id,
-                                                                  int limit) const {
-  return ask<&Store::runs, &RunStore::points>(store_, run, after_id, limit);
+Awaitable<Result<std::vector<PointRecord>>> AsyncPointStore::points(RunId run,
+                                                                    std::int64_t after_id,
+                                                                    int limit) const {
+  return ask<&Store::points, &PointStore::points>(store_, run, after_id, limit);
 }
 
-Awaitable<Result<std::vector<AttemptRecord>>> AsyncRunStore::attempts(RunId run) const {
-  return ask<&Store::runs, &RunStore::attempts>(store_, run);
+Awaitable<Result<std::vector<AttemptRecord>>> AsyncPointStore::attempts(RunId run) const {
+  return ask<&Store::points, &PointStore::attempts>(store_, run);
 }
 
-Awaitable<Result<std::vector<DatumRecord>>> AsyncRunStore::data(RunId run) const {
-  return ask<&Store::runs, &RunStore::data>(store_, run);
+Awaitable<Result<std::vector<DatumRecord>>> AsyncPointStore::data(RunId run) const {
+  return ask<&Store::points, &PointStore::data>(store_, run);
 }
 
-Awaitable<Result<std::optional<DatumRecord>>> AsyncRunStore::newest_datum() const {
-  return ask<&Store::runs, &RunStore::newest_datum>(store_);
+Awaitable<Result<std::optional<DatumRecord>>> AsyncPointStore::newest_datum() const {
+  return ask<&Store::points, &PointStore::newest_datum>(store_);
 }
 
 Awaitable<Result<RunRecord>> AsyncRunStore::import_dataset(NewRun run, Dataset dataset) const {
@@ -69,9 +70,9 @@ Awaitable<Result<RunRecord>> AsyncRunStore::create_run(NewRun run) const {
                                                      "after_run_create_commit", std::move(run));
 }
 
-Awaitable<Result<DatumId>> AsyncRunStore::open_datum(DatumRecord datum) const {
-  return commit<&Store::runs, &RunStore::open_datum>(store_, "before_datum_commit",
-                                                     "after_datum_commit", std::move(datum));
+Awaitable<Result<DatumId>> AsyncPointStore::open_datum(DatumRecord datum) const {
+  return commit<&Store::points, &PointStore::open_datum>(store_, "before_datum_commit",
+                                                         "after_datum_commit", std::move(datum));
 }
 
 Awaitable<Result<void>> AsyncRunStore::change_run(RunId run, RunChange change) const {
@@ -138,47 +139,48 @@ Awaitable<Result<void>> AsyncDiagnosisStore::end_diagnosis(DiagnosisId id, Diagn
   return ask<&Store::diagnoses, &DiagnosisStore::end_diagnosis>(store_, id, std::move(end));
 }
 
-Awaitable<Result<std::vector<CorrectionRecord>>> AsyncDiagnosisStore::corrections() const {
-  return ask<&Store::diagnoses, &DiagnosisStore::corrections>(store_);
+Awaitable<Result<std::vector<CorrectionRecord>>> AsyncExtensionStore::corrections() const {
+  return ask<&Store::extensions, &ExtensionStore::corrections>(store_);
 }
 
-Awaitable<Result<ExtensionRecord>> AsyncDiagnosisStore::accept(NewExtension extension) const {
-  return commit<&Store::diagnoses, &DiagnosisStore::accept>(
+Awaitable<Result<ExtensionRecord>> AsyncExtensionStore::accept(NewExtension extension) const {
+  return commit<&Store::extensions, &ExtensionStore::accept>(
       store_, "before_extension_commit", "after_extension_commit", std::move(extension));
 }
 
-Awaitable<Result<ExtensionRecord>> AsyncDiagnosisStore::undo_extension(
+Awaitable<Result<ExtensionRecord>> AsyncExtensionStore::undo_extension(
     DiagnosisId id, Stamp at, std::string who, std::string from,
     std::optional<PromotionRecord> rollback) const {
-  return commit<&Store::diagnoses, &DiagnosisStore::undo_extension>(
+  return commit<&Store::extensions, &ExtensionStore::undo_extension>(
       store_, "before_undo_commit", "after_undo_commit", id, at, std::move(who), std::move(from),
       std::move(rollback));
 }
 
-Awaitable<Result<ImprovementRecord>> AsyncDiagnosisStore::add_improvement(
+Awaitable<Result<ImprovementRecord>> AsyncImprovementStore::add_improvement(
     ImprovementRecord improvement) const {
-  return ask<&Store::diagnoses, &DiagnosisStore::add_improvement>(store_, std::move(improvement));
+  return ask<&Store::improvements, &ImprovementStore::add_improvement>(store_,
+                                                                       std::move(improvement));
 }
 
-Awaitable<Result<void>> AsyncDiagnosisStore::put_turn(ImprovementId id,
-                                                      ImprovementTurn turn) const {
-  return ask<&Store::diagnoses, &DiagnosisStore::put_turn>(store_, id, std::move(turn));
+Awaitable<Result<void>> AsyncImprovementStore::put_turn(ImprovementId id,
+                                                        ImprovementTurn turn) const {
+  return ask<&Store::improvements, &ImprovementStore::put_turn>(store_, id, std::move(turn));
 }
 
-Awaitable<Result<void>> AsyncDiagnosisStore::end_improvement(ImprovementId id, JobState state,
-                                                             std::string reason,
-                                                             CellTime at) const {
-  return ask<&Store::diagnoses, &DiagnosisStore::end_improvement>(store_, id, state,
-                                                                  std::move(reason), at);
+Awaitable<Result<void>> AsyncImprovementStore::end_improvement(ImprovementId id, JobState state,
+                                                               std::string reason,
+                                                               CellTime at) const {
+  return ask<&Store::improvements, &ImprovementStore::end_improvement>(store_, id, state,
+                                                                       std::move(reason), at);
 }
 
-Awaitable<Result<ImprovementRecord>> AsyncDiagnosisStore::improvement(ImprovementId id) const {
-  return ask<&Store::diagnoses, &DiagnosisStore::improvement>(store_, id);
+Awaitable<Result<ImprovementRecord>> AsyncImprovementStore::improvement(ImprovementId id) const {
+  return ask<&Store::improvements, &ImprovementStore::improvement>(store_, id);
 }
 
-Awaitable<Result<std::vector<ImprovementRecord>>> AsyncDiagnosisStore::improvements(
+Awaitable<Result<std::vector<ImprovementRecord>>> AsyncImprovementStore::improvements(
     int limit) const {
-  return ask<&Store::diagnoses, &DiagnosisStore::improvements>(store_, limit);
+  return ask<&Store::improvements, &ImprovementStore::improvements>(store_, limit);
 }
 
 Awaitable<Result<RecordPage>> AsyncRecordStore::records(RecordCursor after, RecordCursor until,

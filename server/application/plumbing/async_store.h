@@ -25,15 +25,23 @@ class AsyncRunStore {
   explicit AsyncRunStore(AsyncStore& store) : store_(store) {}
   Awaitable<Result<RunRecord>> run(RunId run) const;
   Awaitable<Result<std::vector<RunRecord>>> runs(int limit, std::int64_t before_id) const;
+  Awaitable<Result<RunRecord>> import_dataset(NewRun run, Dataset dataset) const;
+  Awaitable<Result<RunRecord>> create_run(NewRun run) const;
+  Awaitable<Result<void>> change_run(RunId run, RunChange change) const;
+
+ private:
+  AsyncStore& store_;
+};
+
+class AsyncPointStore {
+ public:
+  explicit AsyncPointStore(AsyncStore& store) : store_(store) {}
   Awaitable<Result<std::vector<PointRecord>>> points(RunId run, std::int64_t after_id,
                                                      int limit) const;
   Awaitable<Result<std::vector<AttemptRecord>>> attempts(RunId run) const;
   Awaitable<Result<std::vector<DatumRecord>>> data(RunId run) const;
   Awaitable<Result<std::optional<DatumRecord>>> newest_datum() const;
-  Awaitable<Result<RunRecord>> import_dataset(NewRun run, Dataset dataset) const;
-  Awaitable<Result<RunRecord>> create_run(NewRun run) const;
   Awaitable<Result<DatumId>> open_datum(DatumRecord datum) const;
-  Awaitable<Result<void>> change_run(RunId run, RunChange change) const;
 
  private:
   AsyncStore& store_;
@@ -88,11 +96,27 @@ class AsyncDiagnosisStore {
   explicit AsyncDiagnosisStore(AsyncStore& store) : store_(store) {}
   Awaitable<Result<DiagnosisRecord>> add_diagnosis(DiagnosisRecord diagnosis) const;
   Awaitable<Result<void>> end_diagnosis(DiagnosisId id, DiagnosisEnd end) const;
+
+ private:
+  AsyncStore& store_;
+};
+
+class AsyncExtensionStore {
+ public:
+  explicit AsyncExtensionStore(AsyncStore& store) : store_(store) {}
   Awaitable<Result<std::vector<CorrectionRecord>>> corrections() const;
   Awaitable<Result<ExtensionRecord>> accept(NewExtension extension) const;
   Awaitable<Result<ExtensionRecord>> undo_extension(
       DiagnosisId id, Stamp at, std::string who, std::string from,
       std::optional<PromotionRecord> rollback = {}) const;
+
+ private:
+  AsyncStore& store_;
+};
+
+class AsyncImprovementStore {
+ public:
+  explicit AsyncImprovementStore(AsyncStore& store) : store_(store) {}
   Awaitable<Result<ImprovementRecord>> add_improvement(ImprovementRecord improvement) const;
   Awaitable<Result<void>> put_turn(ImprovementId id, ImprovementTurn turn) const;
   Awaitable<Result<void>> end_improvement(ImprovementId id, JobState state, std::string reason,
@@ -194,11 +218,14 @@ class AsyncAuditStore {
 class AsyncStore {
  public:
   AsyncRunStore runs() { return AsyncRunStore(*this); }
+  AsyncPointStore points() { return AsyncPointStore(*this); }
   AsyncReadingStore readings() { return AsyncReadingStore(*this); }
   AsyncModelStore models() { return AsyncModelStore(*this); }
   AsyncEventStore events() { return AsyncEventStore(*this); }
   AsyncRemarkStore remarks() { return AsyncRemarkStore(*this); }
   AsyncDiagnosisStore diagnoses() { return AsyncDiagnosisStore(*this); }
+  AsyncExtensionStore extensions() { return AsyncExtensionStore(*this); }
+  AsyncImprovementStore improvements() { return AsyncImprovementStore(*this); }
   AsyncRecordStore records() { return AsyncRecordStore(*this); }
   AsyncAlarmStore alarms() { return AsyncAlarmStore(*this); }
   AsyncSeriesStore series() { return AsyncSeriesStore(*this); }

@@ -44,7 +44,7 @@ Awaitable<Result<std::optional<PointId>>> StoreWriter::commit(PointCommit commit
   auto stored = co_await call(
       [](Store& store, const std::shared_ptr<PointCommit>& kept) {
         crash_point("before_point_commit");
-        auto result = store.runs().commit(*kept);
+        auto result = store.points().commit(*kept);
         if (result) crash_point("after_point_commit");
         return result;
       },

@@ -49,7 +49,7 @@ Result<ModelGround> ground_of(Store& store, ModelId id, const CellDescription& p
       ground.changes_since = formats::cell_file_difference(text, present);
     }
   }
-  DRIFTWISE_TRY(const auto corrections, store.diagnoses().corrections());
+  DRIFTWISE_TRY(const auto corrections, store.extensions().corrections());
   for (const auto& correction : corrections)
     if (std::ranges::find(record.corrections, correction.id) != record.corrections.end()) {
       auto& mine = ground.corrections.emplace_back(correction);
@@ -71,7 +71,7 @@ Awaitable<Result<std::vector<RunGround>>> ProvenanceService::grounds_of_runs(
     std::vector<RunId> runs) {
   co_return co_await reader_.call(
       [](Store& store, const std::vector<RunId>& asked) -> Result<std::vector<RunGround>> {
-        DRIFTWISE_TRY(const auto all, store.diagnoses().corrections());
+        DRIFTWISE_TRY(const auto all, store.extensions().corrections());
         std::vector<RunGround> grounds;
         for (const RunId run : asked) {
           DRIFTWISE_TRY(auto ground, ground_of(store, run, all));

@@ -54,12 +54,12 @@ Awaitable<Result<RunBefore>> RunsService::what_was_before(const RunRecord& run) 
     constexpr int kPage = 1000;
     RunBefore before;
     before.killed = killed;
-    DRIFTWISE_TRY(auto attempts, store.runs().attempts(id));
+    DRIFTWISE_TRY(auto attempts, store.points().attempts(id));
     before.attempts = std::move(attempts);
-    DRIFTWISE_TRY(auto data, store.runs().data(id));
+    DRIFTWISE_TRY(auto data, store.points().data(id));
     before.data = std::move(data);
     for (std::int64_t after = 0;;) {
-      DRIFTWISE_TRY(auto page, store.runs().points(id, after, kPage));
+      DRIFTWISE_TRY(auto page, store.points().points(id, after, kPage));
       if (page.empty()) break;
       after = page.back().id.value;
       for (auto& point : page)

@@ -52,7 +52,7 @@ Awaitable<Result<Serving::Followed>> Serving::load(ModelRecord record) {
                                                                        description_));
   Followed followed{std::move(builder), std::nullopt, std::move(symbols), false};
   if (!runs.empty()) {
-    const auto data = co_await reader_.runs().data(runs.front());
+    const auto data = co_await reader_.points().data(runs.front());
     if (data && !data->empty()) followed.own_datum = data->front().id;
     followed.under_present = co_await reader_.call(
         [](Store& store, const std::vector<RunId>& fitted_from, const std::string& present) {

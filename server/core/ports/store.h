@@ -16,6 +16,7 @@
 #include "server/core/ports/audit_store.h"
 #include "server/core/ports/clock_store.h"
 #include "server/core/ports/configuration_store.h"
+#include "server/core/ports/diagnosis_store.h"
 #include "server/core/ports/stop_store.h"
 #include "server/core/ports/upkeep_store.h"
 #include "server/core/ports/watch_store.h"
@@ -30,22 +31,11 @@ class RunStore {
   virtual ~RunStore() = default;
   virtual Result<RunRecord> create_run(const NewRun& run) = 0;
   virtual Result<void> change_run(RunId run, const RunChange& change) = 0;
-  virtual Result<DatumId> open_datum(const DatumRecord& datum) = 0;
-  // Durable (WAL, synchronous FULL) when it returns; all of it or nothing. A row that has its
-  // point, or an attempt that is stored, is refused with already_exists, ALREADY_STORED: what a
-  // repeat meets whose first try got through.
-  virtual Result<std::optional<PointId>> commit(const PointCommit& commit) = 0;
-
   virtual Result<RunRecord> run(RunId run) = 0;
   virtual Result<std::vector<RunRecord>> runs(int limit,
                                               std::int64_t before_id /* 0: newest */) = 0;
   virtual Result<std::optional<RunRecord>>
   unfinished_run() = 0;  // running, paused, waiting: to go on with after a restart
-  virtual Result<std::vector<PointRecord>> points(RunId run, std::int64_t after_id, int limit) = 0;
-  virtual Result<std::vector<AttemptRecord>> attempts(RunId run) = 0;  // without their readings
-  virtual Result<std::vector<DatumRecord>> data(RunId run) = 0;        // datums, oldest first
-  // The last one opened on this cell, in a run or by hand; not that of an imported dataset.
-  virtual Result<std::optional<DatumRecord>> newest_datum() = 0;
   // A dataset that was measured elsewhere becomes a run, done, in one transaction. The file's own
   // run and datum numbers, columns, order and metadata are kept: dataset() of this run alone gives
   // it back exactly. Errors: invalid_argument BAD_CHANNEL, BAD_DATASET (columns of unequal length).
@@ -56,6 +46,23 @@ class RunStore {
   // there is more than one of them, excluded where a row is. metadata: that of the file when it is
   // one imported run, else none.
   virtual Result<Dataset> dataset(std::span<const RunId> runs) = 0;
+};
+
+// What is measured in a run, as it comes. Errors: not_found NO_SUCH_RUN.
+class PointStore {
+ public:
+  virtual ~PointStore() = default;
+  virtual Result<DatumId> open_datum(const DatumRecord& datum) = 0;
+  // Durable (WAL, synchronous FULL) when it returns; all of it or nothing. A row that has its
+  // point, or an attempt that is stored, is refused with already_exists, ALREADY_STORED: what a
+  // repeat meets whose first try got through.
+  virtual Result<std::optional<PointId>> commit(const PointCommit& commit) = 0;
+
+  virtual Result<std::vector<PointRecord>> points(RunId run, std::int64_t after_id, int limit) = 0;
+  virtual Result<std::vector<AttemptRecord>> attempts(RunId run) = 0;  // without their readings
+  virtual Result<std::vector<DatumRecord>> data(RunId run) = 0;        // datums, oldest first
+  // The last one opened on this cell, in a run or by hand; not that of an imported dataset.
+  virtual Result<std::optional<DatumRecord>> newest_datum() = 0;
 };
 
 class ReadingStore {
@@ -106,69 +113,63 @@ class RemarkStore {
   virtual Result<std::vector<NoteRecord>> notes(const NoteSubject& subject) = 0;
 };
 
-// Diagnoses, what was made of them, and the loops that ran them.
-class DiagnosisStore {
- public:
-  virtual ~DiagnosisStore() = default;
-  // Its id, end and result are ignored: it is running. Errors: not_found NO_SUCH_RUN,
-  // NO_SUCH_MODEL.
-  virtual Result<DiagnosisRecord> add_diagnosis(const DiagnosisRecord& diagnosis) = 0;
-  // Errors: failed_precondition ALREADY_OVER: the first end stands.
-  virtual Result<void> end_diagnosis(DiagnosisId id, const DiagnosisEnd& end) = 0;
-  virtual Result<DiagnosisRecord> diagnosis(DiagnosisId id) = 0;  // not_found NO_SUCH_DIAGNOSIS
-  virtual Result<std::vector<DiagnosisRecord>> diagnoses(int limit) = 0;  // newest first
-  virtual Result<std::string> diagnosis_rows(DiagnosisId id) = 0;  // as ended with; empty: none
-
-  // In one transaction: the model, its promotion, the exclusions and the correction take effect
-  // with the extension or not at all. Errors: already_exists EXTENSION_STANDS (undo it first),
-  // those of exclude().
-  virtual Result<ExtensionRecord> accept(const NewExtension& extension) = 0;
-  // Ends what stands: its correction, its exclusions, and with `rollback` that its model serves; in
-  // one transaction. Errors: failed_precondition NO_EXTENSION.
-  virtual Result<ExtensionRecord> undo_extension(
-      DiagnosisId id, const Stamp& at, const std::string& who, const std::string& from,
-      const std::optional<PromotionRecord>& rollback = {}) = 0;
-  // The last one that was accepted, undone or not.
-  virtual Result<std::optional<ExtensionRecord>> extension(DiagnosisId id) = 0;
-  virtual Result<std::vector<CorrectionRecord>> corrections() = 0;  // oldest first, ended ones too
-
-  // The same request_id again answers with the first one.
-  virtual Result<ImprovementRecord> add_improvement(const ImprovementRecord& improvement) = 0;
-  virtual Result<void> put_turn(ImprovementId id, const ImprovementTurn& turn) = 0;  // by number
-  virtual Result<void> end_improvement(ImprovementId id, JobState state, const std::string& reason,
-                                       CellTime at) = 0;
-  virtual Result<ImprovementRecord> improvement(ImprovementId id) = 0;  // NO_SUCH_IMPROVEMENT
-  virtual Result<std::vector<ImprovementRecord>> improvements(int limit) = 0;  // newest first
-
-  // What ran when the daemon ended has failed: called once, at the start. Result: how many.
-  virtual Result<std::int64_t> fail_unfinished(const std::string& reason, CellTime at) = 0;
+// The parts of one store: none is nullptr but upkeep, which a store without files of its own lacks.
+struct StoreParts {
+  RunStore* runs = nullptr;
+  PointStore* points = nullptr;
+  ReadingStore* readings = nullptr;
+  ModelStore* models = nullptr;
+  EventStore* events = nullptr;
+  RemarkStore* remarks = nullptr;
+  DiagnosisStore* diagnoses = nullptr;
+  ExtensionStore* extensions = nullptr;
+  ImprovementStore* improvements = nullptr;
+  RecordStore* records = nullptr;
+  AlarmStore* alarms = nullptr;
+  SeriesStore* series = nullptr;
+  TrajectoryStore* trajectories = nullptr;
+  StopStore* stops = nullptr;
+  ClockStore* clocks = nullptr;
+  ConfigurationStore* configurations = nullptr;
+  AuditStore* audit = nullptr;
+  UpkeepStore* upkeep = nullptr;
 };
 
-// One database. The views share its transactions and its thread.
+// One database. Its parts share its transactions and its thread.
 class Store {
  public:
   virtual ~Store() = default;
-  virtual RunStore& runs() = 0;
-  virtual ReadingStore& readings() = 0;
-  virtual ModelStore& models() = 0;
-  virtual EventStore& events() = 0;
-  virtual RemarkStore& remarks() = 0;
-  virtual DiagnosisStore& diagnoses() = 0;
-  virtual RecordStore& records() = 0;
-  virtual AlarmStore& alarms() = 0;
-  virtual SeriesStore& series() = 0;
-  virtual TrajectoryStore& trajectories() = 0;
-  virtual StopStore& stops() = 0;
-  virtual ClockStore& clocks() = 0;
-  // nullptr: a store without files of its own.
-  virtual UpkeepStore* upkeep() { return nullptr; }
-  virtual ConfigurationStore& configurations() = 0;
-  virtual AuditStore& audit() = 0;
+  RunStore& runs() { return *parts_.runs; }
+  PointStore& points() { return *parts_.points; }
+  ReadingStore& readings() { return *parts_.readings; }
+  ModelStore& models() { return *parts_.models; }
+  EventStore& events() { return *parts_.events; }
+  RemarkStore& remarks() { return *parts_.remarks; }
+  DiagnosisStore& diagnoses() { return *parts_.diagnoses; }
+  ExtensionStore& extensions() { return *parts_.extensions; }
+  ImprovementStore& improvements() { return *parts_.improvements; }
+  RecordStore& records() { return *parts_.records; }
+  AlarmStore& alarms() { return *parts_.alarms; }
+  SeriesStore& series() { return *parts_.series; }
+  TrajectoryStore& trajectories() { return *parts_.trajectories; }
+  StopStore& stops() { return *parts_.stops; }
+  ClockStore& clocks() { return *parts_.clocks; }
+  ConfigurationStore& configurations() { return *parts_.configurations; }
+  AuditStore& audit() { return *parts_.audit; }
+  UpkeepStore* upkeep() { return parts_.upkeep; }
+  // For a store that stands before another and answers some parts itself.
+  const StoreParts& parts() const { return parts_; }
+
   // Housekeeping that must not delay a point (SQLite: a checkpoint of the log, a step of the
-  // summaries): call it on the
-  // store's thread when there is time, between points; it does nothing when there is nothing to do.
-  // An error costs no data.
+  // summaries): call it on the store's thread when there is time, between points; it does nothing
+  // when there is nothing to do. An error costs no data.
   virtual Result<void> idle() { return {}; }
+
+ protected:
+  explicit Store(const StoreParts& parts) : parts_(parts) {}
+
+ private:
+  StoreParts parts_;
 };
 
 using OpenStore =

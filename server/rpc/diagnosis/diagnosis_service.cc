@@ -157,7 +157,7 @@ class DiagnosisService final : public v1::DiagnosisService::CallbackService {
                           v1::GetImprovementResponse* response) override {
     return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->improvement_id(), "improvement_id"); !good) co_return good;
-      auto looking = records_.diagnoses().improvement(ImprovementId{request->improvement_id()});
+      auto looking = records_.improvements().improvement(ImprovementId{request->improvement_id()});
       co_return put(co_await std::move(looking), *response->mutable_improvement());
     });
   }
@@ -166,7 +166,7 @@ class DiagnosisService final : public v1::DiagnosisService::CallbackService {
                             v1::ListImprovementsResponse* response) override {
     return answer(host_, context, [this, response]() -> Awaitable<Result<void>> {
       DRIFTWISE_CO_TRY(const auto records,
-                       co_await records_.diagnoses().improvements(kListedImprovements));
+                       co_await records_.improvements().improvements(kListedImprovements));
       for (const auto& record : records) *response->add_improvements() = improvement_from(record);
       co_return Result<void>{};
     });

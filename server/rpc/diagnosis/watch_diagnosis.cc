@@ -53,7 +53,7 @@ Awaitable<void> look_up_diagnosis(Diagnoses& diagnoses, std::shared_ptr<Diagnosi
 }
 
 Awaitable<void> look_up_improvement(StoreReader& records, std::shared_ptr<ImprovementWatch> state) {
-  const auto record = co_await records.diagnoses().improvement(state->id);
+  const auto record = co_await records.improvements().improvement(state->id);
   if (!record) co_return state->refuse(record.error());
   const int turns = static_cast<int>(record->turns.size());
   if (record->state != JobState::running)

@@ -62,7 +62,7 @@ class ModelService final : public v1::ModelService::CallbackService {
     return answer(host_, context, [this, response]() -> Awaitable<Result<void>> {
       DRIFTWISE_CO_TRY(const auto records, co_await models_.list());
       const auto serving = overview_.status().serving;
-      DRIFTWISE_CO_TRY(const auto corrections, co_await records_.diagnoses().corrections());
+      DRIFTWISE_CO_TRY(const auto corrections, co_await records_.extensions().corrections());
       for (const auto& record : records) {
         auto& model = *response->add_models();
         if (auto good = put(model_from(record, serving, ModelDetail::summary), model); !good)

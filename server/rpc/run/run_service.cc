@@ -80,8 +80,8 @@ class RunService final : public v1::RunService::CallbackService {
         co_return good;
       DRIFTWISE_CO_TRY(const auto limit, limit_from(request->limit(), 1000, 10000));
       DRIFTWISE_CO_TRY(const auto points,
-                       co_await records_.runs().points(RunId{request->run_id()},
-                                                       request->after_point_id(), limit));
+                       co_await records_.points().points(RunId{request->run_id()},
+                                                         request->after_point_id(), limit));
       for (const auto& point : points) *response->add_points() = point_from(point);
       co_return Result<void>{};
     });
@@ -92,7 +92,7 @@ class RunService final : public v1::RunService::CallbackService {
     return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
       DRIFTWISE_CO_TRY(const auto attempts,
-                       co_await records_.runs().attempts(RunId{request->run_id()}));
+                       co_await records_.points().attempts(RunId{request->run_id()}));
       for (const auto& attempt : attempts) *response->add_attempts() = attempt_from(attempt);
       co_return Result<void>{};
     });
@@ -102,7 +102,8 @@ class RunService final : public v1::RunService::CallbackService {
                       v1::ListDatumsResponse* response) override {
     return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
-      DRIFTWISE_CO_TRY(const auto datums, co_await records_.runs().data(RunId{request->run_id()}));
+      DRIFTWISE_CO_TRY(const auto datums,
+                       co_await records_.points().data(RunId{request->run_id()}));
       for (const auto& datum : datums) *response->add_datums() = datum_from(datum);
       co_return Result<void>{};
     });

@@ -117,7 +117,7 @@ TEST_F(DiagnosisCommands, AcceptShowsTheSizesAndAsks) {
   });
   const auto accepted = [this] {
     return cell.on_store(
-        [](Store& store) { return store.diagnoses().extension(DiagnosisId{1})->has_value(); });
+        [](Store& store) { return store.extensions().extension(DiagnosisId{1})->has_value(); });
   };
   const auto nobody = run({"diagnosis", "accept", "1"});  // no terminal
   EXPECT_EQ(nobody.exit, 2);
@@ -190,7 +190,7 @@ TEST_F(DiagnosisCommands, ImprovementsTurnByTurn) {
                    ErrorFigures{.u90 = 12.4, .a90 = 12.4},
                    ErrorFigures{.u90 = 81, .a90 = 85.5},
                    ErrorFigures{.mean = 2.5, .u90 = 12.6, .a90 = 13.1}}};
-    auto& jobs = store.diagnoses();
+    auto& jobs = store.improvements();
     const auto id = jobs.add_improvement(record)->id;
     ASSERT_TRUE(jobs.put_turn(id, turn));
     ASSERT_TRUE(

@@ -77,8 +77,8 @@ TEST_F(ModelCommandsTest, APromotionWithAQuestionAsks) {
     fresh.rests_on_this = true;
     fresh.at = {kWorldBegin, 0};
     fresh.who = "ada";
-    ASSERT_TRUE(store.diagnoses().accept(fresh));
-    ASSERT_TRUE(store.diagnoses().undo_extension(id->id, {kWorldBegin, 1}, "ada", "", {}));
+    ASSERT_TRUE(store.extensions().accept(fresh));
+    ASSERT_TRUE(store.extensions().undo_extension(id->id, {kWorldBegin, 1}, "ada", "", {}));
   });
   const auto nobody = run({"model", "promote", "2"});
   EXPECT_EQ(nobody.exit, 2);

@@ -168,7 +168,7 @@ TEST_F(RunCommandsTest, ShowsPointsWithNullForWhatWasNotMeasured) {
     attempt.spread_nm = 7.3;
     attempt.started = attempt.ended = {kWorldBegin, 0};
     commit.attempts = {attempt};
-    ASSERT_TRUE(store.runs().commit(commit));
+    ASSERT_TRUE(store.points().commit(commit));
   });
   const auto points = json({"run", "points", "1"});
   EXPECT_EQ(points["points"][0]["values"]["x_mm"], 1.5);

@@ -8,7 +8,6 @@
 #include <iterator>
 #include <map>
 #include <regex>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -16,12 +15,6 @@ namespace {
 
 constexpr int kMostFunctions = 8;
 const std::vector<std::string> kRoomsOfInterfaces = {"server", "storage", "drivers"};
-
-// Older than this rule. The store's ports are asked through AsyncStore (plumbing/async_store.h);
-// Store itself only names its parts.
-const std::set<std::string> kLarger = {"server/core/ports/store.h RunStore",
-                                       "server/core/ports/store.h DiagnosisStore",
-                                       "server/core/ports/store.h Store"};
 
 // Pure virtual functions by class, "server/x.h Name": those between the class's head and the brace
 // that ends it.
@@ -54,16 +47,7 @@ std::map<std::string, int> pure_virtual_functions() {
 TEST(InterfaceSize, IsEightFunctionsAtMost) {
   const auto counts = pure_virtual_functions();
   ASSERT_GT(counts.size(), 20U);
-  for (const auto& [name, count] : counts) {
-    if (kLarger.contains(name)) continue;
-    EXPECT_LE(count, kMostFunctions) << name;
-  }
-}
-
-TEST(InterfaceSize, NamesNoClassAsLargerThatIsNot) {
-  const auto counts = pure_virtual_functions();
-  for (const auto& name : kLarger)
-    EXPECT_TRUE(counts.contains(name) && counts.at(name) > kMostFunctions) << name;
+  for (const auto& [name, count] : counts) EXPECT_LE(count, kMostFunctions) << name;
 }
 
 }  // namespace

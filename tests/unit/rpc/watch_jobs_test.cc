@@ -128,7 +128,7 @@ TEST_F(WatchJobsTest, TheTurnsOfAnImprovementAreToldOneByOne) {
   cell.on_store([](Store& store) {
     ImprovementRecord record;
     record.created = kWorldBegin;
-    ASSERT_TRUE(store.diagnoses().add_improvement(record));
+    ASSERT_TRUE(store.improvements().add_improvement(record));
   });
   const auto page = open();
   cursor_of(*page);
@@ -143,7 +143,7 @@ TEST_F(WatchJobsTest, TheTurnsOfAnImprovementAreToldOneByOne) {
   }
   cell.on_executor([&] {
     const std::string why = "nothing beyond noise is left";
-    ASSERT_TRUE(cell.store().diagnoses().end_improvement({1}, JobState::done, why, kWorldBegin));
+    ASSERT_TRUE(cell.store().improvements().end_improvement({1}, JobState::done, why, kWorldBegin));
     improvements.progress.publish({ImprovementId{1}, JobState::done, 2, why});
     feeds.records.publish();
   });

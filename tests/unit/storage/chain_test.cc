@@ -12,7 +12,7 @@ class ChainTest : public StoreTest {
  protected:
   void store_points(int count) {
     for (int row = 0; row < count; ++row)
-      ASSERT_TRUE(store->runs().commit(example_commit(run, datum, row)));
+      ASSERT_TRUE(store->points().commit(example_commit(run, datum, row)));
   }
   // As somebody with the file and SQLite's library, without our code.
   void change(const std::string& sql) {
@@ -79,7 +79,7 @@ TEST_F(ChainTest, VerifiesWhatWasStored) {
 TEST_F(ChainTest, GrowsByOneEntryForEachCommit) {
   store_points(1);
   const auto before = store->audit().head()->entry;
-  ASSERT_TRUE(store->runs().commit(example_commit(run, datum, 1)));
+  ASSERT_TRUE(store->points().commit(example_commit(run, datum, 1)));
   EXPECT_EQ(store->audit().head()->entry, before + 1);
   ASSERT_TRUE(store->idle());  // summaries are not protected
   EXPECT_EQ(store->audit().head()->entry, before + 1);
@@ -88,8 +88,8 @@ TEST_F(ChainTest, GrowsByOneEntryForEachCommit) {
 TEST_F(ChainTest, KeepsNothingOfACommitThatWasRefused) {
   store_points(1);
   const auto before = store->audit().head().value();
-  EXPECT_FALSE(store->runs().commit(example_commit(run, datum, 0)));
-  EXPECT_FALSE(store->runs().commit(example_commit(run, DatumId{77}, 1)));
+  EXPECT_FALSE(store->points().commit(example_commit(run, datum, 0)));
+  EXPECT_FALSE(store->points().commit(example_commit(run, DatumId{77}, 1)));
   EXPECT_EQ(store->audit().head().value(), before);
   EXPECT_EQ(first_found(), "nothing");
 }
@@ -179,7 +179,7 @@ TEST_F(ChainTest, FindsThatTheNewestRowsWereRemovedWithTheirEntries) {
 TEST_F(ChainTest, HoldsAnOldHeadAgainstALongerRecord) {
   store_points(1);
   const auto kept = store->audit().head().value();
-  store->runs().commit(example_commit(run, datum, 1)).value();
+  store->points().commit(example_commit(run, datum, 1)).value();
   EXPECT_TRUE(verified(kept).intact());
 }
 

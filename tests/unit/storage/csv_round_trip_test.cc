@@ -16,7 +16,7 @@ std::string exported_after_import(Store& store, const std::string& csv) {
 
 TEST_F(CsvRoundTrip, KeepsAnExportOfOneRun) {
   for (int row = 0; row < 40; ++row)
-    ASSERT_TRUE(store->runs().commit(example_commit(run, datum, row)));
+    ASSERT_TRUE(store->points().commit(example_commit(run, datum, row)));
   Dataset dataset = store->runs().dataset(std::vector{run}).value();
   dataset.metadata = {{"cell", "linear-axis"}, {"exported", "2026-11-21T08:00:00Z"}};
   const std::string csv = formats::write_dataset_csv(dataset);
@@ -25,13 +25,13 @@ TEST_F(CsvRoundTrip, KeepsAnExportOfOneRun) {
 
 TEST_F(CsvRoundTrip, KeepsAnExportOfTwoRunsAndThreeDatums) {
   const RunId later = store->runs().create_run(example_run("later")).value().id;
-  const DatumId second = store->runs().open_datum(example_datum(run, 50)).value();
-  const DatumId third = store->runs().open_datum(example_datum(later, 500)).value();
+  const DatumId second = store->points().open_datum(example_datum(run, 50)).value();
+  const DatumId third = store->points().open_datum(example_datum(later, 500)).value();
   for (int row = 0; row < 3; ++row) {
-    ASSERT_TRUE(store->runs().commit(example_commit(run, row == 0 ? datum : second, row)));
+    ASSERT_TRUE(store->points().commit(example_commit(run, row == 0 ? datum : second, row)));
     PointCommit commit = example_commit(later, third, 40 + row);
     commit.point->values.push_back({"air_degC", row == 1 ? kMissing : 20.0 + 0.1 * row});
-    ASSERT_TRUE(store->runs().commit(commit));
+    ASSERT_TRUE(store->points().commit(commit));
   }
   const std::string csv =
       formats::write_dataset_csv(store->runs().dataset(std::vector{run, later}).value());
@@ -50,7 +50,7 @@ TEST_F(CsvRoundTrip, KeepsAWrittenFileWithOddColumnsAndGaps) {
 
 TEST_F(CsvRoundTrip, KeepsWhichRowsAreExcluded) {
   for (int row = 0; row < 5; ++row)
-    ASSERT_TRUE(store->runs().commit(example_commit(run, datum, row)));
+    ASSERT_TRUE(store->points().commit(example_commit(run, datum, row)));
   ExclusionRecord out{.id = 0,
                       .run = run,
                       .excluded = true,

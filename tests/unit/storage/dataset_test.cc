@@ -42,7 +42,7 @@ NewRun import_run() {
 
 TEST_F(DatasetTest, HasOneRowPerPointWithTimeFromTheFirst) {
   for (int row = 0; row < 4; ++row)
-    ASSERT_TRUE(store->runs().commit(example_commit(run, datum, row)));
+    ASSERT_TRUE(store->points().commit(example_commit(run, datum, row)));
   const Dataset dataset = store->runs().dataset(std::vector{run}).value();
   EXPECT_EQ(dataset.rows, 4u);
   EXPECT_THAT(dataset.time_s, testing::ElementsAre(0.0, 14.0, 28.0, 42.0));
@@ -66,8 +66,8 @@ TEST_F(DatasetTest, LeavesMissingWhatAPointDidNotMeasure) {
   with_more.point->values.push_back({"air_degC", 20.7});
   PointCommit missing = example_commit(run, datum, 1);
   missing.point->values.back().value = kMissing;
-  ASSERT_TRUE(store->runs().commit(with_more));
-  ASSERT_TRUE(store->runs().commit(missing));
+  ASSERT_TRUE(store->points().commit(with_more));
+  ASSERT_TRUE(store->points().commit(missing));
   const Dataset dataset = store->runs().dataset(std::vector{run}).value();
   EXPECT_EQ(names(dataset).back(), "air_degC");
   EXPECT_EQ(dataset.find("air")->values[0], 20.7);
@@ -76,9 +76,9 @@ TEST_F(DatasetTest, LeavesMissingWhatAPointDidNotMeasure) {
 }
 
 TEST_F(DatasetTest, NamesTheDatumWhereThereIsMoreThanOne) {
-  const DatumId second = store->runs().open_datum(example_datum(run, 20)).value();
-  ASSERT_TRUE(store->runs().commit(example_commit(run, datum, 0)));
-  ASSERT_TRUE(store->runs().commit(example_commit(run, second, 1)));
+  const DatumId second = store->points().open_datum(example_datum(run, 20)).value();
+  ASSERT_TRUE(store->points().commit(example_commit(run, datum, 0)));
+  ASSERT_TRUE(store->points().commit(example_commit(run, second, 1)));
   const Dataset dataset = store->runs().dataset(std::vector{run}).value();
   EXPECT_THAT(dataset.datum, testing::ElementsAre(datum.value, second.value));
   EXPECT_TRUE(dataset.run.empty());
@@ -86,10 +86,10 @@ TEST_F(DatasetTest, NamesTheDatumWhereThereIsMoreThanOne) {
 
 TEST_F(DatasetTest, JoinsRunsInTimeWhateverTheirOrder) {
   const RunId later = store->runs().create_run(example_run("later")).value().id;
-  const DatumId later_datum = store->runs().open_datum(example_datum(later, 500)).value();
-  ASSERT_TRUE(store->runs().commit(example_commit(run, datum, 0)));
-  ASSERT_TRUE(store->runs().commit(example_commit(later, later_datum, 40)));
-  ASSERT_TRUE(store->runs().commit(example_commit(run, datum, 1)));
+  const DatumId later_datum = store->points().open_datum(example_datum(later, 500)).value();
+  ASSERT_TRUE(store->points().commit(example_commit(run, datum, 0)));
+  ASSERT_TRUE(store->points().commit(example_commit(later, later_datum, 40)));
+  ASSERT_TRUE(store->points().commit(example_commit(run, datum, 1)));
   const Dataset dataset = store->runs().dataset(std::vector{later, run}).value();
   EXPECT_THAT(dataset.time_s, testing::ElementsAre(0.0, 14.0, 560.0));
   EXPECT_THAT(dataset.run, testing::ElementsAre(run.value, run.value, later.value));
@@ -102,7 +102,7 @@ TEST_F(DatasetTest, GivesTimesThatReadAsTheNearestDecimal) {
   for (int row = 0; row < 2; ++row) {
     PointCommit commit = example_commit(run, datum, row);
     commit.point->measured.utc = {kStartNs + row * 12'530'000'001};
-    ASSERT_TRUE(store->runs().commit(commit));
+    ASSERT_TRUE(store->points().commit(commit));
   }
   EXPECT_EQ(store->runs().dataset(std::vector{run})->time_s[1], 12.530000001);
 }
@@ -147,7 +147,7 @@ TEST_F(DatasetTest, AddsNoFieldThatTheImportedFileDidNotHave) {
   file.columns = {{{"q1", "mm"}, {0, 1}}, {{"x", "mm"}, {0, 1}}};
   const RunId imported = store->runs().import_dataset(import_run(), file).value().id;
   expect_same(store->runs().dataset(std::vector{imported}).value(), file);
-  EXPECT_EQ(store->runs().points(imported, 0, 0)->at(1).set, PointSet::calibration);
+  EXPECT_EQ(store->points().points(imported, 0, 0)->at(1).set, PointSet::calibration);
 }
 
 TEST_F(DatasetTest, PutsAnImportedRunBehindAMeasuredOne) {
@@ -156,8 +156,8 @@ TEST_F(DatasetTest, PutsAnImportedRunBehindAMeasuredOne) {
   file.time_s = {100, 101, 107};
   file.columns = {{{"x", "mm"}, {5, 6, 7}}};
   const RunId imported = store->runs().import_dataset(import_run(), file).value().id;
-  ASSERT_TRUE(store->runs().commit(example_commit(run, datum, 0)));
-  ASSERT_TRUE(store->runs().commit(example_commit(run, datum, 1)));
+  ASSERT_TRUE(store->points().commit(example_commit(run, datum, 0)));
+  ASSERT_TRUE(store->points().commit(example_commit(run, datum, 1)));
   const Dataset dataset = store->runs().dataset(std::vector{imported, run}).value();
   EXPECT_THAT(dataset.time_s, testing::ElementsAre(0, 14, 15, 16, 22));
   EXPECT_THAT(dataset.find("x")->values, testing::ElementsAre(0 + 1.5e-6, 1 + 1.5e-6, 5, 6, 7));

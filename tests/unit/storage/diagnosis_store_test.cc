@@ -15,7 +15,7 @@ class DiagnosisStoreTest : public StoreTest {
  protected:
   DiagnosisStoreTest() {
     for (int row = 0; row < 6; ++row)
-      EXPECT_TRUE(store->runs().commit(example_commit(run, datum, row)));
+      EXPECT_TRUE(store->points().commit(example_commit(run, datum, row)));
   }
   DiagnosisRecord wanted() const {
     DiagnosisRecord record;
@@ -90,52 +90,52 @@ TEST_F(DiagnosisStoreTest, WhatRanWhenTheDaemonEndedHasFailedWithTheReason) {
   const DiagnosisId ended = done(), running = one();
   ImprovementRecord loop;
   loop.trajectory_name = "plan.csv";
-  const auto improvement = store->diagnoses().add_improvement(loop).value();
+  const auto improvement = store->improvements().add_improvement(loop).value();
   reopen();
   EXPECT_EQ(store->diagnoses().fail_unfinished("the daemon ended", at_s(300).utc).value(), 2);
   EXPECT_EQ(store->diagnoses().diagnosis(running)->state, JobState::failed);
   EXPECT_EQ(store->diagnoses().diagnosis(running)->reason, "the daemon ended");
   EXPECT_EQ(store->diagnoses().diagnosis(ended)->state, JobState::done);
-  EXPECT_EQ(store->diagnoses().improvement(improvement.id)->state, JobState::failed);
+  EXPECT_EQ(store->improvements().improvement(improvement.id)->state, JobState::failed);
   EXPECT_EQ(store->diagnoses().fail_unfinished("again", at_s(301).utc).value(), 0);
 }
 
 TEST_F(DiagnosisStoreTest, AnExtensionKeepsRowsOutAndUndoingPutsThoseBackOnly) {
   const DiagnosisId id = done();
   ASSERT_TRUE(store->remarks().exclude({0, run, true, {3}, "door opened", at_s(150), "bob", ""}));
-  const auto made = store->diagnoses().accept(extension(id)).value();
+  const auto made = store->extensions().accept(extension(id)).value();
   EXPECT_THAT(made.findings, ElementsAre(1, 3));
   ASSERT_TRUE(made.correction);
   ASSERT_EQ(made.excluded.size(), 1u);
   EXPECT_THAT(made.excluded[0].rows, ElementsAre(2));  // 3 was out before
   EXPECT_THAT(out_now(), ElementsAre(0, 0, 1, 1, 0, 0));
-  EXPECT_TRUE(store->diagnoses().corrections()->at(0).in_force());
+  EXPECT_TRUE(store->extensions().corrections()->at(0).in_force());
 
-  const auto again = store->diagnoses().accept(extension(id));
+  const auto again = store->extensions().accept(extension(id));
   ASSERT_FALSE(again);
   EXPECT_EQ(again.error().reason, "EXTENSION_STANDS");
 
-  const auto undone = store->diagnoses().undo_extension(id, at_s(400), "bob", "").value();
+  const auto undone = store->extensions().undo_extension(id, at_s(400), "bob", "").value();
   EXPECT_FALSE(undone.stands());
   EXPECT_EQ(undone.undone_by, "bob");
   EXPECT_THAT(out_now(), ElementsAre(0, 0, 0, 1, 0, 0));
-  const auto correction = store->diagnoses().corrections()->at(0);
+  const auto correction = store->extensions().corrections()->at(0);
   EXPECT_FALSE(correction.in_force());
   EXPECT_EQ(correction.ended, at_s(400).utc);
-  EXPECT_EQ(store->diagnoses().undo_extension(id, at_s(401), "bob", "").error().reason,
+  EXPECT_EQ(store->extensions().undo_extension(id, at_s(401), "bob", "").error().reason,
             "NO_EXTENSION");
-  EXPECT_TRUE(store->diagnoses().accept(extension(id)));  // and once more
+  EXPECT_TRUE(store->extensions().accept(extension(id)));  // and once more
 }
 
 TEST_F(DiagnosisStoreTest, AnExtensionWithARowThatIsNotThereLeavesNothing) {
   const DiagnosisId id = done();
   auto bad = extension(id);
   bad.exclusions[0].rows = {2, 77};
-  const auto refused = store->diagnoses().accept(bad);
+  const auto refused = store->extensions().accept(bad);
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message, HasSubstr("row 78"));
-  EXPECT_THAT(*store->diagnoses().corrections(), IsEmpty());
-  EXPECT_FALSE(store->diagnoses().extension(id).value());
+  EXPECT_THAT(*store->extensions().corrections(), IsEmpty());
+  EXPECT_FALSE(store->extensions().extension(id).value());
   EXPECT_TRUE(out_now().empty());
 }
 
@@ -150,14 +150,14 @@ TEST_F(DiagnosisStoreTest, KeepsAnImprovementTurnByTurn) {
   wanted.request_id = "r1";
   wanted.created = at_s(500).utc;
   wanted.created_by = "ada";
-  const auto made = store->diagnoses().add_improvement(wanted).value();
-  EXPECT_EQ(store->diagnoses().add_improvement(wanted)->id, made.id);  // the same request again
+  const auto made = store->improvements().add_improvement(wanted).value();
+  EXPECT_EQ(store->improvements().add_improvement(wanted)->id, made.id);  // the same request again
   ImprovementTurn turn;
   turn.number = 1;
   turn.runs = {run};
   turn.what = "measured";
   turn.started = at_s(501).utc;
-  ASSERT_TRUE(store->diagnoses().put_turn(made.id, turn));
+  ASSERT_TRUE(store->improvements().put_turn(made.id, turn));
   turn.what = "measured, and found a lag";
   turn.diagnosis = done();
   const ErrorFigures before{.mean = 9, .u90 = 41, .a90 = 44}, promised{.u90 = 12.5, .a90 = 12.5},
@@ -165,10 +165,11 @@ TEST_F(DiagnosisStoreTest, KeepsAnImprovementTurnByTurn) {
   turn.gains = {{"q1", "nm", before, promised, {}, {}},
                 {"q2", "nm", before, {}, fresh_before, fresh}};
   turn.ended = at_s(600).utc;
-  ASSERT_TRUE(store->diagnoses().put_turn(made.id, turn));
-  ASSERT_TRUE(store->diagnoses().end_improvement(made.id, JobState::done, "enough", at_s(601).utc));
+  ASSERT_TRUE(store->improvements().put_turn(made.id, turn));
+  ASSERT_TRUE(
+      store->improvements().end_improvement(made.id, JobState::done, "enough", at_s(601).utc));
   reopen();
-  const auto record = store->diagnoses().improvements(0)->at(0);
+  const auto record = store->improvements().improvements(0)->at(0);
   EXPECT_EQ(record.state, JobState::done);
   EXPECT_EQ(record.reason, "enough");
   EXPECT_FALSE(record.promotes);

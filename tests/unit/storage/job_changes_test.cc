@@ -19,7 +19,7 @@ class JobChangesTest : public StoreTest {
     ImprovementRecord record;
     record.formula = "q ~ x";
     record.created = at_s(1).utc;
-    return store->diagnoses().add_improvement(record).value().id;
+    return store->improvements().add_improvement(record).value().id;
   }
   void end(DiagnosisId id) {
     ASSERT_TRUE(store->diagnoses().end_diagnosis(id, {JobState::done, "", "", "{}", "", {}}));
@@ -45,10 +45,10 @@ TEST_F(JobChangesTest, EveryStepOfADiagnosisIsNews) {
   made.diagnosis = id;
   made.findings = {1};
   made.at = at_s(2);
-  ASSERT_TRUE(store->diagnoses().accept(made));
+  ASSERT_TRUE(store->extensions().accept(made));
   EXPECT_EQ(since(then).diagnoses.size(), 1U) << "accepted";
   then = now();
-  ASSERT_TRUE(store->diagnoses().undo_extension(id, at_s(3), "ada", ""));
+  ASSERT_TRUE(store->extensions().undo_extension(id, at_s(3), "ada", ""));
   EXPECT_EQ(since(then).diagnoses.size(), 1U) << "undone";
   EXPECT_TRUE(since(now()).diagnoses.empty());
 }
@@ -58,16 +58,17 @@ TEST_F(JobChangesTest, EveryTurnOfAnImprovementIsNews) {
   auto then = now();
   ImprovementTurn turn;
   turn.number = 1;
-  ASSERT_TRUE(store->diagnoses().put_turn(id, turn));
+  ASSERT_TRUE(store->improvements().put_turn(id, turn));
   ASSERT_EQ(since(then).improvements.size(), 1U);
   EXPECT_EQ(since(then).improvements[0].turns, 1);
   then = now();
   turn.what = "now with its gain";
-  ASSERT_TRUE(store->diagnoses().put_turn(id, turn));
+  ASSERT_TRUE(store->improvements().put_turn(id, turn));
   ASSERT_EQ(since(then).improvements.size(), 1U);
   EXPECT_EQ(since(then).improvements[0].turns, 1);
   then = now();
-  ASSERT_TRUE(store->diagnoses().end_improvement(id, JobState::cancelled, "by ada", at_s(4).utc));
+  ASSERT_TRUE(
+      store->improvements().end_improvement(id, JobState::cancelled, "by ada", at_s(4).utc));
   ASSERT_EQ(since(then).improvements.size(), 1U);
   EXPECT_EQ(since(then).improvements[0].state, JobState::cancelled);
   EXPECT_EQ(since(then).improvements[0].reason, "by ada");

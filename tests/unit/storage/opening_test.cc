@@ -26,13 +26,14 @@ TEST_F(OpeningTest, WritesInWalModeWithFullSynchronisation) {
 
 TEST_F(OpeningTest, ReadsWhileTheDaemonWrites) {
   const auto reader = open_store(path, true);
-  EXPECT_EQ(reader->runs().points(run, 0, 0)->size(), 0u);
-  ASSERT_TRUE(store->runs().commit(example_commit(run, datum, 0)));
-  EXPECT_EQ(reader->runs().points(run, 0, 0)->size(), 1u);
+  EXPECT_EQ(reader->points().points(run, 0, 0)->size(), 0u);
+  ASSERT_TRUE(store->points().commit(example_commit(run, datum, 0)));
+  EXPECT_EQ(reader->points().points(run, 0, 0)->size(), 1u);
   // Channels that were new to the reader have their names.
-  EXPECT_EQ(value_of(reader->runs().points(run, 0, 0)->at(0).values, "t05_degC"), 20.5 + 0.01 * 5);
+  EXPECT_EQ(value_of(reader->points().points(run, 0, 0)->at(0).values, "t05_degC"),
+            20.5 + 0.01 * 5);
   EXPECT_EQ(reader->readings().readings("scanner", {0}, at_s(1e6).utc, 0)->size(), 1u);
-  const auto refused = reader->runs().commit(example_commit(run, datum, 1));
+  const auto refused = reader->points().commit(example_commit(run, datum, 1));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::failed_precondition);
   EXPECT_EQ(refused.error().reason, "READ_ONLY");
@@ -43,7 +44,7 @@ TEST_F(OpeningTest, ReadsInAnotherThreadDuringAStreamOfCommits) {
   std::thread reading([&] {
     std::size_t before = 0;
     while (before < 50) {
-      const auto points = reader->runs().points(run, 0, 0);
+      const auto points = reader->points().points(run, 0, 0);
       ASSERT_TRUE(points) << points.error().message;
       ASSERT_GE(points->size(), before);
       for (const auto& point : *points) ASSERT_EQ(point.values.size(), 12u);
@@ -54,7 +55,7 @@ TEST_F(OpeningTest, ReadsInAnotherThreadDuringAStreamOfCommits) {
     }
   });
   for (int row = 0; row < 50; ++row) {
-    EXPECT_TRUE(store->runs().commit(example_commit(run, datum, row)));
+    EXPECT_TRUE(store->points().commit(example_commit(run, datum, row)));
     EXPECT_TRUE(store->idle());
   }
   reading.join();
@@ -90,11 +91,11 @@ TEST_F(OpeningTest, SaysThatAShellHoldsTheDatabase) {
   store = open_store(path, false, {.vfs = "", .busy_timeout_ms = 20});
   Database shell(path, SQLITE_OPEN_READWRITE, "");
   shell.execute("BEGIN IMMEDIATE");
-  const auto refused = store->runs().commit(example_commit(run, datum, 0));
+  const auto refused = store->points().commit(example_commit(run, datum, 0));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().reason, "DATABASE_LOCKED");
   shell.execute("ROLLBACK");
-  EXPECT_TRUE(store->runs().commit(example_commit(run, datum, 0)));
+  EXPECT_TRUE(store->points().commit(example_commit(run, datum, 0)));
 }
 
 TEST_F(OpeningTest, RefusesToReadWhatIsNotThere) {
@@ -144,7 +145,7 @@ TEST_F(OpeningTest, NamesADamagedFile) {
 
 TEST_F(OpeningTest, FindsDamageInsideWhenItIsRead) {
   for (int row = 0; row < 200; ++row)
-    ASSERT_TRUE(store->runs().commit(example_commit(run, datum, row)));
+    ASSERT_TRUE(store->points().commit(example_commit(run, datum, row)));
   store.reset();
   {
     std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
@@ -155,7 +156,7 @@ TEST_F(OpeningTest, FindsDamageInsideWhenItIsRead) {
     }
   }
   const auto reader = open_store(path, true);
-  const auto points = reader->runs().points(run, 0, 0);
+  const auto points = reader->points().points(run, 0, 0);
   ASSERT_FALSE(points);
   EXPECT_EQ(points.error().code, ErrorCode::data_loss);
   EXPECT_THAT(points.error().message, testing::HasSubstr(path));
@@ -167,7 +168,7 @@ TEST_F(OpeningTest, MovesTheLogIntoTheDatabaseBetweenPoints) {
   const auto log_bytes = [&] { return std::filesystem::file_size(path + "-wal"); };
   const auto fill = [&](int from, int to) {
     for (int row = from; row < to; ++row) {
-      ASSERT_TRUE(store->runs().commit(example_commit(run, datum, row)));
+      ASSERT_TRUE(store->points().commit(example_commit(run, datum, row)));
       ASSERT_TRUE(store->idle());
     }
   };
@@ -182,7 +183,7 @@ TEST_F(OpeningTest, KeepsTheLogBoundedWhenNobodyIsEverIdle) {
   store.reset();
   store = open_store(path, false, {.vfs = "", .checkpoint_pages = 5});
   for (int row = 0; row < 300; ++row)
-    ASSERT_TRUE(store->runs().commit(example_commit(run, datum, row)));
+    ASSERT_TRUE(store->points().commit(example_commit(run, datum, row)));
   EXPECT_LT(std::filesystem::file_size(path + "-wal"), (5u * 16u + 40u) * 4120u);
 }
 

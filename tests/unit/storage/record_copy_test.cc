@@ -13,13 +13,13 @@ class RecordCopyTest : public StoreTest {
  protected:
   RecordCopyTest() {
     for (int row = 0; row < 5; ++row)
-      EXPECT_TRUE(store->runs().commit(example_commit(run, datum, row)));
+      EXPECT_TRUE(store->points().commit(example_commit(run, datum, row)));
   }
   std::string copy = folder / "copy.db", other = folder / "other.db";
   std::string kept_as = folder / "cell.db.before";
 
   static std::size_t points_in(const std::string& file) {
-    return open_store(file, true)->runs().points(RunId{1}, 0, 0)->size();
+    return open_store(file, true)->points().points(RunId{1}, 0, 0)->size();
   }
 };
 
@@ -28,7 +28,7 @@ TEST_F(RecordCopyTest, HoldsTheRecordAsItWasWhileMoreIsStored) {
   const auto head = store->audit().head().value();
   const auto made = reader->audit().back_up(copy, {});
   ASSERT_TRUE(made) << made.error().message;
-  ASSERT_TRUE(store->runs().commit(example_commit(run, datum, 5)));
+  ASSERT_TRUE(store->points().commit(example_commit(run, datum, 5)));
   EXPECT_EQ(made->head, head);
   EXPECT_GT(made->rows, 250);
   EXPECT_EQ(points_in(copy), 5U);
@@ -54,13 +54,13 @@ TEST_F(RecordCopyTest, ComesBackWhereNothingIs) {
   ASSERT_TRUE(restored) << restored.error().message;
   EXPECT_EQ(points_in(other), 5U);
   auto back = open_store(other);  // and goes on from there
-  EXPECT_TRUE(back->runs().commit(example_commit(run, datum, 5)));
+  EXPECT_TRUE(back->points().commit(example_commit(run, datum, 5)));
   EXPECT_TRUE(back->audit().verify(head, {})->intact());
 }
 
 TEST_F(RecordCopyTest, ReplacesARecordOnlyWhenAskedAndKeepsIt) {
   ASSERT_TRUE(store->audit().back_up(copy, {}));
-  ASSERT_TRUE(store->runs().commit(example_commit(run, datum, 5)));
+  ASSERT_TRUE(store->points().commit(example_commit(run, datum, 5)));
   EXPECT_EQ(restore_record({copy, path, "", {}}).error().reason, "FILE_EXISTS");
   EXPECT_EQ(restore_record({copy, path, kept_as, {}}).error().reason, "DATABASE_IN_USE");
   store.reset();
@@ -72,7 +72,7 @@ TEST_F(RecordCopyTest, ReplacesARecordOnlyWhenAskedAndKeepsIt) {
 
 TEST_F(RecordCopyTest, IsRefusedWhereItWasChangedOrIsOlderThanAKeptHead) {
   ASSERT_TRUE(store->audit().back_up(copy, {}));
-  ASSERT_TRUE(store->runs().commit(example_commit(run, datum, 5)));
+  ASSERT_TRUE(store->points().commit(example_commit(run, datum, 5)));
   const auto later = store->audit().head().value();
   const auto older = restore_record({copy, other, "", later});
   ASSERT_FALSE(older);

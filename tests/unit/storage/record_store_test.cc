@@ -74,19 +74,19 @@ TEST_F(RecordStoreTest, TakesAnyTextAsItIs) {
     RunChange change;
     change.reason = text;
     ASSERT_TRUE(store->runs().change_run(id, change));
-    const DatumId opened = store->runs().open_datum(example_datum(id)).value();
+    const DatumId opened = store->points().open_datum(example_datum(id)).value();
     PointCommit commit = example_commit(id, opened, 0);
     commit.attempts[0].reason = text;
     commit.slow_readings[0].device = text;
     commit.moves[0].cause = text;
-    ASSERT_TRUE(store->runs().commit(commit));
+    ASSERT_TRUE(store->points().commit(commit));
     const RunRecord record = store->runs().run(id).value();
     EXPECT_EQ(record.name, text);
     EXPECT_EQ(record.trajectory_text, text);
     EXPECT_EQ(record.operator_name, text);
     EXPECT_EQ(record.config_hash, text);
     EXPECT_EQ(record.reason, text);
-    EXPECT_EQ(store->runs().attempts(id)->at(0).reason, text);
+    EXPECT_EQ(store->points().attempts(id)->at(0).reason, text);
     if (!text.empty()) {  // empty asks for every device
       EXPECT_EQ(store->readings().readings(text, {0}, at_s(1e6).utc, 1)->at(0).device, text);
     }

@@ -14,7 +14,7 @@ class RemarkStoreTest : public StoreTest {
  protected:
   RemarkStoreTest() {
     for (int row = 0; row < 6; ++row)
-      EXPECT_TRUE(store->runs().commit(example_commit(run, datum, row)));
+      EXPECT_TRUE(store->points().commit(example_commit(run, datum, row)));
   }
   Result<ExclusionRecord> exclude(std::vector<std::int64_t> rows, bool out = true,
                                   const std::string& reason = "door opened") {
@@ -97,11 +97,11 @@ TEST_F(RemarkStoreTest, RefuseARowWithoutAPointAndChangeNothing) {
 
 TEST_F(RemarkStoreTest, MarkTheRightRowsOfTwoRuns) {
   const RunId later = store->runs().create_run(example_run("later")).value().id;
-  const DatumId second = store->runs().open_datum(example_datum(later, 500)).value();
+  const DatumId second = store->points().open_datum(example_datum(later, 500)).value();
   for (int row = 0; row < 3; ++row) {
     PointCommit commit = example_commit(later, second, row);
     commit.point->measured = at_s(600 + row);
-    ASSERT_TRUE(store->runs().commit(commit));
+    ASSERT_TRUE(store->points().commit(commit));
   }
   ASSERT_TRUE(exclude({0}));
   const auto both = store->runs().dataset(std::vector{later, run}).value();

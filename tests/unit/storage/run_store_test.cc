@@ -7,11 +7,11 @@ using RunStoreTest = StoreTest;
 
 TEST_F(RunStoreTest, KeepsEverythingThatACommitBrings) {
   const PointCommit commit = example_commit(run, datum, 0);
-  const auto id = store->runs().commit(commit).value();
+  const auto id = store->points().commit(commit).value();
   ASSERT_TRUE(id.has_value());
   reopen();
 
-  const auto points = store->runs().points(run, 0, 0).value();
+  const auto points = store->points().points(run, 0, 0).value();
   ASSERT_EQ(points.size(), 1u);
   EXPECT_EQ(points[0].id, *id);
   EXPECT_EQ(points[0].row, 0);
@@ -25,7 +25,7 @@ TEST_F(RunStoreTest, KeepsEverythingThatACommitBrings) {
   for (const auto& value : commit.point->values)
     EXPECT_EQ(value_of(points[0].values, value.channel), value.value);
 
-  const auto attempts = store->runs().attempts(run).value();
+  const auto attempts = store->points().attempts(run).value();
   ASSERT_EQ(attempts.size(), 1u);
   EXPECT_EQ(attempts[0].verdict, Verdict::accepted);
   EXPECT_EQ(attempts[0].spread_nm, 2.5);
@@ -47,23 +47,23 @@ TEST_F(RunStoreTest, KeepsEverythingThatACommitBrings) {
 
 TEST_F(RunStoreTest, RefusesTheSameCommitTwiceAndDoublesNothing) {
   const PointCommit commit = example_commit(run, datum, 3);
-  ASSERT_TRUE(store->runs().commit(commit));
-  const auto again = store->runs().commit(commit);
+  ASSERT_TRUE(store->points().commit(commit));
+  const auto again = store->points().commit(commit);
   ASSERT_FALSE(again);
   EXPECT_EQ(again.error().code, ErrorCode::already_exists);
   EXPECT_EQ(again.error().reason, "ALREADY_STORED");
-  EXPECT_EQ(store->runs().points(run, 0, 0).value().size(), 1u);
+  EXPECT_EQ(store->points().points(run, 0, 0).value().size(), 1u);
   EXPECT_EQ(store->runs().run(run).value().accepted, 1);
   EXPECT_EQ(store->readings().readings("", {0}, at_s(1e6).utc, 0).value().size(), 9u);
   EXPECT_EQ(store->readings().moves({0}, at_s(1e6).utc).value().size(), 1u);
 }
 
 TEST_F(RunStoreTest, RefusesASecondPointOfOneRowEvenAsAnotherAttempt) {
-  ASSERT_TRUE(store->runs().commit(example_commit(run, datum, 3)));
+  ASSERT_TRUE(store->points().commit(example_commit(run, datum, 3)));
   PointCommit other = example_commit(run, datum, 3);
   other.attempts[0].number = 2;
-  EXPECT_EQ(store->runs().commit(other).error().code, ErrorCode::already_exists);
-  EXPECT_EQ(store->runs().attempts(run).value().size(), 1u);
+  EXPECT_EQ(store->points().commit(other).error().code, ErrorCode::already_exists);
+  EXPECT_EQ(store->points().attempts(run).value().size(), 1u);
 }
 
 TEST_F(RunStoreTest, CountsWhatWasGivenUpAndRemembersWhatIsQueuedAgain) {
@@ -72,12 +72,12 @@ TEST_F(RunStoreTest, CountsWhatWasGivenUpAndRemembersWhatIsQueuedAgain) {
   requeued.attempts[0].reason = "spread 7.3 nm of 4 readings, limit 5 nm";
   requeued.point.reset();
   requeued.place = {.next_row = 6, .requeued = {{.row = 5, .count = 1}, {.row = 2, .count = 2}}};
-  EXPECT_EQ(store->runs().commit(requeued).value(), std::nullopt);
+  EXPECT_EQ(store->points().commit(requeued).value(), std::nullopt);
   PointCommit given_up = requeued;
   given_up.attempts[0].number = 2;
   given_up.attempts[0].verdict = Verdict::given_up;
   given_up.place.requeued.pop_back();
-  ASSERT_TRUE(store->runs().commit(given_up));
+  ASSERT_TRUE(store->points().commit(given_up));
   reopen();
 
   const RunRecord record = store->runs().run(run).value();
@@ -85,21 +85,21 @@ TEST_F(RunStoreTest, CountsWhatWasGivenUpAndRemembersWhatIsQueuedAgain) {
   EXPECT_EQ(record.given_up, 1);
   EXPECT_EQ(record.attempts, 2);
   EXPECT_EQ(record.accepted, 0);
-  EXPECT_EQ(store->runs().attempts(run).value().at(0).reason, requeued.attempts[0].reason);
+  EXPECT_EQ(store->points().attempts(run).value().at(0).reason, requeued.attempts[0].reason);
 }
 
 TEST_F(RunStoreTest, ACommitForARunThatIsNotThereLeavesNothing) {
-  const auto result = store->runs().commit(example_commit(RunId{99}, datum, 0));
+  const auto result = store->points().commit(example_commit(RunId{99}, datum, 0));
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().code, ErrorCode::not_found);
   EXPECT_TRUE(store->readings().readings("", {0}, at_s(1e6).utc, 0).value().empty());
   // The channels were new in the commit that failed: the next one must not rely on their numbers.
-  ASSERT_TRUE(store->runs().commit(example_commit(run, datum, 0)));
-  EXPECT_EQ(store->runs().points(run, 0, 0).value().at(0).values.size(), 12u);
+  ASSERT_TRUE(store->points().commit(example_commit(run, datum, 0)));
+  EXPECT_EQ(store->points().points(run, 0, 0).value().at(0).values.size(), 12u);
 }
 
 TEST_F(RunStoreTest, ACommitForADatumThatIsNotThereIsRefused) {
-  const auto result = store->runs().commit(example_commit(run, DatumId{77}, 0));
+  const auto result = store->points().commit(example_commit(run, DatumId{77}, 0));
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().reason, "NO_SUCH_RECORD");
 }
@@ -142,7 +142,7 @@ TEST_F(RunStoreTest, FindsTheRunToGoOnWith) {
 }
 
 TEST_F(RunStoreTest, KeepsTheDatumWithItsTemperaturesAndTheMissingOnes) {
-  const auto datums = store->runs().data(run).value();
+  const auto datums = store->points().data(run).value();
   ASSERT_EQ(datums.size(), 1u);
   EXPECT_EQ(datums[0].id, datum);
   EXPECT_EQ(datums[0].reason, "start");
@@ -152,10 +152,10 @@ TEST_F(RunStoreTest, KeepsTheDatumWithItsTemperaturesAndTheMissingOnes) {
 
 TEST_F(RunStoreTest, PagesThroughPoints) {
   for (int row = 0; row < 5; ++row)
-    ASSERT_TRUE(store->runs().commit(example_commit(run, datum, row)));
-  const auto first = store->runs().points(run, 0, 3).value();
+    ASSERT_TRUE(store->points().commit(example_commit(run, datum, row)));
+  const auto first = store->points().points(run, 0, 3).value();
   ASSERT_EQ(first.size(), 3u);
-  const auto rest = store->runs().points(run, first.back().id.value, 3).value();
+  const auto rest = store->points().points(run, first.back().id.value, 3).value();
   ASSERT_EQ(rest.size(), 2u);
   EXPECT_EQ(rest.back().row, 4);
 }
@@ -163,18 +163,18 @@ TEST_F(RunStoreTest, PagesThroughPoints) {
 TEST_F(RunStoreTest, RefusesAChannelWithoutUnit) {
   PointCommit commit = example_commit(run, datum, 0);
   commit.point->values.push_back({"pressure", 1013.0});
-  const auto result = store->runs().commit(commit);
+  const auto result = store->points().commit(commit);
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().reason, "BAD_CHANNEL");
   EXPECT_EQ(store->runs().run(run).value().accepted, 0);
 }
 
 TEST_F(RunStoreTest, TheNewestDatumIsTheLastThatWasOpenedHere) {
-  EXPECT_EQ(store->runs().newest_datum().value()->id, datum);
+  EXPECT_EQ(store->points().newest_datum().value()->id, datum);
   const auto by_hand =
-      store->runs().open_datum({{}, std::nullopt, at_s(900), "homed by ada", {{"x_mm", 0.25}}});
+      store->points().open_datum({{}, std::nullopt, at_s(900), "homed by ada", {{"x_mm", 0.25}}});
   ASSERT_TRUE(by_hand);
-  const auto newest = store->runs().newest_datum().value();
+  const auto newest = store->points().newest_datum().value();
   ASSERT_TRUE(newest);
   EXPECT_EQ(newest->id, *by_hand);
   EXPECT_FALSE(newest->run);

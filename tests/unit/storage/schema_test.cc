@@ -40,8 +40,8 @@ TEST(Schema, OpensADatabaseOfVersion1) {
   const Dataset dataset = store->runs().dataset(std::vector{runs[0].id}).value();
   EXPECT_EQ(dataset.rows, 1u);
   EXPECT_EQ(dataset.find("x")->values[0], 0.000131442);
-  EXPECT_TRUE(store->runs().commit(
-      example_commit(runs[0].id, store->runs().data(runs[0].id)->at(0).id, 2)));
+  EXPECT_TRUE(store->points().commit(
+      example_commit(runs[0].id, store->points().data(runs[0].id)->at(0).id, 2)));
 }
 
 // What 0.1.0 left of a run on the simulated linear axis, an import, a fit and a promotion: nothing
@@ -102,7 +102,7 @@ TEST_F(SchemaTest, ShowsTimesThatAPersonCanRead) {
 }
 
 TEST_F(SchemaTest, ShowsOneColumnPerChannel) {
-  ASSERT_TRUE(store->runs().commit(example_commit(run, datum, 1)));
+  ASSERT_TRUE(store->points().commit(example_commit(run, datum, 1)));
   EXPECT_EQ(text(path, "SELECT t07_degC || ' ' || q1_cmd_mm FROM point_wide"), "20.57 1.0");
   EXPECT_EQ(
       text(path,
@@ -110,7 +110,7 @@ TEST_F(SchemaTest, ShowsOneColumnPerChannel) {
       "1.0");
   PointCommit later = example_commit(run, datum, 2);
   later.point->values.push_back({"pressure_hPa", 1013.25});
-  ASSERT_TRUE(store->runs().commit(later));
+  ASSERT_TRUE(store->points().commit(later));
   EXPECT_EQ(text(path, "SELECT pressure_hPa FROM point_wide WHERE trajectory_row = 2"), "1013.25");
   EXPECT_EQ(text(path, "SELECT count(*) FROM point_wide WHERE pressure_hPa IS NULL"), "1");
 }
@@ -118,8 +118,8 @@ TEST_F(SchemaTest, ShowsOneColumnPerChannel) {
 TEST_F(SchemaTest, GivesNoColumnToAChannelWhoseCommitFailed) {
   PointCommit refused = example_commit(run, DatumId{77}, 1);
   refused.point->values.push_back({"ghost_1", 1.0});
-  EXPECT_FALSE(store->runs().commit(refused));
-  ASSERT_TRUE(store->runs().commit(example_commit(run, datum, 1)));
+  EXPECT_FALSE(store->points().commit(refused));
+  ASSERT_TRUE(store->points().commit(example_commit(run, datum, 1)));
   EXPECT_EQ(text(path, "SELECT count(*) FROM channel WHERE name = 'ghost_1'"), "0");
   EXPECT_EQ(text(path, "SELECT t07_degC FROM point_wide"), "20.57");
 }

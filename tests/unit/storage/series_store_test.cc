@@ -148,7 +148,7 @@ TEST_F(SeriesStoreTest, ARunsPointsAreASeriesToo) {
     accepted.measured = at_s(10.0 * i);
     accepted.values = {{"x_std_nm", 1.0 + i}};
     commit.point = accepted;
-    ASSERT_TRUE(store->runs().commit(commit));
+    ASSERT_TRUE(store->points().commit(commit));
   }
   SeriesQuery query{{"x_std_nm"}, at_s(0).utc, at_s(100).utc, 2, run};
   const auto answer = store->series().series(query).value();

@@ -150,7 +150,7 @@ class StoreTest : public testing::Test {
     running.state = RunState::running;
     running.started = at_s(0.5).utc;
     EXPECT_TRUE(store->runs().change_run(run, running));
-    datum = store->runs().open_datum(example_datum(run)).value();
+    datum = store->points().open_datum(example_datum(run)).value();
   }
   void reopen() {
     store.reset();

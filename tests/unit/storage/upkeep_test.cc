@@ -12,7 +12,7 @@ class UpkeepTest : public StoreTest {
  protected:
   UpkeepStore& upkeep() { return *store->upkeep(); }
   Result<std::optional<PointId>> commit(std::int64_t row) {
-    return store->runs().commit(example_commit(run, datum, row));
+    return store->points().commit(example_commit(run, datum, row));
   }
   // What a start would find if the process were killed now: the files as they are on their paths.
   std::size_t points_after_a_kill() {
@@ -20,7 +20,7 @@ class UpkeepTest : public StoreTest {
     const std::string copy = grave / "cell.db";
     fs::copy_file(path, copy);
     if (fs::exists(path + "-wal")) fs::copy_file(path + "-wal", copy + "-wal");
-    return open_store(copy)->runs().points(run, 0, 0)->size();
+    return open_store(copy)->points().points(run, 0, 0)->size();
   }
   void damage(std::streamoff first_page, std::streamoff last_page) {
     std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
@@ -59,7 +59,7 @@ TEST_F(UpkeepTest, ALogThatWasCutOffIsSeen) {
 TEST_F(UpkeepTest, ReopensWithALogOfItsOwn) {
   auto reader = open_store(path, true);
   for (int row = 0; row < 5; ++row) ASSERT_TRUE(commit(row));
-  EXPECT_EQ(reader->runs().points(run, 0, 0)->size(), 5u);
+  EXPECT_EQ(reader->points().points(run, 0, 0)->size(), 5u);
   fs::remove(path + "-wal");
   ASSERT_TRUE(upkeep().secure());
   reader.reset();
@@ -69,7 +69,7 @@ TEST_F(UpkeepTest, ReopensWithALogOfItsOwn) {
   reader = open_store(path, true);
   ASSERT_TRUE(commit(5));
   EXPECT_TRUE(fs::exists(path + "-wal"));
-  EXPECT_EQ(reader->runs().points(run, 0, 0)->size(), 6u);
+  EXPECT_EQ(reader->points().points(run, 0, 0)->size(), 6u);
   EXPECT_EQ(points_after_a_kill(), 6u);
 }
 
@@ -80,7 +80,7 @@ TEST_F(UpkeepTest, MovesTheLogIntoTheDatabaseAfterAWhileHoweverLittleIsInIt) {
   ASSERT_TRUE(store->idle());
   const TemporaryFolder grave;
   fs::copy_file(path, grave / "alone.db");
-  EXPECT_EQ(open_store(grave / "alone.db")->runs().points(run, 0, 0)->size(), 1u);
+  EXPECT_EQ(open_store(grave / "alone.db")->points().points(run, 0, 0)->size(), 1u);
   EXPECT_EQ(SqliteOptions{}.checkpoint_every_s, 60);
 }
 
@@ -95,7 +95,7 @@ TEST_F(UpkeepTest, StoresNothingWhileTheFileIsMovedAndContinuesWhenItIsBack) {
   EXPECT_THAT(refused.error().message, testing::HasSubstr("put the file back"));
   // What is held open is whole, wherever its file is.
   ASSERT_TRUE(upkeep().copy_to(folder / "kept.db"));
-  EXPECT_EQ(open_store(folder / "kept.db", true)->runs().points(run, 0, 0)->size(), 5u);
+  EXPECT_EQ(open_store(folder / "kept.db", true)->points().points(run, 0, 0)->size(), 5u);
   EXPECT_EQ(upkeep().copy_to(folder / "kept.db").error().reason, "FILE_EXISTS");
   fs::rename(folder / "elsewhere.db", path);
   EXPECT_EQ(upkeep().files(), DatabaseFiles::good);
@@ -110,7 +110,7 @@ TEST_F(UpkeepTest, StoresNothingIntoAFileThatTookItsPlace) {
   EXPECT_EQ(upkeep().files(), DatabaseFiles::replaced);
   EXPECT_EQ(commit(5).error().reason, "DATABASE_REPLACED");
   ASSERT_TRUE(upkeep().copy_to(folder / "kept.db"));
-  EXPECT_EQ(open_store(folder / "kept.db", true)->runs().points(run, 0, 0)->size(), 5u);
+  EXPECT_EQ(open_store(folder / "kept.db", true)->points().points(run, 0, 0)->size(), 5u);
 }
 
 TEST_F(UpkeepTest, SeesThatAnotherProgramWroteTheFile) {
@@ -131,7 +131,7 @@ TEST_F(UpkeepTest, ItsOwnCheckpointsAreNoneOfThat) {
       ASSERT_TRUE(store->idle());
     }
     if (row % 7 == 0) {
-      EXPECT_TRUE(reader->runs().points(run, 0, 10));
+      EXPECT_TRUE(reader->points().points(run, 0, 10));
     }
     ASSERT_EQ(upkeep().files(), DatabaseFiles::good) << "row " << row;
   }

@@ -22,7 +22,7 @@ class WatchStoresTest : public StoreTest {
     accepted.row = row;
     accepted.values = {{"q1_mm", 0.1}};
     commit.point = accepted;
-    ASSERT_TRUE(store->runs().commit(commit));
+    ASSERT_TRUE(store->points().commit(commit));
   }
 };
 

@@ -56,23 +56,16 @@ class FullDisk final : public AlarmStore {
 class AlarmsOnly final : public Store {
  public:
   explicit AlarmsOnly(std::unique_ptr<Store> under)
-      : under_(std::move(under)), disk(under_->alarms()) {}
-  RunStore& runs() override { return under_->runs(); }
-  ReadingStore& readings() override { return under_->readings(); }
-  ModelStore& models() override { return under_->models(); }
-  EventStore& events() override { return under_->events(); }
-  RemarkStore& remarks() override { return under_->remarks(); }
-  DiagnosisStore& diagnoses() override { return under_->diagnoses(); }
-  RecordStore& records() override { return under_->records(); }
-  AlarmStore& alarms() override { return disk; }
-  SeriesStore& series() override { return under_->series(); }
-  TrajectoryStore& trajectories() override { return under_->trajectories(); }
-  StopStore& stops() override { return under_->stops(); }
-  ClockStore& clocks() override { return under_->clocks(); }
-  ConfigurationStore& configurations() override { return under_->configurations(); }
-  AuditStore& audit() override { return under_->audit(); }
+      : Store(before(*under)), under_(std::move(under)), disk(under_->alarms()) {}
 
  private:
+  StoreParts before(Store& under) {
+    StoreParts parts = under.parts();
+    parts.alarms = &disk;
+    parts.upkeep = nullptr;
+    return parts;
+  }
+
   std::unique_ptr<Store> under_;
 
  public:

@@ -44,11 +44,11 @@ Kept look(const std::string& database) {
   const auto promotions = *store->models().promotions();
   kept.promotions = promotions.size();
   if (!promotions.empty()) kept.serves = promotions.back().model;
-  const auto corrections = *store->diagnoses().corrections();
+  const auto corrections = *store->extensions().corrections();
   for (const auto& one : corrections) kept.corrections_in_force += one.in_force();
   const auto rows = *store->remarks().exclusions(RunId{1});
   for (const auto& one : rows) kept.excluded += one.excluded ? one.rows.size() : 0;
-  if (const auto extension = *store->diagnoses().extension(DiagnosisId{1}))
+  if (const auto extension = *store->extensions().extension(DiagnosisId{1}))
     kept.accepted = extension->stands();
   return kept;
 }

@@ -59,7 +59,7 @@ class ImprovementTest : public testing::Test {
   }
   ImprovementRecord look(ImprovementId id) {
     return *d.cell.await(
-        d.cell.read([id](Store& store) { return store.diagnoses().improvement(id); }));
+        d.cell.read([id](Store& store) { return store.improvements().improvement(id); }));
   }
   ImprovementRecord finished(ImprovementId id) {
     d.cell.until([&] { return look(id).state != JobState::running; }, 400'000);
@@ -226,7 +226,7 @@ TEST_F(ImpossibleLaserTest, IsLeftOutAndTheRestIsAccepted) {
   EXPECT_THAT(record.turns[0].what, HasSubstr("not accepted: finding 2 (instrument_drift x)"));
   EXPECT_THAT(record.turns[0].what, HasSubstr("geometry_order x"));
   const auto corrections =
-      d.cell.await(d.cell.read([](Store& store) { return store.diagnoses().corrections(); }));
+      d.cell.await(d.cell.read([](Store& store) { return store.extensions().corrections(); }));
   EXPECT_TRUE(corrections->empty());
   EXPECT_THAT(record.reason, HasSubstr("126 ppm/h")) << "the last turn has nothing else";
 }

@@ -253,7 +253,7 @@ TEST_F(ServingTest, TheDatumOfAHomingByHandIsThereAfterARestart) {
   cell.shut_down();
   auto store = kSqlite(folder / "cell.sqlite", true);
   ASSERT_TRUE(store);
-  const auto datum = (*store)->runs().newest_datum();
+  const auto datum = (*store)->points().newest_datum();
   ASSERT_TRUE(datum && *datum);
   EXPECT_FALSE((*datum)->run);
   EXPECT_EQ((*datum)->reason, "homed by ada");

@@ -70,10 +70,10 @@ Found look(const std::string& database) {
   const auto runs = *store->runs().runs(10, 0);
   if (runs.empty()) return found;
   found.run = runs.front();
-  const auto all_points = *store->runs().points(runs.front().id, 0, 1000);
+  const auto all_points = *store->points().points(runs.front().id, 0, 1000);
   for (const auto& point : all_points) ++found.points_of_row[point.row];
-  found.data = *store->runs().data(runs.front().id);
-  found.attempts = *store->runs().attempts(runs.front().id);
+  found.data = *store->points().data(runs.front().id);
+  found.attempts = *store->points().attempts(runs.front().id);
   return found;
 }
 

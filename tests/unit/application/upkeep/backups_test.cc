@@ -58,7 +58,7 @@ TEST_F(BackupsInACell, AreMadeWhileARunIsUnderWayWhenSomebodyAsks) {
   running.until([&] { return running.status().run->run.accepted == 3; });
   const auto made = running.await(running->keeping.back_up(running.ada));
   ASSERT_TRUE(made) << made.error().message;
-  EXPECT_EQ(kSqlite(made->path, true).value()->runs().points(RunId{1}, 0, 0)->size(), 3U);
+  EXPECT_EQ(kSqlite(made->path, true).value()->points().points(RunId{1}, 0, 0)->size(), 3U);
   EXPECT_EQ(running.finish_run().state, RunState::done);
   EXPECT_THAT(running.events_named("backup.made"), SizeIs(1));
 }

@@ -90,7 +90,7 @@ TEST_F(DatabaseUpkeepInACell, AMovedFileStopsTheRunUntilItIsBack) {
   EXPECT_THAT(told.front(), HasSubstr("put the file back"));
   ASSERT_NE(copy(), "");
   EXPECT_THAT(told.front(), HasSubstr(copy()));
-  EXPECT_EQ((*kSqlite(copy(), true))->runs().points(run.id, 0, 100)->size(), 3u);
+  EXPECT_EQ((*kSqlite(copy(), true))->points().points(run.id, 0, 100)->size(), 3u);
 
   fs::rename(folder / "elsewhere.sqlite", path);
   const auto ended = cell().finish_run();

@@ -9,26 +9,22 @@ namespace driftwise::tests {
 namespace {
 
 // Passes everything on, but refuses commits while the disk is full.
-class FullDisk final : public Store, RunStore, ReadingStore, EventStore, AuditStore {
+class FullDisk final : public Store, RunStore, PointStore, ReadingStore, EventStore, AuditStore {
  public:
   FullDisk(std::unique_ptr<Store> inner, const bool& full)
-      : inner_(std::move(inner)), full_(full) {}
-  RunStore& runs() override { return *this; }
-  ReadingStore& readings() override { return *this; }
-  ModelStore& models() override { return inner_->models(); }
-  EventStore& events() override { return *this; }
-  RemarkStore& remarks() override { return inner_->remarks(); }
-  DiagnosisStore& diagnoses() override { return inner_->diagnoses(); }
-  RecordStore& records() override { return inner_->records(); }
-  AlarmStore& alarms() override { return inner_->alarms(); }
-  SeriesStore& series() override { return inner_->series(); }
-  TrajectoryStore& trajectories() override { return inner_->trajectories(); }
-  StopStore& stops() override { return inner_->stops(); }
-  ClockStore& clocks() override { return inner_->clocks(); }
-  ConfigurationStore& configurations() override { return inner_->configurations(); }
-  AuditStore& audit() override { return *this; }
+      : Store(before(*inner)), inner_(std::move(inner)), full_(full) {}
 
  private:
+  StoreParts before(Store& inner) {
+    StoreParts parts = inner.parts();
+    parts.runs = this;
+    parts.points = this;
+    parts.readings = this;
+    parts.events = this;
+    parts.audit = this;
+    parts.upkeep = nullptr;
+    return parts;
+  }
   template <class T>
   Result<T> or_full(std::function<Result<T>()> call) {
     if (full_)
@@ -42,10 +38,10 @@ class FullDisk final : public Store, RunStore, ReadingStore, EventStore, AuditSt
     return or_full<void>([&] { return inner_->runs().change_run(run, change); });
   }
   Result<DatumId> open_datum(const DatumRecord& datum) override {
-    return or_full<DatumId>([&] { return inner_->runs().open_datum(datum); });
+    return or_full<DatumId>([&] { return inner_->points().open_datum(datum); });
   }
   Result<std::optional<PointId>> commit(const PointCommit& commit) override {
-    return or_full<std::optional<PointId>>([&] { return inner_->runs().commit(commit); });
+    return or_full<std::optional<PointId>>([&] { return inner_->points().commit(commit); });
   }
   Result<RunRecord> run(RunId run) override { return inner_->runs().run(run); }
   Result<std::vector<RunRecord>> runs(int limit, std::int64_t before) override {
@@ -55,14 +51,14 @@ class FullDisk final : public Store, RunStore, ReadingStore, EventStore, AuditSt
     return inner_->runs().unfinished_run();
   }
   Result<std::vector<PointRecord>> points(RunId run, std::int64_t after, int limit) override {
-    return inner_->runs().points(run, after, limit);
+    return inner_->points().points(run, after, limit);
   }
   Result<std::vector<AttemptRecord>> attempts(RunId run) override {
-    return inner_->runs().attempts(run);
+    return inner_->points().attempts(run);
   }
-  Result<std::vector<DatumRecord>> data(RunId run) override { return inner_->runs().data(run); }
+  Result<std::vector<DatumRecord>> data(RunId run) override { return inner_->points().data(run); }
   Result<std::optional<DatumRecord>> newest_datum() override {
-    return inner_->runs().newest_datum();
+    return inner_->points().newest_datum();
   }
   Result<RunRecord> import_dataset(const NewRun& run, const Dataset& data) override {
     return or_full<RunRecord>([&] { return inner_->runs().import_dataset(run, data); });
