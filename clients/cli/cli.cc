@@ -25,6 +25,7 @@
 #include "clients/cli/commands/record/backup_commands.h"
 #include "clients/cli/commands/runs/report_command.h"
 #include "clients/cli/commands/runs/run_commands.h"
+#include "clients/cli/commands/targets/simulate_command.h"
 #include "clients/cli/commands/targets/target_command.h"
 #include "clients/cli/commands/trajectories/standard_commands.h"
 #include "clients/cli/core/session.h"
@@ -152,6 +153,7 @@ void add_everything(CLI::App& app, Session& session) {
   add_improve_commands(app, session);
   add_model_commands(app, session);
   add_target_command(app, session);
+  add_simulate_command(app, session);
   add_standard_commands(app, session);
   add_report_command(app, session);
   add_audit_commands(app, session);

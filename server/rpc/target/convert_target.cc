@@ -1,10 +1,12 @@
 #include "server/rpc/target/convert_target.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "server/compensation/correction_parts.h"
 #include "server/core/reasons.h"
+#include "server/core/try.h"
 #include "server/rpc/shared/convert_values.h"
 
 namespace driftwise::rpc {
@@ -155,6 +157,65 @@ Result<void> answer_target(const compensation::Snapshot& snapshot,
   *out.mutable_conditions_time() = timestamp_from(snapshot.built_at);
   *out.mutable_valid_until_time() = timestamp_from(target.valid_until);
   add_flags(snapshot, target, out);
+  return {};
+}
+
+Result<void> answer_pose(const compensation::Snapshot& snapshot,
+                         const v1::EstimatePoseRequest& request, const Present& present,
+                         CellTime now, v1::EstimatePoseResponse& out) {
+  compensation::ForwardRequest wanted;
+  DRIFTWISE_TRY(wanted.stated, pose_from(request.stated(), now));
+  const auto force = present.find("force_N");
+  if ((wanted.stated.given & compensation::bit(Variable::force)) == 0 && force != present.end())
+    wanted.stated.set(Variable::force, force->second);
+
+  Present motor;
+  for (const auto& value : request.motor()) {
+    const bool known =
+        std::any_of(snapshot.outputs.begin(), snapshot.outputs.end(),
+                    [&](const auto& output) { return output.channel.name() == value.channel(); });
+    if (!known || !value.has_value())
+      return fail(ErrorCode::invalid_argument, reasons::kBadChannel,
+                  "motor: " + value.channel() + " is no motor coordinate of model " +
+                      std::to_string(snapshot.model.value) + " with a value, expected " +
+                      (snapshot.outputs.empty() ? std::string("a model that serves")
+                                                : snapshot.outputs[0].channel.name() + " ..."));
+    motor[value.channel()] = value.value();
+  }
+  const bool stands = motor.empty();
+  for (const auto& output : snapshot.outputs) {
+    const Present& from = stands ? present : motor;
+    const auto value = from.find(output.channel.name());
+    if (value == from.end())
+      return fail(ErrorCode::failed_precondition, reasons::kMissingValue,
+                  output.channel.name() +
+                      (stands ? " was not read lately: look at the controller, or state it"
+                              : " is missing: state all motor coordinates of the model or none"));
+    wanted.q_mm.push_back(value->second);
+  }
+  DRIFTWISE_TRY(const auto found, compensation::forward_pose(snapshot, wanted));
+
+  for (const auto& coordinate : found.coordinates) {
+    auto& told = *out.add_coordinates();
+    told.set_channel(compensation::channel_of(coordinate.variable).name());
+    told.set_value(coordinate.value);
+    told.set_u(coordinate.u);
+    const auto measured = present.find(told.channel());
+    if (!stands || measured == present.end()) continue;
+    told.set_measured(measured->second);
+    told.set_discrepancy(measured->second - coordinate.value);
+    told.set_agrees(std::abs(told.discrepancy()) <= 2 * coordinate.u);
+  }
+  for (std::size_t i = 0; i < wanted.q_mm.size(); ++i) {
+    auto& told = *out.add_motor();
+    told.set_channel(snapshot.outputs[i].channel.name());
+    told.set_value(wanted.q_mm[i]);
+  }
+  out.set_model_id(snapshot.model.value);
+  *out.mutable_conditions_time() = timestamp_from(snapshot.built_at);
+  v1::Target flags;
+  add_flags(snapshot, found.target, flags);
+  *out.mutable_flags() = flags.flags();
   return {};
 }
 

@@ -4,7 +4,11 @@
 
 #include <google/protobuf/repeated_field.h>
 
+#include <map>
+#include <string>
+
 #include "driftwise/v1/target_service.pb.h"
+#include "server/compensation/forward_pose.h"
 #include "server/compensation/target.h"
 #include "server/core/result.h"
 
@@ -19,5 +23,14 @@ Result<compensation::TargetRequest> pose_from(
 Result<void> answer_target(const compensation::Snapshot& snapshot,
                            const compensation::TargetRequest& request, bool with_budget,
                            v1::Target& out);
+
+// Live values of the cell by channel name, for what a request leaves out.
+using Present = std::map<std::string, double>;
+
+// Fills out. Errors: those of forward_pose; invalid_argument BAD_CHANNEL (not a motor coordinate of
+// the model), failed_precondition MISSING_VALUE (not read lately).
+Result<void> answer_pose(const compensation::Snapshot& snapshot,
+                         const v1::EstimatePoseRequest& request, const Present& present,
+                         CellTime now, v1::EstimatePoseResponse& out);
 
 }  // namespace driftwise::rpc

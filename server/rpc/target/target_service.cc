@@ -3,6 +3,7 @@
 #include "driftwise/v1/target_service.grpc.pb.h"
 #include "server/application/ports/host.h"
 #include "server/application/serving/targets.h"
+#include "server/application/status/overview.h"
 #include "server/core/try.h"
 #include "server/rpc/shared/convert_values.h"
 #include "server/rpc/shared/services.h"
@@ -18,7 +19,7 @@ namespace {
 class TargetService final : public v1::TargetService::CallbackService {
  public:
   explicit TargetService(const application::Services& cell)
-      : host_(cell.host), targets_(cell.targets) {}
+      : host_(cell.host), overview_(cell.overview), targets_(cell.targets) {}
 
   grpc::ServerUnaryReactor* ComputeTarget(grpc::CallbackServerContext* context,
                                           const v1::ComputeTargetRequest* request,
@@ -47,6 +48,14 @@ class TargetService final : public v1::TargetService::CallbackService {
     });
   }
 
+  grpc::ServerUnaryReactor* EstimatePose(grpc::CallbackServerContext* context,
+                                         const v1::EstimatePoseRequest* request,
+                                         v1::EstimatePoseResponse* response) override {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      co_return estimate(*request, *response);
+    });
+  }
+
   grpc::ServerWriteReactor<v1::WatchTargetsResponse>* WatchTargets(
       grpc::CallbackServerContext*, const v1::WatchTargetsRequest* request) override {
     auto pose = pose_from(request->pose(), CellTime{});
@@ -70,7 +79,18 @@ class TargetService final : public v1::TargetService::CallbackService {
                          *response.mutable_target());
   }
 
+  Result<void> estimate(const v1::EstimatePoseRequest& request,
+                        v1::EstimatePoseResponse& response) const {
+    Present present;
+    for (const auto& latest : overview_.status().values)
+      if (!latest.stale && !is_missing(latest.value)) present[latest.channel.name()] = latest.value;
+    static const compensation::Snapshot nothing;
+    const auto snapshot = targets_.snapshots().read();
+    return answer_pose(snapshot ? *snapshot : nothing, request, present, host_.now(), response);
+  }
+
   application::Host& host_;
+  application::Overview& overview_;
   application::Targets& targets_;
 };
 

@@ -2,6 +2,7 @@
 // command line and text line to the last digit, and as an exported C function; the budget stands
 // for each of them.
 
+#include <fmt/format.h>
 #include <grpcpp/grpcpp.h>
 
 #include <fstream>
@@ -72,9 +73,11 @@ class ThreeAxes : public CliTest {
  protected:
   ThreeAxes() {
     fakes.targets = &targets;
+    serve(three_axis_model());
+  }
+  void serve(calibration::Model model) {
     CellDescription description;
-    auto builder =
-        compensation::SnapshotBuilder::create(three_axis_model(), ModelId{1}, description);
+    auto builder = compensation::SnapshotBuilder::create(std::move(model), ModelId{1}, description);
     if (!builder) throw std::runtime_error(builder.error().message);
     builder->keep_model_datum();
     const std::vector<ChannelValue> values = {{"t05_degC", kT05_degc}, {"t06_degC", kT06_degc}};
@@ -159,6 +162,26 @@ TEST_F(ThreeAxes, GetTheSameTargetFromTheExportedFunction) {
   for (std::size_t i = 0; i < 3; ++i)
     EXPECT_NEAR(numbers[i].get<double>(), expected.q_mm[i], 1e-14);
   EXPECT_EQ(numbers[3], 0);
+}
+
+TEST_F(ThreeAxes, AreSimulatedWhereTheirTargetWasAskedFor) {
+  auto model = three_axis_model();
+  for (Eigen::Index axis = 0; axis < 3; ++axis)  // each motor mostly along its own coordinate
+    model.outputs[static_cast<std::size_t>(axis)].coefficients[1 + axis] += 1;
+  serve(model);
+  std::vector<std::string> words = {"simulate", "force=0.3924"};
+  for (std::size_t i = 0; i < 3; ++i)
+    words.push_back(fmt::format("q{}={:.17g}", i + 1, expected.q_mm[i]));
+  const auto shown = json(words);
+  ASSERT_EQ(shown["coordinates"].size(), 3U);
+  EXPECT_NEAR(shown["coordinates"][0]["value"].get<double>(), kPose.x, 1e-9);
+  EXPECT_NEAR(shown["coordinates"][1]["value"].get<double>(), kPose.y, 1e-9);
+  EXPECT_NEAR(shown["coordinates"][2]["value"].get<double>(), kPose.z, 1e-9);
+  EXPECT_TRUE(shown["coordinates"][0]["measured"].is_null()) << "these are not the motors of now";
+  EXPECT_THAT(run(words).out, HasSubstr("q3_mm"));
+  words.pop_back();
+  EXPECT_THAT(run(words).err, HasSubstr("q3_mm is missing"));
+  EXPECT_THAT(run({"simulate", "q9=1"}).err, HasSubstr("no motor coordinate of model 1"));
 }
 
 TEST_F(ThreeAxes, ShowABudgetForEach) {

@@ -70,6 +70,43 @@ TEST_F(TargetServiceTest, AnswersWithUncertaintyAndValidity) {
   EXPECT_EQ(target.flags_size(), 0);
 }
 
+TEST_F(TargetServiceTest, EstimatesThePoseOfMotorCoordinates) {
+  v1::EstimatePoseRequest request;
+  request.add_motor()->set_channel("q1_mm");
+  request.mutable_motor(0)->set_value(1.5 + 125e-6);
+  EXPECT_FALSE(ask(&TargetStub::EstimatePose, request)) << "no model serves";
+  serve(125e-6);
+  const auto pose = ask(&TargetStub::EstimatePose, request);
+  ASSERT_TRUE(pose) << pose.error().message;
+  ASSERT_EQ(pose->coordinates_size(), 1);
+  EXPECT_EQ(pose->coordinates(0).channel(), "x_mm");
+  EXPECT_NEAR(pose->coordinates(0).value(), 1.5, 1e-13);
+  EXPECT_NEAR(pose->coordinates(0).u(), 10e-6, 1e-15);
+  EXPECT_FALSE(pose->coordinates(0).has_measured()) << "nobody stands there";
+  EXPECT_EQ(pose->model_id(), 3);
+  request.mutable_motor(0)->set_channel("q2_mm");
+  EXPECT_THAT(ask(&TargetStub::EstimatePose, request),
+              FailsWith(ErrorCode::invalid_argument, "BAD_CHANNEL"));
+}
+
+TEST_F(TargetServiceTest, PutsWhatAnInstrumentReadsBesideThePoseOfNow) {
+  const auto time = cell.passing();
+  serve(125e-6);
+  std::optional<v1::EstimatePoseResponse> pose;
+  for (int tries = 0; tries < 2000 && !pose; ++tries) {  // until the devices were read once
+    auto answer = ask(&TargetStub::EstimatePose, {});
+    if (answer && answer->coordinates(0).has_measured())
+      pose = *std::move(answer);
+    else
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  ASSERT_TRUE(pose) << "the cell never read its axis and its interferometer";
+  const auto& x = pose->coordinates(0);
+  EXPECT_NEAR(x.value(), pose->motor(0).value() - 125e-6, 1e-13);
+  EXPECT_NEAR(x.discrepancy(), x.measured() - x.value(), 1e-13);
+  EXPECT_EQ(x.agrees(), std::abs(x.discrepancy()) <= 20e-6);
+}
+
 TEST_F(TargetServiceTest, TellsWhatTheUncertaintyIsMadeOfWhenAsked) {
   serve(0);
   auto request = at("x_mm", 1);

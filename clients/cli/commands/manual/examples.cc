@@ -156,6 +156,7 @@ constexpr auto kExamples = std::to_array<Example>({
     {"model rollback", "driftwise model rollback", "the one before serves again"},
     {"model history", "driftwise model history", "what served when, and who said so"},
     {"model export", "driftwise model export 4 --format c -o model_4.c", "for a controller"},
+    {"simulate", "driftwise simulate", "where the end-effector is, beside what is measured"},
     {"target", "driftwise target x=1.5", "motor coordinates for a pose"},
     {"target", "driftwise target x=0.5 y=0 z=1 rx=0 force=0.768 --budget",
      "with what the uncertainty is made of"},
