@@ -141,6 +141,13 @@ export function fakeDaemon(wishes: FakeWishes = {}): Transport {
         if (wishes.noModel) throw new ConnectError('no model serves', Code.FailedPrecondition);
         return { target: target(pose[0]?.value) };
       },
+      estimatePose: () => ({
+        modelId: 12n, motor: [{ channel: 'q1_mm', value: 0.2 }],
+        coordinates: [
+          { channel: 'x_mm', value: 0.2001234, u: 7.1e-6, measured: 0.2001434, discrepancy: 20e-6, agrees: false },
+          { channel: 'rz_arcsec', value: 1.25, u: 0.02, agrees: false },
+        ],
+      }),
       listPastTargets: () => ({
         modelId: 12n, times: Array.from({ length: 60 }, (_, i) => at(i - 60)),
         tracks: outputs.map((q, k) => ({ channel: `${q}_mm`, correctionNm: Array.from({ length: 60 }, (_, i) => -12.7 * (k + 1) - 0.3 * (60 - i)) })),

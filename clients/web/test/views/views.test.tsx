@@ -148,6 +148,14 @@ describe('targets', () => {
     expect(screen.getByText('inside the fitted domain, conditions fresh')).toBeTruthy();
     expect(within(screen.getByRole('region', { name: 'Parts of the correction' })).getByText('−220.4')).toBeTruthy();
   });
+  it('puts what an instrument reads beside the pose by the model', async () => {
+    show('/targets', Targets);
+    const pose = within(await screen.findByRole('region', { name: 'Pose by the model and by the instruments' }));
+    expect(pose.getByText('14.2 nm')).toBeTruthy();
+    expect(pose.getByText('+20.0 nm')).toBeTruthy();
+    expect(pose.getByText('beyond U')).toBeTruthy();
+    expect(pose.queryByText('within U')).toBeNull();
+  });
   it('shows the numbers of a pose beyond the travel, marked, and offers no move there', async () => {
     show('/targets?x=801', Targets);
     expect(await screen.findByText(/not reachable: beyond the soft limits \(q1, q2, q3\)/)).toBeTruthy();

@@ -16,6 +16,7 @@ import { PoseForm } from './pose_form';
 import { fieldsOf, poseOf } from './pose';
 import { Result } from './result';
 import { useTarget } from './use_target';
+import { Where } from './where';
 import './view.css';
 
 export default function Targets() {
@@ -50,6 +51,7 @@ function Served({ model }: { model: Model }) {
         </div>
         <CorrectionMap fields={fields} pose={pose} outputs={model.outputs.map((output) => output.channel)} conditions={target.target?.conditionsTime} />
       </div>
+      <Where />
       {target.target && <Panel title="What the uncertainty is made of"><BudgetTable coordinates={target.target.coordinates} /></Panel>}
     </>
   );
