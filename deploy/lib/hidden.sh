@@ -7,8 +7,9 @@ hidden_chapter() (
   trap finish EXIT
   say "hide it yourself: a cell hides something, drawn with seed $1"
   start_cell linear-axis 400 "$1" --hide random --sealed "$root/out/hidden-answer.json"
-  driftwise trajectory generate --axis q1_mm=-3.9:3.9:18 --both-directions --repeat 14 --validation -o plan.csv
-  # A hidden step or play may be larger than what a return to zero may differ by.
+  driftwise trajectory generate --axis q1_mm=-3.9:3.9:18 --both-directions --repeat 14 --validation -o grid.csv
+  # 22 s at each place: a run takes four hours, in which a room drifts and what is slow shows itself
+  awk '/^#/ { print; next } !header { header = 1; print $0 ",dwell_s"; next } { print $0 ",22" }' grid.csv >plan.csv
   driftwise improve plan.csv --model 'q ~ x + x^2 + T' --max-turns 1 --json >improvement.json || true
   driftwise improve show 1 || true
   driftwise diagnosis show 1 --json >diagnosis.json
