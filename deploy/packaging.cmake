@@ -1,5 +1,7 @@
 # Where the programs' companions are installed, and the Debian package: `cpack -G DEB` in the build folder.
 install(FILES ${CMAKE_CURRENT_LIST_DIR}/systemd/driftwised@.service DESTINATION lib/systemd/system COMPONENT programs)
+install(FILES ${CMAKE_CURRENT_LIST_DIR}/systemd/serial.conf DESTINATION ${CMAKE_INSTALL_DATADIR}/driftwise/systemd COMPONENT programs)
+install(DIRECTORY ${CMAKE_CURRENT_LIST_DIR}/monitoring DESTINATION ${CMAKE_INSTALL_DATADIR}/driftwise COMPONENT programs)
 install(FILES ${CMAKE_CURRENT_LIST_DIR}/systemd/driftwise.sysusers.conf DESTINATION lib/sysusers.d RENAME driftwise.conf
   COMPONENT programs)
 install(DIRECTORY ${CMAKE_CURRENT_LIST_DIR}/cells DESTINATION ${CMAKE_INSTALL_DATADIR}/driftwise COMPONENT programs)

@@ -1,10 +1,19 @@
 #include "server/web/metrics.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <array>
+#include <filesystem>
+#include <fstream>
 #include <iterator>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "server/core/text/clean_text.h"
+#include "server/core/unit_conversion.h"
 
 namespace driftwise::web {
 namespace {
@@ -52,14 +61,32 @@ void devices(Text& text, const application::CellStatus& status) {
                 device.health.last_latency_s);
 }
 
+// Prometheus' naming: one base unit per family, named by it.
+struct QuantityFamily {
+  std::string_view unit, name, help;
+};
+constexpr std::array kQuantities = {
+    QuantityFamily{"m", "driftwise_position_meters", "Positions and lengths."},
+    QuantityFamily{"rad", "driftwise_angle_radians", "Angles."},
+    QuantityFamily{"degC", "driftwise_temperature_celsius", "Temperatures."},
+    QuantityFamily{"N", "driftwise_force_newtons", "Forces."},
+    QuantityFamily{"Pa", "driftwise_pressure_pascals", "Pressures."},
+    QuantityFamily{"1", "driftwise_quantity_ratio", "Shares: humidity, light levels."},
+    QuantityFamily{"V", "driftwise_signal_volts", "Voltages."},
+    QuantityFamily{"s", "driftwise_channel_seconds", "Times."},
+};
+
 void values(Text& text, const application::CellStatus& status) {
-  text.family("driftwise_channel", "gauge", "Latest value of a channel, in the unit of its label.");
-  for (const auto& value : status.values)
-    if (!is_missing(value.value))
-      text.sample("driftwise_channel",
-                  fmt::format("channel=\"{}\",unit=\"{}\"", label(value.channel.symbol),
-                              label(value.channel.unit)),
-                  value.value);
+  for (const auto& quantity : kQuantities) {
+    bool begun = false;
+    for (const auto& value : status.values) {
+      const auto convert = unit_conversion(value.channel.unit, quantity.unit);
+      if (is_missing(value.value) || !convert) continue;
+      if (!std::exchange(begun, true)) text.family(quantity.name, "gauge", quantity.help);
+      text.sample(quantity.name, fmt::format("channel=\"{}\"", label(value.channel.symbol)),
+                  (*convert)(value.value));
+    }
+  }
   text.family("driftwise_channel_age_seconds", "gauge",
               "Cell seconds since the channel was measured.");
   for (const auto& value : status.values)
@@ -74,25 +101,53 @@ void run(Text& text, const application::RunProgress& progress) {
               fmt::format("{},state=\"{}\"", id, to_string(progress.run.state)), 1);
   text.family("driftwise_run_rows", "gauge", "Rows of the trajectory.");
   text.sample("driftwise_run_rows", id, static_cast<double>(progress.run.rows));
-  text.family("driftwise_run_points_accepted", "gauge", "Points on disk.");
-  text.sample("driftwise_run_points_accepted", id, static_cast<double>(progress.run.accepted));
-  text.family("driftwise_run_points_given_up", "gauge",
+  text.family("driftwise_run_points_accepted_total", "counter", "Points on disk.");
+  text.sample("driftwise_run_points_accepted_total", id,
+              static_cast<double>(progress.run.accepted));
+  text.family("driftwise_run_points_given_up_total", "counter",
               "Rows that failed the gate within all budgets.");
-  text.sample("driftwise_run_points_given_up", id, static_cast<double>(progress.run.given_up));
+  text.sample("driftwise_run_points_given_up_total", id,
+              static_cast<double>(progress.run.given_up));
   text.family("driftwise_run_lag_max_seconds", "gauge", "Largest lag, cell seconds.");
   text.sample("driftwise_run_lag_max_seconds", id, progress.run.max_lag_s);
+}
+
+// The process itself, under the names that Prometheus' own clients give it. Without /proc: nothing.
+void process(Text& text) {
+  const double ticks_per_s = static_cast<double>(::sysconf(_SC_CLK_TCK));
+  const double page_bytes = static_cast<double>(::sysconf(_SC_PAGESIZE));
+  std::ifstream file("/proc/self/stat");
+  std::string line;
+  if (!std::getline(file, line)) return;
+  // The second field is the name in brackets, which may hold blanks; the third follows it.
+  std::istringstream fields(line.substr(line.rfind(')') + 1));
+  std::vector<std::string> field{"pid", "name"};
+  for (std::string one; fields >> one;) field.push_back(one);
+  constexpr std::size_t kUserTicks = 13, kSystemTicks = 14, kResidentPages = 23;  // proc(5)
+  if (field.size() <= kResidentPages) return;
+  text.family("process_cpu_seconds_total", "counter", "Processor time, user and system.");
+  text.sample("process_cpu_seconds_total", "",
+              (std::stod(field[kUserTicks]) + std::stod(field[kSystemTicks])) / ticks_per_s);
+  text.family("process_resident_memory_bytes", "gauge", "Memory in use.");
+  text.sample("process_resident_memory_bytes", "", std::stod(field[kResidentPages]) * page_bytes);
+  std::error_code failed;
+  std::filesystem::directory_iterator descriptors("/proc/self/fd", failed);
+  if (failed) return;
+  text.family("process_open_fds", "gauge", "Open descriptors.");
+  text.sample("process_open_fds", "",
+              static_cast<double>(std::distance(begin(descriptors), end(descriptors))));
 }
 
 }  // namespace
 
 std::string metrics_text(const application::CellStatus& status) {
   Text text;
-  text.family("driftwise_info", "gauge", "Version and cell.");
-  text.sample("driftwise_info",
+  text.family("driftwise_build_info", "gauge", "Version and cell.");
+  text.sample("driftwise_build_info",
               fmt::format("version=\"{}\",cell=\"{}\"", label(status.version), label(status.name)),
               1);
-  text.family("driftwise_attention", "gauge", "Sentences that ask for a person.");
-  text.sample("driftwise_attention", "", static_cast<double>(status.attention.size()));
+  text.family("driftwise_attention_sentences", "gauge", "Sentences that ask for a person.");
+  text.sample("driftwise_attention_sentences", "", static_cast<double>(status.attention.size()));
   text.family("driftwise_executor_longest_pause_seconds", "gauge",
               "Longest time since the start in which the daemon answered nobody.");
   text.sample("driftwise_executor_longest_pause_seconds", "", status.longest_pause_s);
@@ -102,6 +157,7 @@ std::string metrics_text(const application::CellStatus& status) {
   devices(text, status);
   values(text, status);
   if (status.run) run(text, *status.run);
+  process(text);
   return text.take();
 }
 

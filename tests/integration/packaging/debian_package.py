@@ -44,7 +44,7 @@ def main():
         said(["dpkg-deb", "--extract", package, tree])
         prefix = next(os.path.join(root[:-len("/bin")]) for root, _, files in os.walk(tree) if "driftwised" in files)
         for path in ("bin/driftwise", "bin/driftwise-cellsim", "lib/systemd/system/driftwised@.service",
-                     "lib/sysusers.d/driftwise.conf", "share/man/man1/driftwise-run.1",
+                     "lib/sysusers.d/driftwise.conf", "share/driftwise/systemd/serial.conf", "share/driftwise/monitoring/rules.yml", "share/man/man1/driftwise-run.1",
                      "share/bash-completion/completions/driftwise", "share/zsh/site-functions/_driftwise",
                      "share/fish/vendor_completions.d/driftwise.fish", "share/driftwise/cells/linear-axis/cell.toml"):
             check(os.path.exists(os.path.join(prefix, path)), "holds " + path)
@@ -60,6 +60,14 @@ def main():
             verified = subprocess.run(["systemd-analyze", "verify", "--man=no", unit], capture_output=True, text=True)
             words = [line for line in verified.stderr.splitlines() if "driftwised@" in line]
             check(not words, "systemd accepts the unit: %s" % words)
+            for what, dropin, tenths in (("network-only", None, 15), ("serial lines", "serial.conf", 18)):
+                if dropin:
+                    os.mkdir(unit + ".d")
+                    shutil.copy(prefix + "/share/driftwise/systemd/" + dropin, unit + ".d")
+                judged = subprocess.run(["systemd-analyze", "security", "--offline=true", "--threshold=%d" % tenths, unit],
+                                        capture_output=True, text=True)
+                check(judged.returncode == 0, "exposure, %s: %s, at most %.1f"
+                      % (what, (judged.stdout.strip().splitlines() or ["?"])[-1], tenths / 10))
     return 0
 
 

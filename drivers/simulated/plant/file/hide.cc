@@ -38,7 +38,7 @@ constexpr std::array kRecipes = {
     Recipe{"thermal_lag", "s", Place::thermometer, 600, 3600, true},
     // Gain width of a helium-neon laser.
     Recipe{"instrument_drift", "ppm", Place::beam, 1, 3, true},
-    Recipe{"periodic_disturbance", "nm", Place::beam, 10, 60, true},
+    Recipe{"periodic_disturbance", "nm", Place::beam, 20, 100, true},
     Recipe{"outliers", "nm", Place::beam, 158, 633, false},
     // Degrees of the eddies in the beam.
     Recipe{"noise_change", "K", Place::beam, 0.3, 1, false},
