@@ -45,13 +45,12 @@ bool print_hidden(const std::string& folder) {
         cause + ", " + hidden.at("symbol").get<std::string>() + ", " + size_of(hidden);
     all = all && found != findings.end();
     std::printf("%-37s %s\n", what.c_str(),
-                found == findings.end()
-                    ? "NOT FOUND"
-                    : ("found: " + found->value("sentence", "") +
-                       (found->value("cause", "") == cause
-                            ? ""
-                            : " (among those that these data do not separate)"))
-                          .c_str());
+                found == findings.end() ? "NOT FOUND"
+                                        : ("found: " + found->value("sentence", "") +
+                                           (found->value("cause", "") == cause
+                                                ? ""
+                                                : " (among those that these data do not separate)"))
+                                              .c_str());
   }
   for (const auto& finding : findings) {
     const auto& hidden = answer.at("hidden");
