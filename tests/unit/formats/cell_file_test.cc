@@ -91,7 +91,7 @@ TEST(ParseCellFile, ReadsEverySectionAndKeepsDefaults) {
   EXPECT_EQ(cell->devices[1].probes()[1].b_per_degc2, -5.775e-7);  // IEC 60751
   EXPECT_EQ(cell->length_channels()[0].name(), "x_mm");
   EXPECT_EQ(cell->text, kCell);
-  EXPECT_EQ(cell->hash.size(), 16u);
+  EXPECT_EQ(cell->hash.size(), 64u);
 }
 
 TEST(ParseCellFile, KeepsAnAbsoluteDatabase) {
