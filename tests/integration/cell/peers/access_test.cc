@@ -18,6 +18,19 @@ namespace fs = std::filesystem;
 
 const std::string kProgram = std::string(DRIFTWISE_BIN_DIR) + "/driftwise";
 
+// True once the process has a network namespace of its own.
+bool left_our_network(const std::string& pid) {
+  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  std::error_code gone;
+  const auto ours = std::filesystem::read_symlink("/proc/self/ns/net", gone);
+  while (std::chrono::steady_clock::now() < until) {
+    const auto theirs = std::filesystem::read_symlink("/proc/" + pid + "/ns/net", gone);
+    if (!gone && theirs != ours) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return false;
+}
+
 // Another computer, as far as the kernel is concerned.
 class OtherHost {
  public:
@@ -31,8 +44,11 @@ class OtherHost {
       why_not_ = refused.what();
       return;
     }
-    std::this_thread::sleep_for(std::chrono::milliseconds(200));  // until unshare has done it
     const std::string pid = std::to_string(sleeper_->pid());
+    if (!left_our_network(pid)) {
+      why_not_ = "unshare did not leave this network within 10 s";
+      return;
+    }
     const std::vector<std::vector<std::string>> steps = {
         {"ip", "link", "add", here, "type", "veth", "peer", "name", there, "netns", pid},
         {"ip", "addr", "add", std::string(kHere) + "/30", "dev", here},
