@@ -1,4 +1,4 @@
-// What was hidden beside what was found.
+// Table of the hidden causes beside the findings of the diagnosis.
 
 #include <algorithm>
 #include <cstdio>

@@ -1,5 +1,5 @@
 #pragma once
-// What the access room tells: refusals and wrong tries, for the record and the alarms.
+// Witness of the access room: refusals and wrong tries, for the record and the alarms.
 
 #include <cstdint>
 #include <string>

@@ -21,7 +21,7 @@ namespace driftwise::access {
 
 enum class Door : std::uint8_t { unix_socket, loopback, tls };
 
-// What a door knows of a client.
+// Client as a door knows it.
 struct Evidence {
   Door door = Door::tls;
   std::string from = {};  // "ipv4:10.0.0.2:4711", "unix:"
@@ -33,7 +33,7 @@ struct Evidence {
   std::vector<std::string> certificate_uris = {};
 };
 
-// What is asked for: the name that stands in messages, and the role it needs.
+// Right that is asked for: its name in messages, and the role it needs.
 struct Action {
   std::string_view name;
   Role needed = Role::admin;

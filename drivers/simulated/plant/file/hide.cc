@@ -15,7 +15,7 @@ namespace {
 
 enum class Place { axis, beam, thermometer };
 
-// What a cause becomes. Ranges: the sources of docs/plants/hidden.md; where a mechanism has several
+// Mechanism of a cause. Ranges: the sources of docs/plants/hidden.md; where a mechanism has several
 // figures, one of them is the size and the others stand at the middle of theirs.
 struct Recipe {
   std::string_view cause, unit;

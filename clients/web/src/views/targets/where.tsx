@@ -1,4 +1,4 @@
-// Where the end-effector is now, by the model run forward from the motors' scales, beside what an instrument reads of it.
+// Pose of the end-effector now, by the model run forward from the motors' scales, beside what an instrument reads of it.
 import { api } from '@/api/client';
 import type { EstimatedCoordinate } from '@/api/gen/driftwise/v1/target_service_pb';
 import { fixed, grouped, signed } from '@/format/numbers';
