@@ -258,14 +258,16 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
     return storage::open_sqlite_store(path, read_only);
   };
   DRIFTWISE_TRY(auto cell,
-                application::Cell::open(context.get_executor(), {.description = description,
-                                                                 .devices = std::move(devices),
-                                                                 .clock = std::move(clock),
-                                                                 .open_store = open_store,
-                                                                 .version = DRIFTWISE_VERSION,
-                                                                 .boot_id = boot_id(),
-                                                                 .web_address = web_address,
-                                                                 .measure_pauses = true}));
+                application::Cell::open(context.get_executor(),
+                                        {.description = description,
+                                         .devices = std::move(devices),
+                                         .clock = std::move(clock),
+                                         .open_store = open_store,
+                                         .version = DRIFTWISE_VERSION,
+                                         .boot_id = boot_id(),
+                                         .web_address = web_address,
+                                         .end_daemon = [] { ::kill(::getpid(), SIGTERM); },
+                                         .measure_pauses = true}));
   daemon.cell = std::move(cell);
   // The database is ours by now, and so are the files beside it.
   DRIFTWISE_TRY(auto access,

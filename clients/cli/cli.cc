@@ -9,6 +9,7 @@
 #include "clients/cli/commands/access/token_commands.h"
 #include "clients/cli/commands/cell/alarm_commands.h"
 #include "clients/cli/commands/cell/cell_commands.h"
+#include "clients/cli/commands/cell/hold_commands.h"
 #include "clients/cli/commands/cell/watch_command.h"
 #include "clients/cli/commands/configuration/configuration_commands.h"
 #include "clients/cli/commands/data/data_commands.h"
@@ -136,6 +137,7 @@ void add_everything(CLI::App& app, Session& session) {
   add_shared_options(app, session);
   add_status_commands(app, session);
   add_alarm_commands(app, session);
+  add_hold_commands(app, session);
   add_configuration_commands(app, session);
   add_token_commands(app, session);
   add_open_command(app, session);

@@ -31,6 +31,7 @@ struct Reason {
 namespace reasons {
 
 // A new reason: one line, in the order of the alphabet.
+inline constexpr Reason kAccessDenied{"ACCESS_DENIED", Recovery::by_code};
 inline constexpr Reason kAddressInUse{"ADDRESS_IN_USE", Recovery::by_code};
 inline constexpr Reason kAllDropped{"ALL_DROPPED", Recovery::by_code};
 inline constexpr Reason kAlreadyOver{"ALREADY_OVER", Recovery::by_code};
@@ -158,6 +159,7 @@ inline constexpr Reason kFormulaTooLarge{"FORMULA_TOO_LARGE", Recovery::by_code}
 inline constexpr Reason kFromAFile{"FROM_A_FILE", Recovery::by_code};
 inline constexpr Reason kGaveWay{"GAVE_WAY", Recovery::by_code};
 inline constexpr Reason kHeaderTooLong{"HEADER_TOO_LONG", Recovery::by_code};
+inline constexpr Reason kHeldByCell{"HELD_BY_CELL", Recovery::by_code};
 inline constexpr Reason kHoldNotNamed{"HOLD_NOT_NAMED", Recovery::by_code};
 inline constexpr Reason kHomingStalled{"HOMING_STALLED", Recovery::by_code};
 inline constexpr Reason kImplausible{"IMPLAUSIBLE", Recovery::by_code};
@@ -274,6 +276,7 @@ inline constexpr Reason kNoSuchChannel{"NO_SUCH_CHANNEL", Recovery::by_code};
 inline constexpr Reason kNoSuchConfiguration{"NO_SUCH_CONFIGURATION", Recovery::by_code};
 inline constexpr Reason kNoSuchDiagnosis{"NO_SUCH_DIAGNOSIS", Recovery::by_code};
 inline constexpr Reason kNoSuchFinding{"NO_SUCH_FINDING", Recovery::by_code};
+inline constexpr Reason kNoSuchHold{"NO_SUCH_HOLD", Recovery::by_code};
 inline constexpr Reason kNoSuchImprovement{"NO_SUCH_IMPROVEMENT", Recovery::by_code};
 inline constexpr Reason kNoSuchLoad{"NO_SUCH_LOAD", Recovery::by_code};
 inline constexpr Reason kNoSuchModel{"NO_SUCH_MODEL", Recovery::by_code};
@@ -306,6 +309,7 @@ inline constexpr Reason kQuotedField{"QUOTED_FIELD", Recovery::by_code};
 inline constexpr Reason kRaggedRow{"RAGGED_ROW", Recovery::by_code};
 inline constexpr Reason kRankDeficient{"RANK_DEFICIENT", Recovery::by_code};
 inline constexpr Reason kReadOnly{"READ_ONLY", Recovery::by_code};
+inline constexpr Reason kReasonMissing{"REASON_MISSING", Recovery::by_code};
 inline constexpr Reason kReasonRequired{"REASON_REQUIRED", Recovery::by_code};
 inline constexpr Reason kRecordChanged{"RECORD_CHANGED", Recovery::by_code};
 inline constexpr Reason kRefused{"REFUSED", Recovery::by_code};
@@ -390,6 +394,8 @@ inline constexpr Reason kUnknownUnit{"UNKNOWN_UNIT", Recovery::by_code};
 inline constexpr Reason kUnknownVerb{"UNKNOWN_VERB", Recovery::by_code};
 inline constexpr Reason kUnsupportedVersion{"UNSUPPORTED_VERSION", Recovery::by_code};
 inline constexpr Reason kUntimed{"UNTIMED", Recovery::by_code};
+inline constexpr Reason kUpsNotThere{"UPS_NOT_THERE", Recovery::by_code};
+inline constexpr Reason kUpsStale{"UPS_STALE", Recovery::by_code};
 inline constexpr Reason kValuesLost{"VALUES_LOST", Recovery::by_code};
 inline constexpr Reason kVelocityLimit{"VELOCITY_LIMIT", Recovery::by_code};
 inline constexpr Reason kWrongChannel{"WRONG_CHANNEL", Recovery::by_code};

@@ -71,7 +71,9 @@ void change_run_row(Session& session, RunId run, const RunChange& change) {
   std::optional<std::string> hold_who;
   std::optional<std::int64_t> hold_ns;
   if (change.hold) {
-    hold_kind = to_string(change.hold->kind);
+    // A condition of the cell is looked at anew after a restart: the run's reason tells of it.
+    const bool is_kept = change.hold->kind != RunHold::Kind::condition;
+    hold_kind = is_kept ? to_string(change.hold->kind) : std::string_view();
     hold_who = change.hold->who;
     hold_ns = change.hold->at.utc_ns;
   }

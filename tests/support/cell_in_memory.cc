@@ -49,6 +49,7 @@ CellInMemory::CellInMemory(const MakeDevices& make_devices, CellDescription desc
   parts.diagnosis_thread = further.diagnosis_thread ? further.diagnosis_thread : io_.get_executor();
   parts.diagnose = std::move(further.diagnose);
   parts.boot_id = std::move(further.boot_id);
+  parts.end_daemon = std::move(further.end_daemon);
   auto cell = application::Cell::open(io_.get_executor(), std::move(parts));
   if (!cell) throw std::runtime_error(cell.error().message);
   cell_ = std::move(*cell);

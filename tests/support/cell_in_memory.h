@@ -18,6 +18,7 @@
 #include "server/application/datasets/datasets.h"
 #include "server/application/diagnoses/diagnoses.h"
 #include "server/application/diagnoses/extensions.h"
+#include "server/application/holds/holds.h"
 #include "server/application/improvement/improvements.h"
 #include "server/application/manual/manual_control.h"
 #include "server/application/models/models.h"
@@ -56,6 +57,7 @@ class CellInMemory {
     asio::any_io_executor diagnosis_thread = {};  // where it runs; empty: with everything else
     asio::any_io_executor text_thread = {};       // where texts are read; empty: likewise
     std::string boot_id = "first";                // of the computer
+    std::function<void()> end_daemon = {};        // the cell asks for its own end
   };
   CellInMemory(SmallWorld& world, CellDescription description, OpenStore open_store,
                Further further);

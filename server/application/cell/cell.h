@@ -6,6 +6,7 @@
 // destructor expects the executor to have stopped.
 
 #include <boost/asio/any_io_executor.hpp>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -39,7 +40,8 @@ class Cell {
     std::string boot_id = {};      // of this start of the computer; empty: not known
     std::string web_address = {};  // "http://127.0.0.1:8080/", told in status(); empty: no web door
     Diagnose diagnose = {};        // empty: diagnosis::diagnose
-    bool measure_pauses = false;   // of the executor: by the wall clock, so not in virtual time
+    std::function<void()> end_daemon = {};  // asks for shut_down(); empty: nobody does
+    bool measure_pauses = false;  // of the executor: by the wall clock, so not in virtual time
   };
   static Result<std::unique_ptr<Cell>> open(asio::any_io_executor executor, Parts parts);
   ~Cell();

@@ -70,7 +70,9 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
              return serving.targets(run.trajectory.coordinates, wanted, run.plan.compensate_with);
            },
            [this](const DatumRecord& datum) { manual.take_datum(datum); },
-           [this](AlarmCondition condition) { alarms.note(std::move(condition)); }},
+           [this](AlarmCondition condition) { alarms.note(std::move(condition)); },
+           [this](RunControl& control) { holds.look_before_motion(control); },
+           [this] { return holds.marks(); }},
           tasks),
       leases([this](CellTime instant) { return clock->utc(instant); }),
       right(on, *clock, stops, leases, engine),
@@ -86,6 +88,10 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
           [this] { return engine.busy() || right.by_hand() != nullptr; }, description.backup),
       access(on, text_thread.executor(), description.access, *clock, events, tasks,
              [this](AlarmCondition condition) { alarms.note(std::move(condition)); }),
+      holds(on, description, *clock, recorder, events, tasks,
+            {[this] { return engine.control(); }, [this] { return engine.measures(); },
+             given.end_daemon ? std::move(given.end_daemon) : [] {},
+             [this] { return upkeep.disk_free_gb(); }}),
       trajectories(description, *clock, writer, events, text_thread.executor(),
                    [this] { return engine.point_s(description.run); }),
       datasets(description, *clock, reader, writer, events, text_thread.executor()),
@@ -138,9 +144,10 @@ Composition::~Composition() {
 }
 
 Services Composition::services() {
-  return {host,        overview,   reader,       manual,  runs,    trajectories, datasets,
-          annotations, models,     promotions,   checks,  serving, provenance,   configurations,
-          diagnoses,   extensions, improvements, studies, alarms,  feeds,        upkeep};
+  return {host,       overview,       reader,    manual,     runs,         trajectories,
+          datasets,   annotations,    models,    promotions, checks,       serving,
+          provenance, configurations, diagnoses, extensions, improvements, studies,
+          alarms,     feeds,          upkeep,    holds};
 }
 
 }  // namespace driftwise::application

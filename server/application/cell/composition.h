@@ -16,6 +16,7 @@
 #include "server/application/datasets/datasets_service.h"
 #include "server/application/diagnoses/diagnoses_service.h"
 #include "server/application/diagnoses/extensions_service.h"
+#include "server/application/holds/hold_desk.h"
 #include "server/application/improvement/improvements_service.h"
 #include "server/application/manual/manual_control_service.h"
 #include "server/application/models/models_service.h"
@@ -117,6 +118,7 @@ class Composition {
   ClockStart clock_start;
   DatabaseUpkeep upkeep;
   AccessDesk access;
+  HoldDesk holds;
 
   // Services.
   TrajectoriesService trajectories;

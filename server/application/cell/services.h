@@ -12,6 +12,7 @@ class Datasets;
 class Diagnoses;
 class Extensions;
 class Feeds;
+class Holds;
 class Host;
 class Improvements;
 class ManualControl;
@@ -49,6 +50,7 @@ struct Services {
   Alarms& alarms;
   Feeds& feeds;
   RecordKeeping& keeping;
+  Holds& holds;
 };
 
 }  // namespace driftwise::application

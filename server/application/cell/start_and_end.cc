@@ -17,6 +17,7 @@ void Composition::start() {
   serving.start();
   upkeep.start();
   access.start();
+  holds.start();
   run_watch_ = engine.watchers().add([this](const RunProgress& run) {
     checks.check_after(run);
     alarms.note_progress(run);
@@ -96,6 +97,7 @@ Awaitable<void> Composition::shut_down() {
   study_desk.shut_down();
   upkeep.shut_down();
   access.shut_down();
+  holds.shut_down();
   asio::steady_timer cut_off(executor, kPatience);
   cut_off.async_wait([this](const boost::system::error_code& error) {
     if (!error) bench.close_all();

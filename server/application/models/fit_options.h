@@ -4,6 +4,7 @@
 
 #include "server/application/models/fit_request.h"
 #include "server/calibration/fit.h"
+#include "server/core/records/records.h"
 
 namespace driftwise::application {
 

@@ -6,11 +6,18 @@
 #include <string>
 
 #include "server/application/plumbing/signal.h"
+#include "server/core/description/hold_rule.h"
 #include "server/core/reasons.h"
 #include "server/core/records/records.h"
 #include "server/core/result.h"
 
 namespace driftwise::application {
+
+// What of the cell keeps a run waiting ([[hold]]), and what is done about it first.
+struct CellCondition {
+  RunHold hold;  // of kind condition
+  HoldAction action = HoldAction::finish_point;
+};
 
 class RunControl {
  public:
@@ -20,7 +27,7 @@ class RunControl {
   // is in force stays what has to be ended: a pause after it does not make it weaker.
   void hold(RunHold hold) {
     const bool is_weaker = hold.kind != RunHold::Kind::stop;
-    if (!(held() && hold_.kind == RunHold::Kind::stop && is_weaker)) hold_ = std::move(hold);
+    if (!(hold_.kind == RunHold::Kind::stop && is_weaker)) hold_ = std::move(hold);
     changed_.raise();
   }
   // The axes were stopped: the step under way ends at once with RUN_HALTED, and the run holds as it
@@ -29,6 +36,20 @@ class RunControl {
     halted_ = true;
     hold(std::move(why));
   }
+  // How the cell is now; none: nothing keeps the run. It ends by itself, and never ends what a
+  // person, or the daemon that asks for one, has set. Of two that follow each other without a gap
+  // the first one's words stay.
+  void set_condition(std::optional<CellCondition> condition) {
+    if (condition.has_value() == condition_.has_value() &&
+        (!condition || condition->action == condition_->action))
+      return;
+    if (condition && condition_) condition->hold = condition_->hold;
+    const bool stops = condition && condition->action >= HoldAction::stop;
+    condition_ = std::move(condition);
+    if (stops) halted_ = true;
+    changed_.raise();
+  }
+  bool wants_zero() const { return condition_ && condition_->action == HoldAction::return_to_zero; }
   // The engine has seen the halt; the hold stays.
   void take_halt() { halted_ = false; }
   void resume() {
@@ -54,26 +75,29 @@ class RunControl {
     changed_.raise();
   }
 
-  bool held() const { return hold_.kind != RunHold::Kind::none; }
+  bool held() const { return hold_.kind != RunHold::Kind::none || condition_; }
   bool halted() const { return halted_ && !aborted_ && !shutting_down_; }
   bool aborted() const { return aborted_; }
   bool shutting_down() const { return shutting_down_; }
-  const RunHold& hold() const { return hold_; }
-  const std::string& hold_reason() const { return hold_.reason; }
+  // What a person set comes before what the cell sets.
+  const RunHold& hold() const {
+    return hold_.kind == RunHold::Kind::none && condition_ ? condition_->hold : hold_;
+  }
   // Errors: aborted RUN_ABORTED or RUN_HALTED, cancelled SHUTTING_DOWN. A hold is no error: the
   // engine asks held() after a point.
   Result<void> check() const {
     if (shutting_down_)
       return fail(ErrorCode::cancelled, reasons::kShuttingDown, "the daemon is shutting down");
     if (aborted_) return fail(ErrorCode::aborted, reasons::kRunAborted, abort_reason_);
-    if (halted_) return fail(ErrorCode::aborted, reasons::kRunHalted, hold_.reason);
+    if (halted_) return fail(ErrorCode::aborted, reasons::kRunHalted, hold().reason);
     return {};
   }
   Signal& changed() { return changed_; }
 
  private:
   bool halted_ = false, aborted_ = false, shutting_down_ = false;
-  RunHold hold_;
+  RunHold hold_;  // by a person, or because the daemon asks for one
+  std::optional<CellCondition> condition_;
   std::string abort_reason_;
   std::optional<double> wanted_force_n_;
   Signal changed_;

@@ -29,6 +29,8 @@ std::string hold_sentence(const RunRecord& run, const RunHold& hold, CellTime no
       return fmt::format("run {} was paused by {} {} ago", run.id.value, hold.who, ago);
     case RunHold::Kind::stop:
       return fmt::format("run {} was stopped by {} {} ago", run.id.value, hold.who, ago);
+    case RunHold::Kind::condition:
+      return fmt::format("run {} waits since {} for the cell: {}", run.id.value, ago, hold.reason);
     case RunHold::Kind::trouble:
     case RunHold::Kind::restart:
     case RunHold::Kind::configuration:
@@ -57,6 +59,11 @@ Result<void> check_answer(const RunRecord& run, const RunHold& hold, const std::
   if (hold.kind == RunHold::Kind::none)
     return fail(ErrorCode::failed_precondition, reasons::kNotPaused,
                 what + ": there is no pause or stop to end");
+  if (hold.kind == RunHold::Kind::condition)
+    return fail(ErrorCode::failed_precondition, reasons::kHeldByCell,
+                what +
+                    ". It goes on by itself when the limits are met; 'driftwise hold aside NAME "
+                    "--for 1h --reason ...' sets a limit aside");
   if (answer.hold_id != hold.id())
     return fail(ErrorCode::failed_precondition, reasons::kHoldNotNamed,
                 fmt::format("{}; the request names {} instead of this ({}): look at the machine, "

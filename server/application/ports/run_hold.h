@@ -24,7 +24,8 @@ std::string hold_sentence(const RunRecord& run, const RunHold& hold, CellTime no
 // killed between the stop and its writing, leaves the reason alone: "stopped by ada".
 RunHold stored_hold(const RunRecord& run, CellTime now);
 
-// Errors, failed_precondition: NOT_PAUSED (the run does not stand); HOLD_NOT_NAMED (another pause
+// Errors, failed_precondition: NOT_PAUSED (the run does not stand); HELD_BY_CELL (it waits for a
+// [[hold]], which ends by itself); HOLD_NOT_NAMED (another pause
 // or stop is in force than the one named, or none is named); STOPPED_BY_ANOTHER (a person's stop,
 // another name, no reason in writing). Each says who paused, and how long ago.
 Result<void> check_answer(const RunRecord& run, const RunHold& hold, const std::string& name,

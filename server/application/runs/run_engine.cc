@@ -54,6 +54,7 @@ void RunEngine::begin(RunRecord record, RunPlan plan, Trajectory trajectory,
     return change(*run_, RunState::waiting, std::move(why));
   };
   run.scope.leave_waiting = [this] { return change(*run_, RunState::running, ""); };
+  hooks_.look_at_cell(run.control);
   tasks_.spawn(execute());
 }
 
@@ -131,11 +132,16 @@ Awaitable<Result<void>> RunEngine::carry_out(ActiveRun& run) {
   }
 }
 
-// Until a person resumes; then the devices are looked at as after any trouble.
+// Until a person resumes, or the condition is over; then the devices are looked at as after any
+// trouble.
 Awaitable<Result<void>> RunEngine::stand_still(ActiveRun& run, const Error& trouble) {
   if (auto ok = co_await wait_until_stopped(run); !ok) co_return ok;
+  const bool by_person = run.control.hold().kind != RunHold::Kind::condition;
+  // An axis that cannot be reached stands by its own watchdog.
+  if (!by_person) static_cast<void>(co_await bench_.devices.stop());
+  if (auto ok = co_await mark_held(run); !ok) co_return ok;
   if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
-  co_return co_await look_again(run, remedy_for(trouble), true);
+  co_return co_await look_again(run, remedy_for(trouble), by_person);
 }
 
 // The stop itself is the desk's; the run is paused once the controllers have confirmed it.
@@ -172,8 +178,12 @@ Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
   }
   while (const auto visit = next_visit(run.trajectory, run.record.place)) {
     if (auto ok = run.control.check(); !ok) co_return ok;
-    if (run.control.held())
+    if (run.control.held()) {
+      if (auto ok = co_await mark_held(run); !ok) co_return ok;
+      if (run.control.wants_zero())
+        if (auto ok = co_await go_to_zero(run, "zero while the run waits"); !ok) co_return ok;
       if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
+    }
     if (wanted_datum_) {
       if (auto ok = co_await prepare(run); !ok) co_return ok;
       if (auto ok = co_await bring_force(run); !ok) co_return ok;
@@ -190,6 +200,7 @@ Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
     slower_than_guessed_ = run.pace.point_s() / guessed_point_s(run.plan.rules);
     if (result.point) run.since_closure.add(visit->row, result.point->measured.utc);
     if (auto ok = co_await mark_doubted(run); !ok) co_return ok;
+    if (auto ok = co_await mark_held(run); !ok) co_return ok;
     if (result.point && row.zero) {
       auto noting = note_closure(run, result.point->values, result.point->measured.utc, row.line);
       if (auto ok = co_await std::move(noting); !ok) co_return ok;
@@ -316,10 +327,23 @@ Awaitable<Result<void>> RunEngine::new_datum(ActiveRun& run) {
   co_return Result<void>{};
 }
 
-Awaitable<Result<void>> RunEngine::return_to_zero(ActiveRun& run, std::int64_t line) {
+// Points that were measured while a limit of the cell was exceeded.
+Awaitable<Result<void>> RunEngine::mark_held(ActiveRun& run) {
+  for (const auto& mark : hooks_.hold_marks()) {
+    auto rows = run.since_closure.take_from(mark.since);
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await mark_rows(run, std::move(rows), mark.reason));
+  }
+  co_return Result<void>{};
+}
+
+Awaitable<Result<void>> RunEngine::go_to_zero(ActiveRun& run, std::string why) {
   const std::vector<double> zero_mm(bench_.description.motor_channels().size(), 0.0);
-  DRIFTWISE_CO_RETURN_IF_ERROR(
-      co_await go_to(run.scope, zero_mm, fmt::format("zero after line {}", line)));
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await go_to(run.scope, zero_mm, std::move(why)));
+  co_return Result<void>{};
+}
+
+Awaitable<Result<void>> RunEngine::return_to_zero(ActiveRun& run, std::int64_t line) {
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await go_to_zero(run, fmt::format("zero after line {}", line)));
   DRIFTWISE_CO_TRY(auto sampling,
                    co_await take_readings(run.scope, run.plan.rules.readings_per_point));
   for (auto& reading : sampling.readings) bench_.writer.add(std::move(reading));
@@ -436,21 +460,29 @@ Awaitable<Result<void>> RunEngine::hold(ActiveRun& run, RunState state) {
   bench_.recorder.lend_pose_instruments(false);
   Result<void> may_continue = run.control.check();
   while (may_continue && run.control.held()) {
+    const bool by_itself = run.control.hold().kind == RunHold::Kind::condition;
     if (run.record.hold != run.control.hold()) {  // the first, or one that came on top of it
       run.record.hold = run.control.hold();
-      may_continue = co_await change(run, state, run.control.hold_reason());
-      run.scope.phase(state == RunState::paused ? "paused" : "waiting for a person");
+      const auto now = by_itself ? RunState::waiting : state;
+      may_continue = co_await change(run, now, run.record.hold.reason);
+      run.scope.phase(by_itself                 ? "waiting for the cell"
+                      : now == RunState::paused ? "paused"
+                                                : "waiting for a person");
     } else {
-      stands_ = true;
+      stands_ = !by_itself;  // it may go on at any moment: nobody moves the axes meanwhile
       co_await run.control.changed().wait();
       stands_ = false;
     }
+    if (may_continue && !run.control.held()) hooks_.look_at_cell(run.control);
     if (may_continue) may_continue = run.control.check();
   }
   bench_.recorder.lend_pose_instruments(true);
   if (!may_continue) co_return may_continue;
-  // Whoever ended it has said that the robot may move; who accepted a cell file has not.
-  if (run.record.hold.kind != RunHold::Kind::configuration) may_start_ = true;
+  // Whoever ended it has said that the robot may move; who accepted a cell file has not, nor has a
+  // cell that is within its limits again.
+  if (run.record.hold.kind != RunHold::Kind::configuration &&
+      run.record.hold.kind != RunHold::Kind::condition)
+    may_start_ = true;
   run.record.hold = {};
   co_return co_await change(run, RunState::running, "");
 }

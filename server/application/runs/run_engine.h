@@ -11,6 +11,7 @@
 #include "server/application/plumbing/watch_list.h"
 #include "server/application/ports/alarm_condition.h"
 #include "server/application/runs/active_run.h"
+#include "server/application/runs/hold_mark.h"
 #include "server/application/runs/point_visit.h"
 #include "server/application/runs/trouble.h"
 
@@ -30,6 +31,8 @@ class RunEngine {
     CommandFor command_for;                                // where a row is moved to
     std::function<void(const DatumRecord&)> datum_opened;  // serving anchors to it
     std::function<void(AlarmCondition)> alarm;             // something happened and is over at once
+    std::function<void(RunControl&)> look_at_cell;         // sets what of the cell keeps a run now
+    std::function<std::vector<HoldMark>()> hold_marks;     // the points that this marks
   };
   RunEngine(asio::any_io_executor executor, Workbench& bench, Hooks hooks, TaskGroup& tasks);
   ~RunEngine();
@@ -45,6 +48,8 @@ class RunEngine {
   bool busy() const { return run_ != nullptr; }
   // The run under way waits for a person and does nothing meanwhile: the axes may be moved by hand.
   bool stands() const { return run_ && stands_; }
+  // It has a datum, and none is to be opened before its next point.
+  bool measures() const { return run_ && run_->datum && !wanted_datum_; }
   // Before a first motion that nobody asked for: a sentence for people; empty: none is ahead.
   const std::string& announcement() const { return announcement_; }
   // What a visit takes in this cell, as the last run has shown; the guess before any. pace.h.
@@ -73,6 +78,8 @@ class RunEngine {
   void hold_if_too_many_were_given_up(ActiveRun& run);
   Awaitable<Result<void>> bring_force(ActiveRun& run);
   Awaitable<Result<void>> new_datum(ActiveRun& run);
+  Awaitable<Result<void>> mark_held(ActiveRun& run);
+  Awaitable<Result<void>> go_to_zero(ActiveRun& run, std::string why);
   Awaitable<Result<void>> return_to_zero(ActiveRun& run, std::int64_t line);
   Awaitable<Result<void>> change(ActiveRun& run, RunState state, std::string reason);
   Awaitable<Result<void>> store_lag(ActiveRun& run);

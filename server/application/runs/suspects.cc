@@ -26,10 +26,28 @@ std::vector<std::int64_t> SinceClosure::take(CellTime since) {
   return rows;
 }
 
+std::vector<std::int64_t> SinceClosure::take_from(CellTime since) {
+  std::vector<std::int64_t> rows;
+  for (auto& point : points_) {
+    if (point.taken || point.measured < since) continue;
+    point.taken = true;
+    rows.push_back(point.row);
+  }
+  std::ranges::sort(rows);
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+  return rows;
+}
+
 Awaitable<Result<void>> mark_suspects(ActiveRun& run, CellTime since, std::string reason) {
+  auto rows = run.since_closure.take(since);
+  co_return co_await mark_rows(run, std::move(rows), std::move(reason));
+}
+
+Awaitable<Result<void>> mark_rows(ActiveRun& run, std::vector<std::int64_t> rows,
+                                  std::string reason) {
   ExclusionRecord mark;
   mark.run = run.record.id;
-  mark.rows = run.since_closure.take(since);
+  mark.rows = std::move(rows);
   if (mark.rows.empty()) co_return Result<void>{};
   mark.reason = std::move(reason);
   mark.at = run.scope.bench.clock.now();

@@ -24,6 +24,8 @@ class SinceClosure {
   // Rows since the last good closure, and those measured after the instant, ascending; each is
   // given once.
   std::vector<std::int64_t> take(CellTime since);
+  // Rows measured at the instant or later, ascending; each is given once.
+  std::vector<std::int64_t> take_from(CellTime since);
 
  private:
   struct Point {
@@ -38,6 +40,9 @@ class SinceClosure {
 // Marks the points since the last good closure, and those measured from the instant on. On disk
 // when it returns. Errors: the store's.
 Awaitable<Result<void>> mark_suspects(ActiveRun& run, CellTime since, std::string reason);
+// Marks these rows. On disk when it returns. Errors: the store's.
+Awaitable<Result<void>> mark_rows(ActiveRun& run, std::vector<std::int64_t> rows,
+                                  std::string reason);
 // The same for what the devices' answers made suspect meanwhile, if anything.
 Awaitable<Result<void>> mark_doubted(ActiveRun& run);
 

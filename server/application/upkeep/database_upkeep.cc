@@ -89,6 +89,7 @@ void DatabaseUpkeep::measure() {
   if (none) return;
   const auto space = std::filesystem::space(std::filesystem::path(path_).parent_path(), none);
   if (none) return;
+  disk_free_gb_ = static_cast<double>(space.available) / 1e9;
   forecast_.take(clock_.now().utc, static_cast<std::int64_t>(bytes) + log_bytes(),
                  static_cast<std::int64_t>(space.available));
 }

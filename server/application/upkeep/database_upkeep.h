@@ -49,6 +49,8 @@ class DatabaseUpkeep final : public RecordKeeping {
 
   std::vector<AlarmCondition> conditions() const;
   const DatabaseHealth& health() const { return health_; }
+  // Of the database's disk, 1e9 bytes, as measured last; none: not measured.
+  std::optional<double> disk_free_gb() const { return disk_free_gb_; }
 
  private:
   Awaitable<void> watch();
@@ -85,6 +87,7 @@ class DatabaseUpkeep final : public RecordKeeping {
   std::atomic<bool> gives_way_{false};  // asked by the checker's thread
   Backups backups_;
   DiskForecast forecast_;
+  std::optional<double> disk_free_gb_;
   Signal ended_;
   bool ending_ = false;
 };

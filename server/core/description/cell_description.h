@@ -12,6 +12,7 @@
 #include "server/core/channel.h"
 #include "server/core/description/access_description.h"
 #include "server/core/description/backup_rules.h"
+#include "server/core/description/hold_rule.h"
 #include "server/core/description/kinematics_description.h"
 #include "server/core/description/plausibility_description.h"
 #include "server/core/devices/device_kind.h"
@@ -96,6 +97,7 @@ struct RestartRules {  // [run]
 struct StartChecks {  // [checks]
   double stabiliser_band_k = 0.01;
   double stabiliser_wait_s = 3600.0;   // how long the start may wait for it
+  bool hold_on_stabilisers = true;     // outside the band a run waits: a HoldRule for each of them
   double max_drift_nm_per_min = 60.0;  // of the zero at rest
   double drift_window_s = 60.0;
 };
@@ -125,6 +127,7 @@ struct CellDescription {
   RestartRules restart;
   StartChecks checks;
   PlausibilityRules plausibility;
+  std::vector<HoldRule> holds;  // of the file, then those of the stabilisers; names are unique
   ServingRules serving;
   BackupRules backup;
   std::optional<CorrectionDescription> correction;

@@ -8,8 +8,8 @@ constexpr std::array<std::string_view, 7> kRunStates = {"queued", "running", "pa
                                                         "done",   "aborted", "failed"};
 constexpr std::array<std::string_view, 6> kVerdicts = {"accepted", "reread",   "reapproach",
                                                        "requeued", "given_up", "interrupted"};
-constexpr std::array<std::string_view, 6> kHoldKinds = {"",        "pause",   "stop",
-                                                        "trouble", "restart", "configuration"};
+constexpr std::array<std::string_view, 7> kHoldKinds = {
+    "", "pause", "stop", "trouble", "restart", "configuration", "condition"};
 }  // namespace
 
 std::string_view to_string(RunHold::Kind kind) {

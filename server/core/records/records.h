@@ -58,6 +58,7 @@ struct RunHold {
     trouble,        // the daemon asks for a person
     restart,        // the daemon or the computer was away, and the cell file says to wait
     configuration,  // the cell file has changed: whoever accepts it ends this too
+    condition,      // of the cell ([[hold]]): ends by itself, and is looked at anew after a restart
   };
   Kind kind = Kind::none;
   std::string who;  // of a pause or a stop, as stated

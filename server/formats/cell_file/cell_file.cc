@@ -10,6 +10,7 @@
 #include "server/formats/cell_file/cell_file_address.h"
 #include "server/formats/cell_file/cell_file_correction.h"
 #include "server/formats/cell_file/cell_file_devices.h"
+#include "server/formats/cell_file/cell_file_holds.h"
 #include "server/formats/cell_file/cell_file_limits.h"
 #include "server/formats/cell_file/cell_file_robots.h"
 #include "server/formats/cell_file/kinematics_section.h"
@@ -93,6 +94,7 @@ void read_run(TomlReader&& run, RunRules& out, RestartRules& restart) {
 void read_checks(TomlReader&& checks, StartChecks& out) {
   checks.number("stabiliser_band_k", out.stabiliser_band_k, {.min = 0, .above_min = true});
   checks.number("stabiliser_wait_s", out.stabiliser_wait_s, {.min = 0});
+  checks.truth("hold_on_stabilisers", out.hold_on_stabilisers);
   checks.number("max_drift_nm_per_min", out.max_drift_nm_per_min, {.min = 0, .above_min = true});
   checks.number("drift_window_s", out.drift_window_s, {.min = 0, .above_min = true});
   checks.finish();
@@ -168,6 +170,11 @@ void read_file(const toml::table& root, CellDescription& out, TomlProblem& probl
   if (out.devices.empty())
     top.refuse("device", reasons::kMissingKey, "found no [[device]], expected at least one");
   if (!problem.any()) complete_robots(top, out);
+  for (const auto* table : top.tables("hold")) {
+    const std::string place = "hold " + std::to_string(out.holds.size() + 1);
+    read_hold(TomlReader(*table, place, problem), out);
+  }
+  if (out.checks.hold_on_stabilisers) add_holds_of_stabilisers(out);
   if (const auto* load = top.table("load"))
     read_load(TomlReader(*load, "load", problem), out.load.emplace());
   if (const auto* correction = top.table("correction"))

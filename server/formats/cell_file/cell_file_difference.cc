@@ -175,6 +175,7 @@ void add_rules(const CellDescription& cell, Parts& parts) {
                          {"after_power_loss", text_of(cell.restart.after_power_loss)}};
   parts["checks"].values = {{"stabiliser_band_k", text_of(cell.checks.stabiliser_band_k)},
                             {"stabiliser_wait_s", text_of(cell.checks.stabiliser_wait_s)},
+                            {"hold_on_stabilisers", text_of(cell.checks.hold_on_stabilisers)},
                             {"max_drift_nm_per_min", text_of(cell.checks.max_drift_nm_per_min)},
                             {"drift_window_s", text_of(cell.checks.drift_window_s)}};
   const auto& limits = cell.plausibility;
@@ -307,8 +308,8 @@ std::set<std::pair<std::string, std::string>> known_keys() {
       {"readings_per_point", "max_spread_nm", "max_rereads", "max_reapproaches", "max_requeues",
        "reapproach_mm", "settle_s", "in_position_nm", "quiet_nm", "move_timeout_s",
        "max_temperature_age_s", "max_given_up_share", "park", "after_restart", "after_power_loss"});
-  add("checks",
-      {"stabiliser_band_k", "stabiliser_wait_s", "max_drift_nm_per_min", "drift_window_s"});
+  add("checks", {"stabiliser_band_k", "stabiliser_wait_s", "hold_on_stabilisers",
+                 "max_drift_nm_per_min", "drift_window_s"});
   add("plausibility", {"geometry_um", "geometry_pct", "closure_nm", "closure_nm_per_min",
                        "closure_arcsec", "together_k"});
   add("limit", {"*"});

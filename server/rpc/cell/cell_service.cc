@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "driftwise/v1/cell_service.grpc.pb.h"
+#include "server/application/holds/holds.h"
 #include "server/application/manual/manual_control.h"
 #include "server/application/plumbing/store_reader.h"
 #include "server/application/status/overview.h"
@@ -30,6 +31,7 @@ class CellService final : public v1::CellService::CallbackService {
         overview_(cell.overview),
         records_(cell.records),
         manual_(cell.manual),
+        holds_(cell.holds),
         feeds_(cell.feeds) {}
 
   Reactor* GetStatus(Context* context, const v1::GetStatusRequest*,
@@ -126,6 +128,28 @@ class CellService final : public v1::CellService::CallbackService {
     });
   }
 
+  Reactor* ListHolds(Context* context, const v1::ListHoldsRequest*,
+                     v1::ListHoldsResponse* response) override {
+    return answer(host_, context, [this, response]() -> Awaitable<Result<void>> {
+      for (const auto& hold : holds_.list()) *response->add_holds() = hold_from(hold);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* SetHoldAside(Context* context, const v1::SetHoldAsideRequest* request,
+                        v1::SetHoldAsideResponse* response) override {
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      DRIFTWISE_CO_RETURN_IF_ERROR(check_size(request->name(), kMostNameBytes, "name"));
+      DRIFTWISE_CO_RETURN_IF_ERROR(check_size(request->reason(), kMostNameBytes, "reason"));
+      DRIFTWISE_CO_TRY(const auto aside,
+                       nanoseconds_from(request->aside_duration(), "aside_duration"));
+      DRIFTWISE_CO_TRY(const auto hold, holds_.set_aside(caller_of(*context), request->name(),
+                                                         seconds_from(aside), request->reason()));
+      *response->mutable_hold() = hold_from(hold);
+      co_return Result<void>{};
+    });
+  }
+
   grpc::ServerWriteReactor<v1::WatchEventsResponse>* WatchEvents(
       Context*, const v1::WatchEventsRequest* request) override {
     std::optional<EventId> after;
@@ -155,6 +179,7 @@ class CellService final : public v1::CellService::CallbackService {
   application::Overview& overview_;
   application::StoreReader& records_;
   application::ManualControl& manual_;
+  application::Holds& holds_;
   application::Feeds& feeds_;
 };
 

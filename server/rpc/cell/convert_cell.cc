@@ -104,6 +104,37 @@ v1::PendingStop pending_stop_from(const StopRecord& stop) {
   return out;
 }
 
+v1::Hold hold_from(const application::HoldStatus& hold) {
+  using Phase = application::HoldWatch::Phase;
+  const auto& rule = hold.rule;
+  v1::Hold out;
+  out.set_name(utf8_from(rule.name));
+  out.set_channel(rule.channel);
+  out.set_minus_channel(rule.minus);
+  if (rule.above) out.set_above(*rule.above);
+  if (rule.below) out.set_below(*rule.below);
+  if (rule.release_above) out.set_release_above(*rule.release_above);
+  if (rule.release_below) out.set_release_below(*rule.release_below);
+  *out.mutable_for_duration() = duration_from_s(rule.for_s);
+  *out.mutable_settle_duration() = duration_from_s(rule.settle_s);
+  out.set_action(rule.action == HoldAction::end_daemon       ? v1::Hold::ACTION_END_DAEMON
+                 : rule.action == HoldAction::stop           ? v1::Hold::ACTION_STOP
+                 : rule.action == HoldAction::return_to_zero ? v1::Hold::ACTION_RETURN_TO_ZERO
+                                                             : v1::Hold::ACTION_FINISH_POINT);
+  out.set_phase(hold.phase == Phase::holding    ? v1::Hold::PHASE_HOLDING
+                : hold.phase == Phase::exceeded ? v1::Hold::PHASE_EXCEEDED
+                                                : v1::Hold::PHASE_CLEAR);
+  if (hold.since.utc_ns != 0) *out.mutable_begin_time() = timestamp_from(hold.since);
+  out.set_sentence(utf8_from(hold.sentence));
+  out.set_outlook(utf8_from(hold.outlook));
+  if (hold.aside_until.utc_ns != 0)
+    *out.mutable_aside_until_time() = timestamp_from(hold.aside_until);
+  out.set_aside_by(utf8_from(hold.aside_by));
+  out.set_aside_reason(utf8_from(hold.aside_reason));
+  out.set_advice(utf8_from(rule.advice));
+  return out;
+}
+
 v1::GetStatusResponse status_from(const application::CellStatus& status) {
   v1::GetStatusResponse out;
   out.set_cell_name(status.name);

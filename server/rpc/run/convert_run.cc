@@ -64,6 +64,8 @@ v1::RunHold::Kind kind_from(RunHold::Kind kind) {
       return v1::RunHold::KIND_RESTART;
     case RunHold::Kind::configuration:
       return v1::RunHold::KIND_CONFIGURATION;
+    case RunHold::Kind::condition:
+      return v1::RunHold::KIND_CONDITION;
   }
   return v1::RunHold::KIND_UNSPECIFIED;
 }

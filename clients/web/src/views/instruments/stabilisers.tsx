@@ -9,6 +9,7 @@ import { splitChannel, unitSign } from '@/format/units';
 import type { Channel } from '@/live/channels';
 import type { History } from '@/live/history';
 import { seriesOfTrack } from '@/parts/history_plot';
+import { settledK } from '@/parts/settled';
 import { Plot } from '@/plot/plot';
 import type { PlotSpec } from '@/plot/spec';
 import { Button, CommandButton } from '@/ui/button';
@@ -29,7 +30,6 @@ export interface Stabiliser {
   output: Channel | undefined;
 }
 
-const settledK = 0.02;
 const spoken = (id: string) => id.charAt(0).toUpperCase() + id.slice(1).replaceAll('-', ' ');
 
 // Seconds since the temperature last left the band about its set-point, as far as the window shows; undefined: it is outside.
