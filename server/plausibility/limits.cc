@@ -132,6 +132,12 @@ ChannelLimit default_of(const CellDescription& cell, const DeviceDescription& de
     }
     return limit;
   }
+  if (device.role() == DeviceRole::supply) {
+    ChannelLimit limit;
+    limit.missing = Missing::allowed;  // not every supply knows its charge
+    limit.source = "a finite number";
+    return limit;
+  }
   return by_unit(unit);
 }
 

@@ -119,7 +119,7 @@ class DeviceBench {
   std::function<Awaitable<bool>(std::vector<double>)> instruments_say_;
   std::function<void(const std::string&)> on_uncommanded_;
   std::vector<std::unique_ptr<Slot>> slots_;
-  std::array<std::vector<std::size_t>, static_cast<std::size_t>(DeviceRole::probe) + 1> by_role_;
+  std::array<std::vector<std::size_t>, static_cast<std::size_t>(DeviceRole::supply) + 1> by_role_;
 };
 
 // True for what a device that is away does to a call; false for a refusal, which asking again does

@@ -5,7 +5,8 @@
 namespace driftwise {
 namespace {
 
-static_assert(std::variant_size_v<RoleSettings> == static_cast<std::size_t>(DeviceRole::probe) + 1);
+static_assert(std::variant_size_v<RoleSettings> ==
+              static_cast<std::size_t>(DeviceRole::supply) + 1);
 template <DeviceRole kRole>
 using SettingsOf = std::variant_alternative_t<static_cast<std::size_t>(kRole), RoleSettings>;
 static_assert(std::is_same_v<SettingsOf<DeviceRole::motion>, MotionSettings> &&
@@ -16,7 +17,8 @@ static_assert(std::is_same_v<SettingsOf<DeviceRole::motion>, MotionSettings> &&
               std::is_same_v<SettingsOf<DeviceRole::environment>, EnvironmentSettings> &&
               std::is_same_v<SettingsOf<DeviceRole::stabiliser>, StabiliserSettings> &&
               std::is_same_v<SettingsOf<DeviceRole::load>, LoadSettings> &&
-              std::is_same_v<SettingsOf<DeviceRole::probe>, ProbeSettings>);
+              std::is_same_v<SettingsOf<DeviceRole::probe>, ProbeSettings> &&
+              std::is_same_v<SettingsOf<DeviceRole::supply>, SupplySettings>);
 
 template <std::size_t kIndex = 0>
 RoleSettings alternative(std::size_t index) {

@@ -70,11 +70,12 @@ struct StabiliserSettings {};  // its channels are named after its id
 struct LoadSettings {
   Channel force;  // force_N
 };
-struct ProbeSettings {};  // of a touch probe
+struct ProbeSettings {};   // of a touch probe
+struct SupplySettings {};  // its channels are named after its id
 
-using RoleSettings =
-    std::variant<MotionSettings, LengthSettings, AngleSettings, TemperatureSettings, ForceSettings,
-                 EnvironmentSettings, StabiliserSettings, LoadSettings, ProbeSettings>;
+using RoleSettings = std::variant<MotionSettings, LengthSettings, AngleSettings,
+                                  TemperatureSettings, ForceSettings, EnvironmentSettings,
+                                  StabiliserSettings, LoadSettings, ProbeSettings, SupplySettings>;
 RoleSettings settings_for(DeviceRole role);  // the role's, with nothing in them
 
 struct DeviceDescription {

@@ -17,6 +17,7 @@ enum class DeviceRole {
   stabiliser,   // holds a temperature by a loop of its own
   load,         // applies a known force to the end-effector
   probe,        // touches a surface and says when
+  supply,       // feeds the cell: mains and battery. It joins no point; holds look at it
 };
 
 constexpr std::string_view role_name(DeviceRole role) {
@@ -39,6 +40,8 @@ constexpr std::string_view role_name(DeviceRole role) {
       return "load";
     case DeviceRole::probe:
       return "probe";
+    case DeviceRole::supply:
+      return "supply";
   }
   return "?";
 }

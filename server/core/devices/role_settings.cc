@@ -133,6 +133,11 @@ void read_stabiliser_settings(SettingsReader& reader, DeviceDescription& device)
   reader.give("id", device.id + "_degC");
 }
 
+void read_supply_settings(SettingsReader& reader, DeviceDescription& device) {
+  device.settings = SupplySettings{};
+  reader.give("id", device.id);
+}
+
 void read_load_settings(SettingsReader& reader, DeviceDescription& device) {
   LoadSettings settings;
   reader.channel("channel", settings.force, Need::required);

@@ -21,6 +21,8 @@ void read_temperature_settings(SettingsReader& reader, DeviceDescription& device
 void read_quantity_settings(SettingsReader& reader, DeviceDescription& device);
 // No key of its own: channels are named after the id.
 void read_stabiliser_settings(SettingsReader& reader, DeviceDescription& device);
+// No key of its own: the kind names its channels after the id.
+void read_supply_settings(SettingsReader& reader, DeviceDescription& device);
 // channel = "force_N".
 void read_load_settings(SettingsReader& reader, DeviceDescription& device);
 
