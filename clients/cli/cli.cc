@@ -24,6 +24,7 @@
 #include "clients/cli/commands/models/model_commands.h"
 #include "clients/cli/commands/record/audit_commands.h"
 #include "clients/cli/commands/record/backup_commands.h"
+#include "clients/cli/commands/record/thin_command.h"
 #include "clients/cli/commands/runs/report_command.h"
 #include "clients/cli/commands/runs/run_commands.h"
 #include "clients/cli/commands/targets/simulate_command.h"
@@ -160,6 +161,7 @@ void add_everything(CLI::App& app, Session& session) {
   add_report_command(app, session);
   add_audit_commands(app, session);
   add_backup_commands(app, session);
+  add_thin_command(app, session);
   add_manual_commands(app, session);
   add_examples(app, kFooter);
 }

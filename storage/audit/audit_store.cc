@@ -4,6 +4,7 @@
 #include "server/digest/sha256.h"
 #include "storage/audit/record_copy.h"
 #include "storage/chain/chain_check.h"
+#include "storage/readings/thinning.h"
 #include "storage/watch/event_store.h"
 
 namespace driftwise::storage {
@@ -80,6 +81,10 @@ Result<ChainReport> SqliteAuditStore::verify(const std::optional<ChainHead>& out
 Result<RecordCopy> SqliteAuditStore::back_up(const std::string& path,
                                              const std::function<bool()>& give_way) {
   return answered([&] { return copy_record(session_.db, path, give_way); });
+}
+
+Result<ThinningStep> SqliteAuditStore::thin(const ThinningOrder& order) {
+  return session_.write([&] { return thin_readings(session_, order); });
 }
 
 }  // namespace driftwise::storage

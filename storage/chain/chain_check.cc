@@ -83,6 +83,7 @@ bool ChainCheck::step() {
   Transaction view(db_, Transaction::Kind::read);
   if (!begun_) check_definitions();
   begun_ = true;
+  thinned_.read(db_);
   const ChainEntry newest = newest_entry(db_);
   if (newest.number == 0) tell("the chain has no entry");
   int count = 0;
@@ -115,7 +116,9 @@ void ChainCheck::check_entry(const ChainEntry& entry) {
          ": the record up to there was written anew");
   if (entry.what == chain_entry::kRows || entry.what == chain_entry::kBegin)
     check_units(entry);
-  else if (entry.what != chain_entry::kLayout)
+  else if (entry.what == chain_entry::kThinned && !thinned_from(entry.bytes))
+    tell(entry_text(entry.number) + " cannot be read");
+  else if (entry.what != chain_entry::kLayout && entry.what != chain_entry::kThinned)
     tell(entry_text(entry.number) + " is of a kind that this program does not know: '" +
          entry.what + "'");
 }
@@ -132,20 +135,26 @@ void ChainCheck::check_units(const ChainEntry& entry) {
     }
     // What was chained before the tables got other columns was chained again then.
     if (entry.number < since_[unit.kind->number]) continue;
-    if (unit.kind->grows)
+    const ThinnedEntry* thinned = unit.kind->number == kReadingKind
+                                      ? thinned_.take(BytesReader(unit.key).integer(), unit.digest)
+                                      : nullptr;
+    if (thinned != nullptr)
+      check_thinned(*unit.kind, unit, *thinned, entry.number);
+    else if (unit.kind->grows)
       check_growing(*unit.kind, unit, entry.number);
     else
       newest_[unit.kind->number][unit.key] = {entry.number, offset, unit.digest};
   }
 }
 
-void ChainCheck::check_growing(const UnitKind& kind, const Unit& expected, std::int64_t entry) {
+// Rows before the unit that no entry names; false: the unit is out of its order.
+bool ChainCheck::step_to(const UnitKind& kind, const Unit& expected, std::int64_t entry) {
   std::int64_t& last = last_key_[kind.number];
   const std::int64_t key = BytesReader(expected.key).integer();
   if (key <= last) {
     tell(entry_text(entry) + " names a row of table " + std::string(kind.tables.front()) +
          " out of its order");
-    return;
+    return false;
   }
   for (auto next = tables_.next_key(kind, last); next && *next < key;
        next = tables_.next_key(kind, *next)) {
@@ -154,7 +163,19 @@ void ChainCheck::check_growing(const UnitKind& kind, const Unit& expected, std::
     report_inserted(kind, inserted);
   }
   last = key;
-  compare(expected, tables_.load(kind, expected.key), entry);
+  return true;
+}
+
+void ChainCheck::check_growing(const UnitKind& kind, const Unit& expected, std::int64_t entry) {
+  if (step_to(kind, expected, entry)) compare(expected, tables_.load(kind, expected.key), entry);
+}
+
+void ChainCheck::check_thinned(const UnitKind& kind, const Unit& expected,
+                               const ThinnedEntry& thinned, std::int64_t entry) {
+  if (!step_to(kind, expected, entry)) return;
+  for (const RowMark& row : tables_.load(kind, expected.key).rows)
+    tell(tables_.name_of(kind, expected.key, row) + " was removed by thinning " +
+         std::to_string(thinned.thinning) + " and is there again");
 }
 
 void ChainCheck::report_inserted(const UnitKind& kind, std::string_view key) {
@@ -224,6 +245,8 @@ void ChainCheck::check_rest(const UnitKind& kind) {
 
 void ChainCheck::check_end(const ChainEntry& newest) {
   for (const UnitKind& kind : unit_kinds()) check_rest(kind);
+  for (auto& sentence : thinned_.differences(since_[kReadingKind])) tell(std::move(sentence));
+  thinned_.tell(db_, report_);
   if (newest.number > 0) report_.head = {newest.number, digest::hex_from(newest.head)};
   if (outside_ && outside_->entry > newest.number)
     tell(entry_text(outside_->entry) + ", whose head was kept, is missing: the newest is " +

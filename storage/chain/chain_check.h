@@ -12,6 +12,7 @@
 #include "server/core/records/audit_records.h"
 #include "storage/chain/chain_rows.h"
 #include "storage/chain/protected_tables.h"
+#include "storage/chain/thinned_entry.h"
 
 namespace driftwise::storage {
 
@@ -37,6 +38,9 @@ class ChainCheck {
   void check_entry(const ChainEntry& entry);
   void check_units(const ChainEntry& entry);
   void check_growing(const UnitKind& kind, const Unit& expected, std::int64_t entry);
+  void check_thinned(const UnitKind& kind, const Unit& expected, const ThinnedEntry& thinned,
+                     std::int64_t entry);
+  bool step_to(const UnitKind& kind, const Unit& expected, std::int64_t entry);
   void check_rest(const UnitKind& kind);
   void check_end(const ChainEntry& newest);
   void report_inserted(const UnitKind& kind, std::string_view key);
@@ -53,6 +57,7 @@ class ChainCheck {
   std::map<int, std::int64_t> since_;     // by kind: the entry of its newest layout
   std::map<int, std::int64_t> last_key_;  // of a kind that grows
   std::map<int, std::map<std::string, Newest>> newest_;
+  ThinnedStretches thinned_;
 };
 
 }  // namespace driftwise::storage

@@ -6,6 +6,7 @@
 
 #include "server/core/reasons.h"
 #include "storage/chain/chain_rows.h"
+#include "storage/chain/thinned_entry.h"
 #include "storage/chain/value_bytes.h"
 
 namespace driftwise::storage {
@@ -40,12 +41,35 @@ void ChainRecorder::changed(void* self, sqlite3* db, int operation, const char* 
   if (place->kind->grows) {
     if (operation == SQLITE_INSERT)
       recorder.take(*place, touched(sqlite3_preupdate_new));
-    else
+    else if (operation != SQLITE_DELETE || !recorder.may_go(*place))
       recorder.refused_ = table;
     return;
   }
   if (operation != SQLITE_INSERT) touched(sqlite3_preupdate_old);
   if (operation != SQLITE_DELETE) touched(sqlite3_preupdate_new);
+}
+
+bool ChainRecorder::may_go(const ProtectedTables::Place& place) {
+  if (place.kind->number != kReadingKind || thinned_keys_.empty()) return false;
+  key_.clear();
+  sqlite3_value* value = nullptr;
+  if (sqlite3_preupdate_old(db_.handle(), place.key_columns.front(), &value) == SQLITE_OK)
+    add_value(key_, value);
+  return thinned_keys_.contains(key_);
+}
+
+std::string ChainRecorder::thin(std::int64_t thinning, std::span<const std::int64_t> readings) {
+  digest::Sha256 sha;
+  sha.begin();
+  for (const std::int64_t reading : readings) {
+    std::string key;
+    add_integer(key, reading);
+    sha.add(tables_.load(*unit_kind(kReadingKind), key).digest);
+    thinned_keys_.insert(std::move(key));
+  }
+  std::string hash = sha.finish();
+  thinned_entry_ = thinned_bytes(thinning, readings, hash);
+  return hash;
 }
 
 ChainRecorder::Touched& ChainRecorder::touch(const UnitKind& kind, std::string_view key) {
@@ -104,6 +128,7 @@ void ChainRecorder::at_commit() {
     bytes.clear();
   }
   if (!bytes.empty()) append_entry(db_, chain_entry::kRows, bytes);
+  if (!thinned_entry_.empty()) append_entry(db_, chain_entry::kThinned, thinned_entry_);
   rolled_back();
 }
 
@@ -112,6 +137,8 @@ void ChainRecorder::rolled_back() {
   known_.clear();
   new_bytes_.clear();
   refused_.clear();
+  thinned_keys_.clear();
+  thinned_entry_.clear();
 }
 
 void ChainRecorder::begin() {

@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include "storage/chain/protected_tables.h"
@@ -30,6 +31,7 @@ class ChainRecorder final : public AtCommit {
 
   void at_commit() override;
   void rolled_back() override;
+  std::string thin(std::int64_t thinning, std::span<const std::int64_t> readings) override;
 
  private:
   struct NewRow {
@@ -47,6 +49,7 @@ class ChainRecorder final : public AtCommit {
                       const char* table, sqlite3_int64 before, sqlite3_int64 after);
   Touched& touch(const UnitKind& kind, std::string_view key);
   void take(const ProtectedTables::Place& place, Touched& unit);
+  bool may_go(const ProtectedTables::Place& place);  // the row that is being deleted
   Unit unit_of(Touched& touched);
   void append_all(const UnitKind& kind);
 
@@ -57,6 +60,9 @@ class ChainRecorder final : public AtCommit {
   std::string new_bytes_;                               // of the rows taken
   std::string key_, id_;
   std::string refused_;  // a table whose rows never change, and one was changed
+  // Of a thinning: what may be deleted, and its entry of the chain.
+  std::unordered_set<std::string> thinned_keys_;
+  std::string thinned_entry_;
 };
 
 }  // namespace driftwise::storage

@@ -17,6 +17,8 @@ namespace chain_entry {
 inline constexpr const char* kRows = "rows";
 inline constexpr const char* kBegin = "begin";
 inline constexpr const char* kLayout = "layout";
+// Readings that a transaction removed by thinning.
+inline constexpr const char* kThinned = "thinned";
 }  // namespace chain_entry
 
 struct ChainEntry {

@@ -118,6 +118,7 @@ std::span<const UnitKind> unit_kinds() {
       {28, {"clock_id"}, {"clock"}},
       {29, {"one"}, {"database_identity"}},
       {30, {"audit_id"}, {"audit"}, true},
+      {31, {"thinning_id"}, {"thinning", "thinned_value"}},
   };
   return kinds;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "storage/readings/thinning.h"
 #include "storage/rows/reading_rows.h"
 
 namespace driftwise::storage {
@@ -57,7 +58,10 @@ Result<std::vector<Reading>> SqliteReadingStore::readings(const std::string& dev
     // they are merged.
     std::vector<Reading> found;
     for (const auto& [id, name] : session_.names.devices())
-      if (device.empty() || name == device) read_device(session_, id, from, to, limit, found);
+      if (device.empty() || name == device) {
+        read_device(session_, id, from, to, limit, found);
+        read_thinned(session_, id, from, to, found);
+      }
     std::ranges::stable_sort(found, {}, &Reading::start);
     if (limit > 0 && found.size() > static_cast<std::size_t>(limit))
       found.resize(static_cast<std::size_t>(limit));

@@ -8,6 +8,7 @@
 #include "server/core/try.h"
 #include "storage/readings/series_block.h"
 #include "storage/readings/series_grid.h"
+#include "storage/readings/thinning.h"
 #include "storage/rows/run_rows.h"
 
 namespace driftwise::storage {
@@ -164,6 +165,9 @@ Result<bool> SqliteSeriesStore::summarise() {
     Query query(session_.db, kSamples);
     query.bind(mark, until);
     while (query.row()) channels[query.integer(0)].push_back({query.integer(1), query.real(2)});
+    if (mark == 0)
+      for (auto& [channel, samples] : thinned_samples(session_))
+        channels[channel].insert(channels[channel].end(), samples.begin(), samples.end());
     for (const auto& [channel, samples] : channels) add_to_blocks(session_, channel, samples);
     Query(session_.db, "UPDATE series_mark SET reading_id = ?").bind(until).run();
     return until < last;

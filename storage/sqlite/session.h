@@ -1,6 +1,8 @@
 #pragma once
 // What the parts of one store share: the connection, the names, and how a call begins and ends.
 
+#include <cstdint>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -20,6 +22,9 @@ class AtCommit {
   virtual ~AtCommit() = default;
   virtual void at_commit() = 0;    // throws StorageFailure: the transaction is rolled back
   virtual void rolled_back() = 0;  // nothing of the transaction is there
+  // Readings that this transaction removes as a thinning, ascending; told while they are there.
+  // Result: what stands for them, SHA-256 of their digests.
+  virtual std::string thin(std::int64_t thinning, std::span<const std::int64_t> readings) = 0;
 };
 
 struct Session {

@@ -2,6 +2,7 @@
 """Checks the chain of a Driftwise record, with Python's standard library alone.
 
     check_chain.py cell.db            prints HASH@N, or what differs; exit code 1: something does
+                                      before it, a line for each stretch of readings that was thinned
 
 Written from docs/database.md, "The chain": it shares no code with the daemon.
 """
@@ -43,7 +44,11 @@ KINDS = {
     28: (["clock_id"], ["clock"]),
     29: (["one"], ["database_identity"]),
     30: (["audit_id"], ["audit"]),
+    31: (["thinning_id"], ["thinning", "thinned_value"]),
 }
+
+
+READING = 12
 
 
 def integer(value):
@@ -139,8 +144,41 @@ class Record:
         }
 
 
+class Thinned:
+    """An entry "thinned": readings that a thinning removed, and the hash that stands for their digests."""
+
+    def __init__(self, data):
+        reader = Reader(data)
+        self.thinning, kind = reader.integer(), reader.integer()
+        self.count, first = reader.integer(), reader.integer()
+        self.hash, blob = reader.take(32), Reader(reader.value())
+        if kind != READING:
+            raise ValueError("of another kind")
+        blob.take(1)
+        bits = blob.take(blob.integer())
+        self.readings = [first + 8 * i + bit for i, byte in enumerate(bits) for bit in range(8) if byte >> bit & 1]
+
+    # True: the digests that the chain had of these readings are those that were thinned.
+    def take_from(self, digests):
+        keys = [integer(reading) for reading in self.readings]
+        good = len(keys) == self.count and all(digests.get(key) for key in keys)
+        good = good and hashlib.sha256(b"".join(digests[key] for key in keys)).digest() == self.hash
+        for key in keys:
+            digests.pop(key, None)
+        return good
+
+
+def thinned_lines(record, stretches):
+    for one in stretches:
+        row = record.db.execute(
+            "SELECT who, at_utc, reducer, every_ns FROM thinning WHERE thinning_id = ?", (one.thinning,)).fetchone()
+        how = "" if row is None else (f" by {row[0].bytes.decode()} at {row[1].bytes.decode()}, "
+                                      f"{row[2].bytes.decode()} every {row[3] // 10**9} s")
+        yield (f"thinned: {one.count} readings of {one.readings[0]} to {one.readings[-1]}{how}, hash {one.hash.hex()}")
+
+
 def check(path):
-    record, problems = Record(path), []
+    record, problems, stretches = Record(path), [], []
     head, last, newest, since = bytes(32), 0, {kind: {} for kind in KINDS}, {}
     for entry, what, data, stored in record.db.execute(
         "SELECT entry_id, what, bytes, head FROM chain ORDER BY entry_id"
@@ -153,6 +191,11 @@ def check(path):
         if what.bytes == b"layout":
             kind = int(re.match(rb"\d+", data).group())
             newest[kind], since[kind] = {}, data.decode()
+            continue
+        if what.bytes == b"thinned":
+            stretches.append(Thinned(data))
+            if not stretches[-1].take_from(newest[READING]):
+                problems.append(f"the stretch of thinning {stretches[-1].thinning} was changed before it was thinned")
             continue
         reader = Reader(data)
         while reader.at < len(data):
@@ -175,15 +218,15 @@ def check(path):
                 state = "differs" if key in found and expected else (
                     "is missing" if expected else "is inserted")
                 problems.append(f"{tables[0]} with key {key.hex()} {state}")
-    return problems, f"{head.hex()}@{last}"
+    return problems, list(thinned_lines(record, stretches)), f"{head.hex()}@{last}"
 
 
 def main():
     if len(sys.argv) != 2:
         sys.exit(__doc__)
-    problems, head = check(sys.argv[1])
-    for problem in problems:
-        print(problem)
+    problems, thinned, head = check(sys.argv[1])
+    for line in problems + thinned:
+        print(line)
     if problems:
         sys.exit(1)
     print(head)

@@ -85,7 +85,8 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
       clock_start(std::move(opened.clock_start)),
       upkeep(
           on, *clock, description.database, writer, {&reader}, &checker, events, tasks,
-          [this] { return engine.busy() || right.by_hand() != nullptr; }, description.backup),
+          [this] { return engine.busy() || right.by_hand() != nullptr; }, description.backup,
+          description.thinning),
       access(on, text_thread.executor(), description.access, *clock, events, tasks,
              [this](AlarmCondition condition) { alarms.note(std::move(condition)); }),
       holds(on, description, *clock, recorder, events, tasks,

@@ -8,6 +8,8 @@
 
 #include "server/application/plumbing/task_group.h"
 #include "server/core/data/reading.h"
+#include "server/core/reasons.h"
+#include "server/core/try.h"
 
 namespace driftwise::application {
 namespace {
@@ -21,7 +23,8 @@ constexpr double kWaitIdle_s = 5;  // until the next look whether the cell is id
 DatabaseUpkeep::DatabaseUpkeep(asio::any_io_executor executor, Clock& clock, std::string path,
                                StoreWriter& writer, std::vector<StoreReader*> readers,
                                StoreReader* checker, EventLog& events, TaskGroup& tasks,
-                               std::function<bool()> busy, BackupRules backups)
+                               std::function<bool()> busy, BackupRules backups,
+                               ThinningRules thinning)
     : executor_(executor),
       clock_(clock),
       path_(std::move(path)),
@@ -33,11 +36,13 @@ DatabaseUpkeep::DatabaseUpkeep(asio::any_io_executor executor, Clock& clock, std
       busy_(std::move(busy)),
       backups_(clock, path_, std::move(backups), checker ? *checker : *readers_.front(), events,
                [this] { return gives_way_.load(); }),
+      thinning_(std::move(thinning)),
       ended_(executor) {}
 
 void DatabaseUpkeep::start() {
   tasks_.spawn(watch());
   tasks_.spawn(keep_backups());
+  if (thinning_.after_days > 0) tasks_.spawn(keep_thin());
   if (!checker_) return;
   tasks_.spawn(check());
 }
@@ -96,6 +101,73 @@ void DatabaseUpkeep::measure() {
 
 Awaitable<Result<RecordCopy>> DatabaseUpkeep::back_up(Caller caller) {
   co_return co_await backups_.make(&caller);
+}
+
+Awaitable<Result<ThinningStep>> DatabaseUpkeep::thin(ThinningOrder order, Caller caller) {
+  constexpr double kNewest_s = 3600;
+  if (seconds_from(clock_.now().utc - order.before) < kNewest_s)
+    co_return fail(ErrorCode::invalid_argument, reasons::kBadRange,
+                   "before: found " + to_iso8601(order.before) +
+                       ", expected an instant that is at least an hour ago: newer readings stay as "
+                       "they are");
+  order.by = {caller.name, caller.proof.empty() ? "stated" : caller.proof, caller.peer};
+  const std::string what = fmt::format("readings before {}", to_iso8601(order.before));
+  const std::string how =
+      fmt::format("{} every {:g} s", order.reducer, static_cast<double>(order.every_ns) * 1e-9);
+  auto thinning = thin_in_steps(std::move(order));
+  auto done = co_await std::move(thinning);
+  if (done)
+    events_.record(caller, "readings.thinned",
+                   fmt::format("{} readings of the environment became {} rows: {}, {}",
+                               done->readings, done->intervals, what, how),
+                   {}, {what, fmt::format("{} readings", done->readings), how});
+  co_return done;
+}
+
+Awaitable<Result<ThinningStep>> DatabaseUpkeep::thin_in_steps(ThinningOrder order) {
+  if (thinning_under_way_)
+    co_return fail(ErrorCode::failed_precondition, reasons::kThinningUnderWay,
+                   "readings are being thinned already: ask again when that is done");
+  thinning_under_way_ = true;
+  ThinningStep all;
+  Result<ThinningStep> step = ThinningStep{.more = true};
+  while (step && step->more && !ending_) {
+    order.at = clock_.now();
+    order.after_id = step->looked_id;
+    step = co_await writer_.call(
+        [](Store& store, const ThinningOrder& wanted) { return store.audit().thin(wanted); },
+        order);
+    if (!step) break;
+    all.readings += step->readings;
+    all.intervals += step->intervals;
+    // Points and readings of the cell come between two steps.
+    co_await sleep_unless(clock_, clock_.now().utc + nanoseconds_from_s(0.02), ended_);
+  }
+  thinning_under_way_ = false;
+  DRIFTWISE_CO_RETURN_IF_ERROR(step);
+  co_return all;
+}
+
+Awaitable<void> DatabaseUpkeep::keep_thin() {
+  while (!ending_) {
+    const auto now = clock_.now().utc;
+    ThinningOrder order;
+    order.before = now - nanoseconds_from_s(thinning_.after_days * 86'400);
+    order.every_ns = nanoseconds_from_s(thinning_.every_s).count();
+    order.reducer = thinning_.reducer;
+    order.by = {"daemon", "cell file", ""};
+    auto thinning = thin_in_steps(order);
+    const auto done = co_await std::move(thinning);
+    if (!done)
+      spdlog::warn("[thinning]: {}", done.error().message);
+    else if (done->readings > 0)
+      events_.record_own(
+          "readings.thinned",
+          fmt::format("{} readings of the environment older than {:g} days became {} rows by "
+                      "[thinning] of the cell file",
+                      done->readings, thinning_.after_days, done->intervals));
+    co_await sleep_unless(clock_, now + nanoseconds_from_s(kThinEvery_s), ended_);
+  }
 }
 
 Awaitable<void> DatabaseUpkeep::look() {

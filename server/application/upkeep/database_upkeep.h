@@ -21,6 +21,7 @@
 #include "server/application/upkeep/backups.h"
 #include "server/application/upkeep/disk_forecast.h"
 #include "server/application/upkeep/record_keeping.h"
+#include "server/core/description/thinning_rules.h"
 
 namespace driftwise::application {
 
@@ -28,6 +29,7 @@ class DatabaseUpkeep final : public RecordKeeping {
  public:
   static constexpr double kLook_s = 2;           // cell time between two looks at the files
   static constexpr double kMeasure_s = 600;      // between two looks at the size and the disk
+  static constexpr double kThinEvery_s = 86400;  // between two thinnings by the cell file
   static constexpr double kFirstCheck_s = 60;    // after the start: the cell comes first
   static constexpr double kPassEvery_s = 86400;  // between the ends of two passes
   // A check holds its view of the database, and the log grows meanwhile: above this it gives way.
@@ -39,13 +41,14 @@ class DatabaseUpkeep final : public RecordKeeping {
   DatabaseUpkeep(asio::any_io_executor executor, Clock& clock, std::string path,
                  StoreWriter& writer, std::vector<StoreReader*> readers, StoreReader* checker,
                  EventLog& events, TaskGroup& tasks, std::function<bool()> busy,
-                 BackupRules backups);
+                 BackupRules backups, ThinningRules thinning);
 
   void start();
   void shut_down();
 
   Awaitable<Result<ChainReport>> verify(std::optional<ChainHead> kept) override;
   Awaitable<Result<RecordCopy>> back_up(Caller caller) override;
+  Awaitable<Result<ThinningStep>> thin(ThinningOrder order, Caller caller) override;
 
   std::vector<AlarmCondition> conditions() const;
   const DatabaseHealth& health() const { return health_; }
@@ -55,6 +58,8 @@ class DatabaseUpkeep final : public RecordKeeping {
  private:
   Awaitable<void> watch();
   Awaitable<void> keep_backups();
+  Awaitable<void> keep_thin();
+  Awaitable<Result<ThinningStep>> thin_in_steps(ThinningOrder order);
   void measure();
   Awaitable<void> look();
   Awaitable<void> replace_log();
@@ -86,6 +91,8 @@ class DatabaseUpkeep final : public RecordKeeping {
   DatabaseChecks checks_;
   std::atomic<bool> gives_way_{false};  // asked by the checker's thread
   Backups backups_;
+  ThinningRules thinning_;
+  bool thinning_under_way_ = false;
   DiskForecast forecast_;
   std::optional<double> disk_free_gb_;
   Signal ended_;

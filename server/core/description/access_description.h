@@ -19,6 +19,7 @@ struct AccessDescription {
   // PEM files, absolute. certificate: the daemon's own, followed by those between it and the root.
   // authority: who signs the certificates of clients; empty: clients show tokens only.
   std::string certificate, key, authority;
+  std::string revoked;  // PEM file, absolute: certificates of clients that count no longer
   // Doors with TLS, host:port, also outside loopback; empty: none. They stand beside the plain
   // doors on loopback of [cell].
   std::string listen;       // gRPC

@@ -15,6 +15,7 @@
 #include "server/core/description/hold_rule.h"
 #include "server/core/description/kinematics_description.h"
 #include "server/core/description/plausibility_description.h"
+#include "server/core/description/thinning_rules.h"
 #include "server/core/devices/device_kind.h"
 
 namespace driftwise {
@@ -130,6 +131,7 @@ struct CellDescription {
   std::vector<HoldRule> holds;  // of the file, then those of the stabilisers; names are unique
   ServingRules serving;
   BackupRules backup;
+  ThinningRules thinning;
   std::optional<CorrectionDescription> correction;
   std::optional<LoadDescription> load;  // none: the cell knows no force
   // Nominal geometry of the robot in use; none: an unknown robot.

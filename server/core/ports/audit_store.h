@@ -9,6 +9,7 @@
 #include "server/core/records/audit_records.h"
 #include "server/core/records/copy_records.h"
 #include "server/core/records/records.h"
+#include "server/core/records/thinning_records.h"
 #include "server/core/result.h"
 
 namespace driftwise {
@@ -33,6 +34,10 @@ class AuditStore {
   // chain. Errors: already_exists FILE_EXISTS, cancelled GAVE_WAY, those of the disk.
   virtual Result<RecordCopy> back_up(const std::string& path,
                                      const std::function<bool()>& give_way) = 0;
+  // One step of thinning, in one transaction with its entry of the chain: of the next few thousand
+  // readings, those of the environment that no attempt, point or rejected value refers to become
+  // one row per device and interval. Errors: invalid_argument BAD_REDUCER, BAD_RANGE.
+  virtual Result<ThinningStep> thin(const ThinningOrder& order) = 0;
 };
 
 }  // namespace driftwise

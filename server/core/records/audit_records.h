@@ -44,6 +44,8 @@ struct ChainReport {
   std::int64_t rows = 0;   // in them
   std::int64_t differences = 0;
   std::vector<std::string> first;  // sentences on the first of them, in the order of the check
+  std::int64_t thinned_readings = 0;
+  std::vector<std::string> thinned;  // sentences on the first stretches that were thinned
   bool intact() const { return differences == 0; }
 };
 

@@ -109,6 +109,13 @@ void read_serving(TomlReader&& serving, ServingRules& out) {
   serving.finish();
 }
 
+void read_thinning(TomlReader&& thinning, ThinningRules& out) {
+  thinning.number("after_days", out.after_days, {.min = 0, .max = 36'500});
+  thinning.number("every_s", out.every_s, {.min = 1, .max = 3600});
+  thinning.choice("reducer", out.reducer, {"mean", "min", "max"}, Need::optional);
+  thinning.finish();
+}
+
 void read_backup(TomlReader&& backup, BackupRules& out) {
   backup.text("folder", out.folder);
   backup.number("every_h", out.every_h, {.min = 0, .max = 8784});
@@ -153,6 +160,7 @@ void read_file(const toml::table& root, CellDescription& out, TomlProblem& probl
   read_checks(section("checks"), out.checks);
   read_serving(section("serving"), out.serving);
   read_backup(section("backup"), out.backup);
+  read_thinning(section("thinning"), out.thinning);
   read_plausibility(section("plausibility"), out.plausibility);
   for (const auto* table : top.tables("limit")) {
     const std::string place = "limit " + std::to_string(out.plausibility.limits.size() + 1);
@@ -205,7 +213,8 @@ Result<CellDescription> parse_cell_file(std::string_view text, const std::string
   if (problem.any()) return tl::unexpected(*problem.first);
   cell.database = beside(cell.database, path);
   cell.clock.file = beside(cell.clock.file, path);
-  for (std::string* file : {&cell.access.certificate, &cell.access.key, &cell.access.authority})
+  for (std::string* file :
+       {&cell.access.certificate, &cell.access.key, &cell.access.authority, &cell.access.revoked})
     *file = beside(*file, path);
   cell.backup.folder = beside(cell.backup.folder, path);
   cell.text = text;

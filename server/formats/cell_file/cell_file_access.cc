@@ -29,6 +29,11 @@ void read_access(TomlReader&& access, AccessDescription& out) {
   access.text("certificate", out.certificate);
   access.text("key", out.key);
   access.text("authority", out.authority);
+  access.text("revoked", out.revoked);
+  if (!out.revoked.empty() && out.authority.empty())
+    access.refuse("revoked", reasons::kMissingKey,
+                  "found a list of revoked certificates without authority, which signs the "
+                  "certificates of clients and this list");
   access.text("listen", out.listen);
   access.text("http", out.http);
   access.text("target_line", out.target_line);

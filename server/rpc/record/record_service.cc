@@ -8,6 +8,7 @@
 #include "server/rpc/shared/request_checks.h"
 #include "server/rpc/shared/services.h"
 #include "server/rpc/shared/unary.h"
+#include "server/rpc/shared/wire_time.h"
 
 namespace driftwise::rpc {
 namespace {
@@ -49,6 +50,21 @@ Result<std::optional<ChainHead>> kept_from(const v1::VerifyRecordRequest& reques
                 "kept: expected a hash of 64 lower-case hexadecimal digits and an entry from 1 on, "
                 "as GetChainHead answered");
   return head;
+}
+
+Result<ThinningOrder> thinning_from(const v1::ThinReadingsRequest& request) {
+  constexpr std::int64_t kMostSeconds = 9'000'000'000;  // 64 bits of nanoseconds reach 2262
+  const auto& before = request.before_time();
+  if (!request.has_before_time() || before.seconds() < 0 || before.seconds() > kMostSeconds ||
+      before.nanos() < 0 || before.nanos() > 999'999'999)
+    return fail(ErrorCode::invalid_argument, reasons::kBadTime,
+                "before_time: expected an instant between 1970 and 2255");
+  ThinningOrder order;
+  order.before = cell_time_from(UtcTime{before.seconds() * 1'000'000'000 + before.nanos()});
+  DRIFTWISE_TRY(const auto every, nanoseconds_from(request.every_duration(), "every_duration"));
+  order.every_ns = every.count();
+  order.reducer = request.reducer();
+  return order;
 }
 
 class RecordService final : public v1::RecordService::CallbackService {
@@ -102,7 +118,21 @@ class RecordService final : public v1::RecordService::CallbackService {
       response->set_unit_count(report.units);
       response->set_row_count(report.rows);
       response->set_difference_count(report.differences);
+      response->set_thinned_reading_count(report.thinned_readings);
+      for (const auto& sentence : report.thinned) response->add_thinned(utf8_from(sentence));
       for (const auto& sentence : report.first) response->add_differences(utf8_from(sentence));
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ThinReadings(Context* context, const v1::ThinReadingsRequest* request,
+                        v1::ThinReadingsResponse* response) override {
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      DRIFTWISE_CO_TRY(const auto order, thinning_from(*request));
+      auto thinning = keeping_.thin(order, caller_of(*context));
+      DRIFTWISE_CO_TRY(const auto done, co_await std::move(thinning));
+      response->set_reading_count(done.readings);
+      response->set_interval_count(done.intervals);
       co_return Result<void>{};
     });
   }

@@ -85,6 +85,11 @@ ExitCode verify_record(const Session& session, const AuditArguments& a) {
                 << report.difference_count() << " differences, the first of them:\n";
     for (const auto& sentence : report.differences()) console.out << "  " << sentence << '\n';
   }
+  if (!console.json && report.thinned_reading_count() > 0) {
+    console.out << report.thinned_reading_count()
+                << " readings of the environment were thinned; their digests are in the chain\n";
+    for (const auto& sentence : report.thinned()) console.out << "  " << sentence << '\n';
+  }
   return intact ? ExitCode::done : ExitCode::negative;
 }
 

@@ -90,6 +90,8 @@ v1::VerifyRecordResponse verified_file(const std::string& path,
   response.set_unit_count(report.units);
   response.set_row_count(report.rows);
   response.set_difference_count(report.differences);
+  response.set_thinned_reading_count(report.thinned_readings);
+  for (const auto& sentence : report.thinned) response.add_thinned(sentence);
   for (const auto& sentence : report.first) response.add_differences(sentence);
   clean_message(response);
   return response;

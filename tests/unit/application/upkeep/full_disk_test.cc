@@ -100,6 +100,9 @@ class FullDisk final : public Store, RunStore, PointStore, ReadingStore, EventSt
                              const std::function<bool()>& give_way) override {
     return or_full<RecordCopy>([&] { return inner_->audit().back_up(path, give_way); });
   }
+  Result<ThinningStep> thin(const ThinningOrder& order) override {
+    return or_full<ThinningStep>([&] { return inner_->audit().thin(order); });
+  }
 
   std::unique_ptr<Store> inner_;
   const bool& full_;
