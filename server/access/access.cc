@@ -33,6 +33,9 @@ Result<void> Access::check(const AccessDescription& description) {
       check_certificate(description.certificate, description.key, now_utc_s()));
   if (!description.authority.empty())
     DRIFTWISE_RETURN_IF_ERROR(read_certificate(description.authority));
+  if (!description.revoked.empty())
+    DRIFTWISE_RETURN_IF_ERROR(
+        RevokedCertificates::open(description.revoked, description.authority));
   return {};
 }
 
@@ -49,6 +52,11 @@ Result<std::unique_ptr<Access>> Access::open(const AccessDescription& descriptio
   DRIFTWISE_TRY(auto tokens, TokenBook::open((folder / "tokens.json").string()));
   out->tokens_ = std::move(tokens);
   parts.tokens = out->tokens_.get();
+  if (!description.revoked.empty()) {
+    DRIFTWISE_TRY(out->revoked_,
+                  RevokedCertificates::open(description.revoked, description.authority));
+    parts.revoked = out->revoked_.get();
+  }
   if (description.configured) {
     parts.local_token = token_text(new_token());
     out->token_file_ = (folder / "driftwised.token").string();

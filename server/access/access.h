@@ -19,8 +19,8 @@ namespace driftwise::access {
 
 class Access {
  public:
-  // Writes nothing where [access] is not configured. Errors: those of check_certificate and
-  // TokenBook::open; unavailable CANNOT_WRITE.
+  // Writes nothing where [access] is not configured. Errors: those of check_certificate,
+  // RevokedCertificates::open and TokenBook::open; unavailable CANNOT_WRITE.
   static Result<std::unique_ptr<Access>> open(const AccessDescription& description,
                                               const std::string& state_folder);
   // The same without writing anything: for a look at the cell file.
@@ -43,6 +43,7 @@ class Access {
   std::string token_file_, socket_path_;
   PageLinks links_;
   std::unique_ptr<TokenBook> tokens_;
+  std::unique_ptr<RevokedCertificates> revoked_;
   std::unique_ptr<Authoriser> authoriser_;
 };
 

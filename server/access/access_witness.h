@@ -19,6 +19,8 @@ struct AccessNote {
   std::string detail;     // a sentence
   std::int64_t count =
       1;  // how many since the last note of this kind from there, this one included
+  std::string proof = {};  // how the name is known: "certificate"; empty: as it is claimed
+  std::string act = {};    // what was asked for: "Home", "ask for targets"; empty: nothing yet
 };
 
 // Implemented by the application, which writes an event and raises an alarm.

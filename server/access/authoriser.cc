@@ -70,6 +70,7 @@ Identity Authoriser::local(const Evidence& evidence, Proof proof) const {
 
 Result<Identity> Authoriser::identify(const Evidence& evidence) {
   if (!evidence.bearer.empty()) return by_token(evidence);
+  if (revoked(evidence.certificate_pem)) return revoked_certificate(evidence);
   std::optional<Role> role;
   for (const auto& uri : evidence.certificate_uris)
     if (const auto one = role_from_uri(uri); one && (!role || includes(*one, *role))) role = one;
@@ -102,6 +103,16 @@ tl::unexpected<Error> Authoriser::nobody(const Evidence& evidence) {
   }
   note_within_bounds({AccessNote::Kind::wrong_try, short_name(evidence.stated_name), evidence.from,
                       "a call without an identity: " + error.reason});
+  return tl::unexpected(std::move(error));
+}
+
+tl::unexpected<Error> Authoriser::revoked_certificate(const Evidence& evidence) {
+  const std::string name = short_name(evidence.certificate_name);
+  Error error{ErrorCode::unauthenticated, reasons::kCertificateRevoked,
+              "the certificate of '" + name +
+                  "' was revoked: an admin makes another one ('driftwise cert client')"};
+  note_within_bounds({AccessNote::Kind::wrong_try, name, evidence.from,
+                      "a call with the revoked certificate of '" + name + "'", 1, "certificate"});
   return tl::unexpected(std::move(error));
 }
 
@@ -158,7 +169,10 @@ Result<void> Authoriser::authorise(const Identity& who, const Action& action) {
   const std::string message = sentence(who) + " may not " + std::string(action.name) +
                               ": it needs the role " + std::string(to_string(action.needed)) +
                               ", this is " + std::string(to_string(who.role));
-  note_within_bounds({AccessNote::Kind::refused, who.name, who.from, message});
+  std::string proof(to_string(who.proof));
+  if (!who.credential.empty()) proof += " " + who.credential;
+  note_within_bounds({AccessNote::Kind::refused, who.name, who.from, message, 1, std::move(proof),
+                      std::string(action.name)});
   return fail(ErrorCode::permission_denied, reasons::kNeedsRole, message);
 }
 

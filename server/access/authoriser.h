@@ -13,6 +13,7 @@
 
 #include "server/access/access_witness.h"
 #include "server/access/identity.h"
+#include "server/access/revoked_certificates.h"
 #include "server/access/token_book.h"
 #include "server/access/wrong_tries.h"
 #include "server/core/description/access_description.h"
@@ -31,6 +32,7 @@ struct Evidence {
   // Of a client certificate that the TLS library has verified against the authority; empty: none.
   std::string certificate_name = {};
   std::vector<std::string> certificate_uris = {};
+  std::string certificate_pem = {};  // the same certificate whole: a revoked one counts no longer
 };
 
 // Right that is asked for: its name in messages, and the role it needs.
@@ -43,8 +45,9 @@ class Authoriser {
  public:
   struct Parts {
     LoopbackRule loopback = LoopbackRule::open;
-    TokenBook* tokens = nullptr;   // outlives this; nullptr: no tokens
-    std::string local_token = {};  // of the file in the state folder: admin; empty: none
+    TokenBook* tokens = nullptr;             // outlives this; nullptr: no tokens
+    RevokedCertificates* revoked = nullptr;  // outlives this; nullptr: no list
+    std::string local_token = {};            // of the file in the state folder: admin; empty: none
     std::string local_user = {};  // who runs the daemon; name of who uses its socket or local token
     // For tests; empty: the computer's clocks. utc_s: seconds of UTC, for the end of tokens.
     std::function<WrongTries::Instant()> steady = {};
@@ -60,9 +63,15 @@ class Authoriser {
 
   // Order: a bearer token (a wrong one is refused whatever else is known), a certificate with a
   // role, the unix socket, open loopback. May compute a scrypt (token_book.h). Errors:
-  // unauthenticated NO_IDENTITY (what to do), BAD_TOKEN, NO_ROLE (a certificate without a role);
+  // unauthenticated NO_IDENTITY (what to do), BAD_TOKEN, NO_ROLE (a certificate without a role),
+  // CERTIFICATE_REVOKED;
   // resource_exhausted TOO_MANY_TRIES (for how long).
   Result<Identity> identify(const Evidence& evidence);
+
+  // A certificate that was good when the connection began is on the list now.
+  bool revoked(const std::string& certificate_pem) const {
+    return parts_.revoked != nullptr && parts_.revoked->contains(certificate_pem);
+  }
 
   // The identity may do this. Errors: permission_denied NEEDS_ROLE: who, what was asked, the role
   // it needs, the role there is.
@@ -79,6 +88,7 @@ class Authoriser {
   Identity local(const Evidence& evidence, Proof proof) const;
   tl::unexpected<Error> wrong_token(const Evidence& evidence, const Error& error);
   tl::unexpected<Error> nobody(const Evidence& evidence);
+  tl::unexpected<Error> revoked_certificate(const Evidence& evidence);
   void note_within_bounds(AccessNote what);
 
   Parts parts_;

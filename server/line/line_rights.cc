@@ -8,7 +8,7 @@
 namespace driftwise::line {
 namespace {
 
-constexpr std::chrono::seconds kLookAtToken{1};
+constexpr std::chrono::seconds kLookAgain{1};
 
 std::int64_t utc_s() {
   return std::chrono::duration_cast<std::chrono::seconds>(
@@ -38,14 +38,18 @@ Result<void> LineRights::take(const std::optional<tls::PeerCertificate>& certifi
   evidence.from = from_;
   evidence.certificate_name = certificate->name;
   evidence.certificate_uris = certificate->uris;
+  evidence.certificate_pem = certificate->pem;
   DRIFTWISE_TRY(auto who, access_.authoriser().identify(evidence));
   identity_ = std::move(who);
+  certificate_ = certificate->pem;
+  checked_ = std::chrono::steady_clock::now();
   return {};
 }
 
 void LineRights::take(access::Identity who, std::string token) {
   // A token that the book keeps can be revoked; that of the state folder lives as long as we do.
   token_ = access_.tokens().known(token, utc_s()) ? std::move(token) : std::string();
+  certificate_.clear();  // a token goes before a certificate
   checked_ = std::chrono::steady_clock::now();
   identity_ = std::move(who);
 }
@@ -60,9 +64,10 @@ access::Evidence LineRights::evidence_of(const std::string& token) const {
 
 Result<void> LineRights::may_ask() {
   const auto now = std::chrono::steady_clock::now();
-  if (identity_ && !token_.empty() && now - checked_ >= kLookAtToken) {
+  if (identity_ && now - checked_ >= kLookAgain) {
     checked_ = now;
-    if (!access_.tokens().known(token_, utc_s())) identity_.reset();
+    if (!token_.empty() && !access_.tokens().known(token_, utc_s())) identity_.reset();
+    if (access_.authoriser().revoked(certificate_)) identity_.reset();
   }
   if (!identity_)
     return fail(

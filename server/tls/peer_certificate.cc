@@ -1,5 +1,6 @@
 #include "server/tls/peer_certificate.h"
 
+#include <openssl/pem.h>
 #include <openssl/ssl.h>
 #include <openssl/x509v3.h>
 
@@ -37,13 +38,22 @@ std::vector<std::string> uris_of(X509* certificate) {
   return out;
 }
 
+std::string pem_of(X509* certificate) {
+  const std::unique_ptr<BIO, int (*)(BIO*)> bytes(BIO_new(BIO_s_mem()), BIO_free);
+  if (!bytes || PEM_write_bio_X509(bytes.get(), certificate) != 1) return {};
+  char* data = nullptr;
+  const long size = BIO_get_mem_data(bytes.get(), &data);
+  return {data, static_cast<std::size_t>(size)};
+}
+
 }  // namespace
 
 std::optional<PeerCertificate> peer_certificate(SSL* connection) {
   const std::unique_ptr<X509, void (*)(X509*)> certificate(SSL_get1_peer_certificate(connection),
                                                            X509_free);
   if (!certificate || SSL_get_verify_result(connection) != X509_V_OK) return std::nullopt;
-  return PeerCertificate{common_name(certificate.get()), uris_of(certificate.get())};
+  return PeerCertificate{common_name(certificate.get()), uris_of(certificate.get()),
+                         pem_of(certificate.get())};
 }
 
 }  // namespace driftwise::tls

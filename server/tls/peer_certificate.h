@@ -12,6 +12,7 @@ namespace driftwise::tls {
 struct PeerCertificate {
   std::string name;               // common name of the subject, UTF-8
   std::vector<std::string> uris;  // of the subject's alternative names, in their order
+  std::string pem = {};           // the whole certificate
 };
 
 // After the handshake. Nothing: the client showed none. One that the authority did not sign has

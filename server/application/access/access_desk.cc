@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/access/certificate.h"
+#include "server/access/revoked_certificates.h"
 #include "server/access/wrong_tries.h"
 #include "server/application/plumbing/run_on.h"
 
@@ -18,14 +19,21 @@ std::int64_t utc_now_s() {
       .count();
 }
 
-std::vector<AlarmCondition> look_at_certificate(const std::string& certificate,
-                                                const std::string& key) {
-  const auto facts = access::check_certificate(certificate, key, utc_now_s());
+std::vector<AlarmCondition> look_at_files(const AccessDescription& files) {
+  std::vector<AlarmCondition> out;
+  const auto facts = access::check_certificate(files.certificate, files.key, utc_now_s());
   if (!facts)
-    return {{AlarmLevel::failed, "certificate.unusable", certificate, facts.error().message}};
-  auto warning = access::expiry_warning(certificate, *facts, utc_now_s());
-  if (warning.empty()) return {};
-  return {{AlarmLevel::warning, "certificate.ends", certificate, std::move(warning)}};
+    out.push_back(
+        {AlarmLevel::failed, "certificate.unusable", files.certificate, facts.error().message});
+  else if (auto warning = access::expiry_warning(files.certificate, *facts, utc_now_s());
+           !warning.empty())
+    out.push_back({AlarmLevel::warning, "certificate.ends", files.certificate, std::move(warning)});
+  if (files.revoked.empty()) return out;
+  const auto list = access::RevokedCertificates::check(files.revoked, files.authority, utc_now_s());
+  if (!list)
+    out.push_back({AlarmLevel::warning, "certificate.revocations", files.revoked,
+                   list.error().message + "; the last good list is in force"});
+  return out;
 }
 
 }  // namespace
@@ -48,7 +56,14 @@ void AccessDesk::note(access::AccessNote what) {
 
 void AccessDesk::take(const access::AccessNote& what) {
   if (ending_) return;
-  events_.record({what.who, what.from}, access::to_event(what.kind), what.detail);
+  using Kind = access::AccessNote::Kind;
+  const bool refused =
+      what.kind == Kind::refused || what.kind == Kind::wrong_try || what.kind == Kind::locked;
+  ActChange act;
+  act.subject = what.act;
+  if (refused) act.outcome = "refused: " + what.detail;
+  events_.record({what.who, what.from, what.proof}, access::to_event(what.kind), what.detail, {},
+                 std::move(act));
   if (what.kind == access::AccessNote::Kind::locked)
     alarm_({AlarmLevel::warning, "access.wrong_tries", access::source_of(what.from), what.detail});
 }
@@ -64,8 +79,7 @@ void AccessDesk::shut_down() {
 
 Awaitable<void> AccessDesk::watch() {
   while (!ending_) {
-    conditions_ =
-        co_await run_on(texts_, &look_at_certificate, description_.certificate, description_.key);
+    conditions_ = co_await run_on(texts_, &look_at_files, description_);
     const auto pause = nanoseconds_from_s(kLook_s * clock_.speed());
     co_await sleep_unless(clock_, clock_.now().utc + pause, ended_);
   }

@@ -32,7 +32,7 @@ class AccessDesk final : public access::AccessWitness {
   void start();  // looks at the certificate until shut_down()
   void shut_down();
   // certificate.ends: 30 days ahead, by the wall clock; certificate.unusable: its files cannot be
-  // read or do not belong together.
+  // read or do not belong together; certificate.revocations: the list of revoked ones likewise.
   std::vector<AlarmCondition> conditions() const { return conditions_; }
 
  private:

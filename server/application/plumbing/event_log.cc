@@ -21,6 +21,7 @@ void EventLog::record(const Caller& who, std::string what, std::string detail,
       change.subject.empty() && run ? fmt::format("run {}", run->value) : std::move(change.subject);
   act.before = std::move(change.before);
   act.after = std::move(change.after);
+  act.outcome = std::move(change.outcome);
   push({{{}, act.at, who.name, who.peer, std::move(what), std::move(detail), run}, std::move(act)});
 }
 

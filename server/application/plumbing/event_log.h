@@ -17,6 +17,7 @@ namespace driftwise::application {
 struct ActChange {
   std::string subject;        // "model 3"; empty: the run, where there is one
   std::string before, after;  // empty: none
+  std::string outcome = {};   // empty: done; else why it was refused
 };
 
 class EventLog {

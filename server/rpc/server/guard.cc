@@ -60,6 +60,8 @@ access::Evidence evidence_of(const grpc::ServerContextBase& context) {
   evidence.certificate_uris = properties(*connection, "peer_uri");
   if (auto names = properties(*connection, "x509_common_name"); !names.empty())
     evidence.certificate_name = std::move(names.front());
+  if (auto whole = properties(*connection, "x509_pem_cert"); !whole.empty())
+    evidence.certificate_pem = std::move(whole.front());
   return evidence;
 }
 

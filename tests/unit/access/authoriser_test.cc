@@ -112,6 +112,8 @@ TEST_F(AuthoriserTest, SaysWhoMayNotAndWhatIsNeeded) {
   ASSERT_EQ(notes.all.size(), 1U);
   EXPECT_EQ(notes.all[0].kind, AccessNote::Kind::refused);
   EXPECT_EQ(notes.all[0].detail, refused.error().message);
+  EXPECT_EQ(notes.all[0].act, "Home");
+  EXPECT_EQ(notes.all[0].proof, "token k3f9a2c1");
 }
 
 TEST_F(AuthoriserTest, SlowsWrongTokensByAddressAndNoKnownOne) {

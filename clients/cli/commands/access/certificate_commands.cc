@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cmath>
@@ -157,6 +158,64 @@ std::string host_name() {
   return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "localhost";
 }
 
+// What openssl ca(1) wants in order to keep a list of revoked certificates.
+void write_list_settings(const fs::path& folder, const Scratch& settings) {
+  const auto path = [&](const char* name) { return (folder / name).string(); };
+  std::ofstream(settings.path())
+      << "[ca]\ndefault_ca = own\n[own]\ndatabase = " << path("authority.index")
+      << "\ncrlnumber = " << path("authority.crlnumber")
+      << "\ncertificate = " << path("authority.pem") << "\nprivate_key = " << path("authority.key")
+      << "\ndefault_md = sha256\nunique_subject = no\ndefault_crl_days = "
+      << days_text(0, kAuthorityDays) << "\ndefault_days = " << days_text(0, kClientDays) << '\n';
+  if (!fs::exists(path("authority.index"))) std::ofstream(path("authority.index"));
+  if (!fs::exists(path("authority.crlnumber")))
+    std::ofstream(path("authority.crlnumber")) << "01\n";
+}
+
+// revoked.pem anew.
+void write_revocations(const fs::path& folder) {
+  const Scratch settings(folder / ".revoke.cnf"), list(folder / ".revoked.pem");
+  write_list_settings(folder, settings);
+  openssl(folder, {"ca", "-batch", "-config", settings.path(), "-gencrl", "-out", list.path()});
+  rename_file(list.path(), folder / "revoked.pem");
+}
+
+// Every certificate that was made for a name is kept here, so that those of before can be revoked.
+fs::path folder_of_issued(const fs::path& folder, const std::string& name) {
+  return folder / "issued" / name;
+}
+
+void keep_issued(const fs::path& folder, const std::string& name) {
+  const fs::path kept = folder_of_issued(folder, name);
+  make_folder(folder / "issued");
+  make_folder(kept);
+  int number = 1;
+  while (fs::exists(kept / (std::to_string(number) + ".pem"))) ++number;
+  std::error_code failed;
+  fs::copy_file(folder / (name + ".pem"), kept / (std::to_string(number) + ".pem"), failed);
+}
+
+std::string text_of_file(const fs::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// Those of a name, each once; made by the folder's authority or not is openssl's to say.
+std::vector<std::string> issued_to(const fs::path& folder, const std::string& name) {
+  std::vector<std::string> paths, texts;
+  const auto add = [&](const fs::path& path) {
+    const std::string text = text_of_file(path);
+    if (text.empty() || std::find(texts.begin(), texts.end(), text) != texts.end()) return;
+    texts.push_back(text);
+    paths.push_back(path.string());
+  };
+  add(folder / (name + ".pem"));
+  std::error_code none;
+  for (const auto& one : fs::directory_iterator(folder_of_issued(folder, name), none))
+    if (one.path().extension() == ".pem") add(one.path());
+  return paths;
+}
+
 bool make_authority(const fs::path& folder) {
   if (fs::exists(folder / "authority.pem") && fs::exists(folder / "authority.key")) return false;
   const std::string subject = ("Driftwise authority " + host_name()).substr(0, 60);
@@ -183,18 +242,27 @@ ExitCode cert_init(const Session& session, const CertificateArguments& a) {
   const std::string subject = a.names.empty() ? host_name() : a.names.front();
   sign(folder, "server", subject.substr(0, 60), "serverAuth", alternative,
        days_text(a.days, kServerDays));
+  if (fresh || !fs::exists(folder / "revoked.pem")) {
+    for (const char* of_before : {"authority.index", "authority.crlnumber"}) {
+      std::error_code none;
+      if (fresh) fs::remove(folder / of_before, none);
+    }
+    write_revocations(folder);
+  }
   const auto path = [&](const char* name) { return (fs::path(a.folder) / name).string(); };
   if (session.console.json) {
     session.console.print_json({{"certificate", path("server.pem")},
                                 {"key", path("server.key")},
                                 {"authority", path("authority.pem")},
+                                {"revoked", path("revoked.pem")},
                                 {"names", names},
                                 {"new_authority", fresh}});
     return ExitCode::done;
   }
   session.console.out << "[access]\nlisten = \"0.0.0.0:50052\"\ncertificate = \""
                       << path("server.pem") << "\"\nkey = \"" << path("server.key")
-                      << "\"\nauthority = \"" << path("authority.pem") << "\"\n";
+                      << "\"\nauthority = \"" << path("authority.pem") << "\"\nrevoked = \""
+                      << path("revoked.pem") << "\"\n";
   session.console.err << (fresh ? "a new authority is in " : "signed by the authority in ")
                       << path("authority.pem") << "; its key " << path("authority.key")
                       << " signs every further certificate: keep it, and nowhere else\n"
@@ -216,6 +284,7 @@ ExitCode cert_client(const Session& session, const CertificateArguments& a) {
                       "folder with --folder"};
   sign(folder, a.name, a.name, "clientAuth", "URI:driftwise:role/" + a.role,
        days_text(a.days, kClientDays));
+  keep_issued(folder, a.name);
   const auto path = [&](const std::string& name) { return (fs::path(a.folder) / name).string(); };
   if (session.console.json)
     session.console.print_json({{"certificate", path(a.name + ".pem")},
@@ -226,6 +295,47 @@ ExitCode cert_client(const Session& session, const CertificateArguments& a) {
     session.console.out << "driftwise --server HOST:50052 --tls-ca " << path("authority.pem")
                         << " --tls-cert " << path(a.name + ".pem") << " --tls-key "
                         << path(a.name + ".key") << " status\n";
+  return ExitCode::done;
+}
+
+ExitCode cert_revoke(const Session& session, const CertificateArguments& a) {
+  const fs::path folder = fs::path(session.console.working_folder) / a.folder;
+  check_plain(a.name, "NAME", "");
+  if (a.name == "authority" || a.name == "server")
+    throw Failure{ExitCode::bad_input, "invalid_argument", "BAD_NAME",
+                  "NAME: '" + a.name + "' is no client: 'driftwise cert init' makes it anew"};
+  if (!fs::exists(folder / "authority.key"))
+    throw Failure{
+        ExitCode::bad_input, "not_found", "NO_FILE",
+        (folder / "authority.key").string() +
+            " is not there: the list is signed by the authority's key; revoke where it is "
+            "kept, and copy revoked.pem to the daemon"};
+  const auto issued = issued_to(folder, a.name);
+  const Scratch settings(folder / ".revoke.cnf");
+  write_list_settings(folder, settings);
+  if (issued.empty())
+    throw Failure{ExitCode::bad_input, "not_found", "NO_FILE",
+                  (folder / (a.name + ".pem")).string() +
+                      " is not there: put the certificate in its place, and revoke it then"};
+  // openssl refuses what is revoked already: that is told, and the list is written all the same.
+  std::size_t already = 0;
+  for (const auto& one : issued) try {
+      openssl(folder, {"ca", "-batch", "-config", settings.path(), "-revoke", one});
+    } catch (const Failure& failure) {
+      if (failure.message.find("lready revoked") == std::string::npos) throw;
+      ++already;
+    }
+  write_revocations(folder);
+  const std::string list = (fs::path(a.folder) / "revoked.pem").string();
+  if (session.console.json)
+    session.console.print_json({{"name", a.name},
+                                {"revoked", issued.size() - already},
+                                {"revoked_before", already},
+                                {"list", list}});
+  else
+    session.console.out << a.name << ": " << issued.size() - already << " certificates revoked, "
+                        << already << " were before; " << list
+                        << " is for the daemon ([access] revoked), which reads it within seconds\n";
   return ExitCode::done;
 }
 
@@ -256,6 +366,11 @@ void add_certificate_commands(CLI::App& app, Session& session) {
       ->required()
       ->check(CLI::IsMember(role_names()));
   shared(client);
+  CLI::App& revoking =
+      add_command(certificates, session, "revoke", "Every certificate of a name counts no longer",
+                  [&session, a] { return cert_revoke(session, *a); });
+  revoking.add_option("NAME", a->name, "for whom it was made")->required();
+  revoking.add_option("--folder", a->folder, "of the certificates and keys")->default_str("tls");
 }
 
 }  // namespace driftwise::cli

@@ -1,6 +1,6 @@
 #pragma once
-// driftwise cert init | client: an authority of the site's own, by openssl(1). A site that has an
-// authority uses that instead.
+// driftwise cert init | client | revoke: an authority of the site's own, by openssl(1). A site that
+// has an authority uses that instead.
 
 #include <CLI/App.hpp>
 

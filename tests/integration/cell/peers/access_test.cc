@@ -1,6 +1,6 @@
-// The daemon across a network: a second network namespace that the test makes, the command line in
-// it, TLS, every role. Where the kernel gives no namespace the same runs over a second loopback
-// address, and says so.
+// The daemon across a network: a second network namespace that the test makes, with the command
+// line, a browser, a Python controller and the text line in it, TLS, every role. Where the kernel
+// gives no namespace the same runs over a second loopback address, and says so.
 
 #include <gmock/gmock.h>
 
@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "tests/integration/cell/cell_at_work.h"
+#include "tests/integration/cell/served_model.h"
 
 namespace driftwise::tests {
 namespace {
@@ -16,6 +17,7 @@ using testing::HasSubstr;
 using testing::Not;
 namespace fs = std::filesystem;
 
+const std::string kSource = DRIFTWISE_SOURCE_DIR, kPage = kSource + "/clients/web/dist";
 const std::string kProgram = std::string(DRIFTWISE_BIN_DIR) + "/driftwise";
 
 // True once the process has a network namespace of its own.
@@ -97,10 +99,35 @@ class AcrossTheNetwork : public testing::Test {
     write_file(cell.folder() + "/cell.toml",
                text +
                    "\n[access]\nlisten = \"0.0.0.0:0\"\ncertificate = \"tls/server.pem\"\n"
-                   "key = \"tls/server.key\"\nauthority = \"tls/authority.pem\"\n");
+                   "key = \"tls/server.key\"\nauthority = \"tls/authority.pem\"\n"
+                   "revoked = \"tls/revoked.pem\"\nhttp = \"0.0.0.0:0\"\n"
+                   "target_line = \"0.0.0.0:0\"\n" +
+                   (fs::exists(kPage + "/index.html") ? "[web]\nroot = \"" + kPage + "\"\n" : ""));
     cell.start_daemon();
-    const std::string outside = notice().at("grpc_tls");
-    server = other.daemon() + outside.substr(outside.rfind(':'));
+    server = from_there("grpc_tls");
+  }
+  // The address of a door as the other computer reaches it.
+  std::string from_there(const std::string& door) const {
+    std::string address = notice().at(door);
+    while (address.ends_with('/')) address.pop_back();
+    return other.daemon() + address.substr(address.rfind(':'));
+  }
+  // A token of each role, in tls/ROLE.token.
+  void make_tokens() const {
+    for (const std::string role : {"viewer", "controller", "operator", "engineer", "admin"})
+      ASSERT_EQ(
+          here({"token", "create", role + "-page", "--role", role, "-o", "tls/" + role + ".token"})
+              .code,
+          0);
+  }
+  // Acts that were refused, as the audit has them.
+  nlohmann::json refusals() const {
+    nlohmann::json out = nlohmann::json::array();
+    const auto acts =
+        nlohmann::json::parse(here({"audit", "list", "--limit", "1000", "--json"}).out);
+    for (const auto& act : acts.at("acts"))
+      if (act.at("what") == "access.refused") out.push_back(act);
+    return out;
   }
 
   nlohmann::json notice() const {
@@ -173,6 +200,141 @@ TEST_F(AcrossTheNetwork, EachRoleDoesWhatItMayAndIsRefusedTheRest) {
   const auto events = here({"events"});
   EXPECT_THAT(events.out, HasSubstr("access.refused"));
   EXPECT_THAT(events.out, HasSubstr("viewer-1 (certificate, viewer, from ipv4:" + other.own()));
+  wait_until("the refusals in the audit",
+             [&] { return refusals().size() == static_cast<std::size_t>(refused); });
+  for (const auto& act : refusals()) {
+    EXPECT_EQ(act.at("proof"), "certificate");
+    EXPECT_THAT(act.at("from").get<std::string>(), testing::StartsWith("ipv4:" + other.own()));
+    EXPECT_THAT(act.at("outcome").get<std::string>(),
+                testing::AllOf(testing::StartsWith("refused: " + act.at("who").get<std::string>()),
+                               HasSubstr("it needs the role")));
+    EXPECT_THAT(act.at("subject").get<std::string>(),
+                testing::AnyOf("ComputeTarget", "CreateNote", "CreateFit", "ListTokens"));
+  }
+  EXPECT_EQ(here({"audit", "verify"}).code, 0);
+}
+
+TEST_F(AcrossTheNetwork, ThePageAPythonControllerAndTheLineDoWhatTheirRoleMay) {
+  if (run_process({"/usr/bin/python3", "-c", "import grpc, google.protobuf"}).code != 0)
+    GTEST_SKIP() << "python3-grpcio is not installed";
+  // Loopback is open for what this test itself asks; the doors with TLS are as ever.
+  ASSERT_EQ(cell.stop_daemon(), 0);
+  cell.edit_cell_file("[access]\n", "[access]\nloopback = \"open\"\n");
+  cell.start_daemon();
+  server = from_there("grpc_tls");
+  serve_known_model(cell);
+  make_tokens();
+  auto words = other.prefix();
+  words.insert(words.end(),
+               {"/usr/bin/python3", kSource + "/tests/integration/cell/peers/across_roles.py",
+                kSource + "/clients/python", cell.folder() + "/tls", server, from_there("web_tls"),
+                from_there("target_line_tls")});
+  const auto done = run_process(words, std::chrono::minutes(2), {"PYTHONDONTWRITEBYTECODE=1"});
+  ASSERT_EQ(done.code, 0) << done.err;
+  const auto said = nlohmann::json::parse(done.out);
+  std::printf("%zu acts allowed, %zu refused, %s\n", said.at("allowed").size(),
+              said.at("refused").size(),
+              other.there() ? "from a second network namespace" : "from a second address");
+  ASSERT_EQ(said.at("refused").size(), 12U);
+  wait_until("the refusals in the audit", [&] { return refusals().size() == 12; });
+  auto acts = refusals();
+  for (const auto& one : said.at("refused")) {
+    const bool page = one.at("door") == "page";
+    const std::string who = one.at("role").get<std::string>() + (page ? "-page" : "-1");
+    const auto at = std::find_if(acts.begin(), acts.end(), [&](const auto& act) {
+      return act.at("who") == who && act.at("subject") == one.at("act") &&
+             act.at("proof").template get<std::string>().starts_with(page ? "page session"
+                                                                          : "certificate");
+    });
+    ASSERT_NE(at, acts.end()) << one << " is not in the audit: " << acts;
+    EXPECT_THAT(at->at("from").get<std::string>(), HasSubstr(other.own()));
+    EXPECT_THAT(one.at("sentence").get<std::string>(), HasSubstr("it needs the role"));
+    acts.erase(at);
+  }
+}
+
+TEST_F(AcrossTheNetwork, ARealBrowserLogsInAndIsRefusedInASentence) {
+  make_tokens();
+  const std::string script = kSource + "/tests/browser/across.mjs";
+  auto words = other.prefix();
+  words.insert(words.end(),
+               {"/usr/bin/env", "DRIFTWISE_BIN_DIR=" + std::string(DRIFTWISE_BIN_DIR), "node",
+                script, "https://" + from_there("web_tls"), cell.folder() + "/tls/viewer.token"});
+  const auto done = run_process(words, std::chrono::minutes(2));
+  if (done.code == 127) GTEST_SKIP() << "no node (Debian: nodejs npm)";
+  if (done.out.find("SKIPPED:") != std::string::npos) GTEST_SKIP() << done.out;
+  ASSERT_EQ(done.code, 0) << done.out << done.err;
+  std::printf("%s", done.out.c_str());
+  wait_until("the refusal in the audit", [&] { return refusals().size() == 1; });
+  const auto act = refusals().at(0);
+  EXPECT_EQ(act.at("who"), "viewer-page");
+  EXPECT_EQ(act.at("subject"), "Home");
+  EXPECT_THAT(act.at("from").get<std::string>(), HasSubstr(other.own()));
+}
+
+// At most 20 of one address and minute stand by themselves; the next one counts the others.
+TEST_F(AcrossTheNetwork, RefusalsInTheAuditAreBounded) {
+  make_tokens();
+  const auto before = cell.count("SELECT count(*) FROM audit WHERE what = 'access.refused'");
+  auto words = other.prefix();
+  words.insert(
+      words.end(),
+      {"/usr/bin/python3", "-c",
+       "import sys; sys.path.insert(0, sys.argv[1]); import driftwise\n"
+       "with driftwise.Cell(sys.argv[2], ca=sys.argv[3], token_file=sys.argv[4]) as cell:\n"
+       "    for _ in range(60):\n"
+       "        try: cell.target(x_mm=1, timeout_s=20)\n"
+       "        except driftwise.DriftwiseError as error: assert error.reason == "
+       "'NEEDS_ROLE'\n",
+       kSource + "/clients/python", server, cell.folder() + "/tls/authority.pem",
+       cell.folder() + "/tls/viewer.token"});
+  const auto done = run_process(words, std::chrono::minutes(2), {"PYTHONDONTWRITEBYTECODE=1"});
+  ASSERT_EQ(done.code, 0) << done.err;
+  wait_until("the refusals", [&] { return refusals().size() >= 20; });
+  EXPECT_EQ(before, 0);
+  EXPECT_LE(refusals().size(), 21U) << "a minute may have ended between";
+}
+
+TEST_F(AcrossTheNetwork, ARevokedCertificateOpensNoDoorWithoutARestart) {
+  ASSERT_EQ(as("controller-1", {"whoami"}).code, 0);
+  auto line = other.prefix();
+  line.insert(line.end(),
+              {"/usr/bin/python3", "-c",
+               "import socket, ssl, sys\n"
+               "folder, host, port = sys.argv[1], *sys.argv[2].rsplit(':', 1)\n"
+               "tls = ssl.create_default_context(cafile=folder + '/authority.pem')\n"
+               "tls.load_cert_chain(folder + '/controller-1.pem', folder + '/controller-1.key')\n"
+               "line = tls.wrap_socket(socket.create_connection((host, int(port))), "
+               "server_hostname=host)\n"
+               "file = line.makefile('rw', encoding='utf-8')\n"
+               "for order in sys.stdin:\n"
+               "    file.write('TARGET x_mm=1\\n'); file.flush()\n"
+               "    print(file.readline().strip(), flush=True)\n",
+               cell.folder() + "/tls", from_there("target_line_tls")});
+  // The line is asked before, and by a new connection afterwards.
+  const auto ask_once = [&] {
+    auto words = line;
+    words.insert(words.begin(), {"/bin/sh", "-c", "echo ask | \"$@\"", "sh"});
+    return run_process(words).out;
+  };
+  EXPECT_THAT(ask_once(), HasSubstr("NO_MODEL")) << "let in";
+  const auto revoked = here({"cert", "revoke", "controller-1"});
+  ASSERT_EQ(revoked.code, 0) << revoked.err;
+  EXPECT_THAT(revoked.out, HasSubstr("1 certificates revoked"));
+  Finished after;
+  wait_until("the revocation", [&] {
+    after = as("controller-1", {"whoami"});
+    return after.code != 0;
+  });
+  EXPECT_EQ(after.code, 5);
+  EXPECT_THAT(after.err, HasSubstr("was revoked"));
+  wait_until("the revocation on the line",
+             [&] { return ask_once().find("CERTIFICATE_REVOKED") != std::string::npos; });
+  EXPECT_EQ(as("viewer-1", {"whoami"}).code, 0) << "others are not touched";
+  EXPECT_THAT(here({"cert", "revoke", "controller-1"}).out, HasSubstr("1 were before"));
+  ASSERT_EQ(here({"cert", "client", "controller-1", "--role", "controller"}).code, 0);
+  EXPECT_EQ(as("controller-1", {"whoami"}).code, 0) << "a new one of the same name";
+  EXPECT_THAT(here({"audit", "list", "--json"}).out, HasSubstr("the revoked certificate"));
 }
 
 TEST_F(AcrossTheNetwork, NobodyIsLetInWithoutAnIdentity) {
