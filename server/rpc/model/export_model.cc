@@ -8,7 +8,8 @@
 namespace driftwise::rpc {
 
 Result<v1::ExportModelResponse> export_model(const ModelRecord& record,
-                                             v1::ExportModelRequest::Format format) {
+                                             v1::ExportModelRequest::Format format,
+                                             const std::string& head, const std::string& at) {
   if (format != v1::ExportModelRequest::FORMAT_JSON && format != v1::ExportModelRequest::FORMAT_C)
     return fail(ErrorCode::invalid_argument, reasons::kBadFormat,
                 "format: expected FORMAT_JSON or FORMAT_C");
@@ -19,11 +20,18 @@ Result<v1::ExportModelResponse> export_model(const ModelRecord& record,
                 "model " + id + " in the database cannot be read: " + model.error().message);
   v1::ExportModelResponse out;
   if (format == v1::ExportModelRequest::FORMAT_JSON) {
-    out.set_text(formats::write_model_json(*model, 2) + "\n");
+    std::string text = formats::write_model_json(*model, 2);
+    if (!head.empty())
+      text.insert(text.rfind("\n}"), ",\n  \"record_head\": \"" + head +
+                                         "\",\n  \"record_head_time\": \"" + at + "\"");
+    out.set_text(text + "\n");
     out.set_file_name("model_" + id + ".json");
     return out;
   }
   DRIFTWISE_TRY(auto source, formats::write_model_c(*model, id));
+  if (!head.empty())
+    source += "\n/* Head of the record's chain: " + head + " at " + at +
+              " (driftwise audit verify --head) */\n";
   out.set_text(std::move(source));
   out.set_file_name("model_" + id + ".c");
   return out;

@@ -25,6 +25,7 @@
 #include "server/rpc/shared/request_checks.h"
 #include "server/rpc/shared/services.h"
 #include "server/rpc/shared/unary.h"
+#include "server/rpc/shared/wire_time.h"
 
 namespace driftwise::rpc {
 namespace {
@@ -147,7 +148,11 @@ class ModelService final : public v1::ModelService::CallbackService {
     return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->model_id(), "model_id"); !good) co_return good;
       DRIFTWISE_CO_TRY(const auto record, co_await models_.get(ModelId{request->model_id()}));
-      co_return put(export_model(record, request->format()), *response);
+      auto reading = records_.audit().head();
+      DRIFTWISE_CO_TRY(const auto head, co_await std::move(reading));
+      co_return put(export_model(record, request->format(), head.entry > 0 ? to_string(head) : "",
+                                 to_iso8601(utc_from(host_.now()))),
+                    *response);
     });
   }
 

@@ -8,6 +8,7 @@
 #include "clients/cli/commands/models/method_commands.h"
 #include "clients/cli/commands/models/residuals_command.h"
 #include "clients/cli/commands/models/sensors_command.h"
+#include "clients/cli/commands/record/record_file.h"
 #include "clients/cli/core/confirm.h"
 #include "clients/cli/core/input_text.h"
 #include "clients/cli/core/proto_json.h"
@@ -17,6 +18,7 @@
 #include "clients/cli/pages/accuracy_line.h"
 #include "clients/cli/pages/model_page.h"
 #include "driftwise/v1/model_service.grpc.pb.h"
+#include "driftwise/v1/record_service.grpc.pb.h"
 
 namespace driftwise::cli {
 namespace {
@@ -46,6 +48,8 @@ ExitCode show(const Session& session, std::int64_t id) {
     page.erase("model");
     model.update(page);
     model.update(json_from(notes));
+    const auto head = connection.ask(&v1::RecordService::Stub::GetChainHead, {}).head();
+    if (head.entry() > 0) model["record_head"] = head_text(head);
     session.console.print_json(model);
     return ExitCode::done;
   }

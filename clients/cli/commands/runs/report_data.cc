@@ -7,6 +7,7 @@
 #include <map>
 #include <string_view>
 
+#include "clients/cli/commands/record/record_file.h"
 #include "clients/cli/core/console.h"
 #include "clients/cli/core/proto_json.h"
 #include "clients/cli/core/text.h"
@@ -205,6 +206,7 @@ Json report_json(const ReportSource& source) {
               {"corrections", corrections_json(source.run.run())},
               {"version", source.version},
               {"made", source.made},
+              {"record_head", source.head.entry() > 0 ? Json(head_text(source.head)) : Json()},
               {"run", run_json(source.run.run())},
               {"rules", rules_json(source.run.rules_json())},
               {"points", points_json(source)},
