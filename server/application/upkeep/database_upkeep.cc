@@ -114,22 +114,30 @@ Awaitable<Result<ThinningStep>> DatabaseUpkeep::thin(ThinningOrder order, Caller
   const std::string what = fmt::format("readings before {}", to_iso8601(order.before));
   const std::string how =
       fmt::format("{} every {:g} s", order.reducer, static_cast<double>(order.every_ns) * 1e-9);
-  auto thinning = thin_in_steps(std::move(order));
-  auto done = co_await std::move(thinning);
-  if (done)
+  ThinningStep done;
+  auto thinning = thin_in_steps(std::move(order), done);
+  const auto ended = co_await std::move(thinning);
+  // What was thinned before a failure stays thinned.
+  if (ended || done.readings > 0)
     events_.record(caller, "readings.thinned",
                    fmt::format("{} readings of the environment became {} rows: {}, {}",
-                               done->readings, done->intervals, what, how),
-                   {}, {what, fmt::format("{} readings", done->readings), how});
+                               done.readings, done.intervals, what, how),
+                   {},
+                   {what, fmt::format("{} readings", done.readings), how,
+                    ended ? "" : "ended before its time: " + ended.error().message});
+  DRIFTWISE_CO_RETURN_IF_ERROR(ended);
   co_return done;
 }
 
-Awaitable<Result<ThinningStep>> DatabaseUpkeep::thin_in_steps(ThinningOrder order) {
+Awaitable<Result<void>> DatabaseUpkeep::thin_in_steps(ThinningOrder order, ThinningStep& done) {
   if (thinning_under_way_)
     co_return fail(ErrorCode::failed_precondition, reasons::kThinningUnderWay,
                    "readings are being thinned already: ask again when that is done");
   thinning_under_way_ = true;
-  ThinningStep all;
+  // Plots have every reading before it goes.
+  Result<bool> waits = true;
+  while (waits && *waits && !ending_)
+    waits = co_await writer_.call([](Store& store) { return store.series().summarise(); });
   Result<ThinningStep> step = ThinningStep{.more = true};
   while (step && step->more && !ending_) {
     order.at = clock_.now();
@@ -138,14 +146,17 @@ Awaitable<Result<ThinningStep>> DatabaseUpkeep::thin_in_steps(ThinningOrder orde
         [](Store& store, const ThinningOrder& wanted) { return store.audit().thin(wanted); },
         order);
     if (!step) break;
-    all.readings += step->readings;
-    all.intervals += step->intervals;
+    done.readings += step->readings;
+    done.intervals += step->intervals;
     // Points and readings of the cell come between two steps.
     co_await sleep_unless(clock_, clock_.now().utc + nanoseconds_from_s(0.02), ended_);
   }
   thinning_under_way_ = false;
   DRIFTWISE_CO_RETURN_IF_ERROR(step);
-  co_return all;
+  if (step->more)
+    co_return fail(ErrorCode::unavailable, reasons::kShuttingDown,
+                   "the daemon ends: ask again after its start; what was thinned stays thinned");
+  co_return Result<void>{};
 }
 
 Awaitable<void> DatabaseUpkeep::keep_thin() {
@@ -156,16 +167,16 @@ Awaitable<void> DatabaseUpkeep::keep_thin() {
     order.every_ns = nanoseconds_from_s(thinning_.every_s).count();
     order.reducer = thinning_.reducer;
     order.by = {"daemon", "cell file", ""};
-    auto thinning = thin_in_steps(order);
-    const auto done = co_await std::move(thinning);
-    if (!done)
-      spdlog::warn("[thinning]: {}", done.error().message);
-    else if (done->readings > 0)
+    ThinningStep done;
+    auto thinning = thin_in_steps(order, done);
+    const auto ended = co_await std::move(thinning);
+    if (!ended) spdlog::warn("[thinning]: {}", ended.error().message);
+    if (done.readings > 0)
       events_.record_own(
           "readings.thinned",
           fmt::format("{} readings of the environment older than {:g} days became {} rows by "
                       "[thinning] of the cell file",
-                      done->readings, thinning_.after_days, done->intervals));
+                      done.readings, thinning_.after_days, done.intervals));
     co_await sleep_unless(clock_, now + nanoseconds_from_s(kThinEvery_s), ended_);
   }
 }

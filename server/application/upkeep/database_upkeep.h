@@ -59,7 +59,8 @@ class DatabaseUpkeep final : public RecordKeeping {
   Awaitable<void> watch();
   Awaitable<void> keep_backups();
   Awaitable<void> keep_thin();
-  Awaitable<Result<ThinningStep>> thin_in_steps(ThinningOrder order);
+  // done: what was done, also before a failure; it outlives the call.
+  Awaitable<Result<void>> thin_in_steps(ThinningOrder order, ThinningStep& done);
   void measure();
   Awaitable<void> look();
   Awaitable<void> replace_log();

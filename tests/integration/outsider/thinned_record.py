@@ -53,6 +53,15 @@ def main():
         check(code == 0 and "thinned: " in said, "without the daemon as well")
         other = run("/usr/bin/python3", SOURCE + "/clients/examples/python/check_chain.py", cell.database())
         check(other.returncode == 0 and "thinned: " in other.stdout and " by " in other.stdout, "the checker of another hand agrees")
+        # The same by the cell file, once a day of cell time; the first time at the start.
+        with open(cell.path("cell.toml"), "a", encoding="utf-8") as file:
+            file.write('\n[thinning]\nafter_days = 0.01\nevery_s = 300\nreducer = "max"\n')
+        cell.start()
+        until("a thinning by the cell file", lambda: count("SELECT count(*) FROM thinning WHERE proof = 'cell file'") > 0)
+        until("its event", lambda: count("SELECT count(*) FROM event WHERE what = 'readings.thinned' AND who = 'daemon'") > 0)
+        cell.stop()
+        code, said = cell.verify("--head", head)
+        check(code == 0 and "by daemon at " in said and "max every 300 s" in said, "by the cell file too: " + said[-200:].strip())
         cell.sql("UPDATE thinned_value SET value = value + 1e-6 WHERE value IS NOT NULL AND start_ns = "
                  "(SELECT max(start_ns) FROM thinned_value)")
         code, said = cell.verify()

@@ -21,13 +21,15 @@ const std::string kSource = DRIFTWISE_SOURCE_DIR, kPage = kSource + "/clients/we
 const std::string kProgram = std::string(DRIFTWISE_BIN_DIR) + "/driftwise";
 
 // True once the process has a network namespace of its own.
-bool left_our_network(const std::string& pid) {
+bool left_our_network(Process& process) {
+  const std::string pid = std::to_string(process.pid());
   const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(10);
   std::error_code gone;
   const auto ours = std::filesystem::read_symlink("/proc/self/ns/net", gone);
   while (std::chrono::steady_clock::now() < until) {
     const auto theirs = std::filesystem::read_symlink("/proc/" + pid + "/ns/net", gone);
     if (!gone && theirs != ours) return true;
+    if (!process.running()) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   return false;
@@ -47,8 +49,8 @@ class OtherHost {
       return;
     }
     const std::string pid = std::to_string(sleeper_->pid());
-    if (!left_our_network(pid)) {
-      why_not_ = "unshare did not leave this network within 10 s";
+    if (!left_our_network(*sleeper_)) {
+      why_not_ = "unshare gave no network of its own";
       return;
     }
     const std::vector<std::vector<std::string>> steps = {
