@@ -53,7 +53,8 @@ std::optional<ThinnedEntry> thinned_from(std::string_view bytes) {
   inside.fixed(1);
   const std::int64_t size = inside.integer();
   out.bits = inside.fixed(static_cast<std::size_t>(size));
-  if (!inside.good() || out.bits.empty()) return {};
+  constexpr std::int64_t kMostId = std::int64_t{1} << 60;  // a sum of two still is a number
+  if (!inside.good() || out.bits.empty() || out.first < 0 || out.first > kMostId) return {};
   return out;
 }
 

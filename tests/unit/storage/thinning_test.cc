@@ -1,5 +1,8 @@
 // Thinning: raw readings of the environment become one row per interval, and the chain says so.
 
+#include <limits>
+
+#include "storage/chain/thinned_entry.h"
 #include "tests/unit/storage/store_fixture.h"
 
 namespace driftwise::storage {
@@ -65,6 +68,22 @@ class ThinningTest : public StoreTest {
     store = open_store(path);
   }
 };
+
+TEST(ThinnedEntry, ReadsBackAsItIsWrittenAndNothingElse) {
+  const std::vector<std::int64_t> readings{81, 83, 96};
+  const std::string bytes = thinned_bytes(7, readings, std::string(32, 'h'));
+  const auto entry = thinned_from(bytes);
+  ASSERT_TRUE(entry);
+  EXPECT_EQ(entry->thinning, 7);
+  EXPECT_EQ(entry->count, 3);
+  for (std::int64_t id = 70; id < 120; ++id)
+    EXPECT_EQ(entry->holds(id), id == 81 || id == 83 || id == 96) << id;
+  for (std::size_t size = 0; size < bytes.size(); ++size)
+    EXPECT_FALSE(thinned_from(std::string_view(bytes).substr(0, size))) << size;
+  EXPECT_FALSE(thinned_from(bytes + "x"));
+  const std::vector<std::int64_t> beyond{std::numeric_limits<std::int64_t>::max()};
+  EXPECT_FALSE(thinned_from(thinned_bytes(7, beyond, std::string(32, 'h'))));
+}
 
 TEST_F(ThinningTest, PutsOneRowInThePlaceOfAnInterval) {
   store_scans(100);
