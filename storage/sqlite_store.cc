@@ -10,6 +10,7 @@
 #include "storage/readings/reading_store.h"
 #include "storage/readings/series_store.h"
 #include "storage/record_store.h"
+#include "storage/runs/queue_store.h"
 #include "storage/runs/run_store.h"
 #include "storage/runs/trajectory_store.h"
 #include "storage/schema/schema.h"
@@ -54,6 +55,8 @@ class SqliteStore final : public Store {
                .clocks = &clocks_,
                .configurations = &configurations_,
                .audit = &audit_,
+               .queue = &queue_,
+               .metadata = &metadata_,
                .upkeep = &upkeep_}),
         session_(path,
                  read_only ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE,
@@ -76,7 +79,9 @@ class SqliteStore final : public Store {
         clocks_(session_),
         upkeep_(session_, [this] { set_up_connection(); }),
         configurations_(session_),
-        audit_(session_, protected_) {
+        audit_(session_, protected_),
+        queue_(session_),
+        metadata_(session_) {
     set_up_connection();
   }
 
@@ -168,6 +173,8 @@ class SqliteStore final : public Store {
   std::optional<ProtectedTables> protected_;
   std::optional<ChainRecorder> chain_;
   SqliteAuditStore audit_;
+  SqliteQueueStore queue_;
+  SqliteMetadataStore metadata_;
 };
 
 }  // namespace

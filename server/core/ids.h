@@ -42,5 +42,9 @@ struct ImprovementId {
   std::int64_t value = 0;
   auto operator<=>(const ImprovementId&) const = default;
 };
+struct QueueEntryId {
+  std::int64_t value = 0;
+  auto operator<=>(const QueueEntryId&) const = default;
+};
 
 }  // namespace driftwise

@@ -119,6 +119,9 @@ std::span<const UnitKind> unit_kinds() {
       {29, {"one"}, {"database_identity"}},
       {30, {"audit_id"}, {"audit"}, true},
       {31, {"thinning_id"}, {"thinning", "thinned_value"}},
+      {32, {"entry_id"}, {"queue_entry", "queue_result"}},
+      {33, {"one"}, {"queue_hold"}},
+      {34, {"run_id"}, {"run_metadata", "queue_run"}},
   };
   return kinds;
 }

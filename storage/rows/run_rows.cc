@@ -6,6 +6,21 @@
 
 namespace driftwise::storage {
 
+namespace {
+
+void begin_queue_entry(Session& session, QueueEntryId entry, RunId run, CellTime at) {
+  Query(session.db, "INSERT INTO queue_run (run_id, entry_id) VALUES (?, ?)")
+      .bind(run, entry)
+      .run();
+  Query(session.db,
+        "UPDATE queue_entry SET state = 'running', reason = '', run_id = ?, begun_ns = ?, "
+        "ended_ns = 0 WHERE entry_id = ?")
+      .bind(run, at.utc_ns, entry)
+      .run();
+}
+
+}  // namespace
+
 RunId insert_run(Session& session, const NewRun& run, RunState state) {
   Query(session.db, "INSERT OR IGNORE INTO cell_config (hash, text) VALUES (?, ?)")
       .bind(run.config_hash, run.config_text)
@@ -23,6 +38,9 @@ RunId insert_run(Session& session, const NewRun& run, RunState state) {
   Query(session.db, "INSERT INTO run_progress (run_id, state, boot_id) VALUES (?, ?, ?)")
       .bind(id.value, to_string(state), run.boot_id)
       .run();
+  Query item(session.db, "INSERT INTO run_metadata (run_id, key, value) VALUES (?, ?, ?)");
+  for (const auto& one : run.metadata) item.bind(id, one.key, one.value).run();
+  if (run.queue_entry) begin_queue_entry(session, *run.queue_entry, id, run.created.utc);
   return id;
 }
 

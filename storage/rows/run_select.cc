@@ -42,6 +42,8 @@ RunRecord run_from(const Query& row, const std::string& file) {
   run.hold.at = {row.integer(23)};
   if (run.hold.kind != RunHold::Kind::none) run.hold.reason = run.reason;
   run.boot_id = row.text(24);
+  run.metadata = metadata_from_lines(row.text(25));
+  if (const auto entry = row.optional_integer(26)) run.queue_entry = QueueEntryId{*entry};
   return run;
 }
 

@@ -12,6 +12,7 @@
 #include "storage/schema/schema_v6.h"
 #include "storage/schema/schema_v7.h"
 #include "storage/schema/schema_v8.h"
+#include "storage/schema/schema_v9.h"
 #include "storage/sqlite/failure.h"
 
 namespace driftwise::storage {
@@ -32,8 +33,9 @@ void refuse_foreign_or_newer(Database& db, int newest) {
 }
 
 std::span<const std::string_view> migrations() {
-  static constexpr std::array<std::string_view, 8> kSteps = {
-      kSchemaV1, kSchemaV2, kSchemaV3, kSchemaV4, kSchemaV5, kSchemaV6, kSchemaV7, kSchemaV8};
+  static constexpr std::array<std::string_view, 9> kSteps = {kSchemaV1, kSchemaV2, kSchemaV3,
+                                                             kSchemaV4, kSchemaV5, kSchemaV6,
+                                                             kSchemaV7, kSchemaV8, kSchemaV9};
   return kSteps;
 }
 

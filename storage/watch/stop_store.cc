@@ -31,6 +31,16 @@ void SqliteStopStore::pause_run(const std::string& cause) {
       .run();
 }
 
+// Likewise the queue: nothing that waits may begin by itself after a stop.
+void SqliteStopStore::hold_queue(const StopRecord& stop) {
+  Query(session_.db,
+        "INSERT INTO queue_hold (one, held, who, why, at_ns) VALUES (1, 1, ?, ?, ?) ON CONFLICT "
+        "(one) DO UPDATE SET held = 1, who = excluded.who, why = excluded.why, at_ns = "
+        "excluded.at_ns WHERE held = 0")
+      .bind(stop.who, stop.cause, stop.asked.utc.utc_ns)
+      .run();
+}
+
 Result<std::vector<StopRecord>> SqliteStopStore::keep(std::span<const StopRecord> stops) {
   return session_.write([&] {
     for (const auto& stop : stops)
@@ -41,7 +51,10 @@ Result<std::vector<StopRecord>> SqliteStopStore::keep(std::span<const StopRecord
           .bind(stop.controller, stop.who, stop.from, stop.cause, stop.asked.utc.utc_ns,
                 stop.asked.monotonic_ns, stop.presses)
           .run();
-    if (!stops.empty()) pause_run(stops.front().cause);
+    if (!stops.empty()) {
+      pause_run(stops.front().cause);
+      hold_queue(stops.front());
+    }
     return read_pending();
   });
 }

@@ -110,11 +110,12 @@ const std::vector<std::string> kModelKills = {"before_model_commit", "after_mode
                                               "before_promotion_commit", "after_promotion_commit"};
 INSTANTIATE_TEST_SUITE_P(Each, ModelCrashPoint, testing::ValuesIn(kModelKills), test_name);
 
-// Killed on virtual time, in tests/unit/application/diagnosis/extension_crash_test.cc and
-// configuration_test.cc.
+// Killed on virtual time, in tests/unit/application: diagnosis/extension_crash_test.cc,
+// upkeep/configuration_test.cc, queue/queue_test.cc.
 const std::vector<std::string> kKilledInMemory = {
     "before_extension_commit", "after_extension_commit",      "before_undo_commit",
-    "after_undo_commit",       "before_configuration_commit", "after_configuration_commit"};
+    "after_undo_commit",       "before_configuration_commit", "after_configuration_commit",
+    "before_queue_commit",     "after_queue_commit"};
 
 class StopCrashPoint : public testing::TestWithParam<std::string> {};
 

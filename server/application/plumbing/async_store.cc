@@ -276,4 +276,25 @@ Awaitable<Result<ChainHead>> AsyncAuditStore::head() const {
   return ask<&Store::audit, &AuditStore::head>(store_);
 }
 
+Awaitable<Result<QueueRecord>> AsyncQueueStore::queue(int history) const {
+  return ask<&Store::queue, &QueueStore::queue>(store_, history);
+}
+
+Awaitable<Result<void>> AsyncQueueStore::change_queue(QueueChange change) const {
+  return commit<&Store::queue, &QueueStore::change_queue>(store_, "before_queue_commit",
+                                                          "after_queue_commit", std::move(change));
+}
+
+Awaitable<Result<RunRecord>> AsyncMetadataStore::tag(RunId run, RunMetadata set,
+                                                     std::vector<std::string> removed) const {
+  return ask<&Store::metadata, &MetadataStore::tag>(store_, run, std::move(set),
+                                                    std::move(removed));
+}
+
+Awaitable<Result<std::vector<RunRecord>>> AsyncMetadataStore::find_runs(
+    RunMetadata all_of, int limit, std::int64_t before_id) const {
+  return ask<&Store::metadata, &MetadataStore::find_runs>(store_, std::move(all_of), limit,
+                                                          before_id);
+}
+
 }  // namespace driftwise::application

@@ -214,6 +214,28 @@ class AsyncAuditStore {
   AsyncStore& store_;
 };
 
+class AsyncQueueStore {
+ public:
+  explicit AsyncQueueStore(AsyncStore& store) : store_(store) {}
+  Awaitable<Result<QueueRecord>> queue(int history) const;
+  Awaitable<Result<void>> change_queue(QueueChange change) const;
+
+ private:
+  AsyncStore& store_;
+};
+
+class AsyncMetadataStore {
+ public:
+  explicit AsyncMetadataStore(AsyncStore& store) : store_(store) {}
+  Awaitable<Result<RunRecord>> tag(RunId run, RunMetadata set,
+                                   std::vector<std::string> removed) const;
+  Awaitable<Result<std::vector<RunRecord>>> find_runs(RunMetadata all_of, int limit,
+                                                      std::int64_t before_id) const;
+
+ private:
+  AsyncStore& store_;
+};
+
 // One store and the one thread that may touch it.
 class AsyncStore {
  public:
@@ -234,6 +256,8 @@ class AsyncStore {
   AsyncClockStore clocks() { return AsyncClockStore(*this); }
   AsyncConfigurationStore configurations() { return AsyncConfigurationStore(*this); }
   AsyncAuditStore audit() { return AsyncAuditStore(*this); }
+  AsyncQueueStore queue() { return AsyncQueueStore(*this); }
+  AsyncMetadataStore metadata() { return AsyncMetadataStore(*this); }
 
   // Several calls of the store in one go: function(store, arguments...) on its thread. The rules
   // for closures and arguments are those of run_on().

@@ -17,6 +17,7 @@
 #include "server/core/ports/clock_store.h"
 #include "server/core/ports/configuration_store.h"
 #include "server/core/ports/diagnosis_store.h"
+#include "server/core/ports/queue_store.h"
 #include "server/core/ports/stop_store.h"
 #include "server/core/ports/upkeep_store.h"
 #include "server/core/ports/watch_store.h"
@@ -132,6 +133,8 @@ struct StoreParts {
   ClockStore* clocks = nullptr;
   ConfigurationStore* configurations = nullptr;
   AuditStore* audit = nullptr;
+  QueueStore* queue = nullptr;
+  MetadataStore* metadata = nullptr;
   UpkeepStore* upkeep = nullptr;
 };
 
@@ -156,6 +159,8 @@ class Store {
   ClockStore& clocks() { return *parts_.clocks; }
   ConfigurationStore& configurations() { return *parts_.configurations; }
   AuditStore& audit() { return *parts_.audit; }
+  QueueStore& queue() { return *parts_.queue; }
+  MetadataStore& metadata() { return *parts_.metadata; }
   UpkeepStore* upkeep() { return parts_.upkeep; }
   // For a store that stands before another and answers some parts itself.
   const StoreParts& parts() const { return parts_; }

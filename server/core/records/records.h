@@ -11,6 +11,7 @@
 #include "server/core/data/judged_reading.h"
 #include "server/core/data/reading.h"
 #include "server/core/ids.h"
+#include "server/core/records/run_metadata.h"
 #include "server/core/trajectory/trajectory.h"
 
 namespace driftwise {
@@ -46,6 +47,8 @@ struct NewRun {
   std::string request_id;  // empty: none. The same id again answers with the first run
   Stamp created;
   std::string boot_id = {};  // of this start of the computer; empty: not known
+  RunMetadata metadata = {};
+  std::optional<QueueEntryId> queue_entry = {};  // becomes running with it
 };
 
 // What a run stands for until a person ends it. Its instant is its identity: who resumes the run,
@@ -83,6 +86,8 @@ struct RunRecord {
   double max_lag_s = 0;  // largest lag in cell seconds
   RunHold hold;
   std::string boot_id;  // of the computer when the run last changed its state; empty: not known
+  RunMetadata metadata;
+  std::optional<QueueEntryId> queue_entry;  // that began it
 };
 
 struct RunChange {  // what is set is changed
