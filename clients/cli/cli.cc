@@ -22,6 +22,7 @@
 #include "clients/cli/commands/models/fit_commands.h"
 #include "clients/cli/commands/models/formula_commands.h"
 #include "clients/cli/commands/models/model_commands.h"
+#include "clients/cli/commands/queue/queue_commands.h"
 #include "clients/cli/commands/record/audit_commands.h"
 #include "clients/cli/commands/record/backup_commands.h"
 #include "clients/cli/commands/record/thin_command.h"
@@ -146,6 +147,7 @@ void add_everything(CLI::App& app, Session& session) {
   add_watch_command(app, session);
   add_trajectory_commands(app, session);
   add_run_commands(app, session);
+  add_queue_commands(app, session);
   add_motion_commands(app, session);
   add_data_commands(app, session);
   add_note_commands(app, session);

@@ -26,6 +26,7 @@
 #include "server/application/plumbing/store_reader.h"
 #include "server/application/ports/host.h"
 #include "server/application/provenance/provenance.h"
+#include "server/application/queue/queue.h"
 #include "server/application/runs/runs.h"
 #include "server/application/serving/targets.h"
 #include "server/application/status/overview.h"

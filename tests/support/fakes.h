@@ -87,6 +87,13 @@ class FakeRuns final : public app::Runs {
     last_force_n = force_n;
     co_return change(id, RunState::running, "");
   }
+  Awaitable<Result<RunRecord>> tag(app::Caller, RunId id, RunMetadata set,
+                                   std::vector<std::string> removed) override {
+    const auto found = runs.find(id.value);
+    if (found == runs.end()) co_return fail(ErrorCode::not_found, "NO_SUCH_RUN", "no such run");
+    found->second.metadata = changed_metadata(found->second.metadata, set, removed);
+    co_return found->second;
+  }
   Awaitable<Result<RunRecord>> get(RunId id) override {
     if (fail_next) co_return tl::unexpected(*std::exchange(fail_next, std::nullopt));
     co_return find(id);

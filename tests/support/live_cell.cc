@@ -144,6 +144,7 @@ app::Services LiveCell::services(const Fakes& fakes) {
           fakes.studies ? *fakes.studies : own.studies,
           own.alarms,
           fakes.feeds ? *fakes.feeds : own.feeds,
+          own.queue,
           own.keeping};
 }
 

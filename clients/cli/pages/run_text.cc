@@ -1,8 +1,11 @@
 #include "clients/cli/pages/run_text.h"
 
+#include <algorithm>
+
 #include "clients/cli/core/table.h"
 #include "clients/cli/core/text.h"
 #include "clients/cli/pages/configuration_text.h"
+#include "clients/cli/pages/metadata_text.h"
 
 namespace driftwise::cli {
 namespace {
@@ -68,17 +71,20 @@ void print_runs(const Console& console, const std::vector<v1::Run>& runs) {
     console.out << "no runs yet: driftwise run start TRAJECTORY.csv\n";
     return;
   }
-  Table table({{"run", Align::right},
-               {"name"},
-               {"state"},
-               {"points", Align::right},
-               {"given up", Align::right},
-               {"attempts", Align::right},
-               {"started (UTC)"},
-               {"took", Align::right},
-               {"compensated"},
-               {"operator"},
-               {"rests on"}});
+  std::vector<Table::Column> columns({{"run", Align::right},
+                                      {"name"},
+                                      {"state"},
+                                      {"points", Align::right},
+                                      {"given up", Align::right},
+                                      {"attempts", Align::right},
+                                      {"started (UTC)"},
+                                      {"took", Align::right},
+                                      {"compensated"},
+                                      {"operator"},
+                                      {"rests on"}});
+  if (std::ranges::any_of(runs, [](const v1::Run& run) { return run.metadata_size() > 0; }))
+    columns.push_back({"metadata"});
+  Table table(std::move(columns));
   for (const auto& run : runs) {
     const bool began = run.has_start_time(), ended = began && run.has_end_time();
     table.add({std::to_string(run.id()), run.name(), state_text(run.state()),
@@ -90,7 +96,7 @@ void print_runs(const Console& console, const std::vector<v1::Run>& runs) {
                : run.has_compensate_model_id()
                    ? "model " + std::to_string(run.compensate_model_id())
                    : "yes",
-               run.operator_name(), rests_on(run)});
+               run.operator_name(), rests_on(run), metadata_text(run.metadata())});
   }
   table.print(console.out, console.paint_out());
 }
@@ -110,6 +116,8 @@ void print_run(const Console& console, const v1::Run& run) {
                      std::to_string(run.given_up_count()) + " given up, " +
                      std::to_string(run.attempt_count()) + " attempts");
   line("operator", run.operator_name());
+  if (!run.metadata().empty()) line("metadata", metadata_text(run.metadata()));
+  if (run.has_queue_entry_id()) line("queue entry", std::to_string(run.queue_entry_id()));
   line("created", clock_text(run.create_time()) + " UTC");
   if (run.has_start_time()) line("started", clock_text(run.start_time()) + " UTC");
   if (run.has_end_time())

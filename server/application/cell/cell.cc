@@ -18,11 +18,12 @@ Result<std::unique_ptr<Cell>> Cell::open(asio::any_io_executor executor, Parts p
                 writing->diagnoses().fail_unfinished("the daemon ended while it ran",
                                                      parts.clock->now().utc));
   DRIFTWISE_TRY(auto stops, writing->stops().pending());
+  DRIFTWISE_TRY(auto queue, writing->queue().queue(QueueDesk::kHistory));
   DRIFTWISE_TRY(auto configuration, ConfigurationBook::open(*writing, parts.description,
                                                             parts.version, parts.clock->now()));
   OpenedRecord opened{
       std::move(writing),     std::move(reading), std::move(checking), std::move(configuration),
-      std::move(clock_start), std::move(stops),   unfinished};
+      std::move(clock_start), std::move(stops),   std::move(queue),    unfinished};
   return std::unique_ptr<Cell>(
       new Cell(std::make_unique<Composition>(executor, std::move(parts), std::move(opened))));
 }

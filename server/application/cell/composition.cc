@@ -124,8 +124,16 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
               access},
              reader, alarm_book, tasks),
       feeds(events, recorder, engine, alarm_book, diagnosis_desk, improver),
+      queue_desk(on, {description, *clock, recorder, reader, writer, events, runs, engine, right,
+                      stops, leases, models, diagnoses, tasks, [this] { return improver.busy(); },
+                      [this](AlarmCondition condition) { alarms.note(std::move(condition)); }}),
+      queue(description, *clock, events, trajectories, models, queue_desk),
       measure_pauses_(given.measure_pauses) {
   stops.restore(std::move(opened.stops));
+  stops.tell_presses([this](const Caller& caller, const std::string& cause) {
+    queue_desk.stopped(caller, cause);
+  });
+  queue_desk.restore(std::move(opened.queue));
   manual.start();
   if (opened.unfinished_jobs > 0)
     events.record_own("diagnosis.failed",
@@ -148,7 +156,7 @@ Services Composition::services() {
   return {host,       overview,       reader,    manual,     runs,         trajectories,
           datasets,   annotations,    models,    promotions, checks,       serving,
           provenance, configurations, diagnoses, extensions, improvements, studies,
-          alarms,     feeds,          upkeep,    holds};
+          alarms,     feeds,          queue,     upkeep,     holds};
 }
 
 }  // namespace driftwise::application

@@ -25,6 +25,7 @@
 #include "server/application/plumbing/task_group.h"
 #include "server/application/ports/host.h"
 #include "server/application/provenance/provenance_service.h"
+#include "server/application/queue/queue_service.h"
 #include "server/application/recording/device_keeper.h"
 #include "server/application/runs/runs_service.h"
 #include "server/application/status/overview_service.h"
@@ -72,7 +73,8 @@ struct OpenedRecord {
   std::unique_ptr<Store> writing, reading, checking;
   ConfigurationBook configuration;
   ClockStart clock_start;
-  std::vector<StopRecord> stops;     // that no controller had confirmed when the daemon ended
+  std::vector<StopRecord> stops;  // that no controller had confirmed when the daemon ended
+  QueueRecord queue;
   std::int64_t unfinished_jobs = 0;  // diagnoses and improvements under way then
 };
 
@@ -139,6 +141,8 @@ class Composition {
   OverviewService overview;
   AlarmsService alarms;
   FeedsService feeds;
+  QueueDesk queue_desk;
+  QueueService queue;
 
  private:
   Awaitable<void> start_up();

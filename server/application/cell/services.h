@@ -21,6 +21,7 @@ class Models;
 class Overview;
 class Promotions;
 class Provenance;
+class Queue;
 class RecordKeeping;
 class Runs;
 class StoreReader;
@@ -49,6 +50,7 @@ struct Services {
   Studies& studies;
   Alarms& alarms;
   Feeds& feeds;
+  Queue& queue;
   RecordKeeping& keeping;
   Holds& holds;
 };

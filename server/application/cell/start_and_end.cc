@@ -42,6 +42,7 @@ Awaitable<void> Composition::start_up() {
   tell("finding the present datum", co_await restore_datum());
   tell("serving the promoted model", co_await restore_model());
   tell("going on with the run", co_await runs.continue_unfinished());
+  queue_desk.start();
 }
 
 Awaitable<Result<void>> Composition::restore_datum() {
@@ -92,6 +93,7 @@ Awaitable<void> Composition::shut_down() {
   alarms.shut_down();
   recorder.shut_down();
   serving.shut_down();
+  queue_desk.shut_down();
   improver.shut_down();
   diagnosis_desk.shut_down();
   study_desk.shut_down();

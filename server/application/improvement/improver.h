@@ -34,6 +34,7 @@ class Improver {
   // continues after a stop, also when somebody resumes the run.
   void halt(const std::string& why);
 
+  bool busy() const { return active_ != nullptr; }
   void tell_present(const std::function<void(const ImprovementProgress&)>& to) const;
   WatchList<ImprovementProgress>& watchers() { return watchers_; }
   void shut_down();

@@ -134,6 +134,7 @@ StopAnswer StopDesk::answer() const {
 
 Awaitable<StopAnswer> StopDesk::press(Caller caller, std::string cause) {
   const auto now = clock_.now();
+  if (on_press_) on_press_(caller, cause);
   for (auto& place : places_) {
     if (place.stop) {
       ++place.stop->presses;

@@ -49,6 +49,11 @@ class StopDesk {
   // disk never delays a stop by more. Answers within 80 ms of wall time, confirmed or not.
   Awaitable<StopAnswer> press(Caller caller, std::string cause);
 
+  // Called at every press, before anything else is done about it.
+  void tell_presses(std::function<void(const Caller&, const std::string& cause)> to) {
+    on_press_ = std::move(to);
+  }
+
   bool pending() const;
   std::vector<StopRecord> records() const;  // those pending, in the order of the controllers
   // Errors: failed_precondition STOP_PENDING: whose stop, which controller, why not yet, what to
@@ -88,6 +93,7 @@ class StopDesk {
   std::vector<StopRecord> orphans_;  // pending, of controllers that the cell no longer has
   bool ending_ = false;
   Signal changed_, pressed_;
+  std::function<void(const Caller&, const std::string&)> on_press_;
 };
 
 }  // namespace driftwise::application

@@ -32,7 +32,7 @@ RunEngine::RunEngine(asio::any_io_executor executor, Workbench& bench, Hooks hoo
 RunEngine::~RunEngine() = default;
 
 void RunEngine::begin(RunRecord record, RunPlan plan, Trajectory trajectory,
-                      std::optional<RunBefore> before, bool asked_for) {
+                      std::optional<RunBefore> before, bool asked_for, std::string announce) {
   assert(!run_);
   const double guess_s = point_s(plan.rules);
   run_ = std::make_unique<ActiveRun>(executor_, bench_, std::move(record), std::move(plan),
@@ -43,6 +43,7 @@ void RunEngine::begin(RunRecord record, RunPlan plan, Trajectory trajectory,
   had_datum_ = before_ && !before_->data.empty();
   stands_ = computer_was_away_ = false;
   announcement_.clear();
+  begins_by_itself_ = std::move(announce);
   counted_accepted_ = run.record.accepted;
   counted_given_up_ = run.record.given_up;
   run.continued = before_.has_value();
@@ -217,6 +218,10 @@ Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
 // After a restart, or a controller that lost its reference: who says that the robot may move.
 // Nothing has moved yet.
 Awaitable<Result<void>> RunEngine::clear_to_move(ActiveRun& run) {
+  if (!begins_by_itself_.empty()) {
+    const auto why = std::exchange(begins_by_itself_, {});
+    if (auto ok = co_await announce_motion(run, why); !ok) co_return ok;
+  }
   if (may_start_) co_return Result<void>{};
   DRIFTWISE_CO_TRY(const auto state, co_await bench_.devices.motion_state());
   const bool reference_lost = had_datum_ && !state.referenced;
@@ -235,6 +240,7 @@ Awaitable<Result<void>> RunEngine::clear_to_move(ActiveRun& run) {
                                   why, power_loss ? "after_power_loss" : "after_restart")});
     if (auto ok = co_await hold(run, RunState::paused); !ok) co_return ok;
   } else if (power_loss) {
+    why += ", and the cell file says to go on ([run] after_power_loss = \"go-on\")";
     if (auto ok = co_await announce_motion(run, why); !ok) co_return ok;
   }
   may_start_ = true;
@@ -246,10 +252,8 @@ Awaitable<Result<void>> RunEngine::clear_to_move(ActiveRun& run) {
 Awaitable<Result<void>> RunEngine::announce_motion(ActiveRun& run, const std::string& why) {
   constexpr double kWarning_s = 60;
   const auto begins = bench_.clock.now().utc + nanoseconds_from_s(kWarning_s);
-  announcement_ = fmt::format(
-      "run {} moves the robot at {}: {}, and the cell file says to go on ([run] after_power_loss = "
-      "\"go-on\"); a stop keeps it from moving",
-      run.record.id.value, to_iso8601(begins), why);
+  announcement_ = fmt::format("run {} moves the robot at {}: {}; a stop keeps it from moving",
+                              run.record.id.value, to_iso8601(begins), why);
   bench_.events.record_own("run.moves_soon", announcement_, run.record.id);
   run.scope.phase("about to move");
   const auto waited = co_await run.scope.sleep_until(begins);
@@ -292,6 +296,12 @@ void RunEngine::hold_if_too_many_were_given_up(ActiveRun& run) {
                                 given_up, decided, 100 * share, run.record.id.value)});
   counted_accepted_ = run.record.accepted;
   counted_given_up_ = run.record.given_up;
+}
+
+void RunEngine::take_metadata(RunId run, RunMetadata metadata) {
+  if (!run_ || run_->record.id != run) return;
+  run_->record.metadata = std::move(metadata);
+  publish();
 }
 
 void RunEngine::remeasure_zero(std::string reason) {

@@ -39,8 +39,13 @@ class RunEngine {
 
   // The run must not be over, and none may be under way. Returns at once. asked_for: a person has
   // asked for it just now; false: it was under way, or about to begin, when the daemon ended.
+  // announce: why it begins by itself, told for a minute before its first motion; empty: a person
+  // has asked for it.
   void begin(RunRecord record, RunPlan plan, Trajectory trajectory, std::optional<RunBefore> before,
-             bool asked_for);
+             bool asked_for, std::string announce = {});
+
+  // Of the run under way, as the store has it now; of another one: nothing.
+  void take_metadata(RunId run, RunMetadata metadata);
 
   // The run under way opens a new datum before its next point, without homing; none: nothing.
   void remeasure_zero(std::string reason);
@@ -103,6 +108,7 @@ class RunEngine {
   bool computer_was_away_ = false;
   bool had_datum_ = false;  // before its first one a run has not needed a reference yet
   std::string announcement_;
+  std::string begins_by_itself_;  // why; empty: a person has asked for the run, or it was told
   std::int64_t counted_accepted_ = 0, counted_given_up_ = 0;  // rows up to the last such pause
   std::int64_t sequence_ = 0;
   bool publishing_ = false;

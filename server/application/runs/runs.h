@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "server/application/ports/caller.h"
 #include "server/application/ports/run_hold.h"
@@ -23,6 +24,11 @@ struct CreateRun {
   std::optional<RunRules> rules;
   bool compensate = false;                 // x_mm trajectories: move to the serving model's targets
   std::optional<ModelId> compensate_with;  // this model instead of the serving one
+  RunMetadata metadata = {};
+  std::optional<QueueEntryId> queue_entry = {};  // that it is the turn of
+  // Why the robot is about to move without a person having asked for it now: told for a minute
+  // before the first motion. Empty: a person has.
+  std::string announce = {};
 };
 
 class Runs {
@@ -41,6 +47,9 @@ class Runs {
   // NO_FORCE_WANTED (the run does not wait for one), invalid_argument WRONG_FORCE (another one than
   // the run waits for).
   virtual Awaitable<Result<RunRecord>> confirm_force(Caller caller, RunId run, double force_n) = 0;
+  // Sets and removes metadata. Errors: not_found NO_SUCH_RUN, invalid_argument BAD_METADATA.
+  virtual Awaitable<Result<RunRecord>> tag(Caller caller, RunId run, RunMetadata set,
+                                           std::vector<std::string> removed) = 0;
   // The run under way as it is now, any other from the store. Errors: not_found NO_SUCH_RUN.
   virtual Awaitable<Result<RunRecord>> get(RunId run) = 0;
   // Calls back with every change of the run under way until the handle is destroyed; at once with

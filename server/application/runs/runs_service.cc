@@ -33,6 +33,23 @@ RunsService::RunsService(Workbench& bench, StoreReader& reader, RunEngine& engin
       configuration_(configuration),
       background_(std::move(background)) {}
 
+Result<void> check_coordinates(const std::string& name, const Trajectory& trajectory,
+                               bool compensate) {
+  const auto& first = trajectory.coordinates.front();
+  const bool is_pose = is_pose_symbol(first.symbol);
+  if (compensate && !is_pose)
+    return fail(ErrorCode::invalid_argument, reasons::kNothingToCompensate,
+                fmt::format("{}: column {}: compensation needs wanted poses (x_mm ...), these are "
+                            "motor coordinates",
+                            name, first.name()));
+  if (is_pose && !compensate && trajectory.coordinates.size() > 1)
+    return fail(ErrorCode::invalid_argument, reasons::kNeedsCompensation,
+                fmt::format("{}: column {}: with several axes a pose is no motor coordinate: "
+                            "compensate with a model",
+                            name, first.name()));
+  return {};
+}
+
 Awaitable<Result<RunRecord>> RunsService::create(Caller caller, CreateRun request) {
   const auto lock = co_await right_.turn();
   // A repeated request gets the first one's answer, whatever has become of the lease since.
@@ -40,6 +57,7 @@ Awaitable<Result<RunRecord>> RunsService::create(Caller caller, CreateRun reques
       run && !request.request_id.empty() && run->request_id == request.request_id)
     co_return *run;
   DRIFTWISE_CO_RETURN_IF_ERROR(right_.check(request.lease_token));
+  DRIFTWISE_CO_TRY(request.metadata, checked_metadata(std::move(request.metadata)));
   RunPlan plan{request.rules.value_or(description_.run),
                request.compensate || request.compensate_with, request.compensate_with,
                std::nullopt};
@@ -50,17 +68,7 @@ Awaitable<Result<RunRecord>> RunsService::create(Caller caller, CreateRun reques
   const auto stops = stop_events_.presses();
   auto checking = trajectories_.check(name, request.trajectory_text);
   DRIFTWISE_CO_TRY(auto check, co_await std::move(checking));
-  const bool is_pose = is_pose_symbol(check.trajectory.coordinates.front().symbol);
-  if (plan.compensate && !is_pose)
-    co_return fail(ErrorCode::invalid_argument, reasons::kNothingToCompensate,
-                   fmt::format("{}: column {}: compensation needs wanted poses (x_mm ...), these "
-                               "are motor coordinates",
-                               name, check.trajectory.coordinates.front().name()));
-  if (is_pose && !plan.compensate && check.trajectory.coordinates.size() > 1)
-    co_return fail(ErrorCode::invalid_argument, reasons::kNeedsCompensation,
-                   fmt::format("{}: column {}: with several axes a pose is no motor coordinate: "
-                               "compensate with a model",
-                               name, check.trajectory.coordinates.front().name()));
+  DRIFTWISE_CO_RETURN_IF_ERROR(check_coordinates(name, check.trajectory, plan.compensate));
   if (plan.compensate && !plan.compensate_with && serving_.refused())
     co_return tl::unexpected(*serving_.refused());
   if (plan.compensate && !plan.compensate_with && !serving_.model())
@@ -94,6 +102,8 @@ Awaitable<Result<RunRecord>> RunsService::start_run(Caller caller, CreateRun req
   fresh.request_id = request.request_id;
   fresh.created = clock_.now();
   fresh.boot_id = boot_id_;
+  fresh.metadata = request.metadata;
+  fresh.queue_entry = request.queue_entry;
   auto stored = co_await writer_.runs().create_run(fresh);
   if (!stored) co_return stored;
   const bool is_repeat = stored->created != fresh.created.utc || stored->state != RunState::queued;
@@ -102,7 +112,8 @@ Awaitable<Result<RunRecord>> RunsService::start_run(Caller caller, CreateRun req
                  fmt::format("{} created run {} '{}': {} rows", caller.name, stored->id.value,
                              stored->name, stored->rows),
                  stored->id);
-  engine_.begin(*stored, std::move(plan), std::move(trajectory), std::nullopt, true);
+  engine_.begin(*stored, std::move(plan), std::move(trajectory), std::nullopt, true,
+                std::move(request.announce));
   co_return *engine_.record();
 }
 
@@ -187,6 +198,22 @@ Awaitable<Result<RunRecord>> RunsService::confirm_force(Caller caller, RunId id,
                  fmt::format("{} confirmed {:.6g} N", caller.name, force_n), id);
   control->confirm_force();
   co_return *engine_.record();
+}
+
+Awaitable<Result<RunRecord>> RunsService::tag(Caller caller, RunId id, RunMetadata set,
+                                              std::vector<std::string> removed) {
+  DRIFTWISE_CO_TRY(set, checked_metadata(std::move(set)));
+  DRIFTWISE_CO_TRY(const auto before, co_await get(id));
+  DRIFTWISE_CO_RETURN_IF_ERROR(checked_metadata(changed_metadata(before.metadata, set, removed)));
+  auto tagging = writer_.metadata().tag(id, std::move(set), std::move(removed));
+  DRIFTWISE_CO_TRY(const auto stored, co_await std::move(tagging));
+  engine_.take_metadata(id, stored.metadata);
+  auto after = metadata_text(stored.metadata);
+  auto detail =
+      fmt::format("{} tagged run {}: {}", caller.name, id.value, after.empty() ? "nothing" : after);
+  events_.record(caller, "run.tagged", std::move(detail), id,
+                 {{}, metadata_text(before.metadata), std::move(after)});
+  co_return co_await get(id);
 }
 
 Awaitable<Result<RunRecord>> RunsService::get(RunId run) {

@@ -16,6 +16,10 @@
 
 namespace driftwise::application {
 
+// Errors: invalid_argument NOTHING_TO_COMPENSATE, NEEDS_COMPENSATION. name: of the file.
+Result<void> check_coordinates(const std::string& name, const Trajectory& trajectory,
+                               bool compensate);
+
 class RunsService final : public Runs {
  public:
   // All of them outlive this.
@@ -28,6 +32,8 @@ class RunsService final : public Runs {
   Awaitable<Result<RunRecord>> resume(Caller caller, RunId run, HoldAnswer answer) override;
   Awaitable<Result<RunRecord>> abort(Caller caller, RunId run, std::string why) override;
   Awaitable<Result<RunRecord>> confirm_force(Caller caller, RunId run, double force_n) override;
+  Awaitable<Result<RunRecord>> tag(Caller caller, RunId run, RunMetadata set,
+                                   std::vector<std::string> removed) override;
   Awaitable<Result<RunRecord>> get(RunId run) override;
   std::shared_ptr<void> watch(std::function<void(const RunProgress&)> on_change) override;
 

@@ -123,7 +123,25 @@ v1::Run run_from(const RunRecord& run) {
   out.set_compensated(compensation.compensated);
   if (compensation.model) out.set_compensate_model_id(compensation.model->value);
   if (run.hold.kind != RunHold::Kind::none) *out.mutable_hold() = hold_from(run.hold);
+  add_metadata(run.metadata, *out.mutable_metadata());
+  if (run.queue_entry) out.set_queue_entry_id(run.queue_entry->value);
   return out;
+}
+
+void add_metadata(const RunMetadata& metadata,
+                  google::protobuf::RepeatedPtrField<v1::MetadataItem>& out) {
+  for (const auto& item : metadata) {
+    auto& one = *out.Add();
+    one.set_key(item.key);
+    one.set_value(utf8_from(item.value));
+  }
+}
+
+Result<RunMetadata> metadata_from(
+    const google::protobuf::RepeatedPtrField<v1::MetadataItem>& items) {
+  RunMetadata metadata;
+  for (const auto& item : items) metadata.push_back({item.key(), item.value()});
+  return checked_metadata(std::move(metadata));
 }
 
 Result<application::HoldAnswer> answer_from(const v1::HoldAnswer& answer) {

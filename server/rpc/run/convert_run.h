@@ -9,6 +9,11 @@
 namespace driftwise::rpc {
 
 v1::Run run_from(const RunRecord& run);
+void add_metadata(const RunMetadata& metadata,
+                  google::protobuf::RepeatedPtrField<v1::MetadataItem>& out);
+// Errors: invalid_argument BAD_METADATA.
+Result<RunMetadata> metadata_from(
+    const google::protobuf::RepeatedPtrField<v1::MetadataItem>& items);
 // Errors: invalid_argument (a reason that is too long).
 Result<application::HoldAnswer> answer_from(const v1::HoldAnswer& answer);
 v1::RunProgress progress_from(const application::RunProgress& progress);

@@ -28,6 +28,7 @@ Result<application::CreateRun> create_run_from(const v1::CreateRunRequest& reque
   asked.request_id = request.request_id();
   asked.lease_token = request.lease_token();
   asked.compensate = request.compensate();
+  DRIFTWISE_TRY(asked.metadata, metadata_from(request.metadata()));
   if (request.has_rules()) {
     DRIFTWISE_TRY(auto rules, rules_from(request.rules(), cell_rules));
     asked.rules = rules;

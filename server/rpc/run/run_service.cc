@@ -58,8 +58,10 @@ class RunService final : public v1::RunService::CallbackService {
       if (auto good = check_cursor(request->before_run_id(), "before_run_id"); !good)
         co_return good;
       DRIFTWISE_CO_TRY(const auto limit, limit_from(request->limit(), 50, 1000));
-      DRIFTWISE_CO_TRY(const auto runs,
-                       co_await records_.runs().runs(limit, request->before_run_id()));
+      DRIFTWISE_CO_TRY(auto wanted, metadata_from(request->metadata()));
+      auto finding =
+          records_.metadata().find_runs(std::move(wanted), limit, request->before_run_id());
+      DRIFTWISE_CO_TRY(const auto runs, co_await std::move(finding));
       std::vector<RunId> ids;
       for (const auto& run : runs) ids.push_back(run.id);
       auto looking = provenance_.grounds_of_runs(std::move(ids));
@@ -177,6 +179,22 @@ class RunService final : public v1::RunService::CallbackService {
       DRIFTWISE_CO_TRY(const auto reason, line_from(request->reason(), kMostNameBytes, "reason"));
       auto aborting = runs_.abort(caller_of(*context), RunId{request->run_id()}, reason);
       DRIFTWISE_CO_TRY(const auto run, co_await std::move(aborting));
+      *response->mutable_run() = run_from(run);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* TagRun(Context* context, const v1::TagRunRequest* request,
+                  v1::TagRunResponse* response) override {
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->run_id(), "run_id"); !good) co_return good;
+      DRIFTWISE_CO_TRY(auto set, metadata_from(request->set()));
+      std::vector<std::string> removed(request->remove().begin(), request->remove().end());
+      for (const auto& key : removed)
+        if (auto good = check_size(key, kMostNameBytes, "remove"); !good) co_return good;
+      auto tagging = runs_.tag(caller_of(*context), RunId{request->run_id()}, std::move(set),
+                               std::move(removed));
+      DRIFTWISE_CO_TRY(const auto run, co_await std::move(tagging));
       *response->mutable_run() = run_from(run);
       co_return Result<void>{};
     });

@@ -10,9 +10,12 @@
 #include "clients/cli/core/assignment.h"
 #include "clients/cli/core/console.h"
 #include "driftwise/v1/error_detail.pb.h"
+#include "server/application/queue/follow_up.h"
+#include "server/application/queue/queue_condition.h"
 #include "server/rpc/cell/motor_coordinates.h"
 #include "server/rpc/data/convert_remarks.h"
 #include "server/rpc/model/fit_request.h"
+#include "server/rpc/queue/convert_queue.h"
 #include "server/rpc/run/create_run_request.h"
 #include "server/rpc/shared/convert_values.h"
 #include "server/rpc/shared/error_mapping.h"
@@ -49,6 +52,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
   v1::CreateRunRequest create;
   if (create.ParseFromString(bytes)) check(rpc::create_run_from(create, RunRules{}));
+  v1::AddQueueEntryRequest queued;
+  if (queued.ParseFromString(bytes)) check(rpc::queue_draft_from(queued, RunRules{}));
+  v1::ChangeQueueEntryRequest edit;
+  if (edit.ParseFromString(bytes)) check(rpc::queue_edit_from(edit));
+  check(application::parse_condition(bytes, {{"t12", "degC"}}));
+  check(application::parse_follow_up(bytes));
   v1::CreateFitRequest fit;
   if (fit.ParseFromString(bytes)) check(rpc::fit_request_from(fit));
   v1::ExcludeRowsRequest exclude;

@@ -12,6 +12,7 @@
 #include "clients/cli/core/hold_question.h"
 #include "clients/cli/core/proto_json.h"
 #include "clients/cli/core/validators.h"
+#include "clients/cli/pages/metadata_text.h"
 #include "clients/cli/pages/run_text.h"
 #include "driftwise/v1/cell_service.grpc.pb.h"
 #include "driftwise/v1/run_service.grpc.pb.h"
@@ -27,6 +28,7 @@ struct RunArguments {
   std::string reason;
   double force_n = 0;
   HoldOptions hold;
+  std::vector<std::string> meta, tags, removed;
 };
 
 ExitCode show_changed(const Session& session, const v1::Run& run) {
@@ -37,15 +39,27 @@ ExitCode show_changed(const Session& session, const v1::Run& run) {
   return ExitCode::done;
 }
 
-ExitCode list_runs(const Session& session, std::int32_t limit) {
+ExitCode list_runs(const Session& session, const RunArguments& a) {
   v1::ListRunsRequest request;
-  request.set_limit(limit);
+  request.set_limit(a.limit);
+  for (auto& item : metadata_from(a.meta)) *request.add_metadata() = std::move(item);
   const auto response = session.connect().ask(&RunStub::ListRuns, request);
   if (session.console.json)
     session.console.print_json(json_from(response));
   else
     print_runs(session.console, {response.runs().begin(), response.runs().end()});
   return ExitCode::done;
+}
+
+ExitCode tag_run(const Session& session, const RunArguments& a) {
+  if (a.tags.empty() && a.removed.empty())
+    throw Failure{ExitCode::usage, "usage", "USAGE",
+                  "run tag needs what to set or remove: driftwise run tag 3 sample=A12"};
+  v1::TagRunRequest request;
+  request.set_run_id(a.id);
+  for (auto& item : metadata_from(a.tags)) *request.add_set() = std::move(item);
+  for (const auto& key : a.removed) request.add_remove(key);
+  return show_changed(session, session.connect().ask(&RunStub::TagRun, request).run());
 }
 
 ExitCode show_run(const Session& session, std::int64_t id) {
@@ -148,10 +162,16 @@ void add_run_commands(CLI::App& app, Session& session) {
 
   add_run_start(run, session);
   CLI::App& list = add_command(run, session, "list", "Runs, newest first",
-                               [&session, a] { return list_runs(session, a->limit); });
+                               [&session, a] { return list_runs(session, *a); });
   list.add_option("--limit", a->limit, "how many")
       ->check(number_between(1, 1000))
       ->capture_default_str();
+  list.add_option("--meta", a->meta, "only runs with this key=value; may be repeated");
+  CLI::App& tagged = add_command(run, session, "tag", "Sets and removes metadata of a run",
+                                 [&session, a] { return tag_run(session, *a); });
+  id(tagged);
+  tagged.add_option("KEY=VALUE", a->tags, "sample=A12 tool=probe");
+  tagged.add_option("--remove", a->removed, "a key to take away; may be repeated");
   id(add_command(run, session, "show", "One run",
                  [&session, a] { return show_run(session, a->id); }));
   CLI::App& watched = add_command(run, session, "watch", "Follows a run to its end", [&session, a] {

@@ -8,6 +8,7 @@
 #include "clients/cli/core/proto_json.h"
 #include "clients/cli/core/trajectory_check.h"
 #include "clients/cli/core/validators.h"
+#include "clients/cli/pages/metadata_text.h"
 #include "clients/cli/pages/run_text.h"
 
 namespace driftwise::cli {
@@ -18,6 +19,7 @@ struct StartArguments {
   std::int64_t model = 0;
   int readings = 0;
   double max_spread_nm = 0;
+  std::vector<std::string> meta;
   bool compensate = false, watch = false, dry_run = false;
 };
 
@@ -39,6 +41,7 @@ v1::CreateRunRequest request_from(const StartArguments& a, const std::string& te
   request.set_request_id(a.request_id.empty() ? fresh_request_id() : a.request_id);
   request.set_compensate(a.compensate);
   if (a.model != 0) request.set_compensate_model_id(a.model);
+  for (auto& item : metadata_from(a.meta)) *request.add_metadata() = std::move(item);
   if (a.readings != 0) request.mutable_rules()->set_readings_per_point(a.readings);
   if (a.max_spread_nm > 0) request.mutable_rules()->set_max_spread_nm(a.max_spread_nm);
   return request;
@@ -94,6 +97,7 @@ void add_run_start(CLI::App& run, Session& session) {
       .add_option("--max-spread-nm", a->max_spread_nm,
                   "gate on their standard deviation instead of the cell's")
       ->check(positive_number());
+  command.add_option("--meta", a->meta, "key=value for the run's record; may be repeated");
   command.add_flag("--watch", a->watch, "follow it to its end, the lease held meanwhile");
   command.add_flag("--dry-run", a->dry_run, "check only, start nothing");
   command.add_option("--lease-token", a->lease_token,

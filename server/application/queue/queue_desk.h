@@ -1,0 +1,103 @@
+#pragma once
+// The queue at work: holds its state, starts the entry whose turn it is, settles the one whose run
+// is over, makes what follows. Executor's thread.
+//
+// Every change is on the disk before it is in memory. An entry becomes running in the transaction
+// that creates its run; one whose run is over is settled in one more. So after a kill at any place
+// the entry is found waiting, or running with a run that continues or is over.
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "server/application/diagnoses/diagnoses.h"
+#include "server/application/models/models.h"
+#include "server/application/plumbing/event_log.h"
+#include "server/application/plumbing/store_reader.h"
+#include "server/application/plumbing/task_group.h"
+#include "server/application/ports/alarm_condition.h"
+#include "server/application/queue/follow_up.h"
+#include "server/application/queue/queue_rule.h"
+#include "server/application/recording/recorder.h"
+#include "server/application/runs/right_to_move.h"
+#include "server/application/runs/runs.h"
+#include "server/core/ports/async_mutex.h"
+
+namespace driftwise::application {
+
+class QueueDesk {
+ public:
+  // Entries that are over and stay in lists.
+  static constexpr int kHistory = 200;
+
+  struct Parts {  // all of them outlive this
+    const CellDescription& description;
+    Clock& clock;
+    const Recorder& recorder;
+    StoreReader& reader;
+    StoreWriter& writer;
+    EventLog& events;
+    Runs& runs;
+    const RunEngine& engine;
+    const RightToMove& right;
+    const StopDesk& stops;
+    LeaseBook& leases;
+    Models& models;
+    Diagnoses& diagnoses;
+    TaskGroup& tasks;
+    std::function<bool()> improving;  // an improvement is under way: it moves the robot again
+    std::function<void(AlarmCondition)> alarm;
+  };
+  QueueDesk(asio::any_io_executor executor, Parts parts);
+
+  void restore(QueueRecord record) { record_ = std::move(record); }  // before start()
+  void start();  // once, when a run that was under way goes on
+  void shut_down();
+
+  // Every stop and every abort by a person: the store holds the queue with the stop itself.
+  void stopped(const Caller& caller, const std::string& cause);
+
+  // One at a time changes the queue.
+  Awaitable<AsyncMutex::Lock> turn() { return changing_.lock(); }
+  // On the disk, then here. Only by who has the turn.
+  Awaitable<Result<void>> change(QueueChange change);
+  // A person has just said that entries may start.
+  void look_now();
+
+  const std::vector<QueueEntry>& entries() const { return record_.entries; }
+  const QueueHold& hold() const { return record_.hold; }
+  QueueEntryId next_id() const;
+  std::int64_t first_place() const;  // of those that wait
+  std::int64_t last_place() const;
+  // Why each entry waits, by what was known at the last look; one that does not wait: none, empty.
+  std::map<QueueEntryId, std::string> waits() const;
+  std::string waits_for(QueueEntryId id) const;
+
+ private:
+  Awaitable<void> look_for_ever();
+  Awaitable<void> look();
+  Awaitable<void> settle(QueueEntry entry);
+  Awaitable<void> put_back(QueueEntry entry, std::string why, bool by_person);
+  Awaitable<void> begin(QueueEntry entry, bool asked_for);
+  Awaitable<void> follow(QueueEntryId id);
+  Awaitable<QueueResult> make(const QueueEntry& entry, int position);
+  Awaitable<QueueResult> fit(const QueueEntry& entry, std::string formula);
+  Awaitable<QueueResult> diagnose(const QueueEntry& entry, std::string baseline);
+  Awaitable<Result<ConditionVerdict>> look_at(std::string text);
+  void add_repeat(const QueueEntry& entry, QueueChange& change) const;
+  QueueSituation situation() const;
+  std::string busy() const;
+
+  asio::any_io_executor executor_;
+  Parts parts_;
+  AsyncMutex changing_;
+  Signal wake_;
+  QueueRecord record_;
+  std::map<QueueEntryId, ConditionVerdict> conditions_;
+  std::map<QueueEntryId, std::string> refused_;  // why a start was put off
+  std::shared_ptr<void> run_watch_;
+  bool asked_ = false, woken_ = false, following_ = false, ending_ = false;
+};
+
+}  // namespace driftwise::application

@@ -1,0 +1,358 @@
+// The queue on virtual time: order, holds, failures, what follows, and kill -9.
+
+#include "server/application/queue/queue.h"
+
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <set>
+
+#include "server/application/plumbing/crash_point.h"
+#include "tests/support/cell_in_memory.h"
+#include "tests/unit/application/shared_world.h"
+#include "tests/unit/application/sqlite.h"
+
+namespace driftwise::tests {
+namespace {
+
+using application::QueueDraft;
+using application::QueueLine;
+using testing::HasSubstr;
+
+const std::string kShort = lines_of(1, {1, -2}, true);
+
+QueueDraft draft(const std::string& name) {
+  QueueDraft d;
+  d.name = name;
+  d.trajectory_name = name + ".csv";
+  d.trajectory_text = kShort;
+  return d;
+}
+
+class QueueTest : public testing::Test {
+ protected:
+  QueueLine add(QueueDraft d) {
+    auto line = cell.await(cell->queue.add(cell.ada, std::move(d)));
+    if (!line) throw std::runtime_error(line.error().message);
+    return *line;
+  }
+  QueueEntry look(const QueueLine& line) { return cell->queue.get(line.entry.id)->entry; }
+  QueueState state_of(const QueueLine& line) { return look(line).state; }
+  std::string waits_for(const QueueLine& line) { return cell->queue.get(line.entry.id)->waits_for; }
+  void until(const QueueLine& line, QueueState state) {
+    cell.until([&] { return state_of(line) == state; });
+  }
+  QueueHold hold() { return cell->queue.list().hold; }
+  void release() { ASSERT_TRUE(cell.await(cell->queue.release(cell.ada))); }
+  void give_up_lease(const std::string& token) {
+    ASSERT_TRUE(cell->manual.give_up_lease(cell.ada, token));
+  }
+  std::vector<std::string> names_of_runs() {  // oldest first
+    std::vector<std::string> names;
+    const auto runs = cell.await(cell.runs(0, 0));
+    for (const auto& run : *runs) names.insert(names.begin(), run.name);
+    return names;
+  }
+
+  Folder folder;
+  SmallWorld world;
+  CellInMemory cell{world, small_cell(folder / "cell.sqlite"), kSqlite};
+};
+
+TEST_F(QueueTest, MakesARunOfEachEntryInTurn) {
+  auto first = draft("a");
+  first.metadata = {{"sample", "A12"}};
+  const auto a = add(first), b = add(draft("b"));
+  until(a, QueueState::running);
+  EXPECT_EQ(waits_for(b), "waits until entry 1 'a' is over");
+  until(b, QueueState::done);
+  EXPECT_EQ(names_of_runs(), (std::vector<std::string>{"a", "b"}));
+  const auto run = *cell.await(cell.run(*look(a).run));
+  EXPECT_EQ(run.state, RunState::done);
+  EXPECT_EQ(run.operator_name, "ada");
+  EXPECT_EQ(run.queue_entry, a.entry.id);
+  EXPECT_EQ(metadata_text(run.metadata), "sample=A12");
+  EXPECT_TRUE(look(b).accepted());
+  EXPECT_EQ(cell.events_named("queue.done").front(),
+            "entry 1 'a' is done: run 1, 3 of 3 rows accepted");
+}
+
+TEST_F(QueueTest, AnnouncesOnlyARunThatNobodyAskedForJustNow) {
+  add(draft("a"));
+  const auto b = add(draft("b"));
+  until(b, QueueState::done);
+  const auto announced = cell.events_named("run.moves_soon");
+  ASSERT_EQ(announced.size(), 1u);
+  EXPECT_THAT(announced.front(), HasSubstr("the queue begins entry 2 'b'; a stop keeps it from"));
+}
+
+TEST_F(QueueTest, TakesTheHigherPriorityFirstAndCanBeReordered) {
+  ASSERT_TRUE(cell.await(cell->queue.hold(cell.ada, "all at once")));
+  const auto a = add(draft("a")), b = add(draft("b")), c = add(draft("c"));
+  application::QueueEdit urgent;
+  urgent.priority = 7;
+  ASSERT_TRUE(cell.await(cell->queue.change(cell.ada, c.entry.id, urgent)));
+  ASSERT_TRUE(cell.await(cell->queue.move(cell.ada, b.entry.id, a.entry.id)));
+  EXPECT_EQ(waits_for(a),
+            "waits for a release of the queue, which is held: held by ada: all at once");
+  release();
+  until(a, QueueState::done);
+  EXPECT_EQ(names_of_runs(), (std::vector<std::string>{"c", "b", "a"}));
+}
+
+TEST_F(QueueTest, WaitsForALeaseOfSomebodyElse) {
+  const auto token = cell.lease();
+  const auto a = add(draft("a"));
+  cell.pass(60);
+  EXPECT_EQ(state_of(a), QueueState::waiting);
+  EXPECT_THAT(waits_for(a), HasSubstr("waits: ada holds the lease to move until"));
+  give_up_lease(token);
+  until(a, QueueState::done);
+}
+
+TEST_F(QueueTest, WaitsForItsTimeAndForTheEntryBefore) {
+  auto late = draft("late");
+  late.not_before = UtcTime{cell.now().utc_ns + 3'600'000'000'000};
+  const auto a = add(late);
+  auto next = draft("next");
+  next.after = a.entry.id;
+  const auto b = add(next);
+  cell.pass(3000);
+  EXPECT_EQ(waits_for(a), "waits until 2026-11-21T09:00:00Z");
+  EXPECT_EQ(waits_for(b), "waits until entry 1 'late' is accepted: that one waits");
+  until(b, QueueState::done);
+  EXPECT_GE(look(a).begun.utc_ns, late.not_before.ns);
+  EXPECT_GE(look(b).begun, look(a).ended);
+}
+
+TEST_F(QueueTest, WaitsForACondition) {
+  world.warming_k_per_h = 1;  // t01 begins at 20.1 degC
+  auto warm = draft("warm");
+  warm.condition = "t01 > 20.6 degC for 10 min";
+  const auto a = add(warm);
+  EXPECT_EQ(a.entry.condition, "t01_degC > 20.6 degC for 10 min");
+  cell.pass(60);
+  EXPECT_THAT(waits_for(a), HasSubstr("waits for t01_degC above 20.6 degC for 10 min: 20.1"));
+  until(a, QueueState::running);
+  const double hours = static_cast<double>(look(a).begun.utc_ns - kWorldBegin.utc_ns) / 3.6e12;
+  EXPECT_GT(hours, 0.5 + 10.0 / 60);  // warm enough after half an hour, and 10 min on top
+  EXPECT_LT(hours, 0.5 + 13.0 / 60);  // buckets of a minute, looks of five seconds
+}
+
+TEST_F(QueueTest, AFailedEntryIsBackInFrontAndHoldsTheQueue) {
+  auto broken = draft("broken");
+  broken.compensate = true;
+  broken.trajectory_text = "x_mm\n0\n1\n0\n";  // no model serves when it starts
+  const auto a = add(broken), b = add(draft("b"));
+  cell.until([&] { return hold().held; });
+  EXPECT_EQ(state_of(a), QueueState::waiting);
+  EXPECT_THAT(look(a).reason, HasSubstr("no model serves"));
+  EXPECT_THAT(hold().why, HasSubstr("entry 1 'broken': no model serves"));
+  cell.pass(60);
+  EXPECT_EQ(state_of(b), QueueState::waiting);
+  EXPECT_EQ(cell.alarms_of("queue.failed").size(), 0u) << "it is over at once";
+  EXPECT_EQ(cell.events_named("queue.failed").size(), 1u);
+  ASSERT_TRUE(cell.await(cell->queue.remove(cell.ada, a.entry.id, "")));
+  release();
+  until(b, QueueState::done);
+}
+
+TEST_F(QueueTest, AnEntryThatIsSetAsideLetsTheNextOneStartAndCanComeBack) {
+  auto broken = draft("broken");
+  broken.compensate = true;
+  broken.trajectory_text = "x_mm\n0\n1\n0\n";
+  broken.on_failure = OnFailure::set_aside;
+  const auto a = add(broken), b = add(draft("b"));
+  until(b, QueueState::done);
+  EXPECT_EQ(state_of(a), QueueState::set_aside);
+  EXPECT_THAT(look(a).reason, HasSubstr("no model serves"));
+  EXPECT_FALSE(hold().held);
+  const auto back = cell.await(cell->queue.move(cell.ada, a.entry.id, std::nullopt));
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->entry.state, QueueState::waiting);
+}
+
+TEST_F(QueueTest, APersonsStopHoldsItUntilAPersonReleasesIt) {
+  const auto a = add(draft("a")), b = add(draft("b"));
+  cell.until([&] { return cell.status().run && cell.status().run->run.accepted > 0; });
+  ASSERT_TRUE(cell.await(cell->manual.stop_all(cell.ada)));
+  EXPECT_TRUE(hold().held);
+  EXPECT_EQ(hold().who, "ada");
+  cell.until([&] { return cell.status().run->run.state == RunState::paused; });
+  ASSERT_TRUE(cell.resume());
+  until(a, QueueState::done);
+  cell.pass(600);
+  EXPECT_EQ(state_of(b), QueueState::waiting);
+  EXPECT_EQ(waits_for(b), "waits for a release of the queue, which is held: stopped by ada");
+  release();
+  until(b, QueueState::done);
+}
+
+TEST_F(QueueTest, AnAbortPutsTheEntryBackAndHoldsEvenWhereItWouldBeSetAside) {
+  auto d = draft("a");
+  d.on_failure = OnFailure::set_aside;
+  const auto a = add(d);
+  cell.until([&] { return cell.status().run && cell.status().run->run.accepted > 0; });
+  ASSERT_TRUE(cell.await(cell->runs.abort(cell.ada, *look(a).run, "wrong sample")));
+  until(a, QueueState::waiting);
+  EXPECT_TRUE(hold().held);
+  EXPECT_THAT(look(a).reason, HasSubstr("wrong sample"));
+}
+
+TEST_F(QueueTest, RepeatsFromStartToStart) {
+  auto d = draft("check");
+  d.repeat_every_s = 7200;
+  const auto a = add(d);
+  until(a, QueueState::done);
+  const auto lines = cell->queue.list().lines;
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_EQ(lines[0].entry.id.value, 2);
+  EXPECT_EQ(lines[0].entry.not_before.ns - look(a).begun.utc_ns, 7'200'000'000'000);
+  until(lines[0], QueueState::done);
+  EXPECT_EQ(names_of_runs(), (std::vector<std::string>{"check", "check"}));
+}
+
+TEST_F(QueueTest, FitsAndNotifiesWhenTheRunIsDone) {
+  auto d = draft("night 2");
+  d.trajectory_text = lines_of(4, {-4, -2, 1, 3}, true);
+  d.follow_ups = {"fit:q ~ x", "fit:q ~ t99", "notify"};
+  const auto a = add(d);
+  auto next = draft("next");
+  next.after = a.entry.id;
+  const auto b = add(next);
+  until(a, QueueState::done);
+  const auto entry = look(a);
+  ASSERT_EQ(entry.results.size(), 3u);
+  EXPECT_TRUE(entry.results[0].good) << entry.results[0].text;
+  ASSERT_TRUE(entry.results[0].model);
+  EXPECT_TRUE(cell.await(cell->models.get(*entry.results[0].model)));
+  EXPECT_FALSE(entry.results[1].good) << "the cell has no t99";
+  EXPECT_EQ(cell.await(cell.run(*entry.run))->state, RunState::done) << "the run is not lost";
+  EXPECT_FALSE(entry.accepted());
+  EXPECT_THAT(waits_for(b), HasSubstr("which was not accepted"));
+  const auto alarms = cell.await(cell->alarms.list(true, 100));
+  const auto told = std::ranges::find(*alarms, "queue.done", &AlarmRecord::kind);
+  ASSERT_NE(told, alarms->end());
+  EXPECT_THAT(told->message,
+              HasSubstr("queue entry 1 'night 2' is done: 20 of 20 rows accepted in run 1"));
+}
+
+TEST_F(QueueTest, RefusesWhatCannotBeAndKeepsNothingOfIt) {
+  const auto reason_of = [&](const std::function<void(QueueDraft&)>& spoil) {
+    auto d = draft("bad");
+    spoil(d);
+    const auto line = cell.await(cell->queue.add(cell.ada, d));
+    return line ? std::string("taken") : line.error().reason;
+  };
+  EXPECT_EQ(reason_of([](auto& d) { d.trajectory_text = lines_of(1, {5.1}, false); }),
+            "SOFT_LIMIT");
+  EXPECT_EQ(reason_of([](auto& d) { d.condition = "t99 < 20 degC"; }), "BAD_CONDITION");
+  EXPECT_EQ(reason_of([](auto& d) { d.after = QueueEntryId{1}; }), "QUEUE_CYCLE");
+  EXPECT_EQ(reason_of([](auto& d) { d.after = QueueEntryId{7}; }), "NO_SUCH_QUEUE_ENTRY");
+  EXPECT_EQ(reason_of([](auto& d) { d.follow_ups = {"dance"}; }), "BAD_FOLLOW_UP");
+  EXPECT_EQ(reason_of([](auto& d) { d.metadata = {{"no spaces", "x"}}; }), "BAD_METADATA");
+  EXPECT_EQ(reason_of([](auto& d) { d.repeat_every_s = 5; }), "BAD_REPEAT");
+  EXPECT_EQ(reason_of([](auto& d) { d.compensate = true; }), "NOTHING_TO_COMPENSATE");
+  EXPECT_EQ(reason_of([](auto& d) { d.compensate_with = ModelId{3}; }), "NOTHING_TO_COMPENSATE");
+  EXPECT_TRUE(cell->queue.list().lines.empty());
+}
+
+TEST_F(QueueTest, AnEntryThatHasBegunIsNeitherChangedNorRemoved) {
+  const auto a = add(draft("a"));
+  until(a, QueueState::running);
+  EXPECT_EQ(cell.await(cell->queue.change(cell.ada, a.entry.id, {})).error().reason,
+            "QUEUE_ENTRY_BEGUN");
+  EXPECT_EQ(cell.await(cell->queue.move(cell.ada, a.entry.id, {})).error().message,
+            "entry 1 'a' cannot be moved: it is running, run 1: abort that");
+  EXPECT_EQ(cell.await(cell->queue.remove(cell.ada, {9}, "")).error().reason,
+            "NO_SUCH_QUEUE_ENTRY");
+}
+
+TEST_F(QueueTest, TheSameRequestTwiceIsOneEntry) {
+  auto d = draft("a");
+  d.request_id = "7d0f";
+  const auto first = add(d), again = add(d);
+  EXPECT_EQ(first.entry.id, again.entry.id);
+}
+
+TEST_F(QueueTest, TagsOfARunAreSetRemovedAndFound) {
+  const auto a = add(draft("a")), b = add(draft("b"));
+  until(b, QueueState::done);
+  const RunId run = *look(a).run;
+  ASSERT_TRUE(
+      cell.await(cell->runs.tag(cell.ada, run, {{"sample", "A12"}, {"tool", "probe"}}, {})));
+  ASSERT_TRUE(cell.await(cell->runs.tag(cell.ada, run, {{"sample", "A13"}}, {"tool"})));
+  EXPECT_EQ(metadata_text(cell.await(cell.run(run))->metadata), "sample=A13");
+  const auto found = [&](const RunMetadata& wanted) {
+    return cell.await(cell->records.metadata().find_runs(wanted, 0, 0))->size();
+  };
+  EXPECT_EQ(found({{"sample", "A13"}}), 1u);
+  EXPECT_EQ(found({{"sample", "A1"}}), 0u);
+  EXPECT_EQ(found({}), 2u);
+  EXPECT_EQ(cell.await(cell->runs.tag(cell.ada, {9}, {}, {})).error().reason, "NO_SUCH_RUN");
+}
+
+// Kill -9 at a commit of the queue or of its runs: three entries, each becomes one run.
+bool queue_dies(SharedWorld& world, const std::string& database, CellTime begin, int n) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    int passed = 0;
+    application::on_crash_point([&passed, n](std::string_view name) {
+      const bool counts = name.ends_with("_queue_commit") || name.ends_with("_run_create_commit") ||
+                          name.ends_with("_run_state_commit");
+      if (counts && ++passed == n) ::raise(SIGKILL);
+    });
+    CellInMemory cell(*world, small_cell(database), kSqlite, begin);
+    for (const char* name : {"a", "b", "c"}) {
+      auto d = draft(name);
+      d.request_id = name;
+      if (!cell.await(cell->queue.add(cell.ada, d))) ::_exit(3);
+    }
+    cell.until([&] {
+      for (const auto& line : cell->queue.list().lines)
+        if (line.entry.state != QueueState::done) return false;
+      return true;
+    });
+    cell.shut_down();
+    ::_exit(0);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  if (!WIFEXITED(status)) return true;
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  return false;
+}
+
+TEST(QueueKilled, MakesEachEntryOneRunAtAnyCommit) {
+  int n = 1;
+  for (;; ++n) {
+    SCOPED_TRACE("killed at passing " + std::to_string(n));
+    ASSERT_LT(n, 100);
+    Folder folder;
+    SharedWorld world;
+    const auto database = folder / "cell.sqlite";
+    if (!queue_dies(world, database, kWorldBegin, n)) break;
+    ASSERT_FALSE(queue_dies(world, database, kWorldBegin + std::chrono::hours(1), 1 << 30));
+    auto store = *storage::open_sqlite_store(database, true);
+    const auto runs = *store->runs().runs(0, 0);
+    ASSERT_EQ(runs.size(), 3u);
+    std::string names;
+    for (const auto& run : runs) {
+      names = run.name + names;
+      EXPECT_EQ(run.state, RunState::done) << run.reason;
+      const auto points = *store->points().points(run.id, 0, 100);
+      std::set<std::int64_t> rows;
+      for (const auto& point : points) rows.insert(point.row);
+      EXPECT_EQ(rows.size(), 3u);
+      EXPECT_EQ(points.size(), 3u);
+    }
+    EXPECT_EQ(names, "abc");
+  }
+  EXPECT_GT(n, 15) << "the crash points are there at all";
+}
+
+}  // namespace
+}  // namespace driftwise::tests
