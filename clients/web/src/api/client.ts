@@ -50,7 +50,7 @@ function pageTransport(): Transport {
   return transport;
 }
 
-function lazily<T extends DescService>(service: T) {
+export function lazily<T extends DescService>(service: T) {
   let client: ReturnType<typeof createClient<T>> | undefined;
   let of: Transport | undefined;
   return () => {

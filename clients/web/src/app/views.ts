@@ -1,4 +1,4 @@
-// The eight views. Each is one folder under views/ whose view.tsx exports the component as default; it is fetched when
+// The nine views. Each is one folder under views/ whose view.tsx exports the component as default; it is fetched when
 // first shown. `key` is what follows g on the keyboard.
 import type { ComponentType } from 'preact';
 
@@ -14,6 +14,7 @@ export const views: readonly ViewEntry[] = [
   { name: 'instruments', title: 'Instruments', key: 'i', load: () => import('@/views/instruments/view') },
   { name: 'trajectories', title: 'Trajectories', key: 't', load: () => import('@/views/trajectories/view') },
   { name: 'runs', title: 'Runs', key: 'r', load: () => import('@/views/runs/view') },
+  { name: 'queue', title: 'Queue', key: 'q', load: () => import('@/views/queue/view') },
   { name: 'models', title: 'Models', key: 'm', load: () => import('@/views/models/view') },
   { name: 'diagnosis', title: 'Diagnosis', key: 'd', load: () => import('@/views/diagnosis/view') },
   { name: 'targets', title: 'Targets', key: 'a', load: () => import('@/views/targets/view') },

@@ -9,6 +9,7 @@ import { DiagnosisService } from '@/api/gen/driftwise/v1/diagnosis_service_pb';
 import { CheckFormulaResponseSchema, ListResidualsResponseSchema, ModelService, Promotion_Action } from '@/api/gen/driftwise/v1/model_service_pb';
 import { Run_State } from '@/api/gen/driftwise/v1/run_pb';
 import { CheckTrajectoryResponseSchema, RunService } from '@/api/gen/driftwise/v1/run_service_pb';
+import { QueueEntry_State, QueueService } from '@/api/gen/driftwise/v1/queue_service_pb';
 import { MapTargetsResponseSchema, TargetService } from '@/api/gen/driftwise/v1/target_service_pb';
 import { TrajectoryService } from '@/api/gen/driftwise/v1/trajectory_service_pb';
 import { WatchService, type Alarm } from '@/api/gen/driftwise/v1/watch_service_pb';
@@ -32,11 +33,25 @@ export interface FakeWishes {
   problem?: (formula: string) => string; // what CheckFormula says of it
   noModel?: boolean;
   alarms?: Alarm[]; // that stand; absent: one
+  moved?: (entry: bigint, before: bigint | undefined) => void; // an entry of the queue
+  released?: () => void; // the queue was
   endless?: (ended: boolean) => void; // studies never end; called when one begins, and when its client left
 }
 
 export function fakeDaemon(wishes: FakeWishes = {}): Transport {
   return createRouterTransport(({ service }) => {
+    service(QueueService, {
+      listQueue: () => ({
+        hold: { who: 'anna', why: 'stopped by anna', beginTime: at(3) },
+        entries: [
+          { id: 4n, state: QueueEntry_State.WAITING, name: 'night 2', trajectoryName: 'published.csv', rowCount: 240n, createdBy: 'anna', condition: 't12_degC < 20.5 degC for 30 min', waitsFor: 'waits for t12_degC below 20.5 degC for 30 min: 21.3 now', metadata: [{ key: 'sample', value: 'A12' }] },
+          { id: 5n, state: QueueEntry_State.WAITING, name: 'check', trajectoryName: 'published.csv', rowCount: 240n, createdBy: 'anna', waitsFor: 'waits for a release of the queue, which is held: stopped by anna' },
+          { id: 3n, state: QueueEntry_State.DONE, name: 'night 1', trajectoryName: 'published.csv', rowCount: 240n, createdBy: 'anna', runId: 17n, accepted: true, results: [{ followUp: 'fit:q ~ x', good: true, text: 'model 3 was fitted' }] },
+        ],
+      }),
+      moveQueueEntry: (request) => (wishes.moved?.(request.entryId, request.beforeEntryId), {}),
+      releaseQueue: () => (wishes.released?.(), {}),
+    });
     service(WatchService, {
       async *watch(_request, { signal }) {
         for (let n = 0; !signal.aborted; n++) {

@@ -1,4 +1,4 @@
-// All runs, newest first, with search by number, name, trajectory, operator, and by state.
+// All runs, newest first, with search by number, name, trajectory, operator, metadata, and by state.
 import { useMemo, useState } from 'preact/hooks';
 import { api } from '@/api/client';
 import { Run_State, type Run } from '@/api/gen/driftwise/v1/run_pb';
@@ -17,14 +17,16 @@ import { Verdict } from '@/ui/verdict';
 import { ViewTitle } from '@/ui/view_title';
 
 const pageSize = 200;
-// A cell has no queue: a run begins when it is created, or is refused.
+// A run begins when it is created, or is refused: campaigns that wait are the view Queue's.
 const states = [Run_State.RUNNING, Run_State.PAUSED, Run_State.WAITING, Run_State.DONE, Run_State.ABORTED, Run_State.FAILED];
 
 const newestFirst = (runs: readonly Run[]) => [...new Map(runs.map((run) => [run.id, run])).values()].sort((a, b) => (a.id < b.id ? 1 : -1));
 
+const metadataOf = (run: Run): string => run.metadata.map((item) => `${item.key}=${item.value}`).join(', ');
+
 export function matches(run: Run, text: string, state: string): boolean {
   if (state !== '' && stateWords[run.state][1].toLowerCase() !== state) return false;
-  const words = `${run.id} ${run.name} ${run.trajectoryName} ${run.operatorName} ${run.reason}`.toLowerCase();
+  const words = `${run.id} ${run.name} ${run.trajectoryName} ${run.operatorName} ${run.reason} ${metadataOf(run)}`.toLowerCase();
   return text.toLowerCase().split(/\s+/).every((word) => words.includes(word));
 }
 
@@ -54,6 +56,7 @@ function RunTable({ runs }: { runs: readonly Run[] }) {
         { title: 'compensated', of: (run) => (!run.compensated ? 'no' : run.compensateModelId !== undefined ? <a href={`/models/${run.compensateModelId}`}>model {String(run.compensateModelId)}</a> : 'yes'), sort: (run) => Number(run.compensateModelId ?? (run.compensated ? 0 : -1)) },
         { title: 'trajectory', of: (run) => run.trajectoryName || '–', sort: (run) => run.trajectoryName },
         { title: 'operator', of: (run) => run.operatorName || 'unknown', sort: (run) => run.operatorName },
+        ...(runs.some((run) => run.metadata.length > 0) ? [{ title: 'metadata', of: metadataOf }] : []),
         ...(runs.some((run) => run.corrections.length > 0) ? [{ title: 'rests on', of: (run: Run) => run.corrections.map((mark) => `correction ${mark.correctionId}`).join(', ') }] : []),
       ]}
     />

@@ -1,0 +1,81 @@
+// Adds a campaign from the trajectories that the daemon keeps.
+import { useState } from 'preact/hooks';
+import { api } from '@/api/client';
+import { fromUtc, timestampOf } from '@/format/time';
+import { CommandButton } from '@/ui/button';
+import { Field, numberTyped } from '@/ui/field';
+import { Awaiting, Failed } from '@/ui/states';
+import { useAsked } from '@/ui/use_asked';
+import { useCommand } from '@/ui/use_command';
+import { queueApi } from './api';
+import { metadataTyped } from './words';
+
+export function AddEntry({ onAdded }: { onAdded: () => void }) {
+  const kept = useAsked('kept trajectories', async (signal) => (await api.trajectory().listTrajectories({}, { signal })).trajectories);
+  const [which, setWhich] = useState('');
+  const [name, setName] = useState('');
+  const [priority, setPriority] = useState('0');
+  const [notBefore, setNotBefore] = useState('');
+  const [after, setAfter] = useState('');
+  const [condition, setCondition] = useState('');
+  const [every, setEvery] = useState('');
+  const [then, setThen] = useState('');
+  const [meta, setMeta] = useState('');
+  const [setsAside, setSetsAside] = useState(false);
+  const [requestId, setRequestId] = useState(() => crypto.randomUUID()); // a second press is the same entry
+  const number = numberTyped(priority);
+  const wrong = {
+    priority: number === undefined || !Number.isInteger(number) || Math.abs(number) > 1000 ? 'a whole number from -1000 to 1000' : undefined,
+    notBefore: notBefore !== '' && fromUtc(notBefore) === undefined ? 'UTC as 2026-11-22T23:00:00Z' : undefined,
+    after: after !== '' && !/^[1-9]\d*$/.test(after) ? 'the number of an entry' : undefined,
+    every: every !== '' && !((numberTyped(every) ?? 0) > 0) ? 'a number above 0' : undefined,
+    meta: metadataTyped(meta) ? undefined : 'key=value, parted by commas',
+  };
+  const off = which === '' ? 'Choose a trajectory first' : Object.values(wrong).find(Boolean);
+  const add = useCommand(async () => {
+    const { trajectory } = await api.trajectory().getTrajectory({ trajectoryId: BigInt(which) });
+    await queueApi().addQueueEntry({
+      name: name.trim(), trajectoryName: trajectory!.name, trajectoryText: trajectory!.text, priority: number!, condition: condition.trim(), setAsideOnFailure: setsAside,
+      followUps: then.split('\n').map((line) => line.trim()).filter(Boolean), metadata: metadataTyped(meta)!, requestId,
+      ...(notBefore ? { notBeforeTime: timestampOf(fromUtc(notBefore)!) } : {}),
+      ...(after ? { afterEntryId: BigInt(after) } : {}),
+      ...(every ? { repeatDuration: { seconds: BigInt(Math.round(numberTyped(every)! * 3600)), nanos: 0 } } : {}),
+    });
+    setRequestId(crypto.randomUUID());
+    onAdded();
+  });
+  return (
+    <details>
+      <summary>Add a campaign</summary>
+      {kept.failure && <Failed asked="List the kept trajectories" failure={kept.failure} again={kept.again} />}
+      {!kept.value && !kept.failure && <Awaiting what="the kept trajectories" />}
+      {kept.value && (
+        <div class="stack">
+          <div class="queue-form">
+            <label class="field">
+              <span>Trajectory</span>
+              <select class="input" value={which} onChange={(event) => setWhich(event.currentTarget.value)}>
+                <option value="">choose a kept one</option>
+                {kept.value.map((one) => <option key={String(one.id)} value={String(one.id)}>{one.name}, {String(one.rowCount)} rows</option>)}
+              </select>
+            </label>
+            <Field label="Name" value={name} onInput={setName} hint="empty: the trajectory's" />
+            <Field label="Priority" type="number" value={priority} onInput={setPriority} wrong={wrong.priority} hint="higher first" />
+            <Field label="Not before (UTC)" value={notBefore} onInput={setNotBefore} wrong={wrong.notBefore} hint="2026-11-22T23:00:00Z" />
+            <Field label="After entry" value={after} onInput={setAfter} wrong={wrong.after} hint="only when that one was accepted" />
+            <Field label="When" value={condition} onInput={setCondition} mono hint="t12 < 20.5 degC for 30 min" />
+            <Field label="Repeat every" unit="h" type="number" value={every} onInput={setEvery} wrong={wrong.every} hint="empty: once" />
+            <Field label="Metadata" value={meta} onInput={setMeta} wrong={wrong.meta} hint="sample=A12, tool=probe" />
+          </div>
+          <label class="field">
+            <span>Then, an action a line</span>
+            <textarea class="input mono" rows={3} value={then} placeholder={'fit:q ~ x + x^2\ndiagnose\nnotify'} onInput={(event) => setThen(event.currentTarget.value)} />
+          </label>
+          <label><input type="checkbox" checked={setsAside} onChange={(event) => setSetsAside(event.currentTarget.checked)} /> set aside on failure, and start the next one</label>
+          <div class="actions"><CommandButton kind="main" busy={add.busy} off={off} onPress={() => void add.send()}>Add to the queue</CommandButton></div>
+          {add.failure && <Failed asked="Add the campaign" failure={add.failure} />}
+        </div>
+      )}
+    </details>
+  );
+}
