@@ -91,6 +91,25 @@ TEST_F(QueueOfCampaigns, IsHeldByAPersonsStopAlsoAfterAKill) {
   EXPECT_TRUE(comes([&] { return states() == "done done done"; })) << states();
 }
 
+TEST_F(QueueOfCampaigns, WaitsForTheRoomThenFitsAndNotifies) {
+  add("cold", crash_trajectory(1, 2), {"--when", "t01 < 5 degC for 10 min"});
+  add("warm", crash_trajectory(4, 6),
+      {"--when", "t01 > 5 degC for 5 min", "--then", "fit:q ~ x", "--then", "notify"});
+  ASSERT_TRUE(comes([&] { return states() == "waiting done"; })) << states();
+  const auto cold = cell.cli({"queue", "show", "1"});
+  EXPECT_NE(cold.out.find("waits for t01_degC below 5 degC for 10 min: "), std::string::npos)
+      << cold.out;
+  const auto warm = cell.cli({"queue", "history"});
+  EXPECT_NE(warm.out.find("model 1 was fitted"), std::string::npos) << warm.out;
+  EXPECT_EQ(count_of(cell.database(), "SELECT count(*) FROM model"), 1);
+  const auto alarms = cell.cli({"alarms"});
+  EXPECT_NE(alarms.out.find("queue entry 2 'warm' is done: 24 of 24 rows accepted in run 1"),
+            std::string::npos)
+      << alarms.out;
+  ASSERT_EQ(cell.cli({"queue", "edit", "1", "--when", ""}).code, 0);
+  EXPECT_TRUE(comes([&] { return states() == "done done"; })) << states();
+}
+
 TEST_F(QueueOfCampaigns, SetsAFailedEntryAsideAndStartsTheNext) {
   add("broken", "x_mm\n0\n1\n0\n", {"--compensate", "--on-failure", "set-aside"});
   add("b", crash_trajectory(1, 2));
