@@ -125,7 +125,8 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
              reader, alarm_book, tasks),
       feeds(events, recorder, engine, alarm_book, diagnosis_desk, improver),
       queue_desk(on, {description, *clock, recorder, reader, writer, events, runs, engine, right,
-                      stops, leases, models, diagnoses, tasks, [this] { return improver.busy(); },
+                      stops, leases, models, diagnoses, tasks, text_thread.executor(),
+                      [this] { return improver.busy(); },
                       [this](AlarmCondition condition) { alarms.note(std::move(condition)); }}),
       queue(description, *clock, events, trajectories, models, queue_desk),
       measure_pauses_(given.measure_pauses) {

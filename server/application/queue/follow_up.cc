@@ -19,12 +19,13 @@ Result<FollowUp> parse_follow_up(std::string_view text) {
     out.kind = FollowUp::Kind::fit;
   } else if (verb == "diagnose") {
     out.kind = FollowUp::Kind::diagnose;
-  } else if (text == "notify") {
+  } else if (text == "notify" || text == "report") {
+    if (text == "report") out.kind = FollowUp::Kind::report;
     return out;
   } else {
     return fail(ErrorCode::invalid_argument, reasons::kBadFollowUp,
                 fmt::format("follow-up: found {}, expected 'fit:FORMULA', 'diagnose', "
-                            "'diagnose:FORMULA' or 'notify'",
+                            "'diagnose:FORMULA', 'report' or 'notify'",
                             shown(text)));
   }
   const bool needs_formula = out.kind == FollowUp::Kind::fit || colon != std::string_view::npos;

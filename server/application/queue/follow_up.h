@@ -4,6 +4,7 @@
 //   fit:q ~ x + x^2 + R   a model of that formula, proposed
 //   diagnose              a diagnosis from the baseline in force
 //   diagnose:q ~ x        a diagnosis from this baseline
+//   report                a file of plain text beside the database: run_report.h
 //   notify                an alarm at level notice: the entry is done
 
 #include <string>
@@ -14,7 +15,7 @@
 namespace driftwise::application {
 
 struct FollowUp {
-  enum class Kind { fit, diagnose, notify };
+  enum class Kind { fit, diagnose, report, notify };
   Kind kind = Kind::notify;
   std::string formula;  // of fit and diagnose; empty: none given
 };

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "server/application/plumbing/run_on.h"
+#include "server/application/queue/run_report.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 
@@ -367,6 +369,10 @@ Awaitable<QueueResult> QueueDesk::make(const QueueEntry& entry, int position) {
     auto making = diagnose(entry, what->formula);
     co_return co_await std::move(making);
   }
+  if (what->kind == FollowUp::Kind::report) {
+    auto making = report(entry);
+    co_return co_await std::move(making);
+  }
   auto looking = parts_.runs.get(*entry.run);
   const auto run = co_await std::move(looking);
   auto sentence = fmt::format("queue {} is done", entry_text(entry));
@@ -377,6 +383,17 @@ Awaitable<QueueResult> QueueDesk::make(const QueueEntry& entry, int position) {
   parts_.alarm({AlarmLevel::notice, "queue.done", fmt::format("queue entry {}", entry.id.value),
                 std::move(sentence)});
   co_return QueueResult{.text = "people were notified"};
+}
+
+Awaitable<QueueResult> QueueDesk::report(const QueueEntry& entry) {
+  auto looking = parts_.runs.get(*entry.run);
+  const auto run = co_await std::move(looking);
+  if (!run) co_return QueueResult{.good = false, .text = run.error().message};
+  auto text = run_report(entry, *run, [this](CellTime at) { return parts_.clock.utc(at); });
+  const auto path = report_path(parts_.description.database, entry.id, run->id);
+  const auto written = co_await run_on(parts_.background, write_report, path, std::move(text));
+  if (!written) co_return QueueResult{.good = false, .text = written.error().message};
+  co_return QueueResult{.text = fmt::format("the report {} was written", path)};
 }
 
 Awaitable<QueueResult> QueueDesk::fit(const QueueEntry& entry, std::string formula) {

@@ -46,7 +46,8 @@ class QueueDesk {
     Models& models;
     Diagnoses& diagnoses;
     TaskGroup& tasks;
-    std::function<bool()> improving;  // an improvement is under way: it moves the robot again
+    asio::any_io_executor background;  // where reports are written
+    std::function<bool()> improving;   // an improvement is under way: it moves the robot again
     std::function<void(AlarmCondition)> alarm;
   };
   QueueDesk(asio::any_io_executor executor, Parts parts);
@@ -84,6 +85,7 @@ class QueueDesk {
   Awaitable<QueueResult> make(const QueueEntry& entry, int position);
   Awaitable<QueueResult> fit(const QueueEntry& entry, std::string formula);
   Awaitable<QueueResult> diagnose(const QueueEntry& entry, std::string baseline);
+  Awaitable<QueueResult> report(const QueueEntry& entry);
   Awaitable<Result<ConditionVerdict>> look_at(std::string text);
   void add_repeat(const QueueEntry& entry, QueueChange& change) const;
   QueueSituation situation() const;

@@ -195,8 +195,9 @@ void add_queue_commands(CLI::App& app, Session& session) {
   add.add_option("--model", added->model, "compensate with this model instead")
       ->needs(compensate)
       ->check(positive_number());
-  add.add_option("--then", added->then,
-                 "what follows: 'fit:q ~ x', diagnose, 'diagnose:q ~ x', notify; may be repeated");
+  add.add_option(
+      "--then", added->then,
+      "what follows: 'fit:q ~ x', diagnose, 'diagnose:q ~ x', report, notify; may be repeated");
   add.add_option("--request-id", added->request_id, "the same id again answers with the first one");
   add_command(queue, session, "list", "What runs and what waits, with the reasons",
               [&session] { return list_queue(session, false); });

@@ -112,7 +112,8 @@ TEST(FollowUps, AreReadOrRefused) {
   EXPECT_EQ(parse_follow_up("fit:q ~ x + x^2")->formula, "q ~ x + x^2");
   EXPECT_EQ(parse_follow_up("diagnose")->kind, FollowUp::Kind::diagnose);
   EXPECT_EQ(parse_follow_up("notify")->kind, FollowUp::Kind::notify);
-  for (const char* bad : {"", "fit", "fit:", "diagnose:", "notify:ada", "dance", "fit:q ~ x\ny"})
+  for (const char* bad :
+       {"", "fit", "fit:", "diagnose:", "notify:ada", "report:x", "dance", "fit:q ~ x\ny"})
     EXPECT_EQ(parse_follow_up(bad).error().reason, "BAD_FOLLOW_UP") << bad;
   EXPECT_FALSE(parse_follow_up("fit:q ~ ("));
 }

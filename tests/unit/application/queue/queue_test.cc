@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <fstream>
 #include <set>
 
 #include "server/application/plumbing/crash_point.h"
@@ -238,6 +239,32 @@ TEST_F(QueueTest, FitsAndNotifiesWhenTheRunIsDone) {
   ASSERT_NE(told, alarms->end());
   EXPECT_THAT(told->message,
               HasSubstr("queue entry 1 'night 2' is done: 20 of 20 rows accepted in run 1"));
+}
+
+TEST_F(QueueTest, WritesAReportBesideTheDatabase) {
+  auto d = draft("night");
+  d.metadata = {{"sample", "A12"}};
+  d.follow_ups = {"report"};
+  const auto a = add(d);
+  until(a, QueueState::done);
+  const auto path = folder / "reports/queue-1-run-1.txt";
+  EXPECT_EQ(look(a).results.at(0).text, "the report " + path + " was written");
+  std::ifstream file(path);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_THAT(text, HasSubstr("points        3 accepted, 0 given up, 3 attempts\n"));
+  EXPECT_THAT(text, HasSubstr("metadata      sample=A12\n"));
+  EXPECT_THAT(text, HasSubstr("started       2026-11-21T08:"));
+}
+
+TEST_F(QueueTest, AReportThatCannotBeWrittenLosesNothingOfTheRun) {
+  std::ofstream(folder / "reports") << "a file where the folder should be";
+  auto d = draft("night");
+  d.follow_ups = {"report"};
+  const auto a = add(d);
+  until(a, QueueState::done);
+  EXPECT_FALSE(look(a).results.at(0).good);
+  EXPECT_THAT(look(a).results.at(0).text, HasSubstr("cannot be written"));
+  EXPECT_EQ(cell.await(cell.run(*look(a).run))->state, RunState::done);
 }
 
 TEST_F(QueueTest, RefusesWhatCannotBeAndKeepsNothingOfIt) {

@@ -69,7 +69,7 @@ export function AddEntry({ onAdded }: { onAdded: () => void }) {
           </div>
           <label class="field">
             <span>Then, an action a line</span>
-            <textarea class="input mono" rows={3} value={then} placeholder={'fit:q ~ x + x^2\ndiagnose\nnotify'} onInput={(event) => setThen(event.currentTarget.value)} />
+            <textarea class="input mono" rows={3} value={then} placeholder={'fit:q ~ x + x^2\ndiagnose\nreport\nnotify'} onInput={(event) => setThen(event.currentTarget.value)} />
           </label>
           <label><input type="checkbox" checked={setsAside} onChange={(event) => setSetsAside(event.currentTarget.checked)} /> set aside on failure, and start the next one</label>
           <div class="actions"><CommandButton kind="main" busy={add.busy} off={off} onPress={() => void add.send()}>Add to the queue</CommandButton></div>
