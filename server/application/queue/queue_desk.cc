@@ -52,6 +52,12 @@ void QueueDesk::stopped(const Caller& caller, const std::string& cause) {
   if (record_.hold.held) return;
   record_.hold = {true, caller.name, cause, parts_.clock.now().utc};
   parts_.events.record_own("queue.held", "the queue is held: " + cause);
+  const auto waiting = waiting_in_order(record_.entries).size();
+  if (waiting == 0) return;
+  parts_.alarm({AlarmLevel::notice, "queue.held", "queue",
+                fmt::format("the queue is held: {}: {} of its campaigns wait until a person "
+                            "releases it ('driftwise queue release')",
+                            cause, waiting)});
 }
 
 void QueueDesk::look_now() {

@@ -182,6 +182,11 @@ TEST_F(QueueTest, APersonsStopHoldsItUntilAPersonReleasesIt) {
   ASSERT_TRUE(cell.await(cell->manual.stop_all(cell.ada)));
   EXPECT_TRUE(hold().held);
   EXPECT_EQ(hold().who, "ada");
+  cell.pass(1);
+  const auto alarms = cell.await(cell->alarms.list(true, 100));
+  const auto told = std::ranges::find(*alarms, "queue.held", &AlarmRecord::kind);
+  ASSERT_NE(told, alarms->end());
+  EXPECT_THAT(told->message, HasSubstr("stopped by ada: 1 of its campaigns wait until a person"));
   cell.until([&] { return cell.status().run->run.state == RunState::paused; });
   ASSERT_TRUE(cell.resume());
   until(a, QueueState::done);
