@@ -5,6 +5,6 @@ add_executable(driftwised ${CMAKE_CURRENT_LIST_DIR}/main.cc ${CMAKE_CURRENT_LIST
 target_include_directories(driftwised PRIVATE ${PROJECT_SOURCE_DIR})
 target_compile_definitions(driftwised PRIVATE DRIFTWISE_VERSION="${PROJECT_VERSION}")
 target_link_libraries(driftwised PRIVATE
-  driftwise_application driftwise_line driftwise_formats driftwise_rpc driftwise_web driftwise_storage
+  driftwise_application driftwise_line driftwise_formats driftwise_rpc driftwise_web driftwise_storage driftwise_notify
   driftwise_devices
   driftwise_warnings CLI11::CLI11 spdlog::spdlog nlohmann_json::nlohmann_json)

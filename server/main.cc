@@ -42,6 +42,7 @@
 #include "server/formats/cell_file/cell_file.h"
 #include "server/line/target_line_server.h"
 #include "server/locks/claims.h"
+#include "server/notify/outside_notifier.h"
 #include "server/rpc/server/rpc_server.h"
 #include "server/service_manager.h"
 #include "server/web/http_server.h"
@@ -257,6 +258,7 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
   const OpenStore open_store = [](const std::string& path, bool read_only) {
     return storage::open_sqlite_store(path, read_only);
   };
+  auto notifier = std::make_unique<notify::OutsideNotifier>();
   DRIFTWISE_TRY(auto cell,
                 application::Cell::open(context.get_executor(),
                                         {.description = description,
@@ -264,6 +266,7 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
                                          .clock = std::move(clock),
                                          .open_store = open_store,
                                          .version = DRIFTWISE_VERSION,
+                                         .notifier = std::move(notifier),
                                          .boot_id = boot_id(),
                                          .web_address = web_address,
                                          .end_daemon = [] { ::kill(::getpid(), SIGTERM); },

@@ -18,7 +18,7 @@ std::string environment(const char* name) {
   return value == nullptr ? "" : value;
 }
 
-void notify(const std::string& socket_path, std::string_view state) {
+void notify_manager(const std::string& socket_path, std::string_view state) {
   sockaddr_un address{};
   if (socket_path.empty() || socket_path.size() >= sizeof address.sun_path) return;
   address.sun_family = AF_UNIX;
@@ -43,7 +43,7 @@ struct ServiceManager::Watchdog : std::enable_shared_from_this<Watchdog> {
 
   void tell() {
     if (ended) return;
-    notify(path, "WATCHDOG=1");
+    notify_manager(path, "WATCHDOG=1");
     timer.expires_after(every);
     timer.async_wait([self = shared_from_this()](boost::system::error_code cancelled) {
       if (!cancelled) self->tell();
@@ -58,7 +58,7 @@ struct ServiceManager::Watchdog : std::enable_shared_from_this<Watchdog> {
 
 ServiceManager::ServiceManager(boost::asio::any_io_executor executor)
     : socket_(environment("NOTIFY_SOCKET")) {
-  notify(socket_, "READY=1");
+  notify_manager(socket_, "READY=1");
   const long long period_us = std::atoll(environment("WATCHDOG_USEC").c_str());
   if (socket_.empty() || period_us <= 0) return;
   watchdog_ =
@@ -67,7 +67,7 @@ ServiceManager::ServiceManager(boost::asio::any_io_executor executor)
 }
 
 ServiceManager::~ServiceManager() {
-  notify(socket_, "STOPPING=1");
+  notify_manager(socket_, "STOPPING=1");
   if (!watchdog_) return;
   const auto executor = watchdog_->timer.get_executor();
   boost::asio::post(executor, [watchdog = std::move(watchdog_)] {

@@ -20,6 +20,7 @@
 #include "storage/watch/clock_store.h"
 #include "storage/watch/configuration_store.h"
 #include "storage/watch/event_store.h"
+#include "storage/watch/outbox_store.h"
 #include "storage/watch/remark_store.h"
 #include "storage/watch/stop_store.h"
 
@@ -49,6 +50,7 @@ class SqliteStore final : public Store {
                .improvements = &improvements_,
                .records = &records_,
                .alarms = &alarms_,
+               .outbox = &outbox_,
                .series = &series_,
                .trajectories = &trajectories_,
                .stops = &stops_,
@@ -73,6 +75,7 @@ class SqliteStore final : public Store {
         improvements_(session_),
         records_(session_),
         alarms_(session_),
+        outbox_(session_),
         series_(session_),
         trajectories_(session_),
         stops_(session_),
@@ -164,6 +167,7 @@ class SqliteStore final : public Store {
   SqliteImprovementStore improvements_;
   SqliteRecordStore records_;
   SqliteAlarmStore alarms_;
+  SqliteOutboxStore outbox_;
   SqliteSeriesStore series_;
   SqliteTrajectoryStore trajectories_;
   SqliteStopStore stops_;

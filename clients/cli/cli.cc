@@ -31,6 +31,7 @@
 #include "clients/cli/commands/targets/simulate_command.h"
 #include "clients/cli/commands/targets/target_command.h"
 #include "clients/cli/commands/trajectories/standard_commands.h"
+#include "clients/cli/commands/watchdog/watchdog_command.h"
 #include "clients/cli/core/session.h"
 #include "clients/cli/core/validators.h"
 #include "server/core/text/clean_text.h"
@@ -140,6 +141,7 @@ void add_everything(CLI::App& app, Session& session) {
   add_status_commands(app, session);
   add_alarm_commands(app, session);
   add_hold_commands(app, session);
+  add_watchdog_command(app, session);
   add_configuration_commands(app, session);
   add_token_commands(app, session);
   add_open_command(app, session);

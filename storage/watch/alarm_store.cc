@@ -17,6 +17,28 @@ AlarmRecord read_alarm(Session& session, AlarmId id) {
   return alarm_from(query);
 }
 
+// Whoever watches hears of every open alarm of the condition.
+void number_change(Session& session, const std::string& kind, const std::string& subject) {
+  std::vector<std::int64_t> ids;
+  Query open(session.db,
+             "SELECT alarm_id FROM alarm WHERE kind = ? AND subject = ? AND (cleared_ns = 0 OR "
+             "acknowledged_ns = 0)");
+  open.bind(kind, subject);
+  while (open.row()) ids.push_back(open.integer(0));
+  for (const std::int64_t id : ids)
+    Query(session.db,
+          "UPDATE alarm SET change = (SELECT max(change) + 1 FROM alarm) WHERE alarm_id = ?")
+        .bind(id)
+        .run();
+}
+
+void end_shelf(Session& session, const std::string& kind, const std::string& subject, CellTime at) {
+  Query(session.db,
+        "UPDATE alarm_shelf SET ended_ns = ?3 WHERE kind = ?1 AND subject = ?2 AND ended_ns = 0")
+      .bind(kind, subject, at.utc_ns)
+      .run();
+}
+
 // One text: the sentence, then each consequence on a line of its own.
 std::string stored_text(const std::string& message, const std::vector<std::string>& consequences) {
   std::string text = clean_line(message);
@@ -40,6 +62,9 @@ AlarmRecord alarm_from(const Query& row) {
   alarm.acknowledged = {row.integer(7)};
   alarm.acknowledged_by = row.text(8);
   alarm.change = row.integer(9);
+  alarm.shelved_until = {row.integer(10)};
+  alarm.shelved_by = row.text(11);
+  alarm.shelve_reason = row.text(12);
   return alarm;
 }
 
@@ -101,6 +126,51 @@ Result<std::vector<AlarmRecord>> SqliteAlarmStore::alarms(bool with_history, int
     std::vector<AlarmRecord> alarms;
     while (query.row()) alarms.push_back(alarm_from(query));
     return alarms;
+  });
+}
+
+Result<AlarmRecord> SqliteAlarmStore::shelve(AlarmId id, const AlarmShelf& shelf) {
+  return session_.write([&] {
+    const AlarmRecord alarm = read_alarm(session_, id);
+    end_shelf(session_, alarm.kind, alarm.subject, shelf.at);
+    Query(session_.db,
+          "INSERT INTO alarm_shelf (kind, subject, at_ns, until_ns, who, reason, ended_ns) VALUES "
+          "(?, ?, ?, ?, ?, ?, 0)")
+        .bind(alarm.kind, alarm.subject, shelf.at.utc_ns, shelf.until.utc_ns, shelf.who,
+              clean_line(shelf.reason))
+        .run();
+    number_change(session_, alarm.kind, alarm.subject);
+    return read_alarm(session_, id);
+  });
+}
+
+Result<AlarmRecord> SqliteAlarmStore::unshelve(AlarmId id, CellTime at) {
+  return session_.write([&] {
+    const AlarmRecord alarm = read_alarm(session_, id);
+    end_shelf(session_, alarm.kind, alarm.subject, at);
+    number_change(session_, alarm.kind, alarm.subject);
+    return read_alarm(session_, id);
+  });
+}
+
+Result<std::vector<AlarmRecord>> SqliteAlarmStore::end_shelves(CellTime now) {
+  return session_.write([&] {
+    std::vector<std::pair<std::string, std::string>> over;
+    Query due(session_.db,
+              "SELECT kind, subject FROM alarm_shelf WHERE ended_ns = 0 AND until_ns <= ?");
+    due.bind(now.utc_ns);
+    while (due.row()) over.emplace_back(due.text(0), due.text(1));
+    std::vector<AlarmRecord> back;
+    for (const auto& [kind, subject] : over) {
+      end_shelf(session_, kind, subject, now);
+      number_change(session_, kind, subject);
+      Query alarms(session_.db, DRIFTWISE_SELECT_ALARM
+                   " WHERE alarm.kind = ? AND alarm.subject = ? AND (cleared_ns = 0 OR "
+                   "acknowledged_ns = 0)");
+      alarms.bind(kind, subject);
+      while (alarms.row()) back.push_back(alarm_from(alarms));
+    }
+    return back;
   });
 }
 

@@ -6,9 +6,11 @@
 namespace driftwise::storage {
 
 // Columns of an AlarmRecord, in one order for every query.
-#define DRIFTWISE_SELECT_ALARM                                                              \
-  "SELECT alarm_id, level, kind, subject, message, since_ns, cleared_ns, acknowledged_ns, " \
-  "acknowledged_by, change FROM alarm"
+#define DRIFTWISE_SELECT_ALARM                                                                 \
+  "SELECT alarm_id, level, alarm.kind, alarm.subject, message, since_ns, cleared_ns, "         \
+  "acknowledged_ns, acknowledged_by, change, coalesce(until_ns, 0), coalesce(who, ''), "       \
+  "coalesce(reason, '') FROM alarm LEFT JOIN alarm_shelf AS shelf ON shelf.kind = alarm.kind " \
+  "AND shelf.subject = alarm.subject AND shelf.ended_ns = 0"
 AlarmRecord alarm_from(const Query& row);
 
 class SqliteAlarmStore final : public AlarmStore {
@@ -20,6 +22,9 @@ class SqliteAlarmStore final : public AlarmStore {
   Result<AlarmRecord> clear(AlarmId id, CellTime at) override;
   Result<AlarmRecord> acknowledge(AlarmId id, CellTime at, const std::string& who) override;
   Result<std::vector<AlarmRecord>> alarms(bool with_history, int limit) override;
+  Result<AlarmRecord> shelve(AlarmId id, const AlarmShelf& shelf) override;
+  Result<AlarmRecord> unshelve(AlarmId id, CellTime at) override;
+  Result<std::vector<AlarmRecord>> end_shelves(CellTime now) override;
 
  private:
   Session& session_;

@@ -59,6 +59,7 @@ class CellInMemory {
     asio::any_io_executor text_thread = {};       // where texts are read; empty: likewise
     std::string boot_id = "first";                // of the computer
     std::function<void()> end_daemon = {};        // the cell asks for its own end
+    std::unique_ptr<Notifier> notifier = {};      // the way out; empty: nobody is told
   };
   CellInMemory(SmallWorld& world, CellDescription description, OpenStore open_store,
                Further further);

@@ -145,7 +145,9 @@ app::Services LiveCell::services(const Fakes& fakes) {
           own.alarms,
           fakes.feeds ? *fakes.feeds : own.feeds,
           own.queue,
-          own.keeping};
+          own.keeping,
+          own.holds,
+          own.notifications};
 }
 
 EventId LiveCell::add_event(const std::string& what) {

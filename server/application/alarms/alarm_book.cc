@@ -119,4 +119,29 @@ Awaitable<Result<AlarmRecord>> AlarmBook::acknowledge(AlarmId id, std::string wh
   co_return stored;
 }
 
+Awaitable<Result<AlarmRecord>> AlarmBook::shelve(AlarmId id, double for_s, std::string who,
+                                                 std::string reason) {
+  const CellTime now = clock_.now().utc;
+  AlarmShelf shelf{now, now + nanoseconds_from_s(for_s), std::move(who), std::move(reason)};
+  auto stored = co_await writer_.alarms().shelve(id, std::move(shelf));
+  if (stored) watchers_.publish(*stored);
+  co_return stored;
+}
+
+Awaitable<Result<AlarmRecord>> AlarmBook::unshelve(AlarmId id) {
+  const CellTime now = clock_.now().utc;
+  auto stored = co_await writer_.alarms().unshelve(id, now);
+  if (stored) watchers_.publish(*stored);
+  co_return stored;
+}
+
+Awaitable<void> AlarmBook::end_shelves() {
+  const CellTime now = clock_.now().utc;
+  if (next_shelf_look_ > now) co_return;
+  next_shelf_look_ = now + kBetweenTellings;
+  const auto back = co_await writer_.alarms().end_shelves(now);
+  if (!back) co_return;
+  for (const auto& alarm : *back) watchers_.publish(alarm);
+}
+
 }  // namespace driftwise::application

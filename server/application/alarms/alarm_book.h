@@ -36,6 +36,11 @@ class AlarmBook {
   // Something that happened and is over at once: stands until it is acknowledged.
   Awaitable<void> note(AlarmCondition condition);
   Awaitable<Result<AlarmRecord>> acknowledge(AlarmId id, std::string who);
+  Awaitable<Result<AlarmRecord>> shelve(AlarmId id, double for_s, std::string who,
+                                        std::string reason);
+  Awaitable<Result<AlarmRecord>> unshelve(AlarmId id);
+  // Those whose time is over come back.
+  Awaitable<void> end_shelves();
   // What the store has not taken yet, without an id: newest last.
   std::vector<AlarmRecord> unstored() const;
 
@@ -60,6 +65,7 @@ class AlarmBook {
   std::map<Key, Standing> standing_;
   std::map<Key, AlarmRecord> unstored_;
   WatchList<AlarmRecord> watchers_;
+  CellTime next_shelf_look_;
 };
 
 }  // namespace driftwise::application

@@ -18,6 +18,12 @@ class Alarms {
   virtual Awaitable<Result<std::vector<AlarmRecord>>> list(bool with_history, int limit) = 0;
   // Errors: not_found NO_SUCH_ALARM.
   virtual Awaitable<Result<AlarmRecord>> acknowledge(Caller caller, AlarmId id) = 0;
+  // Sets the alarm's condition aside for a time: nobody is told of it, and it comes back by itself.
+  // Errors: invalid_argument BAD_SHELF (no reason; not above 0 or beyond AlarmShelf::kLongest_s);
+  // not_found NO_SUCH_ALARM.
+  virtual Awaitable<Result<AlarmRecord>> shelve(Caller caller, AlarmId id, double for_s,
+                                                std::string reason) = 0;
+  virtual Awaitable<Result<AlarmRecord>> unshelve(Caller caller, AlarmId id) = 0;
 };
 
 }  // namespace driftwise::application

@@ -8,6 +8,7 @@
 #include "server/application/motion/stop_desk.h"
 #include "server/application/recording/doubts.h"
 #include "server/core/ports/spawn.h"
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 
 namespace driftwise::application {
@@ -33,9 +34,11 @@ AlarmsService::AlarmsService(asio::any_io_executor executor, Sources sources, St
       configuration_(sources.configuration),
       upkeep_(sources.upkeep),
       access_(sources.access),
+      notify_(sources.notify),
       reader_(reader),
       book_(book),
       tasks_(tasks),
+      channel_alarms_(description_.channel_alarms),
       wake_(executor) {}
 
 void AlarmsService::start() { tasks_.spawn(look_for_ever()); }
@@ -68,12 +71,50 @@ Awaitable<Result<AlarmRecord>> AlarmsService::acknowledge(Caller caller, AlarmId
   co_return alarm;
 }
 
+Awaitable<Result<AlarmRecord>> AlarmsService::shelve(Caller caller, AlarmId id, double for_s,
+                                                     std::string reason) {
+  if (!(for_s > 0) || for_s > AlarmShelf::kLongest_s || reason.empty())
+    co_return fail(ErrorCode::invalid_argument, reasons::kBadShelf,
+                   fmt::format("found {:g} s and {} for shelving alarm {}: expected a time above 0 "
+                               "and at most 24 h, and a reason",
+                               for_s, reason.empty() ? "no reason" : "a reason", id.value));
+  auto storing = book_.shelve(id, for_s, caller.name, reason);
+  auto alarm = co_await std::move(storing);
+  if (alarm)
+    events_.record(caller, "alarm.shelved",
+                   fmt::format("alarm {}, {}, until {}: {}", id.value, alarm->message,
+                               to_iso8601(clock_.utc(alarm->shelved_until)), reason),
+                   {},
+                   {fmt::format("alarm {}", id.value), "",
+                    fmt::format("until {}", to_iso8601(clock_.utc(alarm->shelved_until)))});
+  co_return alarm;
+}
+
+Awaitable<Result<AlarmRecord>> AlarmsService::unshelve(Caller caller, AlarmId id) {
+  auto storing = book_.unshelve(id);
+  auto alarm = co_await std::move(storing);
+  if (alarm)
+    events_.record(caller, "alarm.unshelved", fmt::format("alarm {}: {}", id.value, alarm->message),
+                   {}, {fmt::format("alarm {}", id.value), "shelved", ""});
+  co_return alarm;
+}
+
+void AlarmsService::look_at_channels() {
+  const CellTime now = clock_.now().utc;
+  for (const auto& limit : description_.channel_alarms)
+    if (const auto* latest = recorder_.history().latest(limit.channel))
+      channel_alarms_.take(limit.channel, latest->device, latest->value, now);
+}
+
 // Every two seconds of cell time, and at most twice a second of wall time.
 Awaitable<void> AlarmsService::look_for_ever() {
   if (const auto restored = co_await book_.restore(); !restored)
     events_.record_own("daemon.trouble", "reading the alarms: " + restored.error().message);
   while (!ending_) {
     note_clock_jumps();
+    look_at_channels();
+    auto ending_shelves = book_.end_shelves();
+    co_await std::move(ending_shelves);
     auto looking = book_.look(incidents_.group(alarms_now(), clock_.now().utc));
     co_await std::move(looking);
     const double seconds = std::max(2.0, 0.5 * clock_.speed());
@@ -137,6 +178,9 @@ std::vector<AlarmCondition> AlarmsService::alarms_now() const {
   if (auto question = configuration_.question(); !question.empty())
     out.push_back({AlarmLevel::warning, "configuration.changed", "cell file", std::move(question)});
   for (auto& condition : upkeep_.conditions()) out.push_back(std::move(condition));
+  for (auto& condition : notify_.conditions()) out.push_back(std::move(condition));
+  for (auto& condition : channel_alarms_.conditions(clock_.now().utc))
+    out.push_back(std::move(condition));
   for (auto& condition : access_.conditions()) out.push_back(std::move(condition));
   if (writer_.dropped() > 0)
     out.push_back({AlarmLevel::failed, "record.dropped", "database",

@@ -11,10 +11,12 @@
 #include "server/application/alarms/alarm_book.h"
 #include "server/application/alarms/alarm_conditions.h"
 #include "server/application/alarms/alarms.h"
+#include "server/application/alarms/channel_alarms.h"
 #include "server/application/alarms/incidents.h"
 #include "server/application/checks/model_checks_service.h"
 #include "server/application/manual/manual_control_service.h"
 #include "server/application/motion/workbench.h"
+#include "server/application/notify/notify_desk.h"
 #include "server/application/plumbing/store_reader.h"
 #include "server/application/plumbing/task_group.h"
 #include "server/application/provenance/configuration_book.h"
@@ -39,12 +41,16 @@ class AlarmsService final : public Alarms {
     const ConfigurationBook& configuration;
     const DatabaseUpkeep& upkeep;
     const AccessDesk& access;
+    const NotifyDesk& notify;
   };
   AlarmsService(asio::any_io_executor executor, Sources sources, StoreReader& reader,
                 AlarmBook& book, TaskGroup& tasks);
 
   Awaitable<Result<std::vector<AlarmRecord>>> list(bool with_history, int limit) override;
   Awaitable<Result<AlarmRecord>> acknowledge(Caller caller, AlarmId id) override;
+  Awaitable<Result<AlarmRecord>> shelve(Caller caller, AlarmId id, double for_s,
+                                        std::string reason) override;
+  Awaitable<Result<AlarmRecord>> unshelve(Caller caller, AlarmId id) override;
 
   void start();  // looks until shut_down()
   void shut_down();
@@ -56,6 +62,7 @@ class AlarmsService final : public Alarms {
   Awaitable<void> look_for_ever();
   std::vector<AlarmCondition> alarms_now() const;
   void note_clock_jumps();
+  void look_at_channels();
   std::optional<double> force_now() const;  // on the end-effector, as far as it is known
 
   asio::any_io_executor executor_;
@@ -77,11 +84,13 @@ class AlarmsService final : public Alarms {
   const ConfigurationBook& configuration_;
   const DatabaseUpkeep& upkeep_;
   const AccessDesk& access_;
+  const NotifyDesk& notify_;
   StoreReader& reader_;
   AlarmBook& book_;
   TaskGroup& tasks_;
   Incidents incidents_;
   QualityTrend quality_;
+  ChannelAlarms channel_alarms_;
   std::optional<RunId> last_failed_;                 // of which an alarm was made
   std::map<std::string, std::int64_t> clock_jumps_;  // by device, of which an event was made
   Signal wake_;

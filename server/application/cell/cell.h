@@ -17,6 +17,7 @@
 #include "server/core/description/cell_description.h"
 #include "server/core/ports/awaitable.h"
 #include "server/core/ports/clock.h"
+#include "server/core/ports/outside/notifier.h"
 #include "server/core/ports/store.h"
 #include "server/core/result.h"
 
@@ -36,8 +37,10 @@ class Cell {
     // each at a time. Empty: threads of the cell's own. A test hands in its one executor and has
     // everything in order.
     asio::any_io_executor storage_thread = {}, query_thread = {}, worker_thread = {},
-                          diagnosis_thread = {}, text_thread = {}, upkeep_thread = {};
-    std::string boot_id = {};      // of this start of the computer; empty: not known
+                          diagnosis_thread = {}, text_thread = {}, upkeep_thread = {},
+                          notify_threads = {};
+    std::unique_ptr<Notifier> notifier = {};  // the way out of the machine; none: nobody is told
+    std::string boot_id = {};                 // of this start of the computer; empty: not known
     std::string web_address = {};  // "http://127.0.0.1:8080/", told in status(); empty: no web door
     Diagnose diagnose = {};        // empty: diagnosis::diagnose
     std::function<void()> end_daemon = {};  // asks for shut_down(); empty: nobody does

@@ -34,6 +34,9 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
       diagnosis_thread(given.diagnosis_thread),
       text_thread(given.text_thread),
       upkeep_thread(given.upkeep_thread),
+      // One for each receiver and one for the watchdog: none waits for another.
+      notify_threads(given.notify_threads, description.receivers.size() + 1),
+      notifier(std::move(given.notifier)),
       host(on, text_thread.executor(), *clock),
       writer(storage_thread.executor(), std::move(opened.writing)),
       reader(on, query_thread.executor(), std::move(opened.reading),
@@ -77,6 +80,17 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
       leases([this](CellTime instant) { return clock->utc(instant); }),
       right(on, *clock, stops, leases, engine),
       alarm_book(*clock, writer),
+      notify(on,
+             {*clock, writer, reader, events, tasks, alarm_book.watchers(), notifier.get(),
+              notify_threads.executor()},
+             {description.name, version, given.web_address, description.receivers,
+              description.watchdog},
+             [this](LifeSign& sign) {
+               const auto* run = engine.record();
+               const bool under_way = run != nullptr && engine.busy();
+               sign.run = under_way ? run->id.value : 0;
+               sign.run_state = under_way ? std::string(to_string(run->state)) : "idle";
+             }),
       diagnosis_desk(on, diagnosis_thread.executor(), *clock, writer, events, tasks,
                      std::move(given.diagnose)),
       study_desk(on, diagnosis_thread.executor(), tasks),
@@ -121,7 +135,7 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
                {workbench, engine, leases, manual, serving, checks, configuration, upkeep, pauses}),
       alarms(on,
              {workbench, overview, engine, right, manual, serving, checks, configuration, upkeep,
-              access},
+              access, notify},
              reader, alarm_book, tasks),
       feeds(events, recorder, engine, alarm_book, diagnosis_desk, improver),
       queue_desk(on, {description, *clock, recorder, reader, writer, events, runs, engine, right,
@@ -151,13 +165,14 @@ Composition::~Composition() {
   diagnosis_thread.join();
   text_thread.join();
   upkeep_thread.join();
+  notify_threads.join();
 }
 
 Services Composition::services() {
   return {host,       overview,       reader,    manual,     runs,         trajectories,
           datasets,   annotations,    models,    promotions, checks,       serving,
           provenance, configurations, diagnoses, extensions, improvements, studies,
-          alarms,     feeds,          queue,     upkeep,     holds};
+          alarms,     feeds,          queue,     upkeep,     holds,        notify};
 }
 
 }  // namespace driftwise::application

@@ -21,6 +21,7 @@
 #include "server/application/manual/manual_control_service.h"
 #include "server/application/models/models_service.h"
 #include "server/application/models/promotions_service.h"
+#include "server/application/notify/notify_desk.h"
 #include "server/application/plumbing/pause_meter.h"
 #include "server/application/plumbing/task_group.h"
 #include "server/application/ports/host.h"
@@ -35,11 +36,11 @@
 
 namespace driftwise::application {
 
-// One thread of its own, or an executor that was handed in.
+// One thread of its own (or several, where that is said), or an executor that was handed in.
 class Thread {
  public:
-  explicit Thread(asio::any_io_executor given) : given_(std::move(given)) {
-    if (!given_) own_.emplace(1);
+  explicit Thread(asio::any_io_executor given, std::size_t threads = 1) : given_(std::move(given)) {
+    if (!given_) own_.emplace(threads);
   }
   asio::any_io_executor executor() const {
     return own_ ? asio::any_io_executor(own_->get_executor()) : given_;
@@ -92,7 +93,9 @@ class Composition {
   ConfigurationBook configuration;
   std::unique_ptr<Clock> clock;
   std::string version, boot_id;
-  Thread storage_thread, query_thread, worker_thread, diagnosis_thread, text_thread, upkeep_thread;
+  Thread storage_thread, query_thread, worker_thread, diagnosis_thread, text_thread, upkeep_thread,
+      notify_threads;
+  std::unique_ptr<Notifier> notifier;
   CellHost host;
   StoreWriter writer;
   StoreReader reader, checker;
@@ -114,6 +117,7 @@ class Composition {
   LeaseBook leases;
   RightToMove right;
   AlarmBook alarm_book;
+  NotifyDesk notify;
   DiagnosisDesk diagnosis_desk;
   StudyDesk study_desk;
   WallClockWatch wall_clock;

@@ -18,6 +18,7 @@ class Improvements;
 class ManualControl;
 class ModelChecks;
 class Models;
+class Notifications;
 class Overview;
 class Promotions;
 class Provenance;
@@ -53,6 +54,7 @@ struct Services {
   Queue& queue;
   RecordKeeping& keeping;
   Holds& holds;
+  Notifications& notifications;
 };
 
 }  // namespace driftwise::application

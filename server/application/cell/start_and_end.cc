@@ -22,6 +22,7 @@ void Composition::start() {
     checks.check_after(run);
     alarms.note_progress(run);
   });
+  notify.start();
   alarms.start();
   tasks.spawn(start_up());
 }
@@ -91,6 +92,7 @@ Awaitable<void> Composition::shut_down() {
   pauses.shut_down();
   stop_events.shut_down();
   alarms.shut_down();
+  notify.shut_down();
   recorder.shut_down();
   serving.shut_down();
   queue_desk.shut_down();

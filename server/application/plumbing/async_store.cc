@@ -212,6 +212,31 @@ Awaitable<Result<std::vector<AlarmRecord>>> AsyncAlarmStore::alarms(bool with_hi
   return ask<&Store::alarms, &AlarmStore::alarms>(store_, with_history, limit);
 }
 
+Awaitable<Result<AlarmRecord>> AsyncAlarmStore::shelve(AlarmId id, AlarmShelf shelf) const {
+  return ask<&Store::alarms, &AlarmStore::shelve>(store_, id, std::move(shelf));
+}
+
+Awaitable<Result<AlarmRecord>> AsyncAlarmStore::unshelve(AlarmId id, CellTime at) const {
+  return ask<&Store::alarms, &AlarmStore::unshelve>(store_, id, at);
+}
+
+Awaitable<Result<std::vector<AlarmRecord>>> AsyncAlarmStore::end_shelves(CellTime now) const {
+  return ask<&Store::alarms, &AlarmStore::end_shelves>(store_, now);
+}
+
+Awaitable<Result<OpenTellings>> AsyncOutboxStore::open(std::vector<std::string> receivers,
+                                                       CellTime now, CellTime over_after) const {
+  return ask<&Store::outbox, &OutboxStore::open>(store_, std::move(receivers), now, over_after);
+}
+
+Awaitable<Result<void>> AsyncOutboxStore::put(std::vector<TellingRecord> tellings) const {
+  return ask<&Store::outbox, &OutboxStore::put>(store_, std::move(tellings));
+}
+
+Awaitable<Result<std::vector<TellingRecord>>> AsyncOutboxStore::tellings(int limit) const {
+  return ask<&Store::outbox, &OutboxStore::tellings>(store_, limit);
+}
+
 Awaitable<Result<SeriesAnswer>> AsyncSeriesStore::series(SeriesQuery query) const {
   return ask<&Store::series, &SeriesStore::series>(store_, std::move(query));
 }

@@ -146,6 +146,21 @@ class AsyncAlarmStore {
   Awaitable<Result<AlarmRecord>> clear(AlarmId id, CellTime at) const;
   Awaitable<Result<AlarmRecord>> acknowledge(AlarmId id, CellTime at, std::string who) const;
   Awaitable<Result<std::vector<AlarmRecord>>> alarms(bool with_history, int limit) const;
+  Awaitable<Result<AlarmRecord>> shelve(AlarmId id, AlarmShelf shelf) const;
+  Awaitable<Result<AlarmRecord>> unshelve(AlarmId id, CellTime at) const;
+  Awaitable<Result<std::vector<AlarmRecord>>> end_shelves(CellTime now) const;
+
+ private:
+  AsyncStore& store_;
+};
+
+class AsyncOutboxStore {
+ public:
+  explicit AsyncOutboxStore(AsyncStore& store) : store_(store) {}
+  Awaitable<Result<OpenTellings>> open(std::vector<std::string> receivers, CellTime now,
+                                       CellTime over_after) const;
+  Awaitable<Result<void>> put(std::vector<TellingRecord> tellings) const;
+  Awaitable<Result<std::vector<TellingRecord>>> tellings(int limit) const;
 
  private:
   AsyncStore& store_;
@@ -250,6 +265,7 @@ class AsyncStore {
   AsyncImprovementStore improvements() { return AsyncImprovementStore(*this); }
   AsyncRecordStore records() { return AsyncRecordStore(*this); }
   AsyncAlarmStore alarms() { return AsyncAlarmStore(*this); }
+  AsyncOutboxStore outbox() { return AsyncOutboxStore(*this); }
   AsyncSeriesStore series() { return AsyncSeriesStore(*this); }
   AsyncTrajectoryStore trajectories() { return AsyncTrajectoryStore(*this); }
   AsyncStopStore stops() { return AsyncStopStore(*this); }

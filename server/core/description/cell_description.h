@@ -14,6 +14,7 @@
 #include "server/core/description/backup_rules.h"
 #include "server/core/description/hold_rule.h"
 #include "server/core/description/kinematics_description.h"
+#include "server/core/description/notify_description.h"
 #include "server/core/description/plausibility_description.h"
 #include "server/core/description/thinning_rules.h"
 #include "server/core/devices/device_kind.h"
@@ -132,6 +133,9 @@ struct CellDescription {
   ServingRules serving;
   BackupRules backup;
   ThinningRules thinning;
+  std::vector<ReceiverDescription> receivers;  // [[notify]]
+  WatchdogRules watchdog;
+  std::vector<ChannelAlarmDescription> channel_alarms;
   std::optional<CorrectionDescription> correction;
   std::optional<LoadDescription> load;  // none: the cell knows no force
   // Nominal geometry of the robot in use; none: an unknown robot.

@@ -17,6 +17,7 @@
 #include "server/core/ports/clock_store.h"
 #include "server/core/ports/configuration_store.h"
 #include "server/core/ports/diagnosis_store.h"
+#include "server/core/ports/outbox_store.h"
 #include "server/core/ports/queue_store.h"
 #include "server/core/ports/stop_store.h"
 #include "server/core/ports/upkeep_store.h"
@@ -127,6 +128,7 @@ struct StoreParts {
   ImprovementStore* improvements = nullptr;
   RecordStore* records = nullptr;
   AlarmStore* alarms = nullptr;
+  OutboxStore* outbox = nullptr;
   SeriesStore* series = nullptr;
   TrajectoryStore* trajectories = nullptr;
   StopStore* stops = nullptr;
@@ -153,6 +155,7 @@ class Store {
   ImprovementStore& improvements() { return *parts_.improvements; }
   RecordStore& records() { return *parts_.records; }
   AlarmStore& alarms() { return *parts_.alarms; }
+  OutboxStore& outbox() { return *parts_.outbox; }
   SeriesStore& series() { return *parts_.series; }
   TrajectoryStore& trajectories() { return *parts_.trajectories; }
   StopStore& stops() { return *parts_.stops; }

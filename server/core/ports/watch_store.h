@@ -33,6 +33,12 @@ class AlarmStore {
   virtual Result<AlarmRecord> acknowledge(AlarmId id, CellTime at, const std::string& who) = 0;
   // Newest first. Without history: those that still hold or nobody has acknowledged.
   virtual Result<std::vector<AlarmRecord>> alarms(bool with_history, int limit) = 0;
+  // Shelves the condition of this alarm; a shelf that stands is replaced.
+  virtual Result<AlarmRecord> shelve(AlarmId id, const AlarmShelf& shelf) = 0;
+  virtual Result<AlarmRecord> unshelve(AlarmId id, CellTime at) = 0;
+  // Ends the shelves whose time is over. Result: the alarms that hold or nobody has acknowledged,
+  // which come back.
+  virtual Result<std::vector<AlarmRecord>> end_shelves(CellTime now) = 0;
 };
 
 class SeriesStore {

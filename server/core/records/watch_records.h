@@ -26,6 +26,26 @@ enum class AlarmLevel : std::uint8_t { notice, warning, failed };
 std::string_view to_string(AlarmLevel level);
 std::optional<AlarmLevel> alarm_level_from(std::string_view text);
 
+// Priority of the answer that an alarm asks for, after ISA-18.2.
+enum class AlarmPriority : std::uint8_t { low, medium, high, critical };
+std::string_view to_string(AlarmPriority priority);
+std::optional<AlarmPriority> alarm_priority_from(std::string_view text);
+// Critical: motion that nobody commanded, a stop that no controller confirmed, a motion announced,
+// a limit of a user's own that says so. Else by the level: notice low, warning medium, failed high.
+AlarmPriority priority_of(AlarmLevel level, std::string_view kind);
+inline constexpr std::string_view kChannelLimit = "channel.limit";
+inline constexpr std::string_view kCriticalChannelLimit = "channel.critical";
+
+// States after ISA-18.2. A shelved alarm is told to nobody until its time is over.
+enum class AlarmState : std::uint8_t {
+  unacknowledged,
+  acknowledged,
+  returned_unacknowledged,
+  normal,
+  shelved
+};
+std::string_view to_string(AlarmState state);
+
 // A condition that asks for a person. It stands from since to cleared, and stays in the list until
 // it is both over and acknowledged.
 struct AlarmRecord {
@@ -38,6 +58,19 @@ struct AlarmRecord {
   std::string acknowledged_by;
   std::vector<std::string> consequences;  // sentences: what follows from it
   std::int64_t change = 0;                // numbers every change of any alarm, for cursors
+  CellTime shelved_until = {};            // utc_ns 0: not shelved
+  std::string shelved_by = {}, shelve_reason = {};
+
+  AlarmPriority priority() const { return priority_of(level, kind); }
+  AlarmState state() const;
+};
+
+// An alarm set aside until an instant, by somebody, for a reason. It holds for the condition, so
+// that one which returns meanwhile is shelved as well.
+struct AlarmShelf {
+  static constexpr double kLongest_s = 24 * 3600;
+  CellTime at, until;
+  std::string who, reason;
 };
 
 // A text once kept never changes.

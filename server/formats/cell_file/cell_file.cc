@@ -12,6 +12,7 @@
 #include "server/formats/cell_file/cell_file_devices.h"
 #include "server/formats/cell_file/cell_file_holds.h"
 #include "server/formats/cell_file/cell_file_limits.h"
+#include "server/formats/cell_file/cell_file_notify.h"
 #include "server/formats/cell_file/cell_file_robots.h"
 #include "server/formats/cell_file/kinematics_section.h"
 #include "server/formats/text/text.h"
@@ -187,6 +188,7 @@ void read_file(const toml::table& root, CellDescription& out, TomlProblem& probl
     read_load(TomlReader(*load, "load", problem), out.load.emplace());
   if (const auto* correction = top.table("correction"))
     read_correction(TomlReader(*correction, "correction", problem), out, problem);
+  read_notify(top, out, problem);
   top.finish();
   if (const auto* actuator = out.load_actuator(); actuator && !out.load)
     top.refuse("load", reasons::kMissingKey,
@@ -217,6 +219,11 @@ Result<CellDescription> parse_cell_file(std::string_view text, const std::string
        {&cell.access.certificate, &cell.access.key, &cell.access.authority, &cell.access.revoked})
     *file = beside(*file, path);
   cell.backup.folder = beside(cell.backup.folder, path);
+  for (auto& receiver : cell.receivers)
+    for (std::string* file : {&receiver.token_file, &receiver.password_file, &receiver.ca_file})
+      *file = beside(*file, path);
+  for (std::string* file : {&cell.watchdog.token_file, &cell.watchdog.ca_file})
+    *file = beside(*file, path);
   cell.text = text;
   cell.hash = content_hash(text);
   return cell;

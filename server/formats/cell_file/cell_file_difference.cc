@@ -343,7 +343,7 @@ Parts all_parts(const CellDescription& cell, std::string_view text) {
 bool is_recorded_only(const std::string& place, const std::string& key) {
   const std::string kind = place.substr(0, place.find(' '));
   for (const char* section : {"cell", "web", "clock", "run", "serving", "backup", "thinning",
-                              "alarm", "alarms", "mail", "webhook", "notify", "log"})
+                              "alarm", "alarms", "channel_alarm", "notify", "watchdog", "log"})
     if (kind == section) return true;
   if (kind == "device") return key == "port" || key == "timeout_s" || key == "period_s";
   return place == "kinematics" && key == "hold";

@@ -6,9 +6,10 @@
 // branches and links by their motor. A change asks for a person unless it is one of those below,
 // which are recorded only:
 //
-//   [cell], [web], [access], [clock], [run], [serving] and alarm routes: a run keeps the rules that
-//   it began with, and the others say how the daemon is reached and how often it looks; of a
-//   device: the port of its address, timeout_s, period_s; of [kinematics]: hold.
+//   [cell], [web], [access], [clock], [run], [serving], [backup], [[notify]], [watchdog] and
+//   [[channel_alarm]]: a run keeps the rules that it began with, and the others say how the daemon
+//   is reached, how often it looks and whom it tells; of a device: the port of its address,
+//   timeout_s, period_s; of [kinematics]: hold.
 //
 // A key that this list does not know asks: what a later version adds is not passed over. Two
 // devices that have exchanged their addresses are two instruments exchanged, and ask.

@@ -24,6 +24,36 @@ v1::Alarm::Level level_from(AlarmLevel level) {
   return v1::Alarm::LEVEL_UNSPECIFIED;
 }
 
+v1::Alarm::Priority priority_from(AlarmPriority priority) {
+  switch (priority) {
+    case AlarmPriority::low:
+      return v1::Alarm::PRIORITY_LOW;
+    case AlarmPriority::medium:
+      return v1::Alarm::PRIORITY_MEDIUM;
+    case AlarmPriority::high:
+      return v1::Alarm::PRIORITY_HIGH;
+    case AlarmPriority::critical:
+      return v1::Alarm::PRIORITY_CRITICAL;
+  }
+  return v1::Alarm::PRIORITY_UNSPECIFIED;
+}
+
+v1::Alarm::State alarm_state_from(AlarmState state) {
+  switch (state) {
+    case AlarmState::unacknowledged:
+      return v1::Alarm::STATE_UNACKNOWLEDGED;
+    case AlarmState::acknowledged:
+      return v1::Alarm::STATE_ACKNOWLEDGED;
+    case AlarmState::returned_unacknowledged:
+      return v1::Alarm::STATE_RETURNED_UNACKNOWLEDGED;
+    case AlarmState::normal:
+      return v1::Alarm::STATE_NORMAL;
+    case AlarmState::shelved:
+      return v1::Alarm::STATE_SHELVED;
+  }
+  return v1::Alarm::STATE_UNSPECIFIED;
+}
+
 void describe_column(const DeviceDescription& device, const std::string& channel,
                      v1::ChannelLayout::Column& out) {
   out.set_interval_s(device.period_s);
@@ -59,6 +89,39 @@ v1::Alarm alarm_from(const AlarmRecord& alarm) {
     *out.mutable_acknowledge_time() = timestamp_from(alarm.acknowledged);
     out.set_acknowledged_by(utf8_from(alarm.acknowledged_by));
   }
+  out.set_priority(priority_from(alarm.priority()));
+  out.set_state(alarm_state_from(alarm.state()));
+  if (alarm.shelved_until.utc_ns != 0) {
+    *out.mutable_shelved_until_time() = timestamp_from(alarm.shelved_until);
+    out.set_shelved_by(utf8_from(alarm.shelved_by));
+    out.set_shelve_reason(utf8_from(alarm.shelve_reason));
+  }
+  return out;
+}
+
+v1::Receiver receiver_from(const application::ReceiverStatus& receiver) {
+  v1::Receiver out;
+  out.set_name(utf8_from(receiver.name));
+  out.set_way(utf8_from(receiver.way));
+  out.set_waiting_count(receiver.waiting);
+  if (receiver.delivered.utc_ns != 0)
+    *out.mutable_deliver_time() = timestamp_from(receiver.delivered);
+  if (receiver.failing_since.utc_ns != 0)
+    *out.mutable_failing_time() = timestamp_from(receiver.failing_since);
+  out.set_answer(utf8_from(receiver.answer));
+  return out;
+}
+
+v1::Telling telling_from(const TellingRecord& telling) {
+  v1::Telling out;
+  out.set_alarm_id(telling.alarm.value);
+  out.set_receiver(utf8_from(telling.receiver));
+  if (telling.firing.utc_ns != 0) *out.mutable_firing_time() = timestamp_from(telling.firing);
+  if (telling.last.utc_ns != 0) *out.mutable_last_time() = timestamp_from(telling.last);
+  if (telling.resolved.utc_ns != 0) *out.mutable_resolved_time() = timestamp_from(telling.resolved);
+  out.set_message_count(telling.count);
+  out.set_failed_count(telling.failed);
+  out.set_error(utf8_from(telling.error));
   return out;
 }
 

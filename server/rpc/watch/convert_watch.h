@@ -6,12 +6,15 @@
 #include "driftwise/v1/watch_service.pb.h"
 #include "server/application/diagnoses/diagnosis_progress.h"
 #include "server/application/improvement/improvements.h"
+#include "server/application/notify/notifications.h"
 #include "server/application/status/cell_status.h"
 #include "server/core/records/watch_records.h"
 
 namespace driftwise::rpc {
 
 v1::Alarm alarm_from(const AlarmRecord& alarm);
+v1::Receiver receiver_from(const application::ReceiverStatus& receiver);
+v1::Telling telling_from(const TellingRecord& telling);
 
 // Every channel of status.values, in that order; revision is left for the caller.
 v1::ChannelLayout layout_from(const application::CellStatus& status);

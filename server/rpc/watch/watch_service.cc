@@ -1,7 +1,9 @@
+#include <algorithm>
 #include <boost/asio/thread_pool.hpp>
 
 #include "driftwise/v1/watch_service.grpc.pb.h"
 #include "server/application/alarms/alarms.h"
+#include "server/application/notify/notifications.h"
 #include "server/application/plumbing/store_reader.h"
 #include "server/application/runs/runs.h"
 #include "server/core/try.h"
@@ -28,6 +30,7 @@ class WatchService final : public v1::WatchService::CallbackService {
         records_(cell.records),
         runs_(cell.runs),
         alarms_(cell.alarms),
+        notifications_(cell.notifications),
         feed_(std::make_shared<WatchFeed>(cell, thread_.get_executor())) {}
   ~WatchService() override { thread_.join(); }
 
@@ -81,11 +84,62 @@ class WatchService final : public v1::WatchService::CallbackService {
     });
   }
 
+  Reactor* ShelveAlarm(Context* context, const v1::ShelveAlarmRequest* request,
+                       v1::ShelveAlarmResponse* response) override {
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->alarm_id(), "alarm_id"); !good) co_return good;
+      const auto& duration = request->shelve_duration();
+      const double for_s =
+          static_cast<double>(duration.seconds()) + 1e-9 * static_cast<double>(duration.nanos());
+      auto asking = alarms_.shelve(caller_of(*context), AlarmId{request->alarm_id()}, for_s,
+                                   request->reason());
+      DRIFTWISE_CO_TRY(const auto alarm, co_await std::move(asking));
+      *response->mutable_alarm() = alarm_from(alarm);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* UnshelveAlarm(Context* context, const v1::UnshelveAlarmRequest* request,
+                         v1::UnshelveAlarmResponse* response) override {
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      if (auto good = check_id(request->alarm_id(), "alarm_id"); !good) co_return good;
+      auto asking = alarms_.unshelve(caller_of(*context), AlarmId{request->alarm_id()});
+      DRIFTWISE_CO_TRY(const auto alarm, co_await std::move(asking));
+      *response->mutable_alarm() = alarm_from(alarm);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ListReceivers(Context* context, const v1::ListReceiversRequest* request,
+                         v1::ListReceiversResponse* response) override {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      constexpr int kUsual = 100, kMost = 1000;
+      for (const auto& one : notifications_.receivers())
+        *response->add_receivers() = receiver_from(one);
+      const int limit = request->limit() > 0 ? std::min(request->limit(), kMost) : kUsual;
+      auto asking = notifications_.tellings(limit);
+      DRIFTWISE_CO_TRY(const auto tellings, co_await std::move(asking));
+      for (const auto& one : tellings) *response->add_tellings() = telling_from(one);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* TestReceiver(Context* context, const v1::TestReceiverRequest* request,
+                        v1::TestReceiverResponse* response) override {
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      auto asking = notifications_.test(caller_of(*context), request->name());
+      DRIFTWISE_CO_TRY(const auto said, co_await std::move(asking));
+      response->set_answer(utf8_from(said));
+      co_return Result<void>{};
+    });
+  }
+
  private:
   application::Host& host_;
   application::StoreReader& records_;
   application::Runs& runs_;
   application::Alarms& alarms_;
+  application::Notifications& notifications_;
   boost::asio::thread_pool thread_{1};
   std::shared_ptr<WatchFeed> feed_;
 };

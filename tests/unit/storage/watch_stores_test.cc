@@ -127,6 +127,71 @@ TEST_F(WatchStoresTest, AnAlarmIsOverOnlyWhenItIsClearedAndAcknowledged) {
   EXPECT_EQ(store->alarms().clear({99}, at_s(3).utc).error().reason, "NO_SUCH_ALARM");
 }
 
+TEST_F(WatchStoresTest, AShelfHoldsForTheConditionUntilItsTimeIsOver) {
+  const auto raise = [&](const std::string& subject) {
+    AlarmRecord alarm;
+    alarm.level = AlarmLevel::failed;
+    alarm.kind = "device.lost";
+    alarm.subject = subject;
+    alarm.message = "m";
+    alarm.since = at_s(1).utc;
+    return store->alarms().raise(alarm).value();
+  };
+  const auto first = raise("laser-x");
+  const auto other = raise("laser-y");
+  const auto shelved =
+      store->alarms().shelve(first.id, {at_s(2).utc, at_s(100).utc, "ada", "aligned\nnow"}).value();
+  EXPECT_EQ(shelved.state(), AlarmState::shelved);
+  EXPECT_EQ(shelved.shelve_reason, "aligned now");
+  EXPECT_GT(shelved.change, other.change);  // whoever watches hears of it
+  ASSERT_TRUE(store->alarms().clear(first.id, at_s(3).utc));
+  reopen();
+  EXPECT_EQ(raise("laser-x").state(), AlarmState::shelved);  // the condition returned
+  EXPECT_EQ(raise("laser-y").state(), AlarmState::unacknowledged);
+  EXPECT_TRUE(store->alarms().end_shelves(at_s(99).utc)->empty());
+  const auto back = store->alarms().end_shelves(at_s(100).utc).value();
+  ASSERT_EQ(back.size(), 2U);
+  EXPECT_EQ(back[0].state(), AlarmState::returned_unacknowledged);
+  EXPECT_EQ(back[1].state(), AlarmState::unacknowledged);
+  ASSERT_TRUE(store->alarms().shelve(first.id, {at_s(101).utc, at_s(200).utc, "ada", "again"}));
+  EXPECT_EQ(store->alarms().unshelve(first.id, at_s(102).utc)->shelved_until.utc_ns, 0);
+  EXPECT_EQ(store->alarms().shelve({99}, {}).error().reason, "NO_SUCH_ALARM");
+}
+
+TEST_F(WatchStoresTest, AnAlarmWithoutATellingIsStillToBeTold) {
+  AlarmRecord alarm;
+  alarm.kind = "device.lost";
+  alarm.since = at_s(1).utc;
+  const auto stands = store->alarms().raise(alarm).value();
+  alarm.cleared = at_s(5).utc;
+  const auto over = store->alarms().raise(alarm).value();
+  const std::vector<std::string> names = {"duty", "mail"};
+  const auto open = store->outbox().open(names, at_s(6).utc, at_s(4).utc).value();
+  ASSERT_EQ(open.alarms.size(), 2U);
+  EXPECT_TRUE(open.tellings.empty());
+  ASSERT_EQ(open.receivers.size(), 2U);
+  EXPECT_EQ(open.receivers[0].known_since, at_s(6).utc);
+  TellingRecord told;
+  told.alarm = stands.id;
+  told.receiver = "duty";
+  told.firing = told.last = at_s(7).utc;
+  told.count = 1;
+  ASSERT_TRUE(store->outbox().put(std::vector{told}));
+  told.failed = 2;
+  told.error = "HTTP 500";
+  ASSERT_TRUE(store->outbox().put(std::vector{told}));  // in place of the other
+  reopen();
+  const auto later = store->outbox().open(names, at_s(9).utc, at_s(8).utc).value();
+  ASSERT_EQ(later.alarms.size(), 1U);  // the other one was over before
+  EXPECT_EQ(later.alarms[0].id, stands.id);
+  ASSERT_EQ(later.tellings.size(), 1U);
+  EXPECT_EQ(later.tellings[0].firing, at_s(7).utc);
+  EXPECT_EQ(later.tellings[0].error, "HTTP 500");
+  EXPECT_EQ(later.receivers[0].known_since, at_s(6).utc);
+  EXPECT_EQ(store->outbox().tellings(10)->size(), 1U);
+  EXPECT_NE(over.id, stands.id);
+}
+
 TEST_F(WatchStoresTest, ATrajectoryOnceKeptNeverChanges) {
   KeptTrajectory wanted{{}, "grid", "q1_mm\n0\n", "h1", 1, at_s(1).utc, "ada"};
   const auto kept = store->trajectories().keep(wanted).value();

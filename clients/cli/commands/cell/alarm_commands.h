@@ -3,7 +3,7 @@
 
 namespace driftwise::cli {
 
-// alarms [--all], alarms acknowledge
+// alarms [--all], alarms acknowledge, shelve, unshelve; notify list, notify test
 void add_alarm_commands(CLI::App& app, Session& session);
 
 }  // namespace driftwise::cli

@@ -16,6 +16,16 @@ constexpr auto kExamples = std::to_array<Example>({
     {"hold aside", "driftwise hold aside room --hours 2 --reason 'door open for the crane'",
      "this limit suspends nothing for two hours"},
     {"hold restore", "driftwise hold restore room", "it counts again"},
+    {"alarms shelve", "driftwise alarms shelve 4 --for 2h --reason 'the laser is being aligned'",
+     "nobody is told of it until then"},
+    {"alarms unshelve", "driftwise alarms unshelve 4", "it is told again"},
+    {"notify list", "driftwise notify list", "whom alarms reach, and what failed"},
+    {"notify test", "driftwise notify test duty", "does a message arrive?"},
+    {"watchdog",
+     "driftwise watchdog --listen 0.0.0.0:9470 --secret cell7.token --certificate tls/server.pem "
+     "--key tls/server.key --smtp smtps://mail.lab.example --from watch@lab.example --to "
+     "ada@lab.example",
+     "on another machine: a mail when a cell falls silent"},
     {"events", "driftwise events --follow", "the record, and what happens next"},
     {"events", "driftwise events --after 120 --json", "what came after event 120"},
     {"whoami", "driftwise whoami", "as whom the daemon knows you, and your role"},

@@ -44,6 +44,18 @@ class FullDisk final : public AlarmStore {
   Result<std::vector<AlarmRecord>> alarms(bool with_history, int limit) override {
     return under_.alarms(with_history, limit);
   }
+  Result<AlarmRecord> shelve(AlarmId id, const AlarmShelf& shelf) override {
+    if (full) return refused();
+    return under_.shelve(id, shelf);
+  }
+  Result<AlarmRecord> unshelve(AlarmId id, CellTime at) override {
+    if (full) return refused();
+    return under_.unshelve(id, at);
+  }
+  Result<std::vector<AlarmRecord>> end_shelves(CellTime now) override {
+    if (full) return refused();
+    return under_.end_shelves(now);
+  }
 
  private:
   static tl::unexpected<Error> refused() {

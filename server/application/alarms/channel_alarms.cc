@@ -1,0 +1,80 @@
+#include "server/application/alarms/channel_alarms.h"
+
+#include <fmt/format.h>
+
+#include "server/core/data/reading.h"
+
+namespace driftwise::application {
+namespace {
+
+AlarmLevel level_of(AlarmPriority priority) {
+  switch (priority) {
+    case AlarmPriority::low:
+      return AlarmLevel::notice;
+    case AlarmPriority::medium:
+      return AlarmLevel::warning;
+    case AlarmPriority::high:
+    case AlarmPriority::critical:
+      return AlarmLevel::failed;
+  }
+  return AlarmLevel::warning;
+}
+
+// How far the value is beyond the limit, in the channel's unit.
+double excess(const ChannelAlarmDescription& rule, double value) {
+  return rule.above ? value - *rule.above : *rule.below - value;
+}
+
+std::string limit_text(const ChannelAlarmDescription& rule) {
+  return rule.above ? fmt::format("above {:g}", *rule.above)
+                    : fmt::format("below {:g}", rule.below.value_or(0));
+}
+
+}  // namespace
+
+ChannelAlarms::ChannelAlarms(std::vector<ChannelAlarmDescription> limits) {
+  for (auto& rule : limits) limits_.emplace_back().rule = std::move(rule);
+}
+
+void ChannelAlarms::take(const std::string& channel, const std::string& device, double value,
+                         CellTime now) {
+  if (is_missing(value)) return;
+  for (auto& limit : limits_) {
+    if (limit.rule.channel != channel) continue;
+    limit.value = value;
+    limit.device = device;
+    const double beyond = excess(limit.rule, value);
+    if (beyond > 0) {
+      if (!limit.beyond_since) limit.beyond_since = now;
+      limit.stands = limit.stands || seconds_from(now - *limit.beyond_since) >= limit.rule.for_s;
+    } else {
+      limit.beyond_since.reset();
+      limit.stands = limit.stands && beyond > -limit.rule.hysteresis;
+    }
+  }
+}
+
+std::vector<AlarmCondition> ChannelAlarms::conditions(CellTime now) const {
+  std::vector<AlarmCondition> out;
+  for (const auto& limit : limits_) {
+    const auto& rule = limit.rule;
+    const bool lasted = limit.beyond_since && seconds_from(now - *limit.beyond_since) >= rule.for_s;
+    if (!limit.stands && !lasted) continue;
+    const auto priority = alarm_priority_from(rule.priority).value_or(AlarmPriority::medium);
+    const std::string of = limit_text(rule);
+    out.push_back(
+        {.level = level_of(priority),
+         .kind = std::string(priority == AlarmPriority::critical ? kCriticalChannelLimit
+                                                                 : kChannelLimit),
+         .subject = fmt::format("{} {}", rule.channel, of),
+         .message = fmt::format(
+             "{} is {:.6g}: a limit of this cell file is {}{}{}", rule.channel, limit.value, of,
+             rule.hysteresis > 0 ? fmt::format(", over when it is {:g} back", rule.hysteresis)
+                                 : std::string(),
+             rule.sentence.empty() ? "" : ". " + rule.sentence),
+         .device = limit.device});
+  }
+  return out;
+}
+
+}  // namespace driftwise::application

@@ -1,0 +1,76 @@
+// A command as a receiver: arguments without a shell, an end with all that it started.
+
+#include "server/notify/command_run.h"
+
+#include <gmock/gmock.h>
+#include <signal.h>
+
+#include <filesystem>
+#include <thread>
+
+#include "tests/support/process.h"
+
+namespace driftwise::notify {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+const std::atomic<bool> kGoOn{false};
+
+TEST(CommandRun, GivesTheInputAndReturnsTheLastLine) {
+  const auto said = run_command({"cat"}, "one\ntwo\n", milliseconds(20'000), kGoOn);
+  ASSERT_TRUE(said) << said.error().message;
+  EXPECT_EQ(*said, "two");
+}
+
+TEST(CommandRun, PassesTextThatAShellWouldObeyAsItIs) {
+  const auto said =
+      run_command({"printf", "%s", "$(id) `id`; id"}, "", milliseconds(20'000), kGoOn);
+  ASSERT_TRUE(said) << said.error().message;
+  EXPECT_EQ(*said, "$(id) `id`; id");
+}
+
+TEST(CommandRun, AMegabyteOfInputAndOutputPasses) {
+  ::signal(SIGPIPE, SIG_IGN);  // as the programs do
+  const std::string much(1 << 20, 'x');
+  EXPECT_TRUE(run_command({"cat"}, much, milliseconds(20'000), kGoOn));
+  EXPECT_TRUE(run_command({"true"}, much, milliseconds(20'000), kGoOn));  // it reads nothing
+}
+
+TEST(CommandRun, SaysWithWhichCodeItEnded) {
+  const auto said =
+      run_command({"sh", "-c", "echo no such host >&2; exit 3"}, "", milliseconds(20'000), kGoOn);
+  ASSERT_FALSE(said);
+  EXPECT_EQ(said.error().reason, "NOT_DELIVERED");
+  EXPECT_THAT(said.error().message, HasSubstr("exit code 3: no such host"));
+  EXPECT_FALSE(run_command({"/no/such/program"}, "", milliseconds(20'000), kGoOn));
+  EXPECT_FALSE(run_command({}, "", milliseconds(20'000), kGoOn));
+}
+
+TEST(CommandRun, EndsWithAllThatItStartedAtTheLimit) {
+  tests::TemporaryFolder folder;
+  const std::string file = folder.path() + "/pid";
+  const auto said = run_command({"sh", "-c", "sleep 1000 & echo $! > " + file + "; wait"}, "",
+                                milliseconds(1500), kGoOn);
+  ASSERT_FALSE(said);
+  EXPECT_THAT(said.error().message, HasSubstr("longer than"));
+  const pid_t started = std::stoi(tests::read_file(file));
+  const auto is_gone = [&] {  // a zombie of a parent that does not reap counts as gone
+    std::error_code none;
+    if (!std::filesystem::exists("/proc/" + std::to_string(started), none)) return true;
+    return tests::read_file("/proc/" + std::to_string(started) + "/stat").find(") Z") !=
+           std::string::npos;
+  };
+  for (int i = 0; i < 1000 && !is_gone(); ++i) std::this_thread::sleep_for(milliseconds(5));
+  EXPECT_TRUE(is_gone());
+}
+
+TEST(CommandRun, EndsWhenTheProgramEnds) {
+  const std::atomic<bool> stop{true};
+  const auto said = run_command({"sleep", "1000"}, "", milliseconds(20'000), stop);
+  ASSERT_FALSE(said);
+  EXPECT_EQ(said.error().reason, "SHUTTING_DOWN");
+}
+
+}  // namespace
+}  // namespace driftwise::notify

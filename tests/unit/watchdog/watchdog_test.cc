@@ -1,0 +1,153 @@
+// The watchdog as a whole: signs of life by libcurl, messages to a receiver of the test's own.
+
+#include "server/watchdog/watchdog.h"
+
+#include <gmock/gmock.h>
+
+#include <atomic>
+#include <future>
+#include <mutex>
+#include <thread>
+
+#include "server/notify/outside_notifier.h"
+#include "tests/support/process.h"
+
+namespace driftwise::watchdog {
+namespace {
+
+using testing::HasSubstr;
+
+// Takes messages, once `refusals` of them were refused.
+class Taking final : public Notifier {
+ public:
+  Result<std::string> tell(const ReceiverDescription&, const Notice& notice) override {
+    const std::lock_guard lock(mutex_);
+    if (refusals_ > 0) {
+      --refusals_;
+      return fail(ErrorCode::unavailable, "NOT_DELIVERED", "not yet");
+    }
+    for (const auto& news : notice.news) taken_.push_back(news);
+    return std::string("taken");
+  }
+  Result<std::string> report(const WatchdogRules&, const LifeSign&) override {
+    return std::string();
+  }
+  void shut_down() override {}
+  std::vector<AlarmNews> taken() const {
+    const std::lock_guard lock(mutex_);
+    return taken_;
+  }
+  void refuse(int times) { refusals_ = times; }
+
+ private:
+  mutable std::mutex mutex_;
+  int refusals_ = 0;
+  std::vector<AlarmNews> taken_;
+};
+
+class WatchdogTest : public testing::Test {
+ protected:
+  ~WatchdogTest() override { end(); }
+  void begin(double silent_after_s, std::vector<std::string> cells = {}) {
+    over_ = false;
+    std::promise<std::string> ready;
+    thread_ = std::thread([this, silent_after_s, cells, &ready] {
+      WatchdogOptions options;
+      options.listen = "127.0.0.1:0";
+      options.token = "s3cret";
+      options.heads = heads;
+      options.expect = cells;
+      options.silent_after_s = silent_after_s;
+      const auto done = run_watchdog(
+          std::move(options), taking, [&ready](const std::string& a) { ready.set_value(a); },
+          [](const std::string&) {}, [this] { return over_.load(); });
+      EXPECT_TRUE(done) << done.error().message;
+    });
+    address = ready.get_future().get();
+  }
+  void end() {
+    over_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+  Result<std::string> say(const LifeSign& sign, const std::string& token = "s3cret") {
+    const std::string file = folder.path() + "/token";
+    const auto made = tests::run_process(
+        {"/bin/sh", "-c", "umask 077; printf '%s\\n' \"$1\" > \"$2\"", "sh", token, file});
+    EXPECT_EQ(made.code, 0);
+    return outside_.report({"http://" + address + "/", 30, file, ""}, sign);
+  }
+  std::vector<AlarmNews> wait_for(std::size_t count) {
+    for (int i = 0; i < 6000 && taking.taken().size() < count; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    return taking.taken();
+  }
+  static LifeSign sign(std::int64_t entry, char digit) {
+    LifeSign sign;
+    sign.cell = "cell-a";
+    sign.at = {1'795'248'000'000'000'000};
+    sign.head = {entry, std::string(64, digit)};
+    return sign;
+  }
+
+  tests::TemporaryFolder folder;
+  std::string heads = folder.path() + "/heads.log", address;
+  Taking taking;
+
+ private:
+  notify::OutsideNotifier outside_;
+  std::atomic<bool> over_{false};
+  std::thread thread_;
+};
+
+TEST_F(WatchdogTest, KeepsTheHeadBeforeItAnswers) {
+  begin(1000);
+  const auto said = say(sign(4, 'a'));
+  ASSERT_TRUE(said) << said.error().message;
+  EXPECT_EQ(*said, "HTTP 204");
+  EXPECT_THAT(tests::read_file(heads), HasSubstr(std::string(64, 'a') + "@4 cell-a\n"));
+}
+
+TEST_F(WatchdogTest, TakesNothingWithoutTheToken) {
+  begin(1000);
+  const auto said = say(sign(4, 'a'), "guess");
+  ASSERT_FALSE(said);
+  EXPECT_THAT(said.error().message, HasSubstr("HTTP 401"));
+  EXPECT_EQ(tests::read_file(heads), "");
+}
+
+TEST_F(WatchdogTest, RaisesSilenceUntilItIsDeliveredAndTellsItsEnd) {
+  taking.refuse(1);
+  begin(1);
+  ASSERT_TRUE(say(sign(4, 'a')));
+  const auto silent = wait_for(1);
+  ASSERT_EQ(silent.size(), 1U);
+  EXPECT_EQ(silent[0].alarm.kind, "cell.silent");
+  ASSERT_TRUE(say(sign(5, 'b')));
+  const auto back = wait_for(2);
+  ASSERT_GE(back.size(), 2U);
+  EXPECT_EQ(back[1].kind, NewsKind::resolved);
+}
+
+TEST_F(WatchdogTest, ExpectsWhatItKnewBeforeItsRestart) {
+  begin(1000);
+  ASSERT_TRUE(say(sign(4, 'a')));
+  end();
+  begin(1);
+  const auto silent = wait_for(1);
+  ASSERT_EQ(silent.size(), 1U);
+  EXPECT_EQ(silent[0].alarm.subject, "cell-a");
+}
+
+TEST_F(WatchdogTest, RefusesADoorThatOthersReachWithoutAToken) {
+  WatchdogOptions options;
+  options.listen = "0.0.0.0:0";
+  options.heads = heads;
+  const auto done = run_watchdog(
+      std::move(options), taking, [](const std::string&) {}, [](const std::string&) {},
+      [] { return true; });
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().reason, "NEEDS_TLS");
+}
+
+}  // namespace
+}  // namespace driftwise::watchdog
