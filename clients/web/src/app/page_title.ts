@@ -10,9 +10,10 @@ const mostLetters = 60; // of an alarm's message
 // "▲ 2 alarms, Failed: laser-x does not answer – Now – Driftwise". Alarms in the order of the list, the worst that lasts first.
 export function pageTitle(view: string, alarms: readonly Alarm[]): string {
   const plain = view ? `${view} – Driftwise` : 'Driftwise';
-  const [worst] = alarms;
+  const told = alarms.filter((alarm) => !alarm.shelvedUntilTime);
+  const [worst] = told;
   if (!worst) return plain;
-  const many = alarms.length > 1 ? `${alarms.length} alarms, ` : '';
+  const many = told.length > 1 ? `${told.length} alarms, ` : '';
   const message = worst.message.length > mostLetters ? `${worst.message.slice(0, mostLetters - 1)}…` : worst.message;
   return `▲ ${many}${levelWords[worst.level]}${worst.clearedTime ? ', over' : ''}: ${message} – ${plain}`;
 }

@@ -17,8 +17,12 @@ export const levelWords: Record<Alarm_Level, string> = {
 // What the shell's one watcher knows (app/alarm_watch.tsx): lasting ones first, the worst first; undefined: nothing asked yet.
 export const standing = signal<Asked<Alarm[]> | undefined>(undefined);
 
+// The newest alarm that began while the page was open: app/live_region.tsx says it, live/alarm_signals.ts sounds it.
+export const arrived = signal<Alarm | undefined>(undefined);
+
 const inOrder = (a: Alarm, b: Alarm): number =>
-  Number(a.clearedTime !== undefined) - Number(b.clearedTime !== undefined) || b.level - a.level || Number(b.id - a.id);
+  Number(a.shelvedUntilTime !== undefined) - Number(b.shelvedUntilTime !== undefined) ||
+  Number(a.clearedTime !== undefined) - Number(b.clearedTime !== undefined) || b.priority - a.priority || b.level - a.level || Number(b.id - a.id);
 
 export const stands = (alarm: Alarm): boolean => alarm.clearedTime === undefined || alarm.acknowledgeTime === undefined;
 
@@ -27,7 +31,10 @@ export function useAlarms(): Asked<Alarm[]> {
   const asked = useAsked('alarms', async (signal) => (await api.watch().listAlarms({}, { signal })).alarms);
   useEvents('alarm', (alarm) => {
     asked.set((old) => {
-      if (!old.some((one) => one.id === alarm.id)) say(`${levelWords[alarm.level]}: ${alarm.message}`);
+      if (!old.some((one) => one.id === alarm.id) && stands(alarm) && !alarm.shelvedUntilTime) {
+        say(`${levelWords[alarm.level]}: ${alarm.message}`);
+        arrived.value = alarm;
+      }
       return [alarm, ...old.filter((one) => one.id !== alarm.id)].filter(stands);
     });
   });

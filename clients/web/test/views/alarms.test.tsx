@@ -9,6 +9,7 @@ import { pageTitle } from '@/app/page_title';
 import { go } from '@/app/router';
 import { setOperatorName } from '@/app/session';
 import { Shell } from '@/app/shell';
+import { arrived } from '@/live/alarms';
 import { announce } from '@/live/events';
 import { startStream } from '@/live/stream';
 import { at } from '../fake/cell';
@@ -101,4 +102,44 @@ it('lists what follows from an alarm under it', async () => {
   arrives({ ...lost, consequences: ['Run 17 waits: laser-x.'] });
   const line = (await screen.findByText('hence: Run 17 waits: laser-x.')).closest('.alarm')!;
   expect(line.textContent).toContain(lost.message);
+});
+
+it('keeps a shelved alarm out of the title and offers to bring it back', async () => {
+  const shelved = { ...lost, shelvedUntilTime: at(7200), shelvedBy: 'ada', shelveReason: 'the laser is being aligned' };
+  expect(pageTitle('Now', [late, shelved])).toBe('▲ Warning: Scanner answered late. – Now – Driftwise');
+  go('/now');
+  render(<Shell />);
+  await screen.findByText('Live');
+  await screen.findByRole('button', { name: `Shelve: ${lost.message}` });
+  arrives(shelved);
+  expect(await screen.findByRole('button', { name: `Bring back: ${lost.message}` })).toBeTruthy();
+  expect(screen.getByText(/shelved by ada until .*: the laser is being aligned/)).toBeTruthy();
+});
+
+it('shelves with a time and a reason, and not without one', async () => {
+  go('/now');
+  render(<Shell />);
+  await screen.findByText('Live');
+  fireEvent.click(await screen.findByRole('button', { name: `Shelve: ${late.message}` }));
+  const shelve = screen.getByRole('button', { name: 'Shelve' });
+  expect(shelve.getAttribute('aria-disabled')).toBe('true');
+  fireEvent.input(screen.getByLabelText('Reason'), { target: { value: 'being cleaned' } });
+  fireEvent.input(screen.getByLabelText('Shelve for, h'), { target: { value: '25' } });
+  expect(shelve.getAttribute('aria-disabled')).toBe('true');
+  fireEvent.input(screen.getByLabelText('Shelve for, h'), { target: { value: '1.5' } });
+  await waitFor(() => expect(shelve.getAttribute('aria-disabled')).toBeNull());
+});
+
+it('hands a new alarm to sound and notification once, and none that is shelved', async () => {
+  go('/now');
+  render(<Shell />);
+  await screen.findByText('Live');
+  await screen.findByText(/Laser x does not answer/, { selector: 'li p' }); // the list is there
+  const fresh = alarm(9n, Alarm_Level.FAILED, 'Laser z does not answer.');
+  arrives(fresh);
+  await waitFor(() => expect(arrived.value?.id).toBe(9n));
+  arrives({ ...alarm(10n, Alarm_Level.FAILED, 'Axis is away.'), shelvedUntilTime: at(7200) });
+  fireEvent.click(await screen.findByRole('button', { name: /more that are over or shelved/ }));
+  await screen.findByText(/Axis is away/, { selector: 'li p' });
+  expect(arrived.value?.id).toBe(9n);
 });

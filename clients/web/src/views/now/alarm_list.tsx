@@ -2,7 +2,7 @@
 // stand behind those that last, and from the fourth line on they wait behind a button, so that the numbers stay in sight.
 import { useState } from 'preact/hooks';
 import { api } from '@/api/client';
-import { Alarm_Level, type Alarm } from '@/api/gen/driftwise/v1/watch_service_pb';
+import { Alarm_Level, Alarm_Priority, type Alarm } from '@/api/gen/driftwise/v1/watch_service_pb';
 import { dayClock, ms } from '@/format/time';
 import { levelWords, standing } from '@/live/alarms';
 import { Button, CommandButton } from '@/ui/button';
@@ -10,6 +10,8 @@ import { Failed } from '@/ui/states';
 import { useCommand } from '@/ui/use_command';
 import { Verdict, type VerdictKind } from '@/ui/verdict';
 import { AcknowledgeAll } from './acknowledge_all';
+import { AlarmSwitches } from './alarm_switches';
+import { Shelve } from './shelve';
 
 const kinds: Record<Alarm_Level, VerdictKind> = {
   [Alarm_Level.UNSPECIFIED]: 'idle',
@@ -19,17 +21,18 @@ const kinds: Record<Alarm_Level, VerdictKind> = {
 };
 
 // One that is over waits to be acknowledged; it must not look like one that lasts.
-const kindOf = (alarm: Alarm): VerdictKind => (alarm.clearedTime ? 'idle' : kinds[alarm.level]);
+const kindOf = (alarm: Alarm): VerdictKind => (alarm.clearedTime || alarm.shelvedUntilTime ? 'idle' : kinds[alarm.level]);
 
 function Words({ alarm }: { alarm: Alarm }) {
   return (
     <>
-      <Verdict kind={kindOf(alarm)}>{levelWords[alarm.level]}{alarm.clearedTime && ', over'}</Verdict>
+      <Verdict kind={kindOf(alarm)}>{levelWords[alarm.level]}{alarm.priority === Alarm_Priority.CRITICAL && ', critical'}{alarm.clearedTime && ', over'}{alarm.shelvedUntilTime && ', shelved'}</Verdict>
       <p>
         {alarm.message}{' '}
         <span class="muted">
           since {dayClock(ms(alarm.sinceTime))}
           {alarm.clearedTime && `, over since ${dayClock(ms(alarm.clearedTime))}`}
+          {alarm.shelvedUntilTime && `, shelved by ${alarm.shelvedBy} until ${dayClock(ms(alarm.shelvedUntilTime))}: ${alarm.shelveReason}`}
           {alarm.acknowledgeTime ? `, seen by ${alarm.acknowledgedBy}` : ', not acknowledged'}
         </span>
       </p>
@@ -53,6 +56,7 @@ function AlarmLine({ alarm, taken }: { alarm: Alarm; taken: (alarm: Alarm) => vo
       {!alarm.acknowledgeTime && (
         <CommandButton busy={acknowledge.busy} onPress={() => void acknowledge.send()} label={`Acknowledge: ${alarm.message}`}>Acknowledge</CommandButton>
       )}
+      <Shelve alarm={alarm} taken={taken} />
       {acknowledge.failure && <Failed asked="Acknowledge" failure={acknowledge.failure} />}
     </li>
   );
@@ -66,14 +70,15 @@ export function AlarmList() {
   if (alarms?.failure) return <Failed asked="List the alarms" failure={alarms.failure} again={alarms.again} />;
   if (!alarms?.value?.length) return null;
   const taken = (alarm: Alarm) => alarms.set((old) => old.map((one) => (one.id === alarm.id ? alarm : one)));
-  const lasting = alarms.value.filter((alarm) => !alarm.clearedTime);
+  const lasting = alarms.value.filter((alarm) => !alarm.clearedTime && !alarm.shelvedUntilTime);
   const shown = all ? alarms.value : alarms.value.slice(0, Math.max(linesShown, lasting.length));
   const more = alarms.value.length - shown.length;
   return (
     <>
       <ul class="alarms" aria-label="What needs attention">{shown.map((alarm) => <AlarmLine key={String(alarm.id)} alarm={alarm} taken={taken} />)}</ul>
-      {more > 0 && <p><Button small onPress={() => setAll(true)}>Show {more} more that are over</Button></p>}
+      {more > 0 && <p><Button small onPress={() => setAll(true)}>Show {more} more that are over{alarms.value.some((one) => one.shelvedUntilTime) && ' or shelved'}</Button></p>}
       <AcknowledgeAll alarms={alarms.value} taken={taken} />
+      <AlarmSwitches />
     </>
   );
 }
