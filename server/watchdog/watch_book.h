@@ -18,6 +18,8 @@ namespace driftwise::watchdog {
 
 class WatchBook {
  public:
+  static constexpr std::size_t kMostCells = 256;  // a further one is not watched
+
   explicit WatchBook(double silent_after_s) : silent_after_s_(silent_after_s) {}
 
   // A cell that is expected: silent when it does not speak from now on.
@@ -26,6 +28,9 @@ class WatchBook {
   std::vector<AlarmNews> take(const LifeSign& sign, const ChainHead& known, double now_s,
                               UtcTime now);
   std::vector<AlarmNews> look(double now_s, UtcTime now);
+  bool has_room_for(const std::string& cell) const {
+    return cells_.contains(cell) || cells_.size() < kMostCells;
+  }
 
  private:
   struct Cell {

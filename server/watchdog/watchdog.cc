@@ -7,6 +7,7 @@
 #include <chrono>
 #include <deque>
 
+#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/watchdog/heads_log.h"
 #include "server/watchdog/watch_book.h"
@@ -117,6 +118,10 @@ Result<void> run_watchdog(WatchdogOptions options, Notifier& notifier,
   for (const auto& [cell, kept] : heads.newest()) book.expect(cell, monotonic_s(), utc_now());
   Outbox outbox(context, options.receiver, notifier, say);
   const auto take = [&](const LifeSign& sign) -> Result<void> {
+    if (!book.has_room_for(sign.cell))
+      return fail(
+          ErrorCode::invalid_argument, reasons::kBadLifeSign,
+          "a sign of life of " + sign.cell + ": this watchdog has as many cells as it takes");
     const auto known = heads.newest().find(sign.cell);
     const ChainHead before = known == heads.newest().end() ? ChainHead{} : known->second.head;
     outbox.add(book.take(sign, before, monotonic_s(), utc_now()));

@@ -21,7 +21,8 @@ OverviewService::OverviewService(Program program, Sources sources)
       checks_(sources.checks),
       configuration_(sources.configuration),
       upkeep_(sources.upkeep),
-      pauses_(sources.pauses) {}
+      pauses_(sources.pauses),
+      notify_(sources.notify) {}
 
 CellStatus OverviewService::status() const {
   CellStatus status;
@@ -79,6 +80,7 @@ std::vector<std::string> OverviewService::attention() const {
   if (!serving_.trouble().empty()) sentences.push_back(serving_.trouble());
   if (!checks_.trouble().empty()) sentences.push_back(checks_.trouble());
   for (const auto& condition : upkeep_.conditions()) sentences.push_back(condition.message);
+  for (const auto& condition : notify_.conditions()) sentences.push_back(condition.message);
   if (writer_.dropped() > 0)
     sentences.push_back(
         fmt::format("{} slow readings were dropped: nothing could be written", writer_.dropped()));

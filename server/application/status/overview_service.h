@@ -6,6 +6,7 @@
 #include "server/application/checks/model_checks_service.h"
 #include "server/application/manual/manual_control_service.h"
 #include "server/application/motion/workbench.h"
+#include "server/application/notify/notify_desk.h"
 #include "server/application/plumbing/pause_meter.h"
 #include "server/application/provenance/configuration_book.h"
 #include "server/application/runs/run_engine.h"
@@ -31,6 +32,7 @@ class OverviewService final : public Overview {
     const ConfigurationBook& configuration;
     const DatabaseUpkeep& upkeep;
     const PauseMeter& pauses;
+    const NotifyDesk& notify;
   };
   OverviewService(Program program, Sources sources);
 
@@ -55,6 +57,7 @@ class OverviewService final : public Overview {
   const ConfigurationBook& configuration_;
   const DatabaseUpkeep& upkeep_;
   const PauseMeter& pauses_;
+  const NotifyDesk& notify_;
 };
 
 }  // namespace driftwise::application

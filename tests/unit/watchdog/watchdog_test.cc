@@ -48,11 +48,13 @@ class Taking final : public Notifier {
 class WatchdogTest : public testing::Test {
  protected:
   ~WatchdogTest() override { end(); }
-  void begin(double silent_after_s, std::vector<std::string> cells = {}) {
+  void begin(double silent_after_s, std::vector<std::string> cells = {},
+             std::unique_ptr<tls::TlsMaterial> tls = nullptr) {
     over_ = false;
     std::promise<std::string> ready;
-    thread_ = std::thread([this, silent_after_s, cells, &ready] {
+    thread_ = std::thread([this, silent_after_s, cells, &ready, &tls] {
       WatchdogOptions options;
+      options.tls = std::move(tls);
       options.listen = "127.0.0.1:0";
       options.token = "s3cret";
       options.heads = heads;
@@ -69,12 +71,17 @@ class WatchdogTest : public testing::Test {
     over_ = true;
     if (thread_.joinable()) thread_.join();
   }
-  Result<std::string> say(const LifeSign& sign, const std::string& token = "s3cret") {
+  Result<std::string> say(const LifeSign& sign, const std::string& token = "s3cret",
+                          const std::string& authority = {}) {
     const std::string file = folder.path() + "/token";
     const auto made = tests::run_process(
         {"/bin/sh", "-c", "umask 077; printf '%s\\n' \"$1\" > \"$2\"", "sh", token, file});
     EXPECT_EQ(made.code, 0);
-    return outside_.report({"http://" + address + "/", 30, file, ""}, sign);
+    // The certificate of these tests is for localhost.
+    const std::string url = authority.empty()
+                                ? "http://" + address + "/"
+                                : "https://localhost" + address.substr(address.rfind(':')) + "/";
+    return outside_.report({url, 30, file, authority}, sign);
   }
   std::vector<AlarmNews> wait_for(std::size_t count) {
     for (int i = 0; i < 6000 && taking.taken().size() < count; ++i)
@@ -113,6 +120,26 @@ TEST_F(WatchdogTest, TakesNothingWithoutTheToken) {
   ASSERT_FALSE(said);
   EXPECT_THAT(said.error().message, HasSubstr("HTTP 401"));
   EXPECT_EQ(tests::read_file(heads), "");
+}
+
+TEST_F(WatchdogTest, SpeaksTlsWithACertificateThatIsVerified) {
+  const std::string key = folder.path() + "/key.pem", certificate = folder.path() + "/cert.pem";
+  const auto made =
+      tests::run_process({"/usr/bin/openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes",
+                          "-days", "2", "-subj", "/CN=localhost", "-addext",
+                          "subjectAltName=DNS:localhost", "-keyout", key, "-out", certificate});
+  ASSERT_EQ(made.code, 0) << made.err;
+  auto tls =
+      tls::TlsMaterial::open({certificate, key, ""}, tls::ClientCertificate::ignored, "http/1.1");
+  ASSERT_TRUE(tls) << tls.error().message;
+  begin(1000, {}, std::move(*tls));
+  const auto said = say(sign(4, 'a'), "s3cret", certificate);
+  ASSERT_TRUE(said) << said.error().message;
+  EXPECT_EQ(*said, "HTTP 204");
+  EXPECT_FALSE(say(sign(5, 'b')));  // without TLS
+  // An authority that nobody named has not signed it.
+  EXPECT_FALSE(say(sign(5, 'b'), "s3cret", "/etc/ssl/certs/ca-certificates.crt"));
+  EXPECT_THAT(tests::read_file(heads), testing::Not(HasSubstr("@5")));
 }
 
 TEST_F(WatchdogTest, RaisesSilenceUntilItIsDeliveredAndTellsItsEnd) {

@@ -138,6 +138,7 @@ TEST_F(NotifyDeskTest, AReceiverThatTakesNothingIsAnAlarmOnTheOthers) {
   EXPECT_NE(status[1].failing_since.utc_ns, 0);
   EXPECT_EQ(status[1].answer, "HTTP 500");
   EXPECT_EQ(status[1].waiting, 1);
+  EXPECT_THAT(cell.status().attention, testing::Contains(HasSubstr("mail (mail by ")));
   outside.refusing.clear();
   cell.pass(600);
   EXPECT_THAT(told_of("mail firing device.lost"), SizeIs(1));
