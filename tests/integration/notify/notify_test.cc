@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 
 #include <map>
+#include <random>
+#include <set>
+#include <thread>
 
 #include "tests/integration/cell/cell_at_work.h"
 #include "tests/support/http_client.h"
@@ -60,6 +63,33 @@ TEST_F(NotifyOnTheWire, AnAlarmThatWasNotDeliveredLeavesAfterAKill) {
   EXPECT_EQ(counts.at("firing device.lost scanner"), 1);
   EXPECT_EQ(counts.at("resolved device.lost scanner"), 1);
   EXPECT_EQ(counts.at("firing notify.test duty"), 1);
+}
+
+// Kills while messages are on their way: the receiver takes a second for each.
+TEST_F(NotifyOnTheWire, NoAlarmIsLostThroughTenKills) {
+  const HttpReceiver receiver(folder.path(), "duty", "slow");
+  notify(webhook("duty", receiver.url()));
+  std::mt19937 random(20261122);
+  for (int kill = 0; kill < 10; ++kill) {
+    cell.start_daemon();
+    cell.control("fault drop scanner for " + std::to_string(60 + random() % 240) + " s");
+    std::this_thread::sleep_for(std::chrono::milliseconds(200 + random() % 1800));
+    cell.kill_daemon();
+  }
+  cell.start_daemon();
+  const auto missing = [&] {
+    std::set<std::string> told;
+    for (const auto& body : receiver.taken())
+      for (const auto& alert : body.at("alerts"))
+        if (alert.at("status") == "firing") told.insert(alert.at("annotations").value("alarm", ""));
+    std::vector<std::int64_t> ids;
+    for (std::int64_t id = 1; id <= cell.count("SELECT coalesce(max(alarm_id), 0) FROM alarm");
+         ++id)
+      if (!told.contains(std::to_string(id))) ids.push_back(id);
+    return ids;
+  };
+  wait_until("every alarm of the record was told", [&] { return missing().empty(); });
+  EXPECT_GT(cell.count("SELECT count(*) FROM alarm"), 0);
 }
 
 TEST_F(NotifyOnTheWire, ReceiversThatDoNotAnswerDelayNeitherTheCellNorTheOthers) {

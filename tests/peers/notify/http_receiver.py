@@ -27,9 +27,12 @@ def main():
                 time.sleep(3600)
             if mode == "slow":
                 time.sleep(1)
-            self.send_response(500 if mode == "500" else 200)
-            self.end_headers()
-            self.wfile.write(b"kept\n")
+            try:
+                self.send_response(500 if mode == "500" else 200)
+                self.end_headers()
+                self.wfile.write(b"kept\n")
+            except ConnectionError:
+                pass  # the sender was killed
 
         def log_message(self, *_):
             pass
