@@ -1,6 +1,6 @@
 #pragma once
 
-#include "server/core/ports/outbox_store.h"
+#include "server/core/ports/outside/outbox_store.h"
 #include "storage/sqlite/session.h"
 
 namespace driftwise::storage {
