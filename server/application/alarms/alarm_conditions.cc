@@ -84,10 +84,15 @@ void add_device_clocks(const CellStatus& status, std::vector<AlarmCondition>& ou
   }
 }
 
-void add_run(const RunProgress& progress, std::vector<AlarmCondition>& out) {
+void add_run(const RunProgress& progress, CellTime now, std::vector<AlarmCondition>& out) {
   const RunRecord& run = progress.run;
   const RunRules rules = rules_of(run);
-  if (run.state == RunState::waiting)
+  // A cell that is beyond a limit for a moment, or whose channels have not been read yet after a
+  // start, asks for nobody.
+  constexpr double kWorthAnAlarm_s = 60;
+  const bool is_moment = run.hold.kind == RunHold::Kind::condition &&
+                         seconds_from(now - run.hold.at) < kWorthAnAlarm_s;
+  if (run.state == RunState::waiting && !is_moment)
     out.push_back({.level = AlarmLevel::warning,
                    .kind = "run.waiting",
                    .subject = run_subject(run.id),
@@ -119,7 +124,7 @@ std::vector<AlarmCondition> alarm_conditions(const CellStatus& status) {
   add_devices(status, out, lost);
   add_stale_channels(status, lost, out);
   add_device_clocks(status, out);
-  if (status.run) add_run(*status.run, out);
+  if (status.run) add_run(*status.run, status.now.utc, out);
   if (status.recent_pause_s >= PauseMeter::kAlarm_s)
     out.push_back(
         {AlarmLevel::failed, "daemon.paused", "daemon",

@@ -155,9 +155,14 @@ std::vector<AlarmCondition> AlarmsService::alarms_now() const {
   }
   if (const auto* run = engine_.record(); run && engine_.busy())
     if (const auto trend = quality_.condition(rules_of(*run).max_spread_nm)) out.push_back(*trend);
-  if (!engine_.announcement().empty())
-    out.push_back({AlarmLevel::failed, "run.moves_soon",
-                   fmt::format("run {}", engine_.record()->id.value), engine_.announcement()});
+  if (!engine_.announcement().empty()) {
+    // A start that somebody has put into the queue is expected; one after an absence is not.
+    const auto& run = *engine_.record();
+    const bool is_planned = run.queue_entry && run.restarts == 0;
+    out.push_back({is_planned ? AlarmLevel::notice : AlarmLevel::failed,
+                   is_planned ? "run.begins_soon" : "run.moves_soon",
+                   fmt::format("run {}", run.id.value), engine_.announcement()});
+  }
   // While a run works the force is the run's; after a stop, an abort or a failure nothing takes it
   // off by itself.
   const auto acts_n = force_now();

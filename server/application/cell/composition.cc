@@ -82,7 +82,7 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
       alarm_book(*clock, writer),
       notify(on,
              {*clock, writer, reader, events, tasks, alarm_book.watchers(), notifier.get(),
-              notify_threads.executor()},
+              notify_threads.executor(), [this] { return alarm_book.unstored(); }},
              {description.name, version, given.web_address, description.receivers,
               description.watchdog},
              [this](LifeSign& sign) {

@@ -61,7 +61,29 @@ void NotifyDesk::take(const AlarmRecord& alarm) {
   auto& known = known_[alarm.id.value];
   if (known.alarm.change > alarm.change) return;
   known.alarm = alarm;
+  // What was told of it before the store had room belongs to it.
+  if (auto before = provisional_.extract({alarm.kind, alarm.subject, alarm.since.utc_ns})) {
+    known.told = std::move(known_[before.mapped()].told);
+    known_.erase(before.mapped());
+    for (auto& [receiver, telling] : known.told) {
+      telling.alarm = alarm.id;
+      unstored_.push_back(telling);
+    }
+    parts_.tasks.spawn(keep({}));
+  }
   wake_.raise();
+}
+
+void NotifyDesk::take_unstored() {
+  if (!parts_.unstored) return;
+  for (auto& alarm : parts_.unstored()) {
+    const Occurrence occurrence{alarm.kind, alarm.subject, alarm.since.utc_ns};
+    const auto next = -static_cast<std::int64_t>(provisional_.size()) - 1;
+    const auto [entry, is_new] = provisional_.try_emplace(occurrence, next);
+    while (is_new && known_.contains(entry->second)) --entry->second;
+    alarm.id = {entry->second};
+    known_[entry->second].alarm = std::move(alarm);
+  }
 }
 
 // Every second of cell time, and at most twice a second of wall time: hours begin, repeats fall
@@ -119,6 +141,7 @@ Notice NotifyDesk::due_notice(Receiver& receiver) {
   Notice notice{rules_.cell, rules_.web_address, parts_.clock.utc(now), {}, false};
   bool due = false;
   receiver.waiting = 0;
+  take_unstored();
   for (const auto& [id, known] : known_) {
     const auto news = due_news(question(receiver, known));
     if (!news || (news->kind == NewsKind::repeat && news->at > now)) continue;
@@ -157,10 +180,16 @@ Awaitable<void> NotifyDesk::tell(Receiver& receiver, Notice notice) {
   receiver.answer = said ? *said : said.error().message;
   std::vector<TellingRecord> tellings;
   for (const auto& news : notice.news) {
-    const auto known = known_.find(news.alarm.id.value);
+    auto known = known_.find(news.alarm.id.value);
+    if (known == known_.end())  // it was stored while the message was on its way
+      known = std::ranges::find_if(known_, [&news](const auto& entry) {
+        const AlarmRecord& one = entry.second.alarm;
+        return one.kind == news.alarm.kind && one.subject == news.alarm.subject &&
+               one.since == news.alarm.since;
+      });
     if (known == known_.end()) continue;
     auto& told = known->second.told[receiver.description.name];
-    told.alarm = news.alarm.id;
+    told.alarm = {known->first};
     told.receiver = receiver.description.name;
     told.tried = now;
     told.error = said ? "" : said.error().message;
@@ -170,7 +199,7 @@ Awaitable<void> NotifyDesk::tell(Receiver& receiver, Notice notice) {
       if (news.kind == NewsKind::firing) told.firing = now;
       (news.kind == NewsKind::resolved ? told.resolved : told.last) = now;
     }
-    tellings.push_back(told);
+    if (known->first > 0) tellings.push_back(told);
   }
   if (said) {
     receiver.delivered = now;

@@ -7,6 +7,7 @@
 // Executor's thread.
 
 #include <boost/asio/any_io_executor.hpp>
+#include <compare>
 #include <functional>
 #include <map>
 #include <memory>
@@ -46,6 +47,8 @@ class NotifyDesk final : public Notifications {
     WatchList<AlarmRecord>& alarms;
     Notifier* notifier = nullptr;  // nullptr: nobody is told
     asio::any_io_executor threads = {};
+    // Alarms that the store has not taken yet (a full disk): told all the same.
+    std::function<std::vector<AlarmRecord>()> unstored = {};
   };
   struct Rules {
     std::string cell, version, web_address;
@@ -79,6 +82,7 @@ class NotifyDesk final : public Notifications {
   };
 
   void take(const AlarmRecord& alarm);
+  void take_unstored();
   Awaitable<void> begin();
   Awaitable<bool> restore();
   Awaitable<void> serve(Receiver& receiver);
@@ -93,7 +97,13 @@ class NotifyDesk final : public Notifications {
   Parts parts_;
   Rules rules_;
   std::vector<std::unique_ptr<Receiver>> receivers_;
-  std::map<std::int64_t, Known> known_;  // by alarm
+  std::map<std::int64_t, Known> known_;  // by alarm; below 0: not stored yet
+  struct Occurrence {
+    std::string kind, subject;
+    std::int64_t since_ns = 0;
+    auto operator<=>(const Occurrence&) const = default;
+  };
+  std::map<Occurrence, std::int64_t> provisional_;  // their numbers in known_
   std::vector<TellingRecord> unstored_;
   std::shared_ptr<void> watch_;
   LifeSigns signs_;
