@@ -50,6 +50,9 @@ Result<std::optional<std::string>> parse_value(std::string_view reply, std::stri
 }
 
 Result<Supply> parse_status(std::string_view status) {
+  if (status == "WAIT")
+    return fail(ErrorCode::failed_precondition, reasons::kUpsStale,
+                "upsd waits for its UPS driver (upsdrvctl)");
   Supply supply;
   bool says_where = false;
   while (!status.empty()) {

@@ -32,7 +32,7 @@ struct Supply {
   bool low_battery = false;  // LB or FSD
 };
 // Errors: data_loss BAD_REPLY: neither OL nor OB, nor another word that says where power comes
-// from.
+// from; failed_precondition UPS_STALE: WAIT, upsd has not heard of the UPS yet.
 Result<Supply> parse_status(std::string_view status);
 
 // A number from 0 up. Errors: data_loss BAD_REPLY.

@@ -1,6 +1,6 @@
 #pragma once
-// Version 10: what leaves the machine. Receivers, what they were told of each alarm, and alarms that
-// are shelved. Never edited once released; a later change is a new version with its own text.
+// Version 10: what leaves the machine. Receivers, what they were told of each alarm, and alarms
+// that are shelved. Never edited once released; a later change is a new version with its own text.
 
 #include <string_view>
 

@@ -47,7 +47,8 @@ TEST(NutCodec, StatusIsAListOfWordsOfWhichSomeAreUnknown) {
   EXPECT_TRUE(parse_status("OB LB")->low_battery);
   EXPECT_TRUE(parse_status("FSD OB")->low_battery);
   EXPECT_TRUE(parse_status("ALARM OL RB"));
-  EXPECT_EQ(parse_status("WAIT").error().reason, "BAD_REPLY");
+  EXPECT_EQ(parse_status("WAIT").error().reason, "UPS_STALE");  // upsd itself has just started
+  EXPECT_EQ(parse_status("CHRG").error().reason, "BAD_REPLY");
   EXPECT_EQ(parse_status("").error().reason, "BAD_REPLY");
 }
 

@@ -19,6 +19,7 @@ const whatOf: Record<RunHold_Kind, string> = {
   [RunHold_Kind.TROUBLE]: 'Asks for a person',
   [RunHold_Kind.RESTART]: 'Asks for a person',
   [RunHold_Kind.CONFIGURATION]: 'Asks for a person',
+  [RunHold_Kind.CONDITION]: 'Waits for the cell',
 };
 
 // undefined: not answered. A run that stands for nothing needs no answer.
