@@ -187,6 +187,14 @@ std::vector<AlarmCondition> AlarmsService::alarms_now() const {
   for (auto& condition : channel_alarms_.conditions(clock_.now().utc))
     out.push_back(std::move(condition));
   for (auto& condition : access_.conditions()) out.push_back(std::move(condition));
+  // Cell time, and at least two seconds of the wall's.
+  const double unwritten_s = std::max(60.0, 2 * clock_.speed());
+  if (const auto since = writer_.gathered_since();
+      since && seconds_from(clock_.now().utc - *since) > unwritten_s)
+    out.push_back(
+        {AlarmLevel::failed, "record.unwritten", "database",
+         "the record takes nothing: readings gather in memory, and a run under way waits; "
+         "make room on the disk, or look whether it is still there"});
   if (writer_.dropped() > 0)
     out.push_back({AlarmLevel::failed, "record.dropped", "database",
                    "slow readings were dropped because nothing could be written: make room on the "

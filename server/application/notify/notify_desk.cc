@@ -242,7 +242,8 @@ void NotifyDesk::forget_what_is_over() {
   const CellTime oldest = parts_.clock.now().utc - nanoseconds_from_s(kForget_s);
   std::erase_if(known_, [&](const auto& entry) {
     const Known& known = entry.second;
-    if (known.alarm.cleared.utc_ns == 0) return false;
+    if (entry.first < 0 || known.alarm.cleared.utc_ns == 0)
+      return false;  // below 0: not stored yet
     return known.alarm.cleared < oldest ||
            std::ranges::all_of(receivers_, [&](const auto& receiver) {
              return is_finished(question(*receiver, known));

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""A weekend with nobody there, in a minute or two: three queued campaigns, a room that leaves its band, a thermometer
+"""A weekend with nobody there, in two minutes or three: three queued campaigns, a room that leaves its band, a thermometer
 scanner that goes silent, kill -9, a full disk, and an operator who acknowledges from another client.
 
 weekend.py BIN_DIR SOURCE_DIR
 
-Everything is real but the speed: the simulated cell at 200 times life, the daemon, the command line, a mail server
+Everything is real but the speed: the simulated cell at 50 times life, the daemon, the command line, a mail server
 (aiosmtpd), an HTTP server. Judged from outside: by the rows of the database (sqlite3), by what the receivers were
 sent, by the report's file. Exit code 77: the peers or the rights to mount a small disk are not there.
 """
@@ -25,7 +25,7 @@ SKIPPED = 77
 BIN, SOURCE = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
 CELL = SOURCE / "deploy" / "cells" / "linear-axis"
 PEERS = SOURCE / "tests" / "peers" / "notify"
-SPEED = 200
+SPEED = 50  # a look for alarms is then every 25 s of cell time: what begins together is still seen together
 
 
 def say(sentence):
@@ -182,9 +182,14 @@ repeat_h = 0
                     counts[(alert["status"], alert["labels"]["alertname"], alert["labels"]["subject"])] += 1
         return counts
 
-    def firing_texts(self):
-        return [json.dumps(alert["annotations"]) for line in self.hooks.read_text().splitlines()
-                for alert in json.loads(json.loads(line)["body"])["alerts"] if alert["status"] == "firing"]
+    def beginnings(self):
+        """How often each single beginning of an alarm was told."""
+        counts = collections.Counter()
+        for line in self.hooks.read_text().splitlines():
+            for alert in json.loads(json.loads(line)["body"])["alerts"]:
+                if alert["status"] == "firing":
+                    counts[(alert["labels"]["alertname"], alert["labels"]["subject"], alert["startsAt"])] += 1
+        return counts
 
     def mail_texts(self):
         if not self.mails.exists():
@@ -248,7 +253,7 @@ def main(folder):
     try:
         weekend.begin()
         counts = {}
-        for name, lines in (("friday", 40), ("saturday", 40), ("sunday", 5)):
+        for name, lines in (("friday", 34), ("saturday", 20), ("sunday", 3)):
             counts[name] = campaign(folder / (name + ".csv"), lines, 11)
         weekend.write_cell_file("t04_degC", 21.1)
         weekend.begin_daemon()
@@ -262,7 +267,8 @@ def main(folder):
         say("ada has queued three campaigns and goes home")
 
         wait_until("friday waits because the room left its band",
-                   lambda: run_state(weekend)[0] == "waiting" and "hold room" in run_state(weekend)[1], 60)
+                   lambda: run_state(weekend)[0] == "waiting" and "hold room" in run_state(weekend)[1] and
+                   state_of(weekend, entries["friday"]) == "running", 120)
         wait_until("the webhook was told of it", lambda: any(
             key[0] == "firing" and key[1] == "run.waiting" for key in weekend.alerts()))
         wait_until("friday goes on by itself when the room is back",
@@ -270,7 +276,7 @@ def main(folder):
         wait_until("saturday runs", lambda: state_of(weekend, entries["saturday"]) == "running", 120)
 
         wait_until("saturday has some points", lambda: accepted(weekend) >= 5)
-        weekend.tell_cell("fault mute scanner 600 s")
+        weekend.tell_cell("fault mute scanner 300 s")
         wait_until("an alarm says that the scanner is silent", lambda: any(
             key[0] == "firing" and key[1] in silent for key in weekend.alerts()))
         standing = [one for one in weekend.ask(["alarms"])["alarms"] if one["kind"] in silent]
@@ -281,6 +287,7 @@ def main(folder):
 
         before = accepted(weekend)
         wait_until("saturday goes on", lambda: accepted(weekend) > before + 3)
+        told_before_the_kill = weekend.beginnings()
         os.kill(weekend.daemon.process.pid, signal.SIGKILL)
         weekend.daemon.process.wait()
         say("the daemon was killed")
@@ -299,7 +306,7 @@ def main(folder):
         wait_until("saturday waits for room on the disk", lambda: run_state(weekend)[0] == "waiting" and
                    "full" in run_state(weekend)[1])
         wait_until("an alarm of the full disk left the machine", lambda: any(
-            "full" in text and "days" not in text and "hours" not in text for text in weekend.firing_texts()), 120)
+            key[0] == "firing" and key[1] == "record.unwritten" for key in weekend.alerts()), 120)
         ballast.unlink()
         say("there is room again")
         wait_until("saturday is done", lambda: state_of(weekend, entries["saturday"]) == "done", 240)
@@ -308,7 +315,7 @@ def main(folder):
         say("monday")
         for name, rows in counts.items():
             run = run_of(weekend, entries[name])
-            found = weekend.rows("SELECT row_index, count(*) FROM point WHERE run_id = %d GROUP BY row_index" % run)
+            found = weekend.rows("SELECT trajectory_row, count(*) FROM point WHERE run_id = %d GROUP BY trajectory_row" % run)
             check(len(found) == rows and all(count == 1 for _, count in found),
                   "%s has each of its %d rows once" % (name, rows))
         runs = weekend.ask(["run", "list", "--meta", "weekend=47"])["runs"]
@@ -318,7 +325,9 @@ def main(folder):
         incidents = {key[1:]: count for key, count in told.items() if key[0] == "firing"}
         for kind in (silent, ("run.waiting",)):
             check(any(one[0] in kind for one in incidents), "the webhook was told of %s" % " or ".join(kind))
-        again = {one: count for one, count in incidents.items() if count > 1 and one[0] != "run.waiting"}
+        # A receiver that took a message right before a kill may get it once more: docs/alarms.md.
+        again = [one for one, count in weekend.beginnings().items()
+                 if count > (2 if one in told_before_the_kill else 1)]
         check(not again, "no incident was told twice %s" % (again or ""))
         check(sum(one[0] in silent for one in incidents) == 1, "the silent scanner was one incident")
         mails = weekend.mail_texts()
@@ -329,7 +338,7 @@ def main(folder):
         report = folder / "saturday.html"
         weekend.ask(["report", "run", run, "-o", report], who="ada")
         text = report.read_text()
-        for piece in ("scanner", "restart"):
+        for piece in ("restart after a kill", "the disk is full"):
             check(piece in text, "the report tells of: %s" % piece)
         lost = weekend.ask(["events"])["events"]
         for what in ("hold.begun", "hold.ended", "device.lost", "device.back", "run.restarted"):
