@@ -20,7 +20,7 @@ AlarmLevel level_of(AlarmPriority priority) {
   return AlarmLevel::warning;
 }
 
-// How far the value is beyond the limit, in the channel's unit.
+// Distance of the value beyond the limit, in the channel's unit.
 double excess(const ChannelAlarmDescription& rule, double value) {
   return rule.above ? value - *rule.above : *rule.below - value;
 }

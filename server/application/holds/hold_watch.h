@@ -40,7 +40,7 @@ class HoldWatch {
   // "t12_degC is 21.02, limit 20.5 (hold room)": as it was when the limit was exceeded first.
   // Empty while clear.
   const std::string& sentence() const { return sentence_; }
-  // How far the release is: "t12_degC is 20.31, within its limits for 40 of 60 s". Empty while
+  // Distance to the release: "t12_degC is 20.31, within its limits for 40 of 60 s". Empty while
   // clear.
   std::string outlook(CellTime now) const;
 

@@ -13,7 +13,7 @@
 
 namespace driftwise::application {
 
-// What of the cell keeps a run waiting ([[hold]]), and what is done about it first.
+// Condition of the cell that keeps a run waiting ([[hold]]), and the action before it waits.
 struct CellCondition {
   RunHold hold;  // of kind condition
   HoldAction action = HoldAction::finish_point;
@@ -36,8 +36,8 @@ class RunControl {
     halted_ = true;
     hold(std::move(why));
   }
-  // How the cell is now; none: nothing keeps the run. It ends by itself, and never ends what a
-  // person, or the daemon that asks for one, has set. Of two that follow each other without a gap
+  // Condition of the cell now; none: nothing keeps the run. It ends by itself, and never ends what
+  // a person, or the daemon that asks for one, has set. Of two that follow each other without a gap
   // the first one's words stay.
   void set_condition(std::optional<CellCondition> condition) {
     if (condition.has_value() == condition_.has_value() &&
@@ -79,7 +79,7 @@ class RunControl {
   bool halted() const { return halted_ && !aborted_ && !shutting_down_; }
   bool aborted() const { return aborted_; }
   bool shutting_down() const { return shutting_down_; }
-  // What a person set comes before what the cell sets.
+  // A person's hold comes before that of the cell.
   const RunHold& hold() const {
     return hold_.kind == RunHold::Kind::none && condition_ ? condition_->hold : hold_;
   }

@@ -31,7 +31,7 @@ void LifeSigns::shut_down() {
   timer_.cancel();
 }
 
-// What of the record cannot be read is left out: the cell lives all the same.
+// Parts of the record that cannot be read are left out: the cell lives all the same.
 Awaitable<LifeSign> LifeSigns::sign() {
   constexpr int kMost = 1000;
   LifeSign sign;

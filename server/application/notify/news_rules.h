@@ -1,5 +1,5 @@
 #pragma once
-// What one receiver is to be told of one alarm, and when. Pure; the caller states the time.
+// News that one receiver is due of one alarm, and when. Pure; the caller states the time.
 //
 // First the alarm, group_s after its beginning, so that what begins together goes together; again
 // every repeat_h until somebody acknowledges it; its end, where the receiver wants that. One that

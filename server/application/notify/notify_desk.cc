@@ -61,7 +61,7 @@ void NotifyDesk::take(const AlarmRecord& alarm) {
   auto& known = known_[alarm.id.value];
   if (known.alarm.change > alarm.change) return;
   known.alarm = alarm;
-  // What was told of it before the store had room belongs to it.
+  // Messages sent before the store had room belong to the stored alarm.
   if (auto before = provisional_.extract({alarm.kind, alarm.subject, alarm.since.utc_ns})) {
     known.told = std::move(known_[before.mapped()].told);
     known_.erase(before.mapped());
@@ -135,7 +135,7 @@ NewsQuestion NotifyDesk::question(const Receiver& receiver, const Known& known) 
           open(known.alarm.since)};
 }
 
-// What is due, and with it what begins within the same group.
+// News that is due, and with it what begins within the same group.
 Notice NotifyDesk::due_notice(Receiver& receiver) {
   const CellTime now = parts_.clock.now().utc;
   Notice notice{rules_.cell, rules_.web_address, parts_.clock.utc(now), {}, false};
@@ -218,7 +218,7 @@ Awaitable<void> NotifyDesk::tell(Receiver& receiver, Notice notice) {
   co_await std::move(keeping);
 }
 
-// What a full disk refuses is kept here, and written with the next one.
+// Tellings that a full disk refuses are kept in memory and written with the next one.
 Awaitable<void> NotifyDesk::keep(std::vector<TellingRecord> tellings) {
   for (auto& one : tellings) {
     std::erase_if(unstored_, [&one](const TellingRecord& old) {

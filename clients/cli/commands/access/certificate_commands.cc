@@ -158,7 +158,7 @@ std::string host_name() {
   return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "localhost";
 }
 
-// What openssl ca(1) wants in order to keep a list of revoked certificates.
+// Files that openssl ca(1) needs for a list of revoked certificates.
 void write_list_settings(const fs::path& folder, const Scratch& settings) {
   const auto path = [&](const char* name) { return (folder / name).string(); };
   std::ofstream(settings.path())
