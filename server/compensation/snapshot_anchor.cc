@@ -77,11 +77,12 @@ Result<void> SnapshotBuilder::anchor(std::span<const ChannelValue> values) {
   }
   std::vector<double> q_mm;
   for (const auto& output : outputs_) {
-    const auto q = find(output.channel.name());
+    const auto q = gives_ == Gives::coordinates ? std::optional(0.0) : find(output.channel.name());
     if (!q) return incomplete(output.channel.name());
     q_mm.push_back(*q);
   }
-  const auto shift = pose_at_zero(pose, channels, calls, q_mm);
+  const auto shift = gives_ == Gives::coordinates ? std::array<double, kVariables>{}
+                                                  : pose_at_zero(pose, channels, calls, q_mm);
   for (std::size_t v = 0; v < kVariables; ++v) pose[v] += shift[v];
   std::vector<double> basis;
   basis_.evaluate(pose, basis);

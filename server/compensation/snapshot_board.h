@@ -1,5 +1,6 @@
 #pragma once
-// Where the newest snapshot hangs: one writer, many readers, no lock.
+// Where the newest snapshot of a model, or of a serving plan, hangs: one writer, many readers, no
+// lock.
 //
 // A fixed ring of slots, each with a count of its readers. A reader counts itself into the current
 // slot and looks again whether it is still the current one; only then does it look inside. The
@@ -19,7 +20,8 @@
 
 namespace driftwise::compensation {
 
-class SnapshotBoard {
+template <class Kept>
+class Board {
  public:
   static constexpr std::size_t kSlots = 16;
 
@@ -43,31 +45,55 @@ class SnapshotBoard {
     explicit operator bool() const {
       return snapshot_ != nullptr;
     }  // false: nothing was published yet
-    const Snapshot& operator*() const { return *snapshot_; }
-    const Snapshot* operator->() const { return snapshot_; }
+    const Kept& operator*() const { return *snapshot_; }
+    const Kept* operator->() const { return snapshot_; }
 
    private:
-    friend class SnapshotBoard;
-    Read(const Snapshot* snapshot, std::atomic<std::uint32_t>* readers)
+    friend class Board;
+    Read(const Kept* snapshot, std::atomic<std::uint32_t>* readers)
         : snapshot_(snapshot), readers_(readers) {}
     void release() {
       if (readers_) readers_->fetch_sub(1);
       readers_ = nullptr;
     }
-    const Snapshot* snapshot_ = nullptr;
+    const Kept* snapshot_ = nullptr;
     std::atomic<std::uint32_t>* readers_ = nullptr;
   };
 
-  SnapshotBoard() = default;
-  SnapshotBoard(const SnapshotBoard&) = delete;
-  SnapshotBoard& operator=(const SnapshotBoard&) = delete;
+  Board() = default;
+  Board(const Board&) = delete;
+  Board& operator=(const Board&) = delete;
 
   // Any thread.
-  Read read() const;
+  Read read() const {
+    for (;;) {
+      const std::uint32_t index = current_.load();
+      if (index == kNone) return {};
+      const Slot& slot = slots_[index];
+      slot.readers.fetch_add(1);
+      if (current_.load() == index) return Read(&slot.snapshot, &slot.readers);
+      // The writer moved on in between and may be filling this slot: not looked at.
+      slot.readers.fetch_sub(1);
+    }
+  }
 
   // One thread at a time. Frees the snapshot that the chosen slot held. False: readers hold every
   // other slot, nothing changed; try again with the next rebuild.
-  [[nodiscard]] bool publish(Snapshot snapshot);
+  [[nodiscard]] bool publish(Kept snapshot) {
+    const std::uint32_t current = current_.load();
+    for (std::uint32_t step = 1; step <= kSlots; ++step) {
+      // The slot after the current one was left longest ago, so its readers are the likeliest to
+      // be gone.
+      const std::uint32_t index = current == kNone ? step - 1 : (current + step) % kSlots;
+      Slot& slot = slots_[index];
+      if (index == current || slot.readers.load() != 0) continue;
+      slot.snapshot = std::move(snapshot);
+      current_.store(index);
+      generation_.fetch_add(1);
+      return true;
+    }
+    return false;
+  }
 
   // Grows with every publication: a reader that remembers it knows whether there is something new.
   // Any thread.
@@ -75,7 +101,7 @@ class SnapshotBoard {
 
  private:
   struct alignas(64) Slot {
-    Snapshot snapshot;
+    Kept snapshot;
     mutable std::atomic<std::uint32_t> readers{0};
   };
   static constexpr std::uint32_t kNone = kSlots;
@@ -83,5 +109,7 @@ class SnapshotBoard {
   alignas(64) std::atomic<std::uint32_t> current_{kNone};
   std::atomic<std::uint64_t> generation_{0};
 };
+
+using SnapshotBoard = Board<Snapshot>;
 
 }  // namespace driftwise::compensation

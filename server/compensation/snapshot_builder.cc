@@ -40,8 +40,9 @@ std::optional<std::pair<double, double>> travel_of(const Channel& channel,
 }  // namespace
 
 Result<SnapshotBuilder> SnapshotBuilder::create(calibration::Model model, ModelId id,
-                                                const CellDescription& cell) {
+                                                const CellDescription& cell, Gives gives) {
   SnapshotBuilder made;
+  made.gives_ = gives;
   made.model_ = std::move(model);
   made.id_ = id;
   made.rules_ = cell.serving;
@@ -55,7 +56,8 @@ Result<SnapshotBuilder> SnapshotBuilder::create(calibration::Model model, ModelI
       for (const auto& probe : device.probes())
         if (probe.channel == channel) made.slow_inputs_.back().u = probe.u_k;
   }
-  for (auto& output : made.outputs_) output.travel_mm = travel_of(output.channel, cell);
+  if (gives == Gives::motors)
+    for (auto& output : made.outputs_) output.travel_mm = travel_of(output.channel, cell);
   for (std::size_t i = 0; i < made.outputs_.size(); ++i)
     made.add_uncertainty(made.model_.outputs[i], cell, made.outputs_[i]);
   if (made.outputs_.empty() || made.outputs_.size() > kMaxOutputs ||
@@ -78,13 +80,24 @@ const calibration::ChannelRange* SnapshotBuilder::domain_of(const std::string& s
 }
 
 Result<void> SnapshotBuilder::add_output(const calibration::OutputModel& from) {
-  if (!is_motor_symbol(from.channel.symbol) || !is_length(from.channel.unit))
-    return not_servable(reasons::kNotAMotorModel,
-                        "the model gives " + from.channel.name() +
-                            ", expected motor coordinates such as q1_mm: it cannot serve targets");
+  const bool is_angle_output = is_angle(from.channel.unit);
+  if (gives_ == Gives::motors
+          ? !is_motor_symbol(from.channel.symbol) || !is_length(from.channel.unit)
+          : !is_pose_symbol(from.channel.symbol) ||
+                !(is_length(from.channel.unit) || is_angle_output))
+    return not_servable(
+        reasons::kNotAMotorModel,
+        "the model gives " + from.channel.name() +
+            (gives_ == Gives::coordinates
+                 ? ", expected coordinates of the pose such as x_mm: it predicts no motion"
+             : robot_of(from.channel.symbol).empty()
+                 ? ", expected motor coordinates such as q1_mm: it cannot serve targets"
+                 : ", a coordinate of one robot of several: it serves within a serving plan "
+                   "(driftwise plan add)"));
   Output output;
-  output.channel = {from.channel.symbol, "mm"};
-  output.mm_per_unit = mm_from_nm(summary_unit(from.channel.unit).factor);
+  output.channel = {from.channel.symbol, is_angle_output ? "arcsec" : "mm"};
+  output.mm_per_unit = is_angle_output ? summary_unit(from.channel.unit).factor
+                                       : mm_from_nm(summary_unit(from.channel.unit).factor);
   std::vector<Eigen::Index> kept;
   for (std::size_t k = 0; k < from.terms.size(); ++k) {
     if (effects::datum_of(from.terms[k])) continue;  // the constants of other data: never served

@@ -5,6 +5,7 @@
 // first). Only this observed stream advances effects with memory; asking for a snapshot or a target
 // never does. One thread.
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <utility>
@@ -20,6 +21,12 @@
 
 namespace driftwise::compensation {
 
+// What a model's outputs are.
+enum class Gives : std::uint8_t {
+  motors,       // motor coordinates in a length unit
+  coordinates,  // coordinates of the pose, as of a parasitic motion: x_mm, rx_arcsec
+};
+
 class SnapshotBuilder {
  public:
   // The cell gives the serving rules and every declared uncertainty (declared_errors.h). Errors,
@@ -27,8 +34,10 @@ class SnapshotBuilder {
   // unit), TERM_NOT_SERVABLE (a term that reads a motor coordinate, an effect that reads the wanted
   // pose), NO_DOMAIN (a channel without its fitted range), MODEL_TOO_LARGE (kMaxBasis, kMaxInputs,
   // kMaxOutputs).
+  // Of coordinates: an angle's arcsec stands wherever mm is written, in the snapshot and in its
+  // targets, and 1e-6 arcsec wherever nm is. They have no soft limits.
   static Result<SnapshotBuilder> create(calibration::Model model, ModelId id,
-                                        const CellDescription& cell);
+                                        const CellDescription& cell, Gives gives = Gives::motors);
 
   // In time order. Channels that the model does not use are passed over; kMissing values change
   // nothing, so that the last good one grows old.
@@ -40,7 +49,8 @@ class SnapshotBuilder {
   // - f(p0, then), coefficients' covariance included, so that the constant of the model's own datum
   // drops out. p0: where that zero lies in the model's datum, f(p0, then) = q_zero; 0 where the
   // model has another number of motors than of axes, or that is more than 2 % of a fitted range
-  // away. Effects with memory count as they stand when this is called. Without it targets stay
+  // away. A coordinate of the pose was zeroed with the datum: its q_zero and p0 are 0. Effects with
+  // memory count as they stand when this is called. Without it targets stay
   // in the model's datum and are flagged. Errors: failed_precondition, INCOMPLETE_DATUM, naming the
   // channel that is not among the values; nothing changes.
   Result<void> anchor(std::span<const ChannelValue> values);
@@ -109,6 +119,7 @@ class SnapshotBuilder {
 
   calibration::Model model_;
   ModelId id_;
+  Gives gives_ = Gives::motors;
   ServingRules rules_;
   BasisPlan basis_;
   SlowState slow_;

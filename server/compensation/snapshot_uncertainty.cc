@@ -42,7 +42,8 @@ Eigen::VectorXd served(const Eigen::VectorXd& shift, const std::vector<effects::
 void SnapshotBuilder::add_uncertainty(const calibration::OutputModel& from,
                                       const CellDescription& cell, Output& output) const {
   const auto declared = declared_errors(cell);
-  output.u_scale_nm = reading_noise_nm(cell, output.channel.symbol);
+  // No scale reads a coordinate of the pose.
+  if (gives_ == Gives::motors) output.u_scale_nm = reading_noise_nm(cell, output.channel.symbol);
   output.absorbed.resize(slow_.channels().size());
   double noise_nm2 = output.u_scale_nm * output.u_scale_nm;
   Systematic drift{UncertaintySource::drift, {}, true};

@@ -47,6 +47,28 @@ Result<Channel> parse_channel(std::string_view name) {
                   allowed);
 }
 
+Result<Channel> parse_robot_channel(std::string_view name) {
+  const std::size_t dot = name.find('.');
+  if (dot == std::string_view::npos || !is_symbol(name.substr(0, dot))) return parse_channel(name);
+  auto channel = parse_channel(name.substr(dot + 1));
+  if (!channel) return channel;
+  const std::string_view symbol = channel->symbol;
+  const std::string_view stem = symbol.substr(0, symbol.find('_'));  // x of x_std
+  if (!is_motor_symbol(stem) && !is_pose_symbol(stem)) return parse_channel(name);
+  channel->symbol.insert(0, name.substr(0, dot + 1));
+  return channel;
+}
+
+std::string_view robot_of(std::string_view symbol) {
+  const std::size_t dot = symbol.find('.');
+  return dot == std::string_view::npos ? std::string_view() : symbol.substr(0, dot);
+}
+
+std::string_view without_robot(std::string_view symbol) {
+  const std::size_t dot = symbol.find('.');
+  return dot == std::string_view::npos ? symbol : symbol.substr(dot + 1);
+}
+
 bool is_length(std::string_view unit) {
   return unit == "m" || unit == "mm" || unit == "um" || unit == "nm";
 }

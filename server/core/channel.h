@@ -22,6 +22,13 @@ struct Channel {
 // digits, '_'. Errors: invalid_argument, reason BAD_CHANNEL, naming the text and the units allowed.
 Result<Channel> parse_channel(std::string_view name);
 
+// The same, or with a robot's id and a dot before it, as in cells with several robots: "ma.q1_mm".
+Result<Channel> parse_robot_channel(std::string_view name);
+// "ma" of "ma.q1"; empty: the symbol carries no robot's id.
+std::string_view robot_of(std::string_view symbol);
+// "q1" of "ma.q1" and of "q1".
+std::string_view without_robot(std::string_view symbol);
+
 // m mm um nm rad deg arcsec degC K N Pa hPa pct V s 1
 const std::vector<std::string>& known_units();
 

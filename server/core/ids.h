@@ -42,6 +42,10 @@ struct ImprovementId {
   std::int64_t value = 0;
   auto operator<=>(const ImprovementId&) const = default;
 };
+struct PlanId {
+  std::int64_t value = 0;
+  auto operator<=>(const PlanId&) const = default;
+};
 struct QueueEntryId {
   std::int64_t value = 0;
   auto operator<=>(const QueueEntryId&) const = default;

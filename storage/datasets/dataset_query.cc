@@ -96,7 +96,7 @@ std::vector<std::int64_t> columns_in_file(Session& session, RunId run) {
 }
 
 Channel channel_of(Session& session, std::int64_t id) {
-  auto channel = parse_channel(session.names.channel_name(id));
+  auto channel = parse_robot_channel(session.names.channel_name(id));
   if (!channel) throw StorageFailure{channel.error()};
   return *std::move(channel);
 }

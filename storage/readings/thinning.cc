@@ -47,7 +47,7 @@ using IntervalKey = std::pair<std::int64_t, std::int64_t>;  // device, multiple 
 
 bool is_of_environment(const std::string& channel) {
   constexpr std::array kUnits = {"degC", "K", "Pa", "hPa", "pct"};
-  const auto parsed = parse_channel(channel);
+  const auto parsed = parse_robot_channel(channel);
   return parsed && std::ranges::find(kUnits, parsed->unit) != kUnits.end();
 }
 

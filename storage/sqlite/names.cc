@@ -19,7 +19,7 @@ std::int64_t Names::channel(const std::string& name, Use use) {
     found = channels_.find(name);
   }
   if (found == channels_.end()) {
-    const auto parsed = parse_channel(name);
+    const auto parsed = parse_robot_channel(name);
     if (!parsed) throw StorageFailure{parsed.error()};
     if (channels_.size() >= kMaxChannels)
       throw_failure(ErrorCode::resource_exhausted, reasons::kTooManyChannels,

@@ -84,7 +84,7 @@ Result<std::vector<CsvColumn>> sort_columns(const CsvHeader& header, const std::
     for (const auto& own : kOwnColumns)
       if (name == own.name) kinds[i] = own.kind;
     if (kinds[i] != CsvColumn::channel) continue;
-    auto channel = parse_channel(name);
+    auto channel = parse_robot_channel(name);
     if (!channel) {
       std::string message = at_line(file_name, header.line) + "column " + std::to_string(i + 1) +
                             ": " + channel.error().message;

@@ -39,6 +39,9 @@ Result<Formula> Formula::parse(std::string_view text, const FormulaLimits& limit
 
 namespace {
 
+// q, or ma.q: all motor coordinates of robot ma.
+bool is_every_motor(const std::string& name) { return without_robot(name) == "q"; }
+
 Result<std::vector<std::string>> outputs_of(const std::vector<FormulaOutput>& named,
                                             const std::vector<Channel>& channels,
                                             std::string_view text) {
@@ -46,15 +49,18 @@ Result<std::vector<std::string>> outputs_of(const std::vector<FormulaOutput>& na
   for (const auto& output : named) {
     const std::size_t before = outputs.size();
     for (const auto& channel : channels)
-      if (output.name == "q" ? is_motor_symbol(channel.symbol) : channel.symbol == output.name)
+      if (is_every_motor(output.name) ? robot_of(channel.symbol) == robot_of(output.name) &&
+                                            is_motor_symbol(without_robot(channel.symbol))
+                                      : channel.symbol == output.name)
         outputs.push_back(channel.symbol);
     if (outputs.size() > before) continue;
-    return bad_formula(text, output.at,
-                       output.name == "q"
-                           ? "q stands for the motor coordinates q1, q2, ... and there are none, " +
-                                 known_symbols(channels)
-                           : unknown_symbol(output.name, channels),
-                       reasons::kUnknownChannel);
+    return bad_formula(
+        text, output.at,
+        is_every_motor(output.name)
+            ? output.name + " stands for the motor coordinates q1, q2, ... and there are none, " +
+                  known_symbols(channels)
+            : unknown_symbol(output.name, channels),
+        reasons::kUnknownChannel);
   }
   return outputs;
 }

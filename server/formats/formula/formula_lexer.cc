@@ -38,6 +38,11 @@ FormulaToken single(char c) {
   }
 }
 
+std::size_t name_end(std::string_view text, std::size_t at) {
+  while (at < text.size() && (letter(text[at]) || digit(text[at]) || text[at] == '_')) ++at;
+  return at;
+}
+
 // Where a number that starts at `at` ends: digits, at most one point (never the ".." of a range),
 // an exponent.
 std::size_t number_end(std::string_view text, std::size_t at) {
@@ -91,8 +96,10 @@ Result<std::vector<FormulaLexeme>> lex_formula(std::string_view text) {
     lexeme.at = at;
     std::size_t end = at + 1;
     if (letter(c)) {
-      while (end < text.size() && (letter(text[end]) || digit(text[end]) || text[end] == '_'))
-        ++end;
+      end = name_end(text, end);
+      // A robot's id before its channel: ma.q1. The ".." of a range is none.
+      if (end + 1 < text.size() && text[end] == '.' && letter(text[end + 1]))
+        end = name_end(text, end + 1);
       lexeme.token = FormulaToken::name;
     } else if (digit(c) || (c == '.' && end < text.size() && digit(text[end]))) {
       end = number_end(text, at);

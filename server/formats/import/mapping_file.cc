@@ -111,7 +111,7 @@ void read_target(TomlReader& reader, ColumnRule& out) {
                              (name == "set" ? "sets" : "time") + "] table is for");
   if (out.target == RuleTarget::dwell) out.channel = {"dwell", "s"};
   if (out.target != RuleTarget::channel) return;
-  auto channel = parse_channel(name);
+  auto channel = parse_robot_channel(name);
   if (!channel) return reader.refuse("channel", reasons::kBadChannel, channel.error().message);
   out.channel = std::move(*channel);
 }
@@ -245,7 +245,7 @@ void read_constants(TomlReader&& reader, const toml::table& table, ImportMapping
     const char* name = key.str().data();  // of a std::string: it ends with a zero
     double value = 0;
     reader.number(name, value, {}, Need::required);
-    auto channel = parse_channel(name);
+    auto channel = parse_robot_channel(name);
     if (channel)
       out.constants.push_back({std::move(*channel), value});
     else

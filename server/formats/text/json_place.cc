@@ -70,7 +70,7 @@ double JsonPlace::number() const {
 }
 
 Channel JsonPlace::channel() const {
-  auto channel = parse_channel(text());
+  auto channel = parse_robot_channel(text());
   if (!channel) refuse("a channel such as q1_mm");
   return std::move(*channel);
 }

@@ -25,6 +25,22 @@ INSTANTIATE_TEST_SUITE_P(Table, BadChannel,
                          testing::Values("", "x", "_mm", "x_", "x_furlong", "7x_mm", "a b_mm",
                                          "x_MM"));
 
+TEST(ParseRobotChannel, TakesARobotsIdBeforeItsOwnChannelsOnly) {
+  const auto channel = parse_robot_channel("ma.rx_arcsec");
+  ASSERT_TRUE(channel);
+  EXPECT_EQ(channel->symbol, "ma.rx");
+  EXPECT_EQ(channel->unit, "arcsec");
+  EXPECT_EQ(robot_of(channel->symbol), "ma");
+  EXPECT_EQ(without_robot(channel->symbol), "rx");
+  EXPECT_EQ(parse_robot_channel("mn.x_std_nm")->symbol, "mn.x_std");
+  EXPECT_EQ(parse_robot_channel("t07_degC")->symbol, "t07");
+  EXPECT_EQ(robot_of("q1"), "");
+  for (const char* bad :
+       {"ma.t07_degC", "ma.ma.x_mm", ".x_mm", "7a.x_mm", "ma.x_furlong", "ma._mm"})
+    EXPECT_EQ(parse_robot_channel(bad).error().reason, "BAD_CHANNEL") << bad;
+  EXPECT_FALSE(parse_channel("ma.q1_mm")) << "a robot's id is taken where several robots may be";
+}
+
 TEST(ChannelKinds, AreToldByTheirNames) {
   EXPECT_TRUE(is_motor_symbol("q12"));
   EXPECT_FALSE(is_motor_symbol("q"));

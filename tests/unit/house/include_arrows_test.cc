@@ -31,6 +31,7 @@ const std::vector<std::string> kFixedRooms = {"server/core",
                                               "server/simulation",
                                               "server/diagnosis",
                                               "server/compensation",
+                                              "server/plans",
                                               "server/standards",
                                               "server/formats",
                                               "server/threads",
@@ -78,7 +79,7 @@ const std::vector<std::string> kRooms = all_rooms();
 const std::set<std::string> kMathematics = {
     "server/core",         "server/effects",        "server/correction", "server/kinematics",
     "server/calibration",  "server/identification", "server/simulation", "server/diagnosis",
-    "server/compensation", "server/standards"};
+    "server/compensation", "server/plans",          "server/standards"};
 
 std::set<std::string> with(std::set<std::string> base, const std::set<std::string>& more) {
   base.insert(more.begin(), more.end());
@@ -110,6 +111,8 @@ const std::map<std::string, std::set<std::string>> kFixedArrows = {
       "server/calibration", "server/identification", "server/simulation"}},
     {"server/compensation",
      {"server/core", "server/effects", "server/calibration", "server/correction"}},
+    {"server/plans",
+     {"server/core", "server/effects", "server/calibration", "server/compensation"}},
     {"server/standards", {"server/core"}},
     {"server/formats", with(kMathematics, {"server/digest"})},
     {"server/threads", {"server/calibration"}},
@@ -118,7 +121,7 @@ const std::map<std::string, std::set<std::string>> kFixedArrows = {
     {"server/watchdog", {"server/core", "server/core/ports", "server/notify", "server/tls"}},
     {"server/line",
      {"server/core", "server/core/ports", "server/access", "server/tls", "server/compensation",
-      "server/formats"}},
+      "server/plans", "server/formats"}},
     {"server/application", with(kDomain, {"server/core/ports", "server/threads",
                                           "server/plausibility", "server/access"})},
     {"server/rpc",

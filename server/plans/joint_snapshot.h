@@ -1,0 +1,51 @@
+#pragma once
+// The snapshots of all models of a plan, taken at one instant, and how they are put together. Built
+// by JointBuilder, published on a JointBoard, immutable afterwards: any thread may read it.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/compensation/snapshot.h"
+#include "server/compensation/snapshot_board.h"
+#include "server/core/ids.h"
+#include "server/plans/blend.h"
+#include "server/plans/serving_plan.h"
+
+namespace driftwise::plans {
+
+struct JointSnapshot {
+  struct Robot {
+    std::string id;
+    compensation::Snapshot fine;  // the one model, or the fine one of a blend
+    std::optional<compensation::Snapshot> coarse;
+    Band band;
+    std::uint32_t needed = 0;  // bit per Variable: inputs of its motor coordinates
+    // Inputs that a request states: needed, and what a step from this robot reads besides.
+    std::uint32_t stated = 0;
+  };
+  struct Step {
+    std::size_t from = 0, to = 0;  // robots
+    compensation::Snapshot predicts;
+    std::vector<compensation::Variable> output;  // of predicts.outputs, in their order
+    std::uint32_t added = 0;                     // bit per output
+  };
+
+  PlanId plan;
+  CellTime built_at, valid_until;
+  std::vector<Robot> robots;  // none: no plan serves
+  std::vector<Step> steps;
+  std::optional<std::size_t> z_taken_by;
+  double z_rest_mm = 0;
+  bool refuse_stale = false, refuse_outside_domain = false, refuse_outside_limits = true;
+  // Why the plan that should serve does not; none: nothing is promoted.
+  std::optional<Error> unserved;
+
+  std::optional<std::size_t> robot_index(std::string_view id) const;
+};
+
+using JointBoard = compensation::Board<JointSnapshot>;
+
+}  // namespace driftwise::plans

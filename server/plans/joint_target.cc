@@ -1,0 +1,313 @@
+#include "server/plans/joint_target.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "server/compensation/basis_values.h"
+#include "server/compensation/dot.h"
+
+namespace driftwise::plans {
+namespace {
+
+using compensation::Refusal;
+using compensation::Snapshot;
+using compensation::Target;
+using compensation::TargetRequest;
+using compensation::Variable;
+
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kForce = static_cast<std::size_t>(Variable::force);
+constexpr std::size_t kZ = static_cast<std::size_t>(Variable::z);
+
+JointTarget refused_with(JointTarget target, Refusal refusal, std::size_t robot,
+                         std::uint32_t coordinates = 0) {
+  target.refusal = refusal;
+  target.refused_robot = robot;
+  target.refused = coordinates;
+  target.q_mm.fill(kNotANumber);
+  target.u_nm.fill(kNotANumber);
+  return target;
+}
+
+std::size_t owners_of(const JointSnapshot& snapshot, std::uint32_t mark) {
+  std::size_t owners = 0;
+  for (const auto& robot : snapshot.robots) owners += (robot.stated & mark) != 0 ? 1 : 0;
+  return owners;
+}
+
+// The wanted pose of every robot, from what the request states with and without a robot's id.
+bool resolve(const JointSnapshot& snapshot, const JointRequest& request, JointTarget& target) {
+  constexpr std::size_t kShared = JointRequest::kNoRobot;
+  std::uint32_t known = 0;
+  for (std::size_t r = 0; r < snapshot.robots.size(); ++r) {
+    const auto& robot = snapshot.robots[r];
+    known |= robot.stated;
+    target.ignored |= request.given[r] & ~robot.stated;
+    for (std::size_t v = 0; v < compensation::kVariables; ++v) {
+      const std::uint32_t mark = std::uint32_t{1} << v;
+      if ((robot.stated & mark) == 0) continue;
+      double value = kNotANumber;
+      bool found = true;
+      if ((request.given[r] & mark) != 0) {
+        value = request.value[r][v];
+      } else if (v == kZ && snapshot.z_taken_by && *snapshot.z_taken_by != r) {
+        value = snapshot.z_rest_mm;
+      } else if ((request.given[kShared] & mark) != 0) {
+        value = request.value[kShared][v];
+        if (v != kForce && !(v == kZ && snapshot.z_taken_by) && owners_of(snapshot, mark) > 1) {
+          target = refused_with(target, Refusal::missing_coordinate, r, mark);
+          target.ambiguous = true;
+          return false;
+        }
+      } else {
+        found = false;
+      }
+      if (!found || !std::isfinite(value)) {
+        target = refused_with(target, found ? Refusal::not_finite : Refusal::missing_coordinate, r,
+                              mark);
+        return false;
+      }
+      target.robot[r].pose[v] = value;
+    }
+  }
+  target.ignored |= request.given[kShared] & ~known;
+  return true;
+}
+
+TargetRequest asked_of(const Snapshot& model, const Values& pose, const JointRequest& request) {
+  TargetRequest asked;
+  asked.value = pose;
+  asked.given = model.needed;
+  asked.with_uncertainty = request.with_uncertainty;
+  asked.show_unreachable = true;  // limits are those of the whole, looked at last
+  asked.now = request.now;
+  return asked;
+}
+
+// Slopes of the motor coordinates by one coordinate of the request: mm per mm, or per arcsec.
+void slopes_of(const Snapshot& model, const Values& pose, Variable by, double* out) {
+  const auto v = static_cast<std::size_t>(by);
+  compensation::Basis value, slope;
+  value.b[0] = 1;
+  slope.b[0] = 0;
+  for (std::size_t k = 0; k < model.products.size(); ++k) {
+    const auto& product = model.products[k];
+    const double column = pose[product.variable] * model.column_per_unit[product.variable] +
+                          model.column_shift[product.variable];
+    value.b[k + 1] = value.b[product.base] * column;
+    slope.b[k + 1] = slope.b[product.base] * column +
+                     (product.variable == v ? value.b[product.base] * model.column_per_unit[v] : 0);
+  }
+  for (std::size_t i = 0; i < model.outputs.size(); ++i)
+    out[i] = compensation::dot(model.outputs[i].coefficients_mm.data(), slope.b.data(),
+                               model.basis_size());
+}
+
+using Variances = std::array<double, compensation::kVariables>;
+
+// Coordinates' motion as every step predicts it, added to the poses. variance: of what was added,
+// nm^2, by robot and coordinate.
+bool take_steps(const JointSnapshot& snapshot, const JointRequest& request, JointTarget& target,
+                std::array<Variances, kMostRobots>& variance) {
+  for (std::size_t s = 0; s < snapshot.steps.size(); ++s) {
+    const auto& step = snapshot.steps[s];
+    const Target predicted = compensation::compute_target(
+        step.predicts, asked_of(step.predicts, target.robot[step.from].pose, request));
+    if (predicted.refusal != Refusal::none) {
+      target = refused_with(target, predicted.refusal, step.from);
+      return false;
+    }
+    target.step_flags[s] = predicted.flags & ~std::uint32_t{compensation::kUnknownLimits};
+    target.step_outside[s] = predicted.outside;
+    target.step_stale[s] = predicted.stale;
+    target.step_missing[s] = predicted.missing;
+    target.valid_until = std::min(target.valid_until, predicted.valid_until);
+    for (std::size_t i = 0; i < predicted.outputs && target.terms < kMostTerms; ++i) {
+      auto& term = target.term[target.terms++];
+      term = {static_cast<std::uint8_t>(s), static_cast<std::uint8_t>(i),
+              (step.added >> i & 1) != 0, predicted.q_mm[i], predicted.u_nm[i]};
+      if (!term.added) continue;
+      const auto v = static_cast<std::size_t>(step.output[i]);
+      target.robot[step.to].pose[v] += term.value;
+      if (request.with_uncertainty) variance[step.to][v] += term.u * term.u;
+    }
+  }
+  return true;
+}
+
+void take_flags(const Target& from, JointTarget::Robot& into) {
+  into.flags |= from.flags & ~std::uint32_t{compensation::kOutsideLimits};
+  into.outside = from.outside;
+  into.stale = from.stale;
+  into.missing = from.missing;
+  into.unlimited = from.unlimited;
+}
+
+// One robot's motor coordinates with their uncertainty.
+bool answer_robot(const JointSnapshot::Robot& robot, std::size_t r, const JointRequest& request,
+                  const Variances& variance, JointTarget& target) {
+  auto& out = target.robot[r];
+  const std::size_t count = robot.fine.outputs.size();
+  out.first = target.outputs;
+  out.outputs = count;
+  const double w = robot.coarse ? fine_weight(robot.band, out.pose) : 1.0;
+  const double fade = robot.coarse && w < 1 ? anchor_fade(robot.band, out.pose) : 0.0;
+  out.weight = w;
+  out.by = !robot.coarse ? AnsweredBy::one
+           : w >= 1      ? AnsweredBy::fine
+           : w <= 0      ? AnsweredBy::coarse
+                         : AnsweredBy::blend;
+  Target fine, coarse;
+  if (w > 0)
+    fine = compensation::compute_target(robot.fine, asked_of(robot.fine, out.pose, request));
+  if (w < 1)
+    coarse =
+        compensation::compute_target(*robot.coarse, asked_of(*robot.coarse, out.pose, request));
+  for (const Target* one : {&fine, &coarse})
+    if (one->refusal != Refusal::none) {
+      target = refused_with(target, one->refusal, r);
+      return false;
+    }
+  if (w > 0) {
+    // The band lies where the fine model ends: beyond its domain the coarse one vouches.
+    if (w < 1) fine.flags &= ~std::uint32_t{compensation::kOutsideDomain};
+    take_flags(fine, out);
+    target.valid_until = std::min(target.valid_until, fine.valid_until);
+  }
+  if (w < 1) {
+    take_flags(coarse, out);
+    target.valid_until = std::min(target.valid_until, coarse.valid_until);
+  }
+
+  std::array<double, compensation::kMaxOutputs> shift{}, at_border{};
+  if (fade > 0) {
+    const Values border = held_at_border(robot.band, out.pose);
+    model_coordinates(robot.fine, border, shift.data());
+    model_coordinates(*robot.coarse, border, at_border.data());
+    for (std::size_t i = 0; i < count; ++i) shift[i] -= at_border[i];
+  }
+  std::array<double, compensation::kMaxOutputs> propagated{}, slope{}, coarse_slope{};
+  for (std::size_t v = 0; v < compensation::kVariables; ++v) {
+    if (variance[v] <= 0) continue;
+    if (w > 0) slopes_of(robot.fine, out.pose, static_cast<Variable>(v), slope.data());
+    if (w < 1) slopes_of(*robot.coarse, out.pose, static_cast<Variable>(v), coarse_slope.data());
+    for (std::size_t i = 0; i < count; ++i) {
+      const double mixed = w * slope[i] + (1 - w) * coarse_slope[i];
+      propagated[i] += mixed * mixed * variance[v];
+    }
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const double other = coarse.q_mm[i] + fade * shift[i];
+    const double q = w >= 1 ? fine.q_mm[i] : w <= 0 ? other : w * fine.q_mm[i] + (1 - w) * other;
+    const double apart_nm = w > 0 && w < 1 ? std::abs(fine.q_mm[i] - other) * kNmPerMm : 0;
+    out.difference_nm = std::max(out.difference_nm, apart_nm);
+    target.q_mm[target.outputs] = q;
+    double u2 = propagated[i];
+    if (w > 0) u2 += std::pow(w * fine.u_nm[i], 2);
+    if (w < 1) u2 += std::pow((1 - w) * coarse.u_nm[i], 2);
+    u2 += std::pow(w * (1 - w) * apart_nm, 2);
+    u2 += std::pow((1 - w) * fade * (1 - fade) * shift[i] * kNmPerMm, 2);
+    target.u_nm[target.outputs] = request.with_uncertainty ? std::sqrt(u2) : kNotANumber;
+    ++target.outputs;
+    if (!std::isfinite(q) || (request.with_uncertainty && !std::isfinite(u2))) {
+      target = refused_with(target, Refusal::outside_domain, r);
+      return false;
+    }
+  }
+  return true;
+}
+
+// Soft limits are compared with the coordinates as computed. They are never clamped.
+void look_at_limits(const JointSnapshot& snapshot, JointTarget& target) {
+  for (std::size_t r = target.robots; r-- > 0;) {
+    auto& robot = target.robot[r];
+    for (std::size_t i = robot.outputs; i-- > 0;) {
+      const auto& output = snapshot.robots[r].fine.outputs[i];
+      const double q = target.q_mm[robot.first + i];
+      if (q >= output.min_mm && q <= output.max_mm) continue;
+      robot.unreachable |= std::uint32_t{1} << i;
+      robot.flags |= compensation::kOutsideLimits;
+      target.unreachable_mm = q;
+    }
+  }
+}
+
+// By the rules of the cell.
+Refusal refused_by_rule(const JointSnapshot& snapshot, const JointRequest& request,
+                        const JointTarget& target, std::size_t& robot) {
+  constexpr std::uint32_t kOld = compensation::kStaleTemperature |
+                                 compensation::kMissingTemperature |
+                                 compensation::kExpiredConditions;
+  const auto judged = [&](std::uint32_t flags) {
+    if (snapshot.refuse_outside_domain && (flags & compensation::kOutsideDomain) != 0)
+      return Refusal::outside_domain;
+    if (snapshot.refuse_stale && (flags & kOld) != 0) return Refusal::stale;
+    if (snapshot.refuse_outside_limits && !request.show_unreachable &&
+        (flags & compensation::kOutsideLimits) != 0)
+      return Refusal::outside_limits;
+    return Refusal::none;
+  };
+  for (std::size_t s = 0; s < snapshot.steps.size(); ++s)
+    if (const Refusal found = judged(target.step_flags[s]); found != Refusal::none) {
+      robot = snapshot.steps[s].from;
+      return found;
+    }
+  for (std::size_t r = 0; r < target.robots; ++r)
+    if (const Refusal found = judged(target.robot[r].flags); found != Refusal::none) {
+      robot = r;
+      return found;
+    }
+  return Refusal::none;
+}
+
+}  // namespace
+
+void model_coordinates(const Snapshot& snapshot, const Values& pose, double* out) noexcept {
+  TargetRequest request;
+  request.value = pose;
+  compensation::Basis basis;
+  compensation::fill_basis(snapshot, request, basis);
+  for (std::size_t i = 0; i < snapshot.outputs.size(); ++i)
+    out[i] = compensation::dot(snapshot.outputs[i].coefficients_mm.data(), basis.b.data(),
+                               snapshot.basis_size());
+}
+
+void robot_coordinates(const JointSnapshot::Robot& robot, const Values& pose,
+                       double* out) noexcept {
+  const double w = robot.coarse ? fine_weight(robot.band, pose) : 1.0;
+  if (w >= 1) return model_coordinates(robot.fine, pose, out);
+  const double fade = anchor_fade(robot.band, pose);
+  std::array<double, compensation::kMaxOutputs> fine{}, shift{}, at_border{};
+  model_coordinates(*robot.coarse, pose, out);
+  if (w > 0) model_coordinates(robot.fine, pose, fine.data());
+  if (fade > 0) {
+    const Values border = held_at_border(robot.band, pose);
+    model_coordinates(robot.fine, border, shift.data());
+    model_coordinates(*robot.coarse, border, at_border.data());
+  }
+  for (std::size_t i = 0; i < robot.fine.outputs.size(); ++i)
+    out[i] = w * fine[i] + (1 - w) * (out[i] + fade * (shift[i] - at_border[i]));
+}
+
+JointTarget compute_joint_target(const JointSnapshot& snapshot,
+                                 const JointRequest& request) noexcept {
+  JointTarget target;
+  target.robots = snapshot.robots.size();
+  target.valid_until = snapshot.valid_until;
+  if (snapshot.robots.empty()) return refused_with(target, Refusal::no_model, kMostRobots);
+  if (!resolve(snapshot, request, target)) return target;
+  std::array<Variances, kMostRobots> variance{};
+  if (!take_steps(snapshot, request, target, variance)) return target;
+  for (std::size_t r = 0; r < snapshot.robots.size(); ++r)
+    if (!answer_robot(snapshot.robots[r], r, request, variance[r], target)) return target;
+  look_at_limits(snapshot, target);
+  std::size_t robot = kMostRobots;
+  if (const Refusal refusal = refused_by_rule(snapshot, request, target, robot);
+      refusal != Refusal::none)
+    return refused_with(target, refusal, robot);
+  return target;
+}
+
+}  // namespace driftwise::plans

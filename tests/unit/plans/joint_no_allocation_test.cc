@@ -1,0 +1,61 @@
+// Counts every allocation of this program: a joint target must not make one.
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "server/plans/joint_target.h"
+#include "tests/unit/plans/two_robots.h"
+
+namespace {
+std::atomic<long> allocations{0};
+}  // namespace
+
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size ? size : 1)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace driftwise::plans {
+namespace {
+
+TEST(ComputeJointTarget, AllocatesNothing) {
+  using compensation::Variable;
+  auto plan = joint_plan();
+  plan.robots[1].blend->anchored = true;
+  for (auto& edge : plan.robots[1].blend->band) edge.fade_to = 1500;
+  auto builder =
+      std::move(*JointBuilder::create(plan, PlanId{1}, joint_models(), two_robot_cell()));
+  JointBoard board;
+  ASSERT_TRUE(board.publish(builder.build(CellTime{1})));
+  JointRequest request;
+  for (std::size_t robot = 0; robot < 2; ++robot)
+    for (const auto v : {Variable::x, Variable::y, Variable::z, Variable::rx, Variable::ry})
+      request.set(robot, v, 1.0);
+  JointRequest unreachable = request;
+  unreachable.set(1, Variable::z, 90);
+  double sum = 0;
+  bool blended = false, refused = false;
+  const long before = allocations;
+  for (int i = 0; i < 400; ++i) {
+    const auto read = board.read();
+    request.set(1, Variable::rx, i);  // the fine model, the band, where the anchor fades
+    const auto target = compute_joint_target(*read, request);
+    sum += target.u_nm[3];
+    blended = blended || target.robot[1].by == AnsweredBy::blend;
+    refused =
+        compute_joint_target(*read, unreachable).refusal == compensation::Refusal::outside_limits;
+  }
+  EXPECT_EQ(allocations - before, 0);
+  EXPECT_TRUE(blended);
+  EXPECT_TRUE(refused);
+  EXPECT_GT(sum, 0);
+}
+
+}  // namespace
+}  // namespace driftwise::plans

@@ -1,0 +1,125 @@
+// What stands against a plan's promotion, one mistake each.
+
+#include "server/plans/plan_check.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "tests/unit/plans/two_robots.h"
+
+namespace driftwise::plans {
+namespace {
+
+using compensation::Variable;
+using testing::HasSubstr;
+
+using Tools = std::map<ModelId, std::vector<std::string>>;
+
+struct Case {
+  ServingPlan plan = joint_plan();
+  ModelsById models = joint_models();
+  Tools tools;
+  CellDescription cell = two_robot_cell();
+};
+
+TEST(PlanCheck, PassesTheStudysPlan) {
+  const Case c;
+  const auto check = check_plan(c.plan, c.models, c.tools, c.cell);
+  EXPECT_TRUE(check.refusal()) << check.refusal().error().message;
+  ASSERT_EQ(check.bands.size(), 1u);
+  EXPECT_LT(check.bands[0].rate_share, 0.5);
+  EXPECT_TRUE(check.questions().empty()) << check.questions().front();
+}
+
+struct Mistake {
+  const char* name;
+  std::function<void(Case&)> make;
+  const char *reason, *sentence;
+};
+class PlanMistake : public testing::TestWithParam<Mistake> {};
+TEST_P(PlanMistake, IsRefusedWithASentence) {
+  Case c;
+  GetParam().make(c);
+  const auto refusal = check_plan(c.plan, c.models, c.tools, c.cell).refusal();
+  ASSERT_FALSE(refusal);
+  EXPECT_EQ(refusal.error().reason, GetParam().reason);
+  EXPECT_THAT(refusal.error().message, HasSubstr(GetParam().sentence));
+}
+
+void read_tilts(Case& c) {  // the MinAngle's motion is said to depend on its tilt
+  for (auto& output : c.models.at(kMinAngleMotion).outputs) {
+    output.terms.push_back(product_of({{"ma.rx", 1}}));
+    output.coefficients.conservativeResize(4);
+    output.coefficients[3] = 1e-6;
+    output.covariance.conservativeResizeLike(Eigen::MatrixXd::Zero(4, 4));
+  }
+  c.models.at(kMinAngleMotion).domain.push_back({{"ma.rx", "arcsec"}, -5, 5});
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Mistakes, PlanMistake,
+    testing::Values(
+        Mistake{"Cycle", read_tilts, "PLAN_CYCLE",
+                "step 2 (model 14) changes ma.rx_arcsec, which step 1 (model 13) reads"},
+        Mistake{"Order", [](Case& c) { std::swap(c.plan.steps[0], c.plan.steps[1]); }, "PLAN_ORDER",
+                "write the steps in the order 2, 1"},
+        Mistake{"Unmeasured",
+                [](Case& c) {
+                  std::erase_if(c.cell.devices[0].become<TemperatureSettings>().probes,
+                                [](const auto& probe) { return probe.channel.symbol == "t09"; });
+                },
+                "NOT_MEASURED", "t09_degC, which this cell does not measure"},
+        Mistake{"Unwanted",
+                [](Case& c) {
+                  c.plan.steps[1].add = {Variable::rx, Variable::rz};
+                },
+                "NOT_MEASURED", "step 2 adds to ma.rz_arcsec, which no model of robot 'ma' reads"},
+        Mistake{"OtherRobot", [](Case& c) { c.plan.robots[1].blend->coarse = kMicroNano; },
+                "OTHER_ROBOT",
+                "model 12 has channels of robot 'mn', the plan uses it as the coarse"},
+        Mistake{"NoSuchModel", [](Case& c) { c.models.erase(kCoarse); }, "NO_SUCH_MODEL",
+                "there is no model 10"},
+        Mistake{"OtherTool",
+                [](Case& c) {
+                  c.plan.robots[0].tool = "diamond 3";
+                  c.tools = {{kMicroNano, {"electrode"}}, {kMicroNanoTilt, {"diamond 3"}}};
+                },
+                "OTHER_TOOL", "model 12 was measured with tool 'electrode', robot 'mn' carries"},
+        Mistake{"TwoTools",
+                [](Case& c) {
+                  c.tools = {{kFine, {"a"}}, {kCoarse, {"b"}}};
+                },
+                "OTHER_TOOL",
+                "model 10 was measured with tool 'b', model 11 of the same robot with 'a'"},
+        Mistake{"NobodyTakesZ", [](Case& c) { c.plan.z_taken_by.reset(); }, "AMBIGUOUS_COORDINATE",
+                "robots mn, ma have z: say who takes a wanted z"},
+        Mistake{"Disagreement", [](Case& c) { c.models = joint_models(200); }, "MODELS_DISAGREE",
+                "(200 arcsec) at ma.z_mm ="},
+        Mistake{"BandBeyondTheFineModel",
+                [](Case& c) {
+                  for (auto& edge : c.plan.robots[1].blend->band) edge.to = 600;
+                },
+                "OUTSIDE_DOMAIN", "and the fine model 11 was fitted up to"},
+        Mistake{"HeightLeftOut", [](Case& c) { c.models.at(kFine) = min_angle(300, 3, 0, 1e-4); },
+                "OUTSIDE_DOMAIN", "put ma.z_mm into the band"},
+        Mistake{"NoOutput", [](Case& c) { c.plan.steps[0].add.push_back(Variable::z); },
+                "NO_OUTPUT", "gives x, y of ma, no z"},
+        Mistake{"NoMotorModel", [](Case& c) { c.plan.robots[0].model = kMicroNanoTilt; },
+                "NOT_A_MOTOR_MODEL", "model 14"}),
+    [](const auto& row) { return std::string(row.param.name); });
+
+TEST(PlanCheck, AsksWhereNothingSaysWhichToolItWas) {
+  Case c;
+  c.plan.robots[0].tool = "diamond 3";
+  c.tools = {{kMicroNano, {"diamond 3"}}};
+  const auto check = check_plan(c.plan, c.models, c.tools, c.cell);
+  EXPECT_TRUE(check.refusal());
+  ASSERT_EQ(check.questions().size(), 1u);
+  EXPECT_THAT(check.questions()[0],
+              HasSubstr("nothing says with which tool model 14 was measured"));
+}
+
+}  // namespace
+}  // namespace driftwise::plans
