@@ -6,6 +6,7 @@
 #include "server/core/reasons.h"
 #include "server/core/text/clean_text.h"
 #include "server/core/try.h"
+#include "server/core/units.h"
 #include "server/formats/text/text.h"
 
 namespace driftwise::formats {
@@ -40,7 +41,10 @@ std::optional<compensation::Variable> variable_named(std::string_view name) {
   return variable;
 }
 
-Result<void> read_word(std::string_view word, TargetRequest& request, bool& asked_u) {
+// Calls take(name, value) for name=value, or reads u.
+template <class Take>
+Result<void> read_word(std::string_view word, bool& with_uncertainty, bool& asked_u,
+                       const Take& take) {
   const auto equals = word.find('=');
   if (equals == std::string_view::npos)
     return bad(reasons::kBadWord,
@@ -51,9 +55,18 @@ Result<void> read_word(std::string_view word, TargetRequest& request, bool& aske
     if (text != "0" && text != "1")
       return bad(reasons::kBadFlag, "u: found " + shown(text) + ", expected 0 or 1");
     asked_u = true;
-    request.with_uncertainty = text == "1";
+    with_uncertainty = text == "1";
     return {};
   }
+  double value = 0;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (code != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
+    return bad(reasons::kBadNumber, std::string(name) + ": found " + shown(text) +
+                                        ", expected a finite number such as 1.5");
+  return take(name, value);
+}
+
+Result<void> set_coordinate(TargetRequest& request, std::string_view name, double value) {
   const auto variable = variable_named(name);
   if (!variable)
     return bad(reasons::kUnknownName,
@@ -61,13 +74,15 @@ Result<void> read_word(std::string_view word, TargetRequest& request, bool& aske
                    ", expected x_mm, y_mm, z_mm, rx_arcsec, ry_arcsec, rz_arcsec, force_N or u");
   if (request.given & compensation::bit(*variable))
     return bad(reasons::kDuplicateName, "found " + shown(name) + " twice, expected it once");
-  double value = 0;
-  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (code != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
-    return bad(reasons::kBadNumber, std::string(name) + ": found " + shown(text) +
-                                        ", expected a finite number such as 1.5");
   request.set(*variable, value);
   return {};
+}
+
+Result<void> check_length(std::string_view line) {
+  if (line.size() <= kMaxTargetLine) return {};
+  return bad(reasons::kLineTooLong, "found " + std::to_string(line.size()) +
+                                        " bytes, expected at most " +
+                                        std::to_string(kMaxTargetLine));
 }
 
 void append_fixed(std::string& out, double value, int decimals) {
@@ -94,22 +109,150 @@ void append_time(std::string& out, CellTime time) {
 }  // namespace
 
 Result<TargetRequest> parse_target_line(std::string_view line) {
-  if (line.size() > kMaxTargetLine)
-    return bad(reasons::kLineTooLong, "found " + std::to_string(line.size()) +
-                                          " bytes, expected at most " +
-                                          std::to_string(kMaxTargetLine));
+  DRIFTWISE_RETURN_IF_ERROR(check_length(line));
   std::string_view rest = line;
   const auto verb = take_word(rest);
   if (verb != "TARGET")
     return bad(reasons::kUnknownVerb, "found " +
                                           (verb.empty() ? std::string("nothing") : shown(verb)) +
-                                          ", expected TARGET x_mm=1.5 u=1");
+                                          ", expected TARGET x_mm=1.5 u=1, or JOINT ma.z_mm=3 ...");
   TargetRequest request;
   request.with_uncertainty = false;
   bool asked_u = false;
   for (auto word = take_word(rest); !word.empty(); word = take_word(rest))
-    DRIFTWISE_RETURN_IF_ERROR(read_word(word, request, asked_u));
+    DRIFTWISE_RETURN_IF_ERROR(read_word(
+        word, request.with_uncertainty, asked_u,
+        [&](std::string_view name, double value) { return set_coordinate(request, name, value); }));
   return request;
+}
+
+Result<plans::JointRequest> parse_joint_line(std::string_view line,
+                                             const plans::JointSnapshot& snapshot) {
+  DRIFTWISE_RETURN_IF_ERROR(check_length(line));
+  std::string_view rest = line;
+  if (const auto verb = take_word(rest); verb != "JOINT")
+    return bad(reasons::kUnknownVerb, "found " + shown(verb) + ", expected JOINT ma.z_mm=3 ...");
+  plans::JointRequest request;
+  request.with_uncertainty = false;
+  bool asked_u = false;
+  const auto set = [&](std::string_view name, double value) -> Result<void> {
+    if (snapshot.robots.empty()) return {};  // no plan serves, which is the answer
+    DRIFTWISE_TRY(const auto place, plans::joint_name(snapshot, name));
+    if (request.given[place.robot] & compensation::bit(place.variable))
+      return bad(reasons::kDuplicateName, "found " + shown(name) + " twice, expected it once");
+    request.set(place.robot, place.variable, value);
+    return {};
+  };
+  for (auto word = take_word(rest); !word.empty(); word = take_word(rest))
+    DRIFTWISE_RETURN_IF_ERROR(read_word(word, request.with_uncertainty, asked_u, set));
+  return request;
+}
+
+namespace {
+
+void append_joint_name(std::string& out, const std::string& robot, std::string_view symbol) {
+  if (!robot.empty()) (out += robot) += '.';
+  out += symbol;
+}
+
+void append_joint_motors(std::string& out, const plans::JointSnapshot& snapshot,
+                         const plans::JointTarget& target, bool with_uncertainty) {
+  for (std::size_t r = 0; r < target.robots; ++r) {
+    const auto& robot = snapshot.robots[r];
+    for (std::size_t i = 0; i < target.robot[r].outputs; ++i) {
+      const std::size_t at = target.robot[r].first + i;
+      out += ' ';
+      append_joint_name(out, robot.id, robot.fine.outputs[i].channel.symbol);
+      out += "_mm=";
+      append_number(out, target.q_mm[at]);
+      if (!with_uncertainty) continue;
+      out += " u90_";
+      append_joint_name(out, robot.id, robot.fine.outputs[i].channel.symbol);
+      out += "_nm=";
+      append_fixed(out, target.u90_nm(at), 2);
+    }
+  }
+}
+
+void append_joint_terms(std::string& out, const plans::JointSnapshot& snapshot,
+                        const plans::JointTarget& target, bool with_uncertainty) {
+  for (std::size_t k = 0; k < target.terms; ++k) {
+    const auto& term = target.term[k];
+    const auto& step = snapshot.steps[term.step];
+    const auto& channel = step.predicts.outputs[term.output].channel;
+    const std::string& robot = snapshot.robots[term.added ? step.to : step.from].id;
+    const bool angle = channel.unit == "arcsec";
+    const auto name = [&](std::string_view before) {
+      out += before;
+      out += term.added ? "add_" : "seen_";
+      append_joint_name(out, robot, channel.symbol);
+    };
+    name(" ");
+    (out += '_') += channel.unit;
+    out += '=';
+    append_number(out, term.value);
+    if (!with_uncertainty) continue;
+    name(" u90_");
+    out += angle ? "_arcsec=" : "_nm=";
+    append_fixed(out, kSigmaToU90 * (angle ? mm_from_nm(term.u) : term.u), angle ? 4 : 2);
+  }
+}
+
+void append_joint_models(std::string& out, const plans::JointSnapshot& snapshot,
+                         const plans::JointTarget& target) {
+  for (std::size_t r = 0; r < target.robots; ++r) {
+    const auto& robot = snapshot.robots[r];
+    const auto& answer = target.robot[r];
+    out += robot.id.empty() ? " by" : " by_";
+    out += robot.id;
+    out += '=';
+    switch (answer.by) {
+      case plans::AnsweredBy::one:
+        out += "one:";
+        break;
+      case plans::AnsweredBy::fine:
+        out += "fine:";
+        break;
+      case plans::AnsweredBy::coarse:
+        out += "coarse:";
+        break;
+      case plans::AnsweredBy::blend:
+        out += "blend:";
+        break;
+    }
+    if (answer.by != plans::AnsweredBy::coarse) append_number(out, robot.fine.model.value);
+    if (answer.by == plans::AnsweredBy::blend) {
+      out += '*';
+      append_fixed(out, answer.weight, 4);
+      out += '+';
+    }
+    if (answer.by == plans::AnsweredBy::coarse || answer.by == plans::AnsweredBy::blend)
+      append_number(out, robot.coarse->model.value);
+  }
+}
+
+}  // namespace
+
+void append_joint_answer(std::string& out, const plans::JointSnapshot& snapshot,
+                         const plans::JointTarget& target, bool with_uncertainty) {
+  if (target.refusal != compensation::Refusal::none)
+    return append_error_answer(out, plans::joint_refusal_error(snapshot, target));
+  out += "OK";
+  append_joint_motors(out, snapshot, target, with_uncertainty);
+  append_joint_terms(out, snapshot, target, with_uncertainty);
+  append_joint_models(out, snapshot, target);
+  out += " valid_until=";
+  append_time(out, target.valid_until);
+  out += " plan=";
+  append_number(out, snapshot.plan.value);
+  out += " flags=";
+  const auto flags = plans::describe_joint_flags(snapshot, target);
+  if (flags.empty()) out += '-';
+  for (std::size_t i = 0; i < flags.size(); ++i) {
+    if (i > 0) out += ',';
+    for (const char c : flags[i]) out += c == ' ' ? '+' : c;
+  }
+  out += '\n';
 }
 
 void append_target_answer(std::string& out, const Snapshot& snapshot, const Target& target,

@@ -4,6 +4,7 @@
 
 #include "server/compensation/snapshot_builder.h"
 #include "tests/unit/compensation/models.h"
+#include "tests/unit/plans/two_robots.h"
 
 namespace driftwise::formats {
 namespace {
@@ -115,6 +116,59 @@ TEST(ErrorAnswer, StaysOneLineWhateverTheMessageHolds) {
   std::string out;
   append_error_answer(out, {ErrorCode::internal, "BUG", "two\nlines\r"});
   EXPECT_EQ(out, "ERR BUG two lines \n");
+}
+
+class JointLine : public testing::Test {
+ protected:
+  JointLine() {
+    auto builder = *plans::JointBuilder::create(plans::joint_plan(), PlanId{7},
+                                                plans::joint_models(), plans::two_robot_cell());
+    builder.anchor({}, [](ModelId) { return true; });
+    const ChannelValue values[] = {{"t05_degC", 20.5}, {"t09_degC", 20.0}};
+    builder.observe(values, CellTime{1});
+    snapshot = builder.build(CellTime{1});
+  }
+  std::string ask(const std::string& line) const {
+    std::string out;
+    auto request = parse_joint_line(line, snapshot);
+    if (!request) {
+      append_error_answer(out, request.error());
+      return out;
+    }
+    request->now = CellTime{1};
+    append_joint_answer(out, snapshot, plans::compute_joint_target(snapshot, *request),
+                        request->with_uncertainty);
+    return out;
+  }
+  plans::JointSnapshot snapshot;
+};
+
+TEST_F(JointLine, HoldsMotorsTermsAndModelsWithTheirUncertainty) {
+  const std::string line =
+      "JOINT mn.x_mm=1 mn.y_mm=0 mn.z_mm=0 ma.rx_arcsec=325 ma.ry_arcsec=0 ma.z_mm=3";
+  const auto plain = ask(line);
+  EXPECT_EQ(plain.substr(0, 14), "OK mn.q1_mm=1.") << plain;
+  for (const char* part :
+       {" ma.q3_mm=", " add_mn.x_mm=0.00", " add_ma.ry_arcsec=-20.0", " seen_mn.rz_arcsec=5.0",
+        " by_mn=one:12 ", " by_ma=blend:11*", " plan=7 flags=BLENDED(ma)"})
+    EXPECT_NE(plain.find(part), std::string::npos) << part << " in " << plain;
+  EXPECT_EQ(plain.find("u90"), std::string::npos);
+  const auto with = ask(line + " u=1");
+  for (const char* part : {" u90_ma.q1_nm=", " u90_add_mn.x_nm=", " u90_add_ma.rx_arcsec=0.8225",
+                           " u90_seen_mn.rz_arcsec=0.8225"})
+    EXPECT_NE(with.find(part), std::string::npos) << part << " in " << with;
+  EXPECT_EQ(with.back(), '\n');
+}
+
+TEST_F(JointLine, RefusesWhatItCannotMean) {
+  EXPECT_TRUE(ask("JOINT mx.x_mm=1").starts_with("ERR UNKNOWN_NAME found 'mx.x_mm'"));
+  EXPECT_TRUE(ask("JOINT mn.x_mm=1 mn.x_mm=1").starts_with("ERR DUPLICATE_NAME"));
+  EXPECT_TRUE(ask("JOINT mn.x_mm=one").starts_with("ERR BAD_NUMBER"));
+  EXPECT_TRUE(ask("JOINTS mn.x_mm=1").starts_with("ERR UNKNOWN_VERB"));
+  EXPECT_TRUE(
+      ask("JOINT mn.x_mm=1").starts_with("ERR MISSING_COORDINATE the request lacks mn.y_mm"));
+  snapshot = {};
+  EXPECT_TRUE(ask("JOINT any.x_mm=1").starts_with("ERR NO_PLAN"));
 }
 
 }  // namespace
