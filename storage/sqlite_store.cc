@@ -7,6 +7,7 @@
 #include "storage/chain/chain_recorder.h"
 #include "storage/diagnosis/diagnosis_store.h"
 #include "storage/models/model_store.h"
+#include "storage/plans/plan_store.h"
 #include "storage/readings/reading_store.h"
 #include "storage/readings/series_store.h"
 #include "storage/record_store.h"
@@ -59,6 +60,7 @@ class SqliteStore final : public Store {
                .audit = &audit_,
                .queue = &queue_,
                .metadata = &metadata_,
+               .plans = &plans_,
                .upkeep = &upkeep_}),
         session_(path,
                  read_only ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE,
@@ -84,7 +86,8 @@ class SqliteStore final : public Store {
         configurations_(session_),
         audit_(session_, protected_),
         queue_(session_),
-        metadata_(session_) {
+        metadata_(session_),
+        plans_(session_) {
     set_up_connection();
   }
 
@@ -179,6 +182,7 @@ class SqliteStore final : public Store {
   SqliteAuditStore audit_;
   SqliteQueueStore queue_;
   SqliteMetadataStore metadata_;
+  SqlitePlanStore plans_;
 };
 
 }  // namespace

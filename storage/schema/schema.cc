@@ -6,6 +6,7 @@
 #include "server/core/reasons.h"
 #include "storage/schema/schema_v1.h"
 #include "storage/schema/schema_v10.h"
+#include "storage/schema/schema_v11.h"
 #include "storage/schema/schema_v2.h"
 #include "storage/schema/schema_v3.h"
 #include "storage/schema/schema_v4.h"
@@ -34,9 +35,9 @@ void refuse_foreign_or_newer(Database& db, int newest) {
 }
 
 std::span<const std::string_view> migrations() {
-  static constexpr std::array<std::string_view, 10> kSteps = {
-      kSchemaV1, kSchemaV2, kSchemaV3, kSchemaV4, kSchemaV5,
-      kSchemaV6, kSchemaV7, kSchemaV8, kSchemaV9, kSchemaV10};
+  static constexpr std::array<std::string_view, 11> kSteps = {
+      kSchemaV1, kSchemaV2, kSchemaV3, kSchemaV4,  kSchemaV5, kSchemaV6,
+      kSchemaV7, kSchemaV8, kSchemaV9, kSchemaV10, kSchemaV11};
   return kSteps;
 }
 

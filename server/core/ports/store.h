@@ -18,6 +18,7 @@
 #include "server/core/ports/configuration_store.h"
 #include "server/core/ports/diagnosis_store.h"
 #include "server/core/ports/outside/outbox_store.h"
+#include "server/core/ports/plan_store.h"
 #include "server/core/ports/queue_store.h"
 #include "server/core/ports/stop_store.h"
 #include "server/core/ports/upkeep_store.h"
@@ -137,6 +138,7 @@ struct StoreParts {
   AuditStore* audit = nullptr;
   QueueStore* queue = nullptr;
   MetadataStore* metadata = nullptr;
+  PlanStore* plans = nullptr;
   UpkeepStore* upkeep = nullptr;
 };
 
@@ -164,6 +166,7 @@ class Store {
   AuditStore& audit() { return *parts_.audit; }
   QueueStore& queue() { return *parts_.queue; }
   MetadataStore& metadata() { return *parts_.metadata; }
+  PlanStore& plans() { return *parts_.plans; }
   UpkeepStore* upkeep() { return parts_.upkeep; }
   // For a store that stands before another and answers some parts itself.
   const StoreParts& parts() const { return parts_; }
