@@ -31,6 +31,7 @@
 #include "drivers/all_devices.h"
 #include "server/access/access.h"
 #include "server/application/cell/cell.h"
+#include "server/application/plans/joint_targets.h"
 #include "server/application/recording/usable_devices.h"
 #include "server/application/serving/targets.h"
 #include "server/application/status/overview.h"
@@ -160,7 +161,8 @@ Result<void> open_line(Daemon& daemon, const std::string& key, line::LineDoor do
   DRIFTWISE_TRY(daemon.lines[key],
                 line::TargetLineServer::start(
                     {context.get_executor(), daemon.cell->services().host.background(),
-                     daemon.cell->services().targets.snapshots(), clock, *daemon.access},
+                     daemon.cell->services().targets.snapshots(), clock, *daemon.access,
+                     &daemon.cell->services().joint_targets.board()},
                     std::move(door)));
   return {};
 }

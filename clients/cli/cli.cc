@@ -22,6 +22,7 @@
 #include "clients/cli/commands/models/fit_commands.h"
 #include "clients/cli/commands/models/formula_commands.h"
 #include "clients/cli/commands/models/model_commands.h"
+#include "clients/cli/commands/plans/plan_commands.h"
 #include "clients/cli/commands/queue/queue_commands.h"
 #include "clients/cli/commands/record/audit_commands.h"
 #include "clients/cli/commands/record/backup_commands.h"
@@ -159,6 +160,7 @@ void add_everything(CLI::App& app, Session& session) {
   add_diagnosis_commands(app, session);
   add_improve_commands(app, session);
   add_model_commands(app, session);
+  add_plan_commands(app, session);
   add_target_command(app, session);
   add_simulate_command(app, session);
   add_standard_commands(app, session);

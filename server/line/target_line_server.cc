@@ -18,6 +18,7 @@
 #include "server/formats/export/target_line.h"
 #include "server/line/line_address.h"
 #include "server/line/line_socket.h"
+#include "server/plans/joint_target.h"
 
 namespace driftwise::line {
 namespace {
@@ -65,6 +66,7 @@ class TargetLineServer::Door : public std::enable_shared_from_this<Door> {
   std::size_t turned_away() const { return turned_away_; }
   bool is_shut() const { return shut_; }
   void answer(std::string_view line, std::string& out) const;
+  void answer_joint(std::string_view line, std::string& out) const;
   void forget(Session* session) { sessions_.erase(session); }
   LineRights rights(const tcp::endpoint& peer) const {
     return {parts_.access, door_.kind,
@@ -303,6 +305,7 @@ void TargetLineServer::Door::shut() {
 }
 
 void TargetLineServer::Door::answer(std::string_view line, std::string& out) const {
+  if (line.starts_with("JOINT")) return answer_joint(line, out);
   auto request = formats::parse_target_line(line);
   if (!request) return formats::append_error_answer(out, request.error());
   request->now = parts_.clock.now().utc;
@@ -312,6 +315,19 @@ void TargetLineServer::Door::answer(std::string_view line, std::string& out) con
   auto target = compensation::compute_target(present, *request);
   target.valid_until = {parts_.clock.utc(target.valid_until).ns};  // the wire has UTC
   formats::append_target_answer(out, present, target, request->with_uncertainty);
+}
+
+void TargetLineServer::Door::answer_joint(std::string_view line, std::string& out) const {
+  static const plans::JointSnapshot kNone;  // no plan: refused as such
+  plans::JointBoard::Read snapshot;
+  if (parts_.joint != nullptr) snapshot = parts_.joint->read();
+  const auto& present = snapshot ? *snapshot : kNone;
+  auto request = formats::parse_joint_line(line, present);
+  if (!request) return formats::append_error_answer(out, request.error());
+  request->now = parts_.clock.now().utc;
+  auto target = plans::compute_joint_target(present, *request);
+  target.valid_until = {parts_.clock.utc(target.valid_until).ns};  // the wire has UTC
+  formats::append_joint_answer(out, present, target, request->with_uncertainty);
 }
 
 Result<std::unique_ptr<TargetLineServer>> TargetLineServer::start(LineParts parts, LineDoor door) {

@@ -28,6 +28,7 @@
 #include "server/core/ports/clock.h"
 #include "server/core/result.h"
 #include "server/line/line_rights.h"
+#include "server/plans/joint_snapshot.h"
 #include "server/tls/tls_material.h"
 
 namespace driftwise::line {
@@ -37,6 +38,7 @@ struct LineParts {
   const compensation::SnapshotBoard& board;
   const Clock& clock;
   access::Access& access;
+  const plans::JointBoard* joint = nullptr;  // of the serving plan; none: JOINT is refused
 };
 
 struct LineDoor {

@@ -9,7 +9,10 @@
 namespace driftwise::cli {
 namespace {
 
-std::optional<std::string> unit_of(const std::string& symbol) {
+// Of a robot of several: ma.rx.
+std::optional<std::string> unit_of(const std::string& full) {
+  const std::string symbol(without_robot(full));
+  if (full.size() == symbol.size() + 1) return std::nullopt;
   if (is_motor_symbol(symbol)) return "mm";
   if (symbol == "force" || symbol == "F") return "N";
   if (!is_pose_symbol(symbol)) return std::nullopt;
@@ -20,14 +23,17 @@ std::optional<std::string> unit_of(const std::string& symbol) {
 
 v1::ChannelValue assignment_from(const std::string& text) {
   const auto bad = [&text](const std::string& why) {
-    return Failure{ExitCode::usage, "invalid_argument", "BAD_ASSIGNMENT",
-                   "found '" + text + "', " + why +
-                       "; expected something like x=1.5 (mm), ry=12 (arcsec), force=0.3 (N)"};
+    return Failure{
+        ExitCode::usage, "invalid_argument", "BAD_ASSIGNMENT",
+        "found '" + text + "', " + why +
+            "; expected something like x=1.5 (mm), ry=12 (arcsec), force=0.3 (N), or ma.z=3 of a "
+            "robot of several"};
   };
   const auto equals = text.find('=');
   if (equals == std::string::npos) throw bad("which assigns nothing");
   std::string name = text.substr(0, equals), number = text.substr(equals + 1);
-  std::string symbol = name.substr(0, name.find('_'));
+  const auto dot = name.find('.');
+  std::string symbol = name.substr(0, name.find('_', dot == std::string::npos ? 0 : dot));
   const auto unit = unit_of(symbol);
   if (!unit) throw bad("'" + name + "' is no coordinate");
   if (name != symbol && name != symbol + "_" + *unit)

@@ -64,6 +64,8 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
       workbench{description, *clock, bench,   recorder, writer, events,
                 lag,         pose,   loading, stops,    doubts, boot_id},
       serving(on, description, configuration, *clock, recorder, reader, events, tasks),
+      joint_serving(on, description, configuration, *clock, recorder, reader, events, tasks,
+                    serving),
       engine(
           on, workbench,
           {[this](const ActiveRun& run, const TrajectoryPoint& row) -> Result<std::vector<double>> {
@@ -144,6 +146,8 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
                       [this] { return improver.busy(); },
                       [this](AlarmCondition condition) { alarms.note(std::move(condition)); }}),
       queue(description, *clock, events, trajectories, models, queue_desk),
+      plans(description, *clock, reader, writer, events, models, joint_serving,
+            worker_thread.executor()),
       measure_pauses_(given.measure_pauses) {
   stops.restore(std::move(opened.stops));
   stops.tell_presses([this](const Caller& caller, const std::string& cause) {
@@ -173,7 +177,8 @@ Services Composition::services() {
   return {host,       overview,       reader,    manual,     runs,         trajectories,
           datasets,   annotations,    models,    promotions, checks,       serving,
           provenance, configurations, diagnoses, extensions, improvements, studies,
-          alarms,     feeds,          queue,     upkeep,     holds,        notify};
+          alarms,     feeds,          queue,     upkeep,     holds,        notify,
+          plans,      joint_serving};
 }
 
 }  // namespace driftwise::application

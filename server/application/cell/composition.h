@@ -22,6 +22,7 @@
 #include "server/application/models/models_service.h"
 #include "server/application/models/promotions_service.h"
 #include "server/application/notify/notify_desk.h"
+#include "server/application/plans/plans_service.h"
 #include "server/application/plumbing/pause_meter.h"
 #include "server/application/plumbing/task_group.h"
 #include "server/application/ports/host.h"
@@ -113,6 +114,7 @@ class Composition {
   Recorder recorder;
   Workbench workbench;
   Serving serving;
+  JointServing joint_serving;
   RunEngine engine;
   LeaseBook leases;
   RightToMove right;
@@ -147,6 +149,7 @@ class Composition {
   FeedsService feeds;
   QueueDesk queue_desk;
   QueueService queue;
+  PlansService plans;
 
  private:
   Awaitable<void> start_up();

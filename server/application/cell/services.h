@@ -14,12 +14,14 @@ class Extensions;
 class Feeds;
 class Holds;
 class Host;
+class JointTargets;
 class Improvements;
 class ManualControl;
 class ModelChecks;
 class Models;
 class Notifications;
 class Overview;
+class Plans;
 class Promotions;
 class Provenance;
 class Queue;
@@ -55,6 +57,8 @@ struct Services {
   RecordKeeping& keeping;
   Holds& holds;
   Notifications& notifications;
+  Plans& plans;
+  JointTargets& joint_targets;
 };
 
 }  // namespace driftwise::application

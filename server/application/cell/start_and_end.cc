@@ -15,6 +15,7 @@ void Composition::start() {
   keeper.start();
   recorder.start();
   serving.start();
+  joint_serving.start();
   upkeep.start();
   access.start();
   holds.start();
@@ -42,6 +43,7 @@ Awaitable<void> Composition::start_up() {
   tell("finding the force that acts", co_await restore_force());
   tell("finding the present datum", co_await restore_datum());
   tell("serving the promoted model", co_await restore_model());
+  tell("serving the promoted plan", co_await plans.restore());
   tell("going on with the run", co_await runs.continue_unfinished());
   queue_desk.start();
 }
@@ -95,6 +97,7 @@ Awaitable<void> Composition::shut_down() {
   notify.shut_down();
   recorder.shut_down();
   serving.shut_down();
+  joint_serving.shut_down();
   queue_desk.shut_down();
   improver.shut_down();
   diagnosis_desk.shut_down();

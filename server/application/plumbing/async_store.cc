@@ -322,4 +322,24 @@ Awaitable<Result<std::vector<RunRecord>>> AsyncMetadataStore::find_runs(
                                                           before_id);
 }
 
+Awaitable<Result<PlanRecord>> AsyncPlanStore::add_plan(PlanRecord plan) const {
+  return ask<&Store::plans, &PlanStore::add_plan>(store_, std::move(plan));
+}
+
+Awaitable<Result<PlanRecord>> AsyncPlanStore::plan(PlanId id) const {
+  return ask<&Store::plans, &PlanStore::plan>(store_, id);
+}
+
+Awaitable<Result<std::vector<PlanRecord>>> AsyncPlanStore::plans() const {
+  return ask<&Store::plans, &PlanStore::plans>(store_);
+}
+
+Awaitable<Result<void>> AsyncPlanStore::add_plan_promotion(PlanPromotionRecord promotion) const {
+  return ask<&Store::plans, &PlanStore::add_plan_promotion>(store_, std::move(promotion));
+}
+
+Awaitable<Result<std::vector<PlanPromotionRecord>>> AsyncPlanStore::plan_promotions() const {
+  return ask<&Store::plans, &PlanStore::plan_promotions>(store_);
+}
+
 }  // namespace driftwise::application

@@ -251,6 +251,19 @@ class AsyncMetadataStore {
   AsyncStore& store_;
 };
 
+class AsyncPlanStore {
+ public:
+  explicit AsyncPlanStore(AsyncStore& store) : store_(store) {}
+  Awaitable<Result<PlanRecord>> add_plan(PlanRecord plan) const;
+  Awaitable<Result<PlanRecord>> plan(PlanId id) const;
+  Awaitable<Result<std::vector<PlanRecord>>> plans() const;
+  Awaitable<Result<void>> add_plan_promotion(PlanPromotionRecord promotion) const;
+  Awaitable<Result<std::vector<PlanPromotionRecord>>> plan_promotions() const;
+
+ private:
+  AsyncStore& store_;
+};
+
 // One store and the one thread that may touch it.
 class AsyncStore {
  public:
@@ -274,6 +287,7 @@ class AsyncStore {
   AsyncAuditStore audit() { return AsyncAuditStore(*this); }
   AsyncQueueStore queue() { return AsyncQueueStore(*this); }
   AsyncMetadataStore metadata() { return AsyncMetadataStore(*this); }
+  AsyncPlanStore plans() { return AsyncPlanStore(*this); }
 
   // Several calls of the store in one go: function(store, arguments...) on its thread. The rules
   // for closures and arguments are those of run_on().

@@ -59,6 +59,7 @@ class Serving final : public Targets {
 
   std::optional<ModelId> model() const { return serving_; }
   const std::optional<Error>& refused() const { return refused_; }
+  const std::optional<DatumRecord>& datum() const { return datum_; }  // in force; none: not known
   std::string trouble() const;  // of the model that serves, a sentence for people; empty: none
 
  private:

@@ -42,6 +42,7 @@ constexpr MadeService kServices[] = {
     {"driftwise.v1.StandardsService", make_standards_service},
     {"driftwise.v1.ConfigurationService", make_configuration_service},
     {"driftwise.v1.QueueService", make_queue_service},
+    {"driftwise.v1.PlanService", make_plan_service},
     {"driftwise.v1.RecordService", make_record_service}};
 constexpr const char* kAccessService = "driftwise.v1.AccessService";
 

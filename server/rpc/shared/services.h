@@ -26,6 +26,7 @@ std::unique_ptr<grpc::Service> make_trajectory_service(const application::Servic
 std::unique_ptr<grpc::Service> make_watch_service(const application::Services& cell);
 std::unique_ptr<grpc::Service> make_configuration_service(const application::Services& cell);
 std::unique_ptr<grpc::Service> make_queue_service(const application::Services& cell);
+std::unique_ptr<grpc::Service> make_plan_service(const application::Services& cell);
 std::unique_ptr<grpc::Service> make_record_service(const application::Services& cell);
 // tokens: nullptr: none are kept; links: nullptr: there is no page. All outlive the service.
 std::unique_ptr<grpc::Service> make_access_service(access::Authoriser& authoriser,

@@ -13,6 +13,7 @@
 #include "tests/support/process.h"
 #include "tests/unit/compensation/models.h"
 #include "tests/unit/line/line_client.h"
+#include "tests/unit/plans/two_robots.h"
 
 namespace driftwise::line {
 namespace {
@@ -47,8 +48,10 @@ class TargetLine : public testing::Test {
     done.get_future().wait();
   }
   LineParts parts() {
-    return {context_.get_executor(), context_.get_executor(), board_, clock_, *access_};
+    return {
+        context_.get_executor(), context_.get_executor(), board_, clock_, *access_, &joint_board_};
   }
+  plans::JointBoard joint_board_;
   asio::io_context context_;
   tests::ManualClock clock_;
   compensation::SnapshotBoard board_;
@@ -58,6 +61,20 @@ class TargetLine : public testing::Test {
   asio::executor_work_guard<asio::io_context::executor_type> work_;
   std::thread thread_;
 };
+
+TEST_F(TargetLine, AnswersJointTargetsFromTheServingPlan) {
+  Client client(server_->address());
+  EXPECT_TRUE(client.ask("JOINT z_mm=1").starts_with("ERR NO_PLAN "));
+  auto builder = *plans::JointBuilder::create(plans::joint_plan(), PlanId{7}, plans::joint_models(),
+                                              plans::two_robot_cell());
+  builder.anchor({}, [](ModelId) { return true; });
+  ASSERT_TRUE(joint_board_.publish(builder.build(tests::kTestEpoch)));
+  const auto answer =
+      client.ask("JOINT x_mm=1 y_mm=0 z_mm=0 rx_arcsec=0 ry_arcsec=0 ma.z_mm=3 u=1");
+  EXPECT_TRUE(answer.starts_with("OK mn.q1_mm=")) << answer;
+  EXPECT_NE(answer.find(" plan=7 flags=MISSING_TEMPERATURE(t09_degC),"), std::string::npos)
+      << answer;
+}
 
 TEST_F(TargetLine, AnswersEveryLineFromTheNewestSnapshot) {
   Client client(server_->address());

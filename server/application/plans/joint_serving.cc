@@ -1,0 +1,165 @@
+#include "server/application/plans/joint_serving.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "server/application/provenance/promotion_questions.h"
+#include "server/core/try.h"
+
+namespace driftwise::application {
+namespace {
+
+constexpr auto kJointMemory = std::chrono::hours(6);  // longer than any lag the catalogue fits
+constexpr int kJointMemoryReadings = 50'000;
+constexpr auto kShortestJointRebuild = std::chrono::milliseconds(500);
+
+}  // namespace
+
+JointServing::JointServing(asio::any_io_executor executor, const CellDescription& description,
+                           const ConfigurationBook& configuration, Clock& clock, Recorder& recorder,
+                           StoreReader& reader, EventLog& events, TaskGroup& tasks,
+                           Serving& serving)
+    : executor_(executor),
+      description_(description),
+      configuration_(configuration),
+      clock_(clock),
+      recorder_(recorder),
+      reader_(reader),
+      events_(events),
+      tasks_(tasks),
+      serving_(serving),
+      ended_(executor) {}
+
+void JointServing::start() {
+  readings_ = recorder_.watchers().add([this](const Reading& reading) { observe(reading); });
+  datums_ = serving_.watch_snapshots([this] { on_serving(); });
+  tasks_.spawn(rebuild_for_ever());
+}
+
+void JointServing::shut_down() {
+  ending_ = true;
+  ended_.raise();
+}
+
+Awaitable<JointServing::Origin> JointServing::origin_of(const calibration::Model& model) const {
+  Origin origin{{}, symbols_used(model), false};
+  const auto runs = model.lineage.runs;
+  if (runs.empty()) co_return origin;
+  const auto data = co_await reader_.points().data(runs.front());
+  if (data && !data->empty()) origin.own_datum = data->front().id;
+  origin.under_present = co_await reader_.call(
+      [](Store& store, const std::vector<RunId>& fitted_from, const std::string& present) {
+        return std::ranges::all_of(fitted_from, [&](RunId run) {
+          const auto used = store.configurations().of_run(run);
+          return used && !used->empty() && used->back().hash == present;
+        });
+      },
+      runs, description_.hash);
+  co_return origin;
+}
+
+Awaitable<Result<void>> JointServing::serve(PlanId id, plans::ServingPlan plan,
+                                            plans::ModelsById models) {
+  std::map<ModelId, Origin> origins;
+  for (const auto& [model, content] : models) origins[model] = co_await origin_of(content);
+  auto builder = plans::JointBuilder::create(std::move(plan), id, models, description_);
+  if (!builder) co_return tl::unexpected(builder.error());
+  const auto now = clock_.now().utc;
+  const auto stored =
+      co_await reader_.readings().readings("", now - kJointMemory, now, kJointMemoryReadings);
+  if (stored)
+    for (const auto& reading : *stored) builder->observe(reading);
+  // What has not reached the disk yet.
+  for (const auto& latest : recorder_.history().latest()) {
+    const ChannelValue value{latest.channel, latest.value};
+    if (!is_missing(latest.value)) builder->observe({&value, 1}, latest.at);
+  }
+  followed_.emplace(Followed{id, std::move(*builder), std::move(origins), {}});
+  refused_.reset();
+  anchor();
+  rebuild();
+  co_return Result<void>{};
+}
+
+void JointServing::serve_none() {
+  followed_.reset();
+  refused_.reset();
+  rebuild();
+}
+
+void JointServing::refuse(PlanId id, Error why) {
+  events_.record_own("plan.refused",
+                     fmt::format("plan {} does not serve: {}", id.value, why.message));
+  followed_.reset();
+  refused_ = std::move(why);
+  rebuild();
+}
+
+std::string JointServing::trouble() const {
+  if (refused_) return refused_->message;
+  return followed_ ? followed_->trouble : std::string();
+}
+
+void JointServing::anchor() {
+  const auto& datum = serving_.datum();
+  if (!followed_ || !datum) return;
+  anchored_to_ = datum->id;
+  const auto trouble = followed_->builder.anchor(datum->values, [&](ModelId model) {
+    return followed_->origins.at(model).own_datum == datum->id;
+  });
+  followed_->trouble.clear();
+  for (const auto& one : trouble)
+    followed_->trouble += (followed_->trouble.empty() ? "" : "; ") + one;
+  if (!followed_->trouble.empty())
+    events_.record_own("plan.unanchored",
+                       fmt::format("datum {} does not anchor plan {}: {}", datum->id.value,
+                                   followed_->id.value, followed_->trouble));
+}
+
+// Another datum, or the question of the cell file was answered.
+void JointServing::on_serving() {
+  if (!followed_) return;
+  const auto& datum = serving_.datum();
+  if (datum && anchored_to_ != datum->id) {
+    anchor();
+    rebuild();
+  } else if (configuration_.asks() || clock_.now().utc - built_at_ >= kShortestJointRebuild) {
+    rebuild();
+  }
+}
+
+void JointServing::observe(const Reading& reading) {
+  if (!followed_) return;
+  followed_->builder.observe(reading);
+  if (clock_.now().utc - built_at_ < kShortestJointRebuild) return;
+  for (const auto& channel : followed_->builder.slow_channels())
+    if (reading.find(channel)) return rebuild();
+}
+
+void JointServing::rebuild() {
+  built_at_ = clock_.now().utc;
+  plans::JointSnapshot snapshot;
+  if (followed_) {
+    const bool asks = configuration_.asks();
+    snapshot =
+        followed_->builder.build(built_at_, [&](ModelId model, compensation::Snapshot& part) {
+          if (!asks) return;
+          part.configuration_changed = true;
+          const auto& origin = followed_->origins.at(model);
+          if (!origin.under_present) part.changed_parts = configuration_.changes_of(origin.symbols);
+        });
+  }
+  snapshot.unserved = refused_;
+  static_cast<void>(board_.publish(std::move(snapshot)));  // readers keep it: the next one comes
+}
+
+Awaitable<void> JointServing::rebuild_for_ever() {
+  const auto period = nanoseconds_from_s(std::max(0.1, description_.serving.rebuild_period_s));
+  while (!ending_) {
+    if (followed_) rebuild();
+    co_await sleep_unless(clock_, clock_.now().utc + period, ended_);
+  }
+}
+
+}  // namespace driftwise::application

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include "server/application/models/models.h"
+#include "server/application/plans/joint_serving.h"
+#include "server/application/plans/plans.h"
+#include "server/application/plumbing/event_log.h"
+#include "server/application/plumbing/store_reader.h"
+
+namespace driftwise::application {
+
+class PlansService final : public Plans {
+ public:
+  // All of them outlive this.
+  PlansService(const CellDescription& description, Clock& clock, StoreReader& reader,
+               StoreWriter& writer, EventLog& events, Models& models, JointServing& serving,
+               asio::any_io_executor worker)
+      : description_(description),
+        clock_(clock),
+        reader_(reader),
+        writer_(writer),
+        events_(events),
+        models_(models),
+        serving_(serving),
+        worker_(std::move(worker)) {}
+
+  Awaitable<Result<PlanRecord>> add(Caller caller, std::string text, std::string note,
+                                    std::string request_id) override;
+  Awaitable<Result<PlanList>> list() override;
+  Awaitable<Result<PlanView>> get(PlanId id) override;
+  Awaitable<Result<PlanReport>> check(std::optional<PlanId> id, std::string text) override;
+  Awaitable<Result<PlanRecord>> promote(Caller caller, PlanId id, bool confirmed) override;
+  Awaitable<Result<std::optional<PlanRecord>>> roll_back(Caller caller) override;
+
+  // Serves what was promoted last, after a start of the daemon.
+  Awaitable<Result<void>> restore();
+
+ private:
+  struct Loaded {
+    plans::ServingPlan plan;
+    plans::ModelsById models;
+    std::map<ModelId, std::vector<std::string>> tools;
+  };
+  // missing_is_empty: a model that is not there is left out, for the check to name it.
+  Awaitable<Result<Loaded>> load(plans::ServingPlan plan, bool missing_is_empty);
+  Awaitable<Result<plans::ServingPlan>> whole_plan(const PlanRecord& record) const;
+  Awaitable<Result<void>> put_in_service(Caller caller, std::optional<PlanRecord> next,
+                                         std::string action);
+
+  const CellDescription& description_;
+  Clock& clock_;
+  StoreReader& reader_;
+  StoreWriter& writer_;
+  EventLog& events_;
+  Models& models_;
+  JointServing& serving_;
+  asio::any_io_executor worker_;
+};
+
+}  // namespace driftwise::application
