@@ -40,6 +40,7 @@ const views = [
   ['/runs/1?tab=dataset', 'Run 1 · first'],
   ['/runs/1?tab=log', 'Run 1 · first'],
   ['/queue', 'Queue'],
+  ['/plans', 'Plans'],
   ['/models', 'Models'],
   ['/models/1', undefined],
   ['/models/methods', 'Models'],

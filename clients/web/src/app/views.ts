@@ -1,4 +1,4 @@
-// The nine views. Each is one folder under views/ whose view.tsx exports the component as default; it is fetched when
+// The ten views. Each is one folder under views/ whose view.tsx exports the component as default; it is fetched when
 // first shown. `key` is what follows g on the keyboard.
 import type { ComponentType } from 'preact';
 
@@ -16,6 +16,7 @@ export const views: readonly ViewEntry[] = [
   { name: 'runs', title: 'Runs', key: 'r', load: () => import('@/views/runs/view') },
   { name: 'queue', title: 'Queue', key: 'q', load: () => import('@/views/queue/view') },
   { name: 'models', title: 'Models', key: 'm', load: () => import('@/views/models/view') },
+  { name: 'plans', title: 'Plans', key: 'p', load: () => import('@/views/plans/view') },
   { name: 'diagnosis', title: 'Diagnosis', key: 'd', load: () => import('@/views/diagnosis/view') },
   { name: 'targets', title: 'Targets', key: 'a', load: () => import('@/views/targets/view') },
   { name: 'record', title: 'Record', key: 'e', load: () => import('@/views/record/view') },

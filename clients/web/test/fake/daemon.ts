@@ -9,6 +9,7 @@ import { DiagnosisService } from '@/api/gen/driftwise/v1/diagnosis_service_pb';
 import { CheckFormulaResponseSchema, ListResidualsResponseSchema, ModelService, Promotion_Action } from '@/api/gen/driftwise/v1/model_service_pb';
 import { Run_State } from '@/api/gen/driftwise/v1/run_pb';
 import { CheckTrajectoryResponseSchema, RunService } from '@/api/gen/driftwise/v1/run_service_pb';
+import { PlanService, RobotAnswer_By } from '@/api/gen/driftwise/v1/plan_service_pb';
 import { QueueEntry_State, QueueService } from '@/api/gen/driftwise/v1/queue_service_pb';
 import { MapTargetsResponseSchema, TargetService } from '@/api/gen/driftwise/v1/target_service_pb';
 import { TrajectoryService } from '@/api/gen/driftwise/v1/trajectory_service_pb';
@@ -35,6 +36,7 @@ export interface FakeWishes {
   alarms?: Alarm[]; // that stand; absent: one
   moved?: (entry: bigint, before: bigint | undefined) => void; // an entry of the queue
   released?: () => void; // the queue was
+  promoted?: (plan: bigint) => void; // a serving plan was
   endless?: (ended: boolean) => void; // studies never end; called when one begins, and when its client left
 }
 
@@ -51,6 +53,20 @@ export function fakeDaemon(wishes: FakeWishes = {}): Transport {
       }),
       moveQueueEntry: (request) => (wishes.moved?.(request.entryId, request.beforeEntryId), {}),
       releaseQueue: () => (wishes.released?.(), {}),
+    });
+    service(PlanService, {
+      listPlans: () => ({ plans: [{ id: 1n, name: 'joint', version: 1, createdBy: 'anna', createTime: at(2), serves: true, modelIds: [10n, 11n, 12n] }, { id: 2n, name: 'joint', version: 2, createdBy: 'anna', createTime: at(3), modelIds: [10n, 12n] }] }),
+      getPlan: (request) => ({ plan: { id: request.planId, name: 'joint', version: Number(request.planId) }, text: 'name = "joint"\n', steps: ['model 13 predicts parasitic motion of ma; it adds ma.x_mm to mn.x_mm'] }),
+      checkPlan: (request) => (request.planId === 2n
+        ? { findings: [{ refuses: true, reason: 'MODELS_DISAGREE', message: 'the two models differ by 57.6 um' }], bands: [{ robot: 'ma', largestDifferenceNm: 57600, largestChannel: 'ma.q2_mm', differenceArcsec: 200, rateShare: 7.5 }] }
+        : { findings: [] }),
+      promotePlan: (request) => (wishes.promoted?.(request.planId), { plan: { id: request.planId } }),
+      computeJointTarget: (request) => ({ target: {
+        coordinates: [{ channel: 'mn.q1_mm', positionMm: 1.003, uNm: 50, u90Nm: 82.3 }],
+        terms: [{ fromChannel: 'ma.x_mm', toChannel: 'mn.x_mm', value: 3000, u: 400, unit: 'nm', modelId: 13n }],
+        robots: [{ robot: 'ma', by: RobotAnswer_By.BLEND, fineWeight: 0.5, modelId: 11n, coarseModelId: 10n, differenceNm: 870 }],
+        flags: request.pose.map((one) => `${one.channel}=${one.value}`),
+      } }),
     });
     service(WatchService, {
       async *watch(_request, { signal }) {

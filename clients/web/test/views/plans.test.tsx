@@ -1,0 +1,60 @@
+// The view Plans before a daemon in memory: which plan serves, its check, a joint target.
+import { cleanup, fireEvent, render, screen, within } from '@testing-library/preact';
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { useTransport } from '@/api/client';
+import { operatorName } from '@/app/session';
+import { go } from '@/app/router';
+import { connection } from '@/live/connection';
+import { ConfirmDialog } from '@/ui/confirm';
+import { jointPoseTyped } from '@/views/plans/words';
+import Plans from '@/views/plans/view';
+import { fakeDaemon } from '../fake/daemon';
+
+const promoted = vi.fn();
+
+beforeEach(() => {
+  sessionStorage.clear();
+  promoted.mockClear();
+  operatorName.value = 'Anna';
+  useTransport(fakeDaemon({ promoted }));
+  connection.value = { phase: 'live' };
+  go('/plans');
+  HTMLDialogElement.prototype.showModal ??= () => {};
+  HTMLDialogElement.prototype.close ??= () => {};
+});
+afterEach(cleanup);
+
+describe('serving plans', () => {
+  it('shows which one serves, and its steps', async () => {
+    render(<Plans />);
+    const table = within(await screen.findByRole('table', { name: 'Serving plans, oldest first' }));
+    expect(table.getByText('serves')).toBeTruthy();
+    expect(await screen.findByText('model 13 predicts parasitic motion of ma; it adds ma.x_mm to mn.x_mm')).toBeTruthy();
+  });
+  it('does not promote a plan that the check refuses, and says why', async () => {
+    render(<><Plans /><ConfirmDialog /></>);
+    fireEvent.click(await screen.findByRole('button', { name: 'Show plan 2' }));
+    fireEvent.click(await screen.findByRole('button', { name: 'Promote…' }));
+    expect(await screen.findByText('the two models differ by 57.6 um')).toBeTruthy();
+    expect(screen.getByText(/differ by 57.600 nm of ma.q2_mm \(200.0 arcsec\)/)).toBeTruthy();
+    expect(promoted).not.toHaveBeenCalled();
+  });
+  it('promotes a plan that stands, after asking', async () => {
+    render(<><Plans /><ConfirmDialog /></>);
+    fireEvent.click(await screen.findByRole('button', { name: 'Promote…' }));
+    fireEvent.click(await screen.findByText('Promote it'));
+    await vi.waitFor(() => expect(promoted).toHaveBeenCalledWith(1n));
+  });
+  it('asks for a joint target and shows terms and models', async () => {
+    render(<Plans />);
+    fireEvent.input(await screen.findByLabelText(/Wanted pose/), { target: { value: 'mn.x=1 ma.rx_arcsec=100' } });
+    fireEvent.click(screen.getByRole('button', { name: 'Ask' }));
+    expect(await screen.findByText(/0.500 of model 11, the rest of model 10/)).toBeTruthy();
+    expect(screen.getByText('ma.rx_arcsec=100')).toBeTruthy();
+  });
+  it('reads a joint pose as a person types it', () => {
+    expect(jointPoseTyped('mn.x=1,5 z=-2')).toEqual([{ channel: 'mn.x_mm', value: 1.5 }, { channel: 'z_mm', value: -2 }]);
+    expect(jointPoseTyped('q1=3')).toBeUndefined();
+    expect(jointPoseTyped('')).toBeUndefined();
+  });
+});
