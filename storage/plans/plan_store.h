@@ -1,7 +1,7 @@
 #pragma once
 // Serving plans (storage/schema/schema_v11.h). Thread: the session's.
 
-#include "server/core/ports/plan_store.h"
+#include "server/core/ports/serving/plan_store.h"
 #include "storage/sqlite/session.h"
 
 namespace driftwise::storage {

@@ -63,19 +63,19 @@ Awaitable<Result<void>> JointServing::serve(PlanId id, plans::ServingPlan plan,
                                             plans::ModelsById models) {
   std::map<ModelId, Origin> origins;
   for (const auto& [model, content] : models) origins[model] = co_await origin_of(content);
-  auto builder = plans::JointBuilder::create(std::move(plan), id, models, description_);
-  if (!builder) co_return tl::unexpected(builder.error());
+  DRIFTWISE_CO_TRY(auto builder,
+                   plans::JointBuilder::create(std::move(plan), id, models, description_));
   const auto now = clock_.now().utc;
   const auto stored =
       co_await reader_.readings().readings("", now - kJointMemory, now, kJointMemoryReadings);
   if (stored)
-    for (const auto& reading : *stored) builder->observe(reading);
+    for (const auto& reading : *stored) builder.observe(reading);
   // What has not reached the disk yet.
   for (const auto& latest : recorder_.history().latest()) {
     const ChannelValue value{latest.channel, latest.value};
-    if (!is_missing(latest.value)) builder->observe({&value, 1}, latest.at);
+    if (!is_missing(latest.value)) builder.observe({&value, 1}, latest.at);
   }
-  followed_.emplace(Followed{id, std::move(*builder), std::move(origins), {}});
+  followed_.emplace(Followed{id, std::move(builder), std::move(origins), {}});
   refused_.reset();
   anchor();
   rebuild();

@@ -123,14 +123,14 @@ Awaitable<Result<PlansService::Loaded>> PlansService::load(plans::ServingPlan pl
   Loaded loaded;
   for (const ModelId id : plan.models()) {
     auto getting = models_.get(id);
-    const auto record = co_await std::move(getting);
-    if (!record && missing_is_empty && record.error().code == ErrorCode::not_found) continue;
-    if (!record) co_return tl::unexpected(record.error());
-    DRIFTWISE_CO_TRY(auto model, formats::read_model_json(record->json));
+    auto found = co_await std::move(getting);
+    if (!found && missing_is_empty && found.error().code == ErrorCode::not_found) continue;
+    DRIFTWISE_CO_TRY(const auto record, std::move(found));
+    DRIFTWISE_CO_TRY(auto model, formats::read_model_json(record.json));
     const auto robots = plans::robots_of(model);
-    auto asking = reader_.call(tools_of, model.lineage.runs,
-                               robots.empty() ? std::string() : *robots.begin(), &description_);
-    loaded.tools[id] = co_await std::move(asking);
+    loaded.tools[id] =
+        co_await reader_.call(tools_of, model.lineage.runs,
+                              robots.empty() ? std::string() : *robots.begin(), &description_);
     loaded.models.emplace(id, std::move(model));
   }
   loaded.plan = std::move(plan);

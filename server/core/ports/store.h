@@ -18,7 +18,7 @@
 #include "server/core/ports/configuration_store.h"
 #include "server/core/ports/diagnosis_store.h"
 #include "server/core/ports/outside/outbox_store.h"
-#include "server/core/ports/plan_store.h"
+#include "server/core/ports/serving/plan_store.h"
 #include "server/core/ports/queue_store.h"
 #include "server/core/ports/stop_store.h"
 #include "server/core/ports/upkeep_store.h"

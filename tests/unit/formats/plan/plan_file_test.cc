@@ -2,11 +2,11 @@
 
 #include "server/formats/plan/plan_file.h"
 
-#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "server/calibration/fit.h"
+#include "server/core/text/shown_text.h"
 #include "server/effects/term_order.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/formula/formula.h"
@@ -106,8 +106,9 @@ TEST(RobotNames, GoFromTheTableToTheModel) {
   std::string csv = "ma.q1_mm,ma.q2_mm,ma.rx_arcsec,ma.z_mm,mn.x_mm,t09_degC\n";
   for (int i = 0; i < 40; ++i) {
     const double rx = 10.0 * (i % 7) - 30, z = 0.5 * (i % 5) - 1;
-    csv += fmt::format("{},{},{},{},{},20.{:02}\n", z + 3e-4 * rx, z - 2e-4 * rx, rx, z,
-                       1e-3 * z + 1e-4 * i, i);
+    for (const double value : {z + 3e-4 * rx, z - 2e-4 * rx, rx, z, 1e-3 * z + 1e-4 * i})
+      csv += number_text(value) + ",";
+    csv += "20." + std::to_string(10 + i) + "\n";
   }
   const auto data = read_dataset_csv(csv, "joint.csv");
   ASSERT_TRUE(data) << data.error().message;
