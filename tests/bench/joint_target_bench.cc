@@ -85,6 +85,13 @@ std::vector<Channel> motors(const std::string& id) {
   return {{id + "q1", "mm"}, {id + "q2", "mm"}, {id + "q3", "mm"}};
 }
 
+std::vector<ChannelValue> temperatures() {
+  std::vector<ChannelValue> values;
+  for (int t = 4; t <= 10; ++t)
+    values.push_back({(t < 10 ? "t0" : "t") + std::to_string(t) + "_degC", 20.5});
+  return values;
+}
+
 JointSnapshot joint_snapshot(CellTime now) {
   const ModelsById models = {
       {kMicroNano, cubic_model(motors("mn."), lengths("mn."), true)},
@@ -96,6 +103,7 @@ JointSnapshot joint_snapshot(CellTime now) {
   auto builder =
       std::move(*JointBuilder::create(joint_plan(), PlanId{1}, models, two_robot_cell()));
   builder.anchor({}, [](ModelId) { return true; });
+  builder.observe(temperatures(), now);
   return builder.build(now);
 }
 
@@ -103,6 +111,7 @@ compensation::Snapshot single_snapshot(CellTime now) {
   auto builder = std::move(*compensation::SnapshotBuilder::create(
       cubic_model(motors(""), lengths(""), true), ModelId{1}, {}));
   builder.keep_model_datum();
+  builder.observe(temperatures(), now);
   return builder.build(now);
 }
 

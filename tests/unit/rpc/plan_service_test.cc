@@ -37,7 +37,7 @@ class PlanServiceTest : public RpcTest {
       const double a = i % 4 - 1.5, b = i / 4 % 4 - 1.5, c = i / 16 - 1.5;
       const double noise = 1e-6 * ((i * 7919) % 13 - 6);
       mn += fmt::format("{},{},{},{},{},{},{}\n", a + noise, b - noise, c + 2 * noise, a, b, c,
-                        10 * b + 1e3 * noise);
+                        10 * b + 4 * a + 1e3 * noise);
       ma += fmt::format("{},{},{},{},{},{},{}\n", c + 0.03 * a + noise, c - 0.02 * a + 0.02 * b,
                         c - 0.01 * a - 0.03 * b - noise, 100 * a, 100 * b, c, 1e-3 * c + noise);
     }
@@ -111,9 +111,9 @@ TEST_F(PlanServiceTest, ServesAJointTargetOfAPromotedPlan) {
   EXPECT_EQ(target.terms(0).to_channel(), "mn.x_mm");
   EXPECT_NEAR(target.terms(0).value(), 1000, 10);
   EXPECT_EQ(target.terms(0).unit(), "nm");
-  EXPECT_NEAR(target.terms(1).value(), 5, 0.05);  // 10 arcsec per mm of y
+  EXPECT_NEAR(target.terms(1).value(), 9.004, 0.05);  // 10 arcsec per mm of y, 4 of x
   EXPECT_EQ(target.terms(1).unit(), "arcsec");
-  EXPECT_NEAR(target.coordinates(3).position_mm(), 1 + 3e-4 * 55, 1e-5);
+  EXPECT_NEAR(target.coordinates(3).position_mm(), 1 + 3e-4 * 59.004, 2e-5);
   for (const auto& one : target.coordinates()) EXPECT_GT(one.u_nm(), 0) << one.channel();
   EXPECT_EQ(target.robots(1).by(), v1::RobotAnswer::BY_ONE);
   EXPECT_EQ(target.plan_id(), id);

@@ -45,6 +45,8 @@ TEST(Assignment, KnowsTheUnitsOfCoordinates) {
   EXPECT_EQ(assignment_from("x=1.5").channel(), "x_mm");
   EXPECT_EQ(assignment_from("x=1.5mm").value(), 1.5);
   EXPECT_EQ(assignment_from("ry_arcsec=-12").channel(), "ry_arcsec");
+  EXPECT_EQ(assignment_from("ma.rx=12").channel(), "ma.rx_arcsec");
+  EXPECT_EQ(assignment_from("m_a.z_mm=3mm").channel(), "m_a.z_mm");
   EXPECT_EQ(assignment_from("F=0.3 N").channel(), "force_N");
   EXPECT_EQ(assignment_from("q1=0.25").channel(), "q1_mm");
   for (const char* bad : {"", "x", "=", "x=", "x_um=1", "t07=1", "x=1um", "x=1e999"})
