@@ -1,6 +1,7 @@
 #pragma once
 // Datasets: loaded for a fit, exported, imported. Executor's thread.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,8 +10,21 @@
 #include "server/core/ports/awaitable.h"
 #include "server/core/records/records.h"
 #include "server/core/result.h"
+#include "server/correction/join_part.h"
 
 namespace driftwise::application {
+
+struct JoinRequest {
+  std::vector<RunId> runs;
+  std::string name = {};  // empty: "join of runs 3, 4, 5"
+  correction::JoinRules rules = {};
+  bool dry_run = false;  // reports, stores nothing
+  std::string request_id = {};
+};
+struct JoinAnswer {
+  std::optional<RunRecord> run;  // none: a dry run
+  std::string report_json;       // driftwise.join.v1
+};
 
 class Datasets {
  public:
@@ -25,6 +39,9 @@ class Datasets {
   // Becomes a run, done. The same request_id again answers with the first run.
   virtual Awaitable<Result<RunRecord>> import_csv(Caller caller, std::string name, std::string csv,
                                                   std::string request_id) = 0;
+  // Runs of one trajectory in different set-ups as one dataset, which becomes a run, done
+  // (docs/joined-runs.md). Errors: those of join_parts and correction::join.
+  virtual Awaitable<Result<JoinAnswer>> join(Caller caller, JoinRequest request) = 0;
 };
 
 }  // namespace driftwise::application

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "server/application/datasets/amended_dataset.h"
+#include "server/application/datasets/joined_runs.h"
 #include "server/application/plumbing/run_on.h"
 #include "server/application/ports/run_plan.h"
 #include "server/core/data/dataset_parts.h"
@@ -112,6 +113,11 @@ Result<std::string> exported(Store& store, const std::vector<RunId>& runs, bool 
   return formats::write_dataset_csv(dataset);
 }
 
+Result<correction::JoinParts> parts_of_join(Store& store, const std::vector<RunId>& runs,
+                                            const CellDescription* present) {
+  return join_parts(store, runs, *present);
+}
+
 }  // namespace
 
 Awaitable<Result<Dataset>> DatasetsService::load(std::vector<RunId> runs, std::string csv) {
@@ -154,6 +160,35 @@ Awaitable<Result<RunRecord>> DatasetsService::import_csv(Caller caller, std::str
                    fmt::format("{} imported '{}': {} rows", caller.name, name, stored->rows),
                    stored->id);
   co_return stored;
+}
+
+Awaitable<Result<JoinAnswer>> DatasetsService::join(Caller caller, JoinRequest request) {
+  DRIFTWISE_CO_TRY(auto parts, co_await reader_.call(parts_of_join, request.runs, &description_));
+  DRIFTWISE_CO_TRY(auto joined, co_await run_on(background_, join_runs, std::move(parts),
+                                                request.rules, description_.name));
+  if (request.dry_run) co_return JoinAnswer{std::nullopt, std::move(joined.report_json)};
+  std::string numbers;
+  for (const RunId run : request.runs)
+    numbers += (numbers.empty() ? "" : ", ") + std::to_string(run.value);
+  NewRun fresh;
+  fresh.name = request.name.empty() ? "join of runs " + numbers : request.name;
+  fresh.rows = static_cast<std::int64_t>(joined.data.rows);
+  fresh.rules_json =
+      nlohmann::ordered_json{{"joined", nlohmann::ordered_json::parse(joined.report_json)}}.dump();
+  fresh.request_id = std::move(request.request_id);
+  fresh.config_hash = description_.hash;
+  fresh.config_text = description_.text;
+  fresh.operator_name = caller.name;
+  fresh.created = clock_.now();
+  fresh.metadata = {{"joined", numbers.substr(0, 256)}};
+  auto stored = co_await writer_.runs().import_dataset(fresh, std::move(joined.data));
+  DRIFTWISE_CO_TRY(auto run, std::move(stored));
+  if (run.created == fresh.created.utc)
+    events_.record(
+        caller, "data.joined",
+        fmt::format("{} joined runs {} as '{}': {} rows", caller.name, numbers, run.name, run.rows),
+        run.id);
+  co_return JoinAnswer{std::move(run), std::move(joined.report_json)};
 }
 
 }  // namespace driftwise::application

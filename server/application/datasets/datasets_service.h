@@ -26,6 +26,7 @@ class DatasetsService final : public Datasets {
                                             bool without_excluded) override;
   Awaitable<Result<RunRecord>> import_csv(Caller caller, std::string name, std::string csv,
                                           std::string request_id) override;
+  Awaitable<Result<JoinAnswer>> join(Caller caller, JoinRequest request) override;
 
  private:
   const CellDescription& description_;

@@ -79,4 +79,38 @@ void read_correction(TomlReader&& correction, CellDescription& out, TomlProblem&
   correction.finish();
 }
 
+Result<CorrectionDescription> parse_correction_file(std::string_view text,
+                                                    const std::string& file_name) {
+  TomlProblem problem{.file_name = file_name, .first = {}};
+  CorrectionDescription out;
+  try {
+    const auto root = toml::parse(text, file_name);
+    TomlReader top(root, "", problem);
+    const auto* table = top.table("correction");
+    if (!table) {
+      top.refuse("correction", reasons::kMissingKey,
+                 "found no [correction] section, expected one with cosine or a beam");
+    } else {
+      TomlReader correction(*table, "correction", problem);
+      correction.truth("cosine", out.cosine);
+      for (const auto* beam : correction.tables("beam")) {
+        const std::string place = "correction, beam " + std::to_string(out.beams.size() + 1);
+        TomlReader reader(*beam, place, problem);
+        TomlReader line = reader;
+        auto& read = out.beams.emplace_back();
+        read_beam(std::move(reader), read);
+        if (read.length.symbol != "x" && read.length.symbol != "y" && read.length.symbol != "z")
+          line.refuse("length", reasons::kBadChannel,
+                      "found " + shown(read.length.name()) + ", expected x_mm, y_mm or z_mm");
+      }
+      correction.finish();
+    }
+  } catch (const toml::parse_error& error) {
+    return fail(ErrorCode::invalid_argument, reasons::kTomlSyntax,
+                at_line(file_name, error.source().begin.line) + std::string(error.description()));
+  }
+  if (problem.any()) return tl::unexpected(*problem.first);
+  return out;
+}
+
 }  // namespace driftwise::formats

@@ -13,4 +13,10 @@ void read_load(TomlReader&& load, LoadDescription& out);
 // the other axes. Refused: BAD_CHANNEL, DUPLICATE_CHANNEL, MISSING_KEY.
 void read_correction(TomlReader&& correction, CellDescription& out, TomlProblem& problem);
 
+// A text with a [correction] section: a whole cell.toml whose other sections are passed over, or
+// that section alone, for offline work. Which device gives a length is not checked. Errors,
+// invalid_argument with file_name:line: TOML_SYNTAX, MISSING_KEY, those of read_correction.
+Result<CorrectionDescription> parse_correction_file(std::string_view text,
+                                                    const std::string& file_name);
+
 }  // namespace driftwise::formats

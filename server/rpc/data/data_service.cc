@@ -5,6 +5,7 @@
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/rpc/data/convert_remarks.h"
+#include "server/rpc/data/join_request.h"
 #include "server/rpc/run/convert_run.h"
 #include "server/rpc/shared/caller.h"
 #include "server/rpc/shared/request_checks.h"
@@ -51,6 +52,18 @@ class DataService final : public v1::DataService::CallbackService {
           datasets_.import_csv(caller_of(*context), name, request->csv(), request->request_id());
       DRIFTWISE_CO_TRY(const auto run, co_await std::move(importing));
       *response->mutable_run() = run_from(run);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* JoinRuns(Context* context, const v1::JoinRunsRequest* request,
+                    v1::JoinRunsResponse* response) override {
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      DRIFTWISE_CO_TRY(auto wanted, join_from(*request));
+      auto joining = datasets_.join(caller_of(*context), std::move(wanted));
+      DRIFTWISE_CO_TRY(const auto joined, co_await std::move(joining));
+      if (joined.run) *response->mutable_run() = run_from(*joined.run);
+      response->set_report_json(joined.report_json);
       co_return Result<void>{};
     });
   }

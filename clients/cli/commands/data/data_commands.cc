@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "clients/cli/commands/data/exported_csv.h"
+#include "clients/cli/commands/data/join_command.h"
 #include "clients/cli/commands/data/remark_commands.h"
 #include "clients/cli/core/proto_json.h"
 #include "clients/cli/core/validators.h"
@@ -135,6 +136,7 @@ void add_data_commands(CLI::App& app, Session& session) {
   in.add_option("--name", a->name, "of the run; else the file's");
   in.add_option("--request-id", a->request_id,
                 "the same id again answers with the run of the first time");
+  add_join_command(data, session);
   add_exclusion_commands(data, session);
 }
 

@@ -196,6 +196,13 @@ export function fakeDaemon(wishes: FakeWishes = {}): Transport {
       listTrajectories: () => ({ trajectories: [{ ...trajectory, text: '' }] }),
       getTrajectory: () => ({ trajectory }),
     });
-    service(DataService, { listNotes: () => ({ notes: [] }), listExclusions: () => ({ state: {} }) });
+    service(DataService, {
+      listNotes: () => ({ notes: [] }), listExclusions: () => ({ state: {} }),
+      joinRuns: ({ runIds }) => {
+        if (runIds.includes(14n)) throw new ConnectError('row 17: q2_mm is 0.5 in run 16 and 0.75 in run 14: join runs of one trajectory only', Code.FailedPrecondition);
+        return { reportJson: JSON.stringify({ rows: 240, unmatched_rows: 0, temperature_difference_k: 0.3, temperature_channel: 't05_degC', warnings: [],
+          channels: [{ channel: 'ry_arcsec', sources: runIds.map((id) => `run ${id}`), unit: 'arcsec', u_arcsec: 0.021, check: { first: 'run 16', second: 'run 15', rows: 240, median_arcsec: 0, sigma_arcsec: 0.04, largest_arcsec: 0.1, largest_row: 7 } }] }) };
+      },
+    });
   });
 }

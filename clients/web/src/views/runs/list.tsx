@@ -15,6 +15,7 @@ import { Table } from '@/ui/table';
 import { useAsked } from '@/ui/use_asked';
 import { Verdict } from '@/ui/verdict';
 import { ViewTitle } from '@/ui/view_title';
+import { JoinPanel } from './join';
 
 const pageSize = 200;
 // A run begins when it is created, or is refused: campaigns that wait are the view Queue's.
@@ -36,13 +37,20 @@ const took = (run: Run): string => {
   return from === undefined ? '–' : to === undefined ? 'under way' : duration((to - from) / 1000);
 };
 
-function RunTable({ runs }: { runs: readonly Run[] }) {
+interface Chosen {
+  ids: readonly bigint[];
+  set: (ids: readonly bigint[]) => void;
+}
+
+function RunTable({ runs, chosen }: { runs: readonly Run[]; chosen: Chosen | undefined }) {
+  const toggle = ({ ids, set }: Chosen, id: bigint) => set(ids.includes(id) ? ids.filter((one) => one !== id) : [...ids, id]);
   return (
     <Table
       caption="Runs, newest first"
       rows={runs}
       keyOf={(run) => String(run.id)}
       columns={[
+        ...(chosen ? [{ title: 'join', of: (run: Run) => <input type="checkbox" aria-label={`Join run ${run.id}`} checked={chosen.ids.includes(run.id)} onChange={() => toggle(chosen, run.id)} /> }] : []),
         { title: 'run', of: (run) => <a href={`/runs/${run.id}`}>{String(run.id)}</a>, sort: (run) => Number(run.id) },
         { title: 'name', of: (run) => run.name || '–', sort: (run) => run.name },
         {
@@ -64,6 +72,7 @@ function RunTable({ runs }: { runs: readonly Run[] }) {
 }
 
 export function RunList() {
+  const [joined, setJoined] = useState<readonly bigint[]>(); // undefined: nothing is being joined
   const [older, setOlder] = useState<'idle' | 'asking' | 'all'>('idle');
   const asked = useAsked('runs', async (signal) => (await api.run().listRuns({ limit: pageSize }, { signal })).runs);
   useEvents('run', (run) => asked.set((old) => newestFirst([...old, run])));
@@ -85,7 +94,8 @@ export function RunList() {
   };
   return (
     <>
-      <ViewTitle actions={<Button kind="main" onPress={() => go('/trajectories')}>Start a run…</Button>}>Runs</ViewTitle>
+      <ViewTitle actions={<><Button onPress={() => setJoined([])}>Join runs…</Button> <Button kind="main" onPress={() => go('/trajectories')}>Start a run…</Button></>}>Runs</ViewTitle>
+      {joined && <JoinPanel runs={joined} onClose={() => setJoined(undefined)} />}
       <Panel>
         <div class="filters">
           <Field label="Search" type="search" value={text} onInput={(q) => setQuery({ q })} />
@@ -101,7 +111,7 @@ export function RunList() {
         {!shown && !asked.failure && <Awaiting what="the runs" />}
         {all?.length === 0 && <Empty next={<a href="/trajectories">Upload or generate a trajectory</a>}>No run yet.</Empty>}
         {all && all.length > 0 && shown?.length === 0 && <Empty next={<a href="/runs">Show all {count(all.length)}</a>}>No run matches.</Empty>}
-        {shown && shown.length > 0 && <RunTable runs={shown} />}
+        {shown && shown.length > 0 && <RunTable runs={shown} chosen={joined && { ids: joined, set: setJoined }} />}
         {all && all.length >= pageSize && older !== 'all' && <p class="more"><Button small busy={older === 'asking'} onPress={() => void loadOlder()}>Load older runs</Button></p>}
       </Panel>
     </>

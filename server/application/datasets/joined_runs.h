@@ -1,0 +1,28 @@
+#pragma once
+// Runs of the record as parts of a join, and the join as a dataset of the record.
+
+#include <string>
+#include <vector>
+
+#include "server/core/description/cell_description.h"
+#include "server/core/ports/store.h"
+#include "server/correction/dataset_join.h"
+
+namespace driftwise::application {
+
+// As they were measured, with the corrections that name single runs; those of the whole cell are
+// laid over the joined run as over any other. present: the cell file in force. Called on the
+// store's thread. Errors: those of measured_data; failed_precondition RUN_UNDER_WAY.
+Result<correction::JoinParts> join_parts(Store& store, const std::vector<RunId>& runs,
+                                         const CellDescription& present);
+
+struct JoinedRuns {
+  Dataset data;  // with its provenance in the metadata
+  std::string report_json;
+};
+
+// Any thread. Errors: those of correction::join.
+Result<JoinedRuns> join_runs(correction::JoinParts parts, const correction::JoinRules& rules,
+                             const std::string& cell);
+
+}  // namespace driftwise::application
