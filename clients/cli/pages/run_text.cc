@@ -84,19 +84,29 @@ void print_runs(const Console& console, const std::vector<v1::Run>& runs) {
                                       {"rests on"}});
   if (std::ranges::any_of(runs, [](const v1::Run& run) { return run.metadata_size() > 0; }))
     columns.push_back({"metadata"});
+  const bool has_setups =
+      std::ranges::any_of(runs, [](const v1::Run& run) { return !run.setup().empty(); });
+  if (has_setups) columns.insert(columns.begin() + 2, {"set-up"});
   Table table(std::move(columns));
   for (const auto& run : runs) {
     const bool began = run.has_start_time(), ended = began && run.has_end_time();
-    table.add({std::to_string(run.id()), run.name(), state_text(run.state()),
-               std::to_string(run.accepted_count()) + "/" + std::to_string(run.row_count()),
-               std::to_string(run.given_up_count()), std::to_string(run.attempt_count()),
-               began ? clock_text(run.start_time()) : "-",
-               ended ? span_text(seconds_between(run.start_time(), run.end_time())) : "-",
-               !run.compensated() ? "no"
-               : run.has_compensate_model_id()
-                   ? "model " + std::to_string(run.compensate_model_id())
-                   : "yes",
-               run.operator_name(), rests_on(run), metadata_text(run.metadata())});
+    std::vector<std::string> row = {
+        std::to_string(run.id()),
+        run.name(),
+        state_text(run.state()),
+        std::to_string(run.accepted_count()) + "/" + std::to_string(run.row_count()),
+        std::to_string(run.given_up_count()),
+        std::to_string(run.attempt_count()),
+        began ? clock_text(run.start_time()) : "-",
+        ended ? span_text(seconds_between(run.start_time(), run.end_time())) : "-",
+        !run.compensated()              ? "no"
+        : run.has_compensate_model_id() ? "model " + std::to_string(run.compensate_model_id())
+                                        : "yes",
+        run.operator_name(),
+        rests_on(run),
+        metadata_text(run.metadata())};
+    if (has_setups) row.insert(row.begin() + 2, run.setup());
+    table.add(std::move(row));
   }
   table.print(console.out, console.paint_out());
 }
@@ -111,6 +121,7 @@ void print_run(const Console& console, const v1::Run& run) {
   line("state", painted_state(paint, run.state()) +
                     (run.reason().empty() ? "" : "  (" + run.reason() + ")"));
   line("trajectory", run.trajectory_name() + ", " + std::to_string(run.row_count()) + " rows");
+  if (!run.setup().empty()) line("set-up", run.setup());
   line("compensation", compensation_text(run));
   line("points", std::to_string(run.accepted_count()) + " accepted, " +
                      std::to_string(run.given_up_count()) + " given up, " +

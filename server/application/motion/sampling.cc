@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "server/application/motion/point_decision.h"
 #include "server/application/recording/doubts.h"
@@ -48,12 +49,34 @@ void gate_readback(const CellDescription& description, const std::vector<double>
   }
 }
 
-void summarise(const CellDescription& description, Sampling& sampling) {
+// Coordinates that the set-up lets be out of their range, and that are: no value, a rejected one,
+// or one outside. They leave no rejection behind.
+void note_out_of_range(const SetupDescription* setup, std::vector<JudgedReading>& round,
+                       std::set<std::string>& out_of_range) {
+  if (!setup) return;
+  for (const auto& coordinate : setup->coordinates) {
+    if (!coordinate.may_be_missing()) continue;
+    const std::string name = coordinate.channel.name();
+    const auto reading = std::ranges::find(round, coordinate.device, &JudgedReading::device);
+    const double* read = reading == round.end() ? nullptr : reading->find(name);
+    const double value = read ? coordinate.scale * *read + coordinate.offset : kMissing;
+    const bool is_inside = !(coordinate.min && value < *coordinate.min) &&
+                           !(coordinate.max && value > *coordinate.max);
+    if (!is_missing(value) && is_inside && !reading->is_rejected(name)) continue;
+    out_of_range.insert(name);
+    if (reading != round.end())
+      std::erase_if(reading->rejected,
+                    [&name](const RejectedValue& one) { return one.channel == name; });
+  }
+}
+
+void summarise(const CellDescription& description, const std::set<std::string>& out_of_range,
+               Sampling& sampling) {
   std::vector<std::string> order;
   std::map<std::string, std::vector<double>> values;
   for (const auto& reading : sampling.readings)
     for (const auto& value : reading.values) {
-      if (is_missing(value.value)) continue;
+      if (is_missing(value.value) || out_of_range.contains(value.channel)) continue;
       auto& list = values[value.channel];
       if (list.empty()) order.push_back(value.channel);
       list.push_back(value.value);
@@ -62,7 +85,8 @@ void summarise(const CellDescription& description, Sampling& sampling) {
     sampling.q_mm.push_back(mean(values[channel.name()]));
   for (const auto& length : description.length_channels()) {
     const auto& list = values[length.name()];
-    const double spread = list.empty() ? kMissing : spread_nm(list);
+    if (list.empty()) continue;
+    const double spread = spread_nm(list);
     sampling.spreads_nm.push_back({length.symbol + "_std_nm", spread});
     if (is_missing(sampling.spread_nm) || spread > sampling.spread_nm) sampling.spread_nm = spread;
   }
@@ -72,6 +96,13 @@ void summarise(const CellDescription& description, Sampling& sampling) {
         name.ends_with("_std_nm");  // of the device's own samples: stays in its reading
     if (!is_motor && !is_spread) sampling.raw.push_back({name, mean(values[name])});
   }
+}
+
+// Where an interferometer that lost its beam out of its range must have it again, or be zeroed.
+bool is_zero(const std::vector<double>& commanded_mm) {
+  constexpr double kNear_mm = 0.01;  // a compensated zero is some micrometres off
+  return !commanded_mm.empty() &&
+         std::ranges::all_of(commanded_mm, [](double q_mm) { return std::abs(q_mm) <= kNear_mm; });
 }
 
 // What was read before something in it was rejected: no attempt has it.
@@ -107,11 +138,13 @@ Awaitable<Result<void>> look_at_pose(RunScope& scope) {
   auto& bench = scope.bench;
   DRIFTWISE_CO_TRY(auto state, co_await bench.devices.motion_state());
   DRIFTWISE_CO_TRY(auto round, co_await bench.devices.read_pose_instruments());
+  std::set<std::string> out_of_range;
+  note_out_of_range(bench.devices.setup(), round, out_of_range);
   std::vector<ChannelValue> raw;
   for (const auto& reading : round) {
     bench.recorder.observe(reading);
     for (const auto& value : reading.values)
-      if (!is_missing(value.value)) raw.push_back(value);
+      if (!is_missing(value.value) && !out_of_range.contains(value.channel)) raw.push_back(value);
   }
   if (auto good = bench.doubts.check_round(round, state.q_mm); !good) {
     for (auto& reading : round) bench.writer.add(std::move(reading));
@@ -125,6 +158,7 @@ Awaitable<Result<Sampling>> take_readings(RunScope& scope, int count,
   scope.phase("reading");
   auto& devices = scope.bench.devices;
   Sampling sampling;
+  std::set<std::string> out_of_range;
   std::optional<CellTime> first, last;
   for (int k = 0; k <= count; ++k) {
     DRIFTWISE_CO_TRY(const auto state, co_await devices.motion_state());
@@ -133,7 +167,8 @@ Awaitable<Result<Sampling>> take_readings(RunScope& scope, int count,
     // The last look at the axes decides too: they may have moved during the last reading.
     DRIFTWISE_CO_RETURN_IF_ERROR(scope.control.check());
     if (k == count) break;
-    DRIFTWISE_CO_TRY(auto round, co_await devices.read_pose_instruments());
+    DRIFTWISE_CO_TRY(auto round, co_await devices.read_pose_instruments(is_zero(commanded_mm)));
+    note_out_of_range(devices.setup(), round, out_of_range);
     for (const auto& reading : round) {
       if (!first || reading.middle() < *first) first = reading.middle();
       if (!last || reading.middle() > *last) last = reading.middle();
@@ -148,7 +183,7 @@ Awaitable<Result<Sampling>> take_readings(RunScope& scope, int count,
     }
     DRIFTWISE_CO_RETURN_IF_ERROR(scope.control.check());
   }
-  summarise(scope.bench.description, sampling);
+  summarise(scope.bench.description, out_of_range, sampling);
   gate_readback(scope.bench.description, commanded_mm, sampling);
   sampling.means = scope.bench.pose.pose(sampling.raw);
   if (auto good = scope.bench.doubts.check_pose(sampling.means, sampling.q_mm); !good) {

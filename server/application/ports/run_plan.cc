@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -36,8 +37,23 @@ std::string write_run_plan(const RunPlan& plan) {
   json["park"] = plan.rules.park;
   json["compensate"] = plan.compensate;
   if (plan.compensate_with) json["compensate_with"] = plan.compensate_with->value;
+  if (!plan.setup.empty()) json["setup"] = plan.setup;
   if (plan.served_at_start) json["served_at_start"] = plan.served_at_start->value;
   return json.dump();
+}
+
+std::string write_waiting_plan(const std::optional<RunRules>& rules, const std::string& setup) {
+  RunPlan plan;
+  plan.setup = setup;
+  if (rules) {
+    plan.rules = *rules;
+    return write_run_plan(plan);
+  }
+  return setup.empty() ? std::string() : nlohmann::json{{"setup", setup}}.dump();
+}
+
+bool states_rules(const std::string& text) {
+  return nlohmann::json::parse(text, nullptr, false).contains("readings_per_point");
 }
 
 Result<RunPlan> read_run_plan(const std::string& text) {
@@ -64,6 +80,8 @@ Result<RunPlan> read_run_plan(const std::string& text) {
   if (const auto found = json.find("served_at_start");
       found != json.end() && found->is_number_integer())
     plan.served_at_start = ModelId{found->get<std::int64_t>()};
+  if (const auto found = json.find("setup"); found != json.end() && found->is_string())
+    plan.setup = found->get<std::string>();
   if (!bad.empty())
     return fail(ErrorCode::data_loss, reasons::kBadRunPlan,
                 fmt::format("the stored rule {} is no number", bad));
@@ -74,6 +92,22 @@ Compensation compensation_of(const RunRecord& run) {
   const auto plan = read_run_plan(run.rules_json);
   if (!plan || !plan->compensate) return {};
   return {true, plan->compensate_with ? plan->compensate_with : plan->served_at_start};
+}
+
+std::string setup_of(const RunRecord& run) {
+  const auto plan = read_run_plan(run.rules_json);
+  return plan ? plan->setup : std::string();
+}
+
+Result<void> check_setup(const CellDescription& cell, const std::string& setup) {
+  if (setup.empty() ||
+      std::ranges::find(cell.setups, setup, &SetupDescription::name) != cell.setups.end())
+    return {};
+  std::string known;
+  for (const auto& one : cell.setups) known += (known.empty() ? "" : ", ") + one.name;
+  return fail(ErrorCode::invalid_argument, reasons::kNoSuchSetup,
+              fmt::format("setup: found '{}', expected one of cell '{}': {}", setup, cell.name,
+                          known.empty() ? "it has none, add [[setup]] to the cell file" : known));
 }
 
 Result<void> check_rules(const RunRules& rules) {

@@ -17,6 +17,7 @@ struct RunPlan {
   bool compensate = false;
   std::optional<ModelId> compensate_with;  // none: the model that serves when a row is moved to
   std::optional<ModelId> served_at_start;  // then the one that did so when the run was created
+  std::string setup = {};                  // [[setup]] of the cell file; empty: all instruments
 };
 
 // What a run was compensated with, as far as its record says.
@@ -26,10 +27,19 @@ struct Compensation {
 };
 Compensation compensation_of(const RunRecord& run);
 
+std::string setup_of(const RunRecord& run);  // empty: all instruments
+
+// Of an entry that waits: without rules the cell's rules of its start count.
+std::string write_waiting_plan(const std::optional<RunRules>& rules, const std::string& setup);
+bool states_rules(const std::string& json);
+
 std::string write_run_plan(const RunPlan& plan);
 // Errors: data_loss BAD_RUN_PLAN. Keys that are absent keep their default, so that old records stay
 // readable.
 Result<RunPlan> read_run_plan(const std::string& json);
+
+// Errors: invalid_argument NO_SUCH_SETUP, naming those of the cell. Empty is good.
+Result<void> check_setup(const CellDescription& cell, const std::string& setup);
 
 // Errors: invalid_argument BAD_RULES, naming the rule, its value and the range.
 Result<void> check_rules(const RunRules& rules);

@@ -25,6 +25,7 @@ struct QueueDraft {
   std::optional<RunRules> rules;  // none: the cell's when it starts
   bool compensate = false;
   std::optional<ModelId> compensate_with;
+  std::string setup = {};  // [[setup]] of the cell file; empty: all instruments
   RunMetadata metadata;
   int priority = 0;
   UtcTime not_before;

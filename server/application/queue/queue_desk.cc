@@ -222,7 +222,10 @@ Awaitable<void> QueueDesk::begin(QueueEntry entry, bool asked_for) {
   wanted.queue_entry = entry.id;
   if (!asked_for) wanted.announce = fmt::format("the queue begins {}", entry_text(entry));
   if (!entry.rules_json.empty())
-    if (auto plan = read_run_plan(entry.rules_json)) wanted.rules = plan->rules;
+    if (auto plan = read_run_plan(entry.rules_json)) {
+      if (states_rules(entry.rules_json)) wanted.rules = plan->rules;
+      wanted.setup = plan->setup;
+    }
   auto creating = parts_.runs.create(caller, std::move(wanted));
   const auto run = co_await std::move(creating);
   static_cast<void>(parts_.leases.give_up(lease->token, parts_.clock.now().utc));

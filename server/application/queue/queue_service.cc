@@ -30,6 +30,8 @@ std::string terms_of(const QueueEntry& entry) {
   if (entry.not_before.ns != 0) text += ", not before " + to_iso8601(entry.not_before);
   if (entry.after) text += fmt::format(", after entry {}", entry.after->value);
   if (!entry.condition.empty()) text += ", when " + entry.condition;
+  if (const auto plan = read_run_plan(entry.rules_json); plan && !plan->setup.empty())
+    text += ", set-up " + plan->setup;
   text += fmt::format(", on failure {}", to_string(entry.on_failure));
   if (entry.repeat_every_s > 0) text += ", every " + span_text(entry.repeat_every_s);
   for (const auto& follow_up : entry.follow_ups) text += ", then " + follow_up;
@@ -63,11 +65,8 @@ Result<void> QueueService::check_terms(QueueEntry& entry) const {
 }
 
 Awaitable<Result<QueueLine>> QueueService::add(Caller caller, QueueDraft draft) {
-  RunPlan plan;
-  if (draft.rules) {
-    plan.rules = *draft.rules;
-    DRIFTWISE_CO_RETURN_IF_ERROR(check_rules(plan.rules));
-  }
+  if (draft.rules) DRIFTWISE_CO_RETURN_IF_ERROR(check_rules(*draft.rules));
+  DRIFTWISE_CO_RETURN_IF_ERROR(check_setup(description_, draft.setup));
   const auto name =
       draft.trajectory_name.empty() ? std::string("trajectory") : draft.trajectory_name;
   auto checking = trajectories_.check(name, draft.trajectory_text);
@@ -95,7 +94,7 @@ Awaitable<Result<QueueLine>> QueueService::add(Caller caller, QueueDraft draft) 
   entry.trajectory_name = name;
   entry.trajectory_text = std::move(draft.trajectory_text);
   entry.rows = static_cast<std::int64_t>(check.trajectory.points.size());
-  if (draft.rules) entry.rules_json = write_run_plan(plan);
+  entry.rules_json = write_waiting_plan(draft.rules, draft.setup);
   entry.compensate = compensates;
   entry.compensate_with = draft.compensate_with;
   entry.metadata = std::move(draft.metadata);

@@ -1,6 +1,7 @@
 #include "server/application/recording/device_bench.h"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -34,8 +35,26 @@ DeviceBench::DeviceBench(asio::any_io_executor executor, Devices devices, Doubts
     : doubts_(doubts), on_change_(std::move(on_change)) {
   for (auto& made : devices) slots_.push_back(std::make_unique<Slot>(executor, std::move(made)));
   std::ranges::stable_sort(slots_, {}, [](const auto& slot) { return slot->description().role(); });
-  for (std::size_t i = 0; i < slots_.size(); ++i)
-    by_role_[static_cast<std::size_t>(description(i).role())].push_back(i);
+  use(nullptr);
+}
+
+void DeviceBench::use(const SetupDescription* setup) {
+  setup_ = setup;
+  for (auto& numbers : by_role_) numbers.clear();
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    const auto& device = description(i);
+    const bool is_left_out =
+        setup && measures_pose(device.role()) &&
+        std::ranges::find(setup->coordinates, device.id, &SetupCoordinate::device) ==
+            setup->coordinates.end();
+    if (!is_left_out) by_role_[static_cast<std::size_t>(device.role())].push_back(i);
+  }
+}
+
+bool DeviceBench::may_be_lost(std::size_t device) const {
+  return setup_ && std::ranges::all_of(setup_->coordinates, [&](const auto& coordinate) {
+           return coordinate.device != description(device).id || coordinate.may_be_missing();
+         });
 }
 
 DeviceBench::~DeviceBench() = default;
@@ -123,10 +142,9 @@ Awaitable<void> DeviceBench::read_into(std::size_t device,
   place.emplace(std::move(reading));
 }
 
-Awaitable<Result<std::vector<JudgedReading>>> DeviceBench::read_pose_instruments() {
-  std::vector<std::size_t> asked;
-  for (std::size_t i = 0; i < slots_.size(); ++i)
-    if (measures_pose(description(i).role())) asked.push_back(i);
+Awaitable<Result<std::vector<JudgedReading>>> DeviceBench::read_pose_instruments(bool at_zero) {
+  std::vector<std::size_t> asked = with_role(DeviceRole::length);
+  std::ranges::copy(with_role(DeviceRole::angle), std::back_inserter(asked));
   const auto executor = co_await asio::this_coro::executor;
   TaskGroup under_way(executor);
   std::vector<std::optional<Result<JudgedReading>>> answers(asked.size());
@@ -135,9 +153,13 @@ Awaitable<Result<std::vector<JudgedReading>>> DeviceBench::read_pose_instruments
   }
   co_await under_way.all_ended();
   std::vector<JudgedReading> readings;
-  for (auto& answer : answers) {
-    DRIFTWISE_CO_RETURN_IF_ERROR(*answer);
-    readings.push_back(std::move(**answer));
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    auto& answer = *answers[i];
+    const bool is_out_of_sight = !answer && (answer.error().reason == reasons::kBeamLost ||
+                                             answer.error().reason == reasons::kNoSpot);
+    if (is_out_of_sight && !at_zero && may_be_lost(asked[i])) continue;
+    DRIFTWISE_CO_RETURN_IF_ERROR(answer);
+    readings.push_back(std::move(*answer));
   }
   co_return readings;
 }
@@ -282,7 +304,11 @@ Awaitable<Result<void>> DeviceBench::set_load(double force_n) {
 
 Awaitable<Result<void>> DeviceBench::prepare_for_run() {
   if (!controller()) co_return tl::unexpected(no_controller());
-  for (std::size_t i = 0; i < slots_.size(); ++i) DRIFTWISE_CO_RETURN_IF_ERROR(co_await prepare(i));
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    const auto& in_use = with_role(description(i).role());
+    if (std::ranges::find(in_use, i) != in_use.end())
+      DRIFTWISE_CO_RETURN_IF_ERROR(co_await prepare(i));
+  }
   co_return Result<void>{};
 }
 

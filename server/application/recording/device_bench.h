@@ -33,19 +33,28 @@ class DeviceBench {
 
   std::size_t size() const { return slots_.size(); }
   const DeviceDescription& description(std::size_t device) const;
-  // Numbers of the devices with this role.
+  // Numbers of the devices with this role; of instruments that measure the pose those of the set-up
+  // in use.
   const std::vector<std::size_t>& with_role(DeviceRole role) const {
     return by_role_[static_cast<std::size_t>(role)];
   }
   bool has(DeviceRole role) const { return !with_role(role).empty(); }
 
+  // Instruments that measure the pose and are not named by the set-up are neither read nor prepared
+  // for a run from now on; nullptr: all are. setup: outlives its use.
+  void use(const SetupDescription* setup);
+  const SetupDescription* setup() const { return setup_; }
+  // Every coordinate that the set-up in use takes from this device may be out of range.
+  bool may_be_lost(std::size_t device) const;
+
   // What the device says now: an instrument's reading, the axes' readback, the load's force.
   // Errors besides the devices': those of judging a motion state, below. A reading says itself what
   // of it was rejected.
   Awaitable<Result<JudgedReading>> read(std::size_t device);
-  // Every device that measures the pose, all asked at the same time. The first that fails, by
-  // number, is the answer; the others are waited for.
-  Awaitable<Result<std::vector<JudgedReading>>> read_pose_instruments();
+  // Every device in use that measures the pose, all asked at the same time. The first that fails,
+  // by number, is the answer; the others are waited for. One that may be lost, and is, gives no
+  // reading; at the zero it must be there.
+  Awaitable<Result<std::vector<JudgedReading>>> read_pose_instruments(bool at_zero = false);
   // Only of devices behind the port Instrument, and Stabiliser.
   Awaitable<Result<void>> zero(std::size_t device);
   Awaitable<Result<void>> set_point(std::size_t device, double degc);
@@ -119,6 +128,7 @@ class DeviceBench {
   std::function<Awaitable<bool>(std::vector<double>)> instruments_say_;
   std::function<void(const std::string&)> on_uncommanded_;
   std::vector<std::unique_ptr<Slot>> slots_;
+  const SetupDescription* setup_ = nullptr;
   std::array<std::vector<std::size_t>, static_cast<std::size_t>(DeviceRole::supply) + 1> by_role_;
 };
 

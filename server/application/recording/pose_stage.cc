@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/correction/described_stage.h"
+
 namespace driftwise::application {
 namespace {
 
@@ -15,17 +17,6 @@ std::size_t axis_of(const std::string& symbol) {
   return static_cast<std::size_t>(symbol.back() - 'x');
 }
 
-correction::Stage stage_from(const CorrectionDescription& description) {
-  correction::Stage stage;
-  stage.cosine = description.cosine;
-  for (const auto& beam : description.beams) {
-    const auto axis = axis_of(beam.length.symbol);
-    stage.beams[axis] = {beam.offset_mm, beam.offset_per_mm};
-    stage.directions_arcsec[axis] = beam.direction_arcsec;
-  }
-  return stage;
-}
-
 double& component(correction::Tilt& tilt, std::size_t axis) {
   return axis == 0 ? tilt.rx_arcsec : axis == 1 ? tilt.ry_arcsec : tilt.rz_arcsec;
 }
@@ -37,18 +28,39 @@ PoseStage::PoseStage(const CellDescription& description)
       paths_(description.path_channels()),
       angles_(description.angle_channels()),
       corrects_(description.correction.has_value()) {
-  if (corrects_) stage_ = stage_from(*description.correction);
+  if (corrects_) stage_ = correction::stage_from(*description.correction);
 }
 
-void PoseStage::set_zero(const std::vector<ChannelValue>& values) {
+std::vector<ChannelValue> PoseStage::rectified(std::vector<ChannelValue> values) const {
+  if (!setup_) return values;
+  const auto& wanted = setup_->coordinates;
+  const auto is_coordinate = [](const std::vector<Channel>& channels, const std::string& name) {
+    return std::ranges::find(channels, name, &Channel::name) != channels.end();
+  };
+  std::erase_if(values, [&](const ChannelValue& value) {  // what it has beside its coordinates
+    return (is_coordinate(lengths_, value.channel) || is_coordinate(angles_, value.channel)) &&
+           std::ranges::none_of(wanted, [&value](const SetupCoordinate& coordinate) {
+             return coordinate.channel.name() == value.channel;
+           });
+  });
+  for (auto& value : values)
+    for (const auto& coordinate : wanted)
+      if (coordinate.channel.name() == value.channel)
+        value.value = coordinate.scale * value.value + coordinate.offset;
+  return values;
+}
+
+void PoseStage::set_zero(const std::vector<ChannelValue>& as_read) {
   zero_ = {};
+  const auto values = rectified(as_read);
   for (const auto& angle : angles_)
     if (const double* arcsec = value_of(values, angle.name()))
       component(zero_, axis_of(angle.symbol)) = *arcsec;
 }
 
-std::vector<ChannelValue> PoseStage::pose(const std::vector<ChannelValue>& raw) const {
-  if (is_identity()) return raw;
+std::vector<ChannelValue> PoseStage::pose(const std::vector<ChannelValue>& as_read) const {
+  if (is_identity()) return as_read;
+  const auto raw = rectified(as_read);
   correction::Tilt tilt, zero = zero_;
   for (const auto& angle : angles_)
     if (const double* arcsec = value_of(raw, angle.name())) {

@@ -18,8 +18,12 @@ class PoseStage {
  public:
   explicit PoseStage(const CellDescription& description);
 
-  // Nothing to do: no [correction] and no rotation is measured.
-  bool is_identity() const { return !corrects_ && angles_.empty(); }
+  // Its rectifications are applied from now on, and coordinates that it does not name are left
+  // out; nullptr: none. setup: outlives its use.
+  void use(const SetupDescription* setup) { setup_ = setup; }
+
+  // Nothing to do: no [correction], no rotation is measured, nothing is rectified.
+  bool is_identity() const { return !corrects_ && angles_.empty() && !setup_; }
 
   // values: a datum's, with the rotations as the devices read them at the zero. Rotations that are
   // not among them count from 0.
@@ -36,11 +40,13 @@ class PoseStage {
 
  private:
   std::string raw_name(const std::string& channel) const;
+  std::vector<ChannelValue> rectified(std::vector<ChannelValue> values) const;
 
   std::vector<Channel> lengths_, paths_, angles_;
   correction::Stage stage_;
   correction::Tilt zero_;
   bool corrects_ = false;
+  const SetupDescription* setup_ = nullptr;
 };
 
 }  // namespace driftwise::application

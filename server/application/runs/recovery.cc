@@ -17,7 +17,9 @@ Awaitable<Result<Recovery>> look_once(RunScope& scope) {
   DRIFTWISE_CO_TRY(const auto state, co_await devices.motion_state());
   found.reference_lost = !state.referenced;
   for (const auto device : devices.with_role(DeviceRole::angle))
-    DRIFTWISE_CO_RETURN_IF_ERROR(co_await devices.read(device));
+    if (const auto reading = co_await devices.read(device);
+        !reading && !(reading.error().reason == reasons::kNoSpot && devices.may_be_lost(device)))
+      co_return tl::unexpected(reading.error());
   for (const auto device : devices.with_role(DeviceRole::length)) {
     const auto reading = co_await devices.read(device);
     if (reading) continue;

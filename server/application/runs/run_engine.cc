@@ -56,7 +56,17 @@ void RunEngine::begin(RunRecord record, RunPlan plan, Trajectory trajectory,
   };
   run.scope.leave_waiting = [this] { return change(*run_, RunState::running, ""); };
   hooks_.look_at_cell(run.control);
+  use_setup(run);
   tasks_.spawn(execute());
+}
+
+// The set-up stays in use after the run: what was zeroed with it counts from this datum.
+void RunEngine::use_setup(const ActiveRun& run) {
+  const auto& setups = bench_.description.setups;
+  const auto found = std::ranges::find(setups, run.plan.setup, &SetupDescription::name);
+  const auto* setup = found == setups.end() ? nullptr : &*found;
+  bench_.devices.use(setup);
+  bench_.pose.use(setup);
 }
 
 Awaitable<void> RunEngine::execute() {
@@ -64,6 +74,7 @@ Awaitable<void> RunEngine::execute() {
   bench_.lag.start_again();
   bench_.recorder.lend_pose_instruments(true);
   Result<void> outcome = co_await take_up(run);
+  if (outcome) outcome = check_setup(bench_.description, run.plan.setup);
   if (outcome) outcome = co_await carry_out(run);
   co_await finish(run, outcome);
   bench_.recorder.lend_pose_instruments(false);
@@ -380,16 +391,23 @@ Awaitable<Result<void>> RunEngine::note_closure(ActiveRun& run, std::vector<Chan
                                                 CellTime measured, std::int64_t line) {
   const auto closure = closure_nm(bench_.description, *run.datum, values);
   const double largest = largest_nm(closure);
-  if (is_missing(largest)) co_return Result<void>{};
-  run.progress.last_closure_nm = largest;
+  const bool has_angle = std::ranges::any_of(
+      bench_.description.angle_channels(),
+      [&values](const Channel& angle) { return find_value(values, angle.name()) != nullptr; });
+  if (is_missing(largest) && !has_angle) co_return Result<void>{};
+  if (!is_missing(largest)) run.progress.last_closure_nm = largest;
   add_closure(run.closures, warming_since(bench_.description, *run.datum, values), closure);
+  std::vector<double> measured_nm = closure;
+  std::erase_if(measured_nm, is_missing);
   std::string by_length;
-  if (closure.size() > 1) by_length = fmt::format(" at most ({:+.1f})", fmt::join(closure, ", "));
-  bench_.events.record_own(
-      "run.closure",
-      fmt::format("line {}: back at zero {:+.1f} nm{} from where datum {} had it", line, largest,
-                  by_length, run.datum->id.value),
-      run.record.id);
+  if (measured_nm.size() > 1)
+    by_length = fmt::format(" at most ({:+.1f})", fmt::join(measured_nm, ", "));
+  if (!measured_nm.empty())
+    bench_.events.record_own(
+        "run.closure",
+        fmt::format("line {}: back at zero {:+.1f} nm{} from where datum {} had it", line, largest,
+                    by_length, run.datum->id.value),
+        run.record.id);
   std::vector<double> angles_arcsec;
   for (const auto& angle : bench_.description.angle_channels()) {
     const double* arcsec = find_value(values, angle.name());

@@ -93,6 +93,7 @@ class RunEngine {
   Awaitable<Result<void>> note_closure(ActiveRun& run, std::vector<ChannelValue> values,
                                        CellTime measured, std::int64_t line);
   void publish();
+  void use_setup(const ActiveRun& run);
 
   asio::any_io_executor executor_;
   Workbench& bench_;

@@ -24,6 +24,7 @@ struct CreateRun {
   std::optional<RunRules> rules;
   bool compensate = false;                 // x_mm trajectories: move to the serving model's targets
   std::optional<ModelId> compensate_with;  // this model instead of the serving one
+  std::string setup = {};                  // [[setup]] of the cell file; empty: all instruments
   RunMetadata metadata = {};
   std::optional<QueueEntryId> queue_entry = {};  // that it is the turn of
   // Why the robot is about to move without a person having asked for it now: told for a minute
@@ -36,8 +37,8 @@ class Runs {
   virtual ~Runs() = default;
 
   // The same request_id again answers with the first run. Errors: those of RightToMove::check and
-  // Trajectories::check; invalid_argument BAD_RULE, NOTHING_TO_COMPENSATE, NEEDS_COMPENSATION;
-  // failed_precondition NO_MODEL; aborted STOPPED_MEANWHILE.
+  // Trajectories::check; invalid_argument NO_SUCH_SETUP, BAD_RULE, NOTHING_TO_COMPENSATE,
+  // NEEDS_COMPENSATION; failed_precondition NO_MODEL; aborted STOPPED_MEANWHILE.
   virtual Awaitable<Result<RunRecord>> create(Caller caller, CreateRun request) = 0;
   virtual Awaitable<Result<RunRecord>> pause(Caller caller, RunId run) = 0;
   // Errors: those of check_answer (run_hold.h); failed_precondition MOVING.

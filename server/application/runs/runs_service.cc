@@ -59,8 +59,9 @@ Awaitable<Result<RunRecord>> RunsService::create(Caller caller, CreateRun reques
   DRIFTWISE_CO_RETURN_IF_ERROR(right_.check(request.lease_token));
   DRIFTWISE_CO_TRY(request.metadata, checked_metadata(std::move(request.metadata)));
   RunPlan plan{request.rules.value_or(description_.run),
-               request.compensate || request.compensate_with, request.compensate_with,
-               std::nullopt};
+               request.compensate || request.compensate_with, request.compensate_with, std::nullopt,
+               request.setup};
+  DRIFTWISE_CO_RETURN_IF_ERROR(check_setup(description_, plan.setup));
   if (plan.compensate && !plan.compensate_with) plan.served_at_start = serving_.model();
   DRIFTWISE_CO_RETURN_IF_ERROR(check_rules(plan.rules));
   const auto name =

@@ -16,6 +16,7 @@
 #include "server/core/description/kinematics_description.h"
 #include "server/core/description/notify_description.h"
 #include "server/core/description/plausibility_description.h"
+#include "server/core/description/setup_description.h"
 #include "server/core/description/thinning_rules.h"
 #include "server/core/devices/device_kind.h"
 
@@ -122,6 +123,7 @@ struct CellDescription {
   ClockDescription clock;
   std::vector<RobotDescription> robots;  // as the file names them; the first is the one in use
   std::vector<DeviceDescription> devices;
+  std::vector<SetupDescription> setups;  // [[setup]]; empty: every run reads every instrument
   // Kinds that the file was read with: texts of the same cell that are stored are read with them.
   // They outlive this.
   DeviceKinds kinds;

@@ -14,6 +14,7 @@
 #include "server/formats/cell_file/cell_file_limits.h"
 #include "server/formats/cell_file/cell_file_notify.h"
 #include "server/formats/cell_file/cell_file_robots.h"
+#include "server/formats/cell_file/cell_file_setups.h"
 #include "server/formats/cell_file/kinematics_section.h"
 #include "server/formats/text/text.h"
 #include "server/formats/text/toml_reader.h"
@@ -182,6 +183,10 @@ void read_file(const toml::table& root, CellDescription& out, TomlProblem& probl
   for (const auto* table : top.tables("hold")) {
     const std::string place = "hold " + std::to_string(out.holds.size() + 1);
     read_hold(TomlReader(*table, place, problem), out);
+  }
+  for (const auto* table : top.tables("setup")) {
+    const std::string place = "setup " + std::to_string(out.setups.size() + 1);
+    read_setup(TomlReader(*table, place, problem), place, out, problem);
   }
   if (out.checks.hold_on_stabilisers) add_holds_of_stabilisers(out);
   if (const auto* load = top.table("load"))

@@ -210,6 +210,20 @@ void add_limits(const CellDescription& cell, Parts& parts) {
   }
 }
 
+void add_setups(const CellDescription& cell, Parts& parts) {
+  for (const auto& setup : cell.setups) {
+    auto& part = parts["setup " + setup.name];
+    part.values["description"] = setup.description;
+    for (const auto& coordinate : setup.coordinates) {
+      part.affects.push_back(coordinate.channel.symbol);
+      part.values[coordinate.channel.name()] =
+          coordinate.device + ", scale " + text_of(coordinate.scale) + ", offset " +
+          text_of(coordinate.offset) + (coordinate.min ? ", min " + text_of(*coordinate.min) : "") +
+          (coordinate.max ? ", max " + text_of(*coordinate.max) : "");
+    }
+  }
+}
+
 // Everything that a description holds, defaults included.
 Parts parts_of(const CellDescription& cell) {
   Parts parts;
@@ -223,6 +237,7 @@ Parts parts_of(const CellDescription& cell) {
   add_rules(cell, parts);
   add_limits(cell, parts);
   for (const auto& device : cell.devices) add_device(cell, device, parts);
+  add_setups(cell, parts);
   if (cell.load)
     parts["load"] = {{{"max_n", text_of(cell.load->max_n)},
                       {"u_n", text_of(cell.load->u_n)},
@@ -325,6 +340,7 @@ std::set<std::pair<std::string, std::string>> known_keys() {
   add("beam", {"length", "offset_mm", "offset_per_mm", "u_offset_mm", "direction_arcsec",
                "u_direction_arcsec", "u_flatness_nm"});
   add("kinematics", {"*"});
+  add("setup", {"*"});
   return known;
 }
 

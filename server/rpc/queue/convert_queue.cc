@@ -1,5 +1,6 @@
 #include "server/rpc/queue/convert_queue.h"
 
+#include "server/application/ports/run_plan.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/rpc/run/convert_run.h"
@@ -69,6 +70,8 @@ v1::QueueEntry queue_entry_from(const application::QueueLine& line) {
   out.set_row_count(entry.rows);
   out.set_compensate(entry.compensate);
   if (entry.compensate_with) out.set_compensate_model_id(entry.compensate_with->value);
+  if (const auto plan = application::read_run_plan(entry.rules_json))
+    out.set_setup(utf8_from(plan->setup));
   add_metadata(entry.metadata, *out.mutable_metadata());
   out.set_priority(entry.priority);
   if (entry.not_before.ns != 0) *out.mutable_not_before_time() = timestamp_from(entry.not_before);
@@ -104,6 +107,7 @@ Result<application::QueueDraft> queue_draft_from(const v1::AddQueueEntryRequest&
        {check_size(request.name(), kMostNameBytes, "name"),
         check_size(request.trajectory_name(), kMostNameBytes, "trajectory_name"),
         check_size(request.request_id(), kMostRequestIdBytes, "request_id"),
+        check_size(request.setup(), kMostNameBytes, "setup"),
         check_size(request.condition(), kMostConditionBytes, "condition"),
         check_size(request.trajectory_text(), kMostTrajectoryBytes, "trajectory_text"),
         check_priority(request.priority())})
@@ -120,6 +124,7 @@ Result<application::QueueDraft> queue_draft_from(const v1::AddQueueEntryRequest&
     DRIFTWISE_TRY(auto rules, rules_from(request.rules(), cell_rules));
     draft.rules = rules;
   }
+  draft.setup = request.setup();
   draft.compensate = request.compensate();
   if (request.has_compensate_model_id()) {
     DRIFTWISE_RETURN_IF_ERROR(check_id(request.compensate_model_id(), "compensate_model_id"));

@@ -15,6 +15,7 @@ Result<application::CreateRun> create_run_from(const v1::CreateRunRequest& reque
         check_size(request.trajectory_name(), kMostNameBytes, "trajectory_name"),
         check_size(request.request_id(), kMostRequestIdBytes, "request_id"),
         check_size(request.lease_token(), kMostNameBytes, "lease_token"),
+        check_size(request.setup(), kMostNameBytes, "setup"),
         check_size(request.trajectory_text(), kMostTrajectoryBytes, "trajectory_text")})
     DRIFTWISE_RETURN_IF_ERROR(good);
   if (request.trajectory_text().empty())
@@ -27,6 +28,7 @@ Result<application::CreateRun> create_run_from(const v1::CreateRunRequest& reque
   asked.trajectory_text = request.trajectory_text();
   asked.request_id = request.request_id();
   asked.lease_token = request.lease_token();
+  asked.setup = request.setup();
   asked.compensate = request.compensate();
   DRIFTWISE_TRY(asked.metadata, metadata_from(request.metadata()));
   if (request.has_rules()) {

@@ -15,7 +15,7 @@ namespace {
 using QueueStub = v1::QueueService::Stub;
 
 struct QueueArguments {
-  std::string file, name, not_before, when, on_failure, repeat_every, request_id, reason;
+  std::string file, name, setup, not_before, when, on_failure, repeat_every, request_id, reason;
   std::vector<std::string> then, meta, remove_meta;
   std::int64_t id = 0, after = 0, model = 0, trajectory = 0, before = 0;
   std::int32_t priority = 0;
@@ -55,6 +55,7 @@ ExitCode add_entry(const Session& session, const QueueArguments& a) {
                   "one"};
   v1::AddQueueEntryRequest request;
   request.set_name(a.name);
+  request.set_setup(a.setup);
   request.set_compensate(a.compensate);
   if (a.model != 0) request.set_compensate_model_id(a.model);
   for (auto& item : metadata_from(a.meta)) *request.add_metadata() = std::move(item);
@@ -190,6 +191,8 @@ void add_queue_commands(CLI::App& app, Session& session) {
   add.add_option("--trajectory", added->trajectory, "a kept trajectory instead of a file")
       ->check(positive_number());
   add_terms(add, *added, false);
+  add.add_option("--setup", added->setup,
+                 "[[setup]] of the cell file: only its instruments are read and required");
   auto* compensate = add.add_flag("--compensate", added->compensate,
                                   "an x_mm trajectory: move to the serving model's targets");
   add.add_option("--model", added->model, "compensate with this model instead")

@@ -75,6 +75,7 @@ void print_entry(const Console& console, const v1::QueueEntry& entry) {
                     (entry.reason().empty() ? "" : "  (" + entry.reason() + ")"));
   if (!entry.waits_for().empty()) line("now", entry.waits_for());
   line("trajectory", entry.trajectory_name() + ", " + std::to_string(entry.row_count()) + " rows");
+  if (!entry.setup().empty()) line("set-up", entry.setup());
   if (entry.compensate())
     line("compensation", entry.has_compensate_model_id()
                              ? "model " + std::to_string(entry.compensate_model_id())

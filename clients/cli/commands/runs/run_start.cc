@@ -15,7 +15,7 @@ namespace driftwise::cli {
 namespace {
 
 struct StartArguments {
-  std::string file, name, lease_token, request_id;
+  std::string file, name, setup, lease_token, request_id;
   std::int64_t model = 0;
   int readings = 0;
   double max_spread_nm = 0;
@@ -39,6 +39,7 @@ v1::CreateRunRequest request_from(const StartArguments& a, const std::string& te
   request.set_trajectory_text(text);
   request.set_lease_token(token);
   request.set_request_id(a.request_id.empty() ? fresh_request_id() : a.request_id);
+  request.set_setup(a.setup);
   request.set_compensate(a.compensate);
   if (a.model != 0) request.set_compensate_model_id(a.model);
   for (auto& item : metadata_from(a.meta)) *request.add_metadata() = std::move(item);
@@ -91,6 +92,8 @@ void add_run_start(CLI::App& run, Session& session) {
   command.add_option("--model", a->model, "compensate with this model instead")
       ->needs(compensate)
       ->check(positive_number());
+  command.add_option("--setup", a->setup,
+                     "[[setup]] of the cell file: only its instruments are read and required");
   command.add_option("--readings", a->readings, "readings per point instead of the cell's")
       ->check(number_between(2, 1000));
   command

@@ -27,7 +27,7 @@ const metadataOf = (run: Run): string => run.metadata.map((item) => `${item.key}
 
 export function matches(run: Run, text: string, state: string): boolean {
   if (state !== '' && stateWords[run.state][1].toLowerCase() !== state) return false;
-  const words = `${run.id} ${run.name} ${run.trajectoryName} ${run.operatorName} ${run.reason} ${metadataOf(run)}`.toLowerCase();
+  const words = `${run.id} ${run.name} ${run.trajectoryName} ${run.operatorName} ${run.reason} ${run.setup} ${metadataOf(run)}`.toLowerCase();
   return text.toLowerCase().split(/\s+/).every((word) => words.includes(word));
 }
 
@@ -53,6 +53,7 @@ function RunTable({ runs, chosen }: { runs: readonly Run[]; chosen: Chosen | und
         ...(chosen ? [{ title: 'join', of: (run: Run) => <input type="checkbox" aria-label={`Join run ${run.id}`} checked={chosen.ids.includes(run.id)} onChange={() => toggle(chosen, run.id)} /> }] : []),
         { title: 'run', of: (run) => <a href={`/runs/${run.id}`}>{String(run.id)}</a>, sort: (run) => Number(run.id) },
         { title: 'name', of: (run) => run.name || '–', sort: (run) => run.name },
+        ...(runs.some((run) => run.setup) ? [{ title: 'set-up', of: (run: Run) => run.setup || '–', sort: (run: Run) => run.setup }] : []),
         {
           title: 'state', sort: (run) => run.state,
           of: (run) => <Verdict kind={stateWords[run.state][0]}>{stateWords[run.state][1]}{!isOver(run) && `, ${fixed(doneShare(run) * 100)} %`}</Verdict>,

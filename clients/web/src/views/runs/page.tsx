@@ -48,6 +48,7 @@ function Head({ run }: { run: Run }) {
         <dt>points</dt><dd>{String(run.acceptedCount)} of {String(run.rowCount)} ({fixed(doneShare(run) * 100)} %), {troubles(run)}</dd>
         <dt>{to === undefined ? 'started' : 'measured'}</dt><dd>{dateClock(from)}{to !== undefined && from !== undefined && ` to ${dateClock(to)}, ${duration((to - from) / 1000)}`}</dd>
         <dt>trajectory</dt><dd>{run.trajectoryName || '–'}</dd>
+        {run.setup && <><dt>set-up</dt><dd>{run.setup}</dd></>}
         <dt>compensation</dt><dd>{compensationText(run)}</dd>
         <dt>started by</dt><dd>{run.operatorName || 'unknown'}</dd>
         {run.metadata.length > 0 && <><dt>metadata</dt><dd>{run.metadata.map((item) => `${item.key}=${item.value}`).join(', ')}</dd></>}

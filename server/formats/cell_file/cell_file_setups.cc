@@ -1,0 +1,97 @@
+#include "server/formats/cell_file/cell_file_setups.h"
+
+#include <algorithm>
+
+#include "server/core/reasons.h"
+#include "server/formats/text/text.h"
+
+namespace driftwise::formats {
+namespace {
+
+// Coordinates that an instrument gives.
+std::vector<Channel> coordinates_of(const DeviceDescription& device) {
+  std::vector<Channel> out;
+  if (const auto* length = device.length()) out.push_back(length->channel);
+  for (const auto& angle : device.angles()) out.push_back(angle.channel);
+  return out;
+}
+
+std::string list_of_coordinates(const std::vector<Channel>& channels) {
+  std::string list;
+  for (const auto& channel : channels) list += (list.empty() ? "" : ", ") + channel.name();
+  return list.empty() ? "none" : list;
+}
+
+std::string ids_of_instruments(const CellDescription& cell) {
+  std::string list;
+  for (const auto& device : cell.devices)
+    if (measures_pose(device.role())) list += (list.empty() ? "" : ", ") + device.id;
+  return list.empty() ? "none" : list;
+}
+
+void check_device(TomlReader& reader, const SetupCoordinate& coordinate,
+                  const CellDescription& cell) {
+  const auto* device = cell.find_device(coordinate.device);
+  if (device == nullptr || !measures_pose(device->role()))
+    return reader.refuse("device", reasons::kBadSetup,
+                         "found " + shown(coordinate.device) +
+                             ", expected an interferometer or autocollimator of this cell: " +
+                             ids_of_instruments(cell));
+  const auto given = coordinates_of(*device);
+  if (std::ranges::find(given, coordinate.channel) == given.end())
+    reader.refuse("channel", reasons::kBadSetup,
+                  "found " + shown(coordinate.channel.name()) + ", expected a coordinate of " +
+                      shown(device->id) + ": " + list_of_coordinates(given));
+}
+
+void read_coordinate(TomlReader&& reader, const CellDescription& cell, SetupDescription& setup) {
+  SetupCoordinate coordinate;
+  reader.channel("channel", coordinate.channel, Need::required);
+  reader.text("device", coordinate.device, Need::required);
+  reader.number("scale", coordinate.scale, {.min = -1e6, .max = 1e6});
+  reader.number("offset", coordinate.offset, {.min = -1e6, .max = 1e6});
+  double limit = 0;
+  reader.number("min", limit, {.min = -1e9, .max = 1e9});
+  if (reader.has("min")) coordinate.min = limit;
+  reader.number("max", limit, {.min = -1e9, .max = 1e9});
+  if (reader.has("max")) coordinate.max = limit;
+  if (!coordinate.device.empty() && !coordinate.channel.symbol.empty())
+    check_device(reader, coordinate, cell);
+  if (coordinate.scale == 0)
+    reader.refuse("scale", reasons::kBadSetup, "found 0, expected another number");
+  if (coordinate.min && coordinate.max && !(*coordinate.min < *coordinate.max))
+    reader.refuse("min", reasons::kBadSetup,
+                  "found min = " + number_text(*coordinate.min) + " and max = " +
+                      number_text(*coordinate.max) + ", expected min to be the lower one");
+  if (std::ranges::find(setup.coordinates, coordinate.channel, &SetupCoordinate::channel) !=
+      setup.coordinates.end())
+    reader.refuse("channel", reasons::kDuplicateChannel,
+                  "found " + shown(coordinate.channel.name()) +
+                      ", which another coordinate of this set-up has already");
+  reader.finish();
+  setup.coordinates.push_back(std::move(coordinate));
+}
+
+}  // namespace
+
+void read_setup(TomlReader&& reader, const std::string& place, CellDescription& out,
+                TomlProblem& problem) {
+  SetupDescription setup;
+  reader.text("name", setup.name, Need::required);
+  reader.text("description", setup.description);
+  for (const auto* table : reader.tables("coordinate"))
+    read_coordinate(
+        TomlReader(*table, place + ", coordinate " + std::to_string(setup.coordinates.size() + 1),
+                   problem),
+        out, setup);
+  if (setup.coordinates.empty())
+    reader.refuse("coordinate", reasons::kBadSetup,
+                  "found no [[setup.coordinate]], expected one at least: what it measures");
+  if (std::ranges::find(out.setups, setup.name, &SetupDescription::name) != out.setups.end())
+    reader.refuse("name", reasons::kDuplicateId,
+                  "found " + shown(setup.name) + ", which another [[setup]] has already");
+  reader.finish();
+  out.setups.push_back(std::move(setup));
+}
+
+}  // namespace driftwise::formats

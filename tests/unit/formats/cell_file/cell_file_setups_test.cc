@@ -1,0 +1,112 @@
+// [[setup]]: what is read, and what is refused, naming the line.
+
+#include <gmock/gmock.h>
+
+#include "drivers/all_devices.h"
+#include "server/formats/cell_file/cell_file.h"
+#include "server/formats/cell_file/cell_file_correction.h"
+#include "server/formats/cell_file/cell_file_difference.h"
+
+namespace driftwise::formats {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kSetupCell =
+    "[cell]\nname = \"small\"\ndatabase = \"cell.db\"\n"
+    "[[device]]\nid = \"axis\"\nkind = \"pi-gcs\"\naddress = \"127.0.0.1:1\"\n"
+    "  [[device.axis]]\n  channel = \"q1_mm\"\n  device_axis = \"X\"\n  min_mm = -5\n  max_mm = 5\n"
+    "[[device]]\nid = \"laser-x\"\nkind = \"interferometer-adapter\"\n"
+    "address = \"127.0.0.1:3\"\nperiod_s = 2\nlength = \"x_mm\"\n";
+
+Result<CellDescription> cell_with(const std::string& setup) {
+  return parse_cell_file(std::string(kSetupCell) + setup, "cell.toml", drivers::all_devices());
+}
+
+std::string coordinate(const std::string& keys) {
+  return "[[setup]]\nname = \"lengths\"\n  [[setup.coordinate]]\n" + keys;
+}
+
+TEST(CellFileSetups, SayWhichInstrumentGivesWhichCoordinate) {
+  const auto cell = cell_with(coordinate(
+      "channel = \"x_mm\"\ndevice = \"laser-x\"\nscale = 1.0002\noffset = -0.5\nmin = -4\n"));
+  ASSERT_TRUE(cell) << cell.error().message;
+  ASSERT_EQ(cell->setups.size(), 1u);
+  const auto& x = cell->setups[0].coordinates.at(0);
+  EXPECT_EQ(x.channel, (Channel{"x", "mm"}));
+  EXPECT_EQ(x.device, "laser-x");
+  EXPECT_EQ(x.scale, 1.0002);
+  EXPECT_EQ(x.offset, -0.5);
+  EXPECT_EQ(x.min, -4);
+  EXPECT_FALSE(x.max);
+  EXPECT_TRUE(x.may_be_missing());
+}
+
+struct BadSetup {
+  const char* name;
+  std::string setup;
+  const char* reason;
+  const char* message;
+};
+class BadSetups : public testing::TestWithParam<BadSetup> {};
+TEST_P(BadSetups, AreRefused) {
+  const auto cell = cell_with(GetParam().setup);
+  ASSERT_FALSE(cell);
+  EXPECT_EQ(cell.error().reason, GetParam().reason);
+  EXPECT_THAT(cell.error().message, HasSubstr(GetParam().message));
+}
+INSTANTIATE_TEST_SUITE_P(
+    Table, BadSetups,
+    testing::Values(
+        BadSetup{"nothing", "[[setup]]\nname = \"lengths\"\n", "BAD_SETUP",
+                 "found no [[setup.coordinate]]"},
+        BadSetup{
+            "device", coordinate("channel = \"x_mm\"\ndevice = \"axis\"\n"), "BAD_SETUP",
+            "found 'axis', expected an interferometer or autocollimator of this cell: laser-x"},
+        BadSetup{"unmeasured", coordinate("channel = \"y_mm\"\ndevice = \"laser-x\"\n"),
+                 "BAD_SETUP", "found 'y_mm', expected a coordinate of 'laser-x': x_mm"},
+        BadSetup{"scale", coordinate("channel = \"x_mm\"\ndevice = \"laser-x\"\nscale = 0\n"),
+                 "BAD_SETUP", "found 0, expected another number"},
+        BadSetup{"range",
+                 coordinate("channel = \"x_mm\"\ndevice = \"laser-x\"\nmin = 1\nmax = -1\n"),
+                 "BAD_SETUP", "expected min to be the lower one"},
+        BadSetup{"twice",
+                 coordinate("channel = \"x_mm\"\ndevice = \"laser-x\"\n  [[setup.coordinate]]\n"
+                            "channel = \"x_mm\"\ndevice = \"laser-x\"\n"),
+                 "DUPLICATE_CHANNEL", "another coordinate of this set-up has already"},
+        BadSetup{"name",
+                 coordinate("channel = \"x_mm\"\ndevice = \"laser-x\"\n") +
+                     coordinate("channel = \"x_mm\"\ndevice = \"laser-x\"\n"),
+                 "DUPLICATE_ID", "another [[setup]] has already"},
+        BadSetup{"key", coordinate("channel = \"x_mm\"\ndevice = \"laser-x\"\nrange = 3\n"),
+                 "UNKNOWN_KEY", "range"}),
+    [](const auto& row) { return std::string(row.param.name); });
+
+TEST(CellFileSetups, ThatChangeAreADifference) {
+  const auto before = cell_with(coordinate("channel = \"x_mm\"\ndevice = \"laser-x\"\n"));
+  const auto after =
+      cell_with(coordinate("channel = \"x_mm\"\ndevice = \"laser-x\"\nscale = 1.001\n"));
+  ASSERT_TRUE(before && after);
+  const auto changes = cell_file_difference(before->text, *after);
+  ASSERT_EQ(changes.size(), 1u);
+  EXPECT_EQ(changes[0].place, "setup lengths");
+}
+
+TEST(CorrectionFile, StandsAloneForOfflineWork) {
+  const auto correction = parse_correction_file(
+      "[correction]\ncosine = true\n[[correction.beam]]\nlength = \"z_mm\"\noffset_mm = [1, 2, "
+      "3]\n",
+      "beams.toml");
+  ASSERT_TRUE(correction) << correction.error().message;
+  EXPECT_TRUE(correction->cosine);
+  EXPECT_EQ(correction->beams.at(0).offset_mm[1], 2);
+  EXPECT_EQ(parse_correction_file("[run]\n", "beams.toml").error().reason, "MISSING_KEY");
+  EXPECT_EQ(parse_correction_file("[correction\n", "beams.toml").error().reason, "TOML_SYNTAX");
+  EXPECT_THAT(parse_correction_file("[[correction.beam]]\nlength = \"t05_degC\"\n", "beams.toml")
+                  .error()
+                  .message,
+              HasSubstr("beams.toml:"));
+}
+
+}  // namespace
+}  // namespace driftwise::formats
