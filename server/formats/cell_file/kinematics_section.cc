@@ -25,7 +25,7 @@ void read_branch(TomlReader&& reader, DeltaBranch& out) {
   reader.number("radius_mm", out.radius_mm, kPositive_mm, Need::required);
   reader.number("length_mm", out.length_mm, kPositive_mm, Need::required);
   reader.number("offset_mm", out.offset_mm, kLength_mm);
-  reader.number("tilt_radial_deg", out.tilt_radial_deg, {.min = -45, .max = 45});
+  reader.number("tilt_radial_deg", out.tilt_radial_deg, {.min = -80, .max = 80});
   reader.number("tilt_tangential_deg", out.tilt_tangential_deg, {.min = -45, .max = 45});
   reader.number("scale_ppm", out.scale_ppm, kScale_ppm);
   reader.finish();
