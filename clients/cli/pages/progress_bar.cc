@@ -6,6 +6,7 @@
 
 #include "clients/cli/core/table.h"
 #include "clients/cli/core/text.h"
+#include "clients/cli/pages/band_text.h"
 #include "clients/cli/pages/run_text.h"
 
 namespace driftwise::cli {
@@ -40,8 +41,16 @@ std::string progress_line(const v1::RunProgress& progress, double remaining_s, i
   if (under_way && remaining_s >= 1) more.push_back(span_text(remaining_s) + " left");
   if (held)
     more.push_back(span_text(seconds_of(progress.remaining_duration())) +
-                   " of cell time left once it goes on");
-  if (progress.has_estimated_end_time() && !held)
+                   " of cell time left once it goes on" +
+                   (progress.has_remaining_band()
+                        ? " (" + band_text(progress.remaining_band()) + ")"
+                        : std::string()));
+  if (progress.has_latest_end_time() && !held)
+    more.push_back("ends " +
+                   end_text(progress.estimated_end_time(), progress.earliest_end_time(),
+                            progress.latest_end_time(), progress.remaining_band().share()) +
+                   " cell time");
+  else if (progress.has_estimated_end_time() && !held)
     more.push_back("ends " + clock_text(progress.estimated_end_time()).substr(11) + " cell time");
   if (progress.has_last_spread_nm())
     more.push_back("spread " + fixed(progress.last_spread_nm(), 1) + " nm");

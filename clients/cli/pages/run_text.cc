@@ -4,6 +4,7 @@
 
 #include "clients/cli/core/table.h"
 #include "clients/cli/core/text.h"
+#include "clients/cli/pages/band_text.h"
 #include "clients/cli/pages/configuration_text.h"
 #include "clients/cli/pages/metadata_text.h"
 
@@ -144,6 +145,19 @@ void print_run(const Console& console, const v1::Run& run) {
                  " UTC on: " + run.configurations(i).hash());
   for (const auto& mark : run.corrections())
     for (const auto& text : mark_texts(mark)) line(text.starts_with(" ") ? "" : "rests on", text);
+}
+
+void print_ahead(const Console& console, const v1::RunProgress& progress) {
+  if (!progress.has_remaining_band()) return;
+  const Paint paint = console.paint_out();
+  console.out << paint.dim("ahead         ") << span_text(seconds_of(progress.remaining_duration()))
+              << " of cell time (" << band_text(progress.remaining_band()) << ")\n";
+  const auto state = progress.run().state();
+  if (state == v1::Run::STATE_PAUSED) return;  // nobody knows when a person resumes it
+  console.out << paint.dim("ends          ")
+              << end_text(progress.estimated_end_time(), progress.earliest_end_time(),
+                          progress.latest_end_time(), progress.remaining_band().share())
+              << " cell time\n";
 }
 
 }  // namespace driftwise::cli

@@ -16,7 +16,10 @@ bool is_over(v1::Run::State state);
 std::string compensation_text(const v1::Run& run);
 
 void print_runs(const Console& console, const std::vector<v1::Run>& runs);
-void print_run(const Console& console, const v1::Run& run);  // one run, a line per fact
+void print_run(const Console& console, const v1::Run& run);
+// Of a run under way: what is ahead, and when it ends.
+void print_ahead(const Console& console,
+                 const v1::RunProgress& progress);  // one run, a line per fact
 
 // done 0; aborted, failed 5.
 ExitCode exit_code_of(v1::Run::State state);

@@ -31,6 +31,7 @@
 #include "server/application/recording/device_keeper.h"
 #include "server/application/runs/runs_service.h"
 #include "server/application/status/overview_service.h"
+#include "server/application/trajectories/duration_book.h"
 #include "server/application/trajectories/trajectories_service.h"
 #include "server/application/upkeep/wall_clock_watch.h"
 #include "server/application/watching/feeds_service.h"
@@ -112,6 +113,7 @@ class Composition {
   PoseStage pose;
   Loading loading;
   Recorder recorder;
+  DurationBook durations;
   Workbench workbench;
   Serving serving;
   JointServing joint_serving;

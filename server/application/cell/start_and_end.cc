@@ -46,6 +46,7 @@ Awaitable<void> Composition::start_up() {
   tell("serving the promoted plan", co_await plans.restore());
   tell("going on with the run", co_await runs.continue_unfinished());
   queue_desk.start();
+  tasks.spawn(durations.load());
 }
 
 Awaitable<Result<void>> Composition::restore_datum() {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "server/application/ports/caller.h"
+#include "server/application/queue/queue_outlook.h"
 #include "server/core/description/cell_description.h"
 #include "server/core/ports/awaitable.h"
 #include "server/core/records/queue_records.h"
@@ -51,7 +52,8 @@ struct QueueEdit {
 
 struct QueueLine {
   QueueEntry entry;
-  std::string waits_for;  // a sentence; empty: it does not wait
+  std::string waits_for;                     // a sentence; empty: it does not wait
+  std::optional<EntryOutlook> outlook = {};  // none: it is over, or its trajectory is not read yet
 };
 
 struct QueueView {

@@ -8,6 +8,7 @@
 #include "server/application/queue/run_report.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
+#include "server/formats/csv/trajectory_csv.h"
 
 namespace driftwise::application {
 namespace {
@@ -135,6 +136,41 @@ std::string QueueDesk::waits_for(QueueEntryId id) const {
   return found == all.end() ? std::string() : found->second;
 }
 
+std::map<QueueEntryId, EntryOutlook> QueueDesk::outlooks() const {
+  QueueAhead ahead;
+  ahead.entries = &record_.entries;
+  ahead.held = record_.hold.held;
+  ahead.stands = parts_.engine.stands();
+  ahead.now = parts_.clock.now().utc;
+  ahead.cell_time = [this](UtcTime utc) { return parts_.clock.cell_time(utc); };
+  ahead.plans = plans_;
+  ahead.under_way = parts_.engine.outlook(ahead.now);
+  ahead.rules = parts_.description.run;
+  auto all = look_ahead(*parts_.durations.history(), ahead);
+  for (auto& [id, outlook] : all) {
+    outlook.run.draws_s.clear();
+    if (outlook.end) outlook.end->draws_s.clear();
+  }
+  return all;
+}
+
+// What is ahead of each entry that waits, from its trajectory.
+Awaitable<void> QueueDesk::read_plans() {
+  std::erase_if(plans_, [this](const auto& plan) {
+    const auto* entry = find_entry(record_.entries, plan.first);
+    return !entry || entry->state != QueueState::waiting;
+  });
+  std::vector<std::pair<QueueEntryId, std::string>> missing;
+  for (const auto& entry : record_.entries)
+    if (entry.state == QueueState::waiting && !plans_.contains(entry.id))
+      missing.emplace_back(entry.id, entry.trajectory_text);
+  for (auto& [id, text] : missing) {
+    const auto trajectory = co_await run_on(parts_.background, formats::read_trajectory_csv,
+                                            std::move(text), std::string("trajectory"));
+    plans_[id] = trajectory ? PlanLength(*trajectory).ahead({}) : PlanAhead{};
+  }
+}
+
 Awaitable<void> QueueDesk::look_for_ever() {
   while (!ending_) {
     woken_ = false;
@@ -163,6 +199,7 @@ Awaitable<void> QueueDesk::look() {
       parts_.tasks.spawn(follow(next->id));
     }
   }
+  co_await read_plans();
   std::vector<std::pair<QueueEntryId, std::string>> conditions;
   for (const auto* entry : waiting_in_order(record_.entries))
     if (!entry->condition.empty()) conditions.emplace_back(entry->id, entry->condition);

@@ -18,10 +18,12 @@
 #include "server/application/plumbing/task_group.h"
 #include "server/application/ports/alarm_condition.h"
 #include "server/application/queue/follow_up.h"
+#include "server/application/queue/queue_outlook.h"
 #include "server/application/queue/queue_rule.h"
 #include "server/application/recording/recorder.h"
 #include "server/application/runs/right_to_move.h"
 #include "server/application/runs/runs.h"
+#include "server/application/trajectories/duration_book.h"
 #include "server/core/ports/async_mutex.h"
 
 namespace driftwise::application {
@@ -42,6 +44,7 @@ class QueueDesk {
     const RunEngine& engine;
     const RightToMove& right;
     const StopDesk& stops;
+    const DurationBook& durations;
     LeaseBook& leases;
     Models& models;
     Diagnoses& diagnoses;
@@ -74,10 +77,13 @@ class QueueDesk {
   // Why each entry waits, by what was known at the last look; one that does not wait: none, empty.
   std::map<QueueEntryId, std::string> waits() const;
   std::string waits_for(QueueEntryId id) const;
+  // By what runs of this cell took; draws left out.
+  std::map<QueueEntryId, EntryOutlook> outlooks() const;
 
  private:
   Awaitable<void> look_for_ever();
   Awaitable<void> look();
+  Awaitable<void> read_plans();
   Awaitable<void> settle(QueueEntry entry);
   Awaitable<void> put_back(QueueEntry entry, std::string why, bool by_person);
   Awaitable<void> begin(QueueEntry entry, bool asked_for);
@@ -97,6 +103,7 @@ class QueueDesk {
   Signal wake_;
   QueueRecord record_;
   std::map<QueueEntryId, ConditionVerdict> conditions_;
+  std::map<QueueEntryId, PlanAhead> plans_;      // of entries that wait
   std::map<QueueEntryId, std::string> refused_;  // why a start was put off
   std::shared_ptr<void> run_watch_;
   bool asked_ = false, woken_ = false, following_ = false, ending_ = false;

@@ -244,14 +244,19 @@ QueueView QueueService::list() const {
   view.hold = desk_.hold();
   const auto& entries = desk_.entries();
   const auto waits = desk_.waits();
+  const auto outlooks = desk_.outlooks();
+  const auto outlook_of = [&outlooks](QueueEntryId id) -> std::optional<EntryOutlook> {
+    const auto found = outlooks.find(id);
+    return found == outlooks.end() ? std::nullopt : std::optional(found->second);
+  };
   const auto add_all = [&](auto wanted) {
     for (const auto& entry : entries)
-      if (wanted(entry.state)) view.lines.push_back({entry, ""});
+      if (wanted(entry.state)) view.lines.push_back({entry, "", outlook_of(entry.id)});
   };
   add_all([](QueueState s) { return s == QueueState::running; });
   add_all([](QueueState s) { return s == QueueState::following; });
   for (const auto* entry : waiting_in_order(entries))
-    view.lines.push_back({*entry, waits.at(entry->id)});
+    view.lines.push_back({*entry, waits.at(entry->id), outlook_of(entry->id)});
   add_all([](QueueState s) { return s == QueueState::set_aside; });
   for (auto entry = entries.rbegin(); entry != entries.rend(); ++entry)
     if (is_over(entry->state)) view.lines.push_back({*entry, ""});
@@ -261,7 +266,11 @@ QueueView QueueService::list() const {
 Result<QueueLine> QueueService::get(QueueEntryId id) const {
   const auto* entry = find_entry(desk_.entries(), id);
   if (!entry) return no_such_entry(id);
-  return QueueLine{*entry, desk_.waits_for(id)};
+  auto outlooks = desk_.outlooks();
+  const auto outlook = outlooks.find(id);
+  return QueueLine{
+      *entry, desk_.waits_for(id),
+      outlook == outlooks.end() ? std::nullopt : std::optional(std::move(outlook->second))};
 }
 
 }  // namespace driftwise::application

@@ -11,23 +11,22 @@
 #include "server/application/ports/run_plan.h"
 #include "server/application/runs/run_progress.h"
 #include "server/application/runs/suspects.h"
-#include "server/application/trajectories/pace.h"
+#include "server/application/trajectories/outlook.h"
 #include "server/core/trajectory/trajectory.h"
 #include "server/plausibility/closure_judge.h"
 
 namespace driftwise::application {
 
 struct ActiveRun {
-  // point_s: what a visit is thought to take before the first.
   ActiveRun(const asio::any_io_executor& executor, Workbench& bench, RunRecord r, RunPlan p,
-            Trajectory t, double point_s)
+            Trajectory t)
       : record(std::move(r)),
         plan(std::move(p)),
         trajectory(std::move(t)),
         control(executor),
         scope{bench, control, plan.rules, record.id, {}, {}, {}},
         length(trajectory),
-        pace(point_s),
+        meter(planned_visit_s(plan.rules)),
         closure_judge(bench.description) {}
   ActiveRun(const ActiveRun&) = delete;
 
@@ -37,7 +36,7 @@ struct ActiveRun {
   RunControl control;
   RunScope scope;
   PlanLength length;
-  Pace pace;
+  StepMeter meter;
   bool continued = false;            // was under way when the daemon ended
   std::optional<DatumRecord> datum;  // the present one
   Closures closures;                 // of the present datum

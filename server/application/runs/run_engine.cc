@@ -25,6 +25,17 @@
 
 namespace driftwise::application {
 
+namespace {
+
+Outlook spent_since(Outlook outlook, double since_s) {
+  for (double& s : outlook.draws_s) s = std::max(0.0, s - since_s);
+  for (double* s : {&outlook.expected_s, &outlook.low_s, &outlook.high_s})
+    *s = std::max(0.0, *s - since_s);
+  return outlook;
+}
+
+}  // namespace
+
 RunEngine::RunEngine(asio::any_io_executor executor, Workbench& bench, Hooks hooks,
                      TaskGroup& tasks)
     : executor_(executor), bench_(bench), hooks_(std::move(hooks)), tasks_(tasks) {}
@@ -34,15 +45,15 @@ RunEngine::~RunEngine() = default;
 void RunEngine::begin(RunRecord record, RunPlan plan, Trajectory trajectory,
                       std::optional<RunBefore> before, bool asked_for, std::string announce) {
   assert(!run_);
-  const double guess_s = point_s(plan.rules);
   run_ = std::make_unique<ActiveRun>(executor_, bench_, std::move(record), std::move(plan),
-                                     std::move(trajectory), guess_s);
+                                     std::move(trajectory));
   before_ = std::move(before);
   auto& run = *run_;
   may_start_ = asked_for;
   had_datum_ = before_ && !before_->data.empty();
   stands_ = computer_was_away_ = false;
   announcement_.clear();
+  outlook_ = {};
   begins_by_itself_ = std::move(announce);
   counted_accepted_ = run.record.accepted;
   counted_given_up_ = run.record.given_up;
@@ -99,6 +110,7 @@ Awaitable<Result<void>> RunEngine::take_up(ActiveRun& run) {
   static_cast<void>(bench_.doubts.take_suspicion());  // of before the run
   if (!before_) {
     run.record.started = bench_.clock.now().utc;
+    run.meter.begin(run.record.started);
     bench_.events.record_own(
         "run.started",
         fmt::format("run {} '{}': {} rows", run.record.id.value, run.record.name, run.record.rows),
@@ -109,6 +121,8 @@ Awaitable<Result<void>> RunEngine::take_up(ActiveRun& run) {
     auto& number = run.attempts_of_row[attempt.row];
     number = std::max(number, attempt.number);
   }
+  if (before_->meter) run.meter = *before_->meter;
+  run.meter.begin(bench_.clock.now().utc);
   const std::string what = before_->killed ? "restart after a kill" : "restart";
   wanted_datum_ = continue_from(bench_.description, what, *this->before_);
   ++run.record.restarts;
@@ -205,11 +219,9 @@ Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
     run.progress.row = visit->row;
     run.progress.line = row.line;
     if (auto ok = co_await bring_force(run); !ok) co_return ok;
-    const auto begin = bench_.clock.now().utc;
+    run.meter.visit_begins(bench_.clock.now().utc);
     DRIFTWISE_CO_TRY(auto result, co_await visit_row(run, *visit, hooks_.command_for));
-    run.pace.add(
-        std::max(0.0, seconds_from(bench_.clock.now().utc - begin) - row.dwell_s.value_or(0)));
-    slower_than_guessed_ = run.pace.point_s() / guessed_point_s(run.plan.rules);
+    run.meter.visited(visit->from_queue, run.length.row(visit->row), bench_.clock.now().utc);
     if (result.point) run.since_closure.add(visit->row, result.point->measured.utc);
     if (auto ok = co_await mark_doubted(run); !ok) co_return ok;
     if (auto ok = co_await mark_held(run); !ok) co_return ok;
@@ -489,6 +501,11 @@ Awaitable<Result<void>> RunEngine::hold(ActiveRun& run, RunState state) {
   Result<void> may_continue = run.control.check();
   while (may_continue && run.control.held()) {
     const bool by_itself = run.control.hold().kind == RunHold::Kind::condition;
+    // A person's time is nobody's to foresee; a cell's waits are.
+    if (by_itself)
+      run.meter.let_go(bench_.clock.now().utc);
+    else
+      run.meter.keep(bench_.clock.now().utc);
     if (run.record.hold != run.control.hold()) {  // the first, or one that came on top of it
       run.record.hold = run.control.hold();
       const auto now = by_itself ? RunState::waiting : state;
@@ -504,6 +521,7 @@ Awaitable<Result<void>> RunEngine::hold(ActiveRun& run, RunState state) {
     if (may_continue && !run.control.held()) hooks_.look_at_cell(run.control);
     if (may_continue) may_continue = run.control.check();
   }
+  run.meter.let_go(bench_.clock.now().utc);
   bench_.recorder.lend_pose_instruments(true);
   if (!may_continue) co_return may_continue;
   // Whoever ended it has said that the robot may move; who accepted a cell file has not, nor has a
@@ -539,6 +557,8 @@ Awaitable<void> RunEngine::finish(ActiveRun& run, const Result<void>& outcome) {
   if (!outcome) static_cast<void>(co_await bench_.devices.stop());
   run.record.hold = {};
   run.record.ended = bench_.clock.now().utc;
+  if (outcome) run.meter.end(run.record.ended);
+  hooks_.measured(run.meter.steps());
   const auto state = outcome                   ? RunState::done
                      : remedy == Remedy::abort ? RunState::aborted
                                                : RunState::failed;
@@ -557,15 +577,48 @@ Awaitable<void> RunEngine::finish(ActiveRun& run, const Result<void>& outcome) {
   publish();
 }
 
+// Worked out when a row was decided, or when what is under way takes longer than a visit; between
+// them the time that was spent is taken off.
+Outlook RunEngine::outlook_of(const ActiveRun& run, CellTime now) {
+  const double spent_s = run.meter.spent_s(now), unit_s = run.meter.unit_s();
+  const auto steps = run.meter.steps().took.size(), requeued = run.record.place.requeued.size();
+  const bool same = !outlook_.draws_s.empty() && outlook_steps_ == steps &&
+                    outlook_requeued_ == requeued && spent_s >= outlook_spent_s_ &&
+                    spent_s < outlook_spent_s_ + unit_s;
+  if (!same) {
+    RunAhead ahead;
+    ahead.plan = run.length.ahead(run.record.place);
+    ahead.unit_s = unit_s;
+    ahead.leads = run.meter.leads();
+    ahead.spent_s = spent_s;
+    ahead.so_far = &run.meter.steps();
+    outlook_ = hooks_.look_ahead(ahead);
+    outlook_spent_s_ = spent_s;
+    outlook_steps_ = steps;
+    outlook_requeued_ = requeued;
+  }
+  auto outlook = spent_since(outlook_, spent_s - outlook_spent_s_);
+  outlook.draws_s.clear();
+  return outlook;
+}
+
+std::optional<Outlook> RunEngine::outlook(CellTime now) const {
+  if (!run_ || outlook_.draws_s.empty()) return std::nullopt;
+  // A wait that began since is no progress.
+  const double since_s = run_->meter.spent_s(now) - outlook_spent_s_;
+  return spent_since(outlook_, std::clamp(since_s, 0.0, run_->meter.unit_s()));
+}
+
 void RunEngine::publish() {
   auto& run = *run_;
   run.progress.run = run.record;
   run.progress.sequence = ++sequence_;
   const bool over = is_over(run.record.state);
-  run.progress.remaining_s = over ? 0 : run.length.seconds(run.record.place, run.pace.point_s());
+  const auto now = bench_.clock.now().utc;
+  run.progress.outlook = over ? Outlook{} : outlook_of(run, now);
+  run.progress.remaining_s = run.progress.outlook.expected_s;
   run.progress.estimated_end =
-      over ? run.record.ended
-           : bench_.clock.now().utc + nanoseconds_from_s(run.progress.remaining_s);
+      over ? run.record.ended : now + nanoseconds_from_s(run.progress.remaining_s);
   last_progress_ = run.progress;
   // Several changes in one turn of the executor are told once, with the latest state.
   if (std::exchange(publishing_, true)) return;

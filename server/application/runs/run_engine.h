@@ -22,7 +22,8 @@ struct RunBefore {
   std::vector<AttemptRecord> attempts;
   std::vector<PointRecord> zeros;  // its accepted returns to zero
   std::vector<DatumRecord> data;
-  bool killed = true;  // false: the daemon ended in good order
+  bool killed = true;              // false: the daemon ended in good order
+  std::optional<StepMeter> meter;  // what its rows took
 };
 
 class RunEngine {
@@ -33,6 +34,8 @@ class RunEngine {
     std::function<void(AlarmCondition)> alarm;             // something happened and is over at once
     std::function<void(RunControl&)> look_at_cell;         // sets what of the cell keeps a run now
     std::function<std::vector<HoldMark>()> hold_marks;     // the points that this marks
+    std::function<Outlook(const RunAhead&)> look_ahead;    // by what runs of this cell took
+    std::function<void(RunSteps)> measured;                // what this one took
   };
   RunEngine(asio::any_io_executor executor, Workbench& bench, Hooks hooks, TaskGroup& tasks);
   ~RunEngine();
@@ -57,14 +60,12 @@ class RunEngine {
   bool measures() const { return run_ && run_->datum && !wanted_datum_; }
   // Before a first motion that nobody asked for: a sentence for people; empty: none is ahead.
   const std::string& announcement() const { return announcement_; }
-  // What a visit takes in this cell, as the last run has shown; the guess before any. pace.h.
-  double point_s(const RunRules& rules) const {
-    return slower_than_guessed_ * guessed_point_s(rules);
-  }
   RunControl* control() { return run_ ? &run_->control : nullptr; }
   const RunRecord* record() const { return run_ ? &run_->record : nullptr; }
   // The run under way, else the last one that ended.
   const std::optional<RunProgress>& progress() const { return last_progress_; }
+  // Of the run under way, with its draws; none: there is none.
+  std::optional<Outlook> outlook(CellTime now) const;
   WatchList<RunProgress>& watchers() { return watchers_; }
 
  private:
@@ -93,12 +94,12 @@ class RunEngine {
   Awaitable<Result<void>> note_closure(ActiveRun& run, std::vector<ChannelValue> values,
                                        CellTime measured, std::int64_t line);
   void publish();
+  Outlook outlook_of(const ActiveRun& run, CellTime now);
   void use_setup(const ActiveRun& run);
 
   asio::any_io_executor executor_;
   Workbench& bench_;
   Hooks hooks_;
-  double slower_than_guessed_ = 1;  // what visits took, to guessed_point_s()
   TaskGroup& tasks_;
   std::unique_ptr<ActiveRun> run_;
   std::optional<DatumOpening> wanted_datum_;  // to be opened before the next point
@@ -113,6 +114,9 @@ class RunEngine {
   std::int64_t counted_accepted_ = 0, counted_given_up_ = 0;  // rows up to the last such pause
   std::int64_t sequence_ = 0;
   bool publishing_ = false;
+  Outlook outlook_;  // as of the last decision of a row
+  double outlook_spent_s_ = 0;
+  std::size_t outlook_steps_ = 0, outlook_requeued_ = 0;
   WatchList<RunProgress> watchers_;
 };
 

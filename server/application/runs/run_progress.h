@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "server/application/trajectories/outlook.h"
 #include "server/core/cell_time.h"
 #include "server/core/records/records.h"
 
@@ -17,6 +18,7 @@ struct RunProgress {
   double last_spread_nm = kMissing, last_closure_nm = kMissing;
   CellTime estimated_end;     // utc_ns 0: unknown
   double remaining_s = 0;     // of measuring, cell time: what a run that waits has still ahead
+  Outlook outlook;            // the same as a band
   std::int64_t sequence = 0;  // grows with every change
 };
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/application/ports/caller.h"
+#include "server/application/trajectories/outlook.h"
 #include "server/core/ports/awaitable.h"
 #include "server/core/records/watch_records.h"
 #include "server/core/result.h"
@@ -16,7 +17,9 @@ namespace driftwise::application {
 struct TrajectoryCheck {
   Trajectory trajectory;
   std::int64_t calibration = 0, validation = 0, zeros = 0, lines = 0;
-  double estimated_s = 0;             // cell seconds
+  double estimated_s = 0;             // cell seconds, from its start to its end
+  Outlook outlook;                    // the same as a band
+  PlanAhead plan;                     // the whole of it
   std::vector<std::string> warnings;  // problems are errors: the check fails
 };
 

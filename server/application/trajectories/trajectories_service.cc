@@ -10,13 +10,14 @@
 namespace driftwise::application {
 
 Awaitable<Result<TrajectoryCheck>> TrajectoriesService::check(std::string name, std::string text) {
+  using History = std::shared_ptr<const DurationHistory>;
   co_return co_await run_on(
       background_,
-      [cell = &description_, point_s = point_s_()](const std::string& file,
-                                                   const std::string& csv) {
-        return check_trajectory_text(*cell, file, csv, point_s);
+      [cell = &description_](const std::string& file, const std::string& csv,
+                             const History& history) {
+        return check_trajectory_text(*cell, file, csv, *history);
       },
-      name, text);
+      name, text, durations_.history());
 }
 
 Awaitable<Result<KeptTrajectory>> TrajectoriesService::keep(Caller caller, std::string name,

@@ -5,7 +5,6 @@
 #include <set>
 
 #include "server/application/motion/loading.h"
-#include "server/application/trajectories/pace.h"
 #include "server/application/trajectories/trajectory_confounding.h"
 #include "server/application/trajectories/trajectory_limits.h"
 #include "server/core/try.h"
@@ -67,11 +66,12 @@ Result<void> check_forces(const CellDescription& description, const Trajectory& 
 
 Result<TrajectoryCheck> check_trajectory_text(const CellDescription& description,
                                               const std::string& name, const std::string& text,
-                                              double point_s) {
+                                              const DurationHistory& history) {
   DRIFTWISE_TRY(auto trajectory, formats::read_trajectory_csv(text, name));
   DRIFTWISE_TRY(const auto limits, check_trajectory_limits(description, trajectory, name));
   DRIFTWISE_RETURN_IF_ERROR(check_forces(description, trajectory, name));
-  if (!(point_s > 0)) point_s = guessed_point_s(description.run);
+  const double unit_s = planned_visit_s(description.run);
+  const double visit_s = unit_s * history.level();
   TrajectoryCheck check;
   std::vector<double> time_s;
   std::set<std::int64_t> lines;
@@ -79,9 +79,14 @@ Result<TrajectoryCheck> check_trajectory_text(const CellDescription& description
     (point.set == PointSet::calibration ? check.calibration : check.validation)++;
     if (point.zero) ++check.zeros;
     lines.insert(point.line);
-    time_s.push_back((time_s.empty() ? 0 : time_s.back()) + point_s + point.dwell_s.value_or(0));
+    time_s.push_back((time_s.empty() ? 0 : time_s.back()) + visit_s + point.dwell_s.value_or(0));
   }
-  check.estimated_s = PlanLength(trajectory).seconds({}, point_s);
+  check.plan = PlanLength(trajectory).ahead({});
+  RunAhead whole;
+  whole.plan = check.plan;
+  whole.unit_s = unit_s;
+  check.outlook = look_ahead(history, whole);
+  check.estimated_s = check.outlook.expected_s;
   check.lines = static_cast<std::int64_t>(lines.size());
   check.trajectory = std::move(trajectory);
   add_warnings(check);

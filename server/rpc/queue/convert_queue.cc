@@ -58,7 +58,7 @@ v1::QueueHold queue_hold_from(const QueueHold& hold) {
   return out;
 }
 
-v1::QueueEntry queue_entry_from(const application::QueueLine& line) {
+v1::QueueEntry queue_entry_from(const application::QueueLine& line, CellTime now) {
   const auto& entry = line.entry;
   v1::QueueEntry out;
   out.set_id(entry.id.value);
@@ -98,6 +98,14 @@ v1::QueueEntry queue_entry_from(const application::QueueLine& line) {
   if (entry.begun.utc_ns != 0) *out.mutable_begin_time() = timestamp_from(entry.begun);
   if (entry.ended.utc_ns != 0) *out.mutable_end_time() = timestamp_from(entry.ended);
   out.set_accepted(entry.accepted());
+  if (!line.outlook) return out;
+  *out.mutable_estimated_duration() = duration_from_s(line.outlook->run.expected_s);
+  *out.mutable_estimated_band() = band_from(line.outlook->run);
+  if (!line.outlook->end) return out;
+  const auto after = [now](double s) { return timestamp_from(now + nanoseconds_from_s(s)); };
+  *out.mutable_estimated_end_time() = after(line.outlook->end->expected_s);
+  *out.mutable_earliest_end_time() = after(line.outlook->end->low_s);
+  *out.mutable_latest_end_time() = after(line.outlook->end->high_s);
   return out;
 }
 

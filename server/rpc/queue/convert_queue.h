@@ -6,7 +6,7 @@
 
 namespace driftwise::rpc {
 
-v1::QueueEntry queue_entry_from(const application::QueueLine& line);
+v1::QueueEntry queue_entry_from(const application::QueueLine& line, CellTime now);
 v1::QueueHold queue_hold_from(const QueueHold& hold);
 
 // Errors: invalid_argument; TOO_LONG, BAD_RULE, BAD_DURATION, BAD_ID, BAD_METADATA, BAD_NUMBER,

@@ -24,7 +24,8 @@ class QueueService final : public v1::QueueService::CallbackService {
                      v1::ListQueueResponse* response) override {
     return answer(host_, context, [this, response]() -> Awaitable<Result<void>> {
       const auto view = queue_.list();
-      for (const auto& line : view.lines) *response->add_entries() = queue_entry_from(line);
+      for (const auto& line : view.lines)
+        *response->add_entries() = queue_entry_from(line, host_.now());
       if (view.hold.held) *response->mutable_hold() = queue_hold_from(view.hold);
       co_return Result<void>{};
     });
@@ -35,7 +36,7 @@ class QueueService final : public v1::QueueService::CallbackService {
     return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
       if (auto good = check_id(request->entry_id(), "entry_id"); !good) co_return good;
       DRIFTWISE_CO_TRY(const auto line, queue_.get({request->entry_id()}));
-      *response->mutable_entry() = queue_entry_from(line);
+      *response->mutable_entry() = queue_entry_from(line, host_.now());
       response->set_trajectory_text(utf8_from(line.entry.trajectory_text));
       co_return Result<void>{};
     });
@@ -47,7 +48,7 @@ class QueueService final : public v1::QueueService::CallbackService {
       DRIFTWISE_CO_TRY(auto draft, queue_draft_from(*request, overview_.description().run));
       auto adding = queue_.add(caller_of(*context), std::move(draft));
       DRIFTWISE_CO_TRY(const auto line, co_await std::move(adding));
-      *response->mutable_entry() = queue_entry_from(line);
+      *response->mutable_entry() = queue_entry_from(line, host_.now());
       co_return Result<void>{};
     });
   }
@@ -59,7 +60,7 @@ class QueueService final : public v1::QueueService::CallbackService {
       DRIFTWISE_CO_TRY(auto edit, queue_edit_from(*request));
       auto changing = queue_.change(caller_of(*context), {request->entry_id()}, std::move(edit));
       DRIFTWISE_CO_TRY(const auto line, co_await std::move(changing));
-      *response->mutable_entry() = queue_entry_from(line);
+      *response->mutable_entry() = queue_entry_from(line, host_.now());
       co_return Result<void>{};
     });
   }
@@ -76,7 +77,7 @@ class QueueService final : public v1::QueueService::CallbackService {
       }
       auto moving = queue_.move(caller_of(*context), {request->entry_id()}, before);
       DRIFTWISE_CO_TRY(const auto line, co_await std::move(moving));
-      *response->mutable_entry() = queue_entry_from(line);
+      *response->mutable_entry() = queue_entry_from(line, host_.now());
       co_return Result<void>{};
     });
   }
@@ -88,7 +89,7 @@ class QueueService final : public v1::QueueService::CallbackService {
       DRIFTWISE_CO_TRY(auto reason, line_from(request->reason(), kMostNameBytes, "reason"));
       auto removing = queue_.remove(caller_of(*context), {request->entry_id()}, std::move(reason));
       DRIFTWISE_CO_TRY(const auto line, co_await std::move(removing));
-      *response->mutable_entry() = queue_entry_from(line);
+      *response->mutable_entry() = queue_entry_from(line, host_.now());
       co_return Result<void>{};
     });
   }

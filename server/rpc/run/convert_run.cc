@@ -151,6 +151,16 @@ Result<application::HoldAnswer> answer_from(const v1::HoldAnswer& answer) {
   return application::HoldAnswer{answer.hold_id(), answer.override_reason()};
 }
 
+v1::DurationBand band_from(const application::Outlook& outlook) {
+  v1::DurationBand out;
+  *out.mutable_low_duration() = duration_from_s(outlook.low_s);
+  *out.mutable_high_duration() = duration_from_s(outlook.high_s);
+  out.set_share(application::Outlook::kShare);
+  out.set_run_count(outlook.runs);
+  out.set_row_count(outlook.rows);
+  return out;
+}
+
 v1::RunProgress progress_from(const application::RunProgress& progress) {
   v1::RunProgress out;
   *out.mutable_run() = run_from(progress.run);
@@ -161,8 +171,15 @@ v1::RunProgress progress_from(const application::RunProgress& progress) {
   if (!is_missing(progress.last_closure_nm)) out.set_last_closure_nm(progress.last_closure_nm);
   if (progress.estimated_end.utc_ns != 0)
     *out.mutable_estimated_end_time() = timestamp_from(progress.estimated_end);
-  if (!is_over(progress.run.state))
+  if (!is_over(progress.run.state)) {
     *out.mutable_remaining_duration() = duration_from_s(progress.remaining_s);
+    *out.mutable_remaining_band() = band_from(progress.outlook);
+    const auto end_after = [&progress](double s) {
+      return timestamp_from(progress.estimated_end + nanoseconds_from_s(s - progress.remaining_s));
+    };
+    *out.mutable_earliest_end_time() = end_after(progress.outlook.low_s);
+    *out.mutable_latest_end_time() = end_after(progress.outlook.high_s);
+  }
   out.set_sequence(progress.sequence);
   return out;
 }

@@ -16,6 +16,8 @@ Result<RunMetadata> metadata_from(
     const google::protobuf::RepeatedPtrField<v1::MetadataItem>& items);
 // Errors: invalid_argument (a reason that is too long).
 Result<application::HoldAnswer> answer_from(const v1::HoldAnswer& answer);
+// Cell time, with the share of the outcomes and what it rests on.
+v1::DurationBand band_from(const application::Outlook& outlook);
 v1::RunProgress progress_from(const application::RunProgress& progress);
 v1::Point point_from(const PointRecord& point);
 v1::Attempt attempt_from(const AttemptRecord& attempt);

@@ -55,6 +55,7 @@ v1::CheckTrajectoryResponse check_response_from(const application::TrajectoryChe
   for (const auto& coordinate : check.trajectory.coordinates)
     out.add_coordinates(coordinate.name());
   *out.mutable_estimated_duration() = duration_from_s(check.estimated_s);
+  *out.mutable_estimated_band() = band_from(check.outlook);
   for (const auto& warning : check.warnings) out.add_warnings(utf8_from(warning));
   return out;
 }

@@ -2,6 +2,7 @@
 
 #include "clients/cli/core/table.h"
 #include "clients/cli/core/text.h"
+#include "clients/cli/pages/band_text.h"
 #include "clients/cli/pages/metadata_text.h"
 #include "server/core/cell_time.h"
 
@@ -30,6 +31,20 @@ bool is_over(v1::QueueEntry::State state) {
   return state == v1::QueueEntry::STATE_DONE || state == v1::QueueEntry::STATE_REMOVED;
 }
 
+namespace {
+
+// "Sun 14:10, 80 %: 13:50 to 14:40"; where that hangs on more than its turn: how long it takes.
+std::string ends(const v1::QueueEntry& entry) {
+  if (entry.has_latest_end_time())
+    return end_text(entry.estimated_end_time(), entry.earliest_end_time(), entry.latest_end_time(),
+                    entry.estimated_band().share());
+  if (entry.has_estimated_duration())
+    return "takes " + span_text(seconds_of(entry.estimated_duration()));
+  return "-";
+}
+
+}  // namespace
+
 void print_queue(const Console& console, const v1::ListQueueResponse& queue, bool over) {
   const Paint paint = console.paint_out();
   if (queue.has_hold() && !over)
@@ -43,7 +58,8 @@ void print_queue(const Console& console, const v1::ListQueueResponse& queue, boo
                {"rows", Align::right},
                {"run", Align::right},
                {"by"},
-               {over ? "ended (UTC)" : "metadata"},
+               {over ? "ended (UTC)" : "ends (cell time)"},
+               {"metadata"},
                {over ? "what came of it" : "why it waits"}});
   for (const auto& entry : queue.entries()) {
     if (is_over(entry.state()) != over) continue;
@@ -53,9 +69,8 @@ void print_queue(const Console& console, const v1::ListQueueResponse& queue, boo
     table.add({std::to_string(entry.id()), entry.name(), queue_state_text(entry.state()),
                std::to_string(entry.priority()), std::to_string(entry.row_count()),
                entry.has_run_id() ? std::to_string(entry.run_id()) : "-", entry.created_by(),
-               over ? (entry.has_end_time() ? clock_text(entry.end_time()) : "-")
-                    : metadata_text(entry.metadata()),
-               why});
+               over ? (entry.has_end_time() ? clock_text(entry.end_time()) : "-") : ends(entry),
+               metadata_text(entry.metadata()), why});
   }
   if (table.empty())
     console.out << (over ? "no entry is over yet\n"
@@ -92,6 +107,10 @@ void print_entry(const Console& console, const v1::QueueEntry& entry) {
   for (const auto& follow_up : entry.follow_ups()) line("then", follow_up);
   if (!entry.metadata().empty()) line("metadata", metadata_text(entry.metadata()));
   line("added", clock_text(entry.create_time()) + " UTC by " + entry.created_by());
+  if (entry.has_estimated_duration() && !is_over(entry.state()))
+    line("takes", span_text(seconds_of(entry.estimated_duration())) + " of cell time (" +
+                      band_text(entry.estimated_band()) + ")");
+  if (entry.has_latest_end_time()) line("ends", ends(entry) + " cell time");
   if (entry.has_run_id()) line("run", std::to_string(entry.run_id()));
   for (const auto& result : entry.results())
     line(result.good() ? "result" : "failed", result.follow_up() + ": " + result.text());

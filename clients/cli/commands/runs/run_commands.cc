@@ -75,6 +75,10 @@ ExitCode show_run(const Session& session, std::int64_t id) {
     return ExitCode::done;
   }
   print_run(session.console, response.run());
+  if (!is_over(response.run().state())) {
+    const auto status = connection.ask(&v1::CellService::Stub::GetStatus, v1::GetStatusRequest{});
+    if (status.run().run().id() == id) print_ahead(session.console, status.run());
+  }
   print_notes(session.console, notes);
   return ExitCode::done;
 }

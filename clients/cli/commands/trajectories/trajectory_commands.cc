@@ -7,6 +7,7 @@
 #include "clients/cli/core/proto_json.h"
 #include "clients/cli/core/text.h"
 #include "clients/cli/core/trajectory_check.h"
+#include "clients/cli/pages/band_text.h"
 
 namespace driftwise::cli {
 
@@ -44,7 +45,7 @@ void print_check(const Console& console, const v1::CheckTrajectoryResponse& chec
               << check.line_count() << " lines, " << check.zero_count() << " returns to zero, in "
               << coordinates << '\n'
               << "  takes about " << span_text(seconds_of(check.estimated_duration()))
-              << " of cell time\n";
+              << " of cell time (" << band_text(check.estimated_band()) << ")\n";
   for (const auto& warning : check.warnings())
     console.out << "  " << paint.warn("warning: ") << warning << '\n';
 }

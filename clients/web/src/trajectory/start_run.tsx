@@ -11,7 +11,7 @@ import { confirm } from '@/ui/confirm';
 import { Failed } from '@/ui/states';
 import { useCommand } from '@/ui/use_command';
 import { useLimits } from './limits';
-import { estimatedEnd } from './estimate';
+import { bandText, estimatedEnd } from './estimate';
 import { forceText, trajectoryRows } from './parse';
 
 const over = 5; // Run.State: DONE and what follows
@@ -42,7 +42,7 @@ export function StartRun({ text, name, runName, compensate, verb = 'Start a run'
         ['trajectory', `${name}: ${count(check.rowCount)} points, ${count(check.lineCount)} lines`],
         ['it moves', check.coordinates.join(', ') + (compensate ? ', to the targets of the model that serves' : '')],
         ['soft limits', `${count(check.rowCount)} rows checked, all within`],
-        ['takes about', `${duration(seconds)}${estimatedEnd(seconds) && `; ready ${estimatedEnd(seconds)}`}`],
+        ['takes about', `${duration(seconds)}${check.estimatedBand ? ` (${bandText(check.estimatedBand)})` : ''}${estimatedEnd(seconds) && `; ready ${estimatedEnd(seconds)}`}`],
         ['weights', forces === '' ? 'none' : forces + byHand],
         ...(check.warnings.length ? [['remarks', `${check.warnings.length}: see the page`] as const] : []),
       ],

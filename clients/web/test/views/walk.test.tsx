@@ -60,3 +60,16 @@ it('says when a run that waits would be ready', async () => {
   expect(screen.getByText(/of measuring left/)).toBeTruthy();
   expect(screen.queryByText('estimated end passed')).toBeNull();
 });
+
+it('states the end of a run as a band', async () => {
+  go('/now');
+  render(<Shell />);
+  await screen.findByText('Live');
+  cleanup();
+  const at = (hours: number) => timestampOf(fakeNowMs + hours * 3600e3);
+  render(<RunPanel buttons={false} progress={create(RunProgressSchema, {
+    run: fakeRun, phase: 'reading', estimatedEndTime: at(6), earliestEndTime: at(5), latestEndTime: at(8), remainingDuration: { seconds: 21600n, nanos: 0 },
+    remainingBand: { lowDuration: { seconds: 18000n, nanos: 0 }, highDuration: { seconds: 28800n, nanos: 0 }, share: 0.8, runCount: 12n, rowCount: 4000n },
+  })} />);
+  expect(screen.getByText(/^80 %: ... \d\d:\d\d UTC to ... \d\d:\d\d UTC$/)).toBeTruthy();
+});

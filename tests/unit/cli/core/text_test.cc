@@ -10,6 +10,7 @@
 #include "clients/cli/core/assignment.h"
 #include "clients/cli/core/console.h"
 #include "clients/cli/core/table.h"
+#include "clients/cli/pages/band_text.h"
 #include "clients/cli/pages/progress_bar.h"
 
 namespace driftwise::cli {
@@ -78,6 +79,29 @@ TEST(ProgressLine, OfARunThatWaitsSaysWhatIsLeft) {
   EXPECT_EQ(progress_line(p, 3725, 200),
             "run 3 waiting [########............]  412/1008  40 %  1 h 02 min of cell time left "
             "once it goes on");
+}
+
+TEST(ProgressLine, StatesTheEndAsABand) {
+  auto p = progress(412, 1008);
+  p.mutable_remaining_duration()->set_seconds(3725);
+  // 2011-03-13, a Sunday, 07:06:40 UTC.
+  p.mutable_estimated_end_time()->set_seconds(1'300'000'000);
+  p.mutable_earliest_end_time()->set_seconds(1'300'000'000 - 1200);
+  p.mutable_latest_end_time()->set_seconds(1'300'000'000 + 86'400);
+  p.mutable_remaining_band()->set_share(0.8);
+  EXPECT_EQ(progress_line(p, std::nan(""), 200),
+            "run 3 moving [########............]  412/1008  40 %  ends Sun 07:06, 80 %: 06:46 to "
+            "Mon 07:06 cell time");
+}
+
+TEST(BandText, SaysWhatItRestsOn) {
+  v1::DurationBand band;
+  band.mutable_low_duration()->set_seconds(3600);
+  band.mutable_high_duration()->set_seconds(7200);
+  band.set_share(0.8);
+  EXPECT_EQ(band_text(band), "80 %: 1 h 00 min to 2 h 00 min; no run of this cell is on record");
+  band.set_run_count(12);
+  EXPECT_EQ(band_text(band), "80 %: 1 h 00 min to 2 h 00 min, from 12 runs of this cell");
 }
 
 // A device that comes and goes lets a run wait and go on a thousand times.

@@ -5,6 +5,7 @@ import { fixed } from '@/format/numbers';
 import { dateClock, dayClock, duration, ms, secondsOf } from '@/format/time';
 import { connection } from '@/live/connection';
 import { cell, cellTimeMs } from '@/live/state';
+import { bandText, endBandText } from '@/trajectory/estimate';
 import { RunButtons } from '@/parts/run_buttons';
 import { doneShare, isOver, stateWords, troubles, whereItIs } from '@/parts/run_words';
 import { Panel } from '@/ui/panel';
@@ -28,15 +29,17 @@ function Ready({ progress }: { progress: RunProgress }) {
         <span class="muted">ready about, if it went on now</span>
         <strong class="result">{dayClock(nowMs + remainingS * 1000)}</strong>
         <span class="muted">{duration(remainingS / speed)} of measuring left{speed !== 1 && ' on the wall'}</span>
+        {progress.remainingBand && <span class="muted">{bandText(progress.remainingBand)}</span>}
       </div>
     );
   }
   if (leftS < -30) return <div class="ready"><span class="muted">estimated end passed</span><strong class="result">{duration(-leftS)} ago</strong></div>;
   return (
-    <div class="ready" title="From the plan's moves and the time that points have taken so far, computed by the daemon">
+    <div class="ready" title="From what runs of this cell took and the rows of this one so far, computed by the daemon">
       <span class="muted">ready about</span>
       <strong class="result">{dayClock(endMs)}</strong>
       <span class="muted">in {duration(leftS < 120 ? leftS : Math.round(leftS / 60) * 60)}{speed !== 1 && ` on the wall, at ${fixed(speed, speed < 10 ? 1 : 0)} times speed`}</span>
+      {progress.latestEndTime && <span class="muted">{endBandText(ms(progress.earliestEndTime), ms(progress.latestEndTime), progress.remainingBand?.share)}</span>}
     </div>
   );
 }

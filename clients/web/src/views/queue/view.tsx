@@ -3,7 +3,8 @@ import './view.css';
 import { useEffect } from 'preact/hooks';
 import { QueueEntry_State, type ListQueueResponse, type QueueEntry } from '@/api/gen/driftwise/v1/queue_service_pb';
 import { count } from '@/format/numbers';
-import { dateClock, ms } from '@/format/time';
+import { dateClock, dayClock, duration, ms, secondsOf } from '@/format/time';
+import { bandText, endBandText } from '@/trajectory/estimate';
 import { useEvents } from '@/live/events';
 import { CommandButton } from '@/ui/button';
 import { confirm } from '@/ui/confirm';
@@ -27,6 +28,13 @@ const entryColumns: Column<QueueEntry>[] = [
   { title: 'run', of: (entry) => (entry.runId === undefined ? '–' : <a href={`/runs/${entry.runId}`}>{String(entry.runId)}</a>) },
   { title: 'by', of: (entry) => entry.createdBy },
 ];
+
+function Ends({ entry }: { entry: QueueEntry }) {
+  if (entry.latestEndTime)
+    return <>{dayClock(ms(entry.estimatedEndTime))}<div class="muted">{endBandText(ms(entry.earliestEndTime), ms(entry.latestEndTime), entry.estimatedBand?.share)}</div></>;
+  if (!entry.estimatedDuration) return <>–</>;
+  return <>takes {duration(secondsOf(entry.estimatedDuration))}<div class="muted">{bandText(entry.estimatedBand)}</div></>;
+}
 
 function Why({ entry }: { entry: QueueEntry }) {
   return (
@@ -100,6 +108,7 @@ function Shown({ queue, again }: { queue: ListQueueResponse; again: () => void }
               { title: 'priority', number: true, of: (entry) => String(entry.priority) },
               { title: 'terms', of: (entry) => termsOf(entry).map((term) => <div key={term}>{term}</div>) },
               { title: 'metadata', of: (entry) => metadataText(entry.metadata) || '–' },
+              { title: 'ends', of: (entry) => <Ends entry={entry} /> },
               { title: 'why it waits', of: (entry) => <Why entry={entry} /> },
               { title: '', of: buttons },
             ]}

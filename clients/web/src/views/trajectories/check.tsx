@@ -11,7 +11,7 @@ import { Panel } from '@/ui/panel';
 import { Awaiting, Failed, Warned } from '@/ui/states';
 import { useAsked } from '@/ui/use_asked';
 import { Verdict } from '@/ui/verdict';
-import { estimatedEnd } from '@/trajectory/estimate';
+import { bandText, estimatedEnd } from '@/trajectory/estimate';
 import { useLimits, type CellLimits } from '@/trajectory/limits';
 import { forceText, rangesOf, trajectoryRows, type TrajectoryRows } from '@/trajectory/parse';
 import { lineSpec, sceneOf } from './scene';
@@ -55,7 +55,7 @@ function Facts({ check, rows, limits }: { check: CheckTrajectoryResponse; rows: 
           <dt>points</dt><dd>{count(check.rowCount)}: {count(check.calibrationCount)} calibration, {count(check.validationCount)} validation; {count(check.zeroCount)} of them returns to zero</dd>
           <dt>lines</dt><dd>{count(check.lineCount)}</dd>
           <dt>coordinates</dt><dd>{check.coordinates.map((channel) => splitChannel(channel).symbol).join(', ')}, {check.coordinates[0]?.startsWith('q') ? 'motor coordinates' : 'wanted poses'}</dd>
-          <dt>takes about</dt><dd>{duration(seconds)}{estimatedEnd(seconds) && `; begun now, ready ${estimatedEnd(seconds)}`}</dd>
+          <dt>takes about</dt><dd>{duration(seconds)}{check.estimatedBand && ` (${bandText(check.estimatedBand)})`}{estimatedEnd(seconds) && `; begun now, ready ${estimatedEnd(seconds)}`}</dd>
           {forces && (<><dt>forces</dt><dd>{forces}; {limits?.actuator ? 'the load actuator changes them' : 'a person hangs the weights: the run waits'}</dd></>)}
         </dl>
       </Panel>
