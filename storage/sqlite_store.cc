@@ -117,6 +117,7 @@ class SqliteStore final : public Store {
     db.execute(kWriterPragmas);
     // The log is emptied in idle(), between points, and not by the commit that happens to fill it.
     sqlite3_wal_hook(db.handle(), &SqliteStore::committed, this);
+    keep_old_version(db);
     migrate(db);
     session_.at_commit = nullptr;
     chain_.reset();  // it refers to what is made anew

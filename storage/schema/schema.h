@@ -3,6 +3,7 @@
 // has.
 
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "storage/sqlite/database.h"
@@ -25,6 +26,11 @@ void refuse_foreign_or_newer(Database& db, int newest = schema_version());
 // Runs what is missing, each version in one transaction with its user_version, so that a crash
 // leaves one of them. Errors: as above.
 void migrate(Database& db, std::span<const std::string_view> steps = migrations());
+
+// A record of an older version is copied beside itself before its first change, as
+// <database>.version-6: its path; empty: nothing is to be changed. A copy of that version is
+// replaced. Errors: those of the disk; the record is as it was then.
+std::string keep_old_version(Database& db);
 
 // For a read-only connection, which cannot migrate: also SCHEMA_OLDER.
 void require_present_schema(Database& db);

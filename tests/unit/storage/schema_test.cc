@@ -3,6 +3,7 @@
 #include "storage/schema/schema.h"
 
 #include <array>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -42,6 +43,22 @@ TEST(Schema, OpensADatabaseOfVersion1) {
   EXPECT_EQ(dataset.find("x")->values[0], 0.000131442);
   EXPECT_TRUE(store->points().commit(
       example_commit(runs[0].id, store->points().data(runs[0].id)->at(0).id, 2)));
+}
+
+// The way back from an upgrade.
+TEST(Schema, KeepsACopyOfTheOldVersionBeforeItsFirstChange) {
+  const TemporaryFolder folder;
+  const std::string path = copy_of_version_1_cell(folder);
+  const std::string points = text(path, "SELECT count(*) FROM point");
+  { const auto store = open_store(path); }
+  const std::string kept = path + ".version-1";
+  EXPECT_EQ(text(kept, "PRAGMA user_version"), "1");
+  EXPECT_EQ(text(kept, "PRAGMA integrity_check"), "ok");
+  EXPECT_EQ(text(kept, "SELECT count(*) FROM point"), points);
+  EXPECT_FALSE(std::filesystem::exists(kept + ".part"));
+  std::filesystem::remove(kept);
+  { const auto store = open_store(path); }
+  EXPECT_FALSE(std::filesystem::exists(kept)) << "nothing was changed any more";
 }
 
 // What 0.1.0 left of a run on the simulated linear axis, an import, a fit and a promotion: nothing
