@@ -124,6 +124,7 @@ void cut_and_judge(std::int64_t change, const PowerCut& cut) {
 
 TEST(CellPowerCut, LosesNoAcknowledgedPointWhenNoUnsyncedWriteArrived) {
   std::mt19937_64 random(20110722);
+  RecordProperty("faults", 40);
   for (int i = 0; i < 40 && !testing::Test::HasFailure(); ++i)
     cut_and_judge(static_cast<std::int64_t>(
                       1 + random() % static_cast<std::uint64_t>(changes_of_a_whole_life())),
@@ -132,6 +133,7 @@ TEST(CellPowerCut, LosesNoAcknowledgedPointWhenNoUnsyncedWriteArrived) {
 
 TEST(CellPowerCut, LosesNoAcknowledgedPointWhateverSectorsArrived) {
   std::mt19937_64 random(20261121);
+  RecordProperty("faults", 40);
   for (int i = 0; i < 40 && !testing::Test::HasFailure(); ++i)
     cut_and_judge(static_cast<std::int64_t>(
                       1 + random() % static_cast<std::uint64_t>(changes_of_a_whole_life())),

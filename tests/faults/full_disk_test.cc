@@ -61,6 +61,7 @@ TEST_P(FailingDisk, FailsThePointWholeAndTakesItAfterwards) {
     }
     EXPECT_EQ(store->runs().run(run)->accepted, row + 1);
   }
+  RecordProperty("faults", failures);
   EXPECT_GE(failures, 5);  // each of the first commits was hit
   store.reset();
   store = open_store(path, false, {.vfs = disk.name()});
@@ -85,6 +86,7 @@ TEST_P(FailingDisk, FailsTheCheckpointAndLosesNothing) {
 }
 
 TEST_P(FailingDisk, FailsTheOpeningOfANewDatabase) {
+  int failures = 0;
   for (std::int64_t change = 1; change < 1000; change += 1 + change / 8) {
     storage::TemporaryFolder fresh;
     fail_from(disk.changes() + change);
@@ -92,8 +94,10 @@ TEST_P(FailingDisk, FailsTheOpeningOfANewDatabase) {
     disk.heal();
     if (opened) {
       EXPECT_GT(change, 1);
+      RecordProperty("faults", failures);
       return;
     }
+    ++failures;
     expect_expected(opened.error());
     const auto again = storage::open_sqlite_store(fresh / "cell.db", false, {.vfs = disk.name()});
     ASSERT_TRUE(again) << again.error().message;

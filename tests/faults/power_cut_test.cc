@@ -137,12 +137,14 @@ void cut_and_judge(std::int64_t change, const PowerCut& cut, bool shm_garbage) {
 }
 
 TEST(PowerCut, LosesNothingAcknowledgedWhenNoUnsyncedWriteArrived) {
+  RecordProperty("faults", static_cast<int>((changes_without_a_cut() + 2) / 3));
   for (std::int64_t change = 1; change <= changes_without_a_cut() && !testing::Test::HasFailure();
        change += 3)
     cut_and_judge(change, {.survivors = Survivors::none, .seed = 0}, false);
 }
 
 TEST(PowerCut, LosesNothingAcknowledgedWhenEveryWriteArrived) {
+  RecordProperty("faults", static_cast<int>((changes_without_a_cut() + 5) / 7));
   for (std::int64_t change = 2; change <= changes_without_a_cut() && !testing::Test::HasFailure();
        change += 7)
     cut_and_judge(change, {.survivors = Survivors::all, .seed = 0}, true);
@@ -152,7 +154,9 @@ TEST(PowerCut, LosesNothingAcknowledgedWhateverSectorsArrived) {
   // DRIFTWISE_POWER_CUTS=20000 for a long run.
   const char* wanted = std::getenv("DRIFTWISE_POWER_CUTS");
   const int cuts = wanted == nullptr ? 150 : std::atoi(wanted);
-  std::mt19937_64 random(20261121);
+  const char* seed = std::getenv("DRIFTWISE_POWER_CUT_SEED");
+  std::mt19937_64 random(seed == nullptr ? 20261121 : std::strtoull(seed, nullptr, 10));
+  RecordProperty("faults", cuts);
   for (int i = 0; i < cuts && !testing::Test::HasFailure(); ++i) {
     const auto total = static_cast<std::uint64_t>(changes_without_a_cut());
     const auto change = static_cast<std::int64_t>(1 + random() % total);
