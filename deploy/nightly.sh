@@ -5,13 +5,16 @@
 source "$(dirname "$0")/lib/common.sh"
 source "$root/deploy/lib/checks.sh"
 
-parts=(tests asan tsan fuzz tidy browser hidden_effects bench)
+parts=(tests asan tsan fuzz faults upgrade time_to_end tidy browser hidden_effects bench)
 describe() {
   case $1 in
     tests) echo "the plain build's tests, as deploy/test.sh" ;;
     asan) echo "every suite under the address and undefined-behaviour sanitizers, counts left out" ;;
     tsan) echo "the rooms without gRPC under the thread sanitizer" ;;
-    fuzz) echo "every fuzz target for FUZZ_SECONDS (300) seconds under address and undefined-behaviour sanitizers; corpus in out/nightly/corpus" ;;
+    fuzz) echo "every fuzz target under address and undefined-behaviour sanitizers: FUZZ_RUNS (1000000) inputs of at most 64 KiB, FUZZ_LARGEST (1000) of the largest size its door allows; corpus in out/nightly/corpus" ;;
+    faults) echo "the fault campaign by classes, with counts and intervals: docs/evidence/fault_campaign.md" ;;
+    upgrade) echo "the package in a root of its own: installed, upgraded in the middle of a queue with a schema step, removed" ;;
+    time_to_end) echo "how often the end of a run lies in the stated band: docs/evidence/time_to_end.md" ;;
     tidy) echo "clang-tidy over all files" ;;
     browser) echo "the page in Chromium before a real daemon" ;;
     hidden_effects) echo "the long counts of the diagnosis and the table of the lies of a device" ;;
@@ -36,20 +39,60 @@ run_tidy_part() {
   mapfile -t files < <(git -C "$root" ls-files '*.cc')
   tidy_files dev 1000000 "${files[@]}" && git -C "$root" rev-parse HEAD >"$root/docs/evidence/tidy_clean_at"
 }
+# The largest input of a target, in bytes: what its door takes. Files that only people on the machine name have no limit of
+# their own: 4 MiB stands for them.
+largest_of() {
+  case $1 in
+    api_requests_fuzz | grpc_web_frame_fuzz) echo $((33 << 20)) ;;
+    dataset_csv_fuzz | foreign_csv_fuzz) echo $((32 << 20)) ;;
+    trajectory_csv_fuzz) echo $((8 << 20)) ;;
+    cell_file_fuzz | plant_file_fuzz | model_json_fuzz | stored_diagnosis_fuzz | import_mapping_fuzz | certificate_fuzz) echo $((4 << 20)) ;;
+    robot_file_fuzz) echo $((256 << 10)) ;;
+    formula_fuzz) echo $((16 << 10)) ;;
+    *) echo $((64 << 10)) ;;
+  esac
+}
+# A target that passed at this commit with these counts is not repeated; what it found of new paths stays in its corpus.
 run_fuzz_part() {
   install_missing build test check
   configure_and_build fuzz
-  local seconds=${FUZZ_SECONDS:-300} target name
+  local runs=${FUZZ_RUNS:-1000000} largest=${FUZZ_LARGEST:-1000} target name failed=()
+  mkdir -p "$root/out/nightly/fuzz"
   for target in "$root"/build/fuzz/bin/*_fuzz; do
     name=$(basename "$target")
+    local passed="$root/out/nightly/fuzz/$name.passed" log="$root/out/nightly/fuzz/$name.log"
+    if [ "$(cat "$passed" 2>/dev/null)" = "$commit $runs $largest" ]; then echo "$name $runs inputs and $largest of $(largest_of "$name") bytes: passed before"; continue; fi
     mkdir -p "$root/out/nightly/corpus/$name"
-    local seeds=(); [ -d "$root/tests/fuzz/corpus/${name%_fuzz}" ] && seeds=("$root/tests/fuzz/corpus/${name%_fuzz}")
-    # 10 s for one input and 2 GB are far beyond what any parser may take.
-    "$target" -max_total_time="$seconds" -max_len=65536 -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 \
-      "$root/out/nightly/corpus/$name" "${seeds[@]}" >"$root/out/nightly/$name.log" 2>&1 ||
-      { tail -n 40 "$root/out/nightly/$name.log"; die "$name failed: the input stands in the log above"; }
-    echo "$name $(sed -n 's/^stat::number_of_executed_units: *//p' "$root/out/nightly/$name.log") inputs"
+    local seeds=(); [ -d "$root/tests/fuzz/corpus/$name" ] && seeds=("$root/tests/fuzz/corpus/$name")
+    # 10 s for one input and 2 GB are far beyond what any parser may take; a large one has a minute.
+    if "$target" -runs="$runs" -max_len=65536 -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 -artifact_prefix="$root/out/nightly/fuzz/$name-" \
+         "$root/out/nightly/corpus/$name" "${seeds[@]}" >"$log" 2>&1 &&
+       python3 -B "$root/tests/fuzz/largest.py" "$target" "$(largest_of "$name")" "$largest" "${seeds[@]}" >>"$log" 2>&1; then
+      echo "$commit $runs $largest" >"$passed"
+      echo "$name $(sed -n 's/^stat::number_of_executed_units: *//p' "$log" | head -n 1) inputs and $largest of $(largest_of "$name") bytes"
+    else
+      tail -n 40 "$log"; failed+=("$name")
+    fi
   done
+  [ ${#failed[@]} = 0 ] || die "${failed[*]} failed: the inputs stand in out/nightly/fuzz"
+}
+run_faults_part() {
+  install_missing build test
+  configure_and_build release -DDRIFTWISE_BUILD_TESTS=ON
+  python3 -B "$root/tests/faults/campaign/campaign.py" "$root/build/release/bin" "$root" --out "$root/out/nightly/faults" --table "$root/docs/evidence/fault_campaign.md"
+}
+run_time_to_end_part() {
+  install_missing build test
+  configure_and_build release -DDRIFTWISE_BUILD_TESTS=ON
+  "$root/build/release/bin/time_to_end"
+}
+run_upgrade_part() {
+  "$root/deploy/package.sh"
+  # The second build has a step of the schema that no release has; its folder is its own.
+  cd "$root" && cmake --preset release -B build/upgrade -DDRIFTWISE_BUILD_TESTS=OFF -DDRIFTWISE_UNITY_BUILD=ON -DDRIFTWISE_TEST_SCHEMA_STEP=ON
+  cmake --build "$root/build/upgrade"
+  cmake --build "$root/build/upgrade" --target web || true
+  python3 -B "$root/tests/integration/packaging/upgrade.py" "$root/build/release" "$root/build/upgrade"
 }
 
 again=no chosen=()
@@ -78,7 +121,7 @@ for p in "${chosen[@]}"; do
       echo "Passed on $(date -u +%F) at $commit in $(($(date +%s) - begun)) s on $(nproc) cores of $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1). Command: \`deploy/nightly.sh $p\`."
       echo
       echo '```'
-      grep -E 'tests passed|tests failed|inputs$|clang-tidy:|goal|median|ratio' "$state/$p.log" | tail -n 60 || true
+      grep -E 'tests passed|tests failed|inputs|clang-tidy:|goal|median|ratio|^ok:|trials|^\| ' "$state/$p.log" | tail -n 60 || true
       echo '```'
     } >"$root/docs/evidence/nightly/$p.md"
     echo "passed"
