@@ -28,9 +28,9 @@ Awaitable<Result<void>> RunsService::continue_unfinished() {
   std::optional<RunBefore> before;
   if (record.state != RunState::queued) {
     DRIFTWISE_CO_TRY(auto found, co_await what_was_before(record));
-    auto metering =
-        reader_.call(recorded_meter, record, PlanLength(trajectory), planned_visit_s(plan.rules));
-    if (auto meter = co_await std::move(metering)) found.meter = std::move(*meter);
+    auto meter = co_await reader_.call(recorded_meter, record, PlanLength(trajectory),
+                                       planned_visit_s(plan.rules));
+    if (meter) found.meter = std::move(*meter);
     before = std::move(found);
   }
   if (const auto stops = stops_.records(); !stops.empty()) {
