@@ -70,7 +70,8 @@ def said(*command, **more):
 def until(what, condition, seconds=180):
     end = time.monotonic() + seconds
     while not condition():
-        check(time.monotonic() < end, "within %d s: %s" % (seconds, what))
+        if time.monotonic() > end:
+            check(False, "within %d s: %s" % (seconds, what))
         time.sleep(0.1)
     check(True, what)
 
@@ -155,7 +156,8 @@ def inside():
         path = pathlib.Path("/tmp", name + ".csv")
         path.write_text(plan(lines))
         os.chmod(path, 0o644)
-    ask("run", "start", "/tmp/first.csv", "--watch")
+    ask("run", "start", "/tmp/first.csv")
+    until("the run is over", lambda: rows("SELECT count(*) FROM run_progress WHERE state = 'done'")[0][0] == 1)
     check(rows("SELECT state FROM run_progress WHERE run_id = 1") == [("done",)], "a run was measured")
     for name in ("first", "second", "third"):
         ask("queue", "add", "/tmp/%s.csv" % name, "--name", name)

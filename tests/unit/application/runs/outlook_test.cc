@@ -66,7 +66,7 @@ TEST(StepMeter, CountsACellsWaitsAndNotThoseOfAPerson) {
   meter.visited(false, {2, 0}, instant_s(1155));
   meter.visited(true, {1, 0}, instant_s(1165));  // a row that was queued again
   EXPECT_DOUBLE_EQ(meter.steps().lead_s, 100);
-  EXPECT_THAT(meter.steps().took, testing::Pointwise(testing::DoubleEq(), {2.0, 4.0}));
+  EXPECT_THAT(meter.steps().took, testing::Pointwise(testing::DoubleNear(1e-9), {2.0, 4.0}));
   EXPECT_EQ(meter.steps().visits, (std::vector<double>{1, 2}));
   EXPECT_DOUBLE_EQ(meter.spent_s(instant_s(1170)), 5);
 }
@@ -92,7 +92,7 @@ TEST(StepMeter, ReadsTheSameFromTheRecord) {
                 attempt(1, Verdict::accepted, 1980, 1990)},
                plan, 10, {instant_s(1979)});
   EXPECT_DOUBLE_EQ(meter.steps().lead_s, 60);
-  EXPECT_THAT(meter.steps().took, testing::Pointwise(testing::DoubleEq(), {2.0, 1.0}));
+  EXPECT_THAT(meter.steps().took, testing::Pointwise(testing::DoubleNear(1e-9), {2.0, 1.0}));
   EXPECT_DOUBLE_EQ(meter.steps().tail_s, 110);
 }
 
