@@ -168,7 +168,8 @@ Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening)
 
   // A lost beam fails here with BEAM_LOST: then there is no old zero to compare with, and zeroing
   // brings it back.
-  auto old_zero = co_await take_readings(scope, scope.rules.readings_per_point);
+  const std::vector<double> zero_mm(bench.description.motor_channels().size(), 0.0);
+  auto old_zero = co_await take_readings(scope, scope.rules.readings_per_point, zero_mm);
   const bool beam_was_lost = !old_zero && old_zero.error().reason == reasons::kBeamLost;
   if (!old_zero && !beam_was_lost) co_return tl::unexpected(old_zero.error());
   if (opening.check_drift && !beam_was_lost)
@@ -176,12 +177,13 @@ Awaitable<Result<DatumRecord>> open_datum(RunScope& scope, DatumOpening opening)
 
   scope.phase("zeroing");
   if (!beam_was_lost) {  // again, as close to the zeroing as can be
-    old_zero = co_await take_readings(scope, scope.rules.readings_per_point);
+    old_zero = co_await take_readings(scope, scope.rules.readings_per_point, zero_mm);
     DRIFTWISE_CO_RETURN_IF_ERROR(old_zero);
   }
   for (const auto device : bench.devices.with_role(DeviceRole::length))
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await bench.devices.zero(device));
-  DRIFTWISE_CO_TRY(auto new_zero, co_await take_readings(scope, scope.rules.readings_per_point));
+  DRIFTWISE_CO_TRY(auto new_zero,
+                   co_await take_readings(scope, scope.rules.readings_per_point, zero_mm));
   DRIFTWISE_CO_RETURN_IF_ERROR(bench.doubts.check_zero(new_zero.raw));
 
   DatumRecord datum{{}, scope.run, new_zero.measured, opening.reason, {}};

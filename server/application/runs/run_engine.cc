@@ -377,8 +377,9 @@ Awaitable<Result<void>> RunEngine::go_to_zero(ActiveRun& run, std::string why) {
 
 Awaitable<Result<void>> RunEngine::return_to_zero(ActiveRun& run, std::int64_t line) {
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await go_to_zero(run, fmt::format("zero after line {}", line)));
+  const std::vector<double> zero_mm(bench_.description.motor_channels().size(), 0.0);
   DRIFTWISE_CO_TRY(auto sampling,
-                   co_await take_readings(run.scope, run.plan.rules.readings_per_point));
+                   co_await take_readings(run.scope, run.plan.rules.readings_per_point, zero_mm));
   for (auto& reading : sampling.readings) bench_.writer.add(std::move(reading));
   DRIFTWISE_CO_TRY(auto slow, co_await join_when_scanned(run.scope, sampling.measured.utc));
   auto values = std::move(slow);

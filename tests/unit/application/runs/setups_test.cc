@@ -19,7 +19,8 @@ using testing::Not;
 
 // The autocollimator beside the small world's axis: ry = 20 arcsec per mm, seen within 30 arcsec.
 struct TiltWorld {
-  bool away = false;  // carried to another set-up
+  bool away = false;         // carried to another set-up
+  bool breaks_beam = false;  // the interferometer loses its beam beyond 1.2 mm
   int readings = 0;
 };
 class Tilts final : public Instrument {
@@ -37,6 +38,7 @@ class Tilts final : public Instrument {
     const auto start = time_.now().utc;
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await answer());
     ++tilts_.readings;
+    if (tilts_.breaks_beam && std::abs(world_.to_mm) > 1.2) world_.beam_lost = true;
     const double ry = 20 * world_.to_mm + 3;
     if (std::abs(ry) > 30)
       co_return fail(ErrorCode::failed_precondition, "NO_SPOT", "tilts: the spot is outside");
@@ -75,7 +77,9 @@ class Setups : public testing::Test {
     cell.setups = {setup("length", {{{"x", "mm"}, "laser-x", 1.0005, 0, {}, {}}}),
                    setup("tilt", {{{"ry", "arcsec"}, "tilts", 1, 0, {}, {}}}),
                    setup("both", {{{"x", "mm"}, "laser-x", 1, 0, {}, {}},
-                                  {{"ry", "arcsec"}, "tilts", 1, 0, -30.0, 30.0}})};
+                                  {{"ry", "arcsec"}, "tilts", 1, 0, -30.0, 30.0}}),
+                   setup("near", {{{"x", "mm"}, "laser-x", 1, 0, -1.2, 1.2},
+                                  {{"ry", "arcsec"}, "tilts", 1, 0, {}, {}}})};
     return cell;
   }
   Result<RunRecord> try_in(const std::string& setup, const std::string& trajectory) {
@@ -157,12 +161,27 @@ TEST_F(Setups, TakeAnInstrumentBeyondItsRangeAsAStateAndNoFailure) {
   }
 }
 
+TEST_F(Setups, ZeroAnInterferometerThatLostItsBeamOnTheWayAtTheNextReturn) {
+  tilts.breaks_beam = true;
+  const auto run = measure_in("near", lines_of(2, {1, 1.25, -1}, true));
+  EXPECT_EQ(run.state, RunState::done) << run.reason;
+  EXPECT_EQ(run.accepted, run.rows);
+  EXPECT_GE(cell.await(cell.datums(run.id))->size(), 2u);  // the first, and one after a loss
+  const auto points = cell.await(cell.points(run.id, 0, 100));
+  for (const auto& point : *points) {
+    const double q_mm = point.commanded_mm.front();
+    const bool has_length = std::ranges::any_of(
+        point.values, [](const auto& value) { return value.channel == "x_mm"; });
+    EXPECT_EQ(has_length, q_mm == 0 || q_mm == 1) << "row " << point.row << " at " << q_mm;
+  }
+}
+
 TEST_F(Setups, AreRefusedWhenTheCellDoesNotKnowThem) {
   const auto refused = try_in("tilts", plan);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().reason, "NO_SUCH_SETUP");
   EXPECT_THAT(refused.error().message,
-              HasSubstr("found 'tilts', expected one of cell 'small': length, tilt, both"));
+              HasSubstr("found 'tilts', expected one of cell 'small': length, tilt, both, near"));
 }
 
 TEST_F(Setups, OfAQueuedCampaignAreThoseOfItsRun) {
