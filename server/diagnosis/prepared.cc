@@ -31,8 +31,13 @@ Prepared Prepared::of(const Dataset& dataset) {
   std::vector<double> clock = dataset.time_s;
   if (clock.empty())
     for (std::size_t i = 0; i < dataset.rows; ++i) clock.push_back(static_cast<double>(i));
+  std::vector<std::vector<double>> thermometers;
+  for (const auto& column : prepared.data_.columns)
+    if (is_structure_temperature(column.channel)) thermometers.push_back(column.values);
+  thermometers = smoothed_together(clock, thermometers);
+  std::size_t next = 0;
   for (auto& column : prepared.data_.columns)
-    if (is_structure_temperature(column.channel)) column.values = smoothed(clock, column.values);
+    if (is_structure_temperature(column.channel)) column.values = std::move(thermometers[next++]);
   prepared.clocked_ = prepared.data_;
   prepared.clocked_.time_s = clock;
   prepared.at_places_ = prepared.clocked_;

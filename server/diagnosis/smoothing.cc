@@ -1,5 +1,7 @@
 #include "server/diagnosis/smoothing.h"
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +12,8 @@ namespace {
 constexpr std::array<double, 6> kWidths = {0.5, 1, 2, 4, 8, 16};  // typical steps
 constexpr double kReach = 3;               // standard deviations of the kernel
 constexpr std::size_t kMostJudged = 4000;  // values that the choice of width looks at
+constexpr Eigen::Index kShapes = 3;        // that the thermometers have in common
+constexpr Eigen::Index kRowsPerShape = 10;
 
 struct Local {
   double with = 0, without = 0;  // the line's value at the point, fitted with it and without
@@ -71,6 +75,68 @@ std::vector<double> smoothed(std::span<const double> time_s, std::span<const dou
   if (!(best > 0)) return result;
   for (std::size_t i = 0; i < present.size(); ++i)
     result[present[i]] = line_at(time_s, values, present, i, chosen_s).with;
+  return result;
+}
+
+namespace {
+
+// Rows x shapes: what these columns (unit variance, missing 0) have in common, one row before, at
+// the row and one row after: thermometers follow a cycle at different phases.
+Eigen::MatrixXd common_shapes(const Eigen::MatrixXd& columns) {
+  const Eigen::Index n = columns.rows(), count = std::min(kShapes, columns.cols());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> own(columns.transpose() * columns);
+  const Eigen::MatrixXd shapes = columns * own.eigenvectors().rightCols(count);
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(n, 3 * count);
+  result.leftCols(count) = shapes;
+  result.middleCols(count, count).bottomRows(n - 1) = shapes.topRows(n - 1);
+  result.rightCols(count).topRows(n - 1) = shapes.bottomRows(n - 1);
+  return result;
+}
+
+}  // namespace
+
+std::vector<std::vector<double>> smoothed_together(std::span<const double> time_s,
+                                                   const std::vector<std::vector<double>>& values) {
+  std::vector<std::vector<double>> result;
+  for (const auto& one : values) result.push_back(smoothed(time_s, one));
+  const auto n = static_cast<Eigen::Index>(time_s.size());
+  Eigen::MatrixXd taken = Eigen::MatrixXd::Zero(n, static_cast<Eigen::Index>(values.size()));
+  Eigen::VectorXd sd = Eigen::VectorXd::Zero(taken.cols());
+  std::vector<Eigen::Index> changed;
+  for (Eigen::Index j = 0; j < taken.cols(); ++j) {
+    const auto at = static_cast<std::size_t>(j);
+    double squares = 0, count = 0;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const double gone =
+          values[at][static_cast<std::size_t>(i)] - result[at][static_cast<std::size_t>(i)];
+      if (!std::isfinite(gone)) continue;
+      taken(i, j) = gone;
+      squares += gone * gone, count += 1;
+    }
+    sd[j] = count > 0 ? std::sqrt(squares / count) : 0;
+    if (!(sd[j] > 0)) continue;
+    taken.col(j) /= sd[j];
+    changed.push_back(j);
+  }
+  for (const Eigen::Index j : changed) {
+    std::vector<Eigen::Index> others;
+    for (const Eigen::Index k : changed)
+      if (k != j) others.push_back(k);
+    if (others.empty()) continue;
+    const Eigen::MatrixXd shapes = common_shapes(taken(Eigen::all, others));
+    if (n < kRowsPerShape * shapes.cols()) continue;
+    const Eigen::VectorXd own = taken.col(j);
+    const Eigen::VectorXd foretold = shapes * shapes.colPivHouseholderQr().solve(own);
+    const double known = 1 - (own - foretold).squaredNorm() / own.squaredNorm();
+    const auto k = static_cast<double>(shapes.cols());
+    // Chi-squared with k degrees of freedom where the others know nothing; three and more sigma.
+    if (!(known > 0) || known >= 1 ||
+        -static_cast<double>(n) * std::log1p(-known) < k + 4 * std::sqrt(2 * k) + 6)
+      continue;
+    for (Eigen::Index i = 0; i < n; ++i)
+      result[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)] +=
+          sd[j] * (foretold[i] + known * (own[i] - foretold[i]));
+  }
   return result;
 }
 

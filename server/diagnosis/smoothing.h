@@ -14,4 +14,11 @@ namespace driftwise::diagnosis {
 // missing values stay missing.
 std::vector<double> smoothed(std::span<const double> time_s, std::span<const double> values);
 
+// Several thermometers of one machine. A cycle of the room that is faster than the sampling is no
+// line to a neighbour in time, and would go with the noise; but all thermometers follow it, and
+// their noises are their own. What the lines take from one is given back as far as the others
+// foretell it. values: one vector per thermometer, each as long as time_s.
+std::vector<std::vector<double>> smoothed_together(std::span<const double> time_s,
+                                                   const std::vector<std::vector<double>>& values);
+
 }  // namespace driftwise::diagnosis
