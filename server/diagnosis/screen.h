@@ -17,7 +17,8 @@ struct FaultySensor {
   std::string channel, other;     // other: what it was swapped with
   std::vector<std::size_t> rows;  // frozen, spiked: the wrong ones; jumped, swapped: from here on
   double size = 0;                // of a jump, in the channel's unit
-  bool mended = true;             // false: named only, the readings are as they were
+  bool mended = true;             // false: the readings are as they were
+  bool named = true;              // false: told only, it may be real
 };
 
 // Structure temperatures only, judged by themselves and each other, not by what they explain:
@@ -29,8 +30,9 @@ struct FaultySensor {
 // only on evidence: a part can really warm. two_ln_likelihood says how well the baseline describes
 // the outputs with the readings as given to it: mended they must do better by 2 ln L of 25, and
 // after a jump the sensor must not go on as a ramp. A jump without a ramp that the outputs neither
-// speak for nor against is named and left as it was measured; one that the
-// outputs follow is none.
+// speak for nor against is left as it was measured, and named where there are other thermometers
+// and none of them changes at that row beyond its noise: else the room may have done it, and it is
+// told only. One that the outputs follow is none.
 std::vector<FaultySensor> mend_sensors(
     Dataset& dataset, const std::function<double(const Dataset&)>& two_ln_likelihood);
 

@@ -15,6 +15,7 @@ constexpr std::size_t kFewestRows = 40, kWindow = 6;
 constexpr double kFollowed = -6;  // below: the outputs follow what the sensor read
 constexpr double kEvidence = 25;  // 2 ln L of the outputs with the mended readings
 constexpr double kRamp = 0.25;    // of a jump, within a few rows after it
+constexpr double kMoves = 4;      // of its usual change: a thermometer that follows an event
 
 struct Sensor {
   DatasetColumn* column = nullptr;
@@ -93,6 +94,16 @@ bool goes_on_as_ramp(const std::vector<double>& v, std::size_t row, double size)
   return std::abs(median(later) - median(soon) - drift) > kRamp * std::abs(size);
 }
 
+// True: there are others, and none changes at this row beyond its noise.
+bool stands_alone(const std::vector<Sensor>& sensors, std::size_t sensor, std::size_t row) {
+  for (std::size_t other = 0; other < sensors.size(); ++other) {
+    if (other == sensor) continue;
+    const auto& v = sensors[other].column->values;
+    if (std::abs(v[row] - v[row - 1]) > kMoves * sensors[other].usual) return false;
+  }
+  return sensors.size() > 1;
+}
+
 void find_jumps(Sensor& sensor, const Dataset& dataset) {
   const auto& time_s = dataset.time_s;
   const auto begins = [](const std::vector<std::int64_t>& of, std::size_t i) {
@@ -157,7 +168,6 @@ std::vector<FaultySensor> mend_sensors(
       for (std::size_t other = 0; other < sensors.size(); ++other)
         if (std::ranges::find(sensors[other].jumps, row) != sensors[other].jumps.end())
           together.push_back(other);
-      if (together.size() > 2 && 2 * together.size() > sensors.size()) continue;  // the room did
       auto& values = sensors[s].column->values;
       const double size = level_change(values, row);
       std::vector<std::size_t> rows;
@@ -182,6 +192,7 @@ std::vector<FaultySensor> mend_sensors(
                          sensors[*partner].column->channel.symbol, rows, size});
         continue;
       }
+      if (together.size() > 1 && 2 * together.size() > sensors.size()) continue;  // the room did
       if (goes_on_as_ramp(values, row, size)) continue;
       const double as_read = two_ln_likelihood(dataset);
       for (const std::size_t i : rows) values[i] -= size;
@@ -190,8 +201,8 @@ std::vector<FaultySensor> mend_sensors(
       if (!mended)
         for (const std::size_t i : rows) values[i] += size;
       if (gain < kFollowed) continue;
-      found.push_back(
-          {SensorFault::jumped, sensors[s].column->channel.symbol, "", rows, size, mended});
+      found.push_back({SensorFault::jumped, sensors[s].column->channel.symbol, "", rows, size,
+                       mended, mended || stands_alone(sensors, s, row)});
     }
   return found;
 }

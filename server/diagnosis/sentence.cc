@@ -83,10 +83,12 @@ std::string sentence(const FaultySensor& sensor) {
              " single values far off their neighbours: they are left out.";
     case SensorFault::jumped:
       return "Sensor " + sensor.channel + " jumps by " + three_digits(sensor.size) + " K from " +
-             from + " and no other does: " +
-             (sensor.mended ? "the jump is taken out."
-                            : "no part warms so; the readings are left as they are, for the "
-                              "outputs do not say.");
+             from +
+             (!sensor.named   ? ", and others change there a little or there is none: the room may "
+                                "have done it, or the sensor; the readings are left as they are."
+              : sensor.mended ? " and no other does: the jump is taken out."
+                              : " and no other does: no part warms so; the readings are left as "
+                                "they are, for the outputs do not say.");
     case SensorFault::swapped:
       return "Sensors " + sensor.channel + " and " + sensor.other + " change places from " + from +
              ": they are put back.";
