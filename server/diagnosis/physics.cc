@@ -27,7 +27,10 @@ constexpr double kGeometry = 1e-4;            // of the stroke: straightness and
 constexpr double kPlay = 2e-5, kPlay_nm = 200;
 constexpr double kWave_nm = 20, kWaveOfPeriod = 1e-3, kWaveOfStroke = 1e-5;
 constexpr double kCompliance_nm_per_n = 100;  // 10 N/um
-constexpr double kLever_mm = 20, kDeadPath_mm = 100, kBeam_arcsec = 200, kBeam_mm = 500;
+constexpr double kLever_mm = 20, kDeadPath_mm = 100, kBeam_mm = 500;
+// A beam at an angle walks off by twice angle x stroke on its way there and back: by half of an
+// aperture of 6 mm it is lost. Nothing is mounted worse than by a degree.
+constexpr double kBeamWalk_mm = 3, kWorstMount_arcsec = 3600, kOfWorstBeam = 1.0 / 3;
 constexpr double kDrift_nm_per_h = 50, kScaleDrift_ppm_per_h = 1;
 constexpr double kJump_nm = 316.4;  // half a wavelength of a helium-neon laser
 // Refractivity of air at 20 degC, 1013.25 hPa, 50 % (Edlen; Birch and Downs 1994).
@@ -144,7 +147,9 @@ std::span<const PhysicsRecord> physics_table() {
        "interferometers 1 to 10 nm, scales 0.1 % of the pitch"},
       {"abbe_offset", "mm", "20, or a third of what the cell allows",
        "what the cell allows (u_offset_mm)", "centre of a mirror"},
-      {"cosine_error", "arcsec", "200; beam 500 mm", "10 x", "alignment by eye, 1 mrad"},
+      {"cosine_error", "arcsec",
+       "a third of the angle at which the beam leaves a 6 mm aperture, 1200 at most; beam 500 mm",
+       "3 x", "the returning beam walks by 2 angle x stroke"},
       {"refractive_index", "mm of dead path; share of the path measured", "100; 1", "10 x",
        "Birch and Downs 1994"},
       {"instrument_drift", "nm/h; ppm/h", "50 or 3 sigma over the duration; 1", "20 x",
@@ -237,7 +242,10 @@ double Physics::nm_per_unit(const Cause& cause, const effects::Term& term, doubl
     return kLever_mm * kRadPerArcsec * kNmPerMm;
   }
   if (id == "cosine_error") {
-    const double turned = kBeam_arcsec * kRadPerArcsec * kRadPerArcsec * kNmPerMm;
+    const double lost_arcsec =
+        kBeamWalk_mm / (2 * std::max(longest_stroke_mm_, 1e-3)) / kRadPerArcsec;
+    const double arcsec = kOfWorstBeam * std::min(lost_arcsec, kWorstMount_arcsec);
+    const double turned = arcsec * kRadPerArcsec * kRadPerArcsec * kNmPerMm;
     return term.factors.size() > 1 ? turned : turned * kBeam_mm;
   }
   if (id == "refractive_index")
@@ -262,9 +270,8 @@ double Physics::range_factor(const Cause& cause, const effects::Term& term, doub
   if (id == "step_change") return kUnlimited;
   if (id.starts_with("force_") || id == "backlash" || id == "creep") return 50;
   if (id == "instrument_drift") return 20;
-  if (id == "cyclic_error" || id == "periodic_disturbance" || id == "cosine_error" ||
-      id == "refractive_index")
-    return 10;
+  if (id == "cosine_error") return 1 / kOfWorstBeam;
+  if (id == "cyclic_error" || id == "periodic_disturbance" || id == "refractive_index") return 10;
   return kRange;
 }
 
