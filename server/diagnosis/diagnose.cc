@@ -20,6 +20,7 @@
 #include "server/diagnosis/report.h"
 #include "server/diagnosis/screen.h"
 #include "server/diagnosis/sentence.h"
+#include "server/diagnosis/spread_over_places.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::diagnosis {
@@ -100,7 +101,7 @@ class Diagnoser {
   void add_sensor_findings(const std::vector<FaultySensor>& sensors) {
     for (const auto& sensor : sensors) {
       // One or two wrong readings are left out and said; they explain nothing.
-      if (sensor.fault == SensorFault::spiked && sensor.rows.size() < 3) {
+      if ((sensor.fault == SensorFault::spiked && sensor.rows.size() < 3) || !sensor.named) {
         result_.warnings.push_back(sentence(sensor));
         continue;
       }
@@ -183,14 +184,32 @@ class Diagnoser {
     return {};
   }
 
+  // Every row's own spread, with the place and from an instant on.
   bool note_noise_changes(const Extension& extension, const std::vector<NoiseShape>& shapes) {
+    bool any = false;
+    if (const auto sd = spread_over_places(problem_, extension.ground({}, shapes))) {
+      problem_.row_sd = *sd;
+      problem_.lay_blocks(kMostBlocks);
+      const Eigen::VectorXd learned = rows_of(*sd, problem_.learn);
+      char text[128];
+      std::snprintf(text, sizeof text,
+                    "the noise goes with the place: %.2g times as large at its largest as at its "
+                    "smallest; every row counts by its own",
+                    learned.maxCoeff() / learned.minCoeff());
+      result_.warnings.push_back(text);
+      any = true;
+    }
     const auto changes = noise_changes(extension.ground({}, shapes));
-    if (changes.empty()) return false;
+    if (changes.empty()) return any;
     // One spread per row for all outputs: that of the strongest change.
     const auto& strongest = *std::ranges::max_element(changes, {}, &NoiseChange::gain);
-    problem_.timeline.sd = Eigen::VectorXd::Ones(problem_.timeline.rows());
-    problem_.timeline.sd.tail(problem_.timeline.rows() - strongest.block)
-        .setConstant(strongest.ratio);
+    const auto first = problem_.learn[static_cast<std::size_t>(
+        std::ranges::find(problem_.block_of, static_cast<std::size_t>(strongest.block)) -
+        problem_.block_of.begin())];
+    const auto rows = static_cast<Eigen::Index>(problem_.data().rows);
+    if (problem_.row_sd.size() == 0) problem_.row_sd = Eigen::VectorXd::Ones(rows);
+    problem_.row_sd.tail(rows - static_cast<Eigen::Index>(first)) *= strongest.ratio;
+    problem_.lay_blocks(kMostBlocks);
     for (const auto& change : changes) {
       const auto& output = problem_.outputs[change.output];
       Finding finding{.cause = "noise_change",

@@ -242,7 +242,7 @@ Result<bool> Extension::add(const Look& look) {
   std::vector<double> sd;
   for (std::size_t o = 0; o < best.front().gain.shape.size(); ++o) {
     noise.push_back(here.space(best.front().gain.shape[o]).shape());
-    sd.push_back(here.white_sd(static_cast<Eigen::Index>(o)));
+    sd.push_back(here.white_sd_with(best.front().gain, static_cast<Eigen::Index>(o)));
   }
   const Cause& cause = causes_[best.front().cause];
   const GateScore score = gate_.judge(learned(), noise, sd, cause, best.front().cause);

@@ -111,6 +111,14 @@ double Ground::white_sd(Eigen::Index output) const {
   return std::sqrt(left_[at].col(output).squaredNorm() / static_cast<double>(spaces_[at].dof()));
 }
 
+double Ground::white_sd_with(const Gain& effect, Eigen::Index output) const {
+  const auto o = static_cast<std::size_t>(output);
+  const std::size_t at = effect.shape[o];
+  Eigen::VectorXd left = left_[at].col(output);
+  if (effect.contribution[o].size() > 0) left -= effect.contribution[o];
+  return std::sqrt(left.squaredNorm() / static_cast<double>(spaces_[at].dof()));
+}
+
 double Ground::worse_by(std::size_t shape, Eigen::Index output) const {
   return criterion_(static_cast<Eigen::Index>(shape), output) -
          criterion_(static_cast<Eigen::Index>(best_shape(output)), output);
@@ -216,9 +224,7 @@ Gain Ground::settled_gain(const Eigen::MatrixXd& columns, const PriorSd& prior) 
   for (Eigen::Index o = 0; o < outputs(); ++o) {
     const auto at = static_cast<std::size_t>(o);
     if (first.contribution[at].size() == 0) continue;
-    const std::size_t shape = first.shape[at];
-    const double sd = (left_[shape].col(o) - first.contribution[at]).norm() /
-                      std::sqrt(static_cast<double>(spaces_[shape].dof()));
+    const double sd = white_sd_with(first, o);
     if (sd > 0) weighed.col(o) *= white_sd(o) / sd;
   }
   return gain(columns, weighed);

@@ -68,6 +68,8 @@ class Ground {
   }
   const NoiseShape& noise(Eigen::Index output) const { return spaces_[best_shape(output)].shape(); }
   double white_sd(Eigen::Index output) const;
+  // Of the white noise with an effect in, under the shape that is best with it.
+  double white_sd_with(const Gain& effect, Eigen::Index output) const;
   // How much worse a shape explains an output than the best does, in 2 ln L.
   double worse_by(std::size_t shape, Eigen::Index output) const;
   // Correlation between the outputs of what is left, whitened.

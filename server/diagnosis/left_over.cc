@@ -19,13 +19,6 @@ Problem with_all_rows(const Problem& problem, std::size_t longest) {
   std::ranges::sort(whole.learn);
   whole.learn.erase(std::ranges::unique(whole.learn).begin(), whole.learn.end());
   whole.lay_blocks(longest);
-  const auto& known = problem.timeline;
-  if (known.sd.size() == 0) return whole;
-  whole.timeline.sd.resize(whole.timeline.rows());
-  for (Eigen::Index i = 0, at = 0; i < whole.timeline.rows(); ++i) {
-    while (at + 1 < known.rows() && known.time_s[at + 1] <= whole.timeline.time_s[i]) ++at;
-    whole.timeline.sd[i] = known.sd[at];
-  }
   return whole;
 }
 

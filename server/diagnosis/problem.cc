@@ -176,10 +176,18 @@ Result<void> check_variation(const Problem& problem) {
   return {};
 }
 
+bool reads(const std::vector<effects::Term>& terms, const std::string& symbol) {
+  return std::ranges::any_of(terms, [&](const effects::Term& term) {
+    const auto symbols = effects::symbols_of(term);
+    return std::ranges::find(symbols, symbol) != symbols.end();
+  });
+}
+
 // Of the two readings of a position, motor and pose, one has the noise. Where the pose repeats
 // itself exactly and the motors do not, it is the motors': their path is what the baseline predicts
 // from the pose. Everywhere else the pose is what the motors predict.
-void predict_coordinates(Problem& problem) {
+// True: a pose coordinate is a prediction from here on.
+bool predict_coordinates(Problem& problem) {
   constexpr double kKnown = 0.02;  // of the path's spread left
   const Dataset& data = problem.data();
   bool motors_repeat = true, pose_repeats = false;
@@ -190,11 +198,18 @@ void predict_coordinates(Problem& problem) {
       pose_repeats = pose_repeats || repeats_exactly(column.values);
   }
   if (motors_repeat || !pose_repeats) {
-    for (const auto& column : data.columns)
-      if (is_pose_symbol(column.channel.symbol) && column.channel.unit == "mm")
-        if (const auto predicted = predicted_coordinate(data, column.channel.symbol))
-          problem.prepared.set_coordinate(column.channel.symbol, *predicted);
-    return;
+    bool any = false;
+    for (const auto& column : data.columns) {
+      const std::string& symbol = column.channel.symbol;
+      // A tilt that the baseline does not read is an instrument's reading, no coordinate.
+      if (!is_pose_symbol(symbol) || (column.channel.unit != "mm" && !reads(problem.base, symbol)))
+        continue;
+      const auto predicted = predicted_coordinate(data, symbol);
+      if (!predicted) continue;
+      problem.prepared.set_coordinate(symbol, *predicted);
+      any = true;
+    }
+    return any;
   }
   for (const auto& output : problem.outputs) {
     if (!is_motor_symbol(output.channel.symbol)) continue;
@@ -209,6 +224,29 @@ void predict_coordinates(Problem& problem) {
         path[row] -= miss / output.factor;
     problem.prepared.set_path(output.channel.symbol, path);
   }
+  return false;
+}
+
+// The baseline at the predicted pose, beside causes at the predicted pose. The difference between a
+// polynomial of the measured pose and one of the predicted pose is the measurement's noise times a
+// slope: with both in one fit, two polynomials that agree at every place of a lattice spell out the
+// noise. What the baseline misses at the measured pose stays what it is.
+Result<void> lay_on_prediction(Problem& problem) {
+  const Eigen::MatrixXd at_measured = std::move(problem.base_columns);
+  DRIFTWISE_TRY(auto at_predicted, problem.prepared.columns(problem.base));
+  problem.base_columns = std::move(at_predicted);
+  for (Eigen::Index i = 0; i < at_measured.rows(); ++i)
+    if (!problem.base_columns.row(i).allFinite()) problem.base_columns.row(i) = at_measured.row(i);
+  Eigen::MatrixXd learned = rows_of(at_measured, problem.learn);
+  const Eigen::RowVectorXd inverse = learned.colwise().norm().cwiseMax(1e-300).cwiseInverse();
+  learned = learned * inverse.asDiagonal();
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(learned);
+  for (auto& output : problem.outputs) {
+    const Eigen::VectorXd b =
+        inverse.transpose().cwiseProduct(qr.solve(rows_of(output.measured, problem.learn)));
+    output.measured += (problem.base_columns - at_measured) * b;
+  }
+  return {};
 }
 
 }  // namespace
@@ -253,21 +291,28 @@ void Problem::lay_blocks(std::size_t longest) {
   rows_per_block = (learn.size() + longest - 1) / longest;
   block_of.assign(learn.size(), 0);
   timeline = {};
-  std::vector<double> times, counts;
+  std::vector<double> times, counts, variances;
   for (std::size_t i = 0; i < learn.size(); ++i) {
     const bool restart = i == 0 || begins(dataset, learn[i], learn[i - 1]);
     if (restart || counts.back() >= static_cast<double>(rows_per_block)) {
       times.push_back(0);
       counts.push_back(0);
+      variances.push_back(0);
       timeline.restart.push_back(restart ? 1 : 0);
     }
     times.back() += time_of(dataset, learn[i]);
     counts.back() += 1;
+    if (row_sd.size() > 0)
+      variances.back() += std::pow(row_sd[static_cast<Eigen::Index>(learn[i])], 2);
     block_of[i] = times.size() - 1;
   }
   timeline.time_s.resize(static_cast<Eigen::Index>(times.size()));
   for (std::size_t b = 0; b < times.size(); ++b)
     timeline.time_s[static_cast<Eigen::Index>(b)] = times[b] / counts[b];
+  if (row_sd.size() == 0) return;
+  timeline.sd.resize(timeline.time_s.size());
+  for (std::size_t b = 0; b < times.size(); ++b)
+    timeline.sd[static_cast<Eigen::Index>(b)] = std::sqrt(variances[b] / counts[b]);
 }
 
 Result<Problem> lay_out(const Dataset& given, const calibration::Candidates& baseline,
@@ -285,7 +330,7 @@ Result<Problem> lay_out(const Dataset& given, const calibration::Candidates& bas
                   "the data have no column for output " + symbol);
   if (dataset.time_s.empty())  // a lag in the baseline needs more than the order of rows
     DRIFTWISE_RETURN_IF_ERROR(calibration::raw_columns(dataset, base));
-  Problem problem{Prepared::of(dataset), {}, {}, {},    1,    {}, {}, {},
+  Problem problem{Prepared::of(dataset), {}, {}, {},    1,    {}, {}, {}, {},
                   std::move(base),       {}, {}, false, false};
   DRIFTWISE_RETURN_IF_ERROR(add_outputs(dataset, baseline.outputs, problem));
   DRIFTWISE_TRY(auto columns, problem.prepared.columns(problem.base));
@@ -293,7 +338,7 @@ Result<Problem> lay_out(const Dataset& given, const calibration::Candidates& bas
   DRIFTWISE_RETURN_IF_ERROR(divide_rows(dataset, judging, problem));
   DRIFTWISE_RETURN_IF_ERROR(check_variation(problem));
   leave_out_undetermined(problem, always);
-  predict_coordinates(problem);
+  if (predict_coordinates(problem)) DRIFTWISE_RETURN_IF_ERROR(lay_on_prediction(problem));
   problem.lay_blocks(longest);
   return problem;
 }

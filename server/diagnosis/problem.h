@@ -22,7 +22,7 @@ struct ProblemOutput {
   Channel channel;
   std::string unit;          // summary unit
   double factor = 1;         // summary unit per channel's unit
-  Eigen::VectorXd measured;  // every row of the dataset, in the summary unit
+  Eigen::VectorXd measured;  // every row, in the summary unit; at the predicted pose (problem.cc)
 };
 
 // Rows that one fit of the held-out figures learns from, and those it is judged on.
@@ -38,9 +38,10 @@ struct Problem {
   std::size_t rows_per_block = 1;
   std::vector<std::size_t> block_of;  // of each learning row
   Timeline timeline;                  // of the blocks
+  Eigen::VectorXd row_sd;  // of every dataset row's noise over the others'; empty: all alike
   std::vector<ProblemOutput> outputs;
   std::vector<effects::Term> base;          // the constant and further datums first
-  Eigen::MatrixXd base_columns;             // every row of the dataset, raw
+  Eigen::MatrixXd base_columns;             // every row of the dataset, raw, at the predicted pose
   std::vector<effects::Term> undetermined;  // of the baseline, left out: calibration/undetermined.h
   bool judged_by_validation = false;
   bool judged_in_turn = false;  // each block of time by a fit to the others; else rows kept apart
