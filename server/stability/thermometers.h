@@ -1,5 +1,5 @@
 #pragma once
-// Thermometers at one temperature: offsets of each from the mean of all.
+// Thermometers at one temperature: offsets of each from the mean of those that agree.
 
 #include <string>
 #include <vector>
@@ -17,7 +17,7 @@ struct Thermometer {
 struct ThermometerOffset {
   std::string channel;
   double offset_k = 0, u_offset_k = 0;
-  double drift_k_per_h = 0, u_drift_k_per_h = 0;  // of the difference from the mean of all
+  double drift_k_per_h = 0, u_drift_k_per_h = 0;  // of the difference from the mean
   double noise_k = 0;
   // The offset is beyond twice the standard uncertainty of noise and certificates together.
   bool out = false;
@@ -29,7 +29,8 @@ struct ThermometerComparison {
   std::vector<ThermometerOffset> offsets;
 };
 
-// Over the series' common time, in blocks of block_s.
+// Over the series' common time, in blocks of block_s. The mean is that of the thermometers that are
+// in: the one that is out farthest is taken from it first, up to half of them.
 ThermometerComparison compare_thermometers(const std::vector<Thermometer>& thermometers,
                                            double block_s);
 
