@@ -11,6 +11,7 @@ import { usePointColumns, type RunPoints } from '@/live/points';
 import { TimeMarks } from '@/plot/marks';
 import { useAsked } from '@/ui/use_asked';
 import { eventMarks, forceSteps, isMarked } from './time_marks';
+import { notesDuring } from './time_notes';
 
 const pageSize = 1000;
 
@@ -55,10 +56,13 @@ export function RunMarks({ run, points, children }: { run: Run | undefined; poin
   useEvents('record', (event) => {
     if (run && concerns(run, event)) events.set((old) => (old.some((one) => one.id === event.id) ? old : [...old, event]));
   });
+  const notes = useAsked(run && `remarks at the time of run ${run.id}`, (signal) => notesDuring(run!, signal));
+  useEvents('record', (event) => void (event.what === 'note.pinned' && notes.again()));
   const columns = usePointColumns(points?.points, ms(run?.startTime));
   const marks = useMemo(() => [
     ...forceSteps(columns.of('force_N')).map(({ index, label }) => ({ kind: 'force' as const, label, atMs: columns.startMs + columns.hours[index] * 3600e3 })),
     ...eventMarks((events.value ?? []).map((event) => ({ atMs: ms(event.eventTime) ?? NaN, what: event.what, detail: event.detail }))),
-  ], [columns, events.value]);
+    ...(notes.value ?? []),
+  ], [columns, events.value, notes.value]);
   return <TimeMarks.Provider value={marks}>{children}</TimeMarks.Provider>;
 }

@@ -1,4 +1,4 @@
-// Instants that explain a step in every plot over time: changes of force, stops, restarts. As vertical lines.
+// Instants that explain a step in every plot over time: changes of force, stops, restarts, remarks. As vertical lines.
 import { createContext } from 'preact';
 import type uPlot from 'uplot';
 import type { Palette } from './palette';
@@ -17,6 +17,7 @@ export const markLooks: Record<PlotMark['kind'], { colour: Colour; dash: number[
   force: { colour: 's6', dash: [1, 3], one: 'change of force', many: 'changes of force' },
   stop: { colour: 'bad', dash: [], one: 'stop or pause', many: 'stops or pauses' },
   restart: { colour: 's5', dash: [8, 3], one: 'restart', many: 'restarts' },
+  note: { colour: 'muted', dash: [3, 2], one: 'remark', many: 'remarks' },
 };
 
 export function withTimeMarks(spec: PlotSpec, marks: readonly TimeMark[], ofRows: readonly PlotMark[] = []): PlotSpec {

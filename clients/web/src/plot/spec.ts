@@ -41,7 +41,7 @@ export interface PlotLimit {
 // An instant that explains a step: a vertical line.
 export interface PlotMark {
   at: number; // in the unit of x
-  kind: 'force' | 'stop' | 'restart';
+  kind: 'force' | 'stop' | 'restart' | 'note';
   label: string; // "force 0 to 0.768 N"
 }
 

@@ -48,6 +48,7 @@ interface Written {
   configurations?: { hash: string; from: string | null }[]; // that it was measured under, oldest first
   corrections?: { id: number; since: string; by: string; changes: { channel: string; rows: number; largest_nm: number; rms_nm: number }[] }[];
   made: string;
+  certificates?: { device: string; number: string; laboratory: string; date: string; due: string; overdue: boolean }[]; // by the cell file, when the page was made
   record_head?: string | null; // HASH@N of the chain over the record when the page was made
   run: ReportRun;
   rules?: Record<string, number>;

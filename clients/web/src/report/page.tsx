@@ -42,6 +42,7 @@ export function ReportPage({ report }: { report: Report }) {
           {run.compensation && <><dt>compensation</dt><dd>{run.compensation}</dd></>}
           <dt>restarts</dt><dd>{run.restarts === 0 ? 'none' : `a restarted daemon went on with it ${count(run.restarts)} times`}</dd>
           <dt>times in</dt><dd>UTC</dd>
+          {report.certificates && report.certificates.length > 0 && <><dt>certificates</dt><dd>{report.certificates.map((one) => <div key={`${one.device} ${one.number}`}>{one.device}: {one.number}, {one.laboratory}, {one.date}{one.due && `, due ${one.due}${one.overdue ? ' (overdue)' : ''}`}</div>)}</dd></>}
           {report.record_head && <><dt>record</dt><dd>head of its chain <code class="hash">{report.record_head}</code>: <code>driftwise audit verify --head</code> finds a record written anew</dd></>}
           <dt>cell file</dt>
           <dd>

@@ -1,0 +1,15 @@
+// Remarks that people pinned to an instant, as marks of the plots over that time.
+import { lazily } from '@/api/client';
+import { LookBackService } from '@/api/gen/driftwise/v1/look_back_service_pb';
+import type { Run } from '@/api/gen/driftwise/v1/run_pb';
+import { ms } from '@/format/time';
+import type { TimeMark } from '@/plot/marks';
+
+const lookBackApi = lazily(LookBackService);
+const most = 200;
+
+export async function notesDuring(run: Run, signal: AbortSignal): Promise<TimeMark[]> {
+  const range = { ...(run.startTime && { fromTime: run.startTime }), ...(run.endTime && { toTime: run.endTime }) };
+  const { notes } = await lookBackApi().listTimeNotes({ ...range, limit: most }, { signal });
+  return notes.map((note) => ({ atMs: ms(note.noteTime) ?? NaN, kind: 'note', label: `${note.channel ? `${note.channel}: ` : ''}${note.text} (${note.who})` }));
+}

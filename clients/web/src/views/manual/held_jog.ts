@@ -1,0 +1,59 @@
+// A held button: the movement begins on press, a sign of life goes out every 100 ms, and it ends on release. Whatever else
+// happens (the page goes away, the finger slips, the tab is hidden) the signs end, and with them the movement: the daemon
+// stops the axis 300 ms after the last one.
+import { api } from '@/api/client';
+import type { Jog } from '@/api/gen/driftwise/v1/commissioning_service_pb';
+import { cell } from '@/live/state';
+import type { HoldAnswer } from '@/parts/hold_question';
+import { commissioningApi } from './api';
+
+export const signEvery_ms = 100;
+const renewEvery = 200; // signs: 20 s of a lease of 60
+
+export interface JogWish {
+  channel: string;
+  stepMm: number;
+  answer: HoldAnswer | undefined;
+}
+
+const leaseSeconds = () => BigInt(Math.min(3600, Math.max(1, Math.round(60 * (cell.value?.speed || 1)))));
+const takeLease = async (token: string) =>
+  (await api.cell().takeLease({ leaseDuration: { seconds: leaseSeconds(), nanos: 0 }, token })).lease?.token ?? '';
+
+export class HeldJog {
+  private released = false;
+  private token = '';
+  private jogId: bigint | undefined;
+
+  constructor(private readonly onState: (jog: Jog) => void) {}
+
+  // Returns when the movement is over; throws what the daemon refused.
+  async run(wish: JogWish): Promise<Jog | undefined> {
+    this.token = await takeLease('');
+    try {
+      if (this.released) return undefined; // before anything moved
+      const { jog } = await commissioningApi().beginJog({ leaseToken: this.token, channel: wish.channel, stepMm: wish.stepMm, held: true, ...(wish.answer && { answer: wish.answer }) });
+      let state = jog!;
+      this.jogId = state.id;
+      for (let signs = 1; !state.over && !this.released; signs++) {
+        this.onState(state);
+        await new Promise((done) => setTimeout(done, signEvery_ms));
+        if (this.released) break;
+        if (signs % renewEvery === 0) await takeLease(this.token);
+        state = (await commissioningApi().holdJog({ jogId: state.id, leaseToken: this.token })).jog!;
+      }
+      if (!state.over) state = (await commissioningApi().endJog({ jogId: state.id, leaseToken: this.token })).jog!;
+      this.onState(state);
+      return state;
+    } finally {
+      void api.cell().giveUpLease({ token: this.token }).catch(() => undefined); // it runs out by itself
+    }
+  }
+
+  // The stop is asked for at once, beside a sign that may be under way.
+  release(): void {
+    if (this.released) return;
+    this.released = true;
+    if (this.jogId !== undefined) void commissioningApi().endJog({ jogId: this.jogId, leaseToken: this.token }).catch(() => undefined);
+  }
+}

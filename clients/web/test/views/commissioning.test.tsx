@@ -1,0 +1,118 @@
+// Manual, Commissioning and Look back before a daemon in memory.
+import { create } from '@bufbuild/protobuf';
+import { createRouterTransport } from '@connectrpc/connect';
+import { cleanup, fireEvent, render, screen, within } from '@testing-library/preact';
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { useTransport } from '@/api/client';
+import { CellService, GetStatusResponseSchema } from '@/api/gen/driftwise/v1/cell_service_pb';
+import { CheckVerdict, CommissioningService } from '@/api/gen/driftwise/v1/commissioning_service_pb';
+import { LookBackService } from '@/api/gen/driftwise/v1/look_back_service_pb';
+import { go } from '@/app/router';
+import { operatorName } from '@/app/session';
+import { connection } from '@/live/connection';
+import { cell, progress } from '@/live/state';
+import { runsTyped } from '@/views/lookback/compare';
+import { overlay } from '@/views/lookback/specs';
+import Commissioning from '@/views/commissioning/view';
+import Manual from '@/views/manual/view';
+
+const begun = vi.fn();
+const signs = vi.fn();
+const ended = vi.fn();
+const jog = (over: boolean) => ({ id: 7n, over, released: over, endReason: over ? 'let go' : '', positions: [{ channel: 'q1_mm', positionMm: 1.25 }], stepCount: 3n });
+
+const daemon = () => createRouterTransport(({ service }) => {
+  service(CellService, { takeLease: () => ({ lease: { token: 'mine' } }), giveUpLease: () => ({}) });
+  service(CommissioningService, {
+    beginJog: (request) => (begun(request.channel, request.stepMm, request.held), { jog: jog(false) }),
+    holdJog: () => (signs(), { jog: jog(false) }),
+    endJog: () => (ended(), { jog: jog(true) }),
+    checkCell: () => ({
+      verdict: CheckVerdict.BAD,
+      items: [{ deviceId: 'laser-x', asked: 'light level', found: '12 %', expected: 'at least 30 %', verdict: CheckVerdict.WARNING, advice: 'align beam and mirror' }],
+    }),
+    getRest: () => ({ rest: { sentence: 'warm since 03:10', beginTime: { seconds: 1n, nanos: 0 }, warmTime: { seconds: 2n, nanos: 0 }, channels: [{ channel: 'x_mm', unit: 'nm/h', rate: 4.2, uRate: 1, limit: 20, change: 30, changeUnit: 'nm' }] } }),
+    listCertificates: () => ({ certificates: [{ deviceId: 'laser-x', number: '4711', laboratory: 'PTB', date: '2024-01-01', dueDate: '2026-01-01', daysLeft: -40n }], without: ['scanner'] }),
+  });
+  service(LookBackService, {});
+});
+
+beforeEach(() => {
+  vi.clearAllMocks();
+  operatorName.value = 'Anna';
+  useTransport(daemon());
+  connection.value = { phase: 'live' };
+  progress.value = undefined;
+  cell.value = create(GetStatusResponseSchema, { speed: 1, devices: [{ id: 'axis', axes: [{ channel: 'q1_mm', minMm: -4, maxMm: 4 }] }] });
+  go('/manual');
+});
+afterEach(cleanup);
+
+// jsdom's pointer events have no button.
+const pointer = (on: HTMLElement, what: string) => fireEvent(on, new MouseEvent(what, { button: 0, bubbles: true }));
+const button = () => screen.findByRole('button', { name: 'Hold to move q1_mm up' });
+
+describe('a held button', () => {
+  it('begins a movement, signs while it is down, and ends it when it is let go', async () => {
+    render(<Manual />);
+    pointer(await button(), 'pointerdown');
+    await vi.waitFor(() => expect(begun).toHaveBeenCalledWith('q1_mm', 0.001, true));
+    await vi.waitFor(() => expect(signs.mock.calls.length).toBeGreaterThan(1));
+    expect(ended).not.toHaveBeenCalled();
+    pointer(await button(), 'pointerup');
+    await vi.waitFor(() => expect(ended).toHaveBeenCalled());
+    const then = signs.mock.calls.length;
+    await new Promise((done) => setTimeout(done, 250));
+    expect(signs.mock.calls.length).toBeLessThanOrEqual(then + 1);
+    expect(await screen.findByText('3 steps: let go')).toBeTruthy();
+  });
+  it('ends when the window loses the focus, and when the page goes away', async () => {
+    const { unmount } = render(<Manual />);
+    pointer(await button(), 'pointerdown');
+    await vi.waitFor(() => expect(begun).toHaveBeenCalledTimes(1));
+    fireEvent.blur(window);
+    await vi.waitFor(() => expect(ended).toHaveBeenCalled());
+    await screen.findByText('3 steps: let go');
+    fireEvent.keyDown(await button(), { key: ' ' });
+    await vi.waitFor(() => expect(begun).toHaveBeenCalledTimes(2));
+    const before = ended.mock.calls.length;
+    unmount();
+    await vi.waitFor(() => expect(ended.mock.calls.length).toBeGreaterThan(before));
+  });
+  it('does nothing while the page is not live', async () => {
+    connection.value = { phase: 'lost', sinceMs: 0 } as never;
+    render(<Manual />);
+    pointer(await button(), 'pointerdown');
+    await new Promise((done) => setTimeout(done, 50));
+    expect(begun).not.toHaveBeenCalled();
+  });
+});
+
+describe('commissioning', () => {
+  it('shows what was asked, found and expected, and what to do', async () => {
+    render(<Commissioning />);
+    fireEvent.click(await screen.findByRole('button', { name: 'Check the cell' }));
+    const table = within(await screen.findByRole('table', { name: 'What was asked of each device' }));
+    expect(table.getByText('12 %')).toBeTruthy();
+    expect(table.getByText('at least 30 %')).toBeTruthy();
+    expect(table.getByText('align beam and mirror')).toBeTruthy();
+    expect(await screen.findByText('warm since 03:10')).toBeTruthy();
+    expect(await screen.findByText('40 days overdue')).toBeTruthy();
+    expect(screen.getByText('None declared for scanner.')).toBeTruthy();
+  });
+});
+
+describe('looking back', () => {
+  it('reads runs as a person types them', () => {
+    expect(runsTyped('3, 4 4')).toEqual([3n, 4n]);
+    expect(runsTyped('')).toEqual([]);
+    expect(runsTyped('3, x')).toBeUndefined();
+  });
+  it('lays runs over each other, one colour per run', () => {
+    const run = (runId: bigint) => ({ runId, zero: [{ name: 'x', unit: 'nm', hours: [0, 1], values: [0, 5] }, { name: 'y', unit: 'nm', hours: [0, 1], values: [0, 6] }] });
+    const spec = overlay('Drift of the zero', [run(3n), run(4n)] as never, (one) => one.zero, 'none');
+    expect(spec.series.map((one) => one.name)).toEqual(['run 3 x', 'run 3 y', 'run 4 x', 'run 4 y']);
+    expect(new Set(spec.series.map((one) => one.colour)).size).toBe(2);
+    expect(spec.series[1].dash).toBeDefined();
+  });
+});
