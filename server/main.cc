@@ -6,6 +6,7 @@
 // code: 3 bad input, 5 refused.
 
 #include <malloc.h>
+#include <spdlog/sinks/ringbuffer_sink.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
@@ -48,6 +49,7 @@
 #include "server/service_manager.h"
 #include "server/web/http_server.h"
 #include "server/web/web_site.h"
+#include "storage/schema/schema.h"
 #include "storage/sqlite_store.h"
 
 namespace driftwise {
@@ -57,6 +59,14 @@ namespace fs = std::filesystem;
 
 // All three doors full, devices and database beside them.
 constexpr std::size_t kFewDescriptors = 1024;
+
+// Log lines that are kept in memory for a support bundle.
+constexpr std::size_t kLogTail = 4000;
+std::shared_ptr<spdlog::sinks::ringbuffer_sink_mt> log_tail_sink;
+
+std::vector<std::string> log_tail() {
+  return log_tail_sink ? log_tail_sink->last_formatted() : std::vector<std::string>();
+}
 
 struct Arguments {
   std::string cell_file;
@@ -272,6 +282,8 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
                                          .boot_id = boot_id(),
                                          .web_address = web_address,
                                          .end_daemon = [] { ::kill(::getpid(), SIGTERM); },
+                                         .log_tail = log_tail,
+                                         .schema_version = storage::schema_version(),
                                          .measure_pauses = true}));
   daemon.cell = std::move(cell);
   // The database is ours by now, and so are the files beside it.
@@ -331,8 +343,10 @@ void serve_until_signal(Daemon& daemon, asio::io_context& context, const Argumen
 }
 
 void set_up_logging(const Arguments& arguments) {
-  auto logger = std::make_shared<spdlog::logger>("driftwised",
-                                                 std::make_shared<spdlog::sinks::stderr_sink_mt>());
+  log_tail_sink = std::make_shared<spdlog::sinks::ringbuffer_sink_mt>(kLogTail);
+  const spdlog::sinks_init_list sinks{std::make_shared<spdlog::sinks::stderr_sink_mt>(),
+                                      log_tail_sink};
+  auto logger = std::make_shared<spdlog::logger>("driftwised", sinks);
   logger->set_level(spdlog::level::from_str(arguments.log_level));
   logger->set_formatter(clean_log_formatter("%Y-%m-%dT%H:%M:%S.%e %^%l%$ %v"));
   logger->flush_on(spdlog::level::info);

@@ -11,12 +11,14 @@
 #include "clients/cli/commands/cell/cell_commands.h"
 #include "clients/cli/commands/cell/hold_commands.h"
 #include "clients/cli/commands/cell/watch_command.h"
+#include "clients/cli/commands/commissioning/commissioning_commands.h"
 #include "clients/cli/commands/configuration/configuration_commands.h"
 #include "clients/cli/commands/data/data_commands.h"
 #include "clients/cli/commands/data/remark_commands.h"
 #include "clients/cli/commands/diagnoses/diagnose_command.h"
 #include "clients/cli/commands/diagnoses/diagnosis_commands.h"
 #include "clients/cli/commands/diagnoses/improve_commands.h"
+#include "clients/cli/commands/look_back/look_back_commands.h"
 #include "clients/cli/commands/manual/command_tree.h"
 #include "clients/cli/commands/manual/manual_commands.h"
 #include "clients/cli/commands/models/fit_commands.h"
@@ -152,6 +154,10 @@ void add_everything(CLI::App& app, Session& session) {
   add_run_commands(app, session);
   add_queue_commands(app, session);
   add_motion_commands(app, session);
+  add_jog_command(app, session);
+  add_cell_check_commands(app, session);
+  add_align_commands(app, session);
+  add_channel_commands(app, session);
   add_data_commands(app, session);
   add_note_commands(app, session);
   add_formula_commands(app, session);
@@ -168,6 +174,7 @@ void add_everything(CLI::App& app, Session& session) {
   add_audit_commands(app, session);
   add_backup_commands(app, session);
   add_thin_command(app, session);
+  add_support_command(app, session);
   add_manual_commands(app, session);
   add_examples(app, kFooter);
 }

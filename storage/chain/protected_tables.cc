@@ -124,6 +124,7 @@ std::span<const UnitKind> unit_kinds() {
       {34, {"run_id"}, {"run_metadata", "queue_run"}},
       {35, {"plan_id"}, {"plan", "plan_model"}},
       {36, {"plan_promotion_id"}, {"plan_promotion"}},
+      {37, {"time_note_id"}, {"time_note"}},
   };
   return kinds;
 }

@@ -136,4 +136,49 @@ Result<std::vector<NoteRecord>> SqliteRemarkStore::notes(const NoteSubject& subj
   });
 }
 
+namespace {
+
+TimeNoteRecord time_note_of(Query& query) {
+  return {query.integer(0), {query.integer(1)}, query.text(2),
+          query.text(3),    query.text(4),      {{query.integer(5)}, query.integer(6)},
+          query.text(7),    query.text(8)};
+}
+
+}  // namespace
+
+Result<TimeNoteRecord> SqliteRemarkStore::add_time_note(const TimeNoteRecord& note) {
+  return session_.write([&] {
+    if (!note.request.empty()) {
+      Query same(session_.db,
+                 "SELECT time_note_id, about_ns, text, channel, request, at_ns, at_monotonic_ns, "
+                 "who, peer FROM time_note WHERE request = ?");
+      same.bind(note.request);
+      if (same.row()) return time_note_of(same);
+    }
+    Query(session_.db,
+          "INSERT INTO time_note (about_ns, text, channel, request, who, peer, at_ns, "
+          "at_monotonic_ns) VALUES (?, ?, ?, ?, ?, ?, ?, ?)")
+        .bind(note.about.utc_ns, note.text, note.channel, note.request, note.who, note.from,
+              note.at.utc.utc_ns, note.at.monotonic_ns)
+        .run();
+    TimeNoteRecord stored = note;
+    stored.id = session_.db.last_row_id();
+    return stored;
+  });
+}
+
+Result<std::vector<TimeNoteRecord>> SqliteRemarkStore::time_notes(CellTime from, CellTime to,
+                                                                  int limit) {
+  return session_.read([&] {
+    Query query(session_.db,
+                "SELECT time_note_id, about_ns, text, channel, request, at_ns, at_monotonic_ns, "
+                "who, peer FROM time_note WHERE about_ns >= ? AND about_ns < ? ORDER BY about_ns "
+                "DESC, time_note_id DESC LIMIT ?");
+    query.bind(from.utc_ns, to.utc_ns, limit);
+    std::vector<TimeNoteRecord> notes;
+    while (query.row()) notes.push_back(time_note_of(query));
+    return notes;
+  });
+}
+
 }  // namespace driftwise::storage

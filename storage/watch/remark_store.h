@@ -17,6 +17,8 @@ class SqliteRemarkStore final : public RemarkStore {
   Result<std::vector<ExclusionRecord>> exclusions(RunId run) override;
   Result<NoteRecord> add_note(const NoteRecord& note) override;
   Result<std::vector<NoteRecord>> notes(const NoteSubject& subject) override;
+  Result<TimeNoteRecord> add_time_note(const TimeNoteRecord& note) override;
+  Result<std::vector<TimeNoteRecord>> time_notes(CellTime from, CellTime to, int limit) override;
 
  private:
   Session& session_;

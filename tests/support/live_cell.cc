@@ -147,7 +147,11 @@ app::Services LiveCell::services(const Fakes& fakes) {
           own.queue,
           own.keeping,
           own.holds,
-          own.notifications};
+          own.notifications,
+          own.jogs,
+          own.commissioning,
+          own.look_back,
+          own.support};
 }
 
 EventId LiveCell::add_event(const std::string& what) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "server/application/commissioning/device_checks.h"
 #include "server/application/motion/loading.h"
 #include "server/application/motion/stop_desk.h"
 #include "server/application/recording/doubts.h"
@@ -182,6 +183,9 @@ std::vector<AlarmCondition> AlarmsService::alarms_now() const {
     out.push_back({AlarmLevel::warning, "model.doubtful", "served model", checks_.trouble()});
   if (auto question = configuration_.question(); !question.empty())
     out.push_back({AlarmLevel::warning, "configuration.changed", "cell file", std::move(question)});
+  for (auto& overdue : overdue_certificates(description_, clock_.utc(clock_.now().utc).ns))
+    out.push_back({AlarmLevel::notice, "certificate.overdue", std::move(overdue.subject),
+                   std::move(overdue.sentence)});
   for (auto& condition : upkeep_.conditions()) out.push_back(std::move(condition));
   for (auto& condition : notify_.conditions()) out.push_back(std::move(condition));
   for (auto& condition : channel_alarms_.conditions(clock_.now().utc))

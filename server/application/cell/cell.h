@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "server/access/access_witness.h"
 #include "server/application/cell/services.h"
@@ -44,6 +45,9 @@ class Cell {
     std::string web_address = {};  // "http://127.0.0.1:8080/", told in status(); empty: no web door
     Diagnose diagnose = {};        // empty: diagnosis::diagnose
     std::function<void()> end_daemon = {};  // asks for shut_down(); empty: nobody does
+    // The last lines of the log, oldest first; empty: none is kept.
+    std::function<std::vector<std::string>()> log_tail = {};
+    int schema_version = 0;       // of the database; 0: not told
     bool measure_pauses = false;  // of the executor: by the wall clock, so not in virtual time
   };
   static Result<std::unique_ptr<Cell>> open(asio::any_io_executor executor, Parts parts);

@@ -150,6 +150,12 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
       queue(description, *clock, events, trajectories, models, queue_desk),
       plans(description, *clock, reader, writer, events, models, joint_serving,
             worker_thread.executor()),
+      jogs(on, workbench, engine, right, leases, tasks, given.measure_pauses),
+      rests(on, *clock, recorder, events, engine, right, tasks),
+      commissioning(workbench, reader, writer, engine, rests, worker_thread.executor()),
+      look_back(workbench, reader, datasets, models, worker_thread.executor()),
+      support({given.schema_version, std::move(given.log_tail)}, workbench, reader, overview,
+              text_thread.executor()),
       measure_pauses_(given.measure_pauses) {
   stops.restore(std::move(opened.stops));
   stops.tell_presses([this](const Caller& caller, const std::string& cause) {
@@ -180,7 +186,7 @@ Services Composition::services() {
           datasets,   annotations,    models,    promotions, checks,       serving,
           provenance, configurations, diagnoses, extensions, improvements, studies,
           alarms,     feeds,          queue,     upkeep,     holds,        notify,
-          plans,      joint_serving};
+          plans,      joint_serving, jogs,    commissioning, look_back, support};
 }
 
 }  // namespace driftwise::application

@@ -12,12 +12,15 @@
 #include "server/application/annotations/annotations_service.h"
 #include "server/application/cell/cell.h"
 #include "server/application/checks/model_checks_service.h"
+#include "server/application/commissioning/commissioning_service.h"
 #include "server/application/configuration/configurations_service.h"
 #include "server/application/datasets/datasets_service.h"
 #include "server/application/diagnoses/diagnoses_service.h"
 #include "server/application/diagnoses/extensions_service.h"
 #include "server/application/holds/hold_desk.h"
 #include "server/application/improvement/improvements_service.h"
+#include "server/application/look_back/look_back_service.h"
+#include "server/application/manual/jog_desk.h"
 #include "server/application/manual/manual_control_service.h"
 #include "server/application/models/models_service.h"
 #include "server/application/models/promotions_service.h"
@@ -31,6 +34,7 @@
 #include "server/application/recording/device_keeper.h"
 #include "server/application/runs/runs_service.h"
 #include "server/application/status/overview_service.h"
+#include "server/application/support/support_service.h"
 #include "server/application/trajectories/duration_book.h"
 #include "server/application/trajectories/trajectories_service.h"
 #include "server/application/upkeep/wall_clock_watch.h"
@@ -152,6 +156,11 @@ class Composition {
   QueueDesk queue_desk;
   QueueService queue;
   PlansService plans;
+  JogDesk jogs;
+  RestDesk rests;
+  CommissioningService commissioning;
+  LookBackService look_back;
+  SupportService support;
 
  private:
   Awaitable<void> start_up();

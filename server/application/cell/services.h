@@ -7,6 +7,7 @@ namespace driftwise::application {
 
 class Alarms;
 class Annotations;
+class Commissioning;
 class Configurations;
 class Datasets;
 class Diagnoses;
@@ -16,6 +17,8 @@ class Holds;
 class Host;
 class JointTargets;
 class Improvements;
+class Jogs;
+class LookBack;
 class ManualControl;
 class ModelChecks;
 class Models;
@@ -29,6 +32,7 @@ class RecordKeeping;
 class Runs;
 class StoreReader;
 class Studies;
+class SupportBundles;
 class Targets;
 class Trajectories;
 
@@ -59,6 +63,10 @@ struct Services {
   Notifications& notifications;
   Plans& plans;
   JointTargets& joint_targets;
+  Jogs& jogs;
+  Commissioning& commissioning;
+  LookBack& look_back;
+  SupportBundles& support;
 };
 
 }  // namespace driftwise::application

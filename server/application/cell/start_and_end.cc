@@ -100,6 +100,7 @@ Awaitable<void> Composition::shut_down() {
   serving.shut_down();
   joint_serving.shut_down();
   queue_desk.shut_down();
+  rests.shut_down();
   improver.shut_down();
   diagnosis_desk.shut_down();
   study_desk.shut_down();

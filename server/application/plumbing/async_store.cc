@@ -130,6 +130,16 @@ Awaitable<Result<std::vector<NoteRecord>>> AsyncRemarkStore::notes(NoteSubject s
   return ask<&Store::remarks, &RemarkStore::notes>(store_, std::move(subject));
 }
 
+Awaitable<Result<TimeNoteRecord>> AsyncRemarkStore::add_time_note(TimeNoteRecord note) const {
+  return ask<&Store::remarks, &RemarkStore::add_time_note>(store_, std::move(note));
+}
+
+Awaitable<Result<std::vector<TimeNoteRecord>>> AsyncRemarkStore::time_notes(CellTime from,
+                                                                            CellTime to,
+                                                                            int limit) const {
+  return ask<&Store::remarks, &RemarkStore::time_notes>(store_, from, to, limit);
+}
+
 Awaitable<Result<DiagnosisRecord>> AsyncDiagnosisStore::add_diagnosis(
     DiagnosisRecord diagnosis) const {
   return ask<&Store::diagnoses, &DiagnosisStore::add_diagnosis>(store_, std::move(diagnosis));

@@ -86,6 +86,9 @@ class AsyncRemarkStore {
   Awaitable<Result<ExclusionRecord>> exclude(ExclusionRecord exclusion) const;
   Awaitable<Result<NoteRecord>> add_note(NoteRecord note) const;
   Awaitable<Result<std::vector<NoteRecord>>> notes(NoteSubject subject) const;
+  Awaitable<Result<TimeNoteRecord>> add_time_note(TimeNoteRecord note) const;
+  Awaitable<Result<std::vector<TimeNoteRecord>>> time_notes(CellTime from, CellTime to,
+                                                            int limit) const;
 
  private:
   AsyncStore& store_;

@@ -75,7 +75,7 @@ Awaitable<void> Recorder::read_for_ever(std::size_t device) {
       // What fails is told by the bench, and tried again next period.
       if (auto reading = co_await bench_.read(device)) {
         observe(*reading);
-        if (is_stored) writer_.add(std::move(*reading));
+        if (is_stored || stores_idle_) writer_.add(std::move(*reading));
       }
     }
     // A late reading does not make the next ones come in a burst: periods that have passed are left

@@ -3,7 +3,7 @@
 // minutes, hands every reading to the store and to watchers. The axes, an interferometer or an
 // autocollimator are read here only while no run uses them: the run's own readings come in through
 // observe(). Between runs those without a period of their own are read every kIdlePeriod_s, shown,
-// and not stored. The store
+// and stored only while the cell is at rest by a person's word. The store
 // keeps what a device said under the device's own channels; live values show it under raw names
 // where the cell corrects it (x_path_mm), and the pose beside it.
 
@@ -36,6 +36,8 @@ class Recorder {
   void show(const Reading& reading, std::span<const RejectedValue> rejected = {});
   // Devices that a run reads by itself: is_read_by_runs().
   void lend_pose_instruments(bool to_run) { lent_ = to_run; }
+  // A cell at rest: what is read between runs is stored as well.
+  void store_idle(bool on) { stores_idle_ = on; }
 
   const ChannelHistory& history() const { return history_; }
   // Resumes at the next reading of any device, or at the instant.
@@ -60,7 +62,7 @@ class Recorder {
   ChannelHistory history_;
   WatchList<Reading> watchers_;
   Signal ended_, arrived_;
-  bool ending_ = false, lent_ = false;
+  bool ending_ = false, lent_ = false, stores_idle_ = false;
 };
 
 }  // namespace driftwise::application

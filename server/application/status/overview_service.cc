@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "server/application/commissioning/device_checks.h"
 #include "server/application/motion/loading.h"
 
 namespace driftwise::application {
@@ -79,6 +80,8 @@ std::vector<std::string> OverviewService::attention() const {
   if (serving_.refused()) sentences.push_back(serving_.refused()->message);
   if (!serving_.trouble().empty()) sentences.push_back(serving_.trouble());
   if (!checks_.trouble().empty()) sentences.push_back(checks_.trouble());
+  for (auto& overdue : overdue_certificates(description_, clock_.utc(clock_.now().utc).ns))
+    sentences.push_back(std::move(overdue.sentence));
   for (const auto& condition : upkeep_.conditions()) sentences.push_back(condition.message);
   for (const auto& condition : notify_.conditions()) sentences.push_back(condition.message);
   if (writer_.dropped() > 0)

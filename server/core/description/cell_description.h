@@ -12,6 +12,7 @@
 #include "server/core/channel.h"
 #include "server/core/description/access_description.h"
 #include "server/core/description/backup_rules.h"
+#include "server/core/description/certificate_description.h"
 #include "server/core/description/hold_rule.h"
 #include "server/core/description/kinematics_description.h"
 #include "server/core/description/notify_description.h"
@@ -138,6 +139,7 @@ struct CellDescription {
   std::vector<ReceiverDescription> receivers;  // [[notify]]
   WatchdogRules watchdog;
   std::vector<ChannelAlarmDescription> channel_alarms;
+  std::vector<CertificateDescription> certificates;  // [[certificate]]
   std::optional<CorrectionDescription> correction;
   std::optional<LoadDescription> load;  // none: the cell knows no force
   // Nominal geometry of the robot in use; none: an unknown robot.

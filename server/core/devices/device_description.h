@@ -83,6 +83,7 @@ struct DeviceDescription {
   std::string kind;          // "pi-gcs": the id of a DeviceKind
   std::string address;       // "127.0.0.1:50000"
   bool on_loopback() const;  // 127.0.0.0/8, localhost, [::1]
+  std::string identity;      // what it says of itself must contain this; empty: not declared
   double timeout_s = 1.0;    // of one exchange, cell time; never below 250 ms of wall time
   double period_s = 0.0;     // slow devices: the recorder reads them every period, run or no run
   double max_age_s = 15.0;   // older values do not join a point and make a target stale

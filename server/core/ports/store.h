@@ -114,6 +114,10 @@ class RemarkStore {
   virtual Result<NoteRecord> add_note(const NoteRecord& note) = 0;
   // Oldest first. Of a run: also those on its points, unless the subject names one.
   virtual Result<std::vector<NoteRecord>> notes(const NoteSubject& subject) = 0;
+  // Answers with the note as stored; the same request again: with the first one.
+  virtual Result<TimeNoteRecord> add_time_note(const TimeNoteRecord& note) = 0;
+  // About instants in [from, to), newest first.
+  virtual Result<std::vector<TimeNoteRecord>> time_notes(CellTime from, CellTime to, int limit) = 0;
 };
 
 // The parts of one store: none is nullptr but upkeep, which a store without files of its own lacks.

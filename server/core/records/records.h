@@ -192,6 +192,17 @@ struct NoteRecord {
   std::string who, from;
 };
 
+// A remark on an instant, kept for ever.
+struct TimeNoteRecord {
+  std::int64_t id = 0;
+  CellTime about;  // the instant
+  std::string text;
+  std::string channel;  // empty: the cell
+  std::string request;  // of whoever asked: the same again is the first note; empty: none
+  Stamp at;             // when it was written
+  std::string who, from;
+};
+
 struct ModelRecord {
   ModelId id;
   std::string name;

@@ -8,6 +8,7 @@
 #include "server/core/reasons.h"
 #include "server/formats/cell_file/cell_file_access.h"
 #include "server/formats/cell_file/cell_file_address.h"
+#include "server/formats/cell_file/cell_file_certificates.h"
 #include "server/formats/cell_file/cell_file_correction.h"
 #include "server/formats/cell_file/cell_file_devices.h"
 #include "server/formats/cell_file/cell_file_holds.h"
@@ -194,6 +195,10 @@ void read_file(const toml::table& root, CellDescription& out, TomlProblem& probl
   if (const auto* correction = top.table("correction"))
     read_correction(TomlReader(*correction, "correction", problem), out, problem);
   read_notify(top, out, problem);
+  for (const auto* table : top.tables("certificate")) {
+    const std::string place = "certificate " + std::to_string(out.certificates.size() + 1);
+    read_certificate(TomlReader(*table, place, problem), out);
+  }
   top.finish();
   if (const auto* actuator = out.load_actuator(); actuator && !out.load)
     top.refuse("load", reasons::kMissingKey,

@@ -106,6 +106,7 @@ void read_device(TomlReader&& reader, const std::string& place, DeviceKinds kind
   reader.choice("kind", out.kind, names, Need::required);
   reader.text("address", out.address, Need::required);
   check_device_address(reader, out.address);
+  reader.text("identity", out.identity);
   reader.number("timeout_s", out.timeout_s, {.min = 0, .max = 3600, .above_min = true});
   reader.number("period_s", out.period_s, {.min = 0, .max = 86400});
   reader.number("max_age_s", out.max_age_s, {.min = 0, .above_min = true});

@@ -281,7 +281,7 @@ std::string value_text(const toml::node& node) {
 
 // By what an element of a list of tables is known: "device laser-x".
 std::string place_of(const std::string& list, const toml::table& table) {
-  for (const char* name : {"id", "channel", "length", "motor", "name"})
+  for (const char* name : {"id", "channel", "length", "motor", "name", "number"})
     if (const auto text = table[name].value<std::string>()) return list + " " + *text;
   return list;
 }
@@ -358,10 +358,12 @@ Parts all_parts(const CellDescription& cell, std::string_view text) {
 
 bool is_recorded_only(const std::string& place, const std::string& key) {
   const std::string kind = place.substr(0, place.find(' '));
-  for (const char* section : {"cell", "web", "clock", "run", "serving", "backup", "thinning",
-                              "alarm", "alarms", "channel_alarm", "notify", "watchdog", "log"})
+  for (const char* section :
+       {"cell", "web", "clock", "run", "serving", "backup", "thinning", "alarm", "alarms",
+        "channel_alarm", "notify", "watchdog", "log", "certificate"})
     if (kind == section) return true;
-  if (kind == "device") return key == "port" || key == "timeout_s" || key == "period_s";
+  if (kind == "device")
+    return key == "port" || key == "timeout_s" || key == "period_s" || key == "identity";
   return place == "kinematics" && key == "hold";
 }
 

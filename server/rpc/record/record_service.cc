@@ -8,6 +8,7 @@
 #include "server/rpc/shared/request_checks.h"
 #include "server/rpc/shared/services.h"
 #include "server/rpc/shared/unary.h"
+#include "server/rpc/shared/watch_sources.h"
 #include "server/rpc/shared/wire_time.h"
 
 namespace driftwise::rpc {
@@ -70,7 +71,7 @@ Result<ThinningOrder> thinning_from(const v1::ThinReadingsRequest& request) {
 class RecordService final : public v1::RecordService::CallbackService {
  public:
   explicit RecordService(const application::Services& cell)
-      : host_(cell.host), records_(cell.records), keeping_(cell.keeping) {}
+      : host_(cell.host), records_(cell.records), keeping_(cell.keeping), bundles_(cell.support) {}
 
   Reactor* ListActs(Context* context, const v1::ListActsRequest* request,
                     v1::ListActsResponse* response) override {
@@ -137,10 +138,17 @@ class RecordService final : public v1::RecordService::CallbackService {
     });
   }
 
+  grpc::ServerWriteReactor<v1::GetSupportBundleResponse>* GetSupportBundle(
+      Context* context, const v1::GetSupportBundleRequest*) override {
+    return Stream<v1::GetSupportBundleResponse>::open(
+        host_.executor(), support_bundle(host_, bundles_, caller_of(*context)));
+  }
+
  private:
   application::Host& host_;
   application::StoreReader& records_;
   application::RecordKeeping& keeping_;
+  application::SupportBundles& bundles_;
 };
 
 }  // namespace

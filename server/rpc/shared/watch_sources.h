@@ -11,9 +11,11 @@
 #include "driftwise/v1/cell_service.pb.h"
 #include "driftwise/v1/data_service.pb.h"
 #include "driftwise/v1/diagnosis_service.pb.h"
+#include "driftwise/v1/record_service.pb.h"
 #include "driftwise/v1/run_service.pb.h"
 #include "driftwise/v1/target_service.pb.h"
 #include "server/application/cell/services.h"
+#include "server/application/ports/caller.h"
 #include "server/compensation/target.h"
 #include "server/rpc/shared/stream.h"
 
@@ -52,5 +54,10 @@ std::unique_ptr<StreamSource<v1::WatchTargetsResponse>> watch_targets(
 std::unique_ptr<StreamSource<v1::ExportDatasetResponse>> export_dataset(
     const application::Host& host, application::Datasets& datasets, std::vector<RunId> runs,
     bool without_excluded);
+
+// The whole archive, in pieces.
+std::unique_ptr<StreamSource<v1::GetSupportBundleResponse>> support_bundle(
+    const application::Host& host, application::SupportBundles& bundles,
+    application::Caller caller);
 
 }  // namespace driftwise::rpc

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "clients/cli/commands/look_back/look_back_commands.h"
 #include "clients/cli/core/proto_json.h"
 #include "clients/cli/core/table.h"
 #include "clients/cli/core/text.h"
@@ -169,6 +170,7 @@ void add_note_commands(CLI::App& app, Session& session) {
   add_subject(add_command(note, session, "list", "Remarks, oldest first",
                           [&session, a] { return list_notes(session, *a); }),
               *a);
+  add_time_note_commands(note, session);
 }
 
 v1::ListNotesResponse notes_of_run(const Connection& connection, std::int64_t run_id) {

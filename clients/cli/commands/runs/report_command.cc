@@ -8,6 +8,7 @@
 #include "clients/cli/commands/runs/report_data.h"
 #include "clients/cli/core/text.h"
 #include "driftwise/v1/cell_service.grpc.pb.h"
+#include "driftwise/v1/commissioning_service.grpc.pb.h"
 #include "driftwise/v1/record_service.grpc.pb.h"
 #include "driftwise/v1/run_service.grpc.pb.h"
 
@@ -104,6 +105,7 @@ ExitCode report_run(const Session& session, const ReportArguments& a) {
     source.verification = connection.ask(&RunStub::VerifyRuns, verify, 120);
   }
   source.head = connection.ask(&v1::RecordService::Stub::GetChainHead, {}).head();
+  source.certificates = connection.ask(&v1::CommissioningService::Stub::ListCertificates, {});
   source.made = now_text();
   source.version = DRIFTWISE_VERSION;
   const std::string written = report_page(page, report_json(source));

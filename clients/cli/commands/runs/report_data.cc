@@ -199,6 +199,14 @@ Json report_json(const ReportSource& source) {
     for (const auto& axis : device.axes())
       axes.push_back(
           {{"channel", axis.channel()}, {"min_mm", axis.min_mm()}, {"max_mm", axis.max_mm()}});
+  Json certificates = Json::array();
+  for (const auto& one : source.certificates.certificates())
+    certificates.push_back({{"device", one.device_id()},
+                            {"number", one.number()},
+                            {"laboratory", one.laboratory()},
+                            {"date", one.date()},
+                            {"due", one.due_date()},
+                            {"overdue", one.has_days_left() && one.days_left() < 0}});
   Json report{{"schema", "driftwise.run-report.v1"},
               {"cell", source.cell.cell_name()},
               {"config_hash", source.run.run().config_hash()},
@@ -212,7 +220,8 @@ Json report_json(const ReportSource& source) {
               {"points", points_json(source)},
               {"attempts", attempts_json(source)},
               {"events", events},
-              {"axes", axes}};
+              {"axes", axes},
+              {"certificates", certificates}};
   if (source.verification && source.verification->runs_size() > 0)
     report["verification"] = verification_json(*source.verification);
   return report;

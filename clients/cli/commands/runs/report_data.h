@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "driftwise/v1/cell_service.pb.h"
+#include "driftwise/v1/commissioning_service.pb.h"
 #include "driftwise/v1/record_service.pb.h"
 #include "driftwise/v1/run_service.pb.h"
 
@@ -20,6 +21,7 @@ struct ReportSource {
   std::vector<v1::Event> events;  // of this run
   // What compensation achieved; nothing: a run without wanted poses.
   std::optional<v1::VerifyRunsResponse> verification;
+  v1::ListCertificatesResponse certificates;
   v1::ChainHead head;  // of the record; entry 0: it has none
   std::string made;    // ISO 8601 UTC
   std::string version;

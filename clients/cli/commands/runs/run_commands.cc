@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "clients/cli/commands/data/remark_commands.h"
+#include "clients/cli/commands/look_back/look_back_commands.h"
 #include "clients/cli/commands/runs/run_start.h"
 #include "clients/cli/commands/runs/run_tables.h"
 #include "clients/cli/commands/runs/run_watch.h"
@@ -204,6 +205,7 @@ void add_run_commands(CLI::App& app, Session& session) {
       ->required()
       ->check(finite_number());
   add_verify_command(run, session);
+  add_compare_command(run, session);
   id(add_command(run, session, "points", "Accepted points",
                  [&session, a] { return show_points(session, a->id); }));
   id(add_command(run, session, "attempts", "Every attempt, with its verdict",

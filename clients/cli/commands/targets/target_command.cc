@@ -9,6 +9,7 @@
 #include "clients/cli/core/text.h"
 #include "clients/cli/core/validators.h"
 #include "clients/cli/pages/budget_table.h"
+#include "driftwise/v1/commissioning_service.grpc.pb.h"
 #include "driftwise/v1/target_service.grpc.pb.h"
 
 namespace driftwise::cli {
@@ -108,12 +109,29 @@ void print_target(const Console& console, const v1::ComputeTargetRequest& reques
 
 namespace {
 
+// Declared uncertainties stand on them.
+void print_certificates(const Console& console, const Connection& connection) {
+  const auto response = connection.ask(&v1::CommissioningService::Stub::ListCertificates,
+                                       v1::ListCertificatesRequest{});
+  for (const auto& one : response.certificates())
+    console.out << "certificate of " << one.device_id() << ": " << one.number() << ", "
+                << one.laboratory() << ", " << one.date()
+                << (one.due_date().empty() ? "" : ", due " + one.due_date())
+                << (one.has_days_left() && one.days_left() < 0
+                        ? console.paint_out().bad(" (overdue)")
+                        : "")
+                << '\n';
+}
+
 ExitCode ask_once(const Session& session, const v1::ComputeTargetRequest& request) {
-  const auto target = session.connect().ask(&TargetStub::ComputeTarget, request).target();
-  if (session.console.json)
+  const auto connection = session.connect();
+  const auto target = connection.ask(&TargetStub::ComputeTarget, request).target();
+  if (session.console.json) {
     session.console.print_json(json_from(target));
-  else
+  } else {
     print_target(session.console, request, target);
+    if (request.with_budget()) print_certificates(session.console, connection);
+  }
   return reachable(target) ? ExitCode::done : ExitCode::negative;
 }
 

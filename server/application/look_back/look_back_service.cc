@@ -1,0 +1,156 @@
+#include "server/application/look_back/look_back_service.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "server/application/commissioning/recorded_series.h"
+#include "server/application/look_back/compared_run.h"
+#include "server/application/plumbing/run_on.h"
+#include "server/core/reasons.h"
+#include "server/core/try.h"
+#include "server/stability/stretch.h"
+
+namespace driftwise::application {
+namespace {
+
+constexpr std::size_t kFewestSamples = 16;
+
+Result<Stability> analysed(Stability& out, const std::vector<RecordedSeries>& recorded) {
+  const auto& samples = recorded.front().samples;
+  const auto stretch = stability::longest_stretch(samples);
+  out.all = static_cast<std::int64_t>(samples.values.size());
+  if (stretch.size() < kFewestSamples)
+    return fail(ErrorCode::failed_precondition, reasons::kTooFewSamples,
+                fmt::format("found {} values of {} without a gap ({} in all), expected at least "
+                            "{}: name a longer time; lengths are recorded in runs and while the "
+                            "cell rests ('driftwise align rest')",
+                            stretch.size(), out.channel, out.all, kFewestSamples));
+  const double scale = out.unit == "nm" ? 1e6 : out.unit == "mK" ? 1e3 : 1;
+  std::vector<double> values;
+  const double first = samples.values[stretch.begin];
+  for (std::size_t i = stretch.begin; i < stretch.end; ++i)
+    values.push_back((samples.values[i] - first) * scale);
+  const CellTime asked = out.from;
+  out.from = asked + nanoseconds_from_s(samples.time_s[stretch.begin]);
+  out.to = asked + nanoseconds_from_s(samples.time_s[stretch.end - 1]);
+  out.used = static_cast<std::int64_t>(values.size());
+  out.interval_s = stretch.interval_s;
+  out.allan = stability::allan_deviation(values, out.interval_s, stability::octaves(values.size()));
+  out.spectrum = stability::power_spectrum(values, out.interval_s);
+  out.sentence = stability::noise_sentence(out.allan);
+  return out;
+}
+
+std::string shown_unit(const std::string& unit) {
+  if (unit == "mm") return "nm";
+  if (unit == "degC") return "mK";
+  return unit;
+}
+
+}  // namespace
+
+LookBackService::LookBackService(Workbench& bench, StoreReader& reader, Datasets& datasets,
+                                 Models& models, asio::any_io_executor worker)
+    : bench_(bench),
+      reader_(reader),
+      datasets_(datasets),
+      models_(models),
+      worker_(std::move(worker)) {}
+
+std::string LookBackService::device_of(const std::string& channel) const {
+  for (const auto& device : bench_.description.devices)
+    if (std::ranges::find(device.channels, channel, &Channel::name) != device.channels.end())
+      return device.id;
+  // Quantities that a driver gives beside those of the cell file.
+  const auto* latest = bench_.recorder.history().latest(channel);
+  return latest != nullptr ? latest->device : std::string();
+}
+
+Awaitable<Result<Stability>> LookBackService::stability_of(std::string channel, CellTime from,
+                                                           CellTime to) {
+  if (from.utc_ns >= to.utc_ns)
+    co_return fail(ErrorCode::invalid_argument, reasons::kBadRange,
+                   "from is not before to: expected a stretch of the record");
+  DRIFTWISE_CO_TRY(const auto parsed, parse_channel(channel));
+  const auto device = device_of(channel);
+  if (bench_.description.find_device(device) == nullptr)
+    co_return fail(ErrorCode::not_found, reasons::kNoSuchChannel,
+                   fmt::format("no device of this cell gives '{}': 'driftwise readings' lists the "
+                               "channels",
+                               channel));
+  Stability out;
+  out.channel = channel;
+  out.unit = shown_unit(parsed.unit);
+  out.from = from;
+  out.to = to;
+  static_cast<void>(co_await bench_.writer.flush());
+  std::vector<std::string> channels{channel};
+  auto reading = reader_.call(
+      [from, to](Store& store, const std::string& of, const std::vector<std::string>& names) {
+        return recorded_series(store, of, names, from, to);
+      },
+      device, channels);
+  DRIFTWISE_CO_TRY(auto recorded, co_await std::move(reading));
+  auto analysing = run_on(worker_, analysed, out, std::move(recorded));
+  co_return co_await std::move(analysing);
+}
+
+Awaitable<Result<std::vector<ComparedRun>>> LookBackService::compare(std::vector<RunId> runs,
+                                                                     std::optional<ModelId> model) {
+  if (runs.empty() || runs.size() > kMostRuns)
+    co_return fail(ErrorCode::invalid_argument, reasons::kBadCount,
+                   fmt::format("found {} runs, expected 1 to {}", runs.size(), kMostRuns));
+  std::vector<ComparedRun> out;
+  for (const RunId id : runs) {
+    ComparedRun one;
+    DRIFTWISE_CO_TRY(one.run, co_await reader_.runs().run(id));
+    std::vector<RunId> only{id};
+    std::string no_text;
+    auto loading = datasets_.load(only, no_text);
+    DRIFTWISE_CO_TRY(auto data, co_await std::move(loading));
+    auto adding = run_on(
+        worker_,
+        [](const Dataset& from, ComparedRun& into) {
+          add_measured(from, into);
+          return into;
+        },
+        std::move(data), one);
+    one = co_await std::move(adding);
+    if (model) {
+      auto asking = models_.residuals(*model, only, no_text);
+      const auto residuals = co_await std::move(asking);
+      if (residuals)
+        add_residuals(*residuals, one);
+      else if (residuals.error().code == ErrorCode::not_found)
+        co_return tl::unexpected(residuals.error());
+      else
+        one.residual_trouble = residuals.error().message;
+    }
+    out.push_back(std::move(one));
+  }
+  co_return out;
+}
+
+Awaitable<Result<TimeNoteRecord>> LookBackService::add_note(Caller caller, TimeNoteRecord note) {
+  if (note.text.find_first_not_of(" \t\n") == std::string::npos)
+    co_return fail(ErrorCode::invalid_argument, reasons::kBadSubject,
+                   "text: found nothing, expected what there is to say");
+  if (!note.channel.empty() && device_of(note.channel).empty())
+    co_return fail(
+        ErrorCode::invalid_argument, reasons::kBadSubject,
+        fmt::format("channel: found '{}', which no device of this cell gives", note.channel));
+  note.at = bench_.clock.now();
+  note.who = caller.name;
+  note.from = caller.peer;
+  auto storing = bench_.writer.remarks().add_time_note(note);
+  DRIFTWISE_CO_TRY(auto stored, co_await std::move(storing));
+  bench_.events.record(
+      caller, "note.pinned",
+      fmt::format("{} at {}{}: {}", stored.who, to_iso8601(bench_.clock.utc(stored.about)),
+                  stored.channel.empty() ? "" : " on " + stored.channel, stored.text),
+      {}, {fmt::format("time note {}", stored.id), "", stored.text});
+  co_return stored;
+}
+
+}  // namespace driftwise::application

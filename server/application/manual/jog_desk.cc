@@ -1,0 +1,266 @@
+#include "server/application/manual/jog_desk.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/asio/as_tuple.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <cmath>
+
+#include "server/application/motion/motion.h"
+#include "server/application/motion/stop_desk.h"
+#include "server/core/reasons.h"
+#include "server/core/try.h"
+
+namespace driftwise::application {
+namespace {
+
+// Of wall time: between two looks at the controller.
+constexpr std::chrono::milliseconds kBetweenLooks{10};
+constexpr std::chrono::seconds kStopWithin{1};
+
+}  // namespace
+
+struct JogDesk::Jog {
+  Jog(const asio::any_io_executor& executor, RunControl& moving, TaskGroup::Membership membership)
+      : control(moving), task(std::move(membership)), changed(executor) {}
+  std::int64_t id = 0;
+  Caller caller;
+  std::string lease_token;
+  JogOrder order;
+  std::size_t axis = 0;
+  std::vector<double> target_mm;
+  RunControl& control;  // valid until over
+  std::optional<TaskGroup::Membership> task;
+  Signal changed;
+  std::chrono::nanoseconds last_sign{0};
+  bool halting = false;
+  JogState state;
+};
+
+JogDesk::JogDesk(asio::any_io_executor executor, Workbench& bench, RunEngine& engine,
+                 RightToMove& right, const LeaseBook& leases, TaskGroup& tasks, bool by_wall)
+    : executor_(std::move(executor)),
+      bench_(bench),
+      engine_(engine),
+      right_(right),
+      leases_(leases),
+      tasks_(tasks),
+      by_wall_(by_wall) {}
+
+std::chrono::nanoseconds JogDesk::wall_now() const {
+  if (by_wall_) return std::chrono::steady_clock::now().time_since_epoch();
+  return std::chrono::nanoseconds(bench_.clock.now().monotonic_ns);
+}
+
+Awaitable<void> JogDesk::wall_sleep(std::chrono::nanoseconds duration) {
+  if (!by_wall_) {
+    co_await bench_.clock.sleep_for(duration);
+    co_return;
+  }
+  asio::steady_timer timer(executor_, std::chrono::ceil<asio::steady_timer::duration>(duration));
+  co_await timer.async_wait(asio::as_tuple(asio::use_awaitable));
+}
+
+Result<std::size_t> JogDesk::axis_of(const JogOrder& order) const {
+  const auto motors = bench_.description.motor_channels();
+  const auto found = std::ranges::find(motors, order.channel, &Channel::name);
+  if (found == motors.end()) {
+    std::string known;
+    for (const auto& motor : motors) known += (known.empty() ? "" : ", ") + motor.name();
+    return fail(ErrorCode::invalid_argument, reasons::kUnknownAxis,
+                fmt::format("found axis '{}', expected one of {}", order.channel, known));
+  }
+  if (!(std::abs(order.step_mm) > 0 && std::abs(order.step_mm) <= kMostStep_mm))
+    return fail(ErrorCode::invalid_argument, reasons::kBadStep,
+                fmt::format("found a step of {} mm, expected one other than 0 and of at most {:g} "
+                            "mm: 'move' goes farther",
+                            order.step_mm, kMostStep_mm));
+  return static_cast<std::size_t>(found - motors.begin());
+}
+
+Awaitable<Result<JogState>> JogDesk::begin(Caller caller, std::string lease_token, JogOrder order,
+                                           HoldAnswer answer) {
+  auto lock = std::optional(co_await right_.turn());
+  DRIFTWISE_CO_TRY(const auto axis, axis_of(order));
+  DRIFTWISE_CO_RETURN_IF_ERROR(right_.check_by_hand(caller, lease_token, answer));
+  // From here on a stop reaches it, also while the controller is asked where the axes are.
+  auto jog = std::make_shared<Jog>(executor_, right_.begin_by_hand(), tasks_.join());
+  lock.reset();
+  jog->caller = caller;
+  jog->lease_token = lease_token;
+  jog->order = order;
+  jog->axis = axis;
+  jog->id = jog->state.id = ++last_id_;
+  jog->last_sign = wall_now();
+  const auto give_up = [&](Error error) -> Result<JogState> {
+    jog->state.over = true;
+    jog->state.end_reason = error.message;
+    right_.end_by_hand();
+    return tl::unexpected(std::move(error));
+  };
+  const auto from = co_await bench_.devices.motion_state();
+  if (!from) co_return give_up(from.error());
+  jog->target_mm = jog->state.q_mm = from->q_mm;
+  // Only the axis that is jogged may be refused: another one rests at its limit.
+  std::size_t i = 0;
+  for (const auto& device : bench_.description.devices)
+    for (const auto& one : device.axes()) {
+      if (i >= jog->target_mm.size()) break;
+      if (i != axis) jog->target_mm[i] = std::clamp(jog->target_mm[i], one.min_mm, one.max_mm);
+      ++i;
+    }
+  auto first = jog->target_mm;
+  if (axis < first.size()) first[axis] += order.step_mm;
+  if (auto inside = check_soft_limits(bench_.description, first); !inside)
+    co_return give_up(inside.error());
+  if (auto wanted = jog->control.check(); !wanted) co_return give_up(wanted.error());
+  engine_.remeasure_zero("jogged by hand");
+  bench_.events.record(
+      caller, "axes.jog",
+      order.held ? fmt::format("{} holds {} in steps of {:+g} mm, from {:.6f} mm", caller.name,
+                               order.channel, order.step_mm, jog->target_mm[axis])
+                 : fmt::format("{} moves {} by {:+g} mm, from {:.6f} mm", caller.name,
+                               order.channel, order.step_mm, jog->target_mm[axis]));
+  jog_ = jog;
+  if (order.held) {
+    tasks_.spawn(carry(jog));
+    tasks_.spawn(listen(jog));
+    co_return jog->state;
+  }
+  co_await carry(jog);
+  if (!jog->state.released)
+    co_return fail(ErrorCode::aborted, reasons::kRunAborted, jog->state.end_reason);
+  co_return jog->state;
+}
+
+Awaitable<void> JogDesk::carry(JogPtr jog) {
+  const auto done = co_await step_on(*jog);
+  while (jog->halting) co_await jog->changed.wait();
+  if (!done && jog->state.end_reason.empty()) {
+    jog->state.end_reason = done.error().message;
+    // What ended it may not have ended the motion. A stop that a person pressed has its own desk.
+    if (jog->state.steps > 0 && !bench_.stops.pending()) {
+      jog->halting = true;
+      static_cast<void>(co_await bench_.devices.stop());
+      jog->halting = false;
+    }
+  }
+  jog->state.over = true;
+  right_.end_by_hand();
+  jog->task.reset();
+  jog->changed.raise();
+}
+
+Awaitable<Result<void>> JogDesk::step_on(Jog& jog) {
+  do {
+    auto next = jog.target_mm;
+    next[jog.axis] += jog.order.step_mm;
+    if (const auto inside = check_soft_limits(bench_.description, next); !inside) {
+      jog.state.released = true;
+      jog.state.end_reason = inside.error().message;
+      co_return Result<void>{};
+    }
+    DRIFTWISE_CO_RETURN_IF_ERROR(jog.control.check());
+    bench_.writer.add(MoveRecord{std::nullopt, bench_.clock.now(), jog.target_mm, next,
+                                 "jog by hand: " + jog.caller.name});
+    jog.target_mm = next;
+    ++jog.state.steps;
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await bench_.devices.start_move(next));
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await arrive(jog));
+  } while (jog.order.held);
+  jog.state.released = true;
+  jog.state.end_reason = "the step was made";
+  co_return Result<void>{};
+}
+
+Awaitable<Result<void>> JogDesk::arrive(Jog& jog) {
+  const auto& rules = bench_.description.run;
+  const auto limit = bench_.clock.now().utc + nanoseconds_from_s(rules.move_timeout_s);
+  while (true) {
+    DRIFTWISE_CO_TRY(const auto state, co_await bench_.devices.motion_state());
+    jog.state.q_mm = state.q_mm;
+    DRIFTWISE_CO_RETURN_IF_ERROR(jog.control.check());
+    if (!state.moving && state.on_target) co_return Result<void>{};
+    if (bench_.clock.now().utc > limit)
+      co_return fail(
+          ErrorCode::deadline_exceeded, reasons::kNotSettled,
+          fmt::format("{} is not on target after {:g} s", jog.order.channel, rules.move_timeout_s));
+    co_await wall_sleep(kBetweenLooks);
+    DRIFTWISE_CO_RETURN_IF_ERROR(jog.control.check());
+  }
+}
+
+Awaitable<void> JogDesk::listen(JogPtr jog) {
+  while (!jog->state.over && !jog->halting) {
+    const auto silent = wall_now() - jog->last_sign;
+    if (silent < kSilence) {
+      co_await wall_sleep(kSilence - silent);
+      continue;
+    }
+    const auto why = fmt::format("no sign of the client of {} for {} ms: {} was stopped",
+                                 jog->caller.name, kSilence.count(), jog->order.channel);
+    bench_.events.record_own("axes.jog_lost", why);
+    auto halting = halt(jog, why, false);
+    co_await std::move(halting);
+    co_return;
+  }
+}
+
+Awaitable<void> JogDesk::halt(JogPtr jog, std::string why, bool released) {
+  if (jog->state.over || jog->halting) co_return;
+  jog->halting = true;
+  jog->state.end_reason = why;
+  jog->state.released = released;
+  jog->control.abort(why);
+  const auto sent = co_await bench_.devices.stop();
+  const bool rests = sent && co_await at_rest();
+  // A controller that does not say so is told for as long as it takes, also by the next daemon.
+  if (!rests) {
+    auto pressing = bench_.stops.press(jog->caller, why);
+    static_cast<void>(co_await std::move(pressing));
+  }
+  jog->halting = false;
+  jog->changed.raise();
+}
+
+Awaitable<bool> JogDesk::at_rest() {
+  const auto limit = wall_now() + kStopWithin;
+  for (int answers = 0; wall_now() < limit;) {
+    const auto state = co_await bench_.devices.motion_state();
+    if (!state) co_return false;
+    answers = state->moving ? 0 : answers + 1;
+    if (jog_) jog_->state.q_mm = state->q_mm;
+    if (answers == StopDesk::kAnswers) co_return true;
+    co_await wall_sleep(kBetweenLooks);
+  }
+  co_return false;
+}
+
+Result<JogDesk::JogPtr> JogDesk::find(std::int64_t id, const std::string& lease_token) const {
+  if (!jog_ || jog_->id != id || jog_->lease_token != lease_token)
+    return fail(ErrorCode::not_found, reasons::kNoSuchJog,
+                fmt::format("there is no held movement {} of this lease: begin another", id));
+  return jog_;
+}
+
+Result<JogState> JogDesk::hold(std::int64_t id, const std::string& lease_token) {
+  DRIFTWISE_TRY(const auto jog, find(id, lease_token));
+  if (!jog->state.over) {
+    // The lease is the client's to renew; without it nobody may hold an axis.
+    if (const auto ok = leases_.check(lease_token, bench_.clock.now().utc); ok)
+      jog->last_sign = wall_now();
+  }
+  return jog->state;
+}
+
+Awaitable<Result<JogState>> JogDesk::end(std::int64_t id, std::string lease_token) {
+  DRIFTWISE_CO_TRY(const auto jog, find(id, lease_token));
+  auto halting = halt(jog, "let go", true);
+  co_await std::move(halting);
+  while (!jog->state.over) co_await jog->changed.wait();
+  co_return jog->state;
+}
+
+}  // namespace driftwise::application
