@@ -7,6 +7,7 @@ import { useTransport } from '@/api/client';
 import { CellService, GetStatusResponseSchema } from '@/api/gen/driftwise/v1/cell_service_pb';
 import { CheckVerdict, CommissioningService } from '@/api/gen/driftwise/v1/commissioning_service_pb';
 import { LookBackService } from '@/api/gen/driftwise/v1/look_back_service_pb';
+import { WatchService } from '@/api/gen/driftwise/v1/watch_service_pb';
 import { go } from '@/app/router';
 import { operatorName } from '@/app/session';
 import { connection } from '@/live/connection';
@@ -15,6 +16,8 @@ import { runsTyped } from '@/views/lookback/compare';
 import { overlay } from '@/views/lookback/specs';
 import Commissioning from '@/views/commissioning/view';
 import Manual from '@/views/manual/view';
+import { bandOf } from '@/parts/settled';
+import { Receivers } from '@/views/record/receivers';
 
 const begun = vi.fn();
 const signs = vi.fn();
@@ -35,6 +38,12 @@ const daemon = () => createRouterTransport(({ service }) => {
     listCertificates: () => ({ certificates: [{ deviceId: 'laser-x', number: '4711', laboratory: 'PTB', date: '2024-01-01', dueDate: '2026-01-01', daysLeft: -40n }], without: ['scanner'] }),
   });
   service(LookBackService, {});
+  service(WatchService, {
+    listReceivers: () => ({
+      receivers: [{ name: 'duty', way: 'webhook https://hooks.example.org', failingTime: { seconds: 1n, nanos: 0 }, answer: 'HTTP 503', waitingCount: 2n }],
+      tellings: [{ alarmId: 4n, receiver: 'duty', error: 'HTTP 503', failedCount: 3n }],
+    }),
+  });
 });
 
 beforeEach(() => {
@@ -114,5 +123,22 @@ describe('looking back', () => {
     expect(spec.series.map((one) => one.name)).toEqual(['run 3 x', 'run 3 y', 'run 4 x', 'run 4 y']);
     expect(new Set(spec.series.map((one) => one.colour)).size).toBe(2);
     expect(spec.series[1].dash).toBeDefined();
+  });
+});
+
+describe('receivers of alarms', () => {
+  it('says which one gets nothing, and what it said', async () => {
+    render(<Receivers />);
+    expect(await screen.findByText(/nothing arrives since .*HTTP 503/)).toBeTruthy();
+    expect(screen.getByText('HTTP 503 (3 tries)')).toBeTruthy();
+    expect(screen.getByRole('button', { name: 'Send a test message to duty' })).toBeTruthy();
+  });
+});
+
+describe('the band of a stabiliser', () => {
+  it('is that of the rule by which the daemon holds a run', () => {
+    const rule = { name: 'support', channel: 'support_degC', minusChannel: 'support_set_degC', above: 0.02 };
+    expect(bandOf([{ name: 'room', channel: 't12_degC', minusChannel: '', above: 20 }, rule] as never)).toBe(0.02);
+    expect(bandOf([])).toBe(0.01);
   });
 });

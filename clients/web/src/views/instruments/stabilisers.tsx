@@ -37,7 +37,7 @@ export function settledFor(history: History, { now, set }: Stabiliser): number |
   const track = history.of(now.name);
   const target = set.value.value;
   for (let i = track.mean.length - 1; i >= 0; i--) {
-    if (!Number.isFinite(track.mean[i]) || Math.abs(track.mean[i] - target) <= settledK) continue;
+    if (!Number.isFinite(track.mean[i]) || Math.abs(track.mean[i] - target) <= settledK()) continue;
     return i === track.mean.length - 1 ? undefined : (history.toMs - track.atMs[i]) / 1000;
   }
   return track.mean.length > 0 ? (history.toMs - track.atMs[0]) / 1000 : undefined;

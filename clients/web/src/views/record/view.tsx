@@ -12,6 +12,7 @@ import { Panel } from '@/ui/panel';
 import { Awaiting, Empty, Failed } from '@/ui/states';
 import { useAsked } from '@/ui/use_asked';
 import { ViewTitle } from '@/ui/view_title';
+import { Receivers } from './receivers';
 
 const newestFirst = (events: readonly Event[]) => [...events].sort((a, b) => (a.id < b.id ? 1 : -1));
 
@@ -70,6 +71,7 @@ export default function Record() {
           </p>
         )}
       </Panel>
+      <Receivers />
     </>
   );
 }
