@@ -298,6 +298,7 @@ class Campaign:
             run = cell.begin(plan_of("linear-axis", 10, 10))
             cell.wait("it moves", lambda: cell.state(run)[2] >= 1, 90)
             stops = went_on = 0
+            refused = []
             for _ in range(6):
                 time.sleep(draw.uniform(0.0, 0.6))
                 if with_fault:
@@ -309,13 +310,20 @@ class Campaign:
                 time.sleep(0.25)
                 second = json.loads(cell.tell("truth?").removeprefix("OK ").strip())
                 went_on += abs(first["q_scale_nm"] - second["q_scale_nm"]) > 1000  # an axis at rest holds within 35 nm
-                if cell.cli("run", "resume", run, "--yes").returncode != 0:
-                    raise Trouble("resume was refused")
+                # While the stop is pending, because the controller cannot be asked, a resume is refused: that is right.
+                answers = []
+                until = time.monotonic() + 30
+                while (done := cell.cli("run", "resume", run, "--yes")).returncode != 0:
+                    answers.append(done.stderr.strip())
+                    if time.monotonic() > until:
+                        raise Trouble("resume is refused: " + answers[-1])
+                    time.sleep(0.2)
+                refused += answers[:1]
                 time.sleep(0.3)
             cell.cli("run", "abort", run)
             cell.wait("aborted", lambda: cell.state(run)[0] == "aborted")
             lost, doubled = cell.judge(run)
-            return {"faults": stops, "lost": lost, "doubled": doubled, "moved_on": went_on}
+            return {"faults": stops, "lost": lost, "doubled": doubled, "moved_on": went_on, "explained": refused}
 
     def stop_and_line(self, seed):
         return self.stop(seed, True)
