@@ -195,15 +195,11 @@ Awaitable<Result<ThermometerReport>> CommissioningService::compare_thermometers(
                                "least 2 probes such as t07_degC, and no others",
                                count));
   static_cast<void>(co_await writer_.flush());
-  auto reading = reader_.call(
-      [from, to](Store& store, const Wanted& these) { return read_wanted(store, these, from, to); },
-      wanted);
-  DRIFTWISE_CO_TRY(auto all, co_await std::move(reading));
+  DRIFTWISE_CO_TRY(auto all, co_await reader_.call(read_wanted, wanted, from, to));
   ThermometerReport report;
   report.from = from;
   report.to = to;
-  auto comparing = run_on(worker_, compared, report, wanted, std::move(all));
-  co_return co_await std::move(comparing);
+  co_return co_await run_on(worker_, compared, report, wanted, std::move(all));
 }
 
 Result<void> CommissioningService::begin_rest(Caller caller, RestLimits limits) {
@@ -223,13 +219,9 @@ Awaitable<Result<RestReport>> CommissioningService::rest() {
   const CellTime to = report.end.utc_ns != 0 ? report.end : bench_.clock.now().utc;
   const auto wanted = rest_channels(bench_.description);
   static_cast<void>(co_await writer_.flush());
-  auto reading = reader_.call(
-      [from, to](Store& store, const Wanted& these) { return read_wanted(store, these, from, to); },
-      wanted);
-  DRIFTWISE_CO_TRY(auto all, co_await std::move(reading));
+  DRIFTWISE_CO_TRY(auto all, co_await reader_.call(read_wanted, wanted, from, to));
   std::erase_if(all, [](const RecordedSeries& one) { return one.samples.values.empty(); });
-  auto judging = run_on(worker_, judged, report, std::move(all));
-  report = co_await std::move(judging);
+  report = co_await run_on(worker_, judged, report, std::move(all));
   report.sentence = rest_sentence(report, bench_.clock);
   co_return report;
 }

@@ -42,6 +42,17 @@ Result<Stability> analysed(Stability& out, const std::vector<RecordedSeries>& re
   return out;
 }
 
+Result<std::vector<RecordedSeries>> read_channel(Store& store, const std::string& device,
+                                                 const std::string& channel, CellTime from,
+                                                 CellTime to) {
+  return recorded_series(store, device, {channel}, from, to);
+}
+
+ComparedRun with_measured(ComparedRun& run, const Dataset& data) {
+  add_measured(data, run);
+  return run;
+}
+
 std::string shown_unit(const std::string& unit) {
   if (unit == "mm") return "nm";
   if (unit == "degC") return "mK";
@@ -85,15 +96,8 @@ Awaitable<Result<Stability>> LookBackService::stability_of(std::string channel, 
   out.from = from;
   out.to = to;
   static_cast<void>(co_await bench_.writer.flush());
-  std::vector<std::string> channels{channel};
-  auto reading = reader_.call(
-      [from, to](Store& store, const std::string& of, const std::vector<std::string>& names) {
-        return recorded_series(store, of, names, from, to);
-      },
-      device, channels);
-  DRIFTWISE_CO_TRY(auto recorded, co_await std::move(reading));
-  auto analysing = run_on(worker_, analysed, out, std::move(recorded));
-  co_return co_await std::move(analysing);
+  DRIFTWISE_CO_TRY(auto recorded, co_await reader_.call(read_channel, device, channel, from, to));
+  co_return co_await run_on(worker_, analysed, out, std::move(recorded));
 }
 
 Awaitable<Result<std::vector<ComparedRun>>> LookBackService::compare(std::vector<RunId> runs,
@@ -109,14 +113,7 @@ Awaitable<Result<std::vector<ComparedRun>>> LookBackService::compare(std::vector
     std::string no_text;
     auto loading = datasets_.load(only, no_text);
     DRIFTWISE_CO_TRY(auto data, co_await std::move(loading));
-    auto adding = run_on(
-        worker_,
-        [](const Dataset& from, ComparedRun& into) {
-          add_measured(from, into);
-          return into;
-        },
-        std::move(data), one);
-    one = co_await std::move(adding);
+    one = co_await run_on(worker_, with_measured, std::move(one), std::move(data));
     if (model) {
       auto asking = models_.residuals(*model, only, no_text);
       const auto residuals = co_await std::move(asking);

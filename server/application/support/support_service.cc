@@ -149,8 +149,7 @@ std::string SupportService::state() const {
 
 Awaitable<Result<std::string>> SupportService::make(Caller caller) {
   co_await bench_.events.written();
-  auto reading = reader_.call(read_record);
-  DRIFTWISE_CO_TRY(auto record, co_await std::move(reading));
+  DRIFTWISE_CO_TRY(auto record, co_await reader_.call(read_record));
   Parts parts;
   const auto& cell = overview_.description();
   parts.cell_file = cell.text;
@@ -185,8 +184,7 @@ Awaitable<Result<std::string>> SupportService::make(Caller caller) {
   add("tables.txt", fmt::format("schema {}\n", program_.schema_version) + joined(record.tables));
   add("log.txt", program_.log_tail ? joined(program_.log_tail())
                                    : std::string("the daemon keeps no log of its own\n"));
-  auto archiving = run_on(background_, archived, std::move(parts));
-  DRIFTWISE_CO_TRY(auto bytes, co_await std::move(archiving));
+  DRIFTWISE_CO_TRY(auto bytes, co_await run_on(background_, archived, std::move(parts)));
   bench_.events.record(
       caller, "support.bundle",
       fmt::format("{} made a support bundle of {} bytes", caller.name, bytes.size()));
