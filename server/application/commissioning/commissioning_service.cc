@@ -168,7 +168,8 @@ Awaitable<CellCheck> CommissioningService::check(Caller caller) {
     }
     heard.status = devices.status()[i];
     const auto now = bench_.clock.now().utc;
-    for (auto& item : check_device(bench_.description, heard, now, bench_.clock.utc(now).ns))
+    for (auto& item : check_device(bench_.description, heard, now, bench_.clock.utc(now).ns,
+                                   bench_.clock.speed()))
       check.items.push_back(std::move(item));
   }
   check.at = bench_.clock.now().utc;

@@ -122,10 +122,11 @@ void check_resolutions(const Judge& judge, const Heard& heard) {
     check_resolution(judge, heard, angle.channel.name(), angle.u_arcsec, 0, "arcsec", 1);
 }
 
-void check_clock(const Judge& judge, const Heard& heard, CellTime now, std::int64_t utc_ns) {
+void check_clock(const Judge& judge, const Heard& heard, CellTime now, std::int64_t utc_ns,
+                 double speed) {
   if (heard.readings.empty()) return;
   const double age_s = seconds_from(now - heard.readings.back().middle());
-  const double limit_s = std::max(kOldestReading_s, judge.device.timeout_s);
+  const double limit_s = std::max(kOldestReading_s, judge.device.timeout_s) * std::max(1.0, speed);
   judge.add("time of the reading", fmt::format("{:.2f} s ago", age_s),
             fmt::format("0 to {:g} s ago", limit_s),
             age_s >= -1 && age_s <= limit_s ? Finding::good : Finding::bad,
@@ -190,7 +191,7 @@ Finding CellCheck::worst() const {
 }
 
 std::vector<CheckItem> check_device(const CellDescription& cell, const Heard& heard, CellTime now,
-                                    std::int64_t utc_ns) {
+                                    std::int64_t utc_ns, double speed) {
   std::vector<CheckItem> items;
   const auto& device = heard.status.description;
   const Judge judge{cell, device, items};
@@ -212,7 +213,7 @@ std::vector<CheckItem> check_device(const CellDescription& cell, const Heard& he
   if (heard.motion) check_motion(judge, *heard.motion);
   if (!heard.readings.empty() && !heard.motion) check_range(judge, heard.readings.back());
   check_resolutions(judge, heard);
-  check_clock(judge, heard, now, utc_ns);
+  check_clock(judge, heard, now, utc_ns, speed);
   check_certificates(judge, utc_ns);
   return items;
 }

@@ -24,9 +24,10 @@ struct Heard {
 // lost slowly.
 constexpr double kEnoughLight_pct = 30;
 
-// now: instant of the last answer; utc_ns: the day of it.
+// now: instant of the last answer; utc_ns: the day of it; speed: cell seconds per wall second, for
+// a link costs wall time.
 std::vector<CheckItem> check_device(const CellDescription& cell, const Heard& heard, CellTime now,
-                                    std::int64_t utc_ns);
+                                    std::int64_t utc_ns, double speed);
 
 // Sentences on certificates that are overdue, for the attention of people.
 struct OverdueCertificate {

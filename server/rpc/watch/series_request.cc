@@ -5,22 +5,13 @@
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/rpc/shared/request_checks.h"
-#include "server/rpc/shared/wire_time.h"
+#include "server/rpc/shared/request_times.h"
 
 namespace driftwise::rpc {
 namespace {
 
 constexpr int kMostBuckets = 10'000, kMostChannels = 200;
 constexpr std::int64_t kMostBucketsInAll = 1'000'000, kNanosecondsPerSecond = 1'000'000'000;
-
-Result<CellTime> instant_from(const google::protobuf::Timestamp& time, const char* field) {
-  constexpr std::int64_t kMostSeconds = 9'000'000'000;  // 64 bits of nanoseconds reach 2262
-  if (time.seconds() < 0 || time.seconds() > kMostSeconds || time.nanos() < 0 ||
-      time.nanos() >= kNanosecondsPerSecond)
-    return fail(ErrorCode::invalid_argument, reasons::kBadTime,
-                std::string(field) + ": expected an instant between 1970 and 2255");
-  return cell_time_from(UtcTime{time.seconds() * kNanosecondsPerSecond + time.nanos()});
-}
 
 Result<void> take_channels(const v1::GetSeriesRequest& request, SeriesQuery& out) {
   if (request.channels().empty() || request.channels_size() > kMostChannels)
