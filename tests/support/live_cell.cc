@@ -148,6 +148,8 @@ app::Services LiveCell::services(const Fakes& fakes) {
           own.keeping,
           own.holds,
           own.notifications,
+          own.plans,
+          own.joint_targets,
           own.jogs,
           own.commissioning,
           own.look_back,
