@@ -128,9 +128,11 @@ Awaitable<Result<PlansService::Loaded>> PlansService::load(plans::ServingPlan pl
     DRIFTWISE_CO_TRY(const auto record, std::move(found));
     DRIFTWISE_CO_TRY(auto model, formats::read_model_json(record.json));
     const auto robots = plans::robots_of(model);
-    loaded.tools[id] =
-        co_await reader_.call(tools_of, model.lineage.runs,
-                              robots.empty() ? std::string() : *robots.begin(), &description_);
+    std::string robot;
+    if (!robots.empty()) robot = *robots.begin();
+    auto asking = reader_.call(tools_of, model.lineage.runs, std::move(robot), &description_);
+    auto tools = co_await std::move(asking);
+    loaded.tools[id] = std::move(tools);
     loaded.models.emplace(id, std::move(model));
   }
   loaded.plan = std::move(plan);

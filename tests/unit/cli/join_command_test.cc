@@ -64,7 +64,8 @@ TEST_F(JoinCommand, RefusesWhatDoesNotBelongTogether) {
   EXPECT_EQ(refused.exit, 3);
   EXPECT_THAT(refused.err, HasSubstr("with tool 'cube'"));
   auto moved = session_csv("y_mm ry_arcsec", 0);
-  moved.replace(moved.find("\n15,0,"), 6, "\n15,0,1");
+  const auto value = moved.find("\n15,0,") + 6;  // of q1_mm in row 2
+  moved.replace(value, moved.find(',', value) - value, "1");
   const auto apart = run({"data", "join", first(), file("moved.csv", moved), "--dry-run"});
   EXPECT_EQ(apart.exit, 3);
   EXPECT_THAT(apart.err, HasSubstr("row 2: q1_mm is "));

@@ -50,6 +50,7 @@ TEST_F(CliTest, AMistakeIsToldWithWhatWasFoundAndTheCommandsOwnHelp) {
   for (const Row& row :
        {Row{{"run"},
             "expected one of start, list, tag, show, watch, pause, resume, abort, confirm, verify, "
+            "compare, "
             "points, "
             "attempts, datums (driftwise run --help shows the way)"},
         Row{{"run", "show"}, "RUN is required (driftwise run show --help shows the way)"},
