@@ -182,11 +182,11 @@ Composition::~Composition() {
 }
 
 Services Composition::services() {
-  return {host,       overview,       reader,    manual,     runs,         trajectories,
-          datasets,   annotations,    models,    promotions, checks,       serving,
-          provenance, configurations, diagnoses, extensions, improvements, studies,
-          alarms,     feeds,          queue,     upkeep,     holds,        notify,
-          plans,      joint_serving, jogs,    commissioning, look_back, support};
+  return {host,       overview,       reader,    manual,        runs,         trajectories,
+          datasets,   annotations,    models,    promotions,    checks,       serving,
+          provenance, configurations, diagnoses, extensions,    improvements, studies,
+          alarms,     feeds,          queue,     upkeep,        holds,        notify,
+          plans,      joint_serving,  jogs,      commissioning, look_back,    support};
 }
 
 }  // namespace driftwise::application

@@ -80,8 +80,7 @@ const std::vector<std::string> kRooms = all_rooms();
 const std::set<std::string> kMathematics = {
     "server/core",         "server/effects",        "server/correction", "server/kinematics",
     "server/calibration",  "server/identification", "server/simulation", "server/diagnosis",
-    "server/compensation", "server/plans",          "server/stability",
-    "server/standards"};
+    "server/compensation", "server/plans",          "server/stability",  "server/standards"};
 
 std::set<std::string> with(std::set<std::string> base, const std::set<std::string>& more) {
   base.insert(more.begin(), more.end());
