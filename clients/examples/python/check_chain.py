@@ -48,6 +48,9 @@ KINDS = {
     32: (["entry_id"], ["queue_entry", "queue_result"]),
     33: (["one"], ["queue_hold"]),
     34: (["run_id"], ["run_metadata", "queue_run"]),
+    35: (["plan_id"], ["plan", "plan_model"]),
+    36: (["plan_promotion_id"], ["plan_promotion"]),
+    37: (["time_note_id"], ["time_note"]),
 }
 
 
