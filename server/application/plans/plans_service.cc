@@ -130,9 +130,8 @@ Awaitable<Result<PlansService::Loaded>> PlansService::load(plans::ServingPlan pl
     const auto robots = plans::robots_of(model);
     std::string robot;
     if (!robots.empty()) robot = *robots.begin();
-    auto asking = reader_.call(tools_of, model.lineage.runs, std::move(robot), &description_);
-    auto tools = co_await std::move(asking);
-    loaded.tools[id] = std::move(tools);
+    loaded.tools[id] =
+        co_await reader_.call(tools_of, model.lineage.runs, std::move(robot), &description_);
     loaded.models.emplace(id, std::move(model));
   }
   loaded.plan = std::move(plan);

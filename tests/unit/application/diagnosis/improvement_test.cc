@@ -113,7 +113,7 @@ TEST_F(ImprovementTest, ProposesOnlyUnlessItWasToldToPromote) {
 TEST_F(ImprovementTest, StopsWhenTheBudgetDoesNotHoldAnotherMeasurement) {
   application::ImproveRequest request;
   request.budget_s =
-      d.cell.await(d.cell->trajectories.check("trajectory", kLines))->estimated_s * 1.5;
+      d.cell.await(d.cell->trajectories.check("trajectory", kLines))->estimated_s * 1.1;
   const auto record = finished(begin(request)->id);
   EXPECT_EQ(record.state, JobState::done);
   EXPECT_THAT(record.reason, HasSubstr("budget"));
