@@ -12,7 +12,7 @@
 
 namespace driftwise::application {
 
-// What was heard of one device.
+// Last answers of one device.
 struct Heard {
   DeviceStatus status;
   std::optional<Error> trouble;         // it did not answer, or not with a reading

@@ -140,7 +140,8 @@ Awaitable<void> JogDesk::carry(JogPtr jog) {
   while (jog->halting) co_await jog->changed.wait();
   if (!done && jog->state.end_reason.empty()) {
     jog->state.end_reason = done.error().message;
-    // What ended it may not have ended the motion. A stop that a person pressed has its own desk.
+    // Whatever ended it may not have ended the motion. A stop that a person pressed has its own
+    // desk.
     if (jog->state.steps > 0 && !bench_.stops.pending()) {
       jog->halting = true;
       static_cast<void>(co_await bench_.devices.stop());

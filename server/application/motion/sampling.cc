@@ -98,7 +98,7 @@ void summarise(const CellDescription& description, const std::set<std::string>& 
   }
 }
 
-// Where an interferometer that lost its beam out of its range must have it again, or be zeroed.
+// The zero: an interferometer that lost its beam out of its range has it again there, or is zeroed.
 bool is_zero(const std::vector<double>& commanded_mm) {
   constexpr double kNear_mm = 0.01;  // a compensated zero is some micrometres off
   return !commanded_mm.empty() &&

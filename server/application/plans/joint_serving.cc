@@ -70,7 +70,7 @@ Awaitable<Result<void>> JointServing::serve(PlanId id, plans::ServingPlan plan,
       co_await reader_.readings().readings("", now - kJointMemory, now, kJointMemoryReadings);
   if (stored)
     for (const auto& reading : *stored) builder.observe(reading);
-  // What has not reached the disk yet.
+  // Readings that have not reached the disk yet.
   for (const auto& latest : recorder_.history().latest()) {
     const ChannelValue value{latest.channel, latest.value};
     if (!is_missing(latest.value)) builder.observe({&value, 1}, latest.at);

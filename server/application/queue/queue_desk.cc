@@ -154,7 +154,7 @@ std::map<QueueEntryId, EntryOutlook> QueueDesk::outlooks() const {
   return all;
 }
 
-// What is ahead of each entry that waits, from its trajectory.
+// The length of each entry that waits, from its trajectory.
 Awaitable<void> QueueDesk::read_plans() {
   std::erase_if(plans_, [this](const auto& plan) {
     const auto* entry = find_entry(record_.entries, plan.first);

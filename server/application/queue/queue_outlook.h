@@ -1,6 +1,6 @@
 #pragma once
-// How long the run of each entry of the queue takes, and when it ends: as bands, drawn together
-// from the entry under way to the last. Pure.
+// Duration and end of each entry's run in the queue: bands, drawn together from the entry under
+// way to the last. Pure.
 
 #include <functional>
 #include <map>

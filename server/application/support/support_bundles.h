@@ -1,5 +1,5 @@
 #pragma once
-// What a person who helps needs, in one archive. Executor's thread.
+// Everything that a person who helps needs, in one archive. Executor's thread.
 
 #include <string>
 

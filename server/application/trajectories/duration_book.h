@@ -1,5 +1,5 @@
 #pragma once
-// What runs of this cell took: read from the record at the start, and added to by each run that
+// Durations of this cell's runs: read from the record at the start, and added to by each run that
 // ends. Executor's thread.
 
 #include <memory>

@@ -1,5 +1,5 @@
 #pragma once
-// How long a run will still take, as a band from this cell's own history. One estimator for the
+// Time that a run will still take, as a band from this cell's own history. One estimator for the
 // check of a trajectory, the run under way and the queue. Pure; the same question has the same
 // answer.
 //
@@ -42,7 +42,7 @@ class DurationHistory {
   void add(RunSteps run);
   void add_all(const DurationHistory& newer);
   bool empty() const { return runs_.empty(); }
-  // What a step takes in this cell, in planned visits; 1 without history.
+  // Duration of a step in this cell, in planned visits; 1 without history.
   double level() const;
 
  private:

@@ -238,16 +238,21 @@ TEST(DatasetJoin, RefusesSetUpsThatAreSwapped) {
   EXPECT_EQ(refused.reason, "SETUPS_SWAPPED") << refused.message;
 }
 
-TEST(DatasetJoin, RefusesALengthThatFollowsAnotherWantedCoordinate) {
-  auto parts = three();
+Trajectory wanted_in(const char* first, const char* second, const char* third) {
   Trajectory wanted;
-  wanted.coordinates = {{"x", "mm"}, {"y", "mm"}, {"z", "mm"}};
+  wanted.coordinates = {{first, "mm"}, {second, "mm"}, {third, "mm"}};
   for (const auto& point : grid()) {
     TrajectoryPoint row;
     row.target_mm = {point.q1, point.q2, point.q3};
     row.zero = point.zero;
     wanted.points.push_back(row);
   }
+  return wanted;
+}
+
+TEST(DatasetJoin, RefusesALengthThatFollowsAnotherWantedCoordinate) {
+  auto parts = three();
+  const Trajectory wanted = wanted_in("x", "y", "z");
   for (auto& part : parts) part.trajectory = wanted;
   ASSERT_TRUE(join(parts, {}));
   std::swap(column(parts[0], "x").values, column(parts[1], "y").values);
@@ -258,14 +263,7 @@ TEST(DatasetJoin, RefusesALengthThatFollowsAnotherWantedCoordinate) {
 
 TEST(DatasetJoin, NamesTheRowInWhichTrajectoriesDiffer) {
   auto parts = three();
-  Trajectory wanted;
-  wanted.coordinates = {{"q1", "mm"}, {"q2", "mm"}, {"q3", "mm"}};
-  for (const auto& point : grid()) {
-    TrajectoryPoint row;
-    row.target_mm = {point.q1, point.q2, point.q3};
-    row.zero = point.zero;
-    wanted.points.push_back(row);
-  }
+  const Trajectory wanted = wanted_in("q1", "q2", "q3");
   for (auto& part : parts) part.trajectory = wanted;
   ASSERT_TRUE(join(parts, {}));
   parts[2].trajectory->points[16].target_mm[1] += 0.25;

@@ -25,7 +25,7 @@ struct AlignArguments {
   std::vector<std::string> channels;
 };
 
-// What a person who turns a screw looks at: light, lengths and spots.
+// Light, lengths and spots, for a person who turns a screw.
 bool is_shown(const v1::LatestValue& value) {
   const auto& name = value.channel();
   return name.find("level_pct") != std::string::npos || name.ends_with("_arcsec") ||

@@ -1,4 +1,4 @@
-// What a join of runs reports (driftwise.join.v1, docs/joined-runs.md).
+// Report of a join of runs (driftwise.join.v1, docs/joined-runs.md).
 export interface JoinCheck {
   first: string;
   second: string;
