@@ -106,7 +106,7 @@ void ChainCheck::check_entry(const ChainEntry& entry) {
     tell(entry_text(entry.number) + " is inserted: the first one is 1");
   else if (entry.number > expected)
     tell(entry_text(expected) + " is missing");
-  else if (chain_head(head_, entry.number, entry.what, entry.bytes) != entry.head)
+  else if (chain_head(sha_, head_, entry.number, entry.what, entry.bytes) != entry.head)
     tell(entry_text(entry.number) + " differs: its head does not follow from the one before it");
   last_entry_ = entry.number;
   head_ = entry.head;

@@ -58,6 +58,7 @@ class ChainCheck {
   std::map<int, std::int64_t> last_key_;  // of a kind that grows
   std::map<int, std::map<std::string, Newest>> newest_;
   ThinnedStretches thinned_;
+  digest::Sha256 sha_;
 };
 
 }  // namespace driftwise::storage

@@ -124,11 +124,11 @@ void ChainRecorder::at_commit() {
   for (Touched& one : touched_) {
     add_unit(bytes, unit_of(one));
     if (++units % kMostUnitsPerEntry != 0) continue;
-    append_entry(db_, chain_entry::kRows, bytes);
+    append_entry(db_, sha_, chain_entry::kRows, bytes);
     bytes.clear();
   }
-  if (!bytes.empty()) append_entry(db_, chain_entry::kRows, bytes);
-  if (!thinned_entry_.empty()) append_entry(db_, chain_entry::kThinned, thinned_entry_);
+  if (!bytes.empty()) append_entry(db_, sha_, chain_entry::kRows, bytes);
+  if (!thinned_entry_.empty()) append_entry(db_, sha_, chain_entry::kThinned, thinned_entry_);
   rolled_back();
 }
 
@@ -148,7 +148,7 @@ void ChainRecorder::begin() {
   if (others.empty()) return;
   Transaction transaction(db_);
   for (const UnitKind* kind : others) {
-    append_entry(db_, chain_entry::kLayout, tables_.layout(*kind));
+    append_entry(db_, sha_, chain_entry::kLayout, tables_.layout(*kind));
     append_all(*kind);
   }
   transaction.commit();
@@ -160,7 +160,7 @@ void ChainRecorder::append_all(const UnitKind& kind) {
   const auto append = [&](const std::string& key) {
     add_unit(bytes, tables_.load(kind, key));
     if (++units % kMostUnitsPerEntry != 0) return;
-    append_entry(db_, chain_entry::kBegin, bytes);
+    append_entry(db_, sha_, chain_entry::kBegin, bytes);
     bytes.clear();
   };
   if (kind.grows) {
@@ -173,7 +173,7 @@ void ChainRecorder::append_all(const UnitKind& kind) {
   } else {
     for (const auto& key : tables_.keys(kind)) append(key);
   }
-  if (!bytes.empty()) append_entry(db_, chain_entry::kBegin, bytes);
+  if (!bytes.empty()) append_entry(db_, sha_, chain_entry::kBegin, bytes);
 }
 
 }  // namespace driftwise::storage

@@ -55,6 +55,7 @@ class ChainRecorder final : public AtCommit {
 
   Database& db_;
   ProtectedTables& tables_;
+  digest::Sha256 sha_;
   std::vector<Touched> touched_;
   std::unordered_map<std::string, std::size_t> known_;  // by the kind's number and key, as bytes
   std::string new_bytes_;                               // of the rows taken

@@ -1,25 +1,25 @@
 #include "storage/chain/chain_rows.h"
 
-#include "server/digest/sha256.h"
 #include "storage/chain/value_bytes.h"
 
 namespace driftwise::storage {
 
 const std::string kChainRoot(digest::kSha256Bytes, '\0');
 
-std::string chain_head(const std::string& before, std::int64_t number, const std::string& what,
-                       const std::string& bytes) {
+std::string chain_head(digest::Sha256& sha, const std::string& before, std::int64_t number,
+                       const std::string& what, const std::string& bytes) {
   std::string own;
   add_integer(own, number);
   add_text(own, what);
-  return digest::Sha256().add(before).add(own).add(bytes).finish();
+  return sha.begin().add(before).add(own).add(bytes).finish();
 }
 
-void append_entry(Database& db, const std::string& what, const std::string& bytes) {
+void append_entry(Database& db, digest::Sha256& sha, const std::string& what,
+                  const std::string& bytes) {
   const ChainEntry last = newest_entry(db);
   const std::int64_t number = last.number + 1;
   const std::string head =
-      chain_head(last.number == 0 ? kChainRoot : last.head, number, what, bytes);
+      chain_head(sha, last.number == 0 ? kChainRoot : last.head, number, what, bytes);
   Query(db, "INSERT INTO chain (entry_id, what, bytes, head) VALUES (?, ?, ?, ?)")
       .bind(number, what, Bytes{bytes}, Bytes{head})
       .run();

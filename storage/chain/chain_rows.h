@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "server/digest/sha256.h"
 #include "storage/sqlite/database.h"
 
 namespace driftwise::storage {
@@ -29,12 +30,14 @@ struct ChainEntry {
 };
 
 // The head at an entry. before: the head of the one before it; of the first entry, 32 zero bytes.
-std::string chain_head(const std::string& before, std::int64_t number, const std::string& what,
-                       const std::string& bytes);
+// sha: kept by the caller, for making one costs more than an entry.
+std::string chain_head(digest::Sha256& sha, const std::string& before, std::int64_t number,
+                       const std::string& what, const std::string& bytes);
 extern const std::string kChainRoot;  // 32 zero bytes
 
 // Inside a write transaction. Throws StorageFailure.
-void append_entry(Database& db, const std::string& what, const std::string& bytes);
+void append_entry(Database& db, digest::Sha256& sha, const std::string& what,
+                  const std::string& bytes);
 
 // The newest entry, without its bytes; number 0: the chain has not begun.
 ChainEntry newest_entry(Database& db);

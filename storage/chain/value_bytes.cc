@@ -9,8 +9,10 @@ namespace {
 constexpr char kMostIntegerBytes = 8, kNull = 0x10, kReal = 0x11, kText = 0x12, kBlob = 0x13;
 
 void add_big_endian(std::string& bytes, std::uint64_t value, int count) {
-  for (int i = count - 1; i >= 0; --i)
-    bytes += static_cast<char>(static_cast<unsigned char>(value >> (8 * i)));
+  char all[8];
+  for (int i = 0; i < count; ++i)
+    all[i] = static_cast<char>(static_cast<unsigned char>(value >> (8 * (count - 1 - i))));
+  bytes.append(all, static_cast<std::size_t>(count));
 }
 
 std::uint64_t big_endian(std::string_view bytes) {

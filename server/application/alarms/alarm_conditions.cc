@@ -84,9 +84,14 @@ void add_device_clocks(const CellStatus& status, std::vector<AlarmCondition>& ou
   }
 }
 
+// The rules that a run goes by, whatever the cell file says now.
+RunRules rules_of(const RunRecord& run) {
+  const auto plan = read_run_plan(run.rules_json);
+  return plan ? plan->rules : RunRules{};
+}
+
 void add_run(const RunProgress& progress, CellTime now, std::vector<AlarmCondition>& out) {
   const RunRecord& run = progress.run;
-  const RunRules rules = rules_of(run);
   // A cell that is beyond a limit for a moment, or whose channels have not been read yet after a
   // start, asks for nobody.
   constexpr double kWorthAnAlarm_s = 60;
@@ -102,21 +107,18 @@ void add_run(const RunProgress& progress, CellTime now, std::vector<AlarmConditi
     out.push_back(
         {AlarmLevel::notice, "run.paused", run_subject(run.id),
          fmt::format("run {} stands still: {}; resume it to go on", run.id.value, run.reason)});
-  if (run.given_up > 0)
+  if (run.given_up > 0) {
+    const RunRules rules = rules_of(run);
     out.push_back({AlarmLevel::warning, "gate.given_up", run_subject(run.id),
                    fmt::format("run {} gave up {} of {} rows that failed the gate within all "
                                "budgets (limits of this run: spread {:g} nm, readback {:g} nm "
                                "peak to peak over {:g} s): 'driftwise run attempts {}' says why",
                                run.id.value, run.given_up, run.rows, rules.max_spread_nm,
                                rules.quiet_nm, rules.settle_s, run.id.value)});
+  }
 }
 
 }  // namespace
-
-RunRules rules_of(const RunRecord& run) {
-  const auto plan = read_run_plan(run.rules_json);
-  return plan ? plan->rules : RunRules{};
-}
 
 std::vector<AlarmCondition> alarm_conditions(const CellStatus& status) {
   std::vector<AlarmCondition> out;

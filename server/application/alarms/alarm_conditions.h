@@ -16,9 +16,6 @@ namespace driftwise::application {
 // daemon.paused, for a minute after a pause of the executor.
 std::vector<AlarmCondition> alarm_conditions(const CellStatus& status);
 
-// The rules that a run goes by, whatever the cell file says now.
-RunRules rules_of(const RunRecord& run);
-
 // The quality gate's trend over the last points of a run: before points are given up, their spread
 // grows and they need more attempts.
 class QualityTrend {

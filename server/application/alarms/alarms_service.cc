@@ -154,8 +154,8 @@ std::vector<AlarmCondition> AlarmsService::alarms_now() const {
       if (latest.channel == doubt.subject) doubt.device = latest.device;
     out.push_back(std::move(doubt));
   }
-  if (const auto* run = engine_.record(); run && engine_.busy())
-    if (const auto trend = quality_.condition(rules_of(*run).max_spread_nm)) out.push_back(*trend);
+  if (const auto* rules = engine_.rules(); rules && engine_.busy())
+    if (const auto trend = quality_.condition(rules->max_spread_nm)) out.push_back(*trend);
   if (!engine_.announcement().empty()) {
     // A start that somebody has put into the queue is expected; one after an absence is not.
     const auto& run = *engine_.record();

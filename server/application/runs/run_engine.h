@@ -62,6 +62,8 @@ class RunEngine {
   const std::string& announcement() const { return announcement_; }
   RunControl* control() { return run_ ? &run_->control : nullptr; }
   const RunRecord* record() const { return run_ ? &run_->record : nullptr; }
+  // The rules that it goes by, whatever the cell file says now; nullptr: there is no run.
+  const RunRules* rules() const { return run_ ? &run_->plan.rules : nullptr; }
   // The run under way, else the last one that ended.
   const std::optional<RunProgress>& progress() const { return last_progress_; }
   // Of the run under way, with its draws; none: there is none.
