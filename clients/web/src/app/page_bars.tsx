@@ -6,6 +6,7 @@ import { loadedAfresh } from '@/live/epoch';
 import { cell } from '@/live/state';
 import { clock } from '@/format/time';
 import { Button } from '@/ui/button';
+import { InstantBar } from './instant_bar';
 
 function NotLive() {
   const now = connection.value;
@@ -47,5 +48,5 @@ function Updated() {
 }
 
 export function PageBars() {
-  return <><NotLive /><Afresh /><Updated /></>;
+  return <><NotLive /><Afresh /><Updated /><InstantBar /></>;
 }

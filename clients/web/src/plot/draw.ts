@@ -14,6 +14,7 @@ export interface Drawn {
   chosen: number | undefined;
   pointed: number | undefined; // series that is coloured though quiet
   colours: Palette;
+  instant: number | undefined; // x of the instant that is pinned in every plot
 }
 
 export interface Wishes {
@@ -69,6 +70,26 @@ export function seenRange({ spec, range }: Drawn): Range {
   return range ?? wholeRange(spec) ?? { from: 0, to: 1 };
 }
 
+function drawInstant(u: uPlot, { instant, colours }: Drawn): void {
+  if (instant === undefined) return;
+  const at = Math.round(u.valToPos(instant, 'x', true));
+  const { top, height } = u.bbox;
+  const px = devicePixelRatio;
+  u.ctx.save();
+  u.ctx.strokeStyle = u.ctx.fillStyle = colours.text;
+  u.ctx.lineWidth = px;
+  u.ctx.beginPath();
+  u.ctx.moveTo(at, top);
+  u.ctx.lineTo(at, top + height);
+  u.ctx.stroke();
+  u.ctx.beginPath();
+  u.ctx.moveTo(at - 5 * px, top - 6 * px);
+  u.ctx.lineTo(at + 5 * px, top - 6 * px);
+  u.ctx.lineTo(at, top);
+  u.ctx.fill();
+  u.ctx.restore();
+}
+
 export function makePlot(root: HTMLElement, now: () => Drawn, wishes: Wishes, size: { width: number; height: number }, group?: string): uPlot {
   const span = (which: 'left' | 'right') => (): uPlot.Range.MinMax => yRange(now().spec, which, seenRange(now()));
   const hasRight = now().spec.right !== undefined;
@@ -97,7 +118,7 @@ export function makePlot(root: HTMLElement, now: () => Drawn, wishes: Wishes, si
       },
       hooks: {
         drawAxes: [(u) => drawBehind(u, now().spec, now().colours)],
-        draw: [(u) => drawMarks(u, now().spec, now().colours), (u) => drawMarkers(u, now().spec, now().colours, now().chosen)],
+        draw: [(u) => drawMarks(u, now().spec, now().colours), (u) => drawMarkers(u, now().spec, now().colours, now().chosen), (u) => drawInstant(u, now())],
         setCursor: [(u) => wishes.cursor((u.cursor.left ?? -1) < 0 ? undefined : u.posToVal(u.cursor.left!, 'x'))],
         setSelect: [
           (u) => {

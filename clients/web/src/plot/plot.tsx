@@ -13,6 +13,7 @@ import { makePlot, redraw, seenRange, shapeOf, type Drawn } from './draw';
 import { ExportMenu } from './export_menu';
 import { followGestures, keyPressed, type Gestured } from './gestures';
 import { Held } from './held';
+import { pin, pinned, pinnedX } from './instant';
 import { Legend } from './legend';
 import { deviationFromStart } from './many';
 import { RowMarks, TimeMarks, withTimeMarks } from './marks';
@@ -79,7 +80,8 @@ export function Plot(props: PlotProps) {
     const ordered = { ...props.spec, series: props.spec.series.map(inOrder) };
     return withTimeMarks(deviates ? deviationFromStart(ordered) : ordered, marks, ofRows);
   }, [props.spec, marks, ofRows, deviates]);
-  const drawn: Drawn = { spec, range: range.value, chosen: props.chosen?.value, pointed, colours: palette() };
+  const drawn: Drawn = { spec, range: range.value, chosen: props.chosen?.value, pointed, colours: palette(), instant: undefined };
+  drawn.instant = pinnedX(spec, seenRange(drawn));
   const words = useWords(drawn);
   const latest = useRef(drawn);
   latest.current = drawn;
@@ -99,6 +101,13 @@ export function Plot(props: PlotProps) {
     },
   };
 
+  // A click on the line that stands lets it go.
+  const pinAt = (x: number) => {
+    const { spec: of, instant } = latest.current;
+    if (instant !== undefined && Math.abs(plot.current!.valToPos(instant, 'x') - x) < 5) pinned.value = undefined;
+    else pin(of, plot.current!.posToVal(x, 'x'), seenRange(latest.current));
+  };
+
   const shape = shapeOf(spec);
   useEffect(() => {
     if (empty || table || !box.current) return;
@@ -109,6 +118,7 @@ export function Plot(props: PlotProps) {
       click: (x, y) => {
         const key = picked(plot.current!, latest.current.spec, x, y);
         if (key !== undefined) pick.current?.(key);
+        else pinAt(x);
       },
     }, { width: Math.max(120, root.clientWidth), height }, group);
     plot.current = u;
@@ -132,7 +142,7 @@ export function Plot(props: PlotProps) {
   // In the frame that brought the numbers: an ordinary effect runs after it, and each picture would cost a frame of its own. A live
   // plot waits for the tick of all of them with what came in between.
   const shown = useRef<readonly unknown[]>([]);
-  const wish = [spec, range.value, props.chosen?.value, pointed];
+  const wish = [spec, range.value, props.chosen?.value, pointed, drawn.instant];
   useLayoutEffect(() => {
     if (!plot.current || !seen.peek() || wish.every((one, at) => one === shown.current[at])) return;
     shown.current = wish;
@@ -148,7 +158,7 @@ export function Plot(props: PlotProps) {
         )}
         {!bare && !empty && <ExportMenu spec={spec} range={gestured.seen} drawing={() => plot.current} table={table} onTable={() => setTable(!table)} />}
       </div>
-      {!bare && <Legend spec={spec} cursor={cursor} pointed={pointed} onPoint={setPointed} />}
+      {!bare && <Legend spec={spec} cursor={cursor ?? drawn.instant} pointed={pointed} onPoint={setPointed} />}
       <p class="note muted plot-what">
         {spec.what}{spec.note && ` · ${spec.note}`}
         <Held spec={spec} range={range} live={live === true} />
@@ -164,7 +174,10 @@ export function Plot(props: PlotProps) {
           tabIndex={0}
           aria-label={words}
           onKeyDown={(event) => {
-            if (!event.ctrlKey && !event.metaKey && keyPressed(event.key, gestured)) event.preventDefault();
+            if (event.ctrlKey || event.metaKey) return;
+            const { from, to } = gestured.seen();
+            if (event.key === 'i') pin(spec, (from + to) / 2, { from, to });
+            else if (keyPressed(event.key, gestured)) event.preventDefault();
           }}
         />
       )}
