@@ -5,7 +5,7 @@
 source "$(dirname "$0")/lib/common.sh"
 source "$root/deploy/lib/checks.sh"
 
-parts=(tests asan tsan fuzz faults upgrade time_to_end tidy browser hidden_effects bench)
+parts=(tests asan tsan fuzz faults sixty_hours upgrade time_to_end tidy browser hidden_effects bench)
 describe() {
   case $1 in
     tests) echo "the plain build's tests, as deploy/test.sh" ;;
@@ -13,6 +13,7 @@ describe() {
     tsan) echo "the rooms without gRPC under the thread sanitizer" ;;
     fuzz) echo "every fuzz target under address and undefined-behaviour sanitizers: FUZZ_RUNS (1000000) inputs of at most 64 KiB, FUZZ_LARGEST (1000) of the largest size its door allows; corpus in out/nightly/corpus" ;;
     faults) echo "the fault campaign by classes, with counts and intervals: docs/evidence/fault_campaign.md" ;;
+    sixty_hours) echo "sixty hours of cell time at the highest speed: memory, files, the record's growth, a target's latency: docs/evidence/sixty_hours.md" ;;
     upgrade) echo "the package in a root of its own: installed, upgraded in the middle of a queue with a schema step, removed" ;;
     time_to_end) echo "how often the end of a run lies in the stated band: docs/evidence/time_to_end.md" ;;
     tidy) echo "clang-tidy over all files" ;;
@@ -80,6 +81,11 @@ run_faults_part() {
   install_missing build test
   configure_and_build release -DDRIFTWISE_BUILD_TESTS=ON
   python3 -B "$root/tests/faults/campaign/campaign.py" "$root/build/release/bin" "$root" --out "$root/out/nightly/faults" --table "$root/docs/evidence/fault_campaign.md"
+}
+run_sixty_hours_part() {
+  install_missing build test
+  configure_and_build release -DDRIFTWISE_BUILD_TESTS=ON
+  python3 -B "$root/tests/faults/campaign/sixty_hours.py" "$root/build/release/bin" "$root" --table "$root/docs/evidence/sixty_hours.md"
 }
 run_time_to_end_part() {
   install_missing build test

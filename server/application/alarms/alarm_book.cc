@@ -24,7 +24,7 @@ Awaitable<void> AlarmBook::look(std::vector<AlarmCondition> conditions) {
     Key key{condition.kind, condition.subject};
     if (const auto known = standing_.find(key); known != standing_.end())
       known->second.looks_without = 0;
-    else if (!unstored_.contains(key))
+    else if (!condition.settling && !unstored_.contains(key))
       unstored_.emplace(key, begun(condition));
     found.insert(std::move(key));
   }

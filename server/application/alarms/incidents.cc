@@ -52,6 +52,12 @@ bool explains(const AlarmCondition& cause, const AlarmCondition& other, Nanoseco
   return false;
 }
 
+// Kinds that another condition can explain which is seen later: an answer that does not come makes a
+// run wait at once, and its device lost after some tries.
+bool cause_may_come(const std::string& kind) {
+  return kind == "run.waiting" || kind == "channel.stale";
+}
+
 }  // namespace
 
 std::vector<AlarmCondition> Incidents::group(std::vector<AlarmCondition> conditions, CellTime now) {
@@ -93,8 +99,12 @@ std::vector<AlarmCondition> Incidents::group(std::vector<AlarmCondition> conditi
     }
   }
   std::vector<AlarmCondition> out;
-  for (auto& one : conditions)
-    if (!known_.at(key_of(one)).cause) out.push_back(one);
+  for (auto& one : conditions) {
+    const auto& known = known_.at(key_of(one));
+    if (known.cause) continue;
+    one.settling = cause_may_come(one.kind) && !known.own && now - known.since < kTogether;
+    out.push_back(one);
+  }
   for (const auto& one : conditions) {
     const auto& cause = known_.at(key_of(one)).cause;
     if (!cause) continue;

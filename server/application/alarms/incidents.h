@@ -5,7 +5,8 @@
 // A condition is a consequence of another when the other alone explains it: a run that waits for
 // the device that does not answer, what that device measures and is old, further devices behind
 // the same address that went with it. It is an alarm of its own when two others could explain it,
-// and when it outlasts its cause by kGrace.
+// and when it outlasts its cause by kGrace. A run waits for a device some seconds before the device
+// counts as lost: what can be a consequence begins no alarm before it has stood for kTogether.
 
 #include <map>
 #include <optional>
@@ -24,8 +25,9 @@ class Incidents {
   static constexpr std::chrono::seconds kTogether{30};
   static constexpr std::chrono::seconds kGrace{30};
 
-  // conditions: of one look, none twice. Those that are alarms of their own, the first that began
-  // first, each with its consequences as sentences, in order of their beginning.
+  // conditions: of one look, none twice. Those that are alarms of their own, or may become one
+  // (settling), the first that began first, each with its consequences as sentences, in order of
+  // their beginning.
   std::vector<AlarmCondition> group(std::vector<AlarmCondition> conditions, CellTime now);
 
  private:

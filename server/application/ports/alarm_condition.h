@@ -15,6 +15,8 @@ struct AlarmCondition {
   // device's address (device.lost), the run's own reason (run.waiting).
   std::string device = {}, address = {}, detail = {};
   std::vector<std::string> consequences = {};  // sentences: incidents.h
+  // It may turn out to follow from another one: begins no alarm yet, and ends none.
+  bool settling = false;
 };
 
 }  // namespace driftwise::application

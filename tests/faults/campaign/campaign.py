@@ -229,7 +229,7 @@ class Campaign:
                 cell.cli("run", "resume", run, "--yes")
             explained += cell.end_run(run)
             lost, doubled = cell.judge(run, told=len(before), before=before)
-            return {"faults": 1, "lost": lost, "doubled": doubled, "explained": explained, "told_twice": cell.told_twice()}
+            return {"faults": 1, "lost": lost, "doubled": doubled, "explained": explained, **cell.alarms()}
 
     # One device's line misbehaves at a random step, several times in one run.
     def device(self, device, kind, seed):
@@ -265,9 +265,7 @@ class Campaign:
             if cell.state(run)[0] not in ("failed", "aborted", "done"):
                 explained += cell.end_run(run, 180)
             lost, doubled = cell.judge(run)
-            time.sleep(0.3)
-            return {"faults": faults, "met": met, "lost": lost, "doubled": doubled, "explained": explained,
-                    "told_twice": cell.told_twice(), "incidents": len(cell.receiver.told)}
+            return {"faults": faults, "met": met, "lost": lost, "doubled": doubled, "explained": explained, **cell.alarms()}
 
     # A lie of the emulator in well-formed answers: an incident is told once, the run waits or goes on.
     def lie(self, device, seed):
@@ -286,9 +284,7 @@ class Campaign:
             cell.tell("fault clear " + device)
             explained = cell.end_run(run, 180)
             lost, doubled = cell.judge(run)
-            time.sleep(0.3)
-            return {"faults": 1, "lost": lost, "doubled": doubled, "explained": explained, "told_twice": cell.told_twice(),
-                    "incidents": len(cell.receiver.told)}
+            return {"faults": 1, "lost": lost, "doubled": doubled, "explained": explained, **cell.alarms()}
 
     # After a stop the axis stands, whatever its line does, until a person resumes.
     def stop(self, seed, with_fault=False):
@@ -529,7 +525,7 @@ def read_trials(path):
 
 def table_of(table, trials, head):
     lines = ["# The fault campaign", "", *head, "",
-             "| class | what | trials | faults | lost | doubled | stops without a reason | rate of these, 95 % | told twice | waits that said why |",
+             "| class | what | trials | faults | lost | doubled | stops without a reason | rate of these, 95 % | alarms told, twice, not | waits that said why |",
              "|---|---|---|---|---|---|---|---|---|---|"]
     for name, (what, _, _) in table.items():
         of = [one for one in trials if one["class"] == name and not one.get("skipped")]
@@ -541,11 +537,11 @@ def table_of(table, trials, head):
         lost, doubled = sum(one["lost"] for one in good), sum(one["doubled"] for one in good)
         bad = len(of) - len(good) + sum(one.get("moved_on", 0) for one in good)
         low, high = clopper_pearson(min(lost + doubled + bad, faults), faults)
-        twice = sum(one.get("told_twice", 0) for one in good)
+        alarms = "%d, %d, %d" % tuple(sum(one.get(what, 0) for one in good) for what in ("incidents", "told_twice", "untold"))
         said = sum(len(one.get("explained", [])) for one in good)
         lines.append("| %s | %s | %d | %d | %d | %d | %d | %.2f to %.2f %% | %s | %d |" %
                      (name, what, len(of), faults, lost, doubled, bad, 100 * low, 100 * high,
-                      twice if any("told_twice" in one for one in good) else "", said))
+                      alarms if any("told_twice" in one for one in good) else "", said))
     pages = [one for one in trials if one["class"] == "page" and "found" in one]
     if pages:
         lines += ["", "Pages: %d overwritten, %d found by `driftwise audit verify` or by the check of pages; on average %.1f of %d tables were read whole afterwards. "
@@ -625,7 +621,8 @@ def main():
     (out / "table.md").write_text(text)
     if given.table:
         pathlib.Path(given.table).write_text(text)
-    bad = [one for one in trials if "failure" in one or one.get("lost") or one.get("doubled") or one.get("moved_on") or one.get("told_twice")]
+    bad = [one for one in trials if "failure" in one or one.get("lost") or one.get("doubled") or one.get("moved_on") or one.get("told_twice")
+           or one.get("untold")]
     print("%d trials, %d of them with something lost, doubled, told twice or unexplained; the table: %s" % (len(trials), len(bad), out / "table.md"))
     return 1 if bad else 0
 

@@ -38,7 +38,8 @@ class IncidentsTest : public testing::Test {
   }
   static std::vector<std::string> subjects(const Conditions& alarms) {
     std::vector<std::string> out;
-    for (const auto& alarm : alarms) out.push_back(alarm.subject);
+    for (const auto& alarm : alarms)
+      if (!alarm.settling) out.push_back(alarm.subject);
     return out;
   }
 
@@ -91,10 +92,25 @@ TEST_F(IncidentsTest, AConsequenceThatOutlastsItsCauseIsAnAlarmOfItsOwn) {
 }
 
 TEST_F(IncidentsTest, WhatAnotherFaultCouldExplainIsAnAlarmOfItsOwn) {
-  const auto run = waiting_run("laser-x and axis do not answer");
-  EXPECT_THAT(subjects(look(
-                  {lost_device("laser-x", "10.0.0.7:1"), lost_device("axis", "10.0.0.9:1"), run})),
-              ElementsAre("laser-x", "axis", "run 3"));
+  const Conditions both = {lost_device("laser-x", "10.0.0.7:1"), lost_device("axis", "10.0.0.9:1"),
+                           waiting_run("laser-x and axis do not answer")};
+  look(both);
+  EXPECT_THAT(subjects(look(both, 30)), ElementsAre("laser-x", "axis", "run 3"));
+}
+
+TEST_F(IncidentsTest, ARunThatWaitsBeforeItsDeviceCountsAsLostIsNoAlarmOfItsOwn) {
+  const auto run = waiting_run("device 'laser-x' at 10.0.0.7:1: no answer");
+  EXPECT_THAT(subjects(look({run})), IsEmpty()) << "its device may be lost in a moment";
+  const auto alarms = look({run, lost_device("laser-x", "10.0.0.7:1")}, 10);
+  ASSERT_THAT(subjects(alarms), ElementsAre("laser-x"));
+  EXPECT_THAT(alarms[0].consequences, ElementsAre(run.message));
+}
+
+TEST_F(IncidentsTest, ARunThatWaitsWithoutACauseIsAnAlarmAfterHalfAMinute) {
+  const auto run = waiting_run("hang 2.305 N (235 g)");
+  look({run});
+  EXPECT_THAT(subjects(look({run}, 29)), IsEmpty());
+  EXPECT_THAT(subjects(look({run}, 1)), ElementsAre("run 3"));
 }
 
 TEST_F(IncidentsTest, OneScannerThatLiesIsOneAlarm) {
