@@ -14,6 +14,7 @@
   DEVICE(watlow_ez_zone)          \
   DEVICE(load_actuator)           \
   DEVICE(inclinometer)            \
+  DEVICE(touch_probe)             \
   DEVICE(nut_ups)                 \
   // end of the list
 // clang-format on

@@ -14,6 +14,7 @@
   EMULATOR(lds1000)                   \
   EMULATOR(load_actuator)             \
   EMULATOR(inclinometer)              \
+  EMULATOR(touch_probe)               \
   // end of the list
 // clang-format on
 

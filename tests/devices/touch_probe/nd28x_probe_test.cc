@@ -1,0 +1,123 @@
+#include "drivers/touch_probe/nd28x_probe.h"
+
+#include "drivers/all_devices.h"
+#include "server/core/ports/made_device.h"
+#include "server/formats/cell_file/cell_file.h"
+#include "tests/unit/drivers/driver_fixture.h"
+
+namespace driftwise {
+namespace {
+
+using testing::HasSubstr;
+using tests::expect;
+using tests::Script;
+using tests::send;
+
+class TouchProbeLoop : public tests::DriverFixture {
+ protected:
+  DeviceDescription touch(std::map<std::string, std::string> options = {}) {
+    auto out = device("touch", "heidenhain-nd28x");
+    out.become<LengthSettings>().channel = {"z", "mm"};
+    options.try_emplace("readings", "1");
+    out.options = std::move(options);
+    return out;
+  }
+  Result<MadeDevice> make(const DeviceDescription& description) {
+    const auto* kind = find_kind(drivers::all_devices(), description.kind);
+    return kind->make(description, {context.get_executor(), clock});
+  }
+  static Script known_and(const Script& rest) {
+    Script out{expect("\x1b"
+                      "A0000\r"),
+               send("\x02ND 287    \r\n349797-05 \r\n"), send("V1.02     \r\n")};
+    out.insert(out.end(), rest.begin(), rest.end());
+    return out;
+  }
+};
+
+TEST_F(TouchProbeLoop, GivesTheMeanOfItsValuesAndTheirSpread) {
+  peer.on_connection(known_and({expect("\x02"), send("+    1.00000 \r\n"), expect("\x02"),
+                                send("+    1.000"), send("20 \r\n")}));
+  auto made = make(touch({{"readings", "2"}}));
+  ASSERT_TRUE(made) << made.error().message;
+  const auto reading = run(made->as<Instrument>()->read());
+  ASSERT_TRUE(reading) << reading.error().message;
+  EXPECT_NEAR(*reading->find("z_mm"), 1.0001, 1e-12);
+  EXPECT_NEAR(*reading->find("z_std_nm"), 200 / std::sqrt(2.0), 1e-6);
+  EXPECT_EQ(made->device().health().identity, "ND 287, 349797-05, V1.02");
+  EXPECT_TRUE(peer.finished());
+}
+
+TEST_F(TouchProbeLoop, CountsFromItsZeroInItsDirection) {
+  peer.on_connection(known_and(
+      {expect("\x02"), send("+    1.00000 \r\n"), expect("\x02"), send("+    0.99000 \r\n")}));
+  auto made = make(touch({{"direction", "down"}}));
+  ASSERT_TRUE(made);
+  ASSERT_TRUE(run(made->as<Instrument>()->zero()));
+  const auto reading = run(made->as<Instrument>()->read());
+  ASSERT_TRUE(reading) << reading.error().message;
+  EXPECT_NEAR(*reading->find("z_mm"), 0.01, 1e-12);
+}
+
+TEST_F(TouchProbeLoop, KeepsItsZeroOverABrokenLine) {
+  peer.on_connection(known_and({expect("\x02"), send("+    1.00000 \r\n")}));
+  peer.on_connection(known_and({expect("\x02"), send("+    1.25000 \r\n")}));
+  auto made = make(touch());
+  ASSERT_TRUE(made);
+  ASSERT_TRUE(run(made->as<Instrument>()->zero()));
+  made->device().close();
+  const auto reading = run(made->as<Instrument>()->read());
+  ASSERT_TRUE(reading) << reading.error().message;
+  EXPECT_NEAR(*reading->find("z_mm"), 0.25, 1e-12);
+}
+
+TEST_F(TouchProbeLoop, HasNoLengthWithoutContactAndNothingToZero) {
+  peer.on_connection(known_and(
+      {expect("\x02"), send("-    5.50000 \r\n"), expect("\x02"), send("-    5.50000 \r\n")}));
+  auto made = make(touch({{"contact_min_mm", "-5"}, {"contact_max_mm", "5"}}));
+  ASSERT_TRUE(made);
+  const auto reading = run(made->as<Instrument>()->read());
+  ASSERT_TRUE(reading) << reading.error().message;
+  EXPECT_TRUE(is_missing(*reading->find("z_mm")));
+  const auto zeroed = run(made->as<Instrument>()->zero());
+  ASSERT_FALSE(zeroed);
+  EXPECT_EQ(zeroed.error().reason, "OUT_OF_RANGE");
+  EXPECT_THAT(zeroed.error().message, HasSubstr("bring the tip into contact"));
+}
+
+TEST_F(TouchProbeLoop, AsksNoIdentityOfAReadOutThatHasNone) {
+  peer.on_connection({expect("\x02"), send("+    1.00000 \r\n")});
+  auto made = make(touch({{"identity", "off"}}));
+  ASSERT_TRUE(made);
+  EXPECT_TRUE(run(made->as<Instrument>()->read()));
+}
+
+TEST_F(TouchProbeLoop, SaysWhatTheReadOutShowsInThePlaceOfAValue) {
+  peer.on_connection(known_and({expect("\x02"), send("SIGNAL X\r\n")}));
+  auto made = make(touch());
+  ASSERT_TRUE(made);
+  const auto reading = run(made->as<Instrument>()->read());
+  ASSERT_FALSE(reading);
+  EXPECT_EQ(reading.error().reason, "INPUT_ERROR");
+  EXPECT_THAT(reading.error().message, HasSubstr("touch"));
+}
+
+TEST_F(TouchProbeLoop, NamesAWrongOption) {
+  EXPECT_EQ(make(touch({{"readings", "0"}})).error().reason, "BAD_OPTION");
+  EXPECT_EQ(make(touch({{"contact_min_mm", "5"}, {"contact_max_mm", "-5"}})).error().reason,
+            "BAD_OPTION");
+}
+
+TEST_F(TouchProbeLoop, IsDescribedByTheCellFile) {
+  const std::string text =
+      "[cell]\nname = \"c\"\ndatabase = \"d\"\n[[device]]\nid = \"touch\"\n"
+      "kind = \"heidenhain-nd28x\"\naddress = \"/dev/ttyUSB0\"\nlength = \"z_mm\"\n"
+      "u_length_nm = 600\n";
+  const auto cell = formats::parse_cell_file(text, "cell.toml", drivers::all_devices());
+  ASSERT_TRUE(cell) << cell.error().message;
+  EXPECT_EQ(cell->devices[0].role(), DeviceRole::length);
+  EXPECT_EQ(cell->devices[0].channels.front(), (Channel{"z", "mm"}));
+}
+
+}  // namespace
+}  // namespace driftwise
