@@ -30,7 +30,7 @@ int frozen_limit(const ChannelLimit& limit, int longest_equal, int changes) {
 
 ValueJudge::Track& ValueJudge::track_of(const DeviceDescription& device,
                                         const std::string& channel) {
-  const auto [found, is_new] = tracks_.try_emplace(channel);
+  const auto [found, is_new] = tracks_.try_emplace({device.id, channel});
   if (is_new) found->second.limit = limit_of(cell_, device, channel);
   return found->second;
 }
@@ -181,9 +181,9 @@ void ValueJudge::begin_anew(const std::string& device) {
   const auto* known = cell_.find_device(device);
   if (known == nullptr) return;
   const auto given = channels_of_settings(*known);
-  for (auto& [channel, track] : tracks_) {
-    const auto is_it = [&channel](const Channel& one) { return one.name() == channel; };
-    if (std::ranges::none_of(given, is_it)) continue;
+  for (auto& [key, track] : tracks_) {
+    const auto is_it = [&key](const Channel& one) { return one.name() == key.second; };
+    if (key.first != device || std::ranges::none_of(given, is_it)) continue;
     track.last.reset();
     track.stepped_by = 0;
   }
@@ -191,7 +191,7 @@ void ValueJudge::begin_anew(const std::string& device) {
 }
 
 void ValueJudge::begin_anew() {
-  for (auto& [channel, track] : tracks_) {
+  for (auto& [key, track] : tracks_) {
     track.last.reset();
     track.stepped_by = 0;
   }

@@ -61,7 +61,7 @@ class ValueJudge {
   std::optional<Finding> judge_together(const DeviceDescription& device, const Reading& reading);
 
   const CellDescription& cell_;
-  std::map<std::string, Track> tracks_;  // by channel: a channel is given by one device only
+  std::map<std::pair<std::string, std::string>, Track> tracks_;  // by device and channel
   std::map<std::string, Whole> scanners_;
 };
 

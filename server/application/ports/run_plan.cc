@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "server/core/reasons.h"
@@ -26,6 +27,23 @@ void each_rule(Rules& rules, Visit visit) {
   visit("move_timeout_s", rules.move_timeout_s, 0.0, 1e5);
   visit("max_temperature_age_s", rules.max_temperature_age_s, 0.0, 1e6);
   visit("max_given_up_share", rules.max_given_up_share, 0.0, 1.0);
+}
+
+// A coordinate that two instruments give, with their ids; empty: none.
+std::string given_twice(const CellDescription& cell) {
+  std::map<std::string, std::string> givers;
+  for (const auto& device : cell.devices) {
+    std::vector<Channel> given;
+    if (const auto* length = device.length()) given.push_back(length->channel);
+    for (const auto& angle : device.angles()) given.push_back(angle.channel);
+    for (const auto& channel : given) {
+      const auto [first, is_new] = givers.try_emplace(channel.name(), device.id);
+      if (!is_new)
+        return fmt::format("{} is given by '{}' and by '{}'", channel.name(), first->second,
+                           device.id);
+    }
+  }
+  return {};
 }
 
 }  // namespace
@@ -100,11 +118,16 @@ std::string setup_of(const RunRecord& run) {
 }
 
 Result<void> check_setup(const CellDescription& cell, const std::string& setup) {
-  if (setup.empty() ||
+  const std::string twice = setup.empty() ? given_twice(cell) : std::string();
+  if ((setup.empty() && twice.empty()) ||
       std::ranges::find(cell.setups, setup, &SetupDescription::name) != cell.setups.end())
     return {};
   std::string known;
   for (const auto& one : cell.setups) known += (known.empty() ? "" : ", ") + one.name;
+  if (!twice.empty())
+    return fail(ErrorCode::invalid_argument, reasons::kNoSuchSetup,
+                fmt::format("setup: found none, expected one of cell '{}': {}; {}", cell.name,
+                            known, twice));
   return fail(ErrorCode::invalid_argument, reasons::kNoSuchSetup,
               fmt::format("setup: found '{}', expected one of cell '{}': {}", setup, cell.name,
                           known.empty() ? "it has none, add [[setup]] to the cell file" : known));

@@ -70,13 +70,19 @@ JudgedReading Doubts::judged(const DeviceDescription& load, const LoadState& sta
   return answer;
 }
 
+// False where the cell file says that equal answers are no fault: [[limit]] frozen_answers = 0.
+bool Doubts::may_freeze(const DeviceDescription& device) const {
+  return plausibility::limit_of(cell_, device, device.length()->channel.name()).frozen_answers != 0;
+}
+
 Result<void> Doubts::check_round(std::vector<JudgedReading>& round,
                                  const std::vector<double>& q_mm) {
   std::optional<std::string> first;
   for (auto& reading : round) {
     const auto* device = cell_.find_device(reading.device);
     if (device == nullptr) continue;
-    if (device->length() && !reading.is_rejected(device->length()->channel.name()))
+    if (device->length() && may_freeze(*device) &&
+        !reading.is_rejected(device->length()->channel.name()))
       if (const double* length = reading.find(device->length()->channel.name());
           length && moved_.is_frozen(device->length()->channel.name(), *length, q_mm)) {
         const std::string name = device->length()->channel.name();

@@ -81,6 +81,7 @@ class Doubts {
   };
   void begin(const std::string& subject, const std::string& kind, const std::string& message);
   void end(const std::string& subject);
+  bool may_freeze(const DeviceDescription& device) const;
   Error implausible(const std::string& sentence) const;
   std::vector<ChannelValue> motor_values(const std::vector<double>& q_mm) const;
 

@@ -1,6 +1,16 @@
 #include "server/core/description/cell_description.h"
 
+#include <algorithm>
+
 namespace driftwise {
+namespace {
+
+// A coordinate that several instruments give, each in set-ups of its own, is one coordinate.
+void add_once(std::vector<Channel>& channels, const Channel& channel) {
+  if (std::ranges::find(channels, channel) == channels.end()) channels.push_back(channel);
+}
+
+}  // namespace
 
 std::vector<Channel> CellDescription::motor_channels() const {
   std::vector<Channel> out;
@@ -12,7 +22,7 @@ std::vector<Channel> CellDescription::motor_channels() const {
 std::vector<Channel> CellDescription::length_channels() const {
   std::vector<Channel> out;
   for (const auto& device : devices)
-    if (const auto* length = device.length()) out.push_back(length->channel);
+    if (const auto* length = device.length()) add_once(out, length->channel);
   return out;
 }
 
@@ -26,7 +36,7 @@ std::vector<Channel> CellDescription::path_channels() const {
 std::vector<Channel> CellDescription::angle_channels() const {
   std::vector<Channel> out;
   for (const auto& device : devices)
-    for (const auto& angle : device.angles()) out.push_back(angle.channel);
+    for (const auto& angle : device.angles()) add_once(out, angle.channel);
   return out;
 }
 

@@ -172,6 +172,7 @@ void read_file(const toml::table& root, CellDescription& out, TomlProblem& probl
   if (const auto* kinematics = top.table("kinematics"))
     read_kinematics(*kinematics, out.kinematics.emplace(), problem);
   TakenNames taken;
+  taken.has_setups = root.contains("setup");
   read_robots(top, out, taken, problem);
   for (const auto* table : top.tables("device")) {
     const std::string place = "device " + std::to_string(out.devices.size() + 1);

@@ -90,14 +90,23 @@ void DeviceSettings::each(const char* key, const std::function<void(SettingsRead
 }  // namespace
 
 void TakenNames::channel(TomlReader& reader, const char* key, const std::string& name) {
-  if (!channels.insert(name).second)
-    reader.refuse(key, reasons::kDuplicateChannel,
-                  "found " + shown(name) + ", which another device, axis or probe gives already");
+  const auto [giver, is_new] = channels.try_emplace(name, device);
+  if (is_new) return;
+  const auto parsed = parse_channel(name.substr(name.find('.') + 1));
+  const bool is_coordinate = parsed && is_pose_symbol(parsed->symbol);
+  if (is_coordinate && has_setups && giver->second != device) return;
+  reader.refuse(key, reasons::kDuplicateChannel,
+                "found " + shown(name) + ", which another device, axis or probe gives already" +
+                    (is_coordinate && !has_setups
+                         ? ": only a cell with [[setup]] measures a coordinate with several "
+                           "instruments, in runs of their own"
+                         : ""));
 }
 
 void read_device(TomlReader&& reader, const std::string& place, DeviceKinds kinds,
                  DeviceDescription& out, TakenNames& taken, TomlProblem& problem) {
   reader.text("id", out.id, Need::required);
+  taken.device = out.id;
   if (!taken.ids.insert(out.id).second)
     reader.refuse("id", reasons::kDuplicateId,
                   "found " + shown(out.id) + ", which another device has already");

@@ -1,6 +1,7 @@
 #pragma once
 // One [[device]] of cell.toml: what every device has; its kind reads the rest.
 
+#include <map>
 #include <set>
 #include <string>
 
@@ -11,7 +12,12 @@ namespace driftwise::formats {
 
 // Names that may stand once in a cell.
 struct TakenNames {
-  std::set<std::string> ids, channels;
+  std::set<std::string> ids;
+  std::map<std::string, std::string> channels;  // to the device that gives it
+  std::string device;                           // id of the device that is read now
+  // The file has [[setup]]: a coordinate of the pose may be given by several instruments, of which
+  // each set-up names one.
+  bool has_setups = false;
   std::set<std::string> robots;  // ids of several robots: they stand before motor and pose channels
 
   // A channel that is taken is refused at key, DUPLICATE_CHANNEL.

@@ -72,6 +72,23 @@ void read_coordinate(TomlReader&& reader, const CellDescription& cell, SetupDesc
   setup.coordinates.push_back(std::move(coordinate));
 }
 
+// An instrument that the set-up names for one coordinate gives its others as well.
+void check_given_once(TomlReader& reader, const SetupDescription& setup,
+                      const CellDescription& cell) {
+  for (const auto& coordinate : setup.coordinates)
+    for (const auto& other : setup.coordinates) {
+      const auto* device = cell.find_device(other.device);
+      if (device == nullptr || other.device == coordinate.device) continue;
+      const auto given = coordinates_of(*device);
+      if (std::ranges::find(given, coordinate.channel) == given.end()) continue;
+      return reader.refuse("coordinate", reasons::kBadSetup,
+                           "found " + shown(coordinate.channel.name()) + " of " +
+                               shown(coordinate.device) + ", and " + shown(other.device) +
+                               " gives it as well, expected instruments of which one gives it: " +
+                               "measure the two in set-ups of their own");
+    }
+}
+
 }  // namespace
 
 void read_setup(TomlReader&& reader, const std::string& place, CellDescription& out,
@@ -87,6 +104,7 @@ void read_setup(TomlReader&& reader, const std::string& place, CellDescription& 
   if (setup.coordinates.empty())
     reader.refuse("coordinate", reasons::kBadSetup,
                   "found no [[setup.coordinate]], expected one at least: what it measures");
+  check_given_once(reader, setup, out);
   if (std::ranges::find(out.setups, setup.name, &SetupDescription::name) != out.setups.end())
     reader.refuse("name", reasons::kDuplicateId,
                   "found " + shown(setup.name) + ", which another [[setup]] has already");

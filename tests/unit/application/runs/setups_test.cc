@@ -184,6 +184,28 @@ TEST_F(Setups, AreRefusedWhenTheCellDoesNotKnowThem) {
               HasSubstr("found 'tilts', expected one of cell 'small': length, tilt, both, near"));
 }
 
+TEST(SetupOfARun, IsNeededWhereTwoInstrumentsGiveOneCoordinate) {
+  CellDescription cell;
+  cell.name = "small";
+  for (const char* id : {"laser", "touch"}) {
+    auto& device = cell.devices.emplace_back();
+    device.id = id;
+    device.become<LengthSettings>().channel = {"z", "mm"};
+    auto& setup = cell.setups.emplace_back();
+    setup.name = id;
+    auto& coordinate = setup.coordinates.emplace_back();
+    coordinate.channel = {"z", "mm"};
+    coordinate.device = id;
+  }
+  EXPECT_TRUE(application::check_setup(cell, "touch"));
+  const auto neither = application::check_setup(cell, "");
+  ASSERT_FALSE(neither);
+  EXPECT_EQ(neither.error().reason, "NO_SUCH_SETUP");
+  EXPECT_THAT(neither.error().message,
+              HasSubstr("expected one of cell 'small': laser, touch; z_mm is given by 'laser' "
+                        "and by 'touch'"));
+}
+
 TEST_F(Setups, OfAQueuedCampaignAreThoseOfItsRun) {
   tilts.away = true;
   application::QueueDraft draft;

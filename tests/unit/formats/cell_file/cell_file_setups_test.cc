@@ -42,6 +42,45 @@ TEST(CellFileSetups, SayWhichInstrumentGivesWhichCoordinate) {
   EXPECT_TRUE(x.may_be_missing());
 }
 
+// A probe that gives the interferometer's coordinate as well.
+constexpr const char* kTouch =
+    "[[device]]\nid = \"touch\"\nkind = \"heidenhain-nd28x\"\naddress = \"127.0.0.1:4\"\n"
+    "length = \"x_mm\"\n";
+
+std::string setup_of(const std::string& name, const std::string& device) {
+  return "[[setup]]\nname = \"" + name + "\"\n  [[setup.coordinate]]\n  channel = \"x_mm\"\n" +
+         "  device = \"" + device + "\"\n";
+}
+
+TEST(CellFileSetups, LetTwoInstrumentsGiveOneCoordinate) {
+  const auto cell = cell_with(kTouch + setup_of("light", "laser-x") + setup_of("tip", "touch"));
+  ASSERT_TRUE(cell) << cell.error().message;
+  EXPECT_EQ(cell->length_channels(), (std::vector<Channel>{{"x", "mm"}}));
+}
+
+TEST(CellFileSetups, AreNeededWhereTwoInstrumentsGiveOneCoordinate) {
+  const auto cell = cell_with(kTouch);
+  ASSERT_FALSE(cell);
+  EXPECT_EQ(cell.error().reason, "DUPLICATE_CHANNEL");
+  EXPECT_THAT(cell.error().message, HasSubstr("only a cell with [[setup]]"));
+}
+
+TEST(CellFileSetups, NameNoTwoInstrumentsOfOneCoordinate) {
+  const std::string angles =
+      "[[device]]\nid = \"level\"\nkind = \"meas-dpl\"\naddress = \"127.0.0.1:5\"\n"
+      "  [[device.angle]]\n  channel = \"rx_arcsec\"\n  device_axis = 1\n"
+      "  [[device.angle]]\n  channel = \"ry_arcsec\"\n  device_axis = 2\n"
+      "[[device]]\nid = \"fine\"\nkind = \"newport-lds1000\"\naddress = \"127.0.0.1:6\"\n"
+      "  [[device.angle]]\n  channel = \"rx_arcsec\"\n  device_axis = 1\n";
+  const auto cell = cell_with(
+      angles + coordinate("channel = \"rx_arcsec\"\ndevice = \"fine\"\n"
+                          "  [[setup.coordinate]]\nchannel = \"ry_arcsec\"\ndevice = \"level\"\n"));
+  ASSERT_FALSE(cell);
+  EXPECT_EQ(cell.error().reason, "BAD_SETUP");
+  EXPECT_THAT(cell.error().message,
+              HasSubstr("'rx_arcsec' of 'fine', and 'level' gives it as well"));
+}
+
 struct BadSetup {
   const char* name;
   std::string setup;
