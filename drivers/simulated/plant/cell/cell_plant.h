@@ -61,7 +61,7 @@ class CellPlant : public Plant {
                              double td_s, TimeNs now) override;
 
   // Accidents, for tests of drivers and daemon.
-  void break_beam(TimeNs now, int index = 0);  // the length is lost until zeroed
+  virtual void break_beam(TimeNs now, int index = 0);  // the length is lost until zeroed
   void set_laser_stable(bool stable, TimeNs now);
   void set_probe_open(int input, bool open, TimeNs now);
   void set_stabiliser_sensor_open(bool open, TimeNs now, int index = 0);

@@ -24,6 +24,9 @@ std::unique_ptr<CellPlant> make_any_plant(const std::filesystem::path& file,
   if (auto* axis = std::get_if<LinearAxisParameters>(&parameters)) {
     return std::make_unique<LinearAxisPlant>(std::move(*axis), options.seed, options.epoch_ns);
   }
+  if (auto* tilting = std::get_if<MinAngleParameters>(&parameters)) {
+    return std::make_unique<MinAnglePlant>(std::move(*tilting), options.seed, options.epoch_ns);
+  }
   return std::make_unique<MicroNanoPlant>(std::get<MicroNanoParameters>(std::move(parameters)),
                                           options.seed, options.epoch_ns);
 }
@@ -36,6 +39,11 @@ std::unique_ptr<LinearAxisPlant> make_plant(const std::filesystem::path& file,
 std::unique_ptr<MicroNanoPlant> make_micro_nano_plant(const std::filesystem::path& file,
                                                       const PlantOptions& options) {
   return plant_of<MicroNanoParameters, MicroNanoPlant>(file, options, "micro-nano");
+}
+
+std::unique_ptr<MinAnglePlant> make_min_angle_plant(const std::filesystem::path& file,
+                                                    const PlantOptions& options) {
+  return plant_of<MinAngleParameters, MinAnglePlant>(file, options, "min-angle");
 }
 
 }  // namespace driftwise::simulated

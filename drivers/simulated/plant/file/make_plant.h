@@ -10,6 +10,7 @@
 
 #include "drivers/simulated/plant/linear_axis/linear_axis_plant.h"
 #include "drivers/simulated/plant/micro_nano/micro_nano_plant.h"
+#include "drivers/simulated/plant/min_angle/min_angle_plant.h"
 
 namespace driftwise::simulated {
 
@@ -37,5 +38,7 @@ std::unique_ptr<LinearAxisPlant> make_plant(const std::filesystem::path& file,
                                             const PlantOptions& options);
 std::unique_ptr<MicroNanoPlant> make_micro_nano_plant(const std::filesystem::path& file,
                                                       const PlantOptions& options);
+std::unique_ptr<MinAnglePlant> make_min_angle_plant(const std::filesystem::path& file,
+                                                    const PlantOptions& options);
 
 }  // namespace driftwise::simulated

@@ -113,7 +113,8 @@ PlantParameters parse_plant_file(std::string_view text, const std::string& name,
   const std::string kind = head.text("kind");
   if (kind == "linear-axis") return linear_axis_sections(std::move(all));
   if (kind == "micro-nano") return micro_nano_sections(std::move(all));
-  head.fail("kind", "found '" + kind + "', expected linear-axis or micro-nano");
+  if (kind == "min-angle") return min_angle_sections(std::move(all));
+  head.fail("kind", "found '" + kind + "', expected linear-axis, micro-nano or min-angle");
 }
 
 PlantParameters read_plant_file(const std::filesystem::path& file,

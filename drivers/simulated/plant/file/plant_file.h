@@ -9,10 +9,11 @@
 
 #include "drivers/simulated/plant/linear_axis/linear_axis_parameters.h"
 #include "drivers/simulated/plant/micro_nano/micro_nano_parameters.h"
+#include "drivers/simulated/plant/min_angle/min_angle_parameters.h"
 
 namespace driftwise::simulated {
 
-using PlantParameters = std::variant<LinearAxisParameters, MicroNanoParameters>;
+using PlantParameters = std::variant<LinearAxisParameters, MicroNanoParameters, MinAngleParameters>;
 
 // Throws PlantFileError (make_plant.h).
 PlantParameters read_plant_file(const std::filesystem::path& file,

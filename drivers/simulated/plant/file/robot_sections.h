@@ -4,10 +4,12 @@
 #include "drivers/simulated/plant/file/plant_fields.h"
 #include "drivers/simulated/plant/linear_axis/linear_axis_parameters.h"
 #include "drivers/simulated/plant/micro_nano/micro_nano_parameters.h"
+#include "drivers/simulated/plant/min_angle/min_angle_parameters.h"
 
 namespace driftwise::simulated {
 
 LinearAxisParameters linear_axis_sections(Fields root);
 MicroNanoParameters micro_nano_sections(Fields root);
+MinAngleParameters min_angle_sections(Fields root);
 
 }  // namespace driftwise::simulated
