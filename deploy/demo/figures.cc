@@ -116,4 +116,33 @@ double TruthTable::mean_about(const std::string& name, std::int64_t middle_ns) c
   return sum / count;
 }
 
+double TruthTable::mean_at_rest(const std::string& name, std::int64_t middle_ns,
+                                const std::array<double, 3>& commanded_mm) const {
+  constexpr std::int64_t kNear_ns = 30'000'000'000;
+  constexpr double kCommanded_nm = 2, kRest_nm = 1000, kNmOfMm = 1e6;
+  std::array<std::size_t, 3> commanded{}, scale{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::string axis = "q" + std::to_string(i + 1);
+    commanded[i] = column(axis + "_commanded_nm");
+    scale[i] = column(axis + "_scale_nm");
+  }
+  const auto rests = [&](const Row& row) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double target_nm = kNmOfMm * commanded_mm[i];
+      if (std::abs(row.values.at(commanded[i]) - target_nm) > kCommanded_nm ||
+          std::abs(row.values.at(scale[i]) - target_nm) > kRest_nm)
+        return false;
+    }
+    return true;
+  };
+  const auto index = column(name);
+  double sum = 0;
+  int count = 0;
+  for (auto row = std::ranges::lower_bound(rows_, middle_ns - kNear_ns, {}, &Row::time_ns);
+       row != rows_.end() && row->time_ns < middle_ns + kNear_ns; ++row)
+    if (rests(*row)) sum += row->values.at(index), ++count;
+  if (count == 0) throw std::runtime_error("the plant's log has no row at rest for a point");
+  return sum / count;
+}
+
 }  // namespace driftwise::demo

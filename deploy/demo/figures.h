@@ -1,6 +1,7 @@
 #pragma once
 // What the demos' tables share: files, figures of a fit's JSON, spreads, the plant's private log.
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
@@ -43,6 +44,10 @@ class TruthTable {
   // Its mean over the rows of lengths within 3 s of an instant: those of one point's readings.
   // Throws std::runtime_error where there is none.
   double mean_about(const std::string& column, std::int64_t middle_ns) const;
+  // Its mean over the rows of any kind within 30 s of an instant in which q1, q2 and q3 rest where
+  // they were commanded. Holds also where a busy computer answers seconds of cell time late.
+  double mean_at_rest(const std::string& column, std::int64_t middle_ns,
+                      const std::array<double, 3>& commanded_mm) const;
 
  private:
   std::map<std::string, std::size_t> columns_;

@@ -1,4 +1,5 @@
 //   driftwise-demo-report linear-axis|micro-nano fits|proof FOLDER
+//   driftwise-demo-report min-angle rectification|tables FOLDER
 //   driftwise-demo-report hidden FOLDER     exit code 1: something hidden was not named
 
 #include <cstdio>
@@ -14,9 +15,13 @@ int main(int argc, char** argv) try {
   if (robot == "linear-axis" && what == "proof") return print_linear_axis_proof(argv[3]), 0;
   if (robot == "micro-nano" && what == "fits") return print_micro_nano_fits(argv[3]), 0;
   if (robot == "micro-nano" && what == "proof") return print_micro_nano_proof(argv[3]), 0;
+  if (robot == "min-angle" && what == "rectification")
+    return print_min_angle_rectification(argv[3]), 0;
+  if (robot == "min-angle" && what == "tables") return print_min_angle_tables(argv[3]), 0;
   if (argc == 3 && std::string(argv[1]) == "hidden") return print_hidden(argv[2]) ? 0 : 1;
   std::fprintf(stderr,
                "usage: driftwise-demo-report linear-axis|micro-nano fits|proof FOLDER\n"
+               "       driftwise-demo-report min-angle rectification|tables FOLDER\n"
                "       driftwise-demo-report hidden FOLDER\n");
   return 2;
 } catch (const std::exception& error) {

@@ -18,6 +18,12 @@ void print_micro_nano_fits(const std::string& folder);
 // {compensated,products,geometry}.{csv,verify.json} and truth.csv
 void print_micro_nano_proof(const std::string& folder);
 
+// rectification.json; writes scale.txt, the rectified scale of the set-up
+void print_min_angle_rectification(const std::string& folder);
+// {large,fine}_check_{z,tilts}.csv, fine_{z,tilts}.csv, *.wanted.csv, model2.json, parasitic.csv,
+// parasitic_{x,y}.json, ideal/model2.json and truth.csv
+void print_min_angle_tables(const std::string& folder);
+
 // sealed.json (driftwise-cellsim --sealed) and diagnosis.json. True: every cause was named.
 bool print_hidden(const std::string& folder);
 

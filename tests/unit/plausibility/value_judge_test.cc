@@ -180,5 +180,26 @@ TEST(FrozenInMotion, TheSameNumberFromTwoPlacesIsFrozen) {
   EXPECT_FALSE(frozen.is_frozen("x_mm", 2.25, {2.0}));
 }
 
+TEST(ValueJudgeOfTwo, JudgesInstrumentsOfOneCoordinateEachByItself) {
+  auto description = cell();
+  auto touch = description.devices[1];
+  touch.id = "touch";
+  description.devices.push_back(touch);
+  ValueJudge judge(description);
+  auto near = length(0, 0);
+  judge.judge(near);
+  auto far = length(0.1, 400);  // another zero: no step of either
+  far.device = "touch";
+  judge.judge(far);
+  EXPECT_EQ(test_of(far, "x_mm"), "");
+  auto jumped = length(0.2, 400);
+  judge.judge(jumped);
+  EXPECT_EQ(test_of(jumped, "x_mm"), "step");
+  judge.begin_anew("touch");
+  auto still = length(0.3, 400);
+  judge.judge(still);
+  EXPECT_EQ(test_of(still, "x_mm"), "step") << "the other one was zeroed";
+}
+
 }  // namespace
 }  // namespace driftwise::plausibility
