@@ -71,6 +71,38 @@ coldest() {
   run=$((run + 1))
 }
 
+# soft_switch: model 2 within 300 arcsec and 2.9 mm, model 1 from 350 arcsec and 3 mm, blended between; checked, then asked
+soft_switch() {
+  local rx
+  cat >"$out/plan.toml" <<PLAN
+name = "large and fine"
+
+[[robot]]
+
+[[blend]]
+fine = $(model model2)
+coarse = $(model model1)
+anchored = true
+[[blend.band]]
+coordinates = ["rx_arcsec", "ry_arcsec"]
+from = 300
+to = 350
+fade_to = 1500
+[[blend.band]]
+coordinates = ["z_mm"]
+from = 2.9
+to = 3.0
+fade_to = 3.6
+PLAN
+  driftwise plan check "$out/plan.toml"
+  driftwise plan add "$out/plan.toml"
+  driftwise plan promote 1 --yes
+  for rx in 100 320 4000; do
+    echo "target rx=$rx arcsec, ry=0, z=1 mm"
+    driftwise plan target rx=$rx ry=0 z=1
+  done
+}
+
 # What the probe reads against the interferometer, on the path that both measured: z = k z_probe + c.
 rectification() {
   measured height "$cell/trajectories/height.csv" height
@@ -137,6 +169,9 @@ demo() {
   say "model 2 moves the robot to the 216 poses"
   grid validation '-250 -150 -50 50 150 250' '-2.5 -1.5 -0.5 0.5 1.5 2.5' | targets fine_check
   in_two_passes fine_check "$out/fine_check.plan.csv" collimators
+
+  say "soft switch: both models in one serving plan"
+  soft_switch
 
   mkdir -p "$out/ideal"
   ideal_probe >"$out/ideal/cell.txt" 2>&1 & ideal=$!
