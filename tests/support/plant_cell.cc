@@ -86,7 +86,8 @@ class Controller final : public InPlant<MotionController> {
     co_return Result<void>{};
   }
   Awaitable<Result<void>> stop() override {
-    world_.plant->halt(now());
+    for (int axis = 0; axis < world_.plant->axis_count(); ++axis)
+      world_.plant->halt_axis(axis, now());
     co_await pass(0.005);
     co_return Result<void>{};
   }

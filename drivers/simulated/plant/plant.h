@@ -70,7 +70,7 @@ class PlantAxes {
   virtual void set_velocity(int index, double mm_per_s, TimeNs now) = 0;
   virtual void set_servo(int index, bool on, TimeNs now) = 0;
   virtual void start_reference(int index, TimeNs now) = 0;  // takes its time; see axis()
-  virtual void halt(TimeNs now) = 0;                        // all axes
+  virtual void halt_axis(int index, TimeNs now) = 0;        // where it is now
 
  protected:
   ~PlantAxes() = default;

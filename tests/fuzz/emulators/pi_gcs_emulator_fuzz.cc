@@ -6,7 +6,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace driftwise::simulated;
   TestPlant plant(3);
-  PiGcsEmulator emulator(plant, switches_with(PiGcsEmulator::switches(), {{"axes", "X,Y,Z"}}),
+  PiGcsEmulator emulator(plant, 0, switches_with(PiGcsEmulator::switches(), {{"axes", "X,Y,Z"}}),
                          kStart);
   fuzz_emulator(emulator, Link::tcp, kStart, data, size);
   return 0;

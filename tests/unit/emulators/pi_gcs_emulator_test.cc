@@ -11,7 +11,7 @@ namespace {
 struct Controller {
   explicit Controller(Settings settings = {}, int axes = 1)
       : plant(axes),
-        emulator(plant, switches_with(PiGcsEmulator::switches(), settings), kStart),
+        emulator(plant, 0, switches_with(PiGcsEmulator::switches(), settings), kStart),
         line(emulator) {}
   void home() {
     line.ask("SVO X 1\nFRF X\n", 4);
@@ -196,11 +196,12 @@ TEST(PiGcs, ByteRepliesAsConfigured) {
 TEST(PiGcs, TakesWhatASwitchSays) {
   TestPlant plant;
   EXPECT_THROW(
-      PiGcsEmulator(plant, switches_with(PiGcsEmulator::switches(), {{"axes", "X,Y"}}), kStart),
+      PiGcsEmulator(plant, 0, switches_with(PiGcsEmulator::switches(), {{"axes", "X,Y"}}), kStart),
       SetupError);
-  EXPECT_THROW(PiGcsEmulator(
-                   plant, switches_with(PiGcsEmulator::switches(), {{"decimals", "many"}}), kStart),
-               SetupError);
+  EXPECT_THROW(
+      PiGcsEmulator(plant, 0, switches_with(PiGcsEmulator::switches(), {{"decimals", "many"}}),
+                    kStart),
+      SetupError);
   EXPECT_THROW(switches_with(PiGcsEmulator::switches(), {{"no_such", "1"}}), SetupError);
 }
 

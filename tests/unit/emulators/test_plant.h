@@ -61,9 +61,7 @@ class TestPlant : public Plant {
     look(now);
     one(index) = {0, 0, now, one(index).velocity, now + 3 * kSecondNs, one(index).servo};
   }
-  void halt(TimeNs now) override {
-    for (int i = 0; i < axis_count(); ++i) start_move(i, axis(i, now).q_mm, now);
-  }
+  void halt_axis(int index, TimeNs now) override { start_move(index, axis(index, now).q_mm, now); }
 
   int interferometer_count() const override { return 2; }
   LengthReading measure_length(int index, TimeNs start, int samples) override {

@@ -91,7 +91,7 @@ TEST(PlantAxis, HoldsWithAnErrorOf25To35NanometresThatTheScaleSees) {
 TEST(PlantAxis, StopsWhereItIsWhenHalted) {
   const auto plant = warm_plant();
   plant->start_move(0, 4, at(0));
-  plant->halt(at(0.9));
+  plant->halt_axis(0, at(0.9));
   const double stopped_mm = plant->axis(0, at(1.5)).q_mm;
   EXPECT_GT(stopped_mm, 0.1);
   EXPECT_LT(stopped_mm, 3.9);

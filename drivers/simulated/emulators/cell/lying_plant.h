@@ -42,7 +42,7 @@ class LyingPlant final : public Plant {
   }
   void set_servo(int index, bool on, TimeNs now) override { plant_.set_servo(index, on, now); }
   void start_reference(int index, TimeNs now) override { plant_.start_reference(index, now); }
-  void halt(TimeNs now) override { plant_.halt(now); }
+  void halt_axis(int index, TimeNs now) override { plant_.halt_axis(index, now); }
 
   int interferometer_count() const override { return plant_.interferometer_count(); }
   LengthReading measure_length(int index, TimeNs start, int samples) override;

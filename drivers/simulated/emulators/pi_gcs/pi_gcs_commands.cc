@@ -13,12 +13,12 @@ void PiGcsEmulator::move(Words words, bool relative, TimeNs now) {
   if (!wanted) return;
   for (auto& [axis, mm] : *wanted) {
     const auto i = static_cast<std::size_t>(axis);
-    if (!servo_[i] || !plant_.axis(axis, now).referenced) {
+    if (!servo_[i] || !axis_state(axis, now).referenced) {
       error(5);
       return;
     }
     if (relative) mm += target_mm_[i];
-    const AxisTravel travel = plant_.axis_travel(axis);
+    const AxisTravel travel = axis_travel(axis);
     if (mm < travel.min_mm || mm > travel.max_mm) {
       error(7);
       return;
@@ -38,7 +38,8 @@ void PiGcsEmulator::move(Words words, bool relative, TimeNs now) {
     pending_.reset();
     std::set<int> done;
     for (auto pair = started.rbegin(); pair != started.rend(); ++pair)
-      if (done.insert(pair->axis).second) plant_.start_move(pair->axis, pair->value, start);
+      if (done.insert(pair->axis).second)
+        plant_.start_move(first_axis_ + pair->axis, pair->value, start);
   });
   if (targets.size() > 64) targets.erase(targets.begin());  // a client that only ever types MOV
   pending_ = PendingStart{event, std::move(targets)};
@@ -54,7 +55,7 @@ void PiGcsEmulator::set_servo(Words words, TimeNs now) {
     }
   for (const auto& [axis, value] : *wanted) {
     servo_[static_cast<std::size_t>(axis)] = value == 1;
-    plant_.set_servo(axis, value == 1, now);
+    plant_.set_servo(first_axis_ + axis, value == 1, now);
   }
 }
 
@@ -68,7 +69,7 @@ void PiGcsEmulator::reference(Words words, TimeNs now) {
     }
   for (const int axis : *wanted) {
     target_mm_[static_cast<std::size_t>(axis)] = 0.0;
-    plant_.start_reference(axis, now);
+    plant_.start_reference(first_axis_ + axis, now);
   }
 }
 
@@ -84,7 +85,7 @@ void PiGcsEmulator::set_velocity(Words words, bool system, TimeNs now) {
       error(1);
       return;
     }
-    for (int axis = 0; axis < plant_.axis_count(); ++axis) wanted.push_back({axis, *value});
+    for (int axis = 0; axis < axis_count(); ++axis) wanted.push_back({axis, *value});
   } else {
     auto named = pairs(words);
     if (!named) return;
@@ -97,16 +98,16 @@ void PiGcsEmulator::set_velocity(Words words, bool system, TimeNs now) {
     }
   for (const auto& [axis, mm_s] : wanted) {
     velocity_mm_s_[static_cast<std::size_t>(axis)] = mm_s;
-    plant_.set_velocity(axis, mm_s, now);
+    plant_.set_velocity(first_axis_ + axis, mm_s, now);
   }
 }
 
 void PiGcsEmulator::halt(TimeNs now) {
   if (pending_) timeline_.cancel(pending_->event);
   pending_.reset();
-  plant_.halt(now);
-  for (int axis = 0; axis < plant_.axis_count(); ++axis)
-    target_mm_[static_cast<std::size_t>(axis)] = plant_.axis(axis, now).q_mm;
+  for (int axis = 0; axis < axis_count(); ++axis) plant_.halt_axis(first_axis_ + axis, now);
+  for (int axis = 0; axis < axis_count(); ++axis)
+    target_mm_[static_cast<std::size_t>(axis)] = axis_state(axis, now).q_mm;
   error(10);
 }
 
@@ -132,7 +133,7 @@ std::optional<std::vector<int>> PiGcsEmulator::axes(Words words) {
     out.push_back(*axis);
   }
   if (words.empty())
-    for (int axis = 0; axis < plant_.axis_count(); ++axis) out.push_back(axis);
+    for (int axis = 0; axis < axis_count(); ++axis) out.push_back(axis);
   return out;
 }
 
@@ -160,14 +161,14 @@ std::optional<std::vector<PiGcsEmulator::Pair>> PiGcsEmulator::pairs(Words words
 }
 
 bool PiGcsEmulator::all_referenced(TimeNs now) {
-  for (int axis = 0; axis < plant_.axis_count(); ++axis)
-    if (!plant_.axis(axis, now).referenced) return false;
+  for (int axis = 0; axis < axis_count(); ++axis)
+    if (!axis_state(axis, now).referenced) return false;
   return true;
 }
 
 bool PiGcsEmulator::any_referencing(TimeNs now) {
-  for (int axis = 0; axis < plant_.axis_count(); ++axis)
-    if (plant_.axis(axis, now).referencing) return true;
+  for (int axis = 0; axis < axis_count(); ++axis)
+    if (axis_state(axis, now).referencing) return true;
   return false;
 }
 

@@ -19,11 +19,11 @@ std::string hex_text(unsigned value) {
   return buffer;
 }
 
-// Two simulated cells are two machines, so their controllers have different numbers.
-std::string with_serial_number(std::string identity) {
-  constexpr int kFirst = 115000000;
+// Two simulated cells are two machines, and so are two controllers of one: each has its number.
+std::string with_serial_number(std::string identity, int first_axis) {
+  constexpr int kFirst = 115000000, kPerAxis = 5000000;  // process ids are below 4194304
   if (const auto at = identity.find("%S"); at != std::string::npos)
-    identity.replace(at, 2, std::to_string(kFirst + getpid()));
+    identity.replace(at, 2, std::to_string(kFirst + kPerAxis * first_axis + getpid()));
   return identity;
 }
 
@@ -59,10 +59,11 @@ const std::vector<SwitchDescription>& PiGcsEmulator::switches() {
   return kAll;
 }
 
-PiGcsEmulator::PiGcsEmulator(PlantAxes& plant, const Switches& s, TimeNs power_on)
+PiGcsEmulator::PiGcsEmulator(PlantAxes& plant, int first_axis, const Switches& s, TimeNs power_on)
     : plant_(plant),
+      first_axis_(first_axis),
       names_(s.words("axes")),
-      identity_(with_serial_number(s.text("identity"))),
+      identity_(with_serial_number(s.text("identity"), first_axis)),
       status_prefix_(s.text("status_prefix")),
       ready_(s.escaped_text("ready_byte")),
       busy_(s.escaped_text("busy_byte")),
@@ -78,17 +79,18 @@ PiGcsEmulator::PiGcsEmulator(PlantAxes& plant, const Switches& s, TimeNs power_o
       start_delay_(nanoseconds_from(s.number("start_delay_s", 0, 10))),
       latency_(nanoseconds_from(s.number("latency_s", 0, 10))),
       max_velocity_(s.number("max_velocity_mm_s", 1e-6, 1e6)) {
-  if (names_.empty() || static_cast<int>(names_.size()) != plant.axis_count())
+  if (names_.empty() || first_axis_ + axis_count() > plant.axis_count())
     throw SetupError("[emulator.pi] axes: found " + std::to_string(names_.size()) +
-                     " names, the plant has " + std::to_string(plant.axis_count()) + " axes");
+                     " names, the plant has " + std::to_string(plant.axis_count()) + " axes, " +
+                     std::to_string(first_axis_) + " of them at the controllers before");
   if (s.flag("ready_line_feed")) ready_ += '\n', busy_ += '\n';
   target_mm_.assign(names_.size(), 0.0);
   velocity_mm_s_.assign(names_.size(), s.number("velocity_mm_s", 1e-6, max_velocity_));
   servo_.assign(names_.size(), s.flag("servo_on"));
-  for (int axis = 0; axis < plant.axis_count(); ++axis) {
+  for (int axis = 0; axis < axis_count(); ++axis) {
     names_[static_cast<std::size_t>(axis)] = upper(names_[static_cast<std::size_t>(axis)]);
-    plant.set_servo(axis, servo_.front(), power_on);
-    plant.set_velocity(axis, velocity_mm_s_.front(), power_on);
+    plant.set_servo(first_axis_ + axis, servo_.front(), power_on);
+    plant.set_velocity(first_axis_ + axis, velocity_mm_s_.front(), power_on);
   }
 }
 
@@ -115,15 +117,15 @@ void PiGcsEmulator::single_byte(Session session, unsigned char byte, TimeNs now)
   switch (byte) {
     case 0x03:
       reply_per_axis(session, {}, now,
-                     [&](int axis) { return fixed(plant_.axis(axis, now).q_mm, decimals_); });
+                     [&](int axis) { return fixed(axis_state(axis, now).q_mm, decimals_); });
       break;
     case 0x04:
       reply(session, status_prefix_ + hex_text(all_referenced(now) ? 0x10000u : 0u) + "\n", now);
       break;
     case 0x05: {
       unsigned mask = 0;
-      for (int axis = 0; axis < plant_.axis_count(); ++axis) {
-        const AxisState state = plant_.axis(axis, now);
+      for (int axis = 0; axis < axis_count(); ++axis) {
+        const AxisState state = axis_state(axis, now);
         const bool waiting =
             pending_ && std::any_of(pending_->targets.begin(), pending_->targets.end(),
                                     [axis](const Pair& pair) { return pair.axis == axis; });
@@ -166,7 +168,7 @@ void PiGcsEmulator::line(Session session, const LineBuffer::Line& line, TimeNs n
 }
 
 void PiGcsEmulator::query(Session session, const std::string& name, Words words, TimeNs now) {
-  const auto state = [&](int axis) { return plant_.axis(axis, now); };
+  const auto state = [&](int axis) { return axis_state(axis, now); };
   const auto number = [&](double value) { return fixed(value, decimals_); };
   const auto bit = [](bool on) { return std::string(on ? "1" : "0"); };
   const auto at = [](auto& list, int axis) { return list[static_cast<std::size_t>(axis)]; };
@@ -187,11 +189,9 @@ void PiGcsEmulator::query(Session session, const std::string& name, Words words,
       return bit(state(axis).on_target && (!pending_ || stale_on_target_));
     });
   } else if (name == "TMN?" && limits_known_) {
-    reply_per_axis(session, words, now,
-                   [&](int axis) { return number(plant_.axis_travel(axis).min_mm); });
+    reply_per_axis(session, words, now, [&](int axis) { return number(axis_travel(axis).min_mm); });
   } else if (name == "TMX?" && limits_known_) {
-    reply_per_axis(session, words, now,
-                   [&](int axis) { return number(plant_.axis_travel(axis).max_mm); });
+    reply_per_axis(session, words, now, [&](int axis) { return number(axis_travel(axis).max_mm); });
   } else if (name == "VEL?" && vel_known_) {
     reply_per_axis(session, words, now, [&](int axis) { return number(at(velocity_mm_s_, axis)); });
   } else if (name == "VLS?" && vls_known_) {
@@ -208,7 +208,7 @@ void PiGcsEmulator::query(Session session, const std::string& name, Words words,
     bool all = true;
     std::string lines;
     for (const auto& [axis, mm] : *wanted) {
-      const AxisTravel travel = plant_.axis_travel(axis);
+      const AxisTravel travel = axis_travel(axis);
       const bool inside = mm >= travel.min_mm && mm <= travel.max_mm;
       all = all && inside;
       lines += (lines.empty() ? "" : " \n") + at(names_, axis) + "=" + bit(inside);
@@ -252,9 +252,11 @@ const EmulatorKind pi_gcs{.kind = "pi-gcs",
                           .quantity = Quantity::axis,
                           .switches = PiGcsEmulator::switches,
                           .serial_switch = "",
-                          .make = [](Plant& plant, const Switches& switches, PlantPlaces&,
+                          .make = [](Plant& plant, const Switches& switches, PlantPlaces& places,
                                      TimeNs now) -> std::unique_ptr<Emulator> {
-                            return std::make_unique<PiGcsEmulator>(plant, switches, now);
+                            const auto axes = switches.words("axes").size();
+                            const int first = places.take(Quantity::axis, static_cast<int>(axes));
+                            return std::make_unique<PiGcsEmulator>(plant, first, switches, now);
                           }};
 
 }  // namespace emulator_kind

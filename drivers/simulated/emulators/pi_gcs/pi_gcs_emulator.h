@@ -24,8 +24,10 @@ namespace driftwise::simulated {
 class PiGcsEmulator : public Emulator {
  public:
   static const std::vector<SwitchDescription>& switches();
-  // Throws SetupError: a switch out of range, more axis names than the plant has axes.
-  PiGcsEmulator(PlantAxes& plant, const Switches& switches, TimeNs power_on);
+  // Drives the plant's axes from first_axis on, one for each of its axis names; several controllers
+  // share a plant. Throws SetupError: a switch out of range, more axis names than the plant has
+  // axes.
+  PiGcsEmulator(PlantAxes& plant, int first_axis, const Switches& switches, TimeNs power_on);
 
   void open(Session session, Link link, TimeNs now) override;
   void close(Session session, TimeNs now) override;
@@ -63,7 +65,12 @@ class PiGcsEmulator : public Emulator {
   void reply_per_axis(Session session, Words words, TimeNs now, Value value);
   void reply(Session session, std::string text, TimeNs now);  // after the controller's latency
 
+  int axis_count() const { return static_cast<int>(names_.size()); }
+  AxisState axis_state(int axis, TimeNs now) { return plant_.axis(first_axis_ + axis, now); }
+  AxisTravel axis_travel(int axis) const { return plant_.axis_travel(first_axis_ + axis); }
+
   PlantAxes& plant_;
+  int first_axis_;
   std::vector<std::string> names_;
   std::string identity_, status_prefix_, ready_, busy_;
   bool stale_on_target_, keep_first_error_, ini_known_, limits_known_, vls_known_, vel_known_,

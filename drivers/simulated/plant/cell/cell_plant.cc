@@ -132,10 +132,11 @@ void CellPlant::start_reference(int index, TimeNs now) {
   log("reference", now_);
 }
 
-void CellPlant::halt(TimeNs now) {
+void CellPlant::halt_axis(int index, TimeNs now) {
+  axis_parameters(index);
   advance_to(now);
   before_command();
-  for (auto& axis : axes_) axis.halt(now_s());
+  axes_[place(index)].halt(now_s());
 }
 
 double CellPlant::shown_nm(int index, const Beam& beam) const {

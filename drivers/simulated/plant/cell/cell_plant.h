@@ -42,7 +42,7 @@ class CellPlant : public Plant {
   void set_velocity(int index, double mm_per_s, TimeNs now) override;
   void set_servo(int index, bool on, TimeNs now) override;
   void start_reference(int index, TimeNs now) override;
-  void halt(TimeNs now) override;
+  void halt_axis(int index, TimeNs now) override;
 
   int interferometer_count() const override { return static_cast<int>(interferometers_.size()); }
   LengthReading measure_length(int index, TimeNs start, int samples) override;
