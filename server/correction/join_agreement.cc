@@ -36,10 +36,10 @@ Result<void> compare_points(const JoinPart& a, const JoinPart& b, std::size_t ro
     return trajectories_differ(fmt::format("row {}: {} is {} in {} and {} in {}", row + 1, what,
                                            in_a, a.name, in_b, b.name));
   };
-  for (std::size_t i = 0; i < first.target_mm.size(); ++i)
-    if (!(std::abs(first.target_mm[i] - second.target_mm[i]) <= kSameTarget_mm))
-      return differ(a.trajectory->coordinates[i].name(), number_text(first.target_mm[i]),
-                    number_text(second.target_mm[i]));
+  for (std::size_t i = 0; i < first.target.size(); ++i)
+    if (!(std::abs(first.target[i] - second.target[i]) <= kSameTarget_mm))
+      return differ(a.trajectory->coordinates[i].name(), number_text(first.target[i]),
+                    number_text(second.target[i]));
   if (first.zero != second.zero)
     return differ("zero", first.zero ? "1" : "0", second.zero ? "1" : "0");
   if (first.set != second.set) {

@@ -190,7 +190,7 @@ Result<void> check_targets(const JoinPart& part) {
     for (std::size_t row = 0; row < part.data.rows; ++row) {
       const auto of = static_cast<std::size_t>(part.row_of(row));
       mm.push_back(of < part.trajectory->points.size()
-                       ? part.trajectory->points[of].target_mm[coordinate]
+                       ? part.trajectory->points[of].target[coordinate]
                        : 0.0);
     }
     return mm;

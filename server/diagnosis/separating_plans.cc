@@ -26,7 +26,7 @@ class PlanWriter {
     for (std::size_t k = 0; k < share.size(); ++k) {
       const double mm = limits_.min_mm[k] +
                         std::clamp(share[k], 0.0, 1.0) * (limits_.max_mm[k] - limits_.min_mm[k]);
-      point.target_mm.push_back(std::round(mm / kGrain_mm) * kGrain_mm);
+      point.target.push_back(std::round(mm / kGrain_mm) * kGrain_mm);
     }
     point.line = static_cast<std::int64_t>(plan_.trajectory.points.size() / kPerLine);
     point.dwell_s = dwell_s;

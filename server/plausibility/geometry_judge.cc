@@ -46,41 +46,58 @@ std::string GeometryComparison::sentence() const {
 }
 
 GeometryJudge::GeometryJudge(const CellDescription& cell) : rules_(cell.plausibility) {
-  if (!cell.kinematics) return;
-  auto made = kinematics::make_mechanism(*cell.kinematics);
+  if (!cell.has_several_robots()) {
+    if (cell.kinematics) add(*cell.kinematics, "");
+    return;
+  }
+  for (const auto& robot : cell.robots)
+    if (robot.kinematics) add(*robot.kinematics, robot.id + ".");
+}
+
+void GeometryJudge::add(const KinematicsDescription& geometry, const std::string& prefix) {
+  auto made = kinematics::make_mechanism(geometry);
   if (!made) return;
-  mechanism_ = std::move(*made);
-  values_ = kinematics::nominal_values(mechanism_->parameters());
+  robots_.push_back({prefix, *made, kinematics::nominal_values((*made)->parameters())});
 }
 
 GeometryComparison GeometryJudge::compare(const std::vector<ChannelValue>& pose,
                                           const std::vector<ChannelValue>& q,
                                           const std::vector<ChannelValue>& q_zero) const {
   GeometryComparison comparison;
-  if (!mechanism_) return comparison;
-  const bool from_pose = !mechanism_->predicts_pose();
+  for (const auto& robot : robots_) compare(robot, pose, q, q_zero, comparison);
+  return comparison;
+}
+
+void GeometryJudge::compare(const Robot& robot, const std::vector<ChannelValue>& pose,
+                            const std::vector<ChannelValue>& all_q,
+                            const std::vector<ChannelValue>& q_zero,
+                            GeometryComparison& comparison) const {
+  std::vector<ChannelValue> q = all_q;
+  std::erase_if(q, [&robot](const auto& one) { return !one.channel.starts_with(robot.prefix); });
+  const bool from_pose = !robot.mechanism->predicts_pose();
   std::vector<double> inputs, inputs_at_zero;
-  for (const auto& input : mechanism_->inputs()) {
-    const double* now = value_of(from_pose ? pose : q, input.name());
-    const double* zero = from_pose ? nullptr : value_of(q_zero, input.name());
-    if (!now || (!from_pose && !zero)) return comparison;
+  for (const auto& input : robot.mechanism->inputs()) {
+    const std::string name = robot.prefix + input.name();
+    const double* now = value_of(from_pose ? pose : q, name);
+    const double* zero = from_pose ? nullptr : value_of(q_zero, name);
+    if (!now || (!from_pose && !zero)) return;
     inputs.push_back(*now);
     inputs_at_zero.push_back(zero ? *zero : 0.0);
   }
-  const auto there = mechanism_->predict(inputs, values_).value;
-  const auto at_zero = mechanism_->predict(inputs_at_zero, values_).value;
+  const auto there = robot.mechanism->predict(inputs, robot.values).value;
+  const auto at_zero = robot.mechanism->predict(inputs_at_zero, robot.values).value;
   const double way = way_from_zero(q, q_zero);
-  for (std::size_t i = 0; i < mechanism_->outputs().size(); ++i) {
-    const Channel& channel = mechanism_->outputs()[i];
+  for (std::size_t i = 0; i < robot.mechanism->outputs().size(); ++i) {
+    Channel channel = robot.mechanism->outputs()[i];
+    channel.symbol = robot.prefix + channel.symbol;
     const double* measured = value_of(from_pose ? q : pose, channel.name());
     const double* zero = from_pose ? value_of(q_zero, channel.name()) : nullptr;
     if (channel.unit != "mm" || !measured || (from_pose && !zero)) continue;
     const auto at = static_cast<Eigen::Index>(i);
     const double moved = *measured - (zero ? *zero : 0.0);
-    comparison.outputs.push_back({channel, there[at] - at_zero[at] - moved,
+    comparison.outputs.push_back({std::move(channel), there[at] - at_zero[at] - moved,
                                   rules_.geometry_um * kMmPerUm + rules_.geometry_pct / 100 * way});
   }
-  return comparison;
 }
 
 }  // namespace driftwise::plausibility

@@ -30,11 +30,11 @@ struct GeometryComparison {
 
 class GeometryJudge {
  public:
-  // Without [kinematics], or where the cell does not measure what the mechanism needs, nothing is
-  // compared: knows() is false.
+  // With several robots each by its own [robot.kinematics]. Without [kinematics], or where the cell
+  // does not measure what the mechanism needs, nothing is compared: knows() is false.
   explicit GeometryJudge(const CellDescription& cell);
 
-  bool knows() const { return mechanism_ != nullptr; }
+  bool knows() const { return !robots_.empty(); }
   // pose: x_mm .. since the datum's zero; q: as read back; q_zero: the same where the pose is 0.
   // What a value is missing for is left out.
   GeometryComparison compare(const std::vector<ChannelValue>& pose,
@@ -43,8 +43,17 @@ class GeometryJudge {
 
  private:
   const PlausibilityRules rules_;
-  std::shared_ptr<const kinematics::Mechanism> mechanism_;
-  Eigen::VectorXd values_;
+  struct Robot {
+    std::string prefix;  // "ma." before its channels; empty: the cell's only robot
+    std::shared_ptr<const kinematics::Mechanism> mechanism;
+    Eigen::VectorXd values;
+  };
+  void add(const KinematicsDescription& geometry, const std::string& prefix);
+  void compare(const Robot& robot, const std::vector<ChannelValue>& pose,
+               const std::vector<ChannelValue>& q, const std::vector<ChannelValue>& q_zero,
+               GeometryComparison& comparison) const;
+
+  std::vector<Robot> robots_;
 };
 
 }  // namespace driftwise::plausibility

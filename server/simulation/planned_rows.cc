@@ -38,8 +38,8 @@ PointTimes point_times(const Trajectory& trajectory, const MotionTimes& times,
     }
     double farthest_mm = 0;
     for (std::size_t k = 0; k < at_mm.size(); ++k)
-      farthest_mm = std::max(farthest_mm, std::abs(point.target_mm[k] - at_mm[k]));
-    at_mm = point.target_mm;
+      farthest_mm = std::max(farthest_mm, std::abs(point.target[k] - at_mm[k]));
+    at_mm = point.target;
     now_s += farthest_mm / times.velocity_mm_s;
     const double waited_s = times.settle_s + point.dwell_s.value_or(0) + times.reading_s / 2;
     out.time_s.push_back(now_s + waited_s);
@@ -82,7 +82,7 @@ Result<Dataset> planned_rows(const calibration::Model& model, const Trajectory& 
   Dataset& rows = table.rows;
   for (std::size_t i = 0; i < trajectory.points.size(); ++i) {
     const auto& point = trajectory.points[i];
-    for (std::size_t k = 0; k < motors.size(); ++k) values[motors[k]] = point.target_mm[k];
+    for (std::size_t k = 0; k < motors.size(); ++k) values[motors[k]] = point.target[k];
     if (forced && point.force_n) values[force] = *point.force_n;
     std::vector<double> wanted;
     for (const auto& symbol : forward.motor_symbols()) {

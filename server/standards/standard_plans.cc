@@ -41,14 +41,14 @@ class Writer {
   void go_to(std::vector<double> axes_mm, std::optional<double> dwell_s = {}) {
     for (const auto& other : held_) axes_mm.push_back(other.at_mm);
     TrajectoryPoint point;
-    for (const std::size_t i : order_) point.target_mm.push_back(rounded_mm(axes_mm[i]));
+    for (const std::size_t i : order_) point.target.push_back(rounded_mm(axes_mm[i]));
     point.line = line_;
     point.dwell_s = dwell_s;
     trajectory_.points.push_back(std::move(point));
   }
   void go_to_zero() {
     TrajectoryPoint point;
-    point.target_mm.assign(trajectory_.coordinates.size(), 0);
+    point.target.assign(trajectory_.coordinates.size(), 0);
     point.line = line_;
     point.zero = true;
     trajectory_.points.push_back(std::move(point));

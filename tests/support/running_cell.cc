@@ -40,7 +40,9 @@ RunningCell::RunningCell(CellOptions options) : options_(std::move(options)) {
                                         "--plant",
                                         cell + "/plant.toml",
                                         "--cell",
-                                        cell + "/cell.toml",
+                                        options_.cell_file.empty()
+                                            ? cell + "/cell.toml"
+                                            : kSource + "/tests/data/cells/" + options_.cell_file,
                                         "--instantiate",
                                         folder(),
                                         "--speed",

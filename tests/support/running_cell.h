@@ -21,6 +21,7 @@ struct CellOptions {
   double speed = 200;
   int seed = 1;
   std::string cell = "linear-axis";            // folder under deploy/cells
+  std::string cell_file{};                     // another one for that plant, under tests/data/cells
   std::vector<std::string> cellsim_options{};  // "--set", "key=value", ...
   std::vector<std::string> environment{};      // "NAME=value", of both programs
 };

@@ -146,8 +146,14 @@ class Laser final : public Simulated<Instrument> {
       noise_nm += (world_.disturbed_readings % 2 ? 1 : -1) * world_.disturbance_nm;
     }
     Reading reading{"laser-x", start, time_.now().utc, ++sequence_, {}};
-    reading.values = {{"x_mm", length_mm() + kMmPerNm * noise_nm},
-                      {"x_std_nm", 2.0},
+    if (!description_.angles().empty()) {  // ten arcsec for each millimetre
+      const double mm = length_mm() + kMmPerNm * noise_nm;
+      reading.values = {{description_.angles().front().channel.name(), 10 * mm}};
+      co_return reading;
+    }
+    const auto& length = description_.length()->channel;
+    reading.values = {{length.name(), length_mm() + kMmPerNm * noise_nm},
+                      {length.symbol + "_std_nm", 2.0},
                       {"air_degC", 20.5 + 0.5 * hours()}};
     co_return reading;
   }

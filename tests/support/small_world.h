@@ -61,7 +61,8 @@ struct SmallWorld {
 CellDescription small_cell(const std::string& database);
 // The same with [load] up to 4 N, changed by an actuator or by a person.
 CellDescription small_cell_with_load(const std::string& database, bool actuator);
-// The devices look at the world and the time, both of which outlive them.
+// The devices look at the world and the time, both of which outlive them. The interferometer may
+// be described as an autocollimator: the axis then turns the end-effector by 10 arcsec per mm.
 application::Devices small_devices(SmallWorld& world, VirtualTime& time,
                                    const CellDescription& cell);
 

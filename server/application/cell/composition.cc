@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "server/application/trajectories/motor_rows.h"
+
 namespace driftwise::application {
 namespace {
 
@@ -70,7 +72,8 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
       engine(
           on, workbench,
           {[this](const ActiveRun& run, const TrajectoryPoint& row) -> Result<std::vector<double>> {
-             if (!run.plan.compensate) return row.target_mm;
+             if (!run.plan.compensate)
+               return motor_row(description, run.trajectory.coordinates, row.target);
              TrajectoryPoint wanted = row;
              if (!wanted.force_n) wanted.force_n = loading.known_n();
              return serving.targets(run.trajectory.coordinates, wanted, run.plan.compensate_with);

@@ -21,9 +21,9 @@ Trajectory fresh_points(Trajectory trajectory, int repeat) {
     if (neighbour != i + 1 && !joins(i, neighbour)) continue;
     // The last of a line moves back over the gap that the others moved into.
     const double part = neighbour == i + 1 ? share : (1 - share) / 2;
-    for (std::size_t axis = 0; axis < before[i].target_mm.size(); ++axis)
-      trajectory.points[i].target_mm[axis] +=
-          part * (before[neighbour].target_mm[axis] - before[i].target_mm[axis]);
+    for (std::size_t axis = 0; axis < before[i].target.size(); ++axis)
+      trajectory.points[i].target[axis] +=
+          part * (before[neighbour].target[axis] - before[i].target[axis]);
   }
   return trajectory;
 }

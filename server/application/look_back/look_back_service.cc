@@ -83,7 +83,7 @@ Awaitable<Result<Stability>> LookBackService::stability_of(std::string channel, 
   if (from.utc_ns >= to.utc_ns)
     co_return fail(ErrorCode::invalid_argument, reasons::kBadRange,
                    "from is not before to: expected a stretch of the record");
-  DRIFTWISE_CO_TRY(const auto parsed, parse_channel(channel));
+  DRIFTWISE_CO_TRY(const auto parsed, parse_robot_channel(channel));
   const auto device = device_of(channel);
   if (bench_.description.find_device(device) == nullptr)
     co_return fail(ErrorCode::not_found, reasons::kNoSuchChannel,

@@ -8,6 +8,7 @@
 #include <boost/asio/use_awaitable.hpp>
 #include <cmath>
 
+#include "server/application/motion/keep_out.h"
 #include "server/application/motion/motion.h"
 #include "server/application/motion/stop_desk.h"
 #include "server/core/reasons.h"
@@ -31,6 +32,7 @@ struct JogDesk::Jog {
   JogOrder order;
   std::size_t axis = 0;
   std::vector<double> target_mm;
+  AxesToMove moved;     // the axis; others of its controller are told where they are
   RunControl& control;  // valid until over
   std::optional<TaskGroup::Membership> task;
   Signal changed;
@@ -80,6 +82,12 @@ Result<std::size_t> JogDesk::axis_of(const JogOrder& order) const {
   return static_cast<std::size_t>(found - motors.begin());
 }
 
+Result<void> JogDesk::check_step(const std::vector<double>& from_mm,
+                                 const std::vector<double>& to_mm) const {
+  DRIFTWISE_RETURN_IF_ERROR(check_soft_limits(bench_.description, to_mm));
+  return check_keep_out(bench_.description, from_mm, to_mm);
+}
+
 Awaitable<Result<JogState>> JogDesk::begin(Caller caller, std::string lease_token, JogOrder order,
                                            HoldAnswer answer) {
   auto lock = std::optional(co_await right_.turn());
@@ -104,17 +112,15 @@ Awaitable<Result<JogState>> JogDesk::begin(Caller caller, std::string lease_toke
   if (!from) co_return give_up(from.error());
   jog->target_mm = jog->state.q_mm = from->q_mm;
   // Only the axis that is jogged may be refused: another one rests at its limit.
-  std::size_t i = 0;
-  for (const auto& device : bench_.description.devices)
-    for (const auto& one : device.axes()) {
-      if (i >= jog->target_mm.size()) break;
-      if (i != axis) jog->target_mm[i] = std::clamp(jog->target_mm[i], one.min_mm, one.max_mm);
-      ++i;
-    }
+  const auto axes = bench_.description.axes();
+  for (std::size_t i = 0; i < std::min(axes.size(), jog->target_mm.size()); ++i)
+    if (i != axis)
+      jog->target_mm[i] = std::clamp(jog->target_mm[i], axes[i].min_mm, axes[i].max_mm);
+  jog->moved.named.assign(axes.size(), false);
+  jog->moved.named[axis] = true;
   auto first = jog->target_mm;
   if (axis < first.size()) first[axis] += order.step_mm;
-  if (auto inside = check_soft_limits(bench_.description, first); !inside)
-    co_return give_up(inside.error());
+  if (auto inside = check_step(jog->target_mm, first); !inside) co_return give_up(inside.error());
   if (auto wanted = jog->control.check(); !wanted) co_return give_up(wanted.error());
   engine_.remeasure_zero("jogged by hand");
   bench_.events.record(
@@ -158,7 +164,7 @@ Awaitable<Result<void>> JogDesk::step_on(Jog& jog) {
   do {
     auto next = jog.target_mm;
     next[jog.axis] += jog.order.step_mm;
-    if (const auto inside = check_soft_limits(bench_.description, next); !inside) {
+    if (const auto inside = check_step(jog.target_mm, next); !inside) {
       jog.state.released = true;
       jog.state.end_reason = inside.error().message;
       co_return Result<void>{};
@@ -168,7 +174,7 @@ Awaitable<Result<void>> JogDesk::step_on(Jog& jog) {
                                  "jog by hand: " + jog.caller.name});
     jog.target_mm = next;
     ++jog.state.steps;
-    DRIFTWISE_CO_RETURN_IF_ERROR(co_await bench_.devices.start_move(next));
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await bench_.devices.start_move(next, jog.moved));
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await arrive(jog));
   } while (jog.order.held);
   jog.state.released = true;

@@ -29,6 +29,7 @@ class ManualControl {
   // its next point.
   virtual Awaitable<Result<void>> home(Caller caller, std::string lease_token,
                                        HoldAnswer answer = {}) = 0;
+  // q_mm: one per axis of the cell; kMissing for the axes of a robot that stays where it is.
   virtual Awaitable<Result<void>> move_to(Caller caller, std::string lease_token,
                                           std::vector<double> q_mm, HoldAnswer answer = {}) = 0;
   virtual Awaitable<Result<void>> set_stabiliser(Caller caller, std::string lease_token,

@@ -13,6 +13,23 @@
 #include "server/core/try.h"
 
 namespace driftwise::application {
+namespace {
+
+// "0.5, 1", or with several robots "ma.q1 0.5, ma.q2 1".
+std::string places_of(const CellDescription& cell, const std::vector<double>& q_mm) {
+  const auto motors = cell.motor_channels();
+  std::string text;
+  for (std::size_t i = 0; i < q_mm.size(); ++i) {
+    if (is_missing(q_mm[i])) continue;
+    if (!text.empty()) text += ", ";
+    text += cell.has_several_robots() && i < motors.size()
+                ? fmt::format("{} {}", motors[i].symbol, q_mm[i])
+                : fmt::format("{}", q_mm[i]);
+  }
+  return text;
+}
+
+}  // namespace
 
 ManualControlService::ManualControlService(asio::any_io_executor executor, Workbench& bench,
                                            StoreReader& reader, RunEngine& engine,
@@ -197,15 +214,18 @@ Awaitable<Result<void>> ManualControlService::move_to(Caller caller, std::string
                                                       std::vector<double> q_mm, HoldAnswer answer) {
   auto lock = std::optional(co_await right_.turn());
   if (auto ok = right_.check_by_hand(caller, lease_token, answer); !ok) co_return ok;
-  if (auto ok = check_soft_limits(description_, q_mm); !ok) co_return ok;
+  AxesToMove moved;
+  if (std::ranges::any_of(q_mm, is_missing))
+    for (const double q : q_mm) moved.named.push_back(!is_missing(q));
+  if (auto ok = check_soft_limits(description_, q_mm, moved); !ok) co_return ok;
   engine_.remeasure_zero("moved by hand");
   ByHand hand(*this);
   lock.reset();
   events_.record(caller, "axes.move",
-                 fmt::format("{} moves to {} mm", caller.name, fmt::join(q_mm, ", ")));
+                 fmt::format("{} moves to {} mm", caller.name, places_of(description_, q_mm)));
   auto scope = hand.scope("the movement");
   DRIFTWISE_CO_TRY(const auto arrival,
-                   co_await go_to(scope, std::move(q_mm), "by hand: " + caller.name));
+                   co_await go_to(scope, std::move(q_mm), "by hand: " + caller.name, moved));
   if (arrival.trouble != Trouble::none)
     co_return fail(ErrorCode::deadline_exceeded, reasons::kNotSettled, arrival.sentence);
   co_return Result<void>{};

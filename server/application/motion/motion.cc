@@ -7,6 +7,7 @@
 #include <deque>
 #include <limits>
 
+#include "server/application/motion/keep_out.h"
 #include "server/application/recording/doubts.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
@@ -17,9 +18,11 @@ namespace {
 
 constexpr double kPoll_s = 0.1;
 
-double largest_distance_nm(const std::vector<double>& a_mm, const std::vector<double>& b_mm) {
+double largest_distance_nm(const std::vector<double>& a_mm, const std::vector<double>& b_mm,
+                           const AxesToMove& moved) {
   double largest = a_mm.size() == b_mm.size() ? 0 : std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < std::min(a_mm.size(), b_mm.size()); ++i) {
+    if (!moved.contains(i)) continue;
     const double distance = std::abs(nm_from_mm(a_mm[i] - b_mm[i]));
     // Also where it is no number.
     if (!(distance <= largest))
@@ -31,7 +34,8 @@ double largest_distance_nm(const std::vector<double>& a_mm, const std::vector<do
 // The readbacks of the last settle_s.
 class QuietWindow {
  public:
-  explicit QuietWindow(double settle_s) : length_(nanoseconds_from_s(settle_s)) {}
+  QuietWindow(double settle_s, const AxesToMove& moved)
+      : length_(nanoseconds_from_s(settle_s)), moved_(moved) {}
   void add(const MotionState& state) {
     seen_.push_back(state);
     // One sample at or before the window's begin is kept: it shows that the window is full.
@@ -41,6 +45,7 @@ class QuietWindow {
   double peak_to_peak_nm() const {
     double widest = 0;
     for (std::size_t axis = 0; axis < seen_.front().q_mm.size(); ++axis) {
+      if (!moved_.contains(axis)) continue;
       const auto [low, high] = std::minmax_element(
           seen_.begin(), seen_.end(),
           [axis](const auto& a, const auto& b) { return a.q_mm[axis] < b.q_mm[axis]; });
@@ -51,15 +56,17 @@ class QuietWindow {
 
  private:
   Nanoseconds length_;
+  const AxesToMove& moved_;
   std::deque<MotionState> seen_;
 };
 
-Awaitable<Result<Arrival>> wait_in_position(RunScope& scope, const std::vector<double>& q_mm) {
+Awaitable<Result<Arrival>> wait_in_position(RunScope& scope, const std::vector<double>& q_mm,
+                                            const AxesToMove& moved) {
   const auto limit = scope.bench.clock.now().utc + nanoseconds_from_s(scope.rules.move_timeout_s);
   while (true) {
     DRIFTWISE_CO_TRY(auto state, co_await scope.bench.devices.motion_state());
     DRIFTWISE_CO_RETURN_IF_ERROR(scope.control.check());
-    const double off_nm = largest_distance_nm(state.q_mm, q_mm);
+    const double off_nm = largest_distance_nm(state.q_mm, q_mm, moved);
     const auto now = scope.bench.clock.now();
     if (!state.moving && state.on_target && off_nm <= scope.rules.in_position_nm) {
       scope.bench.doubts.readback_is_good();
@@ -87,13 +94,13 @@ Awaitable<Result<Arrival>> wait_in_position(RunScope& scope, const std::vector<d
   }
 }
 
-Awaitable<Result<Arrival>> wait_quiet(RunScope& scope, Arrival arrival) {
+Awaitable<Result<Arrival>> wait_quiet(RunScope& scope, Arrival arrival, const AxesToMove& moved) {
   if (scope.rules.settle_s <= 0) co_return arrival;
   const auto limit =
       scope.bench.clock.now().utc +
       nanoseconds_from_s(std::max(scope.rules.move_timeout_s, 2 * scope.rules.settle_s));
   const double poll_s = std::max(0.05, scope.rules.settle_s / 8);
-  QuietWindow window(scope.rules.settle_s);
+  QuietWindow window(scope.rules.settle_s, moved);
   while (true) {
     DRIFTWISE_CO_TRY(auto state, co_await scope.bench.devices.motion_state());
     window.add(state);
@@ -113,44 +120,77 @@ Awaitable<Result<Arrival>> wait_quiet(RunScope& scope, Arrival arrival) {
 
 }  // namespace
 
-Result<void> check_soft_limits(const CellDescription& description,
-                               const std::vector<double>& q_mm) {
-  std::size_t i = 0;
-  for (const auto& device : description.devices) {
-    for (const auto& axis : device.axes()) {
-      if (i >= q_mm.size())
-        return fail(ErrorCode::invalid_argument, reasons::kAxisCount,
-                    fmt::format("{} motor coordinates were given, {} is missing", q_mm.size(),
-                                axis.channel.name()));
-      const double q = q_mm[i++];
-      if (!(q >= axis.min_mm && q <= axis.max_mm))
-        return fail(
-            ErrorCode::out_of_range, reasons::kSoftLimit,
-            fmt::format("{} = {} mm was asked for, the soft limits of axis {} are {:g} to {:g} mm: "
-                        "stay inside, or "
-                        "change them in the cell file",
-                        axis.channel.name(), q, axis.device_axis, axis.min_mm, axis.max_mm));
-    }
-  }
-  if (i != q_mm.size())
+Result<void> check_soft_limits(const CellDescription& description, const std::vector<double>& q_mm,
+                               const AxesToMove& moved) {
+  const auto axes = description.axes();
+  if (q_mm.size() < axes.size())
+    return fail(ErrorCode::invalid_argument, reasons::kAxisCount,
+                fmt::format("{} motor coordinates were given, {} is missing", q_mm.size(),
+                            axes[q_mm.size()].channel.name()));
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const auto& axis = axes[i];
+    if (!moved.contains(i) || (q_mm[i] >= axis.min_mm && q_mm[i] <= axis.max_mm)) continue;
     return fail(
-        ErrorCode::invalid_argument, reasons::kAxisCount,
-        fmt::format("{} motor coordinates were given, the cell has {} axes", q_mm.size(), i));
+        ErrorCode::out_of_range, reasons::kSoftLimit,
+        fmt::format("{} = {} mm was asked for, the soft limits of axis {} are {:g} to {:g} mm: "
+                    "stay inside, or "
+                    "change them in the cell file",
+                    axis.channel.name(), q_mm[i], axis.device_axis, axis.min_mm, axis.max_mm));
+  }
+  if (axes.size() != q_mm.size())
+    return fail(ErrorCode::invalid_argument, reasons::kAxisCount,
+                fmt::format("{} motor coordinates were given, the cell has {} axes", q_mm.size(),
+                            axes.size()));
   return {};
 }
 
-Awaitable<Result<Arrival>> go_to(RunScope& scope, std::vector<double> q_mm, std::string cause) {
-  DRIFTWISE_CO_RETURN_IF_ERROR(check_soft_limits(scope.bench.description, q_mm));
-  DRIFTWISE_CO_RETURN_IF_ERROR(scope.control.check());
-  scope.phase("moving");
-  DRIFTWISE_CO_TRY(const auto from, co_await scope.bench.devices.motion_state());
+namespace {
+
+Awaitable<Result<Arrival>> go_straight(RunScope& scope, const std::vector<double>& from_mm,
+                                       std::vector<double> q_mm, std::string cause,
+                                       AxesToMove moved) {
   scope.bench.writer.add(
-      MoveRecord{scope.run, scope.bench.clock.now(), from.q_mm, q_mm, std::move(cause)});
-  DRIFTWISE_CO_RETURN_IF_ERROR(co_await scope.bench.devices.start_move(q_mm));
-  auto arrival = co_await wait_in_position(scope, q_mm);
+      MoveRecord{scope.run, scope.bench.clock.now(), from_mm, q_mm, std::move(cause)});
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await scope.bench.devices.start_move(q_mm, moved));
+  auto arrival = co_await wait_in_position(scope, q_mm, moved);
   if (!arrival || arrival->trouble != Trouble::none) co_return arrival;
   scope.phase("settling");
-  co_return co_await wait_quiet(scope, *arrival);
+  co_return co_await wait_quiet(scope, *arrival, moved);
+}
+
+AxesToMove axes_of_robot(const CellDescription& cell, const std::string& robot) {
+  AxesToMove moved;
+  for (const auto& axis : cell.motor_channels())
+    moved.named.push_back(robot_of(axis.symbol) == robot);
+  return moved;
+}
+
+}  // namespace
+
+Awaitable<Result<Arrival>> go_to(RunScope& scope, std::vector<double> q_mm, std::string cause,
+                                 AxesToMove moved) {
+  const auto& cell = scope.bench.description;
+  DRIFTWISE_CO_RETURN_IF_ERROR(check_soft_limits(cell, q_mm, moved));
+  DRIFTWISE_CO_RETURN_IF_ERROR(scope.control.check());
+  scope.phase("moving");
+  DRIFTWISE_CO_TRY(auto from, co_await scope.bench.devices.motion_state());
+  for (std::size_t i = 0; i < std::min(q_mm.size(), from.q_mm.size()); ++i)
+    if (is_missing(q_mm[i])) q_mm[i] = from.q_mm[i];
+  if (const auto room = check_keep_out(cell, from.q_mm, q_mm); !room) {
+    // By hand the person says who moves first.
+    const auto first = scope.run ? first_to_move(cell, from.q_mm, q_mm) : std::nullopt;
+    if (!first) co_return tl::unexpected(room.error());
+    const auto of_first = axes_of_robot(cell, *first);
+    auto between_mm = from.q_mm;
+    for (std::size_t i = 0; i < std::min(q_mm.size(), between_mm.size()); ++i)
+      if (of_first.contains(i)) between_mm[i] = q_mm[i];
+    DRIFTWISE_CO_TRY(auto arrival, co_await go_straight(scope, from.q_mm, std::move(between_mm),
+                                                        cause + ", makes room", of_first));
+    if (arrival.trouble != Trouble::none) co_return arrival;
+    DRIFTWISE_CO_TRY(from, co_await scope.bench.devices.motion_state());
+    DRIFTWISE_CO_RETURN_IF_ERROR(check_keep_out(cell, from.q_mm, q_mm));
+  }
+  co_return co_await go_straight(scope, from.q_mm, std::move(q_mm), std::move(cause), moved);
 }
 
 }  // namespace driftwise::application

@@ -9,9 +9,10 @@
 
 namespace driftwise::application {
 
-// One entry per axis, all axes of the cell, in order. Errors, out_of_range SOFT_LIMIT: axis, asked,
-// limits, what to do.
-Result<void> check_soft_limits(const CellDescription& description, const std::vector<double>& q_mm);
+// One entry per axis, all axes of the cell, in order; those that do not move are not looked at.
+// Errors, out_of_range SOFT_LIMIT: axis, asked, limits, what to do.
+Result<void> check_soft_limits(const CellDescription& description, const std::vector<double>& q_mm,
+                               const AxesToMove& moved = {});
 
 struct Arrival {
   Trouble trouble = Trouble::none;
@@ -20,11 +21,14 @@ struct Arrival {
   Stamp in_position;  // the end of the move
 };
 
-// Moves and waits until the controller says on target, the scale agrees within in_position_nm, and
-// the scale stays within quiet_nm peak to peak over settle_s. Not arriving within move_timeout_s,
-// or no quiet within the same time after that, is Trouble::not_settled and no error. The move
-// itself is recorded for the store, cause: "row 17". Errors: those of the controller; out_of_range;
-// aborted and cancelled by the run's control.
-Awaitable<Result<Arrival>> go_to(RunScope& scope, std::vector<double> q_mm, std::string cause);
+// Moves and waits until the controllers say on target, the scales agree within in_position_nm, and
+// the scales stay within quiet_nm peak to peak over settle_s: those of the axes that move. q_mm:
+// one per axis of the cell; kMissing for an axis that does not move: it stays where it is. Not
+// arriving within move_timeout_s, or no quiet within the same time after that, is
+// Trouble::not_settled and no error. The move itself is recorded for the store, cause: "row 17".
+// Errors: those of the controller; out_of_range, SOFT_LIMIT and KEEP_OUT (in a run one robot moves
+// before the others where that keeps the distance); aborted and cancelled by the run's control.
+Awaitable<Result<Arrival>> go_to(RunScope& scope, std::vector<double> q_mm, std::string cause,
+                                 AxesToMove moved = {});
 
 }  // namespace driftwise::application

@@ -25,22 +25,34 @@ AttemptTally after(AttemptTally tally, Verdict verdict) {
   return tally;
 }
 
-double spread_nm(std::span<const double> readings_mm) {
-  if (readings_mm.size() < 2) return kMissing;
+double standard_deviation(std::span<const double> readings) {
+  if (readings.size() < 2) return kMissing;
   // About the first reading: lengths are of the order of mm, what counts are nm.
   double sum = 0, sum_of_squares = 0;
-  for (const double reading : readings_mm) {
-    const double d = nm_from_mm(reading - readings_mm.front());
+  for (const double reading : readings) {
+    const double d = reading - readings.front();
     sum += d;
     sum_of_squares += d * d;
   }
-  const auto n = static_cast<double>(readings_mm.size());
+  const auto n = static_cast<double>(readings.size());
   return std::sqrt(std::max(0.0, (sum_of_squares - sum * sum / n) / (n - 1)));
+}
+
+double spread_nm(std::span<const double> readings_mm) {
+  std::vector<double> readings_nm;  // from the first one
+  for (const double reading : readings_mm)
+    readings_nm.push_back(nm_from_mm(reading - readings_mm.front()));
+  return standard_deviation(readings_nm);
 }
 
 std::string spread_sentence(double spread_nm, int readings, double limit_nm) {
   return fmt::format("spread {:.1f} nm of {} readings, limit {:g} nm", spread_nm, readings,
                      limit_nm);
+}
+
+std::string spread_sentence_arcsec(double spread_arcsec, int readings, double limit_arcsec) {
+  return fmt::format("spread {:.3g} arcsec of {} readings of a rotation, limit {:g} arcsec",
+                     spread_arcsec, readings, limit_arcsec);
 }
 
 }  // namespace driftwise::application

@@ -33,8 +33,12 @@ AttemptTally after(AttemptTally tally, Verdict verdict);
 
 // Sample standard deviation (n - 1), nm, of readings in mm; kMissing for fewer than two.
 double spread_nm(std::span<const double> readings_mm);
+// The same in the unit of the readings.
+double standard_deviation(std::span<const double> readings);
 
 // "spread 7.3 nm of 4 readings, limit 5 nm"
 std::string spread_sentence(double spread_nm, int readings, double limit_nm);
+// The same of a rotation: "spread 0.31 arcsec of 4 readings of a rotation, limit 0.2 arcsec"
+std::string spread_sentence_arcsec(double spread_arcsec, int readings, double limit_arcsec);
 
 }  // namespace driftwise::application

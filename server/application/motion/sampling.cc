@@ -13,13 +13,31 @@
 namespace driftwise::application {
 namespace {
 
-Reading readback(const CellDescription& description, const DeviceDescription& controller,
-                 const MotionState& state, std::int64_t sequence) {
+Reading readback(const DeviceDescription& controller, const MotionState& state,
+                 std::int64_t sequence) {
   Reading reading{controller.id, state.at, state.at, sequence, {}};
-  const auto channels = description.motor_channels();
-  for (std::size_t i = 0; i < std::min(channels.size(), state.q_mm.size()); ++i)
-    reading.values.push_back({channels[i].name(), state.q_mm[i]});
+  const auto& axes = controller.axes();
+  for (std::size_t i = 0; i < std::min(axes.size(), state.q_mm.size()); ++i)
+    reading.values.push_back({axes[i].channel.name(), state.q_mm[i]});
   return reading;
+}
+
+// Readings of all controllers; the result: where all axes of the cell are.
+Awaitable<Result<std::vector<double>>> read_axes(DeviceBench& devices, std::int64_t sequence,
+                                                 std::vector<Reading>& readings) {
+  DRIFTWISE_CO_TRY(const auto states, co_await devices.motion_states());
+  std::vector<double> q_mm;
+  const auto& controllers = devices.with_role(DeviceRole::motion);
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    readings.push_back(readback(devices.description(controllers[i]), states[i], sequence));
+    q_mm.insert(q_mm.end(), states[i].q_mm.begin(), states[i].q_mm.end());
+  }
+  co_return q_mm;
+}
+
+bool is_of_pose(const std::string& name) {
+  const auto channel = parse_robot_channel(name);
+  return channel && is_pose_symbol(without_robot(channel->symbol));
 }
 
 // About the first value: means of mm must keep their nanometres.
@@ -90,8 +108,13 @@ void summarise(const CellDescription& description, const std::set<std::string>& 
     sampling.spreads_nm.push_back({length.symbol + "_std_nm", spread});
     if (is_missing(sampling.spread_nm) || spread > sampling.spread_nm) sampling.spread_nm = spread;
   }
+  for (const auto& angle : description.angle_channels()) {
+    const double spread = standard_deviation(values[angle.name()]);
+    if (is_missing(sampling.spread_arcsec) || spread > sampling.spread_arcsec)
+      sampling.spread_arcsec = spread;
+  }
   for (const auto& name : order) {
-    const bool is_motor = is_motor_symbol(name.substr(0, name.rfind('_')));
+    const bool is_motor = is_motor_symbol(without_robot(name.substr(0, name.rfind('_'))));
     const bool is_spread =
         name.ends_with("_std_nm");  // of the device's own samples: stays in its reading
     if (!is_motor && !is_spread) sampling.raw.push_back({name, mean(values[name])});
@@ -121,14 +144,10 @@ void show_pose(RunScope& scope, const std::vector<JudgedReading>& round, std::in
     shown.start = std::min(shown.start, reading.start);
     shown.end = std::max(shown.end, reading.end);
     for (const auto& value : reading.values)
-      if (const auto channel = parse_channel(value.channel);
-          channel && is_pose_symbol(channel->symbol))
-        raw.push_back(value);
+      if (is_of_pose(value.channel)) raw.push_back(value);
   }
   for (auto& value : scope.bench.pose.pose(raw))
-    if (const auto channel = parse_channel(value.channel);
-        channel && is_pose_symbol(channel->symbol))
-      shown.values.push_back(std::move(value));
+    if (is_of_pose(value.channel)) shown.values.push_back(std::move(value));
   scope.bench.recorder.show(shown);
 }
 
@@ -161,9 +180,7 @@ Awaitable<Result<Sampling>> take_readings(RunScope& scope, int count,
   std::set<std::string> out_of_range;
   std::optional<CellTime> first, last;
   for (int k = 0; k <= count; ++k) {
-    DRIFTWISE_CO_TRY(const auto state, co_await devices.motion_state());
-    sampling.readings.push_back(
-        readback(scope.bench.description, devices.controller_description(), state, k));
+    DRIFTWISE_CO_TRY(const auto q_mm, co_await read_axes(devices, k, sampling.readings));
     // The last look at the axes decides too: they may have moved during the last reading.
     DRIFTWISE_CO_RETURN_IF_ERROR(scope.control.check());
     if (k == count) break;
@@ -174,7 +191,7 @@ Awaitable<Result<Sampling>> take_readings(RunScope& scope, int count,
       if (!last || reading.middle() > *last) last = reading.middle();
       scope.bench.recorder.observe(reading);
     }
-    const auto good = scope.bench.doubts.check_round(round, state.q_mm);
+    const auto good = scope.bench.doubts.check_round(round, q_mm);
     if (good) show_pose(scope, round, k);
     for (auto& reading : round) sampling.readings.push_back(std::move(reading));
     if (!good) {

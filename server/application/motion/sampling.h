@@ -17,7 +17,8 @@ struct Sampling {
   std::vector<ChannelValue> means;  // the same after the correction stage: pose, then the rest
   std::vector<ChannelValue>
       spreads_nm;  // per length channel: x_std_nm, sample standard deviation of the readings
-  double spread_nm = kMissing;  // the largest of them
+  double spread_nm = kMissing;      // the largest of them
+  double spread_arcsec = kMissing;  // of the readings of rotations, the largest
   // Of the scale over the whole reading, the axis that is worst.
   double off_nm = 0;           // from where it was sent, any readback
   double peak_to_peak_nm = 0;  // of the readbacks

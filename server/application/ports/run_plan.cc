@@ -52,6 +52,8 @@ std::string write_run_plan(const RunPlan& plan) {
   nlohmann::ordered_json json;
   each_rule(plan.rules,
             [&json](const char* name, const auto& value, auto, auto) { json[name] = value; });
+  if (plan.rules.max_spread_arcsec != RunRules{}.max_spread_arcsec)
+    json["max_spread_arcsec"] = plan.rules.max_spread_arcsec;
   json["park"] = plan.rules.park;
   json["compensate"] = plan.compensate;
   if (plan.compensate_with) json["compensate_with"] = plan.compensate_with->value;
@@ -88,6 +90,8 @@ Result<RunPlan> read_run_plan(const std::string& text) {
     else
       bad = name;
   });
+  if (const auto found = json.find("max_spread_arcsec"); found != json.end() && found->is_number())
+    plan.rules.max_spread_arcsec = *found;
   if (const auto found = json.find("park"); found != json.end() && found->is_boolean())
     plan.rules.park = *found;
   if (const auto found = json.find("compensate"); found != json.end() && found->is_boolean())

@@ -36,6 +36,11 @@ DeviceBench::DeviceBench(asio::any_io_executor executor, Devices devices, Doubts
   for (auto& made : devices) slots_.push_back(std::make_unique<Slot>(executor, std::move(made)));
   std::ranges::stable_sort(slots_, {}, [](const auto& slot) { return slot->description().role(); });
   use(nullptr);
+  std::size_t axes = 0;
+  for (auto* slot : controllers()) {
+    slot->first_axis = axes;
+    axes += slot->description().axes().size();
+  }
 }
 
 void DeviceBench::use(const SetupDescription* setup) {
@@ -178,23 +183,63 @@ Awaitable<Result<void>> DeviceBench::set_point(std::size_t device, double degc) 
                          [degc](Stabiliser& d) { return d.set_point(degc); });
 }
 
-DeviceBench::Slot* DeviceBench::controller() {
-  return has(DeviceRole::motion) ? slots_[with_role(DeviceRole::motion).front()].get() : nullptr;
-}
-
-const DeviceDescription& DeviceBench::controller_description() const {
-  return description(with_role(DeviceRole::motion).front());
+std::vector<DeviceBench::Slot*> DeviceBench::controllers() {
+  std::vector<Slot*> all;
+  for (const auto device : with_role(DeviceRole::motion)) all.push_back(slots_[device].get());
+  return all;
 }
 
 Awaitable<Result<MotionState>> DeviceBench::motion_state() {
-  if (!controller()) co_return tl::unexpected(no_controller());
-  co_return co_await motion_state(with_role(DeviceRole::motion).front());
+  DRIFTWISE_CO_TRY(auto states, co_await motion_states());
+  MotionState all = std::move(states.front());
+  for (std::size_t i = 1; i < states.size(); ++i) {
+    const auto& one = states[i];
+    all.at = std::max(all.at, one.at);
+    all.q_mm.insert(all.q_mm.end(), one.q_mm.begin(), one.q_mm.end());
+    all.moving = all.moving || one.moving;
+    all.referenced = all.referenced && one.referenced;
+    all.on_target = all.on_target && one.on_target;
+  }
+  co_return all;
+}
+
+Awaitable<Result<std::vector<MotionState>>> DeviceBench::motion_states() {
+  const auto asked = controllers();
+  if (asked.empty()) co_return tl::unexpected(no_controller());
+  std::vector<std::optional<Result<MotionState>>> answers(asked.size());
+  if (asked.size() == 1) {
+    auto answer = co_await motion_state(*asked.front());
+    answers.front().emplace(std::move(answer));
+  } else {
+    TaskGroup under_way(co_await asio::this_coro::executor);
+    for (std::size_t i = 0; i < asked.size(); ++i)
+      under_way.spawn(state_into(*asked[i], answers[i]));
+    co_await under_way.all_ended();
+  }
+  std::vector<MotionState> states;
+  const Error* trouble = nullptr;
+  for (const auto& answer : answers) {
+    if (!*answer && !trouble) trouble = &answer->error();
+    if (*answer) states.push_back(**answer);
+  }
+  if (!trouble) co_return states;
+  // What a robot does beside one that cannot be asked is not known to be safe.
+  for (std::size_t i = 0; i < asked.size(); ++i)
+    if (*answers[i] && (*answers[i])->moving) static_cast<void>(co_await stop_one(*asked[i]));
+  co_return tl::unexpected(*trouble);
+}
+
+Awaitable<void> DeviceBench::state_into(Slot& slot, std::optional<Result<MotionState>>& place) {
+  auto state = co_await motion_state(slot);
+  place.emplace(std::move(state));
 }
 
 Awaitable<Result<MotionState>> DeviceBench::motion_state(std::size_t device) {
-  Slot& slot = *slots_.at(device);
-  // Only the robot in use is commanded from here, so only its motion can be told from other motion.
-  auto* watch = &slot == controller() && motion_watch_ ? &*motion_watch_ : nullptr;
+  return motion_state(*slots_.at(device));
+}
+
+Awaitable<Result<MotionState>> DeviceBench::motion_state(Slot& slot) {
+  auto* watch = slot.watch ? &*slot.watch : nullptr;
   const auto orders = watch ? watch->orders() : 0;
   auto state = co_await ask(slot, *slot.made.as<MotionController>(),
                             [](MotionController& c) { return c.state(); });
@@ -203,77 +248,141 @@ Awaitable<Result<MotionState>> DeviceBench::motion_state(std::size_t device) {
     co_return state;
   }
   DRIFTWISE_CO_RETURN_IF_ERROR(doubts_.judge(slot.description(), *state));
+  slot.last_q_mm = state->q_mm;
   if (watch && doubts_.doubts_readback()) {
     watch->released();
   } else if (watch && watch->orders() == orders) {
-    auto looking = look_for_motion(*state);
+    auto looking = look_for_motion(slot, *state);
     co_await std::move(looking);
   }
   co_return state;
 }
 
+// Where all axes of the cell should be; where that is not known, as read back last.
+std::vector<double> DeviceBench::expected_mm(const Slot& looked_at, const MotionWatch& before) {
+  std::vector<double> q_mm;
+  for (const auto* slot : controllers()) {
+    const auto* watch = slot == &looked_at ? &before : slot->watch ? &*slot->watch : nullptr;
+    const auto& one =
+        watch && !watch->expected_mm().empty() ? watch->expected_mm() : slot->last_q_mm;
+    q_mm.insert(q_mm.end(), one.begin(), one.end());
+  }
+  return q_mm;
+}
+
 // A readback that is false is the doubts' matter: the axes have not moved when the instruments say
 // that they are where they should be.
-Awaitable<void> DeviceBench::look_for_motion(MotionState state) {
-  const auto before = *motion_watch_;
-  const auto moved = motion_watch_->look(state);
+Awaitable<void> DeviceBench::look_for_motion(Slot& slot, MotionState state) {
+  const auto before = *slot.watch;
+  const auto moved = slot.watch->look(state);
   if (!moved) co_return;
-  auto asking = instruments_say_(before.expected_mm());
+  auto asking = instruments_say_(expected_mm(slot, before));
   const bool are_there = co_await std::move(asking);
   if (!are_there) co_return on_uncommanded_(*moved);
-  if (motion_watch_->orders() == before.orders()) *motion_watch_ = before;
+  if (slot.watch->orders() == before.orders()) *slot.watch = before;
 }
 
 void DeviceBench::watch_motion(double limit_nm,
                                std::function<Awaitable<bool>(std::vector<double>)> instruments_say,
                                std::function<void(const std::string&)> on_uncommanded) {
-  if (!controller()) return;
   instruments_say_ = std::move(instruments_say);
-  std::vector<Channel> motors;
-  for (const auto& axis : controller_description().axes()) motors.push_back(axis.channel);
-  motion_watch_.emplace(std::move(motors), limit_nm);
   on_uncommanded_ = std::move(on_uncommanded);
+  for (auto* slot : controllers()) {
+    std::vector<Channel> motors;
+    for (const auto& axis : slot->description().axes()) motors.push_back(axis.channel);
+    slot->watch.emplace(std::move(motors), limit_nm);
+  }
 }
 
 Awaitable<Result<void>> DeviceBench::home() {
-  Slot* slot = controller();
-  if (!slot) co_return tl::unexpected(no_controller());
-  if (motion_watch_) motion_watch_->released();
-  auto homed = co_await ask_to_move(*slot, *slot->made.as<MotionController>(),
+  const auto all = controllers();
+  if (all.empty()) co_return tl::unexpected(no_controller());
+  for (auto* slot : all) DRIFTWISE_CO_RETURN_IF_ERROR(co_await home_one(*slot));
+  co_return Result<void>{};
+}
+
+Awaitable<Result<void>> DeviceBench::home_one(Slot& slot) {
+  if (slot.watch) slot.watch->released();
+  auto homed = co_await ask_to_move(slot, *slot.made.as<MotionController>(),
                                     [](MotionController& c) { return c.home(); });
-  if (motion_watch_) motion_watch_->released();
-  doubts_.begin_anew(slot->description().id);
+  if (slot.watch) slot.watch->released();
+  doubts_.begin_anew(slot.description().id);
   co_return homed;
 }
 
-Awaitable<Result<void>> DeviceBench::start_move(std::vector<double> q_mm) {
-  Slot* slot = controller();
-  if (!slot) co_return tl::unexpected(no_controller());
-  auto started = co_await ask_to_move(*slot, *slot->made.as<MotionController>(),
-                                      [this, &q_mm](MotionController& c) {
+Awaitable<Result<void>> DeviceBench::start_move(std::vector<double> q_mm, AxesToMove moved) {
+  const auto all = controllers();
+  if (all.empty()) co_return tl::unexpected(no_controller());
+  if (all.size() == 1) co_return co_await move_one(*all.front(), std::move(q_mm));
+  std::vector<Slot*> told;
+  std::vector<std::vector<double>> parts;
+  for (auto* slot : all) {
+    const auto first = slot->first_axis, count = slot->description().axes().size();
+    bool is_meant = false;
+    for (std::size_t i = first; i < first + count; ++i) is_meant = is_meant || moved.contains(i);
+    if (!is_meant || first + count > q_mm.size()) continue;
+    told.push_back(slot);
+    const auto begin = q_mm.begin() + static_cast<std::ptrdiff_t>(first);
+    parts.emplace_back(begin, begin + static_cast<std::ptrdiff_t>(count));
+  }
+  std::vector<std::optional<Result<void>>> answers(told.size());
+  TaskGroup under_way(co_await asio::this_coro::executor);
+  for (std::size_t i = 0; i < told.size(); ++i)
+    under_way.spawn(move_into(*told[i], parts[i], answers[i]));
+  co_await under_way.all_ended();
+  Result<void> first_trouble;
+  for (const auto& answer : answers)
+    if (!*answer && first_trouble) first_trouble = *answer;
+  if (!first_trouble)
+    for (std::size_t i = 0; i < told.size(); ++i)
+      if (*answers[i]) static_cast<void>(co_await stop_one(*told[i]));
+  co_return first_trouble;
+}
+
+Awaitable<Result<void>> DeviceBench::move_one(Slot& slot, std::vector<double> q_mm) {
+  auto started = co_await ask_to_move(slot, *slot.made.as<MotionController>(),
+                                      [&slot, &q_mm](MotionController& c) {
                                         // Before it is sent: a move whose answer got lost may have
                                         // started all the same.
-                                        if (motion_watch_) motion_watch_->commanded(q_mm);
+                                        if (slot.watch) slot.watch->commanded(q_mm);
                                         return c.start_move(q_mm);
                                       });
-  if (!started && motion_watch_) motion_watch_->released();
+  if (!started && slot.watch) slot.watch->released();
   co_return started;
 }
 
+Awaitable<void> DeviceBench::move_into(Slot& slot, std::vector<double> q_mm,
+                                       std::optional<Result<void>>& place) {
+  auto started = co_await move_one(slot, std::move(q_mm));
+  place.emplace(std::move(started));
+}
+
 Awaitable<Result<void>> DeviceBench::stop() {
-  Result<void> all;
-  for (const auto device : with_role(DeviceRole::motion))
-    if (auto stopped = co_await stop(device); !stopped && all) all = stopped;
-  co_return all;
+  const auto all = controllers();
+  if (all.size() == 1) co_return co_await stop_one(*all.front());
+  std::vector<std::optional<Result<void>>> answers(all.size());
+  TaskGroup under_way(co_await asio::this_coro::executor);
+  for (std::size_t i = 0; i < all.size(); ++i) under_way.spawn(stop_into(*all[i], answers[i]));
+  co_await under_way.all_ended();
+  for (const auto& answer : answers)
+    if (!*answer) co_return *answer;
+  co_return Result<void>{};
 }
 
 Awaitable<Result<void>> DeviceBench::stop(std::size_t device) {
-  Slot& slot = *slots_.at(device);
-  const bool is_watched = &slot == controller() && motion_watch_;
-  if (is_watched) motion_watch_->released();
+  return stop_one(*slots_.at(device));
+}
+
+Awaitable<Result<void>> DeviceBench::stop_one(Slot& slot) {
+  if (slot.watch) slot.watch->released();
   auto stopped = co_await slot.made.as<MotionController>()->stop();
-  if (is_watched) motion_watch_->released();
+  if (slot.watch) slot.watch->released();
   co_return stopped;
+}
+
+Awaitable<void> DeviceBench::stop_into(Slot& slot, std::optional<Result<void>>& place) {
+  auto stopped = co_await stop_one(slot);
+  place.emplace(std::move(stopped));
 }
 
 DeviceBench::Slot& DeviceBench::load() { return *slots_[with_role(DeviceRole::load).front()]; }
@@ -303,7 +412,7 @@ Awaitable<Result<void>> DeviceBench::set_load(double force_n) {
 }
 
 Awaitable<Result<void>> DeviceBench::prepare_for_run() {
-  if (!controller()) co_return tl::unexpected(no_controller());
+  if (!has(DeviceRole::motion)) co_return tl::unexpected(no_controller());
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     const auto& in_use = with_role(description(i).role());
     if (std::ranges::find(in_use, i) != in_use.end())

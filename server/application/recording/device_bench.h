@@ -4,6 +4,8 @@
 // cell file.
 //
 // The only mutual exclusion of a device's line is here (server/core/ports/device.h).
+//
+// Several motion controllers move as one: axes are numbered through, in the order of the cell file.
 
 #include <array>
 #include <functional>
@@ -12,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "server/application/recording/axes_to_move.h"
 #include "server/application/recording/device_status.h"
 #include "server/application/recording/devices.h"
 #include "server/application/recording/motion_watch.h"
@@ -65,18 +68,23 @@ class DeviceBench {
   void watch_motion(double limit_nm,
                     std::function<Awaitable<bool>(std::vector<double> q_mm)> instruments_say,
                     std::function<void(const std::string&)> on_uncommanded);
-  // Motion of the robot in use: its controller is the first one. Errors besides the devices':
-  // NO_CONTROLLER; IMPLAUSIBLE (server/application/recording/doubts.h), also in load_state.
+  // Of every controller, by its place among them, all asked at the same time. Where one gives no
+  // answer the others that are moving are halted. Errors besides the devices': NO_CONTROLLER;
+  // IMPLAUSIBLE (server/application/recording/doubts.h), also in load_state.
+  Awaitable<Result<std::vector<MotionState>>> motion_states();
+  // The same as one: axes in the cell's order, moving where one moves, at rest when all are.
   Awaitable<Result<MotionState>> motion_state();
+  // One controller after the other: where an axis is on its way to its reference is not known.
   Awaitable<Result<void>> home();
-  Awaitable<Result<void>> start_move(std::vector<double> q_mm);
-  // Halts the axes of every robot. Does not queue: it interrupts whatever a controller is doing.
-  // The first error is the answer, when all have been told.
+  // q_mm: one per axis of the cell. Only controllers of the axes to move are told, all at the same
+  // time. Where one refuses, those that took the command are halted.
+  Awaitable<Result<void>> start_move(std::vector<double> q_mm, AxesToMove moved = {});
+  // Halts the axes of every robot, all controllers at the same time. Does not queue: it interrupts
+  // whatever a controller is doing. The first error is the answer, when all have been told.
   Awaitable<Result<void>> stop();
   // The same for one controller, by its number.
   Awaitable<Result<MotionState>> motion_state(std::size_t controller);
   Awaitable<Result<void>> stop(std::size_t controller);
-  const DeviceDescription& controller_description() const;
   // Asked at the instant at which home(), start_move() and set_load() would be sent; its error is
   // theirs, and nothing is sent.
   void allow_motion_if(std::function<Result<void>()> gate) { gate_ = std::move(gate); }
@@ -104,6 +112,10 @@ class DeviceBench {
     int failures = 0;
     bool lost = false;
     std::int64_t sequence = 0;  // of readings that are made here of a state
+    // Of a motion controller.
+    std::size_t first_axis = 0;  // place of its first axis among the cell's
+    std::optional<MotionWatch> watch;
+    std::vector<double> last_q_mm;  // as read back last
   };
   template <class Port, class Call>
   auto ask(Slot& slot, Port& port, Call call) -> std::invoke_result_t<Call, Port&>;
@@ -112,19 +124,27 @@ class DeviceBench {
   template <class R>
   void note(Slot& slot, const R& result);
 
-  Slot* controller();  // of the robot in use; nullptr: the cell has none
+  std::vector<Slot*> controllers();
+  Awaitable<Result<MotionState>> motion_state(Slot& slot);
+  Awaitable<void> state_into(Slot& slot, std::optional<Result<MotionState>>& place);
+  Awaitable<Result<void>> move_one(Slot& slot, std::vector<double> q_mm);
+  Awaitable<void> move_into(Slot& slot, std::vector<double> q_mm,
+                            std::optional<Result<void>>& place);
+  Awaitable<Result<void>> stop_one(Slot& slot);
+  Awaitable<void> stop_into(Slot& slot, std::optional<Result<void>>& place);
+  Awaitable<Result<void>> home_one(Slot& slot);
+  std::vector<double> expected_mm(const Slot& looked_at, const MotionWatch& before);
   Slot& load();
   Awaitable<Result<JudgedReading>> read_instrument(Slot& slot, Instrument& instrument);
   Awaitable<Result<JudgedReading>> read_stabiliser(Slot& slot, Stabiliser& stabiliser);
   Awaitable<Result<JudgedReading>> read_axes(Slot& slot, std::size_t device);
   Awaitable<Result<JudgedReading>> read_load(Slot& slot, LoadActuator& actuator);
   Awaitable<void> read_into(std::size_t device, std::optional<Result<JudgedReading>>& place);
-  Awaitable<void> look_for_motion(MotionState state);
+  Awaitable<void> look_for_motion(Slot& slot, MotionState state);
 
   Doubts& doubts_;
   OnChange on_change_;
   std::function<Result<void>()> gate_ = [] { return Result<void>{}; };
-  std::optional<MotionWatch> motion_watch_;
   std::function<Awaitable<bool>(std::vector<double>)> instruments_say_;
   std::function<void(const std::string&)> on_uncommanded_;
   std::vector<std::unique_ptr<Slot>> slots_;

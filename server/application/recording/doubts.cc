@@ -49,7 +49,10 @@ JudgedReading Doubts::judge(Reading answer) {
 
 Result<void> Doubts::judge(const DeviceDescription& controller, const MotionState& state) {
   if (!state.referenced) return {};
-  auto reading = judge({controller.id, state.at, state.at, 0, motor_values(state.q_mm)});
+  Reading answer{controller.id, state.at, state.at, 0, {}};
+  for (std::size_t i = 0; i < std::min(controller.axes().size(), state.q_mm.size()); ++i)
+    answer.values.push_back({controller.axes()[i].channel.name(), state.q_mm[i]});
+  auto reading = judge(std::move(answer));
   if (reading.rejected.empty()) return {};
   auto error = implausible(reading.rejected.front().reason);
   writer_.add(std::move(reading));
@@ -84,7 +87,8 @@ Result<void> Doubts::check_round(std::vector<JudgedReading>& round,
     if (device->length() && may_freeze(*device) &&
         !reading.is_rejected(device->length()->channel.name()))
       if (const double* length = reading.find(device->length()->channel.name());
-          length && moved_.is_frozen(device->length()->channel.name(), *length, q_mm)) {
+          length && moved_.is_frozen(device->length()->channel.name(), *length,
+                                     of_robot(q_mm, device->length()->channel.symbol))) {
         const std::string name = device->length()->channel.name();
         auto reason = fmt::format("{} is {:.9g} although the axes moved", name, *length);
         if (!standing_.contains(name)) suspicion_ = Suspicion{reading.middle(), reason};
@@ -198,6 +202,16 @@ void Doubts::end(const std::string& subject) {
 
 Error Doubts::implausible(const std::string& sentence) const {
   return {ErrorCode::failed_precondition, reasons::kImplausible, sentence};
+}
+
+// The other robots may move while this one's length stays.
+std::vector<double> Doubts::of_robot(const std::vector<double>& q_mm,
+                                     const std::string& symbol) const {
+  std::vector<double> own_mm;
+  const auto motors = cell_.motor_channels();
+  for (std::size_t i = 0; i < std::min(motors.size(), q_mm.size()); ++i)
+    if (robot_of(motors[i].symbol) == robot_of(symbol)) own_mm.push_back(q_mm[i]);
+  return own_mm;
 }
 
 std::vector<ChannelValue> Doubts::motor_values(const std::vector<double>& q_mm) const {

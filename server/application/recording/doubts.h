@@ -83,6 +83,8 @@ class Doubts {
   void end(const std::string& subject);
   bool may_freeze(const DeviceDescription& device) const;
   Error implausible(const std::string& sentence) const;
+  // Axes of the robot that this channel is of.
+  std::vector<double> of_robot(const std::vector<double>& q_mm, const std::string& symbol) const;
   std::vector<ChannelValue> motor_values(const std::vector<double>& q_mm) const;
 
   const CellDescription& cell_;

@@ -28,7 +28,29 @@ PoseStage::PoseStage(const CellDescription& description)
       paths_(description.path_channels()),
       angles_(description.angle_channels()),
       corrects_(description.correction.has_value()) {
-  if (corrects_) stage_ = correction::stage_from(*description.correction);
+  std::vector<Channel> all = lengths_;
+  all.insert(all.end(), angles_.begin(), angles_.end());
+  for (const auto& channel : all) {
+    const std::string robot(robot_of(channel.symbol));
+    if (std::ranges::find(robots_, robot, &RobotStage::robot) != robots_.end()) continue;
+    auto& one = robots_.emplace_back(RobotStage{robot, {}, {}});
+    if (!corrects_) continue;
+    auto correction = *description.correction;
+    std::erase_if(correction.beams, [&robot](const BeamDescription& beam) {
+      return robot_of(beam.length.symbol) != robot;
+    });
+    one.stage = correction::stage_from(correction);
+  }
+}
+
+correction::Tilt PoseStage::tilt_of(const std::string& robot,
+                                    const std::vector<ChannelValue>& values) const {
+  correction::Tilt tilt;
+  for (const auto& angle : angles_)
+    if (robot_of(angle.symbol) == robot)
+      if (const double* arcsec = value_of(values, angle.name()))
+        component(tilt, axis_of(angle.symbol)) = *arcsec;
+  return tilt;
 }
 
 std::vector<ChannelValue> PoseStage::rectified(std::vector<ChannelValue> values) const {
@@ -51,34 +73,40 @@ std::vector<ChannelValue> PoseStage::rectified(std::vector<ChannelValue> values)
 }
 
 void PoseStage::set_zero(const std::vector<ChannelValue>& as_read) {
-  zero_ = {};
   const auto values = rectified(as_read);
-  for (const auto& angle : angles_)
-    if (const double* arcsec = value_of(values, angle.name()))
-      component(zero_, axis_of(angle.symbol)) = *arcsec;
+  for (auto& one : robots_) one.zero = tilt_of(one.robot, values);
 }
 
 std::vector<ChannelValue> PoseStage::pose(const std::vector<ChannelValue>& as_read) const {
   if (is_identity()) return as_read;
   const auto raw = rectified(as_read);
-  correction::Tilt tilt, zero = zero_;
-  for (const auto& angle : angles_)
-    if (const double* arcsec = value_of(raw, angle.name())) {
-      const auto axis = axis_of(angle.symbol);
-      component(tilt, axis) = *arcsec - component(zero, axis);
-    }
-  correction::Vector3 path_mm{};
-  for (const auto& length : lengths_)
-    if (const double* mm = value_of(raw, length.name())) path_mm[axis_of(length.symbol)] = *mm;
-  const auto pose_mm = corrects_ ? correction::pose_from_paths(path_mm, tilt, stage_) : path_mm;
+  std::vector<ChannelValue> poses, rotations;
+  for (const auto& one : robots_) {
+    auto tilt = tilt_of(one.robot, raw);
+    auto zero = one.zero;
+    for (const auto& angle : angles_)
+      if (robot_of(angle.symbol) == one.robot && value_of(raw, angle.name())) {
+        const auto axis = axis_of(angle.symbol);
+        component(tilt, axis) -= component(zero, axis);
+        rotations.push_back({angle.name(), component(tilt, axis)});
+      }
+    correction::Vector3 path_mm{};
+    for (const auto& length : lengths_)
+      if (robot_of(length.symbol) == one.robot)
+        if (const double* mm = value_of(raw, length.name())) path_mm[axis_of(length.symbol)] = *mm;
+    const auto pose_mm =
+        corrects_ ? correction::pose_from_paths(path_mm, tilt, one.stage) : path_mm;
+    for (const auto& length : lengths_)
+      if (robot_of(length.symbol) == one.robot && value_of(raw, length.name()))
+        poses.push_back({length.name(), pose_mm[axis_of(length.symbol)]});
+  }
 
   std::vector<ChannelValue> out;
   for (const auto& length : lengths_)
-    if (value_of(raw, length.name()))
-      out.push_back({length.name(), pose_mm[axis_of(length.symbol)]});
+    if (const double* mm = value_of(poses, length.name())) out.push_back({length.name(), *mm});
   for (const auto& angle : angles_)
-    if (value_of(raw, angle.name()))
-      out.push_back({angle.name(), component(tilt, axis_of(angle.symbol))});
+    if (const double* arcsec = value_of(rotations, angle.name()))
+      out.push_back({angle.name(), *arcsec});
   for (const auto& value : raw) {
     const auto at = std::ranges::find(lengths_, value.channel, &Channel::name);
     if (at != lengths_.end() && corrects_)

@@ -42,9 +42,17 @@ class PoseStage {
   std::string raw_name(const std::string& channel) const;
   std::vector<ChannelValue> rectified(std::vector<ChannelValue> values) const;
 
+  // Its rotations correct its own lengths only.
+  struct RobotStage {
+    std::string robot;  // empty: the cell's only one
+    correction::Stage stage;
+    correction::Tilt zero;
+  };
+  // Of the robot's channels among these values.
+  correction::Tilt tilt_of(const std::string& robot, const std::vector<ChannelValue>& values) const;
+
   std::vector<Channel> lengths_, paths_, angles_;
-  correction::Stage stage_;
-  correction::Tilt zero_;
+  std::vector<RobotStage> robots_;
   bool corrects_ = false;
   const SetupDescription* setup_ = nullptr;
 };

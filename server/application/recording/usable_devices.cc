@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "server/core/reasons.h"
 
 namespace driftwise::application {
@@ -26,27 +28,19 @@ std::string kinds_with(const CellDescription& cell, DeviceRole role) {
 }  // namespace
 
 Result<void> check_usable(const CellDescription& cell) {
-  if (cell.robots.size() > 1) {
-    const auto& used = cell.robots.front();
-    const auto& other = cell.robots[1];
-    return fail(
-        ErrorCode::failed_precondition, reasons::kTwoRobots,
-        fmt::format("robot '{}' (controller '{}'): a daemon moves one robot, this file names "
-                    "{}; leave '{}' with its controller and axes out of this file and run a "
-                    "second daemon with a cell file of its own beside that of '{}'",
-                    other.id, other.controller, cell.robots.size(), other.id, used.id));
-  }
   const auto controllers = with_role(cell, DeviceRole::motion);
   if (controllers.empty())
     return fail(ErrorCode::invalid_argument, reasons::kNoController,
                 fmt::format("{}: the cell file names no motion controller ({})", cell.name,
                             kinds_with(cell, DeviceRole::motion)));
-  if (controllers.size() > 1)
-    return fail(
-        ErrorCode::invalid_argument, reasons::kTwoControllers,
-        fmt::format("device '{}': a cell has one motion controller, this file names a second "
-                    "one",
-                    controllers[1]->id));
+  for (const auto* controller : controllers)
+    if (controllers.size() > 1 &&
+        std::ranges::find(cell.robots, controller->id, &RobotDescription::controller) ==
+            cell.robots.end())
+      return fail(ErrorCode::invalid_argument, reasons::kTwoControllers,
+                  fmt::format("device '{}': this file names {} motion controllers and no [[robot]] "
+                              "that this one moves: name each robot with its controller",
+                              controller->id, controllers.size()));
   if (const auto loads = with_role(cell, DeviceRole::load); loads.size() > 1)
     return fail(
         ErrorCode::invalid_argument, reasons::kTwoLoads,

@@ -11,6 +11,7 @@
 #include "server/application/ports/run_plan.h"
 #include "server/application/runs/run_progress.h"
 #include "server/application/runs/suspects.h"
+#include "server/application/trajectories/motor_rows.h"
 #include "server/application/trajectories/outlook.h"
 #include "server/core/trajectory/trajectory.h"
 #include "server/plausibility/closure_judge.h"
@@ -25,6 +26,7 @@ struct ActiveRun {
         trajectory(std::move(t)),
         control(executor),
         scope{bench, control, plan.rules, record.id, {}, {}, {}},
+        moved(axes_moved_by(bench.description, trajectory.coordinates)),
         length(trajectory),
         meter(planned_visit_s(plan.rules)),
         closure_judge(bench.description) {}
@@ -35,6 +37,7 @@ struct ActiveRun {
   Trajectory trajectory;
   RunControl control;
   RunScope scope;
+  AxesToMove moved;  // by its rows; the others stay at 0
   PlanLength length;
   StepMeter meter;
   bool continued = false;            // was under way when the daemon ended

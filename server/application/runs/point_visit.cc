@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "server/application/motion/joining.h"
+#include "server/application/motion/keep_out.h"
 #include "server/application/motion/loading.h"
 #include "server/application/motion/motion.h"
 #include "server/application/motion/point_decision.h"
@@ -24,13 +25,13 @@ const TrajectoryPoint& row_of(const ActiveRun& run, std::int64_t row) {
 // whichever side is allowed.
 std::vector<double> aside_of(const ActiveRun& run, std::vector<double> q_mm) {
   const double away_mm = run.plan.rules.reapproach_mm;
-  std::size_t i = 0;
-  for (const auto& device : run.scope.bench.description.devices)
-    for (const auto& axis : device.axes()) {
-      double& q = q_mm[i++];
-      q += q > 0 ? -away_mm : away_mm;
-      q = std::clamp(q, axis.min_mm, axis.max_mm);
-    }
+  const auto axes = run.scope.bench.description.axes();
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    if (!run.moved.contains(i)) continue;
+    double& q = q_mm[i];
+    q += q > 0 ? -away_mm : away_mm;
+    q = std::clamp(q, axes[i].min_mm, axes[i].max_mm);
+  }
   return q_mm;
 }
 
@@ -69,10 +70,10 @@ PointRecord make_point(const ActiveRun& run, const Visit& visit,
   if (const auto known_n = run.scope.bench.loading.known_n(); force && known_n)
     point.values.push_back({force->name(), *known_n});
   // The pose that was wanted, with what came of it: compensated or not, for a comparison.
-  if (is_pose_symbol(run.trajectory.coordinates.front().symbol))
+  if (is_pose_symbol(without_robot(run.trajectory.coordinates.front().symbol)))
     for (std::size_t i = 0; i < run.trajectory.coordinates.size(); ++i) {
       const auto& wanted = run.trajectory.coordinates[i];
-      point.values.push_back({wanted.symbol + "_target_" + wanted.unit, row.target_mm[i]});
+      point.values.push_back({wanted.symbol + "_target_" + wanted.unit, row.target[i]});
     }
   return point;
 }
@@ -90,6 +91,11 @@ Awaitable<Result<Attempt>> read_point(ActiveRun& run, const Visit& visit,
   if (sampling.spread_nm > rules.max_spread_nm) {
     record.reason =
         spread_sentence(sampling.spread_nm, rules.readings_per_point, rules.max_spread_nm);
+    co_return Attempt{Trouble::spread, {}};
+  }
+  if (sampling.spread_arcsec > rules.max_spread_arcsec) {
+    record.reason = spread_sentence_arcsec(sampling.spread_arcsec, rules.readings_per_point,
+                                           rules.max_spread_arcsec);
     co_return Attempt{Trouble::spread, {}};
   }
   // A scale that jumps or wanders while the instruments are read gives no position.
@@ -114,13 +120,17 @@ Awaitable<Result<void>> come_to_row(ActiveRun& run, const Visit& visit,
                                     const CommandFor& command_for, bool anew, Stand& stand) {
   const auto& row = row_of(run, visit.row);
   if (anew) {
-    DRIFTWISE_CO_RETURN_IF_ERROR(co_await go_to(run.scope, aside_of(run, stand.commanded_mm),
-                                                fmt::format("aside of row {}", visit.row + 1)));
+    auto aside_mm = aside_of(run, stand.commanded_mm);
+    // Where there is no room beside the row for all robots, it is approached from where it is.
+    if (check_keep_out(run.scope.bench.description, stand.commanded_mm, aside_mm))
+      DRIFTWISE_CO_RETURN_IF_ERROR(co_await go_to(run.scope, std::move(aside_mm),
+                                                  fmt::format("aside of row {}", visit.row + 1),
+                                                  run.moved));
   }
   DRIFTWISE_CO_TRY(auto commanded, command_for(run, row));
   stand.commanded_mm = std::move(commanded);
   DRIFTWISE_CO_TRY(auto arrival, co_await go_to(run.scope, stand.commanded_mm,
-                                                fmt::format("row {}", visit.row + 1)));
+                                                fmt::format("row {}", visit.row + 1), run.moved));
   stand.arrival = std::move(arrival);
   if (row.dwell_s && stand.arrival.trouble == Trouble::none) {
     run.scope.phase("dwelling");

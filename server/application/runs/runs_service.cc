@@ -36,15 +36,21 @@ RunsService::RunsService(Workbench& bench, StoreReader& reader, RunEngine& engin
 Result<void> check_coordinates(const std::string& name, const Trajectory& trajectory,
                                bool compensate) {
   const auto& first = trajectory.coordinates.front();
-  const bool is_pose = is_pose_symbol(first.symbol);
+  const bool is_pose = is_pose_symbol(without_robot(first.symbol));
+  if (is_pose && !robot_of(first.symbol).empty())
+    return fail(ErrorCode::invalid_argument, reasons::kWrongCoordinates,
+                fmt::format("{}: column {}: with several robots a run is not compensated: hand in "
+                            "motor coordinates, as 'driftwise target' gives them by a serving plan",
+                            name, first.name()));
   if (compensate && !is_pose)
     return fail(ErrorCode::invalid_argument, reasons::kNothingToCompensate,
                 fmt::format("{}: column {}: compensation needs wanted poses (x_mm ...), these are "
                             "motor coordinates",
                             name, first.name()));
-  if (is_pose && !compensate && trajectory.coordinates.size() > 1)
+  if (is_pose && !compensate && (trajectory.coordinates.size() > 1 || is_angle(first.unit)))
     return fail(ErrorCode::invalid_argument, reasons::kNeedsCompensation,
-                fmt::format("{}: column {}: with several axes a pose is no motor coordinate: "
+                fmt::format("{}: column {}: with several axes, or of a rotation, a pose is no "
+                            "motor coordinate: "
                             "compensate with a model",
                             name, first.name()));
   return {};

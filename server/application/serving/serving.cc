@@ -202,7 +202,7 @@ Result<std::vector<double>> Serving::targets(const std::vector<Channel>& coordin
   request.show_unreachable = true;  // whoever moves there checks the limits, and names the row
   for (std::size_t i = 0; i < coordinates.size(); ++i)
     if (const auto variable = compensation::variable_from(coordinates[i].symbol))
-      request.set(*variable, point.target_mm[i]);
+      request.set(*variable, point.target[i]);
   if (point.force_n) request.set(compensation::Variable::force, *point.force_n);
   const auto target = compensation::compute_target(snapshot, request);
   if (target.refusal != compensation::Refusal::none)

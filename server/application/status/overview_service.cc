@@ -36,7 +36,7 @@ CellStatus OverviewService::status() const {
   status.speed = clock_.speed();
   status.devices = bench_.status();
   for (const auto& latest : recorder_.history().latest()) {
-    auto channel = parse_channel(latest.channel);
+    auto channel = parse_robot_channel(latest.channel);
     if (!channel) continue;
     const auto* device = description_.find_device(latest.device);
     const bool never = latest.at.utc_ns == 0;

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "server/application/motion/loading.h"
+#include "server/application/trajectories/motor_rows.h"
 #include "server/application/trajectories/trajectory_confounding.h"
 #include "server/application/trajectories/trajectory_limits.h"
 #include "server/core/try.h"
@@ -17,7 +18,7 @@ void add_warnings(TrajectoryCheck& check) {
   const auto& points = check.trajectory.points;
   std::size_t repeated = 0, first_repeated = 0;
   for (std::size_t row = 1; row < points.size(); ++row)
-    if (points[row].target_mm == points[row - 1].target_mm && !points[row].zero && repeated++ == 0)
+    if (points[row].target == points[row - 1].target && !points[row].zero && repeated++ == 0)
       first_repeated = row + 1;
   if (repeated > 0)
     check.warnings.push_back(
@@ -69,6 +70,7 @@ Result<TrajectoryCheck> check_trajectory_text(const CellDescription& description
                                               const DurationHistory& history) {
   DRIFTWISE_TRY(auto trajectory, formats::read_trajectory_csv(text, name));
   DRIFTWISE_TRY(const auto limits, check_trajectory_limits(description, trajectory, name));
+  DRIFTWISE_RETURN_IF_ERROR(check_trajectory_keep_out(description, trajectory, name));
   DRIFTWISE_RETURN_IF_ERROR(check_forces(description, trajectory, name));
   const double unit_s = planned_visit_s(description.run);
   const double visit_s = unit_s * history.level();
@@ -91,6 +93,10 @@ Result<TrajectoryCheck> check_trajectory_text(const CellDescription& description
   check.trajectory = std::move(trajectory);
   add_warnings(check);
   if (!limits.empty()) check.warnings.push_back(limits);
+  if (!description.keep_outs.empty() &&
+      !is_motor_symbol(without_robot(check.trajectory.coordinates.front().symbol)))
+    check.warnings.push_back(
+        "whether the robots keep their distance at these poses is only checked at each move");
   add_confoundings(check, time_s);
   return check;
 }

@@ -7,16 +7,10 @@
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/kinematics/mechanism.h"
+#include "server/plans/robot_parts.h"
 
 namespace driftwise::application {
 namespace {
-
-std::vector<AxisDescription> axes_of(const CellDescription& description) {
-  std::vector<AxisDescription> axes;
-  for (const auto& device : description.devices)
-    axes.insert(axes.end(), device.axes().begin(), device.axes().end());
-  return axes;
-}
 
 // Collects what lies outside; the first is named.
 class Outside {
@@ -51,7 +45,7 @@ Result<std::string> check_columns(const std::vector<AxisDescription>& axes,
   Outside outside(name);
   for (std::size_t row = 0; row < trajectory.points.size(); ++row)
     for (std::size_t i = 0; i < axis_of_column.size(); ++i) {
-      const double mm = trajectory.points[row].target_mm[i];
+      const double mm = trajectory.points[row].target[i];
       outside.check(row, fmt::format("{} = {} mm", trajectory.coordinates[i].name(), mm), mm,
                     axes[axis_of_column[i]]);
     }
@@ -84,7 +78,7 @@ Result<std::string> check_poses(const CellDescription& description,
     std::vector<double> pose_mm(inputs.size(), 0.0);
     std::string found;
     for (std::size_t i = 0; i < trajectory.coordinates.size(); ++i) {
-      const double mm = trajectory.points[row].target_mm[i];
+      const double mm = trajectory.points[row].target[i];
       pose_mm[place_of(inputs, trajectory.coordinates[i])] = mm;
       found += fmt::format("{}{} = {}", i ? ", " : "", trajectory.coordinates[i].name(), mm);
     }
@@ -100,23 +94,28 @@ Result<std::string> check_poses(const CellDescription& description,
   return outside.result();
 }
 
-}  // namespace
+std::string list_of_axes(const std::vector<AxisDescription>& axes) {
+  std::string list;
+  for (const auto& axis : axes) list += (list.empty() ? "" : ", ") + axis.channel.name();
+  return list;
+}
 
-Result<std::string> check_trajectory_limits(const CellDescription& description,
-                                            const Trajectory& trajectory, const std::string& name) {
-  const auto axes = axes_of(description);
+Result<std::string> check_limits_of_one(const CellDescription& description,
+                                        const Trajectory& trajectory, const std::string& name) {
+  const auto axes = description.axes();
   if (axes.size() != trajectory.coordinates.size()) {
-    std::string found, expected;
+    std::string found;
     for (const auto& channel : trajectory.coordinates)
       found += (found.empty() ? "" : ", ") + channel.name();
-    for (const auto& axis : axes) expected += (expected.empty() ? "" : ", ") + axis.channel.name();
     return fail(
         ErrorCode::invalid_argument, reasons::kWrongCoordinates,
         fmt::format("{}: found the coordinates {}, expected one for each axis of cell '{}': "
                     "{}, or a pose with as many coordinates",
-                    name, found, description.name, expected));
+                    name, found, description.name, list_of_axes(axes)));
   }
-  if (axes.size() > 1 && is_pose_symbol(trajectory.coordinates.front().symbol))
+  const auto& first = trajectory.coordinates.front();
+  // A rotation is no motor coordinate, also not of the only axis.
+  if (is_pose_symbol(first.symbol) && (axes.size() > 1 || is_angle(first.unit)))
     return check_poses(description, axes, trajectory, name);
   std::vector<std::size_t> axis_of_column;
   for (const auto& channel : trajectory.coordinates) {
@@ -130,6 +129,83 @@ Result<std::string> check_trajectory_limits(const CellDescription& description,
     axis_of_column.push_back(static_cast<std::size_t>(found - axes.begin()));
   }
   return check_columns(axes, axis_of_column, trajectory, name);
+}
+
+tl::unexpected<Error> wrong_column(const Channel& column, const std::string& sentence) {
+  return fail(ErrorCode::invalid_argument, reasons::kWrongCoordinates,
+              fmt::format("column {}: {}", column.name(), sentence));
+}
+
+std::string list_of_robots(const CellDescription& description) {
+  std::string list;
+  for (const auto& robot : description.robots) list += (list.empty() ? "" : ", ") + robot.id;
+  return list;
+}
+
+Result<void> check_robot_of_column(const CellDescription& description, const Channel& column) {
+  const std::string id(robot_of(column.symbol));
+  if (id.empty())
+    return wrong_column(column, fmt::format("this cell has the robots {}: say whose it is, as in "
+                                            "{}.{}",
+                                            list_of_robots(description),
+                                            description.robots.front().id, column.name()));
+  const auto* robot = description.find_robot(id);
+  if (!robot)
+    return wrong_column(column, fmt::format("this cell has no robot '{}', its robots are {}", id,
+                                            list_of_robots(description)));
+  if (!is_motor_symbol(without_robot(column.symbol)) ||
+      std::ranges::find(robot->axes, column) != robot->axes.end())
+    return {};
+  std::string axes;
+  for (const auto& axis : robot->axes) axes += (axes.empty() ? "" : ", ") + axis.name();
+  return wrong_column(column,
+                      fmt::format("robot '{}' has no such axis, its axes are {}", id, axes));
+}
+
+// Motor coordinates of any of the robots, each with all its axes.
+Result<std::string> check_limits_of_robots(const CellDescription& description,
+                                           const Trajectory& trajectory, const std::string& name) {
+  for (const auto& column : trajectory.coordinates)
+    DRIFTWISE_RETURN_IF_ERROR(check_robot_of_column(description, column));
+  const auto& first = trajectory.coordinates.front();
+  if (is_pose_symbol(without_robot(first.symbol))) {
+    const std::string id(robot_of(first.symbol));
+    for (const auto& column : trajectory.coordinates)
+      if (robot_of(column.symbol) != id)
+        return wrong_column(column, fmt::format("the columns before are poses of robot '{}': a "
+                                                "trajectory has the poses of one robot",
+                                                id));
+    Trajectory of_robot = trajectory;
+    for (auto& column : of_robot.coordinates) column.symbol = without_robot(column.symbol);
+    auto part = plans::part_of_robot(description, id);
+    part.kinematics = description.find_robot(id)->kinematics;
+    return check_limits_of_one(part, of_robot, name);
+  }
+  const auto axes = description.axes();
+  std::vector<std::size_t> axis_of_column;
+  for (const auto& column : trajectory.coordinates)
+    axis_of_column.push_back(static_cast<std::size_t>(
+        std::ranges::find(axes, column, &AxisDescription::channel) - axes.begin()));
+  for (const auto& robot : description.robots) {
+    const bool is_named = std::ranges::any_of(trajectory.coordinates, [&robot](const auto& column) {
+      return robot_of(column.symbol) == robot.id;
+    });
+    for (const auto& axis : robot.axes)
+      if (is_named &&
+          std::ranges::find(trajectory.coordinates, axis) == trajectory.coordinates.end())
+        return fail(ErrorCode::invalid_argument, reasons::kWrongCoordinates,
+                    fmt::format("{}: robot '{}' is moved without a column {}: name all of its axes",
+                                name, robot.id, axis.name()));
+  }
+  return check_columns(axes, axis_of_column, trajectory, name);
+}
+
+}  // namespace
+
+Result<std::string> check_trajectory_limits(const CellDescription& description,
+                                            const Trajectory& trajectory, const std::string& name) {
+  return description.has_several_robots() ? check_limits_of_robots(description, trajectory, name)
+                                          : check_limits_of_one(description, trajectory, name);
 }
 
 }  // namespace driftwise::application

@@ -55,7 +55,7 @@ Eigen::MatrixXd scaled_rows(const Trajectory& trajectory) {
   Eigen::MatrixXd x(static_cast<Eigen::Index>(rows.size()), columns);
   for (Eigen::Index i = 0; i < x.rows(); ++i)
     for (Eigen::Index j = 0; j < columns; ++j)
-      x(i, j) = rows[static_cast<std::size_t>(i)]->target_mm[static_cast<std::size_t>(j)];
+      x(i, j) = rows[static_cast<std::size_t>(i)]->target[static_cast<std::size_t>(j)];
   for (Eigen::Index j = 0; j < columns && x.rows() > 0; ++j)
     if (const double largest = x.col(j).cwiseAbs().maxCoeff(); largest > 0) x.col(j) /= largest;
   return x;

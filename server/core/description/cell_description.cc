@@ -12,6 +12,19 @@ void add_once(std::vector<Channel>& channels, const Channel& channel) {
 
 }  // namespace
 
+const RobotDescription* CellDescription::find_robot(std::string_view id) const {
+  for (const auto& robot : robots)
+    if (robot.id == id) return &robot;
+  return nullptr;
+}
+
+std::vector<AxisDescription> CellDescription::axes() const {
+  std::vector<AxisDescription> out;
+  for (const auto& device : devices)
+    out.insert(out.end(), device.axes().begin(), device.axes().end());
+  return out;
+}
+
 std::vector<Channel> CellDescription::motor_channels() const {
   std::vector<Channel> out;
   for (const auto& device : devices)

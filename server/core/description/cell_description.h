@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "server/core/cell_time.h"
@@ -14,6 +15,7 @@
 #include "server/core/description/backup_rules.h"
 #include "server/core/description/certificate_description.h"
 #include "server/core/description/hold_rule.h"
+#include "server/core/description/keep_out_description.h"
 #include "server/core/description/kinematics_description.h"
 #include "server/core/description/notify_description.h"
 #include "server/core/description/plausibility_description.h"
@@ -69,9 +71,11 @@ struct LoadDescription {
 
 struct RunRules {  // [run]; a run may override them, the run's record keeps what was used
   int readings_per_point = 4;
-  double max_spread_nm = 5.0;  // standard deviation of a point's readings
-  int max_rereads = 2;         // failed gate: read again without moving ...
-  int max_reapproaches = 1;    // ... then move away and come again ...
+  // Standard deviation of a point's readings: lengths, and rotations.
+  double max_spread_nm = 5.0;
+  double max_spread_arcsec = 0.2;  // ten times the resolution of the study's autocollimators
+  int max_rereads = 2;             // failed gate: read again without moving ...
+  int max_reapproaches = 1;        // ... then move away and come again ...
   int max_requeues = 1;        // ... then again at the end of the line; then the point is given up
   double reapproach_mm = 0.1;  // how far away, towards the zero
   double settle_s = 2.0;       // quiet time after in-position
@@ -122,7 +126,8 @@ struct CellDescription {
   std::string http = "";                   // /healthz and /metrics, "host:port"; empty: off
   AccessDescription access;                // who may reach the daemon, and by which further doors
   ClockDescription clock;
-  std::vector<RobotDescription> robots;  // as the file names them; the first is the one in use
+  std::vector<RobotDescription> robots;       // as the file names them
+  std::vector<KeepOutDescription> keep_outs;  // [[keep_out]]: distances between robots
   std::vector<DeviceDescription> devices;
   std::vector<SetupDescription> setups;  // [[setup]]; empty: every run reads every instrument
   // Kinds that the file was read with: texts of the same cell that are stored are read with them.
@@ -142,12 +147,16 @@ struct CellDescription {
   std::vector<CertificateDescription> certificates;  // [[certificate]]
   std::optional<CorrectionDescription> correction;
   std::optional<LoadDescription> load;  // none: the cell knows no force
-  // Nominal geometry of the robot in use; none: an unknown robot.
+  // Nominal geometry of the first robot; none: an unknown robot.
   std::optional<KinematicsDescription> kinematics;
   std::string text;  // the file as read
   std::string hash;  // of the text: stored with every run
 
-  std::vector<Channel> motor_channels() const;   // q1_mm.., in order of devices and axes
+  // More than one: names of motor and pose channels carry the robot's id.
+  bool has_several_robots() const { return robots.size() > 1; }
+  const RobotDescription* find_robot(std::string_view id) const;
+  std::vector<AxisDescription> axes() const;     // in order of devices
+  std::vector<Channel> motor_channels() const;   // q1_mm.., those of axes()
   std::vector<Channel> length_channels() const;  // x_mm .. : pose coordinates
   // What the interferometers themselves give, same order: x_path_mm .. with [correction], else the
   // lengths.

@@ -12,7 +12,8 @@
 namespace driftwise {
 
 struct TrajectoryPoint {
-  std::vector<double> target_mm;  // one per coordinate of Trajectory::coordinates, same order
+  // One per coordinate of Trajectory::coordinates, in its order and unit: mm, arcsec of rotations.
+  std::vector<double> target;
   PointSet set = PointSet::calibration;
   std::int64_t line =
       0;  // points of one line follow one another; a queued point is repeated at its end

@@ -127,7 +127,7 @@ void append_pass(std::span<const Position> positions, std::size_t line_length,
                  std::optional<double> force_n, Trajectory& out, std::int64_t& line) {
   const auto point = [&](std::vector<double> mm, PointSet set, bool zero) {
     TrajectoryPoint row;
-    row.target_mm = std::move(mm);
+    row.target = std::move(mm);
     row.set = set;
     row.line = line;
     row.zero = zero;

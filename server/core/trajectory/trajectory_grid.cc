@@ -40,7 +40,7 @@ Result<void> check_ranges(const Trajectory& trajectory, const PlanBlock& block) 
 
 TrajectoryPoint point_of(const PlanBlock& block, std::int64_t line, std::vector<double> target_mm) {
   TrajectoryPoint point;
-  point.target_mm = std::move(target_mm);
+  point.target = std::move(target_mm);
   point.set = block.set;
   point.line = line;
   point.force_n = block.force_n;
@@ -95,7 +95,7 @@ void append_scattered(Trajectory& trajectory, const PlanBlock& block, std::int64
   constexpr std::int64_t kLine = 10;
   std::vector<std::vector<double>> levels(block.ranges.size());
   for (const auto& point : trajectory.points)
-    for (std::size_t k = 0; k < levels.size(); ++k) levels[k].push_back(point.target_mm[k]);
+    for (std::size_t k = 0; k < levels.size(); ++k) levels[k].push_back(point.target[k]);
   for (auto& of_coordinate : levels) std::ranges::sort(of_coordinate);
   std::mt19937_64 random(block.seed);
   for (std::int64_t i = 0; i < block.scattered; ++i) {

@@ -12,6 +12,7 @@
 #include "server/formats/cell_file/cell_file_correction.h"
 #include "server/formats/cell_file/cell_file_devices.h"
 #include "server/formats/cell_file/cell_file_holds.h"
+#include "server/formats/cell_file/cell_file_keep_outs.h"
 #include "server/formats/cell_file/cell_file_limits.h"
 #include "server/formats/cell_file/cell_file_notify.h"
 #include "server/formats/cell_file/cell_file_robots.h"
@@ -78,6 +79,7 @@ void read_run(TomlReader&& run, RunRules& out, RestartRules& restart) {
   constexpr Range kNotNegative{.min = 0};
   run.integer("readings_per_point", out.readings_per_point, 1, 1000);
   run.number("max_spread_nm", out.max_spread_nm, kPositive);
+  run.number("max_spread_arcsec", out.max_spread_arcsec, kPositive);
   run.integer("max_rereads", out.max_rereads, 0, 100);
   run.integer("max_reapproaches", out.max_reapproaches, 0, 100);
   run.integer("max_requeues", out.max_requeues, 0, 100);
@@ -182,6 +184,10 @@ void read_file(const toml::table& root, CellDescription& out, TomlProblem& probl
   if (out.devices.empty())
     top.refuse("device", reasons::kMissingKey, "found no [[device]], expected at least one");
   if (!problem.any()) complete_robots(top, out);
+  for (const auto* table : top.tables("keep_out")) {
+    const std::string place = "keep_out " + std::to_string(out.keep_outs.size() + 1);
+    read_keep_out(TomlReader(*table, place, problem), place, out, problem);
+  }
   for (const auto* table : top.tables("hold")) {
     const std::string place = "hold " + std::to_string(out.holds.size() + 1);
     read_hold(TomlReader(*table, place, problem), out);

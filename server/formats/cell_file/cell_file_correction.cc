@@ -19,7 +19,7 @@ std::string names_of(const std::vector<Channel>& channels) {
 }
 
 void read_beam(TomlReader&& reader, BeamDescription& out) {
-  reader.channel("length", out.length, Need::required);
+  reader.robot_channel("length", out.length, Need::required);
   reader.vector3("offset_mm", out.offset_mm, 1e4);
   reader.vector3("offset_per_mm", out.offset_per_mm, 10);
   reader.number("u_offset_mm", out.u_offset_mm, {.min = 0});
@@ -33,10 +33,12 @@ void read_beam(TomlReader&& reader, BeamDescription& out) {
 void need_tilts(TomlReader& reader, const char* key, const Channel& length,
                 const CellDescription& cell) {
   const auto angles = cell.angle_channels();
+  std::string robot(robot_of(length.symbol));  // its own rotations count
+  if (!robot.empty()) robot += '.';
   for (const char* axis : {"x", "y", "z"}) {
-    if (length.symbol == axis || gives(angles, std::string("r") + axis)) continue;
+    if (without_robot(length.symbol) == axis || gives(angles, robot + "r" + axis)) continue;
     reader.refuse(key, reasons::kMissingKey,
-                  "the correction of " + shown(length.name()) + " needs r" + axis +
+                  "the correction of " + shown(length.name()) + " needs " + robot + "r" + axis +
                       "_arcsec, expected an autocollimator with that [[device.angle]]; this cell "
                       "gives " +
                       names_of(angles));

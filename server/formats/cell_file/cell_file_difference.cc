@@ -160,6 +160,7 @@ void add_rules(const CellDescription& cell, Parts& parts) {
   const auto& run = cell.run;
   parts["run"].values = {{"readings_per_point", text_of(run.readings_per_point)},
                          {"max_spread_nm", text_of(run.max_spread_nm)},
+                         {"max_spread_arcsec", text_of(run.max_spread_arcsec)},
                          {"max_rereads", text_of(run.max_rereads)},
                          {"max_reapproaches", text_of(run.max_reapproaches)},
                          {"max_requeues", text_of(run.max_requeues)},
@@ -319,10 +320,10 @@ std::set<std::pair<std::string, std::string>> known_keys() {
   add("web", {"*"});
   add("access", {"*"});
   add("clock", {"epoch", "speed", "file"});
-  add("run",
-      {"readings_per_point", "max_spread_nm", "max_rereads", "max_reapproaches", "max_requeues",
-       "reapproach_mm", "settle_s", "in_position_nm", "quiet_nm", "move_timeout_s",
-       "max_temperature_age_s", "max_given_up_share", "park", "after_restart", "after_power_loss"});
+  add("run", {"readings_per_point", "max_spread_nm", "max_spread_arcsec", "max_rereads",
+              "max_reapproaches", "max_requeues", "reapproach_mm", "settle_s", "in_position_nm",
+              "quiet_nm", "move_timeout_s", "max_temperature_age_s", "max_given_up_share", "park",
+              "after_restart", "after_power_loss"});
   add("checks", {"stabiliser_band_k", "stabiliser_wait_s", "hold_on_stabilisers",
                  "max_drift_nm_per_min", "drift_window_s"});
   add("plausibility", {"geometry_um", "geometry_pct", "closure_nm", "closure_nm_per_min",

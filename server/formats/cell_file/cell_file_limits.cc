@@ -36,7 +36,7 @@ void read_plausibility(TomlReader&& reader, PlausibilityRules& out) {
 void read_limit(TomlReader&& reader, PlausibilityRules& out) {
   ChannelLimitDescription limit;
   Channel channel;
-  reader.channel("channel", channel, Need::required);
+  reader.robot_channel("channel", channel, Need::required);
   limit.channel = channel.name();
   optional_number(reader, "min", limit.min);
   optional_number(reader, "max", limit.max);

@@ -174,7 +174,7 @@ bool gives(const CellDescription& cell, const std::string& channel) {
 void read_channel_alarm(TomlReader&& reader, CellDescription& cell) {
   ChannelAlarmDescription one;
   Channel channel;
-  reader.channel("channel", channel, Need::required);
+  reader.robot_channel("channel", channel, Need::required);
   one.channel = channel.name();
   if (!one.channel.empty() && !gives(cell, one.channel))
     reader.refuse("channel", reasons::kBadChannel,

@@ -49,9 +49,11 @@ std::vector<std::string> controllers_of(const CellDescription& cell) {
   return ids;
 }
 
-std::vector<Channel> axes_of(const DeviceDescription& controller) {
+// robot: its axes only; empty: all.
+std::vector<Channel> axes_of(const DeviceDescription& controller, const std::string& robot) {
   std::vector<Channel> axes;
-  for (const auto& axis : controller.axes()) axes.push_back(axis.channel);
+  for (const auto& axis : controller.axes())
+    if (robot.empty() || robot_of(axis.channel.symbol) == robot) axes.push_back(axis.channel);
   return axes;
 }
 
@@ -80,8 +82,13 @@ void complete_robot(TomlReader& top, const CellDescription& cell, RobotDescripti
         reasons::kBadController,
         "controller: found " + shown(robot.controller) +
             ", expected the id of a motion controller of this cell: " + joined_names(controllers));
-  const auto all = axes_of(*controller);
+  // With several robots the name of an axis says whose it is, also on a controller that they share.
+  const auto all = axes_of(*controller, cell.has_several_robots() ? robot.id : "");
   if (robot.axes.empty()) robot.axes = all;
+  if (robot.axes.empty())
+    return refuse(reasons::kBadChannel, "axes: found none, expected [[device.axis]] of " +
+                                            shown(controller->id) + " whose channel begins with " +
+                                            shown(robot.id + "."));
   for (const auto& axis : robot.axes)
     if (std::ranges::find(all, axis) == all.end())
       return refuse(reasons::kBadChannel, "axes: found " + shown(axis.name()) +
@@ -112,7 +119,7 @@ void complete_robots(TomlReader& top, CellDescription& out) {
     if (controllers.size() != 1) return;  // none, or which is meant is not said: refused on use
     out.robots.push_back({.id = {},
                           .controller = controllers.front(),
-                          .axes = axes_of(*find_controller(out, controllers.front())),
+                          .axes = axes_of(*find_controller(out, controllers.front()), ""),
                           .tool = {},
                           .kinematics = out.kinematics});
     return;
@@ -132,6 +139,12 @@ void complete_robots(TomlReader& top, CellDescription& out) {
       known.push_back(name);
     }
   }
+  for (const auto& axis : out.motor_channels())
+    if (std::ranges::find(known, axis.name()) == known.end())
+      top.refuse("robot", reasons::kAxisOfNoRobot,
+                 "found the axis " + shown(axis.name()) +
+                     ", which no robot has, expected it among the axes of one: nothing would "
+                     "bring it to its zero");
   out.kinematics = out.robots.front().kinematics;
 }
 

@@ -13,7 +13,8 @@ void read_robots(TomlReader& top, CellDescription& out, TakenNames& taken, TomlP
 
 // Call it when the devices are known: each robot has a controller and axes of it, each axis one
 // robot. A file without [[robot]] gets one robot without id, where it has a controller.
-// Refused: BAD_CONTROLLER, BAD_CHANNEL, DUPLICATE_CHANNEL, MISSING_KEY, TWO_KINEMATICS.
+// Refused: BAD_CONTROLLER, BAD_CHANNEL, DUPLICATE_CHANNEL, MISSING_KEY, TWO_KINEMATICS,
+// AXIS_OF_NO_ROBOT.
 void complete_robots(TomlReader& top, CellDescription& out);
 
 }  // namespace driftwise::formats

@@ -46,7 +46,7 @@ void check_device(TomlReader& reader, const SetupCoordinate& coordinate,
 
 void read_coordinate(TomlReader&& reader, const CellDescription& cell, SetupDescription& setup) {
   SetupCoordinate coordinate;
-  reader.channel("channel", coordinate.channel, Need::required);
+  reader.robot_channel("channel", coordinate.channel, Need::required);
   reader.text("device", coordinate.device, Need::required);
   reader.number("scale", coordinate.scale, {.min = -1e6, .max = 1e6});
   reader.number("offset", coordinate.offset, {.min = -1e6, .max = 1e6});

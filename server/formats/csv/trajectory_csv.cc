@@ -19,38 +19,65 @@ std::optional<TrajectoryColumn> kind_from(const std::string& name) {
   if (name == "zero") return TrajectoryColumn::zero;
   if (name == "force_N") return TrajectoryColumn::force;
   if (name == "dwell_s") return TrajectoryColumn::dwell;
-  const auto channel = parse_channel(name);
-  if (channel && channel->unit == "mm" &&
-      (is_motor_symbol(channel->symbol) || channel->symbol == "x" || channel->symbol == "y" ||
-       channel->symbol == "z"))
+  const auto channel = parse_robot_channel(name);
+  if (!channel) return std::nullopt;
+  const auto symbol = without_robot(channel->symbol);
+  const bool is_rotation = is_pose_symbol(symbol) && symbol.front() == 'r';
+  const bool has_unit =
+      is_rotation ? channel->unit == "arcsec" || channel->unit == "deg" : channel->unit == "mm";
+  if (has_unit && (is_motor_symbol(symbol) || is_pose_symbol(symbol)))
     return TrajectoryColumn::coordinate;
   return std::nullopt;
 }
+
+bool is_motor_column(const Channel& channel) {
+  return is_motor_symbol(without_robot(channel.symbol));
+}
+
+// A column of the file: its kind, and what its numbers are multiplied by.
+struct TrajectoryField {
+  TrajectoryColumn kind;
+  double factor = 1;
+  std::string unit;  // of a coordinate, in the file
+};
 
 tl::unexpected<Error> bad_header(Reason reason, const CsvHeader& header,
                                  const std::string& file_name, const std::string& sentence) {
   return fail(ErrorCode::invalid_argument, reason, at_line(file_name, header.line) + sentence);
 }
 
-Result<std::vector<TrajectoryColumn>> sort_columns(const CsvHeader& header,
-                                                   const std::string& file_name,
-                                                   std::vector<Channel>& coordinates) {
-  std::vector<TrajectoryColumn> kinds;
+Result<std::vector<TrajectoryField>> sort_columns(const CsvHeader& header,
+                                                  const std::string& file_name,
+                                                  std::vector<Channel>& coordinates) {
+  constexpr double kArcsecPerDeg = 3600;
+  std::vector<TrajectoryField> kinds;
   for (const auto& name : header.names) {
     const auto kind = kind_from(name);
     if (!kind)
       return bad_header(reasons::kUnknownColumn, header, file_name,
                         "column " + std::to_string(kinds.size() + 1) + ": found " + shown(name) +
-                            ", expected q1_mm, q2_mm, ... or x_mm, y_mm, z_mm, and set, line, "
-                            "zero, force_N, dwell_s");
-    kinds.push_back(*kind);
-    if (*kind == TrajectoryColumn::coordinate) coordinates.push_back(*parse_channel(name));
+                            ", expected q1_mm, q2_mm, ... or x_mm, y_mm, z_mm, rx_arcsec, "
+                            "ry_arcsec, rz_arcsec (or _deg), with a robot's id before it in a "
+                            "cell with several (ma.q1_mm), and set, line, zero, force_N, dwell_s");
+    auto& column = kinds.emplace_back(TrajectoryField{*kind, 1, {}});
+    if (*kind != TrajectoryColumn::coordinate) continue;
+    auto channel = *parse_robot_channel(name);
+    column.unit = channel.unit;
+    if (channel.unit == "deg") {
+      channel.unit = "arcsec";
+      column.factor = kArcsecPerDeg;
+    }
+    if (std::ranges::find(coordinates, channel) != coordinates.end())
+      return bad_header(reasons::kDuplicateColumn, header, file_name,
+                        "column " + std::to_string(kinds.size()) + ": found " + shown(name) +
+                            ", which is there already, expected each coordinate once");
+    coordinates.push_back(std::move(channel));
   }
   if (coordinates.empty())
     return bad_header(reasons::kNoCoordinates, header, file_name,
                       "found no coordinates, expected q1_mm, q2_mm, ... or x_mm, y_mm, z_mm");
   for (const auto& channel : coordinates)
-    if (is_motor_symbol(channel.symbol) != is_motor_symbol(coordinates.front().symbol))
+    if (is_motor_column(channel) != is_motor_column(coordinates.front()))
       return bad_header(reasons::kMixedCoordinates, header, file_name,
                         "found " + coordinates.front().name() + " and " + channel.name() +
                             ", expected motor coordinates only or pose coordinates only");
@@ -58,19 +85,20 @@ Result<std::vector<TrajectoryColumn>> sort_columns(const CsvHeader& header,
 }
 
 // Reads the fields of one row, and checks what a row alone can show.
-Result<TrajectoryPoint> read_point(CsvRows& rows, const std::vector<TrajectoryColumn>& kinds) {
+Result<TrajectoryPoint> read_point(CsvRows& rows, const std::vector<TrajectoryField>& kinds) {
   TrajectoryPoint point;
   for (std::size_t i = 0; i < kinds.size(); ++i) {
     double number = 0;
     bool truth = false;
     bool good = true;
-    switch (kinds[i]) {
+    switch (kinds[i].kind) {
       case TrajectoryColumn::coordinate:
         good = rows.number(number);
         if (good && is_missing(number))
-          return tl::unexpected(rows.problem(reasons::kMissingCoordinate, i,
-                                             "found nothing, expected a number in mm"));
-        point.target_mm.push_back(number);
+          return tl::unexpected(
+              rows.problem(reasons::kMissingCoordinate, i,
+                           "found nothing, expected a number in " + kinds[i].unit));
+        point.target.push_back(number * kinds[i].factor);
         break;
       case TrajectoryColumn::set:
         good = rows.set_is_validation(truth);
@@ -100,8 +128,9 @@ Result<TrajectoryPoint> read_point(CsvRows& rows, const std::vector<TrajectoryCo
   return point;
 }
 
-std::size_t first_column(const std::vector<TrajectoryColumn>& kinds, TrajectoryColumn kind) {
-  return static_cast<std::size_t>(std::ranges::find(kinds, kind) - kinds.begin());
+std::size_t first_column(const std::vector<TrajectoryField>& kinds, TrajectoryColumn kind) {
+  return static_cast<std::size_t>(std::ranges::find(kinds, kind, &TrajectoryField::kind) -
+                                  kinds.begin());
 }
 
 }  // namespace
@@ -122,7 +151,7 @@ Result<Trajectory> read_trajectory_csv(std::string_view text, const std::string&
                        "found " + std::to_string(point.line) + " after " +
                            std::to_string(trajectory.points.back().line) +
                            ", expected the points of one line to follow one another"));
-    if (point.zero && !std::ranges::all_of(point.target_mm, [](double mm) { return mm == 0; }))
+    if (point.zero && !std::ranges::all_of(point.target, [](double value) { return value == 0; }))
       return tl::unexpected(
           rows.problem(reasons::kZeroNotAtZero, first_column(kinds, TrajectoryColumn::zero),
                        "found 1 with coordinates that are not all 0: a return to zero goes to 0"));
@@ -151,7 +180,7 @@ std::string write_trajectory_csv(const Trajectory& trajectory) {
   if (has_dwell) out += ",dwell_s";
   out += '\n';
   for (const auto& point : trajectory.points) {
-    for (const double mm : point.target_mm) append_number(out, mm), out += ',';
+    for (const double value : point.target) append_number(out, value), out += ',';
     out += point.set == PointSet::validation ? "validation," : "calibration,";
     append_number(out, point.line);
     out += point.zero ? ",1" : ",0";

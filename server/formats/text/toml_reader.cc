@@ -195,6 +195,15 @@ void TomlReader::channel(const char* key, Channel& value, Need need) {
   value = std::move(*channel);
 }
 
+void TomlReader::robot_channel(const char* key, Channel& value, Need need) {
+  std::string name;
+  text(key, name, need);
+  if (name.empty()) return;
+  auto channel = parse_robot_channel(name);
+  if (!channel) return refuse(key, reasons::kBadChannel, channel.error().message);
+  value = std::move(*channel);
+}
+
 void TomlReader::strings(const char* key, std::map<std::string, std::string>& values) {
   const auto* inner = table(key);
   if (!inner) return;

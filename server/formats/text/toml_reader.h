@@ -54,6 +54,8 @@ class TomlReader {
   void time(const char* key,
             CellTime& value);  // "2011-07-22T08:00:00Z" as a string or a TOML date-time
   void channel(const char* key, Channel& value, Need need);
+  // The same, or with a robot's id and a dot before it: mn.x_mm.
+  void robot_channel(const char* key, Channel& value, Need need);
   // A list of texts; a single text is a list of one.
   void texts(const char* key, std::vector<std::string>& values, Need need = Need::optional);
   // A list of finite numbers, exactly count of them.

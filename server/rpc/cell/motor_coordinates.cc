@@ -25,6 +25,14 @@ Result<std::vector<double>> motor_coordinates_from(
     const auto found = std::find_if(values.begin(), values.end(), [&](const ChannelValue& value) {
       return value.channel == axis.name();
     });
+    const bool is_robot_named =
+        !cell.has_several_robots() || std::any_of(values.begin(), values.end(), [&](const auto& v) {
+          return robot_of(v.channel) == robot_of(axis.symbol);
+        });
+    if (found == values.end() && !is_robot_named && !values.empty()) {
+      q_mm.push_back(kMissing);
+      continue;
+    }
     if (found == values.end())
       return fail(
           ErrorCode::invalid_argument, reasons::kMissingCoordinate,

@@ -11,9 +11,10 @@
 
 namespace driftwise::rpc {
 
-// Every motor coordinate of the cell, once, in mm. Errors: invalid_argument; those of values_from,
-// and UNKNOWN_AXIS, MISSING_COORDINATE, naming the axes there are. Soft limits are the cell's
-// business.
+// Every motor coordinate of the cell, once, in mm; with several robots those of one robot at least,
+// and kMissing for the robots that are not named: they stay where they are. Errors:
+// invalid_argument; those of values_from, and UNKNOWN_AXIS, MISSING_COORDINATE, naming the axes
+// there are. Soft limits are the cell's business.
 Result<std::vector<double>> motor_coordinates_from(
     const google::protobuf::RepeatedPtrField<v1::ChannelValue>& coordinates,
     const CellDescription& cell);

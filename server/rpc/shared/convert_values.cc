@@ -86,7 +86,7 @@ Result<std::vector<ChannelValue>> values_from(
                "found " + std::to_string(values.size()) + " values, expected at most 64");
   std::vector<ChannelValue> out;
   for (const auto& value : values) {
-    if (auto channel = parse_channel(value.channel()); !channel)
+    if (auto channel = parse_robot_channel(value.channel()); !channel)
       return bad(channel.error().reason, channel.error().message);
     if (!value.has_value()) return bad(reasons::kMissingValue, value.channel() + " has no value");
     if (!std::isfinite(value.value()))

@@ -210,7 +210,7 @@ v1::Topic topic_of(const v1::WatchEvent& event) {
 v1::Series series_from(const SeriesColumn& column) {
   v1::Series out;
   out.set_channel(column.channel);
-  if (const auto channel = parse_channel(column.channel)) out.set_unit(channel->unit);
+  if (const auto channel = parse_robot_channel(column.channel)) out.set_unit(channel->unit);
   const auto first = std::find_if(column.mean.begin(), column.mean.end(),
                                   [](double value) { return !is_missing(value); });
   const double base = first == column.mean.end() ? 0 : *first;

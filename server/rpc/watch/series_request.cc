@@ -19,7 +19,7 @@ Result<void> take_channels(const v1::GetSeriesRequest& request, SeriesQuery& out
                 "channels: found " + std::to_string(request.channels_size()) +
                     " of them, expected 1 to " + std::to_string(kMostChannels));
   for (const auto& name : request.channels()) {
-    if (const auto channel = parse_channel(name); !channel)
+    if (const auto channel = parse_robot_channel(name); !channel)
       return fail(ErrorCode::invalid_argument, reasons::kBadChannel,
                   "channels: " + channel.error().message);
     if (std::find(out.channels.begin(), out.channels.end(), name) != out.channels.end())

@@ -10,7 +10,7 @@ namespace {
 
 TrajectoryPoint axis_point(double mm, bool validation, std::size_t number, double dwell_s) {
   TrajectoryPoint point;
-  point.target_mm = {mm};
+  point.target = {mm};
   point.set = validation ? PointSet::validation : PointSet::calibration;
   point.line = static_cast<std::int64_t>(number / 18);
   point.dwell_s = dwell_s;
@@ -69,7 +69,7 @@ Trajectory published_micro_nano_plan() {
   std::int64_t line = 0;
   const auto add = [&](std::vector<double> mm, const Grid& grid, bool zero) {
     TrajectoryPoint point;
-    point.target_mm = std::move(mm);
+    point.target = std::move(mm);
     point.set = grid.calibration ? PointSet::calibration : PointSet::validation;
     point.line = line;
     point.zero = zero;

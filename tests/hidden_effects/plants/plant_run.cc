@@ -71,7 +71,7 @@ class AxisRunner {
   }
 
   void visit(const TrajectoryPoint& point, std::int64_t run) {
-    plant_->start_move(0, point.target_mm.front(), instant_of(now_s_));
+    plant_->start_move(0, point.target.front(), instant_of(now_s_));
     now_s_ += kStarted_s;
     while (plant_->axis(0, instant_of(now_s_)).moving) now_s_ += 0.02;
     const double end_s = now_s_;
@@ -147,7 +147,7 @@ class MicroNanoRunner {
   void visit(const TrajectoryPoint& point, std::int64_t run) {
     if (point.force_n && *point.force_n != force_n_) session_.load(force_n_ = *point.force_n);
     std::array<double, 3> q_mm{};
-    std::copy_n(point.target_mm.begin(), 3, q_mm.begin());
+    std::copy_n(point.target.begin(), 3, q_mm.begin());
     auto row = session_.visit(q_mm, kSettle_s + point.dwell_s.value_or(0));
     const double end_s = row.time_s - row.dwell_s;
     for (int again = 1; again < kMostGroups && spread_nm(row) > kGate_nm; ++again)

@@ -84,7 +84,7 @@ TEST(SeparatingOnThePlant, FindsTheShorterPeriodBehindAGridThatAliasesIt) {
   grid.coordinates = {{"q1", "mm"}};
   for (int k = 0; k < 400; ++k) {
     TrajectoryPoint point;
-    point.target_mm = {1.5e-3 * (k * 17 % 41 - 20)};
+    point.target = {1.5e-3 * (k * 17 % 41 - 20)};
     point.set = k % 3 == 2 ? PointSet::validation : PointSet::calibration;
     point.line = k / 40;
     grid.points.push_back(point);
@@ -131,7 +131,7 @@ class ForceThatRisesWithTheRoom : public testing::Test {
       TrajectoryPoint point;
       for (const double turn : kTurns) {
         const double turned = static_cast<double>(i + 1) * turn;
-        point.target_mm.push_back(1.2 + 0.1 * (turned - std::floor(turned)));
+        point.target.push_back(1.2 + 0.1 * (turned - std::floor(turned)));
       }
       point.set = i % 4 == 3 ? PointSet::validation : PointSet::calibration;
       point.line = static_cast<std::int64_t>(i / 15);

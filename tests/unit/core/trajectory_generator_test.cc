@@ -28,7 +28,7 @@ TEST(GeneratedTrajectory, VisitsEveryNodeOnceAndReturnsToZeroAfterEachLine) {
   for (std::size_t i = 0; i < trajectory.points.size(); ++i) {
     EXPECT_EQ(trajectory.points[i].zero, i % 5 == 4);
     EXPECT_EQ(trajectory.points[i].line, static_cast<std::int64_t>(i / 5));
-    if (!trajectory.points[i].zero) nodes.insert(trajectory.points[i].target_mm);
+    if (!trajectory.points[i].zero) nodes.insert(trajectory.points[i].target);
   }
   EXPECT_EQ(nodes.size(), 12U);
   EXPECT_TRUE(nodes.contains({3, 1}));
@@ -41,7 +41,7 @@ TEST(GeneratedTrajectory, ValidatesInTheMiddlesOfTheCells) {
   const auto trajectory = generate_trajectory(plan).value();
   const auto middles = without_zeros(trajectory, PointSet::validation);
   ASSERT_EQ(middles.size(), 3U * 2);
-  EXPECT_EQ(middles.front().target_mm, (std::vector<double>{0.5, 0.25}));
+  EXPECT_EQ(middles.front().target, (std::vector<double>{0.5, 0.25}));
   EXPECT_EQ(without_zeros(trajectory, PointSet::calibration).size(), 12U);
   // Interleaved: some validation comes before the last calibration point.
   const auto first = std::find_if(trajectory.points.begin(), trajectory.points.end(),
@@ -57,8 +57,8 @@ TEST(GeneratedTrajectory, RepeatsTheWholeGridUnderEachForceAndBackwards) {
   const auto trajectory = generate_trajectory(plan).value();
   const auto points = without_zeros(trajectory, PointSet::calibration);
   ASSERT_EQ(points.size(), 8U);
-  EXPECT_EQ(points[0].target_mm[0], 0);
-  EXPECT_EQ(points[2].target_mm[0], 3);  // backwards
+  EXPECT_EQ(points[0].target[0], 0);
+  EXPECT_EQ(points[2].target[0], 3);  // backwards
   EXPECT_EQ(points[3].force_n, 0);
   EXPECT_EQ(points[4].force_n, 2.5);
   EXPECT_EQ(trajectory.points.back().line, 3);
@@ -73,7 +73,7 @@ TEST(GeneratedTrajectory, ASeedGivesTheSameOrderEachTime) {
   const auto order = [](const Trajectory& trajectory) {
     std::vector<std::vector<double>> out;
     for (const auto& point : without_zeros(trajectory, PointSet::calibration))
-      out.push_back(point.target_mm);
+      out.push_back(point.target);
     return out;
   };
   EXPECT_EQ(order(once), order(again));

@@ -42,9 +42,9 @@ TEST(AppendBlock, MakesThePublishedPlan) {
   EXPECT_EQ(zeros, 3u * 36 + 2u * 25);
   EXPECT_EQ(plan.points.back().line, 3 * 36 + 2 * 25);
   EXPECT_TRUE(plan.points[6].zero) << "a line of six, then the return to zero";
-  EXPECT_EQ(plan.points[1].target_mm, (std::vector<double>{0, 0, 0.5}));
-  EXPECT_EQ(plan.points[7].target_mm, (std::vector<double>{0, 0.5, 0}));
-  EXPECT_EQ(plan.points[42].target_mm, (std::vector<double>{0.5, 0, 0}));
+  EXPECT_EQ(plan.points[1].target, (std::vector<double>{0, 0, 0.5}));
+  EXPECT_EQ(plan.points[7].target, (std::vector<double>{0, 0.5, 0}));
+  EXPECT_EQ(plan.points[42].target, (std::vector<double>{0.5, 0, 0}));
 }
 
 TEST(AppendBlock, GivesLevelsAsTheyAreWritten) {
@@ -67,8 +67,8 @@ TEST(AppendBlock, ScattersPositionsThatNoGridHas) {
     const auto& point = plan.points[i];
     EXPECT_FALSE(point.zero);
     EXPECT_EQ(point.force_n, 0.392);
-    places.insert(point.target_mm);
-    for (const double mm : point.target_mm) {
+    places.insert(point.target);
+    for (const double mm : point.target) {
       EXPECT_GE(mm, 0.1);
       EXPECT_LE(mm, 2.4);
       EXPECT_GT(std::abs(mm * 10 - std::round(mm * 10)), 5e-4) << "on a level of the grid";
@@ -78,7 +78,7 @@ TEST(AppendBlock, ScattersPositionsThatNoGridHas) {
   auto again = three_axes();
   ASSERT_TRUE(append_block(again, grid(PointSet::calibration, {0, 2.5, 0.1}, 0)));
   ASSERT_TRUE(append_block(again, block));
-  EXPECT_EQ(again.points.back().target_mm, plan.points.back().target_mm) << "seeded";
+  EXPECT_EQ(again.points.back().target, plan.points.back().target) << "seeded";
 }
 
 TEST(AppendBlock, RefusesWhatIsNoPlan) {

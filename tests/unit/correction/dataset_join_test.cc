@@ -243,7 +243,7 @@ Trajectory wanted_in(const char* first, const char* second, const char* third) {
   wanted.coordinates = {{first, "mm"}, {second, "mm"}, {third, "mm"}};
   for (const auto& point : grid()) {
     TrajectoryPoint row;
-    row.target_mm = {point.q1, point.q2, point.q3};
+    row.target = {point.q1, point.q2, point.q3};
     row.zero = point.zero;
     wanted.points.push_back(row);
   }
@@ -266,7 +266,7 @@ TEST(DatasetJoin, NamesTheRowInWhichTrajectoriesDiffer) {
   const Trajectory wanted = wanted_in("q1", "q2", "q3");
   for (auto& part : parts) part.trajectory = wanted;
   ASSERT_TRUE(join(parts, {}));
-  parts[2].trajectory->points[16].target_mm[1] += 0.25;
+  parts[2].trajectory->points[16].target[1] += 0.25;
   const auto refused = refusal(parts);
   EXPECT_EQ(refused.reason, "TRAJECTORIES_DIFFER");
   EXPECT_THAT(refused.message, HasSubstr("row 17: q2_mm is "));
@@ -292,7 +292,7 @@ TEST(DatasetJoin, RefusesAnotherToolAnotherTemperatureAndAnotherZero) {
   parts[1].trajectory = parts[0].trajectory = Trajectory{{{"q1", "mm"}}, {}};
   for (const auto& point : grid()) {
     TrajectoryPoint row;
-    row.target_mm = {point.q1};
+    row.target = {point.q1};
     row.zero = point.zero;
     for (auto* part : {&parts[0], &parts[1]}) part->trajectory->points.push_back(row);
   }

@@ -71,8 +71,8 @@ TEST(SeparatingPlans, StayWithinTheLimits) {
     EXPECT_GE(plan.trajectory.points.size(), 96U) << plan.what;
     for (const auto& point : plan.trajectory.points)
       for (std::size_t k = 0; k < 2; ++k) {
-        EXPECT_GE(point.target_mm[k], limits.min_mm[k]) << plan.what;
-        EXPECT_LE(point.target_mm[k], limits.max_mm[k]) << plan.what;
+        EXPECT_GE(point.target[k], limits.min_mm[k]) << plan.what;
+        EXPECT_LE(point.target[k], limits.max_mm[k]) << plan.what;
       }
   }
 }

@@ -60,6 +60,31 @@ TEST(CellFileRobots, SeveralCarryTheirIdInTheChannels) {
   EXPECT_EQ(cell->length_channels().front().name(), "ma.x_mm");
 }
 
+TEST(CellFileRobots, ShareAControllerByTheNamesOfItsAxes) {
+  const auto cell = read(kHead + "[[robot]]\nid = \"ma\"\n[[robot]]\nid = \"mn\"\n" +
+                         controller_text("gantry", {"ma.q1_mm", "mn.q1_mm", "mn.q2_mm"}));
+  ASSERT_TRUE(cell) << cell.error().message;
+  EXPECT_EQ(cell->robots[0].axes, (std::vector<Channel>{{"ma.q1", "mm"}}));
+  EXPECT_EQ(cell->robots[1].axes, (std::vector<Channel>{{"mn.q1", "mm"}, {"mn.q2", "mm"}}));
+}
+
+std::string keep_out_text(const std::string& first_axis, const std::string& second_axis,
+                          const std::string& per_mm = "-1", const std::string& at_zero = "6") {
+  std::string text = "[[keep_out]]\nname = \"tips\"\nmin_mm = 1\nat_zero_mm = " + at_zero + "\n";
+  for (const auto& axis : {first_axis, second_axis})
+    text += "[[keep_out.axis]]\nchannel = \"" + axis + "\"\nper_mm = " + per_mm + "\n";
+  return text;
+}
+
+TEST(CellFileRobots, KeepADistance) {
+  const auto cell =
+      read(kHead + kTwoRobots + kTwoControllers + keep_out_text("ma.q2_mm", "mn.q1_mm"));
+  ASSERT_TRUE(cell) << cell.error().message;
+  ASSERT_EQ(cell->keep_outs.size(), 1U);
+  EXPECT_EQ(cell->keep_outs[0].robots, (std::vector<std::string>{"ma", "mn"}));
+  EXPECT_EQ(cell->keep_outs[0].terms[1].axis.name(), "mn.q1_mm");
+}
+
 struct RobotMistake {
   const char* name;
   std::string text;
@@ -94,6 +119,32 @@ INSTANTIATE_TEST_SUITE_P(
                      "BAD_CHANNEL", "such as ma.q1_mm"},
         RobotMistake{"StrangeName", kHead + kTwoRobots + controller_text("gantry", {"mx.q1_mm"}),
                      "BAD_CHANNEL", "the robots are ma, mn"},
+        RobotMistake{"AxisOfNobody",
+                     kHead +
+                         "[[robot]]\nid = \"ma\"\ncontroller = \"gantry\"\naxes = [\"ma.q1_mm\"]\n"
+                         "[[robot]]\nid = \"mn\"\ncontroller = \"hexapod\"\n" +
+                         kTwoControllers,
+                     "AXIS_OF_NO_ROBOT", "'ma.q2_mm'"},
+        RobotMistake{"AxisOfAnother",
+                     kHead +
+                         "[[robot]]\nid = \"ma\"\ncontroller = \"hexapod\"\n"
+                         "[[robot]]\nid = \"mn\"\ncontroller = \"hexapod\"\n" +
+                         kTwoControllers,
+                     "BAD_CHANNEL", "begins with 'ma.'"},
+        RobotMistake{"KeepOutOfOneRobot",
+                     kHead + kTwoRobots + kTwoControllers + keep_out_text("ma.q1_mm", "ma.q2_mm"),
+                     "BAD_KEEP_OUT", "found axes of one robot"},
+        RobotMistake{"KeepOutOfAStranger",
+                     kHead + kTwoRobots + kTwoControllers + keep_out_text("ma.q1_mm", "mn.q9_mm"),
+                     "BAD_KEEP_OUT", "'mn.q9_mm'"},
+        RobotMistake{
+            "KeepOutWithoutEffect",
+            kHead + kTwoRobots + kTwoControllers + keep_out_text("ma.q1_mm", "mn.q1_mm", "0"),
+            "BAD_KEEP_OUT", "found 0"},
+        RobotMistake{"KeepOutOfTheZero",
+                     kHead + kTwoRobots + kTwoControllers +
+                         keep_out_text("ma.q1_mm", "mn.q1_mm", "-1", "0.5"),
+                     "BAD_KEEP_OUT", "every run begins with all axes at 0"},
         RobotMistake{"Key",
                      kHead + "[[robot]]\nid = \"ma\"\ncontroler = \"axis\"\n" +
                          controller_text("axis", {"q1_mm"}),

@@ -18,7 +18,7 @@ TEST(ReadTrajectoryCsv, ReadsCoordinatesSetsLinesAndZeros) {
   EXPECT_EQ(trajectory->coordinates, (std::vector<Channel>{{"q1", "mm"}}));
   EXPECT_TRUE(trajectory->points[0].zero);
   EXPECT_FALSE(trajectory->points[0].force_n);
-  EXPECT_EQ(trajectory->points[1].target_mm, (std::vector<double>{1.5}));
+  EXPECT_EQ(trajectory->points[1].target, (std::vector<double>{1.5}));
   EXPECT_EQ(trajectory->points[1].set, PointSet::validation);
   EXPECT_EQ(trajectory->points[1].force_n, 50.0);
   EXPECT_EQ(trajectory->points[1].dwell_s, 2.5);
@@ -28,9 +28,23 @@ TEST(ReadTrajectoryCsv, TakesOneLineOfCalibrationWhenNothingElseIsSaid) {
   const auto trajectory = read_trajectory_csv("x_mm,y_mm\n1,2\n3,4\n", "plan.csv");
   ASSERT_TRUE(trajectory) << trajectory.error().message;
   EXPECT_EQ(trajectory->coordinates[1].symbol, "y");
-  EXPECT_EQ(trajectory->points[1].target_mm, (std::vector<double>{3, 4}));
+  EXPECT_EQ(trajectory->points[1].target, (std::vector<double>{3, 4}));
   EXPECT_EQ(trajectory->points[1].line, 0);
   EXPECT_EQ(trajectory->points[1].set, PointSet::calibration);
+}
+
+TEST(ReadTrajectoryCsv, TakesRotationsInArcsecAndDegrees) {
+  const auto trajectory = read_trajectory_csv("rx_arcsec,ry_deg,z_mm\n-30,0.01,1.5\n", "plan.csv");
+  ASSERT_TRUE(trajectory) << trajectory.error().message;
+  EXPECT_EQ(trajectory->coordinates,
+            (std::vector<Channel>{{"rx", "arcsec"}, {"ry", "arcsec"}, {"z", "mm"}}));
+  EXPECT_EQ(trajectory->points[0].target, (std::vector<double>{-30, 36, 1.5}));
+}
+
+TEST(ReadTrajectoryCsv, TakesCoordinatesOfSeveralRobots) {
+  const auto trajectory = read_trajectory_csv("ma.q1_mm,mn.q1_mm\n1,2\n", "plan.csv");
+  ASSERT_TRUE(trajectory) << trajectory.error().message;
+  EXPECT_EQ(trajectory->coordinates, (std::vector<Channel>{{"ma.q1", "mm"}, {"mn.q1", "mm"}}));
 }
 
 struct TrajectoryMistake {
@@ -58,6 +72,14 @@ INSTANTIATE_TEST_SUITE_P(
                                       "found q1_mm and x_mm"},
                     TrajectoryMistake{"Unknown", "q1_mm,sett\n0,calibration\n", "UNKNOWN_COLUMN",
                                       "plan.csv:1: column 2: found 'sett'"},
+                    TrajectoryMistake{"LengthOfARotation", "rx_mm\n0\n", "UNKNOWN_COLUMN",
+                                      "found 'rx_mm'"},
+                    TrajectoryMistake{"RotationTwice", "rx_deg,rx_arcsec\n0,0\n",
+                                      "DUPLICATE_COLUMN", "found 'rx_arcsec'"},
+                    TrajectoryMistake{"MixedOfRobots", "ma.q1_mm,mn.x_mm\n0,0\n",
+                                      "MIXED_COORDINATES", "found ma.q1_mm and mn.x_mm"},
+                    TrajectoryMistake{"HoleInARotation", "rx_deg,line\n,0\n", "MISSING_COORDINATE",
+                                      "expected a number in deg"},
                     TrajectoryMistake{"OtherUnit", "q1_um\n0\n", "UNKNOWN_COLUMN", "found 'q1_um'"},
                     TrajectoryMistake{"Hole", "q1_mm,line\n,0\n", "MISSING_COORDINATE",
                                       "plan.csv:2: column q1_mm: found nothing"},
@@ -74,15 +96,15 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(TrajectoryCsv, ReadsBackWhatItWrites) {
   Trajectory trajectory;
   trajectory.coordinates = {{"q1", "mm"}, {"q2", "mm"}};
-  trajectory.points = {{.target_mm = {0, 0}, .zero = true, .force_n = {}, .dwell_s = {}},
-                       {.target_mm = {1.0 / 3.0, -2.5},
+  trajectory.points = {{.target = {0, 0}, .zero = true, .force_n = {}, .dwell_s = {}},
+                       {.target = {1.0 / 3.0, -2.5},
                         .set = PointSet::validation,
                         .line = 4,
                         .force_n = 0.5,
                         .dwell_s = {}}};
   const auto back = read_trajectory_csv(write_trajectory_csv(trajectory), "plan.csv");
   ASSERT_TRUE(back) << back.error().message;
-  EXPECT_EQ(back->points[1].target_mm, trajectory.points[1].target_mm);
+  EXPECT_EQ(back->points[1].target, trajectory.points[1].target);
   EXPECT_EQ(back->points[1].line, 4);
   EXPECT_EQ(back->points[1].force_n, 0.5);
   EXPECT_FALSE(back->points[0].force_n);

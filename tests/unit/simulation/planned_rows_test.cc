@@ -24,12 +24,12 @@ Trajectory three_points() {
   Trajectory trajectory;
   trajectory.coordinates = {{"q1", "mm"}};
   TrajectoryPoint empty, loaded, bare;
-  empty.target_mm = {1};
+  empty.target = {1};
   empty.force_n = 0.0;
-  loaded.target_mm = {-1};
+  loaded.target = {-1};
   loaded.force_n = 2.0;
   loaded.dwell_s = 100.0;
-  bare.target_mm = {-1};
+  bare.target = {-1};
   bare.set = PointSet::validation;
   trajectory.points = {empty, loaded, bare};
   return trajectory;

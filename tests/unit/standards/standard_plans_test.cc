@@ -31,8 +31,8 @@ Dataset run_perfectly(const Trajectory& trajectory) {
     data.time_s.push_back(time_s += 8 + point.dwell_s.value_or(0));
     data.zero.push_back(point.zero ? 1 : 0);
     for (std::size_t i = 0; i < axes; ++i) {
-      data.columns[2 * i].values.push_back(point.target_mm[i]);
-      data.columns[2 * i + 1].values.push_back(point.target_mm[i]);
+      data.columns[2 * i].values.push_back(point.target[i]);
+      data.columns[2 * i + 1].values.push_back(point.target[i]);
     }
   }
   return data;
@@ -64,12 +64,12 @@ TEST(Iso2302Plan, ScattersItsPositionsWithinTheRange) {
   const auto plan = must(iso230_2_plan({.from_mm = -4, .to_mm = 4, .held = {}}));
   std::set<double> steps;
   for (std::size_t i = 3; i < 11; ++i) {
-    const double step = plan.points[i].target_mm[0] - plan.points[i - 1].target_mm[0];
+    const double step = plan.points[i].target[0] - plan.points[i - 1].target[0];
     EXPECT_GT(step, 0);
     steps.insert(step);
   }
   EXPECT_GT(steps.size(), 6U) << "uneven";
-  for (const auto& point : plan.points) EXPECT_LE(std::abs(point.target_mm[0]), 4.25);
+  for (const auto& point : plan.points) EXPECT_LE(std::abs(point.target[0]), 4.25);
 }
 
 TEST(Iso2302Plan, HoldsTheOtherAxes) {
@@ -81,8 +81,8 @@ TEST(Iso2302Plan, HoldsTheOtherAxes) {
   EXPECT_EQ(plan.coordinates[0].symbol, "q1");
   for (const auto& point : plan.points)
     if (!point.zero) {
-      EXPECT_EQ(point.target_mm[0], 1.25);
-      EXPECT_EQ(point.target_mm[2], 1);
+      EXPECT_EQ(point.target[0], 1.25);
+      EXPECT_EQ(point.target[2], 1);
     }
   const auto found = iso230_2(run_perfectly(plan), {.columns = {"q2", "", ""}});
   EXPECT_TRUE(found) << found.error().message;

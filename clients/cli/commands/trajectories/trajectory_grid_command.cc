@@ -42,10 +42,10 @@ void take_to_pose(Trajectory& trajectory, const std::string& file) {
                   "--to-pose: expected --axes with every motor of " + file + ", in its order"};
   const auto nominal = kinematics::nominal_values(delta.parameters());
   for (auto& point : trajectory.points) {
-    const Eigen::Vector3d q_mm(point.target_mm[0], point.target_mm[1], point.target_mm[2]);
+    const Eigen::Vector3d q_mm(point.target[0], point.target[1], point.target[2]);
     const auto pose = must_have(delta.pose_from_motor(q_mm, nominal));
     for (Eigen::Index i = 0; i < 3; ++i)
-      point.target_mm[static_cast<std::size_t>(i)] =
+      point.target[static_cast<std::size_t>(i)] =
           point.zero ? 0.0 : std::round(pose[i] * 1e4) / 1e4;
   }
   trajectory.coordinates = delta.inputs();

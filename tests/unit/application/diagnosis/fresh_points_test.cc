@@ -19,12 +19,12 @@ Trajectory three_lines() {
 TEST(FreshPoints, AreNoneThatWereVisitedInNoneOfTwentyRepeats) {
   const auto plan = three_lines();
   std::set<double> seen;
-  for (const auto& point : plan.points) seen.insert(point.target_mm[0]);
+  for (const auto& point : plan.points) seen.insert(point.target[0]);
   for (int repeat = 1; repeat <= 20; ++repeat) {
     const auto fresh = fresh_points(plan, repeat);
     std::set<double> here;
     for (const auto& point : fresh.points)
-      if (!point.zero) here.insert(point.target_mm[0]);
+      if (!point.zero) here.insert(point.target[0]);
     EXPECT_EQ(here.size(), 4u) << repeat;
     for (const double q : here) EXPECT_TRUE(seen.insert(q).second) << repeat << ": " << q;
   }
@@ -38,15 +38,15 @@ TEST(FreshPoints, StayInsideTheHullInOrderWithTheirSetsAndZeros) {
     EXPECT_EQ(fresh.points[i].zero, plan.points[i].zero);
     EXPECT_EQ(fresh.points[i].set, plan.points[i].set);
     if (plan.points[i].zero) {
-      EXPECT_EQ(fresh.points[i].target_mm[0], 0);
+      EXPECT_EQ(fresh.points[i].target[0], 0);
     }
-    EXPECT_GE(fresh.points[i].target_mm[0], -4);
-    EXPECT_LE(fresh.points[i].target_mm[0], 4);
+    EXPECT_GE(fresh.points[i].target[0], -4);
+    EXPECT_LE(fresh.points[i].target[0], 4);
     if (i > 0 && !fresh.points[i].zero && !fresh.points[i - 1].zero) {
-      EXPECT_GT(fresh.points[i].target_mm[0], fresh.points[i - 1].target_mm[0]) << i;
+      EXPECT_GT(fresh.points[i].target[0], fresh.points[i - 1].target[0]) << i;
     }
   }
-  EXPECT_EQ(fresh_points(plan, 0).points[1].target_mm, plan.points[1].target_mm);
+  EXPECT_EQ(fresh_points(plan, 0).points[1].target, plan.points[1].target);
 }
 
 }  // namespace

@@ -35,6 +35,32 @@ const std::vector<ChannelValue> kRaw = {
     {"x_mm", 1.0},      {"air_x_degC", 21.5}, {"y_mm", 0.5},     {"z_mm", 2.0},
     {"rx_arcsec", 3.0}, {"ry_arcsec", 60.0},  {"rz_arcsec", 0.0}};
 
+// Two robots with the same tilts and beams, of which one is turned.
+TEST(PoseStage, CorrectsEachRobotByItsOwnRotations) {
+  CellDescription cell;
+  CorrectionDescription correction;
+  std::vector<ChannelValue> raw;
+  for (const std::string robot : {"ma.", "mn."}) {
+    DeviceDescription laser, collimator;
+    laser.become<LengthSettings>().channel = {robot + "x", "mm"};
+    collimator.become<AngleSettings>().angles = {{{robot + "ry", "arcsec"}, 1, 1, 0}};
+    cell.devices.push_back(laser);
+    cell.devices.push_back(collimator);
+    BeamDescription beam;
+    beam.length = {robot + "x", "mm"};
+    beam.offset_mm = {0, 0, 10};
+    correction.beams.push_back(beam);
+    raw.push_back({robot + "x_mm", 1.0});
+    raw.push_back({robot + "ry_arcsec", robot == "ma." ? 0.0 : 60.0});
+  }
+  cell.correction = correction;
+  const auto pose = PoseStage(cell).pose(raw);
+  EXPECT_NEAR(*find_value(pose, "ma.x_mm"), 1.0, 1e-12);
+  EXPECT_NEAR(*find_value(pose, "mn.x_mm"), 1.0 - 60 * kArcsec * 10, 1e-9);
+  EXPECT_EQ(*find_value(pose, "mn.x_path_mm"), 1.0);
+  EXPECT_EQ(*find_value(pose, "mn.ry_arcsec"), 60.0);
+}
+
 TEST(PoseStage, PutsThePathBesideTheCorrectedPose) {
   PoseStage stage(three_lasers(true));
   stage.set_zero({{"ry_arcsec", 20.0}});

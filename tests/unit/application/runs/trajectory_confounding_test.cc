@@ -84,7 +84,7 @@ TEST(ForceTrend, IsNoneInARandomOrder) {
       EXPECT_FALSE(trend.confounded());
       std::map<double, std::multiset<std::vector<double>>> under;  // every position, once a force
       for (const auto& point : plan.points)
-        if (!point.zero) under[*point.force_n].insert(point.target_mm);
+        if (!point.zero) under[*point.force_n].insert(point.target);
       ASSERT_EQ(under.size(), forces.size());
       for (const auto& [force, positions] : under) EXPECT_EQ(positions, under.begin()->second);
       wanted.shuffle_seed.reset();
@@ -131,7 +131,7 @@ TEST(LookAlikes, KnowThatACubicNeedsFourLevels) {
 
 TEST(LookAlikes, SeeADiagonal) {
   auto plan = grid_of({{0, 3, 0.05}, {0, 0, 1}});
-  for (auto& point : plan.points) point.target_mm[1] = point.target_mm[0];
+  for (auto& point : plan.points) point.target[1] = point.target[0];
   const auto found = look_alikes(plan);
   ASSERT_THAT(found, testing::Not(IsEmpty()));
   EXPECT_THAT(found.front(), HasSubstr("q2 cannot be told apart from q1"));

@@ -47,17 +47,18 @@ DeviceDescription controller_of(const std::string& id, const std::string& channe
   return device;
 }
 
-TEST(UsableDevices, AreOneRobotsOnly) {
+TEST(UsableDevices, MoveRobotsThatEachControllerIsNamedBy) {
   CellDescription cell;
   cell.name = "two";
   cell.devices = {controller_of("gantry", "ma.q1"), controller_of("hexapod", "mn.q1")};
   cell.robots = {{.id = "ma", .controller = "gantry", .axes = {}, .tool = {}, .kinematics = {}},
                  {.id = "mn", .controller = "hexapod", .axes = {}, .tool = {}, .kinematics = {}}};
+  EXPECT_TRUE(check_usable(cell));
+  cell.robots.pop_back();
   const auto refused = check_usable(cell);
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().reason, "TWO_ROBOTS");
-  EXPECT_THAT(refused.error().message, HasSubstr("robot 'mn' (controller 'hexapod')"));
-  EXPECT_THAT(refused.error().message, HasSubstr("cell file of its own"));
+  EXPECT_EQ(refused.error().reason, "TWO_CONTROLLERS");
+  EXPECT_THAT(refused.error().message, HasSubstr("device 'hexapod'"));
 }
 
 TEST(UsableDevices, NeedOneController) {

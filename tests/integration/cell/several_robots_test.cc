@@ -1,0 +1,111 @@
+// Two robots on two controllers, on the wire: they move, go on after a kill, halt and keep their
+// distance.
+
+#include <gmock/gmock.h>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/read_until.hpp>
+#include <boost/asio/write.hpp>
+
+#include "tests/integration/cell/cell_at_work.h"
+
+namespace driftwise::tests {
+namespace {
+
+using testing::HasSubstr;
+
+CellOptions two_robots() {
+  CellOptions options;
+  options.speed = 100;
+  options.cell = "micro-nano";
+  options.cell_file = "two-robots.toml";
+  options.cellsim_options = {"--set", "emulator.gantry.axes=X",
+                             "--set", "emulator.hexapod.axes=Y,Z",
+                             "--set", "plant.step_s=2.0"};
+  return options;
+}
+
+class SeveralRobotsOnTheWire : public testing::Test {
+ protected:
+  // What the controller itself says to somebody who asks beside the daemon: "X=0.5".
+  std::string ask_controller(const std::string& device, const std::string& request) {
+    const std::string address = cell.device_address(device);
+    boost::asio::io_context io;
+    boost::asio::ip::tcp::socket socket(io);
+    socket.connect({boost::asio::ip::make_address("127.0.0.1"),
+                    static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1)))});
+    boost::asio::write(socket, boost::asio::buffer(request));
+    std::string answer;
+    boost::asio::read_until(socket, boost::asio::dynamic_buffer(answer), '\n');
+    return answer.substr(0, answer.find('\n'));
+  }
+  bool moves(const std::string& device) { return ask_controller(device, "\x05") != "0"; }
+  double place_mm(const std::string& device, const std::string& axis) {
+    const auto answer = ask_controller(device, "POS? " + axis + "\n");
+    return std::stod(answer.substr(answer.find('=') + 1));
+  }
+  CellAtWork cell{two_robots()};
+};
+
+std::string two_robot_rows(int lines) {
+  std::string csv = "ma.q1_mm,mn.q1_mm,mn.q2_mm,set,line,zero\n";
+  for (int line = 1; line <= lines; ++line) {
+    const std::string of_line = ",calibration," + std::to_string(line);
+    csv += "0,0,0" + of_line + ",1\n1,0.5,1.5" + of_line + ",0\n1.5,1,0.5" + of_line + ",0\n";
+  }
+  return csv;
+}
+
+TEST_F(SeveralRobotsOnTheWire, MoveAndGoOnAfterAKill) {
+  cell.start_daemon();
+  const auto run = cell.start_run(two_robot_rows(4));
+  cell.wait_for_points(5);
+  cell.kill_daemon();
+  cell.start_daemon();
+  EXPECT_EQ(cell.end_of(run).at("state"), "done");
+  EXPECT_EQ(cell.count("SELECT count(*) FROM point"), 12);
+  EXPECT_EQ(cell.count("SELECT count(DISTINCT row) FROM point"), 12);
+  EXPECT_GE(cell.count("SELECT count(*) FROM datum"), 2);
+  EXPECT_NEAR(place_mm("gantry", "X"), 0, 1e-3) << "parked";
+  EXPECT_NEAR(place_mm("hexapod", "Z"), 0, 1e-3);
+}
+
+TEST_F(SeveralRobotsOnTheWire, HaltTogetherOnTheirWay) {
+  cell.edit_cell_file("velocity_mm_s = 5.0", "velocity_mm_s = 0.01");
+  cell.edit_cell_file("move_timeout_s = 30.0", "move_timeout_s = 2000.0");
+  cell.start_daemon();
+  const auto run = cell.start_run(
+      "ma.q1_mm,mn.q1_mm,mn.q2_mm,set\n0,0,0,calibration\n1.6,1.6,1.6,calibration\n");
+  cell.wait_for_points(1);
+  wait_until("both are on their way",
+             [this] { return place_mm("gantry", "X") > 0.2 && place_mm("hexapod", "Z") > 0.2; });
+  cell.say({"stop"});
+  wait_until("the run is paused", [&] { return cell.state_of(run) == "paused"; });
+  for (const auto& [device, axis] :
+       {std::pair{"gantry", "X"}, {"hexapod", "Y"}, {"hexapod", "Z"}}) {
+    EXPECT_FALSE(moves(device)) << device;
+    EXPECT_LT(place_mm(device, axis), 1.5) << device << " " << axis << ": on its way";
+  }
+}
+
+TEST_F(SeveralRobotsOnTheWire, KeepTheirDistanceBeforeAnythingMoves) {
+  cell.start_daemon();
+  const auto near = cell.write(
+      "near.csv", "ma.q1_mm,mn.q1_mm,mn.q2_mm,set\n0,0,0,calibration\n2,0,1.7,calibration\n");
+  for (const auto& command :
+       {std::vector<std::string>{"trajectory", "check", near}, {"run", "start", near}}) {
+    const auto refused = cell.refusal(command);
+    EXPECT_EQ(refused.at("reason"), "KEEP_OUT");
+    EXPECT_THAT(refused.at("message").get<std::string>(), HasSubstr("row 2: robots ma and mn"));
+  }
+  EXPECT_EQ(cell.count("SELECT count(*) FROM move"), 0);
+  cell.say({"home"});
+  cell.say({"move", "ma.q1=2"});
+  EXPECT_EQ(cell.refusal({"move", "mn.q1=0", "mn.q2=1.7"}).at("reason"), "KEEP_OUT");
+  EXPECT_NEAR(place_mm("hexapod", "Z"), 0, 1e-3);
+  EXPECT_NEAR(place_mm("gantry", "X"), 2, 1e-3);
+}
+
+}  // namespace
+}  // namespace driftwise::tests
