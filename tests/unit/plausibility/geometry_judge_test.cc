@@ -35,6 +35,19 @@ TEST(GeometryJudge, TheSentenceNamesTheMotorAndTheLimit) {
       << found.sentence();
 }
 
+TEST(GeometryJudge, EachRobotIsHeldAgainstItsOwnReadback) {
+  auto two = cell();
+  two.robots = {{"ma", "", {}, "", two.kinematics}, {"mn", "", {}, "", two.kinematics}};
+  const auto found = GeometryJudge(two).compare({{"ma.x_mm", 2.0}, {"mn.x_mm", 2.0}},
+                                                {{"ma.q1_mm", 2.0}, {"mn.q1_mm", -1.0}},
+                                                {{"ma.q1_mm", 0.0}, {"mn.q1_mm", 0.0}});
+  ASSERT_EQ(found.outputs.size(), 2u);
+  EXPECT_TRUE(found.disagrees());
+  EXPECT_NE(found.sentence().find("mn.q1_mm by the measured pose is +3 mm"), std::string::npos)
+      << found.sentence();
+  EXPECT_EQ(found.sentence().find("ma.q1_mm"), std::string::npos);
+}
+
 TEST(GeometryJudge, NothingIsComparedWithoutADeclaredGeometry) {
   auto unknown = cell();
   unknown.kinematics.reset();

@@ -49,6 +49,22 @@ TEST(CheckTrajectory, RefusesCoordinatesThatTheCellLacks) {
   EXPECT_NE(two.error().message.find("': q1_mm, or a pose"), std::string::npos);
 }
 
+TEST(CheckTrajectory, RotationsAreWantedPosesOfSeveralAxes) {
+  CellDescription three;
+  three.name = "tilting";
+  for (const char* motor : {"q1", "q2", "q3"})
+    three.devices.emplace_back().become<MotionSettings>().axes.push_back(
+        {{motor, "mm"}, "X", -1, 1, 0});
+  const auto check = check_trajectory_text(
+      three, "p", "rx_arcsec,ry_deg,z_mm\n0,0,0\n300,-0.05,0.5\n-300,0.05,1\n");
+  ASSERT_TRUE(check) << check.error().message;
+  EXPECT_EQ(check->trajectory.points[1].target, (std::vector<double>{300, -180, 0.5}));
+  EXPECT_NE(check->warnings.back().size(), 0u);
+  // Of one axis, too, a rotation is no motor coordinate.
+  const auto one = check_trajectory_text(cell(), "p", "rx_arcsec\n100\n");
+  ASSERT_TRUE(one) << one.error().message;
+}
+
 CellDescription delta_cell() {
   CellDescription c;
   c.name = "delta";
