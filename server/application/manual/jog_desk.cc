@@ -186,7 +186,7 @@ Awaitable<Result<void>> JogDesk::arrive(Jog& jog) {
   const auto& rules = bench_.description.run;
   const auto limit = bench_.clock.now().utc + nanoseconds_from_s(rules.move_timeout_s);
   while (true) {
-    DRIFTWISE_CO_TRY(const auto state, co_await bench_.devices.motion_state());
+    DRIFTWISE_CO_TRY(const auto state, co_await state_of(bench_.devices, jog.moved));
     jog.state.q_mm = state.q_mm;
     DRIFTWISE_CO_RETURN_IF_ERROR(jog.control.check());
     if (!state.moving && state.on_target) co_return Result<void>{};

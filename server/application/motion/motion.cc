@@ -60,11 +60,17 @@ class QuietWindow {
   std::deque<MotionState> seen_;
 };
 
+bool moves_any(const AxesToMove& moved, std::size_t first, std::size_t count) {
+  for (std::size_t axis = first; axis < first + count; ++axis)
+    if (moved.contains(axis)) return true;
+  return false;
+}
+
 Awaitable<Result<Arrival>> wait_in_position(RunScope& scope, const std::vector<double>& q_mm,
                                             const AxesToMove& moved) {
   const auto limit = scope.bench.clock.now().utc + nanoseconds_from_s(scope.rules.move_timeout_s);
   while (true) {
-    DRIFTWISE_CO_TRY(auto state, co_await scope.bench.devices.motion_state());
+    DRIFTWISE_CO_TRY(auto state, co_await state_of(scope.bench.devices, moved));
     DRIFTWISE_CO_RETURN_IF_ERROR(scope.control.check());
     const double off_nm = largest_distance_nm(state.q_mm, q_mm, moved);
     const auto now = scope.bench.clock.now();
@@ -119,6 +125,21 @@ Awaitable<Result<Arrival>> wait_quiet(RunScope& scope, Arrival arrival, const Ax
 }
 
 }  // namespace
+
+Awaitable<Result<MotionState>> state_of(DeviceBench& devices, AxesToMove moved) {
+  DRIFTWISE_CO_TRY(const auto states, co_await devices.motion_states());
+  MotionState all{states.front().at, {}, false, true, true};
+  for (const auto& one : states) {
+    const bool counts = moves_any(moved, all.q_mm.size(), one.q_mm.size());
+    all.at = std::max(all.at, one.at);
+    all.q_mm.insert(all.q_mm.end(), one.q_mm.begin(), one.q_mm.end());
+    if (!counts) continue;
+    all.moving = all.moving || one.moving;
+    all.referenced = all.referenced && one.referenced;
+    all.on_target = all.on_target && one.on_target;
+  }
+  co_return all;
+}
 
 Result<void> check_soft_limits(const CellDescription& description, const std::vector<double>& q_mm,
                                const AxesToMove& moved) {

@@ -135,6 +135,16 @@ TEST_F(SeveralRobots, OneIsMovedByHandAndTheOtherIsNotTold) {
   EXPECT_THAT(cell.events_named("axes.move").back(), HasSubstr("ma.q1 2"));
 }
 
+TEST_F(SeveralRobots, OneThatIsNotOnTargetHoldsNobodyElse) {
+  ASSERT_TRUE(cell.await(cell->manual.home(cell.ada, cell.lease(), {})));
+  mn.move_begin_ns = cell.now().utc_ns;  // at its place, and its controller says "not on target"
+  mn.move_end_ns = mn.move_begin_ns + nanoseconds_from_s(3600).count();
+  const auto begun = cell.now();
+  ASSERT_TRUE(cell.await(cell->manual.move_to(cell.ada, cell.lease(), {2, kMissing}, {})));
+  EXPECT_TRUE(cell.await(cell->jogs.begin(cell.ada, cell.lease(), {"ma.q1_mm", 0.5, false}, {})));
+  EXPECT_LT(seconds_from(cell.now() - begun), 30);
+}
+
 TEST_F(SeveralRobots, EachOfThemIsWatchedForMotionOfNobody) {
   ASSERT_TRUE(cell.await(cell->manual.home(cell.ada, cell.lease(), {})));
   cell.pass(10);
