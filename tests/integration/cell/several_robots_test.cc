@@ -65,8 +65,14 @@ TEST_F(SeveralRobotsOnTheWire, MoveAndGoOnAfterAKill) {
   cell.start_daemon();
   EXPECT_EQ(cell.end_of(run).at("state"), "done");
   EXPECT_EQ(cell.count("SELECT count(*) FROM point"), 12);
-  EXPECT_EQ(cell.count("SELECT count(DISTINCT row) FROM point"), 12);
+  EXPECT_EQ(cell.count("SELECT count(DISTINCT trajectory_row) FROM point"), 12);
   EXPECT_GE(cell.count("SELECT count(*) FROM datum"), 2);
+  const auto table = cell.say({"data", "export", std::to_string(run)});
+  for (const char* column : {"ma.q1_mm", "mn.q1_mm", "mn.q2_mm", "mn.x_mm", "t04_degC"})
+    EXPECT_THAT(table, HasSubstr(column));
+  const auto fitted =
+      cell.ask({"fit", "--run", std::to_string(run), "--model", "mn.x ~ mn.q1 + mn.q2"});
+  EXPECT_TRUE(fitted.at("outputs").contains("mn.x")) << fitted.dump();
   EXPECT_NEAR(place_mm("gantry", "X"), 0, 1e-3) << "parked";
   EXPECT_NEAR(place_mm("hexapod", "Z"), 0, 1e-3);
 }
