@@ -52,6 +52,7 @@ std::vector<NoiseShape> Search::shapes_in_question(const SoftBase& base,
     guesses.push_back(whole.noise(o));
     guesses.push_back(whole.space(best_of(whole, o, kShortSteps * step_s)).shape());
   }
+  if (bank_.entries.empty()) return unique(std::move(shapes));
   guesses.push_back(grid_.front());  // white
   std::vector<Eigen::MatrixXd> series;
   for (Eigen::Index o = 0; o < series_.cols(); ++o) series.emplace_back(series_.col(o));
@@ -123,6 +124,7 @@ std::optional<Look> Search::look(const SoftBase& base, const std::vector<char>& 
   Look result;
   result.shapes = shapes_in_question(base, allowed, stopped);
   if (stopped) return std::nullopt;
+  if (bank_.entries.empty()) return result;  // no cause can be asked of these data
   const Ground ground(timeline_, result.shapes, base, series_);
   const auto outputs = static_cast<std::size_t>(series_.cols());
   std::vector<NoiseShape> noise;
@@ -170,6 +172,7 @@ std::optional<Look> Search::compare(const SoftBase& base, const std::vector<char
   Look result;
   result.shapes = shapes_in_question(base, allowed, stopped);
   if (stopped) return std::nullopt;
+  if (bank_.entries.empty()) return result;  // no cause can be asked of these data
   const Ground ground(timeline_, result.shapes, base, series_);
   std::vector<Eigen::MatrixXd> series;
   for (Eigen::Index o = 0; o < series_.cols(); ++o) series.emplace_back(series_.col(o));

@@ -79,6 +79,22 @@ TEST(NoiseOnALattice, IsNoPolynomialThatTheLatticeDoesNotDetermine) {
   EXPECT_LT(left.norm(), 1e-10 * column.norm());
 }
 
+// A rotary axis without times whose only thermometer is in the baseline: the catalogue is empty.
+TEST(DataThatNoCauseCanBeAskedOf, AreJudgedByWhatIsLeft) {
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> normal;
+  Dataset data;
+  data.rows = 120;
+  data.columns = {{{"q1", "arcsec"}, {}}, {{"rz", "arcsec"}, {}}, {{"t01", "degC"}, {}}};
+  for (std::size_t i = 0; i < data.rows; ++i) {
+    const double angle = 700.0 * static_cast<double>(random() % 9);
+    data.columns[0].values.push_back(angle);
+    data.columns[1].values.push_back(angle + 0.05 * normal(random));
+    data.columns[2].values.push_back(20 + 0.1 * normal(random));
+  }
+  EXPECT_EQ(diagnosed(data, "q1 ~ rz + T").verdict, Verdict::adequate);
+}
+
 TEST(NoiseOnALattice, IsMissedByTheBaselineAsItWasMeasured) {
   const Dataset data = one_axis(2, 200, 5, [](double) { return 5.0; });
   const auto problem = lay_out(data, baseline_of("q1 ~ x + x^2", data), 4000);
