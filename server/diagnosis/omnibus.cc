@@ -11,6 +11,7 @@
 #include "server/diagnosis/cause.h"
 #include "server/diagnosis/ground.h"
 #include "server/diagnosis/motor_places.h"
+#include "server/diagnosis/random_field.h"
 
 namespace driftwise::diagnosis {
 namespace {
@@ -21,6 +22,9 @@ constexpr double kClip = 3.5;
 constexpr int kFirstNulls = 49, kClearlyNoise = 4;  // of the first as large as the data
 constexpr double kPower = 0.8416;                   // normal quantile of 80 %
 constexpr Eigen::Index kLags = 3;
+constexpr double kShortTau = 3;  // of the grid's shortest: no slow effect looks like it
+constexpr Eigen::Index kMostFieldColumns = 128;
+constexpr int kSmoothWaves = 3, kMemoryWaves = 2;
 
 Eigen::VectorXf wave(const Eigen::VectorXd& u, int k) {
   return (std::numbers::sqrt2 * (std::numbers::pi * k * u.array()).cos()).cast<float>();
@@ -160,6 +164,23 @@ void Omnibus::add_groups(const std::vector<std::string>& excluded) {
       for (int k = 1; k <= 2; ++k) append(group.waves, wave(axis.u, k).cwiseProduct(sign));
     add(std::move(group));
   }
+  // Fields need narrow families: their growth pays for every column.
+  fields_ = groups_;
+  for (const auto& axis : axes) {
+    Group smooth{axis.name, {}, {axis.name}}, memory{axis.name + " and the rows before", {}, {}};
+    for (int k = 1; k <= kSmoothWaves; ++k) append(smooth.waves, wave(axis.u, k));
+    for (Eigen::Index lag = 1; lag <= kLags && lag < n; ++lag) {
+      Eigen::VectorXd before(n);
+      before << axis.u.head(lag), axis.u.head(n - lag);
+      for (int k = 1; k <= kMemoryWaves; ++k)
+        for (int l = 1; l <= kMemoryWaves; ++l)
+          append(memory.waves, wave(axis.u, k).cwiseProduct(wave(before, l)));
+    }
+    fields_.push_back(std::move(smooth));
+    fields_.push_back(std::move(memory));
+  }
+  for (std::size_t d = 0; d < directions.size(); ++d)
+    fields_.push_back({"the direction of " + direction_of[d], directions[d].cast<float>(), {}});
   auto places = motor_places(problem_);
   place_of_ = std::move(places.of_block);
   place_count_ = places.places.size();
@@ -236,6 +257,57 @@ Eigen::MatrixXd Omnibus::forms(const Eigen::MatrixXf& left) const {
   return result;
 }
 
+// The noise as it is without a field, and what it may be with one: the likeliest of those that no
+// slow field looks like, and white.
+std::vector<NoiseShape> Omnibus::shapes_with_a_field(const Ground& ground) const {
+  const auto grid = noise_grid(problem_.timeline);
+  const double longest = grid.size() > 1 ? kShortTau * grid[1].tau_s : 0;
+  std::vector<NoiseShape> shapes = {grid.front()};
+  const auto add = [&](const NoiseShape& shape) {
+    if (std::ranges::find(shapes, shape) == shapes.end()) shapes.push_back(shape);
+  };
+  for (Eigen::Index o = 0; o < ground.outputs(); ++o) {
+    std::size_t best = 0;
+    for (std::size_t s = 1; s < ground.shape_count(); ++s)
+      if (ground.space(s).shape().tau_s <= longest &&
+          ground.worse_by(s, o) < ground.worse_by(best, o))
+        best = s;
+    add(ground.noise(o));
+    add(ground.space(best).shape());
+  }
+  return shapes;
+}
+
+std::optional<Omnibus::Grown> Omnibus::grown(const RandomField& field,
+                                             const std::vector<Eigen::MatrixXd>& series,
+                                             const std::function<bool()>& tick) const {
+  std::vector<RandomField::Seen> seen;
+  for (const auto& one : series) seen.push_back(field.see(one));
+  Grown result{Eigen::VectorXd::Zero(series.front().cols())};
+  for (std::size_t g = 0; g < fields_.size(); ++g) {
+    const auto& waves = fields_[g].waves;
+    for (std::size_t b = 0; b < bands_.size(); ++b) {
+      const auto& band = bands_[b];
+      if (waves.cols() * band.count > kMostFieldColumns) break;
+      if (tick && !tick()) return std::nullopt;
+      Eigen::MatrixXd columns(waves.rows(), waves.cols() * band.count);
+      for (Eigen::Index w = 0; w < waves.cols(); ++w)
+        columns.middleCols(w * band.count, band.count) =
+            (waves.col(w).asDiagonal() * time_waves_.middleCols(band.first, band.count))
+                .cast<double>();
+      const Eigen::MatrixXd growth = field.growth(columns, seen);
+      for (Eigen::Index o = 0; o < growth.rows(); ++o)
+        for (Eigen::Index k = 0; k < growth.cols(); ++k) {
+          const double one = std::sqrt(growth(o, k));
+          if (one <= result.largest[k]) continue;
+          result.largest[k] = one;
+          if (k == 0) result.field = g, result.band = b, result.output = o;
+        }
+    }
+  }
+  return result;
+}
+
 std::optional<OmnibusResult> Omnibus::test(const SoftBase& base, const OmnibusOptions& options) {
   const Ground ground(problem_.timeline, noise_grid(problem_.timeline), base, series_,
                       options.tick);
@@ -252,9 +324,12 @@ std::optional<OmnibusResult> Omnibus::test(const SoftBase& base, const OmnibusOp
   std::mt19937_64 random(options.seed);
   std::vector<Eigen::MatrixXd> all(static_cast<std::size_t>(outputs));  // families x series
   std::vector<Eigen::VectorXf> own;
+  const RandomField field(problem_.timeline, shapes_with_a_field(ground), base, kClip);
+  Grown growths;
   OmnibusResult result;
   std::size_t family = 0;
   Eigen::Index output = 0;
+  bool field_is_larger = false;
   for (const int more : {std::min(kFirstNulls, options.nulls), options.nulls - kFirstNulls}) {
     if (more <= 0) break;
     const bool with_data = result.nulls == 0;
@@ -268,6 +343,14 @@ std::optional<OmnibusResult> Omnibus::test(const SoftBase& base, const OmnibusOp
         series[static_cast<std::size_t>(o)].col(k) = drawn.col(o);
     }
     result.nulls += more;
+    auto fields = grown(field, series, options.tick);
+    if (!fields) return std::nullopt;
+    if (with_data)
+      growths = std::move(*fields);
+    else
+      growths.largest =
+          (Eigen::VectorXd(growths.largest.size() + more) << growths.largest, fields->largest)
+              .finished();
     for (Eigen::Index o = 0; o < outputs; ++o) {
       if (options.tick && !options.tick()) return std::nullopt;
       const auto at = static_cast<std::size_t>(o);
@@ -300,15 +383,28 @@ std::optional<OmnibusResult> Omnibus::test(const SoftBase& base, const OmnibusOp
         }
       }
     }
-    const auto as_large = (largest.tail(result.nulls).array() >= largest[0]).count();
+    // The larger of the two, each in units of its own spread over all series.
+    const auto standardised = [](const Eigen::VectorXd& values) {
+      const Eigen::ArrayXd about = values.array() - values.mean();
+      return Eigen::ArrayXd(about / std::max(std::sqrt(about.square().mean()), 1e-300));
+    };
+    const Eigen::ArrayXd by_form = standardised(largest), by_field = standardised(growths.largest);
+    field_is_larger = by_field[0] > by_form[0];
+    const Eigen::ArrayXd both = by_form.max(by_field);
+    const auto as_large = (both.tail(result.nulls) >= both[0]).count();
     result.p = static_cast<double>(1 + as_large) / static_cast<double>(count);
-    const Eigen::VectorXd nulls = largest.tail(result.nulls);
-    const double mean = nulls.mean();
-    limit_ = mean + 3.14 * std::sqrt((nulls.array() - mean).square().mean());  // Gumbel's 99 %
+    const Eigen::ArrayXd nulls = both.tail(result.nulls);
+    const double gumbel =  // of 99 %
+        nulls.mean() + 3.14 * std::sqrt((nulls - nulls.mean()).square().mean());
+    const Eigen::ArrayXd about = largest.array() - largest.mean();
+    limit_ = largest.mean() + gumbel * std::sqrt(about.square().mean());
     if (as_large >= kClearlyNoise) break;
   }
   if (result.p <= options.level)
-    result.where = words(family, output, own[static_cast<std::size_t>(output)]);
+    result.where = field_is_larger
+                       ? words(fields_[growths.field], bands_[growths.band], growths.output,
+                               own[static_cast<std::size_t>(growths.output)])
+                       : words(family, output, own[static_cast<std::size_t>(output)]);
   else
     result.smallest = smallest(base);
   return result;
@@ -337,18 +433,25 @@ double Omnibus::share_left(const SoftBase& with, const SoftBase& without) const 
   return share;
 }
 
+// " (q2)"; nothing where there is one output.
+std::string Omnibus::of_output(Eigen::Index output) const {
+  return problem_.outputs.size() > 1
+             ? " (" + problem_.outputs[static_cast<std::size_t>(output)].channel.symbol + ")"
+             : "";
+}
+
 std::string Omnibus::words(std::size_t family, Eigen::Index output,
                            const Eigen::VectorXf& left) const {
   const std::size_t quadratic = groups_.size() * bands_.size();
-  const std::string of =
-      problem_.outputs.size() > 1
-          ? " (" + problem_.outputs[static_cast<std::size_t>(output)].channel.symbol + ")"
-          : "";
   if (family >= quadratic)
     return (family == quadratic + kLags ? "neighbouring places" : "neighbouring rows") +
-           std::string(", which resemble or oppose each other more than noise does") + of;
-  const Group& group = groups_[family / bands_.size()];
-  const Band& band = bands_[family % bands_.size()];
+           std::string(", which resemble or oppose each other more than noise does") +
+           of_output(output);
+  return words(groups_[family / bands_.size()], bands_[family % bands_.size()], output, left);
+}
+
+std::string Omnibus::words(const Group& group, const Band& band, Eigen::Index output,
+                           const Eigen::VectorXf& left) const {
   std::string text = group.name;
   if (band.first > 0) text += std::string(text == "every row" ? " " : " and ") + "time";
   if (group.name == "every row") text = "time";
@@ -409,7 +512,7 @@ std::string Omnibus::words(std::size_t family, Eigen::Index output,
                   (time_s[std::min(n - 1, (t + 1) * n / kParts)] - time_s[0]) / 3600);
     text += region;
   }
-  return text + of;
+  return text + of_output(output);
 }
 
 // Approximately: the form of the shape alone adds to the noise's, whose spread grows with it.

@@ -6,10 +6,15 @@
 // by band. Correlations of neighbouring rows, in time and at neighbouring places, are asked
 // two-sided.
 //
-// Judge: the largest standardised form, against series simulated from the fitted noise that go
-// through the same projection of baseline and findings. Residuals are clipped at 3.5 standard
-// deviations in the data and in the simulated series, so that heavy tails are noise. No output and
-// nothing computed from one is in the dictionary.
+// Narrow families (the groups, an axis' slow waves alone, a direction alone, an axis with its
+// places in the rows before) are asked as random fields too (random_field.h): the noise may be
+// another one with the field, so that slow noise does not hide a slow field.
+//
+// Judge: the largest standardised form and the root of the largest growth by a field, each in units
+// of its spread over all series, the larger of the two; against series simulated from the fitted
+// noise that go through the same projection of baseline and findings. Residuals are clipped at 3.5
+// standard deviations in the data and in the simulated series, so that heavy tails are noise. No
+// output and nothing computed from one is in the dictionary.
 //
 // Source: NUMERICS.md section 4 (the shapes); the p-value is the rank among exchangeable series
 // (Barnard 1963), data included in the standardisation.
@@ -21,7 +26,9 @@
 #include <vector>
 
 #include "server/diagnosis/diagnosis.h"
+#include "server/diagnosis/ground.h"
 #include "server/diagnosis/problem.h"
+#include "server/diagnosis/random_field.h"
 #include "server/diagnosis/soft_base.h"
 
 namespace driftwise::diagnosis {
@@ -71,15 +78,28 @@ class Omnibus {
   // Forms of every family for every series: families x series, families in the order group by band,
   // then the correlations.
   Eigen::MatrixXd forms(const Eigen::MatrixXf& left) const;
+  struct Grown {  // by a field: square root of the growth of 2 ln L, the largest of all families
+    Eigen::VectorXd largest{};        // per series
+    std::size_t field = 0, band = 0;  // of the first series
+    Eigen::Index output = 0;
+  };
+  std::vector<NoiseShape> shapes_with_a_field(const Ground& ground) const;
+  // series: of each output. Nothing: stopped.
+  std::optional<Grown> grown(const RandomField& field, const std::vector<Eigen::MatrixXd>& series,
+                             const std::function<bool()>& tick) const;
   Eigen::MatrixXf white(const SoftBase& base, Eigen::Index output, const NoiseShape& shape,
                         const Eigen::MatrixXd& series) const;
+  std::string of_output(Eigen::Index output) const;
   std::string words(std::size_t family, Eigen::Index output, const Eigen::VectorXf& left) const;
+  std::string words(const Group& group, const Band& band, Eigen::Index output,
+                    const Eigen::VectorXf& left) const;
   std::vector<SmallestSeen> smallest(const SoftBase& base) const;
   void add_groups(const std::vector<std::string>& excluded);
 
   const Problem& problem_;
   const Eigen::MatrixXd& series_;
   std::vector<Group> groups_;
+  std::vector<Group> fields_;  // asked as random fields
   std::vector<Band> bands_;
   Eigen::MatrixXf time_waves_;
   std::vector<std::size_t> place_of_;
