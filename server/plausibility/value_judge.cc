@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "server/core/devices/role_settings.h"
 
@@ -125,19 +126,46 @@ std::optional<Finding> ValueJudge::judge_equal(Track& track, const ChannelValue&
     if (track.equal) {
       ++track.changes;
       // What was judged as frozen is no example of what the channel does by itself.
-      if (limit == 0 || track.equal_count < limit)
+      if (!std::exchange(track.is_frozen, false)) {
         track.longest_equal = std::max(track.longest_equal, track.equal_count);
+        track.answers += track.equal_count;
+      }
+      track.finest_step = std::min(track.finest_step, std::abs(value.value - track.equal->value));
     }
     track.equal = Value{value.value, at};
     track.equal_count = 1;
+    if (is_coarse(track)) track.others_then = others_of(value.channel);
   }
   if (limit == 0 || track.equal_count < limit) return std::nullopt;
+  if (is_coarse(track) && !others_have_moved(track)) return std::nullopt;
+  track.is_frozen = true;
   return Finding{{},
                  value.channel,
                  "frozen",
                  fmt::format("{} is {:.9g} for {} answers in a row, its own noise allows {}",
                              value.channel, value.value, track.equal_count, limit - 1),
                  track.equal->at};
+}
+
+bool ValueJudge::is_coarse(const Track& track) const {
+  return track.limit.frozen_answers < 0 && track.answers > kCoarseAnswers * track.changes;
+}
+
+ValueJudge::Others ValueJudge::others_of(const std::string& channel) const {
+  const auto unit_of = [](const std::string& name) { return name.substr(name.rfind('_') + 1); };
+  Others others;
+  for (const auto& [of, track] : tracks_)
+    if (of.second != channel && track.last && unit_of(of.second) == unit_of(channel))
+      others.emplace(of, track.last->value);
+  return others;
+}
+
+bool ValueJudge::others_have_moved(const Track& track) const {
+  return std::ranges::any_of(track.others_then, [&](const auto& then) {
+    const auto now = tracks_.find(then.first);
+    return now != tracks_.end() && now->second.last &&
+           std::abs(now->second.last->value - then.second) >= kStepsOfOthers * track.finest_step;
+  });
 }
 
 std::optional<Finding> ValueJudge::judge_together(const DeviceDescription& device,

@@ -3,12 +3,16 @@
 // answered before, time is that of the readings.
 //
 // Impossible: no value, not finite, outside the range, changed faster than physics allows. Frozen:
-// more equal answers in a row than the channel's own noise makes likely. Together: all probes of a
+// more equal answers in a row than the channel's own noise makes likely; where its steps hide its
+// noise, a room that turns round makes rows of any length, and other channels of its unit must have
+// moved far meanwhile. Together: all probes of a
 // scanner step in the same direction between two scans, which no room does.
 //
 // After a step a channel stays in doubt until it steps back, whatever it drifts in between, or
 // until begin_anew(): a person says so, a run begins, the instrument was zeroed.
 
+#include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -42,6 +46,8 @@ class ValueJudge {
     double value = 0;
     CellTime at;
   };
+  using DeviceChannel = std::pair<std::string, std::string>;
+  using Others = std::map<DeviceChannel, double>;
   struct Track {
     ChannelLimit limit;
     std::optional<Value> last;  // finite and within the range
@@ -49,6 +55,10 @@ class ValueJudge {
     // Equal answers in a row, and what is known of them from before.
     std::optional<Value> equal;
     int equal_count = 0, longest_equal = 0, changes = 0;
+    std::int64_t answers = 0;                                 // of the rows that are over
+    bool is_frozen = false;                                   // the row of now
+    double finest_step = std::numeric_limits<double>::max();  // the smallest change seen
+    Others others_then;  // of a coarse channel: its unit's at the row's begin
   };
   struct Whole {  // a scanner
     double stepped_by_k = 0;
@@ -58,10 +68,13 @@ class ValueJudge {
   std::optional<Finding> judge_value(Track& track, const ChannelValue& value, CellTime at) const;
   std::optional<Finding> judge_step(Track& track, const ChannelValue& value, CellTime at) const;
   std::optional<Finding> judge_equal(Track& track, const ChannelValue& value, CellTime at) const;
+  bool is_coarse(const Track& track) const;
+  Others others_of(const std::string& channel) const;
+  bool others_have_moved(const Track& track) const;
   std::optional<Finding> judge_together(const DeviceDescription& device, const Reading& reading);
 
   const CellDescription& cell_;
-  std::map<std::pair<std::string, std::string>, Track> tracks_;  // by device and channel
+  std::map<DeviceChannel, Track> tracks_;
   std::map<std::string, Whole> scanners_;
 };
 
@@ -69,5 +82,8 @@ class ValueJudge {
 // the longest row seen, and at least kFewestEqual; 0 (not known) before kChangesToKnow changes.
 int frozen_limit(const ChannelLimit& limit, int longest_equal, int changes);
 inline constexpr int kFewestEqual = 8, kChangesToKnow = 20;
+// A channel that answers so many times for each change has steps that hide its noise; it is frozen
+// when another one of its unit has moved by so many of its steps while it stood.
+inline constexpr int kCoarseAnswers = 5, kStepsOfOthers = 5;
 
 }  // namespace driftwise::plausibility

@@ -130,14 +130,25 @@ TEST_F(Judge, AFrozenValueIsFoundByTheChannelsOwnNoise) {
   EXPECT_EQ(say(10 * ++k, 20.0015), "");
 }
 
-// A controller that shows hundredths repeats itself: only a row longer than its rows is frozen.
-TEST_F(Judge, ACoarseChannelMayRepeatItself) {
+// A controller that shows hundredths repeats itself, and longest where the room turns round: it is
+// frozen when its neighbours move and it does not.
+TEST_F(Judge, ACoarseChannelIsFrozenOnlyWhileOthersMove) {
+  const auto say_with = [this](double time_s, double degc, double neighbour_degc) {
+    auto reading = scan(time_s, {degc, neighbour_degc, 20.2, 20.3});
+    judge.judge(reading);
+    return test_of(reading, "t01_degC");
+  };
   int k = 0;
   for (int block = 0; block < 30; ++block)
     for (int same = 0; same < 12; ++same)
-      EXPECT_EQ(say(10 * ++k, 20 + 0.01 * (block % 3)), "") << block;
-  for (int same = 0; same < 37; ++same) EXPECT_EQ(say(10 * ++k, 20.05), "") << same;
-  EXPECT_EQ(say(10 * ++k, 20.05), "frozen");
+      EXPECT_EQ(say_with(10 * ++k, 20 + 0.01 * (block % 3), 20.1), "") << block;
+  for (int same = 0; same < 500; ++same)
+    EXPECT_EQ(say_with(10 * ++k, 20.05, 20.1 + 1e-4 * (same % 9)), "") << "the room turns round";
+  double neighbour_degc = 20.1;
+  while (neighbour_degc < 20.14)
+    EXPECT_EQ(say_with(10 * ++k, 20.05, neighbour_degc += 0.01), "") << neighbour_degc;
+  say_with(10 * ++k, 20.05, 20.16);
+  EXPECT_EQ(say_with(10 * ++k, 20.05, 20.16), "frozen") << "0.05 K while its own step is 0.01 K";
 }
 
 TEST_F(Judge, AChannelThatNeverChangedIsNotJudged) {
