@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "server/application/motion/datum_opening.h"
 #include "server/application/motion/motion.h"
@@ -27,6 +28,18 @@ std::string places_of(const CellDescription& cell, const std::vector<double>& q_
                 : fmt::format("{}", q_mm[i]);
   }
   return text;
+}
+
+// Of several robots those with a coordinate; one robot moves as a whole.
+AxesToMove robots_to_move(const CellDescription& cell, const std::vector<double>& q_mm) {
+  AxesToMove moved;
+  if (!cell.has_several_robots()) return moved;
+  const auto axes = cell.motor_channels();
+  std::set<std::string_view> named;
+  for (std::size_t i = 0; i < std::min(axes.size(), q_mm.size()); ++i)
+    if (!is_missing(q_mm[i])) named.insert(robot_of(axes[i].symbol));
+  for (const auto& axis : axes) moved.named.push_back(named.contains(robot_of(axis.symbol)));
+  return moved;
 }
 
 }  // namespace
@@ -214,9 +227,7 @@ Awaitable<Result<void>> ManualControlService::move_to(Caller caller, std::string
                                                       std::vector<double> q_mm, HoldAnswer answer) {
   auto lock = std::optional(co_await right_.turn());
   if (auto ok = right_.check_by_hand(caller, lease_token, answer); !ok) co_return ok;
-  AxesToMove moved;
-  if (std::ranges::any_of(q_mm, is_missing))
-    for (const double q : q_mm) moved.named.push_back(!is_missing(q));
+  const auto moved = robots_to_move(description_, q_mm);
   if (auto ok = check_soft_limits(description_, q_mm, moved); !ok) co_return ok;
   engine_.remeasure_zero("moved by hand");
   ByHand hand(*this);

@@ -50,8 +50,9 @@ std::string spread_sentence(double spread_nm, int readings, double limit_nm) {
                      limit_nm);
 }
 
-std::string spread_sentence_arcsec(double spread_arcsec, int readings, double limit_arcsec) {
-  return fmt::format("spread {:.3g} arcsec of {} readings of a rotation, limit {:g} arcsec",
+std::string spread_sentence_arcsec(const std::string& channel, double spread_arcsec, int readings,
+                                   double limit_arcsec) {
+  return fmt::format("spread of {} {:.3g} arcsec of {} readings, limit {:g} arcsec", channel,
                      spread_arcsec, readings, limit_arcsec);
 }
 

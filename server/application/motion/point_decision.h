@@ -39,6 +39,7 @@ double standard_deviation(std::span<const double> readings);
 // "spread 7.3 nm of 4 readings, limit 5 nm"
 std::string spread_sentence(double spread_nm, int readings, double limit_nm);
 // The same of a rotation: "spread 0.31 arcsec of 4 readings of a rotation, limit 0.2 arcsec"
-std::string spread_sentence_arcsec(double spread_arcsec, int readings, double limit_arcsec);
+std::string spread_sentence_arcsec(const std::string& channel, double spread_arcsec, int readings,
+                                   double limit_arcsec);
 
 }  // namespace driftwise::application

@@ -88,6 +88,17 @@ void note_out_of_range(const SetupDescription* setup, std::vector<JudgedReading>
   }
 }
 
+// The largest of the instruments that gave it here.
+double declared_arcsec(const CellDescription& description, const Channel& angle,
+                       const std::vector<Reading>& readings) {
+  double u_arcsec = 0;
+  for (const auto& reading : readings)
+    if (const auto* device = description.find_device(reading.device))
+      for (const auto& one : device->angles())
+        if (one.channel == angle) u_arcsec = std::max(u_arcsec, one.u_arcsec);
+  return u_arcsec;
+}
+
 void summarise(const CellDescription& description, const std::set<std::string>& out_of_range,
                Sampling& sampling) {
   std::vector<std::string> order;
@@ -108,11 +119,10 @@ void summarise(const CellDescription& description, const std::set<std::string>& 
     sampling.spreads_nm.push_back({length.symbol + "_std_nm", spread});
     if (is_missing(sampling.spread_nm) || spread > sampling.spread_nm) sampling.spread_nm = spread;
   }
-  for (const auto& angle : description.angle_channels()) {
-    const double spread = standard_deviation(values[angle.name()]);
-    if (is_missing(sampling.spread_arcsec) || spread > sampling.spread_arcsec)
-      sampling.spread_arcsec = spread;
-  }
+  for (const auto& angle : description.angle_channels())
+    if (const auto& list = values[angle.name()]; !list.empty())
+      sampling.rotations.push_back({angle.name(), standard_deviation(list),
+                                    declared_arcsec(description, angle, sampling.readings)});
   for (const auto& name : order) {
     const bool is_motor = is_motor_symbol(without_robot(name.substr(0, name.rfind('_'))));
     const bool is_spread =

@@ -8,6 +8,12 @@
 
 namespace driftwise::application {
 
+struct RotationSpread {
+  std::string channel;
+  double arcsec = 0;    // sample standard deviation of the readings
+  double u_arcsec = 0;  // that its instrument declares
+};
+
 struct Sampling {
   // As they came: readbacks (device = the controller), interferometers and autocollimators.
   std::vector<Reading> readings;
@@ -17,8 +23,8 @@ struct Sampling {
   std::vector<ChannelValue> means;  // the same after the correction stage: pose, then the rest
   std::vector<ChannelValue>
       spreads_nm;  // per length channel: x_std_nm, sample standard deviation of the readings
-  double spread_nm = kMissing;      // the largest of them
-  double spread_arcsec = kMissing;  // of the readings of rotations, the largest
+  double spread_nm = kMissing;            // the largest of them
+  std::vector<RotationSpread> rotations;  // per angle channel that was read
   // Of the scale over the whole reading, the axis that is worst.
   double off_nm = 0;           // from where it was sent, any readback
   double peak_to_peak_nm = 0;  // of the readbacks

@@ -78,6 +78,9 @@ PointRecord make_point(const ActiveRun& run, const Visit& visit,
   return point;
 }
 
+// Declared standard uncertainties that the readings of a rotation may spread by.
+constexpr double kOwnSpread = 3;
+
 // Reads and judges; the axis stands where it should.
 Awaitable<Result<Attempt>> read_point(ActiveRun& run, const Visit& visit,
                                       const std::vector<double>& commanded_mm,
@@ -93,9 +96,12 @@ Awaitable<Result<Attempt>> read_point(ActiveRun& run, const Visit& visit,
         spread_sentence(sampling.spread_nm, rules.readings_per_point, rules.max_spread_nm);
     co_return Attempt{Trouble::spread, {}};
   }
-  if (sampling.spread_arcsec > rules.max_spread_arcsec) {
-    record.reason = spread_sentence_arcsec(sampling.spread_arcsec, rules.readings_per_point,
-                                           rules.max_spread_arcsec);
+  for (const auto& rotation : sampling.rotations) {
+    // An instrument of coarse steps spreads by what it declares.
+    const double limit_arcsec = std::max(rules.max_spread_arcsec, kOwnSpread * rotation.u_arcsec);
+    if (!(rotation.arcsec > limit_arcsec)) continue;
+    record.reason = spread_sentence_arcsec(rotation.channel, rotation.arcsec,
+                                           rules.readings_per_point, limit_arcsec);
     co_return Attempt{Trouble::spread, {}};
   }
   // A scale that jumps or wanders while the instruments are read gives no position.
