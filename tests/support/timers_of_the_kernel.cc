@@ -1,7 +1,7 @@
 // Preloaded before libfaketime: timers reach the kernel as the program set them. libfaketime adds
-// the faked offset of the wall clock to a timer of CLOCK_MONOTONIC too when its instant is absolute.
-// Asio sets "1 ns after the start of the machine" for "at once": with a clock that is set back by a
-// day, on a machine that runs for less than a day, no timer of the program ends any more.
+// the faked offset of the wall clock to a timer of CLOCK_MONOTONIC too when its instant is
+// absolute. Asio sets "1 ns after the start of the machine" for "at once": with a clock that is set
+// back by a day, on a machine that runs for less than a day, no timer of the program ends any more.
 
 #include <sys/syscall.h>
 #include <sys/timerfd.h>

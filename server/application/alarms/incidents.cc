@@ -52,8 +52,8 @@ bool explains(const AlarmCondition& cause, const AlarmCondition& other, Nanoseco
   return false;
 }
 
-// Kinds that another condition can explain which is seen later: an answer that does not come makes a
-// run wait at once, and its device lost after some tries.
+// Kinds that another condition can explain which is seen later: an answer that does not come makes
+// a run wait at once, and its device lost after some tries.
 bool cause_may_come(const std::string& kind) {
   return kind == "run.waiting" || kind == "channel.stale";
 }
