@@ -6,7 +6,7 @@ import os
 # A finding's subject says little for these: any is right.
 ANY_SUBJECT = {"geometry_order", "outliers", "noise_change", "force_compliance", "force_nonlinearity",
                "force_position_coupling"}
-# Tolerance of held-out figures (issue 13, item 2).
+# Tolerance of held-out figures: docs/diagnosis.md.
 WORSE = 1.02
 
 
