@@ -583,9 +583,12 @@ Awaitable<void> RunEngine::finish(ActiveRun& run, const Result<void>& outcome) {
 Outlook RunEngine::outlook_of(const ActiveRun& run, CellTime now) {
   const double spent_s = run.meter.spent_s(now), unit_s = run.meter.unit_s();
   const auto steps = run.meter.steps().took.size(), requeued = run.record.place.requeued.size();
-  const bool same = !outlook_.draws_s.empty() && outlook_steps_ == steps &&
-                    outlook_requeued_ == requeued && spent_s >= outlook_spent_s_ &&
-                    spent_s < outlook_spent_s_ + unit_s;
+  const double since_s = done_since_outlook(run, now);
+  // The draws cost more than the step's own work: anew after each hundredth of the steps so far.
+  const bool same = !outlook_.draws_s.empty() && steps >= outlook_steps_ &&
+                    steps <= outlook_steps_ + steps / 100 && outlook_requeued_ == requeued &&
+                    since_s >= 0 &&
+                    spent_s < (steps == outlook_steps_ ? outlook_spent_s_ : 0) + unit_s;
   if (!same) {
     RunAhead ahead;
     ahead.plan = run.length.ahead(run.record.place);
@@ -598,16 +601,27 @@ Outlook RunEngine::outlook_of(const ActiveRun& run, CellTime now) {
     outlook_steps_ = steps;
     outlook_requeued_ = requeued;
   }
-  auto outlook = spent_since(outlook_, spent_s - outlook_spent_s_);
+  auto outlook = spent_since(outlook_, done_since_outlook(run, now));
   outlook.draws_s.clear();
   return outlook;
 }
 
 std::optional<Outlook> RunEngine::outlook(CellTime now) const {
   if (!run_ || outlook_.draws_s.empty()) return std::nullopt;
-  // A wait that began since is no progress.
-  const double since_s = run_->meter.spent_s(now) - outlook_spent_s_;
-  return spent_since(outlook_, std::clamp(since_s, 0.0, run_->meter.unit_s()));
+  return spent_since(outlook_, std::max(0.0, done_since_outlook(*run_, now)));
+}
+
+// Of what the outlook had ahead: the steps since at what was planned for them, and the one under
+// way. A wait is no progress.
+double RunEngine::done_since_outlook(const ActiveRun& run, CellTime now) const {
+  const auto& steps = run.meter.steps();
+  const double unit_s = run.meter.unit_s();
+  double visits = 0;
+  for (std::size_t i = outlook_steps_; i < steps.took.size(); ++i)
+    visits += std::min(steps.took[i], steps.visits[i]);
+  const double of_this_s =
+      run.meter.spent_s(now) - (steps.took.size() == outlook_steps_ ? outlook_spent_s_ : 0);
+  return visits * unit_s + std::min(of_this_s, unit_s);
 }
 
 void RunEngine::publish() {

@@ -97,6 +97,7 @@ class RunEngine {
                                        CellTime measured, std::int64_t line);
   void publish();
   Outlook outlook_of(const ActiveRun& run, CellTime now);
+  double done_since_outlook(const ActiveRun& run, CellTime now) const;  // cell seconds
   void use_setup(const ActiveRun& run);
 
   asio::any_io_executor executor_;
