@@ -584,10 +584,14 @@ Outlook RunEngine::outlook_of(const ActiveRun& run, CellTime now) {
   const double spent_s = run.meter.spent_s(now), unit_s = run.meter.unit_s();
   const auto steps = run.meter.steps().took.size(), requeued = run.record.place.requeued.size();
   const double since_s = done_since_outlook(run, now);
-  // The draws cost more than the step's own work: anew after each hundredth of the steps so far.
+  // The draws cost more than the step's own work: anew after a twentieth of the steps so far, and
+  // as soon as those since have taken a visit longer than planned.
+  double longer = 0;
+  for (std::size_t i = outlook_steps_; i < steps; ++i)
+    longer += run.meter.steps().took[i] - run.meter.steps().visits[i];
   const bool same = !outlook_.draws_s.empty() && steps >= outlook_steps_ &&
-                    steps <= outlook_steps_ + steps / 100 && outlook_requeued_ == requeued &&
-                    since_s >= 0 &&
+                    steps <= outlook_steps_ + steps / 20 && longer < 1 &&
+                    outlook_requeued_ == requeued && since_s >= 0 &&
                     spent_s < (steps == outlook_steps_ ? outlook_spent_s_ : 0) + unit_s;
   if (!same) {
     RunAhead ahead;
