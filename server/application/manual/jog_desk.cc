@@ -146,8 +146,7 @@ Awaitable<void> JogDesk::carry(JogPtr jog) {
   while (jog->halting) co_await jog->changed.wait();
   if (!done && jog->state.end_reason.empty()) {
     jog->state.end_reason = done.error().message;
-    // Whatever ended it may not have ended the motion. A stop that a person pressed has its own
-    // desk.
+    // The end of a jog may leave the axis in motion. A stop that a person pressed has its own desk.
     if (jog->state.steps > 0 && !bench_.stops.pending()) {
       jog->halting = true;
       static_cast<void>(co_await bench_.devices.stop());

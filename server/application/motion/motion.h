@@ -14,8 +14,8 @@ namespace driftwise::application {
 Result<void> check_soft_limits(const CellDescription& description, const std::vector<double>& q_mm,
                                const AxesToMove& moved = {});
 
-// Where all axes are; moving, referenced and on target as the controllers of these axes say it: one
-// that nobody moves is not waited for. Errors: those of DeviceBench::motion_states.
+// Places of all axes, mm; moving, referenced and on target as the controllers of the moved axes say
+// it: one that nobody moves is not waited for. Errors: those of DeviceBench::motion_states.
 Awaitable<Result<MotionState>> state_of(DeviceBench& devices, AxesToMove moved);
 
 struct Arrival {

@@ -223,7 +223,7 @@ Awaitable<Result<std::vector<MotionState>>> DeviceBench::motion_states() {
     if (*answer) states.push_back(**answer);
   }
   if (!trouble) co_return states;
-  // What a robot does beside one that cannot be asked is not known to be safe.
+  // Motion beside a robot that cannot be asked is not known to be safe.
   for (std::size_t i = 0; i < asked.size(); ++i)
     if (*answers[i] && (*answers[i])->moving) static_cast<void>(co_await stop_one(*asked[i]));
   co_return tl::unexpected(*trouble);
@@ -258,7 +258,7 @@ Awaitable<Result<MotionState>> DeviceBench::motion_state(Slot& slot) {
   co_return state;
 }
 
-// Where all axes of the cell should be; where that is not known, as read back last.
+// Commanded places of all axes of the cell; of an axis without one, as read back last.
 std::vector<double> DeviceBench::expected_mm(const Slot& looked_at, const MotionWatch& before) {
   std::vector<double> q_mm;
   for (const auto* slot : controllers()) {

@@ -127,7 +127,7 @@ Awaitable<Result<void>> come_to_row(ActiveRun& run, const Visit& visit,
   const auto& row = row_of(run, visit.row);
   if (anew) {
     auto aside_mm = aside_of(run, stand.commanded_mm);
-    // Where there is no room beside the row for all robots, it is approached from where it is.
+    // A row without room beside it for all robots is approached from where they are.
     if (check_keep_out(run.scope.bench.description, stand.commanded_mm, aside_mm))
       DRIFTWISE_CO_RETURN_IF_ERROR(co_await go_to(run.scope, std::move(aside_mm),
                                                   fmt::format("aside of row {}", visit.row + 1),

@@ -1,4 +1,4 @@
-// Whatever a read-out sends.
+// Bytes from a read-out, of any kind.
 
 #include <cmath>
 #include <cstdint>

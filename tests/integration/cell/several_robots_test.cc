@@ -28,7 +28,7 @@ CellOptions two_robots() {
 
 class SeveralRobotsOnTheWire : public testing::Test {
  protected:
-  // What the controller itself says to somebody who asks beside the daemon: "X=0.5".
+  // Answer of the controller to somebody who asks beside the daemon: "X=0.5".
   std::string ask_controller(const std::string& device, const std::string& request) {
     const std::string address = cell.device_address(device);
     boost::asio::io_context io;

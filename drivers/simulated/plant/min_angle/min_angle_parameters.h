@@ -1,5 +1,5 @@
 #pragma once
-// What the plant file of the MinAngle says beyond the cell's. Names, units and sources:
+// Parameters of the MinAngle's plant beyond the cell's. Names, units and sources:
 // deploy/cells/min-angle/plant.toml.
 
 #include <array>
