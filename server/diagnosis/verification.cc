@@ -25,18 +25,21 @@ std::string run_name(RunId run) { return "run " + std::to_string(run.value); }
 
 Result<std::vector<Coordinate>> coordinates_of(const RunToVerify& run) {
   std::vector<Coordinate> found;
+  std::string unmeasured;
   for (const auto& column : run.data.columns) {
     const std::string& symbol = column.channel.symbol;
     if (!symbol.ends_with(kTarget)) continue;
     const std::string axis = symbol.substr(0, symbol.size() - kTarget.size());
-    const auto* measured = run.data.find(axis);
-    if (measured == nullptr)
-      return fail(
-          ErrorCode::invalid_argument, reasons::kUnknownChannel,
-          run_name(run.run) + " has targets " + column.channel.name() + " but no measured " + axis);
-    found.push_back({measured, &column});
+    if (const auto* measured = run.data.find(axis))
+      found.push_back({measured, &column});  // a set-up measures some of the coordinates
+    else
+      unmeasured += (unmeasured.empty() ? "" : ", ") + column.channel.name();
   }
   if (!found.empty()) return found;
+  if (!unmeasured.empty())
+    return fail(ErrorCode::invalid_argument, reasons::kUnknownChannel,
+                run_name(run.run) + " has the targets " + unmeasured +
+                    ", but measured none of these coordinates");
   // One axis: the position wanted is the motor coordinate commanded.
   const auto *x = run.data.find("x"), *commanded = run.data.find("q1_cmd");
   if (x != nullptr && commanded != nullptr && run.data.find("q2") == nullptr &&

@@ -62,6 +62,8 @@ ExitCode exit_code_of(v1::Run::State state) {
 
 std::string compensation_text(const v1::Run& run) {
   if (!run.compensated()) return "uncompensated";
+  if (run.has_compensate_plan_id())
+    return "compensated by plan " + std::to_string(run.compensate_plan_id());
   return run.has_compensate_model_id()
              ? "compensated with model " + std::to_string(run.compensate_model_id())
              : "compensated with the model that served";
@@ -101,6 +103,7 @@ void print_runs(const Console& console, const std::vector<v1::Run>& runs) {
         began ? clock_text(run.start_time()) : "-",
         ended ? span_text(seconds_between(run.start_time(), run.end_time())) : "-",
         !run.compensated()              ? "no"
+        : run.has_compensate_plan_id()  ? "plan " + std::to_string(run.compensate_plan_id())
         : run.has_compensate_model_id() ? "model " + std::to_string(run.compensate_model_id())
                                         : "yes",
         run.operator_name(),

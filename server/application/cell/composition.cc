@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "server/application/plans/joint_rows.h"
 #include "server/application/trajectories/motor_rows.h"
 
 namespace driftwise::application {
@@ -69,22 +70,27 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
       serving(on, description, configuration, *clock, recorder, reader, events, tasks),
       joint_serving(on, description, configuration, *clock, recorder, reader, events, tasks,
                     serving),
-      engine(
-          on, workbench,
-          {[this](const ActiveRun& run, const TrajectoryPoint& row) -> Result<std::vector<double>> {
-             if (!run.plan.compensate)
-               return motor_row(description, run.trajectory.coordinates, row.target);
-             TrajectoryPoint wanted = row;
-             if (!wanted.force_n) wanted.force_n = loading.known_n();
-             return serving.targets(run.trajectory.coordinates, wanted, run.plan.compensate_with);
-           },
-           [this](const DatumRecord& datum) { manual.take_datum(datum); },
-           [this](AlarmCondition condition) { alarms.note(std::move(condition)); },
-           [this](RunControl& control) { holds.look_before_motion(control); },
-           [this] { return holds.marks(); },
-           [this](const RunAhead& ahead) { return durations.look_ahead(ahead); },
-           [this](RunSteps steps) { durations.add(std::move(steps)); }},
-          tasks),
+      engine(on, workbench,
+             {[this](const ActiveRun& run, const TrajectoryPoint& row) -> Result<RowCommand> {
+                const auto& coordinates = run.trajectory.coordinates;
+                if (!run.plan.compensate)
+                  return RowCommand{motor_row(description, coordinates, row.target), row.target};
+                TrajectoryPoint wanted = row;
+                if (!wanted.force_n) wanted.force_n = loading.known_n();
+                if (description.has_several_robots())
+                  return joint_row(description, joint_serving.snapshot_now(), coordinates, wanted,
+                                   clock->now().utc);
+                DRIFTWISE_TRY(auto q_mm,
+                              serving.targets(coordinates, wanted, run.plan.compensate_with));
+                return RowCommand{std::move(q_mm), row.target};
+              },
+              [this](const DatumRecord& datum) { manual.take_datum(datum); },
+              [this](AlarmCondition condition) { alarms.note(std::move(condition)); },
+              [this](RunControl& control) { holds.look_before_motion(control); },
+              [this] { return holds.marks(); },
+              [this](const RunAhead& ahead) { return durations.look_ahead(ahead); },
+              [this](RunSteps steps) { durations.add(std::move(steps)); }},
+             tasks),
       leases([this](CellTime instant) { return clock->utc(instant); }),
       right(on, *clock, stops, leases, engine),
       alarm_book(*clock, writer),
@@ -124,7 +130,7 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
       promotions(*clock, reader, writer, events, models, provenance, serving,
                  [this](bool any) { checks.served_another(any); }),
       runs(workbench, reader, engine, right, stop_events, trajectories, models, serving,
-           configuration, text_thread.executor()),
+           joint_serving, configuration, text_thread.executor()),
       manual(on, workbench, reader, engine, right, leases, stop_events, serving, tasks,
              [this](const std::string& why) { improver.halt(why); }),
       configurations(description, *clock, reader, writer, events, configuration, engine, serving),

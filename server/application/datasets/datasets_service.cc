@@ -36,9 +36,7 @@ std::string compensations(Store& store, const std::vector<RunId>& runs) {
     if (!record) continue;
     const Compensation of = compensation_of(*record);
     text += fmt::format("{}run {} {}", text.empty() ? "" : ", ", run.value,
-                        !of.compensated ? "none"
-                        : of.model      ? fmt::format("with model {}", of.model->value)
-                                        : "with the model that served");
+                        of.compensated ? "with " + compensation_text(of) : "none");
   }
   return text;
 }

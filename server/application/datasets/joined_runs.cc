@@ -30,8 +30,7 @@ std::vector<correction::DataAmendment> of_single_runs(
 
 std::string model_text(const RunRecord& run) {
   const Compensation of = compensation_of(run);
-  if (!of.compensated) return {};
-  return of.model ? fmt::format("model {}", of.model->value) : "the model that served";
+  return of.compensated ? compensation_text(of) : std::string();
 }
 
 // Mean over the run's datums of each structure temperature.

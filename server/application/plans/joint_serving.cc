@@ -137,13 +137,12 @@ void JointServing::observe(const Reading& reading) {
     if (reading.find(channel)) return rebuild();
 }
 
-void JointServing::rebuild() {
-  built_at_ = clock_.now().utc;
+plans::JointSnapshot JointServing::snapshot_now() const {
   plans::JointSnapshot snapshot;
   if (followed_) {
     const bool asks = configuration_.asks();
-    snapshot =
-        followed_->builder.build(built_at_, [&](ModelId model, compensation::Snapshot& part) {
+    snapshot = followed_->builder.build(
+        clock_.now().utc, [&](ModelId model, compensation::Snapshot& part) {
           if (!asks) return;
           part.configuration_changed = true;
           const auto& origin = followed_->origins.at(model);
@@ -151,6 +150,12 @@ void JointServing::rebuild() {
         });
   }
   snapshot.unserved = refused_;
+  return snapshot;
+}
+
+void JointServing::rebuild() {
+  auto snapshot = snapshot_now();
+  built_at_ = clock_.now().utc;
   static_cast<void>(board_.publish(std::move(snapshot)));  // readers keep it: the next one comes
 }
 

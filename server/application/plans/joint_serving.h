@@ -41,6 +41,9 @@ class JointServing final : public JointTargets {
   std::optional<PlanId> plan() const {
     return followed_ ? std::optional(followed_->id) : std::nullopt;
   }
+  const std::optional<Error>& refused() const { return refused_; }  // none serves because of this
+  // Of this moment: what the board will show next.
+  plans::JointSnapshot snapshot_now() const;
   std::string trouble() const;  // a sentence for people; empty: none
 
  private:

@@ -59,6 +59,7 @@ std::string write_run_plan(const RunPlan& plan) {
   if (plan.compensate_with) json["compensate_with"] = plan.compensate_with->value;
   if (!plan.setup.empty()) json["setup"] = plan.setup;
   if (plan.served_at_start) json["served_at_start"] = plan.served_at_start->value;
+  if (plan.plan_at_start) json["plan_at_start"] = plan.plan_at_start->value;
   return json.dump();
 }
 
@@ -102,6 +103,9 @@ Result<RunPlan> read_run_plan(const std::string& text) {
   if (const auto found = json.find("served_at_start");
       found != json.end() && found->is_number_integer())
     plan.served_at_start = ModelId{found->get<std::int64_t>()};
+  if (const auto found = json.find("plan_at_start");
+      found != json.end() && found->is_number_integer())
+    plan.plan_at_start = PlanId{found->get<std::int64_t>()};
   if (const auto found = json.find("setup"); found != json.end() && found->is_string())
     plan.setup = found->get<std::string>();
   if (!bad.empty())
@@ -113,7 +117,14 @@ Result<RunPlan> read_run_plan(const std::string& text) {
 Compensation compensation_of(const RunRecord& run) {
   const auto plan = read_run_plan(run.rules_json);
   if (!plan || !plan->compensate) return {};
-  return {true, plan->compensate_with ? plan->compensate_with : plan->served_at_start};
+  return {true, plan->compensate_with ? plan->compensate_with : plan->served_at_start,
+          plan->plan_at_start};
+}
+
+std::string compensation_text(const Compensation& of) {
+  if (!of.compensated) return "none";
+  if (of.plan) return fmt::format("plan {}", of.plan->value);
+  return of.model ? fmt::format("model {}", of.model->value) : "the model that served";
 }
 
 std::string setup_of(const RunRecord& run) {

@@ -18,14 +18,19 @@ struct RunPlan {
   std::optional<ModelId> compensate_with;  // none: the model that serves when a row is moved to
   std::optional<ModelId> served_at_start;  // then the one that did so when the run was created
   std::string setup = {};                  // [[setup]] of the cell file; empty: all instruments
+  // In a cell with several robots, of a compensated run: the serving plan when it was created. A
+  // row is moved to by the one that serves then.
+  std::optional<PlanId> plan_at_start = {};
 };
 
 // What a run was compensated with, as far as its record says.
 struct Compensation {
   bool compensated = false;
   std::optional<ModelId> model;
+  std::optional<PlanId> plan;  // several robots
 };
 Compensation compensation_of(const RunRecord& run);
+std::string compensation_text(const Compensation& of);  // "none", "model 3", "plan 2";
 
 std::string setup_of(const RunRecord& run);  // empty: all instruments
 

@@ -40,9 +40,9 @@ struct Attempt {
   std::optional<PointRecord> point;  // complete, when there is no trouble
 };
 
-PointRecord make_point(const ActiveRun& run, const Visit& visit,
-                       const std::vector<double>& commanded_mm, const Arrival& arrival,
-                       const Sampling& sampling, const std::vector<ChannelValue>& slow) {
+PointRecord make_point(const ActiveRun& run, const Visit& visit, const RowCommand& command,
+                       const Arrival& arrival, const Sampling& sampling,
+                       const std::vector<ChannelValue>& slow) {
   const auto& row = row_of(run, visit.row);
   PointRecord point;
   point.run = run.record.id;
@@ -53,7 +53,7 @@ PointRecord make_point(const ActiveRun& run, const Visit& visit,
   point.zero = row.zero;
   point.measured = sampling.measured;
   point.dwell_s = seconds_from(sampling.measured.utc - arrival.in_position.utc);
-  point.commanded_mm = commanded_mm;
+  point.commanded_mm = command.q_mm;
   const auto motors = run.scope.bench.description.motor_channels();
   for (std::size_t i = 0; i < motors.size(); ++i)
     point.values.push_back({motors[i].name(), sampling.q_mm[i]});
@@ -73,7 +73,7 @@ PointRecord make_point(const ActiveRun& run, const Visit& visit,
   if (is_pose_symbol(without_robot(run.trajectory.coordinates.front().symbol)))
     for (std::size_t i = 0; i < run.trajectory.coordinates.size(); ++i) {
       const auto& wanted = run.trajectory.coordinates[i];
-      point.values.push_back({wanted.symbol + "_target_" + wanted.unit, row.target[i]});
+      point.values.push_back({wanted.symbol + "_target_" + wanted.unit, command.target[i]});
     }
   return point;
 }
@@ -82,12 +82,11 @@ PointRecord make_point(const ActiveRun& run, const Visit& visit,
 constexpr double kOwnSpread = 3;
 
 // Reads and judges; the axis stands where it should.
-Awaitable<Result<Attempt>> read_point(ActiveRun& run, const Visit& visit,
-                                      const std::vector<double>& commanded_mm,
+Awaitable<Result<Attempt>> read_point(ActiveRun& run, const Visit& visit, const RowCommand& command,
                                       const Arrival& arrival, AttemptRecord& record) {
   const auto& rules = run.plan.rules;
   DRIFTWISE_CO_TRY(auto sampling,
-                   co_await take_readings(run.scope, rules.readings_per_point, commanded_mm));
+                   co_await take_readings(run.scope, rules.readings_per_point, command.q_mm));
   record.readings = sampling.readings;
   record.spread_nm = sampling.spread_nm;
   run.progress.last_spread_nm = sampling.spread_nm;
@@ -113,12 +112,12 @@ Awaitable<Result<Attempt>> read_point(ActiveRun& run, const Visit& visit,
     co_return Attempt{Trouble::not_settled, {}};
   }
   DRIFTWISE_CO_TRY(const auto slow, co_await join_when_scanned(run.scope, sampling.measured.utc));
-  co_return Attempt{Trouble::none, make_point(run, visit, commanded_mm, arrival, sampling, slow)};
+  co_return Attempt{Trouble::none, make_point(run, visit, command, arrival, sampling, slow)};
 }
 
 // What stands between two attempts of one visit.
 struct Stand {
-  std::vector<double> commanded_mm;
+  RowCommand command;
   Arrival arrival;
 };
 
@@ -126,16 +125,16 @@ Awaitable<Result<void>> come_to_row(ActiveRun& run, const Visit& visit,
                                     const CommandFor& command_for, bool anew, Stand& stand) {
   const auto& row = row_of(run, visit.row);
   if (anew) {
-    auto aside_mm = aside_of(run, stand.commanded_mm);
+    auto aside_mm = aside_of(run, stand.command.q_mm);
     // A row without room beside it for all robots is approached from where they are.
-    if (check_keep_out(run.scope.bench.description, stand.commanded_mm, aside_mm))
+    if (check_keep_out(run.scope.bench.description, stand.command.q_mm, aside_mm))
       DRIFTWISE_CO_RETURN_IF_ERROR(co_await go_to(run.scope, std::move(aside_mm),
                                                   fmt::format("aside of row {}", visit.row + 1),
                                                   run.moved));
   }
-  DRIFTWISE_CO_TRY(auto commanded, command_for(run, row));
-  stand.commanded_mm = std::move(commanded);
-  DRIFTWISE_CO_TRY(auto arrival, co_await go_to(run.scope, stand.commanded_mm,
+  DRIFTWISE_CO_TRY(auto command, command_for(run, row));
+  stand.command = std::move(command);
+  DRIFTWISE_CO_TRY(auto arrival, co_await go_to(run.scope, stand.command.q_mm,
                                                 fmt::format("row {}", visit.row + 1), run.moved));
   stand.arrival = std::move(arrival);
   if (row.dwell_s && stand.arrival.trouble == Trouble::none) {
@@ -157,7 +156,7 @@ Awaitable<Result<Attempt>> try_once(ActiveRun& run, const Visit& visit,
       co_return Attempt{stand.arrival.trouble, {}};
     }
   }
-  co_return co_await read_point(run, visit, stand.commanded_mm, stand.arrival, record);
+  co_return co_await read_point(run, visit, stand.command, stand.arrival, record);
 }
 
 void take_over(ActiveRun& run, const PointCommit& commit) {

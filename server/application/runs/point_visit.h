@@ -3,17 +3,14 @@
 // each on record.
 
 #include <functional>
-#include <vector>
 
 #include "server/application/runs/active_run.h"
 #include "server/application/runs/trajectory_walk.h"
 
 namespace driftwise::application {
 
-// Motor coordinates for a row, worked out right before the move: the row's own, or the target for
-// its pose.
-using CommandFor =
-    std::function<Result<std::vector<double>>(const ActiveRun&, const TrajectoryPoint&)>;
+// Worked out right before the move: the row's own motor coordinates, or the target for its pose.
+using CommandFor = std::function<Result<RowCommand>(const ActiveRun&, const TrajectoryPoint&)>;
 
 struct VisitResult {
   Verdict verdict = Verdict::accepted;

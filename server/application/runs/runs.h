@@ -38,7 +38,8 @@ class Runs {
 
   // The same request_id again answers with the first run. Errors: those of RightToMove::check and
   // Trajectories::check; invalid_argument NO_SUCH_SETUP, BAD_RULE, NOTHING_TO_COMPENSATE,
-  // NEEDS_COMPENSATION; failed_precondition NO_MODEL; aborted STOPPED_MEANWHILE.
+  // NEEDS_COMPENSATION; failed_precondition NO_MODEL, with several robots NO_PLAN, and what
+  // check_joint_rows refuses; aborted STOPPED_MEANWHILE.
   virtual Awaitable<Result<RunRecord>> create(Caller caller, CreateRun request) = 0;
   virtual Awaitable<Result<RunRecord>> pause(Caller caller, RunId run) = 0;
   // Errors: those of check_answer (run_hold.h); failed_precondition MOVING.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "server/application/motion/loading.h"
+#include "server/application/plans/joint_rows.h"
 #include "server/application/plumbing/run_on.h"
 #include "server/application/ports/run_hold.h"
 #include "server/application/recording/doubts.h"
@@ -13,8 +14,8 @@ namespace driftwise::application {
 
 RunsService::RunsService(Workbench& bench, StoreReader& reader, RunEngine& engine,
                          RightToMove& right, StopEvents& stop_events, Trajectories& trajectories,
-                         Models& models, Serving& serving, const ConfigurationBook& configuration,
-                         asio::any_io_executor background)
+                         Models& models, Serving& serving, const JointServing& joint_serving,
+                         const ConfigurationBook& configuration, asio::any_io_executor background)
     : description_(bench.description),
       clock_(bench.clock),
       recorder_(bench.recorder),
@@ -30,6 +31,7 @@ RunsService::RunsService(Workbench& bench, StoreReader& reader, RunEngine& engin
       trajectories_(trajectories),
       models_(models),
       serving_(serving),
+      joint_serving_(joint_serving),
       configuration_(configuration),
       background_(std::move(background)) {}
 
@@ -37,16 +39,18 @@ Result<void> check_coordinates(const std::string& name, const Trajectory& trajec
                                bool compensate) {
   const auto& first = trajectory.coordinates.front();
   const bool is_pose = is_pose_symbol(without_robot(first.symbol));
-  if (is_pose && !robot_of(first.symbol).empty())
-    return fail(ErrorCode::invalid_argument, reasons::kWrongCoordinates,
-                fmt::format("{}: column {}: with several robots a run is not compensated: hand in "
-                            "motor coordinates, as 'driftwise target' gives them by a serving plan",
-                            name, first.name()));
   if (compensate && !is_pose)
     return fail(ErrorCode::invalid_argument, reasons::kNothingToCompensate,
                 fmt::format("{}: column {}: compensation needs wanted poses (x_mm ...), these are "
                             "motor coordinates",
                             name, first.name()));
+  const bool of_several_robots = !robot_of(first.symbol).empty();
+  if (is_pose && !compensate && of_several_robots)
+    return fail(
+        ErrorCode::invalid_argument, reasons::kNeedsCompensation,
+        fmt::format("{}: column {}: with several robots a pose becomes motor coordinates by "
+                    "the serving plan: compensate, or hand in motor coordinates",
+                    name, first.name()));
   if (is_pose && !compensate && (trajectory.coordinates.size() > 1 || is_angle(first.unit)))
     return fail(ErrorCode::invalid_argument, reasons::kNeedsCompensation,
                 fmt::format("{}: column {}: with several axes, or of a rotation, a pose is no "
@@ -68,7 +72,6 @@ Awaitable<Result<RunRecord>> RunsService::create(Caller caller, CreateRun reques
                request.compensate || request.compensate_with, request.compensate_with, std::nullopt,
                request.setup};
   DRIFTWISE_CO_RETURN_IF_ERROR(check_setup(description_, plan.setup));
-  if (plan.compensate && !plan.compensate_with) plan.served_at_start = serving_.model();
   DRIFTWISE_CO_RETURN_IF_ERROR(check_rules(plan.rules));
   const auto name =
       request.trajectory_name.empty() ? std::string("trajectory") : request.trajectory_name;
@@ -76,17 +79,40 @@ Awaitable<Result<RunRecord>> RunsService::create(Caller caller, CreateRun reques
   auto checking = trajectories_.check(name, request.trajectory_text);
   DRIFTWISE_CO_TRY(auto check, co_await std::move(checking));
   DRIFTWISE_CO_RETURN_IF_ERROR(check_coordinates(name, check.trajectory, plan.compensate));
-  if (plan.compensate && !plan.compensate_with && serving_.refused())
-    co_return tl::unexpected(*serving_.refused());
-  if (plan.compensate && !plan.compensate_with && !serving_.model())
-    co_return fail(ErrorCode::failed_precondition, reasons::kNoModel,
-                   "no model serves: promote one, or run without compensation");
-  DRIFTWISE_CO_RETURN_IF_ERROR(co_await follow_for(plan));
+  if (plan.compensate)
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await settle_compensation(plan, check.trajectory, name));
   if (stop_events_.presses() != stops)
     co_return fail(ErrorCode::aborted, reasons::kStoppedMeanwhile,
                    "a stop was asked for while the trajectory was read: start the run again");
   co_return co_await start_run(std::move(caller), std::move(request), std::move(plan),
                                std::move(check.trajectory));
+}
+
+Awaitable<Result<void>> RunsService::settle_compensation(RunPlan& plan,
+                                                         const Trajectory& trajectory,
+                                                         const std::string& name) {
+  if (!description_.has_several_robots()) {
+    if (plan.compensate_with) co_return co_await follow_for(plan);
+    plan.served_at_start = serving_.model();
+    if (serving_.refused()) co_return tl::unexpected(*serving_.refused());
+    if (!serving_.model())
+      co_return fail(ErrorCode::failed_precondition, reasons::kNoModel,
+                     "no model serves: promote one, or run without compensation");
+    co_return Result<void>{};
+  }
+  if (plan.compensate_with)
+    co_return fail(ErrorCode::invalid_argument, reasons::kWrongCoordinates,
+                   fmt::format("found model {} to compensate with, expected none: with several "
+                               "robots the serving plan says what each moves by",
+                               plan.compensate_with->value));
+  plan.plan_at_start = joint_serving_.plan();
+  if (joint_serving_.refused()) co_return tl::unexpected(*joint_serving_.refused());
+  if (!plan.plan_at_start)
+    co_return fail(ErrorCode::failed_precondition, reasons::kNoPlan,
+                   "no serving plan serves: 'driftwise plan promote N', or hand in motor "
+                   "coordinates and run without compensation");
+  co_return co_await run_on(background_, check_joint_rows, std::cref(description_),
+                            joint_serving_.snapshot_now(), trajectory, name, clock_.now().utc);
 }
 
 Awaitable<Result<void>> RunsService::follow_for(const RunPlan& plan) {

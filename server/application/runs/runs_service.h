@@ -6,6 +6,7 @@
 #include "server/application/models/models.h"
 #include "server/application/motion/stop_events.h"
 #include "server/application/motion/workbench.h"
+#include "server/application/plans/joint_serving.h"
 #include "server/application/plumbing/store_reader.h"
 #include "server/application/provenance/configuration_book.h"
 #include "server/application/runs/right_to_move.h"
@@ -25,7 +26,8 @@ class RunsService final : public Runs {
   // All of them outlive this.
   RunsService(Workbench& bench, StoreReader& reader, RunEngine& engine, RightToMove& right,
               StopEvents& stop_events, Trajectories& trajectories, Models& models, Serving& serving,
-              const ConfigurationBook& configuration, asio::any_io_executor background);
+              const JointServing& joint_serving, const ConfigurationBook& configuration,
+              asio::any_io_executor background);
 
   Awaitable<Result<RunRecord>> create(Caller caller, CreateRun request) override;
   Awaitable<Result<RunRecord>> pause(Caller caller, RunId run) override;
@@ -44,6 +46,9 @@ class RunsService final : public Runs {
  private:
   Awaitable<Result<RunBefore>> what_was_before(const RunRecord& run);
   Awaitable<Result<void>> follow_for(const RunPlan& plan);
+  // What the targets of a compensated run's rows come from, as it is now.
+  Awaitable<Result<void>> settle_compensation(RunPlan& plan, const Trajectory& trajectory,
+                                              const std::string& name);
   Awaitable<Result<RunRecord>> start_run(Caller caller, CreateRun request, RunPlan plan,
                                          Trajectory trajectory);
   Result<RunControl*> control_of(RunId run, const char* verb);
@@ -65,6 +70,7 @@ class RunsService final : public Runs {
   Trajectories& trajectories_;
   Models& models_;
   Serving& serving_;
+  const JointServing& joint_serving_;
   const ConfigurationBook& configuration_;
   asio::any_io_executor background_;
 };

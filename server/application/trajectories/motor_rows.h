@@ -11,6 +11,14 @@
 
 namespace driftwise::application {
 
+// Where a row is moved to.
+struct RowCommand {
+  std::vector<double> q_mm;  // one per axis of the cell
+  // Per coordinate of the trajectory, in its unit: what its robot is asked for. Its own value, but
+  // for what a serving plan adds to a pose.
+  std::vector<double> target;
+};
+
 // With one robot all axes. With several those of the robots whose coordinates these are.
 AxesToMove axes_moved_by(const CellDescription& cell, const std::vector<Channel>& coordinates);
 

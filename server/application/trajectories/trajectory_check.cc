@@ -96,7 +96,8 @@ Result<TrajectoryCheck> check_trajectory_text(const CellDescription& description
   if (!description.keep_outs.empty() &&
       !is_motor_symbol(without_robot(check.trajectory.coordinates.front().symbol)))
     check.warnings.push_back(
-        "whether the robots keep their distance at these poses is only checked at each move");
+        "whether the robots keep their distance at these poses is checked when the run begins, and "
+        "at each move");
   add_confoundings(check, time_s);
   return check;
 }

@@ -162,24 +162,49 @@ Result<void> check_robot_of_column(const CellDescription& description, const Cha
                       fmt::format("robot '{}' has no such axis, its axes are {}", id, axes));
 }
 
-// Motor coordinates of any of the robots, each with all its axes.
+// The columns of one robot, without its id.
+Trajectory poses_of(const Trajectory& trajectory, const std::string& robot) {
+  Trajectory part;
+  std::vector<std::size_t> columns;
+  for (std::size_t i = 0; i < trajectory.coordinates.size(); ++i) {
+    const auto& column = trajectory.coordinates[i];
+    if (robot_of(column.symbol) != robot) continue;
+    part.coordinates.push_back({std::string(without_robot(column.symbol)), column.unit});
+    columns.push_back(i);
+  }
+  for (const auto& row : trajectory.points) {
+    auto& point = part.points.emplace_back(row);
+    point.target.clear();
+    for (const auto column : columns) point.target.push_back(row.target[column]);
+  }
+  return part;
+}
+
+// Motor coordinates of any of the robots, each with all its axes; or poses of any of them.
 Result<std::string> check_limits_of_robots(const CellDescription& description,
                                            const Trajectory& trajectory, const std::string& name) {
   for (const auto& column : trajectory.coordinates)
     DRIFTWISE_RETURN_IF_ERROR(check_robot_of_column(description, column));
   const auto& first = trajectory.coordinates.front();
   if (is_pose_symbol(without_robot(first.symbol))) {
-    const std::string id(robot_of(first.symbol));
-    for (const auto& column : trajectory.coordinates)
-      if (robot_of(column.symbol) != id)
-        return wrong_column(column, fmt::format("the columns before are poses of robot '{}': a "
-                                                "trajectory has the poses of one robot",
-                                                id));
-    Trajectory of_robot = trajectory;
-    for (auto& column : of_robot.coordinates) column.symbol = without_robot(column.symbol);
-    auto part = plans::part_of_robot(description, id);
-    part.kinematics = description.find_robot(id)->kinematics;
-    return check_limits_of_one(part, of_robot, name);
+    std::string unchecked;
+    for (const auto& robot : description.robots) {
+      const auto of_robot = poses_of(trajectory, robot.id);
+      if (of_robot.coordinates.empty()) continue;
+      auto part = plans::part_of_robot(description, robot.id);
+      part.kinematics = robot.kinematics;
+      const auto axes = part.axes();
+      if (!part.kinematics || of_robot.coordinates.size() != axes.size()) {
+        unchecked += (unchecked.empty() ? "" : ", ") + robot.id;
+        continue;
+      }
+      DRIFTWISE_RETURN_IF_ERROR(check_poses(part, axes, of_robot, name));
+    }
+    if (unchecked.empty()) return std::string();
+    return fmt::format(
+        "whether the axes of {} reach these poses is checked when the run begins, "
+        "by the serving plan",
+        unchecked);
   }
   const auto axes = description.axes();
   std::vector<std::size_t> axis_of_column;

@@ -9,7 +9,7 @@
 namespace driftwise::application {
 
 // Motor coordinates are held against their axes. With several robots a trajectory moves any of
-// them, each by all its axes, or has the poses of one. Poses: with one axis x is its motor
+// them, each by all its axes, or has poses of them. Poses: with one axis x is its motor
 // coordinate; with several, the cell's nominal [kinematics] says which motor coordinates a pose
 // needs (the compensated ones differ by micrometres, and every move is checked again). The result
 // is a warning when nothing could be checked, for the cell has no kinematics; else empty. name:

@@ -122,6 +122,7 @@ v1::Run run_from(const RunRecord& run) {
   const auto compensation = application::compensation_of(run);
   out.set_compensated(compensation.compensated);
   if (compensation.model) out.set_compensate_model_id(compensation.model->value);
+  if (compensation.plan) out.set_compensate_plan_id(compensation.plan->value);
   out.set_setup(utf8_from(application::setup_of(run)));
   if (run.hold.kind != RunHold::Kind::none) *out.mutable_hold() = hold_from(run.hold);
   add_metadata(run.metadata, *out.mutable_metadata());

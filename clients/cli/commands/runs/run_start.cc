@@ -87,8 +87,10 @@ void add_run_start(CLI::App& run, Session& session) {
                   [&session, a] { return start(session, *a); });
   command.add_option("FILE", a->file, "trajectory CSV, - for standard input")->required();
   command.add_option("--name", a->name, "of the run; else the file's");
-  auto* compensate = command.add_flag("--compensate", a->compensate,
-                                      "an x_mm trajectory: move to the serving model's targets");
+  auto* compensate =
+      command.add_flag("--compensate", a->compensate,
+                       "wanted poses: move to the serving model's targets, with several "
+                       "robots to the serving plan's");
   command.add_option("--model", a->model, "compensate with this model instead")
       ->needs(compensate)
       ->check(positive_number());

@@ -19,7 +19,7 @@ export const isOver = (run: Run): boolean =>
 
 // "uncompensated", "compensated with model 3": as the command line says it.
 export const compensationText = (run: Run): string =>
-  !run.compensated ? 'uncompensated' : run.compensateModelId !== undefined ? `compensated with model ${run.compensateModelId}` : 'compensated with the model that served';
+  !run.compensated ? 'uncompensated' : run.compensatePlanId !== undefined ? `compensated by plan ${run.compensatePlanId}` : run.compensateModelId !== undefined ? `compensated with model ${run.compensateModelId}` : 'compensated with the model that served';
 
 export const runName = (run: Run): string => `run ${run.id}${run.name ? ` · ${run.name}` : ''}`;
 

@@ -62,7 +62,7 @@ function RunTable({ runs, chosen }: { runs: readonly Run[]; chosen: Chosen | und
         { title: 'given up', number: true, of: (run) => count(run.givenUpCount), sort: (run) => Number(run.givenUpCount) },
         { title: 'started', of: (run) => <span class="nowrap">{dateClock(ms(run.startTime))}</span>, sort: (run) => ms(run.startTime) ?? 0 },
         { title: 'took', of: took },
-        { title: 'compensated', of: (run) => (!run.compensated ? 'no' : run.compensateModelId !== undefined ? <a href={`/models/${run.compensateModelId}`}>model {String(run.compensateModelId)}</a> : 'yes'), sort: (run) => Number(run.compensateModelId ?? (run.compensated ? 0 : -1)) },
+        { title: 'compensated', of: (run) => (!run.compensated ? 'no' : run.compensatePlanId !== undefined ? <a href="/plans">plan {String(run.compensatePlanId)}</a> : run.compensateModelId !== undefined ? <a href={`/models/${run.compensateModelId}`}>model {String(run.compensateModelId)}</a> : 'yes'), sort: (run) => Number(run.compensateModelId ?? (run.compensated ? 0 : -1)) },
         { title: 'trajectory', of: (run) => run.trajectoryName || '–', sort: (run) => run.trajectoryName },
         { title: 'operator', of: (run) => run.operatorName || 'unknown', sort: (run) => run.operatorName },
         ...(runs.some((run) => run.metadata.length > 0) ? [{ title: 'metadata', of: metadataOf }] : []),

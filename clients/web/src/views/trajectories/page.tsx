@@ -36,7 +36,10 @@ function Kept({ one }: { one: Trajectory }) {
   const check = useTrajectoryCheck(one.text);
   const [runName, setRunName] = useState('');
   const [compensate, setCompensate] = useState(false);
-  const poses = check.value?.coordinates.some((channel) => !channel.startsWith('q')) ?? false;
+  const coordinates = check.value?.coordinates ?? [];
+  const poses = coordinates.some((channel) => !/^(\w+\.)?q\d/.test(channel));
+  const byPlan = coordinates.some((channel) => channel.includes('.')); // several robots
+  const noModel = !byPlan && cell.value?.servingModelId === undefined;
   return (
     <>
       <Panel title="Run it">
@@ -45,7 +48,7 @@ function Kept({ one }: { one: Trajectory }) {
           {poses && (
             <label class="trajectories-check">
               <input type="checkbox" checked={compensate} onChange={(event) => setCompensate(event.currentTarget.checked)} />
-              <span>compensated: move to the targets of {cell.value?.servingModelId === undefined ? 'the model that serves (none does now)' : `model ${cell.value.servingModelId}`}</span>
+              <span>compensated: move to the targets of {byPlan ? 'the serving plan' : noModel ? 'the model that serves (none does now)' : `model ${cell.value?.servingModelId}`}</span>
             </label>
           )}
           <div class="actions">
@@ -54,7 +57,7 @@ function Kept({ one }: { one: Trajectory }) {
               name={one.name}
               runName={runName}
               compensate={compensate}
-              off={check.failure ? 'It cannot be run: see below' : compensate && cell.value?.servingModelId === undefined ? 'No model serves: promote one first' : undefined}
+              off={check.failure ? 'It cannot be run: see below' : compensate && noModel ? 'No model serves: promote one first' : undefined}
             />
           </div>
         </div>
