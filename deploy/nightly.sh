@@ -5,7 +5,7 @@
 source "$(dirname "$0")/lib/common.sh"
 source "$root/deploy/lib/checks.sh"
 
-parts=(tests asan tsan fuzz faults sixty_hours upgrade time_to_end tidy browser hidden_effects bench)
+parts=(tests asan tsan fuzz faults sixty_hours upgrade time_to_end tidy browser hidden_effects sealed bench)
 describe() {
   case $1 in
     tests) echo "the plain build's tests, as deploy/test.sh" ;;
@@ -19,6 +19,7 @@ describe() {
     tidy) echo "clang-tidy over all files" ;;
     browser) echo "the page in Chromium before a real daemon" ;;
     hidden_effects) echo "the long counts of the diagnosis and the table of the lies of a device" ;;
+    sealed) echo "25 sealed random effects of each robot, found on the wire or not: docs/evidence/sealed-ROBOT.md" ;;
     bench) echo "the benchmarks" ;;
     *) return 1 ;;
   esac
@@ -86,6 +87,16 @@ run_sixty_hours_part() {
   install_missing build test
   configure_and_build release -DDRIFTWISE_BUILD_TESTS=ON
   python3 -B "$root/tests/faults/campaign/sixty_hours.py" "$root/build/release/bin" "$root" --table "$root/docs/evidence/sixty_hours.md"
+}
+run_sealed_part() {
+  install_missing build test
+  configure_and_build release -DDRIFTWISE_BUILD_TESTS=ON
+  local robot missed=()
+  for robot in linear-axis micro-nano; do
+    python3 -B "$root/tests/hidden_effects/sealed/sealed.py" "$root/build/release/bin" "$root" --robot $robot --out "$root/out/nightly/sealed" \
+      --table "$root/docs/evidence/sealed-$robot.md" || missed+=("$robot")
+  done
+  [ ${#missed[@]} = 0 ] || die "less than 85 % found: ${missed[*]}"
 }
 run_time_to_end_part() {
   install_missing build test

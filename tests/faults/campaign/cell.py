@@ -51,7 +51,7 @@ class Receiver:
 
 
 class Cell:
-    def __init__(self, programs, source, kind="linear-axis", speed=100, seed=1, proxies=False, environment=None, notify=False):
+    def __init__(self, programs, source, kind="linear-axis", speed=100, seed=1, proxies=False, environment=None, notify=False, plant_words=()):
         self.programs, self.kind, self.speed, self.seed = pathlib.Path(programs).resolve(), kind, speed, seed
         self.scratch = tempfile.TemporaryDirectory(prefix="driftwise-campaign-", dir="/dev/shm" if os.path.isdir("/dev/shm") else None)
         self.folder = pathlib.Path(self.scratch.name)
@@ -59,7 +59,7 @@ class Cell:
         self.environment = {**os.environ, "NO_COLOR": "1", **(environment or {})}
         self.log = open(self.folder / "log", "ab")
         self.daemon = None
-        self.plant = self.start_plant(["--cell", self.source / "cell.toml", "--instantiate", self.folder, "--speed", speed])
+        self.plant = self.start_plant(["--cell", self.source / "cell.toml", "--instantiate", self.folder, "--speed", speed, *plant_words])
         self.receiver = Receiver() if notify else None
         self.wires = None
         text = (self.folder / "cell.toml").read_text()

@@ -11,13 +11,15 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <functional>
+#include <cstdlib>
+#include <optional>
 #include <random>
 
 #include "server/calibration/fit.h"
 #include "server/plans/joint_target.h"
 #include "server/plans/plan_check.h"
 #include "tests/hidden_effects/joint/two_robot_plant.h"
+#include "tests/statistics/coverage_count.h"
 
 namespace driftwise::plans {
 namespace {
@@ -72,6 +74,17 @@ effects::Term power(const char* symbol, int exponent = 1) {
   return {{effects::Power{symbol, exponent}}};
 }
 
+// study: the terms and plans of chapter 7. complete: the MinAngle's models also have the
+// temperature beside its screws, and its sideways motion is measured with its tilts and has terms
+// for them.
+enum class Knowledge { study, complete };
+
+std::vector<effects::Term> min_angle_terms(Knowledge knowledge) {
+  auto terms = cubic({"ma.rx", "ma.ry", "ma.z"});
+  if (knowledge == Knowledge::complete) terms.push_back(power("t08"));
+  return terms;
+}
+
 struct Machine {
   explicit Machine(std::uint64_t seed) : a(seed), m(seed + 1000), see(seed + 2000) {}
   joint_plant::MicroNano a;
@@ -79,60 +92,87 @@ struct Machine {
   joint_plant::Instruments see;
 };
 
+double height_of(Machine& plant, const Pose& at, Knowledge knowledge) {
+  if (knowledge == Knowledge::complete) plant.see.probe_mm(at.z - 5e-3);  // the tip from below
+  return plant.see.probe_mm(at.z);
+}
+
 // Part 1 of the study's plan: 125 places in motor coordinates, by probe and inclinometer.
-calibration::Model coarse_model(Machine& plant, joint_plant::Room room) {
+calibration::Model coarse_model(Machine& plant, joint_plant::Room room, Knowledge knowledge) {
   Table table({{"ma.q1", "mm"},
                {"ma.q2", "mm"},
                {"ma.q3", "mm"},
                {"ma.rx", "arcsec"},
                {"ma.ry", "arcsec"},
-               {"ma.z", "mm"}});
+               {"ma.z", "mm"},
+               {"t08", "degC"}});
   for (const double q1 : {-4.0, -2.0, 0.0, 2.0, 4.0})
     for (const double q2 : {-4.0, -2.0, 0.0, 2.0, 4.0})
       for (const double q3 : {-4.0, -2.0, 0.0, 2.0, 4.0}) {
         room.advance(20);
         const Pose at = plant.m.pose({q1, q2, q3}, room);
         table.add({q1, q2, q3, plant.see.inclinometer_arcsec(at.rx),
-                   plant.see.inclinometer_arcsec(at.ry), plant.see.probe_mm(at.z)});
+                   plant.see.inclinometer_arcsec(at.ry), height_of(plant, at, knowledge),
+                   room.t08()});
       }
-  return table.fitted({"ma.q1", "ma.q2", "ma.q3"}, cubic({"ma.rx", "ma.ry", "ma.z"}));
+  return table.fitted({"ma.q1", "ma.q2", "ma.q3"}, min_angle_terms(knowledge));
 }
 
 // Part 2: 343 places within 300 arcsec and 3 mm, by autocollimators and probe.
-calibration::Model fine_model(Machine& plant, joint_plant::Room room) {
+calibration::Model fine_model(Machine& plant, joint_plant::Room room, Knowledge knowledge) {
   Table table({{"ma.q1", "mm"},
                {"ma.q2", "mm"},
                {"ma.q3", "mm"},
                {"ma.rx", "arcsec"},
                {"ma.ry", "arcsec"},
-               {"ma.z", "mm"}});
-  for (int z = -3; z <= 3; ++z)
+               {"ma.z", "mm"},
+               {"t08", "degC"}});
+  // One height after the other would rise with the room: what warms and what is high would be one.
+  const std::array<int, 7> heights = knowledge == Knowledge::study
+                                         ? std::array{-3, -2, -1, 0, 1, 2, 3}
+                                         : std::array{0, 3, -2, 1, -3, 2, -1};
+  for (const int z : heights)
     for (int rx = -300; rx <= 300; rx += 100)
       for (int ry = -300; ry <= 300; ry += 100) {
         room.advance(16);
         const auto q = plant.m.motors_at(rx, ry, z, room);
         const Pose at = plant.m.pose(q, room);
         table.add({q[0], q[1], q[2], plant.see.collimator_arcsec(at.rx),
-                   plant.see.collimator_arcsec(at.ry), plant.see.probe_mm(at.z)});
+                   plant.see.collimator_arcsec(at.ry), height_of(plant, at, knowledge),
+                   room.t08()});
       }
-  return table.fitted({"ma.q1", "ma.q2", "ma.q3"}, cubic({"ma.rx", "ma.ry", "ma.z"}));
+  return table.fitted({"ma.q1", "ma.q2", "ma.q3"}, min_angle_terms(knowledge));
 }
 
 // Part 3: 17 heights up and down for five hours in a room that warms, by interferometers; integer
 // heights calibrate.
-calibration::Model sideways_model(Machine& plant, joint_plant::Room room) {
-  Table table({{"ma.x", "mm"}, {"ma.y", "mm"}, {"ma.z", "mm"}, {"t09", "degC"}});
+calibration::Model sideways_model(Machine& plant, joint_plant::Room room, Knowledge knowledge) {
+  const bool tilted = knowledge == Knowledge::complete;
+  std::mt19937_64 random(11);
+  const auto tilt = [&] {
+    return tilted ? std::uniform_real_distribution<>(-300, 300)(random) : 0.0;
+  };
+  Table table({{"ma.x", "mm"},
+               {"ma.y", "mm"},
+               {"ma.z", "mm"},
+               {"t09", "degC"},
+               {"ma.rx", "arcsec"},
+               {"ma.ry", "arcsec"}});
   for (int row = 0; row < 664; ++row) {
     room.advance(27);
     const int step = row % 32;
     const double z = 4 - 0.5 * (step <= 16 ? step : 32 - step);
-    const Pose at = plant.m.pose({z, z, z}, room);
-    table.add(
-        {plant.see.laser_mm(at.x), plant.see.laser_mm(at.y), plant.see.laser_mm(at.z), room.t09()},
-        step % 2 == 0);
+    const double rx = tilt(), ry = tilt();
+    const Pose at = tilted ? plant.m.pose(plant.m.motors_at(rx, ry, z, room), room)
+                           : plant.m.pose({z, z, z}, room);
+    table.add({plant.see.laser_mm(at.x), plant.see.laser_mm(at.y), plant.see.laser_mm(at.z),
+               room.t09(), plant.see.collimator_arcsec(at.rx), plant.see.collimator_arcsec(at.ry)},
+              step % 2 == 0);
   }
-  return table.fitted({"ma.x", "ma.y"},
-                      {power("ma.z"), power("ma.z", 2), power("ma.z", 3), power("t09")});
+  std::vector<effects::Term> terms = {power("ma.z"), power("ma.z", 2), power("ma.z", 3),
+                                      power("t09")};
+  if (tilted) terms.insert(terms.end(), {power("ma.rx"), power("ma.ry")});
+  return table.fitted({"ma.x", "ma.y"}, std::move(terms));
 }
 
 // The Micro-Nano: four grids of 6^3 in a room that warms by 1.5 K.
@@ -167,7 +207,7 @@ CellDescription cell_of_both() {
   CellDescription cell;
   DeviceDescription scanner;
   scanner.id = "scanner";
-  for (const char* name : {"t05", "t09"}) {
+  for (const char* name : {"t05", "t08", "t09"}) {
     auto& probe = scanner.become<TemperatureSettings>().probes.emplace_back();
     probe.channel = {name, "degC"};
     probe.u_k = 0.002;
@@ -216,63 +256,103 @@ Contact contact_of(const Pose& tool, const Pose& piece, const Pose& wanted_tool,
       std::hypot(drx - trx, dry - try_)};
 }
 
-// The four ways: none, translations, tilts, both.
-std::array<Figures, 4> figures_of(std::uint64_t seed) {
-  Machine plant(seed);
-  const ModelsById models = {
-      {kCoarseModel, coarse_model(plant, {seed + 1, 19.8, 20.2, 2.5})},
-      {kFineModel, fine_model(plant, {seed + 2, 20.0, 20.5, 3})},
-      {kSideways, sideways_model(plant, {seed + 3, 19.8, 21.3, 5})},
+ModelsById models_of(Machine& plant, std::uint64_t seed, Knowledge knowledge) {
+  // A temperature is known in the range that it was measured in.
+  const bool warms = knowledge == Knowledge::complete;
+  return {
+      {kCoarseModel, coarse_model(plant, {seed + 1, 19.8, warms ? 21.6 : 20.2, 2.5}, knowledge)},
+      {kFineModel,
+       fine_model(plant, {seed + 2, warms ? 19.8 : 20.0, warms ? 21.6 : 20.5, 3}, knowledge)},
+      {kSideways, sideways_model(plant, {seed + 3, 19.8, 21.3, 5}, knowledge)},
       {kMicroNanoModel, micro_nano_model(plant, {seed + 4, 19.8, 21.3, 5}, false)},
       {kTilts, micro_nano_model(plant, {seed + 4, 19.8, 20.2, 1.2}, true)}};
-  const CellDescription cell = cell_of_both();
-  std::array<Figures, 4> out;
-  for (int way = 0; way < 4; ++way) {
-    const auto plan = plan_of((way & 1) != 0, (way & 2) != 0);
+}
+
+// Both robots under a plan, from their common zero on: motor coordinates there, and every
+// temperature.
+class Use {
+ public:
+  Use(Machine& plant, const ServingPlan& plan, const ModelsById& models, std::uint64_t seed)
+      : plant_(plant), room_(seed + 5, 20.0, 21.2, 4), random_(seed + 6) {
+    const CellDescription cell = cell_of_both();
     const auto check = check_plan(plan, models, {}, cell);
     if (const auto good = check.refusal(); !good) throw std::runtime_error(good.error().message);
     auto builder = JointBuilder::create(plan, PlanId{1}, models, cell);
     if (!builder) throw std::runtime_error(builder.error().message);
-    joint_plant::Room room(seed + 5, 20.0, 21.2, 4);
-    room.advance(600);
-    // The common zero of both robots: motor coordinates there, and every temperature.
-    const auto mq = plant.m.motors_at(0, 0, 0, room);
-    const auto aq = plant.a.motors_at(0, 0, 0, room);
-    const Pose piece_zero = plant.m.pose(mq, room), tool_zero = plant.a.pose(aq, room);
-    std::vector<ChannelValue> zero = {{"t05_degC", room.t05()}, {"t09_degC", room.t09()}};
+    builder_.emplace(std::move(*builder));
+    room_.advance(600);
+    const auto mq = plant.m.motors_at(0, 0, 0, room_);
+    const auto aq = plant.a.motors_at(0, 0, 0, room_);
+    piece_zero = plant.m.pose(mq, room_);
+    tool_zero = plant.a.pose(aq, room_);
+    std::vector<ChannelValue> zero = {
+        {"t05_degC", room_.t05()}, {"t08_degC", room_.t08()}, {"t09_degC", room_.t09()}};
     for (std::size_t i = 0; i < 3; ++i) {
       zero.push_back({"ma.q" + std::to_string(i + 1) + "_mm", mq[i]});
       zero.push_back({"mn.q" + std::to_string(i + 1) + "_mm", aq[i]});
     }
-    const auto trouble = builder->anchor(zero, [](ModelId) { return false; });
+    const auto trouble = builder_->anchor(zero, [](ModelId) { return false; });
     if (!trouble.empty()) throw std::runtime_error(trouble.front());
-    std::mt19937_64 random(seed + 6);
-    const auto within = [&random](double low, double high) {
-      return std::uniform_real_distribution<>(low, high)(random);
+  }
+
+  // A minute later, another random joint pose: what the plan answers, and where both really are.
+  struct Visit {
+    Pose tool, piece;            // wanted
+    JointTarget target;          // mn first, then ma
+    Pose real_tool, real_piece;  // absolute
+  };
+  Visit next() {
+    room_.advance(60);
+    const CellTime now{static_cast<std::int64_t>(room_.now_s() * 1e9)};
+    const ChannelValue seen[] = {
+        {"t05_degC", room_.t05()}, {"t08_degC", room_.t08()}, {"t09_degC", room_.t09()}};
+    builder_->observe(seen, now);
+    const auto within = [this](double low, double high) {
+      return std::uniform_real_distribution<>(low, high)(random_);
     };
+    Visit visit;
+    visit.tool = {within(0, 2.5), within(0, 2.5), within(0, 2.5), 0, 0, 0};
+    visit.piece = {0, 0, within(-2.5, 2.5), within(-250, 250), within(-250, 250), 0};
+    const auto snapshot = builder_->build(now);
+    JointRequest request;
+    request.now = now;
+    request.set(0, Variable::x, visit.tool.x);
+    request.set(0, Variable::y, visit.tool.y);
+    request.set(0, Variable::z, visit.tool.z);
+    request.set(1, Variable::z, visit.piece.z);
+    request.set(1, Variable::rx, visit.piece.rx);
+    request.set(1, Variable::ry, visit.piece.ry);
+    visit.target = compute_joint_target(snapshot, request);
+    if (visit.target.refusal != compensation::Refusal::none)
+      throw std::runtime_error(joint_refusal_error(snapshot, visit.target).message);
+    const auto& q = visit.target.q_mm;
+    visit.real_tool = plant_.a.pose({q[0], q[1], q[2]}, room_);
+    visit.real_piece = plant_.m.pose({q[3], q[4], q[5]}, room_);
+    return visit;
+  }
+  const joint_plant::Room& room() const { return room_; }
+
+  Pose piece_zero, tool_zero;
+
+ private:
+  Machine& plant_;
+  joint_plant::Room room_;
+  std::mt19937_64 random_;
+  std::optional<JointBuilder> builder_;
+};
+
+// The four ways: none, translations, tilts, both.
+std::array<Figures, 4> figures_of(std::uint64_t seed) {
+  Machine plant(seed);
+  const ModelsById models = models_of(plant, seed, Knowledge::study);
+  std::array<Figures, 4> out;
+  for (int way = 0; way < 4; ++way) {
+    Use use(plant, plan_of((way & 1) != 0, (way & 2) != 0), models, seed);
     double contact = 0, sideways = 0, angle = 0;
     for (int k = 0; k < kPoses; ++k) {
-      room.advance(60);
-      const CellTime now{static_cast<std::int64_t>(room.now_s() * 1e9)};
-      const ChannelValue seen[] = {{"t05_degC", room.t05()}, {"t09_degC", room.t09()}};
-      builder->observe(seen, now);
-      const Pose tool{within(0, 2.5), within(0, 2.5), within(0, 2.5), 0, 0, 0};
-      const Pose piece{0, 0, within(-2.5, 2.5), within(-250, 250), within(-250, 250), 0};
-      const auto snapshot = builder->build(now);
-      JointRequest request;
-      request.now = now;
-      request.set(0, Variable::x, tool.x);
-      request.set(0, Variable::y, tool.y);
-      request.set(0, Variable::z, tool.z);
-      request.set(1, Variable::z, piece.z);
-      request.set(1, Variable::rx, piece.rx);
-      request.set(1, Variable::ry, piece.ry);
-      const auto target = compute_joint_target(snapshot, request);
-      if (target.refusal != compensation::Refusal::none)
-        throw std::runtime_error(joint_refusal_error(snapshot, target).message);
-      const Pose real_tool = plant.a.pose({target.q_mm[0], target.q_mm[1], target.q_mm[2]}, room);
-      const Pose real_piece = plant.m.pose({target.q_mm[3], target.q_mm[4], target.q_mm[5]}, room);
-      const auto at = contact_of(real_tool, real_piece, tool, piece, tool_zero, piece_zero);
+      const auto visit = use.next();
+      const auto at = contact_of(visit.real_tool, visit.real_piece, visit.tool, visit.piece,
+                                 use.tool_zero, use.piece_zero);
       sideways += at.x * at.x + at.y * at.y;
       contact += at.x * at.x + at.y * at.y + at.z * at.z;
       angle += at.angle * at.angle;
@@ -283,6 +363,65 @@ std::array<Figures, 4> figures_of(std::uint64_t seed) {
   }
   return out;
 }
+
+// Of the joint targets' motor coordinates, mn q1 to q3 and ma q1 to q3: error at the truth against
+// the stated expanded uncertainty.
+struct Coverage {
+  std::array<statistics::CoverageCount, 6> count;
+  std::array<double, 6> error_nm{}, stated_nm{};  // sums of squares
+  int targets = 0;
+
+  void add_campaign(std::uint64_t seed, Knowledge knowledge) {
+    Machine plant(seed);
+    const ModelsById models = models_of(plant, seed, knowledge);
+    // Steps that would wait for one another are refused: with tilts in the sideways motion the
+    // work-piece's tilt stays as wanted.
+    const bool tilts = knowledge == Knowledge::study;
+    Use use(plant, plan_of(true, tilts), models, seed);
+    std::array<std::int64_t, 6> hits{};
+    for (int k = 0; k < kPoses; ++k) {
+      const auto visit = use.next();
+      const auto needed = needed_for(plant, use, visit, tilts);
+      for (std::size_t i = 0; i < 6; ++i) {
+        const double error = 1e6 * (visit.target.q_mm[i] - needed[i]);
+        hits[i] += std::abs(error) <= visit.target.expanded_nm(i) ? 1 : 0;
+        error_nm[i] += error * error;
+        stated_nm[i] += visit.target.u_nm[i] * visit.target.u_nm[i];
+      }
+      ++targets;
+    }
+    for (std::size_t i = 0; i < 6; ++i) count[i].add_campaign(hits[i], kPoses);
+  }
+
+  // Motor coordinates at which the tool would have followed the work-piece's sideways motion, and
+  // the work-piece the tool's tilt, as they really are.
+  static std::array<double, 6> needed_for(const Machine& plant, const Use& use,
+                                          const Use::Visit& visit, bool tilts) {
+    const double follows = tilts ? 1 : 0;
+    const auto q =
+        plant.a.motors_at(use.tool_zero.x + visit.tool.x + visit.real_piece.x - use.piece_zero.x,
+                          use.tool_zero.y + visit.tool.y + visit.real_piece.y - use.piece_zero.y,
+                          use.tool_zero.z + visit.tool.z, use.room());
+    const auto p = plant.m.motors_at(
+        use.piece_zero.rx + visit.piece.rx + follows * (visit.real_tool.rx - use.tool_zero.rx),
+        use.piece_zero.ry + visit.piece.ry + follows * (visit.real_tool.ry - use.tool_zero.ry),
+        use.piece_zero.z + visit.piece.z, use.room());
+    return {q[0], q[1], q[2], p[0], p[1], p[2]};
+  }
+
+  void print() const {
+    std::printf("%d campaigns x %d joint poses\n", static_cast<int>(count[0].campaigns()), kPoses);
+    std::printf("%-8s %10s %22s %14s %12s\n", "motor", "within U", "95 % (by campaign)",
+                "rms error nm", "stated u nm");
+    constexpr const char* kMotors[] = {"mn.q1", "mn.q2", "mn.q3", "ma.q1", "ma.q2", "ma.q3"};
+    for (std::size_t i = 0; i < 6; ++i) {
+      const auto interval = count[i].clustered();
+      std::printf("%-8s %8.1f %% %12.1f to %.1f %% %14.0f %12.0f\n", kMotors[i],
+                  100 * count[i].rate(), 100 * interval.low, 100 * interval.high,
+                  std::sqrt(error_nm[i] / targets), std::sqrt(stated_nm[i] / targets));
+    }
+  }
+};
 
 // Paired difference with its 95 % interval over the plants (Student, 9 degrees of freedom).
 struct Difference {
@@ -335,6 +474,20 @@ TEST(JointUse, GainsByTranslationsInPlaceAndByTiltsInAngleOverTenPlants) {
       "both against translations alone: contact %+.0f +- %.0f nm, sideways %+.0f +- %.0f nm; "
       "against tilts alone: angle %+.3f +- %.3f arcsec\n",
       whole.mean, whole.half, place.mean, place.half, axes.mean, axes.half);
+}
+
+// Campaigns: DRIFTWISE_JOINT_CAMPAIGNS, else 5, which shows that it runs and is in no way off by
+// much. The count of 100 stands in docs/plans.md.
+TEST(JointUse, StatesUncertaintiesThatHoldTheErrors) {
+  const char* asked = std::getenv("DRIFTWISE_JOINT_CAMPAIGNS");
+  const int campaigns = asked ? std::atoi(asked) : 5;
+  for (const auto knowledge : {Knowledge::study, Knowledge::complete}) {
+    Coverage coverage;
+    for (int k = 0; k < campaigns; ++k)
+      coverage.add_campaign(90'000 + 29 * static_cast<std::uint64_t>(k), knowledge);
+    std::printf("%s terms: ", knowledge == Knowledge::study ? "the study's" : "complete");
+    coverage.print();
+  }
 }
 
 }  // namespace
