@@ -36,9 +36,11 @@ class Procedure {
     record_.in_contact = false;
     if (interrupted) {
       record_.aside_um += rules_.retry_um;
-      say("the contact before was interrupted: retracted; the next one is " +
-          digits_text(record_.aside_um) + " um beside, on a fresh surface");
+      say("the contact before was interrupted: retracted");
     }
+    if (record_.aside_um > 0)
+      say("the next contact is " + digits_text(record_.aside_um) +
+          " um beside, on a fresh surface");
     if (record_.stage == Stage::align) DRIFTWISE_RETURN_IF_ERROR(align());
     if (record_.stage == Stage::zero) DRIFTWISE_RETURN_IF_ERROR(find_zero());
     if (record_.stage == Stage::indents) DRIFTWISE_RETURN_IF_ERROR(make_indents());
@@ -103,7 +105,10 @@ class Procedure {
       DRIFTWISE_TRY(const auto window, cell_.look());
       DRIFTWISE_TRY(next, approach.next(window));
     }
-    if (next.kind == Kind::no_contact) --record_.contacts;  // nothing was touched
+    if (next.kind == Kind::no_contact) {  // nothing was touched: the place stays fresh
+      --record_.contacts;
+      record_.in_contact = false;
+    }
     if (next.kind != Kind::contact)
       return fail(ErrorCode::failed_precondition,
                   next.kind == Kind::abort ? reasons::kOutsideLimits : reasons::kNothingFound,
@@ -146,21 +151,28 @@ class Procedure {
         depart_mm = record_.height_mm - rules_.near_mm;
         highest_mm = record_.height_mm + rules_.near_mm;
       }
-      std::vector<TouchPoint> points;
-      for (const auto& [x_mm, y_mm] : rules_.touch_mm) {
+      while (record_.touches.size() < rules_.touch_mm.size()) {
+        const auto& [x_mm, y_mm] = rules_.touch_mm[record_.touches.size()];
         const double x = x_mm + record_.corrections * rules_.shift_x_mm + aside_mm();
         const double y = y_mm + record_.corrections * rules_.shift_y_mm;
         DRIFTWISE_RETURN_IF_ERROR(cell_.move_above(x, y, rules_.work_mm));
         DRIFTWISE_RETURN_IF_ERROR(rest());
-        DRIFTWISE_TRY(const auto found, touch(depart_mm, highest_mm, 0));
-        points.push_back({.x_mm = x, .y_mm = y, .height_mm = found.height_mm, .u_nm = found.u_nm});
+        DRIFTWISE_TRY(auto found, touch(depart_mm, highest_mm, 0));
+        found.x_mm = x;
+        found.y_mm = y;
+        record_.touches.push_back(found);
         DRIFTWISE_RETURN_IF_ERROR(below(found.height_mm - rules_.clearance_mm));
         DRIFTWISE_RETURN_IF_ERROR(rest());
         ended();
       }
+      std::vector<TouchPoint> points;
+      for (const TouchRecord& one : record_.touches)
+        points.push_back(
+            {.x_mm = one.x_mm, .y_mm = one.y_mm, .height_mm = one.height_mm, .u_nm = one.u_nm});
       DRIFTWISE_TRY(const auto step, next_alignment(rules_.alignment, record_.corrections,
                                                     record_.rx_arcsec, record_.ry_arcsec, points));
       record_.spread_nm = step.plane.spread_nm;
+      record_.touches.clear();
       if (step.kind == AlignmentStep::Kind::refused)
         return fail(ErrorCode::failed_precondition, reasons::kNoConvergence, step.sentence);
       record_.height_mm = step.plane.c_mm;
@@ -285,10 +297,11 @@ Result<void> carry_out(TouchingCell& cell, const ProcedureRules& rules, Procedur
   // A robot that is left in contact is worse than a procedure that ends.
   const auto away = cell.move_below(record.rx_arcsec, record.ry_arcsec, procedure.low_mm());
   Error error = done.error();
-  if (away)
+  if (away && record.in_contact) {
     record.in_contact = false;
-  else
-    error.message += "; the robot below could not be retracted: " + away.error().message;
+    record.aside_um += rules.retry_um;
+  }
+  if (!away) error.message += "; the robot below could not be retracted: " + away.error().message;
   record.log.push_back(std::string(to_string(record.stage)) + ": " + error.message);
   on_change(record);
   return tl::unexpected(error);

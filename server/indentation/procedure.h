@@ -101,7 +101,8 @@ struct ProcedureRecord {
   double height_mm = 0;                 // contact awaited at the zero
   bool touched = false;                 // height_mm is known
   double spread_nm = 0;
-  std::vector<std::string> log{};  // sentences, with the stage
+  std::vector<TouchRecord> touches{};  // of the round of the alignment under way
+  std::vector<std::string> log{};      // sentences, with the stage
   TouchRecord zero{};
   TouchingCell::Here zero_here{};
   std::vector<MadeIndent> indents{};

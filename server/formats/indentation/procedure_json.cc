@@ -87,6 +87,7 @@ ProcedureRecord record_from(const Json& json) {
   r.spread_nm = json.at("spread_nm");
   r.log = json.at("log").get<std::vector<std::string>>();
   r.by = json.at("by");
+  for (const auto& one : json.at("touches")) r.touches.push_back(touch_from(one));
   const Json& zero = json.at("zero");
   r.zero = touch_from(zero.at("touch"));
   r.zero_here = {.x_mm = zero.at("x_mm"),
@@ -117,6 +118,8 @@ std::string procedure_json(const ProcedureRecord& r) {
             {"spread_nm", r.spread_nm},
             {"by", r.by}};
   json["log"] = r.log;
+  json["touches"] = Json::array();
+  for (const auto& one : r.touches) json["touches"].push_back(touch_json(one));
   const auto& here = r.zero_here;
   Json zero{{"x_mm", here.x_mm},
             {"y_mm", here.y_mm},
