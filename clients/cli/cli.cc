@@ -18,6 +18,7 @@
 #include "clients/cli/commands/diagnoses/diagnose_command.h"
 #include "clients/cli/commands/diagnoses/diagnosis_commands.h"
 #include "clients/cli/commands/diagnoses/improve_commands.h"
+#include "clients/cli/commands/indentation/indent_commands.h"
 #include "clients/cli/commands/look_back/look_back_commands.h"
 #include "clients/cli/commands/manual/command_tree.h"
 #include "clients/cli/commands/manual/manual_commands.h"
@@ -167,6 +168,7 @@ void add_everything(CLI::App& app, Session& session) {
   add_improve_commands(app, session);
   add_model_commands(app, session);
   add_plan_commands(app, session);
+  add_indent_commands(app, session);
   add_target_command(app, session);
   add_simulate_command(app, session);
   add_standard_commands(app, session);

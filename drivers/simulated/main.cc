@@ -95,6 +95,25 @@ std::optional<int> place_of(const CellOutline& outline, Quantity quantity, const
   return std::nullopt;
 }
 
+std::string microscope_json(const TwoRobotsPlant& plant, int origin) {
+  if (origin < 1 || static_cast<std::size_t>(origin) > plant.craters().size()) return "";
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const MicroscopeRow& row : plant.microscope(origin))
+    rows.push_back({{"id", row.id},
+                    {"x_um", row.x_um},
+                    {"y_um", row.y_um},
+                    {"pixel_nm", row.pixel_nm},
+                    {"marking_px", row.marking_px},
+                    {"pictures_joined", row.pictures_joined},
+                    {"diagonal_um", row.diagonal_um}});
+  return rows.dump();
+}
+
+void add_two_robots_hooks(FaultHooks& hooks, TwoRobotsPlant& plant) {
+  hooks.knock = [&plant](double amplitude_nm, TimeNs now) { plant.knock(amplitude_nm, now); };
+  hooks.microscope_json = [&plant](int origin) { return microscope_json(plant, origin); };
+}
+
 void add_micro_nano_hooks(FaultHooks& hooks, MicroNanoPlant& plant, const CellOutline& outline) {
   hooks.set_spot = [&plant, outline](const std::string& device, FaultHooks::Spot spot, TimeNs now) {
     using Fault = MicroNanoPlant::CollimatorFault;
@@ -144,6 +163,7 @@ FaultHooks hooks_of(CellPlant& plant, LyingPlant& lying, const CellOutline& outl
   };
   if (auto* micro_nano = dynamic_cast<MicroNanoPlant*>(&plant))
     add_micro_nano_hooks(hooks, *micro_nano, outline);
+  if (auto* two = dynamic_cast<TwoRobotsPlant*>(&plant)) add_two_robots_hooks(hooks, *two);
   // Adapters of one channel: the n-th is the plant's n-th.
   hooks.break_beam = [&plant, outline](const std::string& device, TimeNs now) {
     const auto place = place_of(outline, Quantity::length, device);

@@ -255,6 +255,15 @@ bool CsvRows::set_is_validation(bool& value) {
   return finish_field(at_ + (value ? 10 : 11), "calibration or validation", reasons::kBadSet);
 }
 
+bool CsvRows::text(std::string& value) {
+  field_ = at_;
+  const std::string_view found = field();
+  value = found;
+  const std::string_view rest(at_, static_cast<std::size_t>(end_ - at_));
+  const std::size_t length = std::min(rest.find_first_of(",\r\n"), rest.size());
+  return finish_field(at_ + length, "text", reasons::kBadText);
+}
+
 bool CsvRows::finish_field(const char* after, const char* expected, Reason reason) {
   at_ = after;
   while (at_ != end_ && is_blank(*at_)) ++at_;

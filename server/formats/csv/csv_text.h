@@ -67,6 +67,7 @@ class CsvRows {
   bool number(double& value);  // an empty field is kMissing
   bool integer(std::int64_t& value);
   bool flag(bool& value);               // 0 or 1
+  bool text(std::string& value);        // as it stands, without the blanks around it
   bool set_is_validation(bool& value);  // calibration or validation
   bool failed() const { return failed_; }
   Error error() const { return error_; }

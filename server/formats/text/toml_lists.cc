@@ -50,6 +50,12 @@ void TomlReader::numbers(const char* key, std::vector<double>& values, std::size
   values = std::move(found);
 }
 
+void TomlReader::numbers(const char* key, std::vector<double>& values) {
+  const auto* node = find(key, Need::optional);
+  std::vector<double> found;
+  if (node && read_numbers(key, *node, found)) values = std::move(found);
+}
+
 void TomlReader::matrix(const char* key, std::vector<std::vector<double>>& rows) {
   const auto* node = find(key, Need::optional);
   if (!node) return;

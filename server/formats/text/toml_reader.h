@@ -60,6 +60,8 @@ class TomlReader {
   void texts(const char* key, std::vector<std::string>& values, Need need = Need::optional);
   // A list of finite numbers, exactly count of them.
   void numbers(const char* key, std::vector<double>& values, std::size_t count);
+  // A list of finite numbers, of any length.
+  void numbers(const char* key, std::vector<double>& values);
   // Lists of numbers in a list: a matrix, row by row. Checks that all rows are of one length.
   void matrix(const char* key, std::vector<std::vector<double>>& rows);
   // A text that is no number, or a whole number from min to max.

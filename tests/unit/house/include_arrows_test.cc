@@ -34,6 +34,7 @@ const std::vector<std::string> kFixedRooms = {"server/core",
                                               "server/plans",
                                               "server/stability",
                                               "server/standards",
+                                              "server/indentation",
                                               "server/formats",
                                               "server/threads",
                                               "server/tls",
@@ -80,7 +81,8 @@ const std::vector<std::string> kRooms = all_rooms();
 const std::set<std::string> kMathematics = {
     "server/core",         "server/effects",        "server/correction", "server/kinematics",
     "server/calibration",  "server/identification", "server/simulation", "server/diagnosis",
-    "server/compensation", "server/plans",          "server/stability",  "server/standards"};
+    "server/compensation", "server/plans",          "server/stability",  "server/standards",
+    "server/indentation"};
 
 std::set<std::string> with(std::set<std::string> base, const std::set<std::string>& more) {
   base.insert(more.begin(), more.end());
@@ -115,6 +117,7 @@ const std::map<std::string, std::set<std::string>> kFixedArrows = {
     {"server/plans",
      {"server/core", "server/effects", "server/calibration", "server/compensation"}},
     {"server/standards", {"server/core"}},
+    {"server/indentation", {"server/core"}},
     {"server/stability", {"server/core", "server/calibration"}},
     {"server/formats", with(kMathematics, {"server/digest"})},
     {"server/threads", {"server/calibration"}},

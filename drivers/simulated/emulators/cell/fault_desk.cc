@@ -12,7 +12,8 @@ constexpr std::string_view kHelp =
     "fault "
     "wrong-power|wrong-position|mend-beam <device> | fault jam|mend-load | fault "
     "open-probe|mend-probe <input> | fault lie <device> jump|scale|value <x> | fault lie <device> "
-    "constant | fault clear [<device>] | load <newton> | truth? | time? | "
+    "constant | fault clear [<device>] | fault knock <a> nm | load <newton> | microscope? <indent> "
+    "| truth? | time? | "
     "help";
 constexpr const char* kUnable = "ERR this cell cannot do that";
 constexpr double kUsualShock_nm = 60;
@@ -50,8 +51,25 @@ std::string FaultDesk::answer(std::string_view line, TimeNs now) {
   if (words[0] == "truth?")
     return hooks_.truth_json ? "OK " + hooks_.truth_json(now) : wrong("this cell cannot do that");
   if (words[0] == "load") return hang(words, now);
+  if (words[0] == "microscope?") return microscope(words);
   if (words[0] == "fault" && words.size() >= 2) return fault(words, now);
   return wrong("found '" + std::string(line.substr(0, 80)) + "', expected " + std::string(kHelp));
+}
+
+std::string FaultDesk::knock(const std::vector<std::string_view>& words, TimeNs now) {
+  const auto amplitude_nm = quantity(words, "nm");
+  if (!amplitude_nm) return wrong("expected fault knock <a> nm, such as fault knock 400 nm");
+  if (!hooks_.knock) return kUnable;
+  hooks_.knock(*amplitude_nm, now);
+  return "OK";
+}
+
+std::string FaultDesk::microscope(const std::vector<std::string_view>& words) {
+  const auto origin = words.size() == 2 ? parse_integer(words[1]) : std::nullopt;
+  if (!origin) return wrong("expected microscope? <indent>, such as microscope? 1");
+  if (!hooks_.microscope_json) return kUnable;
+  const std::string json = hooks_.microscope_json(static_cast<int>(*origin));
+  return json.empty() ? wrong("there is no such indent") : "OK " + json;
 }
 
 std::string FaultDesk::hang(const std::vector<std::string_view>& words, TimeNs now) {
@@ -104,6 +122,7 @@ std::string FaultDesk::fault(const std::vector<std::string_view>& words, TimeNs 
   const std::string unable = kUnable;
   if (auto done = world_fault(words, now)) return *done;
   if (verb == "lie") return lie(words);
+  if (verb == "knock") return knock(words, now);
   if (verb == "clear" && hooks_.lie) hooks_.lie("", "", 0);
   if (verb == "open-probe" || verb == "mend-probe") {
     const auto input = words.size() == 3 ? parse_integer(words[2]) : std::nullopt;

@@ -17,6 +17,8 @@
 //                                       its (first) channel says so, in mm, nm, ohm, arcsec, degC
 //                                       or N
 //   fault clear [<device>]              mute, garble, slow and the lie end
+//   fault knock <a> nm                  somebody knocks at the table: the robot above swings by a
+//   microscope? <indent>                the indents as a microscope shows them, from this one
 //   load <newton>                       a person changes the weights by hand
 //   truth?                              what really is, as one line of JSON
 //   time?                               cell time in ns
@@ -46,6 +48,9 @@ struct FaultHooks {  // an empty one answers "ERR this cell cannot do that"
   std::function<void(TimeNs from, TimeNs until, double amplitude_nm)> disturb;
   // form: jump, scale, value or constant; empty: the truth again, of all. false: no such device.
   std::function<bool(const std::string& device, const std::string& form, double amount)> lie;
+  std::function<void(double amplitude_nm, TimeNs now)> knock;
+  // One line of JSON; empty: there is no such indent.
+  std::function<std::string(int origin)> microscope_json;
   std::function<std::string(TimeNs now)> truth_json;
 };
 
@@ -66,6 +71,8 @@ class FaultDesk : public Emulator {
   // Faults of what is measured; nullopt: another kind of fault.
   std::optional<std::string> world_fault(const std::vector<std::string_view>& words, TimeNs now);
   std::string lie(const std::vector<std::string_view>& words);
+  std::string knock(const std::vector<std::string_view>& words, TimeNs now);
+  std::string microscope(const std::vector<std::string_view>& words);
   std::string hang(const std::vector<std::string_view>& words, TimeNs now);
 
   DeviceBench& bench_;

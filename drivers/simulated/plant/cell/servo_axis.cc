@@ -122,7 +122,8 @@ ServoAxis::Position ServoAxis::at(double time_s, double wander_nm) const {
       move.ring_nm * std::exp(-parameters_.damping * omega * since_s) * std::sin(omega * since_s);
   const double grip = 1 - std::exp(-since_s / kGrip_s);
   const double hold_nm = move.servo ? grip * (move.hold_nm + wander_nm) : 0;
-  const double scale_mm = motion.mm + (ring_nm + hold_nm) / kNmPerMm;
+  const double push_nm = push_nm_ ? push_nm_(time_s) : 0;
+  const double scale_mm = motion.mm + (ring_nm + hold_nm + push_nm) / kNmPerMm;
   return {.scale_mm = scale_mm,
           .counter_mm = scale_mm - move.counter_zero_mm,
           .mm_s2 = motion.mm_s2,

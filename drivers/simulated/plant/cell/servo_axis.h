@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 
 #include "drivers/simulated/plant/numbers/quintic.h"
 #include "drivers/simulated/plant/numbers/random.h"
@@ -26,6 +27,8 @@ class ServoAxis {
   void set_servo(bool on, double now_s);
   void start_reference(double now_s);
   void halt(double now_s);
+  // Something outside pushes the stage by so much, nm at a time in s: contact, a knock.
+  void set_push(std::function<double(double)> push_nm) { push_nm_ = std::move(push_nm); }
 
   struct Position {
     double scale_mm = 0;    // true, on the rule
@@ -61,6 +64,7 @@ class ServoAxis {
   double commanded_mm_ = 0;
   double reference_end_s_ = 0;
   bool ever_referenced_ = false;
+  std::function<double(double)> push_nm_;
 };
 
 }  // namespace driftwise::simulated

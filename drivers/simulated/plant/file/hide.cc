@@ -47,7 +47,14 @@ constexpr std::array kRecipes = {
 };
 
 const CellParameters& cell_of(const PlantParameters& plant) {
-  return std::visit([](const auto& robot) -> const CellParameters& { return robot; }, plant);
+  return std::visit(
+      [](const auto& robot) -> const CellParameters& {
+        if constexpr (std::is_base_of_v<CellParameters, std::decay_t<decltype(robot)>>)
+          return robot;
+        else
+          return robot.upper;
+      },
+      plant);
 }
 
 std::string number(double value) {

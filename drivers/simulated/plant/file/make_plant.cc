@@ -24,6 +24,9 @@ std::unique_ptr<CellPlant> make_any_plant(const std::filesystem::path& file,
   if (auto* axis = std::get_if<LinearAxisParameters>(&parameters)) {
     return std::make_unique<LinearAxisPlant>(std::move(*axis), options.seed, options.epoch_ns);
   }
+  if (auto* two = std::get_if<TwoRobotsParameters>(&parameters)) {
+    return std::make_unique<TwoRobotsPlant>(std::move(*two), options.seed, options.epoch_ns);
+  }
   if (auto* tilting = std::get_if<MinAngleParameters>(&parameters)) {
     return std::make_unique<MinAnglePlant>(std::move(*tilting), options.seed, options.epoch_ns);
   }
@@ -44,6 +47,11 @@ std::unique_ptr<MicroNanoPlant> make_micro_nano_plant(const std::filesystem::pat
 std::unique_ptr<MinAnglePlant> make_min_angle_plant(const std::filesystem::path& file,
                                                     const PlantOptions& options) {
   return plant_of<MinAngleParameters, MinAnglePlant>(file, options, "min-angle");
+}
+
+std::unique_ptr<TwoRobotsPlant> make_two_robots_plant(const std::filesystem::path& file,
+                                                      const PlantOptions& options) {
+  return plant_of<TwoRobotsParameters, TwoRobotsPlant>(file, options, "two-robots");
 }
 
 }  // namespace driftwise::simulated

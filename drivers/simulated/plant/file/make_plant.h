@@ -11,6 +11,7 @@
 #include "drivers/simulated/plant/linear_axis/linear_axis_plant.h"
 #include "drivers/simulated/plant/micro_nano/micro_nano_plant.h"
 #include "drivers/simulated/plant/min_angle/min_angle_plant.h"
+#include "drivers/simulated/plant/two_robots/two_robots_plant.h"
 
 namespace driftwise::simulated {
 
@@ -40,5 +41,7 @@ std::unique_ptr<MicroNanoPlant> make_micro_nano_plant(const std::filesystem::pat
                                                       const PlantOptions& options);
 std::unique_ptr<MinAnglePlant> make_min_angle_plant(const std::filesystem::path& file,
                                                     const PlantOptions& options);
+std::unique_ptr<TwoRobotsPlant> make_two_robots_plant(const std::filesystem::path& file,
+                                                      const PlantOptions& options);
 
 }  // namespace driftwise::simulated

@@ -92,6 +92,41 @@ void apply_override(toml::table& root, const std::string& text) {
   }
 }
 
+// The overrides for one of two robots.
+std::vector<std::string> overrides_for(std::string_view robot, const toml::table& own,
+                                       std::span<const std::string> overrides) {
+  std::vector<std::string> chosen;
+  for (const std::string& one : overrides) {
+    const std::string first = one.substr(0, one.find_first_of(".="));
+    if (first == robot)
+      chosen.push_back(one.substr(first.size() + 1));
+    else if (first != "upper" && first != "lower" && (first == "plant" || !own.contains(first)))
+      chosen.push_back(one);
+  }
+  return chosen;
+}
+
+TwoRobotsParameters two_robots(toml::table root, const std::string& name,
+                               std::span<const std::string> overrides) {
+  for (const std::string& one : overrides) {
+    const std::string first = one.substr(0, one.find_first_of(".="));
+    if (first != "plant" && root.contains(first)) apply_override(root, one);
+  }
+  Fields all(name, "", root);
+  Fields head = all.table("plant");
+  const auto robot = [&]<class Parameters>(const char* key, Parameters& into) {
+    const auto file = std::filesystem::path(name).parent_path() / head.text(key);
+    PlantParameters read = read_plant_file(file, overrides_for(key, root, overrides));
+    auto* wanted = std::get_if<Parameters>(&read);
+    if (wanted == nullptr) head.fail(key, file.string() + " is a plant of another kind");
+    into = std::move(*wanted);
+  };
+  TwoRobotsParameters parameters = two_robots_sections(Fields(name, "", root));
+  robot("upper", parameters.upper);
+  robot("lower", parameters.lower);
+  return parameters;
+}
+
 }  // namespace
 
 PlantParameters parse_plant_file(std::string_view text, const std::string& name,
@@ -103,18 +138,22 @@ PlantParameters parse_plant_file(std::string_view text, const std::string& name,
     throw PlantFileError(name + ":" + std::to_string(error.source().begin.line) +
                          ": not TOML: " + std::string(error.description()));
   }
-  for (const auto& override_text : overrides) apply_override(root, override_text);
+  const bool two = root["plant"]["kind"].value<std::string>() == "two-robots";
+  for (const auto& override_text : overrides)
+    if (!two) apply_override(root, override_text);
   // Switches of the emulated devices share the file; drivers/simulated/emulators reads and checks
   // them.
   root.erase("emulator");
   root.erase("wire");
+  if (two) return two_robots(std::move(root), name, overrides);
   Fields all(name, "", root);
   Fields head = all.table("plant");
   const std::string kind = head.text("kind");
   if (kind == "linear-axis") return linear_axis_sections(std::move(all));
   if (kind == "micro-nano") return micro_nano_sections(std::move(all));
   if (kind == "min-angle") return min_angle_sections(std::move(all));
-  head.fail("kind", "found '" + kind + "', expected linear-axis, micro-nano or min-angle");
+  head.fail("kind",
+            "found '" + kind + "', expected linear-axis, micro-nano, min-angle or two-robots");
 }
 
 PlantParameters read_plant_file(const std::filesystem::path& file,

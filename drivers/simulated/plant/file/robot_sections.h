@@ -5,11 +5,14 @@
 #include "drivers/simulated/plant/linear_axis/linear_axis_parameters.h"
 #include "drivers/simulated/plant/micro_nano/micro_nano_parameters.h"
 #include "drivers/simulated/plant/min_angle/min_angle_parameters.h"
+#include "drivers/simulated/plant/two_robots/contact_parameters.h"
 
 namespace driftwise::simulated {
 
 LinearAxisParameters linear_axis_sections(Fields root);
 MicroNanoParameters micro_nano_sections(Fields root);
 MinAngleParameters min_angle_sections(Fields root);
+// All but the two robots themselves.
+TwoRobotsParameters two_robots_sections(Fields root);
 
 }  // namespace driftwise::simulated

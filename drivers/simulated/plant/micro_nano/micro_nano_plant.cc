@@ -131,6 +131,11 @@ void MicroNanoPlant::solve(Instant& i) const {
   }
 }
 
+MicroNanoPlant::CubePose MicroNanoPlant::cube_pose(double time_s) const {
+  const Instant& at = instant(time_s);
+  return {.centre_mm = at.centre_mm - reference_centre_mm_, .turn_rad = rotation_vector(at.cube)};
+}
+
 CubeFace MicroNanoPlant::face(std::size_t axis, const Instant& at) const {
   const auto& mirror = machine_.mirrors[axis];
   const double half_mm = parameters_.cube.edge_mm / 2;

@@ -32,7 +32,7 @@ struct PoseTruth {
   std::vector<double> node_degc{};
 };
 
-class MicroNanoPlant final : public CellPlant {
+class MicroNanoPlant : public CellPlant {
  public:
   MicroNanoPlant(MicroNanoParameters parameters, std::uint64_t seed, TimeNs epoch);
 
@@ -57,6 +57,15 @@ class MicroNanoPlant final : public CellPlant {
   Beam beam(int index, double time_s) const override;
   void before_command() override;
   double hidden_force_n(double time_s) const override;
+
+  // Of the cube in the base's frame, against the reference pose.
+  struct CubePose {
+    Vec3 centre_mm;
+    Vec3 turn_rad;  // rotation vector
+  };
+  CubePose cube_pose(double time_s) const;
+  // After something outside the robot has moved its stages.
+  void forget_instants() { remembered_.clear(); }
 
  private:
   struct Instant {

@@ -1,0 +1,182 @@
+#include "clients/cli/commands/indentation/indent_commands.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include "clients/cli/commands/indentation/indent_page.h"
+#include "clients/cli/commands/indentation/wire_cell.h"
+#include "clients/cli/core/hold_question.h"
+#include "clients/cli/core/text.h"
+#include "clients/cli/core/value_or_throw.h"
+#include "server/core/data/reading.h"
+#include "server/formats/indentation/indents_csv.h"
+#include "server/formats/indentation/procedure_json.h"
+
+namespace driftwise::cli {
+namespace {
+
+using indentation::ProcedureRecord;
+
+struct IndentArguments {
+  std::string file, table, output;
+  double lever_mm = 100, hardness_hv = 170, wanted_um = 1;
+  bool dry_run = false, fresh = false;
+  HoldOptions hold;
+};
+
+std::string record_path(const std::string& file) { return file + ".state.json"; }
+
+formats::IndentationFile read_file(const IndentArguments& a) {
+  return value_or_throw(formats::read_indentation_file(read_input_file(a.file), a.file));
+}
+
+ProcedureRecord stored_record(const std::string& file) {
+  const std::string path = record_path(file);
+  return value_or_throw(formats::read_procedure_json(read_input_file(path), path));
+}
+
+void say_plan(const Console& console, const formats::IndentationFile& file,
+              const ProcedureRecord& record) {
+  console.out << file.name << ": tool " << file.rules.tool << ", "
+              << (file.by_plan ? std::string("motor coordinates by the promoted plan")
+                               : "raw motor coordinates by geometry: " + file.reason)
+              << "\nnext: " << to_string(record.stage) << "; " << record.contacts
+              << " contacts so far, " << record.indents.size() << " of "
+              << file.rules.indents.size() << " indents made\n";
+}
+
+ExitCode start(const Session& session, const IndentArguments& a) {
+  const auto& console = session.console;
+  const auto file = read_file(a);
+  ProcedureRecord record;
+  if (std::filesystem::exists(record_path(a.file)) && !a.fresh) record = stored_record(a.file);
+  if (a.dry_run) {
+    say_plan(console, file, record);
+    return ExitCode::done;
+  }
+  const auto connection = session.connect();
+  WireCell cell(connection, file,
+                answer_about_present_run(console, connection, a.hold, "Move the robots"));
+  std::size_t said = record.log.size();
+  const auto done = carry_out(cell, file.rules, record, [&](const ProcedureRecord& now) {
+    write_output_file(record_path(a.file), formats::procedure_json(now));
+    for (; said < now.log.size(); ++said) console.err << now.log[said] << '\n' << std::flush;
+  });
+  if (!done && done.error().code == ErrorCode::cancelled)
+    throw Failure{ExitCode::interrupted, "cancelled", done.error().reason, done.error().message};
+  value_or_throw(done.map([] { return true; }));
+  if (console.json)
+    console.print_json(nlohmann::ordered_json::parse(formats::procedure_json(record)));
+  else
+    console.out << "made " << record.indents.size() << " indents with " << record.contacts
+                << " contacts; the first is contact " << record.zero.contact
+                << ". Measure them in the microscope, then: driftwise indent import " << a.file
+                << " microscope.csv\n";
+  return ExitCode::done;
+}
+
+ExitCode show(const Session& session, const IndentArguments& a) {
+  const auto file = read_file(a);
+  const auto record = stored_record(a.file);
+  if (session.console.json) {
+    session.console.print_json(nlohmann::ordered_json::parse(formats::procedure_json(record)));
+    return ExitCode::done;
+  }
+  say_plan(session.console, file, record);
+  for (const auto& line : record.log) session.console.out << "  " << line << '\n';
+  return ExitCode::done;
+}
+
+ExitCode print_table(const Session& session, const std::vector<indentation::Indent>& indents,
+                     const indentation::ToolRules& tool, double wanted_um) {
+  const auto rows = value_or_throw(indentation::indent_table(indents, tool));
+  const auto report = value_or_throw(indentation::tip_report(rows, wanted_um));
+  print_indents(session.console, rows, report, tool);
+  return report.change.empty() ? ExitCode::done : ExitCode::negative;
+}
+
+ExitCode table(const Session& session, const IndentArguments& a) {
+  const auto indents = value_or_throw(formats::read_indents_csv(read_input_file(a.file), a.file));
+  return print_table(session, indents, {.lever_mm = a.lever_mm, .hardness_hv = a.hardness_hv},
+                     a.wanted_um);
+}
+
+// The microscope's rows by the numbers of the contacts; distances from the zero along each line.
+ExitCode import(const Session& session, const IndentArguments& a) {
+  const auto file = read_file(a);
+  const auto record = stored_record(a.file);
+  const auto rows = value_or_throw(formats::read_microscope_csv(read_input_file(a.table), a.table));
+  const auto of_contact = [&](int contact, const std::string& what) {
+    const auto found = std::ranges::find(rows, contact, &formats::MicroscopeIndent::id);
+    if (found == rows.end())
+      throw Failure{ExitCode::bad_input, "invalid_argument", "NO_SUCH_ROW",
+                    a.table + ": there is no row with id " + std::to_string(contact) + ", " + what +
+                        ": measure it, or correct the table"};
+    return *found;
+  };
+  if (record.stage != indentation::Stage::microscope)
+    throw Failure{ExitCode::refused, "failed_precondition", "NOT_NOW",
+                  "the indentation is at stage " + std::string(to_string(record.stage)) +
+                      ": finish it with driftwise indent start " + a.file};
+  const auto zero = of_contact(record.zero.contact, "the common zero");
+  std::vector<indentation::Indent> indents;
+  for (const auto& made : record.indents) {
+    const auto seen = of_contact(made.touch.contact, "indent " + made.planned.id);
+    const bool along_x = made.planned.line == indentation::Line::x;
+    indents.push_back({.id = made.planned.id,
+                       .line = made.planned.line,
+                       .wanted_um = made.planned.at_um,
+                       .rx_arcsec = made.rx_arcsec,
+                       .ry_arcsec = made.ry_arcsec,
+                       .measured_um = along_x ? seen.x_um - zero.x_um : seen.y_um - zero.y_um,
+                       .pixel_nm = seen.pixel_nm,
+                       .marking_px = seen.marking_px,
+                       .pictures_joined = seen.pictures_joined,
+                       .diagonal_um = is_missing(seen.diagonal_um) ? 0 : seen.diagonal_um});
+  }
+  if (!a.output.empty()) write_output_file(a.output, formats::write_indents_csv(indents));
+  return print_table(session, indents, file.tool, file.wanted_um);
+}
+
+}  // namespace
+
+void add_indent_commands(CLI::App& app, Session& session) {
+  CLI::App& indent =
+      *app.add_subcommand("indent", "Indentation: two robots that touch, and the table of indents")
+           ->require_subcommand(1);
+  auto a = std::make_shared<IndentArguments>();
+  const auto file = [a](CLI::App& command) {
+    command.add_option("FILE", a->file, "indentation.toml")->required();
+  };
+  CLI::App& starting = add_command(
+      indent, session, "start",
+      "Aligns, finds the common zero and makes the indents (takes the lease); goes on where an "
+      "earlier start ended",
+      [&session, a] { return start(session, *a); });
+  file(starting);
+  starting.add_flag("--dry-run", a->dry_run, "say what would be done, move nothing");
+  starting.add_flag("--fresh", a->fresh,
+                    "begin anew: the record of an earlier start, FILE.state.json, is overwritten");
+  add_hold_options(starting, a->hold);
+  file(add_command(indent, session, "show", "The record of an indentation: stage, contacts, log",
+                   [&session, a] { return show(session, *a); }));
+  CLI::App& importing =
+      add_command(indent, session, "import",
+                  "The microscope's table onto the indents made: table, force, tool, verdict",
+                  [&session, a] { return import(session, *a); });
+  file(importing);
+  importing.add_option("TABLE", a->table, "id, x_um, y_um, pixel_nm, ...: - for standard input")
+      ->required();
+  importing.add_option("-o,--output", a->output, "the table as CSV for `indent table`");
+  CLI::App& tabled =
+      add_command(indent, session, "table", "The table of indents of a file: needs no daemon",
+                  [&session, a] { return table(session, *a); });
+  tabled.add_option("FILE", a->file, "id, line, wanted_um, rx_arcsec, ...: - for standard input")
+      ->required();
+  tabled.add_option("--lever", a->lever_mm, "tip below the calibrated centre, mm (default 100)");
+  tabled.add_option("--hardness", a->hardness_hv, "HV of the substrate (default 170)");
+  tabled.add_option("--wanted", a->wanted_um, "accuracy wanted at the tool, um (default 1)");
+}
+
+}  // namespace driftwise::cli

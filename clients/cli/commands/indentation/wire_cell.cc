@@ -1,0 +1,272 @@
+#include "clients/cli/commands/indentation/wire_cell.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "driftwise/v1/cell_service.grpc.pb.h"
+#include "driftwise/v1/plan_service.grpc.pb.h"
+#include "server/core/reasons.h"
+#include "server/core/try.h"
+#include "server/core/units.h"
+
+namespace driftwise::cli {
+namespace {
+
+constexpr double kMoveLimit_s = 600;
+constexpr auto kReadingLimit = std::chrono::seconds(60);  // wall: then the stream is taken as dead
+
+Error error_of(const Failure& failure) {
+  return {failure.exit == ExitCode::unreachable ? ErrorCode::unavailable
+                                                : ErrorCode::failed_precondition,
+          failure.reason, failure.message};
+}
+
+std::string joined(const v1::JointTarget& target) {
+  std::string text = "plan " + std::to_string(target.plan_id());
+  for (const auto& robot : target.robots())
+    text += ", " + robot.robot() + "=" +
+            (robot.by() == v1::RobotAnswer::BY_COARSE  ? "coarse:"
+             : robot.by() == v1::RobotAnswer::BY_FINE  ? "fine:"
+             : robot.by() == v1::RobotAnswer::BY_BLEND ? "blend:"
+                                                       : "") +
+            std::to_string(robot.model_id());
+  for (const auto& flag : target.flags()) text += " " + flag;
+  return text;
+}
+
+}  // namespace
+
+WireCell::WireCell(const Connection& connection, const formats::IndentationFile& file,
+                   v1::HoldAnswer answer)
+    : connection_(connection.uninterrupted()),
+      asked_(connection),
+      file_(file),
+      answer_(std::move(answer)),
+      lease_(connection_, "") {
+  const auto status = connection_.ask(&v1::CellService::Stub::GetStatus, v1::GetStatusRequest{});
+  speed_ = std::max(status.speed(), 1e-3);
+  thread_ = std::thread([this] { follow(); });
+}
+
+WireCell::~WireCell() {
+  ending_ = true;
+  thread_.join();
+}
+
+// Ends with the next reading after ending_, or with the stream.
+void WireCell::follow() {
+  std::string why = "the daemon ended the stream of readings";
+  try {
+    connection_.follow(&v1::CellService::Stub::WatchReadings, v1::WatchReadingsRequest{},
+                       [this](const v1::WatchReadingsResponse& response) {
+                         const std::lock_guard lock(mutex_);
+                         for (const auto& value : response.reading().values()) {
+                           if (!value.has_value()) continue;
+                           auto& channel = latest_[value.channel()];
+                           channel.value = value.value();
+                           ++channel.count;
+                         }
+                         arrived_.notify_all();
+                         return !ending_;
+                       });
+  } catch (const Failure& failure) {
+    why = failure.message;
+  }
+  const std::lock_guard lock(mutex_);
+  lost_ = why;
+  arrived_.notify_all();
+}
+
+Result<void> WireCell::interrupted() const {
+  if (!asked_.interrupted()) return {};
+  return fail(ErrorCode::cancelled, reasons::kCancelled,
+              "interrupted; `driftwise indent start` with the same file goes on");
+}
+
+// Vertical screws below, a delta with its carriages above: nominal sizes, no compensation.
+WireCell::Motors WireCell::by_geometry(const std::string& robot) const {
+  Motors motors;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::string name = robot + ".q" + std::to_string(i + 1) + "_mm";
+    if (robot == file_.below) {
+      const double a = file_.screws.azimuth_deg[i] * kRadPerDeg;
+      motors[name] = height_mm_ +
+                     file_.screws.radius_mm * (std::sin(a) * std::tan(rad_from_arcsec(rx_arcsec_)) -
+                                               std::cos(a) * std::tan(rad_from_arcsec(ry_arcsec_)));
+      continue;
+    }
+    const auto& d = file_.delta;
+    const double a = d.azimuth_deg[i] * kRadPerDeg;
+    const double off_x = x_mm_ - d.radius_mm * std::cos(a);
+    const double off_y = y_mm_ - d.radius_mm * std::sin(a);
+    const double arm2 = d.arm_mm * d.arm_mm;
+    motors[name] = z_mm_ + std::sqrt(arm2 - off_x * off_x - off_y * off_y) -
+                   std::sqrt(arm2 - d.radius_mm * d.radius_mm);
+  }
+  return motors;
+}
+
+Result<WireCell::Motors> WireCell::motors(const std::string& robot) {
+  if (!file_.by_plan) {
+    by_ = "geometry, raw motor coordinates: " + file_.reason;
+    return by_geometry(robot);
+  }
+  v1::ComputeJointTargetRequest request;
+  const auto wanted = [&request](const std::string& channel, double value) {
+    auto* one = request.add_pose();
+    one->set_channel(channel);
+    one->set_value(value);
+  };
+  wanted(file_.above + ".x_mm", x_mm_);
+  wanted(file_.above + ".y_mm", y_mm_);
+  wanted(file_.above + ".z_mm", z_mm_);
+  wanted(file_.below + ".rx_arcsec", rx_arcsec_);
+  wanted(file_.below + ".ry_arcsec", ry_arcsec_);
+  wanted(file_.below + ".z_mm", height_mm_);
+  try {
+    const auto target =
+        connection_.ask(&v1::PlanService::Stub::ComputeJointTarget, request).target();
+    by_ = joined(target);
+    Motors motors;
+    for (const auto& one : target.coordinates())
+      if (one.channel().starts_with(robot + ".")) motors[one.channel()] = one.position_mm();
+    return motors;
+  } catch (const Failure& failure) {
+    return tl::unexpected(error_of(failure));
+  }
+}
+
+Result<void> WireCell::move(const Motors& motors) {
+  v1::MoveRequest request;
+  request.set_lease_token(lease_.token());
+  *request.mutable_answer() = answer_;
+  for (const auto& [channel, value_mm] : motors) {
+    auto* one = request.add_coordinates();
+    one->set_channel(channel);
+    one->set_value(value_mm);
+  }
+  try {
+    connection_.ask(&v1::CellService::Stub::Move, request, kMoveLimit_s);
+  } catch (const Failure& failure) {
+    return tl::unexpected(error_of(failure));
+  }
+  for (const auto& [channel, value_mm] : motors) commanded_[channel] = value_mm;
+  return {};
+}
+
+Result<WireCell::Answer> WireCell::move_above(double x_mm, double y_mm, double z_mm) {
+  DRIFTWISE_RETURN_IF_ERROR(interrupted());
+  x_mm_ = x_mm;
+  y_mm_ = y_mm;
+  z_mm_ = z_mm;
+  DRIFTWISE_TRY(const auto found, motors(file_.above));
+  DRIFTWISE_RETURN_IF_ERROR(move(found));
+  return Answer{by_};
+}
+
+Result<WireCell::Answer> WireCell::move_below(double rx_arcsec, double ry_arcsec,
+                                              double height_mm) {
+  rx_arcsec_ = rx_arcsec;
+  ry_arcsec_ = ry_arcsec;
+  height_mm_ = height_mm;
+  DRIFTWISE_TRY(const auto found, motors(file_.below));
+  DRIFTWISE_RETURN_IF_ERROR(move(found));
+  return Answer{by_};
+}
+
+Result<void> WireCell::nudge_above(double dx_mm, double dy_mm) {
+  return move_above(x_mm_ + dx_mm, y_mm_ + dy_mm, z_mm_).map([](const Answer&) {});
+}
+
+Result<Eigen::MatrixXd> WireCell::collect(const std::vector<std::string>& channels, int readings) {
+  Eigen::MatrixXd values(readings, static_cast<Eigen::Index>(channels.size()));
+  std::unique_lock lock(mutex_);
+  // The next one may have been begun before the call.
+  std::vector<std::int64_t> seen;
+  for (const auto& channel : channels) seen.push_back(latest_[channel].count + 1);
+  for (int k = 0; k < readings; ++k) {
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+      auto& channel = latest_[channels[i]];
+      const bool there = arrived_.wait_for(lock, kReadingLimit, [&] {
+        return channel.count > seen[i] || !lost_.empty() || asked_.interrupted();
+      });
+      if (!lost_.empty())
+        return fail(ErrorCode::unavailable, reasons::kLinkLost,
+                    "no more readings: " + lost_ +
+                        ". The robots hold where they are; start again with the same file");
+      if (!there)
+        return fail(ErrorCode::failed_precondition, reasons::kNoChannel,
+                    "no reading of " + channels[i] + " within " +
+                        std::to_string(kReadingLimit.count()) +
+                        " s: is it a channel of this cell, and is its device connected?");
+      seen[i] = channel.count;
+      values(k, static_cast<Eigen::Index>(i)) = channel.value;
+    }
+  }
+  return values;
+}
+
+Result<Eigen::MatrixXd> WireCell::look() {
+  DRIFTWISE_RETURN_IF_ERROR(interrupted());
+  std::vector<std::string> channels;
+  for (int i = 1; i <= 3; ++i) channels.push_back(file_.above + ".q" + std::to_string(i) + "_mm");
+  // Begun by an earlier client: its robot stays where it was told to be.
+  if (!commanded_.contains(channels.front())) {
+    DRIFTWISE_TRY(const auto at_rest, collect(channels, file_.readings));
+    for (std::size_t i = 0; i < channels.size(); ++i)
+      commanded_[channels[i]] = at_rest.col(static_cast<Eigen::Index>(i)).mean();
+  }
+  DRIFTWISE_TRY(Eigen::MatrixXd window, collect(channels, file_.readings));
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    auto column = window.col(static_cast<Eigen::Index>(i));
+    column = (commanded_.at(channels[i]) - column.array()) * kNmPerMm;
+  }
+  DRIFTWISE_RETURN_IF_ERROR(interrupted());
+  return window;
+}
+
+Result<void> WireCell::wait(double cell_s) {
+  DRIFTWISE_RETURN_IF_ERROR(interrupted());
+  std::this_thread::sleep_for(std::chrono::duration<double>(cell_s / speed_));
+  return {};
+}
+
+std::string WireCell::rotation_channel(const char* name) {
+  const std::lock_guard lock(mutex_);
+  const std::string raw = file_.above + name + "_raw_arcsec";
+  return latest_.contains(raw) ? raw : file_.above + name + "_arcsec";
+}
+
+Result<WireCell::Here> WireCell::here() {
+  DRIFTWISE_RETURN_IF_ERROR(interrupted());
+  std::vector<std::string> channels;
+  for (const char* name : {".x_mm", ".y_mm", ".z_mm"}) channels.push_back(file_.above + name);
+  // Only differences count: rotations as the device gives them serve as well as those since a datum.
+  for (const char* name : {".rx", ".ry"}) channels.push_back(rotation_channel(name));
+  DRIFTWISE_TRY(const auto values, collect(channels, file_.poses));
+  const Eigen::RowVectorXd mean = values.colwise().mean();
+  Here here{.x_mm = mean[0],
+            .y_mm = mean[1],
+            .z_mm = mean[2],
+            .rx_arcsec = mean[3],
+            .ry_arcsec = mean[4]};
+  for (const auto& [channel, value_mm] : commanded_) here.motors_mm.emplace_back(channel, value_mm);
+  try {
+    const auto status = connection_.ask(&v1::CellService::Stub::GetStatus, v1::GetStatusRequest{});
+    for (const auto& name : file_.temperatures) {
+      const auto found = std::ranges::find(status.values(), name, &v1::LatestValue::channel);
+      if (found == status.values().end() || !found->has_value() || found->stale())
+        return fail(ErrorCode::failed_precondition, reasons::kChannelMissing,
+                    "temperature " + name +
+                        " has no fresh value: is it a channel of this cell, and does its scanner "
+                        "answer?");
+      here.degc.emplace_back(name, found->value());
+    }
+  } catch (const Failure& failure) {
+    return tl::unexpected(error_of(failure));
+  }
+  return here;
+}
+
+}  // namespace driftwise::cli

@@ -1,0 +1,70 @@
+#pragma once
+// The two robots of an indentation behind a daemon: moved with a lease, looked at through the
+// stream of readings. Made and used on one thread; the stream has its own.
+
+#include <atomic>
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "clients/cli/core/connection.h"
+#include "clients/cli/core/held_lease.h"
+#include "driftwise/v1/cell_service.pb.h"
+#include "server/formats/indentation/indentation_file.h"
+
+namespace driftwise::cli {
+
+// A lost daemon or a person's Ctrl-C is an error of the next call; the robots hold where they are.
+class WireCell final : public indentation::TouchingCell {
+ public:
+  // Takes the lease. answer: about a run that stands. Throws Failure: lease, unreachable daemon, no
+  // such axis. commanded_mm: what the robot above was told last, by an earlier client.
+  WireCell(const Connection& connection, const formats::IndentationFile& file,
+           v1::HoldAnswer answer);
+  ~WireCell() override;
+
+  Result<Answer> move_above(double x_mm, double y_mm, double z_mm) override;
+  // Also after an interrupt: it is how a contact is ended.
+  Result<Answer> move_below(double rx_arcsec, double ry_arcsec, double z_mm) override;
+  Result<void> nudge_above(double dx_mm, double dy_mm) override;
+  Result<Eigen::MatrixXd> look() override;
+  Result<void> wait(double cell_s) override;
+  Result<Here> here() override;
+
+ private:
+  using Motors = std::map<std::string, double>;  // "mn.q1_mm"
+  struct Channel {
+    double value = 0;
+    std::int64_t count = 0;  // readings of it so far
+  };
+
+  void follow();
+  Result<void> interrupted() const;
+  std::string rotation_channel(const char* name);  // ".rx"
+  Result<Motors> motors(const std::string& robot);
+  Motors by_geometry(const std::string& robot) const;
+  Result<void> move(const Motors& motors);
+  // readings new values of each channel, all begun after the call: a row per reading.
+  Result<Eigen::MatrixXd> collect(const std::vector<std::string>& channels, int readings);
+
+  const Connection connection_;  // not cancelled by an interrupt
+  const Connection& asked_;
+  const formats::IndentationFile& file_;
+  v1::HoldAnswer answer_;
+  HeldLease lease_;
+  double speed_ = 1;
+  double x_mm_ = 0, y_mm_ = 0, z_mm_ = 0;                 // wanted of the robot above
+  double rx_arcsec_ = 0, ry_arcsec_ = 0, height_mm_ = 0;  // ... and below
+  std::string by_;
+  Motors commanded_;
+
+  std::mutex mutex_;
+  std::condition_variable arrived_;
+  std::map<std::string, Channel> latest_;
+  std::string lost_;  // why the stream ended
+  std::atomic<bool> ending_{false};
+  std::thread thread_;
+};
+
+}  // namespace driftwise::cli

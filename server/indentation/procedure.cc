@@ -1,0 +1,324 @@
+#include "server/indentation/procedure.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/core/reasons.h"
+#include "server/core/text/quantity_text.h"
+#include "server/core/text/shown_text.h"
+#include "server/core/try.h"
+#include "server/core/units.h"
+
+namespace driftwise::indentation {
+namespace {
+
+constexpr double kLookAgain_s = 1;
+constexpr double kUmPerMm = 1e3;
+
+class Procedure {
+ public:
+  Procedure(TouchingCell& cell, const ProcedureRules& rules, ProcedureRecord& record,
+            const std::function<void(const ProcedureRecord&)>& on_change)
+      : cell_(cell), rules_(rules), record_(record), on_change_(on_change) {}
+
+  Result<void> run() {
+    if (record_.tool.empty()) record_.tool = rules_.tool;
+    if (record_.tool != rules_.tool)
+      return fail(ErrorCode::failed_precondition, reasons::kOtherTool,
+                  "this indentation was begun with tool " + shown(record_.tool) + ", now it is " +
+                      shown(rules_.tool) +
+                      ": contacts of two tools have no common zero. Begin a new one");
+    const bool interrupted = record_.in_contact;
+    // In contact the robot below goes away first; else the robot above makes room first.
+    if (interrupted) DRIFTWISE_RETURN_IF_ERROR(retract());
+    DRIFTWISE_RETURN_IF_ERROR(cell_.move_above(rules_.zero_x_mm, rules_.zero_y_mm, rules_.work_mm));
+    if (!interrupted) DRIFTWISE_RETURN_IF_ERROR(retract());
+    record_.in_contact = false;
+    if (interrupted) {
+      record_.aside_um += rules_.retry_um;
+      say("the contact before was interrupted: retracted");
+    }
+    if (record_.aside_um > 0)
+      say("the next contact is " + digits_text(record_.aside_um) +
+          " um beside, on a fresh surface");
+    if (record_.stage == Stage::align) DRIFTWISE_RETURN_IF_ERROR(align());
+    if (record_.stage == Stage::zero) DRIFTWISE_RETURN_IF_ERROR(find_zero());
+    if (record_.stage == Stage::indents) DRIFTWISE_RETURN_IF_ERROR(make_indents());
+    return {};
+  }
+
+  double low_mm() const {
+    return (record_.touched ? record_.height_mm : rules_.approach.depart_mm) - rules_.clearance_mm;
+  }
+
+  Result<void> retract() {
+    DRIFTWISE_RETURN_IF_ERROR(below(low_mm()));
+    return rest();
+  }
+
+ private:
+  void say(std::string sentence) {
+    record_.log.push_back(std::string(to_string(record_.stage)) + ": " + std::move(sentence));
+    on_change_(record_);
+  }
+
+  Result<void> below(double z_mm) {
+    DRIFTWISE_TRY(const auto answer, cell_.move_below(record_.rx_arcsec, record_.ry_arcsec, z_mm));
+    record_.by = answer.by;
+    return {};
+  }
+
+  // The servo of the robot above gives back what it pushed with, after a contact.
+  Result<void> rest() {
+    DRIFTWISE_TRY(Eigen::MatrixXd window, cell_.look());
+    Eigen::RowVectorXd before = window.colwise().mean();
+    for (int i = 0; i < rules_.rest_looks; ++i) {
+      DRIFTWISE_TRY(window, cell_.look());
+      const Eigen::RowVectorXd mean = window.colwise().mean();
+      const bool quiet = (mean - before).cwiseAbs().maxCoeff() < rules_.rest_change_nm;
+      if (quiet && mean.cwiseAbs().maxCoeff() < rules_.rest_nm) return {};
+      before = mean;
+      DRIFTWISE_RETURN_IF_ERROR(cell_.wait(kLookAgain_s));
+    }
+    return fail(ErrorCode::failed_precondition, reasons::kNoRest,
+                "the robot above does not come to rest: its holding error is " +
+                    digits_text(before.cwiseAbs().maxCoeff()) + " nm, at rest it is below " +
+                    digits_text(rules_.rest_nm) + " nm. Is it free of the work-piece?");
+  }
+
+  // One contact at (x, y): from below, to the decision; pressed when it is an indent.
+  Result<TouchRecord> touch(double depart_mm, double highest_mm, double press_mm) {
+    using Kind = Approach::Next::Kind;
+    ApproachRule rule = rules_.approach;
+    rule.depart_mm = depart_mm;
+    rule.highest_mm = highest_mm;
+    DRIFTWISE_TRY(auto approach, Approach::create(rule));
+    record_.in_contact = true;
+    ++record_.contacts;
+    on_change_(record_);
+    auto next = approach.begin();
+    while (next.kind == Kind::move || next.kind == Kind::look) {
+      if (next.kind == Kind::move)
+        DRIFTWISE_RETURN_IF_ERROR(below(next.height_mm));
+      else if (approach.detector().shift_nm().size() > 0)
+        DRIFTWISE_RETURN_IF_ERROR(cell_.wait(kLookAgain_s));
+      DRIFTWISE_TRY(const auto window, cell_.look());
+      DRIFTWISE_TRY(next, approach.next(window));
+    }
+    if (next.kind == Kind::no_contact) {  // nothing was touched: the place stays fresh
+      --record_.contacts;
+      record_.in_contact = false;
+    }
+    if (next.kind != Kind::contact)
+      return fail(ErrorCode::failed_precondition,
+                  next.kind == Kind::abort ? reasons::kOutsideLimits : reasons::kNothingFound,
+                  next.why);
+    if (press_mm > 0) DRIFTWISE_RETURN_IF_ERROR(press(approach, press_mm));
+    return TouchRecord{.height_mm = next.height_mm,
+                       .u_nm = next.u_nm,
+                       .steps = approach.steps(),
+                       .contact = record_.contacts};
+  }
+
+  Result<void> press(const Approach& approach, double press_mm) {
+    const double to_mm = approach.height_mm() + press_mm;
+    const Eigen::VectorXd held_nm = approach.detector().shift_nm();
+    for (double z_mm = approach.height_mm(); z_mm < to_mm - 1e-9;) {
+      z_mm = std::min(to_mm, z_mm + rules_.approach.step_mm);
+      DRIFTWISE_RETURN_IF_ERROR(below(z_mm));
+      DRIFTWISE_TRY(const Eigen::MatrixXd window, cell_.look());
+      const double largest_nm = window.colwise().mean().cwiseAbs().maxCoeff();
+      if (largest_nm > rules_.approach.contact.abort_nm)
+        return fail(ErrorCode::failed_precondition, reasons::kOutsideLimits,
+                    "pressed up to " + number_text(z_mm) + " mm: the holding error is " +
+                        digits_text(largest_nm) + " nm, the limit is " +
+                        digits_text(rules_.approach.contact.abort_nm) +
+                        " nm. Press less, or look for what blocks the robot");
+    }
+    return cell_.wait(rules_.dwell_s);
+  }
+
+  void ended() {
+    record_.in_contact = false;
+    record_.aside_um = 0;
+    on_change_(record_);
+  }
+
+  Result<void> align() {
+    double depart_mm = rules_.approach.depart_mm, highest_mm = rules_.approach.highest_mm;
+    for (;;) {
+      if (record_.touched) {
+        depart_mm = record_.height_mm - rules_.near_mm;
+        highest_mm = record_.height_mm + rules_.near_mm;
+      }
+      while (record_.touches.size() < rules_.touch_mm.size()) {
+        const auto& [x_mm, y_mm] = rules_.touch_mm[record_.touches.size()];
+        const double x = x_mm + record_.corrections * rules_.shift_x_mm + aside_mm();
+        const double y = y_mm + record_.corrections * rules_.shift_y_mm;
+        DRIFTWISE_RETURN_IF_ERROR(cell_.move_above(x, y, rules_.work_mm));
+        DRIFTWISE_RETURN_IF_ERROR(rest());
+        DRIFTWISE_TRY(auto found, touch(depart_mm, highest_mm, 0));
+        found.x_mm = x;
+        found.y_mm = y;
+        record_.touches.push_back(found);
+        DRIFTWISE_RETURN_IF_ERROR(below(found.height_mm - rules_.clearance_mm));
+        DRIFTWISE_RETURN_IF_ERROR(rest());
+        ended();
+      }
+      std::vector<TouchPoint> points;
+      for (const TouchRecord& one : record_.touches)
+        points.push_back(
+            {.x_mm = one.x_mm, .y_mm = one.y_mm, .height_mm = one.height_mm, .u_nm = one.u_nm});
+      DRIFTWISE_TRY(const auto step, next_alignment(rules_.alignment, record_.corrections,
+                                                    record_.rx_arcsec, record_.ry_arcsec, points));
+      record_.spread_nm = step.plane.spread_nm;
+      record_.touches.clear();
+      if (step.kind == AlignmentStep::Kind::refused)
+        return fail(ErrorCode::failed_precondition, reasons::kNoConvergence, step.sentence);
+      record_.height_mm = step.plane.c_mm;
+      record_.touched = true;
+      if (step.kind == AlignmentStep::Kind::accepted) {
+        record_.stage = Stage::zero;
+        say(step.sentence + "; answered by " + record_.by);
+        return {};
+      }
+      ++record_.corrections;
+      record_.rx_arcsec = step.rx_arcsec;
+      record_.ry_arcsec = step.ry_arcsec;
+      DRIFTWISE_RETURN_IF_ERROR(below(low_mm()));
+      say(step.sentence + "; answered by " + record_.by);
+    }
+  }
+
+  // Poses of both robots at the contact, and the temperatures then.
+  Result<void> find_zero() {
+    DRIFTWISE_RETURN_IF_ERROR(
+        cell_.move_above(rules_.zero_x_mm, rules_.zero_y_mm + aside_mm(), rules_.work_mm));
+    DRIFTWISE_RETURN_IF_ERROR(rest());
+    DRIFTWISE_TRY(const auto placed, cell_.here());
+    DRIFTWISE_TRY(auto found, touch(record_.height_mm - rules_.near_mm,
+                                    record_.height_mm + rules_.near_mm, rules_.press_mm));
+    DRIFTWISE_TRY(record_.zero_here, cell_.here());
+    // Where the tool was before it was pushed.
+    record_.zero_here.x_mm = placed.x_mm;
+    record_.zero_here.y_mm = placed.y_mm;
+    record_.zero_here.rx_arcsec = placed.rx_arcsec;
+    record_.zero_here.ry_arcsec = placed.ry_arcsec;
+    found.x_mm = rules_.zero_x_mm;
+    found.y_mm = rules_.zero_y_mm + aside_mm();
+    record_.zero = found;
+    record_.height_mm = found.height_mm;
+    record_.stage = Stage::indents;
+    DRIFTWISE_RETURN_IF_ERROR(retract());
+    ended();
+    say("contact at " + number_text(found.height_mm) + " mm after " + std::to_string(found.steps) +
+        " steps");
+    return {};
+  }
+
+  double aside_mm() const { return record_.aside_um / kUmPerMm; }
+
+  Result<void> make_indents() {
+    for (const PlannedIndent& planned : rules_.indents) {
+      const bool made = std::ranges::any_of(
+          record_.indents, [&](const MadeIndent& one) { return one.planned.id == planned.id; });
+      if (!made) DRIFTWISE_RETURN_IF_ERROR(make(planned));
+    }
+    record_.stage = Stage::microscope;
+    say("all " + std::to_string(record_.indents.size()) +
+        " indents are made; measure them in the microscope and import its table");
+    return {};
+  }
+
+  Result<void> make(const PlannedIndent& planned) {
+    const double way_mm = planned.at_um / kUmPerMm;
+    const double dx = planned.line == Line::x ? way_mm : aside_mm();
+    const double dy = planned.line == Line::y ? way_mm : aside_mm();
+    DRIFTWISE_TRY(const auto answer,
+                  cell_.move_above(record_.zero.x_mm + dx, record_.zero.y_mm + dy, rules_.work_mm));
+    DRIFTWISE_RETURN_IF_ERROR(rest());
+    if (planned.closed_loop) DRIFTWISE_RETURN_IF_ERROR(close_loop(planned.id, dx, dy));
+    DRIFTWISE_TRY(const auto placed, cell_.here());
+    DRIFTWISE_TRY(auto found, touch(record_.height_mm - rules_.near_mm,
+                                    record_.height_mm + rules_.near_mm, rules_.press_mm));
+    found.x_mm = record_.zero.x_mm + dx;
+    found.y_mm = record_.zero.y_mm + dy;
+    record_.height_mm = found.height_mm;
+    record_.indents.push_back({.planned = planned,
+                               .touch = found,
+                               .placed_x_um = (placed.x_mm - record_.zero_here.x_mm) * kUmPerMm,
+                               .placed_y_um = (placed.y_mm - record_.zero_here.y_mm) * kUmPerMm,
+                               .rx_arcsec = placed.rx_arcsec - record_.zero_here.rx_arcsec,
+                               .ry_arcsec = placed.ry_arcsec - record_.zero_here.ry_arcsec,
+                               .by = answer.by});
+    DRIFTWISE_RETURN_IF_ERROR(retract());
+    ended();
+    say("indent " + planned.id + " at " + digits_text(planned.at_um, 6) + " um along " +
+        std::string(to_string_of(planned.line)) + ", contact after " + std::to_string(found.steps) +
+        " steps");
+    return {};
+  }
+
+  static std::string_view to_string_of(Line line) { return line == Line::x ? "x" : "y"; }
+
+  // Until the instruments show the wanted distance from the zero.
+  Result<void> close_loop(const std::string& id, double dx_mm, double dy_mm) {
+    double off_x_mm = 0, off_y_mm = 0;
+    for (int i = 0; i < rules_.closed_loop_tries; ++i) {
+      DRIFTWISE_TRY(const auto here, cell_.here());
+      off_x_mm = here.x_mm - record_.zero_here.x_mm - dx_mm;
+      off_y_mm = here.y_mm - record_.zero_here.y_mm - dy_mm;
+      if (nm_from_mm(std::max(std::abs(off_x_mm), std::abs(off_y_mm))) <= rules_.closed_loop_nm)
+        return {};
+      DRIFTWISE_RETURN_IF_ERROR(cell_.nudge_above(-off_x_mm, -off_y_mm));
+      DRIFTWISE_RETURN_IF_ERROR(rest());
+    }
+    return fail(ErrorCode::failed_precondition, reasons::kNoConvergence,
+                "indent " + id + " is " + digits_text(nm_from_mm(off_x_mm)) + ", " +
+                    digits_text(nm_from_mm(off_y_mm)) + " nm off after " +
+                    std::to_string(rules_.closed_loop_tries) + " tries, wanted is +-" +
+                    digits_text(rules_.closed_loop_nm) +
+                    " nm: are the interferometers' values quiet?");
+  }
+
+  TouchingCell& cell_;
+  const ProcedureRules& rules_;
+  ProcedureRecord& record_;
+  const std::function<void(const ProcedureRecord&)>& on_change_;
+};
+
+}  // namespace
+
+Result<void> carry_out(TouchingCell& cell, const ProcedureRules& rules, ProcedureRecord& record,
+                       const std::function<void(const ProcedureRecord&)>& on_change) {
+  Procedure procedure(cell, rules, record, on_change);
+  auto done = procedure.run();
+  if (done) return done;
+  // A robot that is left in contact is worse than a procedure that ends.
+  const auto away = cell.move_below(record.rx_arcsec, record.ry_arcsec, procedure.low_mm());
+  Error error = done.error();
+  if (away && record.in_contact) {
+    record.in_contact = false;
+    record.aside_um += rules.retry_um;
+  }
+  if (!away) error.message += "; the robot below could not be retracted: " + away.error().message;
+  record.log.push_back(std::string(to_string(record.stage)) + ": " + error.message);
+  on_change(record);
+  return tl::unexpected(error);
+}
+
+std::string_view to_string(Stage stage) {
+  switch (stage) {
+    case Stage::align:
+      return "align";
+    case Stage::zero:
+      return "zero";
+    case Stage::indents:
+      return "indents";
+    case Stage::microscope:
+      return "microscope";
+  }
+  return "";
+}
+
+}  // namespace driftwise::indentation

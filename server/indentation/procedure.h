@@ -1,0 +1,121 @@
+#pragma once
+// The indentation as a procedure: align -> common zero -> indents placed in closed loop -> lines in
+// open loop. It asks a cell to move and to look, and keeps a record from which it goes on after it
+// was interrupted. One thread; blocks in the cell's calls.
+// Source: E. Lubrano, EPFL thesis 5098 (2011), sections 8.2 and 8.3.
+//
+// Survival: the record is handed to on_change before anything moves for the next entry and after
+// every contact. Whoever starts again with it retracts first; an indent that was begun and not
+// recorded is made again beside (retry_um), never in the same place.
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/indentation/alignment.h"
+#include "server/indentation/approach.h"
+#include "server/indentation/indent_table.h"
+
+namespace driftwise::indentation {
+
+// What the procedure asks of two robots. Positions of the robot above are those of its tool's
+// frame, mm; heights and tilts of the robot below are its own.
+class TouchingCell {
+ public:
+  virtual ~TouchingCell() = default;
+
+  struct Answer {
+    std::string by{};  // which model answered: "plan 1: ma=coarse:10", "geometry: raw coordinates"
+  };
+  virtual Result<Answer> move_above(double x_mm, double y_mm, double z_mm) = 0;
+  virtual Result<Answer> move_below(double rx_arcsec, double ry_arcsec, double z_mm) = 0;
+  // Shifts the robot above by so much, without a new target: the closed loop's small steps.
+  virtual Result<void> nudge_above(double dx_mm, double dy_mm) = 0;
+  // Holding error of the robot above at rest, nm: readings x axes, all read after the call.
+  virtual Result<Eigen::MatrixXd> look() = 0;
+  virtual Result<void> wait(double cell_s) = 0;
+
+  struct Here {
+    double x_mm = 0, y_mm = 0, z_mm = 0;  // as the instruments measure the robot above
+    double rx_arcsec = 0, ry_arcsec = 0;
+    std::vector<std::pair<std::string, double>> motors_mm{};  // both robots
+    std::vector<std::pair<std::string, double>> degc{};
+  };
+  virtual Result<Here> here() = 0;
+};
+
+struct PlannedIndent {
+  std::string id{};
+  Line line = Line::x;
+  double at_um = 0;
+  bool closed_loop = false;
+};
+
+struct ProcedureRules {
+  std::string tool{};
+  double work_mm = 1;       // height of the robot above
+  ApproachRule approach{};  // of the first touch: depart and highest
+  // Retracted between contacts. Axes of the robot above that arrive one after the other let the
+  // tool dip by tenths of a millimetre on its way.
+  double clearance_mm = 0.6;
+  double near_mm = 0.01;  // later approaches begin so far below the contact awaited
+  double press_mm = 0;    // on from the contact, for an indent
+  double dwell_s = 20;    // pressed
+  double rest_nm = 80, rest_change_nm = 10;  // the robot above is at rest: error, change per look
+  int rest_looks = 200;
+  std::vector<std::pair<double, double>> touch_mm{{1, 1}, {1, -1}, {-1, -1}};
+  double shift_x_mm = 0, shift_y_mm = 0.1;  // of the touched places after each correction
+  AlignmentRule alignment{};
+  double zero_x_mm = 0, zero_y_mm = 0;
+  double closed_loop_nm = 20;
+  int closed_loop_tries = 20;
+  double retry_um = 20;  // an interrupted indent is made again so far beside the line
+  std::vector<PlannedIndent> indents{};
+};
+
+enum class Stage { align, zero, indents, microscope };
+
+struct TouchRecord {
+  double x_mm = 0, y_mm = 0, height_mm = 0, u_nm = 0;
+  int steps = 0;
+  int contact = 0;  // number of the contact on the substrate, from 1
+};
+
+struct MadeIndent {
+  PlannedIndent planned{};
+  TouchRecord touch{};
+  double placed_x_um = 0, placed_y_um = 0;  // from the zero, by the instruments
+  double rx_arcsec = 0, ry_arcsec = 0;
+  std::string by{};
+};
+
+struct ProcedureRecord {
+  Stage stage = Stage::align;
+  std::string tool{};
+  int contacts = 0;         // on the substrate so far, interrupted ones included
+  bool in_contact = false;  // one was begun and not ended
+  double aside_um = 0;      // of the next contact: after an interrupted one, a fresh place
+  int corrections = 0;
+  double rx_arcsec = 0, ry_arcsec = 0;  // told to the robot below
+  double height_mm = 0;                 // contact awaited at the zero
+  bool touched = false;                 // height_mm is known
+  double spread_nm = 0;
+  std::vector<TouchRecord> touches{};  // of the round of the alignment under way
+  std::vector<std::string> log{};      // sentences, with the stage
+  TouchRecord zero{};
+  TouchingCell::Here zero_here{};
+  std::vector<MadeIndent> indents{};
+  std::string by{};  // which model answered last
+};
+
+// Goes on where the record is, until the microscope's turn. Errors: those of the cell;
+// failed_precondition OTHER_TOOL (the record was begun with another), NO_CONVERGENCE (alignment or
+// closed loop), NOTHING_FOUND (no contact), OUTSIDE_LIMITS (the holding error), NO_REST.
+// After an error the robot below has been retracted, or the sentence says that it could not be.
+Result<void> carry_out(TouchingCell& cell, const ProcedureRules& rules, ProcedureRecord& record,
+                       const std::function<void(const ProcedureRecord&)>& on_change);
+
+std::string_view to_string(Stage stage);
+
+}  // namespace driftwise::indentation

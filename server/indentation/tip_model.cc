@@ -1,0 +1,117 @@
+#include "server/indentation/tip_model.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "server/core/reasons.h"
+#include "server/core/text/quantity_text.h"
+
+namespace driftwise::indentation {
+namespace {
+
+constexpr double kPpm = 1e6;
+// The study's curves: a straight line along x, a parabola along y.
+constexpr int kCurveDegreeX = 1, kCurveDegreeY = 2;
+
+double correlation_of(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  const Eigen::VectorXd u = a.array() - a.mean(), v = b.array() - b.mean();
+  const double size = u.norm() * v.norm();
+  return size > 0 ? u.dot(v) / size : 0;
+}
+
+LineFit fit_line(Line line, const std::vector<const IndentRow*>& rows) {
+  const auto n = static_cast<Eigen::Index>(rows.size());
+  Eigen::MatrixXd design(n, 2);
+  Eigen::VectorXd error_um(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto& row = *rows[static_cast<std::size_t>(i)];
+    design.row(i) << row.indent.wanted_um, row.lever_um;
+    error_um[i] = row.error_um;
+  }
+  LineFit fit{.line = line, .indents = static_cast<int>(n)};
+  fit.correlation = correlation_of(design.col(0), design.col(1));
+  fit.rms_um = std::sqrt(error_um.squaredNorm() / static_cast<double>(n));
+  Eigen::Index at = 0;
+  if (const double largest = error_um.cwiseAbs().maxCoeff(&at); largest > 0)
+    fit.lever_share = design(at, 1) / error_um[at];
+  const auto qr = design.colPivHouseholderQr();
+  if (qr.rank() < 2) return fit;  // no rotation at all, or exactly along the distance
+  const Eigen::Vector2d found = qr.solve(error_um);
+  const double variance = (error_um - design * found).squaredNorm() /
+                          static_cast<double>(std::max<Eigen::Index>(1, n - 2));
+  const Eigen::Matrix2d covariance = variance * (design.transpose() * design).inverse();
+  fit.scale_ppm = found[0] * kPpm;
+  fit.u_scale_ppm = std::sqrt(covariance(0, 0)) * kPpm;
+  fit.factor = found[1];
+  fit.u_factor = std::sqrt(covariance(1, 1));
+  fit.separable = std::abs(fit.correlation) < kSeparable && fit.u_factor < kUsableFactor;
+  return fit;
+}
+
+ErrorCurve fit_curve(Line line, const std::vector<const IndentRow*>& rows) {
+  const int degree = line == Line::x ? kCurveDegreeX : kCurveDegreeY;
+  const auto n = static_cast<Eigen::Index>(rows.size()) + 1;
+  Eigen::MatrixXd design = Eigen::MatrixXd::Zero(n, degree + 1);
+  Eigen::VectorXd error_um = Eigen::VectorXd::Zero(n);
+  design(0, 0) = 1;  // the first indent
+  for (Eigen::Index i = 1; i < n; ++i) {
+    const auto& row = *rows[static_cast<std::size_t>(i - 1)];
+    for (int k = 0; k <= degree; ++k) design(i, k) = std::pow(row.indent.wanted_um, k);
+    error_um[i] = row.error_um;
+  }
+  const Eigen::VectorXd found = design.colPivHouseholderQr().solve(error_um);
+  return {.line = line,
+          .coefficients = {found.begin(), found.end()},
+          .rms_um = std::sqrt((error_um - design * found).squaredNorm() / static_cast<double>(n))};
+}
+
+}  // namespace
+
+std::string_view to_string(Line line) { return line == Line::x ? "x" : "y"; }
+
+Result<TipReport> tip_report(std::span<const IndentRow> rows, double wanted_accuracy_um) {
+  TipReport report;
+  double largest_um = 0;
+  for (const IndentRow& row : rows)
+    largest_um = std::max(largest_um, std::abs(row.error_um) - row.half_width_um);
+  for (const Line line : {Line::x, Line::y}) {
+    std::vector<const IndentRow*> along;
+    for (const IndentRow& row : rows)
+      if (row.indent.line == line) along.push_back(&row);
+    if (along.size() < 3) continue;
+    report.lines.push_back(fit_line(line, along));
+    report.curves.push_back(fit_curve(line, along));
+  }
+  if (report.lines.empty())
+    return fail(ErrorCode::failed_precondition, reasons::kTooFewRows,
+                "no line has 3 indents, found " + std::to_string(rows.size()) +
+                    " in all: lever and scale of a line cannot be fitted");
+  if (!(largest_um > wanted_accuracy_um)) {
+    report.verdict = "accuracy at the tool is within " +
+                     quantity_text(wanted_accuracy_um * 1e3, "nm") +
+                     " as far as the microscope can tell";
+    return report;
+  }
+  if (std::ranges::any_of(report.lines, [](const LineFit& fit) { return !fit.separable; })) {
+    report.indistinguishable = {"tool lever", "microscope scale"};
+    report.separating = {
+        "indents at one place of the work-piece, approached with the robot above elsewhere: the "
+        "rotations change, the distance does not",
+        "the same lines with a tool of another length: only the lever's part changes",
+        "the work-piece turned by 90 degrees under the microscope: only the scale's part changes",
+        "a calibrated scale in the microscope's picture beside the indents"};
+  }
+  report.verdict = "return to step 0: the largest error at the tool is beyond the wanted " +
+                   quantity_text(wanted_accuracy_um * 1e3, "nm") + " by more than the marking's " +
+                   "uncertainty; a calibration at the cube does not hold at the tip, and a curve "
+                   "through these indents improves these indents only";
+  report.change = {
+      "measure at the tool: mirrors on the tool's support, beams as near the tip as possible",
+      "limit the parasitic rotations, or use a robot with six degrees of freedom",
+      "a shorter lever: tool length and the way from the cube to its fixation",
+      "the robots nearer to each other, lower supports"};
+  return report;
+}
+
+}  // namespace driftwise::indentation

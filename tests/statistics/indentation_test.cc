@@ -1,0 +1,51 @@
+// The fast part of indentation_count: decisions of server/indentation on the two robots' plant.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/statistics/touching_robots.h"
+
+namespace driftwise::statistics {
+namespace {
+
+TEST(Indentation, AlignsASubstrateTiltedByRandomInAtMostThreeCorrections) {
+  TouchingRobots robots(3);
+  const auto aligned = align(robots);
+  EXPECT_TRUE(aligned.accepted) << aligned.trouble;
+  EXPECT_LE(aligned.record.corrections, 3);
+  EXPECT_LE(aligned.record.spread_nm, 500);
+  // At the truth, not at the contacts: 500 nm, a step at each contact, the holding error.
+  EXPECT_LT(aligned.left_nm, 800);
+}
+
+TEST(Indentation, SeesNoContactInTwentyApproachesWithKnocksAndDrift) {
+  const auto count = count_false_contacts(5, 20);
+  EXPECT_EQ(count.contacts, 0);
+  EXPECT_EQ(count.aborts, 0);
+}
+
+TEST(Indentation, LeavesACraterThatGrowsWithThePress) {
+  TouchingRobots robots(4);
+  (void)robots.move_above(0, 0, 1);
+  const auto touched = robots.approach({.depart_mm = 1.555, .highest_mm = 1.645}, {});
+  ASSERT_EQ(touched.kind, indentation::Approach::Next::Kind::contact) << touched.why;
+  robots.pass(30);
+  ASSERT_EQ(robots.plant().craters().size(), 1U);
+  const auto first = robots.plant().craters().front();
+  (void)robots.move_below(0, 0, touched.height_mm + 0.001);
+  robots.pass(30);
+  const auto pressed = robots.plant().craters().front();
+  EXPECT_GT(pressed.depth_nm, first.depth_nm + 500);
+  // 5 to 10 um of diagonal are 22 to 90 mN by the study's formula.
+  const double d_um = simulated::diagonal_um(pressed);
+  EXPECT_GT(d_um, 5);
+  EXPECT_LT(d_um, 12);
+  // Without contact the robot comes back to where it holds, and the crater keeps its depth.
+  (void)robots.move_below(0, 0, 1.5);
+  robots.pass(120);
+  EXPECT_NEAR(robots.plant().contact(0).push_nm, 0, 40);
+  EXPECT_NEAR(robots.plant().craters().front().depth_nm, pressed.depth_nm, 5);
+}
+
+}  // namespace
+}  // namespace driftwise::statistics

@@ -1,0 +1,153 @@
+// The procedure on an ideal pair of robots: a tilted plane, an axis that is pushed by the contact.
+#include "server/indentation/procedure.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "server/core/reasons.h"
+
+namespace driftwise::indentation {
+namespace {
+
+double tangent(double arcsec) { return std::tan(arcsec / 3600 * std::numbers::pi / 180); }
+
+class IdealCell final : public TouchingCell {
+ public:
+  double tilt_rx_arcsec = 540, tilt_ry_arcsec = 1296;
+  int calls_left = 1'000'000;  // then the client is lost
+  std::vector<std::pair<double, double>> touched{};
+  double deepest_mm = -1e9;  // of the robot below while the other one travelled
+
+  Result<Answer> move_above(double x_mm, double y_mm, double) override {
+    if (auto ok = alive(); !ok) return tl::unexpected(std::move(ok).error());
+    deepest_mm = std::max(deepest_mm, overlap_mm());
+    x_ = x_mm;
+    y_ = y_mm;
+    return Answer{"ideal"};
+  }
+  Result<Answer> move_below(double rx_arcsec, double ry_arcsec, double z_mm) override {
+    if (auto ok = alive(); !ok) return tl::unexpected(std::move(ok).error());
+    rx_ = rx_arcsec;
+    ry_ = ry_arcsec;
+    z_ = z_mm;
+    if (overlap_mm() > 0 && (touched.empty() || touched.back() != std::pair{x_, y_}))
+      touched.emplace_back(x_, y_);
+    return Answer{"ideal"};
+  }
+  Result<void> nudge_above(double dx_mm, double dy_mm) override {
+    x_ += dx_mm;
+    y_ += dy_mm;
+    return {};
+  }
+  Result<Eigen::MatrixXd> look() override {
+    if (auto ok = alive(); !ok) return tl::unexpected(std::move(ok).error());
+    const double push_nm = std::clamp(overlap_mm() * 1e6, 0.0, 220.0);
+    return Eigen::MatrixXd::Constant(3, 3, 30 - push_nm);
+  }
+  Result<void> wait(double) override { return {}; }
+  // The instruments stand 3 um beside the robot's own frame at 0.1 mm.
+  Result<Here> here() override { return Here{.x_mm = x_ * 1.03, .y_mm = y_}; }
+
+ private:
+  double overlap_mm() const {
+    return z_ - 1.6 + y_ * tangent(rx_ + tilt_rx_arcsec) - x_ * tangent(ry_ + tilt_ry_arcsec);
+  }
+  Result<void> alive() {
+    if (calls_left-- > 0) return {};
+    return fail(ErrorCode::unavailable, reasons::kLinkLost, "the daemon is away");
+  }
+  double x_ = 0, y_ = 0, z_ = 0, rx_ = 0, ry_ = 0;
+};
+
+ProcedureRules rules() {
+  ProcedureRules rules;
+  rules.tool = "diamond 3";
+  rules.approach = {.depart_mm = 1.58, .highest_mm = 1.63};
+  rules.indents = {
+      {"A", Line::x, 100, true}, {"C", Line::x, 250, false}, {"B", Line::y, 100, true}};
+  return rules;
+}
+
+const auto kNobody = [](const ProcedureRecord&) {};
+
+TEST(Procedure, AlignsFindsTheZeroAndMakesEveryIndent) {
+  IdealCell cell;
+  ProcedureRecord record;
+  const auto done = carry_out(cell, rules(), record, kNobody);
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_EQ(record.stage, Stage::microscope);
+  EXPECT_EQ(record.corrections, 1);
+  EXPECT_NEAR(record.rx_arcsec, -540, 30);  // a step of 250 nm over 2 mm is 26 arcsec
+  EXPECT_NEAR(record.ry_arcsec, -1296, 30);
+  ASSERT_EQ(record.indents.size(), 3U);
+  EXPECT_EQ(record.contacts, 3 + 3 + 1 + 3);
+  EXPECT_EQ(record.zero.contact, 7);
+  EXPECT_EQ(record.indents[2].touch.contact, 10);
+  EXPECT_EQ(record.by, "ideal");
+}
+
+TEST(Procedure, PlacesTheClosedLoopIndentsByTheInstruments) {
+  IdealCell cell;
+  ProcedureRecord record;
+  ASSERT_TRUE(carry_out(cell, rules(), record, kNobody));
+  EXPECT_NEAR(record.indents[0].placed_x_um, 100, 0.02);
+  EXPECT_NEAR(record.indents[1].placed_x_um, 257.5, 0.02);  // open loop: the frame's 3 %
+}
+
+TEST(Procedure, RetractsBeforeTheRobotAboveTravels) {
+  IdealCell cell;
+  ProcedureRecord record;
+  ASSERT_TRUE(carry_out(cell, rules(), record, kNobody));
+  EXPECT_LT(cell.deepest_mm, -0.5);
+}
+
+// A client that is lost at any call: another one goes on and ends with every indent once.
+TEST(Procedure, GoesOnAfterItWasLostAnywhere) {
+  for (int lost_at = 1; lost_at < 900; lost_at += 7) {
+    IdealCell cell;
+    cell.calls_left = lost_at;
+    ProcedureRecord kept;
+    ProcedureRecord first;
+    const auto keep = [&kept](const ProcedureRecord& now) { kept = now; };
+    if (carry_out(cell, rules(), first, keep)) break;
+    cell.calls_left = 1'000'000;
+    ProcedureRecord second = kept;
+    const auto done = carry_out(cell, rules(), second, keep);
+    ASSERT_TRUE(done) << lost_at << ": " << done.error().message;
+    ASSERT_EQ(second.indents.size(), 3U) << lost_at;
+    // No surface is used twice.
+    auto places = cell.touched;
+    std::ranges::sort(places);
+    for (std::size_t i = 1; i < places.size(); ++i)
+      EXPECT_GT(std::hypot(places[i].first - places[i - 1].first,
+                           places[i].second - places[i - 1].second),
+                1e-3)
+          << "lost at " << lost_at;
+  }
+}
+
+TEST(Procedure, IsRefusedWithAnotherToolThanItWasBegunWith) {
+  IdealCell cell;
+  ProcedureRecord record;
+  record.tool = "diamond 2";
+  EXPECT_EQ(carry_out(cell, rules(), record, kNobody).error().reason, "OTHER_TOOL");
+  EXPECT_TRUE(cell.touched.empty());
+}
+
+TEST(Procedure, SaysWhatToDoWhenNothingIsTouched) {
+  IdealCell cell;
+  ProcedureRecord record;
+  auto low = rules();
+  low.approach = {.depart_mm = 1, .highest_mm = 1.01};
+  const auto done = carry_out(cell, low, record, kNobody);
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().reason, "NOTHING_FOUND");
+  EXPECT_EQ(record.contacts, 0);
+  EXPECT_FALSE(record.in_contact);
+}
+
+}  // namespace
+}  // namespace driftwise::indentation
