@@ -17,6 +17,7 @@ class EvidenceTail {
   EvidenceTail() = default;
   explicit EvidenceTail(std::vector<double> null_maxima);
   double p(double evidence) const;  // of one look at all causes
+  double location() const { return location_; }
 
  private:
   double location_ = 0, scale_ = 2;

@@ -145,20 +145,27 @@ class Diagnoser {
       if (!progress_.further(0.3, "comparing what was found with all others")) return cancelled();
       DRIFTWISE_TRY(auto said, extension.settle());
       result_.warnings.insert(result_.warnings.end(), said.begin(), said.end());
-      const auto harmful = withdraw_what_harms(problem_, causes_, extension);
-      for (const auto& one : harmful) {
-        result_.warnings.push_back(one.sentence);
-        extension.forbid(one.cause);
-      }
-      if (harmful.empty()) break;
+      if (!withdraw_harmful(extension)) break;
     }
     std::vector<std::string> refused = extension.refused();
     std::ranges::sort(refused);
     refused.erase(std::ranges::unique(refused).begin(), refused.end());
     result_.warnings.insert(result_.warnings.end(), refused.begin(), refused.end());
-    if (auto ok = look_at_remainder(physics, extension); !ok) return ok;
+    // What is withdrawn there may leave what harms: the last word is the rows' that took no part.
+    do {
+      if (auto ok = look_at_remainder(physics, extension); !ok) return ok;
+    } while (withdraw_harmful(extension));
     conclude(extension);
     return {};
+  }
+
+  bool withdraw_harmful(Extension& extension) {
+    const auto harmful = withdraw_what_harms(problem_, causes_, extension);
+    for (const auto& one : harmful) {
+      result_.warnings.push_back(one.sentence);
+      extension.forbid(one.cause);
+    }
+    return !harmful.empty();
   }
 
   // again: after a withdrawal, against the nulls that were simulated before it.

@@ -57,6 +57,22 @@ double likeliest_share(const ByShare& two_ln, bool may_not_act) {
   return kPriorShares[static_cast<std::size_t>(best - two_ln.begin())];
 }
 
+SharedShape shared_shape(const Eigen::MatrixXd& criterion) {
+  SharedShape best{INFINITY, {}};
+  for (Eigen::Index common = 0; common < criterion.rows(); ++common) {
+    SharedShape one;
+    for (Eigen::Index o = 0; o < criterion.cols(); ++o) {
+      Eigen::Index own = 0;
+      const double lowest = criterion.col(o).minCoeff(&own) + kOwnShape;
+      const bool shares = criterion(common, o) <= lowest;
+      one.total += shares ? criterion(common, o) : lowest;
+      one.shape.push_back(static_cast<std::size_t>(shares ? common : own));
+    }
+    if (one.total < best.total) best = std::move(one);
+  }
+  return best;
+}
+
 Eigen::MatrixXd news_of(const WhitenedSpace& space, Eigen::MatrixXd columns) {
   space.whiten(columns);
   const Eigen::RowVectorXd whole = columns.colwise().norm();
@@ -99,11 +115,9 @@ Ground::Ground(const Timeline& timeline, const std::vector<NoiseShape>& shapes,
       criterion_(row, o) = spaces_.back().criterion(left_.back().col(o).squaredNorm());
   }
   criterion_.conservativeResize(static_cast<Eigen::Index>(spaces_.size()), Eigen::NoChange);
-  for (Eigen::Index o = 0; o < series.cols(); ++o) {
-    Eigen::Index at = 0;
-    criterion_.col(o).minCoeff(&at);
-    best_.push_back(static_cast<std::size_t>(at));
-  }
+  auto shared = shared_shape(criterion_);
+  total_ = shared.total;
+  best_ = std::move(shared.shape);
 }
 
 double Ground::white_sd(Eigen::Index output) const {
@@ -137,31 +151,33 @@ Gain Ground::free_gain(const Eigen::MatrixXd& columns, const std::vector<char>& 
   Gain result;
   const auto count = static_cast<std::size_t>(outputs());
   result.of_output.assign(count, 0);
-  result.shape = best_;
   result.contribution.resize(count);
-  Eigen::VectorXd lowest = Eigen::VectorXd::Constant(outputs(), INFINITY);
+  Eigen::MatrixXd with = criterion_;
+  std::vector<std::vector<Eigen::VectorXd>> contribution(spaces_.size());
   for (std::size_t s = 0; s < spaces_.size(); ++s) {
     const Eigen::MatrixXd basis = beyond(spaces_[s], columns);
+    contribution[s].resize(count);
     for (Eigen::Index o = 0; o < outputs(); ++o) {
       const auto at = static_cast<std::size_t>(o);
       if (on[at] == 0) continue;
       const Eigen::VectorXd along = basis.transpose() * left_[s].col(o);
       const double rss = left_[s].col(o).squaredNorm();
-      const double criterion =
-          spaces_[s].criterion(std::max(rss - along.squaredNorm(), 1e-12 * rss));
-      if (!(criterion < lowest[o])) continue;
-      lowest[o] = criterion;
-      result.shape[at] = s;
-      result.contribution[at] = basis * along;
+      with(static_cast<Eigen::Index>(s), o) =
+          spaces_[s].criterion(std::max(rss - along.squaredNorm(), kLeast * rss));
+      contribution[s][at] = basis * along;
     }
   }
+  const auto shared = shared_shape(with);
+  result.shape = shared.shape;
   for (Eigen::Index o = 0; o < outputs(); ++o) {
     const auto at = static_cast<std::size_t>(o);
     if (on[at] == 0) continue;
-    result.of_output[at] = criterion_(static_cast<Eigen::Index>(best_[at]), o) - lowest[o];
-    result.gain += result.of_output[at];
+    const std::size_t s = shared.shape[at];
+    result.of_output[at] =
+        criterion_(static_cast<Eigen::Index>(best_[at]), o) - with(static_cast<Eigen::Index>(s), o);
+    result.contribution[at] = std::move(contribution[s][at]);
   }
-  result.likelihood = result.gain;
+  result.likelihood = result.gain = total_ - shared.total;
   return result;
 }
 
@@ -170,50 +186,50 @@ Gain Ground::gain(const Eigen::MatrixXd& columns, const PriorSd& prior) const {
   const auto count = static_cast<std::size_t>(outputs());
   result.of_output.assign(count, 0);
   result.share.assign(count, 0);
-  result.shape = best_;
   result.contribution.resize(count);
-  Eigen::MatrixXd lowest = Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(kPriorShares.size()),
-                                                     outputs(), INFINITY);
-  Eigen::VectorXd lowest_free = Eigen::VectorXd::Constant(outputs(), INFINITY);
+  Eigen::MatrixXd with = criterion_, with_free = criterion_;
+  Eigen::MatrixXd share = Eigen::MatrixXd::Zero(with.rows(), with.cols());
+  std::vector<std::vector<Eigen::VectorXd>> contribution(spaces_.size());
   const Eigen::MatrixXd centred = columns.rowwise() - columns.colwise().mean();
+  const bool may_not_act = (prior.array() > 0).colwise().any().count() > 1;
   for (std::size_t s = 0; s < spaces_.size(); ++s) {
+    const auto row = static_cast<Eigen::Index>(s);
     const Eigen::MatrixXd white = news_of(spaces_[s], centred);
+    contribution[s].resize(count);
     for (Eigen::Index o = 0; o < outputs(); ++o) {
       if ((prior.col(o).array() <= 0).all()) continue;
-      const auto at = static_cast<std::size_t>(o);
       const auto& left = left_[s].col(o);
       const double rss = left.squaredNorm();
       const Eigen::VectorXd along = white.transpose() * left;
       const Eigen::VectorXd width = prior.col(o) / white_sd(o);
       const Integrated wide(white, kWidths * width);
-      lowest_free[o] = std::min(
-          lowest_free[o], spaces_[s].criterion(std::max(rss - wide.taken(along), kLeast * rss)));
+      with_free(row, o) = spaces_[s].criterion(std::max(rss - wide.taken(along), kLeast * rss));
+      ByShare two_ln{};
+      double highest = -INFINITY;
       for (std::size_t k = 0; k < kPriorShares.size(); ++k) {
-        const Integrated with(white, kPriorShares[k] * width);
-        const double criterion =
-            spaces_[s].criterion(std::max(rss - with.taken(along), kLeast * rss)) +
-            with.log_determinant;
-        if (criterion < lowest.col(o).minCoeff()) {
-          result.shape[at] = s;
-          result.contribution[at] = white * with.amplitudes(along);
-        }
-        auto& least = lowest(static_cast<Eigen::Index>(k), o);
-        least = std::min(least, criterion);
+        const Integrated one(white, kPriorShares[k] * width);
+        two_ln[k] = criterion_(row, o) -
+                    spaces_[s].criterion(std::max(rss - one.taken(along), kLeast * rss)) -
+                    one.log_determinant;
+        if (!(two_ln[k] > highest)) continue;
+        highest = two_ln[k];
+        contribution[s][static_cast<std::size_t>(o)] = white * one.amplitudes(along);
       }
+      with(row, o) -= averaged(two_ln, may_not_act);
+      share(row, o) = likeliest_share(two_ln, may_not_act);
     }
   }
-  const bool may_not_act = (prior.array() > 0).colwise().any().count() > 1;
+  const auto shared = shared_shape(with);
+  result.shape = shared.shape;
+  result.gain = total_ - shared.total;
+  result.likelihood = total_ - shared_shape(with_free).total;
   for (Eigen::Index o = 0; o < outputs(); ++o) {
+    if ((prior.col(o).array() <= 0).all()) continue;
     const auto at = static_cast<std::size_t>(o);
-    if (!std::isfinite(lowest(0, o))) continue;
-    const double without = criterion_(static_cast<Eigen::Index>(best_[at]), o);
-    ByShare two_ln{};
-    for (std::size_t k = 0; k < two_ln.size(); ++k)
-      two_ln[k] = without - lowest(static_cast<Eigen::Index>(k), o);
-    result.of_output[at] = averaged(two_ln, may_not_act);
-    result.share[at] = likeliest_share(two_ln, may_not_act);
-    result.gain += result.of_output[at];
-    result.likelihood += without - lowest_free[o];
+    const auto s = static_cast<Eigen::Index>(shared.shape[at]);
+    result.of_output[at] = criterion_(static_cast<Eigen::Index>(best_[at]), o) - with(s, o);
+    result.share[at] = share(s, o);
+    result.contribution[at] = std::move(contribution[shared.shape[at]][at]);
   }
   return result;
 }

@@ -43,6 +43,21 @@ inline constexpr double kLeastNew = 1e-3;
 // kLeastNew of the length is left.
 Eigen::MatrixXd news_of(const WhitenedSpace& space, Eigen::MatrixXd columns);
 
+// Price in 2 ln L of an output's noise with a shape of its own. The outputs of one robot are read
+// by the same instruments in the same air, one after the other: their noise has one shape and a
+// size each. That one output departs from it is a claim about that output as a named cause is, and
+// is believed on the same terms: at alpha = 0.003 after the choice among the ten shapes of the grid
+// that can be told apart, 2 ln(10 / 0.003). Cheaper, it takes up any slow effect on one output.
+inline constexpr double kOwnShape = 16.2;
+
+// Shapes of the outputs' noise, chosen together.
+struct SharedShape {
+  double total = 0;                // criterion of all outputs, with the cost of own shapes
+  std::vector<std::size_t> shape;  // per output
+};
+// criterion: shapes x outputs, twice the negative log-likelihood of each alone.
+SharedShape shared_shape(const Eigen::MatrixXd& criterion);
+
 struct Gain {
   double gain = 0;        // 2 ln of the marginal likelihood's ratio, with the effect to without it
   double likelihood = 0;  // growth of 2 ln L at the best amplitudes within three prior widths
@@ -70,7 +85,8 @@ class Ground {
   double white_sd(Eigen::Index output) const;
   // Of the white noise with an effect in, under the shape that is best with it.
   double white_sd_with(const Gain& effect, Eigen::Index output) const;
-  // How much worse a shape explains an output than the best does, in 2 ln L.
+  // How much worse a shape explains an output than the one that it has, in 2 ln L; negative where
+  // the outputs together chose another one.
   double worse_by(std::size_t shape, Eigen::Index output) const;
   // Correlation between the outputs of what is left, whitened.
   Eigen::MatrixXd correlation() const;
@@ -94,6 +110,7 @@ class Ground {
   std::vector<WhitenedSpace> spaces_;
   std::vector<Eigen::MatrixXd> left_;  // per shape: of the series
   Eigen::MatrixXd criterion_;          // shapes x outputs
+  double total_ = 0;                   // criterion of all outputs together
   std::vector<std::size_t> best_;
 };
 

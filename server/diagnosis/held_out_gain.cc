@@ -30,6 +30,10 @@ Eigen::VectorXd fitted_elsewhere(const SoftBase& base, const Eigen::VectorXd& me
   return measured - columns * b;
 }
 
+double ln_ratio(const Eigen::VectorXd& before, const Eigen::VectorXd& after) {
+  return 0.5 * std::log(after.squaredNorm() / std::max(before.squaredNorm(), 1e-300));
+}
+
 }  // namespace
 
 Eigen::VectorXd residuals(const Problem& problem, const ProblemOutput& output,
@@ -76,6 +80,35 @@ HeldOut held_out(const Problem& problem, const ProblemOutput& output, const Soft
   };
   result.u90_after_ci90 = interval(result.after.u90, &ErrorFigures::u90);
   result.a90_after_ci90 = interval(result.after.a90, &ErrorFigures::a90);
+  return result;
+}
+
+// Jackknife over contiguous blocks of the ratio itself: what both share cancels.
+HeldOutRatio held_out_ratio(const Problem& problem, const ProblemOutput& output,
+                            const SoftBase& before, const SoftBase& after) {
+  const Eigen::VectorXd without = judged_residuals(problem, output, before);
+  const Eigen::VectorXd with = judged_residuals(problem, output, after);
+  const auto n = static_cast<std::size_t>(without.size());
+  if (n == 0) return {};
+  HeldOutRatio result{std::sqrt(without.squaredNorm() / static_cast<double>(n)),
+                      std::sqrt(with.squaredNorm() / static_cast<double>(n)),
+                      {}};
+  const std::size_t blocks = std::min(kJudgeBlocks, n / 4);
+  const auto count = static_cast<double>(blocks);
+  std::vector<double> left_out;
+  for (std::size_t k = 0; k < blocks; ++k) {
+    std::vector<std::size_t> kept;
+    for (std::size_t i = 0; i < n; ++i)
+      if (i * blocks / n != k) kept.push_back(i);
+    left_out.push_back(ln_ratio(rows_of(without, kept), rows_of(with, kept)));
+  }
+  double mean = 0, squares = 0;
+  for (const double one : left_out) mean += one / count;
+  for (const double one : left_out) squares += (one - mean) * (one - mean);
+  const double error =
+      blocks < 2 ? INFINITY : kSigmaToU90 * std::sqrt(squares * (count - 1) / count);
+  const double middle = ln_ratio(without, with);
+  result.ratio_ci90 = {std::exp(middle - error), std::exp(middle + error)};
   return result;
 }
 

@@ -21,6 +21,17 @@ struct HeldOut {
 HeldOut held_out(const Problem& problem, const ProblemOutput& output, const SoftBase& before,
                  const SoftBase& after);
 
+// Root mean squares of the judging rows, mean included, of two simulations.
+struct HeldOutRatio {
+  double before = 0, after = 0;
+  Interval ratio_ci90{};  // of after over before: over blocks of the rows
+  double ratio() const { return before > 0 ? after / before : 1; }
+  // By more than 2 % and beyond the interval: with this a simulation is not offered.
+  bool is_worse() const { return ratio() > 1.02 && ratio_ci90.low > 1; }
+};
+HeldOutRatio held_out_ratio(const Problem& problem, const ProblemOutput& output,
+                            const SoftBase& before, const SoftBase& after);
+
 // Residuals of the rows of `judge`, each from the fit that did not see it.
 Eigen::VectorXd judged_residuals(const Problem& problem, const ProblemOutput& output,
                                  const SoftBase& base);

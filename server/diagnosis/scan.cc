@@ -17,8 +17,8 @@ struct Slice {
 
 struct SeriesSide {  // one output under one shape of noise
   Eigen::MatrixXf left;
-  Eigen::ArrayXf rss;  // per series
-  double weight = 1;   // exp of the shape's determinants over the degrees of freedom
+  Eigen::ArrayXf rss;        // per series
+  Eigen::ArrayXf criterion;  // per series, beyond that of a rest of 1 under the best shape
 };
 
 std::vector<Slice> slices_of(const Bank& bank, const std::vector<char>& allowed) {
@@ -77,7 +77,27 @@ struct Average {
   double value() const { return sum > 0 ? top + 2 * std::log(sum) : -1e300; }
 };
 
-using Rests = std::array<Eigen::ArrayXXf, kPriorShares.size()>;  // series x cells, per share
+// Criterion of one output under each shape of noise, less what all of them share.
+using ByShape = std::vector<Eigen::ArrayXXf>;  // series x cells
+
+// As shared_shape() of ground.h, of every series and cell.
+Eigen::ArrayXXf shared_total(const std::vector<ByShape>& of_output) {
+  std::vector<Eigen::ArrayXXf> own;
+  for (const auto& shapes : of_output) {
+    own.push_back(shapes.front());
+    for (const auto& shape : shapes) own.back() = own.back().min(shape);
+  }
+  if (own.size() == 1) return own.front();
+  Eigen::ArrayXXf total =
+      Eigen::ArrayXXf::Constant(own.front().rows(), own.front().cols(), INFINITY);
+  for (std::size_t common = 0; common < of_output.front().size(); ++common) {
+    Eigen::ArrayXXf sum = Eigen::ArrayXXf::Zero(total.rows(), total.cols());
+    for (std::size_t o = 0; o < own.size(); ++o)
+      sum += of_output[o][common].min(own[o] + static_cast<float>(kOwnShape));
+    total = total.min(sum);
+  }
+  return total;
+}
 
 struct Part {  // of a cause's cells, for one series
   Average average;
@@ -104,7 +124,7 @@ std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
   const std::size_t shapes = ground.shape_count();
   const auto dof = static_cast<double>(ground.space(0).dof());
   std::vector<std::vector<SeriesSide>> sides(shapes, std::vector<SeriesSide>(outputs));
-  std::vector<Eigen::ArrayXf> lowest(outputs, Eigen::ArrayXf::Constant(count, INFINITY));
+  std::vector<ByShape> without(outputs);
   for (std::size_t o = 0; o < outputs; ++o) {
     const auto& best = ground.space(ground.best_shape(static_cast<Eigen::Index>(o)));
     // every series to length 1: floats then stay well within their range
@@ -113,12 +133,14 @@ std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
     const Eigen::MatrixXd scaled = series[o] * inverse.asDiagonal();
     for (std::size_t s = 0; s < shapes; ++s) {
       auto& side = sides[s][o];
-      side.weight = std::exp((ground.space(s).criterion(1) - best.criterion(1)) / dof);
       side.left = ground.space(s).left_over(scaled).cast<float>();
       side.rss = side.left.colwise().squaredNorm().transpose().array();
-      lowest[o] = lowest[o].min(side.rss * static_cast<float>(side.weight));
+      side.criterion = static_cast<float>(dof) * side.rss.log() +
+                       static_cast<float>(ground.space(s).criterion(1) - best.criterion(1));
+      without[o].emplace_back(side.criterion);
     }
   }
+  const Eigen::ArrayXf total_without = shared_total(without).col(0);
   const auto slices = slices_of(bank, allowed);
   std::vector<std::vector<Part>> of_slice(slices.size());
   const auto job = [&](std::size_t at) {
@@ -129,8 +151,16 @@ std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
     const Eigen::Index width = last.first + last.count - first.first;
     const auto cells = static_cast<Eigen::Index>(slice.cells);
     const Eigen::MatrixXd raw = bank.columns.middleCols(first.first, width);
-    std::vector<Rests> with(outputs);
-    for (auto& rests : with) rests.fill(Eigen::ArrayXXf::Constant(count, cells, INFINITY));
+    std::vector<ByShape> with(outputs, ByShape(shapes));
+    for (std::size_t o = 0; o < outputs; ++o)
+      for (std::size_t s = 0; s < shapes; ++s)
+        with[o][s] = sides[s][o].criterion.replicate(1, cells);
+    std::vector<char> acts(outputs, 0);
+    for (std::size_t o = 0; o < outputs; ++o)
+      acts[o] =
+          (bank.prior.col(static_cast<Eigen::Index>(o)).segment(first.first, width).array() > 0)
+              .any();
+    const bool may_not_act = std::ranges::count(acts, 1) > 1;
     Eigen::MatrixXf along, turned;
     for (std::size_t s = 0; s < shapes; ++s) {
       Eigen::MatrixXd left = news_of(ground.space(s), raw.rowwise() - raw.colwise().mean());
@@ -146,47 +176,39 @@ std::vector<std::vector<Best>> scan(const Bank& bank, const Ground& ground,
       }
       for (std::size_t o = 0; o < outputs; ++o) {
         const auto prior = bank.prior.col(static_cast<Eigen::Index>(o)).segment(first.first, width);
-        if ((prior.array() <= 0).all()) continue;
+        if (acts[o] == 0) continue;
         const Eigen::VectorXd widths =
             prior.cwiseProduct(lengths.transpose()) / ground.white_sd(static_cast<Eigen::Index>(o));
         const auto& side = sides[s][o];
         along.noalias() = side.left.transpose() * basis;  // series x columns
         for (Eigen::Index c = 0, j = 0; c < cells; ++c) {
           const Eigen::Index k = bank.cells[slice.first_cell + static_cast<std::size_t>(c)].count;
+          // As Ground::gain(): the mean over the prior's shares, and over "does not act".
+          std::array<Eigen::ArrayXf, kPriorShares.size()> two_ln;
+          Eigen::ArrayXf top = Eigen::ArrayXf::Constant(count, may_not_act ? 0.0F : -1e30F);
           for (std::size_t w = 0; w < kPriorShares.size(); ++w) {
             const Integrated one = integrated(grams[static_cast<std::size_t>(c)],
                                               kPriorShares[w] * widths.segment(j, k));
             turned.noalias() = along.middleCols(j, k) * one.turn;
-            const Eigen::ArrayXf rest =
-                (side.rss - turned.rowwise().squaredNorm().array()).max(1e-6f * side.rss) *
-                static_cast<float>(side.weight) *
-                std::exp(one.log_determinant / static_cast<float>(dof));
-            with[o][w].col(c) = with[o][w].col(c).min(rest);
+            two_ln[w] =
+                -static_cast<float>(dof) *
+                    (1 - turned.rowwise().squaredNorm().array() / side.rss).max(1e-6F).log() -
+                one.log_determinant;
+            top = top.max(two_ln[w]);
           }
+          Eigen::ArrayXf sum = Eigen::ArrayXf::Zero(count);
+          if (may_not_act) sum = (-top / 2).exp();
+          for (const auto& one : two_ln) sum += ((one - top) / 2).exp();
+          const auto terms = static_cast<float>(two_ln.size() + (may_not_act ? 1 : 0));
+          with[o][s].col(c) -= top + 2 * (sum / terms).log();
           j += k;
         }
       }
     }
+    const Eigen::ArrayXXf total_with = shared_total(with);
     std::vector<Part> best(static_cast<std::size_t>(count));
     for (Eigen::Index c = 0; c < cells; ++c) {
-      Eigen::ArrayXf gain = Eigen::ArrayXf::Zero(count);
-      std::size_t acts_on = 0;
-      for (const auto& rests : with) acts_on += std::isfinite(rests[0](0, c)) ? 1 : 0;
-      for (std::size_t o = 0; o < outputs; ++o) {
-        if (!std::isfinite(with[o][0](0, c))) continue;
-        // As Ground::gain(): the mean over the prior's shares, and over "does not act".
-        std::array<Eigen::ArrayXf, kPriorShares.size()> two_ln;
-        Eigen::ArrayXf top = Eigen::ArrayXf::Constant(count, acts_on > 1 ? 0.0F : -1e30F);
-        for (std::size_t w = 0; w < two_ln.size(); ++w) {
-          two_ln[w] = static_cast<float>(dof) * (lowest[o] / with[o][w].col(c)).log();
-          top = top.max(two_ln[w]);
-        }
-        Eigen::ArrayXf sum = Eigen::ArrayXf::Zero(count);
-        if (acts_on > 1) sum = (-top / 2).exp();
-        for (const auto& one : two_ln) sum += ((one - top) / 2).exp();
-        const auto terms = static_cast<float>(two_ln.size() + (acts_on > 1 ? 1 : 0));
-        gain += top + 2 * (sum / terms).log();
-      }
+      const Eigen::ArrayXf gain = total_without - total_with.col(c);
       const std::size_t cell = slice.first_cell + static_cast<std::size_t>(c);
       const auto weight = static_cast<float>(2 * bank.ln_weight[cell]);
       for (Eigen::Index k = 0; k < count; ++k) {

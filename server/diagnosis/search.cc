@@ -37,7 +37,8 @@ Search::Search(const Timeline& timeline, const Eigen::MatrixXd& series, Bank ban
       series_(series),
       bank_(std::move(bank)),
       options_(std::move(options)),
-      grid_(noise_grid(timeline)) {}
+      grid_(noise_grid(timeline)),
+      of_chance_(bank_.entries.size(), 0) {}
 
 // The noise as it looks without any further effect, and as it would with each of those that look
 // best under different guesses of it.
@@ -104,10 +105,12 @@ std::vector<NoiseShape> Search::shapes_in_question(const SoftBase& base,
 
 namespace {
 
-std::vector<Standing> standings(const std::vector<std::vector<Best>>& best, std::size_t series) {
+// Evidence over what chance gives this cause.
+std::vector<Standing> standings(const std::vector<std::vector<Best>>& best,
+                                const std::vector<double>& of_chance) {
   std::vector<Standing> result;
-  for (const auto& one : best)
-    result.push_back({one[series].evidence, one[series].gain, one[series].cell});
+  for (std::size_t c = 0; c < best.size(); ++c)
+    result.push_back({best[c][0].evidence - of_chance[c], best[c][0].gain, best[c][0].cell});
   return result;
 }
 
@@ -152,13 +155,19 @@ std::optional<Look> Search::look(const SoftBase& base, const std::vector<char>& 
       for (std::size_t c = 0; c < best.size(); ++c)
         best[c].insert(best[c].end(), found[c].begin(), found[c].end());
     result.nulls += more;
-    result.causes = standings(best, 0);
+    of_chance_.assign(best.size(), 0);
+    std::vector<double> maxima(static_cast<std::size_t>(result.nulls), -1e300);
+    for (std::size_t c = 0; c < best.size(); ++c) {
+      if (allowed[c] == 0) continue;
+      std::vector<double> own;
+      for (std::size_t k = 0; k < maxima.size(); ++k) own.push_back(best[c][k + 1].evidence);
+      of_chance_[c] = EvidenceTail(own).location();
+      for (std::size_t k = 0; k < maxima.size(); ++k)
+        maxima[k] = std::max(maxima[k], own[k] - of_chance_[c]);
+    }
+    result.causes = standings(best, of_chance_);
     result.first = first_of(result.causes);
     if (!result.first) return result;
-    std::vector<double> maxima(static_cast<std::size_t>(result.nulls), -1e300);
-    for (const auto& cause : best)
-      for (std::size_t k = 0; k < maxima.size(); ++k)
-        maxima[k] = std::max(maxima[k], cause[k + 1].evidence);
     tail_ = EvidenceTail(maxima);
     result.p_adjusted = tail_.p(result.causes[*result.first].evidence);
     if (result.p_adjusted > kClearlyNothing || result.p_adjusted < kClearlyThere * options_.alpha)
@@ -178,7 +187,7 @@ std::optional<Look> Search::compare(const SoftBase& base, const std::vector<char
   for (Eigen::Index o = 0; o < series_.cols(); ++o) series.emplace_back(series_.col(o));
   const auto best = scan(bank_, ground, series, allowed, {options_.executor, options_.tick});
   if (best.empty()) return std::nullopt;
-  result.causes = standings(best, 0);
+  result.causes = standings(best, of_chance_);
   result.first = first_of(result.causes);
   if (result.first) result.p_adjusted = tail_.p(result.causes[*result.first].evidence);
   return result;

@@ -11,9 +11,14 @@
 
 namespace driftwise::diagnosis {
 
-struct Standing {            // of one cause
-  double evidence = -1e300;  // 2 ln of the marginal likelihood's ratio, averaged over its cells
-  double gain = -1e300;      // of its best cell
+// Of one cause. Every cause has the same share of alpha: its prior odds are such that chance gives
+// each of them a name as often. A cause whose prior is a thousand times wider than what there is to
+// be found would otherwise have to be seen far better than its neighbours to be named at all.
+struct Standing {
+  // 2 ln of the marginal likelihood's ratio, averaged over its cells, beyond what the largest of
+  // chance's is located at.
+  double evidence = -1e300;
+  double gain = -1e300;  // of its best cell
   std::size_t cell = 0;
   // What the average over the parameter takes from the best value's gain, and more.
   double occam() const { return evidence - gain; }
@@ -57,7 +62,8 @@ class Search {
   Bank bank_;
   SearchOptions options_;
   std::vector<NoiseShape> grid_;
-  EvidenceTail tail_;  // of the last look
+  std::vector<double> of_chance_;  // per cause: location of the nulls' evidence, last look
+  EvidenceTail tail_;              // of the last look
 };
 
 }  // namespace driftwise::diagnosis

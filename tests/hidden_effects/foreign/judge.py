@@ -139,6 +139,12 @@ def diagnose(driftwise, key, folder):
                 if isinstance(figures.get(name), (int, float)):
                     held_out.setdefault(output, {}).setdefault(side, figures[name])
                     break
+    # The interval of the extended simulation's figure stands with each finding.
+    for finding in said.get("findings", []):
+        for output, figures in (finding.get("gain") or {}).items():
+            for name in ("a90_ci90_nm", "a90_ci90_arcsec"):
+                if name in figures and output in held_out:
+                    held_out[output]["extended_ci90"] = figures[name]
     result["held_out"] = held_out
     return result
 

@@ -85,7 +85,11 @@ def judge(line):
     ratios = [f["extended"] / f["baseline"] for f in result.get("held_out", {}).values()
               if f.get("baseline") and "extended" in f and key["sets"]]
     out["ratio"] = max(ratios) if ratios else None
-    out["worse"] = result["verdict"] == "extended" and bool(ratios) and max(ratios) > WORSE
+    # Worse than the baseline's by more than the tolerance and beyond its 90 % interval. Without an
+    # interval the ratio decides alone.
+    out["worse"] = result["verdict"] == "extended" and any(
+        f["extended"] / f["baseline"] > WORSE and (f.get("extended_ci90") or [math.inf])[0] > f["baseline"]
+        for f in result.get("held_out", {}).values() if f.get("baseline") and "extended" in f and key["sets"])
     if key["kind"] == "null":
         quiet = not findings and (result["verdict"] == "adequate" or
                                   (result["verdict"] == "extended" and len(result["findings"]) > 0))

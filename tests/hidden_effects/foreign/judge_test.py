@@ -51,6 +51,10 @@ class Judge(unittest.TestCase):
         bad = line("single", "extended", [("thermal_lag", "bed", [])], [LAG])
         bad["result"]["held_out"] = {"q1": {"baseline": 20.0, "extended": 21.0}, "q2": {"baseline": 9.0, "extended": 5.0}}
         self.assertTrue(judge_report.judge(bad)["worse"])
+        bad["result"]["held_out"]["q1"]["extended_ci90"] = [20.1, 22.0]
+        self.assertTrue(judge_report.judge(bad)["worse"])
+        bad["result"]["held_out"]["q1"]["extended_ci90"] = [19.9, 22.2]
+        self.assertFalse(judge_report.judge(bad)["worse"], "within its interval")
 
     def test_sizes_are_balanced_and_twins_share_a_seed(self):
         saved = judge.listed

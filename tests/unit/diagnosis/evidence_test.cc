@@ -12,6 +12,7 @@
 #include "server/diagnosis/chance.h"
 #include "server/diagnosis/ground.h"
 #include "server/diagnosis/scan.h"
+#include "server/diagnosis/search.h"
 
 namespace driftwise::diagnosis {
 namespace evidence_test {  // other tests have rows of their own
@@ -208,6 +209,82 @@ TEST(LikeliestShare, OfACauseOfOneOutputIsNeverNone) {
   EXPECT_EQ(likeliest_share({-9, -6, -2}, true), 0);
   EXPECT_EQ(likeliest_share({-9, -6, -2}, false), 0.04);
   EXPECT_EQ(likeliest_share({-9, 1, -2}, true), 0.2);
+}
+
+TEST(SharedShape, IsOneForAllOutputsUntilAnotherPaysForItself) {
+  Eigen::MatrixXd criterion(2, 3);
+  criterion << 0, 0, 3,  //
+      20, 20, 0;
+  const SharedShape shared = shared_shape(criterion);
+  EXPECT_EQ(shared.shape, (std::vector<std::size_t>{0, 0, 0}));
+  EXPECT_DOUBLE_EQ(shared.total, 3);
+  criterion(0, 2) = 60;
+  const SharedShape apart = shared_shape(criterion);
+  EXPECT_EQ(apart.shape, (std::vector<std::size_t>{0, 0, 1}));
+  EXPECT_DOUBLE_EQ(apart.total, kOwnShape);
+}
+
+// Every choice of a shape per output, one by one: all alike for nothing, each that differs at its
+// price.
+double cheapest(const Eigen::MatrixXd& criterion) {
+  double least = INFINITY;
+  for (Eigen::Index a = 0; a < criterion.rows(); ++a)
+    for (Eigen::Index b = 0; b < criterion.rows(); ++b)
+      for (Eigen::Index c = 0; c < criterion.rows(); ++c) {
+        const double fit = criterion(a, 0) + criterion(b, 1) + criterion(c, 2);
+        const int alike = std::max(
+            {1, (a == b) + 1, (b == c) + 1, (a == c) + 1, 3 * static_cast<int>(a == b && b == c)});
+        least = std::min(least, fit + (3 - alike) * kOwnShape);
+      }
+  return least;
+}
+
+TEST(SharedShape, IsTheCheapestOfAllChoices) {
+  for (unsigned seed = 40; seed < 60; ++seed) {
+    const Eigen::MatrixXd criterion = 15 * random_columns(3, seed).topRows(5);
+    EXPECT_NEAR(shared_shape(criterion).total, cheapest(criterion), 1e-9) << seed;
+  }
+}
+
+TEST(Evidence, OfASlowEffectOnOneOutputIsKeptByWhatTheOthersSayOfTheNoise) {
+  const Timeline when = timeline();
+  const Eigen::VectorXd column = 1.5 * (when.time_s.array() / 300).sin();
+  Eigen::MatrixXd series = random_columns(3, 31);
+  series.col(0) += column;
+  const Eigen::MatrixXd one = series.col(0);
+  const std::vector<NoiseShape> grid = noise_grid(when);
+  const SoftBase base(Eigen::MatrixXd::Ones(kRows, 1));
+  const Eigen::MatrixXd width = Eigen::MatrixXd::Constant(1, 3, 1);
+  const double known = Ground(when, {grid.front()}, base, one).gain(column, width.leftCols(1)).gain,
+               alone = Ground(when, grid, base, one).gain(column, width.leftCols(1)).gain;
+  const Gain beside = Ground(when, grid, base, series).gain(column, width);
+  EXPECT_LT(alone, known - 10) << "a slow noise of its own takes most of it";
+  EXPECT_GT(beside.gain, alone + 5) << "white in the others, it is white here too";
+}
+
+// The same effect under a prior of its size and under one a thousand times wider.
+Look look_for(const Eigen::VectorXd& column, double width, const Eigen::MatrixXd& series) {
+  const Timeline when = timeline();
+  Bank bank;
+  bank.columns = column;
+  bank.prior = Eigen::MatrixXd::Constant(1, 1, width);
+  bank.cells = {{0, 1}};
+  bank.ln_weight = {0};
+  bank.entries = {{0, 1}};
+  SearchOptions options;
+  options.nulls = 999;
+  Search search(when, series, bank, options);
+  return *search.look(SoftBase(Eigen::MatrixXd::Ones(kRows, 1)), {1});
+}
+
+TEST(Search, AWidePriorCostsTheEffectWhatItCostsChance) {
+  const Eigen::MatrixXd column = random_columns(1, 33);
+  const Eigen::MatrixXd series = random_columns(1, 34) + 0.35 * column;
+  const Look narrow = look_for(column, 1, series), wide = look_for(column, 1e3, series);
+  const double own = narrow.causes[0].gain - wide.causes[0].gain;
+  EXPECT_GT(own, 5) << "the evidence itself";
+  EXPECT_LT(std::abs(narrow.causes[0].evidence - wide.causes[0].evidence), own / 2);
+  EXPECT_LT(wide.p_adjusted, 0.01);
 }
 
 TEST(EvidenceTail, GivesTheChanceOfTheLargestOfMany) {
