@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "server/diagnosis/motor_places.h"
+#include "server/diagnosis/place_groups.h"
 
 namespace driftwise::diagnosis {
 namespace {
@@ -13,34 +14,6 @@ namespace {
 constexpr Eigen::Index kTimeFolds = 5, kShortBlocks = 60, kFewestGapRows = 2;
 constexpr double kMostGap = 0.04;  // of the rows, on either side
 constexpr std::size_t kPlaceFolds = 6, kFewestPlaces = 6;
-
-// Groups of neighbouring places: the largest group is cut at the middle of its longest side until
-// there are enough.
-std::vector<std::vector<std::size_t>> neighbouring_groups(
-    const std::vector<std::vector<double>>& places) {
-  std::vector<std::vector<std::size_t>> groups(1);
-  for (std::size_t i = 0; i < places.size(); ++i) groups[0].push_back(i);
-  while (groups.size() < kPlaceFolds) {
-    auto largest = std::ranges::max_element(groups, {}, &std::vector<std::size_t>::size);
-    if (largest->size() < 2) break;
-    std::size_t side = 0;
-    double longest = -1;
-    for (std::size_t d = 0; d < places.front().size(); ++d) {
-      const auto [low, high] =
-          std::ranges::minmax(*largest, {}, [&](std::size_t i) { return places[i][d]; });
-      if (places[high][d] - places[low][d] > longest) {
-        longest = places[high][d] - places[low][d];
-        side = d;
-      }
-    }
-    std::ranges::stable_sort(*largest, {}, [&](std::size_t i) { return places[i][side]; });
-    const auto middle = static_cast<std::ptrdiff_t>(largest->size() / 2);
-    std::vector<std::size_t> second(largest->begin() + middle, largest->end());
-    largest->resize(static_cast<std::size_t>(middle));
-    groups.push_back(std::move(second));
-  }
-  return groups;
-}
 
 // Sums over rows of everything that a fit and a choice of the parameter need.
 struct Sums {
@@ -97,7 +70,7 @@ EntryGate::EntryGate(const Problem& problem, const Eigen::MatrixXd& series, cons
     : problem_(problem), series_(series), bank_(bank) {
   const auto [places, place_of] = motor_places(problem);
   if (place_of.empty() || places.size() < kFewestPlaces) return;
-  for (const auto& group : neighbouring_groups(places)) {
+  for (const auto& group : neighbouring_groups(places, kPlaceFolds)) {
     std::vector<char> in(places.size(), 0);
     for (const std::size_t place : group) in[place] = 1;
     Fold fold;

@@ -26,17 +26,6 @@ std::pair<std::string, std::string> name_and_unit(const std::string& parameter) 
   return {parameter.substr(0, at), parameter.substr(at + 1)};
 }
 
-Dataset marked(Dataset data, const Problem& problem) {
-  data.set.assign(data.rows, PointSet::calibration);
-  data.excluded.assign(data.rows, 1);
-  for (const std::size_t row : problem.learn) data.excluded[row] = 0;
-  for (const std::size_t row : problem.judge) {
-    data.excluded[row] = 0;
-    data.set[row] = PointSet::validation;
-  }
-  return data;
-}
-
 Result<Identification> identify_with(const Dataset& data,
                                      std::shared_ptr<const kinematics::Mechanism> mechanism,
                                      const std::vector<effects::Term>& terms, bool placement_only) {
@@ -186,11 +175,22 @@ std::vector<std::string> GeometryDiagnosis::held_names() const {
   return names;
 }
 
+Dataset marked_rows(Dataset data, const Problem& problem) {
+  data.set.assign(data.rows, PointSet::calibration);
+  data.excluded.assign(data.rows, 1);
+  for (const std::size_t row : problem.learn) data.excluded[row] = 0;
+  for (const std::size_t row : problem.judge) {
+    data.excluded[row] = 0;
+    data.set[row] = PointSet::validation;
+  }
+  return data;
+}
+
 Result<GeometryDiagnosis> diagnose_geometry(
     const Dataset& dataset, const Problem& problem,
     const std::shared_ptr<const kinematics::Mechanism>& mechanism,
     const std::vector<effects::Term>& terms, double alpha, const std::function<bool()>& tick) {
-  const Dataset data = marked(dataset, problem);
+  const Dataset data = marked_rows(dataset, problem);
   DRIFTWISE_TRY(auto nominal, identify_with(data, mechanism, terms, true));
   DRIFTWISE_TRY(const auto identified, identify_with(data, mechanism, terms, false));
   if (tick && !tick()) return cancelled();

@@ -29,6 +29,10 @@ struct GeometryDiagnosis {
   std::vector<std::string> held_names() const;  // "link2.d_mm"
 };
 
+// The dataset with the problem's learning rows as calibration and its judging rows as validation;
+// every other row is excluded.
+Dataset marked_rows(Dataset dataset, const Problem& problem);
+
 // problem: of this dataset, its outputs those of the mechanism in its order, one row per block.
 // Learns from the rows that learn, judges by those that judge. terms: linear in every output,
 // always in beside the drawing. Errors: those of identification::identify; cancelled (tick said

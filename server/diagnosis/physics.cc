@@ -156,6 +156,14 @@ std::span<const PhysicsRecord> physics_table() {
        "zero of interferometers and of probes"},
       {"step_change", "nm", "316.4 or 10 sigma", "", "lost fringes; a slip has no end"},
       {"periodic_disturbance", "nm", "20 or 2 sigma", "10 x", "air conditioning, vibration"},
+      {"joint_compliance", "urad per metre of lever; urad/(N m) where the links have masses",
+       "1000; 10", "20 x, falls only",
+       "10 kg on a gear of 1e5 N m/rad (Abele, CIRP Annals 56 (2007) 387)"},
+      {"gear_error", "arcsec, once and twice per turn of the joint", "40", "10 x",
+       "10 um of eccentricity on a radius of 50 mm"},
+      {"joint_offset_drift", "arcsec/K", "5", "20 x", "twice the expansion of steel"},
+      {"backlash joint", "arcsec between the flanks; gravity's torque chooses one", "20",
+       "10 x, positive", "gears of arms: less than a minute"},
   };
   return table;
 }

@@ -5,6 +5,7 @@
 #include "server/core/data/unusable_values.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
+#include "server/diagnosis/arm_diagnosis.h"
 #include "server/diagnosis/cancelled.h"
 #include "server/diagnosis/geometry.h"
 #include "server/diagnosis/u90.h"
@@ -16,7 +17,7 @@ namespace {
 
 using Eigen::Index;
 
-constexpr double kGeometryDone = 0.2;  // of the way
+constexpr double kArmDone = 0.1, kGeometryDone = 0.2;  // of the way
 
 std::vector<std::string> symbols_of(const std::vector<Channel>& channels) {
   std::vector<std::string> symbols;
@@ -72,6 +73,18 @@ void begin_at_drawing(const Problem& problem, const Dataset& data, const Eigen::
   }
 }
 
+// The robot as it is given, only placed by a fit.
+Result<identification::Identification> as_drawn(
+    const Dataset& data, const Problem& problem,
+    const std::shared_ptr<const kinematics::Mechanism>& mechanism,
+    const std::vector<effects::Term>& terms) {
+  identification::IdentifyOptions options;
+  options.mechanism = mechanism;
+  options.terms = terms;
+  options.placement_only = true;
+  return identification::identify(marked_rows(data, problem), options);
+}
+
 }  // namespace
 
 Result<RobotDiagnosis> diagnose_robot(const Dataset& dataset,
@@ -95,12 +108,24 @@ Result<RobotDiagnosis> diagnose_robot(const Dataset& dataset,
     return !options.progress || options.progress(fraction, step);
   };
   if (!tell(0, "identifying the robot")) return cancelled();
+  DRIFTWISE_TRY(const auto placed, as_drawn(data, problem, mechanism, further.baseline.terms));
+  const auto nominal = identification::predict(data, placed);
+  // The joints' errors beyond every number of the drawing, then its numbers with those errors in.
+  ArmDiagnosis arm{.robot = mechanism->description()};
+  auto with_errors = mechanism;
+  if (mechanism->predicts_pose()) {
+    DRIFTWISE_TRY(auto found,
+                  diagnose_arm(data, problem, mechanism, further.baseline.terms, options.alpha,
+                               [&] { return tell(kArmDone / 2, "comparing the joints"); }));
+    arm = std::move(found);
+    DRIFTWISE_TRY(auto made, kinematics::make_mechanism(arm.robot));
+    with_errors = std::move(made);
+  }
   DRIFTWISE_TRY(
       auto geometry,
-      diagnose_geometry(data, problem, mechanism, further.baseline.terms, options.alpha, [&] {
-        return tell(kGeometryDone / 2, "comparing the numbers of the drawing");
+      diagnose_geometry(data, problem, with_errors, further.baseline.terms, options.alpha, [&] {
+        return tell((kArmDone + kGeometryDone) / 2, "comparing the numbers of the drawing");
       }));
-  const auto nominal = identification::predict(data, geometry.nominal);
   auto extended = identification::predict(data, geometry.extended);
   DRIFTWISE_RETURN_IF_ERROR(nominal);
   DRIFTWISE_RETURN_IF_ERROR(extended);
@@ -112,6 +137,12 @@ Result<RobotDiagnosis> diagnose_robot(const Dataset& dataset,
   begin_at_drawing(problem, data, *nominal, found);
   found.findings.insert(found.findings.begin(), std::make_move_iterator(geometry.findings.begin()),
                         std::make_move_iterator(geometry.findings.end()));
+  found.findings.insert(found.findings.begin(), std::make_move_iterator(arm.findings.begin()),
+                        std::make_move_iterator(arm.findings.end()));
+  found.warnings.insert(found.warnings.end(), arm.warnings.begin(), arm.warnings.end());
+  found.not_testable.insert(found.not_testable.begin(),
+                            std::make_move_iterator(arm.not_testable.begin()),
+                            std::make_move_iterator(arm.not_testable.end()));
   // Once the drawing has crooked numbers, data could tell these apart, but so faintly that the next
   // identification would move them by decimetres for nothing.
   const std::vector<std::string> held = geometry.held_names();
@@ -122,7 +153,7 @@ Result<RobotDiagnosis> diagnose_robot(const Dataset& dataset,
                             std::make_move_iterator(geometry.held.end()));
   if (found.verdict == Verdict::adequate && !found.findings.empty())
     found.verdict = Verdict::extended;
-  KinematicsDescription robot = kinematics::with_values(*mechanism, geometry.extended.values());
+  KinematicsDescription robot = kinematics::with_values(*with_errors, geometry.extended.values());
   robot.hold.insert(robot.hold.end(), held.begin(), held.end());
   return RobotDiagnosis{std::move(found), std::move(robot)};
 }

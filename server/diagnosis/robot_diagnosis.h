@@ -1,7 +1,8 @@
 #pragma once
-// What the simulation of a robot by its drawing gets wrong: first the drawing's own numbers
-// (geometry.h), then, beyond the robot so identified, every other cause of the catalogue
-// (diagnosis.h). Numbers of the drawing do not count towards max_findings.
+// What the simulation of a robot by its drawing gets wrong: of an arm, errors of its joints beyond
+// all numbers of the drawing (arm_diagnosis.h); then the drawing's own numbers (geometry.h); then,
+// beyond the robot so identified, every other cause of the catalogue (diagnosis.h). Numbers of the
+// drawing do not count towards max_findings.
 //
 // The second look is at what the first leaves: an effect that resembles a geometric deviation has
 // partly been taken up by it. That hides effects and invents none.

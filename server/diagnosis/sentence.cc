@@ -46,6 +46,10 @@ std::string what(const Finding& finding) {
       {"force_nonlinearity", "the robot gives way to the force, and not in proportion"},
       {"force_position_coupling", "how far the robot gives way depends on where it is"},
       {"backlash", "% has play: it depends on the side it came from"},
+      {"backlash joint", "% has play: gravity's torque chooses the flank"},
+      {"joint_compliance", "% sags under gravity"},
+      {"gear_error", "% turns unevenly: an eccentric wheel or encoder"},
+      {"joint_offset_drift", "the zero of % moves with the temperature"},
       {"creep", "the robot creeps after a move of %"},
       {"cyclic_error", "a periodic error along %"},
       {"abbe_offset", "the beam misses the centre of rotation: the error goes with the tilts"},
@@ -56,7 +60,8 @@ std::string what(const Finding& finding) {
       {"periodic_disturbance", "something periodic in time that no channel shows"},
       {"outliers", "isolated wrong rows, left out"},
       {"noise_change", "the spread changes, not the mean"}};
-  const auto found = words.find(finding.cause);
+  const auto found = words.find(
+      finding.cause == "backlash" && of.starts_with("joint") ? "backlash joint" : finding.cause);
   std::string text = found == words.end() ? finding.cause + " of %" : found->second;
   if (finding.cause == "instrument_drift" && !finding.terms.empty() &&
       finding.terms.back().factors.size() > 1)

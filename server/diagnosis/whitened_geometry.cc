@@ -1,10 +1,13 @@
 #include "server/diagnosis/whitened_geometry.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
+#include <string>
 
 #include "server/calibration/design/predict.h"
 #include "server/diagnosis/ground.h"
 #include "server/identification/pose_rows.h"
+#include "server/kinematics/angles.h"
 
 namespace driftwise::diagnosis {
 namespace {
@@ -13,13 +16,25 @@ using Eigen::Index;
 
 // Some rows of the robot, stacked by output, in summary units.
 struct Stacked {
-  Eigen::MatrixXd columns;  // parameters, then linear terms of each output
+  Eigen::MatrixXd columns;  // parameters, linear terms of each output, joint turns
   Eigen::VectorXd left;     // measured minus the identified robot
 };
 
+// Column of the parameter that turns a joint.
+std::vector<Index> joint_columns(const kinematics::Mechanism& mechanism, const JointTurns& turns) {
+  std::vector<Index> columns;
+  for (const std::size_t joint : turns.joint) {
+    const std::string name = "link" + std::to_string(joint + 1) + ".theta_deg";
+    const auto& all = mechanism.parameters();
+    const auto found = std::ranges::find(all, name, &kinematics::Parameter::name);
+    columns.push_back(static_cast<Index>(found - all.begin()));
+  }
+  return columns;
+}
+
 Stacked stacked(const Dataset& marked, const Problem& problem,
                 const identification::Identification& identified,
-                const std::vector<std::size_t>& rows) {
+                const std::vector<std::size_t>& rows, const JointTurns& turns) {
   const auto& mechanism = *identified.mechanism;
   const auto data = identification::mechanism_data(marked, mechanism);
   const Eigen::VectorXd values = identified.values();
@@ -29,7 +44,9 @@ Stacked stacked(const Dataset& marked, const Problem& problem,
       identified.terms.empty() ? 0 : static_cast<Index>(identified.terms.size()) - 1;
   Eigen::MatrixXd linear;
   if (terms > 0) linear = *calibration::raw_columns(marked, identified.terms);
-  Stacked all{Eigen::MatrixXd::Zero(outputs * n, parameters + outputs * terms),
+  const auto turning = joint_columns(mechanism, turns);
+  const auto shapes = static_cast<Index>(turning.size());
+  Stacked all{Eigen::MatrixXd::Zero(outputs * n, parameters + outputs * terms + shapes),
               Eigen::VectorXd(outputs * n)};
   for (Index i = 0; i < n; ++i) {
     const auto row = static_cast<Index>(rows[static_cast<std::size_t>(i)]);
@@ -45,6 +62,10 @@ Stacked stacked(const Dataset& marked, const Problem& problem,
       if (terms > 0)
         all.columns.row(o * n + i).segment(parameters + o * terms, terms) =
             factor * linear.row(row).tail(terms);
+      for (Index k = 0; k < shapes; ++k)
+        all.columns(o * n + i, all.columns.cols() - shapes + k) =
+            factor * kinematics::deg_from_rad(turns.rad(row, k)) *
+            at.jacobian(o, turning[static_cast<std::size_t>(k)]);
     }
   }
   return all;
@@ -69,18 +90,22 @@ void decorrelate(const Eigen::MatrixXd& lower, Index n, Eigen::Ref<Eigen::Vector
 
 }  // namespace
 
+WhitenedGeometry plain_geometry(const Dataset& marked, const Problem& problem,
+                                const identification::Identification& identified,
+                                const JointTurns& turns) {
+  const auto learn = stacked(marked, problem, identified, problem.learn, turns);
+  const auto judge = stacked(marked, problem, identified, problem.judge, turns);
+  const Eigen::VectorXd back = deviations(identified, learn.columns.cols());
+  const Eigen::VectorXd y = learn.left + learn.columns * back;
+  return {learn.columns, y, learn.columns, judge.columns, y, judge.left + judge.columns * back};
+}
+
 std::optional<WhitenedGeometry> whitened_geometry(const Dataset& marked, const Problem& problem,
                                                   const identification::Identification& identified,
                                                   const std::function<bool()>& tick) {
-  const auto learn = stacked(marked, problem, identified, problem.learn);
-  const auto judge = stacked(marked, problem, identified, problem.judge);
-  const Eigen::VectorXd back = deviations(identified, learn.columns.cols());
-  WhitenedGeometry result{learn.columns,
-                          learn.left,
-                          learn.columns,
-                          judge.columns,
-                          learn.left + learn.columns * back,
-                          judge.left + judge.columns * back};
+  WhitenedGeometry result = plain_geometry(marked, problem, identified);
+  const Eigen::VectorXd back = deviations(identified, result.columns.cols());
+  result.y -= result.columns * back;
   const auto n = static_cast<Index>(problem.learn.size());
   const auto outputs = static_cast<Index>(problem.outputs.size());
   const auto shapes = noise_grid(problem.timeline);

@@ -14,12 +14,24 @@
 
 namespace driftwise::diagnosis {
 
+// Turns of an arm's joints that are not among its parameters.
+struct JointTurns {
+  Eigen::MatrixXd rad;             // every row of the dataset x shapes
+  std::vector<std::size_t> joint;  // of each shape, from 0
+};
+
 struct WhitenedGeometry {
-  Eigen::MatrixXd columns;         // white: parameters, then further linear terms of each output
+  // White: parameters, then further linear terms of each output, then joint turns per unit.
+  Eigen::MatrixXd columns;
   Eigen::VectorXd y;               // white: measured minus the nominal robot
   Eigen::MatrixXd raw, raw_judge;  // the same columns in summary units; on the judging rows
   Eigen::VectorXd y_raw, y_raw_judge;
 };
+
+// The same without whitening: columns and y are the raw ones.
+WhitenedGeometry plain_geometry(const Dataset& marked, const Problem& problem,
+                                const identification::Identification& identified,
+                                const JointTurns& turns = {});
 
 // Derivatives at `identified`; the discrepancy is that of the parameters' nominal values, where the
 // robot was placed (identified's placement). Nothing: tick said false.

@@ -10,6 +10,7 @@
 #include "server/core/try.h"
 #include "server/kinematics/angles.h"
 #include "server/kinematics/frame.h"
+#include "server/kinematics/joint_errors.h"
 
 namespace driftwise::kinematics {
 namespace {
@@ -39,6 +40,21 @@ Result<void> check_arm(const KinematicsDescription& description) {
   for (const auto& link : description.links)
     if (link.motor.unit != "rad" && link.motor.unit != "deg")
       return bad("found " + link.motor.name() + ", expected a joint angle in rad or deg");
+  const bool masses = has_masses(description);
+  for (const auto& link : description.links) {
+    if (masses ? link.errors.sag_urad_per_m != 0 : link.errors.sag_urad_per_newton_m != 0)
+      return bad(masses ? "found sag_urad_per_m in an arm with masses, expected "
+                          "sag_urad_per_newton_m"
+                        : "found sag_urad_per_newton_m in an arm without masses, expected "
+                          "sag_urad_per_m, or mass_kg in its links");
+    const auto& channel = link.errors.drift_channel;
+    if (!channel.symbol.empty() && channel.unit != "degC" && channel.unit != "K")
+      return bad("found drift_channel " + channel.name() + ", expected a temperature");
+    if (channel.symbol.empty() && link.errors.drift_arcsec_per_k != 0)
+      return bad("found drift_arcsec_per_k without drift_channel, expected both");
+  }
+  if (Eigen::Vector3d(description.gravity.data()).norm() < 1e-6)
+    return bad("found gravity of no direction, expected such as [0, 0, -1]");
   return {};
 }
 
@@ -59,6 +75,8 @@ Result<SerialArm> SerialArm::create(const KinematicsDescription& description) {
   auto& all = arm.parameters_;
   auto& chain = arm.chain_;
   const double reach = reach_of_arm_mm(description);
+  arm.reach_mm_ = reach;
+  arm.has_errors_ = has_joint_errors(description);
   const double angle = deg_from_rad(kNaturalLength_mm / reach);
   const auto parameter = [&](const std::string& name, double nominal, double natural, int rank) {
     all.push_back({name, nominal, natural, rank});
@@ -92,6 +110,7 @@ Result<SerialArm> SerialArm::create(const KinematicsDescription& description) {
     arm.inputs_.push_back(link.motor);
     arm.rad_per_unit_.push_back(link.motor.unit == "deg" ? kRadPerDeg : 1.0);
   }
+  for (const auto& channel : drift_channels(description)) arm.inputs_.push_back(channel);
   const std::array<std::pair<const char*, double>, 3> tool = {
       {{"tool.x_mm", description.tool_x_mm},
        {"tool.y_mm", description.tool_y_mm},
@@ -105,6 +124,26 @@ Result<SerialArm> SerialArm::create(const KinematicsDescription& description) {
   return arm;
 }
 
+std::vector<double> SerialArm::motions(std::span<const double> inputs,
+                                       const Eigen::VectorXd& values) const {
+  std::array<double, kMostLinks> angles{};
+  for (std::size_t j = 0; j < joints(); ++j) angles[j] = inputs[j] * rad_per_unit_[j];
+  if (has_errors_) {
+    const Eigen::VectorXd turns =
+        joint_turns_rad(description_, {angles.data(), joints()}, inputs.subspan(joints()));
+    for (std::size_t j = 0; j < joints(); ++j) angles[j] += turns[static_cast<Eigen::Index>(j)];
+  }
+  std::vector<double> all;
+  all.reserve(chain_.size());
+  for (const auto& element : chain_) {
+    double by = element.parameter < 0 ? element.fixed : values[element.parameter];
+    if (element.parameter >= 0 && element.kind == Kind::turn) by = rad_from_deg(by);
+    if (element.joint >= 0) by += angles[static_cast<std::size_t>(element.joint)];
+    all.push_back(by);
+  }
+  return all;
+}
+
 // Each parameter turns or shifts everything behind it about or along one axis of the frame reached
 // so far, so its column is axis x (point - origin), or the axis itself.
 Prediction SerialArm::evaluate(std::span<const double> inputs, const Eigen::VectorXd& values,
@@ -115,20 +154,15 @@ Prediction SerialArm::evaluate(std::span<const double> inputs, const Eigen::Vect
   std::array<Passed, kMostParameters> passed;
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
-  for (const auto& element : chain_) {
-    double by = element.parameter < 0 ? element.fixed : values[element.parameter];
-    if (element.parameter >= 0) {
+  const auto motion = motions(inputs, values);
+  for (std::size_t e = 0; e < chain_.size(); ++e) {
+    const auto& element = chain_[e];
+    if (element.parameter >= 0)
       passed[static_cast<std::size_t>(element.parameter)] = {axes.col(element.axis), origin};
-      if (element.kind == Kind::turn) by = rad_from_deg(by);
-    }
-    if (element.joint >= 0) {
-      const auto joint = static_cast<std::size_t>(element.joint);
-      by += inputs[joint] * rad_per_unit_[joint];
-    }
     if (element.kind == Kind::turn)
-      turn_axes(axes, element.axis, by);
+      turn_axes(axes, element.axis, motion[e]);
     else
-      origin += by * axes.col(element.axis);
+      origin += motion[e] * axes.col(element.axis);
   }
   Prediction prediction;
   prediction.value = origin;
@@ -143,6 +177,36 @@ Prediction SerialArm::evaluate(std::span<const double> inputs, const Eigen::Vect
       prediction.jacobian.col(element.parameter) = axis;
   }
   return prediction;
+}
+
+SerialArm::Posture SerialArm::posture(std::span<const double> inputs,
+                                      const Eigen::VectorXd& values) const {
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  Eigen::Matrix3Xd joint_axes(3, static_cast<Eigen::Index>(joints())), joint_origins = joint_axes;
+  const auto motion = motions(inputs, values);
+  for (std::size_t e = 0; e < chain_.size(); ++e) {
+    const auto& element = chain_[e];
+    if (element.joint >= 0) {
+      joint_axes.col(element.joint) = axes.col(element.axis);
+      joint_origins.col(element.joint) = origin;
+    }
+    if (element.kind == Kind::turn)
+      turn_axes(axes, element.axis, motion[e]);
+    else
+      origin += motion[e] * axes.col(element.axis);
+  }
+  Posture result;
+  result.tool = Eigen::Isometry3d::Identity();
+  result.tool.linear() = axes;
+  result.tool.translation() = origin;
+  result.jacobian.resize(6, joint_axes.cols());
+  for (Eigen::Index j = 0; j < joint_axes.cols(); ++j) {
+    result.jacobian.col(j).head<3>() =
+        joint_axes.col(j).cross(Eigen::Vector3d(origin - joint_origins.col(j)));
+    result.jacobian.col(j).tail<3>() = joint_axes.col(j);
+  }
+  return result;
 }
 
 }  // namespace driftwise::kinematics

@@ -12,6 +12,11 @@
 // Conf. on Decision and Control (1983) 1477; J. M. Hollerbach, C. W. Wampler, Int. J. Robotics
 // Research 15 (1996) 573 on the number of identifiable parameters.
 
+// Errors of the joints beyond the drawing (joint_errors.h) turn each joint by what they give at the
+// angles read back; temperatures that they read are inputs behind the joints.
+
+#include <Eigen/Geometry>
+
 #include "server/kinematics/mechanism.h"
 
 namespace driftwise::kinematics {
@@ -19,6 +24,19 @@ namespace driftwise::kinematics {
 class SerialArm final : public Mechanism {
  public:
   static Result<SerialArm> create(const KinematicsDescription& description);
+
+  std::size_t joints() const { return rad_per_unit_.size(); }
+  double rad_per_unit(std::size_t joint) const { return rad_per_unit_[joint]; }
+  double reach_mm() const { return reach_mm_; }
+
+  struct Posture {
+    Eigen::Isometry3d tool;  // in the measuring frame: the point, and the last link's axes
+    // 6 x joints: the point's motion, mm per rad, and the turn, rad per rad, of each joint alone.
+    // The errors of the joints count as constant.
+    Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian;
+  };
+  // inputs, values: as for predict().
+  Posture posture(std::span<const double> inputs, const Eigen::VectorXd& values) const;
 
  private:
   using Mechanism::Mechanism;
@@ -34,8 +52,13 @@ class SerialArm final : public Mechanism {
     double fixed;   // where it is
     int joint;      // whose angle is added, -1: none
   };
+  // Angle or way of each element. inputs, values: as for predict().
+  std::vector<double> motions(std::span<const double> inputs, const Eigen::VectorXd& values) const;
+
   std::vector<Element> chain_;
   std::vector<double> rad_per_unit_;  // of each joint
+  double reach_mm_ = 1;               // stretched out
+  bool has_errors_ = false;
 };
 
 }  // namespace driftwise::kinematics

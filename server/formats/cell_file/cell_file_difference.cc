@@ -116,6 +116,10 @@ void add_kinematics(const CellDescription& cell, Parts& parts) {
       {"tool_mm", text_of(std::array{robot.tool_x_mm, robot.tool_y_mm, robot.tool_z_mm})},
       {"frame_mm", text_of(std::array{frame.x_mm, frame.y_mm, frame.z_mm})},
       {"frame_deg", text_of(std::array{frame.rx_deg, frame.ry_deg, frame.rz_deg})}};
+  if (robot.kind == "serial-arm") {
+    part.values["gravity"] = text_of(robot.gravity);
+    part.values["tool_mass_kg"] = text_of(robot.tool_mass_kg);
+  }
   std::string hold;
   for (const auto& one : robot.hold) hold += (hold.empty() ? "" : ", ") + one;
   part.values["hold"] = hold;
@@ -129,13 +133,27 @@ void add_kinematics(const CellDescription& cell, Parts& parts) {
          {"tilt_tangential_deg", text_of(branch.tilt_tangential_deg)},
          {"scale_ppm", text_of(branch.scale_ppm)}},
         all};
-  for (const auto& link : robot.links)
-    parts["kinematics link " + link.motor.name()] = {{{"theta_deg", text_of(link.theta_deg)},
-                                                      {"d_mm", text_of(link.d_mm)},
-                                                      {"a_mm", text_of(link.a_mm)},
-                                                      {"alpha_deg", text_of(link.alpha_deg)},
-                                                      {"beta_deg", text_of(link.beta_deg)}},
-                                                     all};
+  for (const auto& link : robot.links) {
+    const auto& errors = link.errors;
+    parts["kinematics link " + link.motor.name()] = {
+        {{"theta_deg", text_of(link.theta_deg)},
+         {"d_mm", text_of(link.d_mm)},
+         {"a_mm", text_of(link.a_mm)},
+         {"alpha_deg", text_of(link.alpha_deg)},
+         {"beta_deg", text_of(link.beta_deg)},
+         {"mass_kg", text_of(link.mass_kg)},
+         {"mass_centre_mm", text_of(link.mass_centre_mm)},
+         {"sag_urad_per_m", text_of(errors.sag_urad_per_m)},
+         {"sag_urad_per_newton_m", text_of(errors.sag_urad_per_newton_m)},
+         {"play_arcsec", text_of(errors.play_arcsec)},
+         {"gear_arcsec", text_of(std::array{errors.gear_cos1_arcsec, errors.gear_sin1_arcsec,
+                                            errors.gear_cos2_arcsec, errors.gear_sin2_arcsec})},
+         {"drift", errors.drift_channel.symbol.empty()
+                       ? ""
+                       : errors.drift_channel.name() + " " + text_of(errors.drift_arcsec_per_k) +
+                             " arcsec/K from " + text_of(errors.drift_from_degC) + " degC"}},
+        all};
+  }
   for (const auto& axis : robot.axes)
     parts["kinematics axis " + axis.motor.name()] = {{{"pose", axis.pose.name()},
                                                       {"offset_mm", text_of(axis.offset_mm)},

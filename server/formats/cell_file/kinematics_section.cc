@@ -11,6 +11,10 @@ constexpr Range kLength_mm{.min = -1e5, .max = 1e5};
 constexpr Range kPositive_mm{.min = 0, .max = 1e5, .above_min = true};
 constexpr Range kAngle_deg{.min = -360, .max = 360};
 constexpr Range kScale_ppm{.min = -1e5, .max = 1e5};
+constexpr Range kMass_kg{.min = 0, .max = 1e4};
+constexpr Range kSag_urad{.min = -1e5, .max = 1e5};
+constexpr Range kJoint_arcsec{.min = -36000, .max = 36000};
+constexpr Range kTemperature_degC{.min = -100, .max = 200};
 
 void read_motor(TomlReader& reader, Channel& out) {
   reader.channel("motor", out, Need::required);
@@ -38,6 +42,19 @@ void read_link(TomlReader&& reader, ArmLink& out) {
   reader.number("a_mm", out.a_mm, kLength_mm, Need::required);
   reader.number("alpha_deg", out.alpha_deg, kAngle_deg, Need::required);
   reader.number("beta_deg", out.beta_deg, kAngle_deg);
+  reader.number("mass_kg", out.mass_kg, kMass_kg);
+  reader.vector3("mass_centre_mm", out.mass_centre_mm, kLength_mm.max);
+  JointErrors& errors = out.errors;
+  reader.number("sag_urad_per_m", errors.sag_urad_per_m, kSag_urad);
+  reader.number("sag_urad_per_newton_m", errors.sag_urad_per_newton_m, kSag_urad);
+  reader.number("play_arcsec", errors.play_arcsec, kJoint_arcsec);
+  reader.number("gear_cos1_arcsec", errors.gear_cos1_arcsec, kJoint_arcsec);
+  reader.number("gear_sin1_arcsec", errors.gear_sin1_arcsec, kJoint_arcsec);
+  reader.number("gear_cos2_arcsec", errors.gear_cos2_arcsec, kJoint_arcsec);
+  reader.number("gear_sin2_arcsec", errors.gear_sin2_arcsec, kJoint_arcsec);
+  reader.channel("drift_channel", errors.drift_channel, Need::optional);
+  reader.number("drift_arcsec_per_k", errors.drift_arcsec_per_k, kJoint_arcsec);
+  reader.number("drift_from_degC", errors.drift_from_degC, kTemperature_degC);
   reader.finish();
 }
 
@@ -73,6 +90,25 @@ void append_unless_zero(std::string& text, const char* key, double value) {
   if (value != 0) append_line(text, key, value);
 }
 
+void append_vector(std::string& text, const char* key, const std::array<double, 3>& values) {
+  text += std::string(key) + " = [" + number_text(values[0]) + ", " + number_text(values[1]) +
+          ", " + number_text(values[2]) + "]\n";
+}
+
+void append_errors(std::string& text, const JointErrors& errors) {
+  append_unless_zero(text, "sag_urad_per_m", errors.sag_urad_per_m);
+  append_unless_zero(text, "sag_urad_per_newton_m", errors.sag_urad_per_newton_m);
+  append_unless_zero(text, "play_arcsec", errors.play_arcsec);
+  append_unless_zero(text, "gear_cos1_arcsec", errors.gear_cos1_arcsec);
+  append_unless_zero(text, "gear_sin1_arcsec", errors.gear_sin1_arcsec);
+  append_unless_zero(text, "gear_cos2_arcsec", errors.gear_cos2_arcsec);
+  append_unless_zero(text, "gear_sin2_arcsec", errors.gear_sin2_arcsec);
+  if (errors.drift_channel.symbol.empty()) return;
+  text += "drift_channel = \"" + errors.drift_channel.name() + "\"\n";
+  append_line(text, "drift_arcsec_per_k", errors.drift_arcsec_per_k);
+  append_line(text, "drift_from_degC", errors.drift_from_degC);
+}
+
 }  // namespace
 
 void read_kinematics(const toml::table& table, KinematicsDescription& out, TomlProblem& problem) {
@@ -98,6 +134,8 @@ void read_kinematics(const toml::table& table, KinematicsDescription& out, TomlP
     reader.number("tool_x_mm", out.tool_x_mm, kLength_mm);
     reader.number("tool_y_mm", out.tool_y_mm, kLength_mm);
     reader.number("tool_z_mm", out.tool_z_mm, kLength_mm);
+    reader.number("tool_mass_kg", out.tool_mass_kg, kMass_kg);
+    reader.vector3("gravity", out.gravity, 1e3);
   } else {
     for (const auto* one : reader.tables("axis")) {
       auto& axis = out.axes.emplace_back();
@@ -147,6 +185,9 @@ std::string write_robot_file(const KinematicsDescription& description) {
   append_unless_zero(text, "tool_x_mm", description.tool_x_mm);
   append_unless_zero(text, "tool_y_mm", description.tool_y_mm);
   append_unless_zero(text, "tool_z_mm", description.tool_z_mm);
+  append_unless_zero(text, "tool_mass_kg", description.tool_mass_kg);
+  if (description.gravity != KinematicsDescription{}.gravity)
+    append_vector(text, "gravity", description.gravity);
   if (!description.hold.empty()) {
     text += "hold = [";
     for (std::size_t i = 0; i < description.hold.size(); ++i)
@@ -179,6 +220,10 @@ std::string write_robot_file(const KinematicsDescription& description) {
     append_line(text, "a_mm", link.a_mm);
     append_line(text, "alpha_deg", link.alpha_deg);
     append_unless_zero(text, "beta_deg", link.beta_deg);
+    append_unless_zero(text, "mass_kg", link.mass_kg);
+    if (link.mass_centre_mm != ArmLink{}.mass_centre_mm)
+      append_vector(text, "mass_centre_mm", link.mass_centre_mm);
+    append_errors(text, link.errors);
   }
   for (const auto& axis : description.axes) {
     text += "\n[[kinematics.axis]]\nmotor = \"" + axis.motor.name() + "\"\npose = \"" +

@@ -233,6 +233,10 @@ constexpr auto kExamples = std::to_array<Example>({
     {"target", "driftwise target x=1.5", "motor coordinates for a pose"},
     {"target", "driftwise target x=0.5 y=0 z=1 rx=0 force=0.768 --budget",
      "with what the uncertainty is made of"},
+    {"target",
+     "driftwise target --kinematics identified.toml x=600 y=300 z=500 rx_deg=180 ry_deg=0 "
+     "rz_deg=90 --near q2=-1.6,q3=-1.6",
+     "joint angles of a serial arm, with its joints' errors in; no daemon"},
     {"target", "driftwise target x=1.5 --watch --json", "one line whenever the conditions change"},
     {"target map", "driftwise target map --axis x --axis y=0:2.5:11 z=1",
      "the correction over a plane, in nm"},

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "clients/cli/commands/targets/arm_target.h"
 #include "clients/cli/commands/targets/target_map_command.h"
 #include "clients/cli/core/assignment.h"
 #include "clients/cli/core/proto_json.h"
@@ -18,7 +19,8 @@ namespace {
 using TargetStub = v1::TargetService::Stub;
 
 struct TargetArguments {
-  std::vector<std::string> pose;
+  std::vector<std::string> pose, near;
+  std::string kinematics;
   double every_s = 0;
   bool budget = false, watch = false;
 };
@@ -180,6 +182,7 @@ void add_target_command(CLI::App& app, Session& session) {
       if (a->pose.empty())
         throw Failure{ExitCode::usage, "usage", "USAGE",
                       "target of which pose? give it: driftwise target x=1.5"};
+      if (!a->kinematics.empty()) return arm_target(session, {a->kinematics, a->pose, a->near});
       v1::ComputeTargetRequest request;
       *request.mutable_pose() = assignments_from(a->pose);
       request.set_with_budget(a->budget);
@@ -188,6 +191,12 @@ void add_target_command(CLI::App& app, Session& session) {
     };
   });
   command.add_option("POSE", a->pose, "x=1.5 ..., mm, arcsec, N");
+  auto* kinematics = command.add_option(
+      "--kinematics", a->kinematics,
+      "of a serial arm, without a daemon: robot file, such as diagnose --robot-out writes");
+  command.add_option("--near", a->near, "q1=0.2,...: of all solutions the nearest to these angles")
+      ->delimiter(',')
+      ->needs(kinematics);
   command.add_flag("--budget", a->budget, "what the uncertainty is made of");
   auto* watch =
       command.add_flag("--watch", a->watch, "again whenever the conditions change, one line each");

@@ -1,0 +1,178 @@
+#include "server/kinematics/arm_inverse.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <string>
+
+#include "server/core/reasons.h"
+#include "server/core/units.h"
+
+namespace driftwise::kinematics {
+namespace {
+
+using Eigen::Index;
+using Matrix6X = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+
+constexpr int kStarts = 256, kMostSteps = 60;
+constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kConverged_mm = 1e-9;  // a picometre; turns times the reach count like lengths
+constexpr double kAlike_rad = 1e-5;     // two solutions that are one
+constexpr double kParallel = 0.05;      // sine between two axes
+constexpr double kOfJoint1 = 0.3;       // share of the motion that does not move the tool
+
+double nearest_turn(double angle, double to) {
+  return angle - kTurn * std::round((angle - to) / kTurn);
+}
+
+class Solver {
+ public:
+  Solver(const SerialArm& arm, const Eigen::VectorXd& values, const WantedPose& wanted,
+         std::span<const double> temperatures)
+      : arm_(arm), values_(values), wanted_(wanted), inputs_(arm.inputs().size(), 0) {
+    std::ranges::copy(temperatures, inputs_.begin() + static_cast<std::ptrdiff_t>(arm.joints()));
+  }
+
+  SerialArm::Posture posture(const Eigen::VectorXd& angles) {
+    for (std::size_t j = 0; j < arm_.joints(); ++j)
+      inputs_[j] = angles[static_cast<Index>(j)] / arm_.rad_per_unit(j);
+    return arm_.posture(inputs_, values_);
+  }
+
+  // mm; the turn that is missing, times the reach.
+  Eigen::VectorXd missing(const SerialArm::Posture& at) const {
+    Eigen::VectorXd miss(rows());
+    miss.head<3>() = wanted_.point_mm - at.tool.translation();
+    if (wanted_.axes) {
+      const Eigen::AngleAxisd turn(Eigen::Matrix3d(*wanted_.axes * at.tool.linear().transpose()));
+      miss.tail<3>() = arm_.reach_mm() * turn.angle() * turn.axis();
+    }
+    return miss;
+  }
+
+  Eigen::MatrixXd jacobian(const SerialArm::Posture& at) const {
+    Eigen::MatrixXd scaled = at.jacobian.topRows(rows());
+    if (rows() == 6) scaled.bottomRows(3) *= arm_.reach_mm();
+    return scaled;
+  }
+
+  std::optional<Eigen::VectorXd> solve(Eigen::VectorXd angles) {
+    auto at = posture(angles);
+    Eigen::VectorXd miss = missing(at);
+    double damping = 1e-3;
+    for (int step = 0; step < kMostSteps; ++step) {
+      if (miss.norm() < kConverged_mm) return angles;
+      const Eigen::MatrixXd j = jacobian(at);
+      Eigen::MatrixXd normal = j.transpose() * j;
+      normal.diagonal().array() += damping * normal.diagonal().maxCoeff();
+      const Eigen::VectorXd tried = angles + normal.ldlt().solve(j.transpose() * miss);
+      const auto there = posture(tried);
+      const Eigen::VectorXd left = missing(there);
+      if (left.norm() < miss.norm()) {
+        angles = tried, at = there, miss = left;
+        damping = std::max(damping / 10, 1e-14);
+      } else {
+        damping *= 10;
+        if (damping > 1e6) break;
+      }
+    }
+    if (miss.norm() < 10 * kConverged_mm) return angles;
+    return std::nullopt;
+  }
+
+ private:
+  Index rows() const { return wanted_.axes ? 6 : 3; }
+
+  const SerialArm& arm_;
+  const Eigen::VectorXd& values_;
+  const WantedPose& wanted_;
+  std::vector<double> inputs_;
+};
+
+// By the axes where two of the wrist stand parallel, else by the joints that can turn without
+// moving the tool.
+std::string name_of_singularity(const Matrix6X& jacobian, const Eigen::VectorXd& still) {
+  const Index joints = jacobian.cols();
+  if (joints == 6) {
+    const Eigen::Vector3d fourth = jacobian.col(3).tail<3>(), sixth = jacobian.col(5).tail<3>();
+    if (fourth.cross(sixth).norm() < kParallel)
+      return "wrist: the axes of joints 4 and 6 are parallel";
+  }
+  if (std::abs(still[0]) > kOfJoint1) return "shoulder: the wrist is over the axis of joint 1";
+  return "elbow: the arm is stretched or folded";
+}
+
+}  // namespace
+
+Result<JointSolution> nearest_joints(const SerialArm& arm, const Eigen::VectorXd& values,
+                                     const WantedPose& wanted, std::span<const double> near,
+                                     std::span<const double> temperatures) {
+  const std::size_t joints = arm.joints();
+  if (joints != 3 && joints != 6)
+    return fail(ErrorCode::invalid_argument, reasons::kBadKinematics,
+                "found " + std::to_string(joints) +
+                    " joints: an inverse solution needs 3 (a point) or 6 (a point and axes)");
+  if ((joints == 6) != wanted.axes.has_value())
+    return fail(ErrorCode::invalid_argument, reasons::kBadKinematics,
+                joints == 6 ? "six joints need rx, ry and rz beside x, y and z"
+                            : "three joints reach a point: leave out rx, ry and rz");
+  Solver solver(arm, values, wanted, temperatures);
+  Eigen::VectorXd start(static_cast<Index>(joints));
+  for (std::size_t j = 0; j < joints; ++j)
+    start[static_cast<Index>(j)] = near[j] * arm.rad_per_unit(j);
+  std::vector<Eigen::VectorXd> found;
+  const auto take = [&](std::optional<Eigen::VectorXd> solution) {
+    if (!solution) return;
+    for (Index j = 0; j < start.size(); ++j)
+      (*solution)[j] = nearest_turn((*solution)[j], start[j]);
+    for (const auto& other : found) {
+      double apart = 0;
+      for (Index j = 0; j < start.size(); ++j)
+        apart = std::max(apart, std::abs(nearest_turn(other[j] - (*solution)[j], 0)));
+      if (apart < kAlike_rad) return;
+    }
+    found.push_back(std::move(*solution));
+  };
+  take(solver.solve(start));
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> anywhere(-std::numbers::pi, std::numbers::pi);
+  for (int i = 0; i < kStarts; ++i) {
+    Eigen::VectorXd from(start.size());
+    for (double& angle : from) angle = anywhere(random);
+    take(solver.solve(std::move(from)));
+  }
+  if (found.empty())
+    return fail(ErrorCode::out_of_range, reasons::kNoPose,
+                "no joint angles reach x " + std::to_string(wanted.point_mm.x()) + ", y " +
+                    std::to_string(wanted.point_mm.y()) + ", z " +
+                    std::to_string(wanted.point_mm.z()) +
+                    " mm with these axes: the arm's reach is " + std::to_string(arm.reach_mm()) +
+                    " mm from its base");
+  const auto& best = *std::ranges::min_element(
+      found, {}, [&](const Eigen::VectorXd& one) { return (one - start).norm(); });
+  const auto at = solver.posture(best);
+  const Eigen::MatrixXd scaled = solver.jacobian(at) / arm.reach_mm();
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  JointSolution result;
+  result.least_motion = svd.singularValues().minCoeff();
+  if (result.least_motion < kLeastMotion)
+    return fail(ErrorCode::failed_precondition, reasons::kNoPose,
+                "near a singular pose (" +
+                    name_of_singularity(at.jacobian, svd.matrixV().col(start.size() - 1)) +
+                    "): a turn of the joints moves the tool by " +
+                    std::to_string(result.least_motion) + " of the reach per radian, less than " +
+                    std::to_string(kLeastMotion) +
+                    "; choose another pose or other angles to be near to");
+  for (std::size_t j = 0; j < joints; ++j)
+    result.joints.push_back(best[static_cast<Index>(j)] / arm.rad_per_unit(j));
+  const Eigen::VectorXd miss = solver.missing(at);
+  result.miss_nm = nm_from_mm(miss.head<3>().norm());
+  if (wanted.axes) result.miss_arcsec = arcsec_from_rad(miss.tail<3>().norm() / arm.reach_mm());
+  result.solutions = static_cast<int>(found.size());
+  return result;
+}
+
+}  // namespace driftwise::kinematics
