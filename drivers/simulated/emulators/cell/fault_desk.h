@@ -18,6 +18,7 @@
 //                                       or N
 //   fault clear [<device>]              mute, garble, slow and the lie end
 //   load <newton>                       a person changes the weights by hand
+//   open <n> s                          a person opens the box over the robot for so long
 //   truth?                              what really is, as one line of JSON
 //   time?                               cell time in ns
 //   help
@@ -46,6 +47,7 @@ struct FaultHooks {  // an empty one answers "ERR this cell cannot do that"
   std::function<void(TimeNs from, TimeNs until, double amplitude_nm)> disturb;
   // form: jump, scale, value or constant; empty: the truth again, of all. false: no such device.
   std::function<bool(const std::string& device, const std::string& form, double amount)> lie;
+  std::function<bool(double for_s, TimeNs now)> open_box;  // false: there is none
   std::function<std::string(TimeNs now)> truth_json;
 };
 
@@ -66,6 +68,7 @@ class FaultDesk : public Emulator {
   // Faults of what is measured; nullopt: another kind of fault.
   std::optional<std::string> world_fault(const std::vector<std::string_view>& words, TimeNs now);
   std::string lie(const std::vector<std::string_view>& words);
+  std::string open_box(const std::vector<std::string_view>& words, TimeNs now);
   std::string hang(const std::vector<std::string_view>& words, TimeNs now);
 
   DeviceBench& bench_;

@@ -7,13 +7,15 @@
 #include <string_view>
 #include <variant>
 
+#include "drivers/simulated/plant/delta_cube/delta_cube_parameters.h"
 #include "drivers/simulated/plant/linear_axis/linear_axis_parameters.h"
 #include "drivers/simulated/plant/micro_nano/micro_nano_parameters.h"
 #include "drivers/simulated/plant/min_angle/min_angle_parameters.h"
 
 namespace driftwise::simulated {
 
-using PlantParameters = std::variant<LinearAxisParameters, MicroNanoParameters, MinAngleParameters>;
+using PlantParameters = std::variant<LinearAxisParameters, MicroNanoParameters, MinAngleParameters,
+                                     DeltaCubeParameters>;
 
 // Throws PlantFileError (make_plant.h).
 PlantParameters read_plant_file(const std::filesystem::path& file,
