@@ -5,6 +5,7 @@
 
 #include "clients/cli/commands/data/remark_commands.h"
 #include "clients/cli/commands/models/check_command.h"
+#include "clients/cli/commands/models/ladder_commands.h"
 #include "clients/cli/commands/models/method_commands.h"
 #include "clients/cli/commands/models/residuals_command.h"
 #include "clients/cli/commands/models/sensors_command.h"
@@ -221,6 +222,9 @@ void add_model_commands(CLI::App& app, Session& session) {
   promoting.add_flag("--dry-run", a->dry_run, "say which model it would be, change nothing");
   add_check_command(model, session);
   add_sensors_command(model, session);
+  add_grow_command(model, session);
+  add_points_command(model, session);
+  add_table_command(model, session);
   add_residuals_command(model, session);
   add_command(model, session, "rollback", "The model that served before serves again",
               [&session] { return roll_back(session); });
