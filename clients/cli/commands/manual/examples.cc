@@ -215,6 +215,7 @@ constexpr auto kExamples = std::to_array<Example>({
      "what each thermometer fewer costs"},
     {"model sensors", "driftwise model sensors --run 17 --model 'q ~ poly(x, 2) + T'",
      "of a run; the daemon tries every set"},
+    {"procedure", "driftwise procedure", "what is done, what is missing, where to go back"},
     {"model grow", "driftwise model grow data.csv", "which terms, by rows held out"},
     {"model grow", "driftwise model grow --run 17 --together line --folds 5",
      "of a run, whole lines held out"},
