@@ -26,6 +26,7 @@
 #include "clients/cli/commands/models/formula_commands.h"
 #include "clients/cli/commands/models/model_commands.h"
 #include "clients/cli/commands/plans/plan_commands.h"
+#include "clients/cli/commands/procedure/procedure_command.h"
 #include "clients/cli/commands/queue/queue_commands.h"
 #include "clients/cli/commands/record/audit_commands.h"
 #include "clients/cli/commands/record/backup_commands.h"
@@ -167,6 +168,7 @@ void add_everything(CLI::App& app, Session& session) {
   add_diagnosis_commands(app, session);
   add_improve_commands(app, session);
   add_model_commands(app, session);
+  add_procedure_command(app, session);
   add_plan_commands(app, session);
   add_indent_commands(app, session);
   add_target_command(app, session);

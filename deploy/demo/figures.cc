@@ -145,4 +145,19 @@ double TruthTable::mean_at_rest(const std::string& name, std::int64_t middle_ns,
   return sum / count;
 }
 
+const DatasetColumn& need_column(const Dataset& data, const std::string& symbol) {
+  const auto* column = data.find(symbol);
+  if (!column) throw std::runtime_error("a run has no column " + symbol);
+  return *column;
+}
+
+bool is_zero_row(const Dataset& data, std::size_t row) {
+  return !data.zero.empty() && data.zero[row] != 0;
+}
+
+std::array<double, 3> commanded_mm(const Dataset& data, std::size_t row) {
+  return {need_column(data, "q1_cmd").values[row], need_column(data, "q2_cmd").values[row],
+          need_column(data, "q3_cmd").values[row]};
+}
+
 }  // namespace driftwise::demo

@@ -60,4 +60,33 @@ class TruthTable {
   std::size_t column(const std::string& name) const;
 };
 
+// Throws std::runtime_error where there is none.
+const DatasetColumn& need_column(const Dataset& data, const std::string& symbol);
+bool is_zero_row(const Dataset& data, std::size_t row);
+std::array<double, 3> commanded_mm(const Dataset& data, std::size_t row);
+
+// The truth of the rows of one run, counted from its first return to zero.
+class TruthOfRun {
+ public:
+  TruthOfRun(const Dataset& data, const std::string& path, const TruthTable& truth)
+      : data_(data), truth_(truth), zero_ns_(time_zero_ns(data, path)) {
+    while (first_zero_ < data.rows && !is_zero_row(data, first_zero_)) ++first_zero_;
+    if (first_zero_ == data.rows) throw std::runtime_error(path + ": no return to zero");
+  }
+  double at(const std::string& column, std::size_t row) const {
+    return mean(column, row) - mean(column, first_zero_);
+  }
+
+ private:
+  double mean(const std::string& column, std::size_t row) const {
+    return truth_.mean_at_rest(column,
+                               zero_ns_ + static_cast<std::int64_t>(data_.time_s[row] * 1e9),
+                               commanded_mm(data_, row));
+  }
+  const Dataset& data_;
+  const TruthTable& truth_;
+  std::int64_t zero_ns_;
+  std::size_t first_zero_ = 0;
+};
+
 }  // namespace driftwise::demo

@@ -40,21 +40,6 @@ std::vector<Wanted> read_wanted(const std::string& path) {
   return all;
 }
 
-const DatasetColumn& need_column(const Dataset& data, const std::string& symbol) {
-  const auto* column = data.find(symbol);
-  if (!column) throw std::runtime_error("a run has no column " + symbol);
-  return *column;
-}
-
-bool is_zero_row(const Dataset& data, std::size_t row) {
-  return !data.zero.empty() && data.zero[row] != 0;
-}
-
-std::array<double, 3> commanded_mm(const Dataset& data, std::size_t row) {
-  return {need_column(data, "q1_cmd").values[row], need_column(data, "q2_cmd").values[row],
-          need_column(data, "q3_cmd").values[row]};
-}
-
 // The pose of a row, by the motor coordinates that were commanded.
 const Wanted& wanted_of(const std::vector<Wanted>& all, const Dataset& data, std::size_t row) {
   constexpr double kSame_mm = 1e-4;
@@ -66,30 +51,6 @@ const Wanted& wanted_of(const std::vector<Wanted>& all, const Dataset& data, std
   }
   throw std::runtime_error("a row stands at motor coordinates that nobody asked for");
 }
-
-// The truth of the rows of one run, counted from its first return to zero.
-class TruthOfRun {
- public:
-  TruthOfRun(const Dataset& data, const std::string& path, const TruthTable& truth)
-      : data_(data), truth_(truth), zero_ns_(time_zero_ns(data, path)) {
-    while (first_zero_ < data.rows && !is_zero_row(data, first_zero_)) ++first_zero_;
-    if (first_zero_ == data.rows) throw std::runtime_error(path + ": no return to zero");
-  }
-  double at(const std::string& column, std::size_t row) const {
-    return mean(column, row) - mean(column, first_zero_);
-  }
-
- private:
-  double mean(const std::string& column, std::size_t row) const {
-    return truth_.mean_at_rest(column,
-                               zero_ns_ + static_cast<std::int64_t>(data_.time_s[row] * 1e9),
-                               commanded_mm(data_, row));
-  }
-  const Dataset& data_;
-  const TruthTable& truth_;
-  std::int64_t zero_ns_;
-  std::size_t first_zero_ = 0;
-};
 
 // Wanted less measured, and wanted less true, of one coordinate of a run.
 struct Judged {

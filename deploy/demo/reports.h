@@ -24,6 +24,12 @@ void print_min_angle_rectification(const std::string& folder);
 // parasitic_{x,y}.json, ideal/model2.json and truth.csv
 void print_min_angle_tables(const std::string& folder);
 
+// join.json, joined.csv, configuration-{1,2,3}.csv and truth.csv; writes at_truth.csv: the joined
+// data with the true pose in its validation rows
+void print_delta_cube_join(const std::string& folder);
+// methods.json, methods_truth.json: driftwise.comparison.v1 of joined.csv and of at_truth.csv
+void print_delta_cube_methods(const std::string& folder);
+
 // sealed.json (driftwise-cellsim --sealed) and diagnosis.json. True: every cause was named.
 bool print_hidden(const std::string& folder);
 

@@ -26,7 +26,7 @@ as_root() {
   sudo "$@"
 }
 
-# install_missing build [test] [check] [web]: what deploy/packages.txt lists for these uses and dpkg does not have yet. A
+# install_missing build [test] [check] [web] [compare]: what deploy/packages.txt lists for these uses and dpkg does not have yet. A
 # package whose command is there already counts as installed, wherever it came from: a Node of one's own stays.
 install_missing() {
   command -v apt-get >/dev/null || die "this script installs Debian 12 packages and found no apt-get: install what deploy/packages.txt lists by hand"

@@ -185,6 +185,7 @@ FaultHooks hooks_of(CellPlant& plant, LyingPlant& lying, const CellOutline& outl
           return amplitude_nm * (std::sin(2.3 * t) + 0.7 * std::sin(0.83 * t * t));
         });
   };
+  hooks.open_box = [&plant](double for_s, TimeNs now) { return plant.open_box(for_s, now); };
   hooks.truth_json = [&plant](TimeNs now) { return truth_json(plant, now); };
   return hooks;
 }

@@ -8,11 +8,10 @@
 #include "server/calibration/design/design.h"
 #include "server/calibration/report/held_out_figure.h"
 #include "server/calibration/report/residual_statistics.h"
-#include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
 #include "server/effects/term_order.h"
-#include "server/identification/folds.h"
+#include "server/identification/bench.h"
 #include "server/identification/pose_rows.h"
 
 namespace driftwise::identification {
@@ -29,105 +28,6 @@ std::vector<std::string> symbols_read(const MethodOptions& options) {
       for (const auto& channel : *channels) symbols.push_back(channel.symbol);
   return symbols;
 }
-
-std::vector<std::size_t> rows_in(const Dataset& dataset, PointSet set) {
-  std::vector<std::size_t> rows;
-  for (std::size_t row = 0; row < dataset.rows; ++row)
-    if (dataset.set_of(row) == set && !dataset.is_excluded(row)) rows.push_back(row);
-  return rows;
-}
-
-Result<Eigen::MatrixXd> measured_outputs(const Dataset& dataset,
-                                         const std::vector<Channel>& outputs) {
-  Eigen::MatrixXd measured(static_cast<Index>(dataset.rows), static_cast<Index>(outputs.size()));
-  for (std::size_t o = 0; o < outputs.size(); ++o) {
-    const DatasetColumn* column = dataset.find(outputs[o].symbol);
-    if (column == nullptr)
-      return fail(ErrorCode::internal, reasons::kNoOutput, "no column " + outputs[o].name());
-    measured.col(static_cast<Index>(o)) = Eigen::Map<const Eigen::VectorXd>(
-        column->values.data(), static_cast<Index>(column->values.size()));
-  }
-  return measured;
-}
-
-Eigen::VectorXd picked(const Eigen::MatrixXd& errors, const std::vector<std::size_t>& rows,
-                       Index output) {
-  Eigen::VectorXd some(static_cast<Index>(rows.size()));
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    some[static_cast<Index>(i)] = errors(static_cast<Index>(rows[i]), output);
-  return some;
-}
-
-// Rows of a datum that was not in the training lose their mean: its zero was not to be known.
-void centre_new_datums(Eigen::VectorXd& errors, const std::vector<std::size_t>& rows,
-                       const std::vector<std::size_t>& train, const std::vector<double>& datums) {
-  std::set<double> known;
-  for (const std::size_t row : train) known.insert(datums[row]);
-  std::map<double, std::pair<double, int>> unknown;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (known.contains(datums[rows[i]])) continue;
-    auto& [sum, count] = unknown[datums[rows[i]]];
-    sum += errors[static_cast<Index>(i)];
-    ++count;
-  }
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    if (const auto at = unknown.find(datums[rows[i]]); at != unknown.end())
-      errors[static_cast<Index>(i)] -= at->second.first / at->second.second;
-}
-
-// Errors of the rows held out: [fold][output].
-using FoldErrors = std::vector<std::vector<Eigen::VectorXd>>;
-
-struct Bench {
-  const Dataset& dataset;
-  Method method;
-  const MethodOptions& options;
-  Eigen::MatrixXd measured;
-  std::vector<double> datums;
-
-  Result<std::vector<Eigen::VectorXd>> errors_of(const Fold& fold) const {
-    Dataset part = dataset;
-    part.set.assign(part.rows, PointSet::calibration);
-    part.excluded.assign(part.rows, 1);
-    for (const std::size_t row : fold.train) part.excluded[row] = 0;
-    MethodOptions quick = options;
-    quick.fit.blocks = 0;
-    quick.fit.first_rows = 0;
-    quick.fit.stopwatch_us = {};
-    DRIFTWISE_TRY(const auto fitted, fit_method(part, method, quick));
-    DRIFTWISE_TRY(const auto predicted, predict(dataset, fitted));
-    std::vector<Eigen::VectorXd> errors;
-    for (Index o = 0; o < measured.cols(); ++o) {
-      errors.push_back(picked(measured - predicted, fold.test, o));
-      centre_new_datums(errors.back(), fold.test, fold.train, datums);
-    }
-    return errors;
-  }
-
-  // Empty where a fold cannot be fitted; the reason is left in warnings.
-  FoldErrors errors_of(const std::vector<Fold>& folds, const std::string& what,
-                       std::vector<std::string>& warnings) const {
-    FoldErrors all(folds.size());
-    std::vector<std::string> reasons(folds.size());
-    const auto job = [&](std::size_t f) {
-      auto errors = errors_of(folds[f]);
-      if (errors)
-        all[f] = std::move(*errors);
-      else
-        reasons[f] = errors.error().message;
-    };
-    if (options.fit.executor)
-      options.fit.executor(folds.size(), job);
-    else
-      for (std::size_t f = 0; f < folds.size(); ++f) job(f);
-    for (const auto& reason : reasons) {
-      if (reason.empty()) continue;
-      warnings.push_back(name_of(method) + ": no held-out figure " + what + ": " + reason);
-      return {};
-    }
-    return all;
-  }
-};
 
 std::optional<calibration::HeldOut> of_output(const FoldErrors& folds, std::size_t output) {
   if (folds.empty()) return std::nullopt;
@@ -175,8 +75,8 @@ bool one_unit(const std::vector<Channel>& outputs) {
 
 // Validation rows whose zero the model can know.
 std::vector<std::size_t> validation_rows_known(const Dataset& dataset,
-                                               const std::vector<std::size_t>& calibration,
-                                               const std::vector<double>& datums) {
+                                               const std::vector<std::size_t>& calibration) {
+  const auto datums = calibration::datum_ordinals(dataset);
   std::set<double> known;
   for (const std::size_t row : calibration) known.insert(datums[row]);
   std::vector<std::size_t> rows;
@@ -228,10 +128,9 @@ Result<Judgement> judge_method(const Dataset& whole, Method method, const Method
   DRIFTWISE_TRY(const auto predicted, predict(dataset, fitted));
   const Eigen::MatrixXd errors = measured - predicted;
 
-  const Bench bench{dataset, method, once, std::move(measured),
-                    calibration::datum_ordinals(dataset)};
+  const Bench bench{dataset, method, once, std::move(measured)};
   const auto calibration = rows_in(dataset, PointSet::calibration);
-  const auto validation = validation_rows_known(dataset, calibration, bench.datums);
+  const auto validation = validation_rows_known(dataset, calibration);
   Judgement result;
   if (fitted.kinematics)
     for (const auto& term : fitted.kinematics->undetermined)

@@ -37,6 +37,12 @@ const v1::BudgetLine* line_of(const v1::MotorCoordinate& coordinate,
 
 }  // namespace
 
+std::string budget_line_name(const v1::BudgetLine& line) {
+  for (const auto& source : kSources)
+    if (source.source == line.source()) return source.name;
+  return "";
+}
+
 void print_budget(const Console& console,
                   const google::protobuf::RepeatedPtrField<v1::MotorCoordinate>& coordinates) {
   if (coordinates.empty() || coordinates[0].budget().empty()) return;

@@ -1,6 +1,8 @@
 #pragma once
 // A target's uncertainty, line by line, the motor coordinates side by side.
 
+#include <string>
+
 #include "clients/cli/core/console.h"
 #include "driftwise/v1/target_service.pb.h"
 
@@ -11,5 +13,8 @@ namespace driftwise::cli {
 // budget.
 void print_budget(const Console& console,
                   const google::protobuf::RepeatedPtrField<v1::MotorCoordinate>& coordinates);
+
+// What the table calls a line: "laser".
+std::string budget_line_name(const v1::BudgetLine& line);
 
 }  // namespace driftwise::cli

@@ -1,12 +1,15 @@
 #include "clients/cli/pages/model_page.h"
 
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "clients/cli/core/table.h"
 #include "clients/cli/core/text.h"
 #include "clients/cli/pages/accuracy_line.h"
 #include "clients/cli/pages/budget_table.h"
 #include "clients/cli/pages/configuration_text.h"
+#include "server/identification/limits.h"
 
 namespace driftwise::cli {
 namespace {
@@ -157,6 +160,44 @@ void print_accuracy(const Console& console, const v1::ModelOutput& output) {
                 << " rows\n";
 }
 
+// The largest line of the budgets that an instrument declares, as 1.645 u; 0: none.
+std::pair<std::string, double> largest_declared(const v1::GetModelResponse& shown,
+                                                const std::string& channel) {
+  std::pair<std::string, double> largest;
+  for (const auto& budget : shown.budgets())
+    for (const auto& coordinate : budget.coordinates()) {
+      if (coordinate.channel() != channel) continue;
+      for (const auto& line : coordinate.budget()) {
+        const bool declared = line.source() >= v1::BudgetLine::SOURCE_LASER &&
+                              line.source() <= v1::BudgetLine::SOURCE_MIRROR;
+        const double a90_nm = 1.645 * line.u_nm();
+        if (declared && a90_nm > largest.second) largest = {budget_line_name(line), a90_nm};
+      }
+    }
+  return largest;
+}
+
+void print_limit(const Console& console, const v1::GetModelResponse& shown,
+                 const v1::ModelOutput& output) {
+  const auto& a = output.accuracy();
+  const auto if_any = [](bool any, double value) {
+    return any ? std::optional(value) : std::nullopt;
+  };
+  const auto declared = largest_declared(shown, output.channel());
+  const identification::LimitFacts facts{
+      .unit = output.summary_unit(),
+      .a90_calibration = a.a90_calibration(),
+      .a90_blocks = if_any(a.has_a90_blocks(), a.a90_blocks()),
+      .a90_validation = if_any(a.has_a90_validation(), a.a90_validation()),
+      .pure_error = if_any(a.has_pure_error(), a.pure_error()),
+      .lack_of_fit_p = if_any(a.has_lack_of_fit_p(), a.lack_of_fit_p()),
+      .slow_share = a.slow_share(),
+      .slow_rows = a.slow_row_count(),
+      .instrument = declared.first,
+      .instrument_a90 = if_any(declared.second > 0, declared.second)};
+  console.out << "limited by " << identification::limited_by(facts).words << '\n';
+}
+
 // "selected: +x 812.31, +x^2 95.02, -t05 8.11": each step with the residual's spread after it.
 void print_history(const Console& console, const v1::ModelOutput& output) {
   std::string text = "selected:";
@@ -219,6 +260,7 @@ void print_model_page(const Console& console, const v1::GetModelResponse& shown)
     print_terms(console, output);
     print_history(console, output);
     print_accuracy(console, output);
+    print_limit(console, shown, output);
   }
   if (model.domain_size() > 0) {
     console.out << '\n' << paint.bold("Domain") << '\n';

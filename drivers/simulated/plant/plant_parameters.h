@@ -101,7 +101,9 @@ struct CellParameters {
   std::vector<StabiliserParameters> stabilisers{};
   double scanner_noise_ohm = 0, scanner_resolution_ohm = 0;
   std::vector<ThermometerParameters> thermometers{};
-  std::vector<Hidden> hidden{};  // nothing by default
+  std::vector<Hidden> hidden{};   // nothing by default
+  int box_air_part = kRoom;       // air of a box that can be opened; kRoom: there is none
+  double box_open_flow_m3_h = 0;  // exchanged with the room while it is open
 };
 
 }  // namespace driftwise::simulated

@@ -7,6 +7,7 @@
 #include "server/calibration/model/model.h"
 #include "server/core/description/cell_description.h"
 #include "server/core/records/diagnosis_records.h"
+#include "server/core/records/run_metadata.h"
 #include "server/core/result.h"
 #include "server/formats/cell_file/cell_file_difference.h"
 
@@ -23,6 +24,11 @@ std::vector<std::string> correction_questions(const std::vector<CorrectionRecord
 // Changes of the cell file since the model was measured, in a part that it uses.
 std::vector<std::string> configuration_questions(
     const calibration::Model& model, const std::vector<formats::ConfigurationChange>& since);
+
+// A model of runs whose campaign states a wanted accuracy (metadata "wanted_a90_nm=100", of several
+// runs the smallest per unit): that it misses it, or was judged on no validation rows.
+std::vector<std::string> accuracy_questions(const calibration::Model& model,
+                                            const std::vector<RunMetadata>& of_its_runs);
 
 // Symbols that the model's included terms and outputs read, each once.
 std::vector<std::string> symbols_used(const calibration::Model& model);

@@ -57,8 +57,14 @@ Result<ModelGround> ground_of(Store& store, ModelId id, const CellDescription& p
         return std::ranges::find(model.lineage.runs, change.run) == model.lineage.runs.end();
       });
     }
+  std::vector<RunMetadata> metadata;
+  for (const RunId run : model.lineage.runs) {
+    DRIFTWISE_TRY(auto of_run, store.runs().run(run));
+    metadata.push_back(std::move(of_run.metadata));
+  }
   for (auto& questions :
-       {temperature_questions(model, present), correction_questions(ground.corrections),
+       {accuracy_questions(model, metadata), temperature_questions(model, present),
+        correction_questions(ground.corrections),
         configuration_questions(model, ground.changes_since)})
     ground.promotion_questions.insert(ground.promotion_questions.end(), questions.begin(),
                                       questions.end());

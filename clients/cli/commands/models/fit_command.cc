@@ -16,6 +16,7 @@
 #include "server/formats/formula/formula.h"
 #include "server/formats/model/fit_json.h"
 #include "server/formats/text/row_ranges.h"
+#include "server/identification/limits.h"
 #include "server/threads/threaded_executor.h"
 
 namespace driftwise::cli {
@@ -89,6 +90,11 @@ void print_offers(std::ostream& out, const std::vector<calibration::OfferResult>
     else
       out << "all rejected (smallest p " << offer.best_p << ")\n";
   }
+}
+
+identification::Limit limit_of(const Dataset& data, const calibration::Model& model,
+                               const calibration::OutputModel& output) {
+  return identification::limited_by(identification::limit_facts(data, model, output));
 }
 
 // Beside those that the file marks itself.
@@ -209,16 +215,25 @@ Dataset dataset_of_file(const FitOfFile& fit, std::string_view text, const std::
 }
 
 void print_fit(const Console& console, const FitOfFile& fit, const calibration::Model& model,
-               const std::vector<calibration::OfferResult>& offers,
+               const Dataset& data, const std::vector<calibration::OfferResult>& offers,
                std::optional<std::int64_t> model_id) {
   if (console.json) {
     auto json = formats::fit_json(model);
+    for (const auto& output : model.outputs) {
+      const auto limit = limit_of(data, model, output);
+      json["limited_by"].push_back(
+          {{"output", output.channel.symbol}, {"cause", limit.cause}, {"words", limit.words}});
+    }
     if (fit.offers) json["offers"] = offers_json(offers, model);
     if (model_id) json["model_id"] = *model_id;
     console.print_json(json);
     return;
   }
   console.out << formats::fit_table(model, {.history = fit.history});
+  console.out << '\n';
+  for (const auto& output : model.outputs)
+    console.out << output.channel.symbol << " is limited by " << limit_of(data, model, output).words
+                << '\n';
   if (fit.offers) print_offers(console.out, offers, model);
 }
 
@@ -238,7 +253,7 @@ ExitCode fit_file(const Console& console, const FitOfFile& fit, std::string_view
     offers = value_or_throw(calibration::weigh_offers(
         data, options, model, calibration::published_offers(data, options.candidates)));
   if (!fit.residuals.empty()) write_output_file(fit.residuals, residuals_csv(data, model));
-  print_fit(console, fit, model, offers, std::nullopt);
+  print_fit(console, fit, model, data, offers, std::nullopt);
   return ExitCode::done;
 }
 

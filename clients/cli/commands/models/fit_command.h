@@ -47,10 +47,11 @@ calibration::FitOptions fit_options(const FitOfFile& fit);
 Dataset dataset_of_file(const FitOfFile& fit, std::string_view text, const std::string& name,
                         const calibration::Executor& executor);
 
-// A page, or with --json driftwise.fit.v1; offers only where fit.offers asks for them. model_id:
-// where a daemon stored it.
+// A page, or with --json driftwise.fit.v1; offers only where fit.offers asks for them. data: what
+// it was fitted to, for what limits it; empty where it is not at hand. model_id: where a daemon
+// stored it.
 void print_fit(const Console& console, const FitOfFile& fit, const calibration::Model& model,
-               const std::vector<calibration::OfferResult>& offers,
+               const Dataset& data, const std::vector<calibration::OfferResult>& offers,
                std::optional<std::int64_t> model_id);
 
 // Fits text, the contents of the file called name, and prints the model: a page, or with --json

@@ -97,7 +97,7 @@ ExitCode fit_at_daemon(const Session& session, const FitArguments& a) {
   if (!model)
     throw Failure{ExitCode::refused, "data_loss", model.error().reason,
                   "the daemon's model: " + model.error().message};
-  print_fit(session.console, a.fit, *model, offers_from(response), created.id());
+  print_fit(session.console, a.fit, *model, {}, offers_from(response), created.id());
   if (session.console.json) return ExitCode::done;
   session.console.out << "stored as model " << created.id() << '\n';
   session.console.err << "let it serve with `driftwise model promote " << created.id() << "`\n";

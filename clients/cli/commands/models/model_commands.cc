@@ -1,10 +1,12 @@
 #include "clients/cli/commands/models/model_commands.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
 #include "clients/cli/commands/data/remark_commands.h"
 #include "clients/cli/commands/models/check_command.h"
+#include "clients/cli/commands/models/ladder_commands.h"
 #include "clients/cli/commands/models/method_commands.h"
 #include "clients/cli/commands/models/residuals_command.h"
 #include "clients/cli/commands/models/sensors_command.h"
@@ -17,6 +19,7 @@
 #include "clients/cli/core/validators.h"
 #include "clients/cli/pages/accuracy_line.h"
 #include "clients/cli/pages/model_page.h"
+#include "driftwise/v1/data_service.grpc.pb.h"
 #include "driftwise/v1/model_service.grpc.pb.h"
 #include "driftwise/v1/record_service.grpc.pb.h"
 
@@ -31,7 +34,7 @@ struct ModelArguments {
   std::vector<std::int64_t> runs;  // ... these, whose methods are compared
   FitOfFile fit;
   MethodsOfFile methods;
-  std::string format = "json", file;
+  std::string format = "json", file, reason;
   bool dry_run = false, yes = false;
 };
 
@@ -129,10 +132,21 @@ ExitCode promote(const Session& session, const ModelArguments& a) {
   const auto page = connection.ask(&ModelStub::GetModel, asked);
   std::vector<std::string> facts(page.promotion_questions().begin(),
                                  page.promotion_questions().end());
+  const auto wanted = std::ranges::find_if(
+      facts, [](const std::string& fact) { return fact.starts_with("its campaign wants"); });
+  if (wanted != facts.end() && a.reason.empty())
+    throw Failure{ExitCode::refused, "failed_precondition", "NEEDS_REASON",
+                  *wanted + ": say why it serves all the same, for the record: --reason 'TEXT'"};
   if (!facts.empty())
     confirm(session.console, a.yes,
             "model " + std::to_string(a.id) + " would serve every controller, although:", facts,
             "Promote it");
+  if (!a.reason.empty()) {
+    v1::CreateNoteRequest note;
+    note.mutable_on()->set_model_id(a.id);
+    note.set_text("promoted, because: " + a.reason);
+    static_cast<void>(connection.ask(&v1::DataService::Stub::CreateNote, note));
+  }
   v1::PromoteModelRequest request;
   request.set_model_id(a.id);
   request.set_confirmed(!facts.empty());
@@ -217,10 +231,16 @@ void add_model_commands(CLI::App& app, Session& session) {
       add_command(model, session, "promote", "This model serves targets from now on",
                   [&session, a] { return promote(session, *a); });
   id(promoting);
+  promoting.add_option("--reason", a->reason,
+                       "why it serves although its campaign's wanted accuracy is not reached, or "
+                       "nothing shows that it is: kept with the model");
   promoting.add_flag("--yes", a->yes, "ask nothing: for scripts");
   promoting.add_flag("--dry-run", a->dry_run, "say which model it would be, change nothing");
   add_check_command(model, session);
   add_sensors_command(model, session);
+  add_grow_command(model, session);
+  add_points_command(model, session);
+  add_table_command(model, session);
   add_residuals_command(model, session);
   add_command(model, session, "rollback", "The model that served before serves again",
               [&session] { return roll_back(session); });

@@ -12,8 +12,8 @@ constexpr std::string_view kHelp =
     "fault "
     "wrong-power|wrong-position|mend-beam <device> | fault jam|mend-load | fault "
     "open-probe|mend-probe <input> | fault lie <device> jump|scale|value <x> | fault lie <device> "
-    "constant | fault clear [<device>] | fault knock <a> nm | load <newton> | microscope? <indent> "
-    "| truth? | time? | "
+    "constant | fault clear [<device>] | fault knock <a> nm | load <newton> | open <n> s | "
+    "microscope? <indent> | truth? | time? | "
     "help";
 constexpr const char* kUnable = "ERR this cell cannot do that";
 constexpr double kUsualShock_nm = 60;
@@ -52,6 +52,7 @@ std::string FaultDesk::answer(std::string_view line, TimeNs now) {
     return hooks_.truth_json ? "OK " + hooks_.truth_json(now) : wrong("this cell cannot do that");
   if (words[0] == "load") return hang(words, now);
   if (words[0] == "microscope?") return microscope(words);
+  if (words[0] == "open") return open_box(words, now);
   if (words[0] == "fault" && words.size() >= 2) return fault(words, now);
   return wrong("found '" + std::string(line.substr(0, 80)) + "', expected " + std::string(kHelp));
 }
@@ -77,6 +78,15 @@ std::string FaultDesk::hang(const std::vector<std::string_view>& words, TimeNs n
   if (!newton) return wrong("expected load <newton>, such as load 2.305");
   if (!hooks_.hang) return kUnable;
   return hooks_.hang(*newton, now) ? "OK" : wrong("there are not so many weights");
+}
+
+std::string FaultDesk::open_box(const std::vector<std::string_view>& words, TimeNs now) {
+  constexpr double kDay_s = 86400;
+  const auto seconds = quantity(words, "s");
+  if (!seconds || !(*seconds >= 0 && *seconds <= kDay_s))
+    return wrong("expected open <n> s, such as open 1800 s");
+  if (!hooks_.open_box) return kUnable;
+  return hooks_.open_box(*seconds, now) ? "OK" : wrong("this cell has no box");
 }
 
 std::string FaultDesk::lie(const std::vector<std::string_view>& words) {

@@ -20,6 +20,7 @@
 //   fault knock <a> nm                  somebody knocks at the table: the robot above swings by a
 //   microscope? <indent>                the indents as a microscope shows them, from this one
 //   load <newton>                       a person changes the weights by hand
+//   open <n> s                          a person opens the box over the robot for so long
 //   truth?                              what really is, as one line of JSON
 //   time?                               cell time in ns
 //   help
@@ -51,6 +52,7 @@ struct FaultHooks {  // an empty one answers "ERR this cell cannot do that"
   std::function<void(double amplitude_nm, TimeNs now)> knock;
   // One line of JSON; empty: there is no such indent.
   std::function<std::string(int origin)> microscope_json;
+  std::function<bool(double for_s, TimeNs now)> open_box;  // false: there is none
   std::function<std::string(TimeNs now)> truth_json;
 };
 
@@ -73,6 +75,7 @@ class FaultDesk : public Emulator {
   std::string lie(const std::vector<std::string_view>& words);
   std::string knock(const std::vector<std::string_view>& words, TimeNs now);
   std::string microscope(const std::vector<std::string_view>& words);
+  std::string open_box(const std::vector<std::string_view>& words, TimeNs now);
   std::string hang(const std::vector<std::string_view>& words, TimeNs now);
 
   DeviceBench& bench_;

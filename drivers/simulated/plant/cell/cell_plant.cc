@@ -324,6 +324,13 @@ void CellPlant::break_beam(TimeNs now, int index) {
   beam_broken_[place(index)] = true;
 }
 
+bool CellPlant::open_box(double for_s, TimeNs now) {
+  if (cell_->box_air_part == kRoom) return false;
+  advance_to(now);
+  world_.open_box_until(now_s() + for_s);
+  return true;
+}
+
 void CellPlant::set_laser_stable(bool stable, TimeNs now) {
   advance_to(now);
   laser_stable_ = stable;

@@ -62,6 +62,8 @@ class CellPlant : public Plant {
 
   // Accidents, for tests of drivers and daemon.
   virtual void break_beam(TimeNs now, int index = 0);  // the length is lost until zeroed
+  // A person opens the box for so long; false: the cell has none.
+  bool open_box(double for_s, TimeNs now);
   void set_laser_stable(bool stable, TimeNs now);
   void set_probe_open(int input, bool open, TimeNs now);
   void set_stabiliser_sensor_open(bool open, TimeNs now, int index = 0);

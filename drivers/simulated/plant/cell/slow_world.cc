@@ -7,6 +7,7 @@ namespace driftwise::simulated {
 namespace {
 
 constexpr std::int64_t kFrames = 2048;
+constexpr double kAirHeatPerVolume_j_m3k = 1.2 * 1005;  // density x heat capacity at 20 degC
 
 std::vector<LinkParameters> with_peltiers(const CellParameters& p) {
   std::vector<LinkParameters> links = p.links;
@@ -27,6 +28,7 @@ SlowWorld::SlowWorld(const CellParameters& p, std::uint64_t seed)
     : parameters_(p),
       step_s_(p.step_s),
       start_s_(-3600 * p.start_hours_before - 2 * step_s_),
+      box_open_until_s_(start_s_),
       room_(p.room, seed, start_s_, step_s_),
       network_(p.parts, with_peltiers(p), step_s_, room_.weather().room_degc),
       burst_random_(seed, "interferometer.burst"),
@@ -87,6 +89,11 @@ void SlowWorld::step(const Motors& motors) {
   }
   for (std::size_t i = 0; i < p.axes.size(); ++i) {
     power_w[static_cast<std::size_t>(p.axes[i].motor_part)] += motors.motor_w(i, middle_s);
+  }
+  if (middle_s < box_open_until_s_) {
+    const auto air = static_cast<std::size_t>(p.box_air_part);
+    power_w[air] += p.box_open_flow_m3_h / 3600 * kAirHeatPerVolume_j_m3k *
+                    (room_.weather().room_degc - degc[air]);
   }
   network_.step(room_.weather().room_degc, power_w);
   for (auto& hold : holds_) hold.step();

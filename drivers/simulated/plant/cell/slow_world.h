@@ -52,6 +52,9 @@ class SlowWorld {
   // that fast).
   Frame at(double time_s) const;
 
+  // The box stands open until then: its air mixes with the room's.
+  void open_box_until(double time_s) { box_open_until_s_ = time_s; }
+
   StabiliserLoop& stabiliser(std::size_t index) { return stabilisers_[index]; }
   const std::vector<PlacedMechanism>& hidden() const { return hidden_; }
 
@@ -70,6 +73,7 @@ class SlowWorld {
 
   const CellParameters& parameters_;
   double step_s_, start_s_;
+  double box_open_until_s_;
   std::int64_t steps_ = 0;
   Room room_;
   ThermalNetwork network_;

@@ -30,6 +30,9 @@ std::unique_ptr<CellPlant> make_any_plant(const std::filesystem::path& file,
   if (auto* tilting = std::get_if<MinAngleParameters>(&parameters)) {
     return std::make_unique<MinAnglePlant>(std::move(*tilting), options.seed, options.epoch_ns);
   }
+  if (auto* cube = std::get_if<DeltaCubeParameters>(&parameters)) {
+    return std::make_unique<DeltaCubePlant>(std::move(*cube), options.seed, options.epoch_ns);
+  }
   return std::make_unique<MicroNanoPlant>(std::get<MicroNanoParameters>(std::move(parameters)),
                                           options.seed, options.epoch_ns);
 }
@@ -52,6 +55,11 @@ std::unique_ptr<MinAnglePlant> make_min_angle_plant(const std::filesystem::path&
 std::unique_ptr<TwoRobotsPlant> make_two_robots_plant(const std::filesystem::path& file,
                                                       const PlantOptions& options) {
   return plant_of<TwoRobotsParameters, TwoRobotsPlant>(file, options, "two-robots");
+}
+
+std::unique_ptr<DeltaCubePlant> make_delta_cube_plant(const std::filesystem::path& file,
+                                                      const PlantOptions& options) {
+  return plant_of<DeltaCubeParameters, DeltaCubePlant>(file, options, "delta-cube");
 }
 
 }  // namespace driftwise::simulated

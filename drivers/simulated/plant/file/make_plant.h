@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/simulated/plant/delta_cube/delta_cube_plant.h"
 #include "drivers/simulated/plant/linear_axis/linear_axis_plant.h"
 #include "drivers/simulated/plant/micro_nano/micro_nano_plant.h"
 #include "drivers/simulated/plant/min_angle/min_angle_plant.h"
@@ -42,6 +43,8 @@ std::unique_ptr<MicroNanoPlant> make_micro_nano_plant(const std::filesystem::pat
 std::unique_ptr<MinAnglePlant> make_min_angle_plant(const std::filesystem::path& file,
                                                     const PlantOptions& options);
 std::unique_ptr<TwoRobotsPlant> make_two_robots_plant(const std::filesystem::path& file,
+                                                      const PlantOptions& options);
+std::unique_ptr<DeltaCubePlant> make_delta_cube_plant(const std::filesystem::path& file,
                                                       const PlantOptions& options);
 
 }  // namespace driftwise::simulated

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "drivers/simulated/plant/file/delta_sections.h"
 #include "drivers/simulated/plant/file/hidden_sections.h"
 #include "drivers/simulated/plant/file/plant_sections.h"
 #include "drivers/simulated/plant/file/robot_sections.h"
@@ -7,44 +8,16 @@
 namespace driftwise::simulated {
 namespace {
 
-Vec3 vector_of(Fields& fields, std::string_view key) {
-  const auto numbers = fields.numbers(key, 3);
-  return {numbers[0], numbers[1], numbers[2]};
-}
-
 DeltaParameters delta_section(Fields f, const Materials& materials,
                               const std::vector<PartParameters>& parts) {
-  DeltaParameters d;
+  DeltaParameters d = flexure_delta_section(f, materials, parts);
   const auto azimuth = f.numbers("azimuth_deg", kArms);
   std::copy(azimuth.begin(), azimuth.end(), d.azimuth_deg.begin());
   d.column_radius_mm = f.within("column_radius_mm", 10, 1000);
-  d.platform_radius_mm = f.within("platform_radius_mm", 1, 1000);
-  d.arm_mm = f.within("arm_mm", 10, 1000);
   if (d.arm_mm <= std::abs(d.column_radius_mm - d.platform_radius_mm) + 5) {
     f.fail("arm_mm", "is too short to reach from column_radius_mm to platform_radius_mm");
   }
-  d.pair_spacing_mm = f.within("pair_spacing_mm", 1, 500);
-  d.arm_expansion_per_k = expansion_named(f, "arm_material", materials);
-  d.platform_expansion_per_k = expansion_named(f, "platform_material", materials);
-  d.scale_expansion_per_k = expansion_named(f, "scale_material", materials);
-  d.leg_mm = f.within("leg_mm", 10, 1000);
-  d.leg_spacing_mm = f.within("leg_spacing_mm", 1, 1000);
-  d.shortening_factor = f.within("shortening_factor", 0.4, 0.7);
-  d.neutral_mm = f.within("neutral_mm", -5, 5);
-  d.hinges_per_bar = f.whole("hinges_per_bar", 1, 8);
-  d.hinge = {.thickness_mm = f.within("hinge_thickness_mm", 0.01, 2),
-             .width_mm = f.within("hinge_width_mm", 0.1, 100),
-             .length_mm = f.within("hinge_length_mm", 0.1, 50),
-             .youngs_gpa = f.within("youngs_gpa", 1, 1000)};
-  d.bar_section_mm2 = f.within("bar_section_mm2", 0.1, 1e4);
-  d.moving_kg = f.within("moving_kg", 0.001, 10);
   f.finish();
-  d.platform_part = part_index(f, "", "platform", parts);
-  for (std::size_t i = 0; i < kArms; ++i) {
-    const std::string number = std::to_string(i + 1);
-    d.arm_part[i] = part_index(f, "", "arms_" + number, parts);
-    d.scale_part[i] = part_index(f, "", "stage_" + number, parts);
-  }
   return d;
 }
 
@@ -76,87 +49,6 @@ void carriage_sections(Fields fields, const Materials& materials,
     }
   }
   if (delta.upwards.front().empty()) fields.fail("", "found no upwards length, expected a column");
-}
-
-ToleranceParameters tolerance_section(Fields f) {
-  ToleranceParameters t{.column_mm = f.within("column_mm", 0, 1),
-                        .guide_mrad = f.within("guide_mrad", 0, 20),
-                        .mount_mrad = f.within("mount_mrad", 0, 20),
-                        .skew_mrad = f.within("skew_mrad", 0, 20),
-                        .joint_mm = f.within("joint_mm", 0, 1),
-                        .bar_mm = f.within("bar_mm", 0, 1),
-                        .leg_mm = f.within("leg_mm", 0, 1),
-                        .scale_ppm = f.within("scale_ppm", 0, 1000)};
-  f.finish();
-  return t;
-}
-
-CubeParameters cube_section(Fields f) {
-  CubeParameters cube{.centre_mm = vector_of(f, "centre_mm"),
-                      .edge_mm = f.within("edge_mm", 1, 200),
-                      .flatness_nm = f.within("flatness_nm", 0, 1e4),
-                      .facet_arcsec = f.within("facet_arcsec", 0, 600)};
-  f.finish();
-  return cube;
-}
-
-constexpr PerArm<std::string_view> kBeamNames{"x", "y", "z"};
-
-void beam_sections(Fields fields, Fields common, MicroNanoParameters& plant) {
-  const InterferometerParameters device = interferometer_section(common, plant.parts);
-  common.finish();
-  for (std::size_t i = 0; i < kArms; ++i) {
-    Fields one = fields.table(kBeamNames[i]);
-    plant.beams[i] = {.offset_u_mm = one.within("offset_u_mm", -15, 15),
-                      .offset_v_mm = one.within("offset_v_mm", -15, 15),
-                      .sign = kBeamNames[i] == "z" ? -1.0 : 1.0};  // from above, shown upwards
-    plant.interferometers.push_back(device);
-    plant.interferometers.back().dead_path_mm = one.within("dead_path_mm", 1, 2000);
-    plant.interferometers.back().sign = plant.beams[i].sign;
-    one.finish();
-  }
-  fields.finish();
-}
-
-void loop_sections(Fields fields, const Materials& materials, MicroNanoParameters& plant) {
-  for (const auto& name : fields.table_names()) {
-    Fields one = fields.table(name);
-    const std::string beam = one.text("beam"), member = one.text("member");
-    const auto found = std::find(kBeamNames.begin(), kBeamNames.end(), beam);
-    if (found == kBeamNames.end()) one.fail("beam", "found '" + beam + "', expected x, y or z");
-    if (member != "datum" && member != "device") {
-      one.fail("member", "found '" + member + "', expected datum or device");
-    }
-    auto& owner = plant.beams[static_cast<std::size_t>(found - kBeamNames.begin())];
-    (member == "datum" ? owner.datum : owner.device)
-        .push_back({.mm = one.within("length_mm", -2000, 2000),
-                    .expansion_per_k = expansion_named(one, "material", materials),
-                    .parts = parts_named(one, "parts", plant.parts)});
-    one.finish();
-  }
-}
-
-OpticsParameters optics_section(Fields f) {
-  OpticsParameters optics{.offset_mm = f.within("offset_mm", 0, 10),
-                          .alignment_arcsec = f.within("alignment_arcsec", 0, 100),
-                          .tilt_limit_arcsec = f.positive("tilt_limit_arcsec"),
-                          .fold_height_mm = f.within("fold_height_mm", 1, 1000),
-                          .fold_span_mm = f.within("fold_span_mm", 10, 1000)};
-  f.finish();
-  return optics;
-}
-
-CollimatorParameters collimator_section(Fields f) {
-  CollimatorParameters c{.range_arcsec = f.positive("range_arcsec"),
-                         .noise_arcsec = f.not_negative("noise_arcsec"),
-                         .noise_s = f.positive("noise_s"),
-                         .drift_arcsec = f.not_negative("drift_arcsec"),
-                         .drift_s = f.positive("drift_s"),
-                         .alignment_arcsec = f.not_negative("alignment_arcsec"),
-                         .roll_mrad = f.within("roll_mrad", 0, 100),
-                         .scale_error = f.within("scale_error", 0, 0.5)};
-  f.finish();
-  return c;
 }
 
 LoadParameters load_section(Fields f) {
@@ -191,9 +83,14 @@ MicroNanoParameters micro_nano_sections(Fields root) {
   carriage_sections(root.table("carriage"), materials, plant.parts, plant.delta);
   plant.tolerance = tolerance_section(root.table("tolerance"));
   plant.cube = cube_section(root.table("cube"));
-  beam_sections(root.table("beam"), root.table("interferometer"), plant);
-  loop_sections(root.table("loop"), materials, plant);
-  plant.optics = optics_section(root.table("optics"));
+  // The z head looks down from above: what it shows is turned, so that + is upwards.
+  beam_sections(root.table("beam"), root.table("interferometer"), {1, 1, -1}, plant, plant.beams);
+  loop_sections(root.table("loop"), materials, plant.parts, plant.beams);
+  Fields optics = root.table("optics");
+  plant.optics = optics_section(optics);
+  plant.optics.fold_height_mm = optics.within("fold_height_mm", 1, 1000);
+  plant.optics.fold_span_mm = optics.within("fold_span_mm", 10, 1000);
+  optics.finish();
   plant.collimator = collimator_section(root.table("collimator"));
   plant.load = load_section(root.table("load"));
 

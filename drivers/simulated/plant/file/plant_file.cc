@@ -152,8 +152,9 @@ PlantParameters parse_plant_file(std::string_view text, const std::string& name,
   if (kind == "linear-axis") return linear_axis_sections(std::move(all));
   if (kind == "micro-nano") return micro_nano_sections(std::move(all));
   if (kind == "min-angle") return min_angle_sections(std::move(all));
-  head.fail("kind",
-            "found '" + kind + "', expected linear-axis, micro-nano, min-angle or two-robots");
+  if (kind == "delta-cube") return delta_cube_sections(std::move(all));
+  head.fail("kind", "found '" + kind +
+                        "', expected linear-axis, micro-nano, min-angle, two-robots or delta-cube");
 }
 
 PlantParameters read_plant_file(const std::filesystem::path& file,

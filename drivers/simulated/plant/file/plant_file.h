@@ -7,6 +7,7 @@
 #include <string_view>
 #include <variant>
 
+#include "drivers/simulated/plant/delta_cube/delta_cube_parameters.h"
 #include "drivers/simulated/plant/linear_axis/linear_axis_parameters.h"
 #include "drivers/simulated/plant/micro_nano/micro_nano_parameters.h"
 #include "drivers/simulated/plant/min_angle/min_angle_parameters.h"
@@ -15,7 +16,7 @@
 namespace driftwise::simulated {
 
 using PlantParameters = std::variant<LinearAxisParameters, MicroNanoParameters, MinAngleParameters,
-                                     TwoRobotsParameters>;
+                                     TwoRobotsParameters, DeltaCubeParameters>;
 
 // Throws PlantFileError (make_plant.h).
 PlantParameters read_plant_file(const std::filesystem::path& file,

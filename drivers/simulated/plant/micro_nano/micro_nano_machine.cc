@@ -6,12 +6,13 @@
 #include "drivers/simulated/plant/numbers/units.h"
 
 namespace driftwise::simulated {
-namespace {
 
 Vec3 gaussian_vector(Random& random, double sigma) {
   const double x = random.gaussian(), y = random.gaussian(), z = random.gaussian();
   return {sigma * x, sigma * y, sigma * z};
 }
+
+namespace {
 
 Carriage made_carriage(const MicroNanoParameters& p, std::size_t i, Random& random) {
   const auto& d = p.delta;
@@ -40,6 +41,27 @@ constexpr PerArm<Vec3> kFaces{Vec3{-1, 0, 0}, Vec3{0, -1, 0}, Vec3{0, 0, 1}};
 
 }  // namespace
 
+void make_optics(Machine& machine, const PerArm<Vec3>& outward, const CubeParameters& cube,
+                 const OpticsParameters& optics, const CollimatorParameters& collimator,
+                 Random& random) {
+  for (std::size_t i = 0; i < kArms; ++i) {
+    auto& mirror = machine.mirrors[i];
+    const Vec3 turn = gaussian_vector(random, cube.facet_arcsec * kRadPerArcsec);
+    mirror.normal = rotation_by(turn) * outward[i];
+    for (auto& figure : mirror.figure) figure = 0.5 * cube.flatness_nm * random.gaussian();
+    for (auto& error : machine.spot_error_mm[i]) {
+      error = random.uniform(-optics.offset_mm, optics.offset_mm);
+    }
+    machine.beam_error_rad[i] = gaussian_vector(random, optics.alignment_arcsec * kRadPerArcsec);
+  }
+  for (auto& one : machine.collimators) {
+    one = {.y_offset_arcsec = collimator.alignment_arcsec * random.gaussian(),
+           .z_offset_arcsec = collimator.alignment_arcsec * random.gaussian(),
+           .roll_rad = collimator.roll_mrad * 1e-3 * random.gaussian(),
+           .gain = 1 + collimator.scale_error * random.gaussian()};
+  }
+}
+
 Machine made_machine(const MicroNanoParameters& p, std::uint64_t seed) {
   Machine machine;
   const auto& d = p.delta;
@@ -54,23 +76,7 @@ Machine made_machine(const MicroNanoParameters& p, std::uint64_t seed) {
       machine.bar_mm[2 * i + side] = d.arm_mm + p.tolerance.bar_mm * robot.gaussian();
     }
   }
-  for (std::size_t i = 0; i < kArms; ++i) {
-    auto& mirror = machine.mirrors[i];
-    const Vec3 turn = gaussian_vector(optics, p.cube.facet_arcsec * kRadPerArcsec);
-    mirror.normal = rotation_by(turn) * kFaces[i];
-    for (auto& figure : mirror.figure) figure = 0.5 * p.cube.flatness_nm * optics.gaussian();
-    for (auto& error : machine.spot_error_mm[i]) {
-      error = optics.uniform(-p.optics.offset_mm, p.optics.offset_mm);
-    }
-    machine.beam_error_rad[i] = gaussian_vector(optics, p.optics.alignment_arcsec * kRadPerArcsec);
-  }
-  for (auto& collimator : machine.collimators) {
-    const auto& c = p.collimator;
-    collimator = {.y_offset_arcsec = c.alignment_arcsec * optics.gaussian(),
-                  .z_offset_arcsec = c.alignment_arcsec * optics.gaussian(),
-                  .roll_rad = c.roll_mrad * 1e-3 * optics.gaussian(),
-                  .gain = 1 + c.scale_error * optics.gaussian()};
-  }
+  make_optics(machine, kFaces, p.cube, p.optics, p.collimator, optics);
   return machine;
 }
 

@@ -6,6 +6,7 @@
 
 #include "drivers/simulated/plant/micro_nano/micro_nano_parameters.h"
 #include "drivers/simulated/plant/micro_nano/six_bars.h"
+#include "drivers/simulated/plant/numbers/random.h"
 
 namespace driftwise::simulated {
 
@@ -39,6 +40,13 @@ struct Machine {
   };
   std::array<Collimator, 2> collimators{};
 };
+
+Vec3 gaussian_vector(Random& random, double sigma);
+
+// Mirrors (nominal normals: outward), places and directions of the beams, autocollimators.
+void make_optics(Machine& machine, const PerArm<Vec3>& outward, const CubeParameters& cube,
+                 const OpticsParameters& optics, const CollimatorParameters& collimator,
+                 Random& random);
 
 // The same seed makes the same machine.
 Machine made_machine(const MicroNanoParameters& parameters, std::uint64_t seed);

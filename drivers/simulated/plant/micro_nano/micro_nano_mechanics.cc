@@ -7,13 +7,13 @@ namespace {
 
 constexpr double kGravity_m_s2 = 9.806;
 
-// How far a leg that leans by x draws its end in: e - sqrt(e^2 - x^2) without the loss of digits.
+}  // namespace
+
+// e - sqrt(e^2 - x^2) without the loss of digits.
 double drawn_in_mm(double leg_mm, double factor, double x_mm) {
   const double effective_mm = leg_mm / (2 * factor);
   return x_mm * x_mm / (effective_mm + std::sqrt(effective_mm * effective_mm - x_mm * x_mm));
 }
-
-}  // namespace
 
 double growth_mm(const WarmLength& length, double reference_degc, const NodeTemperatures& degc) {
   double warm_k = 0;
@@ -74,8 +74,8 @@ Bar MicroNanoMechanics::bar(std::size_t k, double stage_mm, const NodeTemperatur
               machine_.bar_mm[k] * (1 + d.arm_expansion_per_k * warm_k(d.arm_part[arm], degc))};
 }
 
-MicroNanoMechanics::Assembly MicroNanoMechanics::assembly(const PerArm<double>& stage_mm,
-                                                          const NodeTemperatures& degc) const {
+Assembly MicroNanoMechanics::assembly(const PerArm<double>& stage_mm,
+                                      const NodeTemperatures& degc) const {
   Assembly a;
   double mean_mm = 0;
   for (const double stage : stage_mm) mean_mm += stage / static_cast<double>(kArms);
@@ -95,8 +95,8 @@ Vec3 MicroNanoMechanics::swing_rad(std::size_t k, const Assembly& a) const {
   return cross(neutral, along);
 }
 
-PlatformPose MicroNanoMechanics::pulled(const Assembly& a, Vec3 attach_mm, Vec3 pull_n) const {
-  const auto& d = parameters_.delta;
+PlatformPose rested(const Assembly& a, const DeltaParameters& d, const PerArm<Vec3>& tangents,
+                    Vec3 attach_mm, Vec3 pull_n) {
   Wrench wrench{.force_n = pull_n - Vec3{0, 0, d.moving_kg * kGravity_m_s2},
                 .moment_nmm = cross(attach_mm - a.stiff.centre_mm, pull_n)};
   for (std::size_t k = 0; k < kBars; ++k) {
@@ -115,8 +115,8 @@ PlatformPose MicroNanoMechanics::pulled(const Assembly& a, Vec3 attach_mm, Vec3 
   for (std::size_t k = 0; k < kBars; ++k) {
     // Of the crossed blades at each end one bends when the bar swings in its arm's plane, the other
     // when it swings sideways.
-    const double in_plane = dot(a.swing_rad[k], machine_.carriages[k / 2].tangent);
-    const double sideways = norm(a.swing_rad[k] - in_plane * machine_.carriages[k / 2].tangent);
+    const double in_plane = dot(a.swing_rad[k], tangents[k / 2]);
+    const double sideways = norm(a.swing_rad[k] - in_plane * tangents[k / 2]);
     const double give_mm_n =
         d.hinges_per_bar / 2.0 *
             (d.hinge.give_mm_n(in_plane, forces_n[k]) + d.hinge.give_mm_n(sideways, forces_n[k])) +
@@ -124,6 +124,12 @@ PlatformPose MicroNanoMechanics::pulled(const Assembly& a, Vec3 attach_mm, Vec3 
     bars[k].length_mm += give_mm_n * forces_n[k];
   }
   return closed_pose(bars, a.stiff);
+}
+
+PlatformPose MicroNanoMechanics::pulled(const Assembly& a, Vec3 attach_mm, Vec3 pull_n) const {
+  PerArm<Vec3> tangents;
+  for (std::size_t i = 0; i < kArms; ++i) tangents[i] = machine_.carriages[i].tangent;
+  return rested(a, parameters_.delta, tangents, attach_mm, pull_n);
 }
 
 Vec3 MicroNanoMechanics::on_platform(const PlatformPose& pose, Vec3 point_mm,

@@ -11,16 +11,24 @@
 
 namespace driftwise::simulated {
 
+// The loop with stiff bars.
+struct Assembly {
+  std::array<Bar, kBars> bars{};
+  std::array<Vec3, kBars> swing_rad{};  // of each bar from its neutral direction
+  PlatformPose stiff;
+};
+
+// The same platform under its weight, the flexures' own moments and a pull at `attach` (base frame,
+// z up): every bar gives under what it carries, and the loop is closed again. tangents: along each
+// arm's joint line.
+PlatformPose rested(const Assembly& assembly, const DeltaParameters& delta,
+                    const PerArm<Vec3>& tangents, Vec3 attach_mm, Vec3 pull_n);
+
 class MicroNanoMechanics {
  public:
   MicroNanoMechanics(const MicroNanoParameters& parameters, const Machine& machine);
 
-  // The loop with stiff bars: stage_mm are the stages' true positions on their guides.
-  struct Assembly {
-    std::array<Bar, kBars> bars{};
-    std::array<Vec3, kBars> swing_rad{};  // of each bar from its neutral direction
-    PlatformPose stiff;
-  };
+  // stage_mm are the stages' true positions on their guides.
   Assembly assembly(const PerArm<double>& stage_mm, const NodeTemperatures& degc) const;
 
   // The same under gravity, the flexures' own moments and the wire's pull at `attach` (base frame).
@@ -40,6 +48,9 @@ class MicroNanoMechanics {
   const Machine& machine_;
   double drop_mm_;  // carriage's joints above the platform's, nominal
 };
+
+// How far a guide's leg that leans by x draws its end in, mm.
+double drawn_in_mm(double leg_mm, double factor, double x_mm);
 
 // What a length that follows temperatures has grown by since the reference, mm.
 double growth_mm(const WarmLength& length, double reference_degc, const NodeTemperatures& degc);

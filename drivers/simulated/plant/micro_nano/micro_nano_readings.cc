@@ -2,25 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "drivers/simulated/plant/micro_nano/autocollimator.h"
 #include "drivers/simulated/plant/micro_nano/micro_nano_plant.h"
 #include "drivers/simulated/plant/numbers/units.h"
 
 namespace driftwise::simulated {
 namespace {
-
-// A smooth drift that is a function of time: three sines of incommensurate periods.
-double smooth_drift(std::uint64_t seed, const std::string& stream, double sigma, double period_s,
-                    double time_s) {
-  Random random(seed, stream);
-  double sum = 0;
-  for (const double share : {1.0, 0.618, 0.382}) {
-    const double phase = 2 * std::numbers::pi * random.uniform();
-    sum += std::sin(2 * std::numbers::pi * time_s / (share * period_s) + phase);
-  }
-  return sigma * std::sqrt(2.0 / 3.0) * sum;
-}
 
 std::array<double, 3> in_nm(Vec3 mm) { return {mm.x * kNmPerMm, mm.y * kNmPerMm, mm.z * kNmPerMm}; }
 
@@ -28,8 +16,7 @@ std::array<double, 3> in_nm(Vec3 mm) { return {mm.x * kNmPerMm, mm.y * kNmPerMm,
 
 double MicroNanoPlant::drift_arcsec(std::size_t index, double time_s) const {
   const auto& c = parameters_.collimator;
-  return smooth_drift(seed_, stream_of("collimator.drift", static_cast<int>(index)), c.drift_arcsec,
-                      c.drift_s, time_s);
+  return collimator_drift_arcsec(c, seed_, static_cast<int>(index), time_s);
 }
 
 AngleReading MicroNanoPlant::measure_angle(int index, double average_s, TimeNs end) {
@@ -45,13 +32,11 @@ AngleReading MicroNanoPlant::measure_angle(int index, double average_s, TimeNs e
   const Vec3 n = which == 0 ? cube.ex : cube.ey;
   const double y_rad = which == 0 ? std::atan2(-n.z, n.x) : std::atan2(n.z, n.y);
   const double z_rad = which == 0 ? std::atan2(n.y, n.x) : std::atan2(-n.x, n.y);
-  const double quiet = std::sqrt(c.noise_s / (c.noise_s + average_s));
   const auto shown = [&](double true_rad, double cross_rad, double offset_arcsec,
                          std::size_t channel) {
-    const double turned_rad = true_rad + device.roll_rad * cross_rad;
-    return device.gain * turned_rad / kRadPerArcsec + offset_arcsec +
-           drift_arcsec(2 * which + channel, middle_s) +
-           quiet * c.noise_arcsec * angle_noise_[which].gaussian();
+    return collimator_arcsec(c, device, {true_rad, cross_rad}, offset_arcsec,
+                             drift_arcsec(2 * which + channel, middle_s), average_s,
+                             angle_noise_[which]);
   };
   AngleReading reading{.y_arcsec = shown(y_rad, z_rad, device.y_offset_arcsec, 0),
                        .z_arcsec = shown(z_rad, -y_rad, device.z_offset_arcsec, 1),

@@ -1,0 +1,102 @@
+#include "server/identification/bench.h"
+
+#include <map>
+#include <set>
+
+#include "server/calibration/design/design.h"
+#include "server/core/reasons.h"
+#include "server/core/try.h"
+
+namespace driftwise::identification {
+
+using Eigen::Index;
+
+std::vector<std::size_t> rows_in(const Dataset& dataset, PointSet set) {
+  std::vector<std::size_t> rows;
+  for (std::size_t row = 0; row < dataset.rows; ++row)
+    if (dataset.set_of(row) == set && !dataset.is_excluded(row)) rows.push_back(row);
+  return rows;
+}
+
+Result<Eigen::MatrixXd> measured_outputs(const Dataset& dataset,
+                                         const std::vector<Channel>& outputs) {
+  Eigen::MatrixXd measured(static_cast<Index>(dataset.rows), static_cast<Index>(outputs.size()));
+  for (std::size_t o = 0; o < outputs.size(); ++o) {
+    const DatasetColumn* column = dataset.find(outputs[o].symbol);
+    if (column == nullptr)
+      return fail(ErrorCode::internal, reasons::kNoOutput, "no column " + outputs[o].name());
+    measured.col(static_cast<Index>(o)) = Eigen::Map<const Eigen::VectorXd>(
+        column->values.data(), static_cast<Index>(column->values.size()));
+  }
+  return measured;
+}
+
+Eigen::VectorXd picked(const Eigen::MatrixXd& values, const std::vector<std::size_t>& rows,
+                       Index output) {
+  Eigen::VectorXd some(static_cast<Index>(rows.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    some[static_cast<Index>(i)] = values(static_cast<Index>(rows[i]), output);
+  return some;
+}
+
+namespace {
+
+void centre_new_datums(Eigen::VectorXd& errors, const std::vector<std::size_t>& rows,
+                       const std::vector<std::size_t>& train, const std::vector<double>& datums) {
+  std::set<double> known;
+  for (const std::size_t row : train) known.insert(datums[row]);
+  std::map<double, std::pair<double, int>> unknown;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (known.contains(datums[rows[i]])) continue;
+    auto& [sum, count] = unknown[datums[rows[i]]];
+    sum += errors[static_cast<Index>(i)];
+    ++count;
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (const auto at = unknown.find(datums[rows[i]]); at != unknown.end())
+      errors[static_cast<Index>(i)] -= at->second.first / at->second.second;
+}
+
+}  // namespace
+
+Result<std::vector<Eigen::VectorXd>> Bench::errors_of(const Fold& fold) const {
+  Dataset part = dataset;
+  part.set.assign(part.rows, PointSet::calibration);
+  part.excluded.assign(part.rows, 1);
+  for (const std::size_t row : fold.train) part.excluded[row] = 0;
+  MethodOptions quick = options;
+  quick.fit.blocks = 0;
+  quick.fit.first_rows = 0;
+  quick.fit.stopwatch_us = {};
+  quick.fit.executor = {};  // the folds are what is shared out
+  DRIFTWISE_TRY(const auto fitted, fit_method(part, method, quick));
+  DRIFTWISE_TRY(const auto predicted, predict(dataset, fitted));
+  const auto datums = calibration::datum_ordinals(dataset);
+  std::vector<Eigen::VectorXd> errors;
+  for (Index o = 0; o < measured.cols(); ++o) {
+    errors.push_back(picked(measured - predicted, fold.test, o));
+    centre_new_datums(errors.back(), fold.test, fold.train, datums);
+  }
+  return errors;
+}
+
+FoldErrors Bench::errors_of(const std::vector<Fold>& folds, const std::string& what,
+                            std::vector<std::string>& warnings) const {
+  FoldErrors all(folds.size());
+  std::vector<std::string> whys(folds.size());
+  calibration::run_on(options.fit.executor, folds.size(), [&](std::size_t f) {
+    auto errors = errors_of(folds[f]);
+    if (errors)
+      all[f] = std::move(*errors);
+    else
+      whys[f] = errors.error().message;
+  });
+  for (const auto& why : whys) {
+    if (why.empty()) continue;
+    warnings.push_back(name_of(method) + ": no held-out figure " + what + ": " + why);
+    return {};
+  }
+  return all;
+}
+
+}  // namespace driftwise::identification

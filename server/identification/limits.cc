@@ -1,0 +1,100 @@
+#include "server/identification/limits.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "server/identification/bench.h"
+
+namespace driftwise::identification {
+namespace {
+
+constexpr double kNinety = 1.645;  // accuracy.h
+constexpr double kHalfAsBadAgain = 1.5, kInstrumentShare = 0.7, kRepeatShare = 0.8,
+                 kSlowShare = 0.5, kSlowRows = 10, kLackOfFit = 0.01;
+
+std::string figure(double value, const std::string& unit) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.3g %s", value, unit.c_str());
+  return text;
+}
+
+std::string percent(double share) { return figure(100 * share, "%"); }
+
+}  // namespace
+
+Limit limited_by(const LimitFacts& f) {
+  const double held_out = std::max(f.a90_blocks.value_or(0), f.a90_validation.value_or(0)) > 0
+                              ? std::max(f.a90_blocks.value_or(0), f.a90_validation.value_or(0))
+                              : f.a90_calibration;
+  const std::string of = " of an A90 of " + figure(held_out, f.unit);
+  if (!f.uncovered.empty() && f.a90_validation &&
+      *f.a90_validation > kHalfAsBadAgain * f.a90_blocks.value_or(f.a90_calibration)) {
+    std::string list;
+    for (const auto& one : f.uncovered) list += (list.empty() ? "" : ", ") + one;
+    return {"temperatures", "temperatures that the calibration rows do not cover (" + list +
+                                "): calibrate over a wider range"};
+  }
+  if (f.instrument_a90 && *f.instrument_a90 >= kInstrumentShare * held_out)
+    return {"instrument", "the instrument " + f.instrument + ": its declared uncertainty is " +
+                              figure(*f.instrument_a90, f.unit) + of + " (90 %)"};
+  if (f.pure_error && kNinety * *f.pure_error >= kRepeatShare * held_out)
+    return {"noise", "noise of instruments and axes: repeats of a pose alone make " +
+                         figure(kNinety * *f.pure_error, f.unit) + of +
+                         "; no term can lower it, more readings per point can"};
+  if (f.slow_share >= kSlowShare && f.slow_rows >= kSlowRows)
+    return {"drift", "drift that no term reads: " + percent(f.slow_share) +
+                         " of the variance left is slow, over about " +
+                         figure(f.slow_rows, "rows") +
+                         "; add temperatures with their lags, or diagnose"};
+  if (f.pure_error && f.lack_of_fit_p.value_or(0) < kLackOfFit)
+    return {"lack_of_fit", "lack of fit: repeats of a pose make " +
+                               figure(kNinety * *f.pure_error, f.unit) + of +
+                               "; the terms leave the rest: try `driftwise model grow`"};
+  if (f.a90_blocks && *f.a90_blocks > kHalfAsBadAgain * f.a90_calibration)
+    return {"rows", "too few rows for so many terms: " + figure(*f.a90_blocks, f.unit) +
+                        " held out, " + figure(f.a90_calibration, f.unit) +
+                        " on its own rows; `driftwise model points` says what more would buy"};
+  return {"unknown",
+          "noise or lack of fit, which these rows cannot tell apart: visit some poses again"};
+}
+
+LimitFacts limit_facts(const Dataset& dataset, const calibration::Model& model,
+                       const calibration::OutputModel& output) {
+  const SummaryUnit summary = summary_unit(output.channel.unit);
+  const auto& a = output.accuracy;
+  const auto scaled = [&](const std::optional<double>& value) {
+    return value ? std::optional(*value * summary.factor) : std::nullopt;
+  };
+  LimitFacts facts{.unit = summary.unit,
+                   .a90_calibration = a.a90_calibration * summary.factor,
+                   .a90_blocks = scaled(a.a90_blocks),
+                   .a90_validation = scaled(a.a90_validation),
+                   .pure_error = scaled(a.pure_error),
+                   .lack_of_fit_p = a.lack_of_fit_p,
+                   .slow_share = a.slow_share,
+                   .slow_rows = a.slow_rows,
+                   .instrument_a90 = std::nullopt};
+  const auto validation = rows_in(dataset, PointSet::validation);
+  for (const auto& range : model.domain) {
+    if (!is_structure_temperature(range.channel)) continue;
+    const auto* column = dataset.find(range.channel.symbol);
+    if (column == nullptr) continue;
+    double above = 0, below = 0;
+    for (const std::size_t row : validation) {
+      const double value = column->values[row];
+      if (!std::isfinite(value)) continue;
+      above = std::max(above, value - range.max);
+      below = std::max(below, range.min - value);
+    }
+    // A tenth of the fitted range is not extrapolation worth a word.
+    const double least = 0.1 * (range.max - range.min);
+    if (above > least)
+      facts.uncovered.push_back(range.channel.symbol + " " + figure(above, "K above"));
+    if (below > least)
+      facts.uncovered.push_back(range.channel.symbol + " " + figure(below, "K below"));
+  }
+  return facts;
+}
+
+}  // namespace driftwise::identification

@@ -1,0 +1,50 @@
+#pragma once
+// Models by sets by outputs: several formulas fitted to the same calibration rows, each judged on
+// several named sets of the rows marked validation.
+
+#include <string>
+#include <vector>
+
+#include "server/calibration/fit.h"
+#include "server/core/data/accuracy.h"
+
+namespace driftwise::identification {
+
+// Rows whose channel lies within [low, high]; several conditions hold together.
+struct RowCondition {
+  std::string symbol;
+  double low = 0, high = 0;
+};
+struct NamedSet {
+  std::string name;
+  std::vector<RowCondition> conditions;  // empty: every validation row
+};
+// "inside: force 0.7..0.8, x -1..1". Errors: invalid_argument BAD_SET.
+Result<NamedSet> named_set_from(const std::string& text);
+
+struct NamedFit {
+  std::string name;
+  calibration::FitOptions fit;  // with its candidates
+};
+
+struct SetFigures {  // of one output; column unit
+  Channel output;
+  ErrorFigures figures;
+};
+struct SetCell {
+  std::string model, set;
+  std::vector<SetFigures> outputs;
+};
+struct SetTable {
+  std::vector<std::string> models, sets;
+  std::vector<std::int64_t> rows;   // of each set
+  std::vector<std::int64_t> terms;  // of each model, sum over the outputs
+  std::vector<SetCell> cells;       // models by sets, in that order
+};
+
+// Errors: those of fit(); invalid_argument UNKNOWN_CHANNEL (a condition), NO_ROWS (a set without a
+// row: says which condition leaves none).
+Result<SetTable> set_table(const Dataset& dataset, const std::vector<NamedFit>& models,
+                           const std::vector<NamedSet>& sets);
+
+}  // namespace driftwise::identification

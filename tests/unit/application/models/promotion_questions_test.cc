@@ -1,0 +1,57 @@
+// What a campaign's wanted accuracy asks before its model serves.
+#include "server/application/provenance/promotion_questions.h"
+
+#include <gmock/gmock.h>
+
+namespace driftwise::application {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+calibration::Model model_of(double a90_mm, std::int64_t validation_rows) {
+  calibration::Model model;
+  calibration::OutputModel output;
+  output.channel = {"q1", "mm"};
+  output.accuracy.a90_calibration = a90_mm;
+  output.accuracy.u90_calibration = a90_mm;
+  output.accuracy.mean_calibration = 0;
+  if (validation_rows > 0) {
+    output.accuracy.a90_validation = a90_mm;
+    output.accuracy.u90_validation = a90_mm;
+    output.accuracy.mean_validation = 0;
+  }
+  model.outputs = {output};
+  model.lineage.rows_calibration = 400;
+  model.lineage.rows_validation = validation_rows;
+  return model;
+}
+
+TEST(AccuracyQuestions, AreNoneWhereNoCampaignStatesWhatItWants) {
+  EXPECT_THAT(accuracy_questions(model_of(80e-6, 0), {{{"sample", "A12"}}}), IsEmpty());
+}
+
+TEST(AccuracyQuestions, AreNoneWhereItIsReached) {
+  EXPECT_THAT(accuracy_questions(model_of(80e-6, 60), {{{"wanted_a90_nm", "100"}}}), IsEmpty());
+}
+
+TEST(AccuracyQuestions, NameTheFigureThatMissesTheStrictestOfItsRuns) {
+  const auto questions = accuracy_questions(
+      model_of(80e-6, 60), {{{"wanted_a90_nm", "100"}}, {{"wanted_a90_nm", "50"}}});
+  ASSERT_THAT(questions, SizeIs(1));
+  EXPECT_THAT(questions[0], HasSubstr("wants an A90 of 50 nm and it has 80 nm (q1)"));
+}
+
+TEST(AccuracyQuestions, AskForValidationRows) {
+  const auto questions = accuracy_questions(model_of(80e-6, 0), {{{"wanted_a90_nm", "100"}}});
+  ASSERT_THAT(questions, SizeIs(1));
+  EXPECT_THAT(questions[0], HasSubstr("no validation rows"));
+}
+
+TEST(AccuracyQuestions, KeepUnitsApart) {
+  EXPECT_THAT(accuracy_questions(model_of(80e-6, 60), {{{"wanted_a90_arcsec", "1"}}}), IsEmpty());
+}
+
+}  // namespace
+}  // namespace driftwise::application

@@ -1,0 +1,249 @@
+// The ladder of terms, the learning curve, what limits a model and the table by sets, on data whose
+// answer is known: the terms they were made of, and the noise that was put in.
+#include "server/identification/ladder.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <random>
+
+#include "server/formats/formula/formula.h"
+#include "server/identification/learning_curve.h"
+#include "server/identification/limits.h"
+#include "server/identification/set_table.h"
+
+namespace driftwise::identification {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+struct Made {
+  bool cubic = true, warm = true, force = false;
+  double noise_mm = 5e-6;
+  int lines = 40;
+  unsigned seed = 3;
+};
+
+// Lines of 15 places along x at random y; a thermometer that drifts; every fifth line validation.
+Dataset made(const Made& what) {
+  std::mt19937 random(what.seed);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> place(-2, 2);
+  Dataset data;
+  DatasetColumn q{{"q1", "mm"}, {}}, x{{"x", "mm"}, {}}, y{{"y", "mm"}, {}}, t{{"t04", "degC"}, {}},
+      force{{"force", "N"}, {}};
+  for (int line = 0; line < what.lines; ++line) {
+    const double y_mm = place(random);
+    const double newton = line % 3;
+    for (int i = 0; i < 15; ++i) {
+      const auto row = static_cast<double>(data.rows++);
+      data.time_s.push_back(15 * row);
+      data.line.push_back(line);
+      data.set.push_back(line % 5 == 4 ? PointSet::validation : PointSet::calibration);
+      const double x_mm = place(random), degc = 21 + std::sin(row / 70);
+      double value = x_mm + 0.01 * y_mm;
+      if (what.cubic) value += 1e-4 * x_mm * x_mm * x_mm;
+      if (what.warm) value += 3e-4 * (degc - 21);
+      if (what.force) value += 1e-4 * newton * x_mm;
+      x.values.push_back(x_mm);
+      y.values.push_back(y_mm);
+      t.values.push_back(degc + 1e-4 * normal(random));
+      force.values.push_back(newton);
+      q.values.push_back(value + what.noise_mm * normal(random));
+    }
+  }
+  data.columns = {q, x, y, t};
+  if (what.force) data.columns.push_back(force);
+  return data;
+}
+
+LadderOptions line_by_line(const Dataset& data) {
+  LadderOptions options;
+  options.fit.candidates.outputs = {data.columns.front().channel.symbol};
+  options.together = "line";
+  options.folds = 5;
+  options.most_order = 4;
+  return options;
+}
+
+TEST(Ladder, TakesTheTermsTheDataWereMadeOfAndStops) {
+  const auto data = made({});
+  const auto ladder = climb(data, line_by_line(data));
+  ASSERT_TRUE(ladder) << ladder.error().message;
+  EXPECT_THAT(ladder->formula(), HasSubstr("poly(x, y, 3)"));
+  EXPECT_THAT(ladder->formula(), HasSubstr("t04"));
+  EXPECT_THAT(ladder->formula(), Not(HasSubstr("poly(x, y, 4)")));
+  // What is left is the noise that was put in, to the statistics of 480 rows: 1 / sqrt(2 n) = 3 %.
+  EXPECT_NEAR(ladder->steps.back().a90_rms, 1.645 * 5e-6, 0.8e-6);
+  EXPECT_THAT(ladder->stopped, HasSubstr("none of"));
+}
+
+TEST(Ladder, TakesNoTemperatureThatDoesNothing) {
+  const auto data = made({.cubic = false, .warm = false});
+  const auto ladder = climb(data, line_by_line(data));
+  ASSERT_TRUE(ladder) << ladder.error().message;
+  EXPECT_EQ(ladder->formula(), "q1 ~ poly(x, y, 1)");
+  EXPECT_EQ(ladder->steps.size(), 2u);
+}
+
+TEST(Ladder, FindsAProductOfForceAndPosition) {
+  const auto data = made({.force = true});
+  const auto ladder = climb(data, line_by_line(data));
+  ASSERT_TRUE(ladder) << ladder.error().message;
+  EXPECT_THAT(ladder->formula(), HasSubstr("(force):poly(x, y, 1)"));
+  EXPECT_NEAR(ladder->steps.back().a90_rms, 1.645 * 5e-6, 0.8e-6);
+}
+
+TEST(Ladder, DoesNotAskTheValidationRows) {
+  auto data = made({});
+  const auto before = climb(data, line_by_line(data));
+  for (std::size_t row = 0; row < data.rows; ++row)
+    if (data.set_of(row) == PointSet::validation) data.columns[0].values[row] += 1;
+  const auto after = climb(data, line_by_line(data));
+  ASSERT_TRUE(before && after);
+  EXPECT_EQ(before->formula(), after->formula());
+  EXPECT_EQ(before->steps.back().a90_rms, after->steps.back().a90_rms);
+  EXPECT_GT(*after->steps.back().outputs[0].a90_validation, 1);
+}
+
+TEST(Ladder, GivesAFormulaThatFitTakes) {
+  const auto data = made({.force = true});
+  const auto ladder = climb(data, line_by_line(data));
+  ASSERT_TRUE(ladder);
+  const auto model = formats::fit_formula(data, ladder->formula(), {});
+  ASSERT_TRUE(model) << model.error().message;
+  // 120 validation rows: 1 / sqrt(2 n) = 6.5 %, three times.
+  EXPECT_NEAR(*model->outputs[0].accuracy.a90_validation, 1.645 * 5e-6, 1.6e-6);
+}
+
+TEST(Ladder, RefusesDataWithoutAnythingToPredict) {
+  const auto data = made({});
+  LadderOptions options;
+  const auto nothing = climb(data, options);
+  ASSERT_FALSE(nothing);
+  EXPECT_EQ(nothing.error().reason, "NO_OUTPUT");
+  options = line_by_line(data);
+  options.folds = 1000;
+  const auto folds = climb(data, options);
+  ASSERT_FALSE(folds);
+  EXPECT_EQ(folds.error().reason, "NO_BLOCKS");
+}
+
+CurveOptions curve_of(const Dataset& data, const std::string& formula) {
+  CurveOptions options;
+  options.fit.candidates = *formats::Formula::parse(formula)->expand(data);
+  options.together = "line";
+  options.sizes = 5;
+  options.draws = 3;
+  return options;
+}
+
+TEST(LearningCurve, FallsToTheNoiseAndSaysHowManyPointsSuffice) {
+  const auto data = made({.noise_mm = 20e-6});
+  const auto curve = learning_curve(data, curve_of(data, "q1 ~ poly(x, y, 3) + t04"));
+  ASSERT_TRUE(curve) << curve.error().message;
+  const auto& first = curve->points.front();
+  const auto& last = curve->points.back();
+  ASSERT_TRUE(first.random && last.random && last.spread);
+  EXPECT_GT(first.random->a90, 1.2 * last.random->a90);
+  // sqrt(1 + terms / rows) of the noise: 11 terms of 580 rows add one percent.
+  EXPECT_NEAR(last.spread->a90, 1.645 * 20e-6, 2e-6);
+  EXPECT_LT(curve->enough, curve->rows);
+  EXPECT_LT(curve->gain_of_doubling, 0.1);
+}
+
+TEST(LearningCurve, SpreadRowsReachTheCornersFirst) {
+  Dataset data;
+  DatasetColumn x{{"x", "mm"}, {}};
+  std::vector<std::size_t> rows;
+  for (int i = 0; i <= 100; ++i) {
+    x.values.push_back(i / 100.0);
+    rows.push_back(data.rows++);
+  }
+  data.columns = {x};
+  const auto order = spread_order(data, rows, {"x"});
+  EXPECT_EQ(order[0], 50u);
+  EXPECT_THAT((std::vector{order[1], order[2]}), testing::UnorderedElementsAre(0u, 100u));
+  EXPECT_EQ(order.size(), rows.size());
+}
+
+LimitFacts facts() {
+  LimitFacts facts;
+  facts.unit = "nm";
+  facts.a90_calibration = 10;
+  facts.a90_blocks = 11;
+  return facts;
+}
+
+TEST(LimitedBy, NamesTheCauseThatTheFiguresShow) {
+  auto noise = facts();
+  noise.pure_error = 6;
+  EXPECT_EQ(limited_by(noise).cause, "noise");
+  auto lack = facts();
+  lack.pure_error = 2;
+  lack.lack_of_fit_p = 1e-6;
+  EXPECT_EQ(limited_by(lack).cause, "lack_of_fit");
+  auto drift = facts();
+  drift.slow_share = 0.8;
+  drift.slow_rows = 40;
+  EXPECT_EQ(limited_by(drift).cause, "drift");
+  auto warm = facts();
+  warm.a90_validation = 40;
+  warm.uncovered = {"t07 0.8 K above"};
+  EXPECT_EQ(limited_by(warm).cause, "temperatures");
+  EXPECT_THAT(limited_by(warm).words, HasSubstr("t07 0.8 K above"));
+  auto probe = facts();
+  probe.instrument = "touch probe";
+  probe.instrument_a90 = 10;
+  EXPECT_EQ(limited_by(probe).cause, "instrument");
+  auto rows = facts();
+  rows.a90_blocks = 30;
+  EXPECT_EQ(limited_by(rows).cause, "rows");
+  EXPECT_EQ(limited_by(facts()).cause, "unknown");
+}
+
+TEST(LimitedBy, SeesTemperaturesThatTheCalibrationDidNotCover) {
+  auto data = made({});
+  for (std::size_t row = 0; row < data.rows; ++row)
+    if (data.set_of(row) == PointSet::validation) data.columns[3].values[row] += 3;
+  const auto model = formats::fit_formula(data, "q1 ~ poly(x, y, 3) + t04", {});
+  ASSERT_TRUE(model);
+  const auto found = limit_facts(data, *model, model->outputs[0]);
+  ASSERT_EQ(found.uncovered.size(), 1u);
+  EXPECT_THAT(found.uncovered[0], HasSubstr("t04"));
+  EXPECT_EQ(limited_by(found).cause, "temperatures");
+}
+
+TEST(SetTable, JudgesEachModelOnEachNamedSet) {
+  const auto data = made({.force = true});
+  std::vector<NamedFit> models(2);
+  models[0].name = "G";
+  models[0].fit.candidates = *formats::Formula::parse("q1 ~ poly(x, y, 3) + t04")->expand(data);
+  models[1].name = "GF";
+  models[1].fit.candidates =
+      *formats::Formula::parse("q1 ~ poly(x, y, 3) + t04 + force:x")->expand(data);
+  const auto light = named_set_from("light: force -0.5..0.5");
+  const auto heavy = named_set_from("heavy: force 1.5..2.5, x 1..2");
+  ASSERT_TRUE(light && heavy);
+  const auto table = set_table(data, models, {*light, *heavy});
+  ASSERT_TRUE(table) << table.error().message;
+  EXPECT_EQ(table->cells.size(), 4u);
+  EXPECT_GT(table->rows[0], table->rows[1]);
+  // Without the force the heavy corner errs by 1e-4 mm and more; with it by the noise.
+  EXPECT_GT(table->cells[1].outputs[0].figures.a90, 1e-4);
+  EXPECT_LT(table->cells[3].outputs[0].figures.a90, 1.645 * 8e-6);
+}
+
+TEST(SetTable, RefusesSetsThatSayNothing) {
+  EXPECT_EQ(named_set_from("inside: force").error().reason, "BAD_SET");
+  EXPECT_EQ(named_set_from("inside: force 2..1").error().reason, "BAD_SET");
+  EXPECT_EQ(named_set_from(": force 1..2").error().reason, "BAD_SET");
+  const auto data = made({});
+  EXPECT_EQ(set_table(data, {}, {*named_set_from("a: force 1..2")}).error().reason,
+            "UNKNOWN_CHANNEL");
+  EXPECT_EQ(set_table(data, {}, {*named_set_from("a: x 100..200")}).error().reason, "NO_ROWS");
+}
+
+}  // namespace
+}  // namespace driftwise::identification
