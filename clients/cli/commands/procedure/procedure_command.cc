@@ -42,7 +42,8 @@ void look_at_devices(const Connection& connection, ProcedureFacts& facts) {
 void look_at_runs(const Connection& connection, ProcedureFacts& facts) {
   v1::ListRunsRequest request;
   request.set_limit(200);
-  for (const auto& run : connection.ask(&RunStub::ListRuns, request).runs()) {
+  const auto listed = connection.ask(&RunStub::ListRuns, request);
+  for (const auto& run : listed.runs()) {
     facts.runs.push_back({.id = run.id(),
                           .setup = run.setup(),
                           .done = run.state() == v1::Run::STATE_DONE,
