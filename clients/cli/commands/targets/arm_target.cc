@@ -66,11 +66,13 @@ Question question_of(const ArmTargetArguments& a, const kinematics::SerialArm& a
               "ry, rz (arcsec; rx_deg=180), three need x, y, z");
     return found->second;
   };
-  question.wanted.point_mm = {coordinate("x"), coordinate("y"), coordinate("z")};
+  const double x = coordinate("x"), y = coordinate("y"), z = coordinate("z");
+  question.wanted.point_mm = {x, y, z};
   if (arm.joints() != 3) {
+    const double rx = coordinate("rx"), ry = coordinate("ry"), rz = coordinate("rz");
     Eigen::Matrix<double, kinematics::kFrameParameters, 1> frame;
-    frame << 0, 0, 0, kinematics::deg_from_rad(coordinate("rx")),
-        kinematics::deg_from_rad(coordinate("ry")), kinematics::deg_from_rad(coordinate("rz"));
+    frame << 0, 0, 0, kinematics::deg_from_rad(rx), kinematics::deg_from_rad(ry),
+        kinematics::deg_from_rad(rz);
     question.wanted.axes = kinematics::Frame(frame).rotation();
   }
   question.near.assign(arm.joints(), 0);

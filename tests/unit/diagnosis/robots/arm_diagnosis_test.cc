@@ -23,6 +23,7 @@ constexpr double kArcsec = std::numbers::pi / 648000;
 // Column, shoulder offset, upper arm, forearm, hand; joint 1 turns about the vertical, the others
 // lift in the plane of the arm.
 constexpr double kHeight = 420, kOffset = 150, kUpper = 700, kFore = 650, kHand = 140;  // mm
+constexpr double kUsual_degC = 21;  // of the room: the mean over a campaign
 constexpr double kUpper_kg = 22, kFore_kg = 9, kHand_kg = 2, kLoad_kg = 4;
 
 struct Hidden {
@@ -55,7 +56,7 @@ std::array<double, 3> point(Angles q, const Hidden& hidden, double t03) {
   const Torques by = torques(q);
   q.turn += hidden.gear_arcsec * kArcsec * std::cos(q.turn - hidden.gear_phase);
   q.shoulder += hidden.shoulder_urad_per_newton_m * 1e-6 * by.shoulder +
-                hidden.drift_arcsec_per_k * kArcsec * (t03 - 20);
+                hidden.drift_arcsec_per_k * kArcsec * (t03 - kUsual_degC);
   q.elbow += hidden.elbow_urad_per_newton_m * 1e-6 * by.elbow +
              hidden.play_arcsec / 2 * kArcsec * (by.elbow > 0 ? 1 : -1);
   const double lift3 = q.shoulder + q.elbow, lift4 = lift3 + q.hand;
