@@ -8,8 +8,8 @@
 #include "drivers/transport/back_off.h"
 #include "drivers/watlow_ez_zone/temperature_controller.h"
 #include "server/core/ports/clock.h"
+#include "server/core/ports/control/tunable_loop.h"
 #include "server/core/ports/stabiliser.h"
-#include "server/core/ports/tunable_loop.h"
 
 namespace driftwise::watlow {
 

@@ -2,7 +2,7 @@
 // Returns to zero and lines that were measured again (storage/schema/schema_v13.h). Thread: the
 // session's.
 
-#include "server/core/ports/closure_store.h"
+#include "server/core/ports/record/closure_store.h"
 #include "storage/sqlite/session.h"
 
 namespace driftwise::storage {

@@ -1,7 +1,7 @@
 #pragma once
 // A cell left at rest (storage/schema/schema_v13.h). Thread: the session's.
 
-#include "server/core/ports/rest_store.h"
+#include "server/core/ports/record/rest_store.h"
 #include "storage/sqlite/session.h"
 
 namespace driftwise::storage {

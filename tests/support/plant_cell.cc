@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "drivers/all_devices.h"
-#include "server/core/ports/tunable_loop.h"
+#include "server/core/ports/control/tunable_loop.h"
 #include "server/formats/cell_file/cell_file.h"
 #include "tests/support/plant_campaign.h"
 

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-#include "server/core/ports/tunable_loop.h"
+#include "server/core/ports/control/tunable_loop.h"
 #include "server/core/try.h"
 
 namespace driftwise::tests {

@@ -7,7 +7,7 @@
 
 #include "server/application/plumbing/task_group.h"
 #include "server/application/recording/doubts.h"
-#include "server/core/ports/tunable_loop.h"
+#include "server/core/ports/control/tunable_loop.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 

@@ -8,7 +8,7 @@
 #include "drivers/watlow_ez_zone/modbus_master.h"
 #include "drivers/watlow_ez_zone/registers.h"
 #include "drivers/watlow_ez_zone/watlow_ez_zone.h"
-#include "server/core/ports/tunable_loop.h"
+#include "server/core/ports/control/tunable_loop.h"
 #include "tests/support/manual_clock.h"
 #include "tests/support/process.h"
 #include "tests/support/run_awaitable.h"
