@@ -11,11 +11,13 @@
 #include "storage/readings/reading_store.h"
 #include "storage/readings/series_store.h"
 #include "storage/record_store.h"
+#include "storage/runs/closure_store.h"
 #include "storage/runs/queue_store.h"
 #include "storage/runs/run_store.h"
 #include "storage/runs/trajectory_store.h"
 #include "storage/schema/schema.h"
 #include "storage/sqlite/session.h"
+#include "storage/sqlite/wide_views.h"
 #include "storage/upkeep_store.h"
 #include "storage/watch/alarm_store.h"
 #include "storage/watch/clock_store.h"
@@ -23,6 +25,7 @@
 #include "storage/watch/event_store.h"
 #include "storage/watch/outbox_store.h"
 #include "storage/watch/remark_store.h"
+#include "storage/watch/rest_store.h"
 #include "storage/watch/stop_store.h"
 
 namespace driftwise::storage {
@@ -56,6 +59,8 @@ class SqliteStore final : public Store {
                .trajectories = &trajectories_,
                .stops = &stops_,
                .clocks = &clocks_,
+               .closures = &closures_,
+               .rests = &rests_,
                .configurations = &configurations_,
                .audit = &audit_,
                .queue = &queue_,
@@ -82,6 +87,8 @@ class SqliteStore final : public Store {
         trajectories_(session_),
         stops_(session_),
         clocks_(session_),
+        closures_(session_),
+        rests_(session_),
         upkeep_(session_, [this] { set_up_connection(); }),
         configurations_(session_),
         audit_(session_, protected_),
@@ -118,7 +125,10 @@ class SqliteStore final : public Store {
     // The log is emptied in idle(), between points, and not by the commit that happens to fill it.
     sqlite3_wal_hook(db.handle(), &SqliteStore::committed, this);
     keep_old_version(db);
+    const auto before = db.pragma("user_version");
     migrate(db);
+    constexpr int kRepeatedPoints = 13;  // the view leaves them out
+    if (before != 0 && before < kRepeatedPoints) rebuild_point_wide(db);
     session_.at_commit = nullptr;
     chain_.reset();  // it refers to what is made anew
     chain_.emplace(db, protected_.emplace(db));
@@ -176,6 +186,8 @@ class SqliteStore final : public Store {
   SqliteTrajectoryStore trajectories_;
   SqliteStopStore stops_;
   SqliteClockStore clocks_;
+  SqliteClosureStore closures_;
+  SqliteRestStore rests_;
   SqliteUpkeepStore upkeep_;
   SqliteConfigurationStore configurations_;
   std::optional<ProtectedTables> protected_;

@@ -20,6 +20,7 @@ PeltierStabiliser::PeltierStabiliser(DeviceDescription device, Options options,
                                      transport::Address address, asio::any_io_executor executor,
                                      Clock& clock)
     : device_(std::move(device)),
+      declared_(options.declared),
       clock_(clock),
       symbol_(symbol_from_id(device_.id)),
       pause_(executor),
@@ -91,6 +92,17 @@ Awaitable<Result<void>> PeltierStabiliser::prepare() {
 Awaitable<Result<void>> PeltierStabiliser::set_point(double degc) {
   co_return co_await run([degc](TemperatureController& controller, auto timeout) {
     return controller.set_point(degc, timeout);
+  });
+}
+
+Awaitable<Result<LoopTuning>> PeltierStabiliser::tuning() {
+  co_return co_await run(
+      [](TemperatureController& controller, auto timeout) { return controller.tuning(timeout); });
+}
+
+Awaitable<Result<LoopTuning>> PeltierStabiliser::set_tuning(LoopTuning wanted) {
+  co_return co_await run([wanted](TemperatureController& controller, auto timeout) {
+    return controller.set_tuning(wanted, timeout);
   });
 }
 

@@ -8,11 +8,12 @@
 #include "drivers/transport/back_off.h"
 #include "drivers/watlow_ez_zone/temperature_controller.h"
 #include "server/core/ports/clock.h"
+#include "server/core/ports/control/tunable_loop.h"
 #include "server/core/ports/stabiliser.h"
 
 namespace driftwise::watlow {
 
-class PeltierStabiliser final : public Stabiliser {
+class PeltierStabiliser final : public Stabiliser, public TunableLoop {
  public:
   PeltierStabiliser(DeviceDescription device, Options options, transport::Address address,
                     asio::any_io_executor executor, Clock& clock);
@@ -25,6 +26,9 @@ class PeltierStabiliser final : public Stabiliser {
   void close() override;
   Awaitable<Result<Reading>> read() override;
   Awaitable<Result<void>> set_point(double degc) override;
+  LoopTuning declared_tuning() const override { return declared_; }
+  Awaitable<Result<LoopTuning>> tuning() override;
+  Awaitable<Result<LoopTuning>> set_tuning(LoopTuning wanted) override;
 
  private:
   // Runs job(controller, timeout) on the Modbus thread; keeps health and back-off.
@@ -40,6 +44,7 @@ class PeltierStabiliser final : public Stabiliser {
   void note(const Error* error, LineReport report);
 
   DeviceDescription device_;
+  LoopTuning declared_;
   Clock& clock_;
   std::string symbol_;
   asio::steady_timer pause_;

@@ -7,6 +7,8 @@
 
 namespace driftwise::watlow {
 
+constexpr double kDegfPerKelvin = 1.8;
+
 std::array<std::uint16_t, 2> pack_float(float value, WordOrder order) {
   const auto bits = std::bit_cast<std::uint32_t>(value);
   const auto high = static_cast<std::uint16_t>(bits >> 16),
@@ -28,6 +30,14 @@ double degc_from_wire(float value, Unit unit) {
 
 float wire_from_degc(double degc, Unit unit) {
   return static_cast<float>(unit == Unit::celsius ? degc : degf_from_degc(degc));
+}
+
+double kelvin_from_wire(float value, Unit unit) {
+  return static_cast<double>(value) / (unit == Unit::celsius ? 1.0 : kDegfPerKelvin);
+}
+
+float wire_from_kelvin(double kelvin, Unit unit) {
+  return static_cast<float>(kelvin * (unit == Unit::celsius ? 1.0 : kDegfPerKelvin));
 }
 
 bool is_plausible(double degc) { return degc >= kPlausibleMinDegc && degc <= kPlausibleMaxDegc; }

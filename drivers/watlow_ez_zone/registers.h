@@ -21,6 +21,7 @@ namespace address {
 inline constexpr int kProcessValue = 360;  // float; 362 follows
 inline constexpr int kInputError = 362;    // u16
 inline constexpr int kMode = 1880;         // u16
+inline constexpr int kHeatBand = 1890;     // float; cool band, integral, derivative follow
 inline constexpr int kHeatPower = 1904;    // float, %
 inline constexpr int kCoolPower = 1906;    // float, %
 inline constexpr int kSetPoint = 2160;     // float
@@ -40,6 +41,8 @@ float unpack_float(std::span<const std::uint16_t, 2> registers, WordOrder order)
 
 double degc_from_wire(float value, Unit unit);
 float wire_from_degc(double degc, Unit unit);
+double kelvin_from_wire(float value, Unit unit);  // of a difference, such as a band
+float wire_from_kelvin(double kelvin, Unit unit);
 
 // What a PM near room temperature can mean: a wrong word order or unit falls outside.
 inline constexpr double kPlausibleMinDegc = 5.0, kPlausibleMaxDegc = 60.0;

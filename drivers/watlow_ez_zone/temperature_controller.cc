@@ -1,6 +1,8 @@
 #include "drivers/watlow_ez_zone/temperature_controller.h"
 
+#include <algorithm>
 #include <cstdio>
+#include <iterator>
 
 #include "server/core/data/reading.h"
 #include "server/core/reasons.h"
@@ -102,6 +104,73 @@ Result<void> TemperatureController::set_point(double degc, std::chrono::nanoseco
   DRIFTWISE_TRY(const auto mode, line_.read(at(address::kMode), 1));
   if (mode[0] == kModeAutomatic) return {};
   return line_.write(at(address::kMode), std::span(&kModeAutomatic, 1));
+}
+
+namespace {
+
+// In the order of their registers, from kHeatBand on.
+struct TuningRegister {
+  const char* name;
+  std::optional<double> LoopTuning::*value;
+  bool band;
+  double min, max;  // K or s
+};
+constexpr TuningRegister kTuning[] = {
+    {"heat band", &LoopTuning::heat_band_k, true, 0.001, 5000},
+    {"cool band", &LoopTuning::cool_band_k, true, 0.001, 5000},
+    {"integral", &LoopTuning::integral_s, false, 0, 9999},
+    {"derivative", &LoopTuning::derivative_s, false, 0, 9999},
+};
+constexpr int kTuningRegisters = 2 * static_cast<int>(std::size(kTuning));
+
+}  // namespace
+
+Result<LoopTuning> TemperatureController::tuning(std::chrono::nanoseconds timeout) {
+  DRIFTWISE_RETURN_IF_ERROR(prepare(timeout));
+  DRIFTWISE_TRY(const auto words, line_.read(at(address::kHeatBand), kTuningRegisters));
+  LoopTuning out;
+  for (std::size_t i = 0; i < std::size(kTuning); ++i) {
+    const float value = unpack_float(pair_at(words, 2 * i), options_.word_order);
+    out.*kTuning[i].value =
+        kTuning[i].band ? kelvin_from_wire(value, options_.unit) : static_cast<double>(value);
+  }
+  return out;
+}
+
+Result<LoopTuning> TemperatureController::set_tuning(const LoopTuning& wanted,
+                                                     std::chrono::nanoseconds timeout) {
+  for (const auto& one : kTuning) {
+    const auto& value = wanted.*one.value;
+    if (!value || (*value >= one.min && *value <= one.max)) continue;
+    char text[96];
+    std::snprintf(text, sizeof text, "%s %.6g %s, allowed are %g .. %g; nothing was written",
+                  one.name, *value, one.band ? "K" : "s", one.min, one.max);
+    return fail(ErrorCode::out_of_range, reasons::kOutOfRange, name() + text);
+  }
+  DRIFTWISE_RETURN_IF_ERROR(prepare(timeout));
+  DRIFTWISE_TRY(const auto present, line_.read(at(address::kHeatBand), kTuningRegisters));
+  std::vector<std::uint16_t> expected = present;
+  const auto place_of = [](std::size_t i) { return static_cast<std::ptrdiff_t>(2 * i); };
+  for (std::size_t i = 0; i < std::size(kTuning); ++i) {
+    const auto& value = wanted.*kTuning[i].value;
+    if (!value) continue;
+    const auto words = pack_float(
+        kTuning[i].band ? wire_from_kelvin(*value, options_.unit) : static_cast<float>(*value),
+        options_.word_order);
+    std::copy(words.begin(), words.end(), expected.begin() + place_of(i));
+    if (std::equal(words.begin(), words.end(), present.begin() + place_of(i))) continue;
+    DRIFTWISE_RETURN_IF_ERROR(line_.write(at(address::kHeatBand) + 2 * static_cast<int>(i), words));
+  }
+  DRIFTWISE_TRY(const auto taken, line_.read(at(address::kHeatBand), kTuningRegisters));
+  DRIFTWISE_TRY(auto after, tuning(timeout));
+  for (std::size_t i = 0; i < std::size(kTuning); ++i)
+    if (wanted.*kTuning[i].value &&
+        !std::equal(taken.begin() + place_of(i), taken.begin() + place_of(i) + 2,
+                    expected.begin() + place_of(i)))
+      return fail(ErrorCode::data_loss, reasons::kNotTaken,
+                  name() + "the control parameters read back as " + tuning_text(after) +
+                      ": are they locked on the controller's panel?");
+  return after;
 }
 
 }  // namespace driftwise::watlow

@@ -30,6 +30,12 @@ class TemperatureController {
   // without end), INPUT_ERROR; data_loss NOT_TAKEN (it reads back differently).
   Result<void> set_point(double degc, std::chrono::nanoseconds timeout);
 
+  Result<LoopTuning> tuning(std::chrono::nanoseconds timeout);
+  // Writes what is set and differs from the controller's by any bit, reads all of it back. Errors:
+  // out_of_range OUT_OF_RANGE (before anything is written); data_loss NOT_TAKEN;
+  // MODBUS_EXCEPTION where the controller refuses.
+  Result<LoopTuning> set_tuning(const LoopTuning& wanted, std::chrono::nanoseconds timeout);
+
   ModbusMaster& line() { return line_; }
 
  private:

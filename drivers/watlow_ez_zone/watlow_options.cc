@@ -13,6 +13,15 @@ Result<Options> read_options(const DeviceDescription& device) {
     out.word_order = WordOrder::high_first;
   if (reader.choice("unit", "F", {"F", "C"}) == "C") out.unit = Unit::celsius;
   out.check_unit = reader.on_off("check_unit", out.check_unit);
+  const auto declared = [&reader](const char* name, std::optional<double>& value) {
+    constexpr double kNone = -1;
+    const double number = reader.number(name, kNone, 0, 9999);
+    if (number != kNone) value = number;
+  };
+  declared("heat_band_k", out.declared.heat_band_k);
+  declared("cool_band_k", out.declared.cool_band_k);
+  declared("integral_s", out.declared.integral_s);
+  declared("derivative_s", out.declared.derivative_s);
   out.serial = transport::read_serial_settings(reader, out.serial);
   DRIFTWISE_RETURN_IF_ERROR(reader.finish());
   return out;

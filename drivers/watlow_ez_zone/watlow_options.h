@@ -3,6 +3,7 @@
 #include "drivers/transport/address.h"
 #include "drivers/watlow_ez_zone/registers.h"
 #include "server/core/description/cell_description.h"
+#include "server/core/devices/loop_tuning.h"
 #include "server/core/result.h"
 
 namespace driftwise::watlow {
@@ -13,6 +14,7 @@ struct Options {
   WordOrder word_order = WordOrder::low_first;  // word_order = low_first | high_first
   Unit unit = Unit::fahrenheit;                 // unit = F | C: of the numbers on the wire
   bool check_unit = true;                       // compare with register 2490
+  LoopTuning declared{};  // what its loop should have: compared, never written by itself
   transport::SerialSettings serial{.baud = 9600};
 };
 

@@ -119,9 +119,11 @@ void read_columns(Session& session, std::span<const RunId> runs,
   };
   for (const std::int64_t id : ids) column(id);
 
-  Query query(session.db,
-              "SELECT v.point_id, v.channel_id, v.value FROM point p CROSS JOIN point_value v "
-              "ON v.point_id = p.point_id WHERE p.run_id = ?");
+  Query query(
+      session.db,
+      "SELECT v.point_id, v.channel_id, v.value FROM point p CROSS JOIN point_value v "
+      "ON v.point_id = p.point_id WHERE p.run_id = ? AND p.point_id NOT IN (SELECT point_id "
+      "FROM repeated_point)");
   for (const RunId run : runs) {
     query.bind(run.value);
     std::int64_t point_id = 0;

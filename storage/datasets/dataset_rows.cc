@@ -30,7 +30,7 @@ std::vector<DatasetRow> read_dataset_rows(Session& session, RunId run) {
       "SELECT point_id, point.datum_id, measured_ns, point_set, line, is_zero, dwell_s, "
       "file_time_s, file_run, "
       "file_datum FROM point JOIN datum ON datum.datum_id = point.datum_id WHERE point.run_id = ? "
-      "ORDER BY trajectory_row");
+      "AND point_id NOT IN (SELECT point_id FROM repeated_point) ORDER BY trajectory_row");
   query.bind(run.value);
   std::vector<DatasetRow> rows;
   while (query.row()) {

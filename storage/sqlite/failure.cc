@@ -34,6 +34,7 @@ Error error_from_sqlite(int code, int system_errno, const std::string& file,
     case SQLITE_CONSTRAINT_UNIQUE:
     case SQLITE_CONSTRAINT_PRIMARYKEY:
     case SQLITE_CONSTRAINT_ROWID:
+    case SQLITE_CONSTRAINT_TRIGGER:  // point_once
       return {ErrorCode::already_exists, reasons::kAlreadyStored,
               what + "it is stored already; nothing was written"};
     case SQLITE_CONSTRAINT_FOREIGNKEY:

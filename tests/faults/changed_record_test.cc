@@ -98,6 +98,18 @@ class WholeRecord {
     EXPECT_TRUE(store->remarks().exclude({0, run, true, {1, 3}, "late", at_s(8), "ada", "p"}));
     EXPECT_TRUE(store->remarks().exclude({0, run, true, {5}, "zero", at_s(8), "daemon", "", true}));
     EXPECT_TRUE(store->remarks().add_note({0, {run, {}, {}}, "a remark", at_s(9), "ada", "p"}));
+    ClosureRecord closure;
+    closure.run = run;
+    closure.datum = datum;
+    closure.line = 1;
+    closure.measured = at_s(10);
+    closure.decision = ClosureDecision::repeated;
+    closure.coordinates = {{"x_mm", 412, 300, 12, 3, 2.5, 0}};
+    EXPECT_TRUE(store->closures().add_closure(closure, RepeatedLine{{39}, 0, {39, {}}}));
+    RestRecord rest;
+    rest.begin = at_s(10).utc;
+    rest.begun_by = "ada";
+    EXPECT_TRUE(store->rests().begin_rest(rest));
     explain(*store, run);
     EXPECT_TRUE(store->alarms().raise({{},
                                        AlarmLevel::warning,

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "drivers/all_devices.h"
+#include "server/core/ports/control/tunable_loop.h"
 #include "server/formats/cell_file/cell_file.h"
 #include "tests/support/plant_campaign.h"
 
@@ -164,7 +165,7 @@ class Thermometers final : public InPlant<Instrument> {
   }
 };
 
-class SupportLoop final : public InPlant<Stabiliser> {
+class SupportLoop final : public InPlant<Stabiliser>, public TunableLoop {
  public:
   using InPlant::InPlant;
   Awaitable<Result<Reading>> read() override {
@@ -184,6 +185,21 @@ class SupportLoop final : public InPlant<Stabiliser> {
     world_.plant->set_set_point_degc(index_, degc, now());
     co_return Result<void>{};
   }
+  LoopTuning declared_tuning() const override { return {}; }
+  Awaitable<Result<LoopTuning>> tuning() override {
+    co_await pass(0.05);
+    co_return tuning_;
+  }
+  Awaitable<Result<LoopTuning>> set_tuning(LoopTuning wanted) override {
+    co_await pass(0.05);
+    tuning_ = changed(tuning_, wanted);
+    world_.plant->set_stabiliser_tuning(index_, *tuning_.heat_band_k, *tuning_.cool_band_k,
+                                        *tuning_.integral_s, *tuning_.derivative_s, now());
+    co_return tuning_;
+  }
+
+ private:
+  LoopTuning tuning_{2, 2, 180, 0};
 };
 
 class Weights final : public InPlant<LoadActuator> {

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "server/core/ports/control/tunable_loop.h"
 #include "server/core/try.h"
 
 namespace driftwise::tests {
@@ -100,6 +101,8 @@ class Axis final : public Simulated<MotionController> {
     world_.furthest_mm = std::max(world_.furthest_mm, std::abs(to_mm));
     world_.from_mm = position_mm();
     world_.to_mm = to_mm - world_.reference_mm;
+    if (std::abs(world_.to_mm - world_.from_mm) > 1e-4)
+      world_.came_down = world_.to_mm < world_.from_mm;
     const double seconds = 0.3 + std::abs(world_.to_mm - world_.from_mm) / 4.0;
     world_.move_begin_ns = time_.now().utc.utc_ns;
     world_.move_end_ns = world_.move_begin_ns + nanoseconds_from_s(seconds).count();
@@ -169,7 +172,8 @@ class Laser final : public Simulated<Instrument> {
   double length_mm() const {
     const double q_mm = position_mm();
     return q_mm + kMmPerNm * world_.bend_nm_per_mm2 * q_mm * q_mm +
-           kMmPerNm * world_.nm_per_k * world_.warming_k_per_h * hours() - world_.zero_mm;
+           kMmPerNm * world_.nm_per_k * world_.warming_k_per_h * hours() +
+           kMmPerNm * world_.play_nm * (world_.came_down ? 0.5 : -0.5) - world_.zero_mm;
   }
   std::int64_t sequence_ = 0;
   Nanoseconds last_jump_{0};
@@ -199,7 +203,7 @@ class Scanner final : public Simulated<Instrument> {
   std::int64_t sequence_ = 0;
 };
 
-class Support final : public Simulated<Stabiliser> {
+class Support final : public Simulated<Stabiliser>, public TunableLoop {
  public:
   using Simulated::Simulated;
   Awaitable<Result<Reading>> read() override {
@@ -218,8 +222,19 @@ class Support final : public Simulated<Stabiliser> {
     world_.support_set_degc = degc;
     co_return Result<void>{};
   }
+  LoopTuning declared_tuning() const override { return {}; }
+  Awaitable<Result<LoopTuning>> tuning() override {
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await answer(0.05));
+    co_return tuning_;
+  }
+  Awaitable<Result<LoopTuning>> set_tuning(LoopTuning wanted) override {
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await answer(0.05));
+    tuning_ = changed(tuning_, wanted);
+    co_return tuning_;
+  }
 
  private:
+  LoopTuning tuning_{2, 2, 180, 0};
   std::int64_t sequence_ = 0;
 };
 

@@ -34,6 +34,8 @@ struct SmallWorld {
   // Temperatures: t0n = 20 + n / 10 + warming * hours. The robot grows by nm_per_k of t01's
   // warming.
   double warming_k_per_h = 0.5, nm_per_k = 150;
+  double play_nm = 0;          // the end-effector lags behind the axis by half of it, either way
+  bool came_down = false;      // the last move of more than 100 nm
   double bend_nm_per_mm2 = 0;  // the end-effector runs ahead of the scale by this times q^2
   double support_degc = 23.0, support_set_degc = 23.0;
   double force_n = 0;                 // what hangs there
@@ -51,6 +53,7 @@ struct SmallWorld {
   int axis_calls = 0,
       first_stop_call = 0;  // calls of the controller; which of them the first stop was
   double furthest_mm = 0;   // the largest |q| ever commanded
+  bool jumped = false;      // a length jumped once, as a test wanted it
   // What an outside watcher was told.
   std::int64_t told_accepted = 0;
   std::uint64_t random_state = 0x9e3779b97f4a7c15;

@@ -24,6 +24,17 @@ void add_devices(const CellStatus& status, std::vector<AlarmCondition>& out,
       continue;
     const std::string& id = device.description.id;
     lost.insert(id);
+    if (device.unused) {
+      out.push_back(
+          {.level = AlarmLevel::notice,
+           .kind = "device.unused",
+           .subject = id,
+           .message = fmt::format("{} at {} does not answer ({}); the set-up in use does "
+                                  "not name it, and no run waits for it",
+                                  id, device.description.address, device.health.last_error),
+           .address = device.description.address});
+      continue;
+    }
     out.push_back(
         {.level = AlarmLevel::failed,
          .kind = "device.lost",

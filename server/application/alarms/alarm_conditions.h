@@ -12,8 +12,8 @@
 
 namespace driftwise::application {
 
-// device.lost; channel.stale; run.waiting, run.paused; gate.given_up;
-// daemon.paused, for a minute after a pause of the executor.
+// device.lost; device.unused (of no set-up in use: notice); channel.stale; run.waiting, run.paused;
+// gate.given_up; daemon.paused, for a minute after a pause of the executor.
 std::vector<AlarmCondition> alarm_conditions(const CellStatus& status);
 
 // The quality gate's trend over the last points of a run: before points are given up, their spread

@@ -89,7 +89,10 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
               [this](RunControl& control) { holds.look_before_motion(control); },
               [this] { return holds.marks(); },
               [this](const RunAhead& ahead) { return durations.look_ahead(ahead); },
-              [this](RunSteps steps) { durations.add(std::move(steps)); }},
+              [this](RunSteps steps) { durations.add(std::move(steps)); },
+              [this](const std::vector<ChannelValue>& values) {
+                return model_pose(serving.snapshots(), values);
+              }},
              tasks),
       leases([this](CellTime instant) { return clock->utc(instant); }),
       right(on, *clock, stops, leases, engine),
@@ -160,7 +163,7 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
       plans(description, *clock, reader, writer, events, models, joint_serving,
             worker_thread.executor()),
       jogs(on, workbench, engine, right, leases, tasks, given.measure_pauses),
-      rests(on, *clock, recorder, events, engine, right, tasks),
+      rests(on, *clock, recorder, writer, events, engine, right, tasks),
       commissioning(workbench, reader, writer, engine, rests, worker_thread.executor()),
       look_back(workbench, reader, datasets, models, worker_thread.executor()),
       support({given.schema_version, std::move(given.log_tail)}, workbench, reader, overview,

@@ -45,6 +45,7 @@ Awaitable<void> Composition::start_up() {
   tell("serving the promoted model", co_await restore_model());
   tell("serving the promoted plan", co_await plans.restore());
   tell("going on with the run", co_await runs.continue_unfinished());
+  tell("continuing the rest", co_await rests.continue_unfinished());
   queue_desk.start();
   tasks.spawn(durations.load());
 }

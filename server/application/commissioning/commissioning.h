@@ -72,11 +72,11 @@ class Commissioning {
   // BAD_CHANNEL; failed_precondition TOO_FEW_SAMPLES.
   virtual Awaitable<Result<ThermometerReport>> compare_thermometers(
       CellTime from, CellTime to, std::vector<std::string> channels) = 0;
-  // A rest lasts until end_rest, a movement, a run, or the daemon's end. Errors:
+  // A rest lasts until end_rest, a movement or a run; a restart continues it. Errors:
   // failed_precondition RUN_UNDER_WAY, MOVING; invalid_argument BAD_LIMITS.
-  virtual Result<void> begin_rest(Caller caller, RestLimits limits) = 0;
+  virtual Awaitable<Result<void>> begin_rest(Caller caller, RestLimits limits) = 0;
   // Errors of both: not_found NO_REST.
-  virtual Result<void> end_rest(Caller caller) = 0;
+  virtual Awaitable<Result<void>> end_rest(Caller caller) = 0;
   virtual Awaitable<Result<RestReport>> rest() = 0;
   virtual std::vector<CertificateState> certificates() const = 0;
 };

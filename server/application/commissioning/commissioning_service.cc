@@ -203,17 +203,18 @@ Awaitable<Result<ThermometerReport>> CommissioningService::compare_thermometers(
   co_return co_await run_on(worker_, compared, report, wanted, std::move(all));
 }
 
-Result<void> CommissioningService::begin_rest(Caller caller, RestLimits limits) {
-  return rests_.begin(caller, limits);
+Awaitable<Result<void>> CommissioningService::begin_rest(Caller caller, RestLimits limits) {
+  return rests_.begin(std::move(caller), limits);
 }
 
-Result<void> CommissioningService::end_rest(Caller caller) { return rests_.end(caller); }
+Awaitable<Result<void>> CommissioningService::end_rest(Caller caller) {
+  return rests_.end(std::move(caller));
+}
 
 Awaitable<Result<RestReport>> CommissioningService::rest() {
   const auto& last = rests_.last();
   if (!last)
-    co_return fail(ErrorCode::not_found, reasons::kNoRest,
-                   "this cell has had no rest since the daemon's start: begin one");
+    co_return fail(ErrorCode::not_found, reasons::kNoRest, "this cell has had no rest: begin one");
   RestReport report{last->begin, last->end, last->begun_by, last->end_reason, last->limits, {},
                     {},          {}};
   const CellTime from = report.begin;

@@ -15,8 +15,8 @@ class CommissioningService final : public Commissioning {
   Awaitable<CellCheck> check(Caller caller) override;
   Awaitable<Result<ThermometerReport>> compare_thermometers(
       CellTime from, CellTime to, std::vector<std::string> channels) override;
-  Result<void> begin_rest(Caller caller, RestLimits limits) override;
-  Result<void> end_rest(Caller caller) override;
+  Awaitable<Result<void>> begin_rest(Caller caller, RestLimits limits) override;
+  Awaitable<Result<void>> end_rest(Caller caller) override;
   Awaitable<Result<RestReport>> rest() override;
   std::vector<CertificateState> certificates() const override;
 

@@ -1,10 +1,12 @@
 #pragma once
-// The rest under way: begun, ended by whatever moves, its record of when. Executor's thread.
+// The rest under way: begun, ended by what moves, on record, continued after a restart. Executor's
+// thread.
 
 #include <optional>
 
 #include "server/application/commissioning/commissioning.h"
 #include "server/application/plumbing/event_log.h"
+#include "server/application/plumbing/store_writer.h"
 #include "server/application/plumbing/task_group.h"
 #include "server/application/recording/recorder.h"
 #include "server/application/runs/right_to_move.h"
@@ -15,29 +17,37 @@ namespace driftwise::application {
 class RestDesk {
  public:
   struct Rest {
+    std::int64_t id = 0;
     CellTime begin, end;  // end 0: under way
     std::string begun_by, end_reason;
     RestLimits limits;
   };
 
-  RestDesk(asio::any_io_executor executor, Clock& clock, Recorder& recorder, EventLog& events,
-           RunEngine& engine, RightToMove& right, TaskGroup& tasks);
-  Result<void> begin(const Caller& caller, RestLimits limits);
-  Result<void> end(const Caller& caller);
+  RestDesk(asio::any_io_executor executor, Clock& clock, Recorder& recorder, StoreWriter& writer,
+           EventLog& events, RunEngine& engine, RightToMove& right, TaskGroup& tasks);
+  // On disk when they return.
+  Awaitable<Result<void>> begin(Caller caller, RestLimits limits);
+  Awaitable<Result<void>> end(Caller caller);
+  // Once, at the start: a rest that was under way when the daemon ended goes on.
+  Awaitable<Result<void>> continue_unfinished();
   void shut_down();
   const std::optional<Rest>& last() const { return rest_; }
 
  private:
+  bool under_way() const { return rest_ && rest_->end.utc_ns == 0; }
+  void follow();
   Awaitable<void> watch();
-  void finish(std::string why);
+  Awaitable<Result<void>> finish(std::string why);
 
   Clock& clock_;
   Recorder& recorder_;
+  StoreWriter& writer_;
   EventLog& events_;
   RunEngine& engine_;
   RightToMove& right_;
   TaskGroup& tasks_;
   Signal ended_;
+  bool watching_ = false, ending_ = false;
   std::optional<Rest> rest_;
 };
 

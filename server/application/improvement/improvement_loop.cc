@@ -349,6 +349,7 @@ Awaitable<Result<RunRecord>> ImprovementLoop::measure(std::string what,
   CreateRun wanted;
   wanted.name = fmt::format("improvement {}, turn {}", id_.value, turn_.number);
   wanted.trajectory_name = request_.trajectory_name;
+  wanted.setup = request_.setup;
   wanted.trajectory_text = std::move(trajectory_text);
   wanted.lease_token = request_.lease_token;
   static_cast<void>(services_.manual.take_lease(caller_, kLease, request_.lease_token));

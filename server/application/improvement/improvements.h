@@ -22,6 +22,7 @@ struct ImproveRequest {
   // A model whose gain fresh points have shown serves. Else it is proposed, and a person promotes
   // it.
   bool promotes = false;
+  std::string setup = {};  // [[setup]] of the cell file; empty: all instruments
   std::string request_id;
 };
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "server/application/improvement/plan_rows.h"
+#include "server/application/ports/run_plan.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 
@@ -46,6 +47,7 @@ Awaitable<Result<ImprovementRecord>> ImprovementsService::create(Caller caller,
     formula = baseline.baseline;
   }
   // Everything that is known to fail before the robot moves.
+  DRIFTWISE_CO_RETURN_IF_ERROR(check_setup(description_, request.setup));
   DRIFTWISE_CO_RETURN_IF_ERROR(check_plan_rows(description_, check.trajectory, formula));
   auto beginning = improver_.begin(std::move(caller), std::move(request), std::move(formula));
   co_return co_await std::move(beginning);

@@ -8,10 +8,18 @@
 #include "server/application/motion/stop_desk.h"
 #include "server/application/ports/caller.h"
 #include "server/application/ports/run_hold.h"
+#include "server/core/devices/loop_tuning.h"
 #include "server/core/ports/awaitable.h"
 #include "server/core/result.h"
 
 namespace driftwise::application {
+
+struct DeclaredTuning {
+  LoopTuning now, declared;  // by its controller, and by the cell file
+};
+struct TunedStabiliser {
+  LoopTuning before, after;
+};
 
 class ManualControl {
  public:
@@ -34,6 +42,12 @@ class ManualControl {
                                           std::vector<double> q_mm, HoldAnswer answer = {}) = 0;
   virtual Awaitable<Result<void>> set_stabiliser(Caller caller, std::string lease_token,
                                                  std::string device, double degc) = 0;
+  // What its controller has now. Errors: not_found NO_STABILISER; those of the device.
+  virtual Awaitable<Result<DeclaredTuning>> stabiliser_tuning(std::string device) = 0;
+  // Writes what is set. Errors besides: those of set_stabiliser; out_of_range OUT_OF_RANGE.
+  virtual Awaitable<Result<TunedStabiliser>> tune_stabiliser(Caller caller, std::string lease_token,
+                                                             std::string device,
+                                                             LoopTuning wanted) = 0;
 };
 
 }  // namespace driftwise::application

@@ -250,21 +250,59 @@ Awaitable<Result<void>> ManualControlService::set_stabiliser(Caller caller, std:
     co_return fail(ErrorCode::invalid_argument, reasons::kSetPoint,
                    fmt::format("{} degC was asked for, expected {:g} to {:g}", degc, kColdest_degC,
                                kHottest_degC));
+  DRIFTWISE_CO_TRY(const auto i, stabiliser_named(device));
+  auto set = co_await bench_.set_point(i, degc);
+  if (set)
+    events_.record(caller, "stabiliser.set",
+                   fmt::format("{} set {} to {:g} degC", caller.name, device, degc), {},
+                   {"stabiliser " + device, "", fmt::format("{:g} degC", degc)});
+  co_return set;
+}
+
+Result<std::size_t> ManualControlService::stabiliser_named(const std::string& device) const {
   std::string known;
   for (const auto i : bench_.with_role(DeviceRole::stabiliser)) {
     const std::string& id = bench_.description(i).id;
+    if (id == device) return i;
     known += (known.empty() ? "" : ", ") + id;
-    if (id != device) continue;
-    auto set = co_await bench_.set_point(i, degc);
-    if (set)
-      events_.record(caller, "stabiliser.set",
-                     fmt::format("{} set {} to {:g} degC", caller.name, device, degc), {},
-                     {"stabiliser " + device, "", fmt::format("{:g} degC", degc)});
-    co_return set;
   }
-  auto sentence = fmt::format("the cell has no stabiliser '{}', {}", device,
-                              known.empty() ? "nor any other" : "it has " + known);
-  co_return fail(ErrorCode::not_found, reasons::kNoStabiliser, std::move(sentence));
+  return fail(ErrorCode::not_found, reasons::kNoStabiliser,
+              fmt::format("the cell has no stabiliser '{}', {}", device,
+                          known.empty() ? "nor any other" : "it has " + known));
+}
+
+Awaitable<Result<DeclaredTuning>> ManualControlService::stabiliser_tuning(std::string device) {
+  DRIFTWISE_CO_TRY(const auto i, stabiliser_named(device));
+  DeclaredTuning tuning;
+  DRIFTWISE_CO_TRY(tuning.now, co_await bench_.tuning(i));
+  tuning.declared = bench_.declared_tuning(i);
+  co_return tuning;
+}
+
+Awaitable<Result<TunedStabiliser>> ManualControlService::tune_stabiliser(Caller caller,
+                                                                         std::string lease_token,
+                                                                         std::string device,
+                                                                         LoopTuning wanted) {
+  DRIFTWISE_CO_RETURN_IF_ERROR(leases_.check(lease_token, clock_.now().utc));
+  DRIFTWISE_CO_TRY(const auto i, stabiliser_named(device));
+  if (wanted.empty())
+    co_return fail(ErrorCode::invalid_argument, reasons::kMissingValue,
+                   fmt::format("stabiliser '{}': found nothing to set, expected a band, the "
+                               "integral or the derivative",
+                               device));
+  TunedStabiliser tuned;
+  DRIFTWISE_CO_TRY(tuned.before, co_await bench_.tuning(i));
+  auto after = co_await bench_.set_tuning(i, std::move(wanted));
+  // What a refusal half way has changed is on record too.
+  auto now = after ? after : co_await bench_.tuning(i);
+  if (now && (after || *now != tuned.before))
+    events_.record(caller, "stabiliser.tuned",
+                   fmt::format("{} tuned {}: {} (before: {})", caller.name, device,
+                               tuning_text(*now), tuning_text(tuned.before)),
+                   {}, {"stabiliser " + device, tuning_text(tuned.before), tuning_text(*now)});
+  DRIFTWISE_CO_RETURN_IF_ERROR(after);
+  tuned.after = std::move(*after);
+  co_return tuned;
 }
 
 }  // namespace driftwise::application

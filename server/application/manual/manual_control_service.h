@@ -36,6 +36,10 @@ class ManualControlService final : public ManualControl {
                                   HoldAnswer answer) override;
   Awaitable<Result<void>> set_stabiliser(Caller caller, std::string lease_token, std::string device,
                                          double degc) override;
+  Awaitable<Result<DeclaredTuning>> stabiliser_tuning(std::string device) override;
+  Awaitable<Result<TunedStabiliser>> tune_stabiliser(Caller caller, std::string lease_token,
+                                                     std::string device,
+                                                     LoopTuning wanted) override;
 
   // Poses and targets count from it now.
   void take_datum(const DatumRecord& datum);
@@ -46,6 +50,7 @@ class ManualControlService final : public ManualControl {
   const std::string& datum_trouble() const { return datum_trouble_; }
 
  private:
+  Result<std::size_t> stabiliser_named(const std::string& device) const;
   class ByHand;
   Awaitable<Result<DatumRecord>> new_datum_by_hand(RunScope& scope, std::string reason);
   // False also where no pose is measured, or none counts from a datum.

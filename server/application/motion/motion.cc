@@ -188,6 +188,15 @@ AxesToMove axes_of_robot(const CellDescription& cell, const std::string& robot) 
 
 }  // namespace
 
+void note_sides(RunScope& scope, const std::vector<double>& from_mm,
+                const std::vector<double>& to_mm) {
+  scope.sides.resize(to_mm.size(), '?');
+  for (std::size_t i = 0; i < std::min(from_mm.size(), to_mm.size()); ++i) {
+    const double away_nm = nm_from_mm(from_mm[i] - to_mm[i]);
+    if (std::abs(away_nm) > scope.rules.in_position_nm) scope.sides[i] = away_nm > 0 ? '+' : '-';
+  }
+}
+
 Awaitable<Result<Arrival>> go_to(RunScope& scope, std::vector<double> q_mm, std::string cause,
                                  AxesToMove moved) {
   const auto& cell = scope.bench.description;
@@ -211,6 +220,7 @@ Awaitable<Result<Arrival>> go_to(RunScope& scope, std::vector<double> q_mm, std:
     DRIFTWISE_CO_TRY(from, co_await scope.bench.devices.motion_state());
     DRIFTWISE_CO_RETURN_IF_ERROR(check_keep_out(cell, from.q_mm, q_mm));
   }
+  note_sides(scope, from.q_mm, q_mm);
   co_return co_await go_straight(scope, from.q_mm, std::move(q_mm), std::move(cause), moved);
 }
 

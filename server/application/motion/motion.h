@@ -32,6 +32,9 @@ struct Arrival {
 // Trouble::not_settled and no error. The move itself is recorded for the store, cause: "row 17".
 // Errors: those of the controller; out_of_range, SOFT_LIMIT and KEEP_OUT (in a run one robot moves
 // before the others where that keeps the distance); aborted and cancelled by the run's control.
+// Keeps RunScope::sides.
+void note_sides(RunScope& scope, const std::vector<double>& from_mm,
+                const std::vector<double>& to_mm);
 Awaitable<Result<Arrival>> go_to(RunScope& scope, std::vector<double> q_mm, std::string cause,
                                  AxesToMove moved = {});
 

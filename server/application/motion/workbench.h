@@ -45,6 +45,7 @@ struct RunScope {
   std::function<Awaitable<Result<void>>(std::string)>
       enter_waiting;  // state waiting, with the reason, on record
   std::function<Awaitable<Result<void>>()> leave_waiting;  // ... and running again
+  std::string sides = {};  // from which each axis came where it is: '+', '-', '?'; one per axis
 
   // Until the instant, or earlier with an error when the run is aborted or the daemon ends.
   Awaitable<Result<void>> sleep_until(CellTime instant) {

@@ -274,6 +274,33 @@ Awaitable<Result<bool>> AsyncStopStore::confirm(StopRecord stop, CellTime at) co
       store_, "before_stop_confirm_commit", "after_stop_confirm_commit", std::move(stop), at);
 }
 
+Awaitable<Result<std::int64_t>> AsyncClosureStore::add_closure(
+    ClosureRecord closure, std::optional<RepeatedLine> repeated) const {
+  return ask<&Store::closures, &ClosureStore::add_closure>(store_, std::move(closure),
+                                                           std::move(repeated));
+}
+
+Awaitable<Result<std::vector<ClosureRecord>>> AsyncClosureStore::closures(RunId run) const {
+  return ask<&Store::closures, &ClosureStore::closures>(store_, run);
+}
+
+Awaitable<Result<std::vector<PointId>>> AsyncClosureStore::repeated_points(RunId run) const {
+  return ask<&Store::closures, &ClosureStore::repeated_points>(store_, run);
+}
+
+Awaitable<Result<std::int64_t>> AsyncRestStore::begin_rest(RestRecord rest) const {
+  return ask<&Store::rests, &RestStore::begin_rest>(store_, std::move(rest));
+}
+
+Awaitable<Result<void>> AsyncRestStore::end_rest(std::int64_t id, CellTime at,
+                                                 std::string reason) const {
+  return ask<&Store::rests, &RestStore::end_rest>(store_, id, at, std::move(reason));
+}
+
+Awaitable<Result<std::optional<RestRecord>>> AsyncRestStore::newest_rest() const {
+  return ask<&Store::rests, &RestStore::newest_rest>(store_);
+}
+
 Awaitable<Result<void>> AsyncClockStore::add_clock(ClockRecord record) const {
   return ask<&Store::clocks, &ClockStore::add_clock>(store_, std::move(record));
 }

@@ -199,6 +199,29 @@ class AsyncStopStore {
   AsyncStore& store_;
 };
 
+class AsyncClosureStore {
+ public:
+  explicit AsyncClosureStore(AsyncStore& store) : store_(store) {}
+  Awaitable<Result<std::int64_t>> add_closure(ClosureRecord closure,
+                                              std::optional<RepeatedLine> repeated) const;
+  Awaitable<Result<std::vector<ClosureRecord>>> closures(RunId run) const;
+  Awaitable<Result<std::vector<PointId>>> repeated_points(RunId run) const;
+
+ private:
+  AsyncStore& store_;
+};
+
+class AsyncRestStore {
+ public:
+  explicit AsyncRestStore(AsyncStore& store) : store_(store) {}
+  Awaitable<Result<std::int64_t>> begin_rest(RestRecord rest) const;
+  Awaitable<Result<void>> end_rest(std::int64_t id, CellTime at, std::string reason) const;
+  Awaitable<Result<std::optional<RestRecord>>> newest_rest() const;
+
+ private:
+  AsyncStore& store_;
+};
+
 class AsyncClockStore {
  public:
   explicit AsyncClockStore(AsyncStore& store) : store_(store) {}
@@ -285,6 +308,8 @@ class AsyncStore {
   AsyncSeriesStore series() { return AsyncSeriesStore(*this); }
   AsyncTrajectoryStore trajectories() { return AsyncTrajectoryStore(*this); }
   AsyncStopStore stops() { return AsyncStopStore(*this); }
+  AsyncClosureStore closures() { return AsyncClosureStore(*this); }
+  AsyncRestStore rests() { return AsyncRestStore(*this); }
   AsyncClockStore clocks() { return AsyncClockStore(*this); }
   AsyncConfigurationStore configurations() { return AsyncConfigurationStore(*this); }
   AsyncAuditStore audit() { return AsyncAuditStore(*this); }

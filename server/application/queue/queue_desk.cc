@@ -435,7 +435,10 @@ Awaitable<QueueResult> QueueDesk::report(const QueueEntry& entry) {
   auto looking = parts_.runs.get(*entry.run);
   const auto run = co_await std::move(looking);
   if (!run) co_return QueueResult{.good = false, .text = run.error().message};
-  auto text = run_report(entry, *run, [this](CellTime at) { return parts_.clock.utc(at); });
+  const auto closures = co_await parts_.reader.closures().closures(run->id);
+  if (!closures) co_return QueueResult{.good = false, .text = closures.error().message};
+  auto text =
+      run_report(entry, *run, *closures, [this](CellTime at) { return parts_.clock.utc(at); });
   const auto path = report_path(parts_.description.database, entry.id, run->id);
   const auto written = co_await run_on(parts_.background, write_report, path, std::move(text));
   if (!written) co_return QueueResult{.good = false, .text = written.error().message};

@@ -10,6 +10,7 @@
 namespace driftwise::application {
 
 std::string run_report(const QueueEntry& entry, const RunRecord& run,
+                       const std::vector<ClosureRecord>& closures,
                        const std::function<UtcTime(CellTime)>& utc) {
   std::string text;
   const auto line = [&text](const char* name, const std::string& value) {
@@ -27,6 +28,11 @@ std::string run_report(const QueueEntry& entry, const RunRecord& run,
   line("operator", run.operator_name);
   line("restarts", fmt::format("{}", run.restarts));
   line("largest lag", fmt::format("{:.2f} s of cell time", run.max_lag_s));
+  line("zeros", fmt::format("{} returns to zero", closures.size()));
+  for (const auto& closure : closures)
+    if (closure.decision != ClosureDecision::within)
+      line("zero", fmt::format("{} line {}: {}", time(closure.measured.utc), closure.line,
+                               closure.sentence));
   line("cell file", run.config_hash);
   for (const auto& item : run.metadata) line("metadata", item.key + "=" + item.value);
   if (!entry.condition.empty()) line("waited for", entry.condition);

@@ -7,6 +7,7 @@
 
 #include "server/application/plumbing/task_group.h"
 #include "server/application/recording/doubts.h"
+#include "server/core/ports/control/tunable_loop.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 
@@ -48,12 +49,14 @@ void DeviceBench::use(const SetupDescription* setup) {
   for (auto& numbers : by_role_) numbers.clear();
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     const auto& device = description(i);
-    const bool is_left_out =
-        setup && measures_pose(device.role()) &&
-        std::ranges::find(setup->coordinates, device.id, &SetupCoordinate::device) ==
-            setup->coordinates.end();
-    if (!is_left_out) by_role_[static_cast<std::size_t>(device.role())].push_back(i);
+    if (!is_left_out(device)) by_role_[static_cast<std::size_t>(device.role())].push_back(i);
   }
+}
+
+bool DeviceBench::is_left_out(const DeviceDescription& device) const {
+  return setup_ && measures_pose(device.role()) &&
+         std::ranges::find(setup_->coordinates, device.id, &SetupCoordinate::device) ==
+             setup_->coordinates.end();
 }
 
 bool DeviceBench::may_be_lost(std::size_t device) const {
@@ -175,6 +178,37 @@ Awaitable<Result<void>> DeviceBench::zero(std::size_t device) {
       co_await ask(slot, *slot.made.as<Instrument>(), [](Instrument& d) { return d.zero(); });
   doubts_.begin_anew(slot.description().id);
   co_return zeroed;
+}
+
+namespace {
+
+// nullptr: its controller does not tell its parameters.
+TunableLoop* loop_of(Device& device) { return dynamic_cast<TunableLoop*>(&device); }
+
+Error no_loop(const DeviceDescription& device) {
+  return {ErrorCode::failed_precondition, reasons::kNoStabiliser,
+          "the controller of '" + device.id + "' does not tell its control parameters"};
+}
+
+}  // namespace
+
+LoopTuning DeviceBench::declared_tuning(std::size_t device) const {
+  const auto* loop = loop_of(slots_.at(device)->made.device());
+  return loop ? loop->declared_tuning() : LoopTuning{};
+}
+
+Awaitable<Result<LoopTuning>> DeviceBench::tuning(std::size_t device) {
+  Slot& slot = *slots_.at(device);
+  auto* loop = loop_of(slot.made.device());
+  if (!loop) co_return tl::unexpected(no_loop(slot.description()));
+  co_return co_await ask(slot, *loop, [](TunableLoop& d) { return d.tuning(); });
+}
+
+Awaitable<Result<LoopTuning>> DeviceBench::set_tuning(std::size_t device, LoopTuning wanted) {
+  Slot& slot = *slots_.at(device);
+  auto* loop = loop_of(slot.made.device());
+  if (!loop) co_return tl::unexpected(no_loop(slot.description()));
+  co_return co_await ask(slot, *loop, [wanted](TunableLoop& d) { return d.set_tuning(wanted); });
 }
 
 Awaitable<Result<void>> DeviceBench::set_point(std::size_t device, double degc) {
@@ -430,7 +464,8 @@ Awaitable<Result<void>> DeviceBench::prepare(std::size_t device) {
 std::vector<DeviceStatus> DeviceBench::status() const {
   std::vector<DeviceStatus> all;
   for (const auto& slot : slots_) {
-    all.push_back({slot->description(), slot->made.device().health()});
+    all.push_back(
+        {slot->description(), slot->made.device().health(), is_left_out(slot->description())});
     // Between two attempts a link connects, and one with garbled answers stands: until it answers,
     // a lost device is a failed one wherever it is shown.
     if (slot->lost) all.back().health.link = LinkState::failed;

@@ -19,6 +19,7 @@
 #include "server/application/recording/devices.h"
 #include "server/application/recording/motion_watch.h"
 #include "server/core/data/judged_reading.h"
+#include "server/core/devices/loop_tuning.h"
 #include "server/core/ports/async_mutex.h"
 
 namespace driftwise::application {
@@ -61,6 +62,10 @@ class DeviceBench {
   // Only of devices behind the port Instrument, and Stabiliser.
   Awaitable<Result<void>> zero(std::size_t device);
   Awaitable<Result<void>> set_point(std::size_t device, double degc);
+  // Errors besides: failed_precondition NO_STABILISER, it has no TunableLoop.
+  Awaitable<Result<LoopTuning>> tuning(std::size_t device);
+  LoopTuning declared_tuning(std::size_t device) const;
+  Awaitable<Result<LoopTuning>> set_tuning(std::size_t device, LoopTuning wanted);
 
   // Motion that nobody here commanded is told from now on, once each time (motion_watch.h), from
   // within the call that saw it. instruments_say: whether the axes are there by what the
@@ -124,6 +129,7 @@ class DeviceBench {
   template <class R>
   void note(Slot& slot, const R& result);
 
+  bool is_left_out(const DeviceDescription& device) const;
   std::vector<Slot*> controllers();
   Awaitable<Result<MotionState>> motion_state(Slot& slot);
   Awaitable<void> state_into(Slot& slot, std::optional<Result<MotionState>>& place);

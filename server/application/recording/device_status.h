@@ -9,6 +9,8 @@ namespace driftwise::application {
 struct DeviceStatus {
   DeviceDescription description;
   DeviceHealth health;
+  // It measures the pose and the set-up in use does not name it: nothing waits for it.
+  bool unused = false;
 };
 
 }  // namespace driftwise::application

@@ -11,9 +11,11 @@
 #include "server/application/ports/run_plan.h"
 #include "server/application/runs/run_progress.h"
 #include "server/application/runs/suspects.h"
+#include "server/application/runs/trajectory_walk.h"
 #include "server/application/trajectories/motor_rows.h"
 #include "server/application/trajectories/outlook.h"
 #include "server/core/trajectory/trajectory.h"
+#include "server/formats/cell_file/cell_file_closure.h"
 #include "server/plausibility/closure_judge.h"
 
 namespace driftwise::application {
@@ -29,7 +31,8 @@ struct ActiveRun {
         moved(axes_moved_by(bench.description, trajectory.coordinates)),
         length(trajectory),
         meter(planned_visit_s(plan.rules)),
-        closure_judge(bench.description) {}
+        closure_rules(formats::closure_rules_of(bench.description)),
+        closure_judge(bench.description, closure_rules) {}
   ActiveRun(const ActiveRun&) = delete;
 
   RunRecord record;
@@ -43,8 +46,12 @@ struct ActiveRun {
   bool continued = false;            // was under way when the daemon ended
   std::optional<DatumRecord> datum;  // the present one
   Closures closures;                 // of the present datum
+  ClosureRules closure_rules;
   plausibility::ClosureJudge closure_judge;
   SinceClosure since_closure;
+  SinceReturn since_return;
+  std::map<std::int64_t, int> repetitions;  // of lines, by number
+  std::vector<double> jumped_nm;            // of each length, by jumps that only marked their line
   std::map<std::int64_t, int> attempts_of_row;
   RunProgress progress;
 };

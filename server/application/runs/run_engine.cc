@@ -121,6 +121,8 @@ Awaitable<Result<void>> RunEngine::take_up(ActiveRun& run) {
     auto& number = run.attempts_of_row[attempt.row];
     number = std::max(number, attempt.number);
   }
+  for (const auto& closure : before_->closures)
+    if (closure.decision == ClosureDecision::repeated) ++run.repetitions[closure.line];
   if (before_->meter) run.meter = *before_->meter;
   run.meter.begin(bench_.clock.now().utc);
   const std::string what = before_->killed ? "restart after a kill" : "restart";
@@ -223,10 +225,11 @@ Awaitable<Result<void>> RunEngine::walk(ActiveRun& run) {
     DRIFTWISE_CO_TRY(auto result, co_await visit_row(run, *visit, hooks_.command_for));
     run.meter.visited(visit->from_queue, run.length.row(visit->row), bench_.clock.now().utc);
     if (result.point) run.since_closure.add(visit->row, result.point->measured.utc);
+    run.since_return.add(visit->row, result.verdict);
     if (auto ok = co_await mark_doubted(run); !ok) co_return ok;
     if (auto ok = co_await mark_held(run); !ok) co_return ok;
     if (result.point && row.zero) {
-      auto noting = note_closure(run, result.point->values, result.point->measured.utc, row.line);
+      auto noting = note_closure(run, result.point->values, result.point->measured, row.line);
       if (auto ok = co_await std::move(noting); !ok) co_return ok;
       if (auto ok = co_await store_lag(run); !ok) co_return ok;
     }
@@ -351,12 +354,14 @@ Awaitable<Result<void>> RunEngine::new_datum(ActiveRun& run) {
   DRIFTWISE_CO_TRY(auto datum, co_await open_datum(run.scope, *wanted_datum_));
   run.datum = std::move(datum);
   run.closures.clear();
-  run.closure_judge.begin(run.datum->opened.utc, bench_.loading.known_n());
   if (const auto before = std::exchange(before_, std::nullopt)) add_line_under_way(run, *before);
   if (auto ok = co_await mark_after_datum(run); !ok) co_return ok;
   had_datum_ = true;
   wanted_datum_.reset();
   hooks_.datum_opened(*run.datum);
+  run.closure_judge.begin(zero_of_datum(run));  // a model is anchored in the datum by now
+  run.since_return.begin(run.record.place, run.record.given_up);
+  run.jumped_nm.clear();
   co_return Result<void>{};
 }
 
@@ -377,17 +382,9 @@ Awaitable<Result<void>> RunEngine::go_to_zero(ActiveRun& run, std::string why) {
 
 Awaitable<Result<void>> RunEngine::return_to_zero(ActiveRun& run, std::int64_t line) {
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await go_to_zero(run, fmt::format("zero after line {}", line)));
-  const std::vector<double> zero_mm(bench_.description.motor_channels().size(), 0.0);
-  DRIFTWISE_CO_TRY(auto sampling,
-                   co_await take_readings(run.scope, run.plan.rules.readings_per_point, zero_mm));
-  for (auto& reading : sampling.readings) bench_.writer.add(std::move(reading));
-  DRIFTWISE_CO_TRY(auto slow, co_await join_when_scanned(run.scope, sampling.measured.utc));
-  auto values = std::move(slow);
-  const auto motors = bench_.description.motor_channels();
-  for (std::size_t i = 0; i < motors.size(); ++i)
-    values.push_back({motors[i].name(), sampling.q_mm[i]});
-  values.insert(values.end(), sampling.means.begin(), sampling.means.end());
-  auto noting = note_closure(run, std::move(values), sampling.measured.utc, line);
+  Stamp measured;
+  DRIFTWISE_CO_TRY(auto values, co_await read_zero(run, measured));
+  auto noting = note_closure(run, std::move(values), measured, line);
   if (auto ok = co_await std::move(noting); !ok) co_return ok;
   co_return co_await store_lag(run);
 }
@@ -398,53 +395,6 @@ Awaitable<Result<void>> RunEngine::store_lag(ActiveRun& run) {
   if (bench_.lag.largest_s() < run.record.max_lag_s + kWorthACommit_s) co_return Result<void>{};
   run.record.max_lag_s = bench_.lag.largest_s();
   co_return co_await store_state(run);
-}
-
-Awaitable<Result<void>> RunEngine::note_closure(ActiveRun& run, std::vector<ChannelValue> values,
-                                                CellTime measured, std::int64_t line) {
-  const auto closure = closure_nm(bench_.description, *run.datum, values);
-  const double largest = largest_nm(closure);
-  const bool has_angle = std::ranges::any_of(
-      bench_.description.angle_channels(),
-      [&values](const Channel& angle) { return find_value(values, angle.name()) != nullptr; });
-  if (is_missing(largest) && !has_angle) co_return Result<void>{};
-  if (!is_missing(largest)) run.progress.last_closure_nm = largest;
-  add_closure(run.closures, warming_since(bench_.description, *run.datum, values), closure);
-  std::vector<double> measured_nm = closure;
-  std::erase_if(measured_nm, is_missing);
-  std::string by_length;
-  if (measured_nm.size() > 1)
-    by_length = fmt::format(" at most ({:+.1f})", fmt::join(measured_nm, ", "));
-  if (!measured_nm.empty())
-    bench_.events.record_own(
-        "run.closure",
-        fmt::format("line {}: back at zero {:+.1f} nm{} from where datum {} had it", line, largest,
-                    by_length, run.datum->id.value),
-        run.record.id);
-  std::vector<double> angles_arcsec;
-  for (const auto& angle : bench_.description.angle_channels()) {
-    const double* arcsec = find_value(values, angle.name());
-    angles_arcsec.push_back(arcsec ? *arcsec : kMissing);
-  }
-  const auto verdict = run.closure_judge.judge(
-      {measured, closure, std::move(angles_arcsec), bench_.loading.known_n()});
-  if (verdict.good) {
-    run.since_closure.close();
-    co_return Result<void>{};
-  }
-  auto reason = fmt::format(
-      "line {}: the zero was not found again: {} since the last good closure; look for a length "
-      "that jumped, a lost fringe, something that slipped or was touched",
-      line, verdict.sentence);
-  bench_.events.record_own("closure.bad", reason, run.record.id);
-  hooks_.alarm({AlarmLevel::failed, "closure.bad", fmt::format("run {}", run.record.id.value),
-                fmt::format("run {}: {}; the points since then are suspect and kept out of fits, a "
-                            "new datum is opened",
-                            run.record.id.value, reason)});
-  // What follows counts from a zero of its own.
-  wanted_datum_ = DatumOpening{"closure", false, false, {}, {}};
-  auto marking = mark_suspects(run, run.closure_judge.last_good(), std::move(reason));
-  co_return co_await std::move(marking);
 }
 
 Awaitable<Result<void>> RunEngine::overcome(ActiveRun& run, const Error& error,

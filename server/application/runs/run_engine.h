@@ -14,6 +14,7 @@
 #include "server/application/runs/hold_mark.h"
 #include "server/application/runs/point_visit.h"
 #include "server/application/runs/trouble.h"
+#include "server/application/serving/model_pose.h"
 
 namespace driftwise::application {
 
@@ -22,6 +23,7 @@ struct RunBefore {
   std::vector<AttemptRecord> attempts;
   std::vector<PointRecord> zeros;  // its accepted returns to zero
   std::vector<DatumRecord> data;
+  std::vector<ClosureRecord> closures;
   bool killed = true;              // false: the daemon ended in good order
   std::optional<StepMeter> meter;  // what its rows took
 };
@@ -36,6 +38,8 @@ class RunEngine {
     std::function<std::vector<HoldMark>()> hold_marks;     // the points that this marks
     std::function<Outlook(const RunAhead&)> look_ahead;    // by what runs of this cell took
     std::function<void(RunSteps)> measured;                // what this one took
+    // The pose that the serving model gives for these conditions; none: no model answers.
+    std::function<std::optional<ModelPose>(const std::vector<ChannelValue>&)> model_pose;
   };
   RunEngine(asio::any_io_executor executor, Workbench& bench, Hooks hooks, TaskGroup& tasks);
   ~RunEngine();
@@ -93,8 +97,17 @@ class RunEngine {
   Awaitable<Result<void>> store_lag(ActiveRun& run);
   Awaitable<void> finish(ActiveRun& run, const Result<void>& outcome);
   Awaitable<Result<void>> take_up(ActiveRun& run);
+  // closing.cc
   Awaitable<Result<void>> note_closure(ActiveRun& run, std::vector<ChannelValue> values,
-                                       CellTime measured, std::int64_t line);
+                                       Stamp measured, std::int64_t line);
+  Awaitable<Result<void>> act_on(ActiveRun& run, ClosureRecord record,
+                                 plausibility::Closure closure);
+  Awaitable<Result<std::optional<plausibility::Closure>>> close_from_side(ActiveRun& run,
+                                                                          std::string side);
+  Awaitable<Result<std::vector<ChannelValue>>> read_zero(ActiveRun& run, Stamp& measured);
+  plausibility::Closure zero_of_datum(const ActiveRun& run) const;
+  plausibility::Closure closure_of(const ActiveRun& run, const std::vector<ChannelValue>& values,
+                                   CellTime measured) const;
   void publish();
   Outlook outlook_of(const ActiveRun& run, CellTime now);
   double done_since_outlook(const ActiveRun& run, CellTime now) const;  // cell seconds

@@ -76,10 +76,17 @@ void add_line_under_way(ActiveRun& run, const RunBefore& before) {
   const auto is_open = [last_zero](const AttemptRecord& attempt) {
     return attempt.verdict == Verdict::accepted && attempt.ended.utc > last_zero;
   };
+  // What is visited again has no point to mark.
+  const auto is_decided = [&run](const AttemptRecord& attempt) {
+    const auto& place = run.record.place;
+    return attempt.row < place.next_row &&
+           std::ranges::find(place.requeued, attempt.row, &Requeued::row) == place.requeued.end();
+  };
+  for (const auto& closure : before.closures) last_zero = std::max(last_zero, closure.measured.utc);
   for (const auto& attempt : before.attempts)
     if (is_open(attempt)) line = row_of(attempt).line;
   for (const auto& attempt : before.attempts)
-    if (is_open(attempt) && row_of(attempt).line == line)
+    if (is_open(attempt) && is_decided(attempt) && row_of(attempt).line == line)
       run.since_closure.add(attempt.row, attempt.ended.utc);
 }
 

@@ -21,6 +21,8 @@ class SinceClosure {
   void add(std::int64_t row, CellTime measured) { points_.push_back({row, measured}); }
   // What was measured up to now rests on a zero that was found again.
   void close() { confirmed_ = points_.size(); }
+  // What has not been confirmed is measured again.
+  void drop_open() { points_.resize(confirmed_); }
   // Rows since the last good closure, and those measured after the instant, ascending; each is
   // given once.
   std::vector<std::int64_t> take(CellTime since);

@@ -1,5 +1,7 @@
 #include "server/application/runs/trajectory_walk.h"
 
+#include <algorithm>
+
 namespace driftwise::application {
 namespace {
 
@@ -46,6 +48,34 @@ bool return_to_zero_is_due(const Trajectory& trajectory, const Place& place,
   for (; row < size(trajectory) && point(trajectory, row).line == line; ++row)
     if (point(trajectory, row).zero) return false;
   return true;
+}
+
+void SinceReturn::begin(const Place& place, std::int64_t given_up_so_far) {
+  first_row = place.next_row;
+  given_up = given_up_so_far;
+  rows.clear();
+}
+
+void SinceReturn::add(std::int64_t row, Verdict verdict) {
+  if (verdict == Verdict::accepted || verdict == Verdict::given_up)
+    rows[row] = verdict == Verdict::accepted;
+}
+
+std::int64_t SinceReturn::accepted() const {
+  return std::ranges::count_if(rows, [](const auto& row) { return row.second; });
+}
+
+RepeatedLine repeat_since(const SinceReturn& since, const Place& place, std::int64_t given_up) {
+  RepeatedLine line;
+  line.given_up = given_up - since.given_up;
+  line.place.next_row = std::min(since.first_row, place.next_row);
+  for (const auto& queued : place.requeued)
+    if (queued.row < line.place.next_row) line.place.requeued.push_back(queued);
+  for (const auto& [row, accepted] : since.rows) {
+    if (accepted) line.rows.push_back(row);
+    if (row < line.place.next_row) line.place.requeued.push_back({row, 1});
+  }
+  return line;
 }
 
 std::int64_t visits_left(const Trajectory& trajectory, const Place& place) {

@@ -3,8 +3,10 @@
 // (server/core/records/records.h).
 
 #include <cstdint>
+#include <map>
 #include <optional>
 
+#include "server/core/records/closure_records.h"
 #include "server/core/records/records.h"
 #include "server/core/trajectory/trajectory.h"
 
@@ -29,6 +31,20 @@ Place place_after(Place place, const Visit& visit, Verdict verdict);
 // drift is known.
 bool return_to_zero_is_due(const Trajectory& trajectory, const Place& place,
                            std::int64_t visited_row);
+
+// What was measured since a return to zero was judged, or a datum was opened.
+struct SinceReturn {
+  std::int64_t first_row = 0;           // the run's next row then
+  std::int64_t given_up = 0;            // of the run then
+  std::map<std::int64_t, bool> rows{};  // decided since: accepted, or given up
+  void begin(const Place& place, std::int64_t given_up_so_far);
+  void add(std::int64_t row, Verdict verdict);
+  std::int64_t accepted() const;
+};
+
+// All of it is visited again: the rows from the first one on by walking, those that were queued
+// before it from the queue. given_up: of the run now.
+RepeatedLine repeat_since(const SinceReturn& since, const Place& place, std::int64_t given_up);
 
 // Visits still ahead: rows not visited yet and those queued again.
 std::int64_t visits_left(const Trajectory& trajectory, const Place& place);

@@ -1,5 +1,7 @@
 // The run that was under way when the daemon ended.
 
+#include <algorithm>
+
 #include "server/application/plumbing/run_on.h"
 #include "server/application/runs/run_state_store.h"
 #include "server/application/runs/runs_service.h"
@@ -62,13 +64,16 @@ Awaitable<Result<RunBefore>> RunsService::what_was_before(const RunRecord& run) 
     before.attempts = std::move(attempts);
     DRIFTWISE_TRY(auto data, store.points().data(id));
     before.data = std::move(data);
+    DRIFTWISE_TRY(const auto repeated, store.closures().repeated_points(id));
     for (std::int64_t after = 0;;) {
       DRIFTWISE_TRY(auto page, store.points().points(id, after, kPage));
       if (page.empty()) break;
       after = page.back().id.value;
       for (auto& point : page)
-        if (point.zero) before.zeros.push_back(std::move(point));
+        if (point.zero && !std::ranges::binary_search(repeated, point.id))
+          before.zeros.push_back(std::move(point));
     }
+    DRIFTWISE_TRY(before.closures, store.closures().closures(id));
     return before;
   });
 }

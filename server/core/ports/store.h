@@ -19,6 +19,8 @@
 #include "server/core/ports/diagnosis_store.h"
 #include "server/core/ports/outside/outbox_store.h"
 #include "server/core/ports/queue_store.h"
+#include "server/core/ports/record/closure_store.h"
+#include "server/core/ports/record/rest_store.h"
 #include "server/core/ports/serving/plan_store.h"
 #include "server/core/ports/stop_store.h"
 #include "server/core/ports/upkeep_store.h"
@@ -138,6 +140,8 @@ struct StoreParts {
   TrajectoryStore* trajectories = nullptr;
   StopStore* stops = nullptr;
   ClockStore* clocks = nullptr;
+  ClosureStore* closures = nullptr;
+  RestStore* rests = nullptr;
   ConfigurationStore* configurations = nullptr;
   AuditStore* audit = nullptr;
   QueueStore* queue = nullptr;
@@ -166,6 +170,8 @@ class Store {
   TrajectoryStore& trajectories() { return *parts_.trajectories; }
   StopStore& stops() { return *parts_.stops; }
   ClockStore& clocks() { return *parts_.clocks; }
+  ClosureStore& closures() { return *parts_.closures; }
+  RestStore& rests() { return *parts_.rests; }
   ConfigurationStore& configurations() { return *parts_.configurations; }
   AuditStore& audit() { return *parts_.audit; }
   QueueStore& queue() { return *parts_.queue; }

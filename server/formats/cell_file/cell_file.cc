@@ -9,6 +9,7 @@
 #include "server/formats/cell_file/cell_file_access.h"
 #include "server/formats/cell_file/cell_file_address.h"
 #include "server/formats/cell_file/cell_file_certificates.h"
+#include "server/formats/cell_file/cell_file_closure.h"
 #include "server/formats/cell_file/cell_file_correction.h"
 #include "server/formats/cell_file/cell_file_devices.h"
 #include "server/formats/cell_file/cell_file_holds.h"
@@ -188,6 +189,7 @@ void read_file(const toml::table& root, CellDescription& out, TomlProblem& probl
     const std::string place = "keep_out " + std::to_string(out.keep_outs.size() + 1);
     read_keep_out(TomlReader(*table, place, problem), place, out, problem);
   }
+  static_cast<void>(read_closure(top, out, problem));  // kept in the text: closure_rules_of()
   for (const auto* table : top.tables("hold")) {
     const std::string place = "hold " + std::to_string(out.holds.size() + 1);
     read_hold(TomlReader(*table, place, problem), out);

@@ -11,6 +11,7 @@
 #include "server/effects/term_order.h"
 #include "server/formats/cell_file/cell_file.h"
 #include "server/formats/cell_file/cell_file_address.h"
+#include "server/formats/cell_file/cell_file_closure.h"
 
 namespace driftwise::formats {
 namespace {
@@ -213,6 +214,22 @@ void add_rules(const CellDescription& cell, Parts& parts) {
                              {"max_age_s", text_of(cell.serving.max_age_s)}};
 }
 
+void add_closure(const CellDescription& cell, Parts& parts) {
+  const auto rules = closure_rules_of(cell);
+  parts["closure"].values = {
+      {"unexplained", rules.unexplained == UnexplainedClosure::mark     ? "mark"
+                      : rules.unexplained == UnexplainedClosure::repeat ? "repeat"
+                                                                        : "new-datum"},
+      {"repeats", text_of(rules.repeats)}};
+  for (const auto& limit : rules.limits) {
+    auto& part = parts["closure_limit " + limit.channel];
+    part.affects = {limit.channel.substr(0, limit.channel.rfind('_'))};
+    part.values[is_angle(limit.channel.substr(limit.channel.rfind('_') + 1)) ? "limit_arcsec"
+                                                                             : "limit_nm"] =
+        text_of(limit.limit);
+  }
+}
+
 // Declared limits of single channels; what is not declared has the default of its kind.
 void add_limits(const CellDescription& cell, Parts& parts) {
   for (const auto& limit : cell.plausibility.limits) {
@@ -254,6 +271,7 @@ Parts parts_of(const CellDescription& cell) {
       {"epoch", cell.clock.epoch.utc_ns == 0 ? "" : to_iso8601(cell.clock.epoch)},
       {"speed", text_of(cell.clock.speed)}};
   add_rules(cell, parts);
+  add_closure(cell, parts);
   add_limits(cell, parts);
   for (const auto& device : cell.devices) add_device(cell, device, parts);
   add_setups(cell, parts);
@@ -346,6 +364,8 @@ std::set<std::pair<std::string, std::string>> known_keys() {
                  "max_drift_nm_per_min", "drift_window_s"});
   add("plausibility", {"geometry_um", "geometry_pct", "closure_nm", "closure_nm_per_min",
                        "closure_arcsec", "together_k"});
+  add("closure", {"unexplained", "repeats"});
+  add("closure_limit", {"*"});
   add("limit", {"*"});
   add("serving", {"rebuild_period_s", "refuse_stale", "refuse_outside_domain",
                   "refuse_outside_limits", "max_age_s"});

@@ -24,6 +24,35 @@ namespace {
 using Context = grpc::CallbackServerContext;
 using Reactor = grpc::ServerUnaryReactor;
 
+v1::StabiliserTuning tuning_from(const LoopTuning& tuning) {
+  v1::StabiliserTuning out;
+  if (tuning.heat_band_k) out.set_heat_band_k(*tuning.heat_band_k);
+  if (tuning.cool_band_k) out.set_cool_band_k(*tuning.cool_band_k);
+  if (tuning.integral_s) *out.mutable_integral_duration() = duration_from_s(*tuning.integral_s);
+  if (tuning.derivative_s)
+    *out.mutable_derivative_duration() = duration_from_s(*tuning.derivative_s);
+  return out;
+}
+
+Result<LoopTuning> wanted_tuning(const v1::StabiliserTuning& tuning) {
+  LoopTuning out;
+  if (tuning.has_heat_band_k()) out.heat_band_k = tuning.heat_band_k();
+  if (tuning.has_cool_band_k()) out.cool_band_k = tuning.cool_band_k();
+  if (tuning.has_integral_duration()) {
+    DRIFTWISE_TRY(const auto time, nanoseconds_from(tuning.integral_duration(), "integral"));
+    out.integral_s = seconds_from(time);
+  }
+  if (tuning.has_derivative_duration()) {
+    DRIFTWISE_TRY(const auto time, nanoseconds_from(tuning.derivative_duration(), "derivative"));
+    out.derivative_s = seconds_from(time);
+  }
+  for (const auto& value : {out.heat_band_k, out.cool_band_k})
+    if (value && !std::isfinite(*value))
+      return fail(ErrorCode::invalid_argument, reasons::kNotFinite,
+                  "tuning: expected a finite band in K");
+  return out;
+}
+
 class CellService final : public v1::CellService::CallbackService {
  public:
   explicit CellService(const application::Services& cell)
@@ -47,6 +76,8 @@ class CellService final : public v1::CellService::CallbackService {
     return answer(host_, context, [this, response]() -> Awaitable<Result<void>> {
       for (const auto& device : overview_.status().devices)
         *response->add_devices() = device_from(device);
+      for (const auto& setup : overview_.description().setups)
+        response->add_setup_names(utf8_from(setup.name));
       co_return Result<void>{};
     });
   }
@@ -125,6 +156,35 @@ class CellService final : public v1::CellService::CallbackService {
                        "set_point_degc: expected a finite number of degC");
       co_return co_await manual_.set_stabiliser(caller_of(*context), request->lease_token(),
                                                 request->device_id(), request->set_point_degc());
+    });
+  }
+
+  Reactor* GetStabiliser(Context* context, const v1::GetStabiliserRequest* request,
+                         v1::GetStabiliserResponse* response) override {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      DRIFTWISE_CO_RETURN_IF_ERROR(check_size(request->device_id(), kMostNameBytes, "device_id"));
+      auto asking = manual_.stabiliser_tuning(request->device_id());
+      DRIFTWISE_CO_TRY(const auto tuning, co_await std::move(asking));
+      *response->mutable_tuning() = tuning_from(tuning.now);
+      response->set_settled_band_k(overview_.description().checks.stabiliser_band_k);
+      if (!tuning.declared.empty()) *response->mutable_declared() = tuning_from(tuning.declared);
+      for (auto& sentence : differences_of(tuning.declared, tuning.now))
+        response->add_differences(std::move(sentence));
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* TuneStabiliser(Context* context, const v1::TuneStabiliserRequest* request,
+                          v1::TuneStabiliserResponse* response) override {
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      DRIFTWISE_CO_RETURN_IF_ERROR(check_size(request->device_id(), kMostNameBytes, "device_id"));
+      DRIFTWISE_CO_TRY(const auto wanted, wanted_tuning(request->tuning()));
+      auto tuning = manual_.tune_stabiliser(caller_of(*context), request->lease_token(),
+                                            request->device_id(), wanted);
+      DRIFTWISE_CO_TRY(const auto tuned, co_await std::move(tuning));
+      *response->mutable_before() = tuning_from(tuned.before);
+      *response->mutable_after() = tuning_from(tuned.after);
+      co_return Result<void>{};
     });
   }
 

@@ -109,7 +109,8 @@ class CommissioningService final : public v1::CommissioningService::CallbackServ
                          nanoseconds_from(request->window_duration(), "window_duration"));
         limits.window_s = seconds_from(window);
       }
-      DRIFTWISE_CO_RETURN_IF_ERROR(commissioning_.begin_rest(caller_of(*context), limits));
+      auto beginning = commissioning_.begin_rest(caller_of(*context), limits);
+      DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(beginning));
       co_return co_await show_rest(*response->mutable_rest());
     });
   }
@@ -117,7 +118,8 @@ class CommissioningService final : public v1::CommissioningService::CallbackServ
   Reactor* EndRest(Context* context, const v1::EndRestRequest*,
                    v1::EndRestResponse* response) override {
     return answer(host_, context, [this, context, response]() -> Awaitable<Result<void>> {
-      DRIFTWISE_CO_RETURN_IF_ERROR(commissioning_.end_rest(caller_of(*context)));
+      auto ending = commissioning_.end_rest(caller_of(*context));
+      DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(ending));
       co_return co_await show_rest(*response->mutable_rest());
     });
   }

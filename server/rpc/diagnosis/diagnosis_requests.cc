@@ -65,6 +65,7 @@ Result<application::ImproveRequest> improve_request_from(
     const v1::CreateImprovementRequest& request) {
   for (const auto& good :
        {check_size(request.trajectory_name(), kMostNameBytes, "trajectory_name"),
+        check_size(request.setup(), kMostNameBytes, "setup"),
         check_size(request.trajectory_text(), kMostTrajectoryBytes, "trajectory_text"),
         check_size(request.formula(), kMostFormulaBytes, "formula"),
         check_size(request.request_id(), kMostRequestIdBytes, "request_id"),
@@ -90,6 +91,7 @@ Result<application::ImproveRequest> improve_request_from(
   if (request.max_turns() > 0) asked.max_turns = request.max_turns();
   asked.budget_s = request.budget_s();
   asked.promotes = request.promote();
+  asked.setup = clean_line(request.setup());
   asked.request_id = request.request_id();
   return asked;
 }

@@ -214,6 +214,34 @@ v1::Attempt attempt_from(const AttemptRecord& attempt) {
   return out;
 }
 
+v1::Closure closure_from(const ClosureRecord& closure) {
+  v1::Closure out;
+  out.set_id(closure.id);
+  out.set_run_id(closure.run.value);
+  out.set_datum_id(closure.datum.value);
+  out.set_line(closure.line);
+  out.set_repetition(closure.repetition);
+  *out.mutable_measure_time() = timestamp_from(closure.measured.utc);
+  out.set_side(closure.side);
+  out.set_expected_by(closure.by);
+  // In the same order, from 1.
+  out.set_decision(static_cast<v1::Closure::Decision>(static_cast<int>(closure.decision) + 1));
+  out.set_sentence(closure.sentence);
+  for (const auto& one : closure.coordinates) {
+    auto& told = *out.add_coordinates();
+    told.set_channel(one.channel);
+    told.set_unit(one.channel.ends_with("_arcsec") ? "arcsec" : "nm");
+    told.set_found(one.found);
+    told.set_limit(one.limit);
+    told.set_expected(one.expected);
+    told.set_expected_sd(one.expected_sd);
+    told.set_noise(one.noise);
+    told.set_play(one.play);
+    told.set_unexplained(one.unexplained());
+  }
+  return out;
+}
+
 v1::Datum datum_from(const DatumRecord& datum) {
   v1::Datum out;
   out.set_id(datum.id.value);

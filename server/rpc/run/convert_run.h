@@ -5,6 +5,7 @@
 #include "server/application/ports/run_hold.h"
 #include "server/application/runs/run_progress.h"
 #include "server/core/description/cell_description.h"
+#include "server/core/records/closure_records.h"
 
 namespace driftwise::rpc {
 
@@ -22,6 +23,7 @@ v1::RunProgress progress_from(const application::RunProgress& progress);
 v1::Point point_from(const PointRecord& point);
 v1::Attempt attempt_from(const AttemptRecord& attempt);
 v1::Datum datum_from(const DatumRecord& datum);
+v1::Closure closure_from(const ClosureRecord& closure);
 
 // The cell's rules with what the request sets. Errors: invalid_argument; BAD_RULE (not finite,
 // negative or absurd, naming the field and the range), BAD_DURATION.

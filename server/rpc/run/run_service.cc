@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "driftwise/v1/run_service.grpc.pb.h"
@@ -84,7 +85,13 @@ class RunService final : public v1::RunService::CallbackService {
       DRIFTWISE_CO_TRY(const auto points,
                        co_await records_.points().points(RunId{request->run_id()},
                                                          request->after_point_id(), limit));
-      for (const auto& point : points) *response->add_points() = point_from(point);
+      DRIFTWISE_CO_TRY(const auto repeated,
+                       co_await records_.closures().repeated_points(RunId{request->run_id()}));
+      for (const auto& point : points) {
+        auto& told = *response->add_points();
+        told = point_from(point);
+        told.set_repeated_line(std::ranges::binary_search(repeated, point.id));
+      }
       co_return Result<void>{};
     });
   }
@@ -107,6 +114,17 @@ class RunService final : public v1::RunService::CallbackService {
       DRIFTWISE_CO_TRY(const auto datums,
                        co_await records_.points().data(RunId{request->run_id()}));
       for (const auto& datum : datums) *response->add_datums() = datum_from(datum);
+      co_return Result<void>{};
+    });
+  }
+
+  Reactor* ListClosures(Context* context, const v1::ListClosuresRequest* request,
+                        v1::ListClosuresResponse* response) override {
+    return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {
+      DRIFTWISE_CO_RETURN_IF_ERROR(check_id(request->run_id(), "run_id"));
+      DRIFTWISE_CO_TRY(const auto closures,
+                       co_await records_.closures().closures(RunId{request->run_id()}));
+      for (const auto& closure : closures) *response->add_closures() = closure_from(closure);
       co_return Result<void>{};
     });
   }

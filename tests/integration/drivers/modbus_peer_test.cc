@@ -8,6 +8,7 @@
 #include "drivers/watlow_ez_zone/modbus_master.h"
 #include "drivers/watlow_ez_zone/registers.h"
 #include "drivers/watlow_ez_zone/watlow_ez_zone.h"
+#include "server/core/ports/control/tunable_loop.h"
 #include "tests/support/manual_clock.h"
 #include "tests/support/process.h"
 #include "tests/support/run_awaitable.h"
@@ -110,6 +111,30 @@ TEST_P(WatlowAgainstPymodbus, WritesASetPointOnceAndSeesItTaken) {
   for (std::size_t i = lines.size() - 5; i < lines.size(); ++i)  // of the second set_point
     EXPECT_THAT(lines[i], testing::Not(HasSubstr("write")))
         << "the memory behind a set point wears out";
+}
+
+TEST_P(WatlowAgainstPymodbus, TellsItsControlLoopAndTakesAnother) {
+  auto stabiliser = make(support({{"heat_band_k", "3"}}));
+  auto* loop = dynamic_cast<TunableLoop*>(stabiliser.get());
+  ASSERT_NE(loop, nullptr);
+  const auto before = run(loop->tuning());
+  ASSERT_TRUE(before) << before.error().message;
+  EXPECT_TRUE(before->heat_band_k && before->integral_s);
+  EXPECT_EQ(loop->declared_tuning().heat_band_k, 3);
+  LoopTuning wanted;
+  wanted.heat_band_k = wanted.cool_band_k = 3;  // the peer has one band
+  wanted.integral_s = 120;
+  const auto after = run(loop->set_tuning(wanted));
+  ASSERT_TRUE(after) << after.error().message;
+  EXPECT_NEAR(*after->heat_band_k, 3, 1e-6);
+  EXPECT_NEAR(*after->integral_s, 120, 1e-6);
+  EXPECT_NEAR(*after->derivative_s, *before->derivative_s, 1e-6);
+  EXPECT_TRUE(differences_of(loop->declared_tuning(), *after).empty());
+  wanted.heat_band_k = -1;
+  const auto refused = run(loop->set_tuning(wanted));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "OUT_OF_RANGE");
+  EXPECT_THAT(refused.error().message, HasSubstr("nothing was written"));
 }
 
 TEST_P(WatlowAgainstPymodbus, RefusesTheWrongUnit) {

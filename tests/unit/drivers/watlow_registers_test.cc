@@ -32,6 +32,13 @@ TEST(WatlowTemperature, IsConvertedAtTheEdge) {
   EXPECT_FLOAT_EQ(wire_from_degc(21.0, Unit::fahrenheit), 69.8f);
 }
 
+// A difference has no offset: 3.6 F are 2 K.
+TEST(WatlowTemperature, OfABandIsADifference) {
+  EXPECT_NEAR(kelvin_from_wire(3.6f, Unit::fahrenheit), 2.0, 1e-6);
+  EXPECT_EQ(kelvin_from_wire(2.0f, Unit::celsius), 2.0);
+  EXPECT_FLOAT_EQ(wire_from_kelvin(2.0, Unit::fahrenheit), 3.6f);
+}
+
 TEST(WatlowPlausibility, CatchesAWrongUnitAndAWrongWordOrder) {
   EXPECT_TRUE(is_plausible(20.5));
   EXPECT_FALSE(
@@ -55,6 +62,11 @@ TEST(WatlowOptions, AreCheckedByNameAndValue) {
   EXPECT_EQ(options->unit, Unit::celsius);
   EXPECT_EQ(options->word_order, WordOrder::high_first);
   EXPECT_EQ(options->unit_id, 7);
+  device.options = {{"heat_band_k", "2"}, {"integral_s", "180"}};
+  const auto declared = read_options(device)->declared;
+  EXPECT_EQ(declared.heat_band_k, 2);
+  EXPECT_EQ(declared.integral_s, 180);
+  EXPECT_FALSE(declared.cool_band_k);
   device.options = {{"unit", "K"}};
   EXPECT_EQ(read_options(device).error().reason, "BAD_OPTION");
   device.options = {{"wordorder", "low_first"}};

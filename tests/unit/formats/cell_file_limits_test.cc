@@ -4,6 +4,7 @@
 
 #include "drivers/all_devices.h"
 #include "server/formats/cell_file/cell_file.h"
+#include "server/formats/cell_file/cell_file_closure.h"
 
 namespace driftwise::formats {
 namespace {
@@ -49,6 +50,24 @@ frozen_answers = 4
   EXPECT_EQ(rules.limits[0].frozen_answers, 4);
 }
 
+TEST(CellFileLimits, OfReturnsToZeroAreRead) {
+  const auto cell = parse_cell_file(kFront + R"([closure]
+unexplained = "repeat"
+repeats = 3
+[[closure_limit]]
+channel = "x_mm"
+limit_nm = 200
+)",
+                                    "cell.toml", drivers::all_devices());
+  ASSERT_TRUE(cell) << cell.error().message;
+  const auto rules = closure_rules_of(*cell);
+  EXPECT_EQ(rules.unexplained, UnexplainedClosure::repeat);
+  EXPECT_EQ(rules.repeats, 3);
+  ASSERT_EQ(rules.limits.size(), 1U);
+  EXPECT_EQ(rules.limits[0].channel, "x_mm");
+  EXPECT_EQ(rules.limits[0].limit, 200);
+}
+
 TEST(CellFileLimits, HaveDefaults) {
   const auto cell = parse_cell_file(kFront + "[[limit]]\nchannel = \"x_mm\"\nmax = 2\n",
                                     "cell.toml", drivers::all_devices());
@@ -66,6 +85,12 @@ TEST(CellFileLimits, AreRefusedWithTheirPlace) {
   };
   EXPECT_NE(refused("[plausibility]\nclosure_nm = 0\n").find("OUT_OF_RANGE"), std::string::npos);
   EXPECT_NE(refused("[plausibility]\nclosure_mm = 1\n").find("UNKNOWN_KEY"), std::string::npos);
+  EXPECT_NE(refused("[closure]\nunexplained = \"ignore\"\n").find("unexplained"),
+            std::string::npos);
+  EXPECT_NE(refused("[[closure_limit]]\nchannel = \"x_mm\"\nlimit_arcsec = 1\n").find("KEY"),
+            std::string::npos);
+  EXPECT_NE(refused("[[closure_limit]]\nchannel = \"t07_degC\"\nlimit_nm = 1\n").find("x_mm"),
+            std::string::npos);
   EXPECT_NE(refused("[[limit]]\nmax = 1\n").find("MISSING_KEY"), std::string::npos);
   EXPECT_NE(refused("[[limit]]\nchannel = \"x_mm\"\nmin = 2\nmax = 1\n").find("BAD_LIMITS"),
             std::string::npos);

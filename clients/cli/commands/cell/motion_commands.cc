@@ -1,7 +1,12 @@
+#include <algorithm>
+#include <cmath>
 #include <memory>
+#include <optional>
+#include <sstream>
 
 #include "clients/cli/commands/cell/cell_commands.h"
 #include "clients/cli/core/assignment.h"
+#include "clients/cli/core/confirm.h"
 #include "clients/cli/core/held_lease.h"
 #include "clients/cli/core/hold_question.h"
 #include "clients/cli/core/proto_json.h"
@@ -18,8 +23,9 @@ constexpr double kMotionLimit_s = 600;  // homing a slow axis
 struct MotionArguments {
   std::vector<std::string> coordinates;
   std::string lease_token, device;
-  double set_point_degc = 0, hold_s = 600;
-  bool dry_run = false;
+  double hold_s = 600;
+  std::optional<double> set_point_degc, heat_band_k, cool_band_k, integral_s, derivative_s;
+  bool dry_run = false, yes = false;
   HoldOptions hold;
 };
 
@@ -80,15 +86,119 @@ ExitCode move(const Session& session, const MotionArguments& a) {
   return say(session, "moved");
 }
 
-ExitCode set_stabiliser(const Session& session, const MotionArguments& a) {
+struct TuningLine {
+  const char *name, *unit;
+  std::optional<double> before, after;
+};
+
+google::protobuf::Duration duration_of(double seconds) {
+  google::protobuf::Duration duration;
+  const double whole_s = std::floor(seconds);
+  duration.set_seconds(static_cast<std::int64_t>(whole_s));
+  duration.set_nanos(static_cast<std::int32_t>(std::lround(1e9 * (seconds - whole_s))));
+  return duration;
+}
+
+std::optional<double> seconds_of(bool has, const google::protobuf::Duration& duration) {
+  if (!has) return std::nullopt;
+  return static_cast<double>(duration.seconds()) + 1e-9 * duration.nanos();
+}
+
+// What the controller has, beside what it is to have or what the cell file declares.
+std::vector<TuningLine> tuning_lines(const v1::StabiliserTuning& a, const v1::StabiliserTuning& b) {
+  const auto band = [](bool has, double k) { return has ? std::optional(k) : std::nullopt; };
+  return {
+      {"heat band", "K", band(a.has_heat_band_k(), a.heat_band_k()),
+       band(b.has_heat_band_k(), b.heat_band_k())},
+      {"cool band", "K", band(a.has_cool_band_k(), a.cool_band_k()),
+       band(b.has_cool_band_k(), b.cool_band_k())},
+      {"integral", "s", seconds_of(a.has_integral_duration(), a.integral_duration()),
+       seconds_of(b.has_integral_duration(), b.integral_duration())},
+      {"derivative", "s", seconds_of(a.has_derivative_duration(), a.derivative_duration()),
+       seconds_of(b.has_derivative_duration(), b.derivative_duration())},
+  };
+}
+
+void print_tuning(std::ostream& out, const std::vector<TuningLine>& lines, const char* second) {
+  for (const auto& line : lines) {
+    out << "  " << line.name << ": " << (line.before ? significant(*line.before, 6) : "-") << ' '
+        << line.unit;
+    if (line.after) out << second << significant(*line.after, 6) << ' ' << line.unit;
+    out << '\n';
+  }
+}
+
+ExitCode show_stabiliser(const Session& session, const Connection& connection,
+                         const v1::GetStabiliserResponse& now, const std::string& device) {
+  const auto status = connection.ask(&CellStub::GetStatus, v1::GetStatusRequest{});
+  if (session.console.json) {
+    session.console.print_json(json_from(now));
+    return ExitCode::done;
+  }
+  auto& out = session.console.out;
+  out << device << ", settled within " << significant(1000 * now.settled_band_k(), 4) << " mK\n";
+  std::string stem = device + '_';
+  std::ranges::replace(stem, '-', '_');
+  for (const auto& value : status.values())
+    if (value.channel().starts_with(stem) && value.has_value())
+      out << "  " << value.channel() << ": " << significant(value.value(), 7) << '\n';
+  print_tuning(out, tuning_lines(now.tuning(), now.declared()), ", declared ");
+  for (const auto& difference : now.differences())
+    out << "  not as declared: " << difference << '\n';
+  return ExitCode::done;
+}
+
+ExitCode tune_stabiliser(const Session& session, const Connection& connection,
+                         const v1::GetStabiliserResponse& now, const MotionArguments& a) {
+  v1::TuneStabiliserRequest request;
+  auto& wanted = *request.mutable_tuning();
+  if (a.heat_band_k) wanted.set_heat_band_k(*a.heat_band_k);
+  if (a.cool_band_k) wanted.set_cool_band_k(*a.cool_band_k);
+  if (a.integral_s) *wanted.mutable_integral_duration() = duration_of(*a.integral_s);
+  if (a.derivative_s) *wanted.mutable_derivative_duration() = duration_of(*a.derivative_s);
+  const auto lines = tuning_lines(now.tuning(), wanted);
+  if (a.dry_run) {
+    if (!session.console.json) print_tuning(session.console.out, lines, " -> ");
+    return say(session, "dry run: would set them");
+  }
+  std::ostringstream facts;
+  print_tuning(facts, lines, " -> ");
+  confirm(session.console, a.yes, a.device + ": the controller's loop", {facts.str()},
+          "Set it now");
+  const HeldLease lease(connection, a.lease_token);
+  request.set_lease_token(lease.token());
+  request.set_device_id(a.device);
+  const auto tuned = connection.ask(&CellStub::TuneStabiliser, request, 30);
+  if (session.console.json) {
+    session.console.print_json(json_from(tuned));
+    return ExitCode::done;
+  }
+  session.console.out << a.device << " has now\n";
+  print_tuning(session.console.out, tuning_lines(tuned.after(), {}), "");
+  return ExitCode::done;
+}
+
+// Without anything to set: what the controller has.
+ExitCode stabiliser(const Session& session, const MotionArguments& a) {
   const auto connection = session.connect();
+  const bool tunes = a.heat_band_k || a.cool_band_k || a.integral_s || a.derivative_s;
+  if (a.set_point_degc && tunes)
+    throw Failure{ExitCode::usage, "usage", "USAGE",
+                  "give a set-point or control parameters: each is set and recorded by itself"};
+  if (!a.set_point_degc) {
+    v1::GetStabiliserRequest request;
+    request.set_device_id(a.device);
+    const auto now = connection.ask(&CellStub::GetStabiliser, request, 30);
+    return tunes ? tune_stabiliser(session, connection, now, a)
+                 : show_stabiliser(session, connection, now, a.device);
+  }
   const HeldLease lease(connection, a.lease_token);
   v1::SetStabiliserRequest request;
   request.set_lease_token(lease.token());
   request.set_device_id(a.device);
-  request.set_set_point_degc(a.set_point_degc);
+  request.set_set_point_degc(*a.set_point_degc);
   connection.ask(&CellStub::SetStabiliser, request, 30);
-  return say(session, a.device + " set to " + fixed(a.set_point_degc, 3) + " degC");
+  return say(session, a.device + " set to " + fixed(*a.set_point_degc, 3) + " degC");
 }
 
 ExitCode show_lease(const Session& session) {
@@ -151,12 +261,21 @@ void add_motion_commands(CLI::App& app, Session& session) {
   lease_token(moving);
   moving.add_flag("--dry-run", a->dry_run, "check the limits, move nothing");
   add_hold_options(moving, a->hold);
-  CLI::App& stabiliser =
-      add_command(app, session, "stabiliser", "Sets a temperature controller (takes the lease)",
-                  [&session, a] { return set_stabiliser(session, *a); });
-  stabiliser.add_option("DEVICE", a->device, "its id: support")->required();
-  stabiliser.add_option("DEGC", a->set_point_degc, "set-point, degC")->required();
-  lease_token(stabiliser);
+  CLI::App& loop = add_command(
+      app, session, "stabiliser",
+      "A temperature controller: shows it, sets its set-point or its loop (takes the lease)",
+      [&session, a] { return stabiliser(session, *a); });
+  loop.add_option("DEVICE", a->device, "its id: support")->required();
+  loop.add_option("DEGC", a->set_point_degc, "set-point, degC");
+  loop.add_option("--heat-band", a->heat_band_k, "proportional band of heating, K");
+  loop.add_option("--cool-band", a->cool_band_k, "proportional band of cooling, K");
+  loop.add_option("--integral", a->integral_s, "integral time, s; 0: off");
+  loop.add_option("--derivative", a->derivative_s, "derivative time, s; 0: off");
+  for (const char* option : {"--heat-band", "--cool-band", "--integral", "--derivative"})
+    loop.get_option(option)->check(finite_number());
+  loop.add_flag("--dry-run", a->dry_run, "show before and after, set nothing");
+  loop.add_flag("-y,--yes", a->yes, "set it without asking");
+  lease_token(loop);
   CLI::App& lease =
       *app.add_subcommand("lease", "Who may move: one client at a time")->require_subcommand(1);
   add_command(lease, session, "show", "Who holds it", [&session] { return show_lease(session); });

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "clients/cli/commands/runs/report_data.h"
+#include "clients/cli/commands/runs/run_tables.h"
 #include "clients/cli/core/text.h"
 #include "driftwise/v1/cell_service.grpc.pb.h"
 #include "driftwise/v1/commissioning_service.grpc.pb.h"
@@ -94,6 +95,9 @@ ExitCode report_run(const Session& session, const ReportArguments& a) {
   source.run = connection.ask(&RunStub::GetRun, request);
   source.cell = connection.ask(&CellStub::GetStatus, {});
   source.points = all_points(connection, a.run);
+  std::erase_if(source.points, [](const v1::Point& point) { return point.repeated_line(); });
+  const auto closures = closures_of_run(connection, a.run);
+  source.closures.assign(closures.closures().begin(), closures.closures().end());
   v1::ListAttemptsRequest attempts;
   attempts.set_run_id(a.run);
   const auto tries = connection.ask(&RunStub::ListAttempts, attempts);

@@ -199,6 +199,13 @@ Json report_json(const ReportSource& source) {
     for (const auto& axis : device.axes())
       axes.push_back(
           {{"channel", axis.channel()}, {"min_mm", axis.min_mm()}, {"max_mm", axis.max_mm()}});
+  Json closures = Json::array();
+  for (const auto& one : source.closures)
+    closures.push_back({{"line", one.line()},
+                        {"repetition", one.repetition()},
+                        {"time", iso_text(one.measure_time())},
+                        {"decision", json_from(one)["decision"]},
+                        {"sentence", one.sentence()}});
   Json certificates = Json::array();
   for (const auto& one : source.certificates.certificates())
     certificates.push_back({{"device", one.device_id()},
@@ -219,6 +226,7 @@ Json report_json(const ReportSource& source) {
               {"rules", rules_json(source.run.rules_json())},
               {"points", points_json(source)},
               {"attempts", attempts_json(source)},
+              {"closures", closures},
               {"events", events},
               {"axes", axes},
               {"certificates", certificates}};

@@ -18,6 +18,7 @@ struct ReportSource {
   v1::GetRunResponse run;
   std::vector<v1::Point> points;  // oldest first
   std::vector<v1::Attempt> attempts;
+  std::vector<v1::Closure> closures;
   std::vector<v1::Event> events;  // of this run
   // What compensation achieved; nothing: a run without wanted poses.
   std::optional<v1::VerifyRunsResponse> verification;

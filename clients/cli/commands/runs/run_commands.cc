@@ -69,9 +69,11 @@ ExitCode show_run(const Session& session, std::int64_t id) {
   const auto connection = session.connect();
   const auto response = connection.ask(&RunStub::GetRun, request);
   const auto notes = notes_of_run(connection, id);
+  const auto closures = closures_of_run(connection, id);
   if (session.console.json) {
     auto json = json_from(response);
     json.update(json_from(notes));
+    json.update(json_from(closures));
     session.console.print_json(json);
     return ExitCode::done;
   }
@@ -80,6 +82,7 @@ ExitCode show_run(const Session& session, std::int64_t id) {
     const auto status = connection.ask(&v1::CellService::Stub::GetStatus, v1::GetStatusRequest{});
     if (status.run().run().id() == id) print_ahead(session.console, status.run());
   }
+  print_closure_summary(session.console, closures);
   print_notes(session.console, notes);
   return ExitCode::done;
 }

@@ -1,6 +1,7 @@
 #include "clients/cli/commands/runs/run_tables.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -79,7 +80,8 @@ ExitCode show_points(const Session& session, std::int64_t run_id) {
   for (const auto& point : all.points()) {
     std::vector<std::string> row = {
         std::to_string(point.row()),
-        point.set() == v1::POINT_SET_VALIDATION ? "validation" : "calibration",
+        std::string(point.set() == v1::POINT_SET_VALIDATION ? "validation" : "calibration") +
+            (point.repeated_line() ? ", repeated" : ""),
         std::to_string(point.line()), clock_text(point.measure_time())};
     for (const auto& channel : channels) {
       const auto value = std::ranges::find(point.values(), channel, &v1::ChannelValue::channel);
@@ -114,12 +116,85 @@ ExitCode show_attempts(const Session& session, std::int64_t run_id) {
   return ExitCode::done;
 }
 
+std::string decision_text(v1::Closure::Decision decision) {
+  switch (decision) {
+    case v1::Closure::DECISION_WITHIN:
+      return "within the limit";
+    case v1::Closure::DECISION_EXPLAINED:
+      return "explained";
+    case v1::Closure::DECISION_PLAY:
+      return "play";
+    case v1::Closure::DECISION_MARKED:
+      return "line suspect";
+    case v1::Closure::DECISION_REPEATED:
+      return "line repeated";
+    case v1::Closure::DECISION_NEW_DATUM:
+      return "new datum";
+    default:
+      return "-";
+  }
+}
+
+v1::ListClosuresResponse closures_of_run(const Connection& connection, std::int64_t run_id) {
+  v1::ListClosuresRequest request;
+  request.set_run_id(run_id);
+  return connection.ask(&RunStub::ListClosures, request);
+}
+
+void print_closure_summary(const Console& console, const v1::ListClosuresResponse& closures) {
+  if (closures.closures().empty()) return;
+  std::map<v1::Closure::Decision, int> counts;
+  for (const auto& closure : closures.closures()) ++counts[closure.decision()];
+  std::string text;
+  for (const auto& [decision, count] : counts)
+    text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + decision_text(decision);
+  console.out << "returns to zero: " << text << '\n';
+  for (const auto& closure : closures.closures())
+    if (closure.decision() != v1::Closure::DECISION_WITHIN)
+      console.out << "  " << clock_text(closure.measure_time()) << " line " << closure.line()
+                  << ": " << closure.sentence() << '\n';
+}
+
+namespace {
+
+void print_closures(const Session& session, const v1::ListClosuresResponse& closures) {
+  Table table({{"line", Align::right},
+               {"measured (UTC)"},
+               {"coordinate"},
+               {"found", Align::right},
+               {"limit", Align::right},
+               {"expected", Align::right},
+               {"play", Align::right},
+               {"noise u", Align::right},
+               {"unit"},
+               {"from"},
+               {"verdict"}});
+  for (const auto& closure : closures.closures())
+    for (const auto& one : closure.coordinates()) {
+      const int decimals = one.unit() == "nm" ? 0 : 2;
+      table.add({std::to_string(closure.line()) + (closure.repetition() > 0 ? ", again" : ""),
+                 clock_text(closure.measure_time()), one.channel(),
+                 signed_fixed(one.found(), decimals), fixed(one.limit(), decimals),
+                 signed_fixed(one.expected(), decimals), signed_fixed(one.play(), decimals),
+                 fixed(one.noise(), decimals + 1), one.unit(), closure.side(),
+                 decision_text(closure.decision())});
+    }
+  session.console.out << '\n';
+  table.print(session.console.out, session.console.paint_out());
+}
+
+}  // namespace
+
 ExitCode show_datums(const Session& session, std::int64_t run_id) {
   v1::ListDatumsRequest request;
   request.set_run_id(run_id);
-  const auto response = session.connect().ask(&RunStub::ListDatums, request);
+  const auto connection = session.connect();
+  const auto response = connection.ask(&RunStub::ListDatums, request);
+  const auto closures = closures_of_run(connection, run_id);
   if (session.console.json) {
-    session.console.print_json(json_from(response));
+    auto json = json_from(response);
+    json.update(json_from(closures));
+    session.console.print_json(json);
     return ExitCode::done;
   }
   Table table({{"datum", Align::right}, {"opened (UTC)"}, {"reason"}, {"conditions"}});
@@ -139,6 +214,7 @@ ExitCode show_datums(const Session& session, std::int64_t run_id) {
     if (datum.values_size() == 0) table.add(std::move(row));
   }
   table.print(session.console.out, session.console.paint_out());
+  if (!closures.closures().empty()) print_closures(session, closures);
   return ExitCode::done;
 }
 

@@ -4,6 +4,7 @@ import { useEffect, useRef, useState } from 'preact/hooks';
 import { Button } from '@/ui/button';
 import { Awaiting } from '@/ui/states';
 import { cell } from '@/live/state';
+import { NoteMarks } from '@/parts/note_marks';
 import type { ViewEntry } from './views';
 
 // A part that is gone belongs to an older build: the daemon was updated under the page.
@@ -43,5 +44,5 @@ export function Outlet({ entry }: { entry: ViewEntry }) {
   }, [shown]);
   if (failed) return <OldPage title={entry.title} />;
   if (!shown) return <Awaiting what={`the view ${entry.title}`} />;
-  return <shown.View />;
+  return <NoteMarks><shown.View /></NoteMarks>;
 }

@@ -1,6 +1,6 @@
 // Gives all plots over time below it the marks of a run.
 import type { ComponentChildren } from 'preact';
-import { useMemo } from 'preact/hooks';
+import { useContext, useMemo } from 'preact/hooks';
 import { api } from '@/api/client';
 import type { Event } from '@/api/gen/driftwise/v1/cell_service_pb';
 import type { Run } from '@/api/gen/driftwise/v1/run_pb';
@@ -8,7 +8,7 @@ import { ms } from '@/format/time';
 import { useEvents } from '@/live/events';
 import { newestEventId } from '@/live/events_page';
 import { usePointColumns, type RunPoints } from '@/live/points';
-import { TimeMarks } from '@/plot/marks';
+import { TimeMarks, type TimeMark } from '@/plot/marks';
 import { useAsked } from '@/ui/use_asked';
 import { eventMarks, forceSteps, isMarked } from './time_marks';
 import { notesDuring } from './time_notes';
@@ -51,6 +51,13 @@ export async function marked(run: Run, signal: AbortSignal): Promise<Event[]> {
   }
 }
 
+// Those of the cell, and those of the run's time that are older.
+function both(around: readonly TimeMark[], ofRun: readonly TimeMark[]): readonly TimeMark[] {
+  const key = (mark: TimeMark) => `${mark.atMs} ${mark.label}`;
+  const known = new Set(around.map(key));
+  return [...around, ...ofRun.filter((mark) => !known.has(key(mark)))];
+}
+
 export function RunMarks({ run, points, children }: { run: Run | undefined; points: RunPoints | undefined; children: ComponentChildren }) {
   const events = useAsked(run && `marks of run ${run.id}`, (signal) => marked(run!, signal));
   useEvents('record', (event) => {
@@ -58,11 +65,12 @@ export function RunMarks({ run, points, children }: { run: Run | undefined; poin
   });
   const notes = useAsked(run && `remarks at the time of run ${run.id}`, (signal) => notesDuring(run!, signal));
   useEvents('record', (event) => void (event.what === 'note.pinned' && notes.again()));
+  const around = useContext(TimeMarks);
   const columns = usePointColumns(points?.points, ms(run?.startTime));
   const marks = useMemo(() => [
     ...forceSteps(columns.of('force_N')).map(({ index, label }) => ({ kind: 'force' as const, label, atMs: columns.startMs + columns.hours[index] * 3600e3 })),
     ...eventMarks((events.value ?? []).map((event) => ({ atMs: ms(event.eventTime) ?? NaN, what: event.what, detail: event.detail }))),
-    ...(notes.value ?? []),
-  ], [columns, events.value, notes.value]);
+    ...both(around, notes.value ?? []),
+  ], [columns, events.value, notes.value, around]);
   return <TimeMarks.Provider value={marks}>{children}</TimeMarks.Provider>;
 }

@@ -8,8 +8,12 @@ import type { TimeMark } from '@/plot/marks';
 const lookBackApi = lazily(LookBackService);
 const most = 200;
 
-export async function notesDuring(run: Run, signal: AbortSignal): Promise<TimeMark[]> {
-  const range = { ...(run.startTime && { fromTime: run.startTime }), ...(run.endTime && { toTime: run.endTime }) };
+async function notesIn(range: { fromTime?: Run['startTime'] & {}; toTime?: Run['endTime'] & {} }, signal: AbortSignal): Promise<TimeMark[]> {
   const { notes } = await lookBackApi().listTimeNotes({ ...range, limit: most }, { signal });
   return notes.map((note) => ({ atMs: ms(note.noteTime) ?? NaN, kind: 'note', label: `${note.channel ? `${note.channel}: ` : ''}${note.text} (${note.who})` }));
 }
+
+export const notesDuring = (run: Run, signal: AbortSignal): Promise<TimeMark[]> =>
+  notesIn({ ...(run.startTime && { fromTime: run.startTime }), ...(run.endTime && { toTime: run.endTime }) }, signal);
+
+export const newestNotes = (signal: AbortSignal): Promise<TimeMark[]> => notesIn({}, signal);

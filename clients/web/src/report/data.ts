@@ -64,6 +64,7 @@ interface Written {
   };
   attempts?: ReportAttempt[];
   events?: { time: string; who: string; what: string; detail: string }[];
+  closures?: { line: number; repetition: number; time: string; decision: string; sentence: string }[]; // returns to zero as they were judged
   axes?: { channel: string; min_mm: number; max_mm: number }[];
   verification?: ReportVerification;
 }

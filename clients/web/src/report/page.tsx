@@ -67,6 +67,7 @@ export function ReportPage({ report }: { report: Report }) {
           {specs.map((spec) => <Panel key={spec.title}><Plot spec={spec} height={220} chosen={chosen} onPick={(key) => (chosen.value = key)} /></Panel>)}
         </div>
       </TimeMarks.Provider>
+      {report.closures && report.closures.length > 0 && <Panel title="Returns to zero"><Closures closures={report.closures} /></Panel>}
       <Panel title="Points"><Points report={report} /></Panel>
       {report.attempts.length > 0 && <Panel title="Measured again and given up"><Attempts report={report} /></Panel>}
       {report.events.length > 0 && <Panel title="Record"><Events report={report} /></Panel>}
@@ -134,6 +135,23 @@ function Attempts({ report }: { report: Report }) {
         { title: 'why', of: (one) => one.reason },
         { title: 'spread, nm', number: true, of: (one) => (one.spread_nm === null ? '–' : significant(one.spread_nm, 2)) },
         { title: 'after', number: true, of: (one) => duration(one.time_s) },
+      ]}
+    />
+  );
+}
+
+function Closures({ closures }: { closures: NonNullable<Report['closures']> }) {
+  return (
+    <Table
+      caption="Returns to zero as they were judged"
+      rows={closures.map((one, i) => ({ ...one, i }))}
+      keyOf={(one) => one.i}
+      page={40}
+      columns={[
+        { title: 'when', of: (one) => <span class="nowrap">{at(one.time)}</span> },
+        { title: 'line', number: true, of: (one) => `${one.line}${one.repetition ? ', again' : ''}` },
+        { title: 'verdict', of: (one) => <Verdict kind={['within', 'explained', 'play'].includes(one.decision) ? 'good' : 'warn'}>{one.decision.replaceAll('_', ' ')}</Verdict> },
+        { title: 'why', of: (one) => one.sentence },
       ]}
     />
   );

@@ -10,6 +10,7 @@ import { CommandButton } from '@/ui/button';
 import { confirm } from '@/ui/confirm';
 import { Failed } from '@/ui/states';
 import { useCommand } from '@/ui/use_command';
+import { SetupChoice, useSetups } from '@/parts/setup_choice';
 import { useLimits } from './limits';
 import { bandText, estimatedEnd } from './estimate';
 import { forceText, trajectoryRows } from './parse';
@@ -25,10 +26,12 @@ export function StartRun({ text, name, runName, compensate, verb = 'Start a run'
   off?: string | undefined;
 }) {
   const limits = useLimits();
+  const setups = useSetups();
+  const [setup, setSetup] = useState('');
   const [requestId] = useState(() => crypto.randomUUID()); // a second press is the same run
   const start = useCommand(async () => {
     const { run } = await withLease((leaseToken) =>
-      api.run().createRun({ name: runName || name, trajectoryName: name, trajectoryText: text, leaseToken, requestId, compensate: compensate ?? false }));
+      api.run().createRun({ name: runName || name, trajectoryName: name, trajectoryText: text, leaseToken, requestId, setup, compensate: compensate ?? false }));
     go(`/runs/${run!.id}`);
   });
   const look = useCommand(async () => {
@@ -41,6 +44,7 @@ export function StartRun({ text, name, runName, compensate, verb = 'Start a run'
       facts: [
         ['trajectory', `${name}: ${count(check.rowCount)} points, ${count(check.lineCount)} lines`],
         ['it moves', check.coordinates.join(', ') + (compensate ? ', to the targets of the model that serves' : '')],
+        ...(setup ? [['set-up', `${setup}: only its instruments are read`] as const] : []),
         ['soft limits', `${count(check.rowCount)} rows checked, all within`],
         ['takes about', `${duration(seconds)}${check.estimatedBand ? ` (${bandText(check.estimatedBand)})` : ''}${estimatedEnd(seconds) && `; ready ${estimatedEnd(seconds)}`}`],
         ['weights', forces === '' ? 'none' : forces + byHand],
@@ -53,6 +57,7 @@ export function StartRun({ text, name, runName, compensate, verb = 'Start a run'
   const other = progress.value?.run && progress.value.run.state < over ? `Run ${progress.value.run.id} is under way: one at a time` : undefined;
   return (
     <>
+      <SetupChoice names={setups.value} value={setup} onChoose={setSetup} />
       <CommandButton kind="main" busy={start.busy || look.busy} off={off ?? other} onPress={() => look.send()}>{verb}…</CommandButton>
       {(off ?? other) && <span class="note muted" aria-hidden="true">{off ?? other}</span>}
       {look.failure && <Failed asked="Check the trajectory" failure={look.failure} />}

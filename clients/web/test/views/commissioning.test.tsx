@@ -16,7 +16,7 @@ import { runsTyped } from '@/views/lookback/compare';
 import { overlay } from '@/views/lookback/specs';
 import Commissioning from '@/views/commissioning/view';
 import Manual from '@/views/manual/view';
-import { bandOf } from '@/parts/settled';
+import { settledK } from '@/parts/settled';
 import { Receivers } from '@/views/record/receivers';
 
 const begun = vi.fn();
@@ -25,7 +25,7 @@ const ended = vi.fn();
 const jog = (over: boolean) => ({ id: 7n, over, released: over, endReason: over ? 'let go' : '', positions: [{ channel: 'q1_mm', positionMm: 1.25 }], stepCount: 3n });
 
 const daemon = () => createRouterTransport(({ service }) => {
-  service(CellService, { takeLease: () => ({ lease: { token: 'mine' } }), giveUpLease: () => ({}) });
+  service(CellService, { takeLease: () => ({ lease: { token: 'mine' } }), giveUpLease: () => ({}), getStabiliser: () => ({ settledBandK: 0.02 }) });
   service(CommissioningService, {
     beginJog: (request) => (begun(request.channel, request.stepMm, request.held), { jog: jog(false) }),
     holdJog: () => (signs(), { jog: jog(false) }),
@@ -136,9 +136,8 @@ describe('receivers of alarms', () => {
 });
 
 describe('the band of a stabiliser', () => {
-  it('is that of the rule by which the daemon holds a run', () => {
-    const rule = { name: 'support', channel: 'support_degC', minusChannel: 'support_set_degC', above: 0.02 };
-    expect(bandOf([{ name: 'room', channel: 't12_degC', minusChannel: '', above: 20 }, rule] as never)).toBe(0.02);
-    expect(bandOf([])).toBe(0.01);
+  it('is the setting of the cell, as the daemon has it', async () => {
+    expect(settledK('support')).toBe(0.01);
+    await vi.waitFor(() => expect(settledK('support')).toBe(0.02));
   });
 });

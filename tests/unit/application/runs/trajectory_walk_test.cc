@@ -83,5 +83,29 @@ TEST(ReturnToZero, WaitsForTheQueuedRowsOfTheLine) {
   EXPECT_TRUE(return_to_zero_is_due(trajectory, {2, {}}, 0));
 }
 
+TEST(RepeatSince, GoesBackToTheFirstRowOfTheStretch) {
+  SinceReturn since;
+  since.begin({3, {}}, 1);
+  since.add(3, Verdict::accepted);
+  since.add(4, Verdict::given_up);
+  since.add(5, Verdict::requeued);
+  since.add(5, Verdict::accepted);
+  const auto line = repeat_since(since, {6, {}}, 2);
+  EXPECT_EQ(line.place, (Place{3, {}}));
+  EXPECT_EQ(line.rows, (std::vector<std::int64_t>{3, 5}));
+  EXPECT_EQ(line.given_up, 1);
+  EXPECT_EQ(since.accepted(), 2);
+}
+
+TEST(RepeatSince, QueuesRowsOfAnEarlierStretchAgain) {
+  SinceReturn since;
+  since.begin({3, {{1, 1}}}, 0);
+  since.add(1, Verdict::accepted);  // came from the queue
+  since.add(3, Verdict::accepted);
+  const auto line = repeat_since(since, {4, {{0, 1}, {3, 1}}}, 0);
+  EXPECT_EQ(line.place, (Place{3, {{0, 1}, {1, 1}}}));
+  EXPECT_EQ(line.rows, (std::vector<std::int64_t>{1, 3}));
+}
+
 }  // namespace
 }  // namespace driftwise::application

@@ -134,7 +134,7 @@ TEST_F(AtCommissioning, ARestRecordsTheLengthsAndSaysSinceWhenTheCellIsWarm) {
   world.warming_k_per_h = 0;
   auto& running = cell();
   EXPECT_EQ(running.await(running->commissioning.rest()).error().reason, "NO_REST");
-  ASSERT_TRUE(running->commissioning.begin_rest(running.ada, {20, 0.5, 600}));
+  ASSERT_TRUE(running.await(running->commissioning.begin_rest(running.ada, {20, 0.5, 600})));
   running.pass(3600);
   auto report = running.await(running->commissioning.rest());
   ASSERT_TRUE(report) << report.error().message;
@@ -142,7 +142,7 @@ TEST_F(AtCommissioning, ARestRecordsTheLengthsAndSaysSinceWhenTheCellIsWarm) {
   EXPECT_EQ(report->channels.back().channel, "x_mm");
   ASSERT_TRUE(report->warm) << report->sentence;
   EXPECT_THAT(report->sentence, HasSubstr("warm since 08:"));
-  ASSERT_TRUE(running->commissioning.end_rest(running.ada));
+  ASSERT_TRUE(running.await(running->commissioning.end_rest(running.ada)));
   running.pass(600);
   EXPECT_EQ(running.await(running->commissioning.rest())->end_reason, "ended by ada");
   // Lengths are stored while the cell rests, and not afterwards.
@@ -156,7 +156,7 @@ TEST_F(AtCommissioning, ARestRecordsTheLengthsAndSaysSinceWhenTheCellIsWarm) {
 TEST_F(AtCommissioning, ACellThatWarmsIsNotWarm) {
   world.warming_k_per_h = 2;
   auto& running = cell();
-  ASSERT_TRUE(running->commissioning.begin_rest(running.ada, {20, 0.05, 600}));
+  ASSERT_TRUE(running.await(running->commissioning.begin_rest(running.ada, {20, 0.05, 600})));
   running.pass(2400);
   const auto report = running.await(running->commissioning.rest());
   EXPECT_FALSE(report->warm);
@@ -166,14 +166,15 @@ TEST_F(AtCommissioning, ACellThatWarmsIsNotWarm) {
 
 TEST_F(AtCommissioning, AMovementEndsTheRest) {
   auto& running = cell();
-  ASSERT_TRUE(running->commissioning.begin_rest(running.ada, {}));
+  ASSERT_TRUE(running.await(running->commissioning.begin_rest(running.ada, {})));
   running.pass(60);
   ASSERT_TRUE(running.await(running->manual.home(running.ada, running.lease())));
   running.pass(5);
   EXPECT_EQ(running.await(running->commissioning.rest())->end_reason, "an axis was moved by hand");
-  EXPECT_EQ(running->commissioning.end_rest(running.ada).error().reason, "NO_REST");
-  EXPECT_EQ(running->commissioning.begin_rest(running.ada, {20, 0.05, 1}).error().reason,
-            "BAD_LIMITS");
+  EXPECT_EQ(running.await(running->commissioning.end_rest(running.ada)).error().reason, "NO_REST");
+  EXPECT_EQ(
+      running.await(running->commissioning.begin_rest(running.ada, {20, 0.05, 1})).error().reason,
+      "BAD_LIMITS");
 }
 
 TEST_F(AtCommissioning, TheStabilityOfAChannelIsReadFromTheRecord) {

@@ -3,6 +3,7 @@ import { api } from '@/api/client';
 import { withLease } from '@/app/lease';
 import { go } from '@/app/router';
 import { cell } from '@/live/state';
+import { SetupChoice, useSetups } from '@/parts/setup_choice';
 import { CommandButton } from '@/ui/button';
 import { confirm } from '@/ui/confirm';
 import { Field, numberTyped } from '@/ui/field';
@@ -20,6 +21,8 @@ export function ImproveForm() {
   const [formula, setFormula, formulaTaken] = useTyped('improve.formula');
   const [turns, setTurns] = useTyped('improve.turns', '5');
   const [hours, setHours] = useTyped('improve.hours', '24');
+  const setups = useSetups();
+  const [setup, setSetup] = useState('');
   const [serve, setServe] = useState(false);
   const id = chosen || (trajectories.value?.[0] ? String(trajectories.value[0].id) : '');
   const [most, budget] = [numberTyped(turns), numberTyped(hours)];
@@ -28,7 +31,7 @@ export function ImproveForm() {
     const { improvement } = await withLease((leaseToken) =>
       api.diagnosis().createImprovement({
         leaseToken, trajectoryName: trajectory!.name, trajectoryText: trajectory!.text, formula, maxTurns: most ?? 0, budgetS: (budget ?? 0) * 3600,
-        promote: serve, requestId: crypto.randomUUID(),
+        promote: serve, setup, requestId: crypto.randomUUID(),
       }), true);
     formulaTaken();
     go(`/diagnosis/improve/${improvement!.id}`);
@@ -63,6 +66,7 @@ export function ImproveForm() {
         <Field label="formula of the first model" value={formula} onInput={setFormula} mono hint={cell.value?.servingModelId !== undefined ? `empty: model ${cell.value.servingModelId}, which serves` : undefined} />
         <Field label="turns, at most" type="number" value={turns} onInput={setTurns} />
         <Field label="time of the cell, at most" unit="h" type="number" value={hours} onInput={setHours} hint="0: no limit" />
+        <SetupChoice names={setups.value} value={setup} onChoose={setSetup} />
         <label class="diagnosis-check"><input type="checkbox" checked={serve} onChange={(event) => setServe(event.currentTarget.checked)} /> promote what fresh points have confirmed</label>
       </div>
       <div class="actions"><CommandButton busy={start.busy} off={off} onPress={ask}>Start the improvement…</CommandButton></div>

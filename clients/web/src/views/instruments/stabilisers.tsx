@@ -22,6 +22,7 @@ import { useTyped } from '@/ui/use_typed';
 import { useWhileSeen } from '@/ui/use_while_seen';
 import { Verdict } from '@/ui/verdict';
 import { LiveValue } from './live_value';
+import { StabiliserLoop } from './stabiliser_loop';
 
 export interface Stabiliser {
   device: Device;
@@ -33,11 +34,11 @@ export interface Stabiliser {
 const spoken = (id: string) => id.charAt(0).toUpperCase() + id.slice(1).replaceAll('-', ' ');
 
 // Seconds since the temperature last left the band about its set-point, as far as the window shows; undefined: it is outside.
-export function settledFor(history: History, { now, set }: Stabiliser): number | undefined {
+export function settledFor(history: History, { device, now, set }: Stabiliser): number | undefined {
   const track = history.of(now.name);
   const target = set.value.value;
   for (let i = track.mean.length - 1; i >= 0; i--) {
-    if (!Number.isFinite(track.mean[i]) || Math.abs(track.mean[i] - target) <= settledK()) continue;
+    if (!Number.isFinite(track.mean[i]) || Math.abs(track.mean[i] - target) <= settledK(device.id)) continue;
     return i === track.mean.length - 1 ? undefined : (history.toMs - track.atMs[i]) / 1000;
   }
   return track.mean.length > 0 ? (history.toMs - track.atMs[0]) / 1000 : undefined;
@@ -97,6 +98,7 @@ function controlPlot({ now, set, output }: Stabiliser, history: History): PlotSp
 export function StabiliserPanel({ of, history: latest }: { of: Stabiliser; history: History }) {
   const [history, root] = useWhileSeen(latest);
   const [changing, setChanging] = useState(false);
+  const [looking, setLooking] = useState(false);
   const { device, now, set, output } = of;
   const setPoint = set.value.value;
   const spec = useMemo(() => controlPlot(of, history), [history, setPoint]);
@@ -112,6 +114,7 @@ export function StabiliserPanel({ of, history: latest }: { of: Stabiliser; histo
         </dl>
         {settled !== undefined ? <Verdict kind="good">settled for {duration(settled)}</Verdict> : <Verdict kind="warn">{signed(off * 1000, 0)} mK off</Verdict>}
         {changing ? <ChangeSetPoint of={of} done={() => setChanging(false)} /> : <CommandButton label={`Set-point… of ${device.id}: change it`} onPress={() => setChanging(true)}>Set-point…</CommandButton>}
+        <details onToggle={(event) => setLooking(event.currentTarget.open)}><summary>Control loop</summary>{looking && <StabiliserLoop device={device.id} />}</details>
       </div>
       <Plot spec={spec} live height={150} group="live" />
     </Panel>

@@ -47,7 +47,7 @@ function SupportTile({ device, now }: { device: Device; now: Channel }) {
   const off = now.value.value - (set?.value.value ?? NaN);
   return (
     <ChannelTile channel={now} label={`${spoken(device.id)}${set ? `, ${fixed(set.value.value, 3)}\u00a0°C` : ''}`}>
-      {Math.abs(off) <= settledK()
+      {Math.abs(off) <= settledK(device.id)
         ? <Verdict kind="good">{output ? `settled, ${fixed(output.value.value, 1)} ${unitSign(output.column.unit)}` : 'settled'}</Verdict>
         : <Verdict kind="warn">{signed(off * 1000)} mK off{output && `, ${fixed(output.value.value, 1)} ${unitSign(output.column.unit)}`}</Verdict>}
     </ChannelTile>

@@ -2,6 +2,7 @@
 import { useState } from 'preact/hooks';
 import { api } from '@/api/client';
 import { fromUtc, timestampOf } from '@/format/time';
+import { SetupChoice, useSetups } from '@/parts/setup_choice';
 import { CommandButton } from '@/ui/button';
 import { Field, numberTyped } from '@/ui/field';
 import { Awaiting, Failed } from '@/ui/states';
@@ -21,6 +22,8 @@ export function AddEntry({ onAdded }: { onAdded: () => void }) {
   const [every, setEvery] = useState('');
   const [then, setThen] = useState('');
   const [meta, setMeta] = useState('');
+  const setups = useSetups();
+  const [setup, setSetup] = useState('');
   const [setsAside, setSetsAside] = useState(false);
   const [requestId, setRequestId] = useState(() => crypto.randomUUID()); // a second press is the same entry
   const number = numberTyped(priority);
@@ -36,7 +39,7 @@ export function AddEntry({ onAdded }: { onAdded: () => void }) {
     const { trajectory } = await api.trajectory().getTrajectory({ trajectoryId: BigInt(which) });
     await queueApi().addQueueEntry({
       name: name.trim(), trajectoryName: trajectory!.name, trajectoryText: trajectory!.text, priority: number!, condition: condition.trim(), setAsideOnFailure: setsAside,
-      followUps: then.split('\n').map((line) => line.trim()).filter(Boolean), metadata: metadataTyped(meta)!, requestId,
+      followUps: then.split('\n').map((line) => line.trim()).filter(Boolean), metadata: metadataTyped(meta)!, requestId, setup,
       ...(notBefore ? { notBeforeTime: timestampOf(fromUtc(notBefore)!) } : {}),
       ...(after ? { afterEntryId: BigInt(after) } : {}),
       ...(every ? { repeatDuration: { seconds: BigInt(Math.round(numberTyped(every)! * 3600)), nanos: 0 } } : {}),
@@ -65,6 +68,7 @@ export function AddEntry({ onAdded }: { onAdded: () => void }) {
             <Field label="After entry" value={after} onInput={setAfter} wrong={wrong.after} hint="only when that one was accepted" />
             <Field label="When" value={condition} onInput={setCondition} mono hint="t12 < 20.5 degC for 30 min" />
             <Field label="Repeat every" unit="h" type="number" value={every} onInput={setEvery} wrong={wrong.every} hint="empty: once" />
+            <SetupChoice names={setups.value} value={setup} onChoose={setSetup} />
             <Field label="Metadata" value={meta} onInput={setMeta} wrong={wrong.meta} hint="sample=A12, tool=probe" />
           </div>
           <label class="field">

@@ -19,6 +19,7 @@ import type { PlotSpec } from '@/plot/spec';
 import { Panel } from '@/ui/panel';
 import { Failed } from '@/ui/states';
 import { ChannelChoice, chosenChannels } from './channel_choice';
+import { Closures } from './closures';
 import { useTracks, type ZoomedTracks } from './use_tracks';
 
 // The zoom lives in the address: from and to in UTC.
@@ -102,6 +103,7 @@ export function PlotsTab({ run, rulesJson, points, chosen, onPick }: {
       </div>
       {tracks.failure && <Failed asked="Read the record" failure={tracks.failure} again={tracks.again} />}
       <ChannelChoice all={all} chosen={names} />
+      <Closures run={run} />
     </>
   );
 }

@@ -1,0 +1,217 @@
+// Returns to zero of whole runs: judged with their budget, and what follows.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <sstream>
+
+#include "tests/support/cell_in_memory.h"
+#include "tests/unit/application/sqlite.h"
+
+namespace driftwise::tests {
+namespace {
+
+using testing::Each;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+class Closing : public testing::Test {
+ protected:
+  CellInMemory& cell() {
+    if (!cell_) cell_.emplace(world, description, kSqlite);
+    return *cell_;
+  }
+  // [closure] of the cell file.
+  void rules(const std::string& text) { description.text = text; }
+  std::vector<PointId> repeated(RunId run) {
+    return *cell().await(
+        cell().read([run](Store& store) { return store.closures().repeated_points(run); }));
+  }
+  std::vector<ClosureRecord> closures(RunId run) {
+    return *cell().await(
+        cell().read([run](Store& store) { return store.closures().closures(run); }));
+  }
+  std::vector<ClosureDecision> decisions(RunId run) {
+    std::vector<ClosureDecision> all;
+    for (const auto& closure : closures(run)) all.push_back(closure.decision);
+    return all;
+  }
+  Dataset dataset(RunId run) {
+    return *cell().await(
+        cell().read([run](Store& store) { return store.runs().dataset(std::vector{run}); }));
+  }
+  std::vector<PointRecord> points(RunId run) { return *cell().await(cell().points(run, 0, 1000)); }
+  void until_accepted(std::int64_t count) {
+    cell().until([&] { return cell().status().run->run.accepted >= count; });
+  }
+  std::vector<std::int64_t> suspects(RunId run) {
+    return cell().await(cell()->annotations.exclusions(run))->suspect_rows;
+  }
+
+  Folder folder;
+  SmallWorld world;
+  CellDescription description = small_cell(folder / "cell.sqlite");
+  std::optional<CellInMemory> cell_;
+};
+
+constexpr double kJump_mm = 0.010;
+
+TEST_F(Closing, EveryReturnIsOnRecordWithItsBudget) {
+  const auto run = cell().begin_run(lines_of(3, {2, -3}, false)).id;
+  EXPECT_EQ(cell().finish_run().state, RunState::done);
+  const auto all = closures(run);
+  ASSERT_THAT(all, SizeIs(3));
+  for (const auto& closure : all) {
+    EXPECT_EQ(closure.decision, ClosureDecision::within);
+    ASSERT_THAT(closure.coordinates, SizeIs(1));
+    const auto& x = closure.coordinates.front();
+    EXPECT_EQ(x.channel, "x_mm");
+    EXPECT_GE(x.limit, 300);
+    EXPECT_LT(std::abs(x.found), 100);
+    EXPECT_THAT(closure.sentence, HasSubstr(": accept"));
+    EXPECT_EQ(closure.side, "q1-") << "from -3 mm";
+  }
+  EXPECT_EQ(all.back().by, "2 earlier returns");
+}
+
+TEST_F(Closing, ALineIsMeasuredAgainAndTheDatasetHasOnePointPerRow) {
+  rules("[closure]\nunexplained = \"repeat\"\n");
+  const auto run = cell().begin_run(lines_of(3, {2, -3, 1, -1}, true)).id;
+  until_accepted(8);  // in the second line
+  world.zero_mm -= kJump_mm;
+  const auto ended = cell().finish_run();
+  EXPECT_EQ(ended.state, RunState::done) << ended.reason;
+  EXPECT_EQ(ended.accepted, 15);
+  EXPECT_EQ(ended.given_up, 0);
+  const auto rows = dataset(run);
+  EXPECT_EQ(rows.rows, 15u);
+  EXPECT_THAT(rows.excluded, IsEmpty()) << "nothing is suspect: it was measured again";
+  const auto all = points(run);
+  const auto old = repeated(run);
+  std::multiset<std::int64_t> again;
+  for (const auto& point : all)
+    if (std::ranges::binary_search(old, point.id)) again.insert(point.row);
+  EXPECT_THAT(again, ElementsAre(6, 7, 8, 9, 10)) << "the old points stay, marked";
+  EXPECT_THAT(all, SizeIs(20));
+  std::set<std::int64_t> data;
+  for (const auto& point : all)
+    if (!std::ranges::binary_search(old, point.id) && again.contains(point.row))
+      data.insert(point.datum.value);
+  EXPECT_THAT(data, SizeIs(1)) << "the line rests on one zero";
+  EXPECT_THAT(cell().alarms_of("closure.bad"), IsEmpty());
+  EXPECT_EQ(cell().events_named("closure.repeat").size(), 1u);
+  const auto judged = closures(run);
+  const auto repeated =
+      std::ranges::find(judged, ClosureDecision::repeated, &ClosureRecord::decision);
+  ASSERT_NE(repeated, judged.end());
+  EXPECT_EQ(repeated->line, 2);
+  EXPECT_THAT(repeated->sentence, HasSubstr("unexplained, repeat the line (1 of 2)"));
+  EXPECT_NEAR(std::abs(repeated->coordinates.front().found), 1e4, 100);
+}
+
+TEST_F(Closing, ALineThatIsRepeatedInVainIsSuspectWithAnAlarm) {
+  rules("[closure]\nunexplained = \"repeat\"\nrepeats = 1\n");
+  const auto run = cell().begin_run(lines_of(2, {2, -3}, false)).id;
+  until_accepted(1);
+  world.zero_mm -= kJump_mm;
+  cell().until([&] { return cell().events_named("datum.opened").size() == 2; });
+  until_accepted(1);
+  world.zero_mm -= kJump_mm;
+  EXPECT_EQ(cell().finish_run().state, RunState::done);
+  EXPECT_THAT(decisions(run), ElementsAre(ClosureDecision::repeated, ClosureDecision::new_datum,
+                                          ClosureDecision::within));
+  EXPECT_EQ(closures(run)[1].repetition, 1);
+  EXPECT_THAT(suspects(run), ElementsAre(0, 1));
+  EXPECT_EQ(dataset(run).rows, 4u);
+  const auto events = cell().events_named("closure.bad");
+  EXPECT_EQ(events.size(), 1u);
+}
+
+TEST_F(Closing, AMarkedLineKeepsItsDatum) {
+  rules("[closure]\nunexplained = \"mark\"\n");
+  const auto run = cell().begin_run(lines_of(3, {2, -3}, false)).id;
+  until_accepted(3);
+  world.zero_mm -= kJump_mm;
+  EXPECT_EQ(cell().finish_run().state, RunState::done);
+  EXPECT_THAT(decisions(run), ElementsAre(ClosureDecision::within, ClosureDecision::marked,
+                                          ClosureDecision::within));
+  EXPECT_THAT(suspects(run), ElementsAre(2, 3));
+  EXPECT_EQ(cell().events_named("datum.opened").size(), 1u);
+}
+
+TEST_F(Closing, ACoordinateHasALimitOfItsOwn) {
+  rules("[[closure_limit]]\nchannel = \"x_mm\"\nlimit_nm = 100000\n");
+  const auto run = cell().begin_run(lines_of(2, {2, -3}, false)).id;
+  until_accepted(1);
+  world.zero_mm -= kJump_mm;
+  EXPECT_EQ(cell().finish_run().state, RunState::done);
+  EXPECT_THAT(decisions(run), Each(ClosureDecision::within));
+}
+
+// 150 nm per K and 6 K/h: 15 nm a minute.
+TEST_F(Closing, WhatTheEarlierReturnsExplainIsAccepted) {
+  world.warming_k_per_h = 6;
+  description.plausibility.closure_nm_per_min = 0;
+  rules("[[closure_limit]]\nchannel = \"x_mm\"\nlimit_nm = 100\n");
+  const auto run = cell().begin_run(lines_of(20, {2, -3}, false)).id;
+  until_accepted(33);
+  ASSERT_TRUE(cell().await(cell()->runs.pause(cell().ada, run)));
+  cell().until([&] { return cell().status().run->run.state == RunState::paused; });
+  cell().pass(1200);  // 300 nm
+  ASSERT_TRUE(cell().resume());
+  EXPECT_EQ(cell().finish_run().state, RunState::done);
+  const auto all = closures(run);
+  ASSERT_THAT(all, SizeIs(20));
+  const auto& after = all[17];
+  EXPECT_EQ(after.decision, ClosureDecision::explained) << after.sentence;
+  EXPECT_THAT(after.sentence, HasSubstr("by 17 earlier returns: accept"));
+  EXPECT_THAT(after.sentence, HasSubstr("is expected from +2."));
+  EXPECT_NEAR(after.coordinates.front().expected, after.coordinates.front().found, 60);
+  EXPECT_GT(std::abs(after.coordinates.front().found), 100);
+  EXPECT_THAT(suspects(run), IsEmpty());
+}
+
+// Lines that end on one side and on the other in turn.
+std::string both_sides(int lines) {
+  std::ostringstream csv;
+  csv << "q1_mm,set,line,zero\n";
+  for (int line = 1; line <= lines; ++line)
+    csv << -2 * (line % 2 == 0 ? 1 : -1) << ",calibration," << line << ",0\n"
+        << 3 * (line % 2 == 0 ? 1 : -1) << ",calibration," << line << ",0\n";
+  return csv.str();
+}
+
+TEST_F(Closing, APlayIsFoundByTheOtherSideAndNoLineIsSuspect) {
+  world.play_nm = 900;
+  const auto run = cell().begin_run(both_sides(6)).id;
+  EXPECT_EQ(cell().finish_run().state, RunState::done);
+  const auto all = closures(run);
+  ASSERT_THAT(all, SizeIs(6));
+  EXPECT_THAT(suspects(run), IsEmpty());
+  EXPECT_EQ(cell().events_named("datum.opened").size(), 1u);
+  int plays = 0;
+  for (const auto& closure : all) {
+    if (closure.decision != ClosureDecision::play) continue;
+    ++plays;
+    EXPECT_NEAR(std::abs(closure.coordinates.front().play), 900, 60);
+    EXPECT_THAT(closure.sentence, HasSubstr("play"));
+  }
+  EXPECT_EQ(plays, 1) << "after that each side is compared with itself";
+}
+
+TEST_F(Closing, AJumpIsNoPlay) {
+  world.play_nm = 900;
+  const auto run = cell().begin_run(both_sides(4)).id;
+  until_accepted(5);
+  world.zero_mm -= kJump_mm;
+  EXPECT_EQ(cell().finish_run().state, RunState::done);
+  EXPECT_THAT(suspects(run), ElementsAre(4, 5));
+  EXPECT_EQ(cell().events_named("closure.bad").size(), 1u);
+}
+
+}  // namespace
+}  // namespace driftwise::tests
