@@ -40,10 +40,14 @@ demo() {
   driftwise indent table table_8_1.csv --wanted 0.2 || true
   say "the truth of the simulated cell, which nothing above was told"
   cat <<TXT
-tool lever             $(truth lever_mm) mm; stated 100
+tool lever             $(truth lever_mm | awk '{ printf "%.2f", $1 }') mm; stated 100
 microscope scale       x +2 %, y +0.4 %
 table                  $(sed -n 's/.*"indistinguishable":\(\[[^]]*\]\).*/\1/p' indents.json): the set named
-gap, substrate         $(truth gap_nm) nm, tilted $(truth substrate_rx_arcsec), $(truth substrate_ry_arcsec) arcsec against the base
 TXT
-  closing_words "indents.csv  the table;   indentation.toml.state.json  the record of the procedure"
+  say "done. Everything is in $out"
+  cat <<TXT
+  indents.csv           the table;   microscope.csv  as the simulated microscope gave it
+  indentation.toml.state.json  the record of the procedure;   truth.csv  where tool and substrate really were
+  logs                  driftwised.log, cellsim.log
+TXT
 }

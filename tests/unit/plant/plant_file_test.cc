@@ -76,7 +76,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"open_loop", "length_mm = 80.0", "length_mm = 70.0", "a loop closes"},
         Bad{"shared_input", "input = 102", "input = 101", "which t01 has already"},
         Bad{"kind", "kind = \"linear-axis\"", "kind = \"delta\"",
-            "expected linear-axis, micro-nano, min-angle or delta-cube"},
+            "expected linear-axis, micro-nano, min-angle, two-robots or delta-cube"},
         Bad{"not_toml", "[plant]", "[plant", "not TOML"},
         Bad{"schedule", "[[0.0833, 22.0]", "[[0.0833]", "expected a list of lists of 2 numbers"}),
     [](const auto& row) { return std::string(row.param.name); });
