@@ -476,17 +476,19 @@ TEST(JointUse, GainsByTranslationsInPlaceAndByTiltsInAngleOverTenPlants) {
       whole.mean, whole.half, place.mean, place.half, axes.mean, axes.half);
 }
 
-// Campaigns: DRIFTWISE_JOINT_CAMPAIGNS, else 5, which shows that it runs and is in no way off by
-// much. The count of 100 stands in docs/plans.md.
+// Campaigns: DRIFTWISE_JOINT_CAMPAIGNS, else 3. The count of 100 stands in docs/plans.md. The
+// study's terms are counted, not judged: what they lack no fit of them can state.
 TEST(JointUse, StatesUncertaintiesThatHoldTheErrors) {
   const char* asked = std::getenv("DRIFTWISE_JOINT_CAMPAIGNS");
-  const int campaigns = asked ? std::atoi(asked) : 5;
+  const int campaigns = asked ? std::atoi(asked) : 3;
   for (const auto knowledge : {Knowledge::study, Knowledge::complete}) {
     Coverage coverage;
     for (int k = 0; k < campaigns; ++k)
       coverage.add_campaign(90'000 + 29 * static_cast<std::uint64_t>(k), knowledge);
     std::printf("%s terms: ", knowledge == Knowledge::study ? "the study's" : "complete");
     coverage.print();
+    if (knowledge == Knowledge::complete)
+      for (const auto& one : coverage.count) EXPECT_GT(one.rate(), 0.9);
   }
 }
 
