@@ -383,6 +383,15 @@ std::set<std::pair<std::string, std::string>> known_keys() {
   return known;
 }
 
+// What is said of a robot, its tool above all, is part of what its motor coordinates mean. A cell's
+// only robot has an id in the text alone.
+void add_robots(const CellDescription& cell, Parts& parts) {
+  for (auto& [place, part] : parts)
+    for (const auto& robot : cell.robots)
+      if (place.starts_with("robot ") && (robot.id.empty() || place == "robot " + robot.id))
+        for (const auto& axis : robot.axes) part.affects.push_back(axis.symbol);
+}
+
 Parts all_parts(const CellDescription& cell, std::string_view text) {
   Parts parts = parts_of(cell);
   try {
@@ -390,6 +399,7 @@ Parts all_parts(const CellDescription& cell, std::string_view text) {
     add_table(toml::parse(text), "", known_keys(), further);
     for (auto& [place, part] : further)
       for (auto& [key, value] : part.values) parts[place].values.emplace(key, value);
+    add_robots(cell, parts);
   } catch (const toml::parse_error&) {  // a description that was not made from a text
   }
   return parts;

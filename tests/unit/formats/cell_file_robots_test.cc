@@ -4,6 +4,7 @@
 
 #include "drivers/all_devices.h"
 #include "server/formats/cell_file/cell_file.h"
+#include "server/formats/cell_file/cell_file_difference.h"
 
 namespace driftwise::formats {
 namespace {
@@ -158,6 +159,21 @@ TEST(CellFileKinds, AreDeclaredOnceWithARoleEach) {
     EXPECT_EQ(static_cast<std::size_t>(kind->role), settings_for(kind->role).index());
     EXPECT_TRUE(kind->read_settings && kind->channels && kind->make) << kind->id;
   }
+}
+
+// A model of the robot's motor coordinates was measured with the tool that was mounted.
+TEST(CellFileRobots, AnotherToolAsksAndTouchesTheMotorCoordinatesOfItsRobot) {
+  const std::string devices = controller_text("gantry", {"ma.q1_mm", "ma.q2_mm"}) +
+                              controller_text("hexapod", {"mn.q1_mm"});
+  std::string other = kTwoRobots;
+  other.replace(other.find("probe-3"), 7, "probe-4");
+  const auto after = read(kHead + other + devices);
+  ASSERT_TRUE(after) << after.error().message;
+  const auto changes = cell_file_difference(kHead + kTwoRobots + devices, *after);
+  ASSERT_EQ(changes.size(), 1U);
+  EXPECT_EQ(sentence(changes[0]), "robot ma: tool probe-3 -> probe-4");
+  EXPECT_TRUE(changes[0].asks);
+  EXPECT_EQ(changes[0].affects, (std::vector<std::string>{"ma.q1", "ma.q2"}));
 }
 
 }  // namespace
