@@ -25,7 +25,7 @@ struct Piece {
   Eigen::Vector3d centre_mm;
 };
 
-struct Axis {
+struct JointAxis {
   Eigen::Vector3d origin_mm, direction;
 };
 
@@ -44,7 +44,7 @@ bool has_joint_errors(const KinematicsDescription& arm) {
 Eigen::VectorXd gravity_torques(const KinematicsDescription& arm,
                                 std::span<const double> angles_rad) {
   const bool masses = has_masses(arm);
-  std::vector<Axis> joints;
+  std::vector<JointAxis> joints;
   std::vector<Piece> pieces;
   Eigen::Isometry3d at = Eigen::Isometry3d::Identity();
   const auto add_bar = [&](std::size_t joint, const Eigen::Vector3d& along_mm) {
