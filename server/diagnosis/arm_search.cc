@@ -16,9 +16,9 @@ namespace {
 
 using Eigen::Index;
 
-constexpr std::size_t kTimeFolds = 5, kPlaceFolds = 6, kParts = 6;
+constexpr std::size_t kArmTimeFolds = 5, kArmPlaceFolds = 6, kDriverParts = 6;
 constexpr Index kShortBlocks = 60;
-constexpr double kGap = 0.04;  // of the rows, on either side of a block of time
+constexpr double kArmGap = 0.04;  // of the rows, on either side of a block of time
 constexpr double kRivalWithin = 6, kSpreadLevel = 0.95;
 
 double normal_below(double z) { return 0.5 * std::erfc(-z / std::sqrt(2.0)); }
@@ -235,10 +235,11 @@ std::vector<double> ArmSearch::predicted(const std::vector<std::vector<std::size
 
 ArmGate ArmSearch::gate(std::size_t cause, const std::vector<Soft>& base, double share) const {
   const auto n = static_cast<std::size_t>(rows_);
-  std::vector<std::vector<std::size_t>> time, parts(kParts);
-  for (std::size_t f = 0; f < kTimeFolds; ++f) {
+  std::vector<std::vector<std::size_t>> time, parts(kDriverParts);
+  for (std::size_t f = 0; f < kArmTimeFolds; ++f) {
     auto& fold = time.emplace_back();
-    for (std::size_t i = f * n / kTimeFolds; i < (f + 1) * n / kTimeFolds; ++i) fold.push_back(i);
+    for (std::size_t i = f * n / kArmTimeFolds; i < (f + 1) * n / kArmTimeFolds; ++i)
+      fold.push_back(i);
   }
   std::vector<std::vector<double>> places;
   for (Index i = 0; i < angles_.rows(); ++i) {
@@ -250,18 +251,18 @@ ArmGate ArmSearch::gate(std::size_t cause, const std::vector<Soft>& base, double
   const auto& driver = causes_[cause].driver;
   std::ranges::stable_sort(order, {},
                            [&](std::size_t i) { return driver[static_cast<Index>(learn_[i])]; });
-  for (std::size_t i = 0; i < n; ++i) parts[i * kParts / n].push_back(order[i]);
+  for (std::size_t i = 0; i < n; ++i) parts[i * kDriverParts / n].push_back(order[i]);
   ArmGate result;
-  result.by_time = sum_of(predicted(time, kGap, cause, base, share));
+  result.by_time = sum_of(predicted(time, kArmGap, cause, base, share));
   result.by_places =
-      sum_of(predicted(neighbouring_groups(places, kPlaceFolds), 0, cause, base, share));
+      sum_of(predicted(neighbouring_groups(places, kArmPlaceFolds), 0, cause, base, share));
   const auto of_parts = predicted(parts, 0, cause, base, share);
   result.by_driver = sum_of(of_parts);
   result.t_by_driver = t_of(of_parts);
-  result.passes =
-      result.by_time > 0 && result.by_places > 0 && result.by_driver > 0 &&
-      (causes_[cause].certain ||
-       result.t_by_driver > calibration::t_quantile(kSpreadLevel, static_cast<double>(kParts) - 1));
+  result.passes = result.by_time > 0 && result.by_places > 0 && result.by_driver > 0 &&
+                  (causes_[cause].certain ||
+                   result.t_by_driver > calibration::t_quantile(
+                                            kSpreadLevel, static_cast<double>(kDriverParts) - 1));
   return result;
 }
 

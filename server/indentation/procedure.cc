@@ -13,7 +13,7 @@ namespace driftwise::indentation {
 namespace {
 
 constexpr double kLookAgain_s = 1;
-constexpr double kUmPerMm = 1e3;
+constexpr double kUmOfMm = 1e3;
 
 class Procedure {
  public:
@@ -216,7 +216,7 @@ class Procedure {
     return {};
   }
 
-  double aside_mm() const { return record_.aside_um / kUmPerMm; }
+  double aside_mm() const { return record_.aside_um / kUmOfMm; }
 
   Result<void> make_indents() {
     for (const PlannedIndent& planned : rules_.indents) {
@@ -231,7 +231,7 @@ class Procedure {
   }
 
   Result<void> make(const PlannedIndent& planned) {
-    const double way_mm = planned.at_um / kUmPerMm;
+    const double way_mm = planned.at_um / kUmOfMm;
     const double dx = planned.line == Line::x ? way_mm : aside_mm();
     const double dy = planned.line == Line::y ? way_mm : aside_mm();
     DRIFTWISE_TRY(const auto answer,
@@ -246,8 +246,8 @@ class Procedure {
     record_.height_mm = found.height_mm;
     record_.indents.push_back({.planned = planned,
                                .touch = found,
-                               .placed_x_um = (placed.x_mm - record_.zero_here.x_mm) * kUmPerMm,
-                               .placed_y_um = (placed.y_mm - record_.zero_here.y_mm) * kUmPerMm,
+                               .placed_x_um = (placed.x_mm - record_.zero_here.x_mm) * kUmOfMm,
+                               .placed_y_um = (placed.y_mm - record_.zero_here.y_mm) * kUmOfMm,
                                .rx_arcsec = placed.rx_arcsec - record_.zero_here.rx_arcsec,
                                .ry_arcsec = placed.ry_arcsec - record_.zero_here.ry_arcsec,
                                .by = answer.by});

@@ -10,7 +10,7 @@
 namespace driftwise::formats {
 namespace {
 
-constexpr Range kLength_mm{.min = -10, .max = 10};
+constexpr Range kFarthest_mm{.min = -10, .max = 10};
 constexpr Range kSize_mm{.min = 0, .max = 1000, .above_min = true};
 constexpr std::size_t kTouches = 64, kIndents = 1000;
 
@@ -54,8 +54,8 @@ void read_motion(TomlReader&& reader, IndentationFile& out, TomlProblem& problem
 
 void read_approach(TomlReader&& reader, indentation::ProcedureRules& rules) {
   auto& a = rules.approach;
-  reader.number("depart_mm", a.depart_mm, kLength_mm, Need::required);
-  reader.number("highest_mm", a.highest_mm, kLength_mm, Need::required);
+  reader.number("depart_mm", a.depart_mm, kFarthest_mm, Need::required);
+  reader.number("highest_mm", a.highest_mm, kFarthest_mm, Need::required);
   reader.number("step_mm", a.step_mm, {.min = 0, .max = 0.01, .above_min = true});
   reader.integer("most_steps", a.most_steps, 1, 100'000);
   reader.number("threshold_nm", a.contact.threshold_nm, {.min = 1, .max = 1e5});
@@ -103,7 +103,7 @@ void read_indents(TomlReader&& reader, indentation::ProcedureRules& rules) {
     rules.zero_x_mm = at_mm[0];
     rules.zero_y_mm = at_mm[1];
   }
-  reader.number("work_mm", rules.work_mm, kLength_mm);
+  reader.number("work_mm", rules.work_mm, kFarthest_mm);
   reader.number("closed_loop_nm", rules.closed_loop_nm, {.min = 1, .max = 1e4});
   const auto line = [&](const char* key, Line along, bool closed) {
     std::vector<double> places_um;

@@ -15,7 +15,7 @@ constexpr double kSameCrater_mm = 5e-3;  // a tip that comes back so near meets 
 constexpr double kFar_nm = 20e3;         // beyond it, at rest, a look per second is enough
 constexpr double kLook_s = 1, kMoving_s = 3;
 constexpr int kLowerInput = 100;  // inputs of the lower robot's scanner, shifted
-constexpr double kRadPerDegree = std::numbers::pi / 180;
+constexpr double kRadOfDegree = std::numbers::pi / 180;
 constexpr double kUmPerMm = 1e3;
 
 // The upper robot's room is the lower one's.
@@ -36,8 +36,8 @@ TwoRobotsPlant::TwoRobotsPlant(TwoRobotsParameters parameters, std::uint64_t see
   Random drawn(seed, "contact.drawn");
   gap_mm_ = c.gap_mm + drawn.uniform(-c.gap_spread_mm, c.gap_spread_mm);
   lever_mm_ = c.lever_mm + drawn.uniform(-c.lever_spread_mm, c.lever_spread_mm);
-  tilt_rx_rad_ = kRadPerDegree * drawn.uniform(-c.parallelism_deg, c.parallelism_deg);
-  tilt_ry_rad_ = kRadPerDegree * drawn.uniform(-c.parallelism_deg, c.parallelism_deg);
+  tilt_rx_rad_ = kRadOfDegree * drawn.uniform(-c.parallelism_deg, c.parallelism_deg);
+  tilt_ry_rad_ = kRadOfDegree * drawn.uniform(-c.parallelism_deg, c.parallelism_deg);
   pushes_.push_back({.time_s = -1e9});
   for (int i = 0; i < kUpperAxes; ++i)
     axes_[static_cast<std::size_t>(i)].set_push([this](double time_s) { return push_nm(time_s); });

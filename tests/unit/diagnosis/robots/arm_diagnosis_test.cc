@@ -26,7 +26,7 @@ constexpr double kHeight = 420, kOffset = 150, kUpper = 700, kFore = 650, kHand 
 constexpr double kUsual_degC = 21;  // of the room: the mean over a campaign
 constexpr double kUpper_kg = 22, kFore_kg = 9, kHand_kg = 2, kLoad_kg = 4;
 
-struct Hidden {
+struct HiddenInJoints {
   double shoulder_urad_per_newton_m = 0, elbow_urad_per_newton_m = 0;
   double gear_arcsec = 0, gear_phase = 0.7;  // joint 1, once per turn
   double play_arcsec = 0;                    // joint 3
@@ -52,7 +52,7 @@ Torques torques(const Angles& q) {
   return {elbow - g * (kUpper_kg * c2 / 2 + (kFore_kg + kHand_kg + kLoad_kg) * c2), elbow};
 }
 
-std::array<double, 3> point(Angles q, const Hidden& hidden, double t03) {
+std::array<double, 3> point(Angles q, const HiddenInJoints& hidden, double t03) {
   const Torques by = torques(q);
   q.turn += hidden.gear_arcsec * kArcsec * std::cos(q.turn - hidden.gear_phase);
   q.shoulder += hidden.shoulder_urad_per_newton_m * 1e-6 * by.shoulder +
@@ -68,7 +68,7 @@ std::array<double, 3> point(Angles q, const Hidden& hidden, double t03) {
       kHeight + upper * std::sin(q.shoulder) + kFore * std::sin(lift3) + kHand * std::sin(lift4)};
 }
 
-Dataset campaign(const Hidden& hidden, std::uint64_t seed, std::size_t rows = 400) {
+Dataset campaign(const HiddenInJoints& hidden, std::uint64_t seed, std::size_t rows = 400) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> turn(-2.9, 2.9), lift(-0.4, 2.2), bend(-2.4, 2.4),
@@ -115,7 +115,7 @@ KinematicsDescription drawing(bool masses) {
   return arm;
 }
 
-RobotDiagnosis diagnosed(const Hidden& hidden, std::uint64_t seed, bool masses = false) {
+RobotDiagnosis diagnosed(const HiddenInJoints& hidden, std::uint64_t seed, bool masses = false) {
   auto found =
       diagnose_robot(campaign(hidden, seed), *kinematics::make_mechanism(drawing(masses)), {});
   EXPECT_TRUE(found) << found.error().message;
@@ -226,7 +226,7 @@ TEST(ArmDiagnosis, SaysWhichJointsDoNotTurnFarEnoughToShowTheirGears) {
 
 // The arm that it writes leaves nothing more to be found of its joints.
 TEST(ArmDiagnosis, IsDoneOnceItsRobotFileIsTheDrawing) {
-  const Hidden hidden{.shoulder_urad_per_newton_m = 6, .gear_arcsec = 60};
+  const HiddenInJoints hidden{.shoulder_urad_per_newton_m = 6, .gear_arcsec = 60};
   const auto found = diagnosed(hidden, 26, true);
   const auto text = formats::write_robot_file(found.robot);
   const auto written = formats::parse_robot_file(text, "identified.toml");
