@@ -14,6 +14,7 @@
 #include "server/diagnosis/robot_diagnosis.h"
 #include "server/formats/cell_file/kinematics_section.h"
 #include "server/formats/csv/dataset_csv.h"
+#include "tests/unit/diagnosis/robots/finding_names.h"
 
 namespace driftwise::diagnosis {
 namespace {
@@ -122,14 +123,6 @@ RobotDiagnosis diagnosed(const HiddenInJoints& hidden, std::uint64_t seed, bool 
   return std::move(*found);
 }
 
-std::vector<std::string> names(const Diagnosis& diagnosis) {
-  std::vector<std::string> all;
-  for (const auto& finding : diagnosis.findings)
-    all.push_back(finding.cause + " " + finding.subject);
-  std::ranges::sort(all);
-  return all;
-}
-
 // Beside the numbers of the drawing. What the prior takes from a sag or a drift may stand as a
 // small offset of the same joint: it is less than the noise of a row.
 std::vector<std::string> joint_names(const Diagnosis& diagnosis) {
@@ -156,8 +149,6 @@ const FoundParameter& number_of(const Diagnosis& diagnosis, const std::string& c
         if (one.name == parameter) return one;
   return none;
 }
-
-using Names = std::vector<std::string>;
 
 TEST(ArmDiagnosis, FindsTheStiffnessOfJointsWhoseLoadIsKnown) {
   const auto found =

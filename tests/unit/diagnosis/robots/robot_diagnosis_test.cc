@@ -13,6 +13,7 @@
 
 #include "server/formats/cell_file/kinematics_section.h"
 #include "server/formats/csv/dataset_csv.h"
+#include "tests/unit/diagnosis/robots/finding_names.h"
 
 namespace driftwise::diagnosis {
 namespace {
@@ -62,16 +63,6 @@ std::shared_ptr<const kinematics::Mechanism> arm() {
                    {{"q3", "rad"}, 0, 0, 500, 0, 0}};
   return *kinematics::make_mechanism(drawing);
 }
-
-std::vector<std::string> names(const Diagnosis& diagnosis) {
-  std::vector<std::string> all;
-  for (const auto& finding : diagnosis.findings)
-    all.push_back(finding.cause + " " + finding.subject);
-  std::ranges::sort(all);
-  return all;
-}
-
-using Names = std::vector<std::string>;
 
 TEST(RobotDiagnosis, NamesTheNumbersOfTheDrawingThatAreWrong) {
   const auto found =
