@@ -487,8 +487,8 @@ TEST(JointUse, StatesUncertaintiesThatHoldTheErrors) {
       coverage.add_campaign(90'000 + 29 * static_cast<std::uint64_t>(k), knowledge);
     std::printf("%s terms: ", knowledge == Knowledge::study ? "the study's" : "complete");
     coverage.print();
-    if (knowledge == Knowledge::complete)
-      for (const auto& one : coverage.count) EXPECT_GT(one.rate(), 0.9);
+    if (knowledge == Knowledge::study) continue;
+    for (const auto& one : coverage.count) EXPECT_GT(one.rate(), 0.9);
   }
 }
 

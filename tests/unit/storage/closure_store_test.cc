@@ -37,7 +37,21 @@ TEST_F(ClosureStoreTest, KeepsARecordWhole) {
   auto wanted = closure(ClosureDecision::explained);
   wanted.id = store->closures().add_closure(wanted, {}).value();
   reopen();
-  EXPECT_THAT(store->closures().closures(run).value(), ElementsAre(wanted));
+  const auto kept = store->closures().closures(run).value();
+  ASSERT_THAT(kept, SizeIs(1));
+  const auto& one = kept.front();
+  EXPECT_EQ(one.id, wanted.id);
+  EXPECT_EQ(one.run, wanted.run);
+  EXPECT_EQ(one.datum, wanted.datum);
+  EXPECT_EQ(one.line, wanted.line);
+  EXPECT_EQ(one.repetition, wanted.repetition);
+  EXPECT_EQ(one.measured.utc, wanted.measured.utc);
+  EXPECT_EQ(one.measured.monotonic_ns, wanted.measured.monotonic_ns);
+  EXPECT_EQ(one.side, wanted.side);
+  EXPECT_EQ(one.by, wanted.by);
+  EXPECT_EQ(one.decision, wanted.decision);
+  EXPECT_EQ(one.sentence, wanted.sentence);
+  EXPECT_EQ(one.coordinates, wanted.coordinates);
   EXPECT_EQ(store->closures().closures(RunId{99}).error().reason, "NO_SUCH_RUN");
 }
 
