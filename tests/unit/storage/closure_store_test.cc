@@ -5,7 +5,6 @@
 namespace driftwise::storage {
 namespace {
 
-using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::SizeIs;
 
