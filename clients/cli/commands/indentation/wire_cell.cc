@@ -242,7 +242,8 @@ Result<WireCell::Here> WireCell::here() {
   DRIFTWISE_RETURN_IF_ERROR(interrupted());
   std::vector<std::string> channels;
   for (const char* name : {".x_mm", ".y_mm", ".z_mm"}) channels.push_back(file_.above + name);
-  // Only differences count: rotations as the device gives them serve as well as those since a datum.
+  // Only differences count: rotations as the device gives them serve as well as those since a
+  // datum.
   for (const char* name : {".rx", ".ry"}) channels.push_back(rotation_channel(name));
   DRIFTWISE_TRY(const auto values, collect(channels, file_.poses));
   const Eigen::RowVectorXd mean = values.colwise().mean();
