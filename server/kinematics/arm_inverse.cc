@@ -9,6 +9,7 @@
 #include <string>
 
 #include "server/core/reasons.h"
+#include "server/core/text/quantity_text.h"
 #include "server/core/units.h"
 
 namespace driftwise::kinematics {
@@ -146,10 +147,10 @@ Result<JointSolution> nearest_joints(const SerialArm& arm, const Eigen::VectorXd
   }
   if (found.empty())
     return fail(ErrorCode::out_of_range, reasons::kNoPose,
-                "no joint angles reach x " + std::to_string(wanted.point_mm.x()) + ", y " +
-                    std::to_string(wanted.point_mm.y()) + ", z " +
-                    std::to_string(wanted.point_mm.z()) +
-                    " mm with these axes: the arm's reach is " + std::to_string(arm.reach_mm()) +
+                "no joint angles reach x " + digits_text(wanted.point_mm.x(), 6) + ", y " +
+                    digits_text(wanted.point_mm.y(), 6) + ", z " +
+                    digits_text(wanted.point_mm.z(), 6) +
+                    " mm with these axes: the arm's reach is " + digits_text(arm.reach_mm(), 6) +
                     " mm from its base");
   const auto& best = *std::ranges::min_element(
       found, {}, [&](const Eigen::VectorXd& one) { return (one - start).norm(); });
@@ -163,8 +164,8 @@ Result<JointSolution> nearest_joints(const SerialArm& arm, const Eigen::VectorXd
                 "near a singular pose (" +
                     name_of_singularity(at.jacobian, svd.matrixV().col(start.size() - 1)) +
                     "): a turn of the joints moves the tool by " +
-                    std::to_string(result.least_motion) + " of the reach per radian, less than " +
-                    std::to_string(kLeastMotion) +
+                    digits_text(result.least_motion, 3) + " of the reach per radian, less than " +
+                    digits_text(kLeastMotion, 3) +
                     "; choose another pose or other angles to be near to");
   for (std::size_t j = 0; j < joints; ++j)
     result.joints.push_back(best[static_cast<Index>(j)] / arm.rad_per_unit(j));

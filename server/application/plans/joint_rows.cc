@@ -86,8 +86,7 @@ Result<void> check_joint_rows(const CellDescription& cell, const plans::JointSna
                   fmt::format("{}: row {}: {}", name, row + 1, command.error().message));
     point.target = std::move(command->q_mm);
   }
-  const auto within_limits = check_trajectory_limits(cell, motors, name);
-  if (!within_limits) return tl::unexpected(within_limits.error());
+  DRIFTWISE_RETURN_IF_ERROR(check_trajectory_limits(cell, motors, name));
   return check_trajectory_keep_out(cell, motors, name);
 }
 
