@@ -51,6 +51,9 @@ KINDS = {
     35: (["plan_id"], ["plan", "plan_model"]),
     36: (["plan_promotion_id"], ["plan_promotion"]),
     37: (["time_note_id"], ["time_note"]),
+    38: (["closure_id"], ["closure", "closure_coordinate"]),
+    39: (["point_id"], ["repeated_point"]),
+    40: (["rest_id"], ["rest"]),
 }
 
 
