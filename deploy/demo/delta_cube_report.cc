@@ -132,7 +132,7 @@ void print_delta_cube_methods(const std::string& folder) {
   const auto at_truth = read_json(folder + "/methods_truth.json");
   std::printf(
       "\nModels on the joined data: A90 (mean, U90) in nm on the rows between the grid's\n"
-      "  %-26s%12s%12s   %-24s%-24s\n",
+      "  %-31s%11s  %-13s%-24s%-24s\n",
       "", "parameters", "predecessors", "here: instruments", "here: truth");
   const std::map<std::string, std::pair<const char*, const char*>> words{
       {"nominal", {"the drawing", ""}},
@@ -150,7 +150,7 @@ void print_delta_cube_methods(const std::string& folder) {
                                  .u90 = figure(one, "u90_validation_nm"),
                                  .a90 = figure(one, "a90_validation_nm")});
       };
-      std::printf("  %-22s%-4s%12.0f%12s   %-24s%-24s\n", first ? label : "", q.c_str(),
+      std::printf("  %-27s%-4s%11.0f  %-13s%-24s%-24s\n", first ? label : "", q.c_str(),
                   figure(output, "parameters"), first ? published : "", cell(output).c_str(),
                   cell(truth).c_str());
       first = false;

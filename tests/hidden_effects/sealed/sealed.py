@@ -27,7 +27,7 @@ ROBOTS = {
                     "dwell_s": 22, "model": "q ~ x + x^2 + T", "speed": 400},
     "micro-nano": {"plan": ["generate", "--axis", "q1_mm=0:2.5:4", "--axis", "q2_mm=0:2.5:4", "--axis", "q3_mm=0:2.5:4", "--both-directions",
                             "--repeat", "4", "--validation"],
-                   "dwell_s": 20, "model": "q ~ poly(x, y, z, 3) + T", "speed": 200},
+                   "dwell_s": 20, "model": "q ~ poly(x, y, z, 4) + t04..t10 + t04:poly(x, y, z, 2)", "speed": 200},
 }
 
 
