@@ -5,7 +5,8 @@ looks for them over the devices' own protocols, and only then the sealed answer 
 sealed.py BIN_DIR SOURCE_DIR [--robot linear-axis] [--effects 25] [--first-seed 1] [--out DIR] [--table FILE]
 
 Resumable by number: what stands in DIR/ROBOT-SEED.json is not measured again. A cause is found when a finding has its name
-and its place, in the set when it stands among those that the report cannot separate from a finding. Exit code 1: fewer
+and its place, in the set when a finding has its name at another place, or when it stands among those that the report cannot
+separate from a finding. Exit code 1: fewer
 than 85 % are found or in the set.
 """
 import argparse
