@@ -1,5 +1,10 @@
 // Files, headers and who may come in.
 
+#include <fstream>
+#include <iterator>
+#include <regex>
+
+#include "server/web/static_files.h"
 #include "tests/unit/web/web_fixture.h"
 
 namespace driftwise::tests {
@@ -138,6 +143,20 @@ TEST_F(Site, WithoutAPageSaysHowToGetOne) {
   HttpClient client(address());
   EXPECT_THAT(client.get("/now").body, HasSubstr("--web-root"));
   EXPECT_EQ(client.get("/healthz").status, 200);
+}
+
+// The page's own list of views is the judge: one that the server does not know is gone at a reload.
+TEST(ViewAddress, EveryViewOfThePageIsAnswered) {
+  std::ifstream in(std::string(DRIFTWISE_SOURCE_DIR) + "/clients/web/src/app/views.ts");
+  const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  const std::regex name("\\{ name: '([a-z]+)'");
+  int views = 0;
+  for (std::sregex_iterator at(text.begin(), text.end(), name), end; at != end; ++at, ++views) {
+    EXPECT_TRUE(web::is_view_address("/" + (*at)[1].str())) << (*at)[1];
+    EXPECT_TRUE(web::is_view_address("/" + (*at)[1].str() + "/1")) << (*at)[1];
+  }
+  EXPECT_GE(views, 13);
+  EXPECT_FALSE(web::is_view_address("/nothing"));
 }
 
 }  // namespace
