@@ -25,7 +25,7 @@ export function Certificates() {
             { title: 'laboratory', of: (one) => one.laboratory },
             { title: 'date', of: (one) => one.date },
             { title: 'due', of: (one) => one.dueDate || 'none stated' },
-            { title: '', of: (one) => (one.daysLeft === undefined ? '–' : one.daysLeft < 0n ? <Verdict kind="warn">{String(-one.daysLeft)} days overdue</Verdict> : <Verdict kind="good">{String(one.daysLeft)} days left</Verdict>) },
+            { title: 'state', of: (one) => (one.daysLeft === undefined ? '–' : one.daysLeft < 0n ? <Verdict kind="warn">{String(-one.daysLeft)} days overdue</Verdict> : <Verdict kind="good">{String(one.daysLeft)} days left</Verdict>) },
           ]}
         />
       )}

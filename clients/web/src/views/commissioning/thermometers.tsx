@@ -43,7 +43,7 @@ export function Thermometers() {
               { title: 'u certificate', number: true, of: (one) => fixed(1e3 * one.uCertificateK, 1) },
               { title: 'drift, mK/h', number: true, of: (one) => signed(1e3 * one.driftKPerH, 1) },
               { title: 'noise, mK', number: true, of: (one) => fixed(1e3 * one.noiseK, 1) },
-              { title: '', of: (one) => (one.out ? <Verdict kind="bad">out: {one.sentence}</Verdict> : <Verdict kind="good">in</Verdict>) },
+              { title: 'verdict', of: (one) => (one.out ? <Verdict kind="bad">out: {one.sentence}</Verdict> : <Verdict kind="good">in</Verdict>) },
             ]}
           />
         </>

@@ -110,7 +110,7 @@ function Shown({ queue, again }: { queue: ListQueueResponse; again: () => void }
               { title: 'metadata', of: (entry) => metadataText(entry.metadata) || '–' },
               { title: 'ends', of: (entry) => <Ends entry={entry} /> },
               { title: 'why it waits', of: (entry) => <Why entry={entry} /> },
-              { title: '', of: buttons },
+              { title: 'do', of: buttons },
             ]}
           />
         )}

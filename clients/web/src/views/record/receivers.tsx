@@ -51,7 +51,7 @@ export function Receivers() {
             { title: 'way', of: (one) => one.way },
             { title: 'state', of: state },
             { title: 'waiting', number: true, of: (one) => count(one.waitingCount) },
-            { title: '', of: (one) => <Test receiver={one} done={asked.again} /> },
+            { title: 'try', of: (one) => <Test receiver={one} done={asked.again} /> },
           ]}
         />
       )}

@@ -33,7 +33,7 @@ export function Closures({ run }: { run: Run }) {
         <ul>{unusual.map((one) => <li key={String(one.id)}>line {String(one.line)}: {one.sentence}</li>)}</ul>
       )}
       <Table
-        caption="Returns to zero"
+        caption="Returns to zero as they were judged"
         rows={rowsOf(closures.value)}
         keyOf={({ closure, place }) => `${closure.id}.${place}`}
         page={50}
