@@ -14,7 +14,7 @@ namespace driftwise::cli {
 void print_budget(const Console& console,
                   const google::protobuf::RepeatedPtrField<v1::MotorCoordinate>& coordinates);
 
-// What the table calls a line: "laser".
+// Name of a line in the table: "laser".
 std::string budget_line_name(const v1::BudgetLine& line);
 
 }  // namespace driftwise::cli

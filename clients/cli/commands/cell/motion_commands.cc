@@ -104,7 +104,7 @@ std::optional<double> seconds_of(bool has, const google::protobuf::Duration& dur
   return static_cast<double>(duration.seconds()) + 1e-9 * duration.nanos();
 }
 
-// What the controller has, beside what it is to have or what the cell file declares.
+// Values of the controller beside what it is to have or what the cell file declares.
 std::vector<TuningLine> tuning_lines(const v1::StabiliserTuning& a, const v1::StabiliserTuning& b) {
   const auto band = [](bool has, double k) { return has ? std::optional(k) : std::nullopt; };
   return {

@@ -13,7 +13,7 @@ ExitCode show_attempts(const Session& session, std::int64_t run_id);
 ExitCode show_datums(const Session& session, std::int64_t run_id);
 
 v1::ListClosuresResponse closures_of_run(const Connection& connection, std::int64_t run_id);
-// How many there are by decision, and the sentence of each that was beyond its limit.
+// Counts by decision, and the sentence of each that was beyond its limit.
 void print_closure_summary(const Console& console, const v1::ListClosuresResponse& closures);
 std::string decision_text(v1::Closure::Decision decision);
 

@@ -1,5 +1,5 @@
 #pragma once
-// Where the Delta Cube 2's platform is: made geometry, warmed up, under its weight.
+// Pose of the Delta Cube 2's platform: made geometry, warmed up, under its weight.
 //
 // Base frame: x, y, z along the three axes, z up, origin in the middle of the platform's joints
 // with all scales at 0 in the nominal geometry at the reference temperature. Carriage i stands on

@@ -1,5 +1,5 @@
 #pragma once
-// What the plant file of the Delta Cube 2 says beyond the cell's. Names, units and sources:
+// Parameters of the Delta Cube 2 beyond the cell's. Names, units and sources:
 // deploy/cells/delta-cube-2/plant.toml.
 
 #include "drivers/simulated/plant/micro_nano/micro_nano_parameters.h"

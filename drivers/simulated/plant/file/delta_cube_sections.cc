@@ -5,7 +5,7 @@
 namespace driftwise::simulated {
 namespace {
 
-// What carries the carriage of each axis, from the robot's middle outwards; [carriage.1.*] to
+// Carriers of the carriage of each axis, from the robot's middle outwards; [carriage.1.*] to
 // [carriage.3.*].
 void outward_sections(Fields fields, const Materials& materials, DeltaCubeParameters& plant) {
   for (std::size_t i = 0; i < kArms; ++i) {

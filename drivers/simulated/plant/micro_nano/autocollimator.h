@@ -14,7 +14,7 @@ namespace driftwise::simulated {
 double collimator_drift_arcsec(const CollimatorParameters& parameters, std::uint64_t seed,
                                int channel, double time_s);
 
-// What is shown of an angle: {angle, the device's other angle}, rad; roll about the beam mixes
+// Readings of an angle: {angle, the device's other angle}, rad; roll about the beam mixes
 // them.
 double collimator_arcsec(const CollimatorParameters& parameters, const Machine::Collimator& device,
                          const std::array<double, 2>& true_rad, double offset_arcsec,

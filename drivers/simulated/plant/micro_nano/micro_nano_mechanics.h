@@ -49,7 +49,7 @@ class MicroNanoMechanics {
   double drop_mm_;  // carriage's joints above the platform's, nominal
 };
 
-// How far a guide's leg that leans by x draws its end in, mm.
+// Way by which a guide's leg that leans by x draws its end in, mm.
 double drawn_in_mm(double leg_mm, double factor, double x_mm);
 
 // What a length that follows temperatures has grown by since the reference, mm.

@@ -26,7 +26,7 @@ class HoldingServo {
 
   // Force that holds the stage pushed by so much.
   double resisting_n(double push_nm) const;
-  // Where it stands under a force.
+  // Place under a force.
   double push_nm(double force_n) const;
   void integrate(double push_nm, double step_s);
   double integral_n() const { return integral_n_; }

@@ -1,5 +1,5 @@
 #pragma once
-// What the two robots' plant file says beside the robots' own files. Sources of the figures:
+// Parameters of the two robots' plant file beside the robots' own files. Sources of the figures:
 // deploy/cells/two-robots/plant.toml and docs/plants/two-robots.md.
 
 #include "drivers/simulated/plant/micro_nano/micro_nano_parameters.h"

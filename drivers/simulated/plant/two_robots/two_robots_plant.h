@@ -16,7 +16,7 @@
 
 namespace driftwise::simulated {
 
-// Where tool and substrate are, and what they do to one another.
+// Places of tool and substrate, and what they do to one another.
 struct ContactTruth {
   double gap_nm = 0;  // tip above the substrate; below 0: without contact it would be in
   double push_nm = 0, force_n = 0;  // of the upper robot
