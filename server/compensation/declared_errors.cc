@@ -65,6 +65,9 @@ std::vector<DeclaredError> declared_errors(const CellDescription& cell) {
       out.push_back({UncertaintySource::laser, axis, "1", device.length()->u_length_nm});
     if (device.length()->u_drift_nm_per_h != 0)
       out.push_back({UncertaintySource::drift, axis, "h", device.length()->u_drift_nm_per_h});
+    if (device.length()->u_drift_nm_per_k != 0)
+      out.push_back({UncertaintySource::drift, axis, device.length()->drift_channel.symbol,
+                     device.length()->u_drift_nm_per_k});
     if (const auto* beam = beam_of(cell, device.length()->channel)) add_beam(cell, *beam, out);
   }
   if (cell.load && cell.load->u_n > 0)

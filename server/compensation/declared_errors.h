@@ -14,9 +14,9 @@ namespace driftwise::compensation {
 struct DeclaredError {
   UncertaintySource source;
   std::string symbol;  // of the channel in error: "x"
-  std::string by;      // "1", "h", or the symbol of what it goes with: "ry", "y"
-  // Standard uncertainty in the channel's summary unit (nm, arcsec; K, N) per mm, arcsec or hour of
-  // by.
+  std::string by;      // "1", "h", or the symbol of what it goes with: "ry", "y", "t04"
+  // Standard uncertainty in the channel's summary unit (nm, arcsec; K, N) per mm, arcsec, hour or K
+  // of by; hours and kelvin since the zero.
   double u = 0;
   // An error of the zero's own reading as well, so that a datum carried to its zero is free of it.
   bool shared_with_zero = true;

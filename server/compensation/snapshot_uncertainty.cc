@@ -2,6 +2,7 @@
 // moved the fit, and its influence says by how much.
 
 #include <cmath>
+#include <map>
 
 #include "server/compensation/declared_errors.h"
 #include "server/compensation/snapshot_builder.h"
@@ -46,7 +47,9 @@ void SnapshotBuilder::add_uncertainty(const calibration::OutputModel& from,
   if (gives_ == Gives::motors) output.u_scale_nm = reading_noise_nm(cell, output.channel.symbol);
   output.absorbed.resize(slow_.channels().size());
   double noise_nm2 = output.u_scale_nm * output.u_scale_nm;
-  Systematic drift{UncertaintySource::drift, {}, true};
+  // By what they go with: the devices' drifts with the hours have one cause, those with one
+  // thermometer another.
+  std::map<std::string, Eigen::VectorXd> drifts;
   for (const auto& influence : from.influences) {
     const std::string symbol = symbol_of(influence.channel);
     for (const auto& error : declared) {
@@ -56,10 +59,13 @@ void SnapshotBuilder::add_uncertainty(const calibration::OutputModel& from,
         continue;
       const double size = error.u * own_units(influence.channel) * base_units(influence.by);
       Eigen::VectorXd shift = served(influence.shift, from.terms) * size;
-      if (error.source != UncertaintySource::drift)
+      if (error.source != UncertaintySource::drift) {
         output.systematics.push_back({error.source, std::move(shift), error.shared_with_zero});
-      else  // one cause, so one error: with their signs, before squaring
-        drift.shift = drift.shift.size() == 0 ? shift : Eigen::VectorXd(drift.shift + shift);
+        continue;
+      }
+      // One cause, so one error: with their signs, before squaring.
+      const auto [drift, is_first] = drifts.try_emplace(error.by, shift);
+      if (!is_first) drift->second += shift;
     }
     if (influence.by != "1") continue;
     if (is_pose_symbol(symbol))
@@ -69,7 +75,8 @@ void SnapshotBuilder::add_uncertainty(const calibration::OutputModel& from,
     if (const auto slow = slow_.find(symbol))
       output.absorbed[*slow] = served(influence.shift, from.terms);
   }
-  if (drift.shift.size() > 0) output.systematics.push_back(std::move(drift));
+  for (auto& [by, shift] : drifts)
+    output.systematics.push_back({UncertaintySource::drift, std::move(shift), true});
   // What the residual holds beyond the noise of the instruments that saw it is the robot's own.
   const double residual_nm = nm_from_mm(from.accuracy.rmse * output.mm_per_unit);
   output.unfollowed_nm = std::sqrt(std::max(0.0, residual_nm * residual_nm - noise_nm2));

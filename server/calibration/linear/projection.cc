@@ -52,6 +52,13 @@ Result<Eigen::MatrixXd> Excerpt::columns(const std::vector<effects::Term>& terms
   return Eigen::MatrixXd(all(rows_, Eigen::all));
 }
 
+std::vector<const DatasetColumn*> Excerpt::thermometers() const {
+  std::vector<const DatasetColumn*> out;
+  for (const auto& column : data_.columns)
+    if (column.channel.unit == "degC" && values(column).allFinite()) out.push_back(&column);
+  return out;
+}
+
 Eigen::VectorXd Excerpt::values(const DatasetColumn& column) const {
   return Eigen::Map<const Eigen::VectorXd>(column.values.data(),
                                            static_cast<Index>(column.values.size()))(rows_);

@@ -26,6 +26,8 @@ class Excerpt {
   // Errors: those of raw_columns.
   Result<Eigen::MatrixXd> columns(const std::vector<effects::Term>& terms) const;
   const DatasetColumn* find(const std::string& symbol) const { return data_.find(symbol); }
+  // Columns in degC with a value in every row.
+  std::vector<const DatasetColumn*> thermometers() const;
   Eigen::VectorXd values(const DatasetColumn& column) const;
   // Row by row; time_s: empty when the data have no times.
   const std::vector<double>& time_s() const { return time_s_; }

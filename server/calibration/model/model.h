@@ -76,7 +76,8 @@ struct Accuracy {
 struct Influence {
   std::string channel;  // in error: "x_mm", "t07_degC"
   std::string by;       // what the error goes with, row by row: "1" (an offset), "y_mm",
-                        // "ry_arcsec", "h" (hours since the zero)
+                        // "ry_arcsec", "h" (hours since the zero), "t04_degC" (kelvin
+                        // since the zero)
   double rms = 0;       // of the error that 1 of it makes in the output, over the calibration rows
   Eigen::VectorXd shift;  // of the coefficients, for 1 of it; output's unit
 };

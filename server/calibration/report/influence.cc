@@ -40,16 +40,17 @@ Derivative derivative_by(const OutputModel& output, const std::string& symbol) {
   return out;
 }
 
-// Hours since the first of these rows of the same datum, by row; empty: untimed.
-Eigen::VectorXd hours_since_zero(const Excerpt& rows) {
-  std::map<double, double> start_s;
-  Eigen::VectorXd hours(static_cast<Index>(rows.time_s().size()));
-  for (std::size_t i = 0; i < rows.time_s().size(); ++i) {
-    const double time_s = rows.time_s()[i];
-    hours[static_cast<Index>(i)] =
-        (time_s - start_s.try_emplace(rows.datum()[i], time_s).first->second) / 3600;
+// By how much a quantity has changed since the first of these rows of the same datum, by row.
+template <typename Values>
+Eigen::VectorXd since_zero(const Excerpt& rows, const Values& values) {
+  std::map<double, double> at_zero;
+  Eigen::VectorXd change(static_cast<Index>(values.size()));
+  for (Index i = 0; i < change.size(); ++i) {
+    const auto row = static_cast<std::size_t>(i);
+    const double value = values[static_cast<decltype(values.size())>(i)];
+    change[i] = value - at_zero.try_emplace(rows.datum()[row], value).first->second;
   }
-  return hours;
+  return change;
 }
 
 // By what an error of this channel may vary from row to row.
@@ -64,8 +65,9 @@ std::vector<std::pair<std::string, Eigen::VectorXd>> shapes(const Excerpt& rows,
     if (auto values = rows.values(*column); values.allFinite())
       out.emplace_back(column->channel.name(), std::move(values));
   }
-  if (auto hours = hours_since_zero(rows); hours.size() > 0)
-    out.emplace_back("h", std::move(hours));
+  if (!rows.time_s().empty()) out.emplace_back("h", since_zero(rows, rows.time_s()) / 3600);
+  for (const auto* thermometer : rows.thermometers())
+    out.emplace_back(thermometer->channel.name(), since_zero(rows, rows.values(*thermometer)));
   return out;
 }
 

@@ -18,8 +18,9 @@
 namespace driftwise::calibration {
 
 // For every pose coordinate the output reads (x, y, z): an offset ("1"), a factor and the leakage
-// of its neighbours ("x_mm" ..), the lever arms ("rx_arcsec" ..) as far as the data have them, and
-// a steady drift since the zero of the datum ("h", hours). For the force and every other channel of
+// of its neighbours ("x_mm" ..), the lever arms ("rx_arcsec" ..) as far as the data have them, a
+// steady drift since the zero of the datum ("h", hours) and one that goes with a thermometer since
+// then ("t04_degC", K). For the force and every other channel of
 // a term (temperatures): an offset. Channels under an effect with memory count as constants there.
 // Errors: those of raw_columns.
 Result<std::vector<Influence>> influences_of(const Excerpt& rows, const Projection& projection,

@@ -53,6 +53,8 @@ struct LengthSettings {
   Channel channel;              // x_mm
   double u_length_nm = 0;       // declared standard uncertainty of one reading
   double u_drift_nm_per_h = 0;  // ... of its steady drift since the zero
+  double u_drift_nm_per_k = 0;  // ... of its drift with the temperature of drift_channel since then
+  Channel drift_channel{};      // t04_degC; no symbol: none
 };
 struct AngleSettings {
   std::vector<AngleDescription> angles;

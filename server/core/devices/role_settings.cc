@@ -78,6 +78,17 @@ void read_length_settings(SettingsReader& reader, DeviceDescription& device) {
   reader.channel("length", settings.channel, Need::required);
   reader.number("u_length_nm", settings.u_length_nm, {.min = 0});
   reader.number("u_drift_nm_per_h", settings.u_drift_nm_per_h);
+  reader.number("u_drift_nm_per_k", settings.u_drift_nm_per_k);
+  reader.channel("drift_channel", settings.drift_channel, Need::optional);
+  const bool has_channel = !settings.drift_channel.symbol.empty();
+  if (has_channel && settings.drift_channel.unit != "degC")
+    reader.refuse("drift_channel", reasons::kBadChannel,
+                  "found " + shown(settings.drift_channel.name()) +
+                      ", expected a thermometer of the cell such as t04_degC");
+  if (has_channel != (settings.u_drift_nm_per_k != 0))
+    reader.refuse(has_channel ? "u_drift_nm_per_k" : "drift_channel", reasons::kMissingKey,
+                  "found one of u_drift_nm_per_k and drift_channel, expected both: by how much the "
+                  "device drifts for each kelvin, and which thermometer says so");
   if (!is_pose_symbol(local(settings.channel)) || settings.channel.unit != "mm")
     reader.refuse("length", reasons::kBadChannel,
                   "found " + shown(settings.channel.name()) +

@@ -11,7 +11,7 @@ namespace driftwise {
 
 // [[device.axis]]: motor coordinates in mm, limits around zero.
 void read_motion_settings(SettingsReader& reader, DeviceDescription& device);
-// length, u_length_nm, u_drift_nm_per_h.
+// length, u_length_nm, u_drift_nm_per_h, u_drift_nm_per_k, drift_channel.
 void read_length_settings(SettingsReader& reader, DeviceDescription& device);
 // [[device.angle]]: rotations in arcsec, each axis of the instrument once.
 void read_angle_settings(SettingsReader& reader, DeviceDescription& device);

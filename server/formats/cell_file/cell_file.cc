@@ -1,5 +1,6 @@
 #include "server/formats/cell_file/cell_file.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -213,6 +214,20 @@ void read_file(const toml::table& root, CellDescription& out, TomlProblem& probl
     top.refuse("load", reasons::kMissingKey,
                "found no [load] section beside the load actuator " + shown(actuator->id) +
                    ", expected one with max_n, the largest force it may ever apply");
+  for (const auto& device : out.devices) {
+    const auto* length = device.length();
+    if (length == nullptr || length->drift_channel.symbol.empty()) continue;
+    const bool is_read = std::ranges::any_of(out.devices, [&](const DeviceDescription& other) {
+      return std::ranges::any_of(other.probes(), [&](const ProbeDescription& probe) {
+        return probe.channel == length->drift_channel;
+      });
+    });
+    if (!is_read)
+      top.refuse("device", reasons::kBadChannel,
+                 "device " + shown(device.id) + ", drift_channel: found " +
+                     shown(length->drift_channel.name()) +
+                     ", which no probe of this cell reads; expected a thermometer of the cell");
+  }
   check_speed(speed, out);
 }
 

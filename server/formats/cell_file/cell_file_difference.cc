@@ -76,6 +76,9 @@ void add_device(const CellDescription& cell, const DeviceDescription& device, Pa
     part.values["length"] = length->channel.name();
     part.values["u_length_nm"] = text_of(length->u_length_nm);
     part.values["u_drift_nm_per_h"] = text_of(length->u_drift_nm_per_h);
+    part.values["u_drift_nm_per_k"] = text_of(length->u_drift_nm_per_k);
+    if (!length->drift_channel.symbol.empty())
+      part.values["drift_channel"] = length->drift_channel.name();
   }
   if (const auto* force = device.force()) part.values["channel"] = force->name();
   for (const auto& [name, value] : device.options) part.values["options." + name] = value;
@@ -369,8 +372,9 @@ std::set<std::pair<std::string, std::string>> known_keys() {
   add("limit", {"*"});
   add("serving", {"rebuild_period_s", "refuse_stale", "refuse_outside_domain",
                   "refuse_outside_limits", "max_age_s"});
-  add("device", {"id", "kind", "address", "timeout_s", "period_s", "max_age_s", "options", "length",
-                 "u_length_nm", "u_drift_nm_per_h", "channel"});
+  add("device",
+      {"id", "kind", "address", "timeout_s", "period_s", "max_age_s", "options", "length",
+       "u_length_nm", "u_drift_nm_per_h", "u_drift_nm_per_k", "drift_channel", "channel"});
   add("axis", {"channel", "device_axis", "min_mm", "max_mm", "u_scale_nm"});
   add("probe", {"channel", "input", "part", "place", "r0_ohm", "a_per_degc", "b_per_degc2", "u_k"});
   add("angle", {"channel", "device_axis", "sign", "u_arcsec"});

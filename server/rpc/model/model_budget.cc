@@ -63,6 +63,8 @@ void add_declared(const CellDescription& cell, v1::GetModelResponse& out) {
       add(device.id, device.length()->channel.name(), "u_length_nm", device.length()->u_length_nm);
       add(device.id, device.length()->channel.name(), "u_drift_nm_per_h",
           device.length()->u_drift_nm_per_h);
+      add(device.id, device.length()->channel.name(), "u_drift_nm_per_k",
+          device.length()->u_drift_nm_per_k);
     }
     for (const auto& angle : device.angles())
       add(device.id, angle.channel.name(), "u_arcsec", angle.u_arcsec);

@@ -99,6 +99,21 @@ TEST(Influence, OfADriftIsWhatItDoesToAFit) {
   EXPECT_LT((found - expected).norm(), 1e-3 * expected.norm());
 }
 
+TEST(Influence, OfADriftWithTheRoomIsWhatItDoesToAFit) {
+  Dataset data = make_campaign({.rows = 756});
+  const std::string formula = "q1 ~ x + t01";  // t02 is the device's own
+  const auto before = fitted_all(data, formula);
+  constexpr double kDrift_mm_per_k = 50e-6;
+  const auto& room = column_of(data, "t02").values;
+  for (std::size_t i = 0; i < data.rows; ++i)
+    column_of(data, "x").values[i] += kDrift_mm_per_k * (room[i] - room[0]);
+  const auto after = fitted_all(data, formula);
+  const Eigen::VectorXd found = before.outputs[0].coefficients - after.outputs[0].coefficients;
+  const Eigen::VectorXd expected =
+      influence_of(before.outputs[0], "x_mm", "t02_degC").shift * kDrift_mm_per_k;
+  EXPECT_LT((found - expected).norm(), 1e-3 * expected.norm());
+}
+
 TEST(Influence, DoesNotDependOnHowManyRowsAreLookedAt) {
   const Dataset data = make_campaign({.rows = 20000});
   const auto model = fitted_all(data, "q1 ~ x + x^2 + t01");

@@ -120,6 +120,28 @@ TEST(DeclaredErrors, OfAThermometerAreTakenUpByTheConstantWhereItsTermIsLinear) 
   EXPECT_NEAR(line_of(budget, UncertaintySource::temperatures), 0, 1e-4);
 }
 
+TEST(DeclaredErrors, OfADriftWithAThermometerGrowWithWhatItHasChangedSinceTheZero) {
+  const auto data = two_axis_rows();
+  const auto model = fitted(data);
+  auto cell = three_beam_cell();
+  const auto drifts = [&](const char* symbol, double u_nm_per_k) {
+    for (auto& device : cell.devices)
+      if (device.length() && device.length()->channel.symbol == symbol) {
+        auto& length = device.become<LengthSettings>();
+        length.channel = {symbol, "mm"};
+        length.u_drift_nm_per_k = u_nm_per_k, length.drift_channel = {"t07", "degC"};
+      }
+  };
+  const double change_k = 21.1 - data.find("t07")->values[0];  // budget_at() is at 21.1
+  drifts("x", 50);
+  EXPECT_NEAR(line_of(budget_at(model, cell, 1, 2, -1), UncertaintySource::drift),
+              1.01 * 50 * change_k, 0.01);
+  // One cause: with their signs before they are squared.
+  drifts("z", -100);
+  EXPECT_NEAR(line_of(budget_at(model, cell, 1, 2, -1), UncertaintySource::drift),
+              (1.01 * 50 - 0.4 * 100) * change_k, 0.01);
+}
+
 TEST(DeclaredErrors, AddUpToTheExpandedUncertaintyWithTheOtherLines) {
   const auto model = fitted(two_axis_rows());
   auto cell = three_beam_cell();

@@ -94,6 +94,16 @@ TEST(ParseCellFile, ReadsEverySectionAndKeepsDefaults) {
   EXPECT_EQ(cell->hash.size(), 64u);
 }
 
+TEST(ParseCellFile, ReadsADriftThatGoesWithAThermometer) {
+  std::string text = kCell;
+  text.replace(text.find("u_length_nm = 2"), 15,
+               "u_drift_nm_per_k = 50\ndrift_channel = \"t01_degC\"");
+  const auto cell = parse_cell_file(text, "cell.toml", drivers::all_devices());
+  ASSERT_TRUE(cell) << cell.error().message;
+  EXPECT_EQ(cell->devices[2].length()->u_drift_nm_per_k, 50);
+  EXPECT_EQ(cell->devices[2].length()->drift_channel.name(), "t01_degC");
+}
+
 TEST(ParseCellFile, KeepsAnAbsoluteDatabase) {
   std::string text = kCell;
   text.replace(text.find("data/cell.db"), 12, "/var/lib/cell.db");
@@ -136,6 +146,14 @@ INSTANTIATE_TEST_SUITE_P(
                         "found the unknown key 'searving': did you mean serving?"},
         CellFileMistake{"KeyOfAnotherKind", "length = \"x_mm\"", "length = \"x_mm\"\naxis = []",
                         "UNKNOWN_KEY", "device 3: found the unknown key 'axis'"},
+        CellFileMistake{"DriftOfNoThermometer", "u_length_nm = 2\n",
+                        "u_drift_nm_per_k = 50\ndrift_channel = \"t09_degC\"\n", "BAD_CHANNEL",
+                        "device 'laser-x', drift_channel: found 't09_degC', which no probe"},
+        CellFileMistake{"DriftWithNothing", "u_length_nm = 2\n", "u_drift_nm_per_k = 50\n",
+                        "MISSING_KEY", "found one of u_drift_nm_per_k and drift_channel"},
+        CellFileMistake{"DriftWithALength", "u_length_nm = 2\n",
+                        "u_drift_nm_per_k = 50\ndrift_channel = \"x_mm\"\n", "BAD_CHANNEL",
+                        "expected a thermometer of the cell"},
         CellFileMistake{"NoName", "name = \"linear-axis\"\n", "", "MISSING_KEY",
                         "cell: name: found nothing"},
         CellFileMistake{"EmptyName", "\"linear-axis\"", "\"\"", "OUT_OF_RANGE",
