@@ -255,7 +255,9 @@ Awaitable<Result<void>> RunEngine::note_closure(ActiveRun& run, std::vector<Chan
     record.sentence = verdict.explained ? record.sentence + ": accept" : within_sentence(record);
   } else if (verdict.other_side) {
     auto looking = close_from_side(run, run.closure_judge.reference(closure).side);
-    DRIFTWISE_CO_TRY(const auto there, co_await std::move(looking));
+    DRIFTWISE_CO_TRY(auto there, co_await std::move(looking));
+    // By the limit of the first look, which grows with the minutes: a jump stays beyond it.
+    if (there) there->at = closure.at;
     if (there && run.closure_judge.judge(*there, expectation(run, *there)).good) {
       run.closure_judge.take_play(closure, *there);
       run.closure_judge.take(closure);

@@ -213,5 +213,24 @@ TEST_F(Closing, AJumpIsNoPlay) {
   EXPECT_EQ(cell().events_named("closure.bad").size(), 1u);
 }
 
+// The limit grows with the minutes, by much here. A jump that is a little beyond it at the first
+// look is no play because it would be within it after the second.
+TEST_F(Closing, AJumpJustBeyondTheLimitIsNoPlay) {
+  description.plausibility.closure_nm_per_min = 6000;
+  const auto first = cell().begin_run(both_sides(2)).id;
+  EXPECT_EQ(cell().finish_run().state, RunState::done);
+  const auto& usual = closures(first)[1].coordinates.front();
+  EXPECT_LT(std::abs(usual.found), 100);
+
+  const auto run = cell().begin_run(both_sides(2)).id;
+  until_accepted(3);
+  world.zero_mm -= (usual.limit + 300) * 1e-6;
+  EXPECT_EQ(cell().finish_run().state, RunState::done);
+  const auto jumped = closures(run)[1];
+  EXPECT_EQ(jumped.decision, ClosureDecision::new_datum) << jumped.sentence;
+  EXPECT_NEAR(jumped.coordinates.front().limit, usual.limit, 250) << "the same line as before";
+  EXPECT_THAT(suspects(run), ElementsAre(2, 3));
+}
+
 }  // namespace
 }  // namespace driftwise::tests
