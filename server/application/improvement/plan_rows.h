@@ -12,9 +12,8 @@ namespace driftwise::application {
 
 // A diagnosis learns from the calibration rows; in a plan without validation rows a fifth of them
 // is held out. It needs the baseline's terms and 10 rows more (diagnosis::kRowsBeyondBase).
-// Channels are those that the cell declares, with what its interferometers add to a reading; a
-// formula that reads another channel is not judged here. Errors: invalid_argument TOO_FEW_ROWS,
-// with both numbers; those of Formula::parse.
+// Errors: invalid_argument TOO_FEW_ROWS, with both numbers; those of check_formula_reads
+// (server/application/datasets/declared_channels.h).
 Result<void> check_plan_rows(const CellDescription& cell, const Trajectory& plan,
                              const std::string& formula);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/application/datasets/declared_channels.h"
 #include "server/application/ports/run_plan.h"
 #include "server/application/runs/runs_service.h"
 #include "server/core/reasons.h"
@@ -58,8 +59,11 @@ Result<void> QueueService::check_terms(QueueEntry& entry) const {
     return fail(ErrorCode::invalid_argument, reasons::kBadFollowUp,
                 fmt::format("follow-ups: found {}, expected at most {}", entry.follow_ups.size(),
                             kMostFollowUps));
-  for (const auto& follow_up : entry.follow_ups)
-    DRIFTWISE_RETURN_IF_ERROR(parse_follow_up(follow_up));
+  for (const auto& text : entry.follow_ups) {
+    DRIFTWISE_TRY(const auto follow_up, parse_follow_up(text));
+    if (!follow_up.formula.empty())
+      DRIFTWISE_RETURN_IF_ERROR(check_formula_reads(description_, follow_up.formula));
+  }
   if (entry.after) return check_dependency(desk_.entries(), entry.id, *entry.after);
   return {};
 }

@@ -173,6 +173,9 @@ TEST_F(ImprovementTest, RefusesWhatARunWouldBeRefusedFor) {
   request.formula = "q ~";
   EXPECT_EQ(begin(request).error().reason, "BAD_FORMULA");
   request = {};
+  request.formula = "q ~ x + nosuch";
+  EXPECT_EQ(begin(request).error().reason, "UNKNOWN_CHANNEL");
+  request = {};
   request.max_turns = 1000;
   EXPECT_EQ(begin(request).error().reason, "BAD_TURNS");
   request = {};

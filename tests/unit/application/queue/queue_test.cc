@@ -226,7 +226,7 @@ TEST_F(QueueTest, RepeatsFromStartToStart) {
 TEST_F(QueueTest, FitsAndNotifiesWhenTheRunIsDone) {
   auto d = draft("night 2");
   d.trajectory_text = lines_of(4, {-4, -2, 1, 3}, true);
-  d.follow_ups = {"fit:q ~ x", "fit:q ~ t99", "notify"};
+  d.follow_ups = {"fit:q ~ x", "fit:q ~ poly(x, t01, 6)", "notify"};
   const auto a = add(d);
   auto next = draft("next");
   next.after = a.entry.id;
@@ -237,7 +237,7 @@ TEST_F(QueueTest, FitsAndNotifiesWhenTheRunIsDone) {
   EXPECT_TRUE(entry.results[0].good) << entry.results[0].text;
   ASSERT_TRUE(entry.results[0].model);
   EXPECT_TRUE(cell.await(cell->models.get(*entry.results[0].model)));
-  EXPECT_FALSE(entry.results[1].good) << "the cell has no t99";
+  EXPECT_FALSE(entry.results[1].good) << "27 terms, 20 rows";
   EXPECT_EQ(cell.await(cell.run(*entry.run))->state, RunState::done) << "the run is not lost";
   EXPECT_FALSE(entry.accepted());
   EXPECT_THAT(waits_for(b), HasSubstr("which was not accepted"));
@@ -287,6 +287,8 @@ TEST_F(QueueTest, RefusesWhatCannotBeAndKeepsNothingOfIt) {
   EXPECT_EQ(reason_of([](auto& d) { d.after = QueueEntryId{1}; }), "QUEUE_CYCLE");
   EXPECT_EQ(reason_of([](auto& d) { d.after = QueueEntryId{7}; }), "NO_SUCH_QUEUE_ENTRY");
   EXPECT_EQ(reason_of([](auto& d) { d.follow_ups = {"dance"}; }), "BAD_FOLLOW_UP");
+  EXPECT_EQ(reason_of([](auto& d) { d.follow_ups = {"fit:q ~ t99"}; }), "UNKNOWN_CHANNEL");
+  EXPECT_EQ(reason_of([](auto& d) { d.follow_ups = {"diagnose:q ~ y"}; }), "UNKNOWN_CHANNEL");
   EXPECT_EQ(reason_of([](auto& d) { d.metadata = {{"no spaces", "x"}}; }), "BAD_METADATA");
   EXPECT_EQ(reason_of([](auto& d) { d.repeat_every_s = 5; }), "BAD_REPEAT");
   EXPECT_EQ(reason_of([](auto& d) { d.compensate = true; }), "NOTHING_TO_COMPENSATE");
