@@ -38,6 +38,7 @@ void Interrupt::wait() {
     if (sigwait(&set, &signal) != 0 || signal == SIGUSR1) continue;
     if (raised_.exchange(true)) _exit(130);  // a second Ctrl-C: whatever holds us up, leave
     const std::lock_guard lock(mutex_);
+    if (!cancel_ && !attended_) _exit(130);
     if (cancel_) cancel_();
   }
 }

@@ -18,6 +18,9 @@ class Interrupt {
   Interrupt& operator=(const Interrupt&) = delete;
 
   bool raised() const { return raised_; }
+  // From now on somebody looks at raised() and puts things in order. Before that, a command of
+  // files alone has nothing to put in order: the first signal ends the process with 130.
+  void attend() { attended_ = true; }
 
   // While it lives, cancel is called (once, on the other thread) when the interrupt comes; at once
   // if it has come.
@@ -35,7 +38,7 @@ class Interrupt {
 
  private:
   void wait();
-  std::atomic<bool> raised_{false}, over_{false};
+  std::atomic<bool> raised_{false}, over_{false}, attended_{false};
   std::mutex mutex_;
   std::function<void()> cancel_;  // of the innermost scope
   std::thread thread_;

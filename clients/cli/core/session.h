@@ -7,6 +7,7 @@
 
 #include "clients/cli/core/connection.h"
 #include "clients/cli/core/console.h"
+#include "clients/cli/core/interrupt.h"
 
 namespace driftwise::cli {
 
@@ -21,6 +22,7 @@ struct Session {
   // Throws Failure for files that cannot be used (way.h); the connection itself is made by the
   // first call.
   Connection connect() const {
+    if (interrupt != nullptr) interrupt->attend();
     WayOptions options = way;
     options.server = server;
     return {find_way(options, console), operator_name, timeout_s, interrupt};

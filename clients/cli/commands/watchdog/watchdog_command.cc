@@ -58,6 +58,7 @@ ExitCode run(const Session& session, WatchdogArguments a) {
     options.tls = value_or_throw(tls::TlsMaterial::open(
         {a.certificate, a.key, ""}, tls::ClientCertificate::ignored, "http/1.1"));
   std::signal(SIGPIPE, SIG_IGN);
+  if (session.interrupt != nullptr) session.interrupt->attend();
   notify::OutsideNotifier notifier;
   const auto say = [&session](const std::string& line) {
     session.console.err << now_text() << ' ' << clean_line(line) << '\n' << std::flush;
