@@ -42,7 +42,10 @@ Result<NamedSet> named_set_from(const std::string& text) {
   const auto colon = text.find(':');
   NamedSet set{.name = trimmed(std::string_view(text).substr(0, colon)), .conditions = {}};
   if (set.name.empty()) return bad_set(text);
-  if (colon == std::string::npos) return set;
+  if (colon == std::string::npos) {
+    if (set.name.find_first_of(" \t") != std::string::npos) return bad_set(text);  // no colon
+    return set;
+  }
   for (std::size_t at = colon + 1; at <= text.size();) {
     const std::size_t comma = std::min(text.find(',', at), text.size());
     const std::string item = trimmed(std::string_view(text).substr(at, comma - at));

@@ -290,6 +290,10 @@ ExitCode table(const Session& session, const StudyArguments& a) {
     const auto colon = text.find(':'), tilde = text.find('~');
     const bool named = colon != std::string::npos && tilde != std::string::npos && colon < tilde;
     identification::NamedFit one{.name = named ? text.substr(0, colon) : text, .fit = {}};
+    if (std::ranges::any_of(models, [&](const auto& other) { return other.name == one.name; }))
+      throw Failure{ExitCode::bad_input, "invalid_argument", reasons::kDuplicateId,
+                    "--model: two rows of the table are named '" + one.name +
+                        "': give each a name of its own"};
     one.fit = fit_options(a.fit);
     one.fit.executor = executor;
     one.fit.stopwatch_us = {};
