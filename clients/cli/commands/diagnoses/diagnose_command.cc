@@ -5,6 +5,7 @@
 #include "clients/cli/commands/diagnoses/diagnosis_commands.h"
 #include "clients/cli/core/validators.h"
 #include "clients/cli/core/value_or_throw.h"
+#include "server/diagnosis/catalogue_units.h"
 #include "server/diagnosis/robot_diagnosis.h"
 #include "server/diagnosis/separating.h"
 #include "server/formats/cell_file/kinematics_section.h"
@@ -33,9 +34,11 @@ struct DiagnoseArguments {
 
 constexpr double kSecondsPerHour = 3600;
 
-// The measurement that would tell an indistinguishable set apart, within what the data have seen.
-void add_separating(const Session& session, const DiagnoseArguments& a, const Dataset& data,
+// The measurement that would tell an indistinguishable set apart, within what the data have seen: a
+// trajectory is in mm or arcsec, whatever the file's units.
+void add_separating(const Session& session, const DiagnoseArguments& a, const Dataset& given,
                     const calibration::Candidates& baseline, diagnosis::Diagnosis& found) {
+  const Dataset data = diagnosis::in_catalogue_units(given);
   auto limits = diagnosis::limits_from(data);
   limits.budget_s = a.budget_h * kSecondsPerHour;
   const auto plan = diagnosis::separating_plan(data, baseline, found, limits);
