@@ -177,6 +177,7 @@ inline constexpr Reason kHeaderTooLong{"HEADER_TOO_LONG", Recovery::by_code};
 inline constexpr Reason kHeldByCell{"HELD_BY_CELL", Recovery::by_code};
 inline constexpr Reason kHoldNotNamed{"HOLD_NOT_NAMED", Recovery::by_code};
 inline constexpr Reason kHomingStalled{"HOMING_STALLED", Recovery::by_code};
+inline constexpr Reason kIdsShifted{"IDS_SHIFTED", Recovery::by_code};
 inline constexpr Reason kImplausible{"IMPLAUSIBLE", Recovery::by_code};
 inline constexpr Reason kImplausiblePv{"IMPLAUSIBLE_PV", Recovery::by_code};
 inline constexpr Reason kImpossibleParameter{"IMPOSSIBLE_PARAMETER", Recovery::by_code};

@@ -12,6 +12,7 @@
 namespace driftwise::indentation {
 namespace {
 
+constexpr double kSame_nm = 0.001;    // heights are counted in mm: their last digits are rounding
 constexpr double kLeastWidth = 0.02;  // second extent of the points, in the first one
 
 tl::unexpected<Error> bad(std::string reason, std::string message) {
@@ -88,7 +89,7 @@ Result<AlignmentStep> next_alignment(const AlignmentRule& rule, int corrections,
   const std::string found = "contacts differ by " + quantity_text(plane.spread_nm, "nm") +
                             " (accepted: " + quantity_text(rule.accept_nm, "nm") + "), " +
                             tilts_text(plane);
-  if (plane.spread_nm <= rule.accept_nm) {
+  if (plane.spread_nm <= rule.accept_nm + kSame_nm) {
     step.kind = AlignmentStep::Kind::accepted;
     step.sentence = found + ": aligned after " + std::to_string(corrections) + " corrections";
   } else if (corrections >= rule.most_corrections) {

@@ -43,10 +43,11 @@ Result<std::vector<IndentRow>> indent_table(std::span<const Indent> indents,
                                             const ToolRules& tool) {
   if (indents.empty())
     return fail(ErrorCode::invalid_argument, reasons::kNoRows, "the table holds no indent");
-  if (!(tool.lever_mm > 0) || !(tool.hardness_hv > 0))
+  if (!(tool.lever_mm > 0) || !(tool.hardness_hv > 0) || !std::isfinite(tool.lever_mm) ||
+      !std::isfinite(tool.hardness_hv))
     return fail(ErrorCode::invalid_argument, reasons::kBadValue,
                 "lever " + number_text(tool.lever_mm) + " mm, hardness " +
-                    number_text(tool.hardness_hv) + " HV: both must be above 0");
+                    number_text(tool.hardness_hv) + " HV: both must be finite and above 0");
   std::vector<IndentRow> rows;
   std::set<std::string> seen;
   for (const Indent& one : indents) {

@@ -22,17 +22,11 @@ class Procedure {
       : cell_(cell), rules_(rules), record_(record), on_change_(on_change) {}
 
   Result<void> run() {
-    if (record_.tool.empty()) record_.tool = rules_.tool;
-    if (record_.tool != rules_.tool)
-      return fail(ErrorCode::failed_precondition, reasons::kOtherTool,
-                  "this indentation was begun with tool " + shown(record_.tool) + ", now it is " +
-                      shown(rules_.tool) +
-                      ": contacts of two tools have no common zero. Begin a new one");
     const bool interrupted = record_.in_contact;
-    // In contact the robot below goes away first; else the robot above makes room first.
-    if (interrupted) DRIFTWISE_RETURN_IF_ERROR(retract());
+    // The robot below goes away before anything else moves.
+    DRIFTWISE_RETURN_IF_ERROR(lower());
     DRIFTWISE_RETURN_IF_ERROR(cell_.move_above(rules_.zero_x_mm, rules_.zero_y_mm, rules_.work_mm));
-    if (!interrupted) DRIFTWISE_RETURN_IF_ERROR(retract());
+    DRIFTWISE_RETURN_IF_ERROR(rest());
     record_.in_contact = false;
     if (interrupted) {
       record_.aside_um += rules_.retry_um;
@@ -47,16 +41,21 @@ class Procedure {
     return {};
   }
 
-  double low_mm() const {
-    return (record_.touched ? record_.height_mm : rules_.approach.depart_mm) - rules_.clearance_mm;
-  }
-
-  Result<void> retract() {
-    DRIFTWISE_RETURN_IF_ERROR(below(low_mm()));
-    return rest();
+  // The clearance below the contact awaited, or lower.
+  Result<void> lower() {
+    const double awaited_mm = record_.touched ? record_.height_mm : rules_.approach.depart_mm;
+    DRIFTWISE_TRY(const auto answer, cell_.retract_below(record_.rx_arcsec, record_.ry_arcsec,
+                                                         awaited_mm - rules_.clearance_mm));
+    record_.by = answer.by;
+    return {};
   }
 
  private:
+  Result<void> retract() {
+    DRIFTWISE_RETURN_IF_ERROR(lower());
+    return rest();
+  }
+
   void say(std::string sentence) {
     record_.log.push_back(std::string(to_string(record_.stage)) + ": " + std::move(sentence));
     on_change_(record_);
@@ -185,7 +184,7 @@ class Procedure {
       ++record_.corrections;
       record_.rx_arcsec = step.rx_arcsec;
       record_.ry_arcsec = step.ry_arcsec;
-      DRIFTWISE_RETURN_IF_ERROR(below(low_mm()));
+      DRIFTWISE_RETURN_IF_ERROR(below(record_.height_mm - rules_.clearance_mm));
       say(step.sentence + "; answered by " + record_.by);
     }
   }
@@ -291,11 +290,17 @@ class Procedure {
 
 Result<void> carry_out(TouchingCell& cell, const ProcedureRules& rules, ProcedureRecord& record,
                        const std::function<void(const ProcedureRecord&)>& on_change) {
+  if (record.tool.empty()) record.tool = rules.tool;
+  if (record.tool != rules.tool)
+    return fail(ErrorCode::failed_precondition, reasons::kOtherTool,
+                "this indentation was begun with tool " + shown(record.tool) + ", now it is " +
+                    shown(rules.tool) +
+                    ": contacts of two tools have no common zero. Begin a new one");
   Procedure procedure(cell, rules, record, on_change);
   auto done = procedure.run();
   if (done) return done;
   // A robot that is left in contact is worse than a procedure that ends.
-  const auto away = cell.move_below(record.rx_arcsec, record.ry_arcsec, procedure.low_mm());
+  const auto away = procedure.lower();
   Error error = done.error();
   if (away && record.in_contact) {
     record.in_contact = false;

@@ -30,6 +30,9 @@ class TouchingCell {
   };
   virtual Result<Answer> move_above(double x_mm, double y_mm, double z_mm) = 0;
   virtual Result<Answer> move_below(double rx_arcsec, double ry_arcsec, double z_mm) = 0;
+  // Down to these tilts and this height; an axis that stands lower stays where it is: away from the
+  // robot above, never towards it.
+  virtual Result<Answer> retract_below(double rx_arcsec, double ry_arcsec, double z_mm) = 0;
   // Shifts the robot above by so much, without a new target: the closed loop's small steps.
   virtual Result<void> nudge_above(double dx_mm, double dy_mm) = 0;
   // Holding error of the robot above at rest, nm: readings x axes, all read after the call.
@@ -112,7 +115,8 @@ struct ProcedureRecord {
 // Goes on where the record is, until the microscope's turn. Errors: those of the cell;
 // failed_precondition OTHER_TOOL (the record was begun with another), NO_CONVERGENCE (alignment or
 // closed loop), NOTHING_FOUND (no contact), OUTSIDE_LIMITS (the holding error), NO_REST.
-// After an error the robot below has been retracted, or the sentence says that it could not be.
+// After an error the robot below has been retracted, or the sentence says that it could not be; one
+// that stands lower has not moved.
 Result<void> carry_out(TouchingCell& cell, const ProcedureRules& rules, ProcedureRecord& record,
                        const std::function<void(const ProcedureRecord&)>& on_change);
 

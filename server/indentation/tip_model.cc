@@ -6,6 +6,7 @@
 
 #include "server/core/reasons.h"
 #include "server/core/text/quantity_text.h"
+#include "server/core/text/shown_text.h"
 
 namespace driftwise::indentation {
 namespace {
@@ -71,6 +72,10 @@ ErrorCurve fit_curve(Line line, const std::vector<const IndentRow*>& rows) {
 std::string_view to_string(Line line) { return line == Line::x ? "x" : "y"; }
 
 Result<TipReport> tip_report(std::span<const IndentRow> rows, double wanted_accuracy_um) {
+  if (!(wanted_accuracy_um > 0) || !std::isfinite(wanted_accuracy_um))
+    return fail(ErrorCode::invalid_argument, reasons::kBadValue,
+                "the wanted accuracy is " + number_text(wanted_accuracy_um) +
+                    " um, expected finite and above 0");
   TipReport report;
   double largest_um = 0;
   for (const IndentRow& row : rows)

@@ -70,17 +70,29 @@ Result<TouchingRobots::Answer> TouchingRobots::move_above(double x_mm, double y_
   return Answer{"geometry"};
 }
 
-Result<TouchingRobots::Answer> TouchingRobots::move_below(double rx_arcsec, double ry_arcsec,
-                                                          double z_mm) {
+void TouchingRobots::go_below(double rx_arcsec, double ry_arcsec, double z_mm, bool only_down) {
   rx_arcsec_ = rx_arcsec;
   ry_arcsec_ = ry_arcsec;
   for (int i = 0; i < 3; ++i) {
     const double a = rad(kAzimuth_deg[static_cast<std::size_t>(i)]);
     const double q_mm = z_mm + kScrewRadius_mm * (std::sin(a) * std::tan(rad(rx_arcsec / 3600)) -
                                                   std::cos(a) * std::tan(rad(ry_arcsec / 3600)));
-    plant_->start_move(3 + i, q_mm, now());
+    double& told_mm = below_mm_[static_cast<std::size_t>(i)];
+    told_mm = only_down ? std::min(q_mm, told_mm) : q_mm;
+    plant_->start_move(3 + i, told_mm, now());
   }
   settle(3, 3);
+}
+
+Result<TouchingRobots::Answer> TouchingRobots::move_below(double rx_arcsec, double ry_arcsec,
+                                                          double z_mm) {
+  go_below(rx_arcsec, ry_arcsec, z_mm, false);
+  return Answer{"geometry"};
+}
+
+Result<TouchingRobots::Answer> TouchingRobots::retract_below(double rx_arcsec, double ry_arcsec,
+                                                             double z_mm) {
+  go_below(rx_arcsec, ry_arcsec, z_mm, true);
   return Answer{"geometry"};
 }
 

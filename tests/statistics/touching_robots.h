@@ -23,6 +23,7 @@ class TouchingRobots final : public indentation::TouchingCell {
   // TouchingCell. Nothing fails here.
   Result<Answer> move_above(double x_mm, double y_mm, double z_mm) override;
   Result<Answer> move_below(double rx_arcsec, double ry_arcsec, double z_mm) override;
+  Result<Answer> retract_below(double rx_arcsec, double ry_arcsec, double z_mm) override;
   Result<void> nudge_above(double dx_mm, double dy_mm) override;
   Result<Eigen::MatrixXd> look() override;
   Result<void> wait(double cell_s) override;
@@ -43,11 +44,12 @@ class TouchingRobots final : public indentation::TouchingCell {
  private:
   simulated::TimeNs now() const;
   void settle(int first, int count);
+  void go_below(double rx_arcsec, double ry_arcsec, double z_mm, bool only_down);
 
   std::unique_ptr<simulated::TwoRobotsPlant> plant_;
   double time_s_ = 0;
   double rx_arcsec_ = 0, ry_arcsec_ = 0;
-  std::array<double, 3> above_mm_{};  // told to the robot above
+  std::array<double, 3> above_mm_{}, below_mm_{};  // told to the two robots
 };
 
 // The study's: 250 nm steps, three touches 2 mm apart, contacts within 500 nm.

@@ -12,6 +12,7 @@ namespace {
 
 constexpr Range kFarthest_mm{.min = -10, .max = 10};
 constexpr Range kSize_mm{.min = 0, .max = 1000, .above_min = true};
+constexpr double kFarthestPlace_mm = 100;
 constexpr std::size_t kTouches = 64, kIndents = 1000;
 
 void read_tool(TomlReader&& reader, IndentationFile& out) {
@@ -74,6 +75,13 @@ void read_approach(TomlReader&& reader, indentation::ProcedureRules& rules) {
   reader.finish();
 }
 
+void check_place(TomlReader& reader, const char* key, const std::vector<double>& at_mm) {
+  for (const double value : at_mm)
+    if (!(std::abs(value) <= kFarthestPlace_mm))
+      reader.refuse(key, reasons::kOutOfRange,
+                    "found " + number_text(value) + ", expected a place in mm, -100 to 100");
+}
+
 void read_align(TomlReader&& reader, indentation::ProcedureRules& rules) {
   std::vector<std::vector<double>> points;
   reader.matrix("points_mm", points);
@@ -81,8 +89,16 @@ void read_align(TomlReader&& reader, indentation::ProcedureRules& rules) {
     if (points.size() < 3 || points.size() > kTouches || points.front().size() != 2)
       reader.refuse("points_mm", reasons::kBadValue, "expected 3 to 64 places [x, y]");
     rules.touch_mm.clear();
+    std::vector<indentation::TouchPoint> flat;
     for (const auto& point : points)
-      if (point.size() == 2) rules.touch_mm.emplace_back(point[0], point[1]);
+      if (point.size() == 2) {
+        rules.touch_mm.emplace_back(point[0], point[1]);
+        flat.push_back({.x_mm = point[0], .y_mm = point[1], .height_mm = 0, .u_nm = 1});
+        check_place(reader, "points_mm", point);
+      }
+    if (flat.size() >= 3)
+      if (const auto plane = indentation::fit_plane(flat); !plane)
+        reader.refuse("points_mm", reasons::kPointsOnALine, plane.error().message);
   }
   std::vector<double> shift_um;
   if (reader.has("shift_um")) reader.numbers("shift_um", shift_um, 2);
@@ -99,6 +115,7 @@ void read_indents(TomlReader&& reader, indentation::ProcedureRules& rules) {
   using indentation::Line;
   std::vector<double> at_mm;
   if (reader.has("zero_mm")) reader.numbers("zero_mm", at_mm, 2);
+  check_place(reader, "zero_mm", at_mm);
   if (at_mm.size() == 2) {
     rules.zero_x_mm = at_mm[0];
     rules.zero_y_mm = at_mm[1];
@@ -149,6 +166,10 @@ Result<IndentationFile> read_indentation_file(std::string_view text, const std::
   top.text("name", out.name, Need::required);
   top.text("above", out.above);
   top.text("below", out.below);
+  if (out.above == out.below)
+    top.refuse("below", reasons::kDuplicateId,
+               "found " + shown(out.below) +
+                   " for above and below, expected two robots: one touches the other");
   top.number("wanted_um", out.wanted_um, {.min = 0, .max = 1000, .above_min = true});
   top.texts("temperatures", out.temperatures);
   top.integer("readings", out.readings, 1, 1000);

@@ -8,17 +8,11 @@
 
 #include "server/core/result.h"
 #include "server/indentation/indent_table.h"
+#include "server/indentation/microscope_rows.h"
 
 namespace driftwise::formats {
 
-// A row of the microscope's table: an indent by the number of its contact on the substrate.
-struct MicroscopeIndent {
-  int id = 0;
-  double x_um = 0, y_um = 0;
-  double pixel_nm = 0, marking_px = 0;
-  int pictures_joined = 0;
-  double diagonal_um = 0;  // 0: not measured
-};
+using indentation::MicroscopeIndent;
 
 // Columns in any order: id, line (x or y), wanted_um, rx_arcsec, ry_arcsec, measured_um, pixel_nm,
 // marking_px, pictures_joined; diagonal_um may be missing. Errors: those of read_csv_header;

@@ -72,6 +72,16 @@ TEST(Alignment, CorrectsByAsMuchTheOtherWayAndAcceptsWhatAgrees) {
             AlignmentStep::Kind::correct);
 }
 
+// Two steps of 250 nm are 500 nm, whatever the last digits of heights in mm make of them.
+TEST(Alignment, AcceptsContactsThatDifferByJustTheLimit) {
+  auto points = touches(0, 0, kStudy);
+  for (auto& point : points) point.height_mm = 1.555 + 100 * 0.00025;
+  points[0].height_mm = 1.555 + 102 * 0.00025;
+  EXPECT_EQ(next_alignment({}, 1, 0, 0, points)->kind, AlignmentStep::Kind::accepted);
+  points[0].height_mm = 1.555 + 103 * 0.00025;
+  EXPECT_EQ(next_alignment({}, 1, 0, 0, points)->kind, AlignmentStep::Kind::correct);
+}
+
 TEST(Alignment, RefusesAfterThreeCorrectionsAndSaysWhatToDo) {
   const auto step = next_alignment({}, 3, 0, 0, touches(0.15, 0.36, kStudy));
   ASSERT_TRUE(step);

@@ -125,6 +125,13 @@ TEST(TipModel, TellsLeverFromScaleWhenTheRotationsDoNotGrowWithTheDistance) {
   EXPECT_TRUE(report.indistinguishable.empty());
 }
 
+TEST(TipModel, RefusesAWantedAccuracyThatIsNoLength) {
+  const auto rows = indent_table(published(), {});
+  ASSERT_TRUE(rows);
+  for (const double wanted_um : {0.0, -1.0, double(NAN), double(INFINITY)})
+    EXPECT_EQ(tip_report(*rows, wanted_um).error().reason, "BAD_VALUE") << wanted_um;
+}
+
 TEST(TipModel, SaysThatTheAccuracyIsReachedWhenItIs) {
   auto indents = published();
   for (auto& one : indents) one.measured_um = one.wanted_um + 0.1;

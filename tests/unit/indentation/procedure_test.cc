@@ -19,10 +19,13 @@ class IdealCell final : public TouchingCell {
   double tilt_rx_arcsec = 540, tilt_ry_arcsec = 1296;
   int calls_left = 1'000'000;  // then the client is lost
   std::vector<std::pair<double, double>> touched{};
+  bool above_is_there = true;
+  double highest_mm = 0;     // of the robot below
   double deepest_mm = -1e9;  // of the robot below while the other one travelled
 
   Result<Answer> move_above(double x_mm, double y_mm, double) override {
     if (auto ok = alive(); !ok) return tl::unexpected(std::move(ok).error());
+    if (!above_is_there) return fail(ErrorCode::invalid_argument, reasons::kNoChannel, "no mm.q1");
     deepest_mm = std::max(deepest_mm, overlap_mm());
     x_ = x_mm;
     y_ = y_mm;
@@ -33,8 +36,14 @@ class IdealCell final : public TouchingCell {
     rx_ = rx_arcsec;
     ry_ = ry_arcsec;
     z_ = z_mm;
+    highest_mm = std::max(highest_mm, z_);
     if (overlap_mm() > 0 && (touched.empty() || touched.back() != std::pair{x_, y_}))
       touched.emplace_back(x_, y_);
+    return Answer{"ideal"};
+  }
+  Result<Answer> retract_below(double rx_arcsec, double ry_arcsec, double z_mm) override {
+    if (z_mm < z_) return move_below(rx_arcsec, ry_arcsec, z_mm);
+    if (auto ok = alive(); !ok) return tl::unexpected(std::move(ok).error());
     return Answer{"ideal"};
   }
   Result<void> nudge_above(double dx_mm, double dy_mm) override {
@@ -135,6 +144,15 @@ TEST(Procedure, IsRefusedWithAnotherToolThanItWasBegunWith) {
   record.tool = "diamond 2";
   EXPECT_EQ(carry_out(cell, rules(), record, kNobody).error().reason, "OTHER_TOOL");
   EXPECT_TRUE(cell.touched.empty());
+}
+
+// A retract lowers: the robot below stands at its home, 0, where the file's heights are above it.
+TEST(Procedure, NeverRaisesTheRobotBelowBecauseTheOtherOneFailed) {
+  IdealCell cell;
+  cell.above_is_there = false;
+  ProcedureRecord record;
+  EXPECT_EQ(carry_out(cell, rules(), record, kNobody).error().reason, "NO_CHANNEL");
+  EXPECT_EQ(cell.highest_mm, 0);
 }
 
 TEST(Procedure, SaysWhatToDoWhenNothingIsTouched) {

@@ -4,12 +4,14 @@
 #include <filesystem>
 #include <memory>
 
+#include "clients/cli/commands/indentation/indent_checks.h"
 #include "clients/cli/commands/indentation/indent_page.h"
 #include "clients/cli/commands/indentation/wire_cell.h"
 #include "clients/cli/core/hold_question.h"
 #include "clients/cli/core/text.h"
 #include "clients/cli/core/value_or_throw.h"
-#include "server/core/data/reading.h"
+#include "server/core/reasons.h"
+#include "server/core/text/shown_text.h"
 #include "server/formats/indentation/indents_csv.h"
 #include "server/formats/indentation/procedure_json.h"
 
@@ -46,16 +48,25 @@ void say_plan(const Console& console, const formats::IndentationFile& file,
               << file.rules.indents.size() << " indents made\n";
 }
 
+// Beyond the file nothing of a procedure's errors is the file's: the cell could not, or would not.
+Failure failure_of_procedure(const Error& error) {
+  const ExitCode exit = error.code == ErrorCode::unavailable        ? ExitCode::unreachable
+                        : error.code == ErrorCode::invalid_argument ? ExitCode::bad_input
+                                                                    : ExitCode::refused;
+  return {exit, std::string(to_string(error.code)), error.reason, error.message};
+}
+
 ExitCode start(const Session& session, const IndentArguments& a) {
   const auto& console = session.console;
   const auto file = read_file(a);
   ProcedureRecord record;
   if (std::filesystem::exists(record_path(a.file)) && !a.fresh) record = stored_record(a.file);
+  const auto connection = session.connect();
+  check_against_cell(connection, file);
   if (a.dry_run) {
     say_plan(console, file, record);
     return ExitCode::done;
   }
-  const auto connection = session.connect();
   WireCell cell(connection, file,
                 answer_about_present_run(console, connection, a.hold, "Move the robots"));
   std::size_t said = record.log.size();
@@ -65,7 +76,7 @@ ExitCode start(const Session& session, const IndentArguments& a) {
   });
   if (!done && done.error().code == ErrorCode::cancelled)
     throw Failure{ExitCode::interrupted, "cancelled", done.error().reason, done.error().message};
-  value_or_throw(done.map([] { return true; }));
+  if (!done) throw failure_of_procedure(done.error());
   if (console.json)
     console.print_json(nlohmann::ordered_json::parse(formats::procedure_json(record)));
   else
@@ -102,39 +113,27 @@ ExitCode table(const Session& session, const IndentArguments& a) {
                      a.wanted_um);
 }
 
-// The microscope's rows by the numbers of the contacts; distances from the zero along each line.
+// A refusal of what a file holds, with the file's name.
+template <class T>
+T in_file(const std::string& file, Result<T> result) {
+  if (!result) result.error().message.insert(0, file + ": ");
+  return value_or_throw(std::move(result));
+}
+
 ExitCode import(const Session& session, const IndentArguments& a) {
   const auto file = read_file(a);
   const auto record = stored_record(a.file);
   const auto rows = value_or_throw(formats::read_microscope_csv(read_input_file(a.table), a.table));
-  const auto of_contact = [&](int contact, const std::string& what) {
-    const auto found = std::ranges::find(rows, contact, &formats::MicroscopeIndent::id);
-    if (found == rows.end())
-      throw Failure{ExitCode::bad_input, "invalid_argument", "NO_SUCH_ROW",
-                    a.table + ": there is no row with id " + std::to_string(contact) + ", " + what +
-                        ": measure it, or correct the table"};
-    return *found;
-  };
   if (record.stage != indentation::Stage::microscope)
     throw Failure{ExitCode::refused, "failed_precondition", "NOT_NOW",
                   "the indentation is at stage " + std::string(to_string(record.stage)) +
                       ": finish it with driftwise indent start " + a.file};
-  const auto zero = of_contact(record.zero.contact, "the common zero");
-  std::vector<indentation::Indent> indents;
-  for (const auto& made : record.indents) {
-    const auto seen = of_contact(made.touch.contact, "indent " + made.planned.id);
-    const bool along_x = made.planned.line == indentation::Line::x;
-    indents.push_back({.id = made.planned.id,
-                       .line = made.planned.line,
-                       .wanted_um = made.planned.at_um,
-                       .rx_arcsec = made.rx_arcsec,
-                       .ry_arcsec = made.ry_arcsec,
-                       .measured_um = along_x ? seen.x_um - zero.x_um : seen.y_um - zero.y_um,
-                       .pixel_nm = seen.pixel_nm,
-                       .marking_px = seen.marking_px,
-                       .pictures_joined = seen.pictures_joined,
-                       .diagonal_um = is_missing(seen.diagonal_um) ? 0 : seen.diagonal_um});
-  }
+  if (record.tool != file.rules.tool)
+    throw Failure{ExitCode::refused, "failed_precondition", reasons::kOtherTool,
+                  "the indents were made with tool " + shown(record.tool) + ", " + a.file +
+                      " names " + shown(file.rules.tool) +
+                      ": its lever and force would be another tool's"};
+  const auto indents = in_file(a.table, indentation::indents_seen(record, rows));
   if (!a.output.empty()) write_output_file(a.output, formats::write_indents_csv(indents));
   return print_table(session, indents, file.tool, file.wanted_um);
 }
@@ -155,7 +154,8 @@ void add_indent_commands(CLI::App& app, Session& session) {
       "earlier start ended",
       [&session, a] { return start(session, *a); });
   file(starting);
-  starting.add_flag("--dry-run", a->dry_run, "say what would be done, move nothing");
+  starting.add_flag("--dry-run", a->dry_run,
+                    "ask the cell whether it can be done and say what would be done; move nothing");
   starting.add_flag("--fresh", a->fresh,
                     "begin anew: the record of an earlier start, FILE.state.json, is overwritten");
   add_hold_options(starting, a->hold);

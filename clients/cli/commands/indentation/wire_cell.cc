@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "driftwise/v1/cell_service.grpc.pb.h"
-#include "driftwise/v1/plan_service.grpc.pb.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
@@ -16,25 +15,6 @@ namespace {
 constexpr double kMoveLimit_s = 600;
 constexpr auto kReadingLimit = std::chrono::seconds(60);  // wall: then the stream is taken as dead
 
-Error error_of(const Failure& failure) {
-  return {failure.exit == ExitCode::unreachable ? ErrorCode::unavailable
-                                                : ErrorCode::failed_precondition,
-          failure.reason, failure.message};
-}
-
-std::string joined(const v1::JointTarget& target) {
-  std::string text = "plan " + std::to_string(target.plan_id());
-  for (const auto& robot : target.robots())
-    text += ", " + robot.robot() + "=" +
-            (robot.by() == v1::RobotAnswer::BY_COARSE  ? "coarse:"
-             : robot.by() == v1::RobotAnswer::BY_FINE  ? "fine:"
-             : robot.by() == v1::RobotAnswer::BY_BLEND ? "blend:"
-                                                       : "") +
-            std::to_string(robot.model_id());
-  for (const auto& flag : target.flags()) text += " " + flag;
-  return text;
-}
-
 }  // namespace
 
 WireCell::WireCell(const Connection& connection, const formats::IndentationFile& file,
@@ -43,7 +23,8 @@ WireCell::WireCell(const Connection& connection, const formats::IndentationFile&
       asked_(connection),
       file_(file),
       answer_(std::move(answer)),
-      lease_(connection_, "") {
+      lease_(connection_, ""),
+      motors_(connection_, file) {
   const auto status = connection_.ask(&v1::CellService::Stub::GetStatus, v1::GetStatusRequest{});
   speed_ = std::max(status.speed(), 1e-3);
   thread_ = std::thread([this] { follow(); });
@@ -84,59 +65,6 @@ Result<void> WireCell::interrupted() const {
               "interrupted; `driftwise indent start` with the same file goes on");
 }
 
-// Vertical screws below, a delta with its carriages above: nominal sizes, no compensation.
-WireCell::Motors WireCell::by_geometry(const std::string& robot) const {
-  Motors motors;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::string name = robot + ".q" + std::to_string(i + 1) + "_mm";
-    if (robot == file_.below) {
-      const double a = file_.screws.azimuth_deg[i] * kRadPerDeg;
-      motors[name] = height_mm_ +
-                     file_.screws.radius_mm * (std::sin(a) * std::tan(rad_from_arcsec(rx_arcsec_)) -
-                                               std::cos(a) * std::tan(rad_from_arcsec(ry_arcsec_)));
-      continue;
-    }
-    const auto& d = file_.delta;
-    const double a = d.azimuth_deg[i] * kRadPerDeg;
-    const double off_x = x_mm_ - d.radius_mm * std::cos(a);
-    const double off_y = y_mm_ - d.radius_mm * std::sin(a);
-    const double arm2 = d.arm_mm * d.arm_mm;
-    motors[name] = z_mm_ + std::sqrt(arm2 - off_x * off_x - off_y * off_y) -
-                   std::sqrt(arm2 - d.radius_mm * d.radius_mm);
-  }
-  return motors;
-}
-
-Result<WireCell::Motors> WireCell::motors(const std::string& robot) {
-  if (!file_.by_plan) {
-    by_ = "geometry, raw motor coordinates: " + file_.reason;
-    return by_geometry(robot);
-  }
-  v1::ComputeJointTargetRequest request;
-  const auto wanted = [&request](const std::string& channel, double value) {
-    auto* one = request.add_pose();
-    one->set_channel(channel);
-    one->set_value(value);
-  };
-  wanted(file_.above + ".x_mm", x_mm_);
-  wanted(file_.above + ".y_mm", y_mm_);
-  wanted(file_.above + ".z_mm", z_mm_);
-  wanted(file_.below + ".rx_arcsec", rx_arcsec_);
-  wanted(file_.below + ".ry_arcsec", ry_arcsec_);
-  wanted(file_.below + ".z_mm", height_mm_);
-  try {
-    const auto target =
-        connection_.ask(&v1::PlanService::Stub::ComputeJointTarget, request).target();
-    by_ = joined(target);
-    Motors motors;
-    for (const auto& one : target.coordinates())
-      if (one.channel().starts_with(robot + ".")) motors[one.channel()] = one.position_mm();
-    return motors;
-  } catch (const Failure& failure) {
-    return tl::unexpected(error_of(failure));
-  }
-}
-
 Result<void> WireCell::move(const Motors& motors) {
   v1::MoveRequest request;
   request.set_lease_token(lease_.token());
@@ -157,26 +85,62 @@ Result<void> WireCell::move(const Motors& motors) {
 
 Result<WireCell::Answer> WireCell::move_above(double x_mm, double y_mm, double z_mm) {
   DRIFTWISE_RETURN_IF_ERROR(interrupted());
-  x_mm_ = x_mm;
-  y_mm_ = y_mm;
-  z_mm_ = z_mm;
-  DRIFTWISE_TRY(const auto found, motors(file_.above));
+  wanted_.x_mm = x_mm;
+  wanted_.y_mm = y_mm;
+  wanted_.z_mm = z_mm;
+  DRIFTWISE_TRY(const auto found, motors_.of(file_.above, wanted_));
   DRIFTWISE_RETURN_IF_ERROR(move(found));
-  return Answer{by_};
+  return Answer{motors_.by()};
 }
 
 Result<WireCell::Answer> WireCell::move_below(double rx_arcsec, double ry_arcsec,
                                               double height_mm) {
-  rx_arcsec_ = rx_arcsec;
-  ry_arcsec_ = ry_arcsec;
-  height_mm_ = height_mm;
-  DRIFTWISE_TRY(const auto found, motors(file_.below));
+  wanted_.rx_arcsec = rx_arcsec;
+  wanted_.ry_arcsec = ry_arcsec;
+  wanted_.height_mm = height_mm;
+  DRIFTWISE_TRY(const auto found, motors_.of(file_.below, wanted_));
   DRIFTWISE_RETURN_IF_ERROR(move(found));
-  return Answer{by_};
+  return Answer{motors_.by()};
+}
+
+Result<WireCell::Answer> WireCell::retract_below(double rx_arcsec, double ry_arcsec,
+                                                 double height_mm) {
+  wanted_.rx_arcsec = rx_arcsec;
+  wanted_.ry_arcsec = ry_arcsec;
+  wanted_.height_mm = height_mm;
+  DRIFTWISE_TRY(auto found, motors_.of(file_.below, wanted_));
+  DRIFTWISE_TRY(const auto present_mm, present(found));
+  bool is_higher = false;
+  for (auto& [channel, value_mm] : found) {
+    is_higher = is_higher || present_mm.at(channel) > value_mm;
+    value_mm = std::min(value_mm, present_mm.at(channel));
+  }
+  if (is_higher) DRIFTWISE_RETURN_IF_ERROR(move(found));
+  return Answer{motors_.by()};
+}
+
+// Where these axes are read to be.
+Result<Motors> WireCell::present(const Motors& of) {
+  Motors present_mm;
+  try {
+    const auto status = connection_.ask(&v1::CellService::Stub::GetStatus, v1::GetStatusRequest{});
+    for (const auto& [channel, wanted_mm] : of) {
+      const auto found = std::ranges::find(status.values(), channel, &v1::LatestValue::channel);
+      if (found == status.values().end() || !found->has_value() || found->stale())
+        return fail(ErrorCode::failed_precondition, reasons::kChannelMissing,
+                    "axis " + channel +
+                        " has no fresh position: is its controller connected, and is it homed?");
+      present_mm[channel] = found->value();
+    }
+  } catch (const Failure& failure) {
+    return tl::unexpected(error_of(failure));
+  }
+  return present_mm;
 }
 
 Result<void> WireCell::nudge_above(double dx_mm, double dy_mm) {
-  return move_above(x_mm_ + dx_mm, y_mm_ + dy_mm, z_mm_).map([](const Answer&) {});
+  return move_above(wanted_.x_mm + dx_mm, wanted_.y_mm + dy_mm, wanted_.z_mm)
+      .map([](const Answer&) {});
 }
 
 Result<Eigen::MatrixXd> WireCell::collect(const std::vector<std::string>& channels, int readings) {

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <thread>
 
+#include "clients/cli/commands/indentation/indent_motors.h"
 #include "clients/cli/core/connection.h"
 #include "clients/cli/core/held_lease.h"
 #include "driftwise/v1/cell_service.pb.h"
@@ -25,15 +26,16 @@ class WireCell final : public indentation::TouchingCell {
   ~WireCell() override;
 
   Result<Answer> move_above(double x_mm, double y_mm, double z_mm) override;
-  // Also after an interrupt: it is how a contact is ended.
   Result<Answer> move_below(double rx_arcsec, double ry_arcsec, double z_mm) override;
+  // By the read-back of the robot's own axes, which count upwards. Also after an interrupt: it is
+  // how a contact is ended.
+  Result<Answer> retract_below(double rx_arcsec, double ry_arcsec, double z_mm) override;
   Result<void> nudge_above(double dx_mm, double dy_mm) override;
   Result<Eigen::MatrixXd> look() override;
   Result<void> wait(double cell_s) override;
   Result<Here> here() override;
 
  private:
-  using Motors = std::map<std::string, double>;  // "mn.q1_mm"
   struct Channel {
     double value = 0;
     std::int64_t count = 0;  // readings of it so far
@@ -42,8 +44,7 @@ class WireCell final : public indentation::TouchingCell {
   void follow();
   Result<void> interrupted() const;
   std::string rotation_channel(const char* name);  // ".rx"
-  Result<Motors> motors(const std::string& robot);
-  Motors by_geometry(const std::string& robot) const;
+  Result<Motors> present(const Motors& of);
   Result<void> move(const Motors& motors);
   // readings new values of each channel, all begun after the call: a row per reading.
   Result<Eigen::MatrixXd> collect(const std::vector<std::string>& channels, int readings);
@@ -54,9 +55,8 @@ class WireCell final : public indentation::TouchingCell {
   v1::HoldAnswer answer_;
   HeldLease lease_;
   double speed_ = 1;
-  double x_mm_ = 0, y_mm_ = 0, z_mm_ = 0;                 // wanted of the robot above
-  double rx_arcsec_ = 0, ry_arcsec_ = 0, height_mm_ = 0;  // ... and below
-  std::string by_;
+  IndentMotors motors_;
+  IndentPose wanted_;
   Motors commanded_;
 
   std::mutex mutex_;

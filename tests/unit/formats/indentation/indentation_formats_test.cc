@@ -53,6 +53,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadFile{"no_tool", "id = \"diamond 3\"", "", "MISSING_KEY"},
         BadFile{"no_reason", "reason =", "# reason =", "REASON_REQUIRED"},
         BadFile{"begins_above_its_end", "depart_mm = 1.555", "depart_mm = 1.7", "BAD_VALUE"},
+        BadFile{"one_robot_twice", "name =", "above = \"ma\"\nname =", "DUPLICATE_ID"},
+        BadFile{"a_place_in_um", "zero_mm = [0, 0]", "zero_mm = [500, 0]", "OUT_OF_RANGE"},
+        BadFile{"touches_on_a_line", "[[1, 1], [1, -1], [-1, -1]]", "[[1, 1], [0, 0], [-1, -1]]",
+                "POINTS_ON_A_LINE"},
         BadFile{"an_indent_twice", "x_um = [250, 500", "x_um = [250, 250", "DUPLICATE_ID"},
         BadFile{"two_touches", "[[1, 1], [1, -1], [-1, -1]]", "[[1, 1], [1, -1]]", "BAD_VALUE"}),
     [](const auto& row) { return std::string(row.param.name); });

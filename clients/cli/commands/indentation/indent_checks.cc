@@ -1,0 +1,142 @@
+#include "clients/cli/commands/indentation/indent_checks.h"
+
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "clients/cli/commands/indentation/indent_motors.h"
+#include "driftwise/v1/cell_service.grpc.pb.h"
+#include "driftwise/v1/configuration_service.grpc.pb.h"
+#include "server/core/reasons.h"
+#include "server/core/text/shown_text.h"
+
+namespace driftwise::cli {
+namespace {
+
+struct CellInventory {
+  std::map<std::string, v1::Axis> axes{};  // by channel
+  std::set<std::string> robots{}, measured{}, thermometers{};
+};
+
+std::string listed(const std::set<std::string>& names) {
+  std::string text;
+  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text.empty() ? "none" : text;
+}
+
+Failure bad(Reason reason, std::string message) {
+  return {ExitCode::bad_input, "invalid_argument", reason, std::move(message)};
+}
+
+CellInventory inventory_of(const Connection& connection) {
+  CellInventory cell;
+  const auto devices =
+      connection.ask(&v1::CellService::Stub::ListDevices, v1::ListDevicesRequest{}).devices();
+  for (const auto& device : devices) {
+    for (const auto& axis : device.axes()) {
+      cell.axes[axis.channel()] = axis;
+      if (const auto dot = axis.channel().find('.'); dot != std::string::npos)
+        cell.robots.insert(axis.channel().substr(0, dot));
+    }
+    for (const auto& probe : device.probes()) cell.thermometers.insert(probe.channel());
+    if (!device.length_channel().empty()) cell.measured.insert(device.length_channel());
+    cell.measured.insert(device.angle_channels().begin(), device.angle_channels().end());
+  }
+  return cell;
+}
+
+// [[robot]] tool of the present cell file; empty: it does not say.
+std::string tool_of(const Connection& connection, const std::string& robot) {
+  const auto text =
+      connection
+          .ask(&v1::ConfigurationService::Stub::GetConfiguration, v1::GetConfigurationRequest{})
+          .text();
+  const auto root = toml::parse(text);
+  if (const auto* robots = root.get_as<toml::array>("robot"))
+    for (const auto& one : *robots)
+      if (const auto* table = one.as_table())
+        if ((*table)["id"].value_or(std::string()) == robot)
+          return (*table)["tool"].value_or(std::string());
+  return {};
+}
+
+void check_names(const CellInventory& cell, const formats::IndentationFile& file) {
+  for (const auto& [key, robot] : {std::pair{"above", file.above}, std::pair{"below", file.below}})
+    if (!cell.robots.contains(robot))
+      throw bad(reasons::kNoChannel, std::string(key) + " = " + shown(robot) +
+                                         ": this cell has no such robot, it has " +
+                                         listed(cell.robots));
+  for (const char* name : {".x_mm", ".y_mm", ".z_mm", ".rx_arcsec", ".ry_arcsec"})
+    if (!cell.measured.contains(file.above + name))
+      throw bad(reasons::kNoChannel, "above = " + shown(file.above) + ": no instrument gives " +
+                                         file.above + name + ", measured are " +
+                                         listed(cell.measured));
+  for (const auto& name : file.temperatures)
+    if (!cell.thermometers.contains(name))
+      throw bad(reasons::kNoChannel, "temperatures: found " + shown(name) +
+                                         ", which no thermometer of this cell gives; it has " +
+                                         listed(cell.thermometers));
+}
+
+void check_inside_limits(const CellInventory& cell, const Motors& motors,
+                         const std::string& place) {
+  for (const auto& [channel, value_mm] : motors) {
+    const auto axis = cell.axes.find(channel);
+    if (axis == cell.axes.end())
+      throw bad(reasons::kNoChannel,
+                place + " needs " + channel + ", which is no axis of this cell");
+    if (value_mm < axis->second.min_mm() || value_mm > axis->second.max_mm())
+      throw bad(reasons::kOutsideLimits,
+                place + " needs " + channel + " = " + number_text(value_mm) + " mm, soft limits " +
+                    number_text(axis->second.min_mm()) + " to " +
+                    number_text(axis->second.max_mm()) + ": choose other places or heights");
+  }
+}
+
+}  // namespace
+
+void check_against_cell(const Connection& connection, const formats::IndentationFile& file) {
+  const auto cell = inventory_of(connection);
+  check_names(cell, file);
+  const auto mounted = tool_of(connection, file.above);
+  if (!mounted.empty() && mounted != file.rules.tool)
+    throw Failure{ExitCode::refused, "failed_precondition", reasons::kOtherTool,
+                  "tool id " + shown(file.rules.tool) + ", and the cell file says that robot " +
+                      shown(file.above) + " carries " + shown(mounted) +
+                      ": correct the one that is wrong"};
+
+  IndentMotors motors(connection, file);
+  const auto& rules = file.rules;
+  IndentPose pose{.z_mm = rules.work_mm, .height_mm = rules.approach.depart_mm};
+  const auto check = [&](const std::string& robot, const std::string& place) {
+    const auto found = motors.of(robot, pose);
+    if (!found)
+      throw Failure{found.error().code == ErrorCode::invalid_argument ? ExitCode::bad_input
+                                                                      : ExitCode::refused,
+                    std::string(to_string(found.error().code)), found.error().reason,
+                    place + ": " + found.error().message};
+    check_inside_limits(cell, *found, place);
+  };
+  const auto above = [&](double x_mm, double y_mm, const std::string& place) {
+    pose.x_mm = x_mm;
+    pose.y_mm = y_mm;
+    check(file.above, place);
+  };
+  for (const auto& [x_mm, y_mm] : rules.touch_mm)
+    above(x_mm, y_mm, "[align] point " + number_text(x_mm) + ", " + number_text(y_mm));
+  for (const auto& one : rules.indents) {
+    const double way_mm = one.at_um / 1e3;
+    above(rules.zero_x_mm + (one.line == indentation::Line::x ? way_mm : 0),
+          rules.zero_y_mm + (one.line == indentation::Line::y ? way_mm : 0), "indent " + one.id);
+  }
+  above(rules.zero_x_mm, rules.zero_y_mm, "zero_mm");
+  for (const auto& [key, height_mm] : {std::pair{"depart_mm", rules.approach.depart_mm},
+                                       std::pair{"highest_mm", rules.approach.highest_mm}}) {
+    pose.height_mm = height_mm;
+    check(file.below, std::string("[approach] ") + key);
+  }
+}
+
+}  // namespace driftwise::cli
