@@ -68,6 +68,27 @@ Awaitable<Result<RunRecord>> RunsService::create(Caller caller, CreateRun reques
     co_return *run;
   DRIFTWISE_CO_RETURN_IF_ERROR(right_.check(request.lease_token));
   DRIFTWISE_CO_TRY(request.metadata, checked_metadata(std::move(request.metadata)));
+  const auto stops = stop_events_.presses();
+  DRIFTWISE_CO_TRY(auto prepared, co_await prepare(request));
+  DRIFTWISE_CO_RETURN_IF_ERROR(co_await follow_for(prepared.plan));
+  if (stop_events_.presses() != stops)
+    co_return fail(ErrorCode::aborted, reasons::kStoppedMeanwhile,
+                   "a stop was asked for while the trajectory was read: start the run again");
+  co_return co_await start_run(std::move(caller), std::move(request), std::move(prepared.plan),
+                               std::move(prepared.trajectory));
+}
+
+Awaitable<Result<void>> RunsService::check(CreateRun request) {
+  DRIFTWISE_CO_TRY(request.metadata, checked_metadata(std::move(request.metadata)));
+  DRIFTWISE_CO_TRY(const auto prepared, co_await prepare(request));
+  if (prepared.plan.compensate_with) {
+    auto looking = models_.get(*prepared.plan.compensate_with);
+    DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(looking));
+  }
+  co_return Result<void>{};
+}
+
+Awaitable<Result<RunsService::Prepared>> RunsService::prepare(const CreateRun& request) {
   RunPlan plan{request.rules.value_or(description_.run),
                request.compensate || request.compensate_with, request.compensate_with, std::nullopt,
                request.setup};
@@ -75,24 +96,19 @@ Awaitable<Result<RunRecord>> RunsService::create(Caller caller, CreateRun reques
   DRIFTWISE_CO_RETURN_IF_ERROR(check_rules(plan.rules));
   const auto name =
       request.trajectory_name.empty() ? std::string("trajectory") : request.trajectory_name;
-  const auto stops = stop_events_.presses();
   auto checking = trajectories_.check(name, request.trajectory_text);
   DRIFTWISE_CO_TRY(auto check, co_await std::move(checking));
   DRIFTWISE_CO_RETURN_IF_ERROR(check_coordinates(name, check.trajectory, plan.compensate));
   if (plan.compensate)
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await settle_compensation(plan, check.trajectory, name));
-  if (stop_events_.presses() != stops)
-    co_return fail(ErrorCode::aborted, reasons::kStoppedMeanwhile,
-                   "a stop was asked for while the trajectory was read: start the run again");
-  co_return co_await start_run(std::move(caller), std::move(request), std::move(plan),
-                               std::move(check.trajectory));
+  co_return Prepared{std::move(plan), std::move(check.trajectory)};
 }
 
 Awaitable<Result<void>> RunsService::settle_compensation(RunPlan& plan,
                                                          const Trajectory& trajectory,
                                                          const std::string& name) {
   if (!description_.has_several_robots()) {
-    if (plan.compensate_with) co_return co_await follow_for(plan);
+    if (plan.compensate_with) co_return Result<void>{};  // follow_for
     plan.served_at_start = serving_.model();
     if (serving_.refused()) co_return tl::unexpected(*serving_.refused());
     if (!serving_.model())

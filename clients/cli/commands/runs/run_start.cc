@@ -53,6 +53,9 @@ ExitCode start(const Session& session, const StartArguments& a) {
   const auto connection = session.connect();
   const auto check = check_trajectory(connection, text, a.file);
   if (a.dry_run) {
+    auto request = request_from(a, text, "");
+    request.set_validate_only(true);
+    connection.ask(&v1::RunService::Stub::CreateRun, request, 30.0);
     print_check(session.console, check, a.file);
     if (!session.console.json) session.console.err << "dry run: nothing was started\n";
     return ExitCode::done;

@@ -59,10 +59,13 @@ class CompensatedRobots : public testing::Test {
     request.compensate = true;
     return request;
   }
+  // A check alone refuses the same.
   std::string refusal_of(application::CreateRun request) {
+    const auto checked = cell->await((*cell)->runs.check(request));
     const auto run = cell->try_run(std::move(request));
     EXPECT_FALSE(run);
     EXPECT_EQ(ma.moves + mn.moves, 0) << "refused before motion";
+    EXPECT_EQ(checked ? "" : checked.error().message, run ? "" : run.error().message);
     return run ? std::string() : run.error().reason + ": " + run.error().message;
   }
   std::vector<PointRecord> points(RunId run) { return *cell->await(cell->points(run, 0, 1000)); }
@@ -134,6 +137,8 @@ TEST_F(CompensatedRobots, NeedAPlan) {
 TEST_F(CompensatedRobots, AreRefusedBeforeMotionWithTheRowThatCannotBe) {
   a_promoted_plan();
   auto request = asked(rows);
+  EXPECT_TRUE(cell->await((*cell)->runs.check(request)));
+  EXPECT_EQ(ma.moves + mn.moves, 0) << "a check moves nothing";
   request.compensate = false;
   EXPECT_THAT(refusal_of(request), AllOf(HasSubstr("NEEDS_COMPENSATION"), HasSubstr("mn.x_mm")));
   request = asked(rows);
