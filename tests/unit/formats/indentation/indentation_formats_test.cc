@@ -25,7 +25,7 @@ TEST(IndentationFile, ReadsTheShippedOne) {
   const auto file = read_indentation_file(shipped("indentation.toml"), "indentation.toml");
   ASSERT_TRUE(file) << file.error().message;
   EXPECT_EQ(file->rules.tool, "diamond 3");
-  EXPECT_FALSE(file->by_plan);
+  EXPECT_TRUE(file->by_plan);
   ASSERT_EQ(file->rules.indents.size(), 10U);
   EXPECT_TRUE(file->rules.indents[0].closed_loop);
   EXPECT_EQ(file->rules.indents[9].id, "y1000");
@@ -51,7 +51,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadFile{"syntax", "name =", "name", "TOML_SYNTAX"},
         BadFile{"unknown_key", "press_mm", "pres_mm", "UNKNOWN_KEY"},
         BadFile{"no_tool", "id = \"diamond 3\"", "", "MISSING_KEY"},
-        BadFile{"no_reason", "reason =", "# reason =", "REASON_REQUIRED"},
+        BadFile{"no_reason", "by = \"plan\"", "by = \"geometry\"", "REASON_REQUIRED"},
         BadFile{"begins_above_its_end", "depart_mm = 1.555", "depart_mm = 1.7", "BAD_VALUE"},
         BadFile{"an_indent_twice", "x_um = [250, 500", "x_um = [250, 250", "DUPLICATE_ID"},
         BadFile{"two_touches", "[[1, 1], [1, -1], [-1, -1]]", "[[1, 1], [1, -1]]", "BAD_VALUE"}),
