@@ -102,6 +102,21 @@ ExitCode table(const Session& session, const IndentArguments& a) {
                      a.wanted_um);
 }
 
+// Contacts by what moved the robots there: "zero, A, B: plan 1, mn=4, ma=coarse:1".
+void print_answers(const Console& console, const ProcedureRecord& record) {
+  if (console.json) return;                             // `indent show --json` has them
+  std::vector<std::pair<std::string, std::string>> by;  // what answered, indents
+  for (const auto& made : record.indents) {
+    const auto known = std::ranges::find(by, made.by, &std::pair<std::string, std::string>::first);
+    if (known == by.end())
+      by.emplace_back(made.by, made.planned.id);
+    else
+      known->second += ", " + made.planned.id;
+  }
+  console.out << "\nmoved to by\n";
+  for (const auto& [what, indents] : by) console.out << "  " << indents << ": " << what << '\n';
+}
+
 // The microscope's rows by the numbers of the contacts; distances from the zero along each line.
 ExitCode import(const Session& session, const IndentArguments& a) {
   const auto file = read_file(a);
@@ -136,7 +151,9 @@ ExitCode import(const Session& session, const IndentArguments& a) {
                        .diagonal_um = is_missing(seen.diagonal_um) ? 0 : seen.diagonal_um});
   }
   if (!a.output.empty()) write_output_file(a.output, formats::write_indents_csv(indents));
-  return print_table(session, indents, file.tool, file.wanted_um);
+  const auto code = print_table(session, indents, file.tool, file.wanted_um);
+  print_answers(session.console, record);
+  return code;
 }
 
 }  // namespace
