@@ -221,7 +221,7 @@ void print_min_angle_tables(const std::string& folder) {
   print_poses(folder, "fine_check", "fine_check", {"5", "11", "1.1"}, truth);
   print_parasitic(folder, truth);
   print_probe(folder);
-  std::printf("\nTables 7.4 and 7.5 are the Micro-Nano's: not of this cell.\n");
+  std::printf("\nTables 7.4 and 7.5 are the Micro-Nano's: deploy/demo.sh indentation.\n");
 }
 
 }  // namespace driftwise::demo

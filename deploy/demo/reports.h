@@ -24,6 +24,10 @@ void print_min_angle_rectification(const std::string& folder);
 // parasitic_{x,y}.json, ideal/model2.json and truth.csv
 void print_min_angle_tables(const std::string& folder);
 
+// tool.csv, tool-model.json, tool-{rx,ry,rz}.json, wanted.csv, by_{plan,geometry}.csv,
+// by_plan.verify.json and truth.csv
+void print_two_robots_tables(const std::string& folder);
+
 // join.json, joined.csv, configuration-{1,2,3}.csv and truth.csv; writes at_truth.csv: the joined
 // data with the true pose in its validation rows
 void print_delta_cube_join(const std::string& folder);

@@ -1,36 +1,9 @@
 # Case C.1 of the published study: the MinAngle, two tilts and a height, measured in set-ups. Sourced by demo.sh.
 
+source "$root/deploy/lib/set_ups.sh"
+
 default_speed=200
 large='q ~ poly(rx, ry, z, 3)'
-
-# column NAME FILE: values of a column of a dataset, one a line
-column() { awk -F, -v name="$1" '/^#/ { next } !at { for (i = 1; i <= NF; i++) if ($i == name) at = i; next } { print $at }' "$2"; }
-
-# measured NAME TRAJECTORY SETUP: a run, exported as NAME.csv. Sets run to its number.
-measured() {
-  driftwise run start "$2" --setup "$3" --name "$1" --watch >"$out/$1.txt"
-  run=$((run + 1))
-  driftwise data export $run -o "$out/$1.csv"
-}
-
-# joined NAME RUN RUN: both passes as one run, exported as NAME.csv. Sets run to its number.
-joined() {
-  driftwise data join "$2" "$3" --name "$1" --json >"$out/$1.join.json"
-  run=$((run + 1))
-  driftwise data export $run -o "$out/$1.csv"
-}
-
-# in_two_passes NAME TRAJECTORY TILTS: height by the probe, tilts by TILTS. Sets probe_run and tilt_run.
-in_two_passes() {
-  measured "$1_z" "$2" probe; probe_run=$run
-  measured "$1_tilts" "$2" "$3"; tilt_run=$run
-}
-
-# promoted NAME RUN FORMULA: a model of a run, in service
-promoted() {
-  driftwise fit --run "$2" --json --model "$3" --name "$1" >"$out/$1.json"
-  driftwise model promote "$(model "$1")" --yes
-}
 
 # grid SET TILTS HEIGHTS: poses rx, ry (arcsec), z (mm), tilts fastest as the study's lines, a return to zero after each height
 grid() {
@@ -103,31 +76,6 @@ PLAN
   done
 }
 
-# What the probe reads against the interferometer, on the path that both measured: z = k z_probe + c.
-rectification() {
-  measured height "$cell/trajectories/height.csv" height
-  measured touch "$cell/trajectories/height.csv" probe
-  {
-    echo 'z_mm,touch_mm'
-    paste -d, <(column z_mm "$out/height.csv") <(column z_mm "$out/touch.csv")
-  } >"$out/rectification.csv"
-  [ "$(column z_mm "$out/height.csv" | wc -l)" = "$(column z_mm "$out/touch.csv" | wc -l)" ] || die "a point of the vertical path is missing"
-  driftwise fit "$out/rectification.csv" --model 'z ~ touch' --select all --json >"$out/rectification.json"
-  report min-angle rectification "$out"
-}
-
-# restart_with_scale: the rectified scale into the set-up, and a daemon that reads it
-restart_with_scale() {
-  local scale; scale=$(cat "$out/scale.txt")
-  sed -i "/^device = \"touch\"/,/^min/ s/^scale = 1.0 /scale = $scale /" "$out/cell.toml"
-  grep -q "^scale = $scale" "$out/cell.toml" || die "the set-up 'probe' has no scale in $out/cell.toml"
-  kill -TERM "$daemon"; wait "$daemon" || true
-  rm -f "$out/driftwised.json"
-  "$bin/driftwised" --cell "$out/cell.toml" >"$out/driftwised.out" 2>>"$out/driftwised.log" & daemon=$!
-  wait_for "$out/driftwised.json" "$daemon" driftwised
-  driftwise configuration accept --yes --note "probe rectified to the interferometer, $(sha256sum <"$out/rectification.csv" | cut -c1-12)"
-}
-
 # ideal_probe: the fine poses again, by a cell whose probe has no hysteresis. In a subshell: its cell is its own.
 ideal_probe() (
   local main=$out run=0 probe_run tilt_run
@@ -147,7 +95,7 @@ demo() {
   driftwise status
 
   say "rectification: the vertical path by the interferometer and by the touch probe, 17 heights"
-  rectification
+  rectification "$cell/trajectories/height.csv"
   restart_with_scale
 
   say "large stroke: 125 positions and 8 checks, height by the probe, tilts by the inclinometer"

@@ -111,6 +111,12 @@ std::string microscope_json(const TwoRobotsPlant& plant, int origin) {
 
 void add_two_robots_hooks(FaultHooks& hooks, TwoRobotsPlant& plant) {
   hooks.knock = [&plant](double amplitude_nm, TimeNs now) { plant.knock(amplitude_nm, now); };
+  hooks.spacers = [&plant](double height_mm, TimeNs now) {
+    constexpr double kHighest_mm = 100;
+    if (!(height_mm >= 0 && height_mm <= kHighest_mm)) return false;
+    plant.set_spacers_mm(height_mm, now);
+    return true;
+  };
   hooks.microscope_json = [&plant](int origin) { return microscope_json(plant, origin); };
 }
 

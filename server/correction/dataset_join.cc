@@ -431,8 +431,42 @@ class Join {
 
 }  // namespace
 
+std::string measured_robot(const Dataset& data) {
+  for (const auto& column : data.columns)
+    if (is_pose_symbol(without_robot(column.channel.symbol)) && has_values(column))
+      return std::string(robot_of(column.channel.symbol));
+  return "";
+}
+
+// The join knows one robot, without an id: it is taken off before and put back after.
 Result<JoinedData> join(JoinParts parts, const JoinRules& rules) {
-  return Join(std::move(parts), rules).run();
+  std::string robot;
+  const JoinPart* of_robot = nullptr;
+  std::set<std::string> bare;
+  for (auto& part : parts) {
+    const std::string own = measured_robot(part.data);
+    if (own.empty()) continue;
+    if (of_robot && own != robot)
+      return fail(ErrorCode::invalid_argument, reasons::kNothingToJoin,
+                  fmt::format("{} measured robot {} and {} robot {}: join the runs of one robot",
+                              of_robot->name, robot, part.name, own));
+    robot = own;
+    of_robot = &part;
+  }
+  if (robot.empty()) return Join(std::move(parts), rules).run();
+  for (auto& part : parts)
+    for (auto& column : part.data.columns) {
+      if (robot_of(column.channel.symbol) != robot) continue;
+      column.channel.symbol = std::string(without_robot(column.channel.symbol));
+      bare.insert(column.channel.symbol);
+    }
+  DRIFTWISE_TRY(auto joined, Join(std::move(parts), rules).run());
+  const auto with_robot = [&](Channel& channel) {
+    if (bare.contains(channel.symbol)) channel.symbol = robot + "." + channel.symbol;
+  };
+  for (auto& column : joined.data.columns) with_robot(column.channel);
+  for (auto& channel : joined.report.channels) with_robot(channel.channel);
+  return joined;
 }
 
 }  // namespace driftwise::correction

@@ -5,6 +5,7 @@
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/plans/robot_parts.h"
+#include "server/plans/step_circles.h"
 
 namespace driftwise::plans {
 namespace {
@@ -177,6 +178,7 @@ JointSnapshot JointBuilder::build(CellTime now,
     out.robots[step.from].stated |= step.predicts.needed;
     out.steps.push_back(std::move(step));
   }
+  if (circles_of(out).any()) out.passes = kPassesOfCircle;
   if (plan_.z_taken_by) out.z_taken_by = out.robot_index(*plan_.z_taken_by);
   out.z_rest_mm = plan_.z_rest_mm;
   return out;

@@ -37,6 +37,7 @@ struct JointSnapshot {
   CellTime built_at, valid_until;
   std::vector<Robot> robots;  // none: no plan serves
   std::vector<Step> steps;
+  std::size_t passes = 1;  // through the steps; more where some wait for one another in a circle
   std::optional<std::size_t> z_taken_by;
   double z_rest_mm = 0;
   bool refuse_stale = false, refuse_outside_domain = false, refuse_outside_limits = true;

@@ -86,53 +86,41 @@ TargetRequest asked_of(const Snapshot& model, const Values& pose, const JointReq
   return asked;
 }
 
-// Slopes of the motor coordinates by one coordinate of the request: mm per mm, or per arcsec.
-void slopes_of(const Snapshot& model, const Values& pose, Variable by, double* out) {
-  const auto v = static_cast<std::size_t>(by);
-  compensation::Basis value, slope;
-  value.b[0] = 1;
-  slope.b[0] = 0;
-  for (std::size_t k = 0; k < model.products.size(); ++k) {
-    const auto& product = model.products[k];
-    const double column = pose[product.variable] * model.column_per_unit[product.variable] +
-                          model.column_shift[product.variable];
-    value.b[k + 1] = value.b[product.base] * column;
-    slope.b[k + 1] = slope.b[product.base] * column +
-                     (product.variable == v ? value.b[product.base] * model.column_per_unit[v] : 0);
-  }
-  for (std::size_t i = 0; i < model.outputs.size(); ++i)
-    out[i] = compensation::dot(model.outputs[i].coefficients_mm.data(), slope.b.data(),
-                               model.basis_size());
-}
-
 using Variances = std::array<double, compensation::kVariables>;
 
-// Coordinates' motion as every step predicts it, added to the poses. variance: of what was added,
-// nm^2, by robot and coordinate.
+// Motion as every step predicts it, added to the poses; a further pass replaces what the one before
+// added. variance: of what was added, nm^2, by robot and coordinate.
 bool take_steps(const JointSnapshot& snapshot, const JointRequest& request, JointTarget& target,
                 std::array<Variances, kMostRobots>& variance) {
-  for (std::size_t s = 0; s < snapshot.steps.size(); ++s) {
-    const auto& step = snapshot.steps[s];
-    const Target predicted = compensation::compute_target(
-        step.predicts, asked_of(step.predicts, target.robot[step.from].pose, request));
-    if (predicted.refusal != Refusal::none) {
-      target = refused_with(target, predicted.refusal, step.from);
-      return false;
+  for (std::size_t pass = 0; pass < snapshot.passes; ++pass) {
+    const bool first = pass == 0, last = pass + 1 == snapshot.passes;
+    std::size_t next = 0;  // term
+    for (std::size_t s = 0; s < snapshot.steps.size(); ++s) {
+      const auto& step = snapshot.steps[s];
+      TargetRequest asked = asked_of(step.predicts, target.robot[step.from].pose, request);
+      asked.with_uncertainty = request.with_uncertainty && last;
+      const Target predicted = compensation::compute_target(step.predicts, asked);
+      if (predicted.refusal != Refusal::none) {
+        target = refused_with(target, predicted.refusal, step.from);
+        return false;
+      }
+      target.step_flags[s] = predicted.flags & ~std::uint32_t{compensation::kUnknownLimits};
+      target.step_outside[s] = predicted.outside;
+      target.step_stale[s] = predicted.stale;
+      target.step_missing[s] = predicted.missing;
+      target.valid_until = std::min(target.valid_until, predicted.valid_until);
+      for (std::size_t i = 0; i < predicted.outputs && next < kMostTerms; ++i) {
+        auto& term = target.term[next++];
+        const double before = first ? 0 : term.value;
+        term = {static_cast<std::uint8_t>(s), static_cast<std::uint8_t>(i),
+                (step.added >> i & 1) != 0, predicted.q_mm[i], predicted.u_nm[i]};
+        if (!term.added) continue;
+        const auto v = static_cast<std::size_t>(step.output[i]);
+        target.robot[step.to].pose[v] += term.value - before;
+        if (asked.with_uncertainty) variance[step.to][v] += term.u * term.u;
+      }
     }
-    target.step_flags[s] = predicted.flags & ~std::uint32_t{compensation::kUnknownLimits};
-    target.step_outside[s] = predicted.outside;
-    target.step_stale[s] = predicted.stale;
-    target.step_missing[s] = predicted.missing;
-    target.valid_until = std::min(target.valid_until, predicted.valid_until);
-    for (std::size_t i = 0; i < predicted.outputs && target.terms < kMostTerms; ++i) {
-      auto& term = target.term[target.terms++];
-      term = {static_cast<std::uint8_t>(s), static_cast<std::uint8_t>(i),
-              (step.added >> i & 1) != 0, predicted.q_mm[i], predicted.u_nm[i]};
-      if (!term.added) continue;
-      const auto v = static_cast<std::size_t>(step.output[i]);
-      target.robot[step.to].pose[v] += term.value;
-      if (request.with_uncertainty) variance[step.to][v] += term.u * term.u;
-    }
+    target.terms = next;
   }
   return true;
 }
@@ -191,8 +179,8 @@ bool answer_robot(const JointSnapshot::Robot& robot, std::size_t r, const JointR
   std::array<double, compensation::kMaxOutputs> propagated{}, slope{}, coarse_slope{};
   for (std::size_t v = 0; v < compensation::kVariables; ++v) {
     if (variance[v] <= 0) continue;
-    if (w > 0) slopes_of(robot.fine, out.pose, static_cast<Variable>(v), slope.data());
-    if (w < 1) slopes_of(*robot.coarse, out.pose, static_cast<Variable>(v), coarse_slope.data());
+    if (w > 0) model_slopes(robot.fine, out.pose, static_cast<Variable>(v), slope.data());
+    if (w < 1) model_slopes(*robot.coarse, out.pose, static_cast<Variable>(v), coarse_slope.data());
     for (std::size_t i = 0; i < count; ++i) {
       const double mixed = w * slope[i] + (1 - w) * coarse_slope[i];
       propagated[i] += mixed * mixed * variance[v];
@@ -272,6 +260,24 @@ void model_coordinates(const Snapshot& snapshot, const Values& pose, double* out
   for (std::size_t i = 0; i < snapshot.outputs.size(); ++i)
     out[i] = compensation::dot(snapshot.outputs[i].coefficients_mm.data(), basis.b.data(),
                                snapshot.basis_size());
+}
+
+void model_slopes(const Snapshot& model, const Values& pose, Variable by, double* out) noexcept {
+  const auto v = static_cast<std::size_t>(by);
+  compensation::Basis value, slope;
+  value.b[0] = 1;
+  slope.b[0] = 0;
+  for (std::size_t k = 0; k < model.products.size(); ++k) {
+    const auto& product = model.products[k];
+    const double column = pose[product.variable] * model.column_per_unit[product.variable] +
+                          model.column_shift[product.variable];
+    value.b[k + 1] = value.b[product.base] * column;
+    slope.b[k + 1] = slope.b[product.base] * column +
+                     (product.variable == v ? value.b[product.base] * model.column_per_unit[v] : 0);
+  }
+  for (std::size_t i = 0; i < model.outputs.size(); ++i)
+    out[i] = compensation::dot(model.outputs[i].coefficients_mm.data(), slope.b.data(),
+                               model.basis_size());
 }
 
 void robot_coordinates(const JointSnapshot::Robot& robot, const Values& pose,

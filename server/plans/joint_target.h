@@ -1,14 +1,15 @@
 #pragma once
 // A joint target: motor coordinates of all robots of a plan for one wanted pose. First the
-// predicted parasitic motions are added, step by step, then each robot's model or blend answers.
+// predicted parasitic motions are added, step by step and pass by pass where steps wait for one
+// another, then each robot's model or blend answers.
 //
 // compute_joint_target is a pure function of (snapshot, request): no clock, lock, allocation or
 // exception, any thread.
 //
 // Uncertainty of a motor coordinate: the root of the sum of squares of the model's own, of what the
-// added terms' uncertainties make through the model's slopes, and, where two models answer, of
-// w (1 - w) |q_f - q_c|; their own are then weighted with w and 1 - w. Where an anchored model's
-// shift fades out, f (1 - f) |shift| is one more line.
+// added terms' uncertainties (of the last pass) make through the model's slopes, and, where two
+// models answer, of w (1 - w) |q_f - q_c|; their own are then weighted with w and 1 - w. Where an
+// anchored model's shift fades out, f (1 - f) |shift| is one more line.
 
 #include <array>
 #include <cstdint>
@@ -94,6 +95,9 @@ JointTarget compute_joint_target(const JointSnapshot& snapshot,
 void robot_coordinates(const JointSnapshot::Robot& robot, const Values& pose, double* out) noexcept;
 void model_coordinates(const compensation::Snapshot& snapshot, const Values& pose,
                        double* out) noexcept;
+// Slopes of a model's outputs by one coordinate of the request: mm or arcsec, per mm or per arcsec.
+void model_slopes(const compensation::Snapshot& model, const Values& pose,
+                  compensation::Variable by, double* out) noexcept;
 
 // For the edges: these allocate. "OUTSIDE_DOMAIN(ma.rx_arcsec)", "BLENDED(ma)", one text each.
 std::vector<std::string> describe_joint_flags(const JointSnapshot& snapshot,

@@ -4,8 +4,10 @@
 #include <set>
 
 #include "server/core/reasons.h"
+#include "server/core/text/quantity_text.h"
 #include "server/core/text/shown_text.h"
 #include "server/plans/robot_parts.h"
+#include "server/plans/step_circles.h"
 
 namespace driftwise::plans {
 namespace {
@@ -163,16 +165,6 @@ class Check {
     }
   }
 
-  // Step a has to come before step b where it changes a coordinate that b reads.
-  bool feeds(std::size_t a, std::size_t b) const {
-    const auto& from = snapshot_.steps[a];
-    const auto& into = snapshot_.steps[b];
-    if (from.to != into.from) return false;
-    for (const auto added : plan_.steps[a].add)
-      if ((into.predicts.needed & bit(added)) != 0) return true;
-    return false;
-  }
-
   std::string fed_by(std::size_t a, std::size_t b) const {
     std::string names;
     for (const auto added : plan_.steps[a].add)
@@ -182,8 +174,35 @@ class Check {
     return names;
   }
 
+  std::string sentence_of_circles(const StepCircles& circles) const {
+    std::string out;
+    for (std::size_t b = 0; b < snapshot_.steps.size(); ++b)
+      for (std::size_t a = 0; a < snapshot_.steps.size(); ++a)
+        if (circles.feeds(a, b) && circles.together(a, b))
+          out += (out.empty() ? "" : "; ") + std::string("step ") + std::to_string(a + 1) + " (" +
+                 named(snapshot_.steps[a].predicts.model) + ") changes " + fed_by(a, b) +
+                 ", which step " + std::to_string(b + 1) + " (" +
+                 named(snapshot_.steps[b].predicts.model) + ") reads";
+    return out;
+  }
+
   void look_at_order() {
     const std::size_t count = snapshot_.steps.size();
+    const StepCircles circles = circles_of(snapshot_);
+    if (circles.any()) {
+      const double contraction = contraction_of(snapshot_);
+      if (!(contraction <= kMostContraction))
+        return refuse(reasons::kPlanCycle,
+                      "the steps wait for one another: " + sentence_of_circles(circles) +
+                          ". A pass through them leaves up to " + digits_text(contraction) +
+                          " of what was wrong before it, at most " + digits_text(kMostContraction) +
+                          " is accepted. Take a coordinate out of add, or a model that does not "
+                          "read it");
+    }
+    // A circle's own steps stand in any order: they are gone through again.
+    const auto before = [&circles](std::size_t a, std::size_t b) {
+      return circles.feeds(a, b) && !circles.together(a, b);
+    };
     // Steps that wait for none that is left are taken away, again and again.
     std::vector<std::size_t> order;
     std::set<std::size_t> left;
@@ -191,29 +210,17 @@ class Check {
     for (bool taken = true; taken;) {
       taken = false;
       for (const std::size_t s : left) {
-        if (std::ranges::any_of(left, [&](std::size_t other) { return feeds(other, s); })) continue;
+        if (std::ranges::any_of(left, [&](std::size_t other) { return before(other, s); }))
+          continue;
         order.push_back(s);
         left.erase(s);
         taken = true;
         break;
       }
     }
-    if (!left.empty()) {
-      std::string circle;
-      for (const std::size_t b : left)
-        for (const std::size_t a : left)
-          if (feeds(a, b))
-            circle += (circle.empty() ? "" : "; ") + std::string("step ") + std::to_string(a + 1) +
-                      " (" + named(snapshot_.steps[a].predicts.model) + ") changes " +
-                      fed_by(a, b) + ", which step " + std::to_string(b + 1) + " (" +
-                      named(snapshot_.steps[b].predicts.model) + ") reads";
-      return refuse(reasons::kPlanCycle, "the steps wait for one another: " + circle +
-                                             ". Take a coordinate out of add, or a model that does "
-                                             "not read it");
-    }
     for (std::size_t b = 0; b < count; ++b)
       for (std::size_t a = b + 1; a < count; ++a)
-        if (feeds(a, b)) {
+        if (before(a, b)) {
           std::string right;
           for (const std::size_t s : order)
             right += (right.empty() ? "" : ", ") + std::to_string(s + 1);

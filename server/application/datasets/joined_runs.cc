@@ -63,12 +63,15 @@ std::optional<CellDescription> cell_of(Store& store, const RunRecord& run,
 void describe(Store& store, const RunRecord& run, const CellDescription& present,
               correction::JoinPart& part) {
   const auto cell = cell_of(store, run, present);
-  if (cell && !cell->robots.empty()) part.tool = cell->robots.front().tool;
+  const std::string robot = correction::measured_robot(part.data);
+  if (cell)
+    for (const auto& one : cell->robots)
+      if (one.id == robot || cell->robots.size() == 1) part.tool = one.tool;
   // A cell file of one set-up has no correction where it lacks the angles: that of the present one.
   if (cell && cell->correction)
-    part.stage = correction::stage_from(*cell->correction);
+    part.stage = correction::stage_from(*cell->correction, robot);
   else if (present.correction)
-    part.stage = correction::stage_from(*present.correction);
+    part.stage = correction::stage_from(*present.correction, robot);
 }
 
 Result<correction::JoinPart> part_of(Store& store, RunId id,

@@ -70,4 +70,23 @@ std::optional<std::string> first_to_move(const CellDescription& cell,
   return std::nullopt;
 }
 
+Result<void> check_homing(const CellDescription& cell, std::vector<double> from_mm) {
+  std::size_t first = 0;
+  for (const auto& device : cell.devices) {
+    const std::size_t count = device.axes().size();
+    if (count == 0) continue;
+    auto to_mm = from_mm;
+    for (std::size_t i = first; i < std::min(first + count, to_mm.size()); ++i) to_mm[i] = 0;
+    if (auto good = check_keep_out(cell, from_mm, to_mm); !good) {
+      good.error().message = fmt::format(
+          "homing '{}' from where the axes stand: {}. Move the other robot to its zero first",
+          device.id, good.error().message);
+      return good;
+    }
+    from_mm = std::move(to_mm);
+    first += count;
+  }
+  return {};
+}
+
 }  // namespace driftwise::application

@@ -26,4 +26,8 @@ std::optional<std::string> first_to_move(const CellDescription& cell,
                                          const std::vector<double>& from_mm,
                                          const std::vector<double>& to_mm);
 
+// Homing, judged as moves to the zeros, one controller after the other in the order of the devices.
+// Errors: KEEP_OUT, naming the controller that would come too near.
+Result<void> check_homing(const CellDescription& cell, std::vector<double> from_mm);
+
 }  // namespace driftwise::application

@@ -7,6 +7,8 @@
 
 #include "server/application/motion/datum_opening.h"
 #include "server/application/motion/joining.h"
+#include "server/application/motion/keep_out.h"
+#include "server/application/motion/motion.h"
 #include "server/application/motion/zero_shift.h"
 #include "server/application/recording/doubts.h"
 #include "server/core/reasons.h"
@@ -161,6 +163,15 @@ Awaitable<Result<void>> make_homed(RunScope& scope, bool in_any_case) {
   DRIFTWISE_CO_TRY(const auto state, co_await scope.bench.devices.motion_state());
   if (state.referenced && !in_any_case) co_return Result<void>{};
   if (auto ok = scope.control.check(); !ok) co_return ok;
+  // Axes without a reference are nobody knows where. Others go to their zeros as in any move, in a
+  // run one robot before the other where that keeps the distance.
+  const auto& cell = scope.bench.description;
+  if (state.referenced && !cell.keep_outs.empty())
+    if (const auto room = check_homing(cell, state.q_mm); !room) {
+      if (!scope.run) co_return tl::unexpected(room.error());
+      DRIFTWISE_CO_RETURN_IF_ERROR(co_await go_to(
+          scope, std::vector<double>(state.q_mm.size(), 0.0), "to the zeros before homing"));
+    }
   scope.phase("homing");
   co_return co_await scope.bench.devices.home();
 }

@@ -34,12 +34,7 @@ PoseStage::PoseStage(const CellDescription& description)
     const std::string robot(robot_of(channel.symbol));
     if (std::ranges::find(robots_, robot, &RobotStage::robot) != robots_.end()) continue;
     auto& one = robots_.emplace_back(RobotStage{robot, {}, {}});
-    if (!corrects_) continue;
-    auto correction = *description.correction;
-    std::erase_if(correction.beams, [&robot](const BeamDescription& beam) {
-      return robot_of(beam.length.symbol) != robot;
-    });
-    one.stage = correction::stage_from(correction);
+    if (corrects_) one.stage = correction::stage_from(*description.correction, robot);
   }
 }
 

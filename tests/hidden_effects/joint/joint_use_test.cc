@@ -374,14 +374,12 @@ struct Coverage {
   void add_campaign(std::uint64_t seed, Knowledge knowledge) {
     Machine plant(seed);
     const ModelsById models = models_of(plant, seed, knowledge);
-    // Steps that would wait for one another are refused: with tilts in the sideways motion the
-    // work-piece's tilt stays as wanted.
-    const bool tilts = knowledge == Knowledge::study;
-    Use use(plant, plan_of(true, tilts), models, seed);
+    // With tilts in the sideways motion the steps wait for one another, in a circle.
+    Use use(plant, plan_of(true, true), models, seed);
     std::array<std::int64_t, 6> hits{};
     for (int k = 0; k < kPoses; ++k) {
       const auto visit = use.next();
-      const auto needed = needed_for(plant, use, visit, tilts);
+      const auto needed = needed_for(plant, use, visit);
       for (std::size_t i = 0; i < 6; ++i) {
         const double error = 1e6 * (visit.target.q_mm[i] - needed[i]);
         hits[i] += std::abs(error) <= visit.target.expanded_nm(i) ? 1 : 0;
@@ -396,15 +394,14 @@ struct Coverage {
   // Motor coordinates at which the tool would have followed the work-piece's sideways motion, and
   // the work-piece the tool's tilt, as they really are.
   static std::array<double, 6> needed_for(const Machine& plant, const Use& use,
-                                          const Use::Visit& visit, bool tilts) {
-    const double follows = tilts ? 1 : 0;
+                                          const Use::Visit& visit) {
     const auto q =
         plant.a.motors_at(use.tool_zero.x + visit.tool.x + visit.real_piece.x - use.piece_zero.x,
                           use.tool_zero.y + visit.tool.y + visit.real_piece.y - use.piece_zero.y,
                           use.tool_zero.z + visit.tool.z, use.room());
     const auto p = plant.m.motors_at(
-        use.piece_zero.rx + visit.piece.rx + follows * (visit.real_tool.rx - use.tool_zero.rx),
-        use.piece_zero.ry + visit.piece.ry + follows * (visit.real_tool.ry - use.tool_zero.ry),
+        use.piece_zero.rx + visit.piece.rx + visit.real_tool.rx - use.tool_zero.rx,
+        use.piece_zero.ry + visit.piece.ry + visit.real_tool.ry - use.tool_zero.ry,
         use.piece_zero.z + visit.piece.z, use.room());
     return {q[0], q[1], q[2], p[0], p[1], p[2]};
   }

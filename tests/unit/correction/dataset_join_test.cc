@@ -207,6 +207,32 @@ TEST(DatasetJoin, SaysWhereEachCoordinateComesFromAndChecksTheOneThatWasSeenTwic
   EXPECT_TRUE(joined->report.warnings.empty()) << joined->report.warnings.front();
 }
 
+TEST(DatasetJoin, JoinsTheRunsOfOneRobotAmongSeveral) {
+  auto parts = three();
+  for (auto& part : parts) {
+    for (auto& column : part.data.columns)
+      column.channel.symbol.insert(0, column.channel.symbol.starts_with("t") ? "" : "ma.");
+    part.data.columns.push_back({{"mn.q1", "mm"}, std::vector<double>(part.data.rows, 0.5)});
+  }
+  EXPECT_EQ(measured_robot(parts[0].data), "ma");
+  const auto joined = join(parts, {});
+  ASSERT_TRUE(joined) << joined.error().message;
+  const auto alone = join(three(), {});
+  for (const char* symbol : {"x", "y", "z", "rx", "ry", "rz", "q1"})
+    EXPECT_EQ(joined->data.find(std::string("ma.") + symbol)->values,
+              alone->data.find(symbol)->values);
+  EXPECT_EQ(channel(joined->report, "ma.ry").sources, channel(alone->report, "ry").sources);
+  ASSERT_TRUE(joined->data.find("mn.q1"));
+  auto two = parts;
+  for (auto& column : two[2].data.columns)
+    if (column.channel.symbol.starts_with("ma.")) column.channel.symbol.replace(0, 3, "mn.");
+  std::erase_if(two[2].data.columns,
+                [](const auto& column) { return column.channel.symbol == "mn.q1"; });
+  const auto refused = refusal(two);
+  EXPECT_EQ(refused.reason, "NOTHING_TO_JOIN");
+  EXPECT_THAT(refused.message, HasSubstr("second measured robot ma and third robot mn"));
+}
+
 TEST(DatasetJoin, RefusesRowsThatAreShiftedByOne) {
   auto parts = three();
   for (auto& one : parts[1].data.columns)  // with their motor coordinates: another trajectory

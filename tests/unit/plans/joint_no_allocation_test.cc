@@ -27,10 +27,11 @@ namespace {
 TEST(ComputeJointTarget, AllocatesNothing) {
   using compensation::Variable;
   auto plan = joint_plan();
+  auto models = joint_models();
+  follow_the_tilt(models.at(kMinAngleMotion), 1e-4);  // several passes
   plan.robots[1].blend->anchored = true;
   for (auto& edge : plan.robots[1].blend->band) edge.fade_to = 1500;
-  auto builder =
-      std::move(*JointBuilder::create(plan, PlanId{1}, joint_models(), two_robot_cell()));
+  auto builder = std::move(*JointBuilder::create(plan, PlanId{1}, models, two_robot_cell()));
   JointBoard board;
   ASSERT_TRUE(board.publish(builder.build(CellTime{1})));
   JointRequest request;

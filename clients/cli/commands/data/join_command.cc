@@ -78,7 +78,8 @@ ExitCode join_files(const Session& session, const JoinArguments& a) {
   if (!a.correction.empty()) {
     const auto described =
         value_or_throw(formats::parse_correction_file(read_input_file(a.correction), a.correction));
-    for (auto& part : parts) part.stage = correction::stage_from(described);
+    for (auto& part : parts)
+      part.stage = correction::stage_from(described, correction::measured_robot(part.data));
   }
   correction::JoinRules rules;
   rules.subtract_returns = a.subtract_returns;

@@ -120,6 +120,21 @@ T in_file(const std::string& file, Result<T> result) {
   return value_or_throw(std::move(result));
 }
 
+// Contacts by what moved the robots there: "zero, A, B: plan 1, mn=4, ma=coarse:1".
+void print_answers(const Console& console, const ProcedureRecord& record) {
+  if (console.json) return;                             // `indent show --json` has them
+  std::vector<std::pair<std::string, std::string>> by;  // what answered, indents
+  for (const auto& made : record.indents) {
+    const auto known = std::ranges::find(by, made.by, &std::pair<std::string, std::string>::first);
+    if (known == by.end())
+      by.emplace_back(made.by, made.planned.id);
+    else
+      known->second += ", " + made.planned.id;
+  }
+  console.out << "\nmoved to by\n";
+  for (const auto& [what, indents] : by) console.out << "  " << indents << ": " << what << '\n';
+}
+
 ExitCode import(const Session& session, const IndentArguments& a) {
   const auto file = read_file(a);
   const auto record = stored_record(a.file);
@@ -135,7 +150,9 @@ ExitCode import(const Session& session, const IndentArguments& a) {
                       ": its lever and force would be another tool's"};
   const auto indents = in_file(a.table, indentation::indents_seen(record, rows));
   if (!a.output.empty()) write_output_file(a.output, formats::write_indents_csv(indents));
-  return print_table(session, indents, file.tool, file.wanted_um);
+  const auto code = print_table(session, indents, file.tool, file.wanted_um);
+  print_answers(session.console, record);
+  return code;
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ constexpr std::string_view kHelp =
     "wrong-power|wrong-position|mend-beam <device> | fault jam|mend-load | fault "
     "open-probe|mend-probe <input> | fault lie <device> jump|scale|value <x> | fault lie <device> "
     "constant | fault clear [<device>] | fault knock <a> nm | load <newton> | open <n> s | "
-    "microscope? <indent> | truth? | time? | "
+    "spacers <h> mm | microscope? <indent> | truth? | time? | "
     "help";
 constexpr const char* kUnable = "ERR this cell cannot do that";
 constexpr double kUsualShock_nm = 60;
@@ -51,6 +51,7 @@ std::string FaultDesk::answer(std::string_view line, TimeNs now) {
   if (words[0] == "truth?")
     return hooks_.truth_json ? "OK " + hooks_.truth_json(now) : wrong("this cell cannot do that");
   if (words[0] == "load") return hang(words, now);
+  if (words[0] == "spacers") return spacers(words, now);
   if (words[0] == "microscope?") return microscope(words);
   if (words[0] == "open") return open_box(words, now);
   if (words[0] == "fault" && words.size() >= 2) return fault(words, now);
@@ -63,6 +64,13 @@ std::string FaultDesk::knock(const std::vector<std::string_view>& words, TimeNs 
   if (!hooks_.knock) return kUnable;
   hooks_.knock(*amplitude_nm, now);
   return "OK";
+}
+
+std::string FaultDesk::spacers(const std::vector<std::string_view>& words, TimeNs now) {
+  const auto height_mm = quantity(words, "mm");
+  if (!height_mm) return wrong("expected spacers <h> mm, such as spacers 14 mm");
+  if (!hooks_.spacers) return kUnable;
+  return hooks_.spacers(*height_mm, now) ? "OK" : wrong("expected a height of 0 to 100 mm");
 }
 
 std::string FaultDesk::microscope(const std::vector<std::string_view>& words) {

@@ -82,7 +82,8 @@ TwoRobotsPlant::Place TwoRobotsPlant::place(double time_s) const {
       below.position_mm[2] + dy * std::tan(out.rx_rad) - dx * std::tan(out.ry_rad);
   out.sub_x_mm = dx / std::cos(out.ry_rad);
   out.sub_y_mm = dy / std::cos(out.rx_rad);
-  const double above_mm = gap_mm_ + (out.tip_mm.z - parameters_.contact.tip_at_mm) - surface_mm;
+  const double above_mm =
+      gap_mm_ + spacers_mm_ + (out.tip_mm.z - parameters_.contact.tip_at_mm) - surface_mm;
   out.gap_nm = above_mm * kNmPerMm - held_nm(time_s);  // push carries the tip up by as much
   return out;
 }
@@ -214,6 +215,14 @@ void TwoRobotsPlant::knock(double amplitude_nm, TimeNs now) {
   forget_instants();
 }
 
+void TwoRobotsPlant::set_spacers_mm(double height_mm, TimeNs now) {
+  check(height_mm >= 0, "spacers: expected a height of 0 and more");
+  advance_to(now);
+  spacers_mm_ = height_mm;
+  gap_nm_ = place(now_s()).gap_nm;
+  forget_instants();
+}
+
 std::vector<MicroscopeRow> TwoRobotsPlant::microscope(int origin) const {
   check(origin >= 1 && static_cast<std::size_t>(origin) <= craters_.size(),
         "microscope: there is no such indent");
@@ -261,9 +270,9 @@ ContactTruth TwoRobotsPlant::contact(TimeNs at) {
 
 std::vector<std::string> TwoRobotsPlant::truth_columns() const {
   auto columns = MicroNanoPlant::truth_columns();
-  for (const char* more :
-       {"tip_x_nm", "tip_y_nm", "gap_nm", "push_nm", "contact_N", "substrate_rx_arcsec",
-        "substrate_ry_arcsec", "ma_z_nm", "ma_rx_arcsec", "ma_ry_arcsec", "lever_mm"})
+  for (const char* more : {"tip_x_nm", "tip_y_nm", "gap_nm", "push_nm", "contact_N",
+                           "substrate_rx_arcsec", "substrate_ry_arcsec", "ma_x_nm", "ma_y_nm",
+                           "ma_z_nm", "ma_rx_arcsec", "ma_ry_arcsec", "lever_mm"})
     columns.emplace_back(more);
   return columns;
 }
@@ -275,6 +284,7 @@ std::vector<double> TwoRobotsPlant::truth_values(TimeNs at) {
   for (const double value :
        {here.tip_mm.x * kNmPerMm, here.tip_mm.y * kNmPerMm, here.gap_nm, pushes_.back().push_nm,
         pushes_.back().force_n, here.rx_rad / kRadPerArcsec, here.ry_rad / kRadPerArcsec,
+        below.position_mm[0] * kNmPerMm, below.position_mm[1] * kNmPerMm,
         below.position_mm[2] * kNmPerMm, below.rx_rad / kRadPerArcsec, below.ry_rad / kRadPerArcsec,
         lever_mm_})
     values.push_back(value);

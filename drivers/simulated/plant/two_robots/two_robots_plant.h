@@ -62,6 +62,10 @@ class TwoRobotsPlant final : public MicroNanoPlant {
   // Accident: somebody knocks at the table; the upper robot swings about where it holds.
   void knock(double amplitude_nm, TimeNs now);
 
+  // Parts between the robots, for a calibration at strokes that would touch: they raise the upper
+  // one by so much. 0: as for indentation.
+  void set_spacers_mm(double height_mm, TimeNs now);
+
   // The craters as the microscope shows them: from the one called origin, with its scale and with
   // the marking's error; the same for the same craters.
   std::vector<MicroscopeRow> microscope(int origin) const;
@@ -101,7 +105,7 @@ class TwoRobotsPlant final : public MicroNanoPlant {
   const TwoRobotsParameters parameters_;
   MinAnglePlant lower_;
   HoldingServo servo_;
-  double gap_mm_ = 0, lever_mm_ = 0, tilt_rx_rad_ = 0, tilt_ry_rad_ = 0;
+  double gap_mm_ = 0, spacers_mm_ = 0, lever_mm_ = 0, tilt_rx_rad_ = 0, tilt_ry_rad_ = 0;
   std::vector<Crater> craters_;
   std::deque<Push> pushes_;
   std::vector<Knock> knocks_;

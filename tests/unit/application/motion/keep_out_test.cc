@@ -69,6 +69,17 @@ TEST(KeepOut, FromAPlaceThatIsTooNearOnlyTheWayOutIsAllowed) {
   EXPECT_FALSE(check_keep_out(cell, near, {0, 0, 1, 0})) << "on the way both are nearer";
 }
 
+TEST(KeepOut, IsAskedOfEachControllerThatIsHomed) {
+  const auto cell = opposed_robots();  // four controllers: ma.q1, ma.q2, mn.q1, mn.q2
+  EXPECT_TRUE(check_homing(cell, {2, 0, 0, 0})) << "1 mm here, 3 mm at the zeros";
+  EXPECT_TRUE(check_homing(cell, {-2, 0, 4, 0})) << "3 mm here, 1 mm once ma is at its zero";
+  // 3 mm here; with ma at its zero mn would be at 0 mm.
+  const auto refused = check_homing(cell, {-3, 0, 6, 0});
+  ASSERT_TRUE(check_homing(cell, {-3, 0, 3.9, 0}));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "KEEP_OUT");
+}
+
 TEST(KeepOut, NamesTheRobotThatMakesRoom) {
   const auto cell = opposed_robots();
   // ma retires by 2 mm, mn follows by 4: in this order only.

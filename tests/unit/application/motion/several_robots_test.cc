@@ -196,6 +196,19 @@ TEST_F(SeveralRobots, KeepTheirDistanceByHand) {
   EXPECT_EQ(mn.moves, told + 1);
 }
 
+TEST_F(SeveralRobots, KeepTheirDistanceWhileTheyAreHomed) {
+  ASSERT_TRUE(cell.await(cell->manual.home(cell.ada, cell.lease(), {})));
+  ASSERT_TRUE(cell.await(cell->manual.move_to(cell.ada, cell.lease(), {-4, kMissing}, {})));
+  ASSERT_TRUE(cell.await(cell->manual.move_to(cell.ada, cell.lease(), {kMissing, 4.5}, {})));
+  const int homed = ma.homes;
+  const auto refused = cell.await(cell->manual.home(cell.ada, cell.lease(), {}));
+  ASSERT_FALSE(refused) << "ma would come to its zero while mn is still at 4.5 mm";
+  EXPECT_EQ(refused.error().reason, "KEEP_OUT");
+  EXPECT_EQ(ma.homes, homed) << "refused before motion";
+  ASSERT_TRUE(cell.await(cell->manual.move_to(cell.ada, cell.lease(), {kMissing, 0}, {})));
+  EXPECT_TRUE(cell.await(cell->manual.home(cell.ada, cell.lease(), {})));
+}
+
 TEST_F(SeveralRobots, OneMakesRoomWhereNoRowLeftThem) {
   ASSERT_TRUE(cell.await(cell->manual.home(cell.ada, cell.lease(), {})));
   ASSERT_TRUE(cell.await(cell->manual.move_to(cell.ada, cell.lease(), {-5, kMissing}, {})));

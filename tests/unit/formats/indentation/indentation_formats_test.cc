@@ -25,7 +25,7 @@ TEST(IndentationFile, ReadsTheShippedOne) {
   const auto file = read_indentation_file(shipped("indentation.toml"), "indentation.toml");
   ASSERT_TRUE(file) << file.error().message;
   EXPECT_EQ(file->rules.tool, "diamond 3");
-  EXPECT_FALSE(file->by_plan);
+  EXPECT_TRUE(file->by_plan);
   ASSERT_EQ(file->rules.indents.size(), 10U);
   EXPECT_TRUE(file->rules.indents[0].closed_loop);
   EXPECT_EQ(file->rules.indents[9].id, "y1000");
@@ -51,9 +51,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadFile{"syntax", "name =", "name", "TOML_SYNTAX"},
         BadFile{"unknown_key", "press_mm", "pres_mm", "UNKNOWN_KEY"},
         BadFile{"no_tool", "id = \"diamond 3\"", "", "MISSING_KEY"},
-        BadFile{"no_reason", "reason =", "# reason =", "REASON_REQUIRED"},
+        BadFile{"no_reason", "by = \"plan\"", "by = \"geometry\"", "REASON_REQUIRED"},
         BadFile{"begins_above_its_end", "depart_mm = 1.555", "depart_mm = 1.7", "BAD_VALUE"},
-        BadFile{"one_robot_twice", "name =", "above = \"ma\"\nname =", "DUPLICATE_ID"},
+        BadFile{"one_robot_twice", "above = \"mn\"", "above = \"ma\"", "DUPLICATE_ID"},
         BadFile{"a_place_in_um", "zero_mm = [0, 0]", "zero_mm = [500, 0]", "OUT_OF_RANGE"},
         BadFile{"touches_on_a_line", "[[1, 1], [1, -1], [-1, -1]]", "[[1, 1], [0, 0], [-1, -1]]",
                 "POINTS_ON_A_LINE"},
