@@ -169,6 +169,7 @@ void add_everything(CLI::App& app, Session& session) {
   add_improve_commands(app, session);
   add_model_commands(app, session);
   add_procedure_command(app, session);
+  add_design_command(app, session);
   add_plan_commands(app, session);
   add_indent_commands(app, session);
   add_target_command(app, session);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "server/calibration/model/model.h"
 #include "server/compensation/snapshot.h"
 #include "server/core/description/cell_description.h"
 
@@ -27,5 +28,12 @@ std::vector<DeclaredError> declared_errors(const CellDescription& cell);
 // Standard uncertainty of one reading of this pose length or motor coordinate, nm: its share of a
 // fit's residual. 0 where nothing is declared.
 double reading_noise_nm(const CellDescription& cell, const std::string& symbol);
+
+// nm of a result per unit of an output's column; of an angle 1e-6 arcsec, as in a snapshot.
+double nm_per_unit(const Channel& output);
+
+// Variance that the declared noise of lengths and of the motor's scale gives the residual of a fit,
+// nm^2 (nm_per_unit); the rest of it is the robot's own.
+double instrument_noise_nm2(const calibration::OutputModel& output, const CellDescription& cell);
 
 }  // namespace driftwise::compensation

@@ -40,13 +40,32 @@ Eigen::VectorXd served(const Eigen::VectorXd& shift, const std::vector<effects::
 
 }  // namespace
 
+double nm_per_unit(const Channel& output) {
+  return summary_unit(output.unit).factor * (is_angle(output.unit) ? kNmPerMm : 1.0);
+}
+
+double instrument_noise_nm2(const calibration::OutputModel& output, const CellDescription& cell) {
+  // No scale reads a coordinate of the pose.
+  const double scale_nm = is_motor_symbol(without_robot(output.channel.symbol))
+                              ? reading_noise_nm(cell, output.channel.symbol)
+                              : 0;
+  double noise_nm2 = scale_nm * scale_nm;
+  for (const auto& influence : output.influences) {
+    const std::string symbol = symbol_of(influence.channel);
+    if (influence.by == "1" && is_pose_symbol(symbol))
+      noise_nm2 += std::pow(reading_noise_nm(cell, symbol) * own_units(influence.channel) *
+                                influence.rms * nm_per_unit(output.channel),
+                            2);
+  }
+  return noise_nm2;
+}
+
 void SnapshotBuilder::add_uncertainty(const calibration::OutputModel& from,
                                       const CellDescription& cell, Output& output) const {
   const auto declared = declared_errors(cell);
   // No scale reads a coordinate of the pose.
   if (gives_ == Gives::motors) output.u_scale_nm = reading_noise_nm(cell, output.channel.symbol);
   output.absorbed.resize(slow_.channels().size());
-  double noise_nm2 = output.u_scale_nm * output.u_scale_nm;
   // By what they go with: the devices' drifts with the hours have one cause, those with one
   // thermometer another.
   std::map<std::string, Eigen::VectorXd> drifts;
@@ -68,18 +87,15 @@ void SnapshotBuilder::add_uncertainty(const calibration::OutputModel& from,
       if (!is_first) drift->second += shift;
     }
     if (influence.by != "1") continue;
-    if (is_pose_symbol(symbol))
-      noise_nm2 += std::pow(reading_noise_nm(cell, symbol) * own_units(influence.channel) *
-                                influence.rms * nm_from_mm(output.mm_per_unit),
-                            2);
     if (const auto slow = slow_.find(symbol))
       output.absorbed[*slow] = served(influence.shift, from.terms);
   }
   for (auto& [by, shift] : drifts)
     output.systematics.push_back({UncertaintySource::drift, std::move(shift), true});
   // What the residual holds beyond the noise of the instruments that saw it is the robot's own.
-  const double residual_nm = nm_from_mm(from.accuracy.rmse * output.mm_per_unit);
-  output.unfollowed_nm = std::sqrt(std::max(0.0, residual_nm * residual_nm - noise_nm2));
+  const double residual_nm = from.accuracy.rmse * nm_per_unit(from.channel);
+  output.unfollowed_nm =
+      std::sqrt(std::max(0.0, residual_nm * residual_nm - instrument_noise_nm2(from, cell)));
 }
 
 }  // namespace driftwise::compensation

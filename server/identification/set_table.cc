@@ -28,7 +28,9 @@ tl::unexpected<Error> bad_set(const std::string& found) {
                   "', expected a name and ranges of channels, such as \"inside: force 0.7..0.8\"");
 }
 
-bool holds(const Dataset& dataset, std::size_t row, const NamedSet& set) {
+bool holds(const Dataset& dataset, std::size_t row, const NamedSet& set,
+           const std::vector<std::string>& words) {
+  if (!set.word.empty() && (row >= words.size() || words[row] != set.word)) return false;
   for (const auto& one : set.conditions) {
     const double value = dataset.find(one.symbol)->values[row];
     if (!(value >= one.low && value <= one.high)) return false;
@@ -64,7 +66,8 @@ Result<NamedSet> named_set_from(const std::string& text) {
 }
 
 Result<SetTable> set_table(const Dataset& dataset, const std::vector<NamedFit>& models,
-                           const std::vector<NamedSet>& sets) {
+                           const std::vector<NamedSet>& sets,
+                           const std::vector<std::string>& words) {
   SetTable table;
   const auto validation = rows_in(dataset, PointSet::validation);
   std::vector<std::vector<std::size_t>> rows_of;
@@ -76,7 +79,7 @@ Result<SetTable> set_table(const Dataset& dataset, const std::vector<NamedFit>& 
             "set '" + set.name + "': the data have no channel '" + one.symbol.substr(0, 80) + "'");
     auto& rows = rows_of.emplace_back();
     for (const std::size_t row : validation)
-      if (holds(dataset, row, set)) rows.push_back(row);
+      if (holds(dataset, row, set, words)) rows.push_back(row);
     if (rows.empty())
       return fail(ErrorCode::invalid_argument, reasons::kNoRows,
                   "set '" + set.name + "': none of the " + std::to_string(validation.size()) +

@@ -18,6 +18,8 @@ struct RowCondition {
 struct NamedSet {
   std::string name;
   std::vector<RowCondition> conditions;  // empty: every validation row
+  // Word of the column `set` (server/formats/csv/set_names.h); empty: any validation row.
+  std::string word{};
 };
 // "inside: force 0.7..0.8, x -1..1". Errors: invalid_argument BAD_SET.
 Result<NamedSet> named_set_from(const std::string& text);
@@ -42,9 +44,10 @@ struct SetTable {
   std::vector<SetCell> cells;       // models by sets, in that order
 };
 
-// Errors: those of fit(); invalid_argument UNKNOWN_CHANNEL (a condition), NO_ROWS (a set without a
-// row: says which condition leaves none).
+// words: of the column `set`, one per row; empty: it names no sets. Errors: those of fit();
+// invalid_argument UNKNOWN_CHANNEL (a condition), NO_ROWS (a set without a row).
 Result<SetTable> set_table(const Dataset& dataset, const std::vector<NamedFit>& models,
-                           const std::vector<NamedSet>& sets);
+                           const std::vector<NamedSet>& sets,
+                           const std::vector<std::string>& words = {});
 
 }  // namespace driftwise::identification

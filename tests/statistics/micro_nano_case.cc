@@ -87,7 +87,7 @@ CellDescription micro_nano_cell() {
   return std::move(*cell);
 }
 
-SimulatedCase micro_nano_case(std::uint64_t seed) {
+SimulatedCase micro_nano_case_with(std::uint64_t seed, const std::vector<std::string>& overrides) {
   testing_support::MicroNanoOptions options;
   options.seed = seed;
   options.coarse = true;
@@ -95,6 +95,7 @@ SimulatedCase micro_nano_case(std::uint64_t seed) {
   // Rooms that warm or cool: the published one drew to 4 K above where it began.
   const double towards_k = std::uniform_real_distribution<double>(-5, 5)(random);
   options.overrides = {"room.balance_degc=" + std::to_string(kRoomStart_degc + towards_k)};
+  options.overrides.insert(options.overrides.end(), overrides.begin(), overrides.end());
   testing_support::MicroNanoSession session(DRIFTWISE_SOURCE_DIR, options);
   SimulatedCase out;
   out.cell = micro_nano_cell();
@@ -126,5 +127,7 @@ SimulatedCase micro_nano_case(std::uint64_t seed) {
   out.dataset = micro_nano_dataset(rows, out.cell);
   return out;
 }
+
+SimulatedCase micro_nano_case(std::uint64_t seed) { return micro_nano_case_with(seed, {}); }
 
 }  // namespace driftwise::statistics

@@ -22,4 +22,7 @@ CellDescription micro_nano_cell();  // deploy/cells/micro-nano/cell.toml; throws
 // at its own time.
 SimulatedCase micro_nano_case(std::uint64_t seed);
 
+// The same on another plant: "section.key=value" over the plant's file, after the campaign's own.
+SimulatedCase micro_nano_case_with(std::uint64_t seed, const std::vector<std::string>& overrides);
+
 }  // namespace driftwise::statistics

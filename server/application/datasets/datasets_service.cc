@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -14,6 +15,7 @@
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/csv/dataset_csv.h"
+#include "server/formats/csv/set_names.h"
 #include "server/formats/text/text.h"
 
 namespace driftwise::application {
@@ -77,6 +79,55 @@ void leave_excluded_out(Dataset& dataset) {
   dataset.rows = rows.size();
 }
 
+// Names of the sets of every row, where a trajectory or an imported file gave them (set_names.h).
+// Empty: none did, or they cannot be told.
+std::vector<std::string> set_names_of(Store& store, const std::vector<RunId>& runs,
+                                      const Dataset& dataset) {
+  const auto kept = std::ranges::find(dataset.metadata, std::string(formats::kSetNamesKey),
+                                      &std::pair<std::string, std::string>::first);
+  if (kept != dataset.metadata.end()) {
+    auto names = formats::unpacked_set_names(kept->second);
+    return names.size() == dataset.rows ? names : std::vector<std::string>();
+  }
+  std::map<std::int64_t, std::vector<std::string>> by_run;  // in the order of its points
+  bool any = false;
+  for (const RunId id : runs) {
+    const auto run = store.runs().run(id);
+    if (!run) return {};
+    const auto of_rows = formats::read_set_names(run->trajectory_text, "trajectory");
+    const auto repeated = store.closures().repeated_points(id);  // in no dataset
+    if (!repeated) return {};
+    auto& names = by_run[id.value];
+    constexpr int kPage = 10'000;
+    for (std::int64_t after = 0;;) {
+      const auto points = store.points().points(id, after, kPage);
+      if (!points) return {};
+      for (const auto& point : *points) {
+        after = point.id.value;
+        if (std::ranges::binary_search(*repeated, point.id)) continue;
+        const auto row = static_cast<std::size_t>(point.row);
+        const bool has = of_rows && row < of_rows->size();
+        names.push_back(has                                 ? (*of_rows)[row]
+                        : point.set == PointSet::validation ? "validation"
+                                                            : "calibration");
+        any = any || (has && names.back() != "calibration" && names.back() != "validation");
+      }
+      if (points->size() < kPage) break;
+    }
+  }
+  if (!any || (runs.size() > 1 && dataset.run.empty())) return {};
+  std::map<std::int64_t, std::size_t> next;
+  std::vector<std::string> names;
+  for (std::size_t row = 0; row < dataset.rows; ++row) {
+    const std::int64_t run = runs.size() > 1 ? dataset.run[row] : runs.front().value;
+    const auto& of_run = by_run[run];
+    const std::size_t at = next[run]++;
+    if (at >= of_run.size()) return {};
+    names.push_back(of_run[at]);
+  }
+  return names;
+}
+
 struct ParsedFile {
   Dataset dataset;
   std::string hash;  // of the text
@@ -85,6 +136,10 @@ struct ParsedFile {
 Result<ParsedFile> parsed(const std::string& csv, const std::string& name) {
   DRIFTWISE_TRY(auto dataset, formats::read_dataset_csv(csv, name.empty() ? "dataset" : name, {},
                                                         formats::kRequestLimits));
+  // The store keeps which rows validate; names of sets are kept as a line of metadata.
+  DRIFTWISE_TRY(const auto names, formats::read_set_names(csv, "dataset"));
+  if (!formats::named_sets(names).empty())
+    dataset.metadata.emplace_back(formats::kSetNamesKey, formats::packed_set_names(names));
   return ParsedFile{std::move(dataset), formats::content_hash(csv)};
 }
 
@@ -92,7 +147,16 @@ Result<ParsedFile> parsed(const std::string& csv, const std::string& name) {
 Result<std::string> exported(Store& store, const std::vector<RunId>& runs, bool without_excluded,
                              const std::string& cell, Clock* clock) {
   DRIFTWISE_TRY(auto dataset, amended_dataset(store, runs));
-  if (without_excluded) leave_excluded_out(dataset);
+  auto set_names = set_names_of(store, runs, dataset);
+  std::erase_if(dataset.metadata,
+                [](const auto& line) { return line.first == formats::kSetNamesKey; });
+  if (without_excluded) {
+    std::vector<std::string> kept;
+    for (std::size_t row = 0; row < set_names.size(); ++row)
+      if (!dataset.is_excluded(row)) kept.push_back(std::move(set_names[row]));
+    set_names = std::move(kept);
+    leave_excluded_out(dataset);
+  }
   // An imported file keeps its own; of a measured run only the parts are there.
   const auto parts = dataset.metadata;
   if (std::ranges::all_of(parts, [](const auto& line) { return line.first == kPartsKey; })) {
@@ -108,7 +172,8 @@ Result<std::string> exported(Store& store, const std::vector<RunId>& runs, bool 
   }
   if (const auto in_force = corrections_in_force(store); !in_force.empty())
     dataset.metadata.emplace_back("corrections", in_force);
-  return formats::write_dataset_csv(dataset);
+  auto csv = formats::write_dataset_csv(dataset);
+  return set_names.empty() ? csv : formats::with_set_names(csv, set_names);
 }
 
 Result<correction::JoinParts> parts_of_join(Store& store, const std::vector<RunId>& runs,

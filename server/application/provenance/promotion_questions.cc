@@ -3,13 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
-#include <map>
-#include <string_view>
 
 #include "server/application/provenance/configuration_book.h"
 #include "server/calibration/report/accuracy.h"
 #include "server/core/reasons.h"
+#include "server/core/records/wanted_accuracy.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::application {
@@ -54,28 +52,27 @@ std::vector<std::string> temperature_questions(const calibration::Model& model,
 
 std::vector<std::string> accuracy_questions(const calibration::Model& model,
                                             const std::vector<RunMetadata>& of_its_runs) {
-  constexpr std::string_view kWanted = "wanted_a90_";
-  std::map<std::string, double> wanted;  // by unit
+  std::vector<WantedAccuracy> wanted;
   for (const auto& metadata : of_its_runs)
-    for (const auto& [key, value] : metadata) {
-      double a90 = 0;
-      const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), a90);
-      if (!key.starts_with(kWanted) || error != std::errc() || !(a90 > 0)) continue;
-      const auto [at, first] = wanted.try_emplace(key.substr(kWanted.size()), a90);
-      if (!first) at->second = std::min(at->second, a90);
-    }
+    for (const auto& item : metadata)
+      if (states_wanted_accuracy(item.key))
+        if (auto one = wanted_accuracy_from(item)) add_wanted(wanted, std::move(*one));
   std::vector<std::string> questions;
   if (wanted.empty()) return questions;
   if (model.lineage.rows_validation == 0)
     questions.push_back(
         "its campaign wants a stated accuracy and it was judged on no validation rows: nothing "
         "shows that it is reached");
-  for (const auto& judged : calibration::heading_of(model)) {
-    const auto limit = wanted.find(judged.unit);
-    if (limit == wanted.end() || judged.figures.a90 <= limit->second) continue;
-    questions.push_back(
-        fmt::format("its campaign wants an A90 of {:.4g} {} and it has {:.4g} {} ({})",
-                    limit->second, judged.unit, judged.figures.a90, judged.unit, judged.output));
+  for (const auto& output : model.outputs) {
+    // Its worst figure of rows held out; of the fit's own rows where none were.
+    const auto judged =
+        driftwise::heading_of(calibration::judged_accuracies(output, model.lineage)).front();
+    const auto* limit = wanted_of(wanted, judged.output, judged.unit);
+    if (limit == nullptr || judged.figures.a90 <= limit->a90) continue;
+    questions.push_back(fmt::format(
+        "its campaign wants an A90 of {:.4g} {}{} and it has {:.4g} {} ({})", limit->a90,
+        judged.unit, limit->coordinate.empty() ? "" : " of " + limit->coordinate,
+        judged.figures.a90, judged.unit, judged.output));
   }
   return questions;
 }

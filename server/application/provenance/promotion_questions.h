@@ -25,8 +25,8 @@ std::vector<std::string> correction_questions(const std::vector<CorrectionRecord
 std::vector<std::string> configuration_questions(
     const calibration::Model& model, const std::vector<formats::ConfigurationChange>& since);
 
-// A model of runs whose campaign states a wanted accuracy (metadata "wanted_a90_nm=100", of several
-// runs the smallest per unit): that it misses it, or was judged on no validation rows.
+// A model of runs whose campaign states a wanted accuracy (server/core/records/wanted_accuracy.h,
+// of several runs the smallest): outputs that miss it, or that it was judged on no validation rows.
 std::vector<std::string> accuracy_questions(const calibration::Model& model,
                                             const std::vector<RunMetadata>& of_its_runs);
 

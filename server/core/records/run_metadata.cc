@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/core/reasons.h"
+#include "server/core/records/wanted_accuracy.h"
 #include "server/core/text/clean_text.h"
 #include "server/core/text/shown_text.h"
 #include "server/core/try.h"
@@ -37,7 +38,12 @@ Result<RunMetadata> checked_metadata(RunMetadata items) {
   if (items.size() > kMostItems)
     return fail(ErrorCode::invalid_argument, reasons::kBadMetadata,
                 "metadata: found " + std::to_string(items.size()) + " keys, expected at most 50");
-  for (const auto& item : items) DRIFTWISE_RETURN_IF_ERROR(check_item(item));
+  for (const auto& item : items) {
+    DRIFTWISE_RETURN_IF_ERROR(check_item(item));
+    if (!states_wanted_accuracy(item.key)) continue;
+    if (const auto wanted = wanted_accuracy_from(item); !wanted)
+      return tl::unexpected(wanted.error());
+  }
   std::ranges::sort(items, {}, &MetadataItem::key);
   const auto twice = std::ranges::adjacent_find(items, {}, &MetadataItem::key);
   if (twice != items.end())

@@ -11,6 +11,7 @@
 #include "server/core/text/clean_text.h"
 #include "server/core/try.h"
 #include "server/formats/csv/plain_decimal.h"
+#include "server/formats/csv/set_names.h"
 #include "server/formats/text/text.h"
 
 namespace driftwise::formats {
@@ -249,10 +250,12 @@ bool CsvRows::set_is_validation(bool& value) {
   field_ = at_;
   while (at_ != end_ && is_blank(*at_)) ++at_;
   const std::string_view rest(at_, static_cast<std::size_t>(end_ - at_));
-  value = rest.starts_with("validation");
-  if (!value && !rest.starts_with("calibration"))
-    return refuse(reasons::kBadSet, "calibration or validation");
-  return finish_field(at_ + (value ? 10 : 11), "calibration or validation", reasons::kBadSet);
+  std::size_t length = std::min(rest.find_first_of(",\r\n"), rest.size());
+  while (length > 0 && is_blank(rest[length - 1])) --length;
+  const std::string_view word = rest.substr(0, length);
+  if (!is_set_name(word)) return refuse(reasons::kBadSet, kSetNameExpected);
+  value = word != "calibration";
+  return finish_field(at_ + length, kSetNameExpected, reasons::kBadSet);
 }
 
 bool CsvRows::text(std::string& value) {

@@ -1,48 +1,22 @@
 #include "server/rpc/model/model_budget.h"
 
-#include "server/compensation/snapshot_builder.h"
+#include "server/compensation/model_budget.h"
+#include "server/rpc/shared/convert_values.h"
 #include "server/rpc/target/convert_target.h"
 
 namespace driftwise::rpc {
-namespace {
-
-constexpr CellTime kAnyTime{1'000'000'000'000'000'000};
-
-// Where between the ends of each range the pose lies: 0.5 the middle, 1 the upper end.
-compensation::TargetRequest request_at(const compensation::Snapshot& snapshot, double share,
-                                       v1::PoseBudget& out) {
-  compensation::TargetRequest request;
-  for (const auto& input : snapshot.inputs) {
-    if (!input.variable) continue;
-    const double value = input.min + share * (input.max - input.min);
-    request.set(*input.variable, value);
-    auto& added = *out.add_pose();
-    added.set_channel(compensation::channel_of(*input.variable).name());
-    added.set_value(value);
-  }
-  return request;
-}
-
-}  // namespace
 
 void add_budgets(const calibration::Model& model, const CellDescription& cell,
                  v1::GetModelResponse& out) {
-  auto builder = compensation::SnapshotBuilder::create(model, ModelId{0}, cell);
-  if (!builder) return;
-  builder->keep_model_datum();
-  for (const auto& range : model.domain) {
-    const ChannelValue middle{range.channel.name(), 0.5 * (range.min + range.max)};
-    builder->observe(std::span(&middle, 1), kAnyTime);
-  }
-  const auto snapshot = builder->build(kAnyTime);
-  for (const auto& [place, share] : {std::pair{"centre", 0.5}, std::pair{"corner", 1.0}}) {
-    v1::PoseBudget budget;
-    budget.set_place(place);
-    const auto request = request_at(snapshot, share, budget);
+  const auto snapshot = compensation::model_snapshot(model, cell);
+  if (!snapshot) return;
+  for (const auto& place : compensation::budget_places(*snapshot)) {
     v1::Target target;
-    if (!answer_target(snapshot, request, true, target)) continue;
+    if (!answer_target(*snapshot, place.request, true, target)) continue;
+    auto& budget = *out.add_budgets();
+    budget.set_place(place.name);
+    add_values(place.pose, *budget.mutable_pose());
     *budget.mutable_coordinates() = std::move(*target.mutable_coordinates());
-    *out.add_budgets() = std::move(budget);
   }
 }
 

@@ -87,8 +87,8 @@ INSTANTIATE_TEST_SUITE_P(
         DatasetMistake{"TimeMissing", "time_s,x_mm\n,0\n", "BAD_NUMBER",
                        "drift.csv:2: column time_s: found nothing, expected seconds"},
         DatasetMistake{
-            "OtherSet", "set,x_mm\ntraining,0\n", "BAD_SET",
-            "drift.csv:2: column set: found 'training', expected calibration or validation"},
+            "OtherSet", "set,x_mm\n2nd,0\n", "BAD_SET",
+            "drift.csv:2: column set: found '2nd', expected calibration, validation, or the name"},
         DatasetMistake{"LongSet", "set,x_mm\ncalibrations,0\n", "BAD_SET", "found 'calibrations'"},
         DatasetMistake{"ShortRow", "x_mm,q1_mm\n1,2\n3\n", "RAGGED_ROW",
                        "drift.csv:3: found 1 fields, expected 2"},

@@ -89,7 +89,7 @@ INSTANTIATE_TEST_SUITE_P(
                                       "plan.csv:2: column zero"},
                     TrajectoryMistake{"NegativeDwell", "q1_mm,dwell_s\n0,-1\n", "BAD_DWELL",
                                       "found -1, expected 0 to 604800 s"},
-                    TrajectoryMistake{"BadSet", "q1_mm,set\n0,test\n", "BAD_SET", "found 'test'"},
+                    TrajectoryMistake{"BadSet", "q1_mm,set\n0,calib\n", "BAD_SET", "found 'calib'"},
                     TrajectoryMistake{"Infinity", "q1_mm\ninf\n", "BAD_NUMBER", "found 'inf'"}),
     [](const auto& row) { return std::string(row.param.name); });
 

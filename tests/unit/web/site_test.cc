@@ -155,7 +155,7 @@ TEST(ViewAddress, EveryViewOfThePageIsAnswered) {
     EXPECT_TRUE(web::is_view_address("/" + (*at)[1].str())) << (*at)[1];
     EXPECT_TRUE(web::is_view_address("/" + (*at)[1].str() + "/1")) << (*at)[1];
   }
-  EXPECT_GE(views, 13);
+  EXPECT_GE(views, 14);
   EXPECT_FALSE(web::is_view_address("/nothing"));
 }
 

@@ -6,4 +6,7 @@ namespace driftwise::cli {
 // "data join": stored runs, or dataset files without a daemon.
 void add_join_command(CLI::App& data, Session& session);
 
+// "data instruments": a second instrument or a measured work-piece on the points of a run.
+void add_instruments_command(CLI::App& data, Session& session);
+
 }  // namespace driftwise::cli

@@ -11,6 +11,7 @@
 #include "clients/cli/core/validators.h"
 #include "clients/cli/core/value_or_throw.h"
 #include "server/formats/csv/dataset_csv.h"
+#include "server/formats/csv/set_names.h"
 #include "server/formats/formula/formula.h"
 #include "server/identification/ladder.h"
 #include "server/identification/learning_curve.h"
@@ -33,16 +34,47 @@ struct StudyArguments {
   double least_gain_pct = 1;
 };
 
-Dataset dataset_of(const Session& session, const StudyArguments& a,
-                   const calibration::Executor& executor) {
+// A dataset and the words of its column `set`.
+struct NamedRows {
+  Dataset data;
+  std::vector<std::string> words;
+};
+
+NamedRows rows_of(const Session& session, const StudyArguments& a,
+                  const calibration::Executor& executor) {
   if (a.file.empty() == a.runs.empty())
     throw Failure{ExitCode::usage, "usage", "USAGE",
                   std::string("of which data? found ") + (a.file.empty() ? "neither" : "both") +
                       " a file and --run; give one"};
-  if (a.file.empty())
-    return value_or_throw(
-        formats::read_dataset_csv(exported_csv(session, a.runs, false), "runs", executor));
-  return value_or_throw(formats::read_dataset_csv(InputText(a.file).text(), a.file, executor));
+  const auto read = [&](std::string_view text, const std::string& name) {
+    return NamedRows{value_or_throw(formats::read_dataset_csv(text, name, executor)),
+                     value_or_throw(formats::read_set_names(text, name))};
+  };
+  if (a.file.empty()) return read(exported_csv(session, a.runs, false), "runs");
+  const InputText input(a.file);
+  return read(input.text(), a.file);
+}
+
+Dataset dataset_of(const Session& session, const StudyArguments& a,
+                   const calibration::Executor& executor) {
+  return rows_of(session, a, executor).data;
+}
+
+// Those of --set. A name without ranges means the rows of that name, or every validation row where
+// the data have no such name. None given: every validation row, then each set that the data name.
+std::vector<identification::NamedSet> sets_of(const std::vector<std::string>& texts,
+                                              const std::vector<std::string>& words) {
+  const auto named = formats::named_sets(words);
+  std::vector<identification::NamedSet> sets;
+  for (const auto& text : texts) {
+    auto set = value_or_throw(identification::named_set_from(text));
+    if (std::ranges::find(named, set.name) != named.end()) set.word = set.name;
+    sets.push_back(std::move(set));
+  }
+  if (!sets.empty()) return sets;
+  sets.push_back({.name = "validation", .conditions = {}});
+  for (const auto& name : named) sets.push_back({.name = name, .conditions = {}, .word = name});
+  return sets;
 }
 
 calibration::Executor executor_of(int threads) {
@@ -280,11 +312,8 @@ ExitCode table(const Session& session, const StudyArguments& a) {
                   "--model is required, once per row of the table: --model 'G: q ~ poly(x, y, z, "
                   "3)'"};
   const auto executor = executor_of(a.threads);
-  const Dataset data = dataset_of(session, a, executor);
-  std::vector<identification::NamedSet> sets;
-  for (const auto& text : a.sets)
-    sets.push_back(value_or_throw(identification::named_set_from(text)));
-  if (sets.empty()) sets.push_back({.name = "validation", .conditions = {}});
+  const auto [data, words] = rows_of(session, a, executor);
+  const auto sets = sets_of(a.sets, words);
   std::vector<identification::NamedFit> models;
   for (const auto& text : a.models) {
     const auto colon = text.find(':'), tilde = text.find('~');
@@ -302,7 +331,7 @@ ExitCode table(const Session& session, const StudyArguments& a) {
             .expand(data));
     models.push_back(std::move(one));
   }
-  const auto found = value_or_throw(identification::set_table(data, models, sets));
+  const auto found = value_or_throw(identification::set_table(data, models, sets, words));
   if (session.console.json)
     session.console.print_json(table_json(found));
   else
@@ -385,7 +414,8 @@ void add_table_command(CLI::App& model, Session& session) {
       ->allow_extra_args(false);
   command
       .add_option("--set", a->sets,
-                  "validation rows by their channels: \"inside: force 0.7..0.8\"; repeatable; "
+                  "a name of the data's column set, or validation rows by their channels: "
+                  "\"inside: force 0.7..0.8\"; repeatable; "
                   "without it all of them")
       ->allow_extra_args(false);
 }

@@ -64,6 +64,7 @@ void add_trajectory_commands(CLI::App& app, Session& session) {
   check.add_option("FILE", *file, "trajectory CSV, - for standard input")->required();
   add_kept_trajectories(trajectory, session);
   add_trajectory_grid(trajectory, session);
+  add_sigma6_command(trajectory, session);
   add_standard_trajectories(trajectory, session);
 }
 

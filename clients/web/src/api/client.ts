@@ -4,13 +4,8 @@ import { Code, ConnectError, createClient, type Interceptor, type Transport } fr
 import { createGrpcWebTransport } from '@connectrpc/connect-web';
 import type { DescService } from '@bufbuild/protobuf';
 import { CellService } from './gen/driftwise/v1/cell_service_pb';
-import { ConfigurationService } from './gen/driftwise/v1/configuration_service_pb';
-import { DataService } from './gen/driftwise/v1/data_service_pb';
 import { DiagnosisService } from './gen/driftwise/v1/diagnosis_service_pb';
-import { ModelService } from './gen/driftwise/v1/model_service_pb';
 import { RunService } from './gen/driftwise/v1/run_service_pb';
-import { TargetService } from './gen/driftwise/v1/target_service_pb';
-import { TrajectoryService } from './gen/driftwise/v1/trajectory_service_pb';
 import { WatchService } from './gen/driftwise/v1/watch_service_pb';
 import { operatorName, sessionLost } from '@/app/session';
 
@@ -59,15 +54,11 @@ export function lazily<T extends DescService>(service: T) {
   };
 }
 
-// api.run().listRuns({ limit: 50 }) and so on: the promise rejects with an error that errors.ts turns into words.
+// What the page itself asks: api.run().listRuns({ limit: 50 }) and so on; the promise rejects with an error that errors.ts turns
+// into words. Services of single views have files of their own beside this one (modelApi), so that the first load does not hold them.
 export const api = {
   cell: lazily(CellService),
-  configuration: lazily(ConfigurationService),
-  data: lazily(DataService),
   diagnosis: lazily(DiagnosisService),
-  model: lazily(ModelService),
   run: lazily(RunService),
-  target: lazily(TargetService),
-  trajectory: lazily(TrajectoryService),
   watch: lazily(WatchService),
 };

@@ -1,6 +1,6 @@
 // Asks the daemon what a formula offers on some data, a quarter of a second after the last key.
 import { useEffect, useState } from 'preact/hooks';
-import { api } from '@/api/client';
+import { modelApi } from '@/api/model';
 import { failureOf, wasCancelled, type Failure } from '@/api/errors';
 import type { CheckFormulaResponse } from '@/api/gen/driftwise/v1/model_service_pb';
 
@@ -34,7 +34,7 @@ export function useFormulaCheck(text: string, data: FormulaData | undefined): Fo
         // The daemon refuses an empty formula before it looks at the data; a lone ~ still tells the channels.
         const formula = text.trim() === '' ? '~' : text;
         const fit = { runIds: [...data.runIds], csv: data.csv ?? new Uint8Array(), formula, excludeSymbols: [...(data.excludeSymbols ?? [])] };
-        const check = await api.model().checkFormula({ fit }, { signal: abort.signal });
+        const check = await modelApi().checkFormula({ fit }, { signal: abort.signal });
         if (!abort.signal.aborted) setState({ check, of: text, waiting: false });
       } catch (error) {
         if (abort.signal.aborted || wasCancelled(error)) return;

@@ -1,7 +1,7 @@
 // The cell file: under which one something was measured, and the question that a changed one puts.
 import type { ConfigurationChange } from '@/api/gen/driftwise/v1/provenance_pb';
 import type { GetModelResponse } from '@/api/gen/driftwise/v1/model_service_pb';
-import { api } from '@/api/client';
+import { configurationApi } from '@/api/configuration';
 import { dateClock, ms } from '@/format/time';
 import { CommandButton } from '@/ui/button';
 import { confirm } from '@/ui/confirm';
@@ -45,9 +45,9 @@ export function ConfigurationQuestion() {
 }
 
 function Question() {
-  const asked = useAsked('configuration', async (signal) => (await api.configuration().listConfigurations({ limit: 1 }, { signal })).starts[0]);
+  const asked = useAsked('configuration', async (signal) => (await configurationApi().listConfigurations({ limit: 1 }, { signal })).starts[0]);
   const accept = useCommand(async () => {
-    await api.configuration().acceptConfiguration({ hash: asked.value!.hash });
+    await configurationApi().acceptConfiguration({ hash: asked.value!.hash });
     asked.again();
   });
   const start = asked.value;

@@ -12,6 +12,7 @@ import { CheckTrajectoryResponseSchema, RunService } from '@/api/gen/driftwise/v
 import { PlanService, RobotAnswer_By } from '@/api/gen/driftwise/v1/plan_service_pb';
 import { QueueEntry_State, QueueService } from '@/api/gen/driftwise/v1/queue_service_pb';
 import { MapTargetsResponseSchema, TargetService } from '@/api/gen/driftwise/v1/target_service_pb';
+import { ProcedureStep_State, StudyService } from '@/api/gen/driftwise/v1/study_service_pb';
 import { TrajectoryService } from '@/api/gen/driftwise/v1/trajectory_service_pb';
 import { WatchService, type Alarm } from '@/api/gen/driftwise/v1/watch_service_pb';
 import { timestampOf } from '@/format/time';
@@ -29,6 +30,15 @@ const untilLeft = async (signal: AbortSignal, tell: (ended: boolean) => void) =>
 const text = ['# driftwise-trajectory: 1', 'q1_mm,q2_mm,q3_mm,set,line,zero,force_N',
   ...Array.from({ length: 240 }, (_, i) => (i % 12 === 0 ? `0,0,0,calibration,${Math.floor(i / 12) + 1},1,0` : `${((i % 12) - 1) / 4.4},${(Math.floor(i / 12) % 5) / 2},${Math.floor(i / 60) / 1.5},${i % 7 === 3 ? 'validation' : 'calibration'},${Math.floor(i / 12) + 1},0,${i < 120 ? 0 : 0.768}`))].join('\n') + '\n';
 export const trajectory = { id: 3n, name: 'published.csv', text, rowCount: 240n, createdBy: 'anna', createTime: at(2) };
+
+const procedureSteps = [
+  { number: 0, name: 'sources of inaccuracy', state: ProcedureStep_State.DONE, found: 'considered: geometry (lengths)', missing: 'not considered: process force', command: 'driftwise devices', sources: [{ name: 'geometry (lengths)', considered: true, measuredBy: 'x_mm, y_mm, z_mm' }, { name: 'process force', considered: false }] },
+  { number: 1, name: 'wanted accuracy', state: ProcedureStep_State.DONE, found: 'A90: x 100 nm, every rotation 2 arcsec, stated by run 3', figures: [{ coordinate: 'x', unit: 'nm', wantedA90: 100 }, { unit: 'arcsec', wantedA90: 2 }] },
+  { number: 2, name: 'measurements', state: ProcedureStep_State.DONE, found: '1056 points in 1 run' },
+  { number: 3, name: 'models', state: ProcedureStep_State.DONE, found: 'model 12: A90 q1 43.0 nm', figures: [{ coordinate: 'q1', unit: 'nm', a90: 43, wantedA90: 100 }] },
+  { number: 4, name: 'validation in pose coordinates', state: ProcedureStep_State.DONE, found: 'run 17: A90 x 142.0 nm', figures: [{ coordinate: 'x', unit: 'nm', a90: 142, wantedA90: 100 }] },
+  { number: 5, name: 'wanted accuracy reached', state: ProcedureStep_State.NOT_REACHED, found: 'x 142.0 nm, wanted 100', missing: 'back to step 0: other instruments or their places; largest line of the budget: beam offset 44.0 nm', command: 'driftwise design --model 12 --list', figures: [{ coordinate: 'x', unit: 'nm', a90: 142, wantedA90: 100 }], backToStep: 0, largestLine: 'beam offset', largestUNm: 44 },
+];
 
 export interface FakeWishes {
   problem?: (formula: string) => string; // what CheckFormula says of it
@@ -53,6 +63,9 @@ export function fakeDaemon(wishes: FakeWishes = {}): Transport {
       }),
       moveQueueEntry: (request) => (wishes.moved?.(request.entryId, request.beforeEntryId), {}),
       releaseQueue: () => (wishes.released?.(), {}),
+    });
+    service(StudyService, {
+      getProcedure: () => ({ steps: procedureSteps }),
     });
     service(PlanService, {
       listPlans: () => ({ plans: [{ id: 1n, name: 'joint', version: 1, createdBy: 'anna', createTime: at(2), serves: true, modelIds: [10n, 11n, 12n] }, { id: 2n, name: 'joint', version: 2, createdBy: 'anna', createTime: at(3), modelIds: [10n, 12n] }] }),

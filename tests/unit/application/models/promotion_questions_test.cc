@@ -43,6 +43,13 @@ TEST(AccuracyQuestions, NameTheFigureThatMissesTheStrictestOfItsRuns) {
   EXPECT_THAT(questions[0], HasSubstr("wants an A90 of 50 nm and it has 80 nm (q1)"));
 }
 
+TEST(AccuracyQuestions, NameTheCoordinateWhoseFigureAMotorMayMiss) {
+  const auto questions = accuracy_questions(
+      model_of(80e-6, 60), {{{"wanted_a90.x_nm", "60"}, {"wanted_a90.z_nm", "200"}}});
+  ASSERT_THAT(questions, SizeIs(1));
+  EXPECT_THAT(questions[0], HasSubstr("wants an A90 of 60 nm of x and it has 80 nm (q1)"));
+}
+
 TEST(AccuracyQuestions, AskForValidationRows) {
   const auto questions = accuracy_questions(model_of(80e-6, 0), {{{"wanted_a90_nm", "100"}}});
   ASSERT_THAT(questions, SizeIs(1));

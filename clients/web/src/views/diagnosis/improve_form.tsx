@@ -1,5 +1,6 @@
 import { useState } from 'preact/hooks';
 import { api } from '@/api/client';
+import { trajectoryApi } from '@/api/trajectory';
 import { withLease } from '@/app/lease';
 import { go } from '@/app/router';
 import { cell } from '@/live/state';
@@ -16,7 +17,7 @@ import { useTyped } from '@/ui/use_typed';
 // Measure, fit, diagnose, extend, measure fresh points, again: until nothing beyond noise is left, or the turns or hours
 // are used up.
 export function ImproveForm() {
-  const trajectories = useAsked('trajectories', async (signal) => (await api.trajectory().listTrajectories({}, { signal })).trajectories);
+  const trajectories = useAsked('trajectories', async (signal) => (await trajectoryApi().listTrajectories({}, { signal })).trajectories);
   const [chosen, setChosen] = useState('');
   const [formula, setFormula, formulaTaken] = useTyped('improve.formula');
   const [turns, setTurns] = useTyped('improve.turns', '5');
@@ -27,7 +28,7 @@ export function ImproveForm() {
   const id = chosen || (trajectories.value?.[0] ? String(trajectories.value[0].id) : '');
   const [most, budget] = [numberTyped(turns), numberTyped(hours)];
   const start = useCommand(async () => {
-    const { trajectory } = await api.trajectory().getTrajectory({ trajectoryId: BigInt(id) });
+    const { trajectory } = await trajectoryApi().getTrajectory({ trajectoryId: BigInt(id) });
     const { improvement } = await withLease((leaseToken) =>
       api.diagnosis().createImprovement({
         leaseToken, trajectoryName: trajectory!.name, trajectoryText: trajectory!.text, formula, maxTurns: most ?? 0, budgetS: (budget ?? 0) * 3600,

@@ -1,5 +1,6 @@
 import { useState } from 'preact/hooks';
 import { api } from '@/api/client';
+import { modelApi } from '@/api/model';
 import { go, query } from '@/app/router';
 import { FormulaField } from '@/formula/formula_field';
 import { cell } from '@/live/state';
@@ -13,7 +14,7 @@ import { useTyped } from '@/ui/use_typed';
 // From which simulation the look begins: the model that serves, another, or a formula fitted to the same rows.
 export function DiagnoseForm() {
   const runs = useAsked('runs with points', async (signal) => (await api.run().listRuns({ limit: 200 }, { signal })).runs.filter((run) => run.acceptedCount > 0n));
-  const models = useAsked('models to begin from', async (signal) => (await api.model().listModels({}, { signal })).models.reverse());
+  const models = useAsked('models to begin from', async (signal) => (await modelApi().listModels({}, { signal })).models.reverse());
   const [run, setRun] = useState(query('run') ?? '');
   const [from, setFrom] = useState(query('model') ?? '');
   const [formula, setFormula, taken] = useTyped('diagnose.formula', 'q ~ ');

@@ -11,7 +11,7 @@ import { Field, numberTyped } from '@/ui/field';
 import { Panel } from '@/ui/panel';
 import { Failed } from '@/ui/states';
 import { useCommand } from '@/ui/use_command';
-import { lookBackApi } from './api';
+import { lookBackApi } from '@/api/look_back';
 import { againstPlot, allanPlot, spectrumPlot } from './specs';
 
 function ChannelChoice({ label, value, choose }: { label: string; value: string; choose: (name: string) => void }) {

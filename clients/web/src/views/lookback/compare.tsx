@@ -9,7 +9,7 @@ import { Panel } from '@/ui/panel';
 import { Awaiting, Empty, Failed } from '@/ui/states';
 import { Table } from '@/ui/table';
 import { useAsked } from '@/ui/use_asked';
-import { lookBackApi } from './api';
+import { lookBackApi } from '@/api/look_back';
 import { overlay } from './specs';
 
 const mostRuns = 8;

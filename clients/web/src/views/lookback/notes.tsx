@@ -9,7 +9,7 @@ import { Table } from '@/ui/table';
 import { useAsked } from '@/ui/use_asked';
 import { useCommand } from '@/ui/use_command';
 import { useTyped } from '@/ui/use_typed';
-import { lookBackApi } from './api';
+import { lookBackApi } from '@/api/look_back';
 
 export function Notes() {
   const asked = useAsked('time notes', async (signal) => lookBackApi().listTimeNotes({}, { signal }));

@@ -1,7 +1,7 @@
 // What changes which model serves: asked once, with from and to; the stream confirms it.
 import type { Model, Promotion } from '@/api/gen/driftwise/v1/model_service_pb';
 import { ExportModelRequest_Format, Promotion_Action } from '@/api/gen/driftwise/v1/model_service_pb';
-import { api } from '@/api/client';
+import { modelApi } from '@/api/model';
 import { cell } from '@/live/state';
 import { Button, CommandButton } from '@/ui/button';
 import { confirm } from '@/ui/confirm';
@@ -14,7 +14,7 @@ const served = (id: bigint | undefined) => (id === undefined ? 'no model' : `mod
 
 export function Promote({ model, questions = [], onDone }: { model: Model; questions?: readonly string[]; onDone: () => void }) {
   const command = useCommand(async () => {
-    await api.model().promoteModel({ modelId: model.id, confirmed: questions.length > 0 });
+    await modelApi().promoteModel({ modelId: model.id, confirmed: questions.length > 0 });
     onDone();
   });
   const ask = async () => {
@@ -54,7 +54,7 @@ export function servedBefore(promotions: readonly Promotion[]): { now?: bigint; 
 
 export function RollBack({ promotions, onDone }: { promotions: readonly Promotion[]; onDone: () => void }) {
   const command = useCommand(async () => {
-    await api.model().rollBackModel({});
+    await modelApi().rollBackModel({});
     onDone();
   });
   const { now, before } = servedBefore(promotions);
@@ -83,7 +83,7 @@ export function RollBack({ promotions, onDone }: { promotions: readonly Promotio
 
 export function ExportButtons({ id }: { id: bigint }) {
   const command = useCommand(async (format: ExportModelRequest_Format) => {
-    const { text, fileName } = await api.model().exportModel({ modelId: id, format });
+    const { text, fileName } = await modelApi().exportModel({ modelId: id, format });
     download(fileName, text, 'text/plain');
   });
   return (

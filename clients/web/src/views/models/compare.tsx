@@ -1,5 +1,5 @@
 // Two models side by side, term by term.
-import { api } from '@/api/client';
+import { modelApi } from '@/api/model';
 import type { CompareModelsResponse_Row, CompareModelsResponse_Row_Cell } from '@/api/gen/driftwise/v1/model_service_pb';
 import { query } from '@/app/router';
 import { significant } from '@/format/numbers';
@@ -18,7 +18,7 @@ export function ComparePage() {
   const a = idOf(query('a'));
   const b = idOf(query('b'));
   const key = a !== undefined && b !== undefined ? `compare ${a} ${b}` : undefined;
-  const asked = useAsked(key, (signal) => api.model().compareModels({ modelIds: [a!, b!] }, { signal }));
+  const asked = useAsked(key, (signal) => modelApi().compareModels({ modelIds: [a!, b!] }, { signal }));
   const answer = asked.value;
   return (
     <>

@@ -1,6 +1,6 @@
 // Which data, which formula, how chosen: then a fit on the daemon's worker. What was typed stays until it was taken.
 import { useState } from 'preact/hooks';
-import { api } from '@/api/client';
+import { modelApi } from '@/api/model';
 import { go } from '@/app/router';
 import { FormulaField } from '@/formula/formula_field';
 import { CommandButton } from '@/ui/button';
@@ -24,7 +24,7 @@ export function FitForm() {
   const remove = numberTyped(pRemove);
   const badP = enter === undefined || remove === undefined || !(enter > 0 && enter <= remove && remove < 1);
   const fit = useCommand(async () => {
-    const { model } = await api.model().createFit({
+    const { model } = await modelApi().createFit({
       ...choice.data, formula, name, select, criterion, ...(select === 'stepwise' && criterion === 'p' ? { pEnter: enter, pRemove: remove } : {}),
     });
     formulaTaken();

@@ -1,6 +1,6 @@
 // Our regression and the predecessors' models on the same rows, each judged on rows held out (docs/models.md).
 import { useState } from 'preact/hooks';
-import { api } from '@/api/client';
+import { modelApi } from '@/api/model';
 import { FormulaField } from '@/formula/formula_field';
 import { Field, numberTyped } from '@/ui/field';
 import { FileInput } from '@/ui/file_input';
@@ -27,7 +27,7 @@ export function MethodsPage() {
   const foldCount = numberTyped(folds);
   const foldsWrong = together.trim() !== '' && !(foldCount !== undefined && Number.isInteger(foldCount) && foldCount >= 2 && foldCount <= 1000);
   const study = useStudy('The comparison of methods', `${choice.words}: ${formula}`, (signal) =>
-    api.model().compareMethods({
+    modelApi().compareMethods({
       fit: { ...choice.data, formula: isFormula(formula) ? formula : '' },
       methods: [...wanted], robotToml: robot ? new TextDecoder().decode(robot.bytes) : '', together: together.trim(),
       ...(together.trim() !== '' && foldCount !== undefined ? { foldCount } : {}),

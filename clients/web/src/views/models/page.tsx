@@ -1,5 +1,5 @@
 // One model in full.
-import { api } from '@/api/client';
+import { modelApi } from '@/api/model';
 import { usePrintFacts } from '@/app/print_head';
 import { MeasuredUnder } from '@/parts/configuration';
 import { Rests } from '@/parts/rests';
@@ -32,7 +32,7 @@ const tabs = [
 ];
 
 export function ModelPage({ id }: { id: bigint }) {
-  const asked = useAsked(`model ${id}`, (signal) => api.model().getModel({ modelId: id }, { signal }));
+  const asked = useAsked(`model ${id}`, (signal) => modelApi().getModel({ modelId: id }, { signal }));
   useEvents('model', (change) => change.modelId === id && asked.again());
   const model = asked.value?.model;
   usePrintFacts([['hash of the model', model?.hash ?? ''], ['its data set', model?.lineage?.datasetHash ?? ''], ['rows kept out', model?.lineage?.exclusionsHash ?? '']]);

@@ -1,7 +1,7 @@
 // What the model leaves unexplained, row by row: over time and against everything it may go with, calibration and
 // validation apart, all on one scale.
 import { useMemo, useState } from 'preact/hooks';
-import { api } from '@/api/client';
+import { modelApi } from '@/api/model';
 import type { ListResidualsResponse, Model, ModelOutput } from '@/api/gen/driftwise/v1/model_service_pb';
 import { count, significant } from '@/format/numbers';
 import { Plot } from '@/plot/plot';
@@ -19,7 +19,7 @@ export function ResidualsTab({ model }: { model: Model }) {
   const output = useOutput(model);
   const fromFile = model.lineage?.runIds.length === 0;
   const key = fromFile && !file ? undefined : `residuals ${model.id} ${file?.name ?? ''} ${file?.bytes.length ?? ''}`;
-  const asked = useAsked(key, (signal) => api.model().listResiduals({ modelId: model.id, csv: file?.bytes ?? new Uint8Array() }, { signal }));
+  const asked = useAsked(key, (signal) => modelApi().listResiduals({ modelId: model.id, csv: file?.bytes ?? new Uint8Array() }, { signal }));
   return (
     <Panel title={`Residuals of ${outputSymbol(output)}: measured − model`} actions={<OutputChoice model={model} />}>
       {fromFile && (

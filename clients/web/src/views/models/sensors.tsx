@@ -1,5 +1,5 @@
 // Which thermometers suffice, and what each fewer costs: every set of those in the formula is tried.
-import { api } from '@/api/client';
+import { modelApi } from '@/api/model';
 import { FormulaField } from '@/formula/formula_field';
 import { Field, numberTyped } from '@/ui/field';
 import { Panel } from '@/ui/panel';
@@ -21,7 +21,7 @@ export function SensorsPage() {
   const wrong = tolerance === undefined || tolerance < 0 || tolerance > 1000;
   const fit = { ...choice.data, formula };
   const study = useStudy('The study of thermometers', `${choice.words}: ${formula}`, async function* (signal) {
-    for await (const message of api.model().studySensors({ fit, tolerance: tolerance! / 100 }, { signal })) yield { ...message, fit };
+    for await (const message of modelApi().studySensors({ fit, tolerance: tolerance! / 100 }, { signal })) yield { ...message, fit };
   });
   const off = choice.missing ? 'Choose a run or a file first' : !isFormula(formula) ? 'Type a formula with thermometers in it first' : wrong ? 'Tolerance: 0 to 1000 % is expected' : undefined;
   return (

@@ -1,7 +1,7 @@
 // What a study of thermometers found: the best set of each size, what it costs against the best of all, and the fewest that
 // suffice; from there a model of these alone is one press away.
 import { useMemo } from 'preact/hooks';
-import { api } from '@/api/client';
+import { modelApi } from '@/api/model';
 import type { SensorSet, StudySensorsResponse } from '@/api/gen/driftwise/v1/model_service_pb';
 import { go } from '@/app/router';
 import { count, fixed, signed, significant } from '@/format/numbers';
@@ -85,7 +85,7 @@ function Chips({ all, set }: { all: readonly string[]; set: readonly string[] })
 
 function FitThese({ fit, all, set, main }: { fit: StudiedFit; all: readonly string[]; set: readonly string[]; main?: boolean }) {
   const make = useCommand(async () => {
-    const { model } = await api.model().createFit({ ...fit, select: 'stepwise', name: `with ${set.join(', ')}`, excludeSymbols: all.filter((one) => !set.includes(one)) });
+    const { model } = await modelApi().createFit({ ...fit, select: 'stepwise', name: `with ${set.join(', ')}`, excludeSymbols: all.filter((one) => !set.includes(one)) });
     go(`/models/${model!.id}`);
   });
   return (

@@ -1,4 +1,4 @@
-import { api } from '@/api/client';
+import { modelApi } from '@/api/model';
 import { useEvents } from '@/live/events';
 import { useAsked } from '@/ui/use_asked';
 
@@ -6,8 +6,8 @@ import { useAsked } from '@/ui/use_asked';
 export function useModels() {
   const asked = useAsked('models', async (signal) => {
     const [{ models }, { promotions }] = await Promise.all([
-      api.model().listModels({}, { signal }),
-      api.model().listPromotions({}, { signal }),
+      modelApi().listModels({}, { signal }),
+      modelApi().listPromotions({}, { signal }),
     ]);
     return { models: models.reverse(), promotions: promotions.reverse() };
   });

@@ -1,6 +1,6 @@
 // Adds a campaign from the trajectories that the daemon keeps.
 import { useState } from 'preact/hooks';
-import { api } from '@/api/client';
+import { trajectoryApi } from '@/api/trajectory';
 import { fromUtc, timestampOf } from '@/format/time';
 import { SetupChoice, useSetups } from '@/parts/setup_choice';
 import { CommandButton } from '@/ui/button';
@@ -12,7 +12,7 @@ import { queueApi } from './api';
 import { metadataTyped } from './words';
 
 export function AddEntry({ onAdded }: { onAdded: () => void }) {
-  const kept = useAsked('kept trajectories', async (signal) => (await api.trajectory().listTrajectories({}, { signal })).trajectories);
+  const kept = useAsked('kept trajectories', async (signal) => (await trajectoryApi().listTrajectories({}, { signal })).trajectories);
   const [which, setWhich] = useState('');
   const [name, setName] = useState('');
   const [priority, setPriority] = useState('0');
@@ -36,7 +36,7 @@ export function AddEntry({ onAdded }: { onAdded: () => void }) {
   };
   const off = which === '' ? 'Choose a trajectory first' : Object.values(wrong).find(Boolean);
   const add = useCommand(async () => {
-    const { trajectory } = await api.trajectory().getTrajectory({ trajectoryId: BigInt(which) });
+    const { trajectory } = await trajectoryApi().getTrajectory({ trajectoryId: BigInt(which) });
     await queueApi().addQueueEntry({
       name: name.trim(), trajectoryName: trajectory!.name, trajectoryText: trajectory!.text, priority: number!, condition: condition.trim(), setAsideOnFailure: setsAside,
       followUps: then.split('\n').map((line) => line.trim()).filter(Boolean), metadata: metadataTyped(meta)!, requestId, setup,

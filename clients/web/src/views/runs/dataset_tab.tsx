@@ -1,6 +1,6 @@
 // The run as data: how many rows of which set, the CSV of docs/formats.md, rows kept out, notes, the way to a fit.
 import { useState } from 'preact/hooks';
-import { api } from '@/api/client';
+import { dataApi } from '@/api/data';
 import { PointSet, type Run } from '@/api/gen/driftwise/v1/run_pb';
 import { count, fixed } from '@/format/numbers';
 import type { RunPoints } from '@/live/points';
@@ -17,7 +17,7 @@ function ExportCsv({ run, withoutExcluded, children }: { run: Run; withoutExclud
   const fetchIt = useCommand(async () => {
     const chunks: BlobPart[] = [];
     let bytes = 0;
-    for await (const piece of api.data().exportDataset({ runIds: [run.id], withoutExcluded })) {
+    for await (const piece of dataApi().exportDataset({ runIds: [run.id], withoutExcluded })) {
       chunks.push(piece.chunk as Uint8Array<ArrayBuffer>);
       bytes += piece.chunk.length;
       setShare(bytes / Math.max(1, Number(piece.totalBytes)));

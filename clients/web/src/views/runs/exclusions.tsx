@@ -1,5 +1,5 @@
 // Rows kept out of every fit from now on, for a reason; nothing measured is altered, and it can be taken back.
-import { api } from '@/api/client';
+import { dataApi } from '@/api/data';
 import type { ExclusionState } from '@/api/gen/driftwise/v1/data_service_pb';
 import type { Run } from '@/api/gen/driftwise/v1/run_pb';
 import { count } from '@/format/numbers';
@@ -21,7 +21,7 @@ function Form({ run, onState }: { run: Run; onState: (state: ExclusionState | un
   const wrong = typeof read === 'string' ? read : undefined;
   const change = useCommand(async (out: boolean, ranges: Rows[]) => {
     const request = { runId: run.id, rows: ranges, reason: reason.trim() };
-    onState((out ? await api.data().excludeRows(request) : await api.data().restoreRows(request)).state);
+    onState((out ? await dataApi().excludeRows(request) : await dataApi().restoreRows(request)).state);
   });
   const ask = async (out: boolean) => {
     const ranges = read as Rows[];
@@ -51,7 +51,7 @@ function Form({ run, onState }: { run: Run; onState: (state: ExclusionState | un
 }
 
 export function Exclusions({ run }: { run: Run }) {
-  const asked = useAsked(`exclusions ${run.id}`, async (signal) => (await api.data().listExclusions({ runId: run.id }, { signal })).state);
+  const asked = useAsked(`exclusions ${run.id}`, async (signal) => (await dataApi().listExclusions({ runId: run.id }, { signal })).state);
   const state = asked.value;
   return (
     <Panel title={`Rows kept out of fits: ${state ? count(state.excludedRowCount) : '…'}`}>

@@ -1,6 +1,6 @@
 // Runs of one trajectory in different set-ups as one dataset: first the report, then the joined run.
 import { useState } from 'preact/hooks';
-import { api } from '@/api/client';
+import { dataApi } from '@/api/data';
 import { go } from '@/app/router';
 import { count } from '@/format/numbers';
 import { Button, CommandButton } from '@/ui/button';
@@ -44,11 +44,11 @@ export function JoinPanel({ runs, onClose }: { runs: readonly bigint[]; onClose:
   const asked = `${runs.join(', ')}${returns ? ', returns subtracted' : ''}`;
   const request = { runIds: [...runs], subtractReturns: returns };
   const check = useCommand(async () => {
-    const answer = await api.data().joinRuns({ ...request, dryRun: true });
+    const answer = await dataApi().joinRuns({ ...request, dryRun: true });
     setReport({ of: asked, report: joinReport(answer.reportJson) });
   }, 'reads');
   const join = useCommand(async () => {
-    const { run } = await api.data().joinRuns({ ...request, requestId: crypto.randomUUID() });
+    const { run } = await dataApi().joinRuns({ ...request, requestId: crypto.randomUUID() });
     if (run) go(`/runs/${run.id}`);
   });
   const few = runs.length < 2 ? 'Choose two runs of one trajectory at least' : undefined;

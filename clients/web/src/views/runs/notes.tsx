@@ -1,5 +1,5 @@
 // What people say about a run; kept for ever.
-import { api } from '@/api/client';
+import { dataApi } from '@/api/data';
 import type { Run } from '@/api/gen/driftwise/v1/run_pb';
 import { dateClock, ms } from '@/format/time';
 import { CommandButton } from '@/ui/button';
@@ -11,10 +11,10 @@ import { useCommand } from '@/ui/use_command';
 import { useTyped } from '@/ui/use_typed';
 
 export function Notes({ run }: { run: Run }) {
-  const asked = useAsked(`notes ${run.id}`, async (signal) => (await api.data().listNotes({ on: { runId: run.id } }, { signal })).notes);
+  const asked = useAsked(`notes ${run.id}`, async (signal) => (await dataApi().listNotes({ on: { runId: run.id } }, { signal })).notes);
   const [text, setText, taken] = useTyped(`note.${run.id}`);
   const add = useCommand(async () => {
-    const { note } = await api.data().createNote({ on: { runId: run.id }, text: text.trim() });
+    const { note } = await dataApi().createNote({ on: { runId: run.id }, text: text.trim() });
     if (note) asked.set((old) => [...old, note]);
     taken();
     setText('');

@@ -1,7 +1,7 @@
 // The correction, or its uncertainty, over a plane of the workspace. A press on the map takes that pose.
 import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import type { Timestamp } from '@bufbuild/protobuf/wkt';
-import { api } from '@/api/client';
+import { targetApi } from '@/api/target';
 import { query, setQuery } from '@/app/router';
 import { fixed, significant } from '@/format/numbers';
 import { ms } from '@/format/time';
@@ -41,7 +41,7 @@ export function CorrectionMap({ fields, pose, outputs, conditions }: {
       const wide = (field.max - field.min) * room;
       return { channel: field.channel, from: field.min - wide, to: field.max + wide, count: countPerAxis };
     };
-    return api.target().mapTargets({ horizontal: axis(h!), vertical: axis(v!), pose: [...rest] }, { signal });
+    return targetApi().mapTargets({ horizontal: axis(h!), vertical: axis(v!), pose: [...rest] }, { signal });
   });
   const last = useRef<typeof asked.value>(undefined);
   if (asked.value) last.current = asked.value;

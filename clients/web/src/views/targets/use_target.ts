@@ -2,7 +2,7 @@
 // target. By single calls, not by a stream of its own: a browser has six connections to one place over all its tabs. What it
 // was in the hour before comes from the daemon, so that a page that was just opened has it.
 import { useEffect, useRef, useState } from 'preact/hooks';
-import { api } from '@/api/client';
+import { targetApi } from '@/api/target';
 import { failureOf, wasCancelled, type Failure } from '@/api/errors';
 import type { Target } from '@/api/gen/driftwise/v1/target_service_pb';
 import { ms } from '@/format/time';
@@ -33,7 +33,7 @@ export function useTarget(pose: Pose): TargetState {
     const ask = async () => {
       if (!document.hidden) {
         try {
-          const { target } = await api.target().computeTarget({ pose: [...latest.current], withBudget: true, showUnreachable: true }, { signal: abort.signal });
+          const { target } = await targetApi().computeTarget({ pose: [...latest.current], withBudget: true, showUnreachable: true }, { signal: abort.signal });
           if (target && !abort.signal.aborted) setState((old) => taken(old.key === key ? old.history : [], target, key));
         } catch (error) {
           if (abort.signal.aborted || wasCancelled(error)) return;
@@ -56,7 +56,7 @@ export function useTarget(pose: Pose): TargetState {
 }
 
 async function theHourBefore(pose: Pose, signal: AbortSignal): Promise<readonly HistoryRow[]> {
-  const { times, tracks } = await api.target().listPastTargets({ pose: [...pose] }, { signal });
+  const { times, tracks } = await targetApi().listPastTargets({ pose: [...pose] }, { signal });
   return times.map((time, i) => ({ atMs: ms(time) ?? 0, correctionNm: tracks.map((track) => track.correctionNm[i]) }));
 }
 

@@ -1,6 +1,7 @@
 // Targets: a wanted pose, what the motors have to be told under the present conditions, how sure that is, and what the
 // correction looks like over the workspace.
 import { api } from '@/api/client';
+import { modelApi } from '@/api/model';
 import type { Model } from '@/api/gen/driftwise/v1/model_service_pb';
 import { cell } from '@/live/state';
 import { useEvents } from '@/live/events';
@@ -22,7 +23,7 @@ import './view.css';
 export default function Targets() {
   const asked = useAsked('serving model', async (signal) => {
     const { servingModelId } = await api.cell().getStatus({}, { signal });
-    return servingModelId === undefined ? null : ((await api.model().getModel({ modelId: servingModelId }, { signal })).model ?? null);
+    return servingModelId === undefined ? null : ((await modelApi().getModel({ modelId: servingModelId }, { signal })).model ?? null);
   });
   useEvents('model', () => asked.again());
   const model = asked.value;

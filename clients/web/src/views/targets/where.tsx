@@ -1,5 +1,5 @@
 // Pose of the end-effector now, by the model run forward from the motors' scales, beside what an instrument reads of it.
-import { api } from '@/api/client';
+import { targetApi } from '@/api/target';
 import type { EstimatedCoordinate } from '@/api/gen/driftwise/v1/target_service_pb';
 import { fixed, grouped, signed } from '@/format/numbers';
 import { splitChannel } from '@/format/units';
@@ -10,7 +10,7 @@ import { useWhile } from '@/ui/use_while';
 import { Verdict } from '@/ui/verdict';
 
 export function Where() {
-  const asked = useAsked('pose', (signal) => api.target().estimatePose({}, { signal }));
+  const asked = useAsked('pose', (signal) => targetApi().estimatePose({}, { signal }));
   useWhile(true, asked.again);
   return (
     <Panel title="Where the end-effector is now">

@@ -1,7 +1,7 @@
 // A grid with returns to zero, points for validation between those for calibration, and forces. The daemon makes it; what
 // comes back is a text like any other, checked and shown before it is kept.
 import { useState } from 'preact/hooks';
-import { api } from '@/api/client';
+import { trajectoryApi } from '@/api/trajectory';
 import { count } from '@/format/numbers';
 import { splitChannel } from '@/format/units';
 import { Button } from '@/ui/button';
@@ -58,7 +58,7 @@ function Form({ axes, onText }: { axes: readonly SoftLimit[]; onText: (text: str
   };
   const wrong = axes.map(wrongOf).find(Boolean) ?? (forcesOf(forces) ? undefined : 'forces: numbers parted by blanks are expected');
   const make = useCommand(async () => {
-    const answer = await api.trajectory().generateTrajectory({
+    const answer = await trajectoryApi().generateTrajectory({
       axes: axes.map((axis) => {
         const { from, to, count } = typed[axis.channel];
         return { coordinate: axis.channel, fromMm: numberTyped(from)!, toMm: numberTyped(to)!, count: numberTyped(count)! };

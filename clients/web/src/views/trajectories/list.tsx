@@ -1,4 +1,4 @@
-import { api } from '@/api/client';
+import { trajectoryApi } from '@/api/trajectory';
 import { go } from '@/app/router';
 import { count } from '@/format/numbers';
 import { dateClock, ms } from '@/format/time';
@@ -16,7 +16,7 @@ import { TrajectoryCheck, useTrajectoryCheck } from './check';
 import { GenerateForm } from './generate';
 
 export function TrajectoryList() {
-  const asked = useAsked('trajectories', async (signal) => (await api.trajectory().listTrajectories({}, { signal })).trajectories);
+  const asked = useAsked('trajectories', async (signal) => (await trajectoryApi().listTrajectories({}, { signal })).trajectories);
   const [text, setText, textTaken] = useTyped('trajectory.text');
   const [name, setName, nameTaken] = useTyped('trajectory.name');
   const check = useTrajectoryCheck(text);
@@ -25,7 +25,7 @@ export function TrajectoryList() {
     setName('');
   };
   const keep = useCommand(async () => {
-    const { trajectory } = await api.trajectory().createTrajectory({ name: name.trim() || 'trajectory', text });
+    const { trajectory } = await trajectoryApi().createTrajectory({ name: name.trim() || 'trajectory', text });
     textTaken();
     nameTaken();
     go(`/trajectories/${trajectory!.id}`);

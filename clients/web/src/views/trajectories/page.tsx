@@ -1,6 +1,6 @@
 // One kept trajectory.
 import { useState } from 'preact/hooks';
-import { api } from '@/api/client';
+import { trajectoryApi } from '@/api/trajectory';
 import type { Trajectory } from '@/api/gen/driftwise/v1/trajectory_service_pb';
 import { count } from '@/format/numbers';
 import { dateClock, ms } from '@/format/time';
@@ -16,7 +16,7 @@ import { TrajectoryCheck, useTrajectoryCheck } from './check';
 import { StartRun } from '@/trajectory/start_run';
 
 export function TrajectoryPage({ id }: { id: bigint }) {
-  const asked = useAsked(`trajectory ${id}`, async (signal) => (await api.trajectory().getTrajectory({ trajectoryId: id }, { signal })).trajectory!);
+  const asked = useAsked(`trajectory ${id}`, async (signal) => (await trajectoryApi().getTrajectory({ trajectoryId: id }, { signal })).trajectory!);
   const one = asked.value;
   return (
     <>
