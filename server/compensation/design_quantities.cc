@@ -43,6 +43,14 @@ void add_device(const DeviceDescription& device, std::size_t index, Quantities& 
           cell.devices[index].become<LengthSettings>().u_drift_nm_per_h = value;
         },
         -1e9);
+    if (!length->drift_channel.symbol.empty())
+      out.instrument(
+          length->channel.symbol, "u_drift_nm_per_k", length->u_drift_nm_per_k,
+          "drift of the length with its thermometer since the zero",
+          [index](CellDescription& cell, double value) {
+            cell.devices[index].become<LengthSettings>().u_drift_nm_per_k = value;
+          },
+          -1e9);
   }
   for (std::size_t i = 0; i < device.angles().size(); ++i)
     out.instrument(device.angles()[i].channel.symbol, "u_arcsec", device.angles()[i].u_arcsec,
