@@ -1,3 +1,5 @@
+#include "server/diagnosis/diagnose.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -6,21 +8,20 @@
 #include "server/calibration/datum_zeros.h"
 #include "server/core/data/unusable_values.h"
 #include "server/core/try.h"
-#include "server/diagnosis/cancelled.h"
-#include "server/diagnosis/catalogue_units.h"
-#include "server/diagnosis/cause.h"
-#include "server/diagnosis/column_bank.h"
-#include "server/diagnosis/diagnosis.h"
-#include "server/diagnosis/extension.h"
-#include "server/diagnosis/heading.h"
-#include "server/diagnosis/held_out_gate.h"
-#include "server/diagnosis/held_out_mean.h"
-#include "server/diagnosis/left_over.h"
-#include "server/diagnosis/omnibus.h"
-#include "server/diagnosis/report.h"
-#include "server/diagnosis/screen.h"
-#include "server/diagnosis/sentence.h"
-#include "server/diagnosis/spread_over_places.h"
+#include "server/diagnosis/answer/cancelled.h"
+#include "server/diagnosis/catalogue/cause.h"
+#include "server/diagnosis/growth/extension.h"
+#include "server/diagnosis/growth/held_out_gate.h"
+#include "server/diagnosis/growth/held_out_mean.h"
+#include "server/diagnosis/growth/left_over.h"
+#include "server/diagnosis/growth/omnibus.h"
+#include "server/diagnosis/report/heading.h"
+#include "server/diagnosis/report/report.h"
+#include "server/diagnosis/report/sentence.h"
+#include "server/diagnosis/rows/catalogue_units.h"
+#include "server/diagnosis/rows/screen.h"
+#include "server/diagnosis/rows/spread_over_places.h"
+#include "server/diagnosis/search/column_bank.h"
 #include "server/effects/term_order.h"
 
 namespace driftwise::diagnosis {

@@ -9,7 +9,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "server/diagnosis/diagnosis.h"
+#include "server/diagnosis/diagnose.h"
 #include "server/formats/formula/formula.h"
 #include "tests/hidden_effects/shapes/hidden_world.h"
 

@@ -9,7 +9,7 @@
 #include "server/calibration/model/model.h"
 #include "server/core/data/dataset.h"
 #include "server/core/description/cell_description.h"
-#include "server/diagnosis/check_errors.h"
+#include "server/diagnosis/check/check_errors.h"
 #include "tests/support/micro_nano_campaign.h"
 
 namespace driftwise::statistics {

@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "server/diagnosis/check_standard.h"
+#include "server/diagnosis/check/check_standard.h"
 #include "server/formats/formula/formula.h"
 #include "tests/statistics/case_b_models.h"
 #include "tests/statistics/two_datums_case.h"

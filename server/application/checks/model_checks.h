@@ -8,12 +8,13 @@
 #include "server/core/ports/awaitable.h"
 #include "server/core/records/records.h"
 #include "server/core/result.h"
-#include "server/diagnosis/check_standard.h"
-#include "server/diagnosis/verification.h"
+#include "server/diagnosis/check/check_standard.h"
+#include "server/diagnosis/check/verification.h"
 
 namespace driftwise::application {
 
-struct ModelCheck {  // does the robot still do what a model says? server/diagnosis/check_standard.h
+struct ModelCheck {  // does the robot still do what a model says?
+                     // server/diagnosis/check/check_standard.h
   ModelId model;
   std::vector<RunRecord> runs;  // those looked at, in order of time
   diagnosis::CheckReport report;
@@ -27,8 +28,9 @@ class ModelChecks {
   // made that it was not fitted from, the last 50 of them. Errors: failed_precondition NO_MODEL.
   virtual Awaitable<Result<ModelCheck>> check_model(std::optional<ModelId> model,
                                                     std::vector<RunId> runs) = 0;
-  // Target minus measured of runs: server/diagnosis/verification.h. range: whose range says inside
-  // and outside; none: each run's own model. Errors: those of verify_runs(); NO_SUCH_RUN, _MODEL.
+  // Target minus measured of runs: server/diagnosis/check/verification.h. range: whose range says
+  // inside and outside; none: each run's own model. Errors: those of verify_runs(); NO_SUCH_RUN,
+  // _MODEL.
   virtual Awaitable<Result<diagnosis::Verification>> verify_runs(std::vector<RunId> runs,
                                                                  std::optional<ModelId> range) = 0;
 };

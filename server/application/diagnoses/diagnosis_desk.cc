@@ -11,7 +11,8 @@
 #include "server/application/plumbing/task_group.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
-#include "server/diagnosis/separating.h"
+#include "server/diagnosis/diagnose.h"
+#include "server/diagnosis/separating/separating.h"
 #include "server/formats/diagnosis/separating_text.h"
 #include "server/formats/diagnosis/stored_diagnosis.h"
 

@@ -6,7 +6,7 @@
 #include "server/core/data/dataset.h"
 #include "server/core/records/diagnosis_records.h"
 #include "server/core/result.h"
-#include "server/diagnosis/diagnosis.h"
+#include "server/diagnosis/answer/diagnosis.h"
 
 namespace driftwise::application {
 

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "server/application/datasets/amended_dataset.h"
-#include "server/diagnosis/diagnosis.h"
+#include "server/diagnosis/answer/diagnosis.h"
 
 namespace driftwise::application {
 

@@ -28,7 +28,7 @@
 
 #include "server/core/data/dataset.h"
 #include "server/core/result.h"
-#include "server/diagnosis/finding.h"
+#include "server/diagnosis/answer/finding.h"
 
 namespace driftwise::application {
 

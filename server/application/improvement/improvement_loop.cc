@@ -9,7 +9,7 @@
 #include "server/core/reasons.h"
 #include "server/core/text/quantity_text.h"
 #include "server/core/try.h"
-#include "server/diagnosis/heading.h"
+#include "server/diagnosis/report/heading.h"
 #include "server/formats/csv/trajectory_csv.h"
 #include "server/formats/model/model_json.h"
 

@@ -7,7 +7,7 @@
 #include "server/application/datasets/declared_channels.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
-#include "server/diagnosis/rows_needed.h"
+#include "server/diagnosis/rows/rows_needed.h"
 #include "server/formats/formula/formula.h"
 
 namespace driftwise::application {

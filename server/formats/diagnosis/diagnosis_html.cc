@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "server/core/text/quantity_text.h"
-#include "server/diagnosis/heading.h"
+#include "server/diagnosis/report/heading.h"
 #include "server/formats/diagnosis/diagnosis_html_parts.h"
 #include "server/formats/diagnosis/html_text.h"
 #include "server/formats/diagnosis/report_style.h"

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "server/core/data/dataset.h"
-#include "server/diagnosis/diagnosis.h"
+#include "server/diagnosis/answer/diagnosis.h"
 
 namespace driftwise::formats {
 

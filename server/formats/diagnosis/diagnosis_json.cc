@@ -3,7 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "server/diagnosis/heading.h"
+#include "server/diagnosis/report/heading.h"
 #include "server/effects/term_order.h"
 #include "server/formats/model/fit_json.h"
 

@@ -1,8 +1,8 @@
 #pragma once
 // A separating plan as a diagnosis carries it: its trajectory as the text that can be run.
 
-#include "server/diagnosis/diagnosis.h"
-#include "server/diagnosis/separating.h"
+#include "server/diagnosis/answer/diagnosis.h"
+#include "server/diagnosis/separating/separating.h"
 
 namespace driftwise::formats {
 

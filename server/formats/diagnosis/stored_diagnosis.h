@@ -11,7 +11,7 @@
 
 #include "server/core/data/dataset.h"
 #include "server/core/result.h"
-#include "server/diagnosis/diagnosis.h"
+#include "server/diagnosis/answer/diagnosis.h"
 
 namespace driftwise::formats {
 

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "server/diagnosis/heading.h"
+#include "server/diagnosis/report/heading.h"
 #include "server/effects/term_order.h"
 #include "server/formats/diagnosis/diagnosis_json.h"
 #include "server/rpc/shared/convert_accuracy.h"

@@ -5,7 +5,7 @@
 
 #include "driftwise/v1/run_service.pb.h"
 #include "server/core/records/records.h"
-#include "server/diagnosis/verification.h"
+#include "server/diagnosis/check/verification.h"
 
 namespace driftwise::rpc {
 

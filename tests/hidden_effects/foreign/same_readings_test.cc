@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "server/diagnosis/diagnosis.h"
+#include "server/diagnosis/diagnose.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/formula/formula.h"
 #include "tests/hidden_effects/foreign/dataset.h"

@@ -8,7 +8,7 @@
 
 #include "server/core/description/cell_description.h"
 #include "server/core/trajectory/trajectory.h"
-#include "server/diagnosis/diagnosis.h"
+#include "server/diagnosis/answer/diagnosis.h"
 #include "tests/hidden_effects/plants/plant_run.h"
 
 namespace driftwise::hidden {

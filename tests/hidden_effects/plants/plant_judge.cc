@@ -8,6 +8,7 @@
 #include "server/calibration/design/predict.h"
 #include "server/calibration/fit.h"
 #include "server/core/units.h"
+#include "server/diagnosis/diagnose.h"
 #include "server/formats/cell_file/cell_file.h"
 #include "server/formats/formula/formula.h"
 #include "tests/hidden_effects/plants/plant_cases.h"

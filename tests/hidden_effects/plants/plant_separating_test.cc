@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "server/diagnosis/separating.h"
+#include "server/diagnosis/separating/separating.h"
 #include "server/formats/formula/formula.h"
 #include "tests/hidden_effects/plants/plant_cases.h"
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "server/core/try.h"
-#include "server/diagnosis/diagnosis.h"
+#include "server/diagnosis/diagnose.h"
 #include "server/formats/formula/formula.h"
 #include "tests/hidden_effects/shapes/hidden_world.h"
 

@@ -8,6 +8,7 @@
 
 #include "server/calibration/design/predict.h"
 #include "server/core/units.h"
+#include "server/diagnosis/diagnose.h"
 #include "server/formats/formula/formula.h"
 
 namespace driftwise::hidden {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "server/diagnosis/diagnosis.h"
+#include "server/diagnosis/answer/diagnosis.h"
 #include "tests/hidden_effects/shapes/hidden_world.h"
 
 namespace driftwise::hidden {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "server/calibration/design/predict.h"
-#include "server/diagnosis/cause.h"
+#include "server/diagnosis/catalogue/cause.h"
 #include "server/formats/formula/formula.h"
 #include "tests/hidden_effects/shapes/hidden_case.h"
 

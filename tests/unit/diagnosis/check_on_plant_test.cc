@@ -7,7 +7,7 @@
 #include <cstdio>
 
 #include "drivers/simulated/plant/file/make_plant.h"
-#include "server/diagnosis/check_standard.h"
+#include "server/diagnosis/check/check_standard.h"
 #include "server/formats/formula/formula.h"
 #include "tests/support/plant_campaign.h"
 

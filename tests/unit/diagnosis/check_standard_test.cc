@@ -1,7 +1,7 @@
 // The check standard on data whose truth is written down here: how often it cries wolf, and what it
 // sees.
 
-#include "server/diagnosis/check_standard.h"
+#include "server/diagnosis/check/check_standard.h"
 
 #include <gmock/gmock.h>
 

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "server/diagnosis/diagnosis.h"
+#include "server/diagnosis/diagnose.h"
 
 namespace driftwise::diagnosis {
 namespace {

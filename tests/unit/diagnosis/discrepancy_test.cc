@@ -1,4 +1,4 @@
-#include "server/diagnosis/discrepancy.h"
+#include "server/diagnosis/answer/discrepancy.h"
 
 #include <gtest/gtest.h>
 

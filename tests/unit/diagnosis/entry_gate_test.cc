@@ -1,7 +1,7 @@
 // The gate against dense matrices: predictive densities as ratios of restricted likelihoods, with
 // the parameter and the width of the prior chosen from the learned rows alone.
 
-#include "server/diagnosis/entry_gate.h"
+#include "server/diagnosis/search/entry_gate.h"
 
 #include <gtest/gtest.h>
 

@@ -9,10 +9,10 @@
 #include <numbers>
 #include <random>
 
-#include "server/diagnosis/chance.h"
-#include "server/diagnosis/ground.h"
-#include "server/diagnosis/scan.h"
-#include "server/diagnosis/search.h"
+#include "server/diagnosis/noise/ground.h"
+#include "server/diagnosis/search/chance.h"
+#include "server/diagnosis/search/scan.h"
+#include "server/diagnosis/search/search.h"
 
 namespace driftwise::diagnosis {
 namespace evidence_test {  // other tests have rows of their own

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <random>
 
-#include "server/diagnosis/diagnosis.h"
+#include "server/diagnosis/diagnose.h"
 #include "server/formats/formula/formula.h"
 
 namespace driftwise::diagnosis {

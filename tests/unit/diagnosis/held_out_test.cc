@@ -9,8 +9,8 @@
 #include <cmath>
 #include <random>
 
-#include "server/diagnosis/diagnosis.h"
-#include "server/diagnosis/held_out_gain.h"
+#include "server/diagnosis/diagnose.h"
+#include "server/diagnosis/rows/held_out_gain.h"
 #include "server/formats/formula/formula.h"
 
 namespace driftwise::diagnosis {

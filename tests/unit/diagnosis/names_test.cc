@@ -9,7 +9,7 @@
 #include <functional>
 #include <random>
 
-#include "server/diagnosis/diagnosis.h"
+#include "server/diagnosis/diagnose.h"
 #include "server/effects/term.h"
 #include "server/formats/formula/formula.h"
 

@@ -10,12 +10,12 @@
 #include <numbers>
 #include <random>
 
-#include "server/diagnosis/column_bank.h"
-#include "server/diagnosis/diagnosis.h"
-#include "server/diagnosis/noise_model.h"
-#include "server/diagnosis/problem.h"
-#include "server/diagnosis/smoothing.h"
-#include "server/diagnosis/spread_over_places.h"
+#include "server/diagnosis/diagnose.h"
+#include "server/diagnosis/noise/noise_model.h"
+#include "server/diagnosis/rows/problem.h"
+#include "server/diagnosis/rows/smoothing.h"
+#include "server/diagnosis/rows/spread_over_places.h"
+#include "server/diagnosis/search/column_bank.h"
 #include "server/formats/formula/formula.h"
 
 namespace driftwise::diagnosis {

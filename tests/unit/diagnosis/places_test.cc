@@ -1,4 +1,4 @@
-#include "server/diagnosis/places.h"
+#include "server/diagnosis/rows/places.h"
 
 #include <gtest/gtest.h>
 

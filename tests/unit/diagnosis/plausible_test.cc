@@ -6,8 +6,8 @@
 #include <cmath>
 #include <random>
 
-#include "server/diagnosis/diagnosis.h"
-#include "server/diagnosis/lever_limits.h"
+#include "server/diagnosis/answer/lever_limits.h"
+#include "server/diagnosis/diagnose.h"
 #include "server/formats/formula/formula.h"
 
 namespace driftwise::diagnosis {

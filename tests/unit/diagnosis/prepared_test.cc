@@ -1,4 +1,4 @@
-#include "server/diagnosis/prepared.h"
+#include "server/diagnosis/rows/prepared.h"
 
 #include <gtest/gtest.h>
 

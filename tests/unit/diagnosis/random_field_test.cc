@@ -1,7 +1,7 @@
 // A field of random amplitudes beside the noise: its growth of 2 ln L against dense covariance
 // matrices, and a product of place and time seen by the omnibus test.
 
-#include "server/diagnosis/random_field.h"
+#include "server/diagnosis/noise/random_field.h"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@
 #include <numbers>
 #include <random>
 
-#include "server/diagnosis/omnibus.h"
-#include "server/diagnosis/problem.h"
+#include "server/diagnosis/growth/omnibus.h"
+#include "server/diagnosis/rows/problem.h"
 #include "server/formats/formula/formula.h"
 
 namespace driftwise::diagnosis {

@@ -1,4 +1,4 @@
-#include "server/diagnosis/sentence.h"
+#include "server/diagnosis/report/sentence.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "server/diagnosis/separating.h"
+#include "server/diagnosis/separating/separating.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "server/diagnosis/aliases.h"
-#include "server/diagnosis/separating_power.h"
+#include "server/diagnosis/rows/aliases.h"
+#include "server/diagnosis/separating/separating_power.h"
 
 namespace driftwise::diagnosis {
 namespace {

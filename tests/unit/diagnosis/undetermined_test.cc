@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "server/diagnosis/diagnosis.h"
+#include "server/diagnosis/diagnose.h"
 
 namespace driftwise::diagnosis {
 namespace {

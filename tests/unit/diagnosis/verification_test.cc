@@ -1,6 +1,6 @@
 // Verification on points that are written down here.
 
-#include "server/diagnosis/verification.h"
+#include "server/diagnosis/check/verification.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <random>
 
-#include "server/diagnosis/heading.h"
+#include "server/diagnosis/report/heading.h"
 #include "server/formats/diagnosis/html_text.h"
 #include "server/formats/diagnosis/report_style.h"
 #include "server/formats/diagnosis/svg_plot.h"

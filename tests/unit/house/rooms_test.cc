@@ -19,14 +19,12 @@ namespace fs = std::filesystem;
 const fs::path kTree = DRIFTWISE_SOURCE_DIR;
 constexpr std::size_t kMostUnits = 20;
 
-// server/diagnosis is divided together with its new search.
-const std::set<std::string> kNotYetDivided = {"server/diagnosis"};
-
 // The rooms of docs/architecture.md that hold sub-rooms.
 const std::vector<std::string> kRoomsWithSubRooms = {"server/core",
                                                      "server/calibration",
                                                      "server/formats",
                                                      "server/application",
+                                                     "server/diagnosis",
                                                      "server/rpc",
                                                      "storage",
                                                      "clients/cli",
@@ -79,7 +77,6 @@ TEST(Rooms, HoldAtMostTwentyUnitsPerFolder) {
   const auto folders = units_by_folder();
   ASSERT_GT(folders.size(), 40U) << "the tree was not found at " << kTree;
   for (const auto& [folder, units] : folders) {
-    if (kNotYetDivided.contains(folder)) continue;
     EXPECT_LE(units.size(), kMostUnits) << folder << " needs sub-rooms";
   }
 }

@@ -1,7 +1,7 @@
 // Errors of an arm's joints on a plant of its own: four joints whose points, masses and torques are
 // trigonometry written out here, in another form than the daemon's chain of links.
 
-#include "server/diagnosis/arm_diagnosis.h"
+#include "server/diagnosis/robot/arm_diagnosis.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <numbers>
 #include <random>
 
-#include "server/diagnosis/robot_diagnosis.h"
+#include "server/diagnosis/robot/robot_diagnosis.h"
 #include "server/formats/cell_file/kinematics_section.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "tests/unit/diagnosis/robots/finding_names.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "server/diagnosis/diagnosis.h"
+#include "server/diagnosis/answer/diagnosis.h"
 
 namespace driftwise::diagnosis {
 

@@ -1,7 +1,7 @@
 // An arm of three joints whose points come from trigonometry written out here, with deviations that
 // its drawing does not know.
 
-#include "server/diagnosis/robot_diagnosis.h"
+#include "server/diagnosis/robot/robot_diagnosis.h"
 
 #include <gtest/gtest.h>
 

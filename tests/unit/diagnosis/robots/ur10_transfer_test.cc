@@ -10,8 +10,8 @@
 #include <iterator>
 #include <random>
 
-#include "server/diagnosis/arm_diagnosis.h"
-#include "server/diagnosis/geometry.h"
+#include "server/diagnosis/robot/arm_diagnosis.h"
+#include "server/diagnosis/robot/geometry.h"
 #include "server/formats/cell_file/kinematics_section.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/import/import_dataset.h"

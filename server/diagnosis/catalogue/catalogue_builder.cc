@@ -1,0 +1,119 @@
+#include "server/diagnosis/catalogue/catalogue_builder.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "server/effects/term_order.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+constexpr int kPerDecade = 7;  // of a time constant or a width
+
+// What a machine does, as a channel says it: speed in rpm, current in A, power in W, duty.
+bool is_activity(const Channel& channel) {
+  static constexpr std::array kUnits = {"rpm", "1/min", "Hz",   "1/s", "A",      "mA", "W", "kW",
+                                        "V",   "mm/s",  "um/s", "m/s", "mm/min", "%",  "1"};
+  static constexpr std::array kNot = {"air", "pressure", "humidity", "dwell"};
+  const std::string& symbol = channel.symbol;
+  return std::ranges::find(kUnits, channel.unit) != kUnits.end() &&
+         std::ranges::none_of(kNot, [&](const char* one) { return symbol.starts_with(one); }) &&
+         !symbol.ends_with("_set") && !symbol.ends_with("_cmd") && !symbol.ends_with("_std");
+}
+
+}  // namespace
+
+std::vector<double> log_grid(double low, double high) {
+  std::vector<double> values;
+  if (!(high > low) || !(low > 0)) return values;
+  const int steps = std::max(1, static_cast<int>(std::ceil(std::log10(high / low) * kPerDecade)));
+  for (int i = 0; i <= steps; ++i) values.push_back(low * std::pow(high / low, i / double(steps)));
+  return values;
+}
+
+effects::Term power_term(const std::string& symbol, int exponent) {
+  return {{effects::Power{symbol, exponent}}};
+}
+
+effects::Term call_term(const std::string& effect, std::vector<std::string> symbols,
+                        std::vector<effects::Quantity> parameters) {
+  return {{effects::Call{effect, std::move(symbols), std::move(parameters)}}};
+}
+
+CatalogueBuilder::CatalogueBuilder(const Dataset& dataset, const std::vector<effects::Term>& base,
+                                   const std::vector<std::string>& excluded)
+    : dataset_(dataset), excluded_(excluded.begin(), excluded.end()) {
+  for (const auto& term : base) known_.insert(effects::notation(effects::canonical(term)));
+  for (const auto& column : dataset.columns) {
+    const auto& channel = column.channel;
+    if (!varies(channel.symbol)) continue;
+    const bool pose = is_pose_symbol(channel.symbol);
+    if (is_activity(channel)) activities_.push_back(channel.symbol);
+    if (is_structure_temperature(channel)) temperatures_.push_back(channel.symbol);
+    if (channel.unit == "mm" && pose) axes_.push_back(channel.symbol);
+    if (channel.unit == "arcsec" && pose) tilts_.push_back(channel.symbol);
+    if (channel.unit == "mm" && is_motor_symbol(channel.symbol)) motors_.push_back(channel.symbol);
+  }
+  if (!dataset.time_s.empty()) {
+    const auto [low, high] = std::ranges::minmax_element(dataset.time_s);
+    length_s_ = *high - *low;
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < dataset.rows; ++i)
+      steps.push_back(dataset.time_s[i] - dataset.time_s[i - 1]);
+    if (!steps.empty()) {
+      std::ranges::nth_element(steps,
+                               steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2));
+      step_s_ = std::max(steps[steps.size() / 2], length_s_ / 1e6);
+    }
+  }
+}
+
+bool CatalogueBuilder::varies(const std::string& symbol) const { return range(symbol) > 0; }
+
+double CatalogueBuilder::range(const std::string& symbol) const {
+  if (excluded_.contains(symbol)) return 0;
+  double low = INFINITY, high = -INFINITY;
+  for (const double value : dataset_.values_of(symbol)) {
+    if (!std::isfinite(value)) continue;
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  return std::max(high - low, 0.0);
+}
+
+bool CatalogueBuilder::known(const effects::Term& term) const {
+  return known_.contains(effects::notation(effects::canonical(term)));
+}
+
+void CatalogueBuilder::missing(const std::string& cause, const std::string& why) {
+  for (auto& one : catalogue_.not_testable)
+    if (one.cause == cause) {
+      one.why += "; " + why;
+      return;
+    }
+  catalogue_.not_testable.push_back({cause, why});
+}
+
+void CatalogueBuilder::add_terms(Cause& cause, const std::vector<effects::Term>& terms,
+                                 double parameter) const {
+  Cell cell{parameter, {}};
+  for (const auto& term : terms)
+    if (!known(term)) cell.terms.push_back(effects::canonical(term));
+  if (cell.terms.empty()) return;
+  for (const auto& other : cause.cells)
+    if (other.terms == cell.terms) return;
+  cause.cells.push_back(std::move(cell));
+}
+
+void CatalogueBuilder::add_values(
+    Cause& cause, const std::vector<double>& values,
+    const std::function<std::vector<effects::Term>(double)>& terms) const {
+  for (const double value : values) cause.cells.push_back({value, terms(value)});
+}
+
+void CatalogueBuilder::take_cause(Cause cause) {
+  if (!cause.cells.empty()) catalogue_.causes.push_back(std::move(cause));
+}
+
+}  // namespace driftwise::diagnosis

@@ -1,0 +1,97 @@
+// Temperatures and force.
+
+#include <algorithm>
+
+#include "server/core/data/reading.h"
+#include "server/diagnosis/catalogue/catalogue_builder.h"
+#include "server/effects/term_order.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+using effects::AppliesTo;
+using effects::Term;
+
+// A rate is a lag in the limit of a short time constant, and what follows one takes a minute or
+// two.
+constexpr double kRateSteps = 2, kLongestRateSteps = 8, kLongestRate_s = 120;
+constexpr double kShortestLagSteps = 4;
+
+Cause of_robot(const std::string& id, const std::string& subject, LinearParameter linear) {
+  return {.id = id,
+          .subject = subject,
+          .where = "robot",
+          .applies_to = AppliesTo::robot,
+          .linear = linear};
+}
+
+// Each product of an axis with this variable alone, and all together.
+void add_axis_products(CatalogueBuilder& builder, Cause cause, const Term& variable) {
+  std::vector<Term> all;
+  for (const auto& axis : builder.axes()) {
+    all.push_back(effects::product(power_term(axis), variable));
+    builder.add_terms(cause, {all.back()}, kMissing);
+  }
+  builder.add_terms(cause, all, kMissing);
+  builder.take_cause(std::move(cause));
+}
+
+}  // namespace
+
+void add_temperatures(CatalogueBuilder& builder) {
+  if (builder.temperatures().empty()) {
+    for (const char* id : {"thermal_offset", "thermal_lag", "thermal_rate", "thermal_expansion"})
+      builder.missing(id, "no structure temperature (a channel in degC or K) varies");
+    return;
+  }
+  for (const auto& t : builder.temperatures()) {
+    Cause offset = of_robot("thermal_offset", t, LinearParameter::nm_per_k);
+    builder.add_terms(offset, {power_term(t)}, kMissing);
+    builder.take_cause(std::move(offset));
+    add_axis_products(builder, of_robot("thermal_expansion", t, LinearParameter::ppm_per_k),
+                      power_term(t));
+    if (!builder.timed()) continue;
+    Cause lag = of_robot("thermal_lag", t, LinearParameter::none);
+    lag.parameter = "tau_s";
+    lag.scale = ParameterScale::logarithmic;
+    builder.add_values(
+        lag, log_grid(std::max(kShortestLagSteps * builder.step_s(), 1.0), builder.length_s() / 2),
+        [&](double tau) {
+          return std::vector<Term>{call_term("lag", {t}, {{tau, "s"}})};
+        });
+    builder.take_cause(std::move(lag));
+    Cause rate = of_robot("thermal_rate", t, LinearParameter::nm_per_k_per_h);
+    const double longest_s = std::max(kLongestRateSteps * builder.step_s(), kLongestRate_s);
+    for (double over_s = std::max(kRateSteps * builder.step_s(), 1.0); over_s <= longest_s;
+         over_s *= 2)
+      builder.add_terms(rate, {call_term("rate", {t}, {{over_s, "s"}})}, kMissing);
+    builder.take_cause(std::move(rate));
+  }
+  if (builder.axes().empty()) builder.missing("thermal_expansion", "no pose axis varies");
+  if (!builder.timed())
+    for (const char* id : {"thermal_lag", "thermal_rate"})
+      builder.missing(id, "the data have no time_s");
+}
+
+void add_force(CatalogueBuilder& builder) {
+  if (!builder.varies("force")) {
+    for (const char* id : {"force_compliance", "force_nonlinearity", "force_position_coupling"})
+      builder.missing(id, "no force_N that varies");
+    return;
+  }
+  Cause compliance = of_robot("force_compliance", "F", LinearParameter::nm_per_n);
+  builder.add_terms(compliance, {power_term("force")}, kMissing);
+  builder.take_cause(std::move(compliance));
+  Cause bend = of_robot("force_nonlinearity", "F", LinearParameter::none);
+  bend.parameter = "degree";
+  for (int d : {2, 3}) builder.add_terms(bend, {power_term("force", d)}, d);
+  builder.add_terms(bend, {power_term("force", 2), power_term("force", 3)}, 3);
+  if (bend.cells.empty()) builder.add_terms(bend, {power_term("force", 4)}, 4);
+  builder.take_cause(std::move(bend));
+  add_axis_products(builder,
+                    of_robot("force_position_coupling", "F", LinearParameter::nm_per_n_per_mm),
+                    power_term("force"));
+  if (builder.axes().empty()) builder.missing("force_position_coupling", "no pose axis varies");
+}
+
+}  // namespace driftwise::diagnosis

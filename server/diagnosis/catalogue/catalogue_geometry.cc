@@ -1,0 +1,90 @@
+// Geometry that the simulation lacks: powers of an axis, products of two or three.
+
+#include <algorithm>
+
+#include "server/core/data/reading.h"
+#include "server/diagnosis/catalogue/catalogue_builder.h"
+#include "server/effects/term_order.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+using effects::AppliesTo;
+using effects::Term;
+
+constexpr int kDegreesBeyond = 3;  // of one axis
+constexpr int kHighestKnown = 9;
+
+Cause geometry(const std::string& subject) {
+  return {.id = "geometry_order",
+          .subject = subject,
+          .where = "robot",
+          .applies_to = AppliesTo::robot,
+          .parameter = "degree"};
+}
+
+// All products of these axes, each at least once, of one total degree.
+std::vector<Term> products_of_degree(const std::vector<std::string>& axes, int degree) {
+  std::vector<Term> terms;
+  std::vector<int> exponent(axes.size(), 1);
+  const auto fill = [&](const auto& self, std::size_t at, int left) -> void {
+    if (at + 1 == axes.size()) {
+      exponent[at] = left;
+      Term term;
+      for (std::size_t i = 0; i < axes.size(); ++i)
+        term = effects::product(term, power_term(axes[i], exponent[i]));
+      terms.push_back(std::move(term));
+      return;
+    }
+    for (int e = 1; e <= left - static_cast<int>(axes.size() - at - 1); ++e) {
+      exponent[at] = e;
+      self(self, at + 1, left - e);
+    }
+  };
+  if (degree >= static_cast<int>(axes.size())) fill(fill, 0, degree);
+  return terms;
+}
+
+// The lowest total degree of which the simulation lacks a product, and the next: each such term
+// alone, and all of the lowest degree together.
+void products(CatalogueBuilder& builder, const std::vector<std::string>& axes) {
+  std::string subject;
+  for (const auto& axis : axes) subject += (subject.empty() ? "" : ":") + axis;
+  Cause cause = geometry(subject);
+  int degree = static_cast<int>(axes.size());
+  const auto all_known = [&](int d) {
+    return std::ranges::all_of(products_of_degree(axes, d),
+                               [&](const Term& term) { return builder.known(term); });
+  };
+  while (degree < kHighestKnown && all_known(degree)) ++degree;
+  for (int d = degree; d <= degree + 1; ++d)
+    for (const auto& term : products_of_degree(axes, d))
+      builder.add_terms(cause, {term}, static_cast<double>(d));
+  builder.add_terms(cause, products_of_degree(axes, degree), static_cast<double>(degree));
+  builder.take_cause(std::move(cause));
+}
+
+}  // namespace
+
+void add_geometry(CatalogueBuilder& builder) {
+  const auto& axes = builder.axes();
+  for (const auto& axis : axes) {
+    Cause cause = geometry(axis);
+    int degree = 0;
+    while (degree < kHighestKnown && builder.known(power_term(axis, degree + 1))) ++degree;
+    std::vector<Term> terms;
+    for (int d = degree + 1; d <= degree + kDegreesBeyond; ++d) {
+      builder.add_terms(cause, {power_term(axis, d)}, d);
+      terms.push_back(power_term(axis, d));
+      builder.add_terms(cause, terms, d);
+    }
+    builder.take_cause(std::move(cause));
+  }
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    for (std::size_t j = i + 1; j < axes.size(); ++j) products(builder, {axes[i], axes[j]});
+  if (axes.size() == 3) products(builder, axes);
+  if (axes.empty()) builder.missing("geometry_order", "no pose axis x, y or z varies");
+  builder.missing("geometry_parameter", "no kinematic model is given");
+}
+
+}  // namespace driftwise::diagnosis

@@ -1,0 +1,91 @@
+// What the robot's own motion leaves behind: play, creep, heat.
+
+#include <algorithm>
+
+#include "server/core/units.h"
+#include "server/diagnosis/catalogue/catalogue_builder.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+using effects::AppliesTo;
+using effects::Term;
+
+constexpr double kWidestPlayNm = 1e5, kNarrowestPlayNm = 10;
+
+Cause of_motor(const std::string& id, const std::string& q, const std::string& parameter) {
+  return {.id = id,
+          .subject = q,
+          .where = "robot",
+          .applies_to = AppliesTo::robot,
+          .parameter = parameter,
+          .scale = ParameterScale::logarithmic};
+}
+
+}  // namespace
+
+void add_activities(CatalogueBuilder& builder) {
+  if (builder.activities().empty())
+    builder.missing("activity_heating", "no channel of an activity (rpm, A, W, %, mm/s) varies");
+  else if (!builder.timed())
+    builder.missing("activity_heating", "the data have no time_s");
+  else
+    for (const auto& of : builder.activities()) {
+      Cause heat{.id = "activity_heating",
+                 .subject = of,
+                 .where = "robot",
+                 .applies_to = AppliesTo::robot,
+                 .parameter = "tau_s",
+                 .scale = ParameterScale::logarithmic};
+      builder.add_values(heat,
+                         log_grid(std::max(4 * builder.step_s(), 1.0), builder.length_s() / 2),
+                         [&](double tau) {
+                           return std::vector<Term>{call_term("lag", {of}, {{tau, "s"}})};
+                         });
+      builder.take_cause(std::move(heat));
+    }
+}
+
+void add_motion(CatalogueBuilder& builder) {
+  if (builder.motors().empty()) {
+    for (const char* id : {"backlash", "creep", "self_heating"})
+      builder.missing(id, "no motor coordinate (q1, q2, ... in a length) varies");
+    return;
+  }
+  const bool dwells = builder.timed() && builder.varies("dwell");
+  for (const auto& q : builder.motors()) {
+    Cause play = of_motor("backlash", q, "width_nm");
+    play.linear = LinearParameter::width_nm;
+    play.outputs = {q};
+    builder.add_values(play,
+                       log_grid(kNarrowestPlayNm,
+                                std::clamp(nm_from_mm(builder.range(q)) / 4, 20.0, kWidestPlayNm)),
+                       [&](double width) {
+                         return std::vector<Term>{call_term("play", {q}, {{width, "nm"}})};
+                       });
+    builder.take_cause(std::move(play));
+    if (!builder.timed()) continue;
+    Cause heat = of_motor("self_heating", q, "tau_s");
+    builder.add_values(heat, log_grid(std::max(4 * builder.step_s(), 1.0), builder.length_s() / 2),
+                       [&](double tau) {
+                         return std::vector<Term>{call_term("heat", {q}, {{tau, "s"}})};
+                       });
+    builder.take_cause(std::move(heat));
+    Cause creep = of_motor("creep", q, "tau_s");
+    creep.outputs = {q};
+    builder.add_values(
+        creep,
+        log_grid(std::max(0.2 * builder.step_s(), 0.1),
+                 std::min(builder.length_s() / 2, 200 * builder.step_s())),
+        [&](double tau) {
+          return std::vector<Term>{
+              call_term("creep", dwells ? std::vector{q, std::string("dwell")} : std::vector{q},
+                        {{tau, "s"}})};
+        });
+    builder.take_cause(std::move(creep));
+  }
+  if (!builder.timed())
+    for (const char* id : {"self_heating", "creep"}) builder.missing(id, "the data have no time_s");
+}
+
+}  // namespace driftwise::diagnosis

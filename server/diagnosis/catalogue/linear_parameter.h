@@ -1,0 +1,19 @@
+#pragma once
+// What a cause's linear coefficients mean: the numbers of the catalogue.
+
+#include <string>
+#include <vector>
+
+#include "server/diagnosis/catalogue/cause.h"
+
+namespace driftwise::diagnosis {
+
+struct LinearNumber {
+  std::string name;   // "nm_per_k"; "" where the catalogue has none for this coefficient
+  double factor = 1;  // number = factor x coefficient in nm per unit of the term
+};
+
+// term: one of the finding's, at its best parameter.
+LinearNumber linear_number(LinearParameter parameter, const effects::Term& term, double value);
+
+}  // namespace driftwise::diagnosis

@@ -1,0 +1,340 @@
+#include "server/diagnosis/catalogue/physics.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "server/core/units.h"
+#include "server/diagnosis/noise/robust.h"
+#include "server/diagnosis/rows/held_out_gain.h"
+#include "server/effects/term_order.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"}, kTilts = {"rx", "ry", "rz"};
+
+// Steel 11.7, aluminium 23.6, invar 1.2 ppm/K (Kaye and Laby, section 2.3.5).
+constexpr double kExpansion_ppm_per_k = 12, kLargestExpansion_ppm_per_k = 30;
+constexpr double kSmallestMachine_mm = 100;   // of what carries a short stage
+constexpr double kRateTime_h = 900.0 / 3600;  // of a delay that shows as a rate
+constexpr double kHeating_k = 0.3;            // of a motor's surroundings
+constexpr double kActivity_k = 1;             // of a spindle's
+constexpr double kGeometry = 1e-4;            // of the stroke: straightness and scale of stages
+constexpr double kPlay = 2e-5, kPlay_nm = 200;
+constexpr double kWave_nm = 20, kWaveOfPeriod = 1e-3, kWaveOfStroke = 1e-5;
+constexpr double kCompliance_nm_per_n = 100;  // 10 N/um
+constexpr double kLever_mm = 20, kDeadPath_mm = 100, kBeam_mm = 500;
+// A beam at an angle walks off by twice angle x stroke on its way there and back: by half of an
+// aperture of 6 mm it is lost. Nothing is mounted worse than by a degree.
+constexpr double kBeamWalk_mm = 3, kWorstMount_arcsec = 3600, kOfWorstBeam = 1.0 / 3;
+constexpr double kDrift_nm_per_h = 50, kScaleDrift_ppm_per_h = 1;
+constexpr double kJump_nm = 316.4;  // half a wavelength of a helium-neon laser
+// Refractivity of air at 20 degC, 1013.25 hPa, 50 % (Edlen; Birch and Downs 1994).
+constexpr double kAir_ppm_per_k = 0.95, kAir_ppm_per_hpa = 0.27, kAir_ppm_per_pct = 0.01;
+constexpr double kFreeShape = 0.5;  // of the noise of a row
+constexpr double kOfNoise = 10;     // what is neither declared nor known, over the noise of a row
+constexpr double kRange = 20;       // of a typical size, where physics sets no sharper end
+
+// Of the three names, the one that the term reads; -1: none.
+int read_by(const effects::Term& term, const std::array<const char*, 3>& names) {
+  for (const auto& symbol : effects::symbols_of(term))
+    for (std::size_t i = 0; i < names.size(); ++i)
+      if (symbol == names[i]) return static_cast<int>(i);
+  return -1;
+}
+
+double air_ppm(const effects::Term& term) {
+  for (const auto& factor : term.factors) {
+    if (const auto* call = std::get_if<effects::Call>(&factor);
+        call != nullptr && call->effect == "air_index")
+      return 1;
+    if (const auto* power = std::get_if<effects::Power>(&factor)) {
+      if (power->symbol == "air") return kAir_ppm_per_k;
+      if (power->symbol == "pressure") return kAir_ppm_per_hpa;
+      if (power->symbol == "humidity") return kAir_ppm_per_pct;
+    }
+  }
+  return 1;
+}
+
+int exponent_of(const effects::Term& term, const std::string& symbol) {
+  for (const auto& factor : term.factors)
+    if (const auto* power = std::get_if<effects::Power>(&factor);
+        power != nullptr && power->symbol == symbol)
+      return power->exponent;
+  return 1;
+}
+
+// Output over x, y, z by least squares: enough to turn a limit along one into one of the other.
+Eigen::MatrixXd slopes_of(const Problem& problem) {
+  const auto rows = static_cast<Eigen::Index>(problem.learn.size());
+  std::vector<Eigen::Index> axes;
+  Eigen::MatrixXd pose = Eigen::MatrixXd::Ones(rows, 4);
+  Eigen::Index count = 1;
+  for (std::size_t axis = 0; axis < kAxes.size(); ++axis) {
+    const auto values = problem.data().values_of(kAxes[axis]);
+    if (values.empty()) continue;
+    for (Eigen::Index i = 0; i < rows; ++i)
+      pose(i, count) = values[problem.learn[static_cast<std::size_t>(i)]];
+    const double first = pose(0, count);
+    if (!pose.col(count).allFinite() || (pose.col(count).array() == first).all()) continue;
+    axes.push_back(static_cast<Eigen::Index>(axis));
+    ++count;
+  }
+  const auto outputs = static_cast<Eigen::Index>(problem.outputs.size());
+  Eigen::MatrixXd slopes = Eigen::MatrixXd::Zero(outputs, 3);
+  if (rows <= count) return slopes;
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(pose.leftCols(count));
+  for (Eigen::Index o = 0; o < outputs; ++o) {
+    Eigen::VectorXd measured(rows);
+    for (Eigen::Index i = 0; i < rows; ++i)
+      measured[i] =
+          problem.outputs[static_cast<std::size_t>(o)]
+              .measured[static_cast<Eigen::Index>(problem.learn[static_cast<std::size_t>(i)])];
+    const Eigen::VectorXd b = qr.solve(measured);
+    for (std::size_t k = 0; k < axes.size(); ++k)
+      slopes(o, axes[k]) = b[static_cast<Eigen::Index>(k) + 1];
+  }
+  return slopes;
+}
+
+}  // namespace
+
+double noise_between_neighbours(const Problem& problem, std::size_t output,
+                                const Eigen::MatrixXd& columns) {
+  const Eigen::VectorXd left = residuals(problem, problem.outputs[output], columns);
+  std::vector<double> apart, about;
+  for (std::size_t i = 0; i < problem.learn.size(); ++i) {
+    const double here = left[static_cast<Eigen::Index>(problem.learn[i])];
+    about.push_back(here);
+    if (i > 0)
+      apart.push_back((here - left[static_cast<Eigen::Index>(problem.learn[i - 1])]) /
+                      std::sqrt(2.0));
+  }
+  const double sd = std::min(robust_sd(apart), robust_sd(about));
+  const double measured = problem.outputs[output].measured.cwiseAbs().maxCoeff();
+  return std::max({sd, 1e-13 * (std::isfinite(measured) ? measured : 1), 1e-12});
+}
+
+std::span<const PhysicsRecord> physics_table() {
+  static const std::vector<PhysicsRecord> table = {
+      {"geometry_order", "departure from the simulated geometry at the stroke's end",
+       "1e-4 of the longest stroke or 10 sigma", "20 x", "straightness and scale of stages"},
+      {"thermal_offset", "nm/K", "12 ppm/K x the machine's length (2 strokes, 100 mm at least)",
+       "20 x", "Kaye and Laby 2.3.5: steel 11.7, aluminium 23.6 ppm/K"},
+      {"thermal_lag", "nm/K", "as thermal_offset", "20 x", "as thermal_offset"},
+      {"thermal_rate", "nm per K/h", "thermal_offset x 15 min", "20 x",
+       "delay of a minute to an hour"},
+      {"thermal_expansion", "ppm/K", "12", "30", "no material of machines grows more"},
+      {"self_heating", "nm over the range of the motion's heat", "0.3 K x thermal_offset", "20 x",
+       "motors of stages at some watts"},
+      {"activity_heating", "nm over the range of the activity", "1 K x thermal_offset", "20 x",
+       "spindles and motors warm their surroundings by kelvins"},
+      {"force_compliance", "nm/N", "100 or 10 sigma over the range of force", "50 x",
+       "10 N/um; flexures are softer"},
+      {"force_nonlinearity", "share of the linear part at the largest force", "0.3", "50 x",
+       "joints and contacts"},
+      {"force_position_coupling", "change of nm/N over the stroke", "as force_compliance", "50 x",
+       "a cantilever's length"},
+      {"backlash", "nm", "200, 2e-5 of the stroke or 10 sigma", "50 x", "screws 1 to 10 um"},
+      {"creep", "nm over the range of the moves", "1e-4 of the stroke or 10 sigma", "50 x",
+       "piezos 1 %, screws 1e-4"},
+      {"cyclic_error", "nm", "20, 1e-3 of the period within 1e-5 of the stroke, or 2 sigma", "10 x",
+       "interferometers 1 to 10 nm, scales 0.1 % of the pitch"},
+      {"abbe_offset", "mm", "20, or a third of what the cell allows",
+       "what the cell allows (u_offset_mm)", "centre of a mirror"},
+      {"cosine_error", "arcsec",
+       "a third of the angle at which the beam leaves a 6 mm aperture, 1200 at most; beam 500 mm",
+       "3 x", "the returning beam walks by 2 angle x stroke"},
+      {"refractive_index", "mm of dead path; share of the path measured", "100; 1", "10 x",
+       "Birch and Downs 1994"},
+      {"instrument_drift", "nm/h; ppm/h", "50 or 3 sigma over the duration; 1", "20 x",
+       "zero of interferometers and of probes"},
+      {"step_change", "nm", "316.4 or 10 sigma", "", "lost fringes; a slip has no end"},
+      {"periodic_disturbance", "nm", "20 or 2 sigma", "10 x", "air conditioning, vibration"},
+      {"joint_compliance", "urad per metre of lever; urad/(N m) where the links have masses",
+       "1000; 10", "20 x, falls only",
+       "10 kg on a gear of 1e5 N m/rad (Abele, CIRP Annals 56 (2007) 387)"},
+      {"gear_error", "arcsec, once and twice per turn of the joint", "40", "10 x",
+       "10 um of eccentricity on a radius of 50 mm"},
+      {"joint_offset_drift", "arcsec/K", "5", "20 x", "twice the expansion of steel"},
+      {"backlash joint", "arcsec between the flanks; gravity's torque chooses one", "20",
+       "10 x, positive", "gears of arms: less than a minute"},
+  };
+  return table;
+}
+
+Physics::Physics(const Problem& problem, const std::optional<LeverLimits>& levers, double width)
+    : problem_(problem), levers_(levers), width_(width), slopes_(slopes_of(problem)) {
+  for (const auto& column : problem.data().columns)
+    if (column.channel.unit == "mm" &&
+        (is_motor_symbol(column.channel.symbol) || is_pose_symbol(column.channel.symbol)))
+      longest_stroke_mm_ = std::max(longest_stroke_mm_, stroke_mm(column.channel.symbol));
+  const auto& time_s = problem.timeline.time_s;
+  if (time_s.size() > 1) hours_ = (time_s.maxCoeff() - time_s.minCoeff()) / 3600;
+  force_range_ = stroke_mm("force");
+  for (std::size_t o = 0; o < problem.outputs.size(); ++o)
+    noise_sd_.push_back(noise_between_neighbours(problem, o, problem.base_columns));
+}
+
+// max - min over the rows that learn.
+double Physics::stroke_mm(const std::string& symbol) const {
+  const auto values = problem_.data().values_of(symbol);
+  if (values.empty()) return 0;
+  double low = kUnlimited, high = -kUnlimited;
+  for (const std::size_t row : problem_.learn) {
+    if (!std::isfinite(values[row])) continue;
+    low = std::min(low, values[row]);
+    high = std::max(high, values[row]);
+  }
+  return std::max(high - low, 0.0);
+}
+
+double Physics::nm_per_unit(const Cause& cause, const effects::Term& term, double parameter,
+                            double column_range, std::size_t output) const {
+  const double sigma = noise_sd_[output], large = kOfNoise * sigma;
+  const double stroke_nm = nm_from_mm(longest_stroke_mm_);
+  const double per_k = kExpansion_ppm_per_k * std::max(2 * longest_stroke_mm_, kSmallestMachine_mm);
+  const double per_column = 1 / std::max(column_range, 1e-300);
+  const auto& id = cause.id;
+  if (id == "thermal_offset" || id == "thermal_lag") return per_k;
+  if (id == "thermal_rate") return per_k * kRateTime_h;
+  if (id == "thermal_expansion") return kExpansion_ppm_per_k;
+  if (id == "self_heating") return kHeating_k * per_k * per_column;
+  if (id == "activity_heating") return kActivity_k * per_k * per_column;
+  if (id == "backlash")
+    return std::max({kPlay_nm, kPlay * stroke_nm, large}) / parameter * kNmPerMm;
+  if (id == "creep") return std::max(kGeometry * stroke_nm, large) * per_column;
+  if (id == "cyclic_error")
+    return std::max(
+        {kWave_nm, std::min(kWaveOfPeriod * parameter, kWaveOfStroke * stroke_nm), 2 * sigma});
+  if (id == "periodic_disturbance") return std::max(kWave_nm, 2 * sigma);
+  if (id == "step_change") return std::max(kJump_nm, large);
+  if (id == "instrument_drift")
+    return term.factors.size() > 1 ? kScaleDrift_ppm_per_h
+                                   : std::max(kDrift_nm_per_h, 3 * sigma / std::max(hours_, 1e-9));
+  if (id == "geometry_order") {
+    double size = std::max(kGeometry * stroke_nm, large);
+    for (const auto& symbol : effects::symbols_of(term)) {
+      const int e = exponent_of(term, symbol);  // of a Chebyshev polynomial's first coefficient
+      size *= std::pow(2.0, e - 1) / std::pow(std::max(stroke_mm(symbol) / 2, 1e-12), e);
+    }
+    return size;
+  }
+  if (id.starts_with("force_")) {
+    const double per_n = std::max(kCompliance_nm_per_n, large / std::max(force_range_, 1e-12));
+    if (id == "force_compliance") return per_n;
+    if (id == "force_nonlinearity")
+      return 0.3 * per_n / std::pow(std::max(force_range_, 1e-12), exponent_of(term, "force") - 1);
+    for (const char* axis : kAxes)
+      if (const auto read = effects::symbols_of(term); std::ranges::find(read, axis) != read.end())
+        return per_n / std::max(stroke_mm(axis), 1e-12);
+    return per_n;
+  }
+  if (id == "abbe_offset") {
+    const int tilt = read_by(term, kTilts);
+    if (levers_ && tilt >= 0) {
+      double nm = 0;
+      for (int of = 0; of < 3; ++of) {
+        const double limit =
+            levers_->mm[static_cast<std::size_t>(of)][static_cast<std::size_t>(tilt)];
+        const double slope = std::abs(slopes_(static_cast<Eigen::Index>(output), of));
+        if (slope > 0) nm += slope * kRadPerArcsec * (std::isfinite(limit) ? limit / 3 : kLever_mm);
+      }
+      return nm;
+    }
+    return kLever_mm * kRadPerArcsec * kNmPerMm;
+  }
+  if (id == "cosine_error") {
+    const double lost_arcsec =
+        kBeamWalk_mm / (2 * std::max(longest_stroke_mm_, 1e-3)) / kRadPerArcsec;
+    const double arcsec = kOfWorstBeam * std::min(lost_arcsec, kWorstMount_arcsec);
+    const double turned = arcsec * kRadPerArcsec * kRadPerArcsec * kNmPerMm;
+    return term.factors.size() > 1 ? turned : turned * kBeam_mm;
+  }
+  if (id == "refractive_index")
+    return air_ppm(term) * (read_by(term, kAxes) >= 0 ? 1 : kDeadPath_mm);
+  return large * per_column;
+}
+
+double Physics::range_factor(const Cause& cause, const effects::Term& term, double parameter,
+                             double typical, std::size_t output) const {
+  (void)parameter;
+  const auto& id = cause.id;
+  if (id == "thermal_expansion") return kLargestExpansion_ppm_per_k / typical;
+  if (id == "abbe_offset") {
+    if (!levers_ || read_by(term, kTilts) < 0) return kUnlimited;
+    for (int of = 0; of < 3; ++of)  // a direction that no beam declares
+      if (slopes_(static_cast<Eigen::Index>(output), of) != 0 &&
+          std::isinf(levers_->mm[static_cast<std::size_t>(of)]
+                                [static_cast<std::size_t>(read_by(term, kTilts))]))
+        return kUnlimited;
+    return 3;
+  }
+  if (id == "step_change") return kUnlimited;
+  if (id.starts_with("force_") || id == "backlash" || id == "creep") return 50;
+  if (id == "instrument_drift") return 20;
+  if (id == "cosine_error") return 1 / kOfWorstBeam;
+  if (id == "cyclic_error" || id == "periodic_disturbance" || id == "refractive_index") return 10;
+  return kRange;
+}
+
+AmplitudePrior Physics::prior(const Cause& cause, const std::vector<effects::Term>& terms,
+                              double parameter,
+                              const Eigen::Ref<const Eigen::MatrixXd>& columns) const {
+  AmplitudePrior result;
+  const auto count = static_cast<Eigen::Index>(terms.size());
+  const auto outputs = static_cast<Eigen::Index>(problem_.outputs.size());
+  result.typical = result.range = Eigen::MatrixXd::Zero(count, outputs);
+  for (Eigen::Index o = 0; o < outputs; ++o) {
+    const auto& output = problem_.outputs[static_cast<std::size_t>(o)];
+    if (!cause.outputs.empty() &&
+        std::ranges::find(cause.outputs, output.channel.symbol) == cause.outputs.end())
+      continue;
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const auto& term = terms[static_cast<std::size_t>(k)];
+      const double column_range = columns.col(k).maxCoeff() - columns.col(k).minCoeff();
+      if (!(column_range > 0)) continue;
+      const auto at = static_cast<std::size_t>(o);
+      // The table is of lengths; of anything else only the noise is known.
+      const bool length = output.unit == "nm";
+      const double typical = length ? nm_per_unit(cause, term, parameter, column_range, at)
+                                    : 2 * kOfNoise * noise_sd_[at] / column_range;
+      result.typical(k, o) = width_ * typical;
+      result.range(k, o) =
+          width_ * typical *
+          (length ? range_factor(cause, term, parameter, typical, at) : kUnlimited);
+    }
+  }
+  return result;
+}
+
+Eigen::VectorXd Physics::shared_precision(const AmplitudePrior& prior,
+                                          const std::vector<double>& noise_sd) {
+  Eigen::VectorXd precision(prior.typical.rows());
+  for (Eigen::Index k = 0; k < precision.size(); ++k) {
+    double sum = 0, count = 0;
+    for (Eigen::Index o = 0; o < prior.typical.cols(); ++o)
+      if (prior.typical(k, o) > 0) {
+        sum += 2 * std::log(noise_sd[static_cast<std::size_t>(o)] / prior.typical(k, o));
+        count += 1;
+      }
+    precision[k] = count > 0 ? std::exp(sum / count) : 1e300;
+  }
+  return precision;
+}
+
+Eigen::MatrixXd Physics::of_free_shape(const Eigen::Ref<const Eigen::MatrixXd>& columns) const {
+  Eigen::MatrixXd sd(columns.cols(), static_cast<Eigen::Index>(problem_.outputs.size()));
+  for (Eigen::Index k = 0; k < columns.cols(); ++k)
+    for (Eigen::Index o = 0; o < sd.cols(); ++o)
+      sd(k, o) = kFreeShape * noise_sd_[static_cast<std::size_t>(o)] /
+                 std::max(columns.col(k).cwiseAbs().maxCoeff(), 1e-300);
+  return sd;
+}
+
+}  // namespace driftwise::diagnosis

@@ -1,0 +1,74 @@
+#pragma once
+// The catalogue's table of physics: how large each cause's amplitude typically is, how large it can
+// be, and from where that is known. Evidence for a cause is its marginal likelihood under the
+// Gaussian prior N(0, typical^2); an amplitude beyond the range is not that cause.
+//
+// A cell narrows a prior by what it declares (lever arms: lever_limits.h); a file from anywhere has
+// the wide default.
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/diagnosis/answer/lever_limits.h"
+#include "server/diagnosis/catalogue/cause.h"
+#include "server/diagnosis/rows/problem.h"
+
+namespace driftwise::diagnosis {
+
+// One row of the table, for people: docs/diagnosis.md has the same text.
+struct PhysicsRecord {
+  const char* cause;
+  const char* amplitude;  // what the number is
+  const char* typical;    // standard deviation of the prior
+  const char* range;      // "" for none
+  const char* source;
+};
+std::span<const PhysicsRecord> physics_table();
+
+struct AmplitudePrior {
+  // terms x outputs, summary unit of the output per unit of the term. 0: the cause does not act
+  // there.
+  Eigen::MatrixXd typical, range;
+};
+
+// Of the rows' noise, from what neighbours in time differ by after a least-squares fit of these
+// columns (every row of the dataset): a slow effect is hardly in it. Summary unit.
+double noise_between_neighbours(const Problem& problem, std::size_t output,
+                                const Eigen::MatrixXd& columns);
+
+class Physics {
+ public:
+  // problem outlives it. width: every typical size and range is multiplied by it.
+  Physics(const Problem& problem, const std::optional<LeverLimits>& levers, double width = 1);
+
+  // columns: of the terms, one row per block.
+  AmplitudePrior prior(const Cause& cause, const std::vector<effects::Term>& terms,
+                       double parameter, const Eigen::Ref<const Eigen::MatrixXd>& columns) const;
+  // Prior variance over noise variance, as a precision, for columns of the simulation that all
+  // outputs share: the geometric mean over the outputs where the cause acts.
+  // noise_sd: of a row, per output, with what is named in the simulation.
+  static Eigen::VectorXd shared_precision(const AmplitudePrior& prior,
+                                          const std::vector<double>& noise_sd);
+  double noise_sd(std::size_t output) const { return noise_sd_[output]; }
+  // Of a shape that no physics describes: half the standard deviation of the noise at its largest.
+  Eigen::MatrixXd of_free_shape(const Eigen::Ref<const Eigen::MatrixXd>& columns) const;
+
+ private:
+  double stroke_mm(const std::string& symbol) const;
+  double nm_per_unit(const Cause& cause, const effects::Term& term, double parameter,
+                     double column_range, std::size_t output) const;
+  double range_factor(const Cause& cause, const effects::Term& term, double parameter,
+                      double typical, std::size_t output) const;
+
+  const Problem& problem_;
+  std::optional<LeverLimits> levers_;
+  double width_ = 1;
+  double longest_stroke_mm_ = 0, hours_ = 0, force_range_ = 0;
+  std::vector<double> noise_sd_;  // of neighbouring rows, summary units
+  Eigen::MatrixXd slopes_;        // outputs x 3, nm per mm of x y z; 0 where an axis does not vary
+};
+
+}  // namespace driftwise::diagnosis

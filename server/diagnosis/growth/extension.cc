@@ -1,0 +1,344 @@
+#include "server/diagnosis/growth/extension.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "server/core/try.h"
+#include "server/diagnosis/answer/cancelled.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+constexpr std::size_t kMostContenders = 8;
+constexpr int kRounds = 2;
+constexpr std::size_t kMostFurther = 2;
+
+Eigen::MatrixXd beside(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  Eigen::MatrixXd both(a.rows(), a.cols() + b.cols());
+  both << a, b;
+  return both;
+}
+
+std::vector<double> values_of(const Named& named) {
+  std::vector<double> values = {named.parameter};
+  values.insert(values.end(), named.further.begin(), named.further.end());
+  return values;
+}
+
+// terms: of one value.
+std::vector<effects::Term> at_values(const std::vector<effects::Term>& terms,
+                                     const std::vector<double>& values) {
+  std::vector<effects::Term> result;
+  for (const double value : values) {
+    const auto there = with_parameter(terms, value);
+    result.insert(result.end(), there.begin(), there.end());
+  }
+  return result;
+}
+
+}  // namespace
+
+Extension::Extension(const Problem& problem, const std::vector<Cause>& causes,
+                     const Eigen::MatrixXd& series, Search& search, const Physics& physics,
+                     std::function<bool()> tick)
+    : problem_(problem),
+      causes_(causes),
+      series_(series),
+      search_(search),
+      tick_(std::move(tick)),
+      physics_(physics),
+      told_from_geometry_(problem),
+      gate_(problem, series, search.bank()),
+      ruled_out_(causes.size(), 0),
+      forbidden_(causes.size(), 0) {
+  for (std::size_t o = 0; o < problem.outputs.size(); ++o) noise_sd_.push_back(physics.noise_sd(o));
+  const auto& time_s = problem.data().time_s;
+  for (std::size_t i = 1; i < time_s.size(); ++i)
+    if (time_s[i] > time_s[i - 1]) instants_.push_back((time_s[i] + time_s[i - 1]) / 2);
+}
+
+SoftBase Extension::learned(std::optional<std::size_t> without) const {
+  SoftBase base = all(without);
+  base.columns = problem_.learned(base.columns);
+  return base;
+}
+
+SoftBase Extension::all(std::optional<std::size_t> without) const {
+  SoftBase base(problem_.base_columns, Eigen::VectorXd::Zero(problem_.base_columns.cols()));
+  for (std::size_t i = 0; i < named_.size(); ++i) {
+    if (i == without) continue;
+    base.columns = beside(base.columns, named_[i].all);
+    Eigen::VectorXd precision(base.columns.cols());
+    precision << base.precision, Physics::shared_precision(named_[i].prior, noise_sd_);
+    base.precision = std::move(precision);
+  }
+  return base;
+}
+
+SoftBase Extension::described(std::size_t output, std::optional<std::size_t> without) const {
+  SoftBase base = all(without);
+  Eigen::Index at = problem_.base_columns.cols();
+  for (std::size_t i = 0; i < named_.size(); ++i) {
+    if (i == without) continue;
+    const auto& typical = named_[i].prior.typical.col(static_cast<Eigen::Index>(output));
+    for (Eigen::Index k = 0; k < typical.size(); ++k, ++at) {
+      const double sd = typical[k] * named_[i].share[output];
+      base.precision[at] = sd > 0 ? std::pow(noise_sd_[output] / sd, 2) : 1e300;
+    }
+  }
+  return base;
+}
+
+std::vector<char> Extension::allowed() const {
+  std::vector<char> allowed(causes_.size(), 1);
+  for (std::size_t c = 0; c < causes_.size(); ++c)
+    if (ruled_out_[c] != 0 || forbidden_[c] != 0) allowed[c] = 0;
+  for (const auto& one : named_)
+    allowed[one.cause] = forbidden_[one.cause] == 0 && has_values(causes_[one.cause]) &&
+                         one.further.size() < kMostFurther;
+  return allowed;
+}
+
+Ground Extension::ground(std::optional<std::size_t> without,
+                         const std::vector<NoiseShape>& shapes) const {
+  return {problem_.timeline, shapes, learned(without), series_};
+}
+
+GainOf Extension::gain_of(const Ground& ground, const Cause& cause,
+                          std::vector<effects::Term> terms, std::vector<double> values,
+                          std::size_t at) const {
+  return [this, &ground, &cause, terms = std::move(terms), values = std::move(values),
+          at](double value) mutable {
+    if (tick_ && !tick_()) return 0.0;  // whoever asked is to stop
+    values[at] = value;
+    const auto here = at_values(terms, values);
+    const auto columns = filled_columns(problem_, here);
+    if (!columns) return 0.0;
+    const Eigen::MatrixXd learned = problem_.learned(*columns);
+    return ground.gain(learned, physics_.prior(cause, here, value, learned).typical).gain;
+  };
+}
+
+bool Extension::before(const Candidate& a, const Candidate& b) {
+  return a.nameable != b.nameable ? a.nameable : a.evidence > b.evidence;
+}
+
+bool Extension::within_range(const Candidate& candidate, const Eigen::MatrixXd& columns,
+                             const Ground& ground) const {
+  for (Eigen::Index o = 0; o < ground.outputs(); ++o) {
+    if ((candidate.prior.typical.col(o).array() <= 0).all()) continue;
+    const auto found = ground.amplitudes(columns, candidate.prior.typical,
+                                         candidate.gain.shape[static_cast<std::size_t>(o)], o);
+    for (Eigen::Index k = 0; k < found.mean.size(); ++k)
+      if (std::abs(found.mean[k]) - 2 * found.error[k] > candidate.prior.range(k, o)) return false;
+  }
+  return true;
+}
+
+Extension::Candidate Extension::of_cell(std::size_t cause, std::size_t cell, double occam,
+                                        const Ground& ground) const {
+  const Cause& what = causes_[cause];
+  Candidate result{.cause = cause,
+                   .refined = {what.cells[cell].parameter, 0},
+                   .gain = {},
+                   .terms = what.cells[cell].terms,
+                   .prior = {}};
+  if (what.scale != ParameterScale::none) {
+    result.refined = refine(what, result.refined.value, instants_,
+                            gain_of(ground, what, result.terms, {result.refined.value}, 0));
+    result.terms = with_parameter(result.terms, result.refined.value);
+  }
+  const auto columns = filled_columns(problem_, result.terms);
+  result.nameable = false;
+  if (!columns) return result;
+  const Eigen::MatrixXd learned = problem_.learned(*columns);
+  result.prior = physics_.prior(what, result.terms, result.refined.value, learned);
+  result.gain = ground.settled_gain(learned, result.prior.typical);
+  result.refined.gain = result.gain.gain;
+  result.nameable = result.gain.gain > 0 && within_range(result, learned, ground) &&
+                    told_from_geometry_(what, learned, result.gain.shape, ground);
+  result.evidence = result.gain.gain + occam;
+  return result;
+}
+
+// Where the best cell takes more than the cause can do, the best of those that do not.
+Extension::Candidate Extension::refined(std::size_t cause, const Standing& standing,
+                                        const Ground& ground) const {
+  Candidate best = of_cell(cause, standing.cell, standing.occam(), ground);
+  const Cause& what = causes_[cause];
+  if (best.nameable || what.scale != ParameterScale::none) return best;
+  for (std::size_t other = 0; other < what.cells.size(); ++other) {
+    if (other == standing.cell) continue;
+    Candidate one = of_cell(cause, other, standing.occam(), ground);
+    if (before(one, best)) best = std::move(one);
+  }
+  return best;
+}
+
+std::vector<Extension::Candidate> Extension::contenders(
+    const Look& look, const Ground& ground, const std::vector<std::size_t>& present) const {
+  const auto is_present = [&](std::size_t c) {
+    return std::ranges::find(present, c) != present.end();
+  };
+  std::vector<std::size_t> near;
+  for (std::size_t c = 0; c < look.causes.size(); ++c)
+    if (look.causes[c].gain > 0 &&
+        (is_present(c) ||
+         look.causes[c].evidence > look.causes[*look.first].evidence - kWithinReach))
+      near.push_back(c);
+  std::ranges::stable_sort(near, std::ranges::greater{},
+                           [&](std::size_t c) { return look.causes[c].evidence; });
+  std::vector<Candidate> result;
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    if (i >= kMostContenders && !is_present(near[i])) continue;
+    result.push_back(refined(near[i], look.causes[near[i]], ground));
+    if (tick_ && !tick_()) break;
+  }
+  std::ranges::stable_sort(result, before);
+  return result;
+}
+
+Result<Named> Extension::made(const Candidate& candidate, double p_adjusted) const {
+  DRIFTWISE_TRY(auto columns, filled_columns(problem_, candidate.terms));
+  Named one;
+  one.cause = candidate.cause;
+  one.terms = candidate.terms;
+  one.parameter = candidate.refined.value;
+  one.all = std::move(columns);
+  one.learned = problem_.learned(one.all);
+  one.p_adjusted = p_adjusted;
+  one.prior = candidate.prior;
+  one.evidence = candidate.evidence;
+  one.likelihood = candidate.gain.likelihood;
+  one.share = candidate.gain.share;
+  return one;
+}
+
+void Extension::forbid(std::size_t cause) {
+  forbidden_[cause] = 1;
+  if (const auto index = index_of(cause)) withdraw(*index);
+}
+
+Result<bool> Extension::add(const Look& look) {
+  shapes_ = look.shapes;
+  const Ground here = ground({}, shapes_);
+  std::vector<std::size_t> present;
+  for (const auto& one : named_)
+    if (has_values(causes_[one.cause])) present.push_back(one.cause);
+  const auto best = contenders(look, here, present);
+  if (best.empty()) return cancelled();
+  if (!best.front().nameable) {
+    for (const auto& candidate : best) ruled_out_[candidate.cause] = 1;
+    return false;
+  }
+  for (const auto& candidate : best)
+    if (const auto index = index_of(candidate.cause);
+        index && candidate.evidence > best.front().evidence - kWithinReach) {
+      DRIFTWISE_RETURN_IF_ERROR(add_value(*index, candidate.refined.value));
+      return true;
+    }
+  std::vector<NoiseShape> noise;
+  std::vector<double> sd;
+  for (std::size_t o = 0; o < best.front().gain.shape.size(); ++o) {
+    noise.push_back(here.space(best.front().gain.shape[o]).shape());
+    sd.push_back(here.white_sd_with(best.front().gain, static_cast<Eigen::Index>(o)));
+  }
+  const Cause& cause = causes_[best.front().cause];
+  const GateScore score = gate_.judge(learned(), noise, sd, cause, best.front().cause);
+  if (!score.passes()) {
+    ruled_out_[best.front().cause] = 1;
+    char figures[96];
+    std::snprintf(figures, sizeof figures, "2 ln of the predictive density %+.3g by %s",
+                  score.by_time.value_or(1) > 0 ? *score.by_places : *score.by_time,
+                  score.by_time.value_or(1) > 0 ? "groups of places" : "blocks of time");
+    refused_.push_back(name_of(cause) +
+                       " was not named: rows left out are predicted worse with it (" + figures +
+                       ")");
+    return false;
+  }
+  DRIFTWISE_TRY(auto one, made(best.front(), look.p_adjusted));
+  named_.push_back(std::move(one));
+  update_noise();
+  std::ranges::fill(ruled_out_, char{0});  // beside it, others may be asked for less
+  if (named_.size() > 1) DRIFTWISE_RETURN_IF_ERROR(reoptimise());
+  return true;
+}
+
+// A strong effect is noise as long as it is not named: with that noise its own prior would hold its
+// amplitude back, and what was held back would be left over.
+void Extension::update_noise() {
+  const Eigen::MatrixXd columns = all().columns;
+  for (std::size_t o = 0; o < noise_sd_.size(); ++o)
+    noise_sd_[o] = std::min(noise_sd_[o], noise_between_neighbours(problem_, o, columns));
+}
+
+Result<void> Extension::reoptimise() {
+  for (int round = 0; round < kRounds; ++round)
+    for (std::size_t i = 0; i < named_.size(); ++i) {
+      const Cause& cause = causes_[named_[i].cause];
+      if (cause.scale == ParameterScale::none) continue;
+      if (tick_ && !tick_()) return cancelled();
+      const Ground here = ground(i, shapes_);
+      auto values = values_of(named_[i]);
+      for (std::size_t k = 0; k < values.size(); ++k) {
+        const auto again = refine(cause, values[k], instants_,
+                                  gain_of(here, cause, cause.cells.front().terms, values, k));
+        values[k] = again.value;
+      }
+      if (auto ok = set_values(named_[i], values); !ok) return ok;
+    }
+  return {};
+}
+
+std::optional<std::size_t> Extension::index_of(std::size_t cause) const {
+  for (std::size_t i = 0; i < named_.size(); ++i)
+    if (named_[i].cause == cause) return i;
+  return std::nullopt;
+}
+
+Result<void> Extension::set_values(Named& named, const std::vector<double>& values) const {
+  named.terms = at_values(causes_[named.cause].cells.front().terms, values);
+  DRIFTWISE_TRY(auto columns, filled_columns(problem_, named.terms));
+  named.parameter = values.front();
+  named.further.assign(values.begin() + 1, values.end());
+  named.all = std::move(columns);
+  named.learned = problem_.learned(named.all);
+  named.prior = physics_.prior(causes_[named.cause], named.terms, named.parameter, named.learned);
+  return {};
+}
+
+Result<void> Extension::add_value(std::size_t index, double value) {
+  auto values = values_of(named_[index]);
+  values.push_back(value);
+  if (auto ok = set_values(named_[index], values); !ok) return ok;
+  return reoptimise();
+}
+
+void Extension::withdraw(std::size_t index) {
+  named_.erase(named_.begin() + static_cast<std::ptrdiff_t>(index));
+}
+
+Extension::Candidate Extension::as_it_stands(std::size_t index, double occam,
+                                             const Ground& ground) const {
+  const Named& named = named_[index];
+  Candidate result{.cause = named.cause,
+                   .refined = {named.parameter, 0},
+                   .gain = ground.settled_gain(named.learned, named.prior.typical),
+                   .terms = named.terms,
+                   .prior = named.prior};
+  result.refined.gain = result.gain.gain;
+  result.evidence = result.gain.gain + occam;
+  return result;
+}
+
+std::optional<Profile> Extension::profile_of(std::size_t index) const {
+  const Named& one = named_[index];
+  const Cause& cause = causes_[one.cause];
+  if (cause.scale == ParameterScale::none) return std::nullopt;
+  const Ground here = ground(index, shapes_);
+  const auto gain = gain_of(here, cause, cause.cells.front().terms, values_of(one), 0);
+  return profile(cause, {one.parameter, gain(one.parameter)}, instants_, gain);
+}
+
+}  // namespace driftwise::diagnosis

@@ -1,0 +1,140 @@
+#pragma once
+// The simulation as it grows: the baseline and the causes found so far, each at its best parameter
+// given the others.
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/core/result.h"
+#include "server/diagnosis/catalogue/cause.h"
+#include "server/diagnosis/catalogue/parameter.h"
+#include "server/diagnosis/catalogue/physics.h"
+#include "server/diagnosis/growth/told_from_geometry.h"
+#include "server/diagnosis/rows/problem.h"
+#include "server/diagnosis/search/column_bank.h"
+#include "server/diagnosis/search/entry_gate.h"
+#include "server/diagnosis/search/search.h"
+
+namespace driftwise::diagnosis {
+
+struct Named {
+  std::size_t cause = 0;
+  std::vector<effects::Term> terms;  // at the parameter's best value, then at each further one
+  double parameter = 0;
+  std::vector<double> further;  // what one value leaves: glue that creeps with three time constants
+  Eigen::MatrixXd all, learned;  // its columns: every row of the dataset; blocks
+  double p_adjusted = 1;         // when it was found
+  AmplitudePrior prior;
+  double evidence =
+      0;  // beyond the baseline and the others: 2 ln of the marginal likelihoods' ratio
+  double likelihood = 0;      // growth of 2 ln L
+  std::vector<double> share;  // of the prior's width, per output; 0: does not act there
+  std::vector<std::size_t> rivals;
+};
+
+// Of the best's evidence, before refinement; and the reach of another value of a named cause.
+inline constexpr double kWithinReach = 12;
+
+// Of a time constant, a width or a period: a continuum of values, of which a cause may have
+// several.
+inline bool has_values(const Cause& cause) {
+  return cause.scale == ParameterScale::logarithmic || cause.scale == ParameterScale::inverse;
+}
+
+class Extension {
+ public:
+  // All outlive it.
+  Extension(const Problem& problem, const std::vector<Cause>& causes, const Eigen::MatrixXd& series,
+            Search& search, const Physics& physics, std::function<bool()> tick);
+
+  const std::vector<Named>& named() const { return named_; }
+  // Baseline and named columns: one row per block, one row per row of the dataset. without: leaves
+  // one of the named out. Named columns have their cause's prior.
+  SoftBase learned(std::optional<std::size_t> without = {}) const;
+  SoftBase all(std::optional<std::size_t> without = {}) const;
+  // As all(), with the priors of one output: what is predicted of it. A cause that these data say
+  // does not act there adds nothing.
+  SoftBase described(std::size_t output, std::optional<std::size_t> without = {}) const;
+  // Causes that are not named nor ruled out, and those named that may take a further value of their
+  // parameter.
+  std::vector<char> allowed() const;
+
+  // Adds the best of a look, its parameter refined; of several that are close before they are
+  // refined, the one that is best after. Where one that is named already comes as close with
+  // another value of its parameter, that is no new cause: it takes the further value. Where nothing
+  // that is near is plausible, those causes are ruled out instead, and so is one that predicts rows
+  // worse that it was not fitted to (entry_gate.h). False: nothing was added. Error: stopped.
+  Result<bool> add(const Look& look);
+  // Rules a cause out for good, and takes it back where it is named.
+  void forbid(std::size_t cause);
+  // Of a row, with what is named in: priors are weighed against it.
+  double noise_sd(std::size_t output) const { return noise_sd_[output]; }
+  const std::vector<std::string>& refused() const { return refused_; }  // by the gate: sentences
+  // Every parameter again, given the others; then each finding against all other causes: another
+  // that does clearly better takes its place, one that the others make superfluous goes, and what
+  // comes close is its rival. Says what went.
+  Result<std::vector<std::string>> settle();
+  void withdraw(std::size_t index);
+
+  // The interval and curve of a finding's parameter, given the others.
+  std::optional<Profile> profile_of(std::size_t index) const;
+  // The ground under one of the named, or under what would come next.
+  Ground ground(std::optional<std::size_t> without, const std::vector<NoiseShape>& shapes) const;
+  const std::vector<NoiseShape>& shapes() const { return shapes_; }
+
+ private:
+  struct Candidate {
+    std::size_t cause = 0;
+    Refined refined;
+    double evidence = -1e300;  // averaged over the parameter
+    Gain gain;
+    std::vector<effects::Term> terms;
+    AmplitudePrior prior;
+    bool nameable = true;  // false: geometry does as well, so that it can be a rival only
+  };
+  Candidate refined(std::size_t cause, const Standing& standing, const Ground& ground) const;
+  // terms: of one value; values: those of its parameter, the one at `at` to be tried.
+  GainOf gain_of(const Ground& ground, const Cause& cause, std::vector<effects::Term> terms,
+                 std::vector<double> values, std::size_t at) const;
+  // Those within reach of the first, and these, refined: what can be named first, then the best.
+  std::vector<Candidate> contenders(const Look& look, const Ground& ground,
+                                    const std::vector<std::size_t>& present) const;
+  Result<Named> made(const Candidate& candidate, double p_adjusted) const;
+  std::optional<std::size_t> index_of(std::size_t cause) const;  // among the named
+  // Another value of its parameter for one of the named.
+  Result<void> add_value(std::size_t index, double value);
+  Result<void> set_values(Named& named, const std::vector<double>& values) const;
+  Result<void> reoptimise();
+  void update_noise();
+  Candidate as_it_stands(std::size_t index, double occam, const Ground& ground) const;
+  std::optional<std::vector<Candidate>> stand_ins(std::size_t index);
+  std::optional<std::size_t> value_of_another(std::size_t index,
+                                              const std::vector<Candidate>& best) const;
+  std::size_t preferred(const std::vector<Candidate>& best) const;
+  static bool before(const Candidate& a, const Candidate& b);
+  Candidate of_cell(std::size_t cause, std::size_t cell, double occam, const Ground& ground) const;
+  // No amplitude is beyond the cause's range by more than twice its standard error.
+  bool within_range(const Candidate& candidate, const Eigen::MatrixXd& columns,
+                    const Ground& ground) const;
+  void leave_misfits(std::vector<std::string>& said);
+  void name_rivals(std::size_t index, const std::vector<Candidate>& best, std::size_t first);
+
+  const Problem& problem_;
+  const std::vector<Cause>& causes_;
+  const Eigen::MatrixXd& series_;
+  Search& search_;
+  std::function<bool()> tick_;
+  std::vector<double> instants_;
+  std::vector<NoiseShape> shapes_;
+  const Physics& physics_;
+  ToldFromGeometry told_from_geometry_;
+  EntryGate gate_;
+  std::vector<double> noise_sd_;
+  std::vector<char> ruled_out_, forbidden_;
+  std::vector<std::string> refused_;
+  std::vector<Named> named_;
+};
+
+}  // namespace driftwise::diagnosis

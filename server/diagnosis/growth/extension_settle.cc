@@ -1,0 +1,178 @@
+// The last look at what was named: each finding against all others, and which it cannot be told
+// from.
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/core/try.h"
+#include "server/diagnosis/answer/cancelled.h"
+#include "server/diagnosis/growth/extension.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+constexpr double kRival = 6;                // in 2 ln L
+constexpr double kRivalCorrelation = 0.95;  // of fitted contributions, whitened
+constexpr double kFamilyCorrelation = 0.7;  // of a lag and a rate of one sensor in the baseline
+constexpr double kNoticed = 14;             // nobody is a rival who would not be noticed alone
+constexpr double kSuperfluous = 8;          // evidence of a finding that the others explain
+constexpr double kMisfit = 0.05;            // of the gain of the strongest
+
+double correlation(const Gain& a, const Gain& b) {
+  double across = 0, aa = 0, bb = 0;
+  for (std::size_t o = 0; o < a.contribution.size(); ++o) {
+    const auto &u = a.contribution[o], &v = b.contribution[o];
+    if (u.size() > 0) aa += u.squaredNorm();
+    if (v.size() > 0) bb += v.squaredNorm();
+    if (u.size() > 0 && v.size() > 0) across += u.dot(v);
+  }
+  return aa > 0 && bb > 0 ? across / std::sqrt(aa * bb) : 0;
+}
+
+// With its sensor in the simulation T - lag(T, tau) is tau times a rate: two names of one thing.
+bool one_family(const Cause& a, const Cause& b) {
+  const auto is = [](const Cause& cause) {
+    return cause.id == "thermal_lag" || cause.id == "thermal_rate";
+  };
+  return is(a) && is(b) && a.id != b.id && a.subject == b.subject;
+}
+
+}  // namespace
+
+// Who stands for one of the named when it is taken out: the best first.
+std::optional<std::vector<Extension::Candidate>> Extension::stand_ins(std::size_t index) {
+  auto allowed = this->allowed();
+  const std::size_t own = named_[index].cause;
+  allowed[own] = 1;
+  const auto look = search_.compare(learned(index), allowed);
+  if (!look) return std::nullopt;
+  if (!look->first) return std::vector<Candidate>{};
+  shapes_ = look->shapes;
+  const Ground here = ground(index, shapes_);
+  std::vector<std::size_t> present;
+  for (std::size_t c = 0; c < causes_.size(); ++c)
+    if (c == own || index_of(c) || one_family(causes_[c], causes_[own])) present.push_back(c);
+  auto best = contenders(*look, here, present);
+  if (!named_[index].further.empty())
+    for (auto& one : best)
+      if (one.cause == own) one = as_it_stands(index, look->causes[own].occam(), here);
+  std::ranges::stable_sort(best, before);
+  return best;
+}
+
+Result<std::vector<std::string>> Extension::settle() {
+  std::vector<std::string> said;
+  for (std::size_t i = 0; i < named_.size();) {
+    const auto best = stand_ins(i);
+    if (!best || (tick_ && !tick_())) return cancelled();
+    const std::string name = name_of(causes_[named_[i].cause]);
+    if (best->empty() || !best->front().nameable || best->front().evidence < kSuperfluous) {
+      if (!best->empty())
+        said.push_back(name + " was named and is explained by what was found after it");
+      withdraw(i);
+      continue;
+    }
+    if (const auto family = value_of_another(i, *best)) {
+      const std::size_t cause = (*best)[*family].cause;
+      said.push_back(name + " was named and is what one value leaves of " +
+                     name_of(causes_[cause]));
+      withdraw(i);
+      DRIFTWISE_RETURN_IF_ERROR(add_value(*index_of(cause), (*best)[*family].refined.value));
+      i = 0;
+      continue;
+    }
+    const std::size_t first = preferred(*best);
+    const Candidate& chosen = (*best)[first];
+    if (chosen.cause != named_[i].cause) {
+      DRIFTWISE_TRY(auto one, made(chosen, named_[i].p_adjusted));
+      said.push_back(name + " was named first; with the rest known, " +
+                     name_of(causes_[one.cause]) + " explains more");
+      named_[i] = std::move(one);
+    } else if (named_[i].further.empty()) {
+      DRIFTWISE_TRY(auto one, made(chosen, named_[i].p_adjusted));
+      named_[i] = std::move(one);
+    } else {
+      named_[i].evidence = chosen.evidence;
+      named_[i].likelihood = chosen.gain.likelihood;
+      named_[i].share = chosen.gain.share;
+    }
+    name_rivals(i, *best, first);
+    ++i;
+  }
+  update_noise();
+  leave_misfits(said);
+  return said;
+}
+
+// A time constant or a period is an idealisation: what it leaves of something strong is no cause.
+void Extension::leave_misfits(std::vector<std::string>& said) {
+  std::size_t strongest = named_.size();
+  for (std::size_t i = 0; i < named_.size(); ++i)
+    if (has_values(causes_[named_[i].cause]) &&
+        (strongest == named_.size() || named_[i].likelihood > named_[strongest].likelihood))
+      strongest = i;
+  if (strongest == named_.size()) return;
+  const double least = kMisfit * named_[strongest].likelihood;
+  const std::string name = name_of(causes_[named_[strongest].cause]);
+  for (std::size_t i = named_.size(); i-- > 0;) {
+    if (named_[i].likelihood >= least) continue;
+    said.push_back(name_of(causes_[named_[i].cause]) + " is not named: it explains less than " +
+                   name + " may leave, whose real shape no one value describes exactly");
+    withdraw(i);
+  }
+}
+
+// The named cause that takes this one's place with another value of its parameter, if one does
+// about as well.
+std::optional<std::size_t> Extension::value_of_another(std::size_t index,
+                                                       const std::vector<Candidate>& best) const {
+  for (std::size_t k = 0; k < best.size(); ++k)
+    if (const auto at = index_of(best[k].cause);
+        at && *at != index && best[k].evidence > best.front().evidence - kWithinReach)
+      return k;
+  return std::nullopt;
+}
+
+// An instrument's air, or its drift, that does as well as the robot's cause is the safer name: what
+// is said of the robot is served, and the set has both. A drift is what nothing sensed explains, so
+// the air comes before it.
+std::size_t Extension::preferred(const std::vector<Candidate>& best) const {
+  const auto close = [&](const Candidate& one) {
+    return one.nameable && one.gain.likelihood > best.front().gain.likelihood - kRival &&
+           one.evidence > best.front().evidence - kWithinReach;
+  };
+  for (const char* safer : {"refractive_index", "instrument_drift"})
+    for (std::size_t k = 0; k < best.size(); ++k)
+      if (causes_[best[k].cause].id == safer && close(best[k])) return k;
+  // Nor is a cause named for what a simpler one does with some of its terms.
+  for (std::size_t k = 1; k < best.size(); ++k)
+    if (close(best[k]) && best[k].terms.size() < best.front().terms.size() &&
+        std::ranges::all_of(best[k].terms, [&](const effects::Term& term) {
+          return std::ranges::find(best.front().terms, term) != best.front().terms.end();
+        }))
+      return k;
+  return 0;
+}
+
+void Extension::name_rivals(std::size_t index, const std::vector<Candidate>& best,
+                            std::size_t first) {
+  Named& one = named_[index];
+  one.rivals.clear();
+  for (std::size_t k = 0; k < best.size(); ++k) {
+    if (k == first || index_of(best[k].cause)) continue;
+    const double alike = correlation(best[k].gain, best[first].gain);
+    const bool noticed = best[k].evidence > kNoticed;
+    const bool family = one_family(causes_[best[k].cause], causes_[one.cause]);
+    // By the likelihood within three prior widths, less what the search over the parameter bought:
+    // an assumed width alone decides nothing.
+    const double searched =
+        best[first].evidence - best[first].gain.gain - (best[k].evidence - best[k].gain.gain);
+    const bool near = best[k].gain.likelihood - best[first].gain.likelihood > searched - kRival &&
+                      best[k].evidence > best[first].evidence - kWithinReach;
+    if (near || (noticed && alike > kRivalCorrelation) ||
+        (family && (noticed || alike > kFamilyCorrelation)))
+      one.rivals.push_back(best[k].cause);
+  }
+}
+
+}  // namespace driftwise::diagnosis

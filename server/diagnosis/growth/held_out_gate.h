@@ -1,0 +1,23 @@
+#pragma once
+// The last word belongs to rows that took no part: a cause with which any output's rows held out
+// are described worse than without it (root mean square, mean included, by more than 2 % and beyond
+// its 90 % interval) does not stand, and all findings together are held to the same.
+
+#include <string>
+#include <vector>
+
+#include "server/diagnosis/growth/extension.h"
+
+namespace driftwise::diagnosis {
+
+struct Harmful {
+  std::size_t cause = 0;
+  std::string sentence;
+};
+
+// Takes back what harms, the worst first, until nothing does. With fewer than 20 judging rows
+// nothing is judged.
+std::vector<Harmful> withdraw_what_harms(const Problem& problem, const std::vector<Cause>& causes,
+                                         Extension& extension);
+
+}  // namespace driftwise::diagnosis

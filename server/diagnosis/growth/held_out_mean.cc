@@ -1,0 +1,75 @@
+#include "server/diagnosis/growth/held_out_mean.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "server/core/text/quantity_text.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+constexpr std::size_t kFewestHeldOut = 4;
+
+// c' (X' X)^-1 c by the QR decomposition of X, columns scaled to unit length.
+double leverage_of_mean(const Problem& problem, const Eigen::MatrixXd& columns) {
+  Eigen::MatrixXd x = rows_of(columns, problem.learn);
+  const Eigen::VectorXd scale = x.colwise().norm().cwiseMax(1e-300);
+  x = x * scale.cwiseInverse().asDiagonal();
+  const Eigen::VectorXd c =
+      rows_of(columns, problem.judge).colwise().mean().transpose().cwiseQuotient(scale);
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(x);
+  qr.setThreshold(1e-9);
+  const Eigen::Index rank = qr.rank();
+  const Eigen::VectorXd permuted = qr.colsPermutation().transpose() * c;
+  return qr.matrixR()
+      .topLeftCorner(rank, rank)
+      .triangularView<Eigen::Upper>()
+      .transpose()
+      .solve(permuted.head(rank))
+      .squaredNorm();
+}
+
+// Learning rows within two correlation times of the slow noise.
+double rows_together(const Problem& problem, double tau_s) {
+  const auto& time = problem.data().time_s;
+  if (time.empty() || tau_s <= 0 || problem.learn.size() < 2) return 1;
+  const double span = time[problem.learn.back()] - time[problem.learn.front()];
+  const double step = span / static_cast<double>(problem.learn.size() - 1);
+  if (!(step > 0)) return 1;
+  return std::clamp(2 * tau_s / step, 1.0, static_cast<double>(problem.learn.size()));
+}
+
+}  // namespace
+
+std::vector<LeftOver> means_beyond_noise(const Problem& problem,
+                                         const std::vector<OutputSummary>& outputs,
+                                         const Eigen::MatrixXd& columns, double alpha) {
+  std::vector<LeftOver> beyond;
+  // The mean over blocks that are held out in turn is that of the fit: none.
+  if (problem.judged_in_turn || problem.judge.size() < kFewestHeldOut) return beyond;
+  const double leverage = leverage_of_mean(problem, columns);
+  // The noise is that of the search's rows, which are averages of so many.
+  const auto averaged = static_cast<double>(problem.rows_per_block);
+  const auto judged = static_cast<double>(problem.judge.size());
+  for (const auto& output : outputs) {
+    if (!output.mean_validation_after) continue;
+    const double white = output.noise_white_sd * output.noise_white_sd * averaged,
+                 slow = output.noise_slow_sd * output.noise_slow_sd;
+    const double variance = white / judged + slow +
+                            (white + slow * rows_together(problem, output.noise_tau_s)) * leverage;
+    if (!(variance > 0)) continue;
+    const double z = std::abs(*output.mean_validation_after) / std::sqrt(variance);
+    const double p =
+        std::min(1.0, std::erfc(z / std::numbers::sqrt2) * static_cast<double>(outputs.size()));
+    if (p < alpha)
+      beyond.push_back({"the held-out rows as a whole: " + output.output + " errs by " +
+                            digits_text(*output.mean_validation_after, 3, true) + " " +
+                            output.unit + " on average",
+                        p});
+  }
+  return beyond;
+}
+
+}  // namespace driftwise::diagnosis

@@ -1,0 +1,114 @@
+#pragma once
+// The test of what is left that knows no cause: quadratic forms of the whitened residual over a
+// dictionary of products. Each group of the dictionary is a set of smooth waves: of a pose
+// coordinate, of pairs and triples of them, of the temperatures, force and air, the direction of
+// approach, and the places one by one; each is multiplied by waves in the order of the rows, band
+// by band. Correlations of neighbouring rows, in time and at neighbouring places, are asked
+// two-sided.
+//
+// Narrow families (the groups, an axis' slow waves alone, a direction alone, an axis with its
+// places in the rows before) are asked as random fields too (random_field.h): the noise may be
+// another one with the field, so that slow noise does not hide a slow field.
+//
+// Judge: the largest standardised form and the root of the largest growth by a field, each in units
+// of its spread over all series, the larger of the two; against series simulated from the fitted
+// noise that go through the same projection of baseline and findings. Residuals are clipped at 3.5
+// standard deviations in the data and in the simulated series, so that heavy tails are noise. No
+// output and nothing computed from one is in the dictionary.
+//
+// Source: NUMERICS.md section 4 (the shapes); the p-value is the rank among exchangeable series
+// (Barnard 1963), data included in the standardisation.
+
+#include <Eigen/Core>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/diagnosis/answer/diagnosis.h"
+#include "server/diagnosis/noise/ground.h"
+#include "server/diagnosis/noise/random_field.h"
+#include "server/diagnosis/noise/soft_base.h"
+#include "server/diagnosis/rows/problem.h"
+
+namespace driftwise::diagnosis {
+
+// What the test would have seen in 80 % of cases, to first order.
+struct SmallestSeen {
+  std::string shape, output, unit;
+  double rms = 0;
+};
+
+struct OmnibusResult {
+  double p = 1;
+  int nulls = 0;
+  std::string where;                   // "x with time, at x near 2.5 mm, in rows 1 to 250"
+  std::vector<SmallestSeen> smallest;  // only where nothing is left
+};
+
+struct OmnibusOptions {
+  double level = 0.01;
+  int nulls = 199;
+  std::uint64_t seed = 1;
+  std::function<bool()> tick;  // false: stop
+};
+
+class Omnibus {
+ public:
+  // problem: every row that is to be asked learns; it outlives this.
+  Omnibus(const Problem& problem, const Eigen::MatrixXd& series,
+          const std::vector<std::string>& excluded);
+
+  // Nothing: stopped.
+  std::optional<OmnibusResult> test(const SoftBase& base, const OmnibusOptions& options);
+  // Of the form that a finding takes most of (without: the base without it): the share that is left
+  // with it in. After a test.
+  double share_left(const SoftBase& with, const SoftBase& without) const;
+
+ private:
+  struct Group {
+    std::string name;
+    Eigen::MatrixXf waves;          // rows x k; empty: the places
+    std::vector<std::string> of{};  // the variables, for words
+  };
+  struct Band {
+    Eigen::Index first = 0, count = 0;
+    const char* words = "";
+  };
+  // Forms of every family for every series: families x series, families in the order group by band,
+  // then the correlations.
+  Eigen::MatrixXd forms(const Eigen::MatrixXf& left) const;
+  struct Grown {  // by a field: square root of the growth of 2 ln L, the largest of all families
+    Eigen::VectorXd largest{};        // per series
+    std::size_t field = 0, band = 0;  // of the first series
+    Eigen::Index output = 0;
+  };
+  std::vector<NoiseShape> shapes_with_a_field(const Ground& ground) const;
+  // series: of each output. Nothing: stopped.
+  std::optional<Grown> grown(const RandomField& field, const std::vector<Eigen::MatrixXd>& series,
+                             const std::function<bool()>& tick) const;
+  Eigen::MatrixXf white(const SoftBase& base, Eigen::Index output, const NoiseShape& shape,
+                        const Eigen::MatrixXd& series) const;
+  std::string of_output(Eigen::Index output) const;
+  std::string words(std::size_t family, Eigen::Index output, const Eigen::VectorXf& left) const;
+  std::string words(const Group& group, const Band& band, Eigen::Index output,
+                    const Eigen::VectorXf& left) const;
+  std::vector<SmallestSeen> smallest(const SoftBase& base) const;
+  void add_groups(const std::vector<std::string>& excluded);
+
+  const Problem& problem_;
+  const Eigen::MatrixXd& series_;
+  std::vector<Group> groups_;
+  std::vector<Group> fields_;  // asked as random fields
+  std::vector<Band> bands_;
+  Eigen::MatrixXf time_waves_;
+  std::vector<std::size_t> place_of_;
+  std::size_t place_count_ = 0;
+  std::vector<Eigen::Index> by_place_;  // rows, place after place
+  std::vector<NoiseShape> noise_;       // of the last test, per output
+  std::vector<double> white_sd_;
+  std::vector<Eigen::VectorXd> mean_, sd_;  // of the cube roots of the forms, per output
+  double limit_ = 0;                        // standardised, at the level
+};
+
+}  // namespace driftwise::diagnosis

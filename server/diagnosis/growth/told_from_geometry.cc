@@ -1,0 +1,82 @@
+#include "server/diagnosis/growth/told_from_geometry.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+
+namespace driftwise::diagnosis {
+namespace {
+
+constexpr double kShareBeyondGeometry = 0.5;
+constexpr int kDegreeOfOneAxis = 6;  // of two axes 5, of three 4
+constexpr Eigen::Index kFewestRowsPerMonomial = 5;
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
+
+// All monomials of the axes that vary up to a total degree, each axis scaled to -1 .. 1: one row
+// per block.
+Eigen::MatrixXd geometry_of(const Problem& problem) {
+  const auto rows = static_cast<Eigen::Index>(problem.data().rows);
+  std::vector<Eigen::ArrayXd> axes;
+  for (const char* axis : kAxes) {
+    const auto values = problem.data().values_of(axis);
+    if (values.empty()) continue;
+    double low = kUnlimited, high = -kUnlimited;
+    for (const std::size_t row : problem.learn) {
+      low = std::min(low, values[row]);
+      high = std::max(high, values[row]);
+    }
+    if (!(high > low)) continue;
+    axes.push_back((Eigen::Map<const Eigen::ArrayXd>(values.data(), rows) - (low + high) / 2) /
+                   ((high - low) / 2));
+  }
+  const int degree = kDegreeOfOneAxis - static_cast<int>(axes.size()) + 1;
+  std::vector<Eigen::ArrayXd> monomials = {Eigen::ArrayXd::Ones(rows)};
+  std::vector<int> degrees = {0};
+  for (const auto& axis : axes)
+    for (std::size_t i = 0; i < monomials.size(); ++i) {  // those it appends too: its next power
+      if (degrees[i] == degree) continue;
+      monomials.push_back(monomials[i] * axis);
+      degrees.push_back(degrees[i] + 1);
+    }
+  Eigen::MatrixXd columns(rows, static_cast<Eigen::Index>(monomials.size()));
+  for (std::size_t i = 0; i < monomials.size(); ++i)
+    columns.col(static_cast<Eigen::Index>(i)) = monomials[i].matrix();
+  return problem.learned(columns);
+}
+
+double explained(const Eigen::MatrixXd& columns, const Eigen::VectorXd& series) {
+  return series.squaredNorm() -
+         (series - columns * columns.completeOrthogonalDecomposition().solve(series)).squaredNorm();
+}
+
+}  // namespace
+
+ToldFromGeometry::ToldFromGeometry(const Problem& problem) : geometry_(geometry_of(problem)) {}
+
+bool ToldFromGeometry::operator()(const Cause& cause, const Eigen::MatrixXd& columns,
+                                  const std::vector<std::size_t>& shape,
+                                  const Ground& ground) const {
+  if (cause.linear != LinearParameter::offset_mm && cause.linear != LinearParameter::angle_arcsec)
+    return true;
+  if (geometry_.cols() > geometry_.rows() / kFewestRowsPerMonomial) return true;
+  double plain = 0, beyond_geometry = 0;
+  for (std::size_t o = 0; o < shape.size(); ++o) {
+    const auto at = static_cast<Eigen::Index>(o);
+    const auto& space = ground.space(shape[o]);
+    const double sd = ground.white_sd(at);
+    const Eigen::MatrixXd white = space.left_over(columns);
+    const Eigen::VectorXd left = space.left_over(ground.series().col(at));
+    const Eigen::MatrixXd basis = beyond(space, geometry_);
+    plain += explained(white, left) / (sd * sd);
+    beyond_geometry += explained(white - basis * (basis.transpose() * white),
+                                 left - basis * (basis.transpose() * left)) /
+                       (sd * sd);
+  }
+  return beyond_geometry >= kShareBeyondGeometry * plain;
+}
+
+}  // namespace driftwise::diagnosis

@@ -1,0 +1,265 @@
+#include "server/diagnosis/noise/ground.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace driftwise::diagnosis {
+namespace {
+
+constexpr double kAlreadyThere = 1e-4;  // of a column's whitened length
+constexpr double kWidths = 3;           // prior widths within which causes are compared
+constexpr double kLeast = 1e-12;        // of a sum of squares
+
+// Columns whose amplitudes b have the prior N(0, width^2), integrated out: G = 1 + W' W with
+// W = white x width. ln det of I + W W', and what the sum of squares loses.
+struct Integrated {
+  Integrated(const Eigen::MatrixXd& white, const Eigen::VectorXd& widths) : width(widths) {
+    const Eigen::MatrixXd scaled = white * width.asDiagonal();
+    Eigen::MatrixXd g = scaled.transpose() * scaled;
+    g.diagonal().array() += 1;
+    cholesky.compute(g);
+    for (Eigen::Index k = 0; k < g.cols(); ++k)
+      log_determinant += 2 * std::log(cholesky.matrixL()(k, k));
+  }
+  // along: white' left.
+  double taken(const Eigen::VectorXd& along) const {
+    return cholesky.matrixL().solve(width.cwiseProduct(along)).squaredNorm();
+  }
+  Eigen::VectorXd amplitudes(const Eigen::VectorXd& along) const {
+    return width.cwiseProduct(cholesky.solve(width.cwiseProduct(along)));
+  }
+  // Per unit of the noise.
+  Eigen::VectorXd errors() const {
+    const Eigen::MatrixXd inverse =
+        cholesky.solve(Eigen::MatrixXd::Identity(width.size(), width.size()));
+    return width.cwiseProduct(inverse.diagonal().cwiseSqrt());
+  }
+
+  Eigen::VectorXd width;
+  Eigen::LLT<Eigen::MatrixXd> cholesky;
+  double log_determinant = 0;
+};
+
+}  // namespace
+
+double averaged(const ByShare& two_ln, bool may_not_act) {
+  double top = may_not_act ? 0 : two_ln[0];
+  for (const double one : two_ln) top = std::max(top, one);
+  double sum = may_not_act ? std::exp(-top / 2) : 0;
+  for (const double one : two_ln) sum += std::exp((one - top) / 2);
+  return top + 2 * std::log(sum / static_cast<double>(two_ln.size() + (may_not_act ? 1 : 0)));
+}
+
+double likeliest_share(const ByShare& two_ln, bool may_not_act) {
+  const auto best = std::ranges::max_element(two_ln);
+  if (may_not_act && *best < 0) return 0;
+  return kPriorShares[static_cast<std::size_t>(best - two_ln.begin())];
+}
+
+SharedShape shared_shape(const Eigen::MatrixXd& criterion) {
+  SharedShape best{INFINITY, {}};
+  for (Eigen::Index common = 0; common < criterion.rows(); ++common) {
+    SharedShape one;
+    for (Eigen::Index o = 0; o < criterion.cols(); ++o) {
+      Eigen::Index own = 0;
+      const double lowest = criterion.col(o).minCoeff(&own) + kOwnShape;
+      const bool shares = criterion(common, o) <= lowest;
+      one.total += shares ? criterion(common, o) : lowest;
+      one.shape.push_back(static_cast<std::size_t>(shares ? common : own));
+    }
+    if (one.total < best.total) best = std::move(one);
+  }
+  return best;
+}
+
+Eigen::MatrixXd news_of(const WhitenedSpace& space, Eigen::MatrixXd columns) {
+  space.whiten(columns);
+  const Eigen::RowVectorXd whole = columns.colwise().norm();
+  space.project(columns);
+  for (Eigen::Index j = 0; j < columns.cols(); ++j)
+    if (columns.col(j).norm() < kLeastNew * whole[j]) columns.col(j).setZero();
+  return columns;
+}
+
+Eigen::MatrixXd beyond(const WhitenedSpace& space, const Eigen::MatrixXd& columns) {
+  // Lengths about the mean: a temperature of 20 degC is no longer than its changes are.
+  Eigen::MatrixXd left = columns.rowwise() - columns.colwise().mean();
+  space.whiten(left);
+  const Eigen::RowVectorXd lengths = left.colwise().norm();
+  space.project(left);
+  Eigen::Index count = 0;
+  for (Eigen::Index j = 0; j < left.cols(); ++j) {
+    Eigen::VectorXd rest = left.col(j);
+    for (int pass = 0; pass < 2; ++pass)  // twice is enough
+      rest -= left.leftCols(count) * (left.leftCols(count).transpose() * rest).eval();
+    const double length = rest.norm();
+    if (!(length > kAlreadyThere * lengths[j]) || !std::isfinite(length)) continue;
+    left.col(count++) = rest / length;
+  }
+  return left.leftCols(count);
+}
+
+Ground::Ground(const Timeline& timeline, const std::vector<NoiseShape>& shapes,
+               const SoftBase& base, const Eigen::MatrixXd& series,
+               const std::function<bool()>& tick)
+    : series_(series), criterion_(static_cast<Eigen::Index>(shapes.size()), series.cols()) {
+  const SoftBase independent = independent_base(base);
+  spaces_.reserve(shapes.size());
+  for (const auto& shape : shapes) {
+    if (!spaces_.empty() && tick && !tick()) break;
+    spaces_.emplace_back(timeline, shape, independent);
+    left_.push_back(spaces_.back().left_over(series_));
+    const auto row = static_cast<Eigen::Index>(left_.size()) - 1;
+    for (Eigen::Index o = 0; o < series.cols(); ++o)
+      criterion_(row, o) = spaces_.back().criterion(left_.back().col(o).squaredNorm());
+  }
+  criterion_.conservativeResize(static_cast<Eigen::Index>(spaces_.size()), Eigen::NoChange);
+  auto shared = shared_shape(criterion_);
+  total_ = shared.total;
+  best_ = std::move(shared.shape);
+}
+
+double Ground::white_sd(Eigen::Index output) const {
+  const auto at = best_shape(output);
+  return std::sqrt(left_[at].col(output).squaredNorm() / static_cast<double>(spaces_[at].dof()));
+}
+
+double Ground::white_sd_with(const Gain& effect, Eigen::Index output) const {
+  const auto o = static_cast<std::size_t>(output);
+  const std::size_t at = effect.shape[o];
+  Eigen::VectorXd left = left_[at].col(output);
+  if (effect.contribution[o].size() > 0) left -= effect.contribution[o];
+  return std::sqrt(left.squaredNorm() / static_cast<double>(spaces_[at].dof()));
+}
+
+double Ground::worse_by(std::size_t shape, Eigen::Index output) const {
+  return criterion_(static_cast<Eigen::Index>(shape), output) -
+         criterion_(static_cast<Eigen::Index>(best_shape(output)), output);
+}
+
+Eigen::MatrixXd Ground::correlation() const {
+  Eigen::MatrixXd left(series_.rows(), series_.cols());
+  for (Eigen::Index o = 0; o < series_.cols(); ++o)
+    left.col(o) = left_[best_shape(o)].col(o).normalized();
+  Eigen::MatrixXd result = left.transpose() * left;
+  result.diagonal().setOnes();
+  return result;
+}
+
+Gain Ground::free_gain(const Eigen::MatrixXd& columns, const std::vector<char>& on) const {
+  Gain result;
+  const auto count = static_cast<std::size_t>(outputs());
+  result.of_output.assign(count, 0);
+  result.contribution.resize(count);
+  Eigen::MatrixXd with = criterion_;
+  std::vector<std::vector<Eigen::VectorXd>> contribution(spaces_.size());
+  for (std::size_t s = 0; s < spaces_.size(); ++s) {
+    const Eigen::MatrixXd basis = beyond(spaces_[s], columns);
+    contribution[s].resize(count);
+    for (Eigen::Index o = 0; o < outputs(); ++o) {
+      const auto at = static_cast<std::size_t>(o);
+      if (on[at] == 0) continue;
+      const Eigen::VectorXd along = basis.transpose() * left_[s].col(o);
+      const double rss = left_[s].col(o).squaredNorm();
+      with(static_cast<Eigen::Index>(s), o) =
+          spaces_[s].criterion(std::max(rss - along.squaredNorm(), kLeast * rss));
+      contribution[s][at] = basis * along;
+    }
+  }
+  const auto shared = shared_shape(with);
+  result.shape = shared.shape;
+  for (Eigen::Index o = 0; o < outputs(); ++o) {
+    const auto at = static_cast<std::size_t>(o);
+    if (on[at] == 0) continue;
+    const std::size_t s = shared.shape[at];
+    result.of_output[at] =
+        criterion_(static_cast<Eigen::Index>(best_[at]), o) - with(static_cast<Eigen::Index>(s), o);
+    result.contribution[at] = std::move(contribution[s][at]);
+  }
+  result.likelihood = result.gain = total_ - shared.total;
+  return result;
+}
+
+Gain Ground::gain(const Eigen::MatrixXd& columns, const PriorSd& prior) const {
+  Gain result;
+  const auto count = static_cast<std::size_t>(outputs());
+  result.of_output.assign(count, 0);
+  result.share.assign(count, 0);
+  result.contribution.resize(count);
+  Eigen::MatrixXd with = criterion_, with_free = criterion_;
+  Eigen::MatrixXd share = Eigen::MatrixXd::Zero(with.rows(), with.cols());
+  std::vector<std::vector<Eigen::VectorXd>> contribution(spaces_.size());
+  const Eigen::MatrixXd centred = columns.rowwise() - columns.colwise().mean();
+  const bool may_not_act = (prior.array() > 0).colwise().any().count() > 1;
+  for (std::size_t s = 0; s < spaces_.size(); ++s) {
+    const auto row = static_cast<Eigen::Index>(s);
+    const Eigen::MatrixXd white = news_of(spaces_[s], centred);
+    contribution[s].resize(count);
+    for (Eigen::Index o = 0; o < outputs(); ++o) {
+      if ((prior.col(o).array() <= 0).all()) continue;
+      const auto& left = left_[s].col(o);
+      const double rss = left.squaredNorm();
+      const Eigen::VectorXd along = white.transpose() * left;
+      const Eigen::VectorXd width = prior.col(o) / white_sd(o);
+      const Integrated wide(white, kWidths * width);
+      with_free(row, o) = spaces_[s].criterion(std::max(rss - wide.taken(along), kLeast * rss));
+      ByShare two_ln{};
+      double highest = -INFINITY;
+      for (std::size_t k = 0; k < kPriorShares.size(); ++k) {
+        const Integrated one(white, kPriorShares[k] * width);
+        two_ln[k] = criterion_(row, o) -
+                    spaces_[s].criterion(std::max(rss - one.taken(along), kLeast * rss)) -
+                    one.log_determinant;
+        if (!(two_ln[k] > highest)) continue;
+        highest = two_ln[k];
+        contribution[s][static_cast<std::size_t>(o)] = white * one.amplitudes(along);
+      }
+      with(row, o) -= averaged(two_ln, may_not_act);
+      share(row, o) = likeliest_share(two_ln, may_not_act);
+    }
+  }
+  const auto shared = shared_shape(with);
+  result.shape = shared.shape;
+  result.gain = total_ - shared.total;
+  result.likelihood = total_ - shared_shape(with_free).total;
+  for (Eigen::Index o = 0; o < outputs(); ++o) {
+    if ((prior.col(o).array() <= 0).all()) continue;
+    const auto at = static_cast<std::size_t>(o);
+    const auto s = static_cast<Eigen::Index>(shared.shape[at]);
+    result.of_output[at] = criterion_(static_cast<Eigen::Index>(best_[at]), o) - with(s, o);
+    result.share[at] = share(s, o);
+    result.contribution[at] = std::move(contribution[shared.shape[at]][at]);
+  }
+  return result;
+}
+
+Gain Ground::settled_gain(const Eigen::MatrixXd& columns, const PriorSd& prior) const {
+  const Gain first = gain(columns, prior);
+  PriorSd weighed = prior;
+  for (Eigen::Index o = 0; o < outputs(); ++o) {
+    const auto at = static_cast<std::size_t>(o);
+    if (first.contribution[at].size() == 0) continue;
+    const double sd = white_sd_with(first, o);
+    if (sd > 0) weighed.col(o) *= white_sd(o) / sd;
+  }
+  return gain(columns, weighed);
+}
+
+Ground::Amplitudes Ground::amplitudes(const Eigen::MatrixXd& columns, const PriorSd& prior,
+                                      std::size_t shape, Eigen::Index output) const {
+  const Eigen::MatrixXd white =
+      spaces_[shape].left_over(columns.rowwise() - columns.colwise().mean());
+  const auto left = left_[shape].col(output);
+  const Eigen::VectorXd along = white.transpose() * left;
+  const Integrated first(white, prior.col(output) / white_sd(output));
+  const double sd =
+      std::max((left - white * first.amplitudes(along)).norm(), kLeast * left.norm()) /
+      std::sqrt(static_cast<double>(spaces_[shape].dof()));
+  const Integrated with(white, prior.col(output) / sd);
+  Amplitudes result{with.amplitudes(along), {}};
+  result.error = sd * with.errors();
+  return result;
+}
+
+}  // namespace driftwise::diagnosis

@@ -1,0 +1,117 @@
+#pragma once
+// What a search for one more cause stands on: the present simulation's columns under each shape of
+// noise that is in question, and the measured series of each output. Everything that asks "how much
+// better with this" does so here, and with the noise free to be another one with it than without:
+// a slow effect that the noise has swallowed is given back.
+
+#include <Eigen/Core>
+#include <array>
+#include <functional>
+#include <vector>
+
+#include "server/diagnosis/noise/noise_model.h"
+#include "server/diagnosis/noise/whitened_space.h"
+
+namespace driftwise::diagnosis {
+
+// One effect's columns beyond a base: an orthonormal basis, fewer columns where they are already
+// there (less than 1e-4 of the length is left) or alike.
+Eigen::MatrixXd beyond(const WhitenedSpace& space, const Eigen::MatrixXd& columns);
+
+// Gaussian prior of an effect's amplitudes: columns x outputs, standard deviation in the output's
+// summary unit per unit of the column. 0: does not act there.
+using PriorSd = Eigen::MatrixXd;
+
+// An amplitude's size is known to an order of magnitude or two: its prior is, with equal odds, each
+// of these shares of the typical standard deviation; where a cause may act on several outputs also
+// none at all, for it need not act on all of them.
+inline constexpr std::array<double, 3> kPriorShares = {1, 0.2, 0.04};
+// 2 ln of the marginal likelihood's ratio under each share of the prior's width.
+using ByShare = std::array<double, kPriorShares.size()>;
+// 2 ln of the mean over the shares, and over "does not act" where that is possible.
+double averaged(const ByShare& two_ln, bool may_not_act);
+// Mode of the posterior over the shares, whose odds are equal; 0: does not act. Of equals the
+// widest.
+double likeliest_share(const ByShare& two_ln, bool may_not_act);
+
+// A column of which the simulation's columns leave less than this share of its whitened length says
+// nothing of its effect: no shape is known better. x * t at 20 degC that change by 0.1 K leaves
+// 5e-3.
+inline constexpr double kLeastNew = 1e-3;
+
+// Whitened columns (rows x k, centred) with the simulation's taken out; zero where less than
+// kLeastNew of the length is left.
+Eigen::MatrixXd news_of(const WhitenedSpace& space, Eigen::MatrixXd columns);
+
+// Price in 2 ln L of an output's noise with a shape of its own. The outputs of one robot are read
+// by the same instruments in the same air, one after the other: their noise has one shape and a
+// size each. That one output departs from it is a claim about that output as a named cause is, and
+// is believed on the same terms: at alpha = 0.003 after the choice among the ten shapes of the grid
+// that can be told apart, 2 ln(10 / 0.003). Cheaper, it takes up any slow effect on one output.
+inline constexpr double kOwnShape = 16.2;
+
+// Shapes of the outputs' noise, chosen together.
+struct SharedShape {
+  double total = 0;                // criterion of all outputs, with the cost of own shapes
+  std::vector<std::size_t> shape;  // per output
+};
+// criterion: shapes x outputs, twice the negative log-likelihood of each alone.
+SharedShape shared_shape(const Eigen::MatrixXd& criterion);
+
+struct Gain {
+  double gain = 0;        // 2 ln of the marginal likelihood's ratio, with the effect to without it
+  double likelihood = 0;  // growth of 2 ln L at the best amplitudes within three prior widths
+  std::vector<double> of_output;              // of gain
+  std::vector<double> share;                  // of the prior's width, per output: likeliest_share()
+  std::vector<std::size_t> shape;             // of the noise with the effect, per output
+  std::vector<Eigen::VectorXd> contribution;  // per output, whitened; empty: not asked
+};
+
+class Ground {
+ public:
+  // base: rows x k; series: rows x outputs. tick: asked between shapes; where it says
+  // false the ground has fewer of them and its owner is to stop.
+  Ground(const Timeline& timeline, const std::vector<NoiseShape>& shapes, const SoftBase& base,
+         const Eigen::MatrixXd& series, const std::function<bool()>& tick = {});
+
+  std::size_t shape_count() const { return spaces_.size(); }
+  Eigen::Index outputs() const { return series_.cols(); }
+  const WhitenedSpace& space(std::size_t shape) const { return spaces_[shape]; }
+  const Eigen::MatrixXd& series() const { return series_; }
+  std::size_t best_shape(Eigen::Index output) const {
+    return best_[static_cast<std::size_t>(output)];
+  }
+  const NoiseShape& noise(Eigen::Index output) const { return spaces_[best_shape(output)].shape(); }
+  double white_sd(Eigen::Index output) const;
+  // Of the white noise with an effect in, under the shape that is best with it.
+  double white_sd_with(const Gain& effect, Eigen::Index output) const;
+  // How much worse a shape explains an output than the one that it has, in 2 ln L; negative where
+  // the outputs together chose another one.
+  double worse_by(std::size_t shape, Eigen::Index output) const;
+  // Correlation between the outputs of what is left, whitened.
+  Eigen::MatrixXd correlation() const;
+
+  // columns: rows x c, centred or not. Amplitudes are integrated out under their prior.
+  Gain gain(const Eigen::MatrixXd& columns, const PriorSd& prior) const;
+  // The same, priors weighed against the noise that is left with the effect in: what is not named
+  // yet is noise to the first look, and slow noise may have taken it up.
+  Gain settled_gain(const Eigen::MatrixXd& columns, const PriorSd& prior) const;
+  // The same with free amplitudes: growth of 2 ln L alone, for shapes that no physics describes.
+  Gain free_gain(const Eigen::MatrixXd& columns, const std::vector<char>& on) const;
+  // Posterior mean and standard error of the amplitudes on one output.
+  struct Amplitudes {
+    Eigen::VectorXd mean, error;
+  };
+  Amplitudes amplitudes(const Eigen::MatrixXd& columns, const PriorSd& prior, std::size_t shape,
+                        Eigen::Index output) const;
+
+ private:
+  Eigen::MatrixXd series_;
+  std::vector<WhitenedSpace> spaces_;
+  std::vector<Eigen::MatrixXd> left_;  // per shape: of the series
+  Eigen::MatrixXd criterion_;          // shapes x outputs
+  double total_ = 0;                   // criterion of all outputs together
+  std::vector<std::size_t> best_;
+};
+
+}  // namespace driftwise::diagnosis

@@ -1,0 +1,108 @@
+#include "server/diagnosis/noise/noise_model.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace driftwise::diagnosis {
+namespace {
+
+double typical_step_s(const Timeline& timeline) {
+  std::vector<double> steps;
+  for (Eigen::Index i = 1; i < timeline.rows(); ++i)
+    if (timeline.restart[static_cast<std::size_t>(i)] == 0)
+      steps.push_back(timeline.time_s[i] - timeline.time_s[i - 1]);
+  if (steps.empty()) return 1;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return std::max(*middle, 1e-9);
+}
+
+}  // namespace
+
+Whitener::Whitener(const Timeline& timeline, NoiseShape shape)
+    : decay_(timeline.rows()), gain_(timeline.rows()), inverse_sd_(timeline.rows()) {
+  if (timeline.sd.size() > 0) weight_ = timeline.sd.cwiseInverse();
+  const double slow = shape.slow_ratio;
+  double variance = slow;  // of the slow part, before the row is seen
+  for (Eigen::Index i = 0; i < timeline.rows(); ++i) {
+    if (timeline.restart[static_cast<std::size_t>(i)] != 0) {
+      decay_[i] = 0;
+      variance = slow;
+    } else {
+      decay_[i] = std::exp(-(timeline.time_s[i] - timeline.time_s[i - 1]) / shape.tau_s);
+      variance = decay_[i] * decay_[i] * variance + slow * (1 - decay_[i] * decay_[i]);
+    }
+    const double innovation = variance + 1;
+    gain_[i] = variance / innovation;
+    inverse_sd_[i] = 1 / std::sqrt(innovation);
+    log_determinant_ += std::log(innovation);
+    variance -= gain_[i] * variance;
+  }
+}
+
+// Each row waits for the one before it: several columns side by side fill the waiting.
+template <int columns_at_once>
+void Whitener::run(double* first, Eigen::Index stride) const {
+  double slow[columns_at_once] = {};
+  for (Eigen::Index i = 0; i < decay_.size(); ++i)
+    for (int c = 0; c < columns_at_once; ++c) {
+      double& value = first[c * stride + i];
+      slow[c] *= decay_[i];
+      const double innovation = value - slow[c];
+      slow[c] += gain_[i] * innovation;
+      value = innovation * inverse_sd_[i];
+    }
+}
+
+void Whitener::apply(Eigen::Ref<Eigen::MatrixXd> columns) const {
+  constexpr int kAtOnce = 4;
+  if (weight_.size() > 0) columns.array().colwise() *= weight_.array();
+  const Eigen::Index stride = columns.outerStride();
+  Eigen::Index c = 0;
+  for (; c + kAtOnce <= columns.cols(); c += kAtOnce)
+    run<kAtOnce>(columns.data() + c * stride, stride);
+  for (; c < columns.cols(); ++c) run<1>(columns.data() + c * stride, stride);
+}
+
+std::vector<NoiseShape> noise_grid(const Timeline& timeline) {
+  constexpr std::array<double, 8> ratios = {0.1, 0.3, 1, 3, 10, 30, 100, 1000};
+  constexpr int times = 7;
+  std::vector<NoiseShape> grid = {{0, 1}};
+  if (timeline.rows() < 3) return grid;
+  const double low = 1.5 * typical_step_s(timeline);
+  const double length = timeline.time_s.maxCoeff() - timeline.time_s.minCoeff();
+  const double high = std::max(length / 4, 2 * low);
+  for (const double ratio : ratios)
+    for (int k = 0; k < times; ++k)
+      grid.push_back({ratio, low * std::pow(high / low, k / double(times - 1))});
+  return grid;
+}
+
+Eigen::MatrixXd simulated_noise(const Timeline& timeline, const std::vector<NoiseShape>& shapes,
+                                const Eigen::MatrixXd& mixing, std::mt19937_64& random) {
+  std::normal_distribution<double> normal(0, 1);
+  const auto count = static_cast<Eigen::Index>(shapes.size());
+  const auto draw = [&] {
+    Eigen::VectorXd independent(count);
+    for (Eigen::Index o = 0; o < count; ++o) independent[o] = normal(random);
+    return Eigen::VectorXd(mixing * independent);
+  };
+  Eigen::MatrixXd series(timeline.rows(), count);
+  Eigen::VectorXd slow = Eigen::VectorXd::Zero(count);
+  for (Eigen::Index i = 0; i < timeline.rows(); ++i) {
+    const bool afresh = timeline.restart[static_cast<std::size_t>(i)] != 0;
+    const double dt_s = afresh ? 0 : timeline.time_s[i] - timeline.time_s[i - 1];
+    const Eigen::VectorXd pushes = draw(), white = draw();
+    for (Eigen::Index o = 0; o < count; ++o) {
+      const auto& shape = shapes[static_cast<std::size_t>(o)];
+      const double decay = afresh ? 0 : std::exp(-dt_s / shape.tau_s);
+      slow[o] = decay * slow[o] + std::sqrt(shape.slow_ratio * (1 - decay * decay)) * pushes[o];
+      series(i, o) = slow[o] + white[o];
+    }
+    if (timeline.sd.size() > 0) series.row(i) *= timeline.sd[i];
+  }
+  return series;
+}
+
+}  // namespace driftwise::diagnosis

@@ -1,0 +1,86 @@
+#include "server/diagnosis/noise/whitened_space.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <cmath>
+
+namespace driftwise::diagnosis {
+namespace {
+
+constexpr double kDependent = 1e-7;  // of a column's length: R's rank tolerance
+constexpr double kNothing = 1e-12;   // of what a prior adds to the variance of a row's noise
+
+Eigen::MatrixXd independent_columns(const Eigen::MatrixXd& columns) {
+  Eigen::MatrixXd basis(columns.rows(), columns.cols()), kept(columns.rows(), columns.cols());
+  Eigen::Index count = 0;
+  for (Eigen::Index j = 0; j < columns.cols(); ++j) {
+    const double length = columns.col(j).norm();
+    if (!(length > 0)) continue;
+    Eigen::VectorXd rest = columns.col(j) / length;
+    for (int pass = 0; pass < 2; ++pass)  // twice is enough
+      rest -= basis.leftCols(count) * (basis.leftCols(count).transpose() * rest).eval();
+    if (rest.norm() < kDependent) continue;
+    kept.col(count) = columns.col(j) / length;
+    basis.col(count++) = rest.normalized();
+  }
+  return kept.leftCols(count);
+}
+
+}  // namespace
+
+WhitenedSpace::WhitenedSpace(const Timeline& timeline, NoiseShape shape, const SoftBase& base)
+    : shape_(shape), whitener_(timeline, shape), free_(base.free_count()) {
+  const Eigen::Index soft = base.columns.cols() - free_;
+  Eigen::MatrixXd white = base.columns;
+  whitener_.apply(white);
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(white.leftCols(free_));
+  basis_.resize(white.rows(), free_ + soft);
+  basis_.leftCols(free_) = qr.householderQ() * Eigen::MatrixXd::Identity(white.rows(), free_);
+  removed_ = Eigen::VectorXd::Ones(free_ + soft);
+  log_determinants_ = whitener_.log_determinant();
+  for (Eigen::Index j = 0; j < free_; ++j)
+    log_determinants_ += 2 * std::log(std::abs(qr.matrixQR()(j, j)));
+  if (soft == 0) return;
+  Eigen::MatrixXd beyond = white.rightCols(soft);
+  for (int pass = 0; pass < 2; ++pass)
+    beyond -= basis_.leftCols(free_) * (basis_.leftCols(free_).transpose() * beyond).eval();
+  beyond = beyond * base.precision.tail(soft).cwiseSqrt().cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(beyond.transpose() * beyond);
+  Eigen::Index count = free_;
+  for (Eigen::Index k = 0; k < soft; ++k) {
+    const double added = eigen.eigenvalues()[k];
+    if (!(added > kNothing)) continue;
+    basis_.col(count) = (beyond * eigen.eigenvectors().col(k)) / std::sqrt(added);
+    removed_[count++] = 1 - 1 / std::sqrt(1 + added);
+    log_determinants_ += std::log1p(added);
+  }
+  basis_.conservativeResize(Eigen::NoChange, count);
+  removed_.conservativeResize(count);
+}
+
+void WhitenedSpace::project(Eigen::Ref<Eigen::MatrixXd> white) const {
+  white.noalias() -= basis_ * (removed_.asDiagonal() * (basis_.transpose() * white)).eval();
+}
+
+Eigen::MatrixXd WhitenedSpace::left_over(Eigen::MatrixXd columns) const {
+  whiten(columns);
+  project(columns);
+  return columns;
+}
+
+double WhitenedSpace::criterion(double rss) const {
+  return static_cast<double>(dof()) * std::log(rss) + log_determinants_;
+}
+
+SoftBase independent_base(const SoftBase& base) {
+  const Eigen::Index free = base.free_count(), soft = base.columns.cols() - free;
+  const Eigen::MatrixXd kept = independent_columns(base.columns.leftCols(free));
+  SoftBase result;
+  result.columns.resize(base.columns.rows(), kept.cols() + soft);
+  result.columns << kept, base.columns.rightCols(soft);
+  result.precision = Eigen::VectorXd::Zero(kept.cols() + soft);
+  if (soft > 0) result.precision.tail(soft) = base.precision.tail(soft);
+  return result;
+}
+
+}  // namespace driftwise::diagnosis

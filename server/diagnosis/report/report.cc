@@ -1,0 +1,285 @@
+#include "server/diagnosis/report/report.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "server/core/units.h"
+#include "server/diagnosis/answer/u90.h"
+#include "server/diagnosis/catalogue/linear_parameter.h"
+#include "server/diagnosis/growth/correction_reach.h"
+#include "server/diagnosis/report/sentence.h"
+#include "server/diagnosis/rows/held_out_gain.h"
+#include "server/diagnosis/rows/weighted_fit.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+constexpr double kShown2lnl = 8;      // of one output
+constexpr double kKnownShare = 0.25;  // of a correction: how well it is known at least
+
+// The only thing that a term of several is named after: "ppm_per_k" of x:t05 beside that of y:t05.
+std::string suffix(const effects::Term& term, std::size_t terms) {
+  if (terms < 2) return "";
+  if (const auto* power = std::get_if<effects::Power>(&term.factors.front()))
+    return "_" + power->symbol;
+  return "";
+}
+
+// "further_tau_s", "further2_tau_s": of the values that one alone leaves.
+std::string numbered(std::size_t value, const std::string& name) {
+  if (value == 0) return name;
+  return "further" + (value > 1 ? std::to_string(value) : "") + "_" + name;
+}
+
+// Which axis an instrument's error belongs to: the one whose own column is spread over the outputs
+// as the finding's is.
+std::string axis_of(const Problem& problem, const Finding& finding) {
+  std::string best;
+  double closest = 0;
+  for (const auto& column : problem.data().columns) {
+    const auto& symbol = column.channel.symbol;
+    if (!is_pose_symbol(symbol) || column.channel.unit != "mm") continue;
+    std::size_t at = problem.base.size();
+    for (std::size_t k = 0; k < problem.base.size(); ++k) {
+      const auto& factors = problem.base[k].factors;
+      if (factors.size() != 1) continue;
+      const auto* power = std::get_if<effects::Power>(&factors.front());
+      if (power != nullptr && power->symbol == symbol && power->exponent == 1) at = k;
+    }
+    if (at == problem.base.size()) continue;
+    double across = 0, own = 0, theirs = 0;
+    for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
+      const WeightedFit fit(problem, problem.learned(problem.base_columns), Eigen::MatrixXd(), o);
+      const double slope = fit.coefficient(static_cast<Eigen::Index>(at));
+      const double size = finding.outputs[o].coefficients.empty()
+                              ? 0
+                              : finding.outputs[o].coefficients.front() * problem.outputs[o].factor;
+      across += slope * size, own += slope * slope, theirs += size * size;
+    }
+    const double alike = own > 0 && theirs > 0 ? std::abs(across) / std::sqrt(own * theirs) : 0;
+    if (alike <= closest) continue;
+    closest = alike;
+    best = symbol;
+  }
+  return best;
+}
+
+Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
+                   const Extension& extension, std::size_t index) {
+  const Named& named = extension.named()[index];
+  const Cause& cause = causes[named.cause];
+  Finding finding{.cause = cause.id,
+                  .subject = cause.subject,
+                  .where = cause.where,
+                  .applies_to = cause.applies_to,
+                  .terms = named.terms,
+                  .p_adjusted = named.p_adjusted,
+                  .log_likelihood_ratio = named.likelihood / 2};
+  if (!cause.parameter.empty() && cause.linear != LinearParameter::width_nm) {
+    FoundParameter parameter{cause.parameter, named.parameter, {}, {}};
+    if (auto curve = extension.profile_of(index)) {
+      parameter.ci90 = curve->ci90;
+      parameter.curve = std::move(curve->curve);
+    }
+    finding.parameters.push_back(std::move(parameter));
+    for (std::size_t v = 0; v < named.further.size(); ++v)
+      finding.parameters.push_back({numbered(v + 1, cause.parameter), named.further[v], {}, {}});
+  }
+  const std::size_t of_one_value = named.terms.size() / (1 + named.further.size());
+  for (const std::size_t rival : named.rivals)
+    finding.indistinguishable_from.push_back(name_of(causes[rival]));
+  const Ground ground = extension.ground(index, extension.shapes());
+  const auto on = acts_on(problem, cause);
+  const Gain gain = ground.gain(named.learned, named.prior.typical);
+  const SoftBase base = extension.learned(index);
+  const auto shown = static_cast<std::size_t>(
+      std::ranges::count_if(gain.of_output, [](double one) { return one > kShown2lnl; }));
+  for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
+    if (on[o] == 0) continue;
+    const auto& output = problem.outputs[o];
+    FindingOutput one{.output = output.channel.symbol, .unit = output.unit};
+    one.gain_2lnl = gain.of_output[o];
+    one.shown = one.gain_2lnl > kShown2lnl || shown == 0;
+    const WeightedFit fit(
+        problem, base, named.learned, o, ground.space(gain.shape[o]).shape(),
+        named.prior.typical.col(static_cast<Eigen::Index>(o)).unaryExpr([&](double sd) {
+          const double share = std::max(named.share[o], kPriorShares.back());
+          return sd > 0 ? std::pow(extension.noise_sd(o) / (share * sd), 2) : 0;
+        }));
+    Eigen::VectorXd added = Eigen::VectorXd::Zero(named.learned.rows());
+    for (Eigen::Index k = 0; k < named.learned.cols(); ++k) {
+      const double coefficient = fit.added_coefficient(k), error = fit.added_error(k);
+      added += coefficient * named.learned.col(k);
+      one.coefficients.push_back(coefficient / output.factor);
+      const auto& term = named.terms[static_cast<std::size_t>(k)];
+      const std::size_t v = static_cast<std::size_t>(k) / of_one_value;
+      const auto number =
+          linear_number(cause.linear, term, v == 0 ? named.parameter : named.further[v - 1]);
+      if (number.name.empty() || output.unit != "nm" || !one.shown || !std::isfinite(error))
+        continue;
+      const double value = coefficient * number.factor,
+                   reach = kSigmaToU90 * error * std::abs(number.factor);
+      FoundParameter parameter{numbered(v, number.name) + suffix(term, of_one_value) +
+                                   (shown > 1 ? "_" + one.output : ""),
+                               value,
+                               Interval{value - reach, value + reach},
+                               {}};
+      if (cause.linear == LinearParameter::width_nm && value < 0) {
+        parameter.value = -value;
+        parameter.ci90 = Interval{-value - reach, -value + reach};
+      }
+      finding.parameters.push_back(std::move(parameter));
+    }
+    if (cause.applies_to == effects::AppliesTo::correction)
+      if (const auto reach = correction_reach(problem, named.terms, fit); reach) {
+        one.correction_rms = reach->rms;
+        one.correction_u90 = reach->u90;
+      }
+    // beyond what the rest of the simulation could do of it
+    const Eigen::VectorXd beyond_rest =
+        added - base.columns * base.columns.colPivHouseholderQr().solve(added);
+    one.amplitude = std::sqrt(beyond_rest.squaredNorm() / static_cast<double>(added.size()));
+    if (problem.judge.size() >= 4) {
+      const auto held =
+          held_out(problem, output, extension.described(o, index), extension.described(o));
+      one.u90_before = held.before.u90;
+      one.u90_after = held.after.u90;
+      one.mean_before = held.before.mean;
+      one.mean_after = held.after.mean;
+      one.a90_before = held.before.a90;
+      one.a90_after = held.after.a90;
+      one.u90_after_ci90 = held.u90_after_ci90;
+      one.a90_after_ci90 = held.a90_after_ci90;
+    }
+    finding.outputs.push_back(std::move(one));
+  }
+  if (finding.subject.empty() && finding.outputs.size() == problem.outputs.size() &&
+      cause.applies_to != effects::AppliesTo::robot)
+    finding.subject = axis_of(problem, finding);
+  if (cause.applies_to == effects::AppliesTo::dataset && cause.scale == ParameterScale::instant)
+    for (std::size_t row = 0; row < problem.data().rows; ++row)
+      if (problem.data().time_s[row] >= named.parameter) finding.rows.push_back(row);
+  finding.sentence = sentence(finding);
+  return finding;
+}
+
+// U90 of visits to one place about their mean, over the calibration rows.
+std::optional<double> noise_floor(const Problem& problem, const Eigen::VectorXd& left) {
+  constexpr double kPlaceMm = 1e-3;
+  constexpr std::size_t kFewestRepeats = 10;
+  std::vector<std::pair<std::vector<long>, std::size_t>> places;
+  for (const std::size_t row : problem.learn) {
+    std::vector<long> place;
+    for (const auto& column : problem.data().columns) {
+      const auto& symbol = column.channel.symbol;
+      if (is_motor_symbol(symbol)) place.push_back(std::lround(column.values[row] / kPlaceMm));
+      if (symbol == "force") place.push_back(std::lround(column.values[row] * 100));
+    }
+    if (place.empty()) return std::nullopt;
+    places.emplace_back(std::move(place), row);
+  }
+  std::ranges::stable_sort(places, {}, [](const auto& one) { return one.first; });
+  double squares = 0;
+  std::size_t dof = 0;
+  for (std::size_t i = 0; i < places.size();) {
+    std::size_t end = i;
+    double sum = 0;
+    for (; end < places.size() && places[end].first == places[i].first; ++end)
+      sum += left[static_cast<Eigen::Index>(places[end].second)];
+    const double mean = sum / static_cast<double>(end - i);
+    for (std::size_t k = i; k < end; ++k)
+      squares += std::pow(left[static_cast<Eigen::Index>(places[k].second)] - mean, 2);
+    dof += end - i - 1;
+    i = end;
+  }
+  if (dof < kFewestRepeats) return std::nullopt;
+  return kSigmaToU90 * std::sqrt(squares / static_cast<double>(dof));
+}
+
+}  // namespace
+
+bool correction_is_uncertain(const Finding& finding) {
+  return std::ranges::any_of(finding.outputs, [](const FindingOutput& one) {
+    return one.correction_u90 && one.u90_before && *one.correction_u90 > *one.u90_before &&
+           *one.correction_u90 > kKnownShare * kSigmaToU90 * one.correction_rms.value_or(0);
+  });
+}
+
+std::vector<Finding> findings_of(const Problem& problem, const std::vector<Cause>& causes,
+                                 const Extension& extension) {
+  std::vector<Finding> findings;
+  for (std::size_t i = 0; i < extension.named().size(); ++i)
+    findings.push_back(finding_of(problem, causes, extension, i));
+  std::ranges::stable_sort(findings, std::ranges::greater{}, &Finding::log_likelihood_ratio);
+  return findings;
+}
+
+std::vector<OutputSummary> outputs_of(const Problem& problem, const Dataset& dataset,
+                                      const Extension& extension) {
+  std::vector<OutputSummary> outputs;
+  const Ground ground(problem.timeline, noise_grid(problem.timeline), extension.learned(), [&] {
+    Eigen::MatrixXd series(problem.timeline.rows(),
+                           static_cast<Eigen::Index>(problem.outputs.size()));
+    for (std::size_t o = 0; o < problem.outputs.size(); ++o)
+      series.col(static_cast<Eigen::Index>(o)) = problem.learned(problem.outputs[o].measured);
+    return series;
+  }());
+  for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
+    const auto& output = problem.outputs[o];
+    OutputSummary one{.output = output.channel.symbol, .unit = output.unit};
+    const Eigen::VectorXd before = residuals(problem, output, problem.base_columns);
+    const SoftBase now = extension.described(o);
+    const Eigen::VectorXd after = residuals(problem, output, now);
+    one.before.assign(before.data(), before.data() + before.size());
+    one.after.assign(after.data(), after.data() + after.size());
+    const ErrorFigures learned_before = figures_of(rows_of(before, problem.learn)),
+                       learned_after = figures_of(rows_of(after, problem.learn));
+    one.u90_calibration_before = one.u90 = learned_before.u90;
+    one.mean_calibration_before = one.mean = learned_before.mean;
+    one.a90_calibration_before = one.a90 = learned_before.a90;
+    one.u90_calibration_after = learned_after.u90;
+    one.mean_calibration_after = learned_after.mean;
+    one.a90_calibration_after = learned_after.a90;
+    one.noise_floor_u90 = noise_floor(problem, after);
+    if (problem.judge.size() >= 4) {
+      const ErrorFigures judged_before =
+                             figures_of(judged_residuals(problem, output, problem.base_columns)),
+                         judged_after = figures_of(judged_residuals(problem, output, now));
+      one.u90_validation_before = judged_before.u90;
+      one.mean_validation_before = judged_before.mean;
+      one.a90_validation_before = judged_before.a90;
+      one.u90_validation_after = judged_after.u90;
+      one.mean_validation_after = judged_after.mean;
+      one.a90_validation_after = judged_after.a90;
+    }
+    const auto at = static_cast<Eigen::Index>(o);
+    one.noise_white_sd = ground.white_sd(at);
+    one.noise_slow_sd = one.noise_white_sd * std::sqrt(ground.noise(at).slow_ratio);
+    one.noise_tau_s = ground.noise(at).slow_ratio > 0 ? ground.noise(at).tau_s : 0;
+    for (const auto& column : dataset.columns)
+      if (column.channel.symbol != output.channel.symbol)
+        one.explained_by.push_back(
+            {column.channel.symbol, marginal_share(column.values, one.before)});
+    if (!dataset.time_s.empty())
+      one.explained_by.push_back({"time", marginal_share(dataset.time_s, one.before)});
+    std::ranges::stable_sort(one.explained_by, std::ranges::greater{}, &Share::share);
+    outputs.push_back(std::move(one));
+  }
+  return outputs;
+}
+
+std::string extended_formula(const std::string& baseline, const std::vector<Finding>& findings) {
+  std::string formula = baseline;
+  std::vector<std::string> added;
+  for (const auto& finding : findings)
+    for (const auto& term : finding.terms) {
+      const auto text = effects::notation(term);
+      if (std::ranges::find(added, text) != added.end()) continue;
+      added.push_back(text);
+      formula += " + " + text;
+    }
+  return formula;
+}
+
+}  // namespace driftwise::diagnosis

@@ -1,0 +1,138 @@
+#include "server/diagnosis/report/sentence.h"
+
+#include <algorithm>
+#include <map>
+
+#include "server/core/channel.h"
+#include "server/core/text/quantity_text.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+std::string three_digits(double value) { return digits_text(value); }
+
+// "tau_s", "nm_per_k", "offset_mm_rx", and with the output where several show the cause:
+// "size_nm_q1". The unit is the last part that is one; what stands behind it says of which term.
+std::string parameter_text(std::string name, double value, const Finding& finding) {
+  std::string of;
+  for (const auto& output : finding.outputs)
+    if (name.ends_with("_" + output.output)) {
+      name.resize(name.size() - output.output.size() - 1);
+      of = " (" + output.output + ")";
+      break;
+    }
+  if (name.find("_per_") != std::string::npos) return three_digits(value) + " " + name + of;
+  for (auto at = name.rfind('_'); at != std::string::npos && at > 0; at = name.rfind('_', at - 1)) {
+    const auto end = name.find('_', at + 1);
+    const auto unit = name.substr(at + 1, end == std::string::npos ? end : end - at - 1);
+    if (std::ranges::find(known_units(), unit) == known_units().end()) continue;
+    const auto rest = end == std::string::npos ? "" : name.substr(end);
+    return name.substr(0, at) + rest + " " + size_text(value, unit) + of;
+  }
+  return three_digits(value) + " " + name + of;
+}
+
+std::string what(const Finding& finding) {
+  const std::string& of = finding.subject;
+  static const std::map<std::string, std::string> words = {
+      {"geometry_order", "the geometry needs terms in % that the simulation lacks"},
+      {"thermal_offset", "the robot moves with %, which the simulation does not use"},
+      {"thermal_lag", "the robot follows % with a delay"},
+      {"thermal_rate", "the robot's error goes with how fast % changes"},
+      {"thermal_expansion", "the error grows with position times %"},
+      {"self_heating", "the motion of % heats the robot where no sensor sees it"},
+      {"activity_heating", "% heats the robot, with a delay"},
+      {"force_compliance", "the robot gives way in proportion to the force"},
+      {"force_nonlinearity", "the robot gives way to the force, and not in proportion"},
+      {"force_position_coupling", "how far the robot gives way depends on where it is"},
+      {"backlash", "% has play: it depends on the side it came from"},
+      {"backlash joint", "% has play: gravity's torque chooses the flank"},
+      {"joint_compliance", "% sags under gravity"},
+      {"gear_error", "% turns unevenly: an eccentric wheel or encoder"},
+      {"joint_offset_drift", "the zero of % moves with the temperature"},
+      {"creep", "the robot creeps after a move of %"},
+      {"cyclic_error", "a periodic error along %"},
+      {"abbe_offset", "the beam misses the centre of rotation: the error goes with the tilts"},
+      {"cosine_error", "the length of % shrinks with the tilt of its mirror"},
+      {"refractive_index", "the air on the beam's way changes the length"},
+      {"instrument_drift", "the zero drifts steadily and nothing sensed explains it"},
+      {"step_change", "a jump at one instant"},
+      {"periodic_disturbance", "something periodic in time that no channel shows"},
+      {"outliers", "isolated wrong rows, left out"},
+      {"noise_change", "the spread changes, not the mean"}};
+  const auto found = words.find(
+      finding.cause == "backlash" && of.starts_with("joint") ? "backlash joint" : finding.cause);
+  std::string text = found == words.end() ? finding.cause + " of %" : found->second;
+  if (finding.cause == "instrument_drift" && !finding.terms.empty() &&
+      finding.terms.back().factors.size() > 1)
+    text = "the scale of % drifts steadily and nothing sensed explains it";
+  if (const auto at = text.find('%'); at != std::string::npos) text.replace(at, 1, of);
+  return text;
+}
+
+}  // namespace
+
+std::string size_text(double value, const std::string& unit) {
+  return three_digits(value) + " " + unit;
+}
+
+std::string sentence(const FaultySensor& sensor) {
+  const auto count = std::to_string(sensor.rows.size());
+  const auto from = "row " + std::to_string(sensor.rows.front() + 1) + " on";
+  switch (sensor.fault) {
+    case SensorFault::frozen:
+      return "Sensor " + sensor.channel + " gives one and the same value in " + count +
+             " rows from " + from + ": it is frozen, and those values are left out.";
+    case SensorFault::spiked:
+      return "Sensor " + sensor.channel + " gives " + count +
+             " single values far off their neighbours: they are left out.";
+    case SensorFault::jumped:
+      return "Sensor " + sensor.channel + " jumps by " + three_digits(sensor.size) + " K from " +
+             from +
+             (!sensor.named   ? ", and others change there a little or there is none: the room may "
+                                "have done it, or the sensor; the readings are left as they are."
+              : sensor.mended ? " and no other does: the jump is taken out."
+                              : " and no other does: no part warms so; the readings are left as "
+                                "they are, for the outputs do not say.");
+    case SensorFault::swapped:
+      return "Sensors " + sensor.channel + " and " + sensor.other + " change places from " + from +
+             ": they are put back.";
+  }
+  return "";
+}
+
+std::string sentence(const Finding& finding) {
+  std::string text = what(finding);
+  text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  for (const auto& parameter : finding.parameters) {
+    text += ", " + parameter_text(parameter.name, parameter.value, finding);
+    if (parameter.ci90)
+      text += " (90 %: " + three_digits(parameter.ci90->low) + " to " +
+              three_digits(parameter.ci90->high) + ")";
+  }
+  for (const auto& output : finding.outputs) {
+    if (!output.shown || !output.a90_before) continue;
+    const SizeUnit unit =
+        size_unit({output.amplitude, *output.a90_before, *output.a90_after}, output.unit);
+    text += "; " + output.output + ": " + digits_text(output.amplitude * unit.factor) + " " +
+            unit.unit + " rms, held-out A90 " + digits_text(*output.a90_before * unit.factor) +
+            " -> " + digits_text(*output.a90_after * unit.factor) + " " + unit.unit;
+  }
+  text += ".";
+  if (correction_is_uncertain(finding)) {
+    text += " The correction that would follow is not known well enough to be made:";
+    for (const auto& output : finding.outputs)
+      if (output.correction_u90)
+        text += " +-" + size_text(*output.correction_u90, output.unit) + " in " + output.output +
+                (&output == &finding.outputs.back() ? "." : ",");
+  }
+  if (!finding.indistinguishable_from.empty()) {
+    text += " These data cannot tell it from ";
+    for (std::size_t i = 0; i < finding.indistinguishable_from.size(); ++i)
+      text += (i == 0 ? "" : ", ") + finding.indistinguishable_from[i];
+    text += ".";
+  }
+  return text;
+}
+
+}  // namespace driftwise::diagnosis

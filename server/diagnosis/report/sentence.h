@@ -1,0 +1,15 @@
+#pragma once
+// A finding as a person would say it.
+
+#include <string>
+
+#include "server/diagnosis/answer/finding.h"
+#include "server/diagnosis/rows/screen.h"
+
+namespace driftwise::diagnosis {
+
+std::string sentence(const Finding& finding);
+std::string sentence(const FaultySensor& sensor);
+std::string size_text(double value, const std::string& unit);  // three digits: "84.2 nm"
+
+}  // namespace driftwise::diagnosis

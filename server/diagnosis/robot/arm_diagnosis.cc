@@ -1,0 +1,216 @@
+#include "server/diagnosis/robot/arm_diagnosis.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "server/core/try.h"
+#include "server/core/units.h"
+#include "server/diagnosis/answer/cancelled.h"
+#include "server/diagnosis/answer/u90.h"
+#include "server/diagnosis/report/sentence.h"
+#include "server/diagnosis/robot/geometry.h"
+#include "server/identification/identify.h"
+#include "server/identification/pose_rows.h"
+#include "server/kinematics/joint_errors.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+using Eigen::Index;
+
+JointTurns turns_of(const std::vector<ArmCause>& causes, std::size_t rows) {
+  Index shapes = 0;
+  for (const auto& cause : causes) shapes += cause.turns_rad.cols();
+  JointTurns turns{Eigen::MatrixXd(static_cast<Index>(rows), shapes), {}};
+  for (const auto& cause : causes) {
+    const auto at = static_cast<Index>(turns.joint.size());
+    turns.rad.middleCols(at, cause.turns_rad.cols()) = cause.turns_rad;
+    turns.joint.insert(turns.joint.end(), static_cast<std::size_t>(cause.turns_rad.cols()),
+                       cause.joint);
+  }
+  return turns;
+}
+
+// Columns of what is in without a prior: the numbers that such data determine, and linear terms.
+std::vector<Index> geometry_columns(const identification::Identification& identified,
+                                    Index before_turns) {
+  std::vector<Index> columns;
+  const auto parameters = static_cast<Index>(identified.parameters.size());
+  for (Index k = 0; k < before_turns; ++k)
+    if (k >= parameters || identified.parameters[static_cast<std::size_t>(k)].free)
+      columns.push_back(k);
+  return columns;
+}
+
+// Learning rows x joints, each from 0 to 1.
+Eigen::MatrixXd scaled_angles(const Eigen::MatrixXd& inputs, std::size_t joints,
+                              const std::vector<std::size_t>& learn) {
+  Eigen::MatrixXd angles(static_cast<Index>(learn.size()), static_cast<Index>(joints));
+  for (std::size_t i = 0; i < learn.size(); ++i)
+    angles.row(static_cast<Index>(i)) =
+        inputs.col(static_cast<Index>(learn[i])).head(static_cast<Index>(joints)).transpose();
+  const Eigen::RowVectorXd low = angles.colwise().minCoeff();
+  const Eigen::RowVectorXd range = (angles.colwise().maxCoeff() - low).cwiseMax(1e-9);
+  return (angles.rowwise() - low) * range.cwiseInverse().asDiagonal();
+}
+
+std::string name_of_cause(const ArmCause& cause) {
+  return cause.id + " " + cause.subject +
+         (cause.harmonic > 0 ? " harmonic " + std::to_string(cause.harmonic) : "");
+}
+
+void add_parameters(const ArmCause& cause, const NamedArmCause& named, bool masses,
+                    Finding& found) {
+  const auto linear = [&](const char* name) {
+    const double value = named.amplitude[0], reach = kSigmaToU90 * named.error[0];
+    found.parameters.push_back({name, value, Interval{value - reach, value + reach}, {}});
+  };
+  if (cause.id == "joint_compliance") {
+    linear(masses ? "sag_urad_per_newton_m" : "sag_urad_per_m");
+  } else if (cause.id == "backlash") {
+    linear("width_arcsec");
+  } else if (cause.id == "joint_offset_drift") {
+    linear("drift_arcsec_per_k");
+  } else {
+    const double size = named.amplitude.norm();
+    const double error = std::sqrt(named.amplitude.cwiseProduct(named.error).squaredNorm()) / size;
+    const double reach = kSigmaToU90 * error;
+    found.parameters.push_back({"harmonic", static_cast<double>(cause.harmonic), {}, {}});
+    found.parameters.push_back(
+        {"amplitude_arcsec", size, Interval{std::max(0.0, size - reach), size + reach}, {}});
+  }
+}
+
+class Reporter {
+ public:
+  Reporter(const Problem& problem, const WhitenedGeometry& whole, const ArmSearch& search,
+           const std::vector<ArmCause>& causes, const std::vector<Index>& geometry)
+      : problem_(problem),
+        whole_(whole),
+        search_(search),
+        causes_(causes),
+        coefficients_(search.coefficients()),
+        raw_base_(whole.raw(Eigen::all, geometry)) {
+    const Eigen::RowVectorXd lengths = raw_base_.colwise().norm().cwiseMax(1e-300);
+    raw_base_ = raw_base_ * lengths.cwiseInverse().asDiagonal();
+    for (const auto& cause : causes) {
+      first_.push_back(turns_);
+      turns_ += cause.turns_rad.cols();
+    }
+  }
+
+  Finding finding(const NamedArmCause& named, bool masses) const {
+    const ArmCause& cause = causes_[named.cause];
+    Finding found{.cause = cause.id, .subject = cause.subject, .where = "robot"};
+    add_parameters(cause, named, masses, found);
+    found.p_adjusted = named.p_adjusted;
+    found.log_likelihood_ratio = named.two_ln_bf / 2;
+    for (const std::size_t rival : named.rivals)
+      found.indistinguishable_from.push_back(name_of_cause(causes_[rival]));
+    add_outputs(named, found);
+    found.sentence = sentence(found);
+    return found;
+  }
+
+ private:
+  // What it adds to the identified drawing and to the other causes.
+  void add_outputs(const NamedArmCause& named, Finding& found) const {
+    const Index at = whole_.raw.cols() - turns_ + first_[named.cause],
+                k = causes_[named.cause].turns_rad.cols();
+    const Eigen::VectorXd effect = whole_.raw.middleCols(at, k) * coefficients_.segment(at, k);
+    const Eigen::VectorXd beyond = effect - raw_base_ * raw_base_.householderQr().solve(effect);
+    const Eigen::VectorXd before =
+        whole_.y_raw_judge - whole_.raw_judge * search_.coefficients(named.cause);
+    const Eigen::VectorXd after = whole_.y_raw_judge - whole_.raw_judge * coefficients_;
+    const auto n = static_cast<Index>(problem_.learn.size()),
+               m = static_cast<Index>(problem_.judge.size());
+    for (std::size_t o = 0; o < problem_.outputs.size(); ++o) {
+      const auto first = static_cast<Index>(o);
+      FindingOutput one{.output = problem_.outputs[o].channel.symbol,
+                        .unit = problem_.outputs[o].unit};
+      one.amplitude =
+          std::sqrt(beyond.segment(first * n, n).squaredNorm() / static_cast<double>(n));
+      one.shown = true;  // one number moves all outputs
+      if (m >= 4) {
+        const ErrorFigures judged_before = figures_of(before.segment(first * m, m)),
+                           judged_after = figures_of(after.segment(first * m, m));
+        one.u90_before = judged_before.u90;
+        one.u90_after = judged_after.u90;
+        one.mean_before = judged_before.mean;
+        one.mean_after = judged_after.mean;
+        one.a90_before = judged_before.a90;
+        one.a90_after = judged_after.a90;
+      }
+      found.outputs.push_back(std::move(one));
+    }
+  }
+
+  const Problem& problem_;
+  const WhitenedGeometry& whole_;
+  const ArmSearch& search_;
+  const std::vector<ArmCause>& causes_;
+  Eigen::VectorXd coefficients_;
+  Eigen::MatrixXd raw_base_;
+  std::vector<Index> first_;
+  Index turns_ = 0;
+};
+
+std::string refusal(const RefusedArmCause& refused, const ArmCause& cause) {
+  const auto& gate = refused.gate;
+  char text[320];
+  std::snprintf(text, sizeof text,
+                "%s is refused (evidence %.0f): rows left out are not predicted better by it. "
+                "2 ln of their density grows by %.0f over blocks of time, %.0f over groups of "
+                "poses, %.0f over six parts of what it goes with (%.1f of its own spread)",
+                name_of_cause(cause).c_str(), refused.two_ln_bf, gate.by_time, gate.by_places,
+                gate.by_driver, gate.t_by_driver);
+  return text;
+}
+
+}  // namespace
+
+Result<ArmDiagnosis> diagnose_arm(const Dataset& dataset, const Problem& problem,
+                                  const std::shared_ptr<const kinematics::Mechanism>& mechanism,
+                                  const std::vector<effects::Term>& terms, double alpha,
+                                  const std::function<bool()>& tick) {
+  ArmDiagnosis result{.robot = mechanism->description()};
+  const Dataset data = marked_rows(dataset, problem);
+  auto catalogue = arm_causes(data, problem.learn, result.robot);
+  result.not_testable = std::move(catalogue.not_testable);
+  const auto& causes = catalogue.causes;
+  if (causes.empty()) return result;
+  identification::IdentifyOptions options;
+  options.mechanism = mechanism;
+  options.terms = terms;
+  // A shift of the whole arm with a temperature is thermal_offset's: a joint's drift is what turns.
+  for (const auto& cause : causes)
+    if (!cause.channel.symbol.empty()) {
+      const effects::Term offset{{effects::Power{cause.channel.symbol, 1}}};
+      if (std::ranges::find(options.terms, offset) == options.terms.end())
+        options.terms.push_back(offset);
+    }
+  DRIFTWISE_TRY(const auto identified, identification::identify(data, options));
+  if (tick && !tick()) return cancelled();
+  const JointTurns turns = turns_of(causes, data.rows);
+  const auto whole = plain_geometry(data, problem, identified, turns);
+  const auto geometry =
+      geometry_columns(identified, whole.columns.cols() - static_cast<Index>(turns.joint.size()));
+  DRIFTWISE_TRY(const auto rows, identification::mechanism_data(data, *mechanism));
+  ArmSearch search(whole, geometry, causes,
+                   scaled_angles(rows.inputs, result.robot.links.size(), problem.learn),
+                   problem.learn);
+  search.search(alpha);
+  const Reporter reporter(problem, whole, search, causes, geometry);
+  const bool masses = kinematics::has_masses(result.robot);
+  for (const auto& one : search.named()) {
+    result.findings.push_back(reporter.finding(one, masses));
+    add_to(result.robot, causes[one.cause], one.amplitude);
+  }
+  for (const auto& one : search.refused())
+    result.warnings.push_back(refusal(one, causes[one.cause]));
+  return result;
+}
+
+}  // namespace driftwise::diagnosis

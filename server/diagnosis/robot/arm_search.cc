@@ -1,0 +1,363 @@
+#include "server/diagnosis/robot/arm_search.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "server/calibration/linear/tail.h"
+#include "server/diagnosis/noise/ground.h"
+#include "server/diagnosis/rows/place_groups.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+using Eigen::Index;
+
+constexpr std::size_t kArmTimeFolds = 5, kArmPlaceFolds = 6, kDriverParts = 6;
+constexpr Index kShortBlocks = 60;
+constexpr double kArmGap = 0.04;  // of the rows, on either side of a block of time
+constexpr double kRivalWithin = 6, kSpreadLevel = 0.95;
+
+double normal_below(double z) { return 0.5 * std::erfc(-z / std::sqrt(2.0)); }
+
+// 2 ln of the predictive density of rows left out: base columns with a prior `precision`, fitted to
+// the others. gram, along: of all rows; x, y: of the rows that take no part; of which the first
+// `judged` are predicted and the rest only left out.
+double predictive(const Eigen::MatrixXd& gram, const Eigen::VectorXd& along,
+                  const Eigen::VectorXd& precision, const Eigen::MatrixXd& x,
+                  const Eigen::VectorXd& y, Index judged) {
+  Eigen::MatrixXd a = gram - x.transpose() * x;
+  a.diagonal() += precision;
+  a.diagonal().array() += 1e-9;
+  const Eigen::LLT<Eigen::MatrixXd> fitted(a);
+  const Eigen::VectorXd b = fitted.solve(along - x.transpose() * y);
+  const auto rows = x.topRows(judged);
+  const Eigen::VectorXd e = y.head(judged) - rows * b;
+  const Eigen::LLT<Eigen::MatrixXd> with(a + rows.transpose() * rows);
+  double log_ratio = 0;
+  for (Index k = 0; k < a.cols(); ++k)
+    log_ratio += 2 * std::log(with.matrixL()(k, k) / fitted.matrixL()(k, k));
+  const Eigen::VectorXd xe = rows.transpose() * e;
+  return -(e.squaredNorm() - xe.dot(with.solve(xe))) - log_ratio;
+}
+
+double sum_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+double t_of(const std::vector<double>& values) {
+  const auto n = static_cast<double>(values.size());
+  const double mean = sum_of(values) / n;
+  double squares = 0;
+  for (const double value : values) squares += (value - mean) * (value - mean);
+  const double error = std::sqrt(squares / (n - 1) / n);
+  return error > 0 ? mean / error : 0;
+}
+
+}  // namespace
+
+ArmSearch::ArmSearch(const WhitenedGeometry& whole, const std::vector<Index>& geometry,
+                     const std::vector<ArmCause>& causes, Eigen::MatrixXd angles,
+                     const std::vector<std::size_t>& learn)
+    : whole_(whole),
+      geometry_(geometry),
+      causes_(causes),
+      angles_(std::move(angles)),
+      learn_(learn) {
+  Index turns = 0;
+  for (const auto& cause : causes_) {
+    first_.push_back(turns);
+    turns += cause.turns_rad.cols();
+  }
+  rows_ = static_cast<Index>(learn_.size());
+  outputs_ = whole_.y.size() / rows_;
+  Eigen::MatrixXd base = whole_.columns(Eigen::all, geometry_);
+  const Eigen::RowVectorXd lengths = base.colwise().norm().cwiseMax(1e-300);
+  base = base * lengths.cwiseInverse().asDiagonal();
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(base);
+  basis_ = qr.householderQ() * Eigen::MatrixXd::Identity(base.rows(), base.cols());
+  turns_ = whole_.columns.rightCols(turns);
+  turns_ -= basis_ * (basis_.transpose() * turns_).eval();
+  y_ = whole_.y - basis_ * (basis_.transpose() * whole_.y);
+  y_ -= basis_ * (basis_.transpose() * y_).eval();
+  noise_ = std::sqrt(y_.squaredNorm() / static_cast<double>(y_.size() - base.cols()));
+  y_ /= noise_;
+  turns_ /= noise_;
+  gram_ = turns_.transpose() * turns_;
+  along_ = turns_.transpose() * y_;
+  for (std::size_t c = 0; c < causes_.size(); ++c) correlated_.push_back(correlation_of(c));
+}
+
+// Of what all causes together leave.
+double ArmSearch::correlation_of(std::size_t cause) const {
+  std::vector<Soft> all;
+  for (std::size_t c = 0; c < causes_.size(); ++c) all.push_back({c, 1});
+  const Fit fitted = fit(all, 1);
+  const Eigen::VectorXd amplitudes = scales_of(all).cwiseProduct(fitted.mean);
+  const Eigen::VectorXd left = y_ - turns_ * amplitudes;
+  double scores = 0, independent = 0;
+  for (Index k = first(cause); k < first(cause) + width(cause); ++k) {
+    for (Index block = 0; block < kShortBlocks; ++block) {
+      const Index begin = block * rows_ / kShortBlocks, end = (block + 1) * rows_ / kShortBlocks;
+      double score = 0;
+      for (Index o = 0; o < outputs_; ++o)
+        score += turns_.col(k)
+                     .segment(o * rows_ + begin, end - begin)
+                     .dot(left.segment(o * rows_ + begin, end - begin));
+      scores += score * score;
+    }
+    independent +=
+        turns_.col(k).squaredNorm() * left.squaredNorm() / static_cast<double>(y_.size());
+  }
+  return independent > 0 ? std::max(1.0, scores / independent) : 1;
+}
+
+std::vector<Index> ArmSearch::columns_of(const std::vector<Soft>& soft) const {
+  std::vector<Index> columns;
+  for (const auto& one : soft)
+    for (Index k = 0; k < width(one.cause); ++k) columns.push_back(first(one.cause) + k);
+  return columns;
+}
+
+Eigen::VectorXd ArmSearch::scales_of(const std::vector<Soft>& soft) const {
+  std::vector<double> scales;
+  for (const auto& one : soft)
+    for (Index k = 0; k < width(one.cause); ++k)
+      scales.push_back(one.share * causes_[one.cause].typical);
+  return Eigen::Map<Eigen::VectorXd>(scales.data(), static_cast<Index>(scales.size()));
+}
+
+ArmSearch::Fit ArmSearch::fit(const std::vector<Soft>& soft, double rows_per_row) const {
+  if (soft.empty()) return {};
+  const auto columns = columns_of(soft);
+  const Eigen::VectorXd scales = scales_of(soft);
+  Eigen::MatrixXd g =
+      scales.asDiagonal() * gram_(columns, columns) * scales.asDiagonal() / rows_per_row;
+  g.diagonal().array() += 1;
+  const Eigen::VectorXd b = scales.cwiseProduct(along_(columns).matrix()) / rows_per_row;
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(g);
+  Fit result;
+  result.mean = cholesky.solve(b);
+  result.error =
+      cholesky.solve(Eigen::MatrixXd::Identity(g.rows(), g.cols())).diagonal().cwiseSqrt();
+  result.two_ln = result.explained = b.dot(result.mean);
+  for (Index k = 0; k < g.cols(); ++k) result.two_ln -= 2 * std::log(cholesky.matrixL()(k, k));
+  return result;
+}
+
+std::optional<std::size_t> ArmSearch::index_of(std::size_t cause) const {
+  for (std::size_t i = 0; i < in_.size(); ++i)
+    if (in_[i].cause == cause) return i;
+  return std::nullopt;
+}
+
+std::vector<ArmSearch::Soft> ArmSearch::beside(std::size_t cause) const {
+  std::vector<Soft> all;
+  for (const auto& one : in_)
+    if (one.cause != cause) all.push_back(one);
+  for (std::size_t c = 0; c < causes_.size(); ++c)
+    if (c != cause && causes_[c].certain && !index_of(c)) all.push_back({c, 1});
+  return all;
+}
+
+ArmSearch::Evidence ArmSearch::evidence(std::size_t cause, const std::vector<Soft>& base) const {
+  const double rows_per_row = correlated_[cause];
+  const Fit without = fit(base, rows_per_row);
+  ByShare two_ln{};
+  std::array<Fit, kPriorShares.size()> fits;
+  const auto& what = causes_[cause];
+  for (std::size_t w = 0; w < two_ln.size(); ++w) {
+    auto with = base;
+    with.push_back({cause, kPriorShares[w]});
+    fits[w] = fit(with, rows_per_row);
+    two_ln[w] = fits[w].two_ln - without.two_ln;
+    const Index own = fits[w].mean.size() - 1;
+    if (what.one_signed)
+      two_ln[w] +=
+          2 * std::log(std::max(2 * normal_below(fits[w].mean[own] / fits[w].error[own]), 1e-300));
+  }
+  Evidence result{.two_ln = averaged(two_ln, false), .share = likeliest_share(two_ln, false)};
+  const auto best = static_cast<std::size_t>(std::ranges::find(kPriorShares, result.share) -
+                                             kPriorShares.begin());
+  const Fit& chosen = fits[best];
+  const Index k = width(cause);
+  const Eigen::VectorXd mean = chosen.mean.tail(k) * result.share,
+                        error = chosen.error.tail(k) * result.share;
+  result.nameable =
+      (mean.cwiseAbs() - 2 * error).maxCoeff() <= what.range && (!what.one_signed || mean[0] > 0);
+  auto free = base;
+  free.push_back({cause, 3 * kPriorShares.front()});
+  const Fit wide = fit(free, rows_per_row);
+  result.likelihood = wide.explained - without.explained;
+  return result;
+}
+
+std::vector<double> ArmSearch::predicted(const std::vector<std::vector<std::size_t>>& folds,
+                                         double gap, std::size_t cause,
+                                         const std::vector<Soft>& base, double share) const {
+  auto with = base;
+  with.push_back({cause, share});
+  const auto columns = columns_of(with);
+  const auto count = static_cast<Index>(columns.size()), own = width(cause);
+  const Index p = basis_.cols() + count;
+  Eigen::MatrixXd all(basis_.rows(), p);
+  all << basis_, turns_(Eigen::all, columns) * scales_of(with).asDiagonal();
+  const Eigen::MatrixXd gram = all.transpose() * all;
+  const Eigen::VectorXd along = all.transpose() * y_;
+  Eigen::VectorXd precision = Eigen::VectorXd::Zero(p);
+  precision.tail(count).setOnes();
+  const auto idle_rows = static_cast<std::size_t>(gap * static_cast<double>(rows_));
+  std::vector<double> gains;
+  for (const auto& fold : folds) {
+    std::vector<Index> out;
+    for (Index o = 0; o < outputs_; ++o)
+      for (const std::size_t row : fold) out.push_back(o * rows_ + static_cast<Index>(row));
+    const auto judged = static_cast<Index>(out.size());
+    if (idle_rows > 0)  // the fold is a block of rows
+      for (Index o = 0; o < outputs_; ++o)
+        for (std::size_t i = 1; i <= idle_rows; ++i) {
+          if (fold.front() >= i) out.push_back(o * rows_ + static_cast<Index>(fold.front() - i));
+          if (fold.back() + i < static_cast<std::size_t>(rows_))
+            out.push_back(o * rows_ + static_cast<Index>(fold.back() + i));
+        }
+    const Eigen::MatrixXd x = all(out, Eigen::all);
+    const Eigen::VectorXd y = y_(out);
+    const Index less = p - own;
+    gains.push_back(predictive(gram, along, precision, x, y, judged) -
+                    predictive(gram.topLeftCorner(less, less), along.head(less),
+                               precision.head(less), x.leftCols(less), y, judged));
+  }
+  return gains;
+}
+
+ArmGate ArmSearch::gate(std::size_t cause, const std::vector<Soft>& base, double share) const {
+  const auto n = static_cast<std::size_t>(rows_);
+  std::vector<std::vector<std::size_t>> time, parts(kDriverParts);
+  for (std::size_t f = 0; f < kArmTimeFolds; ++f) {
+    auto& fold = time.emplace_back();
+    for (std::size_t i = f * n / kArmTimeFolds; i < (f + 1) * n / kArmTimeFolds; ++i)
+      fold.push_back(i);
+  }
+  std::vector<std::vector<double>> places;
+  for (Index i = 0; i < angles_.rows(); ++i) {
+    const Eigen::VectorXd row = angles_.row(i);
+    places.emplace_back(row.begin(), row.end());
+  }
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto& driver = causes_[cause].driver;
+  std::ranges::stable_sort(order, {},
+                           [&](std::size_t i) { return driver[static_cast<Index>(learn_[i])]; });
+  for (std::size_t i = 0; i < n; ++i) parts[i * kDriverParts / n].push_back(order[i]);
+  ArmGate result;
+  result.by_time = sum_of(predicted(time, kArmGap, cause, base, share));
+  result.by_places =
+      sum_of(predicted(neighbouring_groups(places, kArmPlaceFolds), 0, cause, base, share));
+  const auto of_parts = predicted(parts, 0, cause, base, share);
+  result.by_driver = sum_of(of_parts);
+  result.t_by_driver = t_of(of_parts);
+  result.passes = result.by_time > 0 && result.by_places > 0 && result.by_driver > 0 &&
+                  (causes_[cause].certain ||
+                   result.t_by_driver > calibration::t_quantile(
+                                            kSpreadLevel, static_cast<double>(kDriverParts) - 1));
+  return result;
+}
+
+void ArmSearch::search(double alpha) {
+  alpha_ = alpha;
+  const double offered = static_cast<double>(causes_.size());
+  const auto p_of = [&](double two_ln) { return std::min(1.0, offered * std::exp(-two_ln / 2)); };
+  std::vector<char> ruled_out(causes_.size(), 0);
+  while (true) {
+    std::optional<std::size_t> best;
+    Evidence most;
+    for (std::size_t c = 0; c < causes_.size(); ++c) {
+      if (ruled_out[c] != 0 || index_of(c)) continue;
+      const auto one = evidence(c, beside(c));
+      if (!one.nameable || p_of(one.two_ln) > alpha) continue;
+      if (!best || one.two_ln > most.two_ln) best = c, most = one;
+    }
+    if (!best) break;
+    const auto judged = gate(*best, beside(*best), most.share);
+    if (!judged.passes) {
+      ruled_out[*best] = 1;
+      refused_.push_back({*best, most.two_ln, judged});
+      continue;
+    }
+    in_.push_back({*best, most.share});
+    // What a later one explains goes.
+    for (std::size_t i = 0; i < in_.size(); ++i) {
+      const auto again = evidence(in_[i].cause, beside(in_[i].cause));
+      if (again.nameable && p_of(again.two_ln) <= alpha) {
+        in_[i].share = again.share;
+        continue;
+      }
+      ruled_out[in_[i].cause] = 1;
+      in_.erase(in_.begin() + static_cast<std::ptrdiff_t>(i));
+      break;
+    }
+  }
+  describe();
+}
+
+void ArmSearch::describe() {
+  const double offered = static_cast<double>(causes_.size());
+  double most = 1;
+  for (const auto& one : in_) most = std::max(most, correlated_[one.cause]);
+  const Fit all = fit(in_, most);
+  Index at = 0;
+  for (const auto& one : in_) {
+    const Index k = width(one.cause);
+    const double scale = one.share * causes_[one.cause].typical;
+    const auto base = beside(one.cause);
+    const auto own = evidence(one.cause, base);
+    NamedArmCause named{.cause = one.cause,
+                        .amplitude = scale * all.mean.segment(at, k),
+                        .error = scale * all.error.segment(at, k),
+                        .two_ln_bf = own.two_ln,
+                        .p_adjusted = std::min(1.0, offered * std::exp(-own.two_ln / 2)),
+                        .gain_2lnl = own.likelihood,
+                        .gate = gate(one.cause, base, one.share)};
+    for (std::size_t c = 0; c < causes_.size(); ++c) {
+      if (c == one.cause || index_of(c)) continue;
+      auto others = base;
+      std::erase_if(others, [c](const Soft& soft) { return soft.cause == c; });
+      const auto rival = evidence(c, others);
+      if (rival.nameable && rival.likelihood > own.likelihood - kRivalWithin)
+        named.rivals.push_back(c);
+    }
+    named_.push_back(std::move(named));
+    at += k;
+  }
+  std::ranges::stable_sort(named_, std::ranges::greater{}, &NamedArmCause::two_ln_bf);
+}
+
+Eigen::VectorXd ArmSearch::coefficients(std::size_t without) const {
+  auto soft = in_;
+  std::erase_if(soft, [without](const Soft& one) { return one.cause == without; });
+  double most = 1;
+  for (const auto& one : soft) most = std::max(most, correlated_[one.cause]);
+  const Fit fitted = fit(soft, most);
+  const auto columns = columns_of(soft);
+  const Eigen::VectorXd scales = scales_of(soft);
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(whole_.columns.cols());
+  const Index turns = turns_.cols(), others = whole_.columns.cols() - turns;
+  Eigen::VectorXd left = whole_.y;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const auto at = static_cast<Index>(i);
+    all[others + columns[i]] = scales[at] * fitted.mean[at];
+    left -= all[others + columns[i]] * whole_.columns.col(others + columns[i]);
+  }
+  Eigen::MatrixXd base = whole_.columns(Eigen::all, geometry_);
+  const Eigen::VectorXd lengths = base.colwise().norm().cwiseMax(1e-300);
+  base = base * lengths.cwiseInverse().asDiagonal();
+  const Eigen::VectorXd b = base.householderQr().solve(left);
+  for (std::size_t k = 0; k < geometry_.size(); ++k)
+    all[geometry_[k]] = b[static_cast<Index>(k)] / lengths[static_cast<Index>(k)];
+  return all;
+}
+
+}  // namespace driftwise::diagnosis

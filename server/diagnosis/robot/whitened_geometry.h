@@ -1,0 +1,42 @@
+#pragma once
+// A robot's discrepancy and what each of its parameters would do to it, as one linear problem:
+// raw, for figures in nm, and whitened, for evidence.
+//
+// Rows of every matrix here: all learning rows of the first output, then of the second, ...
+
+#include <Eigen/Core>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "server/diagnosis/rows/problem.h"
+#include "server/identification/identify.h"
+
+namespace driftwise::diagnosis {
+
+// Turns of an arm's joints that are not among its parameters.
+struct JointTurns {
+  Eigen::MatrixXd rad;             // every row of the dataset x shapes
+  std::vector<std::size_t> joint;  // of each shape, from 0
+};
+
+struct WhitenedGeometry {
+  // White: parameters, then further linear terms of each output, then joint turns per unit.
+  Eigen::MatrixXd columns;
+  Eigen::VectorXd y;               // white: measured minus the nominal robot
+  Eigen::MatrixXd raw, raw_judge;  // the same columns in summary units; on the judging rows
+  Eigen::VectorXd y_raw, y_raw_judge;
+};
+
+// The same without whitening: columns and y are the raw ones.
+WhitenedGeometry plain_geometry(const Dataset& marked, const Problem& problem,
+                                const identification::Identification& identified,
+                                const JointTurns& turns = {});
+
+// Derivatives at `identified`; the discrepancy is that of the parameters' nominal values, where the
+// robot was placed (identified's placement). Nothing: tick said false.
+std::optional<WhitenedGeometry> whitened_geometry(const Dataset& marked, const Problem& problem,
+                                                  const identification::Identification& identified,
+                                                  const std::function<bool()>& tick);
+
+}  // namespace driftwise::diagnosis

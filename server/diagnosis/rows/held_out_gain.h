@@ -1,0 +1,43 @@
+#pragma once
+// What a finding is worth on rows that played no part in finding it.
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "server/core/data/accuracy.h"
+#include "server/diagnosis/answer/finding.h"
+#include "server/diagnosis/noise/soft_base.h"
+#include "server/diagnosis/rows/problem.h"
+
+namespace driftwise::diagnosis {
+
+struct HeldOut {
+  ErrorFigures before, after;               // of the judging rows
+  Interval u90_after_ci90, a90_after_ci90;  // over blocks of them
+};
+
+// Each fold fitted by least squares (with the prior of the amplitudes that have one) and judged on
+// its own rows. before, after: every row of the dataset, the columns of the two simulations.
+HeldOut held_out(const Problem& problem, const ProblemOutput& output, const SoftBase& before,
+                 const SoftBase& after);
+
+// Root mean squares of the judging rows, mean included, of two simulations.
+struct HeldOutRatio {
+  double before = 0, after = 0;
+  Interval ratio_ci90{};  // of after over before: over blocks of the rows
+  double ratio() const { return before > 0 ? after / before : 1; }
+  // By more than 2 % and beyond the interval: with this a simulation is not offered.
+  bool is_worse() const { return ratio() > 1.02 && ratio_ci90.low > 1; }
+};
+HeldOutRatio held_out_ratio(const Problem& problem, const ProblemOutput& output,
+                            const SoftBase& before, const SoftBase& after);
+
+// Residuals of the rows of `judge`, each from the fit that did not see it.
+Eigen::VectorXd judged_residuals(const Problem& problem, const ProblemOutput& output,
+                                 const SoftBase& base);
+
+// Residuals of every row of the dataset, from a fit to the learning rows; NaN where columns are.
+Eigen::VectorXd residuals(const Problem& problem, const ProblemOutput& output,
+                          const SoftBase& base);
+
+}  // namespace driftwise::diagnosis

@@ -1,0 +1,148 @@
+#include "server/diagnosis/rows/predicted_pose.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "server/diagnosis/rows/aliases.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+constexpr int kDegreeOfOne = 5, kDegree = 3;
+constexpr Eigen::Index kRowsPerColumn = 5;
+constexpr double kFewOf = 0.5;       // different values over rows
+constexpr double kOnLattice = 1e-9;  // of the range
+constexpr double kMostSites = 1e5;   // of a lattice that says something
+
+struct Scaled {
+  const std::vector<double>* values;
+  double middle = 0, half = 1;
+  double at(std::size_t row) const { return ((*values)[row] - middle) / half; }
+};
+
+std::optional<Scaled> scaled(const std::vector<double>& values) {
+  double low = INFINITY, high = -INFINITY;
+  for (const double value : values)
+    if (std::isfinite(value)) low = std::min(low, value), high = std::max(high, value);
+  if (!(high > low)) return std::nullopt;
+  return Scaled{&values, (low + high) / 2, (high - low) / 2};
+}
+
+bool is_condition(const Channel& channel) {
+  return is_structure_temperature(channel) || channel.unit == "degC" || channel.unit == "N" ||
+         channel.unit == "hPa" || channel.unit == "pct";
+}
+
+// Exponents of all monomials up to a total degree.
+std::vector<std::vector<int>> monomials(std::size_t variables, int degree) {
+  std::vector<std::vector<int>> all = {std::vector<int>(variables, 0)};
+  for (std::size_t v = 0; v < variables; ++v) {
+    const std::size_t before = all.size();
+    for (std::size_t i = 0; i < before; ++i) {
+      int used = 0;
+      for (const int e : all[i]) used += e;
+      for (int e = 1; e + used <= degree; ++e) {
+        auto more = all[i];
+        more[v] = e;
+        all.push_back(std::move(more));
+      }
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+bool repeats_exactly(const std::vector<double>& values) {
+  std::vector<double> sorted;
+  for (const double value : values)
+    if (std::isfinite(value)) sorted.push_back(value);
+  if (sorted.size() < 4) return false;
+  std::ranges::sort(sorted);
+  const std::size_t rows = sorted.size();
+  const double range = sorted.back() - sorted.front();
+  sorted.erase(std::ranges::unique(sorted).begin(), sorted.end());
+  if (static_cast<double>(sorted.size()) < kFewOf * static_cast<double>(rows)) return true;
+  // Each place once, but all of them on one lattice.
+  const double spacing = lattice_spacing(sorted, kOnLattice * range);
+  return spacing > 0 && range < kMostSites * spacing;
+}
+
+std::optional<std::vector<double>> predicted_coordinate(const Dataset& dataset,
+                                                        const std::string& symbol) {
+  const auto* own = dataset.find(symbol);
+  if (own == nullptr) return std::nullopt;
+  std::vector<Scaled> motors, conditions;
+  for (const auto& column : dataset.columns) {
+    if (column.channel.symbol == symbol) continue;
+    const auto one = scaled(column.values);
+    if (!one) continue;
+    if (is_motor_symbol(column.channel.symbol)) motors.push_back(*one);
+    if (is_condition(column.channel)) conditions.push_back(*one);
+  }
+  if (motors.empty()) return std::nullopt;
+  if (!dataset.time_s.empty())
+    if (const auto time = scaled(dataset.time_s)) conditions.push_back(*time);
+  std::map<std::int64_t, Eigen::Index> datums;
+  for (const auto id : dataset.datum) datums.emplace(id, static_cast<Eigen::Index>(datums.size()));
+  std::vector<std::size_t> rows;
+  const auto complete = [&](std::size_t row, bool with_conditions) {
+    const auto finite = [row](const Scaled& one) { return std::isfinite((*one.values)[row]); };
+    return std::ranges::all_of(motors, finite) &&
+           (!with_conditions || std::ranges::all_of(conditions, finite));
+  };
+  const auto learns = [&](std::size_t row) {
+    return std::isfinite(own->values[row]) && !dataset.is_excluded(row);
+  };
+  for (std::size_t row = 0; row < dataset.rows; ++row)
+    if (learns(row) && complete(row, true)) rows.push_back(row);
+  // Conditions that leave too few rows are done without.
+  if (2 * rows.size() < dataset.rows) {
+    conditions.clear();
+    rows.clear();
+    for (std::size_t row = 0; row < dataset.rows; ++row)
+      if (learns(row) && complete(row, true)) rows.push_back(row);
+  }
+  int degree = motors.size() == 1 ? kDegreeOfOne : kDegree;
+  auto powers = monomials(motors.size(), degree);
+  const auto further = static_cast<Eigen::Index>(conditions.size()) +
+                       std::max<Eigen::Index>(0, static_cast<Eigen::Index>(datums.size()) - 1);
+  while (degree > 1 && (static_cast<Eigen::Index>(powers.size()) + further) * kRowsPerColumn >
+                           static_cast<Eigen::Index>(rows.size()))
+    powers = monomials(motors.size(), --degree);
+  const Eigen::Index width = static_cast<Eigen::Index>(powers.size()) + further;
+  if (static_cast<Eigen::Index>(rows.size()) < 2 * width) return std::nullopt;
+  const auto fill = [&](std::size_t row, auto&& to) {
+    Eigen::Index k = 0;
+    for (const auto& exponents : powers) {
+      double value = 1;
+      for (std::size_t m = 0; m < motors.size(); ++m)
+        for (int e = 0; e < exponents[m]; ++e) value *= motors[m].at(row);
+      to[k++] = value;
+    }
+    for (const auto& condition : conditions) to[k++] = condition.at(row);
+    for (const auto& [id, index] : datums)
+      if (index > 0) to[k++] = dataset.datum[row] == id ? 1 : 0;
+  };
+  const auto n = static_cast<Eigen::Index>(rows.size());
+  Eigen::MatrixXd x(n, width);
+  Eigen::VectorXd y(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const std::size_t row = rows[static_cast<std::size_t>(i)];
+    fill(row, x.row(i));
+    y[i] = own->values[row];
+  }
+  const Eigen::VectorXd b = x.colPivHouseholderQr().solve(y);
+  std::vector<double> result = own->values;
+  Eigen::RowVectorXd at(width);
+  for (std::size_t row = 0; row < dataset.rows; ++row) {
+    if (!complete(row, true)) continue;
+    fill(row, at);
+    result[row] = at.dot(b.transpose());
+  }
+  return result;
+}
+
+}  // namespace driftwise::diagnosis

@@ -1,0 +1,149 @@
+#include "server/diagnosis/rows/screen.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "server/diagnosis/noise/robust.h"
+#include "server/diagnosis/rows/held_out_gain.h"
+#include "server/diagnosis/rows/places.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+constexpr double kWrongRow = 8, kAgree = 4;  // robust standard deviations
+constexpr double kMostWrongRows = 0.05;
+constexpr double kBetween = 4.5;     // robust standard deviations: 1 row of 150 000 of normal noise
+constexpr std::size_t kNearby = 40;  // rows to either side in time that tell the spread there
+constexpr std::size_t kBeside = 3;   // rows to either side in position
+constexpr double kOwn = 0.5;         // of a wrong row, beyond what those beside it share
+constexpr double kNoiseChangeGain = 30;
+constexpr Eigen::Index kFewestEachSide = 25;
+
+// The spread of the values, and nowhere less than that of those nearby: gusts are no wrong rows.
+std::vector<double> spreads(const std::vector<double>& values) {
+  const double everywhere = robust_sd(values);
+  std::vector<double> result(values.size(), everywhere);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::size_t from = i > kNearby ? i - kNearby : 0;
+    const std::size_t to = std::min(values.size(), i + kNearby + 1);
+    result[i] = std::max(everywhere, robust_sd({values.begin() + static_cast<std::ptrdiff_t>(from),
+                                                values.begin() + static_cast<std::ptrdiff_t>(to)}));
+  }
+  return result;
+}
+
+// Each row's residual as those measured beside it have it in the middle: at the same place, or at
+// the nearest. Something that they share is wrong with the place, not with a row.
+std::vector<double> as_beside(const Problem& problem, const std::vector<std::size_t>& rows,
+                              const std::vector<double>& left) {
+  std::vector<std::vector<double>> axes;
+  for (const auto& column : problem.data().columns)
+    if (column.channel.unit == "mm" && is_pose_symbol(column.channel.symbol) &&
+        std::ranges::all_of(rows, [&](std::size_t i) { return std::isfinite(column.values[i]); }))
+      axes.push_back(by_places(column.values));
+  std::vector<double> result(rows.size(), 0);
+  if (axes.empty()) return result;
+  std::vector<std::size_t> order(rows.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
+    for (const auto& axis : axes)
+      if (axis[rows[a]] != axis[rows[b]]) return axis[rows[a]] < axis[rows[b]];
+    return false;
+  });
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    std::vector<double> beside;
+    for (std::size_t k = i > kBeside ? i - kBeside : 0; k < std::min(i + kBeside + 1, order.size());
+         ++k)
+      if (k != i) beside.push_back(left[order[k]]);
+    result[order[i]] = median(std::move(beside));
+  }
+  return result;
+}
+
+// Wrong rows are a population of their own: between them and the noise there is next to nothing.
+// Where as many rows lie half as far off, the noise itself has heavy tails.
+bool tails_are_heavy(const Problem& problem, const std::vector<std::size_t>& rows,
+                     const std::set<std::size_t>& wrong) {
+  std::size_t between = 0;
+  for (const auto& output : problem.outputs) {
+    const Eigen::VectorXd left = residuals(problem, output, problem.base_columns);
+    std::vector<double> about;
+    for (const std::size_t row : rows) about.push_back(left[static_cast<Eigen::Index>(row)]);
+    const double middle = median(about);
+    for (double& one : about) one -= middle;
+    const double sd = robust_sd(about);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      between += !wrong.contains(rows[i]) && std::abs(about[i]) > kBetween * sd ? 1 : 0;
+  }
+  return between > std::max<std::size_t>(1, wrong.size() / 3);
+}
+
+}  // namespace
+
+std::vector<OutlierRow> outlier_rows(const Problem& problem) {
+  std::vector<OutlierRow> found;
+  std::vector<std::size_t> rows = problem.learn;
+  rows.insert(rows.end(), problem.judge.begin(), problem.judge.end());
+  std::ranges::sort(rows);
+  rows.erase(std::ranges::unique(rows).begin(), rows.end());
+  std::set<std::size_t> wrong;
+  for (const auto& output : problem.outputs) {
+    const Eigen::VectorXd left = residuals(problem, output, problem.base_columns);
+    const auto at = [&](std::size_t i) { return left[static_cast<Eigen::Index>(rows[i])]; };
+    std::vector<double> apart(rows.size(), 0), across(rows.size(), 0);
+    for (std::size_t i = 1; i + 1 < rows.size(); ++i) {
+      apart[i] = at(i) - (at(i - 1) + at(i + 1)) / 2;
+      across[i] = at(i + 1) - at(i - 1);
+    }
+    const auto sd = spreads(apart), sd_across = spreads(across);
+    std::vector<double> about;
+    for (std::size_t i = 0; i < rows.size(); ++i) about.push_back(at(i));
+    const double middle = median(about);
+    for (double& one : about) one -= middle;
+    const double least = kWrongRow * robust_sd(about);  // slow noise has close neighbours
+    const auto beside = as_beside(problem, rows, about);
+    for (std::size_t i = 1; i + 1 < rows.size(); ++i) {
+      if (!(sd[i] > 0) || std::abs(apart[i]) <= std::max(kWrongRow * sd[i], least) ||
+          std::abs(across[i]) >= kAgree * sd_across[i] ||
+          std::abs(about[i] - beside[i]) < kOwn * std::abs(about[i]))
+        continue;
+      found.push_back({rows[i], output.channel.symbol, std::abs(apart[i]) / sd[i]});
+      wrong.insert(rows[i]);
+    }
+  }
+  if (tails_are_heavy(problem, rows, wrong)) return {};
+  if (static_cast<double>(wrong.size()) > kMostWrongRows * static_cast<double>(rows.size()))
+    return {};
+  std::ranges::stable_sort(found, {}, &OutlierRow::row);
+  return found;
+}
+
+std::vector<NoiseChange> noise_changes(const Ground& ground) {
+  std::vector<NoiseChange> found;
+  for (Eigen::Index o = 0; o < ground.outputs(); ++o) {
+    const Eigen::VectorXd left =
+        ground.space(ground.best_shape(o)).left_over(ground.series().col(o));
+    const Eigen::Index n = left.size();
+    // the fourth moment of what is left says how far its squares spread: 3 where it is normal
+    const double mean_square = left.squaredNorm() / static_cast<double>(n);
+    const double kurtosis = left.array().pow(4).mean() / (mean_square * mean_square);
+    const double spread = std::max((kurtosis - 1) / 2, 1.0);
+    NoiseChange best{static_cast<std::size_t>(o), 0, 1, 0};
+    double before = 0;
+    for (Eigen::Index k = 1; k + kFewestEachSide <= n; ++k) {
+      before += left[k - 1] * left[k - 1];
+      if (k < kFewestEachSide) continue;
+      const auto n1 = static_cast<double>(k), n2 = static_cast<double>(n - k);
+      const double v1 = before / n1, v2 = (left.squaredNorm() - before) / n2;
+      const double gain =
+          (static_cast<double>(n) * std::log(mean_square) - n1 * std::log(v1) - n2 * std::log(v2)) /
+          spread;
+      if (gain > best.gain) best = {static_cast<std::size_t>(o), k, std::sqrt(v2 / v1), gain};
+    }
+    if (best.gain > kNoiseChangeGain) found.push_back(best);
+  }
+  return found;
+}
+
+}  // namespace driftwise::diagnosis

@@ -1,0 +1,66 @@
+#pragma once
+// What is wrong with the data themselves, found before anything becomes physics.
+
+#include <functional>
+#include <vector>
+
+#include "server/core/data/dataset.h"
+#include "server/diagnosis/noise/ground.h"
+#include "server/diagnosis/rows/problem.h"
+
+namespace driftwise::diagnosis {
+
+enum class SensorFault : std::uint8_t { frozen, jumped, spiked, swapped };
+
+struct FaultySensor {
+  SensorFault fault = SensorFault::frozen;
+  std::string channel, other;     // other: what it was swapped with
+  std::vector<std::size_t> rows;  // frozen, spiked: the wrong ones; jumped, swapped: from here on
+  double size = 0;                // of a jump, in the channel's unit
+  bool mended = true;             // false: the readings are as they were
+  bool named = true;              // false: told only, it may be real
+};
+
+// Structure temperatures only, judged by themselves and each other, not by what they explain:
+// frozen: the same number to the last digit for a tenth of the rows or more, and ten times longer
+//   than anywhere else; spiked: single values off both neighbours, which agree; jumped: a change
+//   from one row to the next a dozen times its usual size, that stays, and that most others do not
+//   make; swapped: two sensors that take one another's place in one row.
+// Single wrong values and those of a frozen stretch are blanked. A jump or an exchange is mended
+// only on evidence: a part can really warm. two_ln_likelihood says how well the baseline describes
+// the outputs with the readings as given to it: mended they must do better by 2 ln L of 25, and
+// after a jump the sensor must not go on as a ramp. A jump without a ramp that the outputs neither
+// speak for nor against is left as it was measured, and named where there are other thermometers
+// and none of them changes at that row beyond its noise: else the room may have done it, and it is
+// told only. One that the outputs follow is none.
+std::vector<FaultySensor> mend_sensors(
+    Dataset& dataset, const std::function<double(const Dataset&)>& two_ln_likelihood);
+
+// Of the outputs by the baseline, least squares over the rows that learn, with noise of first order
+// (correlated from row to row), up to a constant.
+double two_ln_likelihood(const Problem& problem);
+
+struct OutlierRow {
+  std::size_t row = 0;  // of the dataset
+  std::string output;
+  double sigmas = 0;
+};
+
+// Isolated wrong rows, of those that learn and those that judge: one that stands far off both its
+// neighbours in time, which agree with one another. Nothing when there are so many that they are no
+// exceptions (5 %); not where those measured beside it in position are half as far off: then the
+// place is wrong.
+std::vector<OutlierRow> outlier_rows(const Problem& problem);
+
+struct NoiseChange {
+  std::size_t output = 0;
+  Eigen::Index block = 0;  // from here on
+  double ratio = 1;        // of standard deviations, after over before
+  double gain = 0;         // of 2 ln L
+};
+
+// A change of spread at one instant in what is left, whitened. Nothing below a gain of 30: the
+// largest over all instants reaches that by chance less than once in ten thousand.
+std::vector<NoiseChange> noise_changes(const Ground& ground);
+
+}  // namespace driftwise::diagnosis

@@ -1,0 +1,210 @@
+#include <algorithm>
+#include <cmath>
+
+#include "server/core/data/reading.h"
+#include "server/diagnosis/noise/robust.h"
+#include "server/diagnosis/rows/held_out_gain.h"
+#include "server/diagnosis/rows/screen.h"
+
+namespace driftwise::diagnosis {
+namespace {
+
+constexpr double kFarOffSensor = 12;  // robust standard deviations
+constexpr double kSmallest_k = 0.02;  // no jump or spike below this is called a fault
+constexpr std::size_t kFewestRows = 40, kWindow = 6;
+constexpr double kFollowed = -6;  // below: the outputs follow what the sensor read
+constexpr double kEvidence = 25;  // 2 ln L of the outputs with the mended readings
+constexpr double kRamp = 0.25;    // of a jump, within a few rows after it
+constexpr double kMoves = 4;      // of its usual change: a thermometer that follows an event
+
+struct Sensor {
+  DatasetColumn* column = nullptr;
+  double usual = 0;                // size of a change from row to row
+  std::vector<std::size_t> jumps;  // rows
+};
+
+std::vector<std::size_t> frozen_rows(const std::vector<double>& values) {
+  std::vector<std::size_t> lengths;
+  std::size_t longest = 0, begin = 0, second = 0;
+  for (std::size_t i = 0; i < values.size();) {
+    std::size_t end = i + 1;
+    while (end < values.size() && values[end] == values[i]) ++end;
+    if (end - i > longest) {
+      second = longest;
+      longest = end - i;
+      begin = i;
+    } else {
+      second = std::max(second, end - i);
+    }
+    i = end;
+  }
+  std::vector<std::size_t> rows;
+  if (longest < values.size() / 10 || longest < 10 * second || longest == values.size())
+    return rows;
+  for (std::size_t i = begin + 1; i < begin + longest; ++i) rows.push_back(i);
+  return rows;
+}
+
+// The smallest step between neighbouring values: that of a thermometer that reads in 0.01 K.
+double resolution_of(const std::vector<double>& v) {
+  double smallest = INFINITY;
+  for (std::size_t i = 1; i < v.size(); ++i)
+    if (std::abs(v[i] - v[i - 1]) > 0) smallest = std::min(smallest, std::abs(v[i] - v[i - 1]));
+  return std::isfinite(smallest) ? smallest : 0;
+}
+
+std::vector<std::size_t> spiked_rows(const std::vector<double>& v) {
+  std::vector<double> apart(v.size(), 0), across(v.size(), 0);
+  for (std::size_t i = 1; i + 1 < v.size(); ++i) {
+    apart[i] = v[i] - (v[i - 1] + v[i + 1]) / 2;
+    across[i] = v[i + 1] - v[i - 1];
+  }
+  const double usual = std::max(robust_sd(apart), resolution_of(v));
+  const double least = std::max(kFarOffSensor * usual, kSmallest_k);
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 1; i + 1 < v.size(); ++i)
+    if (std::abs(apart[i]) > least && std::abs(across[i]) < least / 2) rows.push_back(i);
+  return rows;
+}
+
+// How far the level after a row stands off the level before it, each told by a few rows.
+double level_change(const std::vector<double>& v, std::size_t row) {
+  std::vector<double> before, after;
+  for (std::size_t k = 0; k < kWindow; ++k) {
+    if (row >= k + 1 && std::isfinite(v[row - 1 - k])) before.push_back(v[row - 1 - k]);
+    if (row + k < v.size() && std::isfinite(v[row + k])) after.push_back(v[row + k]);
+  }
+  return median(after) - median(before);
+}
+
+// What warms goes on warming, or cools again: the level a little later is another one.
+bool goes_on_as_ramp(const std::vector<double>& v, std::size_t row, double size) {
+  std::vector<double> soon, later, before, long_before;
+  for (std::size_t k = 0; k < kWindow; ++k) {
+    if (row + k < v.size() && std::isfinite(v[row + k])) soon.push_back(v[row + k]);
+    if (row + 3 * kWindow + k < v.size() && std::isfinite(v[row + 3 * kWindow + k]))
+      later.push_back(v[row + 3 * kWindow + k]);
+    if (row >= k + 1 && std::isfinite(v[row - 1 - k])) before.push_back(v[row - 1 - k]);
+    if (row >= k + 1 + 3 * kWindow && std::isfinite(v[row - 1 - k - 3 * kWindow]))
+      long_before.push_back(v[row - 1 - k - 3 * kWindow]);
+  }
+  if (soon.empty() || later.empty()) return false;
+  const double drift =
+      before.empty() || long_before.empty() ? 0 : median(before) - median(long_before);
+  return std::abs(median(later) - median(soon) - drift) > kRamp * std::abs(size);
+}
+
+// True: there are others, and none changes at this row beyond its noise.
+bool stands_alone(const std::vector<Sensor>& sensors, std::size_t sensor, std::size_t row) {
+  for (std::size_t other = 0; other < sensors.size(); ++other) {
+    if (other == sensor) continue;
+    const auto& v = sensors[other].column->values;
+    if (std::abs(v[row] - v[row - 1]) > kMoves * sensors[other].usual) return false;
+  }
+  return sensors.size() > 1;
+}
+
+void find_jumps(Sensor& sensor, const Dataset& dataset) {
+  const auto& time_s = dataset.time_s;
+  const auto begins = [](const std::vector<std::int64_t>& of, std::size_t i) {
+    return !of.empty() && of[i] != of[i - 1];
+  };
+  const auto& v = sensor.column->values;
+  std::vector<double> changes, steps;
+  for (std::size_t i = 1; i < v.size(); ++i) {
+    if (std::isfinite(v[i]) && std::isfinite(v[i - 1])) changes.push_back(v[i] - v[i - 1]);
+    if (!time_s.empty()) steps.push_back(time_s[i] - time_s[i - 1]);
+  }
+  // Of values in steps of 0.01 K most do not change: that says nothing of a ramp of one step a row.
+  sensor.usual = std::max(robust_sd(changes), resolution_of(v));
+  const double step_s = median(steps);
+  for (std::size_t i = kWindow; i + kWindow < v.size(); ++i) {
+    if (!time_s.empty() && time_s[i] - time_s[i - 1] > 3 * step_s) continue;  // it had the time
+    if (begins(dataset.run, i) || begins(dataset.datum, i)) continue;         // likewise
+    const double least = std::max(kFarOffSensor * sensor.usual, kSmallest_k);
+    if (std::abs(v[i] - v[i - 1]) > least && std::abs(level_change(v, i)) > 0.7 * least)
+      sensor.jumps.push_back(i);
+  }
+}
+
+}  // namespace
+
+double two_ln_likelihood(const Problem& problem) {
+  double sum = 0;
+  for (const auto& output : problem.outputs) {
+    const Eigen::VectorXd left =
+        rows_of(residuals(problem, output, problem.base_columns), problem.learn);
+    const Eigen::Index n = left.size();
+    if (n < 3) continue;
+    // Slow noise is no evidence of a jump: of each row what its neighbour before does not predict.
+    const auto before = left.head(n - 1), after = left.tail(n - 1);
+    const double share = std::clamp(before.dot(after) / before.squaredNorm(), 0.0, 0.99);
+    sum -= static_cast<double>(n) * std::log((after - share * before).squaredNorm());
+  }
+  return sum;
+}
+
+std::vector<FaultySensor> mend_sensors(
+    Dataset& dataset, const std::function<double(const Dataset&)>& two_ln_likelihood) {
+  std::vector<FaultySensor> found;
+  if (dataset.rows < kFewestRows) return found;
+  std::vector<Sensor> sensors;
+  for (auto& column : dataset.columns) {
+    if (!is_structure_temperature(column.channel)) continue;
+    const auto frozen = frozen_rows(column.values);
+    const auto spiked = spiked_rows(column.values);
+    for (const auto* rows : {&frozen, &spiked})
+      for (const std::size_t row : *rows) column.values[row] = kMissing;
+    if (!frozen.empty())
+      found.push_back({SensorFault::frozen, column.channel.symbol, "", frozen, 0});
+    if (!spiked.empty())
+      found.push_back({SensorFault::spiked, column.channel.symbol, "", spiked, 0});
+    sensors.push_back({&column, 0, {}});
+    find_jumps(sensors.back(), dataset);
+  }
+  for (std::size_t s = 0; s < sensors.size(); ++s)
+    for (const std::size_t row : sensors[s].jumps) {
+      std::vector<std::size_t> together;
+      for (std::size_t other = 0; other < sensors.size(); ++other)
+        if (std::ranges::find(sensors[other].jumps, row) != sensors[other].jumps.end())
+          together.push_back(other);
+      auto& values = sensors[s].column->values;
+      const double size = level_change(values, row);
+      std::vector<std::size_t> rows;
+      for (std::size_t i = row; i < dataset.rows; ++i) rows.push_back(i);
+      const auto partner = std::ranges::find_if(together, [&](std::size_t other) {
+        if (other == s) return false;
+        const auto& theirs = sensors[other].column->values;
+        const double apart = theirs[row - 1] - values[row - 1];
+        return std::abs(size - apart) < 0.1 * std::abs(apart) &&
+               std::abs(level_change(theirs, row) + apart) < 0.1 * std::abs(apart);
+      });
+      if (partner != together.end()) {
+        auto& theirs = sensors[*partner].column->values;
+        const double as_read = two_ln_likelihood(dataset);
+        for (const std::size_t i : rows) std::swap(values[i], theirs[i]);
+        if (two_ln_likelihood(dataset) < as_read + kEvidence) {
+          for (const std::size_t i : rows) std::swap(values[i], theirs[i]);
+          continue;
+        }
+        std::erase(sensors[*partner].jumps, row);
+        found.push_back({SensorFault::swapped, sensors[s].column->channel.symbol,
+                         sensors[*partner].column->channel.symbol, rows, size});
+        continue;
+      }
+      if (together.size() > 1 && 2 * together.size() > sensors.size()) continue;  // the room did
+      if (goes_on_as_ramp(values, row, size)) continue;
+      const double as_read = two_ln_likelihood(dataset);
+      for (const std::size_t i : rows) values[i] -= size;
+      const double gain = two_ln_likelihood(dataset) - as_read;
+      const bool mended = gain >= kEvidence;
+      if (!mended)
+        for (const std::size_t i : rows) values[i] += size;
+      if (gain < kFollowed) continue;
+      found.push_back({SensorFault::jumped, sensors[s].column->channel.symbol, "", rows, size,
+                       mended, mended || stands_alone(sensors, s, row)});
+    }
+  return found;
+}
+
+}  // namespace driftwise::diagnosis
