@@ -1,6 +1,7 @@
 #include "server/compensation/model_budget.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "server/compensation/snapshot_builder.h"
@@ -44,9 +45,12 @@ std::optional<LargestLine> largest_line(const Snapshot& snapshot) {
     if (compute_target(snapshot, place.request).refusal != Refusal::none) continue;
     for (std::size_t i = 0; i < snapshot.outputs.size(); ++i) {
       const auto budget = compute_budget(snapshot, place.request, i);
+      double variance_nm2 = 0;
+      for (std::size_t k = 0; k < budget.lines; ++k)
+        variance_nm2 += budget.line[k].u_nm * budget.line[k].u_nm;
       for (std::size_t k = 0; k < budget.lines; ++k)
         if (!largest || budget.line[k].u_nm > largest->u_nm)
-          largest = {budget.line[k].source, budget.line[k].u_nm};
+          largest = {budget.line[k].source, budget.line[k].u_nm, std::sqrt(variance_nm2)};
     }
   }
   return largest;

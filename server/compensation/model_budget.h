@@ -26,6 +26,7 @@ std::vector<BudgetPlace> budget_places(const Snapshot& snapshot);
 struct LargestLine {
   UncertaintySource source = UncertaintySource::fit;
   double u_nm = 0;
+  double combined_u_nm = 0;  // of all lines, there
 };
 std::optional<LargestLine> largest_line(const Snapshot& snapshot);
 

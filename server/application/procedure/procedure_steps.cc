@@ -138,6 +138,15 @@ ProcedureStep validation_step(const ProcedureFacts& facts) {
   return step;
 }
 
+// Whether the model's budget can be the reason of what was measured: an rms error up to twice what
+// it states. Beyond it no instrument of the budget is to blame.
+bool is_within_budget(const ProcedureFacts& facts, double combined_u_nm) {
+  constexpr double kRmsOfA90 = 1 / 1.645, kMost = 2;
+  return std::ranges::all_of(facts.verified, [&](const auto& one) {
+    return one.unit != "nm" || one.a90 * kRmsOfA90 <= kMost * combined_u_nm;
+  });
+}
+
 // Where to return to, and why.
 void go_back(const ProcedureFacts& facts, ProcedureStep& step) {
   const auto& model = facts.model;
@@ -148,7 +157,8 @@ void go_back(const ProcedureFacts& facts, ProcedureStep& step) {
     line = fmt::format("; largest line of the budget: {} {:.1f} nm", model->largest_line,
                        model->largest_u_nm);
   }
-  if (model && !model->largest_line.empty() && !model->largest_is_measured) {
+  if (model && !model->largest_line.empty() && !model->largest_is_measured &&
+      is_within_budget(facts, model->combined_u_nm)) {
     step.back_to = 0;
     step.missing = "back to step 0: other instruments or their places" + line;
     step.command = fmt::format("driftwise design --model {} --list", model->id);

@@ -45,6 +45,7 @@ struct ProcedureFacts {
     std::string largest_line{};      // of its budget: "beam offset"; empty: none
     double largest_u_nm = 0;
     bool largest_is_measured = false;  // a line of the fit, not of an instrument
+    double combined_u_nm = 0;          // of all lines of the budget
   };
   std::optional<Model> model{};                // the one that serves, else the newest
   std::optional<std::int64_t> verified_run{};  // the newest compensated run that is done

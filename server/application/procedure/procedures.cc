@@ -105,6 +105,7 @@ Awaitable<Result<void>> Procedures::look_at_model(ProcedureFacts& facts) {
     if (const auto line = compensation::largest_line(*snapshot)) {
       found.largest_line = compensation::shown_name(line->source);
       found.largest_u_nm = line->u_nm;
+      found.combined_u_nm = line->combined_u_nm;
       found.largest_is_measured = !compensation::is_declared(line->source);
     }
   }

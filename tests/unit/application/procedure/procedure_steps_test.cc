@@ -63,11 +63,27 @@ TEST(ProcedureSteps, GoBackToTheInstrumentsWhenOneMakesTheLargestLine) {
   facts.model->largest_line = "beam offset";
   facts.model->largest_u_nm = 44;
   facts.model->largest_is_measured = false;
+  facts.model->combined_u_nm = 48;
   const auto last = procedure_steps(facts).back();
   EXPECT_THAT(last.missing, HasSubstr("back to step 0"));
   EXPECT_EQ(last.back_to, 0);
   EXPECT_EQ(last.largest_line, "beam offset");
   EXPECT_EQ(last.largest_u_nm, 44);
+}
+
+// 8.6 nm of a laser do not make 49.6 nm: nobody is sent to buy another one.
+TEST(ProcedureSteps, DoNotBlameAnInstrumentForMoreThanTheBudgetStates) {
+  auto facts = reached();
+  facts.wanted = {{"", "nm", 5}};
+  facts.verified = {{"x", "nm", 49.6}};
+  facts.model->largest_line = "laser";
+  facts.model->largest_u_nm = 8.6;
+  facts.model->largest_is_measured = false;
+  facts.model->combined_u_nm = 10;
+  facts.model->accuracy = {{"q1", "nm", 4.8}};
+  EXPECT_EQ(procedure_steps(facts).back().back_to, 2);
+  facts.model->accuracy = {{"q1", "nm", 159.5}};
+  EXPECT_EQ(procedure_steps(facts).back().back_to, 3);
 }
 
 TEST(ProcedureSteps, AskForValidationRows) {
