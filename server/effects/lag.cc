@@ -5,17 +5,23 @@
 namespace driftwise::effects {
 namespace {
 
+template <int exponent>
 class LagState final : public EffectState {
  public:
   explicit LagState(double tau_s) : lag_(tau_s) {}
   std::unique_ptr<EffectState> clone() const override { return std::make_unique<LagState>(*this); }
   double step(double time_s, std::span<const double> inputs) override {
-    return lag_.step(time_s, inputs[0]);
+    return lag_.step(time_s, exponent == 2 ? inputs[0] * inputs[0] : inputs[0]);
   }
 
  private:
   FirstOrderLag lag_;
 };
+
+template <int exponent>
+std::unique_ptr<EffectState> make_lag(std::span<const Quantity> parameters) {
+  return std::make_unique<LagState<exponent>>(parameters[0].value);
+}
 
 }  // namespace
 
@@ -45,9 +51,17 @@ EffectKind lag_kind() {
           .parameters = {{"tau", "s", 1, 1e6}},
           .output_unit = "",
           .sentence = "the channel behind a first-order lag of time constant tau",
-          .make = [](std::span<const Quantity> parameters) -> std::unique_ptr<EffectState> {
-            return std::make_unique<LagState>(parameters[0].value);
-          }};
+          .make = make_lag<1>};
+}
+
+EffectKind square_lag_kind() {
+  return {.name = "square_lag",
+          .catalogue_id = "activity_heating",
+          .symbol_count = 1,
+          .parameters = {{"tau", "s", 1, 1e6}},
+          .output_unit = "^2",
+          .sentence = "the channel's square behind a first-order lag of time constant tau",
+          .make = make_lag<2>};
 }
 
 }  // namespace driftwise::effects

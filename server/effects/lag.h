@@ -3,6 +3,8 @@
 //   tau dL/dt = u - L
 // solved exactly for an input that runs straight between readings, so unequal steps need no care:
 // the factor is exp(-dt/tau). Unit: the channel's own. Starts in equilibrium with the first value.
+// square_lag(speed, 600 s): the same of the square, for losses that grow with the square of a speed
+// or a current. Unit: the square of the channel's own.
 
 #include "server/effects/effect.h"
 
@@ -20,5 +22,6 @@ class FirstOrderLag {
 };
 
 EffectKind lag_kind();
+EffectKind square_lag_kind();
 
 }  // namespace driftwise::effects

@@ -24,6 +24,8 @@ Cause of_motor(const std::string& id, const std::string& q, const std::string& p
 
 }  // namespace
 
+// Losses of bearings and motors grow with a power of the speed or current between the first and the
+// second (Palmgren; copper's with the square of the current).
 void add_activities(CatalogueBuilder& builder) {
   if (builder.activities().empty())
     builder.missing("activity_heating", "no channel of an activity (rpm, A, W, %, mm/s) varies");
@@ -37,11 +39,12 @@ void add_activities(CatalogueBuilder& builder) {
                  .applies_to = AppliesTo::robot,
                  .parameter = "tau_s",
                  .scale = ParameterScale::logarithmic};
-      builder.add_values(heat,
-                         log_grid(std::max(4 * builder.step_s(), 1.0), builder.length_s() / 2),
-                         [&](double tau) {
-                           return std::vector<Term>{call_term("lag", {of}, {{tau, "s"}})};
-                         });
+      for (const char* losses : {"lag", "square_lag"})
+        builder.add_values(heat,
+                           log_grid(std::max(4 * builder.step_s(), 1.0), builder.length_s() / 2),
+                           [&](double tau) {
+                             return std::vector<Term>{call_term(losses, {of}, {{tau, "s"}})};
+                           });
       builder.take_cause(std::move(heat));
     }
 }

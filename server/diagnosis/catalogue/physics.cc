@@ -20,6 +20,7 @@ constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"}, kTilts = {"rx", "r
 // Steel 11.7, aluminium 23.6, invar 1.2 ppm/K (Kaye and Laby, section 2.3.5).
 constexpr double kExpansion_ppm_per_k = 12, kLargestExpansion_ppm_per_k = 30;
 constexpr double kSmallestMachine_mm = 100;   // of what carries a short stage
+constexpr double kUnknownMachine_mm = 1000;   // where the file has no coordinate: of machine tools
 constexpr double kRateTime_h = 900.0 / 3600;  // of a delay that shows as a rate
 constexpr double kHeating_k = 0.3;            // of a motor's surroundings
 constexpr double kActivity_k = 1;             // of a spindle's
@@ -124,7 +125,8 @@ std::span<const PhysicsRecord> physics_table() {
   static const std::vector<PhysicsRecord> table = {
       {"geometry_order", "departure from the simulated geometry at the stroke's end",
        "1e-4 of the longest stroke or 10 sigma", "20 x", "straightness and scale of stages"},
-      {"thermal_offset", "nm/K", "12 ppm/K x the machine's length (2 strokes, 100 mm at least)",
+      {"thermal_offset", "nm/K",
+       "12 ppm/K x the machine's length (2 strokes, 100 mm at least; 1 m without a coordinate)",
        "20 x", "Kaye and Laby 2.3.5: steel 11.7, aluminium 23.6 ppm/K"},
       {"thermal_lag", "nm/K", "as thermal_offset", "20 x", "as thermal_offset"},
       {"thermal_rate", "nm per K/h", "thermal_offset x 15 min", "20 x",
@@ -132,8 +134,9 @@ std::span<const PhysicsRecord> physics_table() {
       {"thermal_expansion", "ppm/K", "12", "30", "no material of machines grows more"},
       {"self_heating", "nm over the range of the motion's heat", "0.3 K x thermal_offset", "20 x",
        "motors of stages at some watts"},
-      {"activity_heating", "nm over the range of the activity", "1 K x thermal_offset", "20 x",
-       "spindles and motors warm their surroundings by kelvins"},
+      {"activity_heating",
+       "nm over the range of the activity, or of its square, behind a first-order lag",
+       "1 K x thermal_offset", "20 x", "spindles and motors warm their surroundings by kelvins"},
       {"force_compliance", "nm/N", "100 or 10 sigma over the range of force", "50 x",
        "10 N/um; flexures are softer"},
       {"force_nonlinearity", "share of the linear part at the largest force", "0.3", "50 x",
@@ -198,7 +201,10 @@ double Physics::nm_per_unit(const Cause& cause, const effects::Term& term, doubl
                             double column_range, std::size_t output) const {
   const double sigma = noise_sd_[output], large = kOfNoise * sigma;
   const double stroke_nm = nm_from_mm(longest_stroke_mm_);
-  const double per_k = kExpansion_ppm_per_k * std::max(2 * longest_stroke_mm_, kSmallestMachine_mm);
+  const double machine_mm = longest_stroke_mm_ > 0
+                                ? std::max(2 * longest_stroke_mm_, kSmallestMachine_mm)
+                                : kUnknownMachine_mm;
+  const double per_k = kExpansion_ppm_per_k * machine_mm;
   const double per_column = 1 / std::max(column_range, 1e-300);
   const auto& id = cause.id;
   if (id == "thermal_offset" || id == "thermal_lag") return per_k;

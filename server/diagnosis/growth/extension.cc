@@ -20,21 +20,15 @@ Eigen::MatrixXd beside(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   return both;
 }
 
-std::vector<double> values_of(const Named& named) {
-  std::vector<double> values = {named.parameter};
-  values.insert(values.end(), named.further.begin(), named.further.end());
-  return values;
+std::vector<effects::Term> terms_of(const std::vector<Cell>& values) {
+  std::vector<effects::Term> result;
+  for (const auto& value : values)
+    result.insert(result.end(), value.terms.begin(), value.terms.end());
+  return result;
 }
 
-// terms: of one value.
-std::vector<effects::Term> at_values(const std::vector<effects::Term>& terms,
-                                     const std::vector<double>& values) {
-  std::vector<effects::Term> result;
-  for (const double value : values) {
-    const auto there = with_parameter(terms, value);
-    result.insert(result.end(), there.begin(), there.end());
-  }
-  return result;
+Cell at_value(const Cell& cell, double value) {
+  return {value, with_parameter(cell.terms, value), cell.weight};
 }
 
 }  // namespace
@@ -95,8 +89,8 @@ std::vector<char> Extension::allowed() const {
   for (std::size_t c = 0; c < causes_.size(); ++c)
     if (ruled_out_[c] != 0 || forbidden_[c] != 0) allowed[c] = 0;
   for (const auto& one : named_)
-    allowed[one.cause] = forbidden_[one.cause] == 0 && has_values(causes_[one.cause]) &&
-                         one.further.size() < kMostFurther;
+    allowed[one.cause] = allowed[one.cause] != 0 && has_values(causes_[one.cause]) &&
+                         one.values.size() <= kMostFurther;
   return allowed;
 }
 
@@ -105,14 +99,12 @@ Ground Extension::ground(std::optional<std::size_t> without,
   return {problem_.timeline, shapes, learned(without), series_};
 }
 
-GainOf Extension::gain_of(const Ground& ground, const Cause& cause,
-                          std::vector<effects::Term> terms, std::vector<double> values,
+GainOf Extension::gain_of(const Ground& ground, const Cause& cause, std::vector<Cell> values,
                           std::size_t at) const {
-  return [this, &ground, &cause, terms = std::move(terms), values = std::move(values),
-          at](double value) mutable {
+  return [this, &ground, &cause, values = std::move(values), at](double value) mutable {
     if (tick_ && !tick_()) return 0.0;  // whoever asked is to stop
-    values[at] = value;
-    const auto here = at_values(terms, values);
+    values[at] = at_value(values[at], value);
+    const auto here = terms_of(values);
     const auto columns = filled_columns(problem_, here);
     if (!columns) return 0.0;
     const Eigen::MatrixXd learned = problem_.learned(*columns);
@@ -136,8 +128,8 @@ bool Extension::within_range(const Candidate& candidate, const Eigen::MatrixXd& 
   return true;
 }
 
-Extension::Candidate Extension::of_cell(std::size_t cause, std::size_t cell, double occam,
-                                        const Ground& ground) const {
+Extension::Candidate Extension::of_cell(std::size_t cause, std::size_t cell,
+                                        const Standing& standing, const Ground& ground) const {
   const Cause& what = causes_[cause];
   Candidate result{.cause = cause,
                    .refined = {what.cells[cell].parameter, 0},
@@ -145,8 +137,8 @@ Extension::Candidate Extension::of_cell(std::size_t cause, std::size_t cell, dou
                    .terms = what.cells[cell].terms,
                    .prior = {}};
   if (what.scale != ParameterScale::none) {
-    result.refined = refine(what, result.refined.value, instants_,
-                            gain_of(ground, what, result.terms, {result.refined.value}, 0));
+    result.refined =
+        refine(what, result.refined.value, instants_, gain_of(ground, what, {what.cells[cell]}, 0));
     result.terms = with_parameter(result.terms, result.refined.value);
   }
   const auto columns = filled_columns(problem_, result.terms);
@@ -158,19 +150,20 @@ Extension::Candidate Extension::of_cell(std::size_t cause, std::size_t cell, dou
   result.refined.gain = result.gain.gain;
   result.nameable = result.gain.gain > 0 && within_range(result, learned, ground) &&
                     told_from_geometry_(what, learned, result.gain.shape, ground);
-  result.evidence = result.gain.gain + occam;
+  result.evidence = result.gain.gain + standing.occam();
+  result.beyond = result.evidence + standing.over_chance();
   return result;
 }
 
 // Where the best cell takes more than the cause can do, the best of those that do not.
 Extension::Candidate Extension::refined(std::size_t cause, const Standing& standing,
                                         const Ground& ground) const {
-  Candidate best = of_cell(cause, standing.cell, standing.occam(), ground);
+  Candidate best = of_cell(cause, standing.cell, standing, ground);
   const Cause& what = causes_[cause];
   if (best.nameable || what.scale != ParameterScale::none) return best;
   for (std::size_t other = 0; other < what.cells.size(); ++other) {
     if (other == standing.cell) continue;
-    Candidate one = of_cell(cause, other, standing.occam(), ground);
+    Candidate one = of_cell(cause, other, standing, ground);
     if (before(one, best)) best = std::move(one);
   }
   return best;
@@ -204,7 +197,7 @@ Result<Named> Extension::made(const Candidate& candidate, double p_adjusted) con
   Named one;
   one.cause = candidate.cause;
   one.terms = candidate.terms;
-  one.parameter = candidate.refined.value;
+  one.values = {{candidate.refined.value, candidate.terms}};
   one.all = std::move(columns);
   one.learned = problem_.learned(one.all);
   one.p_adjusted = p_adjusted;
@@ -235,8 +228,11 @@ Result<bool> Extension::add(const Look& look) {
   for (const auto& candidate : best)
     if (const auto index = index_of(candidate.cause);
         index && candidate.evidence > best.front().evidence - kWithinReach) {
-      DRIFTWISE_RETURN_IF_ERROR(add_value(*index, candidate.refined.value));
-      return true;
+      const std::size_t before = named_[*index].values.size();
+      DRIFTWISE_RETURN_IF_ERROR(add_value(*index, candidate));
+      if (named_[*index].values.size() > before) return true;
+      ruled_out_[candidate.cause] = 1;  // the value came to lie on another
+      return false;
     }
   std::vector<NoiseShape> noise;
   std::vector<double> sd;
@@ -280,14 +276,39 @@ Result<void> Extension::reoptimise() {
       if (cause.scale == ParameterScale::none) continue;
       if (tick_ && !tick_()) return cancelled();
       const Ground here = ground(i, shapes_);
-      auto values = values_of(named_[i]);
+      auto values = named_[i].values;
       for (std::size_t k = 0; k < values.size(); ++k) {
-        const auto again = refine(cause, values[k], instants_,
-                                  gain_of(here, cause, cause.cells.front().terms, values, k));
-        values[k] = again.value;
+        const auto again =
+            refine(cause, values[k].parameter, instants_, gain_of(here, cause, values, k));
+        values[k] = at_value(values[k], again.value);
       }
-      if (auto ok = set_values(named_[i], values); !ok) return ok;
+      if (auto ok = set_values(named_[i], std::move(values)); !ok) return ok;
     }
+  for (auto& one : named_) DRIFTWISE_RETURN_IF_ERROR(leave_superfluous_values(one));
+  return {};
+}
+
+// Two values that came to lie on one another are one.
+Result<void> Extension::leave_superfluous_values(Named& named) {
+  const auto index = static_cast<std::size_t>(&named - named_.data());
+  while (named.values.size() > 1) {
+    const Ground here = ground(index, shapes_);
+    const double all = here.gain(named.learned, named.prior.typical).gain;
+    std::size_t least = 0;
+    double highest = -INFINITY;
+    for (std::size_t k = 0; k < named.values.size(); ++k) {
+      auto others = named.values;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+      const double gain = gain_of(here, causes_[named.cause], others, 0)(others[0].parameter);
+      if (gain <= highest) continue;
+      highest = gain;
+      least = k;
+    }
+    if (all - highest >= kExplainedByOthers) return {};
+    auto kept = named.values;
+    kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(least));
+    DRIFTWISE_RETURN_IF_ERROR(set_values(named, std::move(kept)));
+  }
   return {};
 }
 
@@ -297,21 +318,21 @@ std::optional<std::size_t> Extension::index_of(std::size_t cause) const {
   return std::nullopt;
 }
 
-Result<void> Extension::set_values(Named& named, const std::vector<double>& values) const {
-  named.terms = at_values(causes_[named.cause].cells.front().terms, values);
+Result<void> Extension::set_values(Named& named, std::vector<Cell> values) const {
+  named.terms = terms_of(values);
   DRIFTWISE_TRY(auto columns, filled_columns(problem_, named.terms));
-  named.parameter = values.front();
-  named.further.assign(values.begin() + 1, values.end());
+  named.values = std::move(values);
   named.all = std::move(columns);
   named.learned = problem_.learned(named.all);
-  named.prior = physics_.prior(causes_[named.cause], named.terms, named.parameter, named.learned);
+  named.prior = physics_.prior(causes_[named.cause], named.terms, named.values.front().parameter,
+                               named.learned);
   return {};
 }
 
-Result<void> Extension::add_value(std::size_t index, double value) {
-  auto values = values_of(named_[index]);
-  values.push_back(value);
-  if (auto ok = set_values(named_[index], values); !ok) return ok;
+Result<void> Extension::add_value(std::size_t index, const Candidate& candidate) {
+  auto values = named_[index].values;
+  values.push_back({candidate.refined.value, candidate.terms});
+  if (auto ok = set_values(named_[index], std::move(values)); !ok) return ok;
   return reoptimise();
 }
 
@@ -319,16 +340,17 @@ void Extension::withdraw(std::size_t index) {
   named_.erase(named_.begin() + static_cast<std::ptrdiff_t>(index));
 }
 
-Extension::Candidate Extension::as_it_stands(std::size_t index, double occam,
+Extension::Candidate Extension::as_it_stands(std::size_t index, const Standing& standing,
                                              const Ground& ground) const {
   const Named& named = named_[index];
   Candidate result{.cause = named.cause,
-                   .refined = {named.parameter, 0},
+                   .refined = {named.values.front().parameter, 0},
                    .gain = ground.settled_gain(named.learned, named.prior.typical),
                    .terms = named.terms,
                    .prior = named.prior};
   result.refined.gain = result.gain.gain;
-  result.evidence = result.gain.gain + occam;
+  result.evidence = result.gain.gain + standing.occam();
+  result.beyond = result.evidence + standing.over_chance();
   return result;
 }
 
@@ -337,8 +359,9 @@ std::optional<Profile> Extension::profile_of(std::size_t index) const {
   const Cause& cause = causes_[one.cause];
   if (cause.scale == ParameterScale::none) return std::nullopt;
   const Ground here = ground(index, shapes_);
-  const auto gain = gain_of(here, cause, cause.cells.front().terms, values_of(one), 0);
-  return profile(cause, {one.parameter, gain(one.parameter)}, instants_, gain);
+  const auto gain = gain_of(here, cause, one.values, 0);
+  const double value = one.values.front().parameter;
+  return profile(cause, {value, gain(value)}, instants_, gain);
 }
 
 }  // namespace driftwise::diagnosis

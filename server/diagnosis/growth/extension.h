@@ -21,11 +21,12 @@ namespace driftwise::diagnosis {
 
 struct Named {
   std::size_t cause = 0;
-  std::vector<effects::Term> terms;  // at the parameter's best value, then at each further one
-  double parameter = 0;
-  std::vector<double> further;  // what one value leaves: glue that creeps with three time constants
-  Eigen::MatrixXd all, learned;  // its columns: every row of the dataset; blocks
-  double p_adjusted = 1;         // when it was found
+  // The parameter's best value with its terms, then what one value leaves: glue that creeps with
+  // three time constants, a bearing beside a motor.
+  std::vector<Cell> values;
+  std::vector<effects::Term> terms;  // of all values
+  Eigen::MatrixXd all, learned;      // its columns: every row of the dataset; blocks
+  double p_adjusted = 1;             // when it was found
   AmplitudePrior prior;
   double evidence =
       0;  // beyond the baseline and the others: 2 ln of the marginal likelihoods' ratio
@@ -36,6 +37,9 @@ struct Named {
 
 // Of the best's evidence, before refinement; and the reach of another value of a named cause.
 inline constexpr double kWithinReach = 12;
+
+// Evidence of a finding, or gain of one value of it, that the others explain.
+inline constexpr double kExplainedByOthers = 8;
 
 // Of a time constant, a width or a period: a continuum of values, of which a cause may have
 // several.
@@ -77,6 +81,8 @@ class Extension {
   // comes close is its rival. Says what went.
   Result<std::vector<std::string>> settle();
   void withdraw(std::size_t index);
+  // One of the named adds nothing to what is predicted of this output.
+  void silence(std::size_t index, std::size_t output) { named_[index].share[output] = 0; }
 
   // The interval and curve of a finding's parameter, given the others.
   std::optional<Profile> profile_of(std::size_t index) const;
@@ -89,32 +95,35 @@ class Extension {
     std::size_t cause = 0;
     Refined refined;
     double evidence = -1e300;  // averaged over the parameter
+    double beyond = -1e300;    // the same over what chance gives this cause
     Gain gain;
     std::vector<effects::Term> terms;
     AmplitudePrior prior;
     bool nameable = true;  // false: geometry does as well, so that it can be a rival only
   };
   Candidate refined(std::size_t cause, const Standing& standing, const Ground& ground) const;
-  // terms: of one value; values: those of its parameter, the one at `at` to be tried.
-  GainOf gain_of(const Ground& ground, const Cause& cause, std::vector<effects::Term> terms,
-                 std::vector<double> values, std::size_t at) const;
+  // values: of the parameter, the one at `at` to be tried.
+  GainOf gain_of(const Ground& ground, const Cause& cause, std::vector<Cell> values,
+                 std::size_t at) const;
   // Those within reach of the first, and these, refined: what can be named first, then the best.
   std::vector<Candidate> contenders(const Look& look, const Ground& ground,
                                     const std::vector<std::size_t>& present) const;
   Result<Named> made(const Candidate& candidate, double p_adjusted) const;
   std::optional<std::size_t> index_of(std::size_t cause) const;  // among the named
   // Another value of its parameter for one of the named.
-  Result<void> add_value(std::size_t index, double value);
-  Result<void> set_values(Named& named, const std::vector<double>& values) const;
+  Result<void> add_value(std::size_t index, const Candidate& candidate);
+  Result<void> set_values(Named& named, std::vector<Cell> values) const;
   Result<void> reoptimise();
+  Result<void> leave_superfluous_values(Named& named);
   void update_noise();
-  Candidate as_it_stands(std::size_t index, double occam, const Ground& ground) const;
+  Candidate as_it_stands(std::size_t index, const Standing& standing, const Ground& ground) const;
   std::optional<std::vector<Candidate>> stand_ins(std::size_t index);
   std::optional<std::size_t> value_of_another(std::size_t index,
                                               const std::vector<Candidate>& best) const;
   std::size_t preferred(const std::vector<Candidate>& best) const;
   static bool before(const Candidate& a, const Candidate& b);
-  Candidate of_cell(std::size_t cause, std::size_t cell, double occam, const Ground& ground) const;
+  Candidate of_cell(std::size_t cause, std::size_t cell, const Standing& standing,
+                    const Ground& ground) const;
   // No amplitude is beyond the cause's range by more than twice its standard error.
   bool within_range(const Candidate& candidate, const Eigen::MatrixXd& columns,
                     const Ground& ground) const;

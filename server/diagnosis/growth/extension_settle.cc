@@ -15,7 +15,6 @@ constexpr double kRival = 6;                // in 2 ln L
 constexpr double kRivalCorrelation = 0.95;  // of fitted contributions, whitened
 constexpr double kFamilyCorrelation = 0.7;  // of a lag and a rate of one sensor in the baseline
 constexpr double kNoticed = 14;             // nobody is a rival who would not be noticed alone
-constexpr double kSuperfluous = 8;          // evidence of a finding that the others explain
 constexpr double kMisfit = 0.05;            // of the gain of the strongest
 
 double correlation(const Gain& a, const Gain& b) {
@@ -53,9 +52,9 @@ std::optional<std::vector<Extension::Candidate>> Extension::stand_ins(std::size_
   for (std::size_t c = 0; c < causes_.size(); ++c)
     if (c == own || index_of(c) || one_family(causes_[c], causes_[own])) present.push_back(c);
   auto best = contenders(*look, here, present);
-  if (!named_[index].further.empty())
+  if (named_[index].values.size() > 1)
     for (auto& one : best)
-      if (one.cause == own) one = as_it_stands(index, look->causes[own].occam(), here);
+      if (one.cause == own) one = as_it_stands(index, look->causes[own], here);
   std::ranges::stable_sort(best, before);
   return best;
 }
@@ -66,7 +65,7 @@ Result<std::vector<std::string>> Extension::settle() {
     const auto best = stand_ins(i);
     if (!best || (tick_ && !tick_())) return cancelled();
     const std::string name = name_of(causes_[named_[i].cause]);
-    if (best->empty() || !best->front().nameable || best->front().evidence < kSuperfluous) {
+    if (best->empty() || !best->front().nameable || best->front().beyond < kExplainedByOthers) {
       if (!best->empty())
         said.push_back(name + " was named and is explained by what was found after it");
       withdraw(i);
@@ -77,7 +76,7 @@ Result<std::vector<std::string>> Extension::settle() {
       said.push_back(name + " was named and is what one value leaves of " +
                      name_of(causes_[cause]));
       withdraw(i);
-      DRIFTWISE_RETURN_IF_ERROR(add_value(*index_of(cause), (*best)[*family].refined.value));
+      DRIFTWISE_RETURN_IF_ERROR(add_value(*index_of(cause), (*best)[*family]));
       i = 0;
       continue;
     }
@@ -88,7 +87,7 @@ Result<std::vector<std::string>> Extension::settle() {
       said.push_back(name + " was named first; with the rest known, " +
                      name_of(causes_[one.cause]) + " explains more");
       named_[i] = std::move(one);
-    } else if (named_[i].further.empty()) {
+    } else if (named_[i].values.size() == 1) {
       DRIFTWISE_TRY(auto one, made(chosen, named_[i].p_adjusted));
       named_[i] = std::move(one);
     } else {
@@ -161,7 +160,7 @@ void Extension::name_rivals(std::size_t index, const std::vector<Candidate>& bes
   for (std::size_t k = 0; k < best.size(); ++k) {
     if (k == first || index_of(best[k].cause)) continue;
     const double alike = correlation(best[k].gain, best[first].gain);
-    const bool noticed = best[k].evidence > kNoticed;
+    const bool noticed = best[k].beyond > kNoticed;
     const bool family = one_family(causes_[best[k].cause], causes_[one.cause]);
     // By the likelihood within three prior widths, less what the search over the parameter bought:
     // an assumed width alone decides nothing.

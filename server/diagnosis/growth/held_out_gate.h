@@ -15,9 +15,15 @@ struct Harmful {
   std::string sentence;
 };
 
-// Takes back what harms, the worst first, until nothing does. With fewer than 20 judging rows
-// nothing is judged.
+// Takes back what harms, the worst first, until nothing does. What harms one output and helps
+// another, beyond the interval, is left out of the one only, and `said` says so. With fewer than
+// 20 judging rows nothing is judged.
 std::vector<Harmful> withdraw_what_harms(const Problem& problem, const std::vector<Cause>& causes,
-                                         Extension& extension);
+                                         Extension& extension, std::vector<std::string>& said);
+
+// Of the mean square that the baseline leaves on held-out rows beyond their own noise, the share
+// that is left with all findings in: over all outputs, each in units of its noise. 1: no such rows,
+// or nothing beyond the noise.
+double share_left_held_out(const Problem& problem, const Extension& extension);
 
 }  // namespace driftwise::diagnosis

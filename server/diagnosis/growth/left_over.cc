@@ -120,7 +120,7 @@ std::vector<std::size_t> Remainder::spelled_out(const Extension& extension) cons
       (belongs ? own : rest) = beside_each_other(belongs ? own : rest, named[i].all);
       if (!belongs) continue;
       group.push_back(i);
-      values += 1 + named[i].further.size();
+      values += named[i].values.size();
     }
     if (values < 2) continue;
     const auto& cell = shapes_.bank.cells[shapes_.bank.entries[v].first];

@@ -77,16 +77,17 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
                   .p_adjusted = named.p_adjusted,
                   .log_likelihood_ratio = named.likelihood / 2};
   if (!cause.parameter.empty() && cause.linear != LinearParameter::width_nm) {
-    FoundParameter parameter{cause.parameter, named.parameter, {}, {}};
+    FoundParameter parameter{cause.parameter, named.values.front().parameter, {}, {}};
     if (auto curve = extension.profile_of(index)) {
       parameter.ci90 = curve->ci90;
       parameter.curve = std::move(curve->curve);
     }
     finding.parameters.push_back(std::move(parameter));
-    for (std::size_t v = 0; v < named.further.size(); ++v)
-      finding.parameters.push_back({numbered(v + 1, cause.parameter), named.further[v], {}, {}});
+    for (std::size_t v = 1; v < named.values.size(); ++v)
+      finding.parameters.push_back(
+          {numbered(v, cause.parameter), named.values[v].parameter, {}, {}});
   }
-  const std::size_t of_one_value = named.terms.size() / (1 + named.further.size());
+  const std::size_t of_one_value = named.values.front().terms.size();
   for (const std::size_t rival : named.rivals)
     finding.indistinguishable_from.push_back(name_of(causes[rival]));
   const Ground ground = extension.ground(index, extension.shapes());
@@ -114,8 +115,7 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
       one.coefficients.push_back(coefficient / output.factor);
       const auto& term = named.terms[static_cast<std::size_t>(k)];
       const std::size_t v = static_cast<std::size_t>(k) / of_one_value;
-      const auto number =
-          linear_number(cause.linear, term, v == 0 ? named.parameter : named.further[v - 1]);
+      const auto number = linear_number(cause.linear, term, named.values[v].parameter);
       if (number.name.empty() || output.unit != "nm" || !one.shown || !std::isfinite(error))
         continue;
       const double value = coefficient * number.factor,
@@ -159,7 +159,7 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
     finding.subject = axis_of(problem, finding);
   if (cause.applies_to == effects::AppliesTo::dataset && cause.scale == ParameterScale::instant)
     for (std::size_t row = 0; row < problem.data().rows; ++row)
-      if (problem.data().time_s[row] >= named.parameter) finding.rows.push_back(row);
+      if (problem.data().time_s[row] >= named.values.front().parameter) finding.rows.push_back(row);
   finding.sentence = sentence(finding);
   return finding;
 }

@@ -277,8 +277,12 @@ Eigen::MatrixXd Problem::learned(const Eigen::MatrixXd& all) const {
 }
 
 void Problem::leave_out(const std::vector<std::size_t>& rows) {
+  std::erase_if(learn, [&](std::size_t row) { return std::ranges::binary_search(rows, row); });
+  judge_without(rows);
+}
+
+void Problem::judge_without(const std::vector<std::size_t>& rows) {
   const auto gone = [&rows](std::size_t row) { return std::ranges::binary_search(rows, row); };
-  std::erase_if(learn, gone);
   std::erase_if(judge, gone);
   for (auto& fold : folds) {
     std::erase_if(fold.learn, gone);

@@ -52,6 +52,8 @@ struct Problem {
   Eigen::MatrixXd learned(const Eigen::MatrixXd& all) const;
   // Leaves these rows of the dataset out of learning and judging.
   void leave_out(const std::vector<std::size_t>& rows);
+  // The same of judging and of the fits that are judged; the search keeps its rows.
+  void judge_without(const std::vector<std::size_t>& rows);
   // Blocks and timeline from `learn`; longest: blocks at most.
   void lay_blocks(std::size_t longest);
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 
 #include "server/diagnosis/noise/robust.h"
@@ -17,6 +18,7 @@ constexpr double kBetween = 4.5;     // robust standard deviations: 1 row of 150
 constexpr std::size_t kNearby = 40;  // rows to either side in time that tell the spread there
 constexpr std::size_t kBeside = 3;   // rows to either side in position
 constexpr double kOwn = 0.5;         // of a wrong row, beyond what those beside it share
+constexpr double kSurelyGross = 0.9;  // posterior
 constexpr double kNoiseChangeGain = 30;
 constexpr Eigen::Index kFewestEachSide = 25;
 
@@ -79,6 +81,64 @@ bool tails_are_heavy(const Problem& problem, const std::vector<std::size_t>& row
   return between > std::max<std::size_t>(1, wrong.size() / 3);
 }
 
+// Residuals of one output, whitened: a Student law alone, or beside it a few gross errors of a size
+// of their own. Both by expectation and maximisation, over a grid of degrees of freedom.
+class Tails {
+ public:
+  explicit Tails(const Eigen::VectorXd& left) : square_(left.array().square()) {
+    const double robust = robust_sd({left.data(), left.data() + left.size()});
+    start_ = std::max(robust * robust, 1e-300);
+    for (const double freedom : {2.0, 3.0, 4.0, 6.0, 10.0, 20.0, 1000.0}) {
+      one_law_ = std::max(one_law_, fit(freedom, false));
+      two_laws_ = std::max(two_laws_, fit(freedom, true));
+    }
+  }
+  double gain() const { return 2 * (two_laws_.log_likelihood - one_law_.log_likelihood); }
+  // Posterior of being a gross error.
+  const Eigen::ArrayXd& gross() const { return two_laws_.gross; }
+
+ private:
+  struct Fit {
+    double log_likelihood = -1e300;
+    Eigen::ArrayXd gross;
+    bool operator<(const Fit& other) const { return log_likelihood < other.log_likelihood; }
+  };
+  Fit fit(double freedom, bool with_gross) const {
+    constexpr int kRounds = 40;
+    constexpr double kFar = 16;  // squared: where a first guess takes rows for gross
+    Fit result{-1e300, Eigen::ArrayXd::Zero(square_.size())};
+    if (with_gross) result.gross = (square_ > kFar * start_).cast<double>();
+    double scale = start_;
+    for (int round = 0; round < kRounds; ++round) {
+      const Eigen::ArrayXd kept = 1 - result.gross;
+      const Eigen::ArrayXd weight = (freedom + 1) / (freedom + square_ / scale);
+      scale = std::max((kept * weight * square_).sum() / kept.sum(), 1e-300);
+      const double norm = std::lgamma((freedom + 1) / 2) - std::lgamma(freedom / 2) -
+                          0.5 * std::log(freedom * std::numbers::pi * scale);
+      const Eigen::ArrayXd ordinary =
+          (norm - (freedom + 1) / 2 * (1 + square_ / (freedom * scale)).log()).exp();
+      const double count = result.gross.sum();
+      if (count < 0.5) {
+        result.gross.setZero();
+        result.log_likelihood = ordinary.max(1e-300).log().sum();
+        continue;
+      }
+      const double share = std::min(count / static_cast<double>(square_.size()), kMostWrongRows);
+      const double size = (result.gross * square_).sum() / count;
+      const Eigen::ArrayXd wrong =
+          share * (-square_ / (2 * size)).exp() / std::sqrt(2 * std::numbers::pi * size);
+      const Eigen::ArrayXd both = ((1 - share) * ordinary + wrong).max(1e-300);
+      result.log_likelihood = both.log().sum();
+      result.gross = wrong / both;
+    }
+    return result;
+  }
+
+  Eigen::ArrayXd square_;
+  double start_ = 1;
+  Fit one_law_, two_laws_;
+};
+
 }  // namespace
 
 std::vector<OutlierRow> outlier_rows(const Problem& problem) {
@@ -115,6 +175,34 @@ std::vector<OutlierRow> outlier_rows(const Problem& problem) {
   if (tails_are_heavy(problem, rows, wrong)) return {};
   if (static_cast<double>(wrong.size()) > kMostWrongRows * static_cast<double>(rows.size()))
     return {};
+  std::ranges::stable_sort(found, {}, &OutlierRow::row);
+  return found;
+}
+
+std::vector<OutlierRow> gross_errors(const Problem& problem, const Ground& ground, double alpha) {
+  std::vector<OutlierRow> found;
+  if (problem.rows_per_block > 1) return found;
+  const double needed = 2 * std::log(static_cast<double>(ground.outputs()) / alpha);
+  for (Eigen::Index o = 0; o < ground.outputs(); ++o) {
+    const Eigen::VectorXd left =
+        ground.space(ground.best_shape(o)).left_over(ground.series().col(o));
+    const Tails tails(left);
+    if (tails.gain() < needed) continue;
+    const auto beside = as_beside(problem, problem.learn, {left.data(), left.data() + left.size()});
+    std::vector<OutlierRow> rows;
+    std::size_t shared = 0;
+    for (Eigen::Index i = 0; i < left.size(); ++i) {
+      if (tails.gross()[i] < kSurelyGross) continue;
+      const auto at = static_cast<std::size_t>(i);
+      const bool follows = !rows.empty() && rows.back().row + 1 == problem.learn[at];
+      shared += follows || std::abs(left[i] - beside[at]) < kOwn * std::abs(left[i]) ? 1 : 0;
+      rows.push_back({problem.learn[at],
+                      problem.outputs[static_cast<std::size_t>(o)].channel.symbol,
+                      std::abs(left[i]) / robust_sd({left.data(), left.data() + left.size()})});
+    }
+    // What neighbours in time or place share is no error of a row.
+    if (shared == 0) found.insert(found.end(), rows.begin(), rows.end());
+  }
   std::ranges::stable_sort(found, {}, &OutlierRow::row);
   return found;
 }

@@ -105,22 +105,27 @@ std::vector<NoiseShape> Search::shapes_in_question(const SoftBase& base,
 
 namespace {
 
-// Evidence over what chance gives this cause.
 std::vector<Standing> standings(const std::vector<std::vector<Best>>& best,
                                 const std::vector<double>& of_chance) {
   std::vector<Standing> result;
   for (std::size_t c = 0; c < best.size(); ++c)
-    result.push_back({best[c][0].evidence - of_chance[c], best[c][0].gain, best[c][0].cell});
+    result.push_back({best[c][0].evidence, best[c][0].evidence - of_chance[c], best[c][0].gain,
+                      best[c][0].cell});
   return result;
 }
 
-std::optional<std::size_t> first_of(const std::vector<Standing>& causes) {
-  const auto first = std::ranges::max_element(causes, {}, &Standing::evidence);
-  if (first == causes.end() || !(first->evidence > 0)) return std::nullopt;
-  return static_cast<std::size_t>(first - causes.begin());
-}
-
 }  // namespace
+
+void Search::choose_first(Look& look) const {
+  look.first.reset();
+  const auto furthest = std::ranges::max_element(look.causes, {}, &Standing::beyond);
+  if (furthest == look.causes.end() || !(furthest->beyond > 0)) return;
+  auto first = furthest;
+  for (auto one = look.causes.begin(); one != look.causes.end(); ++one)
+    if (tail_.p(one->beyond) <= options_.alpha && one->evidence > first->evidence) first = one;
+  look.first = static_cast<std::size_t>(first - look.causes.begin());
+  look.p_adjusted = tail_.p(first->beyond);
+}
 
 std::optional<Look> Search::look(const SoftBase& base, const std::vector<char>& allowed) {
   bool stopped = false;
@@ -165,11 +170,10 @@ std::optional<Look> Search::look(const SoftBase& base, const std::vector<char>& 
       for (std::size_t k = 0; k < maxima.size(); ++k)
         maxima[k] = std::max(maxima[k], own[k] - of_chance_[c]);
     }
-    result.causes = standings(best, of_chance_);
-    result.first = first_of(result.causes);
-    if (!result.first) return result;
     tail_ = EvidenceTail(maxima);
-    result.p_adjusted = tail_.p(result.causes[*result.first].evidence);
+    result.causes = standings(best, of_chance_);
+    choose_first(result);
+    if (!result.first) return result;
     if (result.p_adjusted > kClearlyNothing || result.p_adjusted < kClearlyThere * options_.alpha)
       break;
   }
@@ -188,8 +192,7 @@ std::optional<Look> Search::compare(const SoftBase& base, const std::vector<char
   const auto best = scan(bank_, ground, series, allowed, {options_.executor, options_.tick});
   if (best.empty()) return std::nullopt;
   result.causes = standings(best, of_chance_);
-  result.first = first_of(result.causes);
-  if (result.first) result.p_adjusted = tail_.p(result.causes[*result.first].evidence);
+  choose_first(result);
   return result;
 }
 

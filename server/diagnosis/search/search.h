@@ -11,23 +11,26 @@
 
 namespace driftwise::diagnosis {
 
-// Of one cause. Every cause has the same share of alpha: its prior odds are such that chance gives
-// each of them a name as often. A cause whose prior is a thousand times wider than what there is to
-// be found would otherwise have to be seen far better than its neighbours to be named at all.
+// Of one cause. Whether anything is there is asked of `beyond`: every cause has the same share of
+// alpha, so that one whose prior is a thousand times wider than what there is to be found need not
+// be seen far better than its neighbours. Which of them it is goes by `evidence`.
 struct Standing {
-  // 2 ln of the marginal likelihood's ratio, averaged over its cells, beyond what the largest of
-  // chance's is located at.
+  // 2 ln of the marginal likelihood's ratio, averaged over its cells.
   double evidence = -1e300;
-  double gain = -1e300;  // of its best cell
+  double beyond = -1e300;  // the same less what the largest of chance's is located at
+  double gain = -1e300;    // of its best cell
   std::size_t cell = 0;
-  // What the average over the parameter takes from the best value's gain, and more.
+  // What the average over the parameter takes from the best value's gain.
   double occam() const { return evidence - gain; }
+  double over_chance() const { return beyond - evidence; }
 };
 
 struct Look {
-  std::vector<Standing> causes;      // one per entry of the bank
-  std::optional<std::size_t> first;  // the cause with the largest evidence
-  double p_adjusted = 1;             // of it, for the search over all of them
+  std::vector<Standing> causes;  // one per entry of the bank
+  // Of the causes that chance does not explain the one with the largest evidence; where chance
+  // explains them all, the one that is furthest beyond it.
+  std::optional<std::size_t> first;
+  double p_adjusted = 1;  // of it, for the search over all of them
   int nulls = 0;
   std::vector<NoiseShape> shapes;  // that were in question
 };
@@ -57,6 +60,7 @@ class Search {
  private:
   std::vector<NoiseShape> shapes_in_question(const SoftBase& base, const std::vector<char>& allowed,
                                              bool& stopped) const;
+  void choose_first(Look& look) const;
   const Timeline& timeline_;
   const Eigen::MatrixXd& series_;
   Bank bank_;

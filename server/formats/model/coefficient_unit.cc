@@ -29,9 +29,11 @@ std::string coefficient_unit(const calibration::OutputModel& output, const effec
       const auto& call = std::get<effects::Call>(factor);
       const auto* kind = effects::find_effect(call.effect);
       if (kind == nullptr) continue;
-      unit = kind->output_unit.empty() ? unit_of(call.symbols.front(), model)
-                                       : "(" + kind->output_unit + ")";
-      if (unit.empty() || unit == "(1)") continue;
+      // "^2": a power of the channel's own unit.
+      const bool of_channel = kind->output_unit.empty() || kind->output_unit.front() == '^';
+      unit = of_channel ? unit_of(call.symbols.front(), model) : "(" + kind->output_unit + ")";
+      if (unit.empty() || unit == "1" || unit == "(1)") continue;
+      if (of_channel) unit += kind->output_unit;
     }
     below += (below.empty() ? "" : " ") + unit;
     ++parts;

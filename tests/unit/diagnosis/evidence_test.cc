@@ -283,8 +283,29 @@ TEST(Search, AWidePriorCostsTheEffectWhatItCostsChance) {
   const Look narrow = look_for(column, 1, series), wide = look_for(column, 1e3, series);
   const double own = narrow.causes[0].gain - wide.causes[0].gain;
   EXPECT_GT(own, 5) << "the evidence itself";
-  EXPECT_LT(std::abs(narrow.causes[0].evidence - wide.causes[0].evidence), own / 2);
+  EXPECT_LT(std::abs(narrow.causes[0].beyond - wide.causes[0].beyond), own / 2);
   EXPECT_LT(wide.p_adjusted, 0.01);
+}
+
+// One effect, two causes that describe it equally well: the one whose prior expects its size is
+// named, although the other one is further beyond what chance gives it.
+TEST(Search, NamesOfTwoBeyondChanceTheOneWithTheLargerEvidence) {
+  const Eigen::MatrixXd column = random_columns(1, 33);
+  const Eigen::MatrixXd series = random_columns(1, 34) + 0.6 * column;
+  const Timeline when = timeline();
+  Bank bank;
+  bank.columns.resize(kRows, 2);
+  bank.columns << column, column;
+  bank.prior = (Eigen::MatrixXd(2, 1) << 1e3, 1).finished();
+  bank.cells = {{0, 1}, {1, 1}};
+  bank.ln_weight = {0, 0};
+  bank.entries = {{0, 1}, {1, 1}};
+  Search search(when, series, bank, {});
+  const auto look = search.look(SoftBase(Eigen::MatrixXd::Ones(kRows, 1)), {1, 1});
+  ASSERT_TRUE(look && look->first);
+  EXPECT_LT(look->p_adjusted, 0.003);
+  EXPECT_GT(look->causes[0].beyond, look->causes[1].beyond);
+  EXPECT_EQ(*look->first, 1U);
 }
 
 TEST(EvidenceTail, GivesTheChanceOfTheLargestOfMany) {

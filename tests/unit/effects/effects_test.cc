@@ -66,6 +66,17 @@ TEST(Rate2, OfAParabolaSettlesToItsSecondDerivative) {
   EXPECT_NEAR(last, 0.3, 1e-4);  // K/h^2; the input runs straight between readings of 5 s
 }
 
+TEST(SquareLag, AgreesWithAnIntegrationInSmallSteps) {
+  // dL/dt = (u^2 - L)/tau by Euler steps of 10 ms, from equilibrium
+  const double tau = 600;
+  const auto heat = make("square_lag", tau);
+  const auto speed = [](double t) { return 3000 + 1500 * std::sin(t / 700); };
+  double lagged = std::pow(speed(0), 2), result = 0;
+  for (double t = 0; t <= 2000; t += 10) result = step(*heat, t, speed(t));
+  for (double t = 0; t < 2000; t += 0.01) lagged += 0.01 / tau * (std::pow(speed(t), 2) - lagged);
+  EXPECT_NEAR(result, lagged, 1e-4 * lagged);
+}
+
 TEST(Rate, AgreesWithAnIntegrationInSmallSteps) {
   // dL/dt = (u - L)/tau by Euler steps of 10 ms; another method, so agreement to its own error
   const double tau = 120;
