@@ -42,6 +42,7 @@
 #include "server/core/try.h"
 #include "server/descriptor_limit.h"
 #include "server/formats/cell_file/cell_file.h"
+#include "server/heap_upkeep.h"
 #include "server/line/target_line_server.h"
 #include "server/locks/claims.h"
 #include "server/notify/outside_notifier.h"
@@ -324,6 +325,7 @@ void serve_until_signal(Daemon& daemon, asio::io_context& context, const Argumen
     const Notice notice(arguments.cell_file, content);
     daemon.rpc->ready(true);
     const ServiceManager service_manager(context.get_executor());
+    const HeapUpkeep heap([&host = daemon.cell->services().host] { return host.now(); });
     spdlog::info("{} is ready: {}", daemon.cell->services().overview.description().name,
                  content.dump());
     int signal = 0;
