@@ -194,6 +194,12 @@ Result<void> open_lines(Daemon& daemon, const CellDescription& description, cons
                    {access.target_line, line::LineKind::tls, std::move(material)}, clock, context);
 }
 
+// Template of the reports, beside the page.
+std::string report_template(const std::string& web_root) {
+  const auto root = web::find_web_root(web_root);
+  return root.empty() ? std::string() : (root / "report.html").string();
+}
+
 // The page at one of its doors.
 void serve_page(web::HttpServer& http, Daemon& daemon, const std::string& web_root, bool secure) {
   http.serve(web::make_web_site({daemon.cell->services().host, daemon.cell->services().overview,
@@ -285,6 +291,7 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
                                          .end_daemon = [] { ::kill(::getpid(), SIGTERM); },
                                          .log_tail = log_tail,
                                          .schema_version = storage::schema_version(),
+                                         .report_template = report_template(web_root),
                                          .measure_pauses = true}));
   daemon.cell = std::move(cell);
   // The database is ours by now, and so are the files beside it.
