@@ -42,6 +42,7 @@
 #include "server/core/try.h"
 #include "server/descriptor_limit.h"
 #include "server/formats/cell_file/cell_file.h"
+#include "server/heap_upkeep.h"
 #include "server/line/target_line_server.h"
 #include "server/locks/claims.h"
 #include "server/notify/outside_notifier.h"
@@ -193,6 +194,12 @@ Result<void> open_lines(Daemon& daemon, const CellDescription& description, cons
                    {access.target_line, line::LineKind::tls, std::move(material)}, clock, context);
 }
 
+// Template of the reports, beside the page.
+std::string report_template(const std::string& web_root) {
+  const auto root = web::find_web_root(web_root);
+  return root.empty() ? std::string() : (root / "report.html").string();
+}
+
 // The page at one of its doors.
 void serve_page(web::HttpServer& http, Daemon& daemon, const std::string& web_root, bool secure) {
   http.serve(web::make_web_site({daemon.cell->services().host, daemon.cell->services().overview,
@@ -284,6 +291,7 @@ Result<Daemon> put_together(CellDescription description, asio::io_context& conte
                                          .end_daemon = [] { ::kill(::getpid(), SIGTERM); },
                                          .log_tail = log_tail,
                                          .schema_version = storage::schema_version(),
+                                         .report_template = report_template(web_root),
                                          .measure_pauses = true}));
   daemon.cell = std::move(cell);
   // The database is ours by now, and so are the files beside it.
@@ -324,6 +332,7 @@ void serve_until_signal(Daemon& daemon, asio::io_context& context, const Argumen
     const Notice notice(arguments.cell_file, content);
     daemon.rpc->ready(true);
     const ServiceManager service_manager(context.get_executor());
+    const HeapUpkeep heap([&host = daemon.cell->services().host] { return host.now(); });
     spdlog::info("{} is ready: {}", daemon.cell->services().overview.description().name,
                  content.dump());
     int signal = 0;

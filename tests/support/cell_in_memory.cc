@@ -39,6 +39,9 @@ CellInMemory::CellInMemory(const MakeDevices& make_devices, CellDescription desc
     : time_(further.begin) {
   application::Cell::Parts parts;
   parts.devices = make_devices(time_, description);
+  // A test that wants reports puts a template there.
+  parts.report_template =
+      std::filesystem::path(description.database).replace_filename("report.html").string();
   parts.description = std::move(description);
   parts.clock = std::make_unique<VirtualClock>(time_);
   parts.open_store = std::move(open_store);

@@ -153,7 +153,8 @@ app::Services LiveCell::services(const Fakes& fakes) {
           own.jogs,
           own.commissioning,
           own.look_back,
-          own.support};
+          own.support,
+          own.reports};
 }
 
 EventId LiveCell::add_event(const std::string& what) {

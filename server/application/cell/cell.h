@@ -47,8 +47,9 @@ class Cell {
     std::function<void()> end_daemon = {};  // asks for shut_down(); empty: nobody does
     // The last lines of the log, oldest first; empty: none is kept.
     std::function<std::vector<std::string>()> log_tail = {};
-    int schema_version = 0;       // of the database; 0: not told
-    bool measure_pauses = false;  // of the executor: by the wall clock, so not in virtual time
+    int schema_version = 0;            // of the database; 0: not told
+    std::string report_template = {};  // path of report.html; empty: reports cannot be made
+    bool measure_pauses = false;       // of the executor: by the wall clock, so not in virtual time
   };
   static Result<std::unique_ptr<Cell>> open(asio::any_io_executor executor, Parts parts);
   ~Cell();

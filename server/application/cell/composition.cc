@@ -155,9 +155,12 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
               access, notify},
              reader, alarm_book, tasks),
       feeds(events, recorder, engine, alarm_book, diagnosis_desk, improver),
+      reports(
+          {workbench, reader, runs, provenance, checks, models, diagnoses, text_thread.executor()},
+          version, std::move(given.report_template)),
       queue_desk(on, {description, *clock, recorder, reader, writer, events, runs, engine, right,
-                      stops, durations, leases, models, diagnoses, tasks, text_thread.executor(),
-                      [this] { return improver.busy(); },
+                      stops, durations, leases, models, diagnoses, reports, tasks,
+                      text_thread.executor(), [this] { return improver.busy(); },
                       [this](AlarmCondition condition) { alarms.note(std::move(condition)); }}),
       queue(description, *clock, events, trajectories, models, queue_desk),
       plans(description, *clock, reader, writer, events, models, joint_serving,
@@ -198,7 +201,8 @@ Services Composition::services() {
           datasets,   annotations,    models,    promotions,    checks,       serving,
           provenance, configurations, diagnoses, extensions,    improvements, studies,
           alarms,     feeds,          queue,     upkeep,        holds,        notify,
-          plans,      joint_serving,  jogs,      commissioning, look_back,    support};
+          plans,      joint_serving,  jogs,      commissioning, look_back,    support,
+          reports};
 }
 
 }  // namespace driftwise::application

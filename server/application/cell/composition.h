@@ -32,6 +32,7 @@
 #include "server/application/provenance/provenance_service.h"
 #include "server/application/queue/queue_service.h"
 #include "server/application/recording/device_keeper.h"
+#include "server/application/report/reports_service.h"
 #include "server/application/runs/runs_service.h"
 #include "server/application/status/overview_service.h"
 #include "server/application/support/support_service.h"
@@ -153,6 +154,7 @@ class Composition {
   OverviewService overview;
   AlarmsService alarms;
   FeedsService feeds;
+  ReportsService reports;
   QueueDesk queue_desk;
   QueueService queue;
   PlansService plans;

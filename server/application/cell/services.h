@@ -29,6 +29,7 @@ class Promotions;
 class Provenance;
 class Queue;
 class RecordKeeping;
+class Reports;
 class Runs;
 class StoreReader;
 class Studies;
@@ -67,6 +68,7 @@ struct Services {
   Commissioning& commissioning;
   LookBack& look_back;
   SupportBundles& support;
+  Reports& reports;
 };
 
 }  // namespace driftwise::application

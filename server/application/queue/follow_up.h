@@ -4,7 +4,7 @@
 //   fit:q ~ x + x^2 + R   a model of that formula, proposed
 //   diagnose              a diagnosis from the baseline in force
 //   diagnose:q ~ x        a diagnosis from this baseline
-//   report                a file of plain text beside the database: run_report.h
+//   report                a page of one file beside the database: report/reports.h
 //   notify                an alarm at level notice: the entry is done
 
 #include <string>

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "server/application/plumbing/run_on.h"
-#include "server/application/queue/run_report.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/csv/trajectory_csv.h"
@@ -432,17 +431,15 @@ Awaitable<QueueResult> QueueDesk::make(const QueueEntry& entry, int position) {
 }
 
 Awaitable<QueueResult> QueueDesk::report(const QueueEntry& entry) {
-  auto looking = parts_.runs.get(*entry.run);
-  const auto run = co_await std::move(looking);
-  if (!run) co_return QueueResult{.good = false, .text = run.error().message};
-  const auto closures = co_await parts_.reader.closures().closures(run->id);
-  if (!closures) co_return QueueResult{.good = false, .text = closures.error().message};
-  auto text =
-      run_report(entry, *run, *closures, [this](CellTime at) { return parts_.clock.utc(at); });
-  const auto path = report_path(parts_.description.database, entry.id, run->id);
-  const auto written = co_await run_on(parts_.background, write_report, path, std::move(text));
+  auto making = parts_.reports.page(*entry.run);
+  auto page = co_await std::move(making);
+  if (!page) co_return QueueResult{.good = false, .text = page.error().message};
+  const auto path = report_path(parts_.description.database, entry.id, *entry.run);
+  const auto written = co_await run_on(parts_.background, write_report, path, std::move(*page));
   if (!written) co_return QueueResult{.good = false, .text = written.error().message};
-  co_return QueueResult{.text = fmt::format("the report {} was written", path)};
+  co_return QueueResult{.text = fmt::format("the report {} was written ('driftwise queue report "
+                                            "{}' makes it anew)",
+                                            path, entry.id.value)};
 }
 
 Awaitable<QueueResult> QueueDesk::fit(const QueueEntry& entry, std::string formula) {

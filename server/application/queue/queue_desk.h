@@ -21,6 +21,7 @@
 #include "server/application/queue/queue_outlook.h"
 #include "server/application/queue/queue_rule.h"
 #include "server/application/recording/recorder.h"
+#include "server/application/report/reports.h"
 #include "server/application/runs/right_to_move.h"
 #include "server/application/runs/runs.h"
 #include "server/application/trajectories/duration_book.h"
@@ -48,6 +49,7 @@ class QueueDesk {
     LeaseBook& leases;
     Models& models;
     Diagnoses& diagnoses;
+    Reports& reports;
     TaskGroup& tasks;
     asio::any_io_executor background;  // where reports are written
     std::function<bool()> improving;   // an improvement is under way: it moves the robot again

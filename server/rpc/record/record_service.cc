@@ -71,7 +71,11 @@ Result<ThinningOrder> thinning_from(const v1::ThinReadingsRequest& request) {
 class RecordService final : public v1::RecordService::CallbackService {
  public:
   explicit RecordService(const application::Services& cell)
-      : host_(cell.host), records_(cell.records), keeping_(cell.keeping), bundles_(cell.support) {}
+      : host_(cell.host),
+        records_(cell.records),
+        keeping_(cell.keeping),
+        bundles_(cell.support),
+        reports_(cell.reports) {}
 
   Reactor* ListActs(Context* context, const v1::ListActsRequest* request,
                     v1::ListActsResponse* response) override {
@@ -144,11 +148,18 @@ class RecordService final : public v1::RecordService::CallbackService {
         host_.executor(), support_bundle(host_, bundles_, caller_of(*context)));
   }
 
+  grpc::ServerWriteReactor<v1::GetReportResponse>* GetReport(
+      Context*, const v1::GetReportRequest* request) override {
+    return Stream<v1::GetReportResponse>::open(host_.executor(),
+                                               run_report(host_, reports_, request->run_id()));
+  }
+
  private:
   application::Host& host_;
   application::StoreReader& records_;
   application::RecordKeeping& keeping_;
   application::SupportBundles& bundles_;
+  application::Reports& reports_;
 };
 
 }  // namespace

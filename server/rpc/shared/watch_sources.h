@@ -60,4 +60,9 @@ std::unique_ptr<StreamSource<v1::GetSupportBundleResponse>> support_bundle(
     const application::Host& host, application::SupportBundles& bundles,
     application::Caller caller);
 
+// The whole page, in pieces. Ends with BAD_ID for a run that no number of a run can be.
+std::unique_ptr<StreamSource<v1::GetReportResponse>> run_report(const application::Host& host,
+                                                                application::Reports& reports,
+                                                                std::int64_t run);
+
 }  // namespace driftwise::rpc

@@ -134,7 +134,6 @@ name = "mail"
 smtp = "smtp://127.0.0.1:%s"
 from = "cell@lab.example"
 to = ["ada@lab.example"]
-levels = ["warning", "failed"]
 group_s = 0
 repeat_h = 0
 """ % (air_channel, limit_degc, limit_degc - 0.02, self.hook_port, self.mail_port)
@@ -247,6 +246,55 @@ def run_state(weekend):
     return run.get("state"), run.get("reason") or ""
 
 
+def report_in(path):
+    """The data of a report, as its page reads them."""
+    text = path.read_text()
+    begin = text.index('id="report-data">') + len('id="report-data">')
+    check("http://" not in text[:begin].replace("http://www.w3.org/", "") and "src=" not in text[:begin].split("<body")[0],
+          "%s asks for nothing on the network" % path.name)
+    return json.loads(text[begin:text.index("</script>", begin)])
+
+
+def check_story(weekend, entries, counts):
+    """The report that the daemon wrote after the last campaign tells of the whole weekend."""
+    folder = weekend.disk / "reports"
+    written = sorted(one.name for one in folder.iterdir())
+    check(written == sorted("queue-%d-run-%d.html" % (entry, run_of(weekend, entry)) for entry in entries.values()),
+          "each campaign has its report beside the database: %s" % ", ".join(written))
+    sunday = folder / ("queue-%d-run-%d.html" % (entries["sunday"], run_of(weekend, entries["sunday"])))
+    story = report_in(sunday)
+    told = story["queue"]["entries"]
+    check([one["name"] for one in told] == ["friday", "saturday", "sunday"], "it names the three campaigns in their order")
+    check([(one["rows"], one["accepted"]) for one in told] == [(counts[one["name"]],) * 2 for one in told],
+          "with all rows accepted")
+    saturday = story_of(weekend, entries["saturday"])
+    check(saturday["run"]["restarts"] == 1, "the run that was killed says that it was restarted")
+    alarms = story["alarms"]
+    scanner = [one for one in alarms if one["kind"] in ("device.lost", "channel.stale") and "scanner" in one["message"] + one["subject"]]
+    check(len(scanner) == 1 and scanner[0]["acknowledged_by"] == "bob" and scanner[0]["over"],
+          "the silent scanner is one alarm, acknowledged by bob, over")
+    check(any(one["kind"] == "run.waiting" and "hold room" in one["message"] for one in alarms), "the room's alarm is in it")
+    events = [(one["what"], one["detail"]) for one in story["events"]]
+    for what, words in (("hold.begun", "hold room"), ("hold.ended", "hold room"), ("device.back", "scanner"),
+                        ("run.restarted", ""), ("daemon.started", "")):
+        check(any(one[0] == what and words in one[1] for one in events), "it tells of %s %s" % (what, words))
+    sentences = [one[1] for one in events] + [one["message"] for one in alarms]
+    check(any("disk is full" in one for one in sentences), "it tells of the full disk")
+    check(all(story["closures"]) and len(story["closures"]) == 3, "each return to zero of sunday has its verdict")
+    check(len(story["models"]) == 1 and story["models"][0]["residuals"] and not story["models"][0]["trouble"],
+          "the fit is in it with its residuals: %s" % story["models"][0]["formula"])
+    check(len(story["diagnoses"]) == 1 and story["diagnoses"][0]["verdict"], "the diagnosis is in it: %s" % story["diagnoses"][0]["verdict"])
+    end = [one for one in weekend.mail_texts() if "queue.done" in one or "is done" in one]
+    check(any(sunday.name in one and "driftwise queue report %d" % entries["sunday"] in one for one in end),
+          "the mail that is sent after the run names its report, and how it is made anew")
+
+
+def story_of(weekend, entry):
+    file = weekend.folder / ("entry-%d.html" % entry)
+    weekend.ask(["queue", "report", entry, "-o", file], who="ada")
+    return report_in(file)
+
+
 def main(folder):
     weekend = Weekend(folder)
     silent = ("device.lost", "channel.stale")  # which comes first depends on the instant
@@ -258,10 +306,11 @@ def main(folder):
         weekend.write_cell_file("t04_degC", 21.1)
         weekend.begin_daemon()
         entries = {}
-        for name, further in (("friday", []), ("saturday", []), ("sunday", ["--then", "fit:q ~ x + x^2"])):
+        for name, further in (("friday", []), ("saturday", []),
+                              ("sunday", ["--then", "fit:q ~ x + x^2", "--then", "diagnose:q ~ x + x^2"])):
             after = ["--after", entries[previous]] if entries else []
-            added = weekend.ask(["queue", "add", folder / (name + ".csv"), "--name", name, "--meta", "weekend=47",
-                                 "--then", "notify"] + after + further, who="ada")
+            added = weekend.ask(["queue", "add", folder / (name + ".csv"), "--name", name, "--meta", "weekend=47"] +
+                               further + ["--then", "report", "--then", "notify"] + after, who="ada")
             entries[name] = (added.get("entry") or added)["id"]
             previous = name
         say("ada has queued three campaigns and goes home")
@@ -334,12 +383,7 @@ def main(folder):
         check(sum("scanner" in one for one in mails) >= 1, "a mail tells of the scanner")
         done = [key for key in told if key[0] == "firing" and key[1].startswith("queue")]
         check(len(done) >= 3, "each campaign's end was told")
-        run = run_of(weekend, entries["saturday"])
-        report = folder / "saturday.html"
-        weekend.ask(["report", "run", run, "-o", report], who="ada")
-        text = report.read_text()
-        for piece in ("restart after a kill", "the disk is full"):
-            check(piece in text, "the report tells of: %s" % piece)
+        check_story(weekend, entries, counts)
         happened = {row[0] for row in weekend.rows("SELECT DISTINCT what FROM event")}
         for what in ("hold.begun", "hold.ended", "device.lost", "device.back", "run.restarted"):
             check(what in happened, "the record has the event %s" % what)

@@ -158,6 +158,36 @@ TEST_F(CellServiceTest, SetsAStabiliserToAStatedTemperatureOnly) {
   EXPECT_EQ(cell.on_executor([&] { return cell.world.support_set_degc; }), 20.5);
 }
 
+TEST_F(CellServiceTest, ShowsAndSetsTheControlLoopOfAStabiliserWithARecord) {
+  const auto passing = cell.passing();  // the controller answers after a while
+  v1::GetStabiliserRequest shown;
+  shown.set_device_id("laser-x");
+  EXPECT_THAT(ask(&CellStub::GetStabiliser, shown),
+              FailsWith(ErrorCode::not_found, "NO_STABILISER"));
+  shown.set_device_id("support");
+  const auto now = ask(&CellStub::GetStabiliser, shown);
+  ASSERT_TRUE(now);
+  EXPECT_EQ(now->tuning().heat_band_k(), 2);
+  EXPECT_EQ(now->tuning().integral_duration().seconds(), 180);
+  EXPECT_FALSE(now->declared().has_heat_band_k()) << "the cell file declares nothing";
+
+  v1::TuneStabiliserRequest request;
+  request.set_device_id("support");
+  request.mutable_tuning()->set_heat_band_k(3.5);
+  EXPECT_THAT(ask(&CellStub::TuneStabiliser, request),
+              FailsWith(ErrorCode::permission_denied, "LEASE_REQUIRED"));
+  request.set_lease_token(lease());
+  const auto tuned = ask(&CellStub::TuneStabiliser, request);
+  ASSERT_TRUE(tuned);
+  EXPECT_EQ(tuned->before().heat_band_k(), 2);
+  EXPECT_EQ(tuned->after().heat_band_k(), 3.5);
+  EXPECT_EQ(tuned->after().cool_band_k(), 2) << "what is not given stays";
+  EXPECT_EQ(ask(&CellStub::GetStabiliser, shown)->tuning().heat_band_k(), 3.5);
+  const auto record = cell.last_event("stabiliser.tuned");
+  ASSERT_TRUE(record);
+  EXPECT_THAT(record->detail, testing::HasSubstr("3.5"));
+}
+
 TEST_F(CellServiceTest, ListsEventsByCursor) {
   EventId before;
   for (int i = 0; i < 5; ++i) {

@@ -175,6 +175,8 @@ constexpr auto kExamples = std::to_array<Example>({
      "only when entry 3 was accepted, then every 12 h"},
     {"queue list", "driftwise queue list", "what runs, what waits and why"},
     {"queue show", "driftwise queue show 4", "one entry with its results"},
+    {"queue report", "driftwise queue report 4 -o night.html",
+     "its run's story: holds, alarms, fit, plots; opens without a daemon"},
     {"queue edit", "driftwise queue edit 4 --priority 5 --not-before 2026-11-22T23:00:00Z",
      "what is not named stays"},
     {"queue move", "driftwise queue move 4 --front", "before all that wait"},

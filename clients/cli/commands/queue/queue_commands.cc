@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "clients/cli/commands/queue/queue_text.h"
+#include "clients/cli/commands/runs/report_command.h"
 #include "clients/cli/core/proto_json.h"
 #include "clients/cli/core/validators.h"
 #include "clients/cli/pages/metadata_text.h"
@@ -93,6 +94,20 @@ ExitCode show_one(const Session& session, std::int64_t id) {
   if (!session.console.json) return show_entry(session, response.entry());
   session.console.print_json(json_from(response));
   return ExitCode::done;
+}
+
+ExitCode report_entry(const Session& session, const QueueArguments& a) {
+  v1::GetQueueEntryRequest request;
+  request.set_entry_id(a.id);
+  const auto entry = session.connect().ask(&QueueStub::GetQueueEntry, request).entry();
+  if (!entry.has_run_id())
+    throw Failure{ExitCode::bad_input, "failed_precondition", "NO_RUN",
+                  "queue entry " + std::to_string(a.id) +
+                      " has no run yet: its report can be made once it has begun"};
+  return save_report(session, entry.run_id(), a.id,
+                     a.file.empty() ? "queue-" + std::to_string(a.id) + "-run-" +
+                                          std::to_string(entry.run_id()) + ".html"
+                                    : a.file);
 }
 
 ExitCode edit_entry(const Session& session, const QueueArguments& a) {
@@ -210,6 +225,12 @@ void add_queue_commands(CLI::App& app, Session& session) {
   id(add_command(queue, session, "show", "One entry",
                  [&session, a] { return show_one(session, a->id); }),
      a);
+  CLI::App& report = add_command(queue, session, "report",
+                                 "The story of an entry's run, and of those it came after, as one "
+                                 "HTML page made now",
+                                 [&session, a] { return report_entry(session, *a); });
+  id(report, a);
+  report.add_option("-o,--output", a->file, "the page to write; else queue-ENTRY-run-N.html");
   auto edited = std::make_shared<QueueArguments>();
   CLI::App& edit = add_command(queue, session, "edit", "Changes an entry that waits",
                                [&session, edited] { return edit_entry(session, *edited); });

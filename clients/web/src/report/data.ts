@@ -14,6 +14,7 @@ export interface ReportRun {
   attempts: number;
   restarts: number;
   compensation?: string;
+  metadata?: Record<string, string>;
 }
 
 interface WrittenFigures {
@@ -39,6 +40,67 @@ export interface ReportAttempt {
   spread_nm: number | null;
   time_s: number;
 }
+
+export interface ReportEntry {
+  id: number;
+  name: string;
+  state: string;
+  reason: string;
+  by: string;
+  queued: string | null;
+  begun: string | null;
+  ended: string | null;
+  after: number | null;
+  condition: string;
+  run: number | null;
+  results: { follow_up: string | null; good: boolean; text: string; time: string | null }[];
+  run_state?: string;
+  rows?: number;
+  accepted?: number;
+  given_up?: number;
+  restarts?: number;
+}
+
+export interface ReportAlarm {
+  id: number;
+  kind: string;
+  subject: string;
+  priority: string;
+  state: string;
+  message: string;
+  consequences: string[];
+  since: string | null;
+  over: string | null;
+  acknowledged: string | null;
+  acknowledged_by: string;
+}
+
+export interface ReportDiagnosis {
+  id: number;
+  state: string;
+  verdict: string;
+  baseline: string;
+  extended: string;
+  findings: string[];
+  left_over: string[];
+}
+
+interface WrittenModel {
+  id: number;
+  name: string;
+  formula: string;
+  accuracy: ReportVerification['accuracy'];
+  count: number;
+  time_s: string;
+  set: string;
+  residuals: { output: string; unit: string; data: string }[];
+  trouble: string;
+}
+export type ReportModel = Omit<WrittenModel, 'count' | 'time_s' | 'set' | 'residuals'> & {
+  timeS: number[];
+  validation: boolean[];
+  residuals: { output: string; unit: string; values: number[] }[];
+};
 
 interface Written {
   schema: string;
@@ -67,9 +129,16 @@ interface Written {
   closures?: { line: number; repetition: number; time: string; decision: string; sentence: string }[]; // returns to zero as they were judged
   axes?: { channel: string; min_mm: number; max_mm: number }[];
   verification?: ReportVerification;
+  queue?: { entry: number; entries: ReportEntry[] }; // the run's own entry last
+  alarms?: ReportAlarm[]; // that stood meanwhile
+  models?: WrittenModel[]; // fitted by what followed
+  diagnoses?: ReportDiagnosis[];
 }
 
-export type Report = Omit<Written, 'points' | 'attempts' | 'events' | 'axes'> & {
+export type Report = Omit<Written, 'points' | 'attempts' | 'events' | 'axes' | 'alarms' | 'models' | 'diagnoses'> & {
+  alarms: ReportAlarm[];
+  models: ReportModel[];
+  diagnoses: ReportDiagnosis[];
   attempts: ReportAttempt[];
   events: NonNullable<Written['events']>;
   axes: NonNullable<Written['axes']>;
@@ -98,7 +167,11 @@ export function readReport(text: string): Report {
   const of = (packed: string) => unpacked(packed, count);
   return {
     ...written,
-    attempts: written.attempts ?? [], events: written.events ?? [], axes: written.axes ?? [],
+    attempts: written.attempts ?? [], events: written.events ?? [], axes: written.axes ?? [], alarms: written.alarms ?? [], diagnoses: written.diagnoses ?? [],
+    models: (written.models ?? []).map(({ count: rows, time_s, set, residuals, ...rest }) => ({
+      ...rest, timeS: unpacked(time_s, rows), validation: unpacked(set, rows).map((one) => one === 1),
+      residuals: residuals.map(({ output, unit, data }) => ({ output, unit, values: unpacked(data, rows) })),
+    })),
     points: {
       count, timeS: of(written.points.time_s), row: of(written.points.row), line: of(written.points.line), tries: of(written.points.tries),
       validation: of(written.points.set).map((one) => one === 1), zero: of(written.points.zero).map((one) => one === 1),

@@ -12,7 +12,9 @@ import { figure, meanFigure, rowsInWords } from '@/ui/accuracy';
 import { Panel } from '@/ui/panel';
 import { Table, type Column } from '@/ui/table';
 import { Mark, Verdict, type VerdictKind } from '@/ui/verdict';
-import type { Report, ReportVerification } from './data';
+import { residualSpecs } from '@/plot/residual_specs';
+import type { Report, ReportAlarm, ReportDiagnosis, ReportEntry, ReportModel, ReportVerification } from './data';
+import { storyOf } from './story';
 import { forceSpec, marksOf, poseScene, spreads, spreadSpec, temperatureSpec, zeroSpec } from './specs';
 
 const kinds: Record<string, VerdictKind> = { done: 'good', running: 'good', paused: 'idle', waiting: 'warn', aborted: 'warn', failed: 'bad' };
@@ -39,6 +41,7 @@ export function ReportPage({ report }: { report: Report }) {
         <dl class="facts">
           <dt>from, to</dt><dd>{at(run.start)} to {at(run.end)}{seconds !== undefined && `, ${duration(seconds)}`}</dd>
           <dt>points</dt><dd>{count(run.accepted)} of {count(run.rows)} accepted, {count(run.given_up)} given up, {count(run.attempts)} attempts</dd>
+          {run.metadata && Object.keys(run.metadata).length > 0 && <><dt>metadata</dt><dd>{Object.entries(run.metadata).map(([key, value]) => `${key}=${value}`).join(', ')}</dd></>}
           {run.compensation && <><dt>compensation</dt><dd>{run.compensation}</dd></>}
           <dt>restarts</dt><dd>{run.restarts === 0 ? 'none' : `a restarted daemon went on with it ${count(run.restarts)} times`}</dd>
           <dt>times in</dt><dd>UTC</dd>
@@ -60,6 +63,9 @@ export function ReportPage({ report }: { report: Report }) {
           ))}
         </dl>
       </Panel>
+      {report.queue && report.queue.entries.length > 0 && <Panel title="Queue"><Entries entries={report.queue.entries} /></Panel>}
+      <Panel title="Story"><Story report={report} /></Panel>
+      {report.alarms.length > 0 && <Panel title="Alarms"><Alarms alarms={report.alarms} /></Panel>}
       {report.verification && <Panel title="Verification"><Verification of={report.verification} run={String(run.id)} /></Panel>}
       {scene && <Panel><Poses scene={scene} chosen={chosen} onPick={(key) => (chosen.value = key)} file={`run-${run.id}-poses`} /></Panel>}
       <TimeMarks.Provider value={marks}>
@@ -67,11 +73,101 @@ export function ReportPage({ report }: { report: Report }) {
           {specs.map((spec) => <Panel key={spec.title}><Plot spec={spec} height={220} chosen={chosen} onPick={(key) => (chosen.value = key)} /></Panel>)}
         </div>
       </TimeMarks.Provider>
+      {report.models.map((model) => <Fitted key={model.id} model={model} />)}
+      {report.diagnoses.map((one) => <Diagnosed key={one.id} of={one} />)}
       {report.closures && report.closures.length > 0 && <Panel title="Returns to zero"><Closures closures={report.closures} /></Panel>}
       <Panel title="Points"><Points report={report} /></Panel>
       {report.attempts.length > 0 && <Panel title="Measured again and given up"><Attempts report={report} /></Panel>}
       {report.events.length > 0 && <Panel title="Record"><Events report={report} /></Panel>}
     </main>
+  );
+}
+
+function Entries({ entries }: { entries: readonly ReportEntry[] }) {
+  return (
+    <Table
+      caption="The entry of this run, after those that it had to wait for"
+      rows={entries}
+      keyOf={(one) => one.id}
+      columns={[
+        { title: 'entry', number: true, of: (one) => `${one.id}` },
+        { title: 'name', of: (one) => one.name },
+        { title: 'run', of: (one) => (one.run === null ? '–' : `${one.run}`) },
+        { title: 'state', of: (one) => <Verdict kind={kinds[one.run_state ?? ''] ?? 'idle'}>{one.run_state ?? one.state}</Verdict> },
+        { title: 'from, to', of: (one) => <span class="nowrap">{at(one.begun)} to {at(one.ended)}</span> },
+        { title: 'accepted', number: true, of: (one) => `${count(one.accepted ?? 0)} of ${count(one.rows ?? 0)}` },
+        { title: 'given up', number: true, of: (one) => count(one.given_up ?? 0) },
+        { title: 'what followed', of: (one) => <>{one.reason && <div>{one.reason}</div>}{one.results.map((result, i) => <div key={i}><Verdict kind={result.good ? 'good' : 'bad'}>{result.text}</Verdict></div>)}</> },
+      ]}
+    />
+  );
+}
+
+function Story({ report }: { report: Report }) {
+  const lines = useMemo(() => storyOf(report).map((one, i) => ({ ...one, i })), [report]);
+  return (
+    <Table
+      caption="What happened, oldest first"
+      rows={lines}
+      keyOf={(one) => one.i}
+      page={60}
+      columns={[
+        { title: 'when', of: (one) => <span class="nowrap">{at(one.time)}</span> },
+        { title: 'what', of: (one) => <Verdict kind={one.kind}>{one.what}</Verdict> },
+      ]}
+    />
+  );
+}
+
+const ofPriority: Record<string, VerdictKind> = { low: 'idle', medium: 'warn', high: 'bad', critical: 'bad' };
+
+function Alarms({ alarms }: { alarms: readonly ReportAlarm[] }) {
+  return (
+    <Table
+      caption="Alarms that stood meanwhile, oldest first"
+      rows={alarms}
+      keyOf={(one) => one.id}
+      page={40}
+      columns={[
+        { title: 'since', of: (one) => <span class="nowrap">{at(one.since)}</span> },
+        { title: 'over', of: (one) => <span class="nowrap">{at(one.over)}</span> },
+        { title: 'priority', of: (one) => <Verdict kind={ofPriority[one.priority] ?? 'warn'}>{one.priority}</Verdict> },
+        { title: 'alarm', of: (one) => `${one.kind} of ${one.subject}` },
+        { title: 'what', of: (one) => <>{one.message}{one.consequences.map((consequence) => <div key={consequence} class="muted">{consequence}</div>)}</> },
+        { title: 'acknowledged', of: (one) => (one.acknowledged ? `by ${one.acknowledged_by}, ${at(one.acknowledged)}` : 'by nobody') },
+      ]}
+    />
+  );
+}
+
+function Fitted({ model }: { model: ReportModel }) {
+  const outputs = model.residuals.map(({ output, values }) => ({ output, values }));
+  const rows = { timeS: model.timeS, validation: model.validation, excluded: model.timeS.map(() => false), variables: [], outputs };
+  return (
+    <Panel title={`Model ${model.id}${model.name && `, ${model.name}`}`}>
+      <p><code>{model.formula}</code></p>
+      {model.trouble && <p role="alert">{model.trouble}</p>}
+      {model.accuracy.map((one) => (
+        <p key={one.unit}>
+          accuracy (A90) <strong>{figure(one.figures.a90)} {unitSign(one.unit)}</strong> ({one.output}, {rowsInWords(one.rows)}, mean {meanFigure(one.figures.mean)} {unitSign(one.unit)}, U90 {figure(one.figures.u90)} {unitSign(one.unit)})
+        </p>
+      ))}
+      {model.residuals.map((one) => {
+        const [spec] = residualSpecs(rows, one.output, one.unit, model.accuracy.find((found) => found.output === one.output)?.figures.a90, `model-${model.id}`);
+        return <Plot key={one.output} spec={{ ...spec, title: `Residuals of ${one.output}` }} height={220} />;
+      })}
+    </Panel>
+  );
+}
+
+function Diagnosed({ of }: { of: ReportDiagnosis }) {
+  return (
+    <Panel title={`Diagnosis ${of.id}`}>
+      <p>{of.verdict ? <>verdict <strong>{of.verdict}</strong> from <code>{of.baseline}</code></> : of.state}</p>
+      {of.findings.length > 0 && <ol>{of.findings.map((sentence) => <li key={sentence}>{sentence}</li>)}</ol>}
+      {of.left_over.map((rest) => <p key={rest}>not explained: {rest}</p>)}
+      {of.extended && of.extended !== of.baseline && <p>with the findings <code>{of.extended}</code></p>}
+    </Panel>
   );
 }
 

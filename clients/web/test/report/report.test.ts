@@ -1,7 +1,8 @@
 import { describe, expect, it } from 'vitest';
 import { readReport } from '@/report/data';
 import { poseScene, spreads, spreadSpec, zeroSpec } from '@/report/specs';
-import { sampleReport } from './sample';
+import { storyOf } from '@/report/story';
+import { sampleReport, sampleStory } from './sample';
 
 const report = readReport(JSON.stringify(sampleReport()));
 
@@ -20,6 +21,33 @@ describe('the data of a report', () => {
     const written = JSON.stringify(sampleReport()).replaceAll('<', '\\u003c');
     expect(written).not.toContain('<');
     expect(readReport(written).cell).toBe('micro-nano <lab>');
+  });
+});
+
+describe('the story of a report', () => {
+  const told = () => storyOf(readReport(JSON.stringify({ ...sampleReport(), ...sampleStory() })));
+  it('tells alarms with who acknowledged them, holds, the kill, rows given up and what followed, in order of time', () => {
+    const sentences = told().map((one) => one.what);
+    expect(sentences).toEqual([
+      'ada queued queue entry 2 "night"',
+      'queue entry 2 "night" begins as run 17',
+      'alarm device.lost of scanner: the scanner does not answer',
+      'bob acknowledged alarm device.lost of scanner',
+      'alarm device.lost of scanner is over',
+      'hold room: t12_degC 20.7 above 20.5',
+      'a restarted daemon went on with run 17',
+      'row 9 given up: spread 40 nm',
+      'run 17 of queue entry 2 "night" is done: 58 of 60 rows accepted, 1 given up',
+      'queue entry 2 "night": model 3 was fitted',
+    ]);
+  });
+  it('reads the residuals of a model as packed', () => {
+    const [model] = readReport(JSON.stringify({ ...sampleReport(), ...sampleStory() })).models;
+    expect(model.residuals[0].values).toEqual([1.5, -2]);
+    expect(model.validation).toEqual([false, true]);
+  });
+  it('is told of a run without a queue too', () => {
+    expect(storyOf(report).map((one) => one.what)).toEqual(['run 17 begins', 'run 17 is done']);
   });
 });
 

@@ -27,3 +27,27 @@ export function sampleReport(count = 60) {
     axes: ['q1_mm', 'q2_mm', 'q3_mm'].map((channel) => ({ channel, min_mm: -0.2, max_mm: 2.8 })),
   };
 }
+
+// What a run of the queue has beside.
+export function sampleStory() {
+  const at = (clock: string) => `2026-11-20T${clock}:00Z`;
+  return {
+    queue: {
+      entry: 2,
+      entries: [{
+        id: 2, name: 'night', state: 'following', reason: '', by: 'ada', queued: at('15:00'), begun: at('16:00'), ended: at('23:00'), after: null, condition: '', run: 17,
+        results: [{ follow_up: 'fit:q ~ x', good: true, text: 'model 3 was fitted', time: at('23:01') }], run_state: 'done', rows: 60, accepted: 58, given_up: 1, restarts: 1,
+      }],
+    },
+    alarms: [{
+      id: 1, kind: 'device.lost', subject: 'scanner', priority: 'medium', state: 'normal', message: 'the scanner does not answer', consequences: [], since: at('17:00'), over: at('18:00'), acknowledged: at('17:10'), acknowledged_by: 'bob',
+    }],
+    events: [
+      { time: at('19:00'), who: 'daemon', what: 'hold.begun', detail: 'hold room: t12_degC 20.7 above 20.5' },
+      { time: at('20:00'), who: 'daemon', what: 'run.restarted', detail: 'a restarted daemon went on with run 17' },
+    ],
+    attempts: [{ row: 9, number: 3, verdict: 'given_up', reason: 'spread 40 nm', spread_nm: 40, time_s: 5 * 3600 }],
+    models: [{ id: 3, name: 'night', formula: 'q ~ x', accuracy: [], count: 2, time_s: packed([0, 60]), set: packed([0, 1]), residuals: [{ output: 'q1', unit: 'nm', data: packed([1.5, -2]) }], trouble: '' }],
+    diagnoses: [],
+  };
+}

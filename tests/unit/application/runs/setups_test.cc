@@ -135,6 +135,25 @@ TEST_F(Setups, ReadTheInstrumentsThatTheyNameAndNoOthers) {
   EXPECT_THAT(channels_of(angles.id), Not(Contains("x_std_nm")));
 }
 
+TEST_F(Setups, AnInstrumentThatNobodyUsesAndThatDoesNotAnswerIsANoticeOfItsOwn) {
+  tilts.away = true;
+  ASSERT_TRUE(try_in("length", lines_of(12, {1, -1, 0.5}, true)));
+  const auto of_tilts = [this] {
+    std::vector<AlarmRecord> found;
+    const auto alarms = cell.await(cell->alarms.list(true, 100));
+    for (const auto& alarm : *alarms)
+      if (alarm.subject == "tilts") found.push_back(alarm);
+    return found;
+  };
+  cell.until([&] { return !of_tilts().empty(); });
+  EXPECT_EQ(cell.finish_run().state, RunState::done);
+  const auto told = of_tilts();
+  ASSERT_EQ(told.size(), 1u) << "one incident is one alarm";
+  EXPECT_EQ(told[0].kind, "device.unused");
+  EXPECT_EQ(told[0].level, AlarmLevel::notice);
+  EXPECT_THAT(told[0].message, testing::HasSubstr("the set-up in use does not name it"));
+}
+
 TEST_F(Setups, RectifyWhatAnInstrumentReads) {
   const auto plain = measure_in("both", plan), rectified = measure_in("length", plan);
   const auto x_at_1mm = [this](RunId run) {

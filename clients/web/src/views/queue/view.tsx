@@ -4,6 +4,7 @@ import { useEffect } from 'preact/hooks';
 import { QueueEntry_State, type ListQueueResponse, type QueueEntry } from '@/api/gen/driftwise/v1/queue_service_pb';
 import { count } from '@/format/numbers';
 import { dateClock, dayClock, duration, ms, secondsOf } from '@/format/time';
+import { ReportButton } from '@/parts/report_button';
 import { bandText, endBandText } from '@/trajectory/estimate';
 import { useEvents } from '@/live/events';
 import { CommandButton } from '@/ui/button';
@@ -123,7 +124,7 @@ function Shown({ queue, again }: { queue: ListQueueResponse; again: () => void }
             rows={over}
             page={50}
             keyOf={(entry) => String(entry.id)}
-            columns={[...entryColumns, { title: 'ended', of: (entry) => <span class="nowrap">{dateClock(ms(entry.endTime))}</span> }, { title: 'what came of it', of: (entry) => <Why entry={entry} /> }]}
+            columns={[...entryColumns, { title: 'ended', of: (entry) => <span class="nowrap">{dateClock(ms(entry.endTime))}</span> }, { title: 'what came of it', of: (entry) => <Why entry={entry} /> }, { title: 'report', of: (entry) => (entry.runId === undefined ? '–' : <ReportButton runId={entry.runId} />) }]}
           />
         </Panel>
       )}

@@ -1,0 +1,55 @@
+// What happened, in order of time: from the queue, the alarms and the record of a report.
+import { count } from '@/format/numbers';
+import type { VerdictKind } from '@/ui/verdict';
+import type { Report } from './data';
+
+export interface StoryLine {
+  time: string; // ISO 8601 UTC
+  kind: VerdictKind;
+  what: string;
+}
+
+// Events of the record that tell the story; alarms are told by their own list.
+const told: Record<string, VerdictKind> = {
+  'hold.begun': 'warn', 'hold.ended': 'good', 'hold.set_aside': 'warn', 'hold.in_force': 'idle', 'hold.ends_daemon': 'bad',
+  'run.paused': 'warn', 'run.waiting': 'warn', 'run.resumed': 'good', 'run.restarted': 'warn', 'run.failed': 'bad', 'run.trouble': 'bad',
+  'queue.held': 'warn', 'queue.released': 'good', 'queue.failed': 'bad', 'queue.set_aside': 'bad', 'queue.follow_up_failed': 'bad',
+  'stop.pending': 'bad', 'stop.confirmed': 'warn', 'stop.unconfirmed': 'bad',
+  'daemon.started': 'idle', 'daemon.stopping': 'idle', 'daemon.paused': 'warn', 'clock.stepped': 'warn',
+  'record.unwritten': 'bad', 'record.dropped': 'bad', 'database.damaged': 'bad', 'closure.repeat': 'warn',
+  'device.lost': 'warn', 'device.back': 'good', 'device.clock_jumped': 'warn', 'load.confirmed': 'idle', 'stabiliser.set': 'idle',
+};
+
+const priorities: Record<string, VerdictKind> = { low: 'idle', medium: 'warn', high: 'bad', critical: 'bad' };
+
+export function storyOf(report: Report): StoryLine[] {
+  const lines: StoryLine[] = [];
+  const tell = (time: string | null, kind: VerdictKind, what: string) => {
+    if (time) lines.push({ time, kind, what });
+  };
+  for (const entry of report.queue?.entries ?? []) {
+    const name = `queue entry ${entry.id} "${entry.name}"`;
+    tell(entry.queued, 'idle', `${entry.by} queued ${name}${entry.condition && `, to start when ${entry.condition}`}`);
+    tell(entry.begun, 'good', `${name} begins as run ${entry.run}`);
+    tell(entry.ended, entry.run_state === 'done' ? 'good' : 'bad', `run ${entry.run} of ${name} is ${entry.run_state ?? 'over'}: ${count(entry.accepted ?? 0)} of ${count(entry.rows ?? 0)} rows accepted, ${count(entry.given_up ?? 0)} given up`);
+    for (const result of entry.results) tell(result.time, result.good ? 'good' : 'bad', `${name}: ${result.text}`);
+  }
+  if (!report.queue) {
+    tell(report.run.start, 'good', `run ${report.run.id} begins`);
+    tell(report.run.end, report.run.state === 'done' ? 'good' : 'bad', `run ${report.run.id} is ${report.run.state}`);
+  }
+  for (const alarm of report.alarms) {
+    const name = `alarm ${alarm.kind} of ${alarm.subject}`;
+    tell(alarm.since, priorities[alarm.priority] ?? 'warn', `${name}: ${alarm.message}`);
+    tell(alarm.acknowledged, 'good', `${alarm.acknowledged_by} acknowledged ${name}`);
+    tell(alarm.over, 'good', `${name} is over`);
+  }
+  for (const event of report.events) if (event.what in told) tell(event.time, told[event.what], event.detail || event.what);
+  for (const closure of report.closures ?? [])
+    if (!['within', 'explained', 'play'].includes(closure.decision)) tell(closure.time, 'warn', `return to zero of line ${closure.line} ${closure.decision.replaceAll('_', ' ')}: ${closure.sentence}`);
+  const startMs = Date.parse(report.run.start ?? '');
+  if (Number.isFinite(startMs))
+    for (const attempt of report.attempts)
+      if (attempt.verdict === 'given_up') tell(new Date(startMs + 1000 * attempt.time_s).toISOString(), 'bad', `row ${attempt.row} given up: ${attempt.reason}`);
+  return lines.sort((a, b) => Date.parse(a.time) - Date.parse(b.time));
+}
