@@ -1,6 +1,6 @@
 //   driftwise-demo-report linear-axis|micro-nano fits|proof FOLDER
 //   driftwise-demo-report min-angle rectification|tables FOLDER
-//   driftwise-demo-report two-robots tables FOLDER
+//   driftwise-demo-report two-robots tables|contacts FOLDER
 //   driftwise-demo-report delta-cube-2 join|methods FOLDER
 //   driftwise-demo-report hidden FOLDER     exit code 1: something hidden was not named
 
@@ -20,6 +20,7 @@ int main(int argc, char** argv) try {
   if (robot == "min-angle" && what == "rectification")
     return print_min_angle_rectification(argv[3]), 0;
   if (robot == "min-angle" && what == "tables") return print_min_angle_tables(argv[3]), 0;
+  if (robot == "two-robots" && what == "contacts") return print_two_robots_contacts(argv[3]), 0;
   if (robot == "two-robots" && what == "tables") return print_two_robots_tables(argv[3]), 0;
   if (robot == "delta-cube-2" && what == "join") return print_delta_cube_join(argv[3]), 0;
   if (robot == "delta-cube-2" && what == "methods") return print_delta_cube_methods(argv[3]), 0;
@@ -27,7 +28,7 @@ int main(int argc, char** argv) try {
   std::fprintf(stderr,
                "usage: driftwise-demo-report linear-axis|micro-nano fits|proof FOLDER\n"
                "       driftwise-demo-report min-angle rectification|tables FOLDER\n"
-               "       driftwise-demo-report two-robots tables FOLDER\n"
+               "       driftwise-demo-report two-robots tables|contacts FOLDER\n"
                "       driftwise-demo-report delta-cube-2 join|methods FOLDER\n"
                "       driftwise-demo-report hidden FOLDER\n");
   return 2;

@@ -27,6 +27,8 @@ void print_min_angle_tables(const std::string& folder);
 // tool.csv, tool-model.json, tool-{rx,ry,rz}.json, wanted.csv, by_{plan,geometry}.csv,
 // by_plan.verify.json and truth.csv
 void print_two_robots_tables(const std::string& folder);
+// indentation.toml.state.json and truth.csv
+void print_two_robots_contacts(const std::string& folder);
 
 // join.json, joined.csv, configuration-{1,2,3}.csv and truth.csv; writes at_truth.csv: the joined
 // data with the true pose in its validation rows

@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
@@ -92,7 +94,70 @@ std::array<ErrorFigures, 3> places_in_truth(const std::string& folder, const std
   return {error_figures(errors[0]), error_figures(errors[1]), error_figures(errors[2])};
 }
 
+// Where the end-effector stood on the substrate and the tip in the room at each contact's largest
+// force, um, from truth.csv.
+struct ContactPlace {
+  double force_n = 0;
+  std::array<double, 2> on_substrate_um{}, tip_um{};
+};
+std::vector<ContactPlace> contacts_in_truth(const std::string& path) {
+  std::istringstream file(read_file(path));
+  std::map<std::string, std::size_t> columns;
+  std::vector<ContactPlace> all;
+  bool touching = false;
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with("#")) continue;
+    std::vector<std::string> cells;
+    std::istringstream fields(line);
+    for (std::string cell; std::getline(fields, cell, ',');) cells.push_back(cell);
+    if (columns.empty()) {
+      for (std::size_t i = 0; i < cells.size(); ++i) columns[cells[i]] = i;
+      continue;
+    }
+    const auto value = [&](const std::string& name) {
+      return std::stod(cells.at(columns.at(name)));
+    };
+    const double force_n = value("contact_N");
+    if (force_n > 0 && !touching) all.emplace_back();
+    touching = force_n > 0;
+    if (!touching || force_n < all.back().force_n) continue;
+    all.back() = {
+        force_n,
+        {1e-3 * (value("x_nm") - value("ma_x_nm")), 1e-3 * (value("y_nm") - value("ma_y_nm"))},
+        {1e-3 * value("tip_x_nm"), 1e-3 * value("tip_y_nm")}};
+  }
+  return all;
+}
+
 }  // namespace
+
+void print_two_robots_contacts(const std::string& folder) {
+  const auto record = read_json(folder + "/indentation.toml.state.json");
+  const auto contacts = contacts_in_truth(folder + "/truth.csv");
+  const auto place = [&](const json& touch) {
+    return contacts.at(touch.at("contact").get<std::size_t>() - 1);
+  };
+  const auto zero = place(record.at("zero").at("touch"));
+  double squares = 0, largest = 0;
+  int open = 0;
+  std::printf("true place less wanted, um: end-effector on the substrate, tip in the room\n");
+  for (const auto& indent : record.at("indents")) {
+    const std::size_t axis = indent.at("line") == "x" ? 0 : 1;
+    const double at_um = indent.at("at_um");
+    const auto here = place(indent.at("touch"));
+    const double error = here.on_substrate_um[axis] - zero.on_substrate_um[axis] - at_um;
+    const bool closed = indent.at("closed_loop");
+    std::printf("  %-6s%+9.3f%+9.3f%s\n", indent.at("id").get<std::string>().c_str(), error,
+                here.tip_um[axis] - zero.tip_um[axis] - at_um, closed ? "  closed loop" : "");
+    if (closed) continue;
+    squares += error * error;
+    largest = std::max(largest, std::abs(error));
+    ++open;
+  }
+  if (open > 0)
+    std::printf("open loop, end-effector on the substrate: rms %.3f um, at most %.3f um\n",
+                std::sqrt(squares / open), largest);
+}
 
 void print_two_robots_tables(const std::string& folder) {
   const TruthTable truth(folder + "/truth.csv");

@@ -205,6 +205,7 @@ tool lever             $(truth lever_mm | awk '{ printf "%.2f", $1 }') mm; state
 microscope scale       x +2 %, y +0.4 %
 table                  $(sed -n 's/.*"indistinguishable":\(\[[^]]*\]\).*/\1/p' indents.json): the set named
 TXT
+  report two-robots contacts "$out"
   say "done. Everything is in $out"
   cat <<TXT
   indents.csv           the table;   microscope.csv  as the simulated microscope gave it

@@ -159,6 +159,20 @@ TEST(FaultDesk, HangsWeightsAndBlindsAutocollimators) {
   EXPECT_EQ(plain.answer("fault jam", kStart), "ERR this cell cannot do that");
 }
 
+TEST(FaultDesk, PutsSpacersBetweenTwoRobots) {
+  Bench bench;
+  double height_mm = -1;
+  FaultHooks hooks;
+  hooks.spacers = [&](double mm, TimeNs) { return height_mm = mm, mm >= 0 && mm <= 100; };
+  FaultDesk desk(bench.bench, hooks);
+  EXPECT_EQ(desk.answer("spacers 14 mm", kStart), "OK");
+  EXPECT_EQ(height_mm, 14);
+  EXPECT_THAT(desk.answer("spacers 400 mm", kStart), HasSubstr("0 to 100 mm"));
+  EXPECT_THAT(desk.answer("spacers in", kStart), HasSubstr("expected spacers <h> mm"));
+  EXPECT_EQ(FaultDesk(bench.bench, {}).answer("spacers 1 mm", kStart),
+            "ERR this cell cannot do that");
+}
+
 struct Folder {
   Folder() {
     std::string name = (fs::temp_directory_path() / "driftwise-emulators-XXXXXX").string();
