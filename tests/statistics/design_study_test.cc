@@ -34,15 +34,16 @@ double u90_before_nm(const compensation::DesignStudy& study) {
   return std::sqrt(squares / static_cast<double>(study.outputs.size()));
 }
 
-double true_error_rms_nm(const Served& served) {
+// Errors of the targets against what was stated for them, at their own poses.
+double error_ratio(const Served& served) {
   double squares = 0, count = 0;
   for (const auto& outcome : served.outcomes)
-    if (outcome.inside_domain) squares += outcome.error_nm * outcome.error_nm, count += 1;
+    if (outcome.inside_domain) squares += std::pow(outcome.error_nm / outcome.u_nm, 2), count += 1;
   return std::sqrt(squares / count);
 }
 
 TEST(DesignStudy, ForesaysAnInterferometerOfFiveTimesTheInstability) {
-  double foreseen2 = 0, stated2 = 0, today2 = 0, error2 = 0;
+  double foreseen2 = 0, stated2 = 0, today2 = 0, ratio2 = 0;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     const auto today = micro_nano_case(seed);
     const auto model = serve_and_judge(today).model;
@@ -55,17 +56,19 @@ TEST(DesignStudy, ForesaysAnInterferometerOfFiveTimesTheInstability) {
       if (device.length()) device.become<LengthSettings>().u_length_nm = 23;
     const auto served = serve_and_judge(changed);
     stated2 += std::pow(u90_before_nm(studied(changed, served.model, {})), 2) / kSeeds;
-    error2 += std::pow(1.645 * true_error_rms_nm(served), 2) / kSeeds;
+    ratio2 += std::pow(error_ratio(served), 2) / kSeeds;
   }
   const double foreseen = std::sqrt(foreseen2), stated = std::sqrt(stated2),
-               today = std::sqrt(today2), error = std::sqrt(error2);
-  std::printf("U90, nm: today %.1f, foreseen %.1f, of the changed campaign %.1f, its errors %.1f\n",
-              today, foreseen, stated, error);
+               today = std::sqrt(today2), ratio = std::sqrt(ratio2);
+  std::printf(
+      "U90, nm: today %.1f, foreseen %.1f, of the changed campaign %.1f; its errors / u %.2f\n",
+      today, foreseen, stated, ratio);
   EXPECT_GT(foreseen, 1.1 * today);
   EXPECT_NEAR(foreseen / stated, 1, 0.15);
-  // Four campaigns know their common errors badly: the lever arms are drawn once in each.
-  EXPECT_GT(error / foreseen, 0.5);
-  EXPECT_LT(error / foreseen, 1.6);
+  // What is stated there holds at the plant's truth. Four campaigns know their common errors badly:
+  // the lever arms and the zero are drawn once in each.
+  EXPECT_GT(ratio, 0.4);
+  EXPECT_LT(ratio, 1.6);
 }
 
 TEST(DesignStudy, ForesaysARoomWithoutAGradientForAModelWithoutTemperatures) {
@@ -98,8 +101,9 @@ TEST(DesignStudy, ForesaysARoomWithoutAGradientForAModelWithoutTemperatures) {
       "%.1f, fitted %.1f\n",
       std::sqrt(warm2), std::sqrt(warm_left2), std::sqrt(foreseen2), std::sqrt(left2));
   EXPECT_GT(warm2, 2 * foreseen2);
-  // The fit without temperatures takes a part of them into its other terms.
-  EXPECT_NEAR(std::sqrt(warm_left2 / warm2), 1, 0.5);
+  // Within a campaign the other terms take up a part (force changes with the hour): never more.
+  EXPECT_LT(warm_left2, warm2);
+  EXPECT_GT(warm_left2, 4 * left2);
   EXPECT_LT(std::sqrt(left2), 1.5 * std::sqrt(foreseen2));
 }
 
@@ -129,7 +133,7 @@ TEST(DesignStudy, SaysWhatCannotBeAnsweredAndWhatCanBeChanged) {
       EXPECT_NEAR(line.u_after_nm,
                   line.u_before_nm *
                       (line.source == compensation::UncertaintySource::beam_offset ? 0.5 : 1.0),
-                  1e-9);
+                  1e-5);
 }
 
 }  // namespace

@@ -69,6 +69,7 @@ const WantedAccuracy* wanted_of(std::span<const WantedAccuracy> wanted, std::str
     if (one.unit != unit) continue;
     if (one.coordinate == symbol) return &one;
     if (one.coordinate.empty()) of_unit = &one;
+    if (robot_of(one.coordinate) != robot_of(symbol)) continue;
     if (smallest == nullptr || one.a90 < smallest->a90) smallest = &one;
   }
   if (of_unit != nullptr || !is_motor_symbol(without_robot(symbol))) return of_unit;

@@ -30,8 +30,8 @@ Result<WantedAccuracy> wanted_accuracy_from(const MetadataItem& item);
 void add_wanted(std::vector<WantedAccuracy>& wanted, WantedAccuracy one);
 
 // For a pose coordinate its own figure, else that of its unit. For a motor coordinate that of its
-// unit, else the smallest of any coordinate in it: which one it carries is not asked. nullptr:
-// none.
+// unit, else the smallest of any coordinate of its robot in it: which one it carries is not asked.
+// nullptr: none.
 const WantedAccuracy* wanted_of(std::span<const WantedAccuracy> wanted, std::string_view symbol,
                                 std::string_view unit);
 

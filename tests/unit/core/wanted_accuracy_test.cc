@@ -53,6 +53,8 @@ TEST(WantedAccuracy, OfAMotorIsTheStrictestOfTheCoordinatesThatItMayCarry) {
   const std::vector<WantedAccuracy> wanted{{"x", "nm", 100}, {"z", "nm", 300}};
   EXPECT_EQ(wanted_of(wanted, "q1", "nm")->a90, 100);
   EXPECT_EQ(wanted_of(wanted, "y", "nm"), nullptr);
+  const std::vector<WantedAccuracy> two{{"mn.x", "nm", 100}, {"ma.z", "nm", 500}};
+  EXPECT_EQ(wanted_of(two, "ma.q1", "nm")->a90, 500);
 }
 
 TEST(WantedAccuracy, OfTwoRunsIsTheSmaller) {
