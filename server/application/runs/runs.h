@@ -41,8 +41,8 @@ class Runs {
   // NEEDS_COMPENSATION; failed_precondition NO_MODEL, with several robots NO_PLAN, and what
   // check_joint_rows refuses; aborted STOPPED_MEANWHILE.
   virtual Awaitable<Result<RunRecord>> create(Caller caller, CreateRun request) = 0;
-  // What create would refuse of the request itself, without a lease and without a run. Errors: those
-  // of create, but for the right to move.
+  // What create would refuse of the request itself, without a lease and without a run. Errors:
+  // those of create, but for the right to move.
   virtual Awaitable<Result<void>> check(CreateRun request) = 0;
   virtual Awaitable<Result<RunRecord>> pause(Caller caller, RunId run) = 0;
   // Errors: those of check_answer (run_hold.h); failed_precondition MOVING.

@@ -19,8 +19,8 @@
 #include "server/core/records/records.h"
 #include "server/core/records/watch_records.h"
 #include "server/core/result.h"
-#include "server/diagnosis/finding.h"
-#include "server/diagnosis/verification.h"
+#include "server/diagnosis/answer/finding.h"
+#include "server/diagnosis/check/verification.h"
 
 namespace driftwise::formats {
 
