@@ -10,7 +10,7 @@ namespace driftwise {
 namespace {
 
 constexpr auto kLookEvery = std::chrono::seconds(5);
-constexpr Nanoseconds kEvery = std::chrono::hours(1);
+constexpr Nanoseconds kEvery = std::chrono::minutes(10);
 
 void keep_heap(const std::stop_token& ending, const std::function<CellTime()>& now) {
   std::mutex mutex;

@@ -9,7 +9,7 @@
 
 namespace driftwise {
 
-// Every hour of cell time, on a thread of its own, until it is destroyed.
+// Every ten minutes of cell time, on a thread of its own, until it is destroyed.
 class HeapUpkeep {
  public:
   // now: any thread; outlives this.

@@ -68,6 +68,12 @@ struct Stated {
 
 Restlessness development_population() { return {"development", 20, 45, 0.5, 4, 60, 0.4, 12, 20}; }
 
+std::vector<Restlessness> development_populations() {
+  return {development_population(),
+          {"development, rare waits", 2, 40, 0.4, 2, 180, 0.3, 12, 32},
+          {"development, very quiet", 1, 30, 0.3, 0.8, 400, 0.2, 10, 30}};
+}
+
 std::vector<Restlessness> counted_populations() {
   return {{"bunches of rereads, short waits", 15, 80, 0.4, 8, 30, 0.3, 10, 24},
           {"quiet, rare long waits", 3, 30, 0.3, 1.5, 240, 0.2, 16, 30},

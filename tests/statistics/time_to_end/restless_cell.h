@@ -18,6 +18,7 @@ struct Restlessness {
 };
 // Populations that the estimator was developed on, and others that it is counted on.
 Restlessness development_population();
+std::vector<Restlessness> development_populations();  // that one first
 std::vector<Restlessness> counted_populations();
 
 struct BandCount {

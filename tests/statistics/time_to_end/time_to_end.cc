@@ -18,11 +18,10 @@ int main(int argc, char** argv) {
   app.add_option("--runs", runs, "of each cell that count");
   app.add_option("--before", before, "runs of each cell before them");
   app.add_option("--seed", seed);
-  app.add_flag("--development", development, "the population the estimator was developed on");
+  app.add_flag("--development", development, "the populations the estimator was developed on");
   CLI11_PARSE(app, argc, argv);
   spdlog::set_level(spdlog::level::off);
-  const auto populations =
-      development ? std::vector{development_population()} : counted_populations();
+  const auto populations = development ? development_populations() : counted_populations();
   fmt::print(
       "| population | runs of history | asked at | runs | inside | ended early | ended late "
       "| band, of what was ahead |\n|---|---|---|---|---|---|---|---|\n");
