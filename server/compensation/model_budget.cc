@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/compensation/snapshot_builder.h"
+#include "server/core/try.h"
 
 namespace driftwise::compensation {
 namespace {
@@ -14,14 +15,13 @@ constexpr CellTime kAnyInstant{1'000'000'000'000'000'000};
 }  // namespace
 
 Result<Snapshot> model_snapshot(const calibration::Model& model, const CellDescription& cell) {
-  auto builder = SnapshotBuilder::create(model, ModelId{0}, cell);
-  if (!builder) return tl::unexpected(builder.error());
-  builder->keep_model_datum();
+  DRIFTWISE_TRY(auto builder, SnapshotBuilder::create(model, ModelId{0}, cell));
+  builder.keep_model_datum();
   for (const auto& range : model.domain) {
     const ChannelValue middle{range.channel.name(), 0.5 * (range.min + range.max)};
-    builder->observe(std::span(&middle, 1), kAnyInstant);
+    builder.observe(std::span(&middle, 1), kAnyInstant);
   }
-  return builder->build(kAnyInstant);
+  return builder.build(kAnyInstant);
 }
 
 std::vector<BudgetPlace> budget_places(const Snapshot& snapshot) {

@@ -41,8 +41,7 @@ Result<RunMetadata> checked_metadata(RunMetadata items) {
   for (const auto& item : items) {
     DRIFTWISE_RETURN_IF_ERROR(check_item(item));
     if (!states_wanted_accuracy(item.key)) continue;
-    if (const auto wanted = wanted_accuracy_from(item); !wanted)
-      return tl::unexpected(wanted.error());
+    DRIFTWISE_RETURN_IF_ERROR(wanted_accuracy_from(item));
   }
   std::ranges::sort(items, {}, &MetadataItem::key);
   const auto twice = std::ranges::adjacent_find(items, {}, &MetadataItem::key);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "server/core/try.h"
 #include "server/formats/csv/csv_text.h"
 #include "server/formats/text/text.h"
 
@@ -17,13 +18,12 @@ struct SetWords {
 bool is_set_blank(char c) { return c == ' ' || c == '\t'; }
 
 Result<SetWords> words_of(std::string_view text, const std::string& file_name) {
-  auto header = read_csv_header(text, file_name);
-  if (!header) return tl::unexpected(header.error());
+  DRIFTWISE_TRY(const auto header, read_csv_header(text, file_name));
   SetWords out;
-  const auto column = std::ranges::find(header->names, "set");
-  if (column == header->names.end()) return out;
-  const auto index = column - header->names.begin();
-  std::string_view rest = header->rows;
+  const auto column = std::ranges::find(header.names, "set");
+  if (column == header.names.end()) return out;
+  const auto index = column - header.names.begin();
+  std::string_view rest = header.rows;
   while (!rest.empty()) {
     const std::size_t end = std::min(rest.find('\n'), rest.size());
     std::string_view line = rest.substr(0, end);
@@ -59,10 +59,9 @@ bool is_set_name(std::string_view word) {
 
 Result<std::vector<std::string>> read_set_names(std::string_view text,
                                                 const std::string& file_name) {
-  auto found = words_of(text, file_name);
-  if (!found) return tl::unexpected(found.error());
+  DRIFTWISE_TRY(const auto found, words_of(text, file_name));
   std::vector<std::string> names;
-  for (const auto word : found->words) {
+  for (const auto word : found.words) {
     if (!is_set_name(word))
       return fail(ErrorCode::invalid_argument, reasons::kBadSet,
                   file_name + ": column set: found '" + std::string(word.substr(0, 40)) +

@@ -56,15 +56,18 @@ class StudyService final : public v1::StudyService::CallbackService {
       // Of a file nobody kept the rows; a run's can be gone.
       auto reading = cell_.models.residuals(*id, {}, "");
       const auto rows = co_await std::move(reading);
-      auto working = application::run_on(
-          cell_.host.background(),
-          [](const calibration::Model& of, const CellDescription& cell,
-             const std::vector<std::string>& changes,
-             const Dataset* data) { return compensation::study_design(of, cell, changes, data); },
-          model, ground.measured_under ? *ground.measured_under : cell_.overview.description(),
-          std::vector<std::string>(request->changes().begin(), request->changes().end()),
-          rows ? &rows->data : nullptr);
-      DRIFTWISE_CO_TRY(const auto study, co_await std::move(working));
+      const auto& cell =
+          ground.measured_under ? *ground.measured_under : cell_.overview.description();
+      const std::vector<std::string> changes(request->changes().begin(), request->changes().end());
+      const Dataset* data = rows ? &rows->data : nullptr;
+      DRIFTWISE_CO_TRY(const auto study,
+                       co_await application::run_on(
+                           cell_.host.background(),
+                           [](const calibration::Model& of, const CellDescription& measured_under,
+                              const std::vector<std::string>& changed, const Dataset* known) {
+                             return compensation::study_design(of, measured_under, changed, known);
+                           },
+                           model, cell, changes, data));
       response->set_model_id(id->value);
       put(study, *response);
       co_return Result<void>{};
