@@ -30,6 +30,9 @@ struct CreateRun {
   // Why the robot is about to move without a person having asked for it now: told for a minute
   // before the first motion. Empty: a person has.
   std::string announce = {};
+  // Nothing is created and no right to move is needed: the answer is the record as it would be,
+  // without an id (0).
+  bool validate_only = false;
 };
 
 class Runs {
@@ -41,9 +44,6 @@ class Runs {
   // NEEDS_COMPENSATION; failed_precondition NO_MODEL, with several robots NO_PLAN, and what
   // check_joint_rows refuses; aborted STOPPED_MEANWHILE.
   virtual Awaitable<Result<RunRecord>> create(Caller caller, CreateRun request) = 0;
-  // What create would refuse of the request itself, without a lease and without a run. Errors:
-  // those of create, but for the right to move.
-  virtual Awaitable<Result<void>> check(CreateRun request) = 0;
   virtual Awaitable<Result<RunRecord>> pause(Caller caller, RunId run) = 0;
   // Errors: those of check_answer (run_hold.h); failed_precondition MOVING.
   virtual Awaitable<Result<RunRecord>> resume(Caller caller, RunId run, HoldAnswer answer) = 0;

@@ -66,10 +66,11 @@ Awaitable<Result<RunRecord>> RunsService::create(Caller caller, CreateRun reques
   if (const auto* run = engine_.record();
       run && !request.request_id.empty() && run->request_id == request.request_id)
     co_return *run;
-  DRIFTWISE_CO_RETURN_IF_ERROR(right_.check(request.lease_token));
+  if (!request.validate_only) DRIFTWISE_CO_RETURN_IF_ERROR(right_.check(request.lease_token));
   DRIFTWISE_CO_TRY(request.metadata, checked_metadata(std::move(request.metadata)));
   const auto stops = stop_events_.presses();
   DRIFTWISE_CO_TRY(auto prepared, co_await prepare(request));
+  if (request.validate_only) co_return co_await would_be(request, prepared);
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await follow_for(prepared.plan));
   if (stop_events_.presses() != stops)
     co_return fail(ErrorCode::aborted, reasons::kStoppedMeanwhile,
@@ -78,14 +79,17 @@ Awaitable<Result<RunRecord>> RunsService::create(Caller caller, CreateRun reques
                                std::move(prepared.trajectory));
 }
 
-Awaitable<Result<void>> RunsService::check(CreateRun request) {
-  DRIFTWISE_CO_TRY(request.metadata, checked_metadata(std::move(request.metadata)));
-  DRIFTWISE_CO_TRY(const auto prepared, co_await prepare(request));
+Awaitable<Result<RunRecord>> RunsService::would_be(const CreateRun& request,
+                                                   const Prepared& prepared) {
   if (prepared.plan.compensate_with) {
     auto looking = models_.get(*prepared.plan.compensate_with);
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await std::move(looking));
   }
-  co_return Result<void>{};
+  RunRecord record;
+  record.name = request.name.empty() ? request.trajectory_name : request.name;
+  record.trajectory_name = request.trajectory_name;
+  record.rows = static_cast<std::int64_t>(prepared.trajectory.points.size());
+  co_return record;
 }
 
 Awaitable<Result<RunsService::Prepared>> RunsService::prepare(const CreateRun& request) {

@@ -30,7 +30,6 @@ class RunsService final : public Runs {
               asio::any_io_executor background);
 
   Awaitable<Result<RunRecord>> create(Caller caller, CreateRun request) override;
-  Awaitable<Result<void>> check(CreateRun request) override;
   Awaitable<Result<RunRecord>> pause(Caller caller, RunId run) override;
   Awaitable<Result<RunRecord>> resume(Caller caller, RunId run, HoldAnswer answer) override;
   Awaitable<Result<RunRecord>> abort(Caller caller, RunId run, std::string why) override;
@@ -50,6 +49,7 @@ class RunsService final : public Runs {
     Trajectory trajectory;
   };
   Awaitable<Result<Prepared>> prepare(const CreateRun& request);
+  Awaitable<Result<RunRecord>> would_be(const CreateRun& request, const Prepared& prepared);
   Awaitable<Result<RunBefore>> what_was_before(const RunRecord& run);
   Awaitable<Result<void>> follow_for(const RunPlan& plan);
   // What the targets of a compensated run's rows come from, as it is now.

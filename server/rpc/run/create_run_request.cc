@@ -30,6 +30,7 @@ Result<application::CreateRun> create_run_from(const v1::CreateRunRequest& reque
   asked.lease_token = request.lease_token();
   asked.setup = request.setup();
   asked.compensate = request.compensate();
+  asked.validate_only = request.validate_only();
   DRIFTWISE_TRY(asked.metadata, metadata_from(request.metadata()));
   if (request.has_rules()) {
     DRIFTWISE_TRY(auto rules, rules_from(request.rules(), cell_rules));

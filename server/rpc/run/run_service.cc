@@ -147,10 +147,9 @@ class RunService final : public v1::RunService::CallbackService {
                      v1::CreateRunResponse* response) override {
     return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
       DRIFTWISE_CO_TRY(auto asked, create_run_from(*request, overview_.description().run));
-      if (request->validate_only()) co_return co_await runs_.check(std::move(asked));
       DRIFTWISE_CO_TRY(const auto run,
                        co_await runs_.create(caller_of(*context), std::move(asked)));
-      *response->mutable_run() = run_from(run);
+      if (!request->validate_only()) *response->mutable_run() = run_from(run);
       co_return Result<void>{};
     });
   }

@@ -61,7 +61,9 @@ class CompensatedRobots : public testing::Test {
   }
   // A check alone refuses the same.
   std::string refusal_of(application::CreateRun request) {
-    const auto checked = cell->await((*cell)->runs.check(request));
+    auto trial = request;
+    trial.validate_only = true;
+    const auto checked = cell->try_run(std::move(trial));
     const auto run = cell->try_run(std::move(request));
     EXPECT_FALSE(run);
     EXPECT_EQ(ma.moves + mn.moves, 0) << "refused before motion";
@@ -137,7 +139,11 @@ TEST_F(CompensatedRobots, NeedAPlan) {
 TEST_F(CompensatedRobots, AreRefusedBeforeMotionWithTheRowThatCannotBe) {
   a_promoted_plan();
   auto request = asked(rows);
-  EXPECT_TRUE(cell->await((*cell)->runs.check(request)));
+  request.validate_only = true;
+  const auto would_be = cell->try_run(request);
+  ASSERT_TRUE(would_be) << would_be.error().message;
+  EXPECT_EQ(would_be->rows, 5);
+  request.validate_only = false;
   EXPECT_EQ(ma.moves + mn.moves, 0) << "a check moves nothing";
   request.compensate = false;
   EXPECT_THAT(refusal_of(request), AllOf(HasSubstr("NEEDS_COMPENSATION"), HasSubstr("mn.x_mm")));
