@@ -1,12 +1,12 @@
 // The data of a report against what a page would read of them: docs/web-report.md.
 
+#include "server/formats/report/run_report.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstring>
-
-#include "server/formats/report/run_report.h"
 
 namespace driftwise::tests {
 namespace {
