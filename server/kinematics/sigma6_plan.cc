@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "server/core/reasons.h"
+#include "server/core/text/quantity_text.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
 
@@ -79,8 +80,8 @@ Result<FacetReading> facet_for(const MirrorPrism& prism, double angle_arcsec) {
                                : prism.facets_arcsec[best.facet] +
                                      std::copysign(prism.range_arcsec, best.reading_arcsec);
     return fail(ErrorCode::out_of_range, reasons::kNoPose,
-                "no facet of the prism reads a rotation of " + std::to_string(angle_arcsec) +
-                    " arcsec; the nearest that is read is " + std::to_string(nearest));
+                "no facet of the prism reads a rotation of " + digits_text(angle_arcsec) +
+                    " arcsec; the nearest that is read is " + digits_text(nearest));
   }
   return best;
 }

@@ -57,6 +57,7 @@ class FakeRuns final : public app::Runs {
   }
   Awaitable<Result<RunRecord>> create(app::Caller caller, app::CreateRun request) override {
     last_create = request;
+    if (request.validate_only) co_return RunRecord{};
     auto& run = add(std::ssize(runs) + 1);
     run.name = request.name;
     run.trajectory_name = request.trajectory_name;

@@ -88,7 +88,11 @@ std::string in_words(const json& script, const std::string& rows) {
 
 class OneAccuracy : public testing::Test {
  protected:
+  // The page of this cell is its folder: a report's template that holds the data alone.
   OneAccuracy() {
+    cell.write("index.html", "<html></html>");
+    cell.write("report.html", "<script type=\"application/json\" id=\"report-data\">null</script>");
+    cell.edit_cell_file("[clock]", "[web]\nroot = \"" + cell.folder() + "\"\n\n[clock]");
     cell.start_daemon();
     csv = cell.write("two_axes.csv", two_axes());
     cell.say({"data", "import", csv});
@@ -187,10 +191,8 @@ TEST_F(OneAccuracy, OfAVerifiedRunIsTheSameEverywhere) {
   EXPECT_THAT(cell.say({"run", "show", "1"}), HasSubstr("uncompensated"));
 
   // The report: the figure stands in the page's data.
-  const auto empty = cell.write(
-      "template.html", "<script type=\"application/json\" id=\"report-data\">null</script>");
-  const auto report = cell.folder() + "/report.html";
-  cell.say({"report", "run", "1", "-o", report, "--template", empty});
+  const auto report = cell.folder() + "/run-1.html";
+  cell.say({"report", "run", "1", "-o", report});
   std::ifstream file(report);
   std::stringstream text;
   text << file.rdbuf();

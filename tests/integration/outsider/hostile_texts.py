@@ -91,7 +91,7 @@ def main():
         check(writers <= {"plot.tsx"}, "one part of the page writes markup: " + ", ".join(writers))
         if os.path.exists(os.path.join(SOURCE, "clients/web/dist/report.html")):
             template = os.path.join(SOURCE, "clients/web/dist/report.html")
-            give("report", "run", number, "-o", cell.path("report.html"), "--template", template)
+            give("report", "run", number, "-o", cell.path("report.html"))
             report = open(cell.path("report.html"), encoding="utf-8").read()
             inert(report, "the report")
             before = open(template, encoding="utf-8").read()

@@ -27,6 +27,8 @@ TEST_F(RunCommandsTest, ADryRunStartsNothing) {
   EXPECT_EQ(outcome.exit, 0);
   EXPECT_THAT(outcome.out, HasSubstr("3 points ("));
   EXPECT_TRUE(cell.on_executor([&] { return runs.runs.empty(); }));
+  EXPECT_TRUE(cell.on_executor([&] { return runs.last_create.validate_only; }))
+      << "the daemon says what the start would be refused for";
 }
 
 TEST_F(RunCommandsTest, PassesOnWhatTheRunIsToBe) {
