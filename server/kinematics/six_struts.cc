@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "server/core/reasons.h"
+#include "server/core/text/quantity_text.h"
 #include "server/core/try.h"
 
 namespace driftwise::kinematics {
@@ -61,7 +62,7 @@ Result<std::array<double, kStruts>> SixStruts::motors(const SixPose& pose) const
       return fail(ErrorCode::out_of_range, reasons::kNoPose,
                   "strut " + std::to_string(i + 1) + " of " + std::to_string(strut.length_mm) +
                       " mm does not reach the platform, which is " +
-                      std::to_string(std::sqrt(across2)) + " mm from its carriage's line");
+                      digits_text(std::sqrt(across2), 6) + " mm from its carriage's line");
     q[i] = along - std::sqrt(under);
   }
   return q;
