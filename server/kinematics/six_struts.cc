@@ -60,7 +60,7 @@ Result<std::array<double, kStruts>> SixStruts::motors(const SixPose& pose) const
     const double under = strut.length_mm * strut.length_mm - across2;
     if (!(under >= 0))
       return fail(ErrorCode::out_of_range, reasons::kNoPose,
-                  "strut " + std::to_string(i + 1) + " of " + std::to_string(strut.length_mm) +
+                  "strut " + std::to_string(i + 1) + " of " + digits_text(strut.length_mm, 6) +
                       " mm does not reach the platform, which is " +
                       digits_text(std::sqrt(across2), 6) + " mm from its carriage's line");
     q[i] = along - std::sqrt(under);
