@@ -119,22 +119,15 @@ Result<WireCell::Answer> WireCell::retract_below(double rx_arcsec, double ry_arc
   return Answer{motors_.by()};
 }
 
-// Where these axes are read to be.
+// Where these axes are read to be; at once after an interrupt, else by the next reading: during a
+// run in a set-up of the other robot nobody reads them.
 Result<Motors> WireCell::present(const Motors& of) {
+  std::vector<std::string> channels;
+  for (const auto& [channel, wanted_mm] : of) channels.push_back(channel);
+  DRIFTWISE_TRY(const auto values, collect(channels, 1));
   Motors present_mm;
-  try {
-    const auto status = connection_.ask(&v1::CellService::Stub::GetStatus, v1::GetStatusRequest{});
-    for (const auto& [channel, wanted_mm] : of) {
-      const auto found = std::ranges::find(status.values(), channel, &v1::LatestValue::channel);
-      if (found == status.values().end() || !found->has_value() || found->stale())
-        return fail(ErrorCode::failed_precondition, reasons::kChannelMissing,
-                    "axis " + channel +
-                        " has no fresh position: is its controller connected, and is it homed?");
-      present_mm[channel] = found->value();
-    }
-  } catch (const Failure& failure) {
-    return tl::unexpected(error_of(failure));
-  }
+  for (std::size_t i = 0; i < channels.size(); ++i)
+    present_mm[channels[i]] = values(0, static_cast<Eigen::Index>(i));
   return present_mm;
 }
 
@@ -159,7 +152,7 @@ Result<Eigen::MatrixXd> WireCell::collect(const std::vector<std::string>& channe
         return fail(ErrorCode::unavailable, reasons::kLinkLost,
                     "no more readings: " + lost_ +
                         ". The robots hold where they are; start again with the same file");
-      if (!there)
+      if (!there || channel.count == 0)
         return fail(ErrorCode::failed_precondition, reasons::kNoChannel,
                     "no reading of " + channels[i] + " within " +
                         std::to_string(kReadingLimit.count()) +
