@@ -32,6 +32,13 @@ promoted() {
   driftwise model promote "$(model "$1")" --yes
 }
 
+# by_row COLUMN FILE: "line and commanded coordinates,value" of every point, sorted: a row that was visited again stands elsewhere in the file
+by_row() {
+  grep -v '^#' "$2" | awk -F, -v wanted="$1" '
+    NR == 1 { for (i = 1; i <= NF; ++i) { if ($i == wanted) value = i; if ($i == "line" || $i ~ /_cmd_mm$/) key[i] } next }
+    { row = ""; for (i = 1; i <= NF; ++i) if (i in key) row = row $i ";"; print row "," $value }' | LC_ALL=C sort
+}
+
 # rectification TRAJECTORY: what the probe reads against the interferometer, on the path that both measured: z = k z_probe + c.
 # prefix: of a robot among several ("ma.").
 rectification() {
@@ -40,9 +47,9 @@ rectification() {
   measured touch "$1" probe
   {
     echo 'z_mm,touch_mm'
-    paste -d, <(column $z "$out/height.csv") <(column $z "$out/touch.csv")
+    LC_ALL=C join -t, <(by_row $z "$out/height.csv") <(by_row $z "$out/touch.csv") | cut -d, -f2,3
   } >"$out/rectification.csv"
-  [ "$(column $z "$out/height.csv" | wc -l)" = "$(column $z "$out/touch.csv" | wc -l)" ] || die "a point of the vertical path is missing"
+  [ "$(column $z "$out/height.csv" | wc -l)" = "$(tail -n +2 "$out/rectification.csv" | wc -l)" ] || die "a point of the vertical path is missing"
   driftwise fit "$out/rectification.csv" --model 'z ~ touch' --select all --json >"$out/rectification.json"
   report min-angle rectification "$out"
 }
