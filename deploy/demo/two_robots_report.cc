@@ -94,8 +94,8 @@ std::array<ErrorFigures, 3> places_in_truth(const std::string& folder, const std
   return {error_figures(errors[0]), error_figures(errors[1]), error_figures(errors[2])};
 }
 
-// Where the end-effector stood on the substrate and the tip in the room at each contact's largest
-// force, um, from truth.csv.
+// Places of each contact at its largest force, um, from truth.csv: of the end-effector on the
+// substrate and of the tip in the room.
 struct ContactPlace {
   double force_n = 0;
   std::array<double, 2> on_substrate_um{}, tip_um{};

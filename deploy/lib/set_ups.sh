@@ -26,6 +26,25 @@ in_two_passes() {
 # fitted NAME RUN FORMULA: a model of a run
 fitted() { driftwise fit --run "$2" --json --model "$3" --name "$1" >"$out/$1.json"; }
 
+# soft_switch_bands: of a plan's [[blend]]: model 2 within 300 arcsec and 2.9 mm, model 1 from 350 arcsec and 3 mm
+soft_switch_bands() {
+  cat <<BANDS
+fine = $(model model2)
+coarse = $(model model1)
+anchored = true
+[[blend.band]]
+coordinates = ["rx_arcsec", "ry_arcsec"]
+from = 300
+to = 350
+fade_to = 1500
+[[blend.band]]
+coordinates = ["z_mm"]
+from = 2.9
+to = 3.0
+fade_to = 3.6
+BANDS
+}
+
 # promoted NAME RUN FORMULA: ... in service
 promoted() {
   fitted "$@"

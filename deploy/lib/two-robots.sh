@@ -100,19 +100,7 @@ id = "ma"
 
 [[blend]]
 robot = "ma"
-fine = $(model model2)
-coarse = $(model model1)
-anchored = true
-[[blend.band]]
-coordinates = ["rx_arcsec", "ry_arcsec"]
-from = 300
-to = 350
-fade_to = 1500
-[[blend.band]]
-coordinates = ["z_mm"]
-from = 2.9
-to = 3.0
-fade_to = 3.6
+$(soft_switch_bands)
 
 [[parasitic]]
 model = $(model sideways-x)

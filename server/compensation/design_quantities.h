@@ -1,5 +1,5 @@
 #pragma once
-// What of a cell's design can be changed by name in a design study, with its present value. Pure.
+// Quantities of a cell's design that a study changes by name, with their present values. Pure.
 
 #include <functional>
 #include <string>

@@ -71,7 +71,7 @@ Dataset with_expansion(const Dataset& rows, const std::map<std::string, double>&
   return out;
 }
 
-// What the terms of temperature take away over the rows, nm: rms about its mean.
+// Size of the temperature terms over the rows, nm: rms about their mean.
 Result<double> thermal_rms_nm(const calibration::OutputModel& output, const Dataset& rows,
                               const std::map<std::string, double>& factors) {
   std::map<std::string, double> none = factors;
@@ -170,7 +170,7 @@ Result<void> add_uncompensated(const calibration::Model& model, const Dataset* r
   return {};
 }
 
-// What of the question the budget has no answer to.
+// Parts of the question that the budget does not answer.
 void add_not_answered(const calibration::Model& model, const CellDescription& cell,
                       const std::vector<Asked>& asked, DesignStudy& study) {
   const auto any = [&](auto is) { return std::ranges::any_of(asked, is); };

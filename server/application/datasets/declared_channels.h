@@ -1,5 +1,5 @@
 #pragma once
-// What a run of this cell will have measured, before it is measured: to judge a formula by. Pure.
+// Channels that a run of this cell will have, before it is measured: to judge a formula by. Pure.
 
 #include <string>
 

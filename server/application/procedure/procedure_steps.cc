@@ -147,7 +147,7 @@ bool is_within_budget(const ProcedureFacts& facts, double combined_u_nm) {
   });
 }
 
-// Where to return to, and why.
+// The step to return to, and why.
 void go_back(const ProcedureFacts& facts, ProcedureStep& step) {
   const auto& model = facts.model;
   std::string line;

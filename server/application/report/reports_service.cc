@@ -75,7 +75,7 @@ Result<std::vector<EventRecord>> events_of(Store& store, const RunReport& report
   return events;
 }
 
-// What the store alone can say; now: ends the story of a run that is under way.
+// The part of a story that the store alone can say. now: its end, for a run that is under way.
 Result<void> read_story(Store& store, std::shared_ptr<RunReport>& to, CellTime now) {
   auto& report = *to;
   const RunId id = report.run.id;

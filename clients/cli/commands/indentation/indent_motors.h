@@ -26,7 +26,7 @@ class IndentMotors {
   // Of this robot of the file. Errors: those of ComputeJointTarget; invalid_argument OUTSIDE_DOMAIN
   // (the arms of the robot above do not reach the place).
   Result<Motors> of(const std::string& robot, const IndentPose& pose);
-  // What answered last: "plan 1: ma=coarse:10", "geometry, raw motor coordinates: ...".
+  // The last answer's source: "plan 1, mn=5, ma=coarse:2", "geometry, raw motor coordinates: ...".
   const std::string& by() const { return by_; }
 
  private:

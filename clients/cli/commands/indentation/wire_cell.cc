@@ -119,8 +119,8 @@ Result<WireCell::Answer> WireCell::retract_below(double rx_arcsec, double ry_arc
   return Answer{motors_.by()};
 }
 
-// Where these axes are read to be; at once after an interrupt, else by the next reading: during a
-// run in a set-up of the other robot nobody reads them.
+// Positions of these axes by read-back: at once after an interrupt, else by the next reading.
+// During a run in a set-up of the other robot nobody reads them.
 Result<Motors> WireCell::present(const Motors& of) {
   std::vector<std::string> channels;
   for (const auto& [channel, wanted_mm] : of) channels.push_back(channel);

@@ -54,7 +54,7 @@ export function lazily<T extends DescService>(service: T) {
   };
 }
 
-// What the page itself asks: api.run().listRuns({ limit: 50 }) and so on; the promise rejects with an error that errors.ts turns
+// Calls of the page: api.run().listRuns({ limit: 50 }) and so on; the promise rejects with an error that errors.ts turns
 // into words. Services of single views have files of their own beside this one (modelApi), so that the first load does not hold them.
 export const api = {
   cell: lazily(CellService),

@@ -1,4 +1,4 @@
-// What happened, in order of time: from the queue, the alarms and the record of a report.
+// The events of a report in order of time: from the queue, the alarms and the record of a report.
 import { count } from '@/format/numbers';
 import type { VerdictKind } from '@/ui/verdict';
 import type { Report } from './data';

@@ -28,7 +28,7 @@ export function sampleReport(count = 60) {
   };
 }
 
-// What a run of the queue has beside.
+// Parts of a report that only a run of the queue has.
 export function sampleStory() {
   const at = (clock: string) => `2026-11-20T${clock}:00Z`;
   return {
