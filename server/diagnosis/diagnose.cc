@@ -15,10 +15,12 @@
 #include "server/diagnosis/growth/held_out_mean.h"
 #include "server/diagnosis/growth/left_over.h"
 #include "server/diagnosis/growth/omnibus.h"
+#include "server/diagnosis/noise/two_sides.h"
 #include "server/diagnosis/report/heading.h"
 #include "server/diagnosis/report/report.h"
 #include "server/diagnosis/report/sentence.h"
 #include "server/diagnosis/rows/catalogue_units.h"
+#include "server/diagnosis/rows/held_out_gain.h"
 #include "server/diagnosis/rows/screen.h"
 #include "server/diagnosis/rows/spread_over_places.h"
 #include "server/diagnosis/search/column_bank.h"
@@ -82,14 +84,19 @@ class Diagnoser {
     auto catalogue = catalogue_for(conditions, problem_.base, excluded);
     result_.not_testable = std::move(catalogue.not_testable);
     causes_ = std::move(catalogue.causes);
-    if (!progress_.at(0.04, "working out what each cause would do")) return cancelled();
-    const Physics physics(problem_, options_.levers);
-    DRIFTWISE_TRY(auto bank,
-                  column_bank(problem_, physics, causes_, [this] { return progress_.tick(); }));
-    series_.resize(problem_.timeline.rows(), static_cast<Eigen::Index>(problem_.outputs.size()));
-    for (std::size_t o = 0; o < problem_.outputs.size(); ++o)
-      series_.col(static_cast<Eigen::Index>(o)) = problem_.learned(problem_.outputs[o].measured);
-    DRIFTWISE_RETURN_IF_ERROR(search(physics, std::move(bank)));
+    while (true) {
+      if (!progress_.at(0.04, "working out what each cause would do")) return cancelled();
+      const Physics physics(problem_, options_.levers);
+      DRIFTWISE_TRY(auto bank,
+                    column_bank(problem_, physics, causes_, [this] { return progress_.tick(); }));
+      series_.resize(problem_.timeline.rows(), static_cast<Eigen::Index>(problem_.outputs.size()));
+      for (std::size_t o = 0; o < problem_.outputs.size(); ++o)
+        series_.col(static_cast<Eigen::Index>(o)) = problem_.learned(problem_.outputs[o].measured);
+      std::optional<TwoSides> sides;
+      DRIFTWISE_RETURN_IF_ERROR(search(physics, std::move(bank), sides));
+      if (!sides) break;
+      // All over again: priors were weighed against a noise that had the sides in it.
+    }
     if (!progress_.at(1, "done")) return cancelled();
     return std::move(result_);
   }
@@ -145,14 +152,50 @@ class Diagnoser {
     return rows;
   }
 
-  Result<void> search(const Physics& physics, Bank bank) {
+  // The readings lie on two sides, and no cause explains them as well: the search works on what
+  // they are without the sides. What is predicted of a row does not know its side.
+  void free_of_sides(const TwoSides& sides, const SoftBase& simulation) {
+    const auto rows = static_cast<Eigen::Index>(problem_.data().rows);
+    Eigen::VectorXd side = Eigen::VectorXd::Zero(rows);
+    for (std::size_t i = 0; i < problem_.learn.size(); ++i)
+      side[static_cast<Eigen::Index>(problem_.learn[i])] = sides.side[static_cast<Eigen::Index>(i)];
+    const auto take_out = [&] {
+      for (std::size_t o = 0; o < problem_.outputs.size(); ++o) {
+        auto& output = problem_.outputs[o];
+        if (output.freed_of.size() > 0) output.measured += output.freed_of;
+        output.freed_of = side * sides.half[static_cast<Eigen::Index>(o)];
+        output.measured -= output.freed_of;
+      }
+    };
+    take_out();
+    // Rows that did not learn lie on the side that is nearer to what the others foretell.
+    Eigen::VectorXd shows = Eigen::VectorXd::Zero(rows);
+    for (std::size_t o = 0; o < problem_.outputs.size(); ++o)
+      shows += residuals(problem_, problem_.outputs[o], simulation) *
+               sides.along[static_cast<Eigen::Index>(o)];
+    const double way = sides.half.dot(sides.along);
+    for (const std::size_t row : problem_.judge)
+      if (auto& one = side[static_cast<Eigen::Index>(row)]; one == 0)
+        one = shows[static_cast<Eigen::Index>(row)] * way < 0 ? -1 : 1;
+    take_out();
+    result_.findings.push_back(probe_hysteresis(problem_, sides));
+    result_.warnings.push_back(
+        "the sides of " + result_.findings.back().subject +
+        " are taken out of what the search looks at, and stay in the figures: no "
+        "model predicts them. Approach every point from the same side, from further than the "
+        "width, or read it with an instrument that nothing rubs on");
+  }
+
+  // sides: where it is set the search ended, for the readings have them.
+  Result<void> search(const Physics& physics, Bank bank, std::optional<TwoSides>& sides) {
     Search search(problem_.timeline, series_, std::move(bank), search_options(options_.seed));
     Extension extension(problem_, causes_, series_, search, physics,
                         [this] { return progress_.tick(); });
     bool noise_looked_at = false;
     // What harms is forbidden and the search starts again without it: at most once per cause.
     for (std::size_t round = 0; round <= causes_.size(); ++round) {
-      if (auto ok = grow(search, extension, noise_looked_at, round > 0); !ok) return ok;
+      if (auto ok = grow(search, extension, noise_looked_at, round > 0, sides); !ok || sides)
+        return ok;
       if (!progress_.further(0.3, "comparing what was found with all others")) return cancelled();
       DRIFTWISE_TRY(auto said, extension.settle());
       result_.warnings.insert(result_.warnings.end(), said.begin(), said.end());
@@ -180,7 +223,8 @@ class Diagnoser {
   }
 
   // again: after a withdrawal, against the nulls that were simulated before it.
-  Result<void> grow(Search& search, Extension& extension, bool& noise_looked_at, bool again) {
+  Result<void> grow(Search& search, Extension& extension, bool& noise_looked_at, bool again,
+                    std::optional<TwoSides>& sides) {
     while (static_cast<int>(extension.named().size()) < options_.max_findings) {
       if (!progress_.further(0.3,
                              "looking for cause " + std::to_string(extension.named().size() + 1)))
@@ -189,6 +233,11 @@ class Diagnoser {
                               : search.look(extension.learned(), extension.allowed());
       if (!look) return cancelled();
       result_.nulls = std::max(result_.nulls, look->nulls);
+      sides = sides_beyond(*look, extension);
+      if (sides) {
+        free_of_sides(*sides, extension.all());
+        return {};
+      }
       if (look->first && look->p_adjusted <= options_.alpha) {
         DRIFTWISE_TRY(const auto added, extension.add(*look));
         again = !added;  // the base is the same one
@@ -200,6 +249,17 @@ class Diagnoser {
       again = false;
     }
     return {};
+  }
+
+  // Two sides that describe the readings better than the best cause does. Averages of rows have
+  // none; nor are they looked for twice.
+  std::optional<TwoSides> sides_beyond(const Look& look, const Extension& extension) const {
+    if (problem_.rows_per_block > 1 || problem_.outputs.front().freed_of.size() > 0) return {};
+    auto sides = two_sides(problem_.timeline, extension.learned(), series_);
+    const double best = look.first ? look.causes[*look.first].evidence : 0;
+    const double by_chance = 2 * std::log(static_cast<double>(series_.cols()) / options_.alpha);
+    if (sides && (sides->gain < by_chance || sides->evidence < best)) sides.reset();
+    return sides;
   }
 
   // Every row's own spread, with the place and from an instant on.

@@ -1,11 +1,18 @@
 #include "server/diagnosis/catalogue/cause.h"
 
+#include <algorithm>
+
 #include "server/diagnosis/catalogue/catalogue_builder.h"
 
 namespace driftwise::diagnosis {
 
 std::string name_of(const Cause& cause) {
   return cause.subject.empty() ? cause.id : cause.id + " " + cause.subject;
+}
+
+bool may_act_on(const Cause& cause, const std::string& output) {
+  return cause.outputs.empty() || !is_motor_symbol(output) ||
+         std::ranges::find(cause.outputs, output) != cause.outputs.end();
 }
 
 std::vector<effects::Term> with_parameter(const std::vector<effects::Term>& terms, double value) {

@@ -45,7 +45,7 @@ struct Cause {
   std::string parameter{};  // of the cells: "tau_s", "degree"; "" for none
   ParameterScale scale = ParameterScale::none;
   LinearParameter linear = LinearParameter::none;
-  std::vector<std::string> outputs{};  // that it may act on; empty: all of them together
+  std::vector<std::string> outputs{};  // motors whose readings show it alone; empty: all together
   std::vector<Cell> cells{};
 };
 
@@ -65,6 +65,10 @@ Catalogue catalogue_for(const Dataset& dataset, const std::vector<effects::Term>
 // after one ("d1_std"), a length or an angle that is no coordinate? Nothing that is computed from
 // an output can explain it.
 bool is_response(const Channel& channel, const std::vector<std::string>& outputs);
+
+// An error of one motor shows in its own reading and in no other motor's. Where the outputs are not
+// motors (x ~ q1 + q2) it is on the way to any of them.
+bool may_act_on(const Cause& cause, const std::string& output);
 
 // The terms of a cell with another value of its parameter.
 std::vector<effects::Term> with_parameter(const std::vector<effects::Term>& terms, double value);

@@ -298,9 +298,7 @@ AmplitudePrior Physics::prior(const Cause& cause, const std::vector<effects::Ter
   result.typical = result.range = Eigen::MatrixXd::Zero(count, outputs);
   for (Eigen::Index o = 0; o < outputs; ++o) {
     const auto& output = problem_.outputs[static_cast<std::size_t>(o)];
-    if (!cause.outputs.empty() &&
-        std::ranges::find(cause.outputs, output.channel.symbol) == cause.outputs.end())
-      continue;
+    if (!may_act_on(cause, output.channel.symbol)) continue;
     for (Eigen::Index k = 0; k < count; ++k) {
       const auto& term = terms[static_cast<std::size_t>(k)];
       const double column_range = columns.col(k).maxCoeff() - columns.col(k).minCoeff();

@@ -16,6 +16,7 @@ namespace driftwise::diagnosis {
 namespace {
 
 constexpr double kShown2lnl = 8;      // of one output
+constexpr double kOneAxis = 0.9;      // cosine: an error of several outputs is one coordinate's
 constexpr double kKnownShare = 0.25;  // of a correction: how well it is known at least
 
 // The only thing that a term of several is named after: "ppm_per_k" of x:t05 beside that of y:t05.
@@ -33,10 +34,14 @@ std::string numbered(std::size_t value, const std::string& name) {
 }
 
 // Which axis an instrument's error belongs to: the one whose own column is spread over the outputs
-// as the finding's is.
-std::string axis_of(const Problem& problem, const Finding& finding) {
-  std::string best;
-  double closest = 0;
+// as the error is. sizes: of the error, per output, in summary units.
+struct AlongAxis {
+  std::string symbol;   // "" where the baseline has no coordinate
+  double shift_mm = 0;  // of that coordinate, that gives the error
+  double alike = 0;     // cosine between the two, over the outputs
+};
+AlongAxis axis_of(const Problem& problem, const Eigen::VectorXd& sizes) {
+  AlongAxis best;
   for (const auto& column : problem.data().columns) {
     const auto& symbol = column.channel.symbol;
     if (!is_pose_symbol(symbol) || column.channel.unit != "mm") continue;
@@ -48,19 +53,15 @@ std::string axis_of(const Problem& problem, const Finding& finding) {
       if (power != nullptr && power->symbol == symbol && power->exponent == 1) at = k;
     }
     if (at == problem.base.size()) continue;
-    double across = 0, own = 0, theirs = 0;
+    Eigen::VectorXd slopes(sizes.size());
     for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
       const WeightedFit fit(problem, problem.learned(problem.base_columns), Eigen::MatrixXd(), o);
-      const double slope = fit.coefficient(static_cast<Eigen::Index>(at));
-      const double size = finding.outputs[o].coefficients.empty()
-                              ? 0
-                              : finding.outputs[o].coefficients.front() * problem.outputs[o].factor;
-      across += slope * size, own += slope * slope, theirs += size * size;
+      slopes[static_cast<Eigen::Index>(o)] = fit.coefficient(static_cast<Eigen::Index>(at));
     }
-    const double alike = own > 0 && theirs > 0 ? std::abs(across) / std::sqrt(own * theirs) : 0;
-    if (alike <= closest) continue;
-    closest = alike;
-    best = symbol;
+    const double across = std::abs(slopes.dot(sizes));
+    const double alike =
+        across > 0 ? across / std::sqrt(slopes.squaredNorm() * sizes.squaredNorm()) : 0;
+    if (alike > best.alike) best = {symbol, across / slopes.squaredNorm(), alike};
   }
   return best;
 }
@@ -155,8 +156,15 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
     finding.outputs.push_back(std::move(one));
   }
   if (finding.subject.empty() && finding.outputs.size() == problem.outputs.size() &&
-      cause.applies_to != effects::AppliesTo::robot)
-    finding.subject = axis_of(problem, finding);
+      cause.applies_to != effects::AppliesTo::robot) {
+    Eigen::VectorXd sizes =
+        Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.outputs.size()));
+    for (std::size_t o = 0; o < problem.outputs.size(); ++o)
+      if (!finding.outputs[o].coefficients.empty())
+        sizes[static_cast<Eigen::Index>(o)] =
+            finding.outputs[o].coefficients.front() * problem.outputs[o].factor;
+    finding.subject = axis_of(problem, sizes).symbol;
+  }
   if (cause.applies_to == effects::AppliesTo::dataset && cause.scale == ParameterScale::instant)
     for (std::size_t row = 0; row < problem.data().rows; ++row)
       if (problem.data().time_s[row] >= named.values.front().parameter) finding.rows.push_back(row);
@@ -215,6 +223,28 @@ std::vector<Finding> findings_of(const Problem& problem, const std::vector<Cause
   return findings;
 }
 
+Finding probe_hysteresis(const Problem& problem, const TwoSides& sides) {
+  Finding finding{.cause = "probe_hysteresis",
+                  .where = "instrument",
+                  .applies_to = effects::AppliesTo::dataset,
+                  .p_adjusted = std::exp(-sides.gain / 2),
+                  .log_likelihood_ratio = sides.gain / 2};
+  const AlongAxis axis = axis_of(problem, sides.half);
+  Eigen::Index largest = 0;
+  sides.half.cwiseAbs().maxCoeff(&largest);
+  const auto& output = problem.outputs[static_cast<std::size_t>(largest)];
+  if (axis.alike > kOneAxis) {
+    finding.subject = axis.symbol;
+    finding.parameters.push_back({"width_nm", 2 * axis.shift_mm * kNmPerMm, {}, {}});
+  } else {
+    finding.subject = output.channel.symbol;
+    finding.parameters.push_back(
+        {"width_" + output.unit, 2 * std::abs(sides.half[largest]), {}, {}});
+  }
+  finding.sentence = sentence(finding);
+  return finding;
+}
+
 std::vector<OutputSummary> outputs_of(const Problem& problem, const Dataset& dataset,
                                       const Extension& extension) {
   std::vector<OutputSummary> outputs;
@@ -228,9 +258,9 @@ std::vector<OutputSummary> outputs_of(const Problem& problem, const Dataset& dat
   for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
     const auto& output = problem.outputs[o];
     OutputSummary one{.output = output.channel.symbol, .unit = output.unit};
-    const Eigen::VectorXd before = residuals(problem, output, problem.base_columns);
+    const Eigen::VectorXd before = residuals_as_read(problem, output, problem.base_columns);
     const SoftBase now = extension.described(o);
-    const Eigen::VectorXd after = residuals(problem, output, now);
+    const Eigen::VectorXd after = residuals_as_read(problem, output, now);
     one.before.assign(before.data(), before.data() + before.size());
     one.after.assign(after.data(), after.data() + after.size());
     const ErrorFigures learned_before = figures_of(rows_of(before, problem.learn)),

@@ -5,12 +5,18 @@
 
 #include "server/diagnosis/answer/diagnosis.h"
 #include "server/diagnosis/growth/extension.h"
+#include "server/diagnosis/noise/two_sides.h"
 
 namespace driftwise::diagnosis {
 
 // Numbers, intervals, held-out gain and sentence of each of the named.
 std::vector<Finding> findings_of(const Problem& problem, const std::vector<Cause>& causes,
                                  const Extension& extension);
+
+// Readings on two sides: of which coordinate, and how far apart. The coordinate is that of the
+// baseline's variables whose column is spread over the outputs as the sides are, else the output
+// that has most of them.
+Finding probe_hysteresis(const Problem& problem, const TwoSides& sides);
 
 // Figures and residuals of every output, before and after the extension.
 std::vector<OutputSummary> outputs_of(const Problem& problem, const Dataset& dataset,

@@ -59,7 +59,10 @@ std::string what(const Finding& finding) {
       {"step_change", "a jump at one instant"},
       {"periodic_disturbance", "something periodic in time that no channel shows"},
       {"outliers", "isolated wrong rows, left out"},
-      {"noise_change", "the spread changes, not the mean"}};
+      {"noise_change", "the spread changes, not the mean"},
+      {"probe_hysteresis",
+       "% is read on one of two sides, and no channel tells on which: dry friction or play in the "
+       "instrument that reads it"}};
   const auto found = words.find(
       finding.cause == "backlash" && of.starts_with("joint") ? "backlash joint" : finding.cause);
   std::string text = found == words.end() ? finding.cause + " of %" : found->second;

@@ -30,6 +30,11 @@ Eigen::VectorXd fitted_elsewhere(const SoftBase& base, const Eigen::VectorXd& me
   return measured - columns * b;
 }
 
+Eigen::VectorXd as_read(const ProblemOutput& output) {
+  if (output.freed_of.size() == 0) return output.measured;
+  return output.measured + output.freed_of;
+}
+
 double ln_ratio(const Eigen::VectorXd& before, const Eigen::VectorXd& after) {
   return 0.5 * std::log(after.squaredNorm() / std::max(before.squaredNorm(), 1e-300));
 }
@@ -41,6 +46,11 @@ Eigen::VectorXd residuals(const Problem& problem, const ProblemOutput& output,
   return fitted_elsewhere(base, output.measured, problem.learn);
 }
 
+Eigen::VectorXd residuals_as_read(const Problem& problem, const ProblemOutput& output,
+                                  const SoftBase& base) {
+  return fitted_elsewhere(base, as_read(output), problem.learn);
+}
+
 Eigen::VectorXd judged_residuals(const Problem& problem, const ProblemOutput& output,
                                  const SoftBase& base) {
   Eigen::VectorXd judged(static_cast<Eigen::Index>(problem.judge.size()));
@@ -48,7 +58,7 @@ Eigen::VectorXd judged_residuals(const Problem& problem, const ProblemOutput& ou
   for (const auto& fold : problem.folds) {
     const auto count = static_cast<Eigen::Index>(fold.judge.size());
     judged.segment(at, count) =
-        rows_of(fitted_elsewhere(base, output.measured, fold.learn), fold.judge);
+        rows_of(fitted_elsewhere(base, as_read(output), fold.learn), fold.judge);
     at += count;
   }
   return judged;

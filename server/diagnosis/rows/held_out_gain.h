@@ -40,4 +40,8 @@ Eigen::VectorXd judged_residuals(const Problem& problem, const ProblemOutput& ou
 Eigen::VectorXd residuals(const Problem& problem, const ProblemOutput& output,
                           const SoftBase& base);
 
+// The same of the readings as they were, with what the search freed them of; so are all figures.
+Eigen::VectorXd residuals_as_read(const Problem& problem, const ProblemOutput& output,
+                                  const SoftBase& base);
+
 }  // namespace driftwise::diagnosis

@@ -23,6 +23,9 @@ struct ProblemOutput {
   std::string unit;          // summary unit
   double factor = 1;         // summary unit per channel's unit
   Eigen::VectorXd measured;  // every row, in the summary unit; at the predicted pose (problem.cc)
+  // What `measured` was freed of, every row: a side that only the row itself tells (two_sides.h).
+  // No prediction knows it, so a held-out error has it. Empty: nothing.
+  Eigen::VectorXd freed_of{};
 };
 
 // Rows that one fit of the held-out figures learns from, and those it is judged on.

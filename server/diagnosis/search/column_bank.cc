@@ -60,9 +60,7 @@ Result<Eigen::MatrixXd> filled_columns(const Problem& problem,
 
 std::vector<char> acts_on(const Problem& problem, const Cause& cause) {
   std::vector<char> on;
-  for (const auto& output : problem.outputs)
-    on.push_back(cause.outputs.empty() ||
-                 std::ranges::find(cause.outputs, output.channel.symbol) != cause.outputs.end());
+  for (const auto& output : problem.outputs) on.push_back(may_act_on(cause, output.channel.symbol));
   return on;
 }
 

@@ -26,6 +26,7 @@ const words: Record<string, readonly [noun: string, link: string]> = {
   sensor_fault: ['a faulty sensor,', ''],
   outliers: ['isolated wrong rows', 'of'],
   noise_change: ['a changed spread', 'of'],
+  probe_hysteresis: ['two sides', 'of'],
 };
 
 // "thermal_expansion t03" -> "expansion with t03"; an id that is not known stays as it is.
