@@ -16,11 +16,15 @@ import { airOf, lengthsOf, zeroDrift } from '@/parts/zero_plot';
 import { Awaiting, Failed } from '@/ui/states';
 import { useAsked } from '@/ui/use_asked';
 import { ViewTitle } from '@/ui/view_title';
+import { late } from '@/ui/late';
 import { AlarmList, WallAlarms } from './alarm_list';
 import { DeviceList } from './device_list';
-import { EnvironmentPlot, RunPlots } from './plots';
 import { IdlePanel, RunPanel, underWay } from './run_panel';
 import { Tiles } from './tiles';
+
+const kPlotHeight = 300;
+const RunPlots = late(() => import('./plots').then((plots) => plots.RunPlots), kPlotHeight);
+const EnvironmentPlot = late(() => import('./plots').then((plots) => plots.EnvironmentPlot), kPlotHeight);
 
 export default function Now() {
   const wall = query('wall') === '1';
