@@ -32,6 +32,8 @@ std::string_view severity_of(const AlarmRecord& alarm) {
   return "warning";
 }
 
+bool is_on_record(const AlarmRecord& alarm) { return alarm.id.value > 0; }
+
 bool is_resolved(const Notice& notice) {
   return !notice.news.empty() && std::ranges::all_of(notice.news, [](const AlarmNews& news) {
     return news.kind == NewsKind::resolved;
@@ -71,8 +73,9 @@ std::string text_of(const Notice& notice) {
     const auto& alarm = news.alarm;
     text += word_of(news) + ": " + clean_line(alarm.message) + "\n";
     for (const auto& one : alarm.consequences) text += "  hence: " + clean_line(one) + "\n";
-    text += "  alarm " + std::to_string(alarm.id.value) + ", " + alarm.kind + ", since " +
-            to_iso8601(news.since);
+    text += (is_on_record(alarm) ? "  alarm " + std::to_string(alarm.id.value)
+                                 : std::string("  not on record yet")) +
+            ", " + alarm.kind + ", since " + to_iso8601(news.since);
     if (news.cleared.ns != 0) text += ", over since " + to_iso8601(news.cleared);
     if (alarm.acknowledged.utc_ns != 0) text += ", seen by " + clean_line(alarm.acknowledged_by);
     text += "\n\n";
@@ -80,8 +83,10 @@ std::string text_of(const Notice& notice) {
   if (notice.news.empty()) text += std::string(kTest) + "\n\n";
   text += "Cell " + clean_line(notice.cell) + ", " + to_iso8601(notice.at) + "\n";
   if (!notice.web_address.empty()) text += notice.web_address + "\n";
-  if (!notice.news.empty())
-    text += "driftwise alarms acknowledge " + std::to_string(notice.news.front().alarm.id.value) +
+  const auto known = std::ranges::find_if(
+      notice.news, [](const AlarmNews& news) { return is_on_record(news.alarm); });
+  if (known != notice.news.end())
+    text += "driftwise alarms acknowledge " + std::to_string(known->alarm.id.value) +
             "   says that you have seen it: it is not repeated\n";
   return text;
 }

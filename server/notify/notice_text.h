@@ -14,6 +14,8 @@ std::string text_of(const Notice& notice);
 
 // What the severity is called in Prometheus' conventions: info, warning, critical.
 std::string_view severity_of(const AlarmRecord& alarm);
+// False while nothing could be stored: nobody can acknowledge it yet.
+bool is_on_record(const AlarmRecord& alarm);
 // Whether all of it is over.
 bool is_resolved(const Notice& notice);
 // The number of the alarm, the same for the same condition: 16 hexadecimal digits.

@@ -36,6 +36,7 @@ AlarmsService::AlarmsService(asio::any_io_executor executor, Sources sources, St
       upkeep_(sources.upkeep),
       access_(sources.access),
       notify_(sources.notify),
+      holds_(sources.holds),
       reader_(reader),
       book_(book),
       tasks_(tasks),
@@ -138,6 +139,8 @@ void AlarmsService::note_clock_jumps() {
 
 std::vector<AlarmCondition> AlarmsService::alarms_now() const {
   std::vector<AlarmCondition> out = alarm_conditions(overview_.status());
+  const bool is_ending = holds_.settles();
+  for (auto& one : out) one.is_ending = is_ending && one.kind == "run.waiting";
   // Channels that a run has just given back are read again within their period.
   if (const auto& last = engine_.progress(); last && !engine_.busy())
     std::erase_if(out, [&](const AlarmCondition& one) {
@@ -191,14 +194,16 @@ std::vector<AlarmCondition> AlarmsService::alarms_now() const {
   for (auto& condition : channel_alarms_.conditions(clock_.now().utc))
     out.push_back(std::move(condition));
   for (auto& condition : access_.conditions()) out.push_back(std::move(condition));
-  // Cell time, and at least two seconds of the wall's.
+  // Cell time, and at least two seconds of the wall's. Before, it explains why a run waits.
   const double unwritten_s = std::max(60.0, 2 * clock_.speed());
-  if (const auto since = writer_.gathered_since();
-      since && seconds_from(clock_.now().utc - *since) > unwritten_s)
-    out.push_back(
-        {AlarmLevel::failed, "record.unwritten", "database",
-         "the record takes nothing: readings gather in memory, and a run under way waits; "
-         "make room on the disk, or look whether it is still there"});
+  if (const auto since = writer_.gathered_since())
+    out.push_back({.level = AlarmLevel::failed,
+                   .kind = "record.unwritten",
+                   .subject = "database",
+                   .message =
+                       "the record takes nothing: readings gather in memory, and a run under way "
+                       "waits; make room on the disk, or look whether it is still there",
+                   .settling = seconds_from(clock_.now().utc - *since) <= unwritten_s});
   if (writer_.dropped() > 0)
     out.push_back({AlarmLevel::failed, "record.dropped", "database",
                    "slow readings were dropped because nothing could be written: make room on the "

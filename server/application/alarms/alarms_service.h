@@ -14,6 +14,7 @@
 #include "server/application/alarms/channel_alarms.h"
 #include "server/application/alarms/incidents.h"
 #include "server/application/checks/model_checks_service.h"
+#include "server/application/holds/hold_desk.h"
 #include "server/application/manual/manual_control_service.h"
 #include "server/application/motion/workbench.h"
 #include "server/application/notify/notify_desk.h"
@@ -42,6 +43,7 @@ class AlarmsService final : public Alarms {
     const DatabaseUpkeep& upkeep;
     const AccessDesk& access;
     const NotifyDesk& notify;
+    const HoldDesk& holds;
   };
   AlarmsService(asio::any_io_executor executor, Sources sources, StoreReader& reader,
                 AlarmBook& book, TaskGroup& tasks);
@@ -85,6 +87,7 @@ class AlarmsService final : public Alarms {
   const DatabaseUpkeep& upkeep_;
   const AccessDesk& access_;
   const NotifyDesk& notify_;
+  const HoldDesk& holds_;
   StoreReader& reader_;
   AlarmBook& book_;
   TaskGroup& tasks_;

@@ -75,7 +75,7 @@ std::vector<AlarmCondition> Incidents::group(std::vector<AlarmCondition> conditi
   };
   for (const auto& one : conditions) {
     auto& mine = known_.at(key_of(one));
-    if (mine.cause && present(*mine.cause)) mine.cause_seen = now;
+    if (mine.cause && (present(*mine.cause) || one.is_ending)) mine.cause_seen = now;
     if (mine.cause && now - mine.cause_seen > kGrace) {
       mine.cause.reset();
       mine.own = true;
@@ -102,7 +102,8 @@ std::vector<AlarmCondition> Incidents::group(std::vector<AlarmCondition> conditi
   for (auto& one : conditions) {
     const auto& known = known_.at(key_of(one));
     if (known.cause) continue;
-    one.settling = cause_may_come(one.kind) && !known.own && now - known.since < kTogether;
+    one.settling =
+        one.settling || (cause_may_come(one.kind) && !known.own && now - known.since < kTogether);
     out.push_back(one);
   }
   for (const auto& one : conditions) {

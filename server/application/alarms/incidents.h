@@ -5,7 +5,8 @@
 // A condition is a consequence of another when the other alone explains it: a run that waits for
 // the device that does not answer, what that device measures and is old, further devices behind
 // the same address that went with it. It is an alarm of its own when two others could explain it,
-// and when it outlasts its cause by kGrace. A run waits for a device some seconds before the device
+// and when it outlasts its cause by kGrace; the settle time of a hold that its cause began is not
+// counted. A run waits for a device some seconds before the device
 // counts as lost: what can be a consequence begins no alarm before it has stood for kTogether.
 
 #include <map>

@@ -152,7 +152,7 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
                 notify}),
       alarms(on,
              {workbench, overview, engine, right, manual, serving, checks, configuration, upkeep,
-              access, notify},
+              access, notify, holds},
              reader, alarm_book, tasks),
       feeds(events, recorder, engine, alarm_book, diagnosis_desk, improver),
       reports(

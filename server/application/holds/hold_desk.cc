@@ -137,6 +137,16 @@ std::vector<HoldMark> HoldDesk::marks() const {
   return marks;
 }
 
+bool HoldDesk::settles() const {
+  bool settles = false;
+  for (const auto& rule : rules_) {
+    if (rule.watch.phase() != HoldWatch::Phase::holding || !counts(rule)) continue;
+    if (!rule.watch.settles()) return false;
+    settles = true;
+  }
+  return settles;
+}
+
 HoldStatus HoldDesk::status_of(const Rule& rule) const {
   const bool aside = !counts(rule);
   return {rule.watch.rule(),

@@ -39,6 +39,10 @@ class HoldDesk final : public Holds {
   // Rules that hold, or are exceeded, and mark points; since when.
   std::vector<HoldMark> marks() const;
 
+  // Something keeps a run, and all that does is within its release limits: the settle time is
+  // counted.
+  bool settles() const;
+
   std::vector<HoldStatus> list() const override;
   Result<HoldStatus> set_aside(const Caller& caller, const std::string& name, double for_s,
                                const std::string& reason) override;

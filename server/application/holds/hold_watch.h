@@ -35,6 +35,8 @@ class HoldWatch {
   Phase phase() const { return phase_; }
   // A value has been there once. Before the first one a run waits too, but not for settle_s.
   bool seen() const { return seen_; }
+  // It holds, and its value is within the release limits: settle_s is counted.
+  bool settles() const { return phase_ == Phase::holding && inside_since_.has_value(); }
   // Since when the limit is exceeded, or was when the hold began; utc_ns 0 while clear.
   CellTime since() const { return since_; }
   // "t12_degC is 21.02, limit 20.5 (hold room)": as it was when the limit was exceeded first.

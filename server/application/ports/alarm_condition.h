@@ -15,8 +15,12 @@ struct AlarmCondition {
   // device's address (device.lost), the run's own reason (run.waiting).
   std::string device = {}, address = {}, detail = {};
   std::vector<std::string> consequences = {};  // sentences: incidents.h
-  // It may turn out to follow from another one: begins no alarm yet, and ends none.
+  // It may turn out to follow from another one, or to be over in a moment: begins no alarm yet, and
+  // ends none. It explains others all the same.
   bool settling = false;
+  // What it waits for has come back and is only confirmed for a stated time: while that lasts, it
+  // does not outlast its cause.
+  bool is_ending = false;
 };
 
 }  // namespace driftwise::application

@@ -53,7 +53,7 @@ std::map<QueueEntryId, EntryOutlook> look_ahead(const DurationHistory& history,
         until_s[i] = std::max(until_s[i], not_before_s) + draws_s[i];
       outlook.end = outlook.run;
       outlook.end->draws_s = until_s;
-      take_quantiles(*outlook.end);
+      take_figures(*outlook.end);
     }
     all[entry->id] = std::move(outlook);
   }

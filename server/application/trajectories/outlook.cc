@@ -45,20 +45,19 @@ struct Level {
 
 }  // namespace
 
-void take_quantiles(Outlook& outlook) {
+void take_figures(Outlook& outlook) {
   if (outlook.draws_s.empty()) return;
   auto sorted = outlook.draws_s;
   std::ranges::sort(sorted);
-  const auto at = [&sorted](double share) {
-    const double place = share * static_cast<double>(sorted.size() - 1);
-    const auto low = static_cast<std::size_t>(place);
-    const auto high = std::min(low + 1, sorted.size() - 1);
-    return sorted[low] + (place - static_cast<double>(low)) * (sorted[high] - sorted[low]);
-  };
-  constexpr double kOutside = (1 - Outlook::kShare) / 2;
-  outlook.low_s = at(kOutside);
-  outlook.expected_s = at(0.5);
-  outlook.high_s = at(1 - kOutside);
+  const std::size_t draws = sorted.size(), middle = draws / 2;
+  outlook.expected_s = draws % 2 == 1 ? sorted[middle] : (sorted[middle - 1] + sorted[middle]) / 2;
+  const auto held =
+      static_cast<std::size_t>(std::ceil(Outlook::kShare * static_cast<double>(draws)));
+  std::size_t low = 0;
+  for (std::size_t from = 0; from + held <= draws; ++from)
+    if (sorted[from + held - 1] - sorted[from] < sorted[low + held - 1] - sorted[low]) low = from;
+  outlook.low_s = sorted[low];
+  outlook.high_s = sorted[low + held - 1];
 }
 
 DurationHistory::Series DurationHistory::series_of(RunSteps steps) {
@@ -205,7 +204,7 @@ Outlook look_ahead(const DurationHistory& history, const RunAhead& ahead) {
     }
     outlook.draws_s.push_back(std::max(0.0, total_s - std::min(ahead.spent_s, first_s)));
   }
-  take_quantiles(outlook);
+  take_figures(outlook);
   return outlook;
 }
 

@@ -15,15 +15,16 @@
 
 namespace driftwise::application {
 
-// Cell seconds; the band holds kShare of the draws, as many below as above.
+// Cell seconds; the band is the shortest that holds kShare of the draws. Where most runs meet no
+// wait it begins at their duration: one with as many draws below it as above would hold more.
 struct Outlook {
   static constexpr double kShare = 0.8;
   double expected_s = 0, low_s = 0, high_s = 0;  // expected: the median
   std::int64_t runs = 0, rows = 0;               // that it rests on; runs 0: no history
   std::vector<double> draws_s;
 };
-// draws_s sorted out into the three figures.
-void take_quantiles(Outlook& outlook);
+// Median and band of draws_s.
+void take_figures(Outlook& outlook);
 
 struct RunAhead {
   PlanAhead plan;

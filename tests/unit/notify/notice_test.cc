@@ -13,6 +13,7 @@ namespace {
 
 using nlohmann::json;
 using testing::HasSubstr;
+using testing::Not;
 constexpr std::int64_t kSecond = 1'000'000'000;
 
 AlarmNews news_of(std::int64_t id, const std::string& kind, const std::string& subject,
@@ -59,6 +60,15 @@ TEST(WebhookJson, HasTheFieldsOfAlertmanager) {
   EXPECT_EQ(alert.at("endsAt"), "0001-01-01T00:00:00Z");
   EXPECT_EQ(alert.at("fingerprint").get<std::string>().size(), 16U);
   EXPECT_NE(alert.at("fingerprint"), body.at("alerts")[1].at("fingerprint"));
+}
+
+// A full disk: it is told from memory.
+TEST(Notice, OfAnAlarmThatIsNotOnRecordYetNamesNoNumber) {
+  const auto notice = notice_of({news_of(-2, "record.unwritten", "database")});
+  EXPECT_THAT(text_of(notice), HasSubstr("not on record yet, record.unwritten, since"));
+  EXPECT_THAT(text_of(notice), Not(HasSubstr("acknowledge")));
+  const auto body = json::parse(webhook_json("duty", notice));
+  EXPECT_FALSE(body.at("alerts")[0].at("annotations").contains("alarm"));
 }
 
 // What Alertmanager 0.25.0 (Debian 12) itself posted to a webhook for one alert.

@@ -91,6 +91,42 @@ TEST_F(IncidentsTest, AConsequenceThatOutlastsItsCauseIsAnAlarmOfItsOwn) {
       << "it stays one";
 }
 
+TEST_F(IncidentsTest, TheSettleTimeOfAHoldAfterItsDeviceIsBackIsNoFurtherIncident) {
+  const auto scanner = lost_device("scanner", "10.0.0.7:1");
+  const auto stale = stale_channel("t04_degC", "scanner");
+  auto run = waiting_run("t04_degC has no fresh value (hold room)");
+  const auto alarms = look({scanner, stale, run});
+  ASSERT_THAT(subjects(alarms), ElementsAre("scanner"));
+  EXPECT_THAT(alarms[0].consequences, ElementsAre(stale.message, run.message));
+  run.is_ending = true;  // the value is back, and within its limits for 0 of 120 s
+  for (int i = 0; i < 5; ++i) EXPECT_THAT(look({run}, 25), IsEmpty());
+  run.is_ending = false;
+  EXPECT_THAT(subjects(look({run}, 31)), ElementsAre("run 3")) << "beyond its limits again";
+}
+
+TEST_F(IncidentsTest, ARunThatNothingCausedIsNoLessAnAlarmWhileItsHoldSettles) {
+  auto run = waiting_run("t04_degC is 21.1, limit 21 (hold room)");
+  look({run});
+  EXPECT_THAT(subjects(look({run}, 31)), ElementsAre("run 3"));
+  run.is_ending = true;
+  EXPECT_THAT(subjects(look({run}, 60)), ElementsAre("run 3"));
+}
+
+TEST_F(IncidentsTest, ARunThatWaitsForRoomOnTheDiskIsThatAlarmFromTheFirstMoment) {
+  const auto run = waiting_run("database cell.sqlite: COMMIT: database or disk is full");
+  AlarmCondition unwritten{.level = AlarmLevel::failed,
+                           .kind = "record.unwritten",
+                           .subject = "database",
+                           .message = "the record takes nothing",
+                           .settling = true};
+  look({run, unwritten});
+  EXPECT_THAT(subjects(look({run, unwritten}, 50)), IsEmpty());
+  unwritten.settling = false;
+  const auto alarms = look({run, unwritten}, 10);
+  ASSERT_THAT(subjects(alarms), ElementsAre("database"));
+  EXPECT_THAT(alarms[0].consequences, ElementsAre(run.message));
+}
+
 TEST_F(IncidentsTest, WhatAnotherFaultCouldExplainIsAnAlarmOfItsOwn) {
   const Conditions both = {lost_device("laser-x", "10.0.0.7:1"), lost_device("axis", "10.0.0.9:1"),
                            waiting_run("laser-x and axis do not answer")};

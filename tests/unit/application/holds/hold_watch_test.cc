@@ -48,8 +48,11 @@ TEST_F(HoldWatchTest, EndsAfterTheSettlingTimeWithinTheReleaseLimitWithoutABreak
   EXPECT_EQ(at(60, 21), Phase::holding);
   EXPECT_EQ(at(100, 20.4), Phase::holding);  // below the limit, not yet below the release
   EXPECT_EQ(at(1000, 20.4), Phase::holding);
+  EXPECT_FALSE(watch_.settles());
   EXPECT_EQ(at(1001, 20.3), Phase::holding);
+  EXPECT_TRUE(watch_.settles());
   EXPECT_EQ(at(1500, 20.31), Phase::holding);  // a break
+  EXPECT_FALSE(watch_.settles());
   EXPECT_EQ(at(1501, 20.2), Phase::holding);
   EXPECT_EQ(at(2100, 20.2), Phase::holding);
   EXPECT_EQ(at(2101, 20.2), Phase::clear);

@@ -175,6 +175,46 @@ TEST_F(Closing, WhatTheEarlierReturnsExplainIsAccepted) {
   EXPECT_THAT(suspects(run), IsEmpty());
 }
 
+// The same drift in the first line of a second run: only the model that serves can expect it. The
+// model was measured over a wider range of temperature than the second run meets. By the world's
+// own law: 150 nm for each K of t01.
+TEST_F(Closing, WhatTheServingModelExplainsIsAcceptedInTheFirstLine) {
+  world.warming_k_per_h = 12;
+  description.plausibility.closure_nm_per_min = 0;
+  rules("[[closure_limit]]\nchannel = \"x_mm\"\nlimit_nm = 100\n");
+  application::FitRequest fit;
+  fit.runs = {cell().begin_run(lines_of(60, {2, -3, 1, -1, 3}, false)).id};
+  EXPECT_EQ(cell().finish_run().state, RunState::done);
+  fit.formula = "q ~ x + t01";
+  const auto model = cell().await(cell()->models.fit(cell().ada, fit));
+  ASSERT_TRUE(model) << model.error().message;
+  ASSERT_TRUE(cell().await(cell()->promotions.promote(cell().ada, model->id)));
+
+  // The room has cooled to the middle of that range, and warms half as fast.
+  world.warming_k_per_h = 6;
+  const auto t01_degc = [this] {
+    return 20.1 + 6 * seconds_from(cell().now() - kWorldBegin) / 3600;
+  };
+  const auto run = cell().begin_run(lines_of(2, {2, -3, 1, -1, 3}, false)).id;
+  until_accepted(1);
+  const double before_degc = t01_degc();
+  ASSERT_TRUE(cell().await(cell()->runs.pause(cell().ada, run)));
+  cell().until([&] { return cell().status().run->run.state == RunState::paused; });
+  cell().pass(900);
+  ASSERT_TRUE(cell().resume());
+  cell().until([&] { return !closures(run).empty(); });
+  const double by_law_nm = 150 * (t01_degc() - before_degc);
+  EXPECT_GT(by_law_nm, 200) << "beyond the limit";
+  const auto first = closures(run).front();
+  EXPECT_EQ(first.decision, ClosureDecision::explained) << first.sentence;
+  EXPECT_EQ(first.by, "model 1");
+  const auto& x = first.coordinates.front();
+  EXPECT_NEAR(std::abs(x.expected), by_law_nm, 40) << "from the datum to this return";
+  EXPECT_NEAR(x.found, x.expected, 40) << "with its sign: what was measured";
+  EXPECT_EQ(cell().finish_run().state, RunState::done);
+  EXPECT_THAT(suspects(run), IsEmpty());
+}
+
 // Lines that end on one side and on the other in turn.
 std::string both_sides(int lines) {
   std::ostringstream csv;

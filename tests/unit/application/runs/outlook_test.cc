@@ -96,6 +96,30 @@ TEST(StepMeter, ReadsTheSameFromTheRecord) {
   EXPECT_DOUBLE_EQ(meter.steps().tail_s, 110);
 }
 
+// By hand: 80 of 100 draws are the 60 at 100 s and the 20 next to them.
+TEST(Outlook, WhereMostRunsMeetNoWaitTheBandBeginsAtTheirDuration) {
+  Outlook outlook;
+  outlook.draws_s.assign(60, 100);
+  for (int i = 1; i <= 40; ++i) outlook.draws_s.push_back(100 + i);
+  take_figures(outlook);
+  EXPECT_DOUBLE_EQ(outlook.low_s, 100);
+  EXPECT_DOUBLE_EQ(outlook.high_s, 120);
+  EXPECT_DOUBLE_EQ(outlook.expected_s, 100);
+}
+
+// Quantiles of the logistic distribution: 10 % and 90 % are -ln 9 and ln 9.
+TEST(Outlook, OfSymmetricDrawsHasAsManyBelowTheBandAsAbove) {
+  Outlook outlook;
+  for (int i = 0; i < 1000; ++i) {
+    const double share = (i + 0.5) / 1000;
+    outlook.draws_s.push_back(std::log(share / (1 - share)));
+  }
+  take_figures(outlook);
+  EXPECT_NEAR(outlook.low_s, -std::log(9), 0.02);
+  EXPECT_NEAR(outlook.high_s, std::log(9), 0.02);
+  EXPECT_NEAR(outlook.expected_s, 0, 1e-9);
+}
+
 TEST(Outlook, WithoutHistoryIsThePlannedFigureWithAWideBand) {
   RunAhead ahead;
   ahead.plan.visits = 100;
