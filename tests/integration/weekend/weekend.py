@@ -6,13 +6,17 @@ weekend.py BIN_DIR SOURCE_DIR
 
 Everything is real but the speed: the simulated cell at 50 times life, the daemon, the command line, a mail server
 (aiosmtpd), an HTTP server. Judged from outside: by the rows of the database (sqlite3), by what the receivers were
-sent, by the report's file. Exit code 77: the peers or the rights to mount a small disk are not there.
+sent, by the report's file. Of each incident exactly one mail and one webhook say that it began, and one of each that it
+is over; none is repeated (repeat_h 0). Only what a receiver took right before the kill, and the record does not know,
+may come once more. The kill itself is no alarm: the daemon is back within a second, and one that stays away is told by
+`driftwise watchdog`. Exit code 77: the peers or the rights to mount a small disk are not there.
 """
 import collections
 import csv
 import json
 import os
 import pathlib
+import re
 import signal
 import socket
 import sqlite3
@@ -24,7 +28,11 @@ import time
 SKIPPED = 77
 BIN, SOURCE = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
 CELL = SOURCE / "deploy" / "cells" / "linear-axis"
+SILENT = ("device.lost", "channel.stale")  # which comes first depends on the instant
 PEERS = SOURCE / "tests" / "peers" / "notify"
+# "high: scanner does not answer", what follows from it, "  alarm 5, device.lost, since 2026-11-23T18:28:26.719682136Z".
+PARAGRAPH = re.compile(r"^(over|(?:still )?(?:low|medium|high|critical)): [^\n]*\n(?:  hence: [^\n]*\n)*"
+                       r"  (?:alarm \d+|not on record yet), (\S+), since (\S+?Z)", re.MULTILINE)
 SPEED = 50  # a look for alarms is then every 25 s of cell time: what begins together is still seen together
 
 
@@ -175,20 +183,28 @@ repeat_h = 0
     def alerts(self):
         """How often each state of each alarm was told by the webhook."""
         counts = collections.Counter()
-        if self.hooks.exists():
-            for line in self.hooks.read_text().splitlines():
-                for alert in json.loads(json.loads(line)["body"])["alerts"]:
-                    counts[(alert["status"], alert["labels"]["alertname"], alert["labels"]["subject"])] += 1
+        for (status, kind, _), subject in self.told_by_webhook():
+            counts[(status, kind, subject)] += 1
         return counts
 
-    def beginnings(self):
-        """How often each single beginning of an alarm was told."""
-        counts = collections.Counter()
-        for line in self.hooks.read_text().splitlines():
-            for alert in json.loads(json.loads(line)["body"])["alerts"]:
-                if alert["status"] == "firing":
-                    counts[(alert["labels"]["alertname"], alert["labels"]["subject"], alert["startsAt"])] += 1
-        return counts
+    def told_by_webhook(self):
+        """((firing or resolved, kind, since), subject) of each alert of each message."""
+        if not self.hooks.exists():
+            return []
+        alerts = [alert for line in self.hooks.read_text().splitlines() for alert in json.loads(json.loads(line)["body"])["alerts"]]
+        return [((one["status"], one["labels"]["alertname"], one["startsAt"]), one["labels"]["subject"]) for one in alerts]
+
+    def told_by_mail(self):
+        """(firing, resolved or repeated, kind, since) of each paragraph of each mail."""
+        told = []
+        for text in self.mail_texts():
+            for word, kind, since in PARAGRAPH.findall(text):
+                told.append(("resolved" if word == "over" else "repeated" if word.startswith("still") else "firing", kind, since))
+        return told
+
+    def told(self):
+        """By receiver: how often each beginning and each end was told."""
+        return {"duty": collections.Counter(one for one, _ in self.told_by_webhook()), "mail": collections.Counter(self.told_by_mail())}
 
     def mail_texts(self):
         if not self.mails.exists():
@@ -289,6 +305,41 @@ def check_story(weekend, entries, counts):
           "the mail that is sent after the run names its report, and how it is made anew")
 
 
+def unrecorded(weekend):
+    """By receiver: what it was told and the record does not know of, which it may be told once more."""
+    known = {(receiver, kind, since): (firing, resolved) for receiver, kind, since, firing, resolved in weekend.rows(
+        "SELECT receiver, kind, since_utc, firing_ns, resolved_ns FROM telling JOIN alarm USING (alarm_id)")}
+    return {receiver: {(status, kind, since) for status, kind, since in counts
+                       if not known.get((receiver, kind, since), (0, 0))[status == "resolved"]}
+            for receiver, counts in weekend.told().items()}
+
+
+def check_messages(weekend, maybe_again):
+    """One mail and one webhook for the beginning of each incident, one of each for its end."""
+    alarms = weekend.rows("SELECT kind, subject, since_utc, cleared_ns > since_ns FROM alarm ORDER BY alarm_id")
+    say("incidents and notices on record: " + ", ".join("%s %s" % one[:2] for one in alarms))
+    kinds = [kind for kind, *_ in alarms]
+    notices = [kind for kind in kinds if kind in ("queue.done", "run.begins_soon")]
+    incidents = sorted("the scanner" if kind in SILENT else kind for kind in kinds if kind not in notices)
+    # 48 MB hold this record for hours only: the forecast says so once, an hour after the start.
+    check(incidents == ["disk.forecast", "record.unwritten", "run.waiting", "the scanner"],
+          "four incidents: the small disk, the full disk, the room, the scanner: %s" % incidents)
+    check(collections.Counter(notices) == {"queue.done": 3, "run.begins_soon": 2},
+          "five notices: three campaigns are done, two are about to move")
+    begun = {(kind, since) for kind, _, since, _ in alarms}
+    ended = {(kind, since) for kind, _, since, over in alarms if over}
+    wait_until("the last message has left the machine", lambda: all(
+        {one[1:] for one in counts if one[0] == "firing"} == begun for counts in weekend.told().values()))
+    for receiver, counts in weekend.told().items():
+        for status, expected in (("firing", begun), ("resolved", ended), ("repeated", set())):
+            told = {one[1:]: count for one, count in counts.items() if one[0] == status}
+            check(set(told) == expected, "%s: %d %s" % (receiver, len(expected), status))
+            doubled = {one: count for one, count in told.items() if count > 1}
+            permitted = {one[1:] for one in maybe_again[receiver] if one[0] == status}
+            check(all(one in permitted and count == 2 for one, count in doubled.items()),
+                  "%s: each of them once%s" % (receiver, ", but for what it took right before the kill: %s" % sorted(doubled) if doubled else ""))
+
+
 def story_of(weekend, entry):
     file = weekend.folder / ("entry-%d.html" % entry)
     weekend.ask(["queue", "report", entry, "-o", file], who="ada")
@@ -297,7 +348,6 @@ def story_of(weekend, entry):
 
 def main(folder):
     weekend = Weekend(folder)
-    silent = ("device.lost", "channel.stale")  # which comes first depends on the instant
     try:
         weekend.begin()
         counts = {}
@@ -327,19 +377,19 @@ def main(folder):
         wait_until("saturday has some points", lambda: accepted(weekend) >= 5)
         weekend.tell_cell("fault mute scanner 300 s")
         wait_until("an alarm says that the scanner is silent", lambda: any(
-            key[0] == "firing" and key[1] in silent for key in weekend.alerts()))
-        standing = [one for one in weekend.ask(["alarms"])["alarms"] if one["kind"] in silent]
+            key[0] == "firing" and key[1] in SILENT for key in weekend.alerts()))
+        standing = [one for one in weekend.ask(["alarms"])["alarms"] if one["kind"] in SILENT]
         check(len(standing) == 1, "one alarm of the scanner stands: " + standing[0]["message"])
         weekend.ask(["alarms", "acknowledge", standing[0]["id"]], who="bob")
         wait_until("the scanner is back", lambda: any(
-            key[0] == "resolved" and key[1] in silent for key in weekend.alerts()), 120)
+            key[0] == "resolved" and key[1] in SILENT for key in weekend.alerts()), 120)
 
         before = accepted(weekend)
         wait_until("saturday goes on", lambda: accepted(weekend) > before + 3)
-        told_before_the_kill = weekend.beginnings()
         os.kill(weekend.daemon.process.pid, signal.SIGKILL)
         weekend.daemon.process.wait()
         say("the daemon was killed")
+        maybe_again = unrecorded(weekend)
         weekend.begin_daemon()
         before = accepted(weekend)
         wait_until("saturday goes on after the kill", lambda: accepted(weekend) > before)
@@ -369,20 +419,7 @@ def main(folder):
                   "%s has each of its %d rows once" % (name, rows))
         runs = weekend.ask(["run", "list", "--meta", "weekend=47"])["runs"]
         check(len(runs) == 3, "the three runs are found by their metadata")
-        told = weekend.alerts()
-        say("told: " + ", ".join("%s %s %s: %d" % (*key, count) for key, count in sorted(told.items())))
-        incidents = {key[1:]: count for key, count in told.items() if key[0] == "firing"}
-        for kind in (silent, ("run.waiting",)):
-            check(any(one[0] in kind for one in incidents), "the webhook was told of %s" % " or ".join(kind))
-        # A receiver that took a message right before a kill may get it once more: docs/alarms.md.
-        again = [one for one, count in weekend.beginnings().items()
-                 if count > (2 if one in told_before_the_kill else 1)]
-        check(not again, "no incident was told twice %s" % (again or ""))
-        check(sum(one[0] in silent for one in incidents) == 1, "the silent scanner was one incident")
-        mails = weekend.mail_texts()
-        check(sum("scanner" in one for one in mails) >= 1, "a mail tells of the scanner")
-        done = [key for key in told if key[0] == "firing" and key[1].startswith("queue")]
-        check(len(done) >= 3, "each campaign's end was told")
+        check_messages(weekend, maybe_again)
         check_story(weekend, entries, counts)
         happened = {row[0] for row in weekend.rows("SELECT DISTINCT what FROM event")}
         for what in ("hold.begun", "hold.ended", "device.lost", "device.back", "run.restarted"):
