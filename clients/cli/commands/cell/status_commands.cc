@@ -7,12 +7,15 @@
 #include "clients/cli/core/validators.h"
 #include "clients/cli/pages/progress_bar.h"
 #include "clients/cli/pages/run_text.h"
+#include "clients/cli/pages/serving_text.h"
 #include "driftwise/v1/cell_service.grpc.pb.h"
+#include "driftwise/v1/plan_service.grpc.pb.h"
 
 namespace driftwise::cli {
 namespace {
 
 using CellStub = v1::CellService::Stub;
+using PlanStub = v1::PlanService::Stub;
 
 std::string link_text(const Paint& paint, v1::Device::Link link) {
   switch (link) {
@@ -45,18 +48,15 @@ std::string lease_without_holder(const v1::GetStatusResponse& status) {
          " moves the robot until it ends";
 }
 
-void print_status(const Console& console, const v1::GetStatusResponse& status) {
+void print_status(const Console& console, const v1::GetStatusResponse& status,
+                  const v1::ListPlansResponse& plans) {
   const Paint paint = console.paint_out();
   console.out << paint.bold(status.cell_name()) << "  driftwised " << status.version() << "  "
               << clock_text(status.cell_time()) << " UTC";
   if (status.speed() != 1.0)
     console.out << ", cell time at " << significant(status.speed(), 4) << "x";
   console.out << '\n';
-  console.out << "serving  "
-              << (status.has_serving_model_id()
-                      ? "model " + std::to_string(status.serving_model_id())
-                      : "no model: driftwise model promote N")
-              << '\n';
+  console.out << "serving  " << serving_text(status, plans) << '\n';
   console.out << "lease    "
               << (status.has_lease()
                       ? status.lease().holder() + " (" + status.lease().peer() + ") until " +
@@ -183,11 +183,13 @@ ExitCode follow_readings(const Session& session, const std::string& device) {
 
 void add_status_commands(CLI::App& app, Session& session) {
   add_command(app, session, "status", "The cell now: run, lease, model, latest values", [&session] {
-    const auto status = session.connect().ask(&CellStub::GetStatus, v1::GetStatusRequest{});
+    const auto daemon = session.connect();
+    const auto status = daemon.ask(&CellStub::GetStatus, v1::GetStatusRequest{});
     if (session.console.json)
       session.console.print_json(json_from(status));
     else
-      print_status(session.console, status);
+      print_status(session.console, status,
+                   daemon.ask(&PlanStub::ListPlans, v1::ListPlansRequest{}));
     return ExitCode::done;
   });
   add_command(app, session, "devices", "Controllers and instruments, with their links", [&session] {
