@@ -49,7 +49,7 @@ bool follows(const Snapshot& snapshot, const Snapshot::Output& served, Variable 
 
 std::optional<CorrectionParts> correction_parts(const Snapshot& snapshot,
                                                 const TargetRequest& request, std::size_t output) {
-  if (output >= snapshot.outputs.size()) return std::nullopt;
+  if (output >= snapshot.outputs.size() || snapshot.geometry) return std::nullopt;
   const auto& served = snapshot.outputs[output];
   if ((snapshot.needed & ~request.given) != 0) return std::nullopt;
   const auto wanted = wanted_of(served.channel);

@@ -22,7 +22,8 @@ struct CorrectionParts {
   double sum_nm() const { return geometry_nm + force_nm + temperatures_nm; }
 };
 
-// None: the request cannot be answered, or the model reads no pose. Pure, any thread.
+// None: the request cannot be answered, the model reads no pose, or it has a geometry. Pure, any
+// thread.
 std::optional<CorrectionParts> correction_parts(const Snapshot& snapshot,
                                                 const TargetRequest& request, std::size_t output);
 

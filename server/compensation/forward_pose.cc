@@ -8,7 +8,10 @@
 
 #include "server/compensation/basis_values.h"
 #include "server/compensation/dot.h"
+#include "server/compensation/geometry_law.h"
 #include "server/core/reasons.h"
+#include "server/core/try.h"
+#include "server/core/units.h"
 
 namespace driftwise::compensation {
 namespace {
@@ -101,9 +104,88 @@ Error no_pose(const ForwardRequest& request, const Snapshot& snapshot, const std
           "no pose found for " + asked + ": " + why};
 }
 
+// Standard uncertainties of coordinates whose law gives none: those of the motor coordinates, taken
+// as independent, through the inverse of the slopes.
+void add_u_by_slopes(const Snapshot& snapshot, TargetRequest pose, ForwardPose& result) {
+  constexpr double kStep = 1e-3;  // mm
+  const auto size = static_cast<Eigen::Index>(result.coordinates.size());
+  if (result.target.outputs != result.coordinates.size()) return;
+  pose.with_uncertainty = false;
+  Eigen::MatrixXd slopes(size, size);
+  for (Eigen::Index j = 0; j < size; ++j) {
+    auto& one = pose.value[static_cast<std::size_t>(
+        result.coordinates[static_cast<std::size_t>(j)].variable)];
+    const double at = one;
+    one = at + kStep;
+    const auto there = compute_target(snapshot, pose);
+    one = at;
+    for (Eigen::Index i = 0; i < size; ++i)
+      slopes(i, j) = (there.q_mm[static_cast<std::size_t>(i)] -
+                      result.target.q_mm[static_cast<std::size_t>(i)]) /
+                     kStep;
+  }
+  const Eigen::MatrixXd inverse = slopes.inverse();
+  for (Eigen::Index j = 0; j < size; ++j) {
+    double variance = 0;
+    for (Eigen::Index i = 0; i < size; ++i)
+      variance +=
+          std::pow(inverse(j, i) * result.target.u_nm[static_cast<std::size_t>(i)] / kNmPerMm, 2);
+    result.coordinates[static_cast<std::size_t>(j)].u = std::sqrt(variance);
+  }
+}
+
+// Of a geometry: what the polynomial adds reads no pose, so it comes off first.
+Result<ForwardPose> pose_by_law(const Snapshot& snapshot, const ForwardRequest& request) {
+  const std::uint32_t unstated = snapshot.needed & bit(Variable::force) & ~request.stated.given;
+  if (unstated != 0 || !snapshot.changed_parts.empty()) {
+    Target target;
+    target.refusal = unstated != 0 ? Refusal::missing_coordinate : Refusal::configuration_changed;
+    for (std::size_t i = 0; i < snapshot.inputs.size(); ++i)
+      if (snapshot.inputs[i].variable == Variable::force) target.missing |= std::uint64_t{1} << i;
+    return tl::unexpected(refusal_error(snapshot, target));
+  }
+  if (request.q_mm.size() != snapshot.outputs.size())
+    return fail(ErrorCode::invalid_argument, reasons::kMissingValue,
+                "expected " + std::to_string(snapshot.outputs.size()) +
+                    " motor coordinates, found " + std::to_string(request.q_mm.size()));
+  Basis basis;
+  fill_basis(snapshot, request.stated, basis);
+  std::vector<double> q;
+  for (std::size_t i = 0; i < request.q_mm.size(); ++i) {
+    q.push_back(request.q_mm[i] - dot(snapshot.outputs[i].coefficients_mm.data(), basis.b.data(),
+                                      snapshot.basis_size()));
+    if (!std::isfinite(q.back()))
+      return fail(ErrorCode::invalid_argument, reasons::kNotFinite,
+                  snapshot.outputs[i].channel.name() +
+                      " or the force is not a finite number: state it in the unit of its name");
+  }
+  DRIFTWISE_TRY(const auto found, snapshot.geometry->law->pose_of(q, *snapshot.geometry));
+  ForwardPose result;
+  TargetRequest pose = request.stated;
+  pose.show_unreachable = true;
+  for (std::size_t k = 0; k < found.variables.size(); ++k) {
+    const auto at = static_cast<Eigen::Index>(k);
+    result.coordinates.push_back({found.variables[k], found.pose[at], found.u[at]});
+    pose.set(found.variables[k], found.pose[at]);
+  }
+  for (std::size_t i = 0; i < snapshot.outputs.size(); ++i) {  // this solution, no other
+    const std::string& symbol = snapshot.outputs[i].channel.symbol;
+    const auto number = static_cast<std::size_t>(std::atoi(symbol.c_str() + 1));
+    if (number < 1 || number > kMaxJoints) continue;
+    pose.near_rad[number - 1] =
+        snapshot.outputs[i].channel.unit == "deg" ? q[i] * kRadPerDeg : q[i];
+    pose.near |= 1u << (number - 1);
+  }
+  result.target = compute_target(snapshot, pose);
+  if (result.target.refusal == Refusal::none && !found.u.allFinite() && !snapshot.unjudged)
+    add_u_by_slopes(snapshot, pose, result);
+  return result;
+}
+
 }  // namespace
 
 Result<ForwardPose> forward_pose(const Snapshot& snapshot, const ForwardRequest& request) {
+  if (snapshot.geometry) return pose_by_law(snapshot, request);
   TargetRequest pose = request.stated;
   pose.show_unreachable = true;
   const auto unknowns = unknowns_of(snapshot, pose);

@@ -15,6 +15,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -58,6 +59,16 @@ enum class UncertaintySource : std::uint8_t {
 constexpr std::size_t kUncertaintySources = 12;
 std::string_view to_string(UncertaintySource source);
 
+class GeometryLaw;  // geometry_law.h
+
+// A model's own geometry at the present conditions; its motor coordinates add to the polynomial's.
+struct PresentGeometry {
+  std::shared_ptr<const GeometryLaw> law;
+  std::vector<double> temperatures, u_temperatures;  // of law->temperatures(), in their units
+  std::vector<double> standing;  // motor coordinates as last read, outputs' units; kMissing: never
+  bool from_zero = false;        // geometry(pose) - geometry(0): the zero is in the polynomial
+};
+
 struct Snapshot {
   ModelId model;
   CellTime built_at, valid_until;
@@ -83,7 +94,9 @@ struct Snapshot {
     std::vector<double> roots_nm{};
   };
   struct Output {
-    Channel channel;                      // q1_mm: results are in mm whatever the model's column
+    // q1_mm: results are in mm whatever the model's column. A joint of an arm, q1_rad or q1_deg:
+    // that unit stands wherever mm is written, here and in targets, and 1e-6 of it wherever nm is.
+    Channel channel;
     std::vector<double> coefficients_mm;  // one per basis entry
     std::vector<double>
         thermal_mm{};  // of them, what the slow inputs put in: since the datum's zero,
@@ -106,6 +119,7 @@ struct Snapshot {
     double min = 0, max = 0;  // of the domain, in the request's unit (fast) or the column's (slow)
     double value = 0, u = 0;  // slow: what was folded in, and its standard uncertainty
     CellTime at;              // slow: when it was measured
+    std::optional<std::size_t> output = {};  // a motor coordinate with a domain: of that output
   };
   std::vector<Input> inputs;
   // Of the slow inputs, worked out once: a bit per input.
@@ -118,6 +132,9 @@ struct Snapshot {
   // model uses, for people; empty: none.
   bool configuration_changed = false;
   std::string changed_parts{};
+  std::optional<PresentGeometry> geometry{};  // none: the polynomials alone
+  // No data judged the model (an imported geometry): targets have no uncertainty, and a flag.
+  bool unjudged = false;
 };
 
 }  // namespace driftwise::compensation

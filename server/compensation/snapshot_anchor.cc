@@ -25,7 +25,8 @@ std::array<double, kVariables> SnapshotBuilder::pose_at_zero(
       range.push_back((fast.max - fast.min) * column_per_unit_[axes.back()]);
     }
   std::array<double, kVariables> shift{};
-  if (axes.size() != outputs_.size()) return shift;
+  // A geometry counts from its own pose 0, which its zero is.
+  if (axes.size() != outputs_.size() || law_) return shift;
   std::vector<double> basis;
   const auto left = [&](const Eigen::VectorXd& by) {
     auto at = pose;
@@ -47,6 +48,7 @@ std::array<double, kVariables> SnapshotBuilder::pose_at_zero(
 }
 
 Result<void> SnapshotBuilder::anchor(std::span<const ChannelValue> values) {
+  if (law_ && law_->absolute()) return {};
   const auto find = [&](const std::string& name) {
     for (const auto& value : values)
       if (value.channel == name && !is_missing(value.value)) return std::optional(value.value);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "server/core/reasons.h"
 #include "server/core/try.h"
@@ -47,22 +48,31 @@ Result<SnapshotBuilder> SnapshotBuilder::create(calibration::Model model, ModelI
   made.id_ = id;
   made.rules_ = cell.serving;
   made.column_per_unit_.fill(1.0);
-  for (const auto& output : made.model_.outputs) DRIFTWISE_RETURN_IF_ERROR(made.add_output(output));
+  if (made.model_.geometry)
+    DRIFTWISE_RETURN_IF_ERROR(made.add_geometry());
+  else
+    for (const auto& output : made.model_.outputs)
+      DRIFTWISE_RETURN_IF_ERROR(made.add_output(output));
 
   for (const auto& channel : made.slow_.channels()) {
-    const auto range = widened(*made.domain_of(channel.symbol));
+    const auto range = widened(made.range_of(channel));
     made.slow_inputs_.push_back({range.min, range.max, 0.0});
     for (const auto& device : cell.devices)
       for (const auto& probe : device.probes())
         if (probe.channel == channel) made.slow_inputs_.back().u = probe.u_k;
   }
   if (gives == Gives::motors)
-    for (auto& output : made.outputs_) output.travel_mm = travel_of(output.channel, cell);
-  for (std::size_t i = 0; i < made.outputs_.size(); ++i)
-    made.add_uncertainty(made.model_.outputs[i], cell, made.outputs_[i]);
+    for (auto& output : made.outputs_)
+      if (!output.travel_mm) output.travel_mm = travel_of(output.channel, cell);
+  for (auto& output : made.outputs_) {
+    output.absorbed.resize(made.slow_.channels().size());
+    for (const auto& fitted : made.model_.outputs)
+      if (fitted.channel.symbol == output.channel.symbol)
+        made.add_uncertainty(fitted, cell, output);
+  }
   if (made.outputs_.empty() || made.outputs_.size() > kMaxOutputs ||
       made.basis_.size() > kMaxBasis ||
-      made.fast_inputs_.size() + made.slow_inputs_.size() > kMaxInputs)
+      made.fast_inputs_.size() + made.slow_inputs_.size() + made.standing_.size() > kMaxInputs)
     return not_servable(
         reasons::kModelTooLarge,
         "the model has " + std::to_string(made.outputs_.size()) + " outputs, " +
@@ -77,6 +87,57 @@ const calibration::ChannelRange* SnapshotBuilder::domain_of(const std::string& s
   for (const auto& range : model_.domain)
     if (range.channel.symbol == symbol) return &range;
   return nullptr;
+}
+
+calibration::ChannelRange SnapshotBuilder::range_of(const Channel& channel) const {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  if (const auto* range = domain_of(channel.symbol)) return *range;
+  return {channel, -kFar, kFar};
+}
+
+Result<void> SnapshotBuilder::add_geometry() {
+  if (gives_ == Gives::coordinates)
+    return not_servable(reasons::kNotAMotorModel,
+                        "the model is a robot's geometry: it predicts no motion of another");
+  DRIFTWISE_TRY(law_, make_geometry_law(model_));
+  for (const Variable variable : law_->needs())
+    DRIFTWISE_RETURN_IF_ERROR(add_fast_input(channel_of(variable), range_of(channel_of(variable))));
+  for (const auto& channel : law_->temperatures()) slow_.add_channel(channel);
+  for (std::size_t i = 0; i < law_->motors().size(); ++i) {
+    const Channel& motor = law_->motors()[i];
+    const auto fitted =
+        std::ranges::find(model_.outputs, motor, &calibration::OutputModel::channel);
+    if (fitted != model_.outputs.end()) {
+      DRIFTWISE_RETURN_IF_ERROR(add_output(*fitted));
+    } else {
+      outputs_.emplace_back().channel = motor;
+    }
+    const auto [low, high] = law_->limits(i);
+    if (low > -std::numeric_limits<double>::infinity() ||
+        high < std::numeric_limits<double>::infinity())
+      outputs_.back().travel_mm = {low, high};
+  }
+  standing_.assign(outputs_.size(), kMissing);
+  anchored_ = law_->absolute();
+  return {};
+}
+
+void SnapshotBuilder::observe_motors(std::span<const ChannelValue> values) {
+  for (std::size_t i = 0; i < outputs_.size(); ++i)
+    for (const auto& value : values)
+      if (!is_missing(value.value) && value.channel == outputs_[i].channel.name())
+        standing_[i] = value.value;
+}
+
+PresentGeometry SnapshotBuilder::present_geometry(const Conditions& conditions) const {
+  PresentGeometry present{law_, {}, {}, standing_, !datum_.empty()};
+  for (const auto& channel : law_->temperatures()) {
+    const std::size_t at = *slow_.find(channel.symbol);
+    present.temperatures.push_back(conditions.channels[at]);
+    present.u_temperatures.push_back(
+        std::hypot(conditions.u_systematic[at], conditions.u_independent[at]));
+  }
+  return present;
 }
 
 Result<void> SnapshotBuilder::add_output(const calibration::OutputModel& from) {
@@ -184,6 +245,8 @@ Snapshot SnapshotBuilder::build(CellTime now) const {
   snapshot.valid_until = now + nanoseconds_from_s(2 * rules_.rebuild_period_s);
   snapshot.products = basis_.products();
   snapshot.needed = basis_.needed();
+  if (law_)
+    for (const Variable variable : law_->needs()) snapshot.needed |= bit(variable);
   snapshot.column_per_unit = column_per_unit_;
   snapshot.column_shift = column_shift_;
   snapshot.anchored = anchored_;
@@ -200,7 +263,26 @@ Snapshot SnapshotBuilder::build(CellTime now) const {
     snapshot.outputs.back().min_mm = outputs_[i].travel_mm->first;
     snapshot.outputs.back().max_mm = outputs_[i].travel_mm->second;
   }
+  if (!law_) return snapshot;
+  snapshot.geometry = present_geometry(conditions);
+  snapshot.unjudged = model_.geometry->covariance.size() == 0;
+  for (std::size_t i = 0; i < outputs_.size(); ++i)
+    if (const auto* range = domain_of(outputs_[i].channel.symbol))
+      snapshot.inputs.push_back({.channel = outputs_[i].channel,
+                                 .variable = {},
+                                 .min = widened(*range).min,
+                                 .max = widened(*range).max,
+                                 .at = {},
+                                 .output = i});
   return snapshot;
+}
+
+// Where the drift of an arm's joints with this temperature is 0, in its unit.
+double SnapshotBuilder::drift_reference(const Channel& channel) const {
+  for (const auto& link : model_.geometry->robot.links)
+    if (link.errors.drift_channel == channel)
+      return link.errors.drift_from_degC + (channel.unit == "K" ? 273.15 : 0);
+  return 0;
 }
 
 // Fills inputs, their bits and valid_until. A channel that was never read is replaced by the middle
@@ -223,8 +305,12 @@ SnapshotBuilder::Conditions SnapshotBuilder::look_at_inputs(CellTime now,
     const double u_range = (range.max - range.min) / std::sqrt(12.0);
     const bool missing = is_missing(latest.value);
     const bool stale = !missing && now - latest.at > max_age;
-    const double value = missing ? 0.5 * (range.min + range.max) : latest.value;
-    const double u_independent = missing || stale ? u_range : 0.0;
+    // An imported geometry has no fitted range: its drifts count from where they are 0.
+    const bool ranged = std::isfinite(u_range);
+    const double middle =
+        ranged ? 0.5 * (range.min + range.max) : drift_reference(slow_.channels()[j]);
+    const double value = missing ? middle : latest.value;
+    const double u_independent = ranged && (missing || stale) ? u_range : 0.0;
     if (missing) snapshot.missing |= mark;
     if (stale) snapshot.stale |= mark;
     if (!missing && !stale)
@@ -246,7 +332,7 @@ SnapshotBuilder::Conditions SnapshotBuilder::look_at_inputs(CellTime now,
     conditions.channels.push_back(value);
     conditions.u_systematic.push_back(range.u);
     conditions.u_independent.push_back(u_independent);
-    conditions.middle.push_back(0.5 * (range.min + range.max));
+    conditions.middle.push_back(middle);
   }
   conditions.calls = slow_.call_values(conditions.channels);
   conditions.middle_calls = slow_.settled_calls(conditions.middle);

@@ -13,6 +13,7 @@
 
 #include "server/calibration/model/model.h"
 #include "server/compensation/basis_plan.h"
+#include "server/compensation/geometry_law.h"
 #include "server/compensation/slow_state.h"
 #include "server/compensation/snapshot.h"
 #include "server/core/data/reading.h"
@@ -42,7 +43,10 @@ class SnapshotBuilder {
   // In time order. Channels that the model does not use are passed over; kMissing values change
   // nothing, so that the last good one grows old.
   void observe(const Reading& reading) { observe(reading.values, reading.middle()); }
-  void observe(std::span<const ChannelValue> values, CellTime at) { slow_.observe(values, at); }
+  void observe(std::span<const ChannelValue> values, CellTime at) {
+    slow_.observe(values, at);
+    if (law_) observe_motors(values);
+  }
 
   // The zero of the present datum: motor coordinates read back (and force, where the model has it)
   // at pose 0, with every temperature at that instant. From here on q = q_zero + f(pose + p0, now)
@@ -109,11 +113,18 @@ class SnapshotBuilder {
                                               const std::vector<double>& calls,
                                               const std::vector<double>& q_mm) const;
   Result<void> add_output(const calibration::OutputModel& output);
+  // Outputs, inputs and temperatures of the model's geometry.
+  Result<void> add_geometry();
+  void observe_motors(std::span<const ChannelValue> values);
+  double drift_reference(const Channel& channel) const;
+  PresentGeometry present_geometry(const Conditions& conditions) const;
   void add_uncertainty(const calibration::OutputModel& from, const CellDescription& cell,
                        Output& output) const;
   Result<Term> split(const effects::Term& term);
   Result<void> add_fast_input(const Channel& channel, const calibration::ChannelRange& range);
   const calibration::ChannelRange* domain_of(const std::string& symbol) const;
+  // Of the model; infinite where a geometry has none of it.
+  calibration::ChannelRange range_of(const Channel& channel) const;
   Conditions look_at_inputs(CellTime now, Snapshot& snapshot) const;
   Snapshot::Output fold(std::size_t output, const Conditions& conditions) const;
 
@@ -127,7 +138,9 @@ class SnapshotBuilder {
   std::vector<FastInput> fast_inputs_;
   std::array<double, kVariables> column_per_unit_{}, column_shift_{};
   std::vector<SlowInput> slow_inputs_;
-  std::vector<Datum> datum_;  // one per output when anchored
+  std::vector<Datum> datum_;                // one per output when anchored
+  std::shared_ptr<const GeometryLaw> law_;  // none: terms alone
+  std::vector<double> standing_;            // motor coordinates as last read, one per output
   bool anchored_ = false;
 };
 

@@ -8,6 +8,7 @@
 
 #include "server/compensation/basis_values.h"
 #include "server/compensation/dot.h"
+#include "server/compensation/geometry_law.h"
 #include "server/core/reasons.h"
 
 namespace driftwise::compensation {
@@ -60,6 +61,11 @@ double line_variance(const Snapshot::UncertaintyLine& line, std::size_t size, co
   return sum;
 }
 
+// In outputs' units; variances empty where they are not known.
+double share_nm2(const Eigen::VectorXd& variances, std::size_t i) {
+  return variances.size() == 0 ? 0 : variances[static_cast<Eigen::Index>(i)] * kNmPerMm * kNmPerMm;
+}
+
 Target refused(Target target, Refusal refusal) {
   target.refusal = refusal;
   target.q_mm.fill(kNan);
@@ -78,6 +84,16 @@ double look_at_domain(const Snapshot& snapshot, const TargetRequest& request, Ta
     largest = std::max(largest, out);
   }
   return largest;
+}
+
+// Motor coordinates outside the range that they were calibrated in.
+void judge_motors(const Snapshot& snapshot, Target& target) {
+  for (std::size_t i = 0; i < snapshot.inputs.size(); ++i)
+    if (const auto& input = snapshot.inputs[i];
+        input.output && excess(input, target.q_mm[*input.output]) > 0) {
+      target.outside |= std::uint64_t{1} << i;
+      target.flags |= kOutsideDomain;
+    }
 }
 
 // What cannot be computed at all.
@@ -107,6 +123,7 @@ void set_flags(const Snapshot& snapshot, const TargetRequest& request, Target& t
   target.unlimited = snapshot.unlimited;
   if (target.unlimited) target.flags |= kUnknownLimits;
   if (snapshot.configuration_changed) target.flags |= kConfigurationChanged;
+  if (snapshot.unjudged) target.flags |= kUnjudgedModel;
   target.ignored = request.given & ~snapshot.needed;
   if (target.ignored) target.flags |= kIgnoredCoordinate;
 }
@@ -157,8 +174,8 @@ Error beyond_limits(const Snapshot& snapshot, const Target& target) {
   return {ErrorCode::out_of_range, "OUTSIDE_LIMITS(" + axes + ")",
           output.channel.name() + " = " + digits_of(target.unreachable_mm) +
               " lies beyond its soft limits " + digits_of(output.min_mm) + " .. " +
-              digits_of(output.max_mm) +
-              " mm: the pose cannot be reached; ask for one within the travel"};
+              digits_of(output.max_mm) + " " + output.channel.unit +
+              ": the pose cannot be reached; ask for one within the travel"};
 }
 
 std::string names(const Snapshot& snapshot, std::uint64_t bits) {
@@ -169,6 +186,22 @@ std::string names(const Snapshot& snapshot, std::uint64_t bits) {
 }
 
 }  // namespace
+
+NearName set_near(TargetRequest& request, std::string_view channel, double value) {
+  if (channel.size() != 6 || channel[0] != 'q' || channel[1] < '1' || channel[1] > '9')
+    return NearName::unknown;
+  const std::string_view unit = channel.substr(2);
+  if (unit != "_rad" && unit != "_deg") return NearName::unknown;
+  const auto joint = static_cast<std::size_t>(channel[1] - '1');
+  if ((request.near >> joint & 1) != 0) return NearName::twice;
+  request.near |= 1u << joint;
+  request.near_rad[joint] = unit == "_deg" ? value * kRadPerDeg : value;
+  return NearName::taken;
+}
+
+double arcsec_of(const Channel& joint, double micro_units) {
+  return 1e-6 * micro_units * summary_unit(joint.unit).factor;
+}
 
 Target compute_target(const Snapshot& snapshot, const TargetRequest& request) noexcept {
   Target target;
@@ -184,22 +217,36 @@ Target compute_target(const Snapshot& snapshot, const TargetRequest& request) no
       (target.flags & (kStaleTemperature | kMissingTemperature | kExpiredConditions)))
     return refused(target, Refusal::stale);
 
+  LawAnswer law;
+  if (snapshot.geometry) {
+    auto answer =
+        snapshot.geometry->law->motors_of(request, *snapshot.geometry, request.with_uncertainty);
+    if (!answer) {
+      target.why = std::make_shared<const Error>(std::move(answer.error()));
+      return refused(target, Refusal::no_pose);
+    }
+    law = std::move(*answer);
+  }
+  const bool with_uncertainty = request.with_uncertainty && !snapshot.unjudged;
   Basis basis;
   fill_basis(snapshot, request, basis);
   const std::size_t size = snapshot.basis_size();
   Squares squares;
-  if (request.with_uncertainty) fill_squares(basis, size, squares);
+  if (with_uncertainty) fill_squares(basis, size, squares);
   for (std::size_t i = 0; i < target.outputs; ++i) {
     const auto& output = snapshot.outputs[i];
     target.q_mm[i] = dot(output.coefficients_mm.data(), basis.b.data(), size);
-    target.u_nm[i] = request.with_uncertainty
-                         ? std::sqrt(std::max(0.0, variance(output.variance_nm2, squares))) *
+    if (snapshot.geometry) target.q_mm[i] += law.motors[static_cast<Eigen::Index>(i)];
+    target.u_nm[i] = with_uncertainty
+                         ? std::sqrt(std::max(0.0, variance(output.variance_nm2, squares)) +
+                                     share_nm2(law.fit, i) + share_nm2(law.residual, i) +
+                                     share_nm2(law.temperatures, i)) *
                                extrapolation_factor(largest_excess)
                          : kNan;
-    if (!std::isfinite(target.q_mm[i]) ||
-        (request.with_uncertainty && !std::isfinite(target.u_nm[i])))
+    if (!std::isfinite(target.q_mm[i]) || (with_uncertainty && !std::isfinite(target.u_nm[i])))
       return refused(target, Refusal::outside_domain);
   }
+  if (snapshot.geometry) judge_motors(snapshot, target);
   return held_to_limits(snapshot, request, target);
 }
 
@@ -217,9 +264,25 @@ Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request,
   fill_basis(snapshot, request, basis);
   Squares squares;
   fill_squares(basis, snapshot.basis_size(), squares);
+  LawAnswer law;
+  if (snapshot.geometry) {
+    auto answer = snapshot.geometry->law->motors_of(request, *snapshot.geometry, true);
+    if (!answer || snapshot.unjudged) {
+      budget.u_nm = kNan;
+      return budget;
+    }
+    law = std::move(*answer);
+  }
+  const auto of_law = [&](UncertaintySource source) {
+    return source == UncertaintySource::fit            ? share_nm2(law.fit, output)
+           : source == UncertaintySource::residual     ? share_nm2(law.residual, output)
+           : source == UncertaintySource::temperatures ? share_nm2(law.temperatures, output)
+                                                       : 0.0;
+  };
   double sum = 0;
   for (const auto& line : snapshot.outputs[output].lines) {
-    const double nm2 = std::max(0.0, line_variance(line, snapshot.basis_size(), basis, squares));
+    const double nm2 = std::max(0.0, line_variance(line, snapshot.basis_size(), basis, squares)) +
+                       of_law(line.source);
     budget.line[budget.lines++] = {line.source, std::sqrt(nm2)};
     sum += nm2;
   }
@@ -251,6 +314,7 @@ std::string describe_flags(const Snapshot& snapshot, const Target& target) {
   if (target.flags & kIgnoredCoordinate)
     add_named("IGNORED_COORDINATE", variable_names(target.ignored));
   if (target.flags & kConfigurationChanged) add(reasons::kConfigurationChanged, 0);
+  if (target.flags & kUnjudgedModel) add("UNJUDGED_MODEL", 0);
   return out;
 }
 
@@ -294,6 +358,9 @@ Error refusal_error(const Snapshot& snapshot, const Target& target) {
     }
     case Refusal::outside_limits:
       return beyond_limits(snapshot, target);
+    case Refusal::no_pose:
+      if (target.why) return *target.why;
+      break;
   }
   return {ErrorCode::internal, reasons::kNotRefused,
           "asked for the refusal of a target that was not refused"};

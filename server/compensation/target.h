@@ -2,13 +2,15 @@
 // A target: motor coordinates for a wanted pose under the present conditions, with uncertainty and
 // flags.
 //
-// compute_target is a pure function of (snapshot, request): no clock, lock, allocation or
-// exception, any thread. The inverse geometric model is a direct formula, so nothing iterates.
-// Cost: docs/target-line.md, tests/bench.
+// compute_target is a pure function of (snapshot, request): no clock, lock or exception, any
+// thread. A fitted inverse geometric model is a direct formula: nothing iterates, nothing is
+// allocated. Of a model with a geometry the law answers (geometry_law.h), which allocates and, for
+// an arm, iterates. Cost: docs/target-line.md, tests/bench.
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -16,18 +18,31 @@
 
 namespace driftwise::compensation {
 
+constexpr std::size_t kMaxJoints = 9;
+
 struct TargetRequest {
   std::array<double, kVariables> value{};  // by Variable: mm, arcsec, N
   std::uint32_t given = 0;                 // bit per Variable: which of them the caller stated
   bool with_uncertainty = true;
   bool show_unreachable = false;  // numbers beyond the soft limits too, flagged: for people
   CellTime now;                   // utc_ns 0: the snapshot's age is not looked at
+  // Of an arm's solutions the nearest to these angles, joint q1 first. A bit per joint: stated;
+  // the others: where the joint stands.
+  std::array<double, kMaxJoints> near_rad{};
+  std::uint32_t near = 0;
 
   void set(Variable variable, double v) {
     value[static_cast<std::size_t>(variable)] = v;
     given |= bit(variable);
   }
 };
+
+enum class NearName { taken, unknown, twice };
+// channel: "q2_rad" or "q2_deg", of a joint 1 to kMaxJoints.
+NearName set_near(TargetRequest& request, std::string_view channel, double value);
+
+// A joint's standard uncertainty from 1e-6 of its channel's unit, as u_nm has it.
+double arcsec_of(const Channel& joint, double micro_units);
 
 enum TargetFlag : std::uint32_t {
   kOutsideDomain =
@@ -44,6 +59,8 @@ enum TargetFlag : std::uint32_t {
   kIgnoredCoordinate = 1u << 7,     // the model does not depend on a stated coordinate: see ignored
   kConfigurationChanged = 1u << 8,  // the cell file has changed, in parts that this model does not
                                     // use; nobody has accepted it yet
+  kUnjudgedModel =
+      1u << 9,  // an imported geometry: neither its domain nor its uncertainty is known
 };
 
 enum class Refusal : std::uint8_t {
@@ -57,18 +74,22 @@ enum class Refusal : std::uint8_t {
   outside_limits,         // [serving] refuse_outside_limits: see unreachable
   configuration_changed,  // the cell file has changed in a part that the model uses: a person has
                           // to accept it first
+  no_pose,                // the geometry has no answer: out of reach, singular, where it stands is
+                          // not known; see why
 };
 
 struct Target {
   std::size_t outputs = 0;  // how many entries below are meant, in order of Snapshot::outputs
   std::array<double, kMaxOutputs> q_mm{};
-  std::array<double, kMaxOutputs> u_nm{};  // standard uncertainty; NaN when it was not asked for
+  std::array<double, kMaxOutputs> u_nm{};  // standard uncertainty; NaN when it was not asked for or
+                                           // is not known (kUnjudgedModel)
   std::uint32_t flags = 0;                 // TargetFlag
   std::uint64_t outside = 0, stale = 0, missing = 0;  // a bit per entry of Snapshot::inputs
   std::uint32_t unreachable = 0, unlimited = 0;  // a bit per output: beyond its limits; none known
   std::uint32_t ignored = 0;                     // a bit per Variable
   double unreachable_mm = 0;                     // of the lowest output in unreachable
-  Refusal refusal = Refusal::none;  // with one, q_mm is NaN: there is nothing to move to
+  Refusal refusal = Refusal::none;     // with one, q_mm is NaN: there is nothing to move to
+  std::shared_ptr<const Error> why{};  // of Refusal::no_pose
   CellTime valid_until;
 
   double expanded_nm(std::size_t i) const { return 2.0 * u_nm[i]; }     // k = 2
@@ -96,7 +117,7 @@ std::string describe_flags(const Snapshot& snapshot, const Target& target);
 
 // The refusal as the error a client sees: NO_MODEL, MISSING_COORDINATE, NOT_FINITE, OUTSIDE_DOMAIN,
 // STALE, CONFIGURATION_CHANGED, OUTSIDE_LIMITS(q3) with the motor coordinates that lie beyond,
-// joined by '+'.
+// joined by '+'; what the geometry says (geometry_law.h).
 Error refusal_error(const Snapshot& snapshot, const Target& target);
 
 }  // namespace driftwise::compensation

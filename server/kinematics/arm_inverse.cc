@@ -11,6 +11,7 @@
 #include "server/core/reasons.h"
 #include "server/core/text/quantity_text.h"
 #include "server/core/units.h"
+#include "server/kinematics/angles.h"
 
 namespace driftwise::kinematics {
 namespace {
@@ -93,24 +94,63 @@ class Solver {
   std::vector<double> inputs_;
 };
 
+struct Singularity {
+  const char *name, *what;
+};
+
 // By the axes where two of the wrist stand parallel, else by the joints that can turn without
 // moving the tool.
-std::string name_of_singularity(const Matrix6X& jacobian, const Eigen::VectorXd& still) {
+Singularity singularity_of(const Matrix6X& jacobian, const Eigen::VectorXd& still) {
   const Index joints = jacobian.cols();
   if (joints == 6) {
     const Eigen::Vector3d fourth = jacobian.col(3).tail<3>(), sixth = jacobian.col(5).tail<3>();
     if (fourth.cross(sixth).norm() < kParallel)
-      return "wrist: the axes of joints 4 and 6 are parallel";
+      return {"wrist", "the axes of joints 4 and 6 are parallel"};
   }
-  if (std::abs(still[0]) > kOfJoint1) return "shoulder: the wrist is over the axis of joint 1";
-  return "elbow: the arm is stretched or folded";
+  if (std::abs(still[0]) > kOfJoint1) return {"shoulder", "the wrist is over the axis of joint 1"};
+  return {"elbow", "the arm is stretched or folded"};
+}
+
+// One solution at the turns of its joints that are nearest to the start within the limits.
+struct Candidate {
+  Eigen::VectorXd angles;
+  std::uint32_t beyond = 0;
+  double apart = 0;
+};
+
+Candidate placed(const SerialArm& arm, const Eigen::VectorXd& solution,
+                 const Eigen::VectorXd& start) {
+  Candidate result{solution, 0, 0};
+  for (Index j = 0; j < start.size(); ++j) {
+    const auto& link = arm.description().links[static_cast<std::size_t>(j)];
+    const double low = rad_from_deg(link.min_deg), high = rad_from_deg(link.max_deg);
+    double& angle = result.angles[j];
+    angle = nearest_turn(angle, start[j]);
+    if (angle < low) angle += kTurn * std::ceil((low - angle) / kTurn);
+    if (angle > high) angle -= kTurn * std::ceil((angle - high) / kTurn);
+    if (angle >= low && angle <= high) continue;
+    angle = nearest_turn(angle, start[j]);
+    result.beyond |= 1u << j;
+  }
+  result.apart = (result.angles - start).norm();
+  return result;
+}
+
+// Within its limits, and so near to the start that no other solution can be nearer (Search).
+bool is_nearest(const SerialArm& arm, Solver& solver, const Eigen::VectorXd& solution,
+                const Eigen::VectorXd& start) {
+  const Candidate one = placed(arm, solution, start);
+  if (one.beyond != 0) return false;
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(solver.jacobian(solver.posture(one.angles)) /
+                                              arm.reach_mm());
+  return one.apart < svd.singularValues().minCoeff() / (3 * static_cast<double>(start.size()));
 }
 
 }  // namespace
 
 Result<JointSolution> nearest_joints(const SerialArm& arm, const Eigen::VectorXd& values,
                                      const WantedPose& wanted, std::span<const double> near,
-                                     std::span<const double> temperatures) {
+                                     std::span<const double> temperatures, Search search) {
   const std::size_t joints = arm.joints();
   if (joints != 3 && joints != 6)
     return fail(ErrorCode::invalid_argument, reasons::kBadKinematics,
@@ -138,9 +178,11 @@ Result<JointSolution> nearest_joints(const SerialArm& arm, const Eigen::VectorXd
     found.push_back(std::move(*solution));
   };
   take(solver.solve(start));
+  const bool certain = search == Search::until_certain && !found.empty() &&
+                       is_nearest(arm, solver, found.front(), start);
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> anywhere(-std::numbers::pi, std::numbers::pi);
-  for (int i = 0; i < kStarts; ++i) {
+  for (int i = 0; i < kStarts && !certain; ++i) {
     Eigen::VectorXd from(start.size());
     for (double& angle : from) angle = anywhere(random);
     take(solver.solve(std::move(from)));
@@ -152,17 +194,21 @@ Result<JointSolution> nearest_joints(const SerialArm& arm, const Eigen::VectorXd
                     digits_text(wanted.point_mm.z(), 6) +
                     " mm with these axes: the arm's reach is " + digits_text(arm.reach_mm(), 6) +
                     " mm from its base");
-  const auto& best = *std::ranges::min_element(
-      found, {}, [&](const Eigen::VectorXd& one) { return (one - start).norm(); });
+  std::vector<Candidate> candidates;
+  for (const auto& one : found) candidates.push_back(placed(arm, one, start));
+  const auto& [best, beyond, apart] = *std::ranges::min_element(
+      candidates, {}, [](const Candidate& one) { return std::pair(one.beyond != 0, one.apart); });
   const auto at = solver.posture(best);
-  const Eigen::MatrixXd scaled = solver.jacobian(at) / arm.reach_mm();
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(solver.jacobian(at) / arm.reach_mm(),
+                                              Eigen::ComputeThinU | Eigen::ComputeThinV);
   JointSolution result;
   result.least_motion = svd.singularValues().minCoeff();
+  result.beyond = beyond;
+  const auto singularity = singularity_of(at.jacobian, svd.matrixV().col(start.size() - 1));
   if (result.least_motion < kLeastMotion)
-    return fail(ErrorCode::failed_precondition, reasons::kNoPose,
-                "near a singular pose (" +
-                    name_of_singularity(at.jacobian, svd.matrixV().col(start.size() - 1)) +
+    return fail(ErrorCode::failed_precondition,
+                std::string(reasons::kNoPose) + "(" + singularity.name + ")",
+                std::string("near a singular pose (") + singularity.name + ": " + singularity.what +
                     "): a turn of the joints moves the tool by " +
                     digits_text(result.least_motion, 3) + " of the reach per radian, less than " +
                     digits_text(kLeastMotion, 3) +
@@ -172,8 +218,24 @@ Result<JointSolution> nearest_joints(const SerialArm& arm, const Eigen::VectorXd
   const Eigen::VectorXd miss = solver.missing(at);
   result.miss_nm = nm_from_mm(miss.head<3>().norm());
   if (wanted.axes) result.miss_arcsec = arcsec_from_rad(miss.tail<3>().norm() / arm.reach_mm());
-  result.solutions = static_cast<int>(found.size());
+  result.solutions = certain ? 0 : static_cast<int>(found.size());
   return result;
+}
+
+Error beyond_limits(const SerialArm& arm, const JointSolution& solution) {
+  std::string names, said;
+  for (std::size_t j = 0; j < arm.joints(); ++j) {
+    if ((solution.beyond >> j & 1) == 0) continue;
+    const auto& link = arm.description().links[j];
+    names += (names.empty() ? "" : "+") + link.motor.symbol;
+    said += (said.empty() ? "" : ", ") + link.motor.symbol + " = " +
+            digits_text(deg_from_rad(solution.joints[j] * arm.rad_per_unit(j)), 6) +
+            " deg, limits " + digits_text(link.min_deg, 6) + " .. " + digits_text(link.max_deg, 6);
+  }
+  return {ErrorCode::out_of_range, std::string(reasons::kOutsideLimits) + "(" + names + ")",
+          "each of " + std::to_string(solution.solutions) +
+              " solutions has a joint beyond its limits; of the nearest: " + said +
+              "; ask for another pose"};
 }
 
 }  // namespace driftwise::kinematics

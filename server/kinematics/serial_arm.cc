@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "server/core/reasons.h"
+#include "server/core/text/quantity_text.h"
 #include "server/core/try.h"
 #include "server/kinematics/angles.h"
 #include "server/kinematics/frame.h"
@@ -52,6 +53,10 @@ Result<void> check_arm(const KinematicsDescription& description) {
       return bad("found drift_channel " + channel.name() + ", expected a temperature");
     if (channel.symbol.empty() && link.errors.drift_arcsec_per_k != 0)
       return bad("found drift_arcsec_per_k without drift_channel, expected both");
+    if (!(link.min_deg < link.max_deg))
+      return bad("limits of " + link.motor.symbol + ": found min_deg " +
+                 digits_text(link.min_deg, 6) + " and max_deg " + digits_text(link.max_deg, 6) +
+                 ", expected min_deg below max_deg");
   }
   if (Eigen::Vector3d(description.gravity.data()).norm() < 1e-6)
     return bad("found gravity of no direction, expected such as [0, 0, -1]");
@@ -179,10 +184,12 @@ Prediction SerialArm::evaluate(std::span<const double> inputs, const Eigen::Vect
   return prediction;
 }
 
-SerialArm::Posture SerialArm::posture(std::span<const double> inputs,
-                                      const Eigen::VectorXd& values) const {
+SerialArm::Posture SerialArm::posture(std::span<const double> inputs, const Eigen::VectorXd& values,
+                                      Derivatives by_parameters) const {
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  Posture result;
+  if (by_parameters == Derivatives::yes) result.by_parameters.setZero(6, values.size());
   Eigen::Matrix3Xd joint_axes(3, static_cast<Eigen::Index>(joints())), joint_origins = joint_axes;
   const auto motion = motions(inputs, values);
   for (std::size_t e = 0; e < chain_.size(); ++e) {
@@ -191,12 +198,24 @@ SerialArm::Posture SerialArm::posture(std::span<const double> inputs,
       joint_axes.col(element.joint) = axes.col(element.axis);
       joint_origins.col(element.joint) = origin;
     }
+    // Until the end of the chain is known: the axis, and of a turn where it stands.
+    if (by_parameters == Derivatives::yes && element.parameter >= 0)
+      result.by_parameters.col(element.parameter) << origin, axes.col(element.axis);
     if (element.kind == Kind::turn)
       turn_axes(axes, element.axis, motion[e]);
     else
       origin += motion[e] * axes.col(element.axis);
   }
-  Posture result;
+  if (by_parameters == Derivatives::yes)
+    for (const auto& element : chain_) {
+      if (element.parameter < 0) continue;
+      auto column = result.by_parameters.col(element.parameter);
+      const Eigen::Vector3d from = column.head<3>(), axis = column.tail<3>();
+      if (element.kind == Kind::turn)
+        column << kRadPerDeg * axis.cross(Eigen::Vector3d(origin - from)), kRadPerDeg * axis;
+      else
+        column << axis, Eigen::Vector3d::Zero();
+    }
   result.tool = Eigen::Isometry3d::Identity();
   result.tool.linear() = axes;
   result.tool.translation() = origin;

@@ -34,9 +34,12 @@ class SerialArm final : public Mechanism {
     // 6 x joints: the point's motion, mm per rad, and the turn, rad per rad, of each joint alone.
     // The errors of the joints count as constant.
     Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian;
+    // The same by each parameter of the drawing, per its unit.
+    Eigen::Matrix<double, 6, Eigen::Dynamic> by_parameters;
   };
   // inputs, values: as for predict().
-  Posture posture(std::span<const double> inputs, const Eigen::VectorXd& values) const;
+  Posture posture(std::span<const double> inputs, const Eigen::VectorXd& values,
+                  Derivatives by_parameters = Derivatives::no) const;
 
  private:
   using Mechanism::Mechanism;

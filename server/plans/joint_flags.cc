@@ -224,6 +224,9 @@ Error joint_refusal_error(const JointSnapshot& snapshot, const JointTarget& targ
                   ", and this cell refuses such targets ([serving] refuse_stale): look at the "
                   "scanner"};
     }
+    case Refusal::no_pose:
+      if (target.why) return *target.why;
+      break;
     case Refusal::outside_limits:
       return beyond_limits_of(snapshot, target);
     case Refusal::configuration_changed:

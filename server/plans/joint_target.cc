@@ -156,6 +156,7 @@ bool answer_robot(const JointSnapshot::Robot& robot, std::size_t r, const JointR
   for (const Target* one : {&fine, &coarse})
     if (one->refusal != Refusal::none) {
       target = refused_with(target, one->refusal, r);
+      target.why = one->why;
       return false;
     }
   if (w > 0) {

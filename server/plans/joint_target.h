@@ -13,6 +13,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -82,6 +83,7 @@ struct JointTarget {
   std::uint32_t refused = 0;
   bool ambiguous = false;
   double unreachable_mm = 0;
+  std::shared_ptr<const Error> why{};  // of Refusal::no_pose
 
   double u90_nm(std::size_t i) const { return kSigmaToU90 * u_nm[i]; }
   double expanded_nm(std::size_t i) const { return 2.0 * u_nm[i]; }

@@ -11,6 +11,7 @@
 
 #include "server/core/channel.h"
 #include "server/core/data/reading.h"
+#include "server/core/description/kinematics_description.h"
 #include "server/core/ids.h"
 #include "server/effects/term.h"
 
@@ -127,6 +128,25 @@ struct Lineage {
   std::optional<ModelId> parent;
 };
 
+// One number of a robot's geometry.
+struct GeometryParameter {
+  std::string name;           // "link2.a_mm": as the robot file writes it
+  double value = 0;           // in the unit that the name ends in
+  double standard_error = 0;  // 0 where it is held
+  bool free = false;
+  std::string note;  // why it is held; how weakly it is determined
+};
+
+// A robot's own geometry (server/kinematics). A model with one gives
+//   motor coordinate = geometry(pose) + sum over the output's terms
+// or, of a serial arm, whose geometry gives the pose, the joint angles that bring it there; its
+// outputs are then x, y, z and have figures and no terms.
+struct Geometry {
+  KinematicsDescription robot;                // its numbers are the model's
+  std::vector<GeometryParameter> parameters;  // empty: imported, nothing was identified
+  Eigen::MatrixXd covariance;                 // of the free ones, in their order and units
+};
+
 struct Model {
   std::string formula;              // canonical
   std::string select = "stepwise";  // or "all"
@@ -142,6 +162,7 @@ struct Model {
   Lineage lineage;
   std::vector<std::string> warnings;
   double fit_us = 0;
+  std::optional<Geometry> geometry = {};  // none: terms alone
 };
 
 }  // namespace driftwise::calibration

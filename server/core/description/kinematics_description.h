@@ -4,6 +4,7 @@
 // every room; server/kinematics makes a mechanism of it.
 
 #include <array>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,9 @@ struct ArmLink {
   double mass_kg = 0;                         // 0 in all links: unknown
   std::array<double, 3> mass_centre_mm = {};  // in the frame behind the link
   JointErrors errors{};
+  // Of the angle as read back, degrees; infinite: none declared.
+  double min_deg = -std::numeric_limits<double>::infinity();
+  double max_deg = std::numeric_limits<double>::infinity();
 };
 
 struct LinearAxis {

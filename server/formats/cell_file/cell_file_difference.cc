@@ -155,7 +155,8 @@ void add_kinematics(const CellDescription& cell, Parts& parts) {
          {"drift", errors.drift_channel.symbol.empty()
                        ? ""
                        : errors.drift_channel.name() + " " + text_of(errors.drift_arcsec_per_k) +
-                             " arcsec/K from " + text_of(errors.drift_from_degC) + " degC"}},
+                             " arcsec/K from " + text_of(errors.drift_from_degC) + " degC"},
+         {"limits_deg", text_of(std::array{link.min_deg, link.max_deg})}},
         all};
   }
   for (const auto& axis : robot.axes)

@@ -1,5 +1,7 @@
 #include "server/formats/cell_file/kinematics_section.h"
 
+#include <cmath>
+
 #include "server/core/reasons.h"
 #include "server/formats/text/text.h"
 #include "server/kinematics/mechanism.h"
@@ -10,6 +12,7 @@ namespace {
 constexpr Range kLength_mm{.min = -1e5, .max = 1e5};
 constexpr Range kPositive_mm{.min = 0, .max = 1e5, .above_min = true};
 constexpr Range kAngle_deg{.min = -360, .max = 360};
+constexpr Range kLimit_deg{.min = -36000, .max = 36000};  // a hundred turns
 constexpr Range kScale_ppm{.min = -1e5, .max = 1e5};
 constexpr Range kMass_kg{.min = 0, .max = 1e4};
 constexpr Range kSag_urad{.min = -1e5, .max = 1e5};
@@ -55,6 +58,8 @@ void read_link(TomlReader&& reader, ArmLink& out) {
   reader.channel("drift_channel", errors.drift_channel, Need::optional);
   reader.number("drift_arcsec_per_k", errors.drift_arcsec_per_k, kJoint_arcsec);
   reader.number("drift_from_degC", errors.drift_from_degC, kTemperature_degC);
+  reader.number("min_deg", out.min_deg, kLimit_deg);
+  reader.number("max_deg", out.max_deg, kLimit_deg);
   reader.finish();
 }
 
@@ -224,6 +229,8 @@ std::string write_robot_file(const KinematicsDescription& description) {
     if (link.mass_centre_mm != ArmLink{}.mass_centre_mm)
       append_vector(text, "mass_centre_mm", link.mass_centre_mm);
     append_errors(text, link.errors);
+    if (std::isfinite(link.min_deg)) append_line(text, "min_deg", link.min_deg);
+    if (std::isfinite(link.max_deg)) append_line(text, "max_deg", link.max_deg);
   }
   for (const auto& axis : description.axes) {
     text += "\n[[kinematics.axis]]\nmotor = \"" + axis.motor.name() + "\"\npose = \"" +

@@ -2,6 +2,7 @@
 
 #include "server/core/reasons.h"
 #include "server/core/try.h"
+#include "server/formats/model/geometry_json.h"
 #include "server/formats/model/model_json_uncertainty.h"
 #include "server/formats/text/json_place.h"
 #include "server/formats/text/text.h"
@@ -24,7 +25,7 @@ constexpr const char* kSchema = "driftwise.model.v1";
                                               const calibration::TermReport& report,
                                               const calibration::SelectionStep& step,
                                               const Lineage& lineage) {
-  [[maybe_unused]] const auto& [m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11, m12, m13, m14] =
+  [[maybe_unused]] const auto& [m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11, m12, m13, m14, m15] =
       model;
   [[maybe_unused]] const auto& [o1, o2, o3, o4, o5, o6, o7, o8, o9, o10, o11, o12] = output;
   [[maybe_unused]] const auto& [a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11, a12, a13, a14, a15,
@@ -358,6 +359,7 @@ Model read_whole(const JsonPlace& from) {
         {domain[i]["channel"].channel(), domain[i]["min"].finite(), domain[i]["max"].finite()});
   for (std::size_t i = 0; i < warnings.size(); ++i) model.warnings.push_back(warnings[i].text());
   if (from.has("datum_zeros")) model.datum_zeros = read_datum_zeros(from["datum_zeros"]);
+  if (from.has("geometry")) model.geometry = read_geometry(from["geometry"]);
   model.fit_us = from["fit_us"].finite();
   return model;
 }
@@ -383,6 +385,7 @@ std::string write_model_json(const Model& model, int indent) {
               {"lineage", lineage_json(model.lineage)},
               {"warnings", model.warnings},
               {"fit_us", model.fit_us}};
+  if (model.geometry) out["geometry"] = geometry_json(*model.geometry);
   if (!model.datum_zeros.empty()) out["datum_zeros"] = datum_zeros_json(model.datum_zeros);
   return out.dump(indent, ' ', false, Json::error_handler_t::replace);
 }

@@ -90,6 +90,34 @@ TEST(ArmInverse, GivesTheSolutionNearestToTheAnglesAskedFor) {
   EXPECT_NEAR(wound_up->joints[5], wound[5], 1e-7);
 }
 
+TEST(ArmInverse, EndsTheSearchOnlyWhereNoOtherSolutionIsNearer) {
+  const auto arm = bent_ur10();
+  const auto values = nominal_values(arm.parameters());
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> angle(-3, 3), step(-0.3, 0.3);
+  int ended = 0, solved = 0;
+  for (int trial = 0; trial < 16; ++trial) {
+    std::vector<double> q(6), near(6);
+    // Half of them small steps; turned wrists and stretched elbows among them.
+    const double size = trial % 2 == 0 ? 0.01 : 1;
+    for (std::size_t j = 0; j < 6; ++j) {
+      q[j] = angle(random);
+      near[j] = q[j] + size * step(random);
+    }
+    const auto at = posture(arm, q);
+    const WantedPose pose{at.tool.translation(), at.tool.linear()};
+    const auto all = nearest_joints(arm, values, pose, near, kWarm);
+    const auto first = nearest_joints(arm, values, pose, near, kWarm, Search::until_certain);
+    ASSERT_EQ(all.has_value(), first.has_value());
+    if (!all) continue;
+    ++solved;
+    ended += first->solutions == 0 ? 1 : 0;
+    for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(first->joints[j], all->joints[j], 1e-9);
+  }
+  EXPECT_GE(solved, 8);
+  EXPECT_GE(ended, 3);
+}
+
 TEST(ArmInverse, RefusesPosesNearASingularOneByName) {
   const auto arm = bent_ur10();
   const auto refusal = [&](const std::vector<double>& q) {

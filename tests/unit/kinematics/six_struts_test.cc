@@ -27,7 +27,8 @@ SixPose random_pose(std::mt19937_64& random, double stroke_mm, double turn_rad) 
 }
 
 TEST(SixStruts, StandAtMotorZeroAtPoseZero) {
-  for (const double q : *robot().motors({})) EXPECT_NEAR(q, 0, 1e-12);
+  const auto motors = *robot().motors({});
+  for (const double q : motors) EXPECT_NEAR(q, 0, 1e-12);
 }
 
 TEST(SixStruts, MoveAlongXByThePairAlongXAndTheRestByItsArms) {

@@ -112,6 +112,7 @@ ExitCode arm_target(const Session& session, const ArmTargetArguments& a) {
   const auto solution = value_or_throw(
       kinematics::nearest_joints(arm, kinematics::nominal_values(arm.parameters()), question.wanted,
                                  question.near, question.temperatures));
+  if (solution.beyond != 0) throw failure_of(kinematics::beyond_limits(arm, solution));
   if (session.console.json) {
     nlohmann::ordered_json json;
     for (std::size_t j = 0; j < arm.joints(); ++j)

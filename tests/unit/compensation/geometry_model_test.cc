@@ -1,0 +1,354 @@
+// Targets of a model with a robot's geometry, held against homogeneous matrices multiplied here and
+// against the closing equation of a delta's arms.
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <numbers>
+
+#include "server/compensation/forward_pose.h"
+#include "server/compensation/snapshot_builder.h"
+#include "server/compensation/target.h"
+#include "server/formats/cell_file/kinematics_section.h"
+#include "tests/support/arm_chain.h"
+
+namespace driftwise::compensation {
+namespace {
+
+using Eigen::Matrix4d;
+using Eigen::Vector3d;
+using tests::forward;
+using tests::kArcsec;
+using tests::kDeg;
+using tests::rotations_arcsec;
+
+constexpr CellTime kBuilt{1'000'000'000'000};
+constexpr double kWarm_degC = 24;
+
+KinematicsDescription ur10() {
+  std::ifstream file(std::string(DRIFTWISE_SOURCE_DIR) + "/tests/data/robots/ur10.toml");
+  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  return *formats::parse_robot_file(text, "ur10.toml");
+}
+
+KinematicsDescription bent_ur10() {
+  auto arm = ur10();
+  arm.links[1].errors.sag_urad_per_m = 1250;
+  arm.links[2].errors.sag_urad_per_m = 740;
+  arm.links[2].errors.gear_cos1_arcsec = 30;
+  arm.links[2].errors.gear_sin2_arcsec = 12;
+  arm.links[3].errors.drift_channel = {"air", "degC"};
+  arm.links[3].errors.drift_arcsec_per_k = 4;
+  return arm;
+}
+
+TargetRequest pose_of(const Matrix4d& m) {
+  TargetRequest request;
+  request.with_uncertainty = false;
+  request.set(Variable::x, m(0, 3));
+  request.set(Variable::y, m(1, 3));
+  request.set(Variable::z, m(2, 3));
+  const auto [rx, ry, rz] = rotations_arcsec(m);
+  request.set(Variable::rx, rx);
+  request.set(Variable::ry, ry);
+  request.set(Variable::rz, rz);
+  return request;
+}
+
+TargetRequest near(TargetRequest request, const std::vector<double>& q_rad) {
+  for (std::size_t j = 0; j < q_rad.size(); ++j)
+    EXPECT_EQ(set_near(request, "q" + std::to_string(j + 1) + "_rad", q_rad[j]), NearName::taken);
+  return request;
+}
+
+calibration::Model imported(const KinematicsDescription& robot) {
+  calibration::Model model;
+  model.geometry = calibration::Geometry{robot, {}, {}};
+  return model;
+}
+
+SnapshotBuilder serving(const calibration::Model& model) {
+  auto builder = SnapshotBuilder::create(model, ModelId{1}, CellDescription{});
+  if (!builder) throw std::runtime_error(builder.error().message);
+  return std::move(*builder);
+}
+
+Snapshot warm_snapshot(const calibration::Model& model) {
+  auto builder = serving(model);
+  const ChannelValue air{"air_degC", kWarm_degC};
+  builder.observe({&air, 1}, kBuilt);
+  return builder.build(kBuilt);
+}
+
+Error refusal_of(const Snapshot& snapshot, const TargetRequest& request) {
+  return refusal_error(snapshot, compute_target(snapshot, request));
+}
+
+const std::vector<double> kPosture = {0.3, -1.2, 1.4, -1.0, 1.1, 0.5};
+
+TEST(GeometryModel, BringsAnArmsToolToThePoseToANanometre) {
+  const auto robot = bent_ur10();
+  const auto snapshot = warm_snapshot(imported(robot));
+  for (const double by : {0.0, 0.35, -0.4}) {
+    auto q = kPosture;
+    for (double& angle : q) angle += by;
+    const Matrix4d wanted = forward(robot, q, kWarm_degC);
+    auto off = q;
+    off[1] += 0.2;
+    const auto target = compute_target(snapshot, near(pose_of(wanted), off));
+    ASSERT_EQ(target.refusal, Refusal::none) << refusal_error(snapshot, target).message;
+    const std::vector<double> found(target.q_mm.begin(), target.q_mm.begin() + 6);
+    const Matrix4d reached = forward(robot, found, kWarm_degC);
+    EXPECT_LT((reached - wanted).block(0, 3, 3, 1).norm() * 1e6, 1);
+    EXPECT_LT((reached - wanted).topLeftCorner(3, 3).norm(), 1e-9);
+    for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(found[j], q[j], 1e-7);
+  }
+}
+
+TEST(GeometryModel, FollowsTheTemperatureThatAJointDriftsWith) {
+  const auto robot = bent_ur10();
+  auto builder = serving(imported(robot));
+  const auto request = near(pose_of(forward(robot, kPosture, kWarm_degC)), kPosture);
+  double angle[2];
+  for (const int later : {0, 1}) {
+    const ChannelValue air{"air_degC", kWarm_degC + later};
+    builder.observe({&air, 1}, kBuilt);
+    angle[later] = compute_target(builder.build(kBuilt), request).q_mm[3];
+  }
+  EXPECT_NEAR((angle[1] - angle[0]) / kArcsec, -4, 1e-3);  // 4 arcsec/K are taken back
+}
+
+TEST(GeometryModel, SaysThatAnImportedGeometryWasNotJudged) {
+  const auto snapshot = warm_snapshot(imported(bent_ur10()));
+  auto request = near(pose_of(forward(bent_ur10(), kPosture, kWarm_degC)), kPosture);
+  request.with_uncertainty = true;
+  const auto target = compute_target(snapshot, request);
+  ASSERT_EQ(target.refusal, Refusal::none);
+  EXPECT_TRUE(std::isnan(target.u_nm[0]));
+  EXPECT_NE(describe_flags(snapshot, target).find("UNJUDGED_MODEL"), std::string::npos);
+}
+
+TEST(GeometryModel, IsNearestToWhereTheArmStandsUnlessTheRequestSays) {
+  const auto robot = bent_ur10();
+  auto builder = serving(imported(robot));
+  const auto request = pose_of(forward(robot, kPosture, 20));
+  const auto unknown = refusal_of(builder.build(kBuilt), request);
+  EXPECT_EQ(unknown.reason, "MISSING_VALUE");
+  EXPECT_NE(unknown.message.find("q1_rad"), std::string::npos);
+  // The wrist turned over.
+  const std::vector<double> over = {
+      0.3, -1.2, 1.4, -1.0 + std::numbers::pi, -1.1, 0.5 - std::numbers::pi};
+  std::vector<ChannelValue> standing;
+  for (std::size_t j = 0; j < 6; ++j)
+    standing.push_back({"q" + std::to_string(j + 1) + "_rad", over[j]});
+  builder.observe(standing, kBuilt);
+  const auto snapshot = builder.build(kBuilt);
+  EXPECT_LT(compute_target(snapshot, request).q_mm[4], 0);
+  EXPECT_GT(compute_target(snapshot, near(request, kPosture)).q_mm[4], 0);
+}
+
+TEST(GeometryModel, RefusesPosesByName) {
+  const auto robot = bent_ur10();
+  const auto snapshot = warm_snapshot(imported(robot));
+  const auto refused = [&](const std::vector<double>& q) {
+    return refusal_of(snapshot, near(pose_of(forward(robot, q, kWarm_degC)), q)).reason;
+  };
+  EXPECT_EQ(refused({0.3, -1.2, 1.4, -1.0, 0.001, 0.5}), "NO_POSE(wrist)");
+  EXPECT_EQ(refused({0.3, -1.2, 0.001, -1.0, 1.1, 0.5}), "NO_POSE(elbow)");
+  auto far = near(pose_of(forward(robot, kPosture, kWarm_degC)), kPosture);
+  far.set(Variable::x, 9000);
+  const auto error = refusal_of(snapshot, far);
+  EXPECT_EQ(error.reason, "NO_POSE");
+  EXPECT_EQ(error.code, ErrorCode::out_of_range);
+}
+
+TEST(GeometryModel, ChoosesAmongSolutionsWithinTheLimitsOfTheJoints) {
+  auto robot = bent_ur10();
+  robot.links[4].min_deg = -180;
+  robot.links[4].max_deg = 0;
+  auto snapshot = warm_snapshot(imported(robot));
+  const auto request = near(pose_of(forward(robot, kPosture, kWarm_degC)), kPosture);
+  const auto target = compute_target(snapshot, request);
+  ASSERT_EQ(target.refusal, Refusal::none) << refusal_error(snapshot, target).message;
+  EXPECT_LT(target.q_mm[4], 0);  // 1.1 rad would be nearer
+  robot.links[4].min_deg = 10;
+  robot.links[4].max_deg = 20;  // of all solutions about +-63 degrees and others: none is there
+  snapshot = warm_snapshot(imported(robot));
+  const auto error = refusal_of(snapshot, request);
+  EXPECT_EQ(error.reason, "OUTSIDE_LIMITS(q5)");
+  EXPECT_NE(error.message.find("q5_rad"), std::string::npos) << error.message;
+}
+
+TEST(GeometryModel, TakesTheTurnThatTheLimitsAllow) {
+  auto robot = bent_ur10();
+  robot.links[4].min_deg = 0;  // the wrist stays as it is
+  robot.links[5].min_deg = 180;
+  robot.links[5].max_deg = 540;
+  const auto snapshot = warm_snapshot(imported(robot));
+  auto close = kPosture;
+  close[5] += 2.9;  // still nearer to the turn that is beyond the limits
+  const auto request = near(pose_of(forward(robot, kPosture, kWarm_degC)), close);
+  const auto target = compute_target(snapshot, request);
+  ASSERT_EQ(target.refusal, Refusal::none);
+  EXPECT_NEAR(target.q_mm[5], kPosture[5] + 2 * std::numbers::pi, 1e-7);
+}
+
+// Three joints, so that a solution is cheap.
+KinematicsDescription lifting_arm() {
+  KinematicsDescription arm;
+  arm.kind = "serial-arm";
+  arm.links = {{{"q1", "deg"}, 0, 300, 0, 90, 0},
+               {{"q2", "deg"}, 0, 0, 500, 0, 0},
+               {{"q3", "deg"}, 0, 0, 400, 0, 0}};
+  return arm;
+}
+
+calibration::Model identified_arm(const KinematicsDescription& robot) {
+  auto model = imported(robot);
+  model.geometry->parameters = {{"link2.a_mm", 500, 0.02, true, ""},
+                                {"link1.d_mm", 300, 0, false, "held"},
+                                {"link3.a_mm", 400, 0.03, true, ""},
+                                {"link2.theta_deg", 0, 0.004, true, ""}};
+  model.geometry->covariance = Eigen::Vector3d(4e-4, 9e-4, 1.6e-5).asDiagonal();
+  for (const char* axis : {"x", "y", "z"}) {
+    calibration::OutputModel output;
+    output.channel = {axis, "mm"};
+    output.accuracy.a90_calibration = 1;
+    output.accuracy.a90_blocks = 0.05 * kSigmaToU90;
+    model.outputs.push_back(output);
+  }
+  model.domain = {{{"x", "mm"}, 200, 700},
+                  {{"y", "mm"}, 0, 400},
+                  {{"z", "mm"}, 100, 600},
+                  {{"q2", "deg"}, -20, 45}};
+  return model;
+}
+
+TEST(GeometryModel, StatesTheParametersUncertaintyThroughTheInverseJacobian) {
+  const auto robot = lifting_arm();
+  const auto request_of = [](const Vector3d& point) {
+    TargetRequest request;
+    request.set(Variable::x, point.x());
+    request.set(Variable::y, point.y());
+    request.set(Variable::z, point.z());
+    set_near(request, "q1_deg", 20), set_near(request, "q2_deg", 40);
+    set_near(request, "q3_deg", -70);
+    return request;
+  };
+  const Vector3d point = forward(robot, {20 * kDeg, 40 * kDeg, -70 * kDeg}, 20).block<3, 1>(0, 3);
+  const auto solved = [&](const KinematicsDescription& arm, const Vector3d& at) {
+    const auto target = compute_target(serving(imported(arm)).build(kBuilt), request_of(at));
+    return Vector3d(target.q_mm[0], target.q_mm[1], target.q_mm[2]);
+  };
+  // Each parameter moved by its standard error, each coordinate by what is left of it.
+  const Vector3d plain = solved(robot, point);
+  Vector3d fit = Vector3d::Zero(), residual = Vector3d::Zero();
+  for (const int which : {0, 1, 2}) {
+    auto moved = robot;
+    if (which == 0) moved.links[1].a_mm += 0.02;
+    if (which == 1) moved.links[2].a_mm += 0.03;
+    if (which == 2) moved.links[1].theta_deg += 0.004;
+    fit += (solved(moved, point) - plain).cwiseAbs2();
+    residual += (solved(robot, point + 0.05 * Vector3d::Unit(which)) - plain).cwiseAbs2();
+  }
+  const auto snapshot = serving(identified_arm(robot)).build(kBuilt);
+  const auto target = compute_target(snapshot, request_of(point));
+  ASSERT_EQ(target.refusal, Refusal::none);
+  EXPECT_EQ(target.flags & (kUnjudgedModel | kOutsideDomain | kUnanchoredDatum), 0u);
+  for (std::size_t j = 0; j < 3; ++j) {
+    const auto i = static_cast<Eigen::Index>(j);
+    EXPECT_NEAR(target.u_nm[j] * 1e-6, std::sqrt(fit[i] + residual[i]),
+                2e-3 * target.u_nm[j] * 1e-6);
+    const auto budget = compute_budget(snapshot, request_of(point), j);
+    EXPECT_NEAR(budget.u_nm, target.u_nm[j], 1e-6 * target.u_nm[j]);
+  }
+  // A joint beyond the angles that it was calibrated at is outside, as a pose is.
+  const Vector3d steep = forward(robot, {20 * kDeg, 60 * kDeg, -70 * kDeg}, 20).block<3, 1>(0, 3);
+  EXPECT_NE(describe_flags(snapshot, compute_target(snapshot, request_of(steep))).find("q2_deg"),
+            std::string::npos);
+}
+
+TEST(GeometryModel, SaysWhereAnArmsToolIs) {
+  const auto robot = bent_ur10();
+  const auto snapshot = warm_snapshot(imported(robot));
+  ForwardRequest request;
+  request.q_mm = kPosture;
+  const auto pose = forward_pose(snapshot, request);
+  ASSERT_TRUE(pose) << pose.error().message;
+  const Matrix4d wanted = forward(robot, kPosture, kWarm_degC);
+  ASSERT_EQ(pose->coordinates.size(), 6u);
+  for (int k : {0, 1, 2})
+    EXPECT_NEAR(pose->coordinates[static_cast<std::size_t>(k)].value, wanted(k, 3), 1e-6);
+  EXPECT_NEAR(pose->coordinates[5].value, rotations_arcsec(wanted)[2], 1e-3);
+}
+
+KinematicsDescription small_delta() {
+  KinematicsDescription delta;
+  delta.kind = "delta-vertical";
+  for (int i = 0; i < 3; ++i)
+    delta.branches.push_back({.motor = {"q" + std::to_string(i + 1), "mm"},
+                              .azimuth_deg = 120.0 * i + 0.1 * i,
+                              .radius_mm = 40.0 + 0.05 * i,
+                              .length_mm = 70.0 - 0.02 * i,
+                              .offset_mm = 0.01 * i});
+  return delta;
+}
+
+TEST(GeometryModel, ClosesTheArmsOfADelta) {
+  const auto robot = small_delta();
+  auto builder = serving(imported(robot));
+  builder.keep_model_datum();
+  const auto snapshot = builder.build(kBuilt);
+  const Vector3d pose(1.3, -0.8, 2.1);
+  TargetRequest request;
+  request.set(Variable::x, pose.x());
+  request.set(Variable::y, pose.y());
+  request.set(Variable::z, pose.z());
+  const auto target = compute_target(snapshot, request);
+  ASSERT_EQ(target.refusal, Refusal::none) << refusal_error(snapshot, target).message;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto& branch = robot.branches[i];
+    const double a = branch.azimuth_deg * kDeg, r = branch.radius_mm, l = branch.length_mm;
+    const Vector3d joint(r * std::cos(a), r * std::sin(a),
+                         std::sqrt(l * l - r * r) + target.q_mm[i] - branch.offset_mm);
+    EXPECT_NEAR((pose - joint).norm(), l, 1e-9);
+  }
+  ForwardRequest back;
+  back.q_mm.assign(target.q_mm.begin(), target.q_mm.begin() + 3);
+  const auto there = forward_pose(snapshot, back);
+  ASSERT_TRUE(there) << there.error().message;
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_NEAR(there->coordinates[k].value, pose[static_cast<Eigen::Index>(k)], 1e-6);
+}
+
+TEST(GeometryModel, CountsADeltaFromTheZeroOfTheDatum) {
+  auto builder = serving(imported(small_delta()));
+  EXPECT_NE(builder.build(kBuilt).anchored, true);
+  const std::vector<ChannelValue> half = {{"q1_mm", 0.5}, {"q2_mm", 0.25}};
+  EXPECT_EQ(builder.anchor(half).error().reason, "INCOMPLETE_DATUM");
+  const std::vector<ChannelValue> zero = {{"q1_mm", 0.5}, {"q2_mm", 0.25}, {"q3_mm", -0.125}};
+  ASSERT_TRUE(builder.anchor(zero));
+  const auto snapshot = builder.build(kBuilt);
+  TargetRequest request;
+  for (const auto variable : {Variable::x, Variable::y, Variable::z}) request.set(variable, 0);
+  const auto target = compute_target(snapshot, request);
+  EXPECT_EQ(target.q_mm[0], 0.5);
+  EXPECT_EQ(target.q_mm[2], -0.125);
+  EXPECT_EQ(target.flags & kUnanchoredDatum, 0u);
+}
+
+TEST(GeometryModel, RefusesAPoseThatADeltaDoesNotReach) {
+  const auto snapshot = serving(imported(small_delta())).build(kBuilt);
+  TargetRequest request;
+  request.set(Variable::x, 200);
+  request.set(Variable::y, 0);
+  request.set(Variable::z, 0);
+  EXPECT_EQ(refusal_of(snapshot, request).reason, "NO_POSE");
+}
+
+}  // namespace
+}  // namespace driftwise::compensation
