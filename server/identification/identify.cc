@@ -189,9 +189,12 @@ Identification describe(const Work& work, const Identifiability& chosen,
   result.rss = left.reshaped(work.rows(), outputs).colwise().squaredNorm().transpose();
   const double freedom =
       std::max<double>(1, static_cast<double>(work.outputs.size() - work.unknowns()));
-  const Eigen::VectorXd deviation = (inverse_normal(work.jacobian(solution.values)).diagonal() *
-                                     (solution.sum_of_squares / freedom))
-                                        .cwiseSqrt();
+  const Eigen::MatrixXd whole =
+      inverse_normal(work.jacobian(solution.values)) * (solution.sum_of_squares / freedom);
+  const Eigen::VectorXd deviation = whole.diagonal().cwiseSqrt();
+  Eigen::VectorXd units(free);
+  for (Index k = 0; k < free; ++k) units[k] = work.natural(k);
+  result.covariance = units.asDiagonal() * whole.topLeftCorner(free, free) * units.asDiagonal();
 
   const Eigen::VectorXd values = work.parameters(solution.values);
   for (std::size_t i = 0; i < work.mechanism.parameters().size(); ++i) {
@@ -215,6 +218,13 @@ Identification describe(const Work& work, const Identifiability& chosen,
   result.standard_errors = Eigen::MatrixXd::Zero(count + 1, outputs);
   result.coefficients.bottomRows(count) = work.halves.cwiseInverse().asDiagonal() * scaled;
   result.standard_errors.bottomRows(count) = work.halves.cwiseInverse().asDiagonal() * errors;
+  for (Index o = 0; o < outputs; ++o) {
+    Eigen::MatrixXd raw = Eigen::MatrixXd::Zero(count + 1, count);  // of the centred coefficients
+    raw.bottomRows(count) = work.halves.cwiseInverse().asDiagonal();
+    raw.row(0) = -work.means.transpose() * raw.bottomRows(count);
+    result.term_covariances.push_back(
+        raw * whole.block(free + o * count, free + o * count, count, count) * raw.transpose());
+  }
   result.coefficients.row(0) = -work.means.transpose() * result.coefficients.bottomRows(count);
   return result;
 }

@@ -40,9 +40,14 @@ struct Identification {
   std::vector<effects::Term> undetermined;  // offered, and left out: calibration/undetermined.h
   Eigen::MatrixXd coefficients;             // terms x outputs
   Eigen::MatrixXd standard_errors;          // terms x outputs; 0 for the constant
-  Eigen::VectorXd rss;                      // per output, over the calibration rows
-  std::int64_t rows = 0;                    // calibration rows
-  int unknowns = 0;                         // parameters and coefficients estimated
+  // Classical, for independent errors: (J'J)^-1 s^2, s^2 the mean square of what is left. Of the
+  // free parameters, in their order and units; of the terms of each output, the constant's own
+  // share (with the centred columns it is the parameters') left out.
+  Eigen::MatrixXd covariance;
+  std::vector<Eigen::MatrixXd> term_covariances;
+  Eigen::VectorXd rss;    // per output, over the calibration rows
+  std::int64_t rows = 0;  // calibration rows
+  int unknowns = 0;       // parameters and coefficients estimated
   int evaluations = 0;
   double condition = 1;  // of the free parameters
 

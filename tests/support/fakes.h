@@ -235,6 +235,10 @@ class FakeModels final : public app::Models {
     last_fit = request;
     return get(cell_.put_model(request.formula));
   }
+  Awaitable<Result<app::KinematicFit>> create_kinematic(app::Caller caller,
+                                                        app::KinematicRequest request) override {
+    return cell_.services().models.create_kinematic(std::move(caller), std::move(request));
+  }
   Awaitable<Result<std::vector<calibration::OfferResult>>> weigh_offers(app::FitRequest) override {
     co_return offers;
   }

@@ -34,8 +34,13 @@ v1::ChannelValue assignment_from(const std::string& text) {
   std::string name = text.substr(0, equals), number = text.substr(equals + 1);
   const auto dot = name.find('.');
   std::string symbol = name.substr(0, name.find('_', dot == std::string::npos ? 0 : dot));
-  const auto unit = unit_of(symbol);
+  auto unit = unit_of(symbol);
   if (!unit) throw bad("'" + name + "' is no coordinate");
+  // A joint of an arm; a rotation in degrees.
+  for (const char* angle : {"rad", "deg"})
+    if (is_motor_symbol(without_robot(symbol)) && name == symbol + "_" + angle) unit = angle;
+  const bool degrees = *unit == "arcsec" && name == symbol + "_deg";
+  if (degrees) name = symbol;
   if (name != symbol && name != symbol + "_" + *unit)
     throw bad("'" + symbol + "' is given in " + *unit);
   if (number.ends_with(*unit)) number.resize(number.size() - unit->size());
@@ -44,7 +49,7 @@ v1::ChannelValue assignment_from(const std::string& text) {
   if (!value) throw bad("'" + text.substr(equals + 1) + "' is not a finite number of " + *unit);
   v1::ChannelValue out;
   out.set_channel((symbol == "F" ? "force" : symbol) + "_" + *unit);
-  out.set_value(*value);
+  out.set_value(degrees ? *value * 3600 : *value);
   return out;
 }
 

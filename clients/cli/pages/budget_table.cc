@@ -46,7 +46,8 @@ std::string budget_line_name(const v1::BudgetLine& line) {
 void print_budget(const Console& console,
                   const google::protobuf::RepeatedPtrField<v1::MotorCoordinate>& coordinates) {
   if (coordinates.empty() || coordinates[0].budget().empty()) return;
-  std::vector<Table::Column> columns = {{"u, nm"}, {"type"}};
+  const bool joints = coordinates[0].has_joint();
+  std::vector<Table::Column> columns = {{joints ? "u, arcsec" : "u, nm"}, {"type"}};
   for (const auto& coordinate : coordinates)
     columns.push_back(
         {coordinate.channel().substr(0, coordinate.channel().rfind('_')), Align::right});
@@ -58,15 +59,19 @@ void print_budget(const Console& console,
     for (const auto& coordinate : coordinates) {
       const auto* line = line_of(coordinate, source.source);
       any = any || line != nullptr;
-      row.push_back(line == nullptr ? "-" : fixed(line->u_nm(), 2));
+      row.push_back(line == nullptr ? "-"
+                    : joints        ? fixed(line->u_arcsec(), 3)
+                                    : fixed(line->u_nm(), 2));
     }
     row.emplace_back(source.what);
     if (any) table.add(std::move(row));
   }
   std::vector<std::string> combined = {"combined", ""}, expanded = {"expanded", ""};
   for (const auto& coordinate : coordinates) {
-    combined.push_back(fixed(coordinate.u_nm(), 2));
-    expanded.push_back(fixed(coordinate.expanded_nm(), 2));
+    const auto& joint = coordinate.joint();
+    combined.push_back(joints ? fixed(joint.u_arcsec(), 3) : fixed(coordinate.u_nm(), 2));
+    expanded.push_back(joints ? fixed(joint.expanded_arcsec(), 3)
+                              : fixed(coordinate.expanded_nm(), 2));
   }
   expanded.emplace_back("k = 2");
   table.add(std::move(combined));

@@ -57,11 +57,12 @@ void print_heading(const Console& console, const v1::GetModelResponse& shown) {
     for (std::size_t i = 1; i < texts.size(); ++i) line("", texts[i]);
   }
   for (const auto& one : model.accuracy()) line("accuracy", "A90 " + accuracy_text(one));
-  line("formula", model.formula());
-  line("selection", model.select() == "all"
-                        ? "every term kept"
-                        : "stepwise, p to enter " + significant(model.p_enter(), 3) +
-                              ", to remove " + significant(model.p_remove(), 3));
+  line(model.has_kinematics() ? "geometry" : "formula", model.formula());
+  if (!model.has_kinematics())
+    line("selection", model.select() == "all"
+                          ? "every term kept"
+                          : "stepwise, p to enter " + significant(model.p_enter(), 3) +
+                                ", to remove " + significant(model.p_remove(), 3));
   line("data", lineage.source() + ": " + std::to_string(lineage.calibration_row_count()) +
                    " rows calibration, " + std::to_string(lineage.validation_row_count()) +
                    " validation, " + std::to_string(lineage.dropped_row_count()) + " dropped");
@@ -79,6 +80,21 @@ void print_heading(const Console& console, const v1::GetModelResponse& shown) {
   }
   line("fitted", clock_text(model.create_time()) + " UTC by " + model.created_by());
   if (!model.note().empty()) line("note", model.note());
+}
+
+// Numbers of a robot's geometry, as identified.
+void print_kinematics(const Console& console, const v1::KinematicModel& kinematics) {
+  const Paint paint = console.paint_out();
+  if (!kinematics.parameters().empty()) {
+    Table table({{"parameter"}, {"value", Align::right}, {"std. error", Align::right}, {""}});
+    for (const auto& one : kinematics.parameters())
+      table.add({one.name(), significant(one.value(), 9),
+                 one.has_standard_error() ? significant(one.standard_error(), 3) : "held",
+                 one.note()});
+    console.out << '\n' << paint.bold("Geometry, identified") << '\n';
+    table.print(console.out, paint);
+  }
+  console.out << '\n' << paint.bold("Robot file") << '\n' << kinematics.robot_toml();
 }
 
 void print_terms(const Console& console, const v1::ModelOutput& output) {
@@ -255,9 +271,10 @@ void print_model_page(const Console& console, const v1::GetModelResponse& shown)
   const Paint paint = console.paint_out();
   print_heading(console, shown);
   print_declared(console, shown);
+  if (model.has_kinematics()) print_kinematics(console, model.kinematics());
   for (const auto& output : model.outputs()) {
     console.out << '\n' << paint.bold(output.channel()) << ": ";
-    print_terms(console, output);
+    if (!output.terms().empty()) print_terms(console, output);
     print_history(console, output);
     print_accuracy(console, output);
     print_limit(console, shown, output);
@@ -309,6 +326,10 @@ void print_models(const Console& console, const std::vector<v1::Model>& models) 
                  first ? model.formula() : "", first ? model.lineage().source() : ""});
       first = false;
     }
+    // Imported: nothing was fitted, so there are no figures.
+    if (model.outputs().empty() && model.has_kinematics())
+      table.add({std::to_string(model.id()), model.name(), model.serving() ? "serving" : "", "-",
+                 "-", "-", "-", "-", "-", "", "0", model.formula(), model.lineage().source()});
   }
   table.print(console.out, console.paint_out());
   for (const auto& model : models)

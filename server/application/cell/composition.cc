@@ -127,7 +127,7 @@ Composition::Composition(asio::any_io_executor on, Cell::Parts given, OpenedReco
       trajectories(description, *clock, writer, events, text_thread.executor(), durations),
       datasets(description, *clock, reader, writer, events, text_thread.executor()),
       annotations(*clock, reader, writer, events),
-      models(*clock, reader, writer, events, datasets, worker_thread.executor()),
+      models(description, *clock, reader, writer, events, datasets, worker_thread.executor()),
       provenance(description, reader),
       checks(worker_thread.executor(), reader, events, serving, tasks),
       promotions(*clock, reader, writer, events, models, provenance, serving,

@@ -12,7 +12,6 @@
 #include "server/application/plumbing/run_on.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
-#include "server/formats/model/model_json.h"
 
 namespace driftwise::application {
 namespace {
@@ -69,7 +68,7 @@ Result<Material> gather(Store& store, ModelId id, const std::vector<RunId>& want
   DRIFTWISE_RETURN_IF_ERROR(check_integrity(record));
   Material material{std::move(record), {}, {}};
   if (wanted.empty()) {
-    DRIFTWISE_TRY(const auto model, formats::read_model_json(material.model.json));
+    DRIFTWISE_TRY(const auto model, read_formula_model(material.model, "runs are checked"));
     DRIFTWISE_TRY(auto since, runs_since(store, material.model, model.lineage.runs));
     material.runs = std::move(since);
   }
@@ -90,7 +89,7 @@ Result<Material> gather(Store& store, ModelId id, const std::vector<RunId>& want
 }
 
 Result<ModelCheck> judge(Material material) {
-  DRIFTWISE_TRY(const auto model, formats::read_model_json(material.model.json));
+  DRIFTWISE_TRY(const auto model, read_formula_model(material.model, "runs are checked"));
   return ModelCheck{material.model.id, std::move(material.runs),
                     diagnosis::check_model(model, material.data)};
 }

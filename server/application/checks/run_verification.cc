@@ -38,7 +38,7 @@ Result<VerifyMaterial> gather_runs(Store& store, const std::vector<RunId>& runs,
                                std::move(data)};
     if (compensation.model) {
       DRIFTWISE_TRY(auto model, stored_model(store, *compensation.model));
-      run.model = std::move(model);
+      if (!model->geometry) run.model = std::move(model);  // its rows are judged by terms
     }
     material.runs.push_back(std::move(run));
   }

@@ -5,13 +5,13 @@
 #include <nlohmann/json.hpp>
 
 #include "server/application/datasets/amended_dataset.h"
+#include "server/application/models/model_integrity.h"
 #include "server/application/plumbing/run_on.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/diagnosis/stored_diagnosis.h"
 #include "server/formats/formula/formula.h"
-#include "server/formats/model/model_json.h"
 #include "server/formats/text/text.h"
 
 namespace driftwise::application {
@@ -72,7 +72,7 @@ Awaitable<Result<void>> DiagnosesService::resolve_baseline(DiagnosisRequest& req
                      "no baseline is given and no model serves: give a formula, or a model");
     DRIFTWISE_CO_TRY(const auto record, co_await models_.get(*request.model));
     if (request.baseline.empty()) {
-      DRIFTWISE_CO_TRY(const auto from, formats::read_model_json(record.json));
+      DRIFTWISE_CO_TRY(const auto from, read_formula_model(record, "diagnoses are made"));
       request.baseline = from.formula;
     }
   }

@@ -6,6 +6,7 @@
 
 #include "server/application/diagnoses/extension_plan.h"
 #include "server/application/improvement/fresh_points.h"
+#include "server/application/models/model_integrity.h"
 #include "server/core/reasons.h"
 #include "server/core/text/quantity_text.h"
 #include "server/core/try.h"
@@ -137,7 +138,7 @@ Awaitable<Result<void>> ImprovementLoop::begin() {
     co_return fail(ErrorCode::failed_precondition, reasons::kNoModel,
                    "no formula is given and no model serves: give the first model's formula");
   DRIFTWISE_CO_TRY(const auto record, co_await services_.models.get(*model_));
-  DRIFTWISE_CO_TRY(const auto model, formats::read_model_json(record.json));
+  DRIFTWISE_CO_TRY(const auto model, read_formula_model(record, "improvements begin"));
   formula_ = model.formula;
   co_return Result<void>{};
 }

@@ -22,4 +22,13 @@ Result<void> check_integrity(const ModelRecord& model) {
       fmt::format("its content has the hash {}, it was stored with {}", *found, model.hash));
 }
 
+Result<calibration::Model> read_formula_model(const ModelRecord& record, const std::string& what) {
+  auto model = formats::read_model_json(record.json);
+  if (!model || !model->geometry) return model;
+  return fail(ErrorCode::failed_precondition, reasons::kNoFormula,
+              fmt::format("model {} is a robot's geometry ({}): {} for models of a formula alone; "
+                          "driftwise model compare FILE --kinematics judges a geometry on rows",
+                          record.id.value, model->geometry->robot.kind, what));
+}
+
 }  // namespace driftwise::application

@@ -1,6 +1,7 @@
 // Checks of a formula before a fit, residuals of a model after it.
 
 #include "server/application/models/formula_check.h"
+#include "server/application/models/model_integrity.h"
 #include "server/application/models/models_service.h"
 #include "server/application/plumbing/run_on.h"
 #include "server/calibration/datum_zeros.h"
@@ -9,7 +10,6 @@
 #include "server/core/try.h"
 #include "server/core/units.h"
 #include "server/formats/csv/dataset_csv.h"
-#include "server/formats/model/model_json.h"
 #include "server/formats/text/text.h"
 
 namespace driftwise::application {
@@ -54,7 +54,7 @@ Awaitable<Result<FormulaCheck>> ModelsService::check_formula(FitRequest request)
 Awaitable<Result<ModelResiduals>> ModelsService::residuals(ModelId id, std::vector<RunId> runs,
                                                            std::string csv) {
   DRIFTWISE_CO_TRY(const auto record, co_await get(id));
-  DRIFTWISE_CO_TRY(auto read, formats::read_model_json(record.json));
+  DRIFTWISE_CO_TRY(auto read, read_formula_model(record, "residuals are shown"));
   if (runs.empty() && csv.empty()) runs = read.lineage.runs;
   if (runs.empty() && csv.empty())
     co_return fail(ErrorCode::failed_precondition, reasons::kNoRows,

@@ -6,6 +6,7 @@
 
 #include "server/application/models/fit_request.h"
 #include "server/application/models/formula_check.h"
+#include "server/application/models/kinematic_record.h"
 #include "server/application/ports/caller.h"
 #include "server/calibration/offer.h"
 #include "server/core/channel.h"
@@ -34,6 +35,9 @@ class Models {
   virtual ~Models() = default;
 
   virtual Awaitable<Result<ModelRecord>> fit(Caller caller, FitRequest request) = 0;
+  // Stores a robot's geometry as a model. Errors: those of fit() and kinematic_record().
+  virtual Awaitable<Result<KinematicFit>> create_kinematic(Caller caller,
+                                                           KinematicRequest request) = 0;
   // What the published study's further terms would add to the same fit. Errors: those of fit().
   virtual Awaitable<Result<std::vector<calibration::OfferResult>>> weigh_offers(
       FitRequest request) = 0;

@@ -42,12 +42,8 @@ Awaitable<Result<std::vector<calibration::OfferResult>>> ModelsService::weigh_of
 
 Awaitable<Result<ModelRecord>> ModelsService::fit(Caller caller, FitRequest request) {
   DRIFTWISE_CO_TRY(auto dataset, co_await datasets_.load(request.runs, request.csv));
-  // Those that the data just read rest on. A correction that comes or goes in between is named too.
-  std::vector<CorrectionId> corrections;
-  if (!request.runs.empty()) {
-    DRIFTWISE_CO_TRY(auto found, co_await reader_.call(corrections_over, request.runs));
-    corrections = std::move(found);
-  }
+  auto looking = corrections_under(request.runs);
+  DRIFTWISE_CO_TRY(auto corrections, co_await std::move(looking));
   auto record = co_await run_on(
       worker_,
       [](const Dataset& data, const FitRequest& asked) {
@@ -55,12 +51,49 @@ Awaitable<Result<ModelRecord>> ModelsService::fit(Caller caller, FitRequest requ
       },
       std::move(dataset), request);
   if (!record) co_return record;
-  record->corrections = std::move(corrections);
-  record->created = clock_.now().utc;
-  record->created_by = caller.name;
-  DRIFTWISE_CO_TRY(auto id, co_await writer_.models().add_model(*record));
+  auto storing =
+      store(std::move(caller), std::move(*record), std::move(corrections), request.formula);
+  co_return co_await std::move(storing);
+}
+
+Awaitable<Result<KinematicFit>> ModelsService::create_kinematic(Caller caller,
+                                                                KinematicRequest request) {
+  std::optional<Dataset> data;
+  if (request.has_data()) {
+    auto loading = datasets_.load(request.fit.runs, request.fit.csv);
+    DRIFTWISE_CO_TRY(data, co_await std::move(loading));
+  }
+  auto looking = corrections_under(request.fit.runs);
+  DRIFTWISE_CO_TRY(auto corrections, co_await std::move(looking));
+  DRIFTWISE_CO_TRY(auto made, co_await run_on(
+                                  worker_,
+                                  [cell = &description_](const std::optional<Dataset>& rows,
+                                                         const KinematicRequest& asked) {
+                                    return kinematic_record(rows, asked, *cell);
+                                  },
+                                  std::move(data), request));
+  const std::string what = made.model.name;
+  auto storing = store(std::move(caller), std::move(made.model), std::move(corrections), what);
+  DRIFTWISE_CO_TRY(made.model, co_await std::move(storing));
+  co_return made;
+}
+
+// Those that the data just read rest on. A correction that comes or goes in between is named too.
+Awaitable<Result<std::vector<CorrectionId>>> ModelsService::corrections_under(
+    std::vector<RunId> runs) {
+  if (runs.empty()) co_return std::vector<CorrectionId>{};
+  co_return co_await reader_.call(corrections_over, std::move(runs));
+}
+
+Awaitable<Result<ModelRecord>> ModelsService::store(Caller caller, ModelRecord record,
+                                                    std::vector<CorrectionId> corrections,
+                                                    std::string what) {
+  record.corrections = std::move(corrections);
+  record.created = clock_.now().utc;
+  record.created_by = caller.name;
+  DRIFTWISE_CO_TRY(auto id, co_await writer_.models().add_model(record));
   events_.record(caller, "model.fitted",
-                 fmt::format("{} fitted model {}: {}", caller.name, id.value, request.formula));
+                 fmt::format("{} fitted model {}: {}", caller.name, id.value, what));
   co_return co_await get(id);  // the same fit again is the same model: its first record stands
 }
 

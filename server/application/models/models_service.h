@@ -12,9 +12,11 @@ namespace driftwise::application {
 class ModelsService final : public Models {
  public:
   // worker: where fits run. All of them outlive this.
-  ModelsService(Clock& clock, StoreReader& reader, StoreWriter& writer, EventLog& events,
-                Datasets& datasets, asio::any_io_executor worker)
-      : clock_(clock),
+  ModelsService(const CellDescription& description, Clock& clock, StoreReader& reader,
+                StoreWriter& writer, EventLog& events, Datasets& datasets,
+                asio::any_io_executor worker)
+      : description_(description),
+        clock_(clock),
         reader_(reader),
         writer_(writer),
         events_(events),
@@ -22,6 +24,8 @@ class ModelsService final : public Models {
         worker_(std::move(worker)) {}
 
   Awaitable<Result<ModelRecord>> fit(Caller caller, FitRequest request) override;
+  Awaitable<Result<KinematicFit>> create_kinematic(Caller caller,
+                                                   KinematicRequest request) override;
   Awaitable<Result<std::vector<calibration::OfferResult>>> weigh_offers(
       FitRequest request) override;
   Awaitable<Result<FormulaCheck>> check_formula(FitRequest request) override;
@@ -31,6 +35,12 @@ class ModelsService final : public Models {
   Awaitable<Result<ModelRecord>> get(ModelId id) override;
 
  private:
+  // Puts it on record with what its data rest on. what: of the event.
+  Awaitable<Result<ModelRecord>> store(Caller caller, ModelRecord record,
+                                       std::vector<CorrectionId> corrections, std::string what);
+  Awaitable<Result<std::vector<CorrectionId>>> corrections_under(std::vector<RunId> runs);
+
+  const CellDescription& description_;
   Clock& clock_;
   StoreReader& reader_;
   StoreWriter& writer_;

@@ -32,6 +32,14 @@ std::vector<std::string> symbols_used(const calibration::Model& model) {
     for (const auto& term : output.terms)
       for (const auto& symbol : effects::symbols_of(term)) add(symbol);
   }
+  if (!model.geometry) return symbols;
+  const auto& robot = model.geometry->robot;
+  for (const auto& branch : robot.branches) add(branch.motor.symbol);
+  for (const auto& axis : robot.axes) add(axis.motor.symbol);
+  for (const auto& link : robot.links) {
+    add(link.motor.symbol);
+    if (!link.errors.drift_channel.symbol.empty()) add(link.errors.drift_channel.symbol);
+  }
   return symbols;
 }
 

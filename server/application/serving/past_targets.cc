@@ -15,7 +15,7 @@ constexpr Nanoseconds kReadBack = std::chrono::hours(6);  // longer than any lag
 std::vector<std::string> slow_channels(const compensation::Snapshot& snapshot) {
   std::vector<std::string> out;
   for (const auto& input : snapshot.inputs)
-    if (!input.variable) out.push_back(input.channel.name());
+    if (!input.variable && !input.output) out.push_back(input.channel.name());
   return out;
 }
 

@@ -210,8 +210,7 @@ Result<std::vector<double>> Serving::targets(const std::vector<Channel>& coordin
   std::vector<double> q_mm;
   for (const auto& axis : description_.motor_channels()) {
     std::size_t output = 0;
-    while (output < target.outputs && snapshot.outputs[output].channel.symbol != axis.symbol)
-      ++output;
+    while (output < target.outputs && snapshot.outputs[output].channel != axis) ++output;
     if (output == target.outputs)
       return fail(ErrorCode::failed_precondition, reasons::kNotAllAxes,
                   fmt::format("model {} gives no {}: fit all motor coordinates", model->value,

@@ -67,11 +67,19 @@ Result<void> read_word(std::string_view word, bool& with_uncertainty, bool& aske
 }
 
 Result<void> set_coordinate(TargetRequest& request, std::string_view name, double value) {
+  constexpr std::string_view kNear = "near_";  // near_q2_rad: of an arm
+  if (name.starts_with(kNear)) {
+    const auto taken = compensation::set_near(request, name.substr(kNear.size()), value);
+    if (taken == compensation::NearName::twice)
+      return bad(reasons::kDuplicateName, "found " + shown(name) + " twice, expected it once");
+    if (taken == compensation::NearName::taken) return {};
+  }
   const auto variable = variable_named(name);
   if (!variable)
     return bad(reasons::kUnknownName,
                "found " + shown(name) +
-                   ", expected x_mm, y_mm, z_mm, rx_arcsec, ry_arcsec, rz_arcsec, force_N or u");
+                   ", expected x_mm, y_mm, z_mm, rx_arcsec, ry_arcsec, rz_arcsec, force_N or u; "
+                   "of an arm also near_q1_rad or near_q1_deg");
   if (request.given & compensation::bit(*variable))
     return bad(reasons::kDuplicateName, "found " + shown(name) + " twice, expected it once");
   request.set(*variable, value);
@@ -262,10 +270,18 @@ void append_target_answer(std::string& out, const Snapshot& snapshot, const Targ
   out += "OK";
   for (std::size_t i = 0; i < target.outputs; ++i) {
     out += ' ';
-    out += snapshot.outputs[i].channel.symbol;
-    out += "_mm=";
+    const auto& channel = snapshot.outputs[i].channel;
+    out += channel.symbol;
+    out += '_';
+    out += channel.unit;
+    out += '=';
     append_number(out, target.q_mm[i]);
-    if (!with_uncertainty) continue;
+    if (!with_uncertainty || (target.flags & compensation::kUnjudgedModel)) continue;
+    if (is_angle(channel.unit)) {
+      out += " u90_" + channel.symbol + "_arcsec=";
+      append_fixed(out, compensation::arcsec_of(channel, target.u90_nm(i)), 3);
+      continue;
+    }
     out += target.outputs == 1 ? " u90_nm=" : " u90_" + snapshot.outputs[i].channel.symbol + "_nm=";
     append_fixed(out, target.u90_nm(i), 2);
   }

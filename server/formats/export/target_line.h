@@ -4,6 +4,9 @@
 //
 //   TARGET x_mm=1.5 u=1
 //   OK q1_mm=1.500123456 u90_nm=8.1 valid_until=2026-11-21T08:05:04Z model=3 flags=-
+// Of an arm, with the angles that the nearest of its solutions is wanted to (else where it stands):
+//   TARGET x_mm=600 y_mm=300 z_mm=500 rx_arcsec=648000 ry_arcsec=0 rz_arcsec=0 near_q2_deg=-90
+//   OK q1_rad=0.4639 ... valid_until=2026-11-21T08:05:04Z model=3 flags=-
 //   ERR OUTSIDE_DOMAIN x_mm outside what the model was fitted on, ...
 // Of a serving plan, whose robots' coordinates carry the robot's id (docs/plans.md):
 //   JOINT mn.x_mm=1 mn.y_mm=0 mn.z_mm=0.5 ma.rx_arcsec=0 ma.ry_arcsec=100 ma.z_mm=3 u=1

@@ -4,6 +4,7 @@
 
 #include "server/calibration/report/accuracy.h"
 #include "server/core/reasons.h"
+#include "server/formats/cell_file/kinematics_section.h"
 #include "server/formats/model/coefficient_unit.h"
 #include "server/formats/model/model_json.h"
 #include "server/rpc/shared/convert_accuracy.h"
@@ -99,6 +100,21 @@ v1::Lineage lineage_from(const calibration::Lineage& lineage) {
   return out;
 }
 
+v1::KinematicModel kinematics_from(const calibration::Geometry& geometry, ModelDetail detail) {
+  v1::KinematicModel out;
+  out.set_kind(geometry.robot.kind);
+  if (detail == ModelDetail::summary) return out;
+  out.set_robot_toml(utf8_from(formats::write_robot_file(geometry.robot)));
+  for (const auto& parameter : geometry.parameters) {
+    auto& added = *out.add_parameters();
+    added.set_name(parameter.name);
+    added.set_value(parameter.value);
+    if (parameter.free) added.set_standard_error(parameter.standard_error);
+    added.set_note(utf8_from(parameter.note));
+  }
+  return out;
+}
+
 const v1::ModelOutput* find_output(const v1::Model& model, const std::string& channel) {
   for (const auto& output : model.outputs())
     if (output.channel() == channel) return &output;
@@ -159,6 +175,7 @@ Result<v1::Model> model_from(const ModelRecord& record, std::optional<ModelId> s
     added.set_min(range.min);
     added.set_max(range.max);
   }
+  if (model->geometry) *out.mutable_kinematics() = kinematics_from(*model->geometry, detail);
   *out.mutable_lineage() = lineage_from(model->lineage);
   for (const auto& warning : model->warnings) out.add_warnings(warning);
   *out.mutable_fit_duration() = duration_from_s(model->fit_us * 1e-6);

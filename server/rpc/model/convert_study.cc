@@ -15,8 +15,6 @@
 namespace driftwise::rpc {
 namespace {
 
-constexpr std::size_t kMostRobotBytes = 256 * 1024;
-
 v1::MethodOutcome outcome_from(const identification::Judgement& judgement) {
   v1::MethodOutcome out;
   out.set_method(identification::name_of(judgement.fitted.method));

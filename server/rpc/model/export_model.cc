@@ -28,6 +28,11 @@ Result<v1::ExportModelResponse> export_model(const ModelRecord& record,
     out.set_file_name("model_" + id + ".json");
     return out;
   }
+  if (model->geometry)
+    return fail(ErrorCode::failed_precondition, reasons::kBadFormat,
+                "model " + id +
+                    " is a robot's geometry, which is no sum of terms that a C function could "
+                    "hold: export it as JSON");
   DRIFTWISE_TRY(auto source, formats::write_model_c(*model, id));
   if (!head.empty())
     source += "\n/* Head of the record's chain: " + head + " at " + at +

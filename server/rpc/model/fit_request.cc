@@ -59,14 +59,15 @@ Result<void> read_selection(const v1::CreateFitRequest& request, application::Fi
 }  // namespace
 
 Result<application::FitRequest> fit_request_from(const v1::CreateFitRequest& request,
-                                                 FormulaIs formula) {
+                                                 FormulaIs formula, DataIs data) {
   for (const auto& good : {check_size(request.csv(), kMostDatasetBytes, "csv"),
                            check_size(request.formula(), kMostFormulaBytes, "formula"),
                            check_size(request.name(), kMostNameBytes, "name"),
                            check_size(request.note(), kMostNoteBytes, "note"),
                            check_cursor(request.first_rows(), "first_rows")})
     DRIFTWISE_RETURN_IF_ERROR(good);
-  if (request.csv().empty() == request.run_ids().empty())
+  const bool any_data = !request.csv().empty() || !request.run_ids().empty();
+  if (request.csv().empty() == request.run_ids().empty() && (any_data || data == DataIs::required))
     return fail(ErrorCode::invalid_argument, reasons::kRunsOrCsv,
                 std::string("found ") +
                     (request.csv().empty() ? "neither run_ids nor csv" : "run_ids and csv") +
@@ -92,6 +93,16 @@ Result<application::FitRequest> fit_request_from(const v1::CreateFitRequest& req
   fit.first_rows = request.first_rows();
   DRIFTWISE_RETURN_IF_ERROR(read_selection(request, fit));
   return fit;
+}
+
+Result<application::KinematicRequest> kinematic_request_from(
+    const v1::CreateKinematicModelRequest& request) {
+  DRIFTWISE_RETURN_IF_ERROR(check_size(request.robot_toml(), kMostRobotBytes, "robot_toml"));
+  application::KinematicRequest asked;
+  DRIFTWISE_TRY(asked.fit, fit_request_from(request.fit(), FormulaIs::optional, DataIs::optional));
+  asked.robot = request.robot_toml();
+  asked.joint_errors = request.with_joint_errors();
+  return asked;
 }
 
 }  // namespace driftwise::rpc

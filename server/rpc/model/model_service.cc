@@ -99,6 +99,17 @@ class ModelService final : public v1::ModelService::CallbackService {
     });
   }
 
+  Reactor* CreateKinematicModel(Context* context, const v1::CreateKinematicModelRequest* request,
+                                v1::CreateKinematicModelResponse* response) override {
+    return answer(host_, context, [this, context, request, response]() -> Awaitable<Result<void>> {
+      DRIFTWISE_CO_TRY(auto asked, kinematic_request_from(*request));
+      auto making = models_.create_kinematic(caller_of(*context), std::move(asked));
+      DRIFTWISE_CO_TRY(const auto made, co_await std::move(making));
+      for (const auto& finding : made.findings) response->add_findings(utf8_from(finding));
+      co_return put(whole(made.model), *response->mutable_model());
+    });
+  }
+
   Reactor* CompareModels(Context* context, const v1::CompareModelsRequest* request,
                          v1::CompareModelsResponse* response) override {
     return answer(host_, context, [this, request, response]() -> Awaitable<Result<void>> {

@@ -1,4 +1,5 @@
 #include "driftwise/v1/study_service.grpc.pb.h"
+#include "server/application/models/model_integrity.h"
 #include "server/application/models/models.h"
 #include "server/application/plumbing/run_on.h"
 #include "server/application/procedure/procedures.h"
@@ -7,7 +8,6 @@
 #include "server/compensation/design_study.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
-#include "server/formats/model/model_json.h"
 #include "server/rpc/shared/request_checks.h"
 #include "server/rpc/shared/services.h"
 #include "server/rpc/shared/unary.h"
@@ -52,7 +52,8 @@ class StudyService final : public v1::StudyService::CallbackService {
       DRIFTWISE_CO_TRY(const auto record, co_await cell_.models.get(*id));
       auto looking = cell_.provenance.ground_of_model(*id);
       DRIFTWISE_CO_TRY(const auto ground, co_await std::move(looking));
-      DRIFTWISE_CO_TRY(const auto model, formats::read_model_json(record.json));
+      DRIFTWISE_CO_TRY(const auto model,
+                       application::read_formula_model(record, "designs are studied"));
       // Of a file nobody kept the rows; a run's can be gone.
       auto reading = cell_.models.residuals(*id, {}, "");
       const auto rows = co_await std::move(reading);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "server/compensation/correction_parts.h"
@@ -12,6 +13,7 @@
 namespace driftwise::rpc {
 namespace {
 
+using compensation::arcsec_of;
 using compensation::Variable;
 
 std::optional<Variable> variable_of(std::string_view channel) {
@@ -80,6 +82,7 @@ void add_flags(const compensation::Snapshot& snapshot, const compensation::Targe
     if ((target.ignored >> i & 1) != 0)
       out.add_ignored_channels(compensation::channel_of(static_cast<Variable>(i)).name());
   add(compensation::kConfigurationChanged, v1::Target::FLAG_CONFIGURATION_CHANGED);
+  add(compensation::kUnjudgedModel, v1::Target::FLAG_UNJUDGED_MODEL);
   for (std::size_t i = 0; i < snapshot.inputs.size(); ++i) {
     const std::uint64_t mine = std::uint64_t{1} << i;
     if ((target.outside & mine) != 0) out.add_outside_channels(snapshot.inputs[i].channel.name());
@@ -97,6 +100,37 @@ void add_parts(const compensation::CorrectionParts& parts, v1::MotorCoordinate& 
     part.set_source(source);
     part.set_nm(nm);
   }
+}
+
+void put_length(const compensation::Snapshot& snapshot, const compensation::Target& target,
+                std::size_t i, v1::MotorCoordinate& out) {
+  out.set_position_mm(target.q_mm[i]);
+  out.set_u_nm(target.u_nm[i]);
+  out.set_u90_nm(target.u90_nm(i));
+  out.set_expanded_nm(target.expanded_nm(i));
+  if ((target.unreachable >> i & 1) == 0) return;
+  out.set_min_mm(snapshot.outputs[i].min_mm);
+  out.set_max_mm(snapshot.outputs[i].max_mm);
+}
+
+void put_joint(const compensation::Snapshot& snapshot, const compensation::Target& target,
+               std::size_t i, v1::MotorCoordinate& coordinate) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();  // no length: not 0 mm
+  coordinate.set_position_mm(kNone);
+  coordinate.set_u_nm(kNone);
+  coordinate.set_u90_nm(kNone);
+  coordinate.set_expanded_nm(kNone);
+  v1::JointAngle& out = *coordinate.mutable_joint();
+  out.set_position(target.q_mm[i]);
+  if (std::isfinite(target.u_nm[i])) {
+    const auto& channel = snapshot.outputs[i].channel;
+    out.set_u_arcsec(arcsec_of(channel, target.u_nm[i]));
+    out.set_u90_arcsec(arcsec_of(channel, target.u90_nm(i)));
+    out.set_expanded_arcsec(arcsec_of(channel, target.expanded_nm(i)));
+  }
+  if ((target.unreachable >> i & 1) == 0) return;
+  out.set_min(snapshot.outputs[i].min_mm);
+  out.set_max(snapshot.outputs[i].max_mm);
 }
 
 }  // namespace
@@ -124,6 +158,27 @@ Result<compensation::TargetRequest> pose_from(
   return request;
 }
 
+Result<void> take_near(const google::protobuf::RepeatedPtrField<v1::ChannelValue>& near,
+                       compensation::TargetRequest& request) {
+  for (const auto& value : near) {
+    const auto bad = [&](std::string reason, const char* what) {
+      return fail(ErrorCode::invalid_argument, std::move(reason),
+                  "near: " + value.channel() + what);
+    };
+    if (!value.has_value()) return bad(reasons::kMissingValue, " has no value");
+    if (!std::isfinite(value.value())) return bad(reasons::kNotFinite, " is not a finite number");
+    switch (compensation::set_near(request, value.channel(), value.value())) {
+      case compensation::NearName::taken:
+        break;
+      case compensation::NearName::twice:
+        return bad(reasons::kDuplicateChannel, " stands twice");
+      case compensation::NearName::unknown:
+        return bad(reasons::kBadChannel, " is no joint angle, expected q1_deg to q9_deg or q1_rad");
+    }
+  }
+  return {};
+}
+
 Result<void> answer_target(const compensation::Snapshot& snapshot,
                            const compensation::TargetRequest& request, bool with_budget,
                            v1::Target& out) {
@@ -134,14 +189,9 @@ Result<void> answer_target(const compensation::Snapshot& snapshot,
   for (std::size_t i = 0; i < target.outputs; ++i) {
     auto& coordinate = *out.add_coordinates();
     coordinate.set_channel(snapshot.outputs[i].channel.name());
-    coordinate.set_position_mm(target.q_mm[i]);
-    coordinate.set_u_nm(target.u_nm[i]);
-    coordinate.set_u90_nm(target.u90_nm(i));
-    coordinate.set_expanded_nm(target.expanded_nm(i));
-    if ((target.unreachable >> i & 1) != 0) {
-      coordinate.set_min_mm(snapshot.outputs[i].min_mm);
-      coordinate.set_max_mm(snapshot.outputs[i].max_mm);
-    }
+    const bool joint = is_angle(snapshot.outputs[i].channel.unit);
+    joint ? put_joint(snapshot, target, i, coordinate)
+          : put_length(snapshot, target, i, coordinate);
     const auto parts = compensation::correction_parts(snapshot, request, i);
     if (parts) coordinate.set_correction_nm(parts->sum_nm());
     if (!with_budget) continue;
@@ -150,7 +200,10 @@ Result<void> answer_target(const compensation::Snapshot& snapshot,
     for (std::size_t line = 0; line < budget.lines; ++line) {
       auto& added = *coordinate.add_budget();
       added.set_source(source_from(budget.line[line].source));
-      added.set_u_nm(budget.line[line].u_nm);
+      if (joint)
+        added.set_u_arcsec(arcsec_of(snapshot.outputs[i].channel, budget.line[line].u_nm));
+      else
+        added.set_u_nm(budget.line[line].u_nm);
     }
   }
   out.set_model_id(snapshot.model.value);

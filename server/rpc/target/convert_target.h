@@ -19,6 +19,11 @@ namespace driftwise::rpc {
 Result<compensation::TargetRequest> pose_from(
     const google::protobuf::RepeatedPtrField<v1::ChannelValue>& pose, CellTime now);
 
+// "q2_rad", "q2_deg": the angles that of an arm's solutions the nearest is wanted to. Errors:
+// invalid_argument; BAD_CHANNEL (no joint angle), MISSING_VALUE, NOT_FINITE, DUPLICATE_CHANNEL.
+Result<void> take_near(const google::protobuf::RepeatedPtrField<v1::ChannelValue>& near,
+                       compensation::TargetRequest& request);
+
 // Fills out. Errors: those of compensation::refusal_error.
 Result<void> answer_target(const compensation::Snapshot& snapshot,
                            const compensation::TargetRequest& request, bool with_budget,

@@ -61,6 +61,8 @@ class TargetService final : public v1::TargetService::CallbackService {
     auto pose = pose_from(request->pose(), CellTime{});
     if (!pose) return refuse_stream<v1::WatchTargetsResponse>(pose.error());
     pose->show_unreachable = request->show_unreachable();
+    if (const auto near = take_near(request->near(), *pose); !near)
+      return refuse_stream<v1::WatchTargetsResponse>(near.error());
     const auto interval =
         nanoseconds_from(request->min_interval_duration(), "min_interval_duration");
     if (!interval) return refuse_stream<v1::WatchTargetsResponse>(interval.error());
@@ -73,6 +75,7 @@ class TargetService final : public v1::TargetService::CallbackService {
                        v1::ComputeTargetResponse& response) const {
     DRIFTWISE_TRY(auto pose, pose_from(request.pose(), host_.now()));
     pose.show_unreachable = request.show_unreachable();
+    DRIFTWISE_RETURN_IF_ERROR(take_near(request.near(), pose));
     static const compensation::Snapshot nothing;  // its refusal says that no model serves
     const auto snapshot = targets_.snapshots().read();
     return answer_target(snapshot ? *snapshot : nothing, pose, request.with_budget(),

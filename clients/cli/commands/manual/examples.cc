@@ -248,6 +248,8 @@ constexpr auto kExamples = std::to_array<Example>({
     {"model residuals", "driftwise model residuals 3 -o left.csv",
      "what it leaves of the rows it was fitted to"},
     {"model residuals", "driftwise model residuals 3 --run 18", "of a later run"},
+    {"model import", "driftwise model import identified.toml --data tracker.csv",
+     "a robot's geometry, identified on the data, as a model"},
     {"model rollback", "driftwise model rollback", "the one before serves again"},
     {"model history", "driftwise model history", "what served when, and who said so"},
     {"model export", "driftwise model export 4 --format c -o model_4.c", "for a controller"},

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "clients/cli/commands/models/kinematic_commands.h"
 #include "clients/cli/commands/models/method_commands.h"
 #include "clients/cli/core/input_text.h"
 #include "clients/cli/core/proto_json.h"
@@ -19,6 +20,7 @@ struct FitArguments {
   FitOfFile fit;
   MethodsOfFile methods;
   std::string method = "stepwise";
+  bool joint_errors = false;
   std::string file, name, note;
   std::vector<std::int64_t> runs;
 };
@@ -115,6 +117,20 @@ ExitCode fit(const Session& session, FitArguments& a) {
   if (needs_formula && a.fit.formula.empty())
     throw Failure{ExitCode::usage, "usage", "USAGE",
                   "fit which model? give --model FORMULA, such as --model \"q ~ x + x^2 + T\""};
+  if (a.method == "kinematic" && a.file.empty()) {
+    v1::CreateKinematicModelRequest request;
+    if (!a.methods.kinematics.empty())
+      request.set_robot_toml(read_input_file(a.methods.kinematics));
+    *request.mutable_fit() = fit_request_of(a.fit, a.runs);
+    request.mutable_fit()->set_name(a.name);
+    request.mutable_fit()->set_note(a.note);
+    request.set_with_joint_errors(a.joint_errors);
+    return create_kinematic_model(session, request);
+  }
+  if (a.joint_errors)
+    throw Failure{ExitCode::usage, "usage", "USAGE",
+                  "--joint-errors goes with --run and --method kinematic; of a file: driftwise "
+                  "diagnose FILE.csv --kinematics ROBOT --robot-out FOUND"};
   if (a.method != "stepwise" && a.file.empty())
     throw Failure{ExitCode::usage, "usage", "USAGE",
                   "--method " + a.method +
@@ -166,11 +182,15 @@ void add_fit_command(CLI::App& app, Session& session) {
   add_fit_options(command, a->fit);
   command
       .add_option("--method", a->method,
-                  "of a file's fit: stepwise; classic: nominal kinematics plus an error fitted by "
-                  "the formula; kinematic: lengths and angles identified; nominal: the drawing")
+                  "stepwise; kinematic: lengths and angles identified; of a file's fit also "
+                  "classic: nominal kinematics plus an error fitted by the formula; nominal: the "
+                  "drawing")
       ->check(CLI::IsMember({"stepwise", "classic", "kinematic", "nominal"}))
       ->capture_default_str();
   add_method_options(command, a->methods);
+  command.add_flag("--joint-errors", a->joint_errors,
+                   "with --run and --method kinematic, of an arm: errors of its joints that the "
+                   "diagnosis finds are in");
   command.add_option("--name", a->name, "of the stored model");
   command.add_option("--note", a->note, "kept with the stored model");
 }

@@ -6,6 +6,7 @@
 
 #include "clients/cli/commands/data/remark_commands.h"
 #include "clients/cli/commands/models/check_command.h"
+#include "clients/cli/commands/models/kinematic_commands.h"
 #include "clients/cli/commands/models/ladder_commands.h"
 #include "clients/cli/commands/models/method_commands.h"
 #include "clients/cli/commands/models/residuals_command.h"
@@ -236,6 +237,7 @@ void add_model_commands(CLI::App& app, Session& session) {
                        "nothing shows that it is: kept with the model");
   promoting.add_flag("--yes", a->yes, "ask nothing: for scripts");
   promoting.add_flag("--dry-run", a->dry_run, "say which model it would be, change nothing");
+  add_import_command(model, session);
   add_check_command(model, session);
   add_sensors_command(model, session);
   add_grow_command(model, session);

@@ -42,9 +42,11 @@ std::string unreachable_text(const v1::Target& target) {
   std::string out = "not reachable:";
   const char* separator = " ";
   for (const auto& one : target.coordinates()) {
-    if (!one.has_min_mm()) continue;
-    out += separator + one.channel() + " has soft limits " + significant(one.min_mm(), 6) + " .. " +
-           significant(one.max_mm(), 6);
+    if (!one.has_min_mm() && !one.joint().has_min()) continue;
+    const bool joint = one.has_joint();
+    out += separator + one.channel() + " has soft limits " +
+           significant(joint ? one.joint().min() : one.min_mm(), 6) + " .. " +
+           significant(joint ? one.joint().max() : one.max_mm(), 6);
     separator = ", ";
   }
   return out;
@@ -66,6 +68,8 @@ void print_flags(const Console& console, const v1::Target& target) {
     if (flag == v1::Target::FLAG_IGNORED_COORDINATE)
       line += ": the model does not depend on " + joined(target.ignored_channels());
     if (flag == v1::Target::FLAG_OUTSIDE_LIMITS) line = unreachable_text(target);
+    if (flag == v1::Target::FLAG_UNJUDGED_MODEL)
+      line += ": no data judged it, so neither its domain nor its uncertainty is known";
     console.out << paint.warn("! ") << line << '\n';
   }
 }
@@ -82,8 +86,42 @@ const v1::ChannelValue* beside(const v1::ComputeTargetRequest& request, int axis
 
 }  // namespace
 
+namespace {
+
+// Of an arm.
+void print_joints(const Console& console, const v1::Target& target) {
+  Table table({{"joint"},
+               {"angle", Align::right},
+               {"u arcsec", Align::right},
+               {"U90 arcsec", Align::right},
+               {"U (k=2) arcsec", Align::right}});
+  const auto known = [](bool has, double value) { return has ? fixed(value, 2) : "-"; };
+  for (const auto& coordinate : target.coordinates()) {
+    const auto& joint = coordinate.joint();
+    table.add({coordinate.channel() + (joint.has_min() ? " (not reachable)" : ""),
+               fixed(joint.position(), 9), known(joint.has_u_arcsec(), joint.u_arcsec()),
+               known(joint.has_u90_arcsec(), joint.u90_arcsec()),
+               known(joint.has_expanded_arcsec(), joint.expanded_arcsec())});
+  }
+  table.print(console.out, console.paint_out());
+}
+
+void print_conditions(const Console& console, const v1::Target& target) {
+  console.out << "model " << target.model_id() << ", conditions of "
+              << clock_text(target.conditions_time()) << " UTC, valid until "
+              << clock_text(target.valid_until_time()).substr(11) << '\n';
+  print_flags(console, target);
+}
+
+}  // namespace
+
 void print_target(const Console& console, const v1::ComputeTargetRequest& request,
                   const v1::Target& target) {
+  if (target.coordinates_size() > 0 && target.coordinates(0).has_joint()) {
+    print_joints(console, target);
+    print_budget(console, target.coordinates());
+    return print_conditions(console, target);
+  }
   Table table({{"coordinate"},
                {"mm", Align::right},
                {"from pose nm", Align::right},
@@ -103,10 +141,7 @@ void print_target(const Console& console, const v1::ComputeTargetRequest& reques
   }
   table.print(console.out, console.paint_out());
   print_budget(console, target.coordinates());
-  console.out << "model " << target.model_id() << ", conditions of "
-              << clock_text(target.conditions_time()) << " UTC, valid until "
-              << clock_text(target.valid_until_time()).substr(11) << '\n';
-  print_flags(console, target);
+  print_conditions(console, target);
 }
 
 namespace {
@@ -125,6 +160,18 @@ void print_certificates(const Console& console, const Connection& connection) {
                 << '\n';
 }
 
+// The daemon's model says the joints' unit, the request has to.
+google::protobuf::RepeatedPtrField<v1::ChannelValue> angles_from(
+    const std::vector<std::string>& texts) {
+  auto angles = assignments_from(texts);
+  for (const auto& angle : angles)
+    if (!angle.channel().ends_with("_rad") && !angle.channel().ends_with("_deg"))
+      throw Failure{ExitCode::usage, "usage", "USAGE",
+                    "--near: found " + angle.channel() +
+                        ", expected joint angles with their unit, such as q2_deg=-90"};
+  return angles;
+}
+
 ExitCode ask_once(const Session& session, const v1::ComputeTargetRequest& request) {
   const auto connection = session.connect();
   const auto target = connection.ask(&TargetStub::ComputeTarget, request).target();
@@ -140,6 +187,7 @@ ExitCode ask_once(const Session& session, const v1::ComputeTargetRequest& reques
 ExitCode follow(const Session& session, const v1::ComputeTargetRequest& asked, double every_s) {
   v1::WatchTargetsRequest request;
   *request.mutable_pose() = asked.pose();
+  *request.mutable_near() = asked.near();
   request.set_show_unreachable(true);
   if (every_s > 0) {
     request.mutable_min_interval_duration()->set_seconds(static_cast<std::int64_t>(every_s));
@@ -155,10 +203,15 @@ ExitCode follow(const Session& session, const v1::ComputeTargetRequest& asked, d
         }
         session.console.out << clock_text(target.conditions_time());
         for (const auto& coordinate : target.coordinates())
-          session.console.out << "  " << coordinate.channel() << " "
-                              << fixed(coordinate.position_mm(), 7) << "  U90 "
-                              << fixed(coordinate.u90_nm(), 1) << " nm"
-                              << (coordinate.has_min_mm() ? " not reachable" : "");
+          if (coordinate.has_joint())
+            session.console.out << "  " << coordinate.channel() << " "
+                                << fixed(coordinate.joint().position(), 9)
+                                << (coordinate.joint().has_min() ? " not reachable" : "");
+          else
+            session.console.out << "  " << coordinate.channel() << " "
+                                << fixed(coordinate.position_mm(), 7) << "  U90 "
+                                << fixed(coordinate.u90_nm(), 1) << " nm"
+                                << (coordinate.has_min_mm() ? " not reachable" : "");
         for (const int flag : target.flags())
           session.console.out << "  "
                               << lower(v1::Target::Flag_Name(static_cast<v1::Target::Flag>(flag)),
@@ -187,16 +240,19 @@ void add_target_command(CLI::App& app, Session& session) {
       *request.mutable_pose() = assignments_from(a->pose);
       request.set_with_budget(a->budget);
       request.set_show_unreachable(true);
+      *request.mutable_near() = angles_from(a->near);
       return a->watch ? follow(session, request, a->every_s) : ask_once(session, request);
     };
   });
   command.add_option("POSE", a->pose, "x=1.5 ..., mm, arcsec, N");
-  auto* kinematics = command.add_option(
+  command.add_option(
       "--kinematics", a->kinematics,
       "of a serial arm, without a daemon: robot file, such as diagnose --robot-out writes");
-  command.add_option("--near", a->near, "q1=0.2,...: of all solutions the nearest to these angles")
-      ->delimiter(',')
-      ->needs(kinematics);
+  command
+      .add_option("--near", a->near,
+                  "q1_deg=20,...: of an arm's solutions the nearest to these angles; else to where "
+                  "the joints stand")
+      ->delimiter(',');
   command.add_flag("--budget", a->budget, "what the uncertainty is made of");
   auto* watch =
       command.add_flag("--watch", a->watch, "again whenever the conditions change, one line each");

@@ -51,7 +51,6 @@ export function ModelPage({ id }: { id: bigint }) {
 }
 
 function Page({ answer, model }: { answer: GetModelResponse; model: Model }) {
-  const tab = tabOf(tabs);
   return (
     <>
       <p class="row">
@@ -71,6 +70,22 @@ function Page({ answer, model }: { answer: GetModelResponse; model: Model }) {
           <ul class="models-warnings">{model.warnings.map((warning) => <li>{warning}</li>)}</ul>
         </details>
       )}
+      {model.kinematics ? (
+        <>
+          <Panel title={`Geometry: ${model.kinematics.kind}`}><pre>{model.kinematics.robotToml}</pre></Panel>
+          <LineageTab model={model} />
+        </>
+      ) : (
+        <Parts answer={answer} model={model} />
+      )}
+    </>
+  );
+}
+
+function Parts({ answer, model }: { answer: GetModelResponse; model: Model }) {
+  const tab = tabOf(tabs);
+  return (
+    <>
       <Tabs tabs={tabs} label="Parts of the model" />
       {tab === 'terms' && <TermsTab model={model} />}
       {tab === 'residuals' && <ResidualsTab model={model} />}

@@ -35,6 +35,9 @@ export function Result({ state, pose }: { state: TargetState; pose: Pose }) {
   );
 }
 
+// A joint of an arm is in its channel's unit.
+const position = (one: MotorCoordinate) => one.joint?.position ?? one.positionMm;
+
 function Coordinate({ one }: { one: MotorCoordinate }) {
   const unit = useRef<CorrectionUnit | undefined>(undefined);
   if (one.correctionNm !== undefined) unit.current ??= correctionUnit(one.correctionNm);
@@ -42,8 +45,8 @@ function Coordinate({ one }: { one: MotorCoordinate }) {
     <div class="targets-coordinate">
       <dt>{splitChannel(one.channel).symbol}</dt>
       <dd>
-        <span class="result nowrap">{grouped(one.positionMm, 8)} <span class="unit">mm</span></span>
-        <span class="nowrap">± {significant(one.u90Nm, 2)} nm (<U90 />)</span>
+        <span class="result nowrap">{grouped(position(one), 8)} <span class="unit">{splitChannel(one.channel).unit}</span></span>
+        <span class="nowrap">± {one.joint ? `${significant(one.joint.u90Arcsec, 2)} arcsec` : `${significant(one.u90Nm, 2)} nm`} (<U90 />)</span>
         {one.minMm !== undefined && <span class="nowrap">not reachable: limits {significant(one.minMm, 4)} to {significant(one.maxMm ?? NaN, 4)} mm</span>}
         {one.correctionNm !== undefined && <span class="nowrap muted">correction {correctionText(one.correctionNm, unit.current)}</span>}
       </dd>
@@ -67,6 +70,7 @@ const flagWords: Record<number, string> = {
   [Target_Flag.UNKNOWN_LIMITS]: 'no soft limits are known: whether it can be reached is not checked',
   [Target_Flag.IGNORED_COORDINATE]: 'the model does not depend on a stated coordinate',
   [Target_Flag.CONFIGURATION_CHANGED]: 'the cell file has changed, in parts that this model does not use; nobody has accepted it yet',
+  [Target_Flag.UNJUDGED_MODEL]: 'no data judged the model',
   [Target_Flag.UNANCHORED_DATUM]: 'the present datum is not known: the constant is that of the model\'s own',
 };
 
@@ -91,7 +95,7 @@ function Flags({ target }: { target: Target }) {
 }
 
 function Actions({ target, pose }: { target: Target; pose: Pose }) {
-  const text = target.coordinates.map((one) => `${one.channel} = ${one.positionMm.toFixed(8)}`).join('\n');
+  const text = target.coordinates.map((one) => `${one.channel} = ${position(one).toFixed(8)}`).join('\n');
   const copy = useCommand(() => navigator.clipboard.writeText(text));
   const move = useCommand((answer: HoldAnswer) =>
     withLease((leaseToken) =>
@@ -115,7 +119,7 @@ function Actions({ target, pose }: { target: Target; pose: Pose }) {
   return (
     <>
       <Button small busy={copy.busy} onPress={() => copy.send()}>Copy</Button>
-      {target.unreachableChannels.length === 0 && <CommandButton small busy={move.busy} onPress={ask}>Move there…</CommandButton>}
+      {target.unreachableChannels.length === 0 && !target.coordinates[0]?.joint && <CommandButton small busy={move.busy} onPress={ask}>Move there…</CommandButton>}
       {move.failure && <Failed asked="Move there" failure={move.failure} />}
       {copy.failure && <span class="note muted">This browser does not let the page copy: mark the numbers by hand.</span>}
     </>

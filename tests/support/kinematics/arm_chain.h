@@ -7,6 +7,9 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <random>
+#include <sstream>
+#include <string>
 #include <vector>
 
 #include "server/core/description/kinematics_description.h"
@@ -99,6 +102,27 @@ inline std::array<double, 3> rotations_arcsec(const Eigen::Matrix4d& m) {
   return {std::atan2(m(2, 1), m(2, 2)) / kArcsec,
           std::atan2(-m(2, 0), std::hypot(m(0, 0), m(1, 0))) / kArcsec,
           std::atan2(m(1, 0), m(0, 0)) / kArcsec};
+}
+
+// Its points at drawn joint angles, measured to 20 um, every fourth for validation: a dataset CSV.
+inline std::string measured_csv(const KinematicsDescription& arm, int rows) {
+  std::mt19937 random(20261123);
+  std::uniform_real_distribution<double> turn_rad(-2.5, 2.5), lift(-2.2, -0.6), bend(0.6, 2.1);
+  std::normal_distribution<double> noise_mm(0, 0.02);
+  std::ostringstream csv;
+  csv.precision(17);
+  csv << "time_s,set,q1_rad,q2_rad,q3_rad,q4_rad,q5_rad,q6_rad,x_mm,y_mm,z_mm\n";
+  for (int row = 0; row < rows; ++row) {
+    const double first = turn_rad(random), second = lift(random), third = bend(random);
+    const double fourth = turn_rad(random), fifth = bend(random), sixth = turn_rad(random);
+    const std::vector<double> q = {first, second, third, fourth, fifth, sixth};
+    const auto tool = forward(arm, q, 20);
+    csv << 10 * row << (row % 4 == 3 ? ",validation" : ",calibration");
+    for (const double angle : q) csv << ',' << angle;
+    for (int k : {0, 1, 2}) csv << ',' << tool(k, 3) + noise_mm(random);
+    csv << '\n';
+  }
+  return csv.str();
 }
 
 }  // namespace driftwise::tests
