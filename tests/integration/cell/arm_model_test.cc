@@ -12,7 +12,7 @@
 #include "server/formats/cell_file/kinematics_section.h"
 #include "tests/integration/cell/cell_at_work.h"
 #include "tests/integration/cell/peers/tcp_line.h"
-#include "tests/support/arm_chain.h"
+#include "tests/support/kinematics/arm_chain.h"
 
 namespace driftwise::tests {
 namespace {

@@ -14,7 +14,7 @@
 #include "server/compensation/snapshot_builder.h"
 #include "server/compensation/target.h"
 #include "server/formats/cell_file/kinematics_section.h"
-#include "tests/support/arm_chain.h"
+#include "tests/support/kinematics/arm_chain.h"
 
 namespace driftwise::compensation {
 namespace {

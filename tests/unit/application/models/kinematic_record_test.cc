@@ -1,5 +1,5 @@
 // A robot's geometry becomes a model record, and the record serves: each answer is held against
-// homogeneous matrices multiplied in tests/support/arm_chain.h.
+// homogeneous matrices multiplied in tests/support/kinematics/arm_chain.h.
 
 #include "server/application/models/kinematic_record.h"
 
@@ -13,7 +13,7 @@
 #include "server/formats/cell_file/kinematics_section.h"
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/model/model_json.h"
-#include "tests/support/arm_chain.h"
+#include "tests/support/kinematics/arm_chain.h"
 
 namespace driftwise::application {
 namespace {
