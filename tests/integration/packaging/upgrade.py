@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """The package from its installation to its removal, with an upgrade in the middle of a queue.
 
-Usage: upgrade.py BUILD_FOLDER NEWER_BUILD_FOLDER
+Usage: upgrade.py BUILD_FOLDER NEWER_BUILD_FOLDER    or of each the package: upgrade.py --pack BUILD_FOLDER VERSION PACKAGE
 The newer build has -DDRIFTWISE_TEST_SCHEMA_STEP=ON: a schema step that exists in the tests only. Both are packed here,
-the second one with a higher version, and installed by dpkg in a root of its own: the host's files under an overlay, in
+the second one with a higher version, when that was not done before, and installed by dpkg in a root of its own: the host's files under an overlay, in
 mount and process namespaces of their own. Systemd does not run there: a `systemctl` of this test starts and stops what
 the unit names, as its user and in its folder. Exit code 77: no root, no overlay, or no cpack.
 """
@@ -200,6 +200,10 @@ def main():
     if sys.argv[1] == "--inside":
         inside()
         return 0
+    if sys.argv[1] == "--pack":
+        with tempfile.TemporaryDirectory(prefix="driftwise-packages-") as folder:
+            shutil.copy(pack(sys.argv[2], pathlib.Path(folder), sys.argv[3]), sys.argv[4])
+        return 0
     probe = "d=$(mktemp -d) && mount -t tmpfs t $d && mkdir $d/u $d/w $d/r && mount -t overlay o -o lowerdir=/,upperdir=$d/u,workdir=$d/w $d/r"
     if os.geteuid() != 0 or not shutil.which("cpack") or subprocess.run(["unshare", "--mount", "bash", "-c", probe], capture_output=True).returncode != 0:
         print("NOT TESTED: needs root, mount namespaces with overlays, and cpack")
@@ -207,6 +211,9 @@ def main():
     with tempfile.TemporaryDirectory(prefix="driftwise-packages-") as folder:
         packages = []
         for build, version in zip(sys.argv[1:3], ("0.1.0", "0.1.1")):
+            if build.endswith(".deb"):
+                packages.append(os.path.abspath(build))
+                continue
             at = pathlib.Path(folder, version)
             at.mkdir()
             packages.append(pack(build, at, version))
