@@ -13,6 +13,11 @@
 #include "server/core/try.h"
 
 namespace driftwise::application {
+namespace {
+
+constexpr const char* kUnwritten = "record.unwritten";
+
+}  // namespace
 
 AlarmsService::AlarmsService(asio::any_io_executor executor, Sources sources, StoreReader& reader,
                              AlarmBook& book, TaskGroup& tasks)
@@ -117,7 +122,12 @@ Awaitable<void> AlarmsService::look_for_ever() {
     look_at_channels();
     auto ending_shelves = book_.end_shelves();
     co_await std::move(ending_shelves);
-    auto looking = book_.look(incidents_.group(alarms_now(), clock_.now().utc));
+    auto alarms = incidents_.group(alarms_now(), clock_.now().utc);
+    // A record that takes nothing for a moment explains a run that waits; it neither begins an
+    // alarm nor keeps one that stands.
+    std::erase_if(alarms,
+                  [](const AlarmCondition& one) { return one.kind == kUnwritten && one.settling; });
+    auto looking = book_.look(std::move(alarms));
     co_await std::move(looking);
     const double seconds = std::max(2.0, 0.5 * clock_.speed());
     co_await sleep_unless(clock_, clock_.now().utc + nanoseconds_from_s(seconds), wake_);
@@ -198,7 +208,7 @@ std::vector<AlarmCondition> AlarmsService::alarms_now() const {
   const double unwritten_s = std::max(60.0, 2 * clock_.speed());
   if (const auto since = writer_.gathered_since())
     out.push_back({.level = AlarmLevel::failed,
-                   .kind = "record.unwritten",
+                   .kind = kUnwritten,
                    .subject = "database",
                    .message =
                        "the record takes nothing: readings gather in memory, and a run under way "

@@ -81,16 +81,22 @@ std::vector<AlarmCondition> Incidents::group(std::vector<AlarmCondition> conditi
       mine.own = true;
     }
     if (mine.own) continue;
+    // One that may be over in a moment explains what nothing else does.
     std::vector<Key> causes;
-    for (const auto& other : conditions) {
-      const auto& its = known_.at(key_of(other));
-      if (&other == &one || (its.since == mine.since && &other > &one && other.kind == one.kind))
-        continue;
-      if (!explains(other, one, mine.since - its.since)) continue;
-      Key root = its.cause && present(*its.cause) ? *its.cause : key_of(other);
-      if (root != key_of(one) && std::ranges::find(causes, root) == causes.end())
-        causes.push_back(std::move(root));
-    }
+    const auto find_causes = [&](bool settling) {
+      for (const auto& other : conditions) {
+        if (other.settling != settling) continue;
+        const auto& its = known_.at(key_of(other));
+        if (&other == &one || (its.since == mine.since && &other > &one && other.kind == one.kind))
+          continue;
+        if (!explains(other, one, mine.since - its.since)) continue;
+        Key root = its.cause && present(*its.cause) ? *its.cause : key_of(other);
+        if (root != key_of(one) && std::ranges::find(causes, root) == causes.end())
+          causes.push_back(std::move(root));
+      }
+    };
+    find_causes(false);
+    if (causes.empty()) find_causes(true);
     if (causes.size() > 1) {  // either could be it
       mine.cause.reset();
     } else if (causes.size() == 1) {
