@@ -149,8 +149,13 @@ std::vector<AlarmCondition> alarm_conditions(const CellStatus& status) {
 }
 
 void QualityTrend::take(const RunProgress& progress) {
-  if (progress.run.id != run_) *this = {};
-  run_ = progress.run.id;
+  if (progress.run.id !=
+      run_) {  // what it took before is not these points': the daemon began again
+    *this = {};
+    run_ = progress.run.id;
+    accepted_ = progress.run.accepted;
+    attempts_before_ = progress.run.attempts;
+  }
   if (progress.run.accepted <= accepted_ || is_missing(progress.last_spread_nm)) return;
   accepted_ = progress.run.accepted;
   spreads_nm_.push_back(progress.last_spread_nm);
