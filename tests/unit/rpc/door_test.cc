@@ -292,8 +292,10 @@ TEST_F(RpcDoor, HoldsABoundedPartOfUnfinishedMessages) {
   std::int64_t sent = 0;
   for (const auto& call : calls) sent += call->sent();
   EXPECT_GT(sent, 1'000'000) << "the attack came through at all";
+#ifndef __SANITIZE_ADDRESS__  // there memory that was given back stays resident for a while
   EXPECT_LT(most - before, rpc::RpcServer::kMostBufferBytes + (std::size_t{100} << 20))
       << sent << " bytes were taken";
+#endif
   const auto passing = cell.passing();  // a stop asks the axis twice
   EXPECT_TRUE(ask(&CellStub::StopAll, {}, "ada"));
 }
