@@ -68,10 +68,10 @@ class FullDisk final : public AlarmStore {
 class AlarmsOnly final : public Store {
  public:
   explicit AlarmsOnly(std::unique_ptr<Store> under)
-      : Store(before(*under)), under_(std::move(under)), disk(under_->alarms()) {}
+      : Store(before(*under, disk)), under_(std::move(under)), disk(under_->alarms()) {}
 
  private:
-  StoreParts before(Store& under) {
+  static StoreParts before(Store& under, FullDisk& disk) {
     StoreParts parts = under.parts();
     parts.alarms = &disk;
     parts.upkeep = nullptr;

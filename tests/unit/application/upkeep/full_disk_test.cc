@@ -12,16 +12,17 @@ namespace {
 class FullDisk final : public Store, RunStore, PointStore, ReadingStore, EventStore, AuditStore {
  public:
   FullDisk(std::unique_ptr<Store> inner, const bool& full)
-      : Store(before(*inner)), inner_(std::move(inner)), full_(full) {}
+      : Store(before(*inner, this)), inner_(std::move(inner)), full_(full) {}
 
  private:
-  StoreParts before(Store& inner) {
+  // Asked before its own bases stand: a static function, for nothing of it may be called yet.
+  static StoreParts before(Store& inner, FullDisk* its) {
     StoreParts parts = inner.parts();
-    parts.runs = this;
-    parts.points = this;
-    parts.readings = this;
-    parts.events = this;
-    parts.audit = this;
+    parts.runs = its;
+    parts.points = its;
+    parts.readings = its;
+    parts.events = its;
+    parts.audit = its;
     parts.upkeep = nullptr;
     return parts;
   }
