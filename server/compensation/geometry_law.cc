@@ -146,7 +146,7 @@ class ArmLaw final : public GeometryLaw {
                          arm_.inputs().end());
     needs_ = {Variable::x, Variable::y, Variable::z};
     if (arm_.joints() != 3) needs_.insert(needs_.end(), {Variable::rx, Variable::ry, Variable::rz});
-    // What the model leaves of each coordinate on rows that it was not fitted to.
+    // Errors of each coordinate on rows that the model was not fitted to.
     for (const auto& output : model.outputs) {
       const auto& figures = output.accuracy;
       const double a90 =

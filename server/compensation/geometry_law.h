@@ -1,5 +1,5 @@
 #pragma once
-// What a served geometry answers: motor coordinates for a pose, and the pose of motor coordinates,
+// Answers of a served geometry: motor coordinates for a pose, and the pose of motor coordinates,
 // with the model's corrections (errors of an arm's joints at present temperatures) in. The second
 // kind of law beside a snapshot's polynomial, to whose motor coordinates its own are added.
 //

@@ -277,7 +277,7 @@ Snapshot SnapshotBuilder::build(CellTime now) const {
   return snapshot;
 }
 
-// Where the drift of an arm's joints with this temperature is 0, in its unit.
+// Temperature at which the drift of an arm's joints is 0, in the channel's unit.
 double SnapshotBuilder::drift_reference(const Channel& channel) const {
   for (const auto& link : model_.geometry->robot.links)
     if (link.errors.drift_channel == channel)

@@ -1,5 +1,5 @@
 #pragma once
-// What answers targets, in words.
+// The model and the plan that answer targets, in words.
 
 #include <string>
 

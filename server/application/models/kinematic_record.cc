@@ -29,8 +29,8 @@ namespace {
 using Eigen::Index;
 using kinematics::Mechanism;
 
-// How far a robot's numbers may lie from its drawing: as a length, and as a share of the longest
-// length of the drawing. A robot of the same make differs by a few millimetres at most, one of
+// Largest difference of a robot's numbers from its drawing: a length, and a share of the drawing's
+// longest length. A robot of the same make differs by a few millimetres at most, one of
 // another size by centimetres.
 constexpr double kMostDeviation_mm = 20, kMostDeviation = 0.05;
 
@@ -59,7 +59,7 @@ double longest_mm(const kinematics::Parameters& parameters) {
   return longest;
 }
 
-// Where the robot stands, its tool and its zeros are no question of which robot it is.
+// A parameter of the robot itself: its place, its tool and its zeros do not tell robots apart.
 bool says_which_robot(const kinematics::Parameter& parameter) {
   return !parameter.placement && !parameter.name.starts_with("frame.") &&
          !parameter.name.starts_with("tool.");

@@ -18,7 +18,7 @@ struct AlarmCondition {
   // It may turn out to follow from another one, or to be over in a moment: begins no alarm yet, and
   // ends none. It explains others all the same.
   bool settling = false;
-  // What it waits for has come back and is only confirmed for a stated time: while that lasts, it
+  // A condition whose cause is back and is only confirmed for a stated time: while that lasts, it
   // does not outlast its cause.
   bool is_ending = false;
 };

@@ -37,7 +37,7 @@ class Sides {
     side_ = signs(guess);
     for (int round = 0; round < kRounds; ++round) {
       if (!resize()) return false;
-      // What a row says by itself, its side put back.
+      // Each row by itself, its side put back.
       const Eigen::MatrixXd alone = about_ + weight_.cwiseProduct(side_) * half_.transpose();
       const Eigen::VectorXd next = signs(alone * along_);
       if (next == side_) break;
@@ -45,7 +45,7 @@ class Sides {
     }
     return resize();
   }
-  // Where to begin, for the sizes and the sides in turn only find what is near: each output by
+  // First guesses, for the sizes and the sides in turn only find what is near: each output by
   // itself, what the outputs have in common, and those of the splits of the rows in two, by their
   // order and by each of the simulation's columns, that explain most. A tip keeps its side until
   // something moves it across.
@@ -154,7 +154,7 @@ std::optional<TwoSides> two_sides(const Timeline& timeline, const SoftBase& simu
     best = TwoSides{sides.side(), sides.half(), sides.along(), sides.apart(), 0, 0};
   }
   if (!best) return best;
-  // What they have in common, then each output.
+  // The outputs' common part, then each output.
   Eigen::MatrixXd before(series.rows(), series.cols() + 1), after;
   before << series * best->along, series;
   Eigen::VectorXd half(series.cols() + 1);

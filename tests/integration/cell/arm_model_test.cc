@@ -30,7 +30,7 @@ KinematicsDescription drawn_ur10() {
   return arm;
 }
 
-// What a diagnosis would have found of its joints.
+// Errors of the joints, as a diagnosis would have found them.
 KinematicsDescription with_joint_errors(KinematicsDescription arm) {
   arm.links[1].errors.sag_urad_per_m = 1250;
   arm.links[2].errors.sag_urad_per_m = 740;
