@@ -23,8 +23,8 @@ struct ProblemOutput {
   std::string unit;          // summary unit
   double factor = 1;         // summary unit per channel's unit
   Eigen::VectorXd measured;  // every row, in the summary unit; at the predicted pose (problem.cc)
-  // Sides that `measured` was freed of, every row (two_sides.h). No prediction knows them, so figures
-  // are of the readings as they were. Empty: nothing.
+  // Sides that `measured` was freed of, every row (two_sides.h). No prediction knows them, so
+  // figures are of the readings as they were. Empty: nothing.
   Eigen::VectorXd freed_of{};
 };
 
