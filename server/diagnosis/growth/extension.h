@@ -78,7 +78,8 @@ class Extension {
   const std::vector<std::string>& refused() const { return refused_; }  // by the gate: sentences
   // Every parameter again, given the others; then each finding against all other causes: another
   // that does clearly better takes its place, one that the others make superfluous goes, and what
-  // comes close is its rival. Says what went.
+  // comes close is its rival. Says what went. An instant lies at last where the rows in between
+  // the learning ones show it.
   Result<std::vector<std::string>> settle();
   void withdraw(std::size_t index);
   // One of the named adds nothing to what is predicted of this output.
@@ -128,6 +129,8 @@ class Extension {
   bool within_range(const Candidate& candidate, const Eigen::MatrixXd& columns,
                     const Ground& ground) const;
   void leave_misfits(std::vector<std::string>& said);
+  Result<void> place_instants();
+  Result<void> move_instant(std::size_t index, double instant_s);
   void name_rivals(std::size_t index, const std::vector<Candidate>& best, std::size_t first);
 
   const Problem& problem_;

@@ -7,6 +7,7 @@
 #include "server/core/try.h"
 #include "server/diagnosis/answer/cancelled.h"
 #include "server/diagnosis/growth/extension.h"
+#include "server/diagnosis/rows/held_out_gain.h"
 
 namespace driftwise::diagnosis {
 namespace {
@@ -100,7 +101,51 @@ Result<std::vector<std::string>> Extension::settle() {
   }
   update_noise();
   leave_misfits(said);
+  DRIFTWISE_RETURN_IF_ERROR(place_instants());
   return said;
+}
+
+// The rows that learn know a jump to be between two of them and no more. A held-out line of points
+// in there would lie on the wrong side, all of it, at most places of the instant; so those rows say
+// where it is, by least squares about what is predicted with the jump before them and after them.
+// Whether there is a jump, and its height, stays with the rows that learn.
+Result<void> Extension::place_instants() {
+  const auto& time_s = problem_.data().time_s;
+  for (std::size_t i = 0; i < named_.size(); ++i) {
+    if (causes_[named_[i].cause].scale != ParameterScale::instant) continue;
+    const double instant_s = named_[i].values.front().parameter;
+    const auto after = std::ranges::find_if(
+        problem_.learn, [&](std::size_t row) { return time_s[row] > instant_s; });
+    if (after == problem_.learn.begin() || after == problem_.learn.end()) continue;
+    const std::size_t first = *std::prev(after) + 1, last = *after;  // open: [first, last)
+    if (first == last) continue;
+    // costs: what a row adds where it lies before the jump less what it adds after it.
+    std::vector<double> costs(last - first, 0);
+    for (const bool jump_after : {true, false}) {
+      const std::size_t edge = jump_after ? last : first;
+      DRIFTWISE_RETURN_IF_ERROR(move_instant(i, (time_s[edge - 1] + time_s[edge]) / 2));
+      for (std::size_t o = 0; o < problem_.outputs.size(); ++o) {
+        const Eigen::VectorXd left = residuals(problem_, problem_.outputs[o], described(o));
+        for (std::size_t row = first; row < last; ++row)
+          if (const double r = left[static_cast<Eigen::Index>(row)] / noise_sd_[o]; r == r)
+            costs[row - first] += jump_after ? r * r : -r * r;
+      }
+    }
+    double cost = 0, least = 0;
+    std::size_t edge = first;
+    for (std::size_t row = first; row < last; ++row)
+      if ((cost += costs[row - first]) < least) {
+        least = cost;
+        edge = row + 1;
+      }
+    DRIFTWISE_RETURN_IF_ERROR(move_instant(i, (time_s[edge - 1] + time_s[edge]) / 2));
+  }
+  return {};
+}
+
+Result<void> Extension::move_instant(std::size_t index, double instant_s) {
+  const Cell& now = named_[index].values.front();
+  return set_values(named_[index], {{instant_s, with_parameter(now.terms, instant_s), now.weight}});
 }
 
 // A time constant or a period is an idealisation: what it leaves of something strong is no cause.

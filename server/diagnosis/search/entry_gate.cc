@@ -14,6 +14,9 @@ namespace {
 constexpr Eigen::Index kTimeFolds = 5, kShortBlocks = 60, kFewestGapRows = 2;
 constexpr double kMostGap = 0.04;  // of the rows, on either side
 constexpr std::size_t kPlaceFolds = 6, kFewestPlaces = 6;
+constexpr double kRidge = 1e-9;         // of a column's own square
+constexpr double kReach = 40;           // 2 ln: what is further off the best has no weight
+constexpr std::size_t kMostCells = 40;  // that a prediction is averaged over
 
 // Sums over rows of everything that a fit and a choice of the parameter need.
 struct Sums {
@@ -62,6 +65,26 @@ double predictive(const Eigen::MatrixXd& a, const Eigen::VectorXd& along, const 
     log_ratio += 2 * std::log(with.matrixL()(k, k) / fitted.matrixL()(k, k));
   const Eigen::VectorXd xe = x.transpose() * e;
   return -(e.squaredNorm() - xe.dot(with.solve(xe))) - log_ratio;
+}
+
+// Cells that share what the learned rows say of the parameter: those within reach of the best.
+std::vector<std::size_t> likeliest(const Eigen::VectorXd& evidence) {
+  std::vector<std::size_t> cells;
+  const double best = evidence.maxCoeff();
+  for (Eigen::Index c = 0; c < evidence.size(); ++c)
+    if (evidence[c] >= best - kReach) cells.push_back(static_cast<std::size_t>(c));
+  std::ranges::stable_sort(cells, std::ranges::greater{},
+                           [&](std::size_t c) { return evidence[static_cast<Eigen::Index>(c)]; });
+  if (cells.size() > kMostCells) cells.resize(kMostCells);
+  return cells;
+}
+
+// 2 ln of a sum of densities that are given as 2 ln.
+double two_ln_sum(const std::vector<double>& two_ln) {
+  const double most = std::ranges::max(two_ln);
+  double sum = 0;
+  for (const double one : two_ln) sum += std::exp((one - most) / 2);
+  return most + 2 * std::log(sum);
 }
 
 }  // namespace
@@ -133,6 +156,13 @@ double EntryGate::score(const std::vector<Fold>& folds, const SoftBase& base,
     side.base.leftCols(free) =
         qr.householderQ() * Eigen::MatrixXd::Identity(side.base.rows(), free);
     side.precision = independent.precision;
+    // Found causes in units of their own: a play's column in mm is some 1e-6 large.
+    for (Eigen::Index k = free; k < side.base.cols(); ++k) {
+      const double length = side.base.col(k).norm();
+      if (length == 0) continue;
+      side.base.col(k) /= length;
+      side.precision[k] /= length * length;
+    }
     const Eigen::MatrixXd raw = bank_.columns.middleCols(first, width);
     side.cells = raw.rowwise() - raw.colwise().mean();
     whitener.apply(side.cells);
@@ -162,7 +192,7 @@ double EntryGate::score(const std::vector<Fold>& folds, const SoftBase& base,
       sums -= sums_of(side, cells, &not_learned);
       Eigen::MatrixXd a = sums.bb;
       a.diagonal() += side.precision;
-      a.diagonal().array() += 1e-9;
+      a.diagonal().array() += kRidge;
       fits.emplace_back(a);
       const Eigen::MatrixXd turned = fits.back().matrixL().solve(sums.bz);
       const Eigen::VectorXd left = fits.back().matrixL().solve(sums.by);
@@ -189,27 +219,38 @@ double EntryGate::score(const std::vector<Fold>& folds, const SoftBase& base,
     }
     for (std::size_t c = 0; c < cells.size(); ++c)
       evidence[static_cast<Eigen::Index>(c)] += 2 * bank_.ln_weight[own.first + c];
-    Eigen::Index best = 0;
-    evidence.maxCoeff(&best);
-    const auto& cell = cells[static_cast<std::size_t>(best)];
-    for (std::size_t s = 0; s < sides.size(); ++s) {
-      const Side& side = sides[s];
-      const double share = shares[s][static_cast<std::size_t>(best)];
-      if (share == 0) continue;
-      const Eigen::Index p = a0[s].cols(), k = cell.count;
-      const Eigen::MatrixXd b = side.base(fold.out, Eigen::all);
-      const Eigen::VectorXd y = side.y(fold.out);
-      Eigen::MatrixXd a(p + k, p + k), x(b.rows(), p + k);
-      a.topLeftCorner(p, p) = a0[s];
-      a.topRightCorner(p, k) = share * learned[s].bz.middleCols(cell.first, k);
-      a.bottomLeftCorner(k, p) = a.topRightCorner(p, k).transpose();
-      a.bottomRightCorner(k, k) = share * share * learned[s].zz[static_cast<std::size_t>(best)];
-      a.bottomRightCorner(k, k).diagonal().array() += 1;
-      x << b, share * side.cells(fold.out, Eigen::seqN(cell.first, k));
-      Eigen::VectorXd along(p + k);
-      along << learned[s].by, share * learned[s].zy.segment(cell.first, k);
-      total += predictive(a, along, x, y) - predictive(a0[s], learned[s].by, b, y);
+    // Averaged over the parameter as the learned rows leave it: instants in between two of them
+    // are equally likely, and one of them only predicts what lies there.
+    std::vector<double> alone;  // per side: of the rows out, without the cause
+    for (std::size_t s = 0; s < sides.size(); ++s)
+      alone.push_back(predictive(a0[s], learned[s].by, sides[s].base(fold.out, Eigen::all),
+                                 sides[s].y(fold.out)));
+    std::vector<double> before, after;
+    for (const std::size_t c : likeliest(evidence)) {
+      const auto& cell = cells[c];
+      double growth = 0;
+      for (std::size_t s = 0; s < sides.size(); ++s) {
+        const Side& side = sides[s];
+        const double share = shares[s][c];
+        if (share == 0) continue;
+        const Eigen::Index p = a0[s].cols(), k = cell.count;
+        Eigen::MatrixXd a(p + k, p + k);
+        Eigen::MatrixXd x(static_cast<Eigen::Index>(fold.out.size()), p + k);
+        a.topLeftCorner(p, p) = a0[s];
+        a.topRightCorner(p, k) = share * learned[s].bz.middleCols(cell.first, k);
+        a.bottomLeftCorner(k, p) = a.topRightCorner(p, k).transpose();
+        a.bottomRightCorner(k, k) = share * share * learned[s].zz[c];
+        a.bottomRightCorner(k, k).diagonal().array() += 1;
+        x << side.base(fold.out, Eigen::all),
+            share * side.cells(fold.out, Eigen::seqN(cell.first, k));
+        Eigen::VectorXd along(p + k);
+        along << learned[s].by, share * learned[s].zy.segment(cell.first, k);
+        growth += predictive(a, along, x, side.y(fold.out)) - alone[s];
+      }
+      before.push_back(evidence[static_cast<Eigen::Index>(c)]);
+      after.push_back(before.back() + growth);
     }
+    total += two_ln_sum(after) - two_ln_sum(before);
   }
   return total;
 }

@@ -1,9 +1,10 @@
 #pragma once
 // Nothing enters that predicts worse: a cause is held against rows of the calibration that it was
 // not fitted to, by contiguous blocks of time and by groups of neighbouring places. In each fold
-// its parameter is chosen again from its whole grid, and amplitudes and baseline are fitted again,
-// under their priors. The score is the growth of twice the predictive log density of the whitened
-// rows left out, summed over the outputs that the cause acts on.
+// its parameter is weighed again over its whole grid, and amplitudes and baseline are fitted again,
+// under their priors. The score is the growth of twice the log of the predictive density of the
+// whitened rows left out: over the outputs that the cause acts on together, averaged over the
+// parameter.
 //
 // Beside the test against nulls, never in its place. An event (a jump at one instant) cannot be
 // predicted from other blocks: every second short block is left out, and what is predicted is the

@@ -1,5 +1,5 @@
 // The gate against dense matrices: predictive densities as ratios of restricted likelihoods, with
-// the parameter and the width of the prior chosen from the learned rows alone.
+// the parameter weighed and the width of the prior chosen by the learned rows alone.
 
 #include "server/diagnosis/search/entry_gate.h"
 
@@ -79,7 +79,7 @@ double brute_force(const Problem& problem, const Eigen::MatrixXd& series, const 
       if (!out && !idle) learned.push_back(i);
       if (!idle) both.push_back(i);
     }
-    double most = -INFINITY, predicted = 0;  // of the parameter that the learned rows choose
+    double before = 0, after = 0;  // densities averaged over the parameter
     for (std::size_t c = 0; c < kWeights.size(); ++c) {
       const Eigen::VectorXd z = bank.columns.col(static_cast<Eigen::Index>(c));
       double evidence = 2 * std::log(kWeights[c]), gain = 0;
@@ -98,9 +98,10 @@ double brute_force(const Problem& problem, const Eigen::MatrixXd& series, const 
         gain +=
             beyond_none(both, likeliest * kTypical) - beyond_none(learned, likeliest * kTypical);
       }
-      if (evidence > most) most = evidence, predicted = gain;
+      before += std::exp(evidence / 2);
+      after += std::exp((evidence + gain) / 2);
     }
-    total += predicted;
+    total += 2 * std::log(after / before);
   }
   return total;
 }
@@ -133,6 +134,50 @@ TEST(EntryGate, ScoresNothingForAnOutputThatTheLearnedRowsSayACauseDoesNotMove) 
   const double expected = brute_force(problem, series, bank);
   EXPECT_NEAR(score_by_time(problem, series, bank), expected, 1e-4 * (1 + std::abs(expected)));
   EXPECT_GT(expected, 0);
+}
+
+// Twenty times the noise, at an instant inside a block that is left out: the rows beside the block
+// do not say where in it, and a wrong place costs 400 a row.
+TEST(EntryGate, PassesALargeJumpWhereverItFallsAmongTheBlocks) {
+  const Problem problem = problem_of_an_axis();
+  for (Eigen::Index at = 40; at < 48; ++at) {
+    Bank bank;
+    bank.columns = Eigen::MatrixXd::Zero(kRows, kRows - 8);
+    for (Eigen::Index c = 0; c < bank.columns.cols(); ++c) {
+      bank.columns.col(c).tail(kRows - 4 - c).setOnes();
+      bank.cells.push_back({c, 1});
+      bank.ln_weight.push_back(-std::log(static_cast<double>(bank.columns.cols())));
+    }
+    bank.prior = Eigen::MatrixXd::Constant(bank.columns.cols(), 1, 20);
+    bank.entries = {{0, bank.cells.size()}};
+    Eigen::MatrixXd series = random_columns(1, 3);
+    series.bottomRows(kRows - at).array() += 20;
+    const EntryGate gate(problem, series, bank);
+    Cause jump;
+    jump.scale = ParameterScale::instant;
+    EXPECT_GT(gate.judge(SoftBase(problem.base_columns), {{0, 1}}, {1}, jump, 0).by_time.value(),
+              300)
+        << at;
+  }
+}
+
+// A play's column is some 1e-6 mm large, another cause's some hundred K s.
+TEST(EntryGate, DoesNotDependOnTheUnitOfWhatWasFoundBefore) {
+  const Problem problem = problem_of_an_axis();
+  const Bank bank = bank_of(random_columns(3, 2), 1);
+  const Eigen::VectorXd found = random_columns(1, 4);
+  const Eigen::MatrixXd series = random_columns(1, 3) + 0.35 * bank.columns.col(1) + 5 * found;
+  const auto score = [&](double unit) {
+    Eigen::MatrixXd columns(kRows, problem.base_columns.cols() + 1);
+    columns << problem.base_columns, unit * found;
+    Eigen::VectorXd precision = Eigen::VectorXd::Zero(columns.cols());
+    precision[columns.cols() - 1] = unit * unit / 100;
+    return EntryGate(problem, series, bank)
+        .judge(SoftBase(columns, precision), {{0, 1}}, {1}, Cause{}, 0)
+        .by_time.value();
+  };
+  for (const double unit : {1e-7, 1e-4, 1e4})
+    EXPECT_NEAR(score(unit), score(1), 1e-4 * std::abs(score(1))) << unit;
 }
 
 }  // namespace

@@ -234,6 +234,23 @@ TEST(AJump, IsNamedInNoiseThatIsCorrelatedFromRowToRow) {
   EXPECT_GE(named, 4);  // of 5; the noise alone allows 2 ln L of some 90
 }
 
+// Every second line of twenty points is held out, and the jump falls into one of those: all of its
+// rows lie between two that learn.
+TEST(AJump, InALineThatIsHeldOutLiesWhereThatLineShowsIt) {
+  constexpr std::size_t kJump = 132, kLine = 20;
+  Dataset data = one_axis(31, 280, 18, [](double) { return 5.0; });
+  for (std::size_t i = 0; i < data.rows; ++i)
+    data.set.push_back(i / kLine % 2 == 0 ? PointSet::calibration : PointSet::validation);
+  for (std::size_t i = kJump; i < data.rows; ++i) data.columns[1].values[i] += 1e-6 * 200;
+  const auto found = diagnosed(data, "q1 ~ x + x^2");
+  ASSERT_THAT(names_in(found), testing::ElementsAre("step_change"));
+  EXPECT_EQ(found.verdict, Verdict::extended);
+  const double at_s = found.findings[0].parameters.at(0).value;
+  EXPECT_GT(at_s, data.time_s[kJump - 1]);
+  EXPECT_LT(at_s, data.time_s[kJump]);
+  EXPECT_LT(*found.outputs[0].a90_validation_after, 1.645 * 5 * 1.2);  // nm: the noise's
+}
+
 }  // namespace
 }  // namespace noise_mechanisms_test
 }  // namespace driftwise::diagnosis
