@@ -5,6 +5,7 @@
 
 #include "server/core/reasons.h"
 #include "server/effects/beam.h"
+#include "server/effects/contact.h"
 #include "server/effects/creep.h"
 #include "server/effects/data_time.h"
 #include "server/effects/effect.h"
@@ -60,7 +61,7 @@ std::span<const EffectKind> effect_kinds() {
       lag_kind(),          thermal_rate_kind(),   thermal_rate2_kind(), play_kind(),
       creep_kind(),        self_heating_kind(),   sine_kind(),          cosine_wave_kind(),
       sine_in_time_kind(), cosine_in_time_kind(), step_kind(),          drift_kind(),
-      cosine_error_kind(), air_index_kind(),      square_lag_kind()};
+      cosine_error_kind(), air_index_kind(),      square_lag_kind(),    contact_kind()};
   return kinds;
 }
 

@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <map>
+#include <numbers>
 #include <set>
 
 #include "server/core/data/reading.h"
@@ -102,15 +104,41 @@ std::string short_length(double nm) {
   return text.data();
 }
 
+// Longest period of a motor's wave that is not the same wave as of the axis. With one motor and one
+// axis they differ by what the structure between scale and pose does: its phase must tell them
+// apart by half a radian.
+double longest_of_its_own(const CatalogueBuilder& builder) {
+  if (builder.motors().size() > 1) return std::numeric_limits<double>::infinity();
+  if (builder.axes().size() != 1) return 0;
+  const auto q = builder.data().values_of(builder.motors().front());
+  const auto x = builder.data().values_of(builder.axes().front());
+  double n = 0, sq = 0, sx = 0, sqq = 0, sqx = 0, sxx = 0;
+  for (std::size_t row = 0; row < q.size(); ++row) {
+    const double a = q[row] - q.front(), b = x[row] - x.front();
+    if (!std::isfinite(a) || !std::isfinite(b)) continue;
+    ++n, sq += a, sx += b, sqq += a * a, sqx += a * b, sxx += b * b;
+  }
+  const double aa = sqq - sq * sq / n, ab = sqx - sq * sx / n, bb = sxx - sx * sx / n;
+  if (!(aa > 0)) return 0;
+  return 4 * std::numbers::pi * nm_from_mm(std::sqrt(std::max(bb - ab * ab / aa, 0.0) / n));
+}
+
 void add_cyclic(CatalogueBuilder& builder, const std::string& symbol, Cause cause,
-                std::vector<std::string>& reach) {
+                std::vector<std::string>& reach,
+                double longest_nm = std::numeric_limits<double>::infinity()) {
   const std::size_t places = places_of(builder, symbol);
   if (places < kFewestPlaces) {
     reach.push_back(symbol + " is visited at fewer than " + std::to_string(kFewestPlaces) +
                     " places");
     return;
   }
-  const Waves waves = waves_of(nm_from_mm(builder.range(symbol)), places);
+  Waves waves = waves_of(nm_from_mm(builder.range(symbol)), places);
+  const auto kept =
+      std::ranges::find_if(waves.periods_nm, [&](double p) { return p < longest_nm; });
+  waves.weights.erase(waves.weights.begin(),
+                      waves.weights.begin() + (kept - waves.periods_nm.begin()));
+  waves.periods_nm.erase(waves.periods_nm.begin(), kept);
+  if (waves.periods_nm.empty()) return;
   builder.add_values(cause, waves.periods_nm, [&](double period) {
     return std::vector<Term>{call_term("sin", {symbol}, {{period, "nm"}}),
                              call_term("cos", {symbol}, {{period, "nm"}})};
@@ -169,17 +197,16 @@ void add_beams(CatalogueBuilder& builder) {
     wave.scale = ParameterScale::inverse;
     add_cyclic(builder, axis, std::move(wave), reach);
   }
-  if (builder.motors().size() > 1)  // of one motor it is the same wave as of its axis
-    for (const auto& q : builder.motors())
-      add_cyclic(builder, q,
-                 {.id = "cyclic_error",
-                  .subject = q,
-                  .where = "robot",
-                  .applies_to = AppliesTo::robot,
-                  .parameter = "period_nm",
-                  .scale = ParameterScale::inverse,
-                  .outputs = {q}},
-                 reach);
+  for (const auto& q : builder.motors())
+    add_cyclic(builder, q,
+               {.id = "cyclic_error",
+                .subject = q,
+                .where = "robot",
+                .applies_to = AppliesTo::robot,
+                .parameter = "period_nm",
+                .scale = ParameterScale::inverse,
+                .outputs = {q}},
+               reach, longest_of_its_own(builder));
   if (!reach.empty()) {
     std::string all;
     for (const auto& one : reach) all += (all.empty() ? "" : "; ") + one;

@@ -87,6 +87,7 @@ void add_force(CatalogueBuilder& builder) {
   for (int d : {2, 3}) builder.add_terms(bend, {power_term("force", d)}, d);
   builder.add_terms(bend, {power_term("force", 2), power_term("force", 3)}, 3);
   if (bend.cells.empty()) builder.add_terms(bend, {power_term("force", 4)}, 4);
+  builder.add_terms(bend, {call_term("contact", {"force"})}, 2.0 / 3);
   builder.take_cause(std::move(bend));
   add_axis_products(builder,
                     of_robot("force_position_coupling", "F", LinearParameter::nm_per_n_per_mm),

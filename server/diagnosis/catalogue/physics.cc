@@ -28,6 +28,9 @@ constexpr double kGeometry = 1e-4;            // of the stroke: straightness and
 constexpr double kPlay = 2e-5, kPlay_nm = 200;
 constexpr double kWave_nm = 20, kWaveOfPeriod = 1e-3, kWaveOfStroke = 1e-5;
 constexpr double kCompliance_nm_per_n = 100;  // 10 N/um
+// A steel ball of 10 mm on a flat approaches by (9 / (16 R E'^2))^(1/3) F^(2/3), R = 5 mm and
+// E' = 115 GPa: 204 nm at 1 N (Johnson, Contact Mechanics, 4.2).
+constexpr double kContact_nm = 200;
 constexpr double kLever_mm = 20, kDeadPath_mm = 100, kBeam_mm = 500;
 // A beam at an angle walks off by twice angle x stroke on its way there and back: by half of an
 // aperture of 6 mm it is lost. Nothing is mounted worse than by a degree.
@@ -68,6 +71,11 @@ int exponent_of(const effects::Term& term, const std::string& symbol) {
         power != nullptr && power->symbol == symbol)
       return power->exponent;
   return 1;
+}
+
+bool is_contact(const effects::Term& term) {
+  const auto* call = std::get_if<effects::Call>(&term.factors.front());
+  return call != nullptr && call->effect == "contact";
 }
 
 // Output over x, y, z by least squares: enough to turn a limit along one into one of the other.
@@ -139,8 +147,10 @@ std::span<const PhysicsRecord> physics_table() {
        "1 K x thermal_offset", "20 x", "spindles and motors warm their surroundings by kelvins"},
       {"force_compliance", "nm/N", "100 or 10 sigma over the range of force", "50 x",
        "10 N/um; flexures are softer"},
-      {"force_nonlinearity", "share of the linear part at the largest force", "0.3", "50 x",
-       "joints and contacts"},
+      {"force_nonlinearity",
+       "share of the linear part at the largest force; nm/N^(2/3) of a contact",
+       "0.3; 200 or 10 sigma over the range of force", "50 x",
+       "joints; a steel ball of 10 mm on a flat (Hertz; Johnson, Contact Mechanics, 4.2)"},
       {"force_position_coupling", "change of nm/N over the stroke", "as force_compliance", "50 x",
        "a cantilever's length"},
       {"backlash", "nm", "200, 2e-5 of the stroke or 10 sigma", "50 x", "screws 1 to 10 um"},
@@ -234,6 +244,8 @@ double Physics::nm_per_unit(const Cause& cause, const effects::Term& term, doubl
   if (id.starts_with("force_")) {
     const double per_n = std::max(kCompliance_nm_per_n, large / std::max(force_range_, 1e-12));
     if (id == "force_compliance") return per_n;
+    if (is_contact(term))
+      return std::max(kContact_nm, large / std::pow(std::max(force_range_, 1e-12), 2.0 / 3));
     if (id == "force_nonlinearity")
       return 0.3 * per_n / std::pow(std::max(force_range_, 1e-12), exponent_of(term, "force") - 1);
     for (const char* axis : kAxes)

@@ -1,6 +1,7 @@
 #include "server/diagnosis/rows/screen.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -81,27 +82,29 @@ bool tails_are_heavy(const Problem& problem, const std::vector<std::size_t>& row
   return between > std::max<std::size_t>(1, wrong.size() / 3);
 }
 
+constexpr std::array<double, 7> kFreedoms = {2, 3, 4, 6, 10, 20, 1000};
+
 // Residuals of one output, whitened: a Student law alone, or beside it a few gross errors of a size
-// of their own. Both by expectation and maximisation, over a grid of degrees of freedom.
+// of their own. Both by expectation and maximisation, for each of the degrees of freedom.
 class Tails {
  public:
   explicit Tails(const Eigen::VectorXd& left) : square_(left.array().square()) {
     const double robust = robust_sd({left.data(), left.data() + left.size()});
     start_ = std::max(robust * robust, 1e-300);
-    for (const double freedom : {2.0, 3.0, 4.0, 6.0, 10.0, 20.0, 1000.0}) {
-      one_law_ = std::max(one_law_, fit(freedom, false));
-      two_laws_ = std::max(two_laws_, fit(freedom, true));
+    for (std::size_t f = 0; f < kFreedoms.size(); ++f) {
+      one_law_[f] = fit(kFreedoms[f], false);
+      two_laws_[f] = fit(kFreedoms[f], true);
     }
   }
-  double gain() const { return 2 * (two_laws_.log_likelihood - one_law_.log_likelihood); }
+  double one_law(std::size_t freedom) const { return one_law_[freedom].log_likelihood; }
+  double two_laws(std::size_t freedom) const { return two_laws_[freedom].log_likelihood; }
   // Posterior of being a gross error.
-  const Eigen::ArrayXd& gross() const { return two_laws_.gross; }
+  const Eigen::ArrayXd& gross(std::size_t freedom) const { return two_laws_[freedom].gross; }
 
  private:
   struct Fit {
     double log_likelihood = -1e300;
     Eigen::ArrayXd gross;
-    bool operator<(const Fit& other) const { return log_likelihood < other.log_likelihood; }
   };
   Fit fit(double freedom, bool with_gross) const {
     constexpr int kRounds = 40;
@@ -136,8 +139,33 @@ class Tails {
 
   Eigen::ArrayXd square_;
   double start_ = 1;
-  Fit one_law_, two_laws_;
+  std::array<Fit, kFreedoms.size()> one_law_, two_laws_;
 };
+
+struct GrossGain {
+  double gain = 0;  // 2 ln L
+  std::size_t freedom = 0;
+};
+
+// With gross errors on one output to without any. The same instruments read all outputs in the same
+// air, so that their tails have one shape, as their noise has; an output's own costs as much.
+GrossGain gross_gain(const std::vector<Tails>& outputs, std::size_t output) {
+  double without = -INFINITY, with = -INFINITY, others = -INFINITY, own = -INFINITY;
+  GrossGain result;
+  for (std::size_t f = 0; f < kFreedoms.size(); ++f) {
+    double rest = 0;
+    for (std::size_t o = 0; o < outputs.size(); ++o)
+      if (o != output) rest += outputs[o].one_law(f);
+    others = std::max(others, rest);
+    own = std::max(own, outputs[output].one_law(f));
+    without = std::max(without, rest + outputs[output].one_law(f));
+    if (rest + outputs[output].two_laws(f) <= with) continue;
+    with = rest + outputs[output].two_laws(f);
+    result.freedom = f;
+  }
+  result.gain = 2 * (with - std::max(without, others + own - kOwnShape / 2));
+  return result;
+}
 
 }  // namespace
 
@@ -183,16 +211,23 @@ std::vector<OutlierRow> gross_errors(const Problem& problem, const Ground& groun
   std::vector<OutlierRow> found;
   if (problem.rows_per_block > 1) return found;
   const double needed = 2 * std::log(static_cast<double>(ground.outputs()) / alpha);
+  std::vector<Eigen::VectorXd> left_of;
+  std::vector<Tails> tails;
   for (Eigen::Index o = 0; o < ground.outputs(); ++o) {
-    const Eigen::VectorXd left =
-        ground.space(ground.best_shape(o)).left_over(ground.series().col(o));
-    const Tails tails(left);
-    if (tails.gain() < needed) continue;
+    left_of.emplace_back(ground.space(ground.best_shape(o)).left_over(ground.series().col(o)));
+    tails.emplace_back(left_of.back());
+  }
+  for (Eigen::Index o = 0; o < ground.outputs(); ++o) {
+    const auto at_output = static_cast<std::size_t>(o);
+    const Eigen::VectorXd& left = left_of[at_output];
+    const GrossGain best = gross_gain(tails, at_output);
+    if (best.gain < needed) continue;
+    const Eigen::ArrayXd& gross = tails[at_output].gross(best.freedom);
     const auto beside = as_beside(problem, problem.learn, {left.data(), left.data() + left.size()});
     std::vector<OutlierRow> rows;
     std::size_t shared = 0;
     for (Eigen::Index i = 0; i < left.size(); ++i) {
-      if (tails.gross()[i] < kSurelyGross) continue;
+      if (gross[i] < kSurelyGross) continue;
       const auto at = static_cast<std::size_t>(i);
       const bool follows = !rows.empty() && rows.back().row + 1 == problem.learn[at];
       shared += follows || std::abs(left[i] - beside[at]) < kOwn * std::abs(left[i]) ? 1 : 0;

@@ -53,9 +53,10 @@ struct OutlierRow {
 std::vector<OutlierRow> outlier_rows(const Problem& problem);
 
 // Rows that are too far off for the noise, tails and all, in what is left, whitened: a few gross
-// errors of a size of their own beside a Student law, against a Student law alone. Two more
-// parameters, so that 2 ln L grows by 2 ln(outputs / alpha) with the chance alpha. Nothing where
-// neighbours in time or place share it, nor where the search works on averages of rows.
+// errors of a size of their own beside a Student law, against a Student law alone, whose degrees of
+// freedom all outputs share. Two more parameters, so that 2 ln L grows by 2 ln(outputs / alpha)
+// with the chance alpha. Nothing where neighbours in time or place share it, nor where the search
+// works on averages of rows.
 std::vector<OutlierRow> gross_errors(const Problem& problem, const Ground& ground, double alpha);
 
 struct NoiseChange {

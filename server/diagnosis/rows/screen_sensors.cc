@@ -1,3 +1,4 @@
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -11,17 +12,56 @@ namespace {
 
 constexpr double kFarOffSensor = 12;  // robust standard deviations
 constexpr double kSmallest_k = 0.02;  // no jump or spike below this is called a fault
-constexpr std::size_t kFewestRows = 40, kWindow = 6;
+constexpr std::size_t kFewestRows = 40, kWindow = 6, kNeighbours = 4;
 constexpr double kFollowed = -6;  // below: the outputs follow what the sensor read
 constexpr double kEvidence = 25;  // 2 ln L of the outputs with the mended readings
 constexpr double kRamp = 0.25;    // of a jump, within a few rows after it
 constexpr double kMoves = 4;      // of its usual change: a thermometer that follows an event
 
+constexpr std::size_t kRowsPerSensor = 10;
+constexpr std::size_t kSpan = 3;  // rows of a change that foretells: more than the readings' steps
+
 struct Sensor {
   DatasetColumn* column = nullptr;
-  double usual = 0;                // size of a change from row to row
+  double usual = 0;                // size of own_change() from row to row
   std::vector<std::size_t> jumps;  // rows
 };
+
+// Beyond what the changes of the other thermometers foretell: a room that warms, or in which a door
+// is opened, does so at several of them. As it is where there are no others or too few rows.
+std::vector<double> beyond_the_others(const std::vector<Sensor>& sensors, std::size_t sensor) {
+  const auto& own = sensors[sensor].column->values;
+  const auto others = static_cast<Eigen::Index>(sensors.size()) - 1;
+  std::vector<std::size_t> rows;
+  for (std::size_t i = kSpan; i < own.size(); ++i)
+    if (std::ranges::all_of(sensors, [i](const Sensor& one) {
+          return std::isfinite(one.column->values[i]) &&
+                 std::isfinite(one.column->values[i - kSpan]);
+        }))
+      rows.push_back(i);
+  if (others < 1 || rows.size() < kRowsPerSensor * sensors.size()) return own;
+  Eigen::MatrixXd x = Eigen::MatrixXd::Ones(static_cast<Eigen::Index>(rows.size()), others + 1);
+  Eigen::VectorXd y(x.rows());
+  for (Eigen::Index i = 0; i < x.rows(); ++i) {
+    const std::size_t row = rows[static_cast<std::size_t>(i)];
+    y[i] = own[row] - own[row - kSpan];
+    for (std::size_t o = 0, k = 0; o < sensors.size(); ++o)
+      if (const auto& v = sensors[o].column->values; o != sensor)
+        x(i, static_cast<Eigen::Index>(k++)) = v[row] - v[row - kSpan];
+  }
+  // Twice, the second time without the changes that stand far off: a jump foretells nothing.
+  Eigen::VectorXd b = x.colPivHouseholderQr().solve(y);
+  const Eigen::VectorXd left = y - x * b;
+  const double far = kMoves * robust_sd({left.data(), left.data() + left.size()});
+  Eigen::VectorXd weight = (left.array().abs() <= far).cast<double>();
+  if (far > 0) b = (weight.asDiagonal() * x).colPivHouseholderQr().solve(weight.cwiseProduct(y));
+  std::vector<double> result = own;
+  for (std::size_t i = 0; i < own.size(); ++i)
+    for (std::size_t o = 0, k = 0; o < sensors.size(); ++o)
+      if (o != sensor)
+        result[i] -= b[static_cast<Eigen::Index>(k++)] * sensors[o].column->values[i];
+  return result;
+}
 
 std::vector<std::size_t> frozen_rows(const std::vector<double>& values) {
   std::vector<std::size_t> lengths;
@@ -67,6 +107,17 @@ std::vector<std::size_t> spiked_rows(const std::vector<double>& v) {
   return rows;
 }
 
+// A change from the row before, beyond the changes about it: a room that warms takes all rows
+// along.
+double own_change(const std::vector<double>& v, std::size_t row) {
+  std::vector<double> about;
+  for (std::size_t i = row > kNeighbours ? row - kNeighbours : 1;
+       i <= std::min(row + kNeighbours, v.size() - 1); ++i)
+    if (i != row && std::isfinite(v[i]) && std::isfinite(v[i - 1]))
+      about.push_back(v[i] - v[i - 1]);
+  return v[row] - v[row - 1] - (about.empty() ? 0 : median(about));
+}
+
 // How far the level after a row stands off the level before it, each told by a few rows.
 double level_change(const std::vector<double>& v, std::size_t row) {
   std::vector<double> before, after;
@@ -99,30 +150,47 @@ bool stands_alone(const std::vector<Sensor>& sensors, std::size_t sensor, std::s
   for (std::size_t other = 0; other < sensors.size(); ++other) {
     if (other == sensor) continue;
     const auto& v = sensors[other].column->values;
-    if (std::abs(v[row] - v[row - 1]) > kMoves * sensors[other].usual) return false;
+    if (std::abs(own_change(v, row)) > kMoves * sensors[other].usual) return false;
   }
   return sensors.size() > 1;
 }
 
-void find_jumps(Sensor& sensor, const Dataset& dataset) {
+// Of values in steps of 0.01 K the middle one is one step or none: the spread of those near it.
+double spread_near(const std::vector<double>& values) {
+  const double near = kMoves * robust_sd(values);
+  double sum = 0, count = 0;
+  for (const double value : values)
+    if (std::abs(value) <= near) sum += value * value, ++count;
+  return count > 0 ? std::sqrt(sum / count) : 0;
+}
+
+double usual_change(const std::vector<double>& v) {
+  std::vector<double> changes;
+  for (std::size_t i = 1; i < v.size(); ++i)
+    if (std::isfinite(v[i]) && std::isfinite(v[i - 1])) changes.push_back(own_change(v, i));
+  return spread_near(changes);
+}
+
+// beyond: of beyond_the_others().
+void find_jumps(Sensor& sensor, const std::vector<double>& beyond, const Dataset& dataset) {
   const auto& time_s = dataset.time_s;
   const auto begins = [](const std::vector<std::int64_t>& of, std::size_t i) {
     return !of.empty() && of[i] != of[i - 1];
   };
   const auto& v = sensor.column->values;
-  std::vector<double> changes, steps;
-  for (std::size_t i = 1; i < v.size(); ++i) {
-    if (std::isfinite(v[i]) && std::isfinite(v[i - 1])) changes.push_back(v[i] - v[i - 1]);
-    if (!time_s.empty()) steps.push_back(time_s[i] - time_s[i - 1]);
-  }
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < time_s.size(); ++i) steps.push_back(time_s[i] - time_s[i - 1]);
   // Of values in steps of 0.01 K most do not change: that says nothing of a ramp of one step a row.
-  sensor.usual = std::max(robust_sd(changes), resolution_of(v));
+  const double resolution = resolution_of(v);
+  sensor.usual = std::max(usual_change(v), resolution);
   const double step_s = median(steps);
+  const double least =
+      std::max(kFarOffSensor * std::max(usual_change(beyond), resolution), kSmallest_k);
   for (std::size_t i = kWindow; i + kWindow < v.size(); ++i) {
     if (!time_s.empty() && time_s[i] - time_s[i - 1] > 3 * step_s) continue;  // it had the time
     if (begins(dataset.run, i) || begins(dataset.datum, i)) continue;         // likewise
-    const double least = std::max(kFarOffSensor * sensor.usual, kSmallest_k);
-    if (std::abs(v[i] - v[i - 1]) > least && std::abs(level_change(v, i)) > 0.7 * least)
+    if (std::abs(own_change(beyond, i)) > least && std::abs(own_change(v, i)) > least / 2 &&
+        std::abs(level_change(beyond, i)) > 0.7 * least)
       sensor.jumps.push_back(i);
   }
 }
@@ -160,7 +228,11 @@ std::vector<FaultySensor> mend_sensors(
     if (!spiked.empty())
       found.push_back({SensorFault::spiked, column.channel.symbol, "", spiked, 0});
     sensors.push_back({&column, 0, {}});
-    find_jumps(sensors.back(), dataset);
+  }
+  std::vector<std::vector<double>> beyond;
+  for (std::size_t s = 0; s < sensors.size(); ++s) {
+    beyond.push_back(beyond_the_others(sensors, s));
+    find_jumps(sensors[s], beyond[s], dataset);
   }
   for (std::size_t s = 0; s < sensors.size(); ++s)
     for (const std::size_t row : sensors[s].jumps) {
@@ -169,14 +241,14 @@ std::vector<FaultySensor> mend_sensors(
         if (std::ranges::find(sensors[other].jumps, row) != sensors[other].jumps.end())
           together.push_back(other);
       auto& values = sensors[s].column->values;
-      const double size = level_change(values, row);
+      const double size = level_change(beyond[s], row);
       std::vector<std::size_t> rows;
       for (std::size_t i = row; i < dataset.rows; ++i) rows.push_back(i);
       const auto partner = std::ranges::find_if(together, [&](std::size_t other) {
         if (other == s) return false;
         const auto& theirs = sensors[other].column->values;
         const double apart = theirs[row - 1] - values[row - 1];
-        return std::abs(size - apart) < 0.1 * std::abs(apart) &&
+        return std::abs(level_change(values, row) - apart) < 0.1 * std::abs(apart) &&
                std::abs(level_change(theirs, row) + apart) < 0.1 * std::abs(apart);
       });
       if (partner != together.end()) {
@@ -189,11 +261,12 @@ std::vector<FaultySensor> mend_sensors(
         }
         std::erase(sensors[*partner].jumps, row);
         found.push_back({SensorFault::swapped, sensors[s].column->channel.symbol,
-                         sensors[*partner].column->channel.symbol, rows, size});
+                         sensors[*partner].column->channel.symbol, rows,
+                         level_change(values, row)});
         continue;
       }
       if (together.size() > 1 && 2 * together.size() > sensors.size()) continue;  // the room did
-      if (goes_on_as_ramp(values, row, size)) continue;
+      if (goes_on_as_ramp(beyond[s], row, size)) continue;
       const double as_read = two_ln_likelihood(dataset);
       for (const std::size_t i : rows) values[i] -= size;
       const double gain = two_ln_likelihood(dataset) - as_read;

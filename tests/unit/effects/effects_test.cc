@@ -112,5 +112,15 @@ TEST(Effects, CopiedAreIndependent) {
   EXPECT_EQ(step(*copy, 200, 21), step(*again, 200, 21));
 }
 
+TEST(Contact, IsTheLoadToTwoThirdsWithItsSign) {
+  const auto contact = find_effect("contact")->make({});
+  EXPECT_DOUBLE_EQ(step(*contact, 0, 8), 4);
+  EXPECT_DOUBLE_EQ(step(*contact, 1, -27), -9);
+  EXPECT_EQ(step(*contact, 2, 0), 0);
+  EXPECT_TRUE(std::isnan(step(*contact, 3, std::nan(""))));
+  for (double load = 0.1; load < 60; load *= 1.3)
+    EXPECT_NEAR(step(*contact, 4, load), std::exp(2 * std::log(load) / 3), 1e-12 * load);
+}
+
 }  // namespace
 }  // namespace driftwise::effects
