@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "server/core/units.h"
 
@@ -70,19 +71,26 @@ std::vector<DeclaredError> declared_errors(const CellDescription& cell) {
                      device.length()->u_drift_nm_per_k});
     if (const auto* beam = beam_of(cell, device.length()->channel)) add_beam(cell, *beam, out);
   }
+  // A rotation that the pose has as a coordinate: the reading at the zero, as of a length.
+  for (const char* rotation : {"rx", "ry", "rz"})
+    if (const double u = reading_noise(cell, rotation); u > 0)
+      out.push_back({UncertaintySource::tilts, rotation, "1", u});
   if (cell.load && cell.load->u_n > 0)
     out.push_back({UncertaintySource::force, "force", "1", cell.load->u_n, false});
   return out;
 }
 
-double reading_noise_nm(const CellDescription& cell, const std::string& symbol) {
+double reading_noise(const CellDescription& cell, const std::string& symbol) {
+  std::optional<double> least;
+  const auto see = [&](const Channel& channel, double u) {
+    if (channel.symbol == symbol) least = std::min(u, least.value_or(u));
+  };
   for (const auto& device : cell.devices) {
-    if (device.length() && device.length()->channel.symbol == symbol)
-      return device.length()->u_length_nm;
-    for (const auto& axis : device.axes())
-      if (axis.channel.symbol == symbol) return axis.u_scale_nm;
+    if (const auto* length = device.length()) see(length->channel, length->u_length_nm);
+    for (const auto& angle : device.angles()) see(angle.channel, angle.u_arcsec);
+    for (const auto& axis : device.axes()) see(axis.channel, axis.u_scale_nm);
   }
-  return 0;
+  return least.value_or(0);
 }
 
 }  // namespace driftwise::compensation

@@ -25,15 +25,17 @@ struct DeclaredError {
 
 std::vector<DeclaredError> declared_errors(const CellDescription& cell);
 
-// Standard uncertainty of one reading of this pose length or motor coordinate, nm: its share of a
-// fit's residual. 0 where nothing is declared.
-double reading_noise_nm(const CellDescription& cell, const std::string& symbol);
+// Standard uncertainty of one reading of this coordinate, its share of a fit's residual: of a
+// length or a motor coordinate in nm, of a rotation in arcsec. 0 where nothing is declared. Where
+// several instruments give the coordinate, the least of theirs: which one measured a fit's rows is
+// not asked, and no more is taken off a residual than any of them brought.
+double reading_noise(const CellDescription& cell, const std::string& symbol);
 
 // nm of a result per unit of an output's column; of an angle 1e-6 arcsec, as in a snapshot.
 double nm_per_unit(const Channel& output);
 
-// Variance that the declared noise of lengths and of the motor's scale gives the residual of a fit,
-// nm^2 (nm_per_unit); the rest of it is the robot's own.
+// Variance that the declared noise of the instruments that read output and pose gives the residual
+// of a fit, nm^2 (nm_per_unit); the rest of it is the robot's own.
 double instrument_noise_nm2(const calibration::OutputModel& output, const CellDescription& cell);
 
 }  // namespace driftwise::compensation

@@ -45,15 +45,15 @@ double nm_per_unit(const Channel& output) {
 }
 
 double instrument_noise_nm2(const calibration::OutputModel& output, const CellDescription& cell) {
-  // No scale reads a coordinate of the pose.
-  const double scale_nm = is_motor_symbol(without_robot(output.channel.symbol))
-                              ? reading_noise_nm(cell, output.channel.symbol)
-                              : 0;
-  double noise_nm2 = scale_nm * scale_nm;
+  // Of what read the output: the motor's scale or, of a predicted motion, the instrument of that
+  // coordinate.
+  double noise_nm2 = std::pow(reading_noise(cell, output.channel.symbol) *
+                                  own_units(output.channel.name()) * nm_per_unit(output.channel),
+                              2);
   for (const auto& influence : output.influences) {
     const std::string symbol = symbol_of(influence.channel);
     if (influence.by == "1" && is_pose_symbol(symbol))
-      noise_nm2 += std::pow(reading_noise_nm(cell, symbol) * own_units(influence.channel) *
+      noise_nm2 += std::pow(reading_noise(cell, symbol) * own_units(influence.channel) *
                                 influence.rms * nm_per_unit(output.channel),
                             2);
   }
@@ -64,7 +64,7 @@ void SnapshotBuilder::add_uncertainty(const calibration::OutputModel& from,
                                       const CellDescription& cell, Output& output) const {
   const auto declared = declared_errors(cell);
   // No scale reads a coordinate of the pose.
-  if (gives_ == Gives::motors) output.u_scale_nm = reading_noise_nm(cell, output.channel.symbol);
+  if (gives_ == Gives::motors) output.u_scale_nm = reading_noise(cell, output.channel.symbol);
   output.absorbed.resize(slow_.channels().size());
   // By what they go with: the devices' drifts with the hours have one cause, those with one
   // thermometer another.

@@ -65,7 +65,7 @@ Result<std::optional<std::vector<double>>> shift_mm(const LengthShift& shift,
     const double time_s = dataset.time_s.empty() ? 0.0 : dataset.time_s[row] + offset_s;
     for (std::size_t j = 0; j < symbols.size(); ++j) {
       now[j] = values[j][row];
-      zero[j] = is_pose_symbol(symbols[j]) ? 0.0 : now[j];
+      zero[j] = is_pose_symbol(without_robot(symbols[j])) ? 0.0 : now[j];
     }
     const auto key = datum_key(dataset, origins, row);
     auto begin = at_zero.find(key);

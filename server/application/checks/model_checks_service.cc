@@ -12,6 +12,8 @@
 #include "server/application/plumbing/run_on.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
+#include "server/formats/diagnosis/robot_names.h"
+#include "server/plans/robot_parts.h"
 
 namespace driftwise::application {
 namespace {
@@ -88,10 +90,34 @@ Result<Material> gather(Store& store, ModelId id, const std::vector<RunId>& want
   return material;
 }
 
+// A model of one robot of several is checked on that robot's part of the runs. One that reads
+// another robot's coordinates has no such part: its runs count without their zero.
+diagnosis::CheckReport report_of(const calibration::Model& model,
+                                 std::vector<diagnosis::RunToCheck> runs) {
+  const auto robot = formats::robot_of_formula(model.formula);
+  const auto part = plans::part_of_robot(model, robot);
+  if (robot.empty() || !part || runs.empty()) return diagnosis::check_model(model, runs);
+  const formats::RobotNames names(runs.back().data, robot);
+  for (auto& run : runs) {
+    run.data = names.bare(std::move(run.data));
+    for (auto& zero : run.zeros) zero = plans::part_of_robot(zero, robot);
+  }
+  auto report = diagnosis::check_model(*part, runs);
+  for (auto& reason : report.reasons) reason = names.with_id(reason);
+  for (auto& output : report.outputs) {
+    output.channel.symbol = names.with_id(output.channel.symbol);
+    for (auto& point : output.points) {
+      point.why_not = names.with_id(point.why_not);
+      for (auto& sentence : point.out_of_control) sentence = names.with_id(sentence);
+    }
+  }
+  return report;
+}
+
 Result<ModelCheck> judge(Material material) {
   DRIFTWISE_TRY(const auto model, read_formula_model(material.model, "runs are checked"));
-  return ModelCheck{material.model.id, std::move(material.runs),
-                    diagnosis::check_model(model, material.data)};
+  auto report = report_of(model, std::move(material.data));
+  return ModelCheck{material.model.id, std::move(material.runs), std::move(report)};
 }
 
 }  // namespace

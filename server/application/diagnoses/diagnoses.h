@@ -24,6 +24,8 @@ struct DiagnosisRequest {
   std::int64_t seed = 1;
   std::vector<std::string> exclude_symbols;
   std::string name;
+  // Of a cell with several robots: "ma". Empty: the one that the baseline's outputs name.
+  std::string robot = {};
 };
 
 struct DiagnosisView {
@@ -37,7 +39,8 @@ class Diagnoses {
   virtual ~Diagnoses() = default;
 
   // Errors: invalid_argument (formula, channel, NO_DATA, what diagnosis::diagnose refuses before it
-  // searches); failed_precondition NO_MODEL (no baseline and nothing serves); not_found.
+  // searches; those of formats::robot_asked_for); failed_precondition NO_MODEL (no baseline and
+  // nothing serves); not_found.
   virtual Awaitable<Result<DiagnosisView>> create(Caller caller, DiagnosisRequest request) = 0;
   virtual Awaitable<Result<DiagnosisView>> get(DiagnosisId id) = 0;
   virtual Awaitable<Result<std::vector<DiagnosisView>>> list() = 0;  // newest first

@@ -10,9 +10,11 @@
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/csv/dataset_csv.h"
+#include "server/formats/diagnosis/robot_names.h"
 #include "server/formats/diagnosis/stored_diagnosis.h"
 #include "server/formats/formula/formula.h"
 #include "server/formats/text/text.h"
+#include "server/plans/robot_parts.h"
 
 namespace driftwise::application {
 namespace {
@@ -25,6 +27,7 @@ std::string request_json(const DiagnosisRequest& request) {
                               {"alpha", request.alpha},
                               {"seed", request.seed},
                               {"exclude_symbols", request.exclude_symbols}};
+  if (!request.robot.empty()) json["robot"] = request.robot;
   if (!request.csv.empty()) json["dataset_hash"] = formats::content_hash(request.csv);
   return json.dump();
 }
@@ -42,11 +45,36 @@ Result<DiagnosisView> view_of(Store& store, DiagnosisRecord record) {
   return view;
 }
 
-// Checks before the search begins: the formula against the data, and time.
-Result<diagnosis::DiagnoseOptions> options_for(const Dataset& dataset,
-                                               const DiagnosisRequest& request) {
-  DRIFTWISE_TRY(auto formula, formats::Formula::parse(request.baseline));
-  DRIFTWISE_TRY(auto candidates, formula.expand(dataset));
+// What a search begins with. The options are in the bare names of the robot (robot_names.h), the
+// baseline is as the record has it.
+struct SearchStart {
+  std::string robot;  // "": of a cell with one robot
+  std::string baseline;
+  diagnosis::DiagnoseOptions options;
+};
+
+// The formula in a robot's bare names, against its part of the data. The error names channels as
+// the data do.
+Result<calibration::Candidates> expand_bare(const std::string& formula, const Dataset& dataset,
+                                            const formats::RobotNames& names) {
+  if (names.robot().empty()) {
+    DRIFTWISE_TRY(const auto parsed, formats::Formula::parse(formula));
+    return parsed.expand(dataset);
+  }
+  DRIFTWISE_TRY(const auto parsed, formats::Formula::parse(names.bare(formula)));
+  Dataset channels;
+  channels.metadata = dataset.metadata;
+  for (const auto& column : dataset.columns) channels.columns.push_back({column.channel, {}});
+  auto candidates = parsed.expand(names.bare(std::move(channels)));
+  if (!candidates) return tl::unexpected(names.with_id(std::move(candidates.error())));
+  return candidates;
+}
+
+// Checks before the search begins: the robot, the formula against the data, and time.
+Result<SearchStart> start_of(const Dataset& dataset, const DiagnosisRequest& request) {
+  DRIFTWISE_TRY(auto robot, formats::robot_asked_for(dataset, request.baseline, request.robot));
+  const formats::RobotNames names(dataset, robot);
+  DRIFTWISE_TRY(auto candidates, expand_bare(request.baseline, dataset, names));
   for (std::size_t row = 1; row < dataset.time_s.size(); ++row)
     if (dataset.time_s[row] < dataset.time_s[row - 1])
       return fail(ErrorCode::invalid_argument, reasons::kTimeRunsBack,
@@ -57,8 +85,10 @@ Result<diagnosis::DiagnoseOptions> options_for(const Dataset& dataset,
   options.baseline = std::move(candidates);
   options.alpha = request.alpha;
   options.seed = static_cast<std::uint64_t>(request.seed);
-  options.exclude_symbols = request.exclude_symbols;
-  return options;
+  for (const auto& symbol : request.exclude_symbols)
+    options.exclude_symbols.push_back(names.bare(symbol));
+  auto baseline = names.with_id(options.baseline.formula);
+  return SearchStart{std::move(robot), std::move(baseline), std::move(options)};
 }
 
 }  // namespace
@@ -69,7 +99,11 @@ Awaitable<Result<void>> DiagnosesService::resolve_baseline(DiagnosisRequest& req
     if (!request.model) request.model = serving_.model();
     if (!request.model)
       co_return fail(ErrorCode::failed_precondition, reasons::kNoModel,
-                     "no baseline is given and no model serves: give a formula, or a model");
+                     description_.has_several_robots()
+                         ? "no baseline is given, and a robot of several has no model that serves "
+                           "by itself: give its formula (--baseline \"ma.q ~ ...\"), or a model of "
+                           "the serving plan (--model N; driftwise plan list)"
+                         : "no baseline is given and no model serves: give a formula, or a model");
     DRIFTWISE_CO_TRY(const auto record, co_await models_.get(*request.model));
     if (request.baseline.empty()) {
       DRIFTWISE_CO_TRY(const auto from, read_formula_model(record, "diagnoses are made"));
@@ -83,20 +117,24 @@ Awaitable<Result<DiagnosisView>> DiagnosesService::create(Caller caller, Diagnos
   DRIFTWISE_CO_RETURN_IF_ERROR(co_await resolve_baseline(request));
   DRIFTWISE_CO_TRY(auto dataset, co_await datasets_.load(request.runs, request.csv));
   const auto shared = std::make_shared<const Dataset>(std::move(dataset));
-  DRIFTWISE_CO_TRY(auto options,
+  DRIFTWISE_CO_TRY(auto start,
                    co_await run_on(
                        background_,
                        [](const std::shared_ptr<const Dataset>& data,
-                          const DiagnosisRequest& asked) { return options_for(*data, asked); },
+                          const DiagnosisRequest& asked) { return start_of(*data, asked); },
                        shared, request));
-  if (request.csv.empty()) options.levers = diagnosis::declared_lever_limits(description_);
+  request.robot = start.robot;
+  if (request.csv.empty())
+    start.options.levers =
+        diagnosis::declared_lever_limits(plans::part_of_robot(description_, start.robot));
   DiagnosisRecord fresh;
   fresh.name = request.name;
   fresh.runs = request.runs;
   fresh.model = request.model;
-  fresh.baseline = options.baseline.formula;
+  fresh.baseline = std::move(start.baseline);
   fresh.request_json = request_json(request);
-  auto beginning = desk_.begin(caller, std::move(fresh), shared, std::move(options));
+  auto beginning = desk_.begin(caller, std::move(fresh), shared, std::move(start.options),
+                               std::move(start.robot));
   DRIFTWISE_CO_TRY(auto stored, co_await std::move(beginning));
   co_return DiagnosisView{std::move(stored), std::nullopt, std::nullopt};
 }

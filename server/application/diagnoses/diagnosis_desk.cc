@@ -51,6 +51,16 @@ Result<diagnosis::Diagnosis> diagnose_and_design(const Dataset& dataset,
   return found;
 }
 
+// The search in one robot's part of the dataset; what is found has the names of the dataset.
+Result<diagnosis::Diagnosis> found_in(const Dataset& dataset, const formats::RobotNames& names,
+                                      const diagnosis::DiagnoseOptions& options,
+                                      const Diagnose& diagnose) {
+  if (names.robot().empty()) return diagnose(dataset, options);
+  auto found = diagnose(names.bare(dataset), options);
+  if (!found) return tl::unexpected(names.with_id(std::move(found.error())));
+  return names.with_id(std::move(*found));
+}
+
 // What the worker's thread brings back: everything that costs time to make is made there.
 struct Outcome {
   DiagnosisEnd end;
@@ -72,7 +82,8 @@ Result<Outcome> outcome_of(DiagnosisId id, const Result<diagnosis::Diagnosis>& f
 std::string outcome_sentence(DiagnosisId id, const diagnosis::Diagnosis& found) {
   const bool is_unexplained = found.verdict == diagnosis::Verdict::unexplained;
   const auto names = names_of(found);
-  return fmt::format("diagnosis {} {}{}", id.value,
+  const auto robot = formats::robot_of_formula(found.baseline_formula);
+  return fmt::format("diagnosis {}{}{} {}{}", id.value, robot.empty() ? "" : " of robot ", robot,
                      names.empty() ? "names no cause" : "found " + names,
                      is_unexplained ? "; structure remains that no cause explains" : "");
 }
@@ -106,7 +117,8 @@ DiagnosisDesk::~DiagnosisDesk() = default;
 Awaitable<Result<DiagnosisRecord>> DiagnosisDesk::begin(const Caller& caller,
                                                         DiagnosisRecord wanted,
                                                         std::shared_ptr<const Dataset> dataset,
-                                                        diagnosis::DiagnoseOptions options) {
+                                                        diagnosis::DiagnoseOptions options,
+                                                        std::string robot) {
   if (ending_)
     co_return fail(ErrorCode::cancelled, reasons::kShuttingDown, "the daemon is shutting down");
   if (jobs_.size() >= kMostAtOnce)
@@ -124,26 +136,30 @@ Awaitable<Result<DiagnosisRecord>> DiagnosisDesk::begin(const Caller& caller,
   auto job = std::make_shared<Job>(stored->id, executor_);
   jobs_.emplace(stored->id, job);
   watchers_.publish(job->progress);
-  tasks_.spawn(carry_out(std::move(job), std::move(dataset), std::move(options)));
+  formats::RobotNames names(*dataset, std::move(robot));
+  tasks_.spawn(carry_out(std::move(job), std::move(dataset), std::move(options), std::move(names)));
   co_return stored;
 }
 
 Awaitable<void> DiagnosisDesk::carry_out(std::shared_ptr<Job> job,
                                          std::shared_ptr<const Dataset> dataset,
-                                         diagnosis::DiagnoseOptions options) {
-  options.progress = [this, job, last = WallClock::time_point{}](double fraction,
-                                                                 const std::string& step) mutable {
+                                         diagnosis::DiagnoseOptions options,
+                                         formats::RobotNames names) {
+  options.progress = [this, job, names, last = WallClock::time_point{}](
+                         double fraction, const std::string& step) mutable {
     const auto now = WallClock::now();
     if (now - last >= kTellEvery) {
       last = now;
-      asio::post(executor_, [this, job, fraction, step] { heard(*job, fraction, step); });
+      asio::post(executor_, [this, job, fraction, told = names.with_id(step)] {
+        heard(*job, fraction, told);
+      });
     }
     return !job->stop.load();
   };
-  std::function<Result<Outcome>()> work = [this, job, dataset, options] {
+  std::function<Result<Outcome>()> work = [this, job, dataset, options, names] {
     if (job->stop.load())
       return Result<Outcome>(fail(ErrorCode::cancelled, reasons::kCancelled, "it was cancelled"));
-    return outcome_of(job->id, diagnose_(*dataset, options), *dataset);
+    return outcome_of(job->id, found_in(*dataset, names, options, diagnose_), *dataset);
   };
   auto found = co_await run_on(
       worker_, [](const std::function<Result<Outcome>()>& run) { return run(); }, std::move(work));

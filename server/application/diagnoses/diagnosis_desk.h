@@ -17,6 +17,7 @@
 #include "server/application/plumbing/store_writer.h"
 #include "server/application/plumbing/task_group.h"
 #include "server/application/plumbing/watch_list.h"
+#include "server/formats/diagnosis/robot_names.h"
 
 namespace driftwise::application {
 
@@ -28,11 +29,14 @@ class DiagnosisDesk {
                 StoreWriter& writer, EventLog& events, TaskGroup& tasks, Diagnose diagnose);
   ~DiagnosisDesk();
 
-  // Stores it as running and begins. Errors: resource_exhausted TOO_MANY_DIAGNOSES; those of
+  // Stores it as running and begins. robot: whose part of the dataset is looked at, "" of a cell
+  // with one; the options are in its bare names, what is found is stored with its id
+  // (formats::RobotNames). Errors: resource_exhausted TOO_MANY_DIAGNOSES; those of
   // DiagnosisStore::add_diagnosis.
   Awaitable<Result<DiagnosisRecord>> begin(const Caller& caller, DiagnosisRecord wanted,
                                            std::shared_ptr<const Dataset> dataset,
-                                           diagnosis::DiagnoseOptions options);
+                                           diagnosis::DiagnoseOptions options,
+                                           std::string robot = {});
   // Does nothing to one that is over.
   Awaitable<Result<void>> cancel(const Caller& caller, DiagnosisId id);
   // Resumes when it is over, at once when it is not under way.
@@ -47,7 +51,7 @@ class DiagnosisDesk {
  private:
   struct Job;
   Awaitable<void> carry_out(std::shared_ptr<Job> job, std::shared_ptr<const Dataset> dataset,
-                            diagnosis::DiagnoseOptions options);
+                            diagnosis::DiagnoseOptions options, formats::RobotNames names);
   Awaitable<Result<void>> end(std::shared_ptr<Job> job, DiagnosisEnd end);
   void heard(Job& job, double fraction, const std::string& step);
 

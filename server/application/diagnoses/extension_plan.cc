@@ -13,6 +13,7 @@
 #include "server/correction/first_conditions.h"
 #include "server/effects/effect.h"
 #include "server/effects/term_order.h"
+#include "server/formats/diagnosis/robot_names.h"
 #include "server/formats/formula/formula.h"
 #include "server/simulation/motor_slopes.h"
 
@@ -227,7 +228,16 @@ Result<std::vector<int>> chosen_findings(const diagnosis::Diagnosis& found,
 
 Result<ExtensionPlan> plan_extension(DiagnosisId id, const diagnosis::Diagnosis& found,
                                      const std::vector<int>& chosen, const RunsData& data) {
-  return Planner(id, found, data).plan(chosen);
+  const auto robot = formats::robot_of_formula(found.baseline_formula);
+  if (robot.empty()) return Planner(id, found, data).plan(chosen);
+  const formats::RobotNames names(data.data, robot);
+  const auto bare = names.bare(found);
+  const RunsData part{names.bare(data.data), data.origins, data.time_zero};
+  auto plan = Planner(id, bare, part).plan(chosen);
+  if (!plan) return tl::unexpected(names.with_id(std::move(plan.error())));
+  plan->formula = names.with_id(plan->formula);
+  plan->amendment = names.with_id(std::move(plan->amendment));
+  return plan;
 }
 
 Result<void> put_in_force(const ExtensionPlan& plan, RunsData& data) {

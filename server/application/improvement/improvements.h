@@ -24,6 +24,8 @@ struct ImproveRequest {
   bool promotes = false;
   std::string setup = {};  // [[setup]] of the cell file; empty: all instruments
   std::string request_id;
+  // Of a cell with several robots: "ma". Empty: the one that the formula's outputs name.
+  std::string robot = {};
 };
 
 struct ImprovementProgress {

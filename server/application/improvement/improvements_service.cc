@@ -4,10 +4,12 @@
 
 #include <cmath>
 
+#include "server/application/datasets/declared_channels.h"
 #include "server/application/improvement/plan_rows.h"
 #include "server/application/ports/run_plan.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
+#include "server/formats/diagnosis/robot_names.h"
 
 namespace driftwise::application {
 namespace {
@@ -45,6 +47,18 @@ Awaitable<Result<ImprovementRecord>> ImprovementsService::create(Caller caller,
     DiagnosisRequest baseline;
     DRIFTWISE_CO_RETURN_IF_ERROR(co_await diagnoses_.resolve_baseline(baseline));
     formula = baseline.baseline;
+  }
+  const auto declared = declared_channels(description_);
+  DRIFTWISE_CO_TRY(const auto robot, formats::robot_asked_for(declared, formula, request.robot));
+  if (!robot.empty()) {
+    if (request.promotes)
+      co_return fail(ErrorCode::failed_precondition, reasons::kNotAMotorModel,
+                     fmt::format("a model of robot {} serves within a serving plan, it is not "
+                                 "promoted by itself: leave --promote out, and name the model "
+                                 "that comes of it in the plan (driftwise plan add)",
+                                 robot));
+    const formats::RobotNames names(declared, robot);
+    request.formula = formula = names.with_id(names.bare(formula));
   }
   // Everything that is known to fail before the robot moves.
   DRIFTWISE_CO_RETURN_IF_ERROR(check_setup(description_, request.setup));

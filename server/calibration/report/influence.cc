@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <string_view>
 
 #include "server/calibration/design/predict.h"
 #include "server/core/try.h"
@@ -13,8 +14,15 @@ namespace {
 
 using Eigen::Index;
 
-bool is_pose_length(const std::string& symbol) {
-  return symbol == "x" || symbol == "y" || symbol == "z";
+bool is_pose_length(std::string_view symbol) {
+  const auto local = without_robot(symbol);
+  return local == "x" || local == "y" || local == "z";
+}
+
+// A length of a robot with an id goes with the coordinates of that robot: "ma.x" with "ma.ry".
+std::string beside(const std::string& symbol, const char* coordinate) {
+  const auto robot = robot_of(symbol);
+  return robot.empty() ? coordinate : std::string(robot) + "." + coordinate;
 }
 
 // The output's derivative by one channel, as a sum of terms.
@@ -60,7 +68,7 @@ std::vector<std::pair<std::string, Eigen::VectorXd>> shapes(const Excerpt& rows,
       {"1", Eigen::VectorXd::Ones(rows.size())}};
   if (!is_pose_length(symbol)) return out;
   for (const char* by : {"x", "y", "z", "rx", "ry", "rz"}) {
-    const auto* column = rows.find(by);
+    const auto* column = rows.find(beside(symbol, by));
     if (column == nullptr) continue;
     if (auto values = rows.values(*column); values.allFinite())
       out.emplace_back(column->channel.name(), std::move(values));

@@ -5,6 +5,7 @@
 
 #include "server/diagnosis/report/heading.h"
 #include "server/effects/term_order.h"
+#include "server/formats/diagnosis/robot_names.h"
 #include "server/formats/model/fit_json.h"
 
 namespace driftwise::formats {
@@ -124,6 +125,8 @@ Json experiment_json(const std::optional<diagnosis::SeparatingExperiment>& exper
 Json diagnosis_json(const diagnosis::Diagnosis& d) {
   Json json;
   json["schema"] = "driftwise.diagnosis.v1";
+  if (const auto robot = robot_of_formula(d.baseline_formula); !robot.empty())
+    json["robot"] = robot;
   json["verdict"] = std::string(diagnosis::to_string(d.verdict));
   json["accuracy"] = heading_json(diagnosis::heading_of(d));
   json["rows"] = {{"calibration", d.rows_calibration}, {"held_out", d.rows_held_out}};
@@ -157,7 +160,9 @@ Json diagnosis_json(const diagnosis::Diagnosis& d) {
 }
 
 std::string diagnosis_page(const diagnosis::Diagnosis& d) {
-  std::string page = "Diagnosis of " + d.baseline_formula + "\n";
+  const auto robot = robot_of_formula(d.baseline_formula);
+  std::string page =
+      "Diagnosis of " + (robot.empty() ? "" : "robot " + robot + ": ") + d.baseline_formula + "\n";
   page += std::to_string(d.rows_calibration) + " rows searched, " +
           std::to_string(d.rows_held_out) + " held out\n\n";
   page += "verdict: " + std::string(diagnosis::to_string(d.verdict)) + "\n";

@@ -5,6 +5,7 @@
 #include "server/diagnosis/report/heading.h"
 #include "server/effects/term_order.h"
 #include "server/formats/diagnosis/diagnosis_json.h"
+#include "server/formats/diagnosis/robot_names.h"
 #include "server/rpc/shared/convert_accuracy.h"
 #include "server/rpc/shared/convert_values.h"
 
@@ -162,6 +163,7 @@ v1::Diagnosis diagnosis_from(const application::DiagnosisView& view, DiagnosisDe
   for (const RunId run : record.runs) out.add_run_ids(run.value);
   if (record.model) out.set_model_id(record.model->value);
   out.set_baseline_formula(utf8_from(record.baseline));
+  out.set_robot(formats::robot_of_formula(record.baseline));
   if (view.found) {
     add_found(*view.found, detail, out);
     if (detail == DiagnosisDetail::whole)

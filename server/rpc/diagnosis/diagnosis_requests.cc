@@ -12,7 +12,8 @@ Result<application::DiagnosisRequest> diagnosis_request_from(
     const v1::CreateDiagnosisRequest& request) {
   for (const auto& good : {check_size(request.csv(), kMostDatasetBytes, "csv"),
                            check_size(request.baseline(), kMostFormulaBytes, "baseline"),
-                           check_size(request.name(), kMostNameBytes, "name")})
+                           check_size(request.name(), kMostNameBytes, "name"),
+                           check_size(request.robot(), kMostNameBytes, "robot")})
     DRIFTWISE_RETURN_IF_ERROR(good);
   if (request.csv().empty() == request.run_ids().empty())
     return fail(ErrorCode::invalid_argument, reasons::kRunsOrCsv,
@@ -25,6 +26,7 @@ Result<application::DiagnosisRequest> diagnosis_request_from(
   asked.csv = request.csv();
   asked.baseline = request.baseline();
   asked.name = clean_line(request.name());
+  asked.robot = request.robot();
   if (request.has_model_id()) {
     DRIFTWISE_RETURN_IF_ERROR(check_id(request.model_id(), "model_id"));
     asked.model = ModelId{request.model_id()};
@@ -66,6 +68,7 @@ Result<application::ImproveRequest> improve_request_from(
   for (const auto& good :
        {check_size(request.trajectory_name(), kMostNameBytes, "trajectory_name"),
         check_size(request.setup(), kMostNameBytes, "setup"),
+        check_size(request.robot(), kMostNameBytes, "robot"),
         check_size(request.trajectory_text(), kMostTrajectoryBytes, "trajectory_text"),
         check_size(request.formula(), kMostFormulaBytes, "formula"),
         check_size(request.request_id(), kMostRequestIdBytes, "request_id"),
@@ -92,6 +95,7 @@ Result<application::ImproveRequest> improve_request_from(
   asked.budget_s = request.budget_s();
   asked.promotes = request.promote();
   asked.setup = clean_line(request.setup());
+  asked.robot = request.robot();
   asked.request_id = request.request_id();
   return asked;
 }

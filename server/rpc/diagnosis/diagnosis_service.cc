@@ -6,6 +6,7 @@
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/diagnosis/diagnosis_html.h"
+#include "server/formats/diagnosis/robot_names.h"
 #include "server/formats/diagnosis/stored_diagnosis.h"
 #include "server/rpc/configuration/convert_provenance.h"
 #include "server/rpc/diagnosis/convert_diagnosis.h"
@@ -201,6 +202,8 @@ class DiagnosisService final : public v1::DiagnosisService::CallbackService {
     for (const RunId run : view.record.runs)
       source += (source.empty() ? "run " : ", ") + std::to_string(run.value);
     if (source.empty()) source = "a file";
+    const auto robot = formats::robot_of_formula(view.record.baseline);
+    if (!robot.empty()) source += ", robot " + robot;
     return formats::diagnosis_html(
         found, dataset,
         {"Diagnosis " + std::to_string(view.record.id.value) + " of " + source, source});

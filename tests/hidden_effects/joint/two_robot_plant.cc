@@ -93,9 +93,12 @@ std::array<double, 3> MinAngle::motors_at(double rx, double ry, double z, const 
   return q;
 }
 
+std::array<double, 3> MinAngle::read_back(const std::array<double, 3>& q) {
+  return {counted(q[0], kScaleMm), counted(q[1], kScaleMm), counted(q[2], kScaleMm)};
+}
+
 Pose MinAngle::pose(const std::array<double, 3>& q, const Room& room) const {
-  std::array<double, 3> reached{};
-  for (std::size_t i = 0; i < 3; ++i) reached[i] = counted(q[i], kScaleMm);
+  const auto reached = read_back(q);
   Pose pose;
   // Newton: three equations in rx, ry, z.
   for (int k = 0; k < 6; ++k) {

@@ -50,7 +50,9 @@ class MinAngle {
   explicit MinAngle(std::uint64_t seed);
   // The end-effector at these motor coordinates, as the scales count them (0.25 um).
   Pose pose(const std::array<double, 3>& q, const Room& room) const;
-  // Motor coordinates that a person reads when the robot stands at this rx, ry, z.
+  // What the scales say once the motors hold these: the count that they hold.
+  static std::array<double, 3> read_back(const std::array<double, 3>& q);
+  // Motor coordinates at which the robot stands at this rx, ry, z, were the scales finer.
   std::array<double, 3> motors_at(double rx, double ry, double z, const Room& room) const;
 
  private:

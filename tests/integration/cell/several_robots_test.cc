@@ -77,6 +77,43 @@ TEST_F(SeveralRobotsOnTheWire, MoveAndGoOnAfterAKill) {
   EXPECT_NEAR(place_mm("hexapod", "Z"), 0, 1e-3);
 }
 
+// 72 places of both robots, in lines of nine.
+std::string spread_rows() {
+  std::string csv = "ma.q1_mm,mn.q1_mm,mn.q2_mm,set,line,zero\n";
+  for (int row = 0; row < 80; ++row) {
+    const std::string of_line = ",calibration," + std::to_string(1 + row / 10);
+    const auto place = [row](int step) { return std::to_string(0.1 * ((row * step) % 16)); };
+    csv += (row % 10 == 0 ? "0,0,0" : place(7) + "," + place(5) + "," + place(11)) + of_line +
+           (row % 10 == 0 ? ",1\n" : ",0\n");
+  }
+  return csv;
+}
+
+// What the plant's arms bend is missing from a simulation that is linear in the motors. The length
+// of "mn" also goes with the motor of "ma", which the baseline reads.
+TEST_F(SeveralRobotsOnTheWire, AreDiagnosedOneAtATime) {
+  cell.start_daemon();
+  const auto run = std::to_string(cell.start_run(spread_rows()));
+  cell.end_of(std::stoll(run));
+  const auto refused = cell.refusal({"diagnose", "--run", run, "--baseline", "x ~ q1 + q2"});
+  EXPECT_EQ(refused.at("reason"), "AMBIGUOUS_COORDINATE");
+  EXPECT_THAT(refused.at("message").get<std::string>(), HasSubstr("--robot ma"));
+  const auto done = cell.cli(
+      {"diagnose", "--run", run, "--robot", "mn", "--baseline", "x ~ ma.q1 + q1 + q2", "--json"});
+  ASSERT_LE(done.code, 1) << done.err;  // 1: structure is left that no cause explains
+  const auto found = nlohmann::json::parse(done.out);
+  EXPECT_EQ(found.at("robot"), "mn");
+  EXPECT_EQ(found.at("baseline").at("formula"), "mn.x ~ ma.q1 + mn.q1 + mn.q2");
+  EXPECT_TRUE(found.at("discrepancy").contains("mn.x")) << done.out;
+  EXPECT_NE(found.at("verdict"), "adequate") << "the arms bend";
+  for (const auto& finding : found.at("findings"))
+    EXPECT_THAT(finding.at("subject").get<std::string>(),
+                testing::AnyOf(testing::StartsWith("m"), testing::StartsWith("t0"), ""));
+  EXPECT_THAT(cell.cli({"diagnosis", "show", "1"}).out, HasSubstr("robot     mn\n"));
+  const auto extended = found.at("extended").at("formula").get<std::string>();
+  EXPECT_TRUE(cell.ask({"fit", "--run", run, "--model", extended}).at("outputs").contains("mn.x"));
+}
+
 TEST_F(SeveralRobotsOnTheWire, HaltTogetherOnTheirWay) {
   cell.edit_cell_file("velocity_mm_s = 5.0", "velocity_mm_s = 0.01");
   cell.edit_cell_file("move_timeout_s = 30.0", "move_timeout_s = 2000.0");

@@ -114,6 +114,20 @@ TEST(Influence, OfADriftWithTheRoomIsWhatItDoesToAFit) {
   EXPECT_LT((found - expected).norm(), 1e-3 * expected.norm());
 }
 
+TEST(Influence, OfARobotOfSeveralIsThatOfTheRobotAlone) {
+  Dataset data = make_campaign({.rows = 400});
+  data.columns.push_back({{"ry", "arcsec"}, data.find("x")->values});
+  const auto alone = fitted_all(data, "q1 ~ x + x^2 + t01").outputs[0];
+  for (const char* symbol : {"q1", "x", "ry"})
+    column_of(data, symbol).channel.symbol.insert(0, "ma.");
+  const auto one = fitted_all(data, "ma.q1 ~ ma.x + ma.x^2 + t01").outputs[0];
+  ASSERT_EQ(one.influences.size(), alone.influences.size());
+  for (const char* by : {"ma.x_mm", "ma.ry_arcsec", "h", "t02_degC"})
+    EXPECT_EQ(influence_of(one, "ma.x_mm", by).shift,
+              influence_of(alone, "x_mm", by[0] == 'm' ? by + 3 : by).shift)
+        << by;
+}
+
 TEST(Influence, DoesNotDependOnHowManyRowsAreLookedAt) {
   const Dataset data = make_campaign({.rows = 20000});
   const auto model = fitted_all(data, "q1 ~ x + x^2 + t01");

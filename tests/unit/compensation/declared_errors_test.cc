@@ -96,6 +96,58 @@ TEST(DeclaredErrors, OfTheLengthAtTheZeroPassThroughTheJacobian) {
               std::hypot(1.01 * 5, 0.02 * 5, 0.4 * 10), 0.01);
 }
 
+// A screw at 60 mm from the axis that ry turns about, and how its robot moves sideways with ry.
+calibration::OutputModel over_tilts(const Channel& output, double per_arcsec) {
+  Dataset data;
+  data.columns = {{output, {}}, {{"ry", "arcsec"}, {}}};
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 200; ++i) {
+    data.columns[0].values.push_back(per_arcsec * (i % 20 - 10) + 1e-6 * normal(random));
+    data.columns[1].values.push_back(i % 20 - 10);
+    ++data.rows;
+  }
+  calibration::FitOptions options;
+  options.select = calibration::Select::all;
+  options.candidates.outputs = {output.symbol};
+  options.candidates.terms = {term({power("ry")})};
+  return calibration::fit(data, options)->outputs[0];
+}
+
+CellDescription collimated_cell(const std::vector<double>& u_arcsec) {
+  auto cell = three_beam_cell();
+  for (const double u : u_arcsec) {
+    auto& device = cell.devices.emplace_back();
+    device.id = "angles " + std::to_string(cell.devices.size());
+    auto& angle = device.become<AngleSettings>().angles.emplace_back();
+    angle.channel = {"ry", "arcsec"};
+    angle.u_arcsec = u;
+  }
+  return cell;
+}
+
+TEST(DeclaredErrors, OfARotationAsACoordinateAreTakenOffTheResidualThroughTheLever) {
+  const auto screw = over_tilts({"q1", "mm"}, 60 * kRadPerArcsec);
+  const double nm_per_arcsec = 60e6 * kRadPerArcsec;
+  const auto noise_nm = [&](const std::vector<double>& u_arcsec) {
+    return std::sqrt(instrument_noise_nm2(screw, collimated_cell(u_arcsec)));
+  };
+  constexpr double kScale_nm = 3;  // of q1, axis_cell()
+  const double both_nm = std::hypot(kScale_nm, 0.05 * nm_per_arcsec);
+  EXPECT_NEAR(noise_nm({0.05}), both_nm, 0.01);
+  EXPECT_NEAR(noise_nm({12, 0.05}), both_nm, 0.01) << "the least of several";
+  EXPECT_EQ(noise_nm({12, 0}), kScale_nm) << "one of them declares nothing";
+}
+
+TEST(DeclaredErrors, OfTheInstrumentThatSawAPredictedMotionAreTakenOffItsResidual) {
+  const auto sideways = over_tilts({"x", "mm"}, 0);
+  auto cell = collimated_cell({});
+  for (auto& device : cell.devices)
+    if (device.length() && device.length()->channel.symbol == "x")
+      device.become<LengthSettings>().u_length_nm = 10;
+  EXPECT_NEAR(instrument_noise_nm2(sideways, cell), 100, 1e-6);
+}
+
 TEST(DeclaredErrors, OfALeverArmAreTheTiltThatTheModelSawTimesTheOffset) {
   const auto model = fitted(two_axis_rows());
   auto cell = three_beam_cell();

@@ -13,6 +13,7 @@
 #include "server/formats/csv/dataset_csv.h"
 #include "server/formats/diagnosis/diagnosis_html.h"
 #include "server/formats/diagnosis/diagnosis_json.h"
+#include "server/formats/diagnosis/robot_names.h"
 #include "server/formats/diagnosis/separating_text.h"
 #include "server/formats/formula/formula.h"
 #include "server/threads/threaded_executor.h"
@@ -30,7 +31,7 @@ struct DiagnoseArguments {
   double budget_h = 4;
   std::vector<std::int64_t> runs;  // of the daemon, instead of a file
   std::int64_t model = 0;
-  std::string name;
+  std::string name, robot;
 };
 
 constexpr double kSecondsPerHour = 3600;
@@ -38,7 +39,8 @@ constexpr double kSecondsPerHour = 3600;
 // The measurement that would tell an indistinguishable set apart, within what the data have seen: a
 // trajectory is in mm or arcsec, whatever the file's units.
 void add_separating(const Session& session, const DiagnoseArguments& a, const Dataset& given,
-                    const calibration::Candidates& baseline, diagnosis::Diagnosis& found) {
+                    const formats::RobotNames& names, const calibration::Candidates& baseline,
+                    diagnosis::Diagnosis& found) {
   const Dataset data = diagnosis::in_catalogue_units(given);
   auto limits = diagnosis::limits_from(data);
   limits.budget_s = a.budget_h * kSecondsPerHour;
@@ -50,7 +52,7 @@ void add_separating(const Session& session, const DiagnoseArguments& a, const Da
   if (*plan) found.separating_experiment = formats::separating_text(**plan);
   if (a.separating.empty()) return;
   if (found.separating_experiment && !found.separating_experiment->trajectory_csv.empty())
-    write_output_file(a.separating, found.separating_experiment->trajectory_csv);
+    write_output_file(a.separating, names.with_id(found.separating_experiment->trajectory_csv));
   else
     session.console.err << "no separating trajectory: "
                         << (found.separating_experiment ? found.separating_experiment->why
@@ -81,16 +83,20 @@ std::vector<std::string> known_channels(const std::vector<std::string>& asked, c
 }
 
 ExitCode diagnose_file(const Session& session, const DiagnoseArguments& a) {
-  const Dataset data = value_or_throw(formats::read_dataset_csv(read_input_file(a.file), a.file));
+  const Dataset given = value_or_throw(formats::read_dataset_csv(read_input_file(a.file), a.file));
+  const formats::RobotNames names(
+      given, value_or_throw(formats::robot_asked_for(given, a.baseline, a.robot)));
+  const Dataset data = names.bare(given);
   diagnosis::DiagnoseOptions options;
   if (!a.baseline.empty())
-    options.baseline =
-        value_or_throw(value_or_throw(formats::Formula::parse(a.baseline)).expand(data));
+    options.baseline = value_or_throw(
+        value_or_throw(formats::Formula::parse(names.bare(a.baseline))).expand(data));
   options.alpha = a.alpha;
   options.nulls = a.nulls;
   options.max_findings = a.most;
   options.seed = a.seed;
-  options.exclude_symbols = known_channels(a.without, data, a.file);
+  for (const auto& symbol : known_channels(a.without, given, a.file))
+    options.exclude_symbols.push_back(names.bare(symbol));
   options.executor = threads::threaded_executor(a.threads);
   if (session.console.err_is_terminal)
     options.progress = [&session, last = std::string()](double, const std::string& step) mutable {
@@ -101,10 +107,12 @@ ExitCode diagnose_file(const Session& session, const DiagnoseArguments& a) {
   auto found = a.kinematics.empty() ? value_or_throw(diagnosis::diagnose(data, options))
                                     : of_robot(a, data, options);
   if (a.budget_h > 0 && a.kinematics.empty())
-    add_separating(session, a, data, options.baseline, found);
-  if (!a.report.empty())
-    write_output_file(a.report,
-                      formats::diagnosis_html(found, data, {"Diagnosis of " + a.file, a.file}));
+    add_separating(session, a, data, names, options.baseline, found);
+  found = names.with_id(std::move(found));
+  if (!a.report.empty()) {
+    const std::string of = names.robot().empty() ? a.file : a.file + ", robot " + names.robot();
+    write_output_file(a.report, formats::diagnosis_html(found, given, {"Diagnosis of " + of, of}));
+  }
   if (session.console.json)
     session.console.print_json(formats::diagnosis_json(found));
   else
@@ -122,8 +130,8 @@ ExitCode diagnose_any(const Session& session, const DiagnoseArguments& a) {
   if (!a.runs.empty() && !a.kinematics.empty())
     misused("--kinematics goes with a file: export the runs first (driftwise data export)");
   if (!a.runs.empty())
-    return diagnose_runs(session,
-                         {a.runs, a.model, a.baseline, a.name, a.alpha, a.seed, a.without});
+    return diagnose_runs(
+        session, {a.runs, a.model, a.baseline, a.name, a.alpha, a.seed, a.without, a.robot});
   if (a.model != 0) misused("--model names a model of the daemon: it goes with --run");
   if (a.baseline.empty() && a.kinematics.empty())
     misused("a file needs --baseline, the simulation as it is, or --kinematics robot.toml");
@@ -153,6 +161,8 @@ void add_diagnose_command(CLI::App& app, Session& session) {
                      "write the drawing with what was found: identified.toml");
   command.add_option("--model", a->model, "of runs: begins from this model of the daemon")
       ->check(positive_number());
+  command.add_option("--robot", a->robot,
+                     "of a cell with several: ma; else the one that the baseline's outputs name");
   command.add_option("--name", a->name, "of runs: of the diagnosis, for the record");
   command.add_option("--alpha", a->alpha, "rate of a false name where nothing is wrong")
       ->check(number_between(1e-6, 0.5))

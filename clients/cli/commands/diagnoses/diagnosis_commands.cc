@@ -213,6 +213,7 @@ ExitCode diagnose_runs(const Session& session, const DiagnoseRunArguments& a) {
   request.set_seed(static_cast<std::int64_t>(a.seed));
   for (const auto& symbol : a.without) request.add_exclude_symbols(symbol);
   request.set_name(a.name);
+  request.set_robot(a.robot);
   const auto connection = session.connect();
   const auto begun = connection.ask(&DiagnosisStub::CreateDiagnosis, request, 60).diagnosis();
   follow(session, connection, begun.id());

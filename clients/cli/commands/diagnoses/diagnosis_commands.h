@@ -20,6 +20,7 @@ struct DiagnoseRunArguments {
   double alpha = 0.003;
   std::uint64_t seed = 1;
   std::vector<std::string> without;
+  std::string robot;  // "": of a cell with one, or the one that the baseline names
 };
 ExitCode diagnose_runs(const Session& session, const DiagnoseRunArguments& a);
 

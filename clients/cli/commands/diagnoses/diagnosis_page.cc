@@ -107,6 +107,7 @@ void print_diagnosis(const Console& console, const v1::Diagnosis& diagnosis) {
   const Paint paint = console.paint_out();
   console.out << "diagnosis " << diagnosis.id() << ": " << state_of(diagnosis);
   if (!diagnosis.reason().empty()) console.out << ": " << diagnosis.reason();
+  if (!diagnosis.robot().empty()) console.out << "\nrobot     " << diagnosis.robot();
   console.out << "\nbaseline  " << diagnosis.baseline_formula();
   if (diagnosis.has_model_id()) console.out << "  (model " << diagnosis.model_id() << ")";
   console.out << '\n';

@@ -21,7 +21,7 @@ struct ImproveArguments {
   std::int32_t max_turns = 5;
   double budget_s = 0;
   bool promote = false;
-  std::string setup;
+  std::string setup, robot;
   std::int64_t id = 0;
 };
 
@@ -126,6 +126,7 @@ ExitCode improve(const Session& session, const ImproveArguments& a) {
   request.set_budget_s(a.budget_s);
   request.set_promote(a.promote);
   request.set_setup(a.setup);
+  request.set_robot(a.robot);
   request.set_request_id(a.request_id);
   check_trajectory(connection, request.trajectory_text(), a.file);
   const HeldLease lease(connection, a.lease_token);
@@ -198,6 +199,8 @@ void add_improve_commands(CLI::App& app, Session& session) {
       ->check(positive_number());
   command.add_option("--setup", a->setup,
                      "[[setup]] of the cell file that measures; else every instrument");
+  command.add_option("--robot", a->robot,
+                     "of a cell with several: ma; else the one that the formula's outputs name");
   command.add_flag("--promote", a->promote,
                    "a model whose gain the fresh points have shown serves; else it is proposed");
   command.add_option("--lease-token", a->lease_token,

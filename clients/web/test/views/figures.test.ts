@@ -62,9 +62,13 @@ describe('parameters of a finding', () => {
     expect(parameterWords('ppm_per_k_x_q1')).toEqual({ name: 'x, q1', unit: 'ppm/K' });
     expect(parameterWords('nm_per_k_q2')).toEqual({ name: 'size, q2', unit: 'nm/K' });
     expect(parameterWords('offset_mm_rx_q1')).toEqual({ name: 'offset rx, q1', unit: 'mm' });
+    expect(parameterWords('nm_per_k_ma.q2')).toEqual({ name: 'size, ma.q2', unit: 'nm/K' });
+    expect(parameterWords('offset_mm_rx_ma.q1')).toEqual({ name: 'offset rx, ma.q1', unit: 'mm' });
   });
   it('leave the heading, which keeps what it says', () => {
     expect(headline('The beam misses the centre of rotation: the error goes with the tilts, offset_mm_rx -13 q1 (90 %: -17.1 to -8.88); q1: 285 nm rms, held-out U90 1.69e+03 -> 80.2 nm.'))
+      .toBe('The beam misses the centre of rotation: the error goes with the tilts');
+    expect(headline('The beam misses the centre of rotation: the error goes with the tilts, offset_mm_rx -13 ma.q1 (90 %: -17.1 to -8.88); ma.q1: 285 nm rms.'))
       .toBe('The beam misses the centre of rotation: the error goes with the tilts');
     expect(headline('Axis q2 has a play of 85 nm: it matters, from which side a point is approached.')).toBe('Axis q2 has a play of 85 nm: it matters, from which side a point is approached');
     expect(turnLines('fitted model 4: q ~ poly(x, y, z, 2). The geometry needs terms in x:y that the simulation lacks, 3 degree; q1: 42 nm rms, held-out U90 77 -> 10.5 nm.. Q1 has play: it depends on the side it came from, width 23.4 nm (90 %: 17.3 to 29.5); q1: 2.61 nm rms. stopped: no lease'))

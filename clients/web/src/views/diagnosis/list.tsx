@@ -12,7 +12,7 @@ import { ViewTitle } from '@/ui/view_title';
 import { causeText } from './causes';
 import { ImproveForm } from './improve_form';
 import { DiagnoseForm } from './start_form';
-import { after, before, judgementOf, sentenceCase } from './words';
+import { after, before, dataText, judgementOf, sentenceCase } from './words';
 
 export function DiagnosisList() {
   const diagnoses = useAsked('diagnoses', async (signal) => (await api.diagnosis().listDiagnoses({}, { signal })).diagnoses);
@@ -46,7 +46,7 @@ function Diagnoses({ rows }: { rows: readonly Diagnosis[] }) {
       columns={[
         { title: 'diagnosis', number: true, of: (one) => <a href={`/diagnosis/${one.id}`}>{String(one.id)}</a> },
         { title: 'verdict', of: (one) => <Verdict kind={judgementOf(one).kind}>{judgementOf(one).word.toLowerCase()}</Verdict> },
-        { title: 'of', of: (one) => (one.runIds.length ? `${one.runIds.length === 1 ? 'run' : 'runs'} ${one.runIds.join(', ')}` : 'a file') },
+        { title: 'of', of: dataText },
         { title: 'baseline', of: (one) => <code class="models-formula">{one.baselineFormula}</code> },
         { title: 'causes', of: (one) => one.findings.map((finding) => causeText(finding.cause, finding.subject)).join('; ') || '–' },
         { title: 'A90', of: (one) => one.outputs.map((output) => <span class="nowrap diagnosis-gain">{output.output} {significant(before(output))} → {significant(after(output))} {output.unit}</span>) },

@@ -24,7 +24,7 @@ import { ExtensionPanel } from './extension';
 import { FindingPanel } from './finding';
 import { GoesWith, LeftOverPanel, NotTestablePanel } from './rest';
 import { SeparatingPanel } from './separating';
-import { after, before, judgementOf, outputOf, sentenceCase } from './words';
+import { after, before, dataText, judgementOf, outputOf, sentenceCase } from './words';
 
 export function DiagnosisPage({ id }: { id: bigint }) {
   const asked = useAsked(`diagnosis ${id}`, async (signal) => (await api.diagnosis().getDiagnosis({ diagnosisId: id }, { signal })).diagnosis!);
@@ -48,7 +48,7 @@ export function DiagnosisPage({ id }: { id: bigint }) {
         sub={diagnosis && <>baseline <code>{diagnosis.baselineFormula}</code>{rowsText(whole.value)}{diagnosis.modelId !== undefined && <> · began from <a href={`/models/${diagnosis.modelId}`}>model {String(diagnosis.modelId)}</a></>}</>}
         actions={diagnosis?.state === Diagnosis_State.DONE && <Button busy={page.busy} onPress={() => page.send()}>Save as a page</Button>}
       >
-        {diagnosis ? `Diagnosis ${id} of ${ofText(diagnosis)}` : `Diagnosis ${id}`}
+        {diagnosis ? `Diagnosis ${id} of ${dataText(diagnosis)}` : `Diagnosis ${id}`}
       </ViewTitle>
       {page.failure && <Failed asked="Save as a page" failure={page.failure} />}
       {asked.failure && <Failed asked={`Show diagnosis ${id}`} failure={asked.failure} again={asked.again} />}
@@ -57,8 +57,6 @@ export function DiagnosisPage({ id }: { id: bigint }) {
     </>
   );
 }
-
-const ofText = (diagnosis: Diagnosis) => (diagnosis.runIds.length ? `${diagnosis.runIds.length === 1 ? 'run' : 'runs'} ${diagnosis.runIds.join(', ')}` : 'a file');
 
 function rowsText(rows: DiscrepancyRows | undefined): string {
   if (!rows || rows.validation.length === 0) return '';

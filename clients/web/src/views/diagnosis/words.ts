@@ -30,6 +30,10 @@ export function judgementOf(diagnosis: Diagnosis): Judgement {
   }
 }
 
+// "run 3, robot ma": the data that were looked at.
+export const dataText = (diagnosis: Diagnosis): string =>
+  (diagnosis.runIds.length ? `${diagnosis.runIds.length === 1 ? 'run' : 'runs'} ${diagnosis.runIds.join(', ')}` : 'a file') + (diagnosis.robot && `, robot ${diagnosis.robot}`);
+
 export const outputOf = (diagnosis: Diagnosis, symbol: string | undefined): OutputDiscrepancy | undefined =>
   diagnosis.outputs.find((one) => one.output === symbol) ?? diagnosis.outputs.find((one) => one.output === diagnosis.accuracy[0]?.output) ?? worst(diagnosis.outputs);
 
@@ -53,7 +57,7 @@ const rates: readonly [string, string][] = [
 
 // "tau_s" -> name "tau", unit "s"; "offset_mm_rx_q1" -> name "offset rx, q1", unit "mm".
 export function parameterWords(name: string): { name: string; unit: string } {
-  const words = (text: string) => (text || 'size').replace(/^(q\d)$/, 'size, $1').replace(/_(q\d)$/, ', $1').replaceAll('_', ' ');
+  const words = (text: string) => (text || 'size').replace(/^((?:[A-Za-z\d]+\.)?q\d)$/, 'size, $1').replace(/_((?:[A-Za-z\d]+\.)?q\d)$/, ', $1').replaceAll('_', ' ');
   for (const [pattern, unit] of units)
     if (pattern.test(name)) return { name: words(name.replace(pattern, '')), unit };
   for (const [begin, unit] of rates)
@@ -64,7 +68,7 @@ export function parameterWords(name: string): { name: string; unit: string } {
 
 // The daemon's sentence ends in all figures; the page has them in a table below.
 // A formula has commas and numbers of its own.
-export const headline = (sentence: string): string => (sentence.includes('~') ? sentence : sentence.split(/, (?:[A-Za-z]\w* )?-?\d[^,;]*(?=[,;.(]|$)|; \w+: /)[0]).replace(/\.$/, '');
+export const headline = (sentence: string): string => (sentence.includes('~') ? sentence : sentence.split(/, (?:[A-Za-z][\w.]* )?-?\d[^,;]*(?=[,;.(]|$)|; [\w.]+: /)[0]).replace(/\.$/, '');
 
 // No more digits than the interval supports: two of its width.
 export function parameterText(value: number, interval: { low: number; high: number } | undefined): string {
