@@ -33,6 +33,11 @@ class Datasets {
   // Of runs, with the corrections in force, or of a CSV text: one of the two. Errors:
   // invalid_argument NO_DATA; those of amended_dataset and read_dataset_csv.
   virtual Awaitable<Result<Dataset>> load(std::vector<RunId> runs, std::string csv) = 0;
+  // Per row of load() of the same: "calibration", "validation" or the name of its validation set
+  // (server/formats/csv/set_names.h). Empty: no set has a name, or they cannot be told. Errors:
+  // those of load().
+  virtual Awaitable<Result<std::vector<std::string>>> set_names(std::vector<RunId> runs,
+                                                                std::string csv) = 0;
   // CSV text. Rows kept out of fits are marked in a column, or left out.
   virtual Awaitable<Result<std::string>> export_csv(std::vector<RunId> runs,
                                                     bool without_excluded) = 0;

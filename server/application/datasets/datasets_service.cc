@@ -128,6 +128,21 @@ std::vector<std::string> set_names_of(Store& store, const std::vector<RunId>& ru
   return names;
 }
 
+using Names = Result<std::vector<std::string>>;
+
+Names named_or_none(std::vector<std::string> names) {
+  if (formats::named_sets(names).empty()) names.clear();
+  return names;
+}
+Names named_sets_of(Store& store, const std::vector<RunId>& runs) {
+  DRIFTWISE_TRY(const auto dataset, amended_dataset(store, runs));
+  return named_or_none(set_names_of(store, runs, dataset));
+}
+Names named_sets_in(const std::string& csv) {
+  DRIFTWISE_TRY(auto names, formats::read_set_names(csv, "dataset"));
+  return named_or_none(std::move(names));
+}
+
 struct ParsedFile {
   Dataset dataset;
   std::string hash;  // of the text
@@ -194,6 +209,12 @@ Awaitable<Result<Dataset>> DatasetsService::load(std::vector<RunId> runs, std::s
         return formats::read_dataset_csv(text, "dataset", {}, formats::kRequestLimits);
       },
       csv);
+}
+
+Awaitable<Result<std::vector<std::string>>> DatasetsService::set_names(std::vector<RunId> runs,
+                                                                       std::string csv) {
+  if (csv.empty()) co_return co_await reader_.call(named_sets_of, runs);
+  co_return co_await run_on(background_, named_sets_in, csv);
 }
 
 Awaitable<Result<std::string>> DatasetsService::export_csv(std::vector<RunId> runs,

@@ -22,6 +22,8 @@ class DatasetsService final : public Datasets {
         background_(std::move(background)) {}
 
   Awaitable<Result<Dataset>> load(std::vector<RunId> runs, std::string csv) override;
+  Awaitable<Result<std::vector<std::string>>> set_names(std::vector<RunId> runs,
+                                                        std::string csv) override;
   Awaitable<Result<std::string>> export_csv(std::vector<RunId> runs,
                                             bool without_excluded) override;
   Awaitable<Result<RunRecord>> import_csv(Caller caller, std::string name, std::string csv,

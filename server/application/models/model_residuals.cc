@@ -61,13 +61,16 @@ Awaitable<Result<ModelResiduals>> ModelsService::residuals(ModelId id, std::vect
                    "model " + std::to_string(id.value) +
                        " was fitted to a file, whose rows were not kept: hand in the file, or "
                        "import it as a run and fit that");
+  DRIFTWISE_CO_TRY(auto sets, co_await datasets_.set_names(runs, csv));
   DRIFTWISE_CO_TRY(auto dataset, co_await datasets_.load(std::move(runs), std::move(csv)));
-  co_return co_await run_on(
+  auto found = co_await run_on(
       worker_,
       [](const calibration::Model& fitted, Dataset& data) {
         return residuals_of(fitted, std::move(data));
       },
       std::move(read), std::move(dataset));
+  if (found && sets.size() == found->data.rows) found->sets = std::move(sets);
+  co_return found;
 }
 
 }  // namespace driftwise::application

@@ -27,7 +27,8 @@ struct ModelResiduals {
   Dataset data;
   std::vector<Output> outputs;
   std::string dataset_hash;
-  bool same_rows = false;  // the very dataset that the model was fitted to
+  std::vector<std::string> sets;  // Datasets::set_names
+  bool same_rows = false;         // the very dataset that the model was fitted to
 };
 
 class Models {

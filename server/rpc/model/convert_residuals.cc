@@ -1,7 +1,11 @@
 #include "server/rpc/model/convert_residuals.h"
 
+#include <map>
+
+#include "server/core/data/accuracy.h"
 #include "server/core/units.h"
 #include "server/effects/effect.h"
+#include "server/rpc/shared/convert_accuracy.h"
 
 namespace driftwise::rpc {
 namespace {
@@ -11,6 +15,27 @@ void take_every(const Values& values, std::size_t step, Field& out) {
   out.Reserve(static_cast<int>(values.size() / step + 1));
   for (std::size_t row = 0; row < values.size(); row += step)
     out.Add(static_cast<typename Field::value_type>(values[row]));
+}
+
+// A set with no name but "validation" is one of them where others have names.
+void add_named_sets(const application::ModelResiduals& residuals,
+                    const application::ModelResiduals::Output& output,
+                    v1::ListResidualsResponse::Output& out) {
+  std::vector<std::string> names;
+  std::map<std::string, std::vector<double>> errors;
+  for (std::size_t row = 0; row < residuals.sets.size(); ++row) {
+    const auto& name = residuals.sets[row];
+    if (residuals.data.set_of(row) != PointSet::validation || residuals.data.is_excluded(row))
+      continue;
+    auto& of_set = errors[name];
+    if (of_set.empty()) names.push_back(name);
+    of_set.push_back(output.values[row]);
+  }
+  for (const auto& name : names) {
+    auto& added = *out.add_named_sets();
+    added.set_name(name);
+    *added.mutable_figures() = figures_from(error_figures(errors[name]));
+  }
 }
 
 }  // namespace
@@ -54,6 +79,7 @@ v1::ListResidualsResponse residuals_from(const application::ModelResiduals& resi
   for (std::size_t row = 0; row < data.rows; row += step) {
     out.add_validation(data.set_of(row) == PointSet::validation);
     out.add_excluded(data.is_excluded(row));
+    if (!residuals.sets.empty()) out.add_sets(residuals.sets[row]);
   }
   for (const auto& column : data.columns) {
     auto& added = *out.add_variables();
@@ -67,6 +93,7 @@ v1::ListResidualsResponse residuals_from(const application::ModelResiduals& resi
     added.set_unit(std::string(summary_unit(output.channel.unit).unit));
     take_every(output.values, step, *added.mutable_values());
     if (!output.held_out.empty()) take_every(output.held_out, step, *added.mutable_held_out());
+    add_named_sets(residuals, output, added);
   }
   out.set_row_count(static_cast<std::int64_t>(data.rows));
   out.set_row_step(static_cast<std::int64_t>(step));

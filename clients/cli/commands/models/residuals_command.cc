@@ -10,6 +10,7 @@
 #include "driftwise/v1/model_service.grpc.pb.h"
 #include "server/core/data/accuracy.h"
 #include "server/formats/csv/dataset_csv.h"
+#include "server/formats/csv/set_names.h"
 
 namespace driftwise::cli {
 namespace {
@@ -58,16 +59,18 @@ Dataset table_of(const v1::ListResidualsResponse& residuals, std::int64_t model)
 
 using ResidualOutput = v1::ListResidualsResponse::Output;
 
-// One line of the summary: figures over the rows of one set, and where the largest error is.
+// One line of the summary: figures over the rows of one set, and where the largest error is. named:
+// of the validation set of this name alone; empty: of all.
 void add_summary(Table& table, const v1::ListResidualsResponse& residuals,
                  const ResidualOutput& output,
                  const google::protobuf::RepeatedField<double>& values, bool validation,
-                 const std::string& rows) {
+                 const std::string& rows, const std::string& named = {}) {
   std::vector<double> errors;
   int largest = -1;
   for (int row = 0; row < values.size(); ++row) {
     const bool out = row < residuals.excluded_size() && residuals.excluded(row);
     if (out || residuals.validation(row) != validation || std::isnan(values[row])) continue;
+    if (!named.empty() && residuals.sets(row) != named) continue;
     errors.push_back(values[row]);
     if (largest < 0 || std::abs(values[row]) > std::abs(values[largest])) largest = row;
   }
@@ -91,6 +94,8 @@ void print_summary(const Console& console, const v1::ListResidualsResponse& resi
   for (const auto& output : residuals.outputs()) {
     add_summary(table, residuals, output, output.values(), false, "calibration");
     add_summary(table, residuals, output, output.values(), true, "validation");
+    for (const auto& set : output.named_sets())
+      add_summary(table, residuals, output, output.values(), true, "  " + set.name(), set.name());
     add_summary(table, residuals, output, output.held_out(), false, "held-out blocks");
   }
   table.print(console.err, console.paint_err());
@@ -114,7 +119,9 @@ ExitCode list_residuals(const Session& session, const ResidualsArguments& a) {
     session.console.print_json(json_from(residuals));
     return ExitCode::done;
   }
-  const std::string csv = formats::write_dataset_csv(table_of(residuals, a.model));
+  std::string csv = formats::write_dataset_csv(table_of(residuals, a.model));
+  if (!residuals.sets().empty())
+    csv = formats::with_set_names(csv, {residuals.sets().begin(), residuals.sets().end()});
   if (a.output.empty() || a.output == "-")
     session.console.out << csv << std::flush;
   else

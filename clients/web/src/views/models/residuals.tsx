@@ -33,6 +33,7 @@ export function ResidualsTab({ model }: { model: Model }) {
 
 function Pictures({ answer, model, output }: { answer: ListResidualsResponse; model: Model; output: ModelOutput }) {
   const symbol = outputSymbol(output);
+  const sets = answer.outputs.find((one) => one.output === symbol)?.namedSets ?? [];
   const specs = useMemo(() => residualSpecs(answer, symbol, summaryUnit(output), output.accuracy?.a90Calibration, `model-${model.id}`), [answer, symbol]);
   return (
     <>
@@ -40,6 +41,11 @@ function Pictures({ answer, model, output }: { answer: ListResidualsResponse; mo
         {count(answer.rowCount)} rows{answer.rowStep > 1n && `, every ${answer.rowStep}th drawn`}; ● calibration, ◇ validation; band: A90 of calibration, ±
         {significant(output.accuracy?.a90Calibration, 2)} {summaryUnit(output)}; one scale for all
       </p>
+      {sets.length > 0 && (
+        <p class="note">
+          A90 by validation set: {sets.map((set) => `${set.name} ${significant(set.figures?.a90, 3)} ${summaryUnit(output)} (${set.figures?.rowCount} rows, mean ${significant(set.figures?.mean, 2)})`).join('; ')}
+        </p>
+      )}
       {!answer.sameRows && <Warned>These are not the very rows the model was fitted from: rows were excluded or put back since, or it is another file.</Warned>}
       <div class="models-residuals">{specs.map((spec) => <Plot key={spec.title} spec={spec} height={200} />)}</div>
     </>

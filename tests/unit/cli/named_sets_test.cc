@@ -1,0 +1,43 @@
+// Names of validation sets in the daemon's own figures.
+
+#include <cmath>
+
+#include "tests/unit/cli/cli_fixture.h"
+
+namespace driftwise::tests {
+namespace {
+
+class NamedSetsTest : public CliTest {};
+
+// q1 = x, but for 100 nm in every row of "outside"; row by row another 2 nm, to and fro.
+TEST_F(NamedSetsTest, OfAnImportedFileHaveFiguresOfTheirOwn) {
+  std::string csv = "time_s,set,q1_nm,x_mm\n";
+  for (int row = 0; row < 60; ++row)
+    csv += std::to_string(20 * row) +
+           (row < 30   ? ",calibration,"
+            : row < 44 ? ",inside,"
+                       : ",outside,") +
+           std::to_string(100'000 * (row % 15) + 1'000 * row + (row >= 44 ? 100 : 0) +
+                          (row % 2 ? 2 : -2)) +
+           "," + std::to_string(0.1 * (row % 15) + 0.001 * row) + "\n";
+  ASSERT_EQ(run({"data", "import", file("named.csv", csv)}).exit, 0);
+  const auto fitted = run({"fit", "--run", "1", "--model", "q1 ~ x"});
+  ASSERT_EQ(fitted.exit, 0) << fitted.err;
+  const auto residuals = json({"model", "residuals", "1"});
+  const auto& sets = residuals.at("outputs").at(0).at("named_sets");
+  ASSERT_EQ(sets.size(), 2u) << residuals.dump(1);
+  EXPECT_EQ(sets[0].at("name"), "inside");
+  EXPECT_EQ(sets[0].at("figures").at("row_count"), 14);
+  EXPECT_NEAR(sets[0].at("figures").at("mean").get<double>(), 0, 1);
+  EXPECT_EQ(sets[1].at("name"), "outside");
+  EXPECT_NEAR(sets[1].at("figures").at("mean").get<double>(), 100, 1);
+  EXPECT_NEAR(sets[1].at("figures").at("a90").get<double>(), 1.645 * std::hypot(100, 2), 2);
+  const auto table = run({"model", "residuals", "1"});
+  EXPECT_THAT(table.out, HasSubstr(",outside,")) << "the rows keep the names";
+  EXPECT_THAT(table.err, testing::ContainsRegex("q1 nm +outside +16 "));
+  const auto unnamed = json({"model", "residuals", "1", "--run", "1"});
+  EXPECT_EQ(unnamed.at("sets").size(), 60u);
+}
+
+}  // namespace
+}  // namespace driftwise::tests
