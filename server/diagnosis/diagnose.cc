@@ -489,7 +489,7 @@ Result<Diagnosis> diagnose(const Dataset& dataset, const DiagnoseOptions& option
   }
   if (options.progress && !options.progress(0, "reading the rows")) return cancelled();
   Dataset mended = in_catalogue_units(dataset);
-  auto sensors = mend_sensors(mended, [&](const Dataset& data) {
+  auto sensors = mend_sensors(mended, options.baseline.outputs.size(), [&](const Dataset& data) {
     const auto laid = lay_out(data, options.baseline, kMostBlocks);
     return laid ? two_ln_likelihood(*laid) : -INFINITY;
   });

@@ -26,7 +26,8 @@ std::vector<effects::Term> with_parameter(const std::vector<effects::Term>& term
 
 bool is_response(const Channel& channel, const std::vector<std::string>& outputs) {
   const std::string& symbol = channel.symbol;
-  const bool coordinate = is_motor_symbol(symbol) || is_pose_symbol(symbol);
+  const auto own = without_robot(symbol);  // another robot's is a condition of this one
+  const bool coordinate = is_motor_symbol(own) || is_pose_symbol(own);
   for (const auto& output : outputs)
     if ((symbol == output && !(coordinate && is_length(channel.unit))) ||
         symbol.starts_with(output + "_"))

@@ -13,7 +13,6 @@ namespace {
 constexpr double kFarOffSensor = 12;  // robust standard deviations
 constexpr double kSmallest_k = 0.02;  // no jump or spike below this is called a fault
 constexpr std::size_t kFewestRows = 40, kWindow = 6, kNeighbours = 4;
-constexpr double kFollowed = -6;  // below: the outputs follow what the sensor read
 constexpr double kEvidence = 25;  // 2 ln L of the outputs with the mended readings
 constexpr double kRamp = 0.25;    // of a jump, within a few rows after it
 constexpr double kMoves = 4;      // of its usual change: a thermometer that follows an event
@@ -63,6 +62,15 @@ std::vector<double> beyond_the_others(const std::vector<Sensor>& sensors, std::s
   return result;
 }
 
+// What a column of no effect takes off 2 ln L by chance in one of a hundred: chi squared with a
+// degree of freedom for each output (Wilson and Hilferty 1931). The jump in a sensor is such a
+// column; outputs that lose more without it follow what the sensor read.
+double lost_by_chance(std::size_t outputs) {
+  constexpr double kQuantile = 2.326;
+  const auto n = static_cast<double>(outputs);
+  return n * std::pow(1 - 2 / (9 * n) + kQuantile * std::sqrt(2 / (9 * n)), 3);
+}
+
 std::vector<std::size_t> frozen_rows(const std::vector<double>& values) {
   std::vector<std::size_t> lengths;
   std::size_t longest = 0, begin = 0, second = 0;
@@ -107,25 +115,30 @@ std::vector<std::size_t> spiked_rows(const std::vector<double>& v) {
   return rows;
 }
 
-// A change from the row before, beyond the changes about it: a room that warms takes all rows
-// along.
-double own_change(const std::vector<double>& v, std::size_t row) {
+// The usual change from row to row about this row: a room that warms takes all rows along.
+double trend_about(const std::vector<double>& v, std::size_t row) {
   std::vector<double> about;
   for (std::size_t i = row > kNeighbours ? row - kNeighbours : 1;
        i <= std::min(row + kNeighbours, v.size() - 1); ++i)
     if (i != row && std::isfinite(v[i]) && std::isfinite(v[i - 1]))
       about.push_back(v[i] - v[i - 1]);
-  return v[row] - v[row - 1] - (about.empty() ? 0 : median(about));
+  return about.empty() ? 0 : median(about);
 }
 
-// How far the level after a row stands off the level before it, each told by a few rows.
+// A change from the row before, beyond that trend.
+double own_change(const std::vector<double>& v, std::size_t row) {
+  return v[row] - v[row - 1] - trend_about(v, row);
+}
+
+// How far the level after a row stands off what the level before it and the trend foretell, each
+// told by a few rows.
 double level_change(const std::vector<double>& v, std::size_t row) {
   std::vector<double> before, after;
   for (std::size_t k = 0; k < kWindow; ++k) {
     if (row >= k + 1 && std::isfinite(v[row - 1 - k])) before.push_back(v[row - 1 - k]);
     if (row + k < v.size() && std::isfinite(v[row + k])) after.push_back(v[row + k]);
   }
-  return median(after) - median(before);
+  return median(after) - median(before) - static_cast<double>(kWindow) * trend_about(v, row);
 }
 
 // What warms goes on warming, or cools again: the level a little later is another one.
@@ -213,7 +226,8 @@ double two_ln_likelihood(const Problem& problem) {
 }
 
 std::vector<FaultySensor> mend_sensors(
-    Dataset& dataset, const std::function<double(const Dataset&)>& two_ln_likelihood) {
+    Dataset& dataset, std::size_t outputs,
+    const std::function<double(const Dataset&)>& two_ln_likelihood) {
   std::vector<FaultySensor> found;
   if (dataset.rows < kFewestRows) return found;
   std::vector<Sensor> sensors;
@@ -273,7 +287,7 @@ std::vector<FaultySensor> mend_sensors(
       const bool mended = gain >= kEvidence;
       if (!mended)
         for (const std::size_t i : rows) values[i] += size;
-      if (gain < kFollowed) continue;
+      if (gain < -lost_by_chance(outputs)) continue;
       found.push_back({SensorFault::jumped, sensors[s].column->channel.symbol, "", rows, size,
                        mended, mended || stands_alone(sensors, s, row)});
     }
