@@ -32,8 +32,9 @@ struct FaultySensor {
 // after a jump the sensor must not go on as a ramp. A jump without a ramp that the outputs neither
 // speak for nor against is left as it was measured, and named where there are other thermometers
 // and none of them changes at that row beyond its noise: else the room may have done it, and it is
-// told only. One that the outputs follow, beyond what
-// chance takes in one of a hundred, is none. outputs: their number.
+// told only. One that the outputs follow is none: they
+// lose more without it than chance takes in one of a hundred, and would lose with the same jump at
+// any of nineteen other rows. outputs: their number.
 std::vector<FaultySensor> mend_sensors(
     Dataset& dataset, std::size_t outputs,
     const std::function<double(const Dataset&)>& two_ln_likelihood);

@@ -13,9 +13,10 @@ namespace {
 constexpr double kFarOffSensor = 12;  // robust standard deviations
 constexpr double kSmallest_k = 0.02;  // no jump or spike below this is called a fault
 constexpr std::size_t kFewestRows = 40, kWindow = 6, kNeighbours = 4;
-constexpr double kEvidence = 25;  // 2 ln L of the outputs with the mended readings
-constexpr double kRamp = 0.25;    // of a jump, within a few rows after it
-constexpr double kMoves = 4;      // of its usual change: a thermometer that follows an event
+constexpr std::size_t kPlacebos = 19;  // an ordinary jump is the best of twenty in 5 %
+constexpr double kEvidence = 25;       // 2 ln L of the outputs with the mended readings
+constexpr double kRamp = 0.25;         // of a jump, within a few rows after it
+constexpr double kMoves = 4;           // of its usual change: a thermometer that follows an event
 
 constexpr std::size_t kRowsPerSensor = 10;
 constexpr std::size_t kSpan = 3;  // rows of a change that foretells: more than the readings' steps
@@ -158,6 +159,25 @@ bool goes_on_as_ramp(const std::vector<double>& v, std::size_t row, double size)
   return std::abs(median(later) - median(soon) - drift) > kRamp * std::abs(size);
 }
 
+// True: the outputs are described better with the jump in the readings than with the same jump at
+// any of other rows, spread over the data. Without it they may do worse by much and not follow: the
+// jump makes a column that tells this thermometer from the others, and slow noise takes any such
+// column.
+bool outputs_follow(Dataset& dataset, std::vector<double>& mended, double size, std::size_t row,
+                    double as_read,
+                    const std::function<double(const Dataset&)>& two_ln_likelihood) {
+  const std::vector<double> values = mended;
+  bool follow = true;
+  for (std::size_t k = 0; follow && k < kPlacebos; ++k) {
+    const std::size_t elsewhere = (k + 1) * values.size() / (kPlacebos + 1);
+    if (std::max(elsewhere, row) - std::min(elsewhere, row) < 2 * kWindow) continue;
+    for (std::size_t i = elsewhere; i < values.size(); ++i) mended[i] = values[i] + size;
+    follow = two_ln_likelihood(dataset) < as_read;
+    mended = values;
+  }
+  return follow;
+}
+
 // True: there are others, and none changes at this row beyond its noise.
 bool stands_alone(const std::vector<Sensor>& sensors, std::size_t sensor, std::size_t row) {
   for (std::size_t other = 0; other < sensors.size(); ++other) {
@@ -285,9 +305,11 @@ std::vector<FaultySensor> mend_sensors(
       for (const std::size_t i : rows) values[i] -= size;
       const double gain = two_ln_likelihood(dataset) - as_read;
       const bool mended = gain >= kEvidence;
+      const bool followed = gain < -lost_by_chance(outputs) &&
+                            outputs_follow(dataset, values, size, row, as_read, two_ln_likelihood);
       if (!mended)
         for (const std::size_t i : rows) values[i] += size;
-      if (gain < -lost_by_chance(outputs)) continue;
+      if (followed) continue;
       found.push_back({SensorFault::jumped, sensors[s].column->channel.symbol, "", rows, size,
                        mended, mended || stands_alone(sensors, s, row)});
     }

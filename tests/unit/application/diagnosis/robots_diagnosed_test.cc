@@ -76,11 +76,11 @@ class RobotsDiagnosed : public testing::Test {
                     {.begin = kWorldBegin, .diagnose = finds_the_bend}};
 };
 
-const std::string kPlan =
+const std::string kPlanOfBoth =
     rows_of_both(6, {{-4, 1}, {-2.5, 0.5}, {-1, -1}, {1.5, 1.5}, {3, -0.5}, {2, 0.7}});
 
 TEST_F(RobotsDiagnosed, TheOneThatTheBaselineNamesIsLookedAtAndNamed) {
-  const auto run = cell.begin_run(kPlan);
+  const auto run = cell.begin_run(kPlanOfBoth);
   cell.finish_run();
   const auto view = diagnosed(request_of(run.id, "ma.q ~ ma.x"));
   ASSERT_TRUE(view) << view.error().message;
@@ -92,7 +92,7 @@ TEST_F(RobotsDiagnosed, TheOneThatTheBaselineNamesIsLookedAtAndNamed) {
   EXPECT_EQ(found.findings[0].sentence, "The geometry needs terms in ma.x.");
   EXPECT_THAT(found.warnings, testing::IsSupersetOf({"shown ma.q1", "shown ma.x", "shown mn.q1"}))
       << "the other robot's coordinate stays available";
-  EXPECT_THAT(cell.events_named("diagnosis.done").back().detail, HasSubstr("of robot ma found"));
+  EXPECT_THAT(cell.events_named("diagnosis.done").back(), HasSubstr("of robot ma found"));
   // Named by --robot, in the robot's own names: the same.
   const auto named = diagnosed(request_of(run.id, "q ~ x + mn.q1", "ma"));
   ASSERT_TRUE(named) << named.error().message;
@@ -101,7 +101,7 @@ TEST_F(RobotsDiagnosed, TheOneThatTheBaselineNamesIsLookedAtAndNamed) {
 }
 
 TEST_F(RobotsDiagnosed, AcceptingMakesAModelOfThatRobot) {
-  const auto run = cell.begin_run(kPlan);
+  const auto run = cell.begin_run(kPlanOfBoth);
   cell.finish_run();
   const auto view = diagnosed(request_of(run.id, "ma.q ~ ma.x"));
   ASSERT_TRUE(view && view->found);
@@ -123,7 +123,7 @@ TEST_F(RobotsDiagnosed, AcceptingMakesAModelOfThatRobot) {
 TEST_F(RobotsDiagnosed, AnImprovementMeasuresFindsExtendsAndIsJudgedOnFreshPoints) {
   application::ImproveRequest request;
   request.trajectory_name = "lines.csv";
-  request.trajectory_text = kPlan;
+  request.trajectory_text = kPlanOfBoth;
   request.formula = "q ~ x";
   request.robot = "ma";
   request.lease_token = cell.lease();
@@ -156,7 +156,7 @@ TEST_F(RobotsDiagnosed, AnImprovementMeasuresFindsExtendsAndIsJudgedOnFreshPoint
 }
 
 TEST_F(RobotsDiagnosed, OneThatIsNotNamedOrNotThereIsRefusedWithWhatToDo) {
-  const auto run = cell.begin_run(kPlan);
+  const auto run = cell.begin_run(kPlanOfBoth);
   cell.finish_run();
   EXPECT_THAT(refusal(request_of(run.id, "q ~ x")),
               AllOf(HasSubstr("AMBIGUOUS_COORDINATE"), HasSubstr("--robot ma")));
