@@ -77,7 +77,7 @@ class RobotsDiagnosed : public testing::Test {
 };
 
 const std::string kPlanOfBoth =
-    rows_of_both(6, {{-4, 1}, {-2.5, 0.5}, {-1, -1}, {1.5, 1.5}, {3, -0.5}, {2, 0.7}});
+    rows_of_both(6, {{-4, 1}, {-2.5, 0.5}, {-1, -1}, {1.5, 1.5}, {2.4, -0.5}, {2, 0.7}});
 
 TEST_F(RobotsDiagnosed, TheOneThatTheBaselineNamesIsLookedAtAndNamed) {
   const auto run = cell.begin_run(kPlanOfBoth);
