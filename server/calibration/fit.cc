@@ -99,6 +99,26 @@ void add_accuracy(const Design& design, const Eigen::VectorXd& residuals, const 
   accuracy.lack_of_fit_p = f_upper_p(*accuracy.lack_of_fit_f, dof, pure->dof);
 }
 
+// By name, in the order of their first row. Empty: none of the rows has a name.
+std::vector<SetAccuracy> by_validation_set(const Eigen::VectorXd& errors,
+                                           const std::vector<std::size_t>& validation,
+                                           const std::vector<std::string>& names) {
+  std::vector<std::pair<std::string, std::vector<double>>> sets;
+  bool any = false;
+  for (const std::size_t row : validation) {
+    if (row >= names.size()) return {};
+    any = any || names[row] != "validation";
+    auto set =
+        std::ranges::find(sets, names[row], &std::pair<std::string, std::vector<double>>::first);
+    if (set == sets.end()) set = sets.insert(sets.end(), {names[row], {}});
+    set->second.push_back(errors[static_cast<Index>(row)]);
+  }
+  std::vector<SetAccuracy> out;
+  if (any)
+    for (const auto& [name, of_set] : sets) out.push_back({name, error_figures(of_set)});
+  return out;
+}
+
 // Validation rows, and blocks of time held out; the rows' errors where there are not too many.
 void add_held_out(const Design& design, const Dataset& dataset, const Eigen::VectorXd& errors,
                   const std::vector<std::size_t>& validation,
@@ -239,6 +259,7 @@ Result<Model> fit_rows(const Dataset& dataset, const FitOptions& options) {
   model.lineage.rows_validation = design.validation;
   model.lineage.rows_dropped = design.dropped;
   model.lineage.rows_excluded = design.excluded;
+  model.lineage.measured_by = measured_by_from(dataset.metadata);
 
   const auto held_out =
       cuts.empty() ? std::vector<std::optional<BlockOutcome>>(design.outputs.size())
@@ -265,6 +286,7 @@ Result<Model> fit_rows(const Dataset& dataset, const FitOptions& options) {
     add_serial_errors(design, residuals, selection, solution, output);
     DRIFTWISE_RETURN_IF_ERROR(add_influences(dataset, design.rows, options.weight_symbol, output));
     const auto validation = validation_rows(design, dataset, errors, no_datum);
+    output.accuracy.validation_sets = by_validation_set(errors, validation, options.set_names);
     add_held_out(design, dataset, errors, validation, held_out[o], output);
     for (auto& sentence : output_warnings(triangle, selection, output))
       warnings.push_back(std::move(sentence));

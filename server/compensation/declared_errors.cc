@@ -22,6 +22,43 @@ std::array<std::string, 2> others(const std::string& axis) {
   return {"x", "y"};
 }
 
+bool gives(const DeviceDescription& device, const std::string& symbol) {
+  if (const auto* length = device.length(); length && length->channel.symbol == symbol) return true;
+  return std::ranges::any_of(device.angles(),
+                             [&](const auto& angle) { return angle.channel.symbol == symbol; });
+}
+
+// What measured the coordinate, as far as it is instruments of this cell; null: not stated.
+const MeasuredBy* stated(const CellDescription& cell, const std::string& symbol,
+                         const MeasuredCoordinates& measured_by) {
+  const auto* found = find_measured_by(measured_by, symbol);
+  if (found == nullptr) return nullptr;
+  for (const auto& part : found->parts)
+    for (const auto& id : part.devices) {
+      const auto* device = cell.find_device(id);
+      if (device == nullptr || !gives(*device, symbol)) return nullptr;
+    }
+  return found;
+}
+
+double declared_noise(const DeviceDescription& device, const std::string& symbol) {
+  if (const auto* length = device.length(); length && length->channel.symbol == symbol)
+    return length->u_length_nm;
+  for (const auto& angle : device.angles())
+    if (angle.channel.symbol == symbol) return angle.u_arcsec;
+  return 0;
+}
+
+// Error of a constant of every reading of the coordinate: independent from instrument to
+// instrument, each with its weight.
+double constant_error(const CellDescription& cell, const MeasuredBy& coordinate) {
+  double squares = 0;
+  for (const auto& device : cell.devices)
+    squares +=
+        std::pow(coordinate.weight(device.id) * declared_noise(device, coordinate.symbol), 2);
+  return std::sqrt(squares);
+}
+
 double u_arcsec_of(const CellDescription& cell, const std::string& symbol) {
   for (const auto& device : cell.devices)
     for (const auto& angle : device.angles())
@@ -29,11 +66,11 @@ double u_arcsec_of(const CellDescription& cell, const std::string& symbol) {
   return 0;
 }
 
-void add_beam(const CellDescription& cell, const BeamDescription& beam,
+void add_beam(const CellDescription& cell, const BeamDescription& beam, double weight,
               std::vector<DeclaredError>& out) {
   const std::string& axis = beam.length.symbol;
   const auto add = [&](UncertaintySource source, std::string by, double u, bool shared = true) {
-    if (u > 0) out.push_back({source, axis, std::move(by), u, shared});
+    if (u > 0) out.push_back({source, axis, std::move(by), weight * u, shared});
   };
   for (const auto& other : others(axis)) {
     // Abbe: nm per arcsec of the tilt about an axis beside this one, for an offset along the other.
@@ -56,31 +93,52 @@ void add_beam(const CellDescription& cell, const BeamDescription& beam,
 
 }  // namespace
 
-std::vector<DeclaredError> declared_errors(const CellDescription& cell) {
+std::vector<DeclaredError> declared_errors(const CellDescription& cell,
+                                           const MeasuredCoordinates& measured_by) {
   std::vector<DeclaredError> out;
   for (const auto& device : cell.devices) {
     if (!device.length()) continue;
     const std::string& axis = device.length()->channel.symbol;
+    const auto* coordinate = stated(cell, axis, measured_by);
+    const double weight = coordinate ? coordinate->weight(device.id) : 1;
+    if (weight == 0) continue;
     // The reading at the zero: every pose since has its error.
     if (device.length()->u_length_nm > 0)
-      out.push_back({UncertaintySource::laser, axis, "1", device.length()->u_length_nm});
+      out.push_back({UncertaintySource::laser, axis, "1", weight * device.length()->u_length_nm});
     if (device.length()->u_drift_nm_per_h != 0)
-      out.push_back({UncertaintySource::drift, axis, "h", device.length()->u_drift_nm_per_h});
+      out.push_back(
+          {UncertaintySource::drift, axis, "h", weight * device.length()->u_drift_nm_per_h});
     if (device.length()->u_drift_nm_per_k != 0)
       out.push_back({UncertaintySource::drift, axis, device.length()->drift_channel.symbol,
-                     device.length()->u_drift_nm_per_k});
-    if (const auto* beam = beam_of(cell, device.length()->channel)) add_beam(cell, *beam, out);
+                     weight * device.length()->u_drift_nm_per_k});
+    if (const auto* beam = beam_of(cell, device.length()->channel))
+      add_beam(cell, *beam, weight, out);
   }
   // A rotation that the pose has as a coordinate: the reading at the zero, as of a length.
-  for (const char* rotation : {"rx", "ry", "rz"})
-    if (const double u = reading_noise(cell, rotation); u > 0)
-      out.push_back({UncertaintySource::tilts, rotation, "1", u});
+  for (const char* rotation : {"rx", "ry", "rz"}) {
+    const auto* coordinate = stated(cell, rotation, measured_by);
+    const double u =
+        coordinate ? constant_error(cell, *coordinate) : reading_noise(cell, rotation, {});
+    if (u > 0) out.push_back({UncertaintySource::tilts, rotation, "1", u});
+  }
   if (cell.load && cell.load->u_n > 0)
     out.push_back({UncertaintySource::force, "force", "1", cell.load->u_n, false});
   return out;
 }
 
-double reading_noise(const CellDescription& cell, const std::string& symbol) {
+double reading_noise(const CellDescription& cell, const std::string& symbol,
+                     const MeasuredCoordinates& measured_by) {
+  if (const auto* coordinate = stated(cell, symbol, measured_by)) {
+    double rows = 0, squares = 0;
+    for (const auto& part : coordinate->parts) {
+      double of_sum = 0;
+      for (const auto& id : part.devices)
+        of_sum += std::pow(declared_noise(*cell.find_device(id), symbol), 2);
+      rows += part.rows;
+      squares += part.rows * of_sum / std::pow(static_cast<double>(part.devices.size()), 2);
+    }
+    return std::sqrt(squares / rows);
+  }
   std::optional<double> least;
   const auto see = [&](const Channel& channel, double u) {
     if (channel.symbol == symbol) least = std::min(u, least.value_or(u));

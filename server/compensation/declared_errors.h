@@ -23,19 +23,28 @@ struct DeclaredError {
   bool shared_with_zero = true;
 };
 
-std::vector<DeclaredError> declared_errors(const CellDescription& cell);
+using MeasuredCoordinates = std::vector<MeasuredBy>;
 
-// Standard uncertainty of one reading of this coordinate, its share of a fit's residual: of a
-// length or a motor coordinate in nm, of a rotation in arcsec. 0 where nothing is declared. Where
-// several instruments give the coordinate, the least of theirs: which one measured a fit's rows is
-// not asked, and no more is taken off a residual than any of them brought.
-double reading_noise(const CellDescription& cell, const std::string& symbol);
+// measured_by: of the model's rows (Lineage). An instrument's errors count with its weight in the
+// coordinate: all of them where it alone measured it, none where another did. Of a coordinate that
+// is not in there, those of every instrument that gives it.
+std::vector<DeclaredError> declared_errors(const CellDescription& cell,
+                                           const MeasuredCoordinates& measured_by);
+
+// Standard uncertainty of one value of this coordinate, its share of a fit's residual: of a length
+// or a motor coordinate in nm, of a rotation in arcsec. 0 where nothing is declared. Where several
+// instruments give the coordinate, that of those which measured it: the root mean square over the
+// rows, of a mean of n readings the root of the sum of squares over n. Where that is not stated,
+// the least of theirs: no more is taken off a residual than any of them brought.
+double reading_noise(const CellDescription& cell, const std::string& symbol,
+                     const MeasuredCoordinates& measured_by);
 
 // nm of a result per unit of an output's column; of an angle 1e-6 arcsec, as in a snapshot.
 double nm_per_unit(const Channel& output);
 
 // Variance that the declared noise of the instruments that read output and pose gives the residual
 // of a fit, nm^2 (nm_per_unit); the rest of it is the robot's own.
-double instrument_noise_nm2(const calibration::OutputModel& output, const CellDescription& cell);
+double instrument_noise_nm2(const calibration::OutputModel& output, const CellDescription& cell,
+                            const MeasuredCoordinates& measured_by);
 
 }  // namespace driftwise::compensation

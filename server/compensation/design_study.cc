@@ -88,10 +88,11 @@ Result<double> thermal_rms_nm(const calibration::OutputModel& output, const Data
 // The rows of another design would scatter by its instruments; what the robot adds to them stays.
 void change_scatter(calibration::Model& model, const CellDescription& before,
                     const CellDescription& after) {
+  const auto& measured_by = model.lineage.measured_by;
   for (auto& output : model.outputs) {
     const double scatter_nm2 = std::pow(output.accuracy.rmse * nm_per_unit(output.channel), 2);
-    const double noise_nm2 = instrument_noise_nm2(output, before),
-                 other_nm2 = instrument_noise_nm2(output, after);
+    const double noise_nm2 = instrument_noise_nm2(output, before, measured_by),
+                 other_nm2 = instrument_noise_nm2(output, after, measured_by);
     if (noise_nm2 == other_nm2 || scatter_nm2 == 0) continue;
     const double changed_nm2 = scatter_nm2 > noise_nm2 ? scatter_nm2 - noise_nm2 + other_nm2
                                                        : scatter_nm2 * other_nm2 / noise_nm2;

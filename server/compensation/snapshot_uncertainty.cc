@@ -44,27 +44,30 @@ double nm_per_unit(const Channel& output) {
   return summary_unit(output.unit).factor * (is_angle(output.unit) ? kNmPerMm : 1.0);
 }
 
-double instrument_noise_nm2(const calibration::OutputModel& output, const CellDescription& cell) {
+double instrument_noise_nm2(const calibration::OutputModel& output, const CellDescription& cell,
+                            const MeasuredCoordinates& measured_by) {
   // Of what read the output: the motor's scale or, of a predicted motion, the instrument of that
   // coordinate.
-  double noise_nm2 = std::pow(reading_noise(cell, output.channel.symbol) *
+  double noise_nm2 = std::pow(reading_noise(cell, output.channel.symbol, measured_by) *
                                   own_units(output.channel.name()) * nm_per_unit(output.channel),
                               2);
   for (const auto& influence : output.influences) {
     const std::string symbol = symbol_of(influence.channel);
     if (influence.by == "1" && is_pose_symbol(symbol))
-      noise_nm2 += std::pow(reading_noise(cell, symbol) * own_units(influence.channel) *
-                                influence.rms * nm_per_unit(output.channel),
-                            2);
+      noise_nm2 +=
+          std::pow(reading_noise(cell, symbol, measured_by) * own_units(influence.channel) *
+                       influence.rms * nm_per_unit(output.channel),
+                   2);
   }
   return noise_nm2;
 }
 
 void SnapshotBuilder::add_uncertainty(const calibration::OutputModel& from,
                                       const CellDescription& cell, Output& output) const {
-  const auto declared = declared_errors(cell);
+  const auto declared = declared_errors(cell, model_.lineage.measured_by);
   // No scale reads a coordinate of the pose.
-  if (gives_ == Gives::motors) output.u_scale_nm = reading_noise(cell, output.channel.symbol);
+  if (gives_ == Gives::motors)
+    output.u_scale_nm = reading_noise(cell, output.channel.symbol, model_.lineage.measured_by);
   output.absorbed.resize(slow_.channels().size());
   // By what they go with: the devices' drifts with the hours have one cause, those with one
   // thermometer another.
@@ -95,7 +98,8 @@ void SnapshotBuilder::add_uncertainty(const calibration::OutputModel& from,
   // What the residual holds beyond the noise of the instruments that saw it is the robot's own.
   const double residual_nm = from.accuracy.rmse * nm_per_unit(from.channel);
   output.unfollowed_nm =
-      std::sqrt(std::max(0.0, residual_nm * residual_nm - instrument_noise_nm2(from, cell)));
+      std::sqrt(std::max(0.0, residual_nm * residual_nm -
+                                  instrument_noise_nm2(from, cell, model_.lineage.measured_by)));
 }
 
 }  // namespace driftwise::compensation

@@ -46,11 +46,15 @@ std::vector<double> positions(const JointSnapshot::Robot& robot, Variable variab
   for (std::size_t p = 0; p < robot.band.parts; ++p) {
     const auto& part = robot.band.part[p];
     if (part.coordinate != variable) continue;
-    std::vector<double> out = {0.0};
-    const auto add = [&out](double value) {
-      out.push_back(value);
-      out.push_back(-value);
+    std::vector<double> out = {part.centre};
+    const auto add = [&](double distance) {
+      if (part.side != BandSide::below) out.push_back(part.centre + distance);
+      if (part.side != BandSide::above) out.push_back(part.centre - distance);
     };
+    // Inside, where another coordinate may be in its own band.
+    const Range inside = range_of(robot.fine, variable);
+    if (part.side == BandSide::above) out.push_back(inside.min);
+    if (part.side == BandSide::below) out.push_back(inside.max);
     const int steps = is_rotation(variable) ? kAngleSteps : kLengthSteps;
     for (int k = 0; k <= steps; ++k) add(part.from + (part.to - part.from) * k / steps);
     if (robot.band.anchored)
@@ -228,9 +232,9 @@ class Look {
   std::vector<double> largest_rate_;
 };
 
-double reach_of(const Snapshot& model, Variable variable) {
-  const Range range = range_of(model, variable);
-  return std::min(-range.min, range.max);
+double reach_of_model(const Snapshot& model, const BandPart& part) {
+  const Range range = range_of(model, part.coordinate);
+  return reach_of(part, range.min, range.max);
 }
 
 // The band `times` as wide outward, as far as both models reach; false: they do not.
@@ -239,8 +243,8 @@ bool widen(JointSnapshot::Robot& robot, double times) {
     auto& part = robot.band.part[p];
     part.to = part.from + times * (part.to - part.from);
     part.fade_to = std::max(part.fade_to, part.to);
-    if (part.to > kMostExtrapolation * reach_of(robot.fine, part.coordinate) ||
-        part.to > reach_of(*robot.coarse, part.coordinate))
+    if (part.to > kMostExtrapolation * reach_of_model(robot.fine, part) ||
+        part.to > reach_of_model(*robot.coarse, part))
       return false;
   }
   return true;
@@ -253,8 +257,7 @@ bool fade_by(JointSnapshot::Robot& robot, double times) {
     auto& part = robot.band.part[p];
     const double wanted = part.to + times * (part.to - part.from);
     // No farther than the coarse model goes: beyond it nothing asks.
-    part.fade_to =
-        std::min(wanted, std::max(part.to + 1e-9, reach_of(*robot.coarse, part.coordinate)));
+    part.fade_to = std::min(wanted, std::max(part.to + 1e-9, reach_of_model(*robot.coarse, part)));
     any = any || part.fade_to == wanted;
   }
   return any;

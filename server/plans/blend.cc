@@ -20,6 +20,19 @@ double saturated(double t) {
 
 }  // namespace
 
+double distance_of(const BandPart& part, double value) noexcept {
+  const double offset = value - part.centre;
+  if (part.side == BandSide::above) return std::max(0.0, offset);
+  if (part.side == BandSide::below) return std::max(0.0, -offset);
+  return std::abs(offset);
+}
+
+double reach_of(const BandPart& part, double min, double max) noexcept {
+  if (part.side == BandSide::above) return max - part.centre;
+  if (part.side == BandSide::below) return part.centre - min;
+  return std::min(part.centre - min, max - part.centre);
+}
+
 double smooth_step(double t) noexcept {
   const double u = std::clamp(t, 0.0, 1.0);
   return u * u * u * (10.0 + u * (-15.0 + 6.0 * u));
@@ -28,7 +41,7 @@ double smooth_step(double t) noexcept {
 double fine_weight(const Band& band, const Values& pose) noexcept {
   double weight = 1;
   for (std::size_t i = 0; i < band.parts; ++i)
-    weight *= smooth_step((band.part[i].to - std::abs(at(pose, band.part[i]))) /
+    weight *= smooth_step((band.part[i].to - distance_of(band.part[i], at(pose, band.part[i]))) /
                           (band.part[i].to - band.part[i].from));
   return weight;
 }
@@ -37,18 +50,19 @@ double anchor_fade(const Band& band, const Values& pose) noexcept {
   if (!band.anchored) return 0;
   double fade = 1;
   for (std::size_t i = 0; i < band.parts; ++i)
-    fade *= smooth_step((band.part[i].fade_to - std::abs(at(pose, band.part[i]))) /
+    fade *= smooth_step((band.part[i].fade_to - distance_of(band.part[i], at(pose, band.part[i]))) /
                         (band.part[i].fade_to - band.part[i].to));
   return fade;
 }
 
 Values held_at_border(const Band& band, Values pose) noexcept {
   for (std::size_t i = 0; i < band.parts; ++i) {
-    double& value = pose[static_cast<std::size_t>(band.part[i].coordinate)];
-    const double size = std::abs(value), width = band.part[i].to - band.part[i].from;
-    if (size <= band.part[i].from) continue;
-    const double moved = saturated(std::min(1.0, (size - band.part[i].from) / width)) * width;
-    value = std::copysign(band.part[i].from + moved, value);
+    const BandPart& part = band.part[i];
+    double& value = pose[static_cast<std::size_t>(part.coordinate)];
+    const double distance = distance_of(part, value), width = part.to - part.from;
+    if (distance <= part.from) continue;
+    const double moved = saturated(std::min(1.0, (distance - part.from) / width)) * width;
+    value = part.centre + std::copysign(part.from + moved, value - part.centre);
   }
   return pose;
 }

@@ -5,20 +5,23 @@
 // derivatives vanish at both ends, so that rates and accelerations of motor coordinates are
 // continuous. Largest slope: 15/8, at the middle.
 //
-// Weight of the fine model: the product over the band's coordinates c of S((to - |c|) / (to -
-// from)). It is 1 where every |c| is at most from, and 0 where one of them is to or more. (The
-// study says "a weight", of max(|rx|, |ry|); the maximum has a kink where |rx| = |ry|, the product
-// has none.)
+// Distance d of a coordinate c from the band's centre c0: |c - c0|; of a band on one side c - c0
+// above and c0 - c below, 0 on the other side.
+//
+// Weight of the fine model: the product over the band's coordinates of S((to - d) / (to - from)).
+// It is 1 where every d is at most from, and 0 where one of them is to or more. (The study says "a
+// weight", of max(|rx|, |ry|); the maximum has a kink where |rx| = |ry|, the product has none.)
 //
 // Anchor: the coarse model q_c becomes q_c + fade(p) * (q_f - q_c)(held(p)), held(p) the pose with
 // each band coordinate saturated smoothly at from + (to - from) / 2, fade the product of
-// S((fade_to - |c|) / (fade_to - to)). The two models then agree at the band, and the shift ends
+// S((fade_to - d) / (fade_to - to)). The two models then agree at the band, and the shift ends
 // where no fine model is known any more.
 
 #include <array>
 #include <cstddef>
 
 #include "server/compensation/snapshot.h"
+#include "server/plans/serving_plan.h"
 
 namespace driftwise::plans {
 
@@ -30,7 +33,15 @@ double smooth_step(double t) noexcept;
 struct BandPart {
   compensation::Variable coordinate = compensation::Variable::rx;
   double from = 0, to = 0, fade_to = 0;  // request's unit; fade_to = to: no anchor
+  double centre = 0;
+  BandSide side = BandSide::both;
 };
+
+// Of a value of the part's coordinate from its centre; at least 0.
+double distance_of(const BandPart& part, double value) noexcept;
+// How far from the centre a range min to max reaches on every side that counts; below 0: it ends
+// before the centre.
+double reach_of(const BandPart& part, double min, double max) noexcept;
 
 struct Band {
   std::size_t parts = 0;

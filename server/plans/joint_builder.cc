@@ -42,8 +42,10 @@ Band band_of(const Blend& blend) {
   Band band;
   band.anchored = blend.anchored;
   for (const auto& edge : blend.band)
-    band.part[band.parts++] = {edge.coordinate, edge.from, edge.to,
-                               blend.anchored && edge.fade_to ? *edge.fade_to : edge.to};
+    band.part[band.parts++] = {
+        edge.coordinate, edge.from,
+        edge.to,         blend.anchored && edge.fade_to ? *edge.fade_to : edge.to,
+        edge.centre,     edge.side};
   return band;
 }
 

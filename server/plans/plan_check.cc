@@ -250,6 +250,23 @@ class Check {
     return nullptr;
   }
 
+  // What to write where the range lies nearly all on one side of the band's centre; empty: it does
+  // not.
+  static std::string range_hint(const BandPart& part, const Snapshot::Input& range) {
+    constexpr double kNearlyAll = 0.1;
+    if (part.side != BandSide::both ||
+        reach_of(part, range.min, range.max) > kNearlyAll * (range.max - range.min))
+      return {};
+    const bool above = range.max - part.centre > part.centre - range.min;
+    return "; its range, " + number_text(range.min) + " to " + number_text(range.max) +
+           ", is on one side of the centre " + number_text(part.centre) + ": side = \"" +
+           (above ? "above" : "below") +
+           "\" counts there alone, centre = " + number_text(0.5 * (range.min + range.max)) +
+           " on both sides of its middle";
+  }
+
+  static constexpr double kEqualEnds = 0.01;  // of a range's width
+
   void look_at_blend(std::size_t r) {
     const auto& robot = snapshot_.robots[r];
     if (!robot.coarse) return;
@@ -268,20 +285,33 @@ class Check {
                                             " does not read: a band is over coordinates of both");
         continue;
       }
-      const double reach = std::min(-fine->min, fine->max);
+      const double reach = reach_of(part, fine->min, fine->max);
       if (part.from > reach || part.to > kMostExtrapolation * reach)
         refuse(reasons::kOutsideDomain,
                "the band over " + said(part.coordinate) + " is from " + number(part.from) + " to " +
                    number(part.to) + ", and the fine " + named(robot.fine.model) +
                    " was fitted up to " + number(reach) + ": begin within that, and end at most " +
-                   number(kMostExtrapolation) + " times as far out");
+                   number(kMostExtrapolation) + " times as far out" + range_hint(part, *fine));
       const double far = robot.band.anchored ? part.fade_to : part.to;
-      const double coarse_reach = std::min(-coarse->min, coarse->max);
+      const double coarse_reach = reach_of(part, coarse->min, coarse->max);
       if (far > coarse_reach)
-        refuse(reasons::kOutsideDomain, "the blend over " + said(part.coordinate) + " ends at " +
-                                            number(far) + ", and the coarse " +
-                                            named(robot.coarse->model) + " was fitted up to " +
-                                            number(coarse_reach) + ": end it within that");
+        refuse(reasons::kOutsideDomain,
+               "the blend over " + said(part.coordinate) + " ends at " + number(far) +
+                   ", and the coarse " + named(robot.coarse->model) + " was fitted up to " +
+                   number(coarse_reach) + ": end it within that" + range_hint(part, *coarse));
+      // Ranges have a margin in proportion to their width, so that equal ends differ a little.
+      const double margin = kEqualEnds * (coarse->max - coarse->min);
+      const bool ends_early = (part.side == BandSide::above && coarse->min < fine->min - margin) ||
+                              (part.side == BandSide::below && coarse->max > fine->max + margin);
+      if (ends_early)
+        refuse(reasons::kOutsideDomain,
+               "the band over " + said(part.coordinate) + " is on one side of " +
+                   number(part.centre) + ", and on the other the fine " + named(robot.fine.model) +
+                   " was fitted from " + number(fine->min) + " to " + number(fine->max) +
+                   ", the coarse one from " + number(coarse->min) + " to " + number(coarse->max) +
+                   ": there the fine model would still answer; count on both sides (side = "
+                   "\"both\") from the middle of the fine range, centre = " +
+                   number(0.5 * (fine->min + fine->max)));
     }
     for (const auto& fine : robot.fine.inputs) {
       if (!fine.variable || (in_band & bit(*fine.variable)) != 0) continue;

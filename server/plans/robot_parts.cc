@@ -71,6 +71,9 @@ Result<calibration::Model> part_of_robot(calibration::Model model, const std::st
   for (auto& range : model.domain) range.channel.symbol = stripped(range.channel.symbol, robot);
   for (auto& zero : model.datum_zeros)
     for (auto& value : zero.pose) value.channel = stripped(value.channel, robot);
+  auto& measured_by = model.lineage.measured_by;
+  std::erase_if(measured_by, [&robot](const auto& one) { return !is_of(one.symbol, robot); });
+  for (auto& coordinate : measured_by) coordinate.symbol = stripped(coordinate.symbol, robot);
   return model;
 }
 

@@ -19,6 +19,11 @@ std::string band_text(const PlannedRobot& robot) {
   for (const auto& edge : robot.blend->band) {
     text += (text.empty() ? "" : ", ") + channel_name(robot.id, edge.coordinate) + " from " +
             number(edge.from) + " to " + number(edge.to) + " " + unit_of(edge.coordinate);
+    if (edge.side != BandSide::both)
+      text +=
+          std::string(edge.side == BandSide::above ? " above " : " below ") + number(edge.centre);
+    else if (edge.centre != 0)
+      text += " away from " + number(edge.centre);
     if (robot.blend->anchored && edge.fade_to)
       text += " (shift fades out at " + number(*edge.fade_to) + ")";
   }

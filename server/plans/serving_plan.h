@@ -3,6 +3,7 @@
 // robot are blended, which predicted motion of one robot is added to the wanted pose of another.
 // Text form: docs/plans.md; parsed in server/formats/plan.
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,12 +15,19 @@ namespace driftwise::plans {
 
 constexpr std::size_t kMostRobots = 4, kMostSteps = 8, kMostBand = 6;
 
-// One coordinate of a band, in the request's unit: all of the fine model up to from, nothing of it
-// beyond to. With anchoring the coarse model's shift fades out between to and fade_to.
+// Where a band counts the distance from its centre. On the other side of the centre the fine model
+// answers alone.
+enum class BandSide : std::uint8_t { both, above, below };
+
+// One coordinate of a band, in the request's unit, by the distance from its centre: all of the fine
+// model up to from, nothing of it beyond to. With anchoring the coarse model's shift fades out
+// between to and fade_to.
 struct BandEdge {
   compensation::Variable coordinate = compensation::Variable::rx;
   double from = 0, to = 0;
   std::optional<double> fade_to;
+  double centre = 0;
+  BandSide side = BandSide::both;
 };
 
 struct Blend {

@@ -152,6 +152,12 @@ void print_accuracy(const Console& console, const v1::ModelOutput& output) {
   if (a.has_a90_validation()) {
     line("the validation rows", a.mean_validation(), a.u90_validation(), a.a90_validation());
     console.out << '\n';
+    for (const auto& set : a.validation_sets()) {
+      const auto& of_set = set.figures();
+      const std::string rows = set.name() + ", " + std::to_string(of_set.row_count()) + " of them";
+      line(rows.c_str(), of_set.mean(), of_set.u90(), of_set.a90());
+      console.out << '\n';
+    }
   }
   if (a.has_a90_blocks()) {
     line("held-out blocks of time", a.mean_blocks(), a.u90_blocks(), a.a90_blocks());

@@ -6,10 +6,13 @@
 #include <tuple>
 
 #include "server/application/datasets/extension_preview.h"
+#include "server/application/ports/run_plan.h"
 #include "server/core/data/dataset_parts.h"
+#include "server/core/data/measured_by.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/cell_file/sensor_parts.h"
+#include "server/formats/cell_file/setup_instruments.h"
 #include "server/formats/diagnosis/amendment_json.h"
 
 namespace driftwise::application {
@@ -50,10 +53,8 @@ Result<void> find_origins(Store& store, std::span<const RunId> runs, RunsData& o
                   std::to_string(out.data.rows) + " rows");
 }
 
-// On which part each thermometer is, by the cell files that the runs were measured under. An
-// imported file keeps its own metadata: what it says, or does not say.
+// On which part each thermometer is, by the cell files that the runs were measured under.
 void add_parts(Store& store, std::span<const RunId> runs, Dataset& dataset) {
-  if (!dataset.metadata.empty()) return;
   std::set<std::string> looked_at;
   std::map<std::string, std::string> parts;
   for (const RunId run : runs) {
@@ -68,11 +69,56 @@ void add_parts(Store& store, std::span<const RunId> runs, Dataset& dataset) {
     dataset.metadata.emplace_back(kPartsKey, parts_text({parts.begin(), parts.end()}));
 }
 
+// Which instruments gave the coordinates, by the set-ups that the runs state. A coordinate that one
+// of them does not state is left out.
+void add_instruments(Store& store, std::span<const RunId> runs, Dataset& dataset) {
+  std::map<std::string, MeasuredBy> stated;
+  for (const RunId id : runs) {
+    const auto run = store.runs().run(id);
+    const std::string setup = run ? setup_of(*run) : std::string();
+    if (setup.empty()) return;
+    const auto used = store.configurations().of_run(id);
+    if (!used || used->empty()) return;
+    const auto text = store.configurations().text(used->back().hash);
+    if (!text) return;
+    const double rows = dataset.run.empty()
+                            ? static_cast<double>(dataset.rows)
+                            : static_cast<double>(std::ranges::count(dataset.run, id.value));
+    if (rows == 0) continue;
+    const auto devices = formats::setup_instruments(*text, setup);
+    if (stated.empty() && id == runs.front())
+      for (const auto& [symbol, device] : devices)
+        if (dataset.find(symbol)) stated[symbol].symbol = symbol;
+    std::erase_if(stated, [&](const auto& one) { return !devices.contains(one.first); });
+    for (auto& [symbol, coordinate] : stated) {
+      auto& parts = coordinate.parts;
+      const std::vector<std::string> by = {devices.at(symbol)};
+      const auto same = std::ranges::find(parts, by, &MeasuredRows::devices);
+      if (same == parts.end())
+        parts.push_back({by, rows});
+      else
+        same->rows += rows;
+    }
+  }
+  std::vector<MeasuredBy> coordinates;
+  for (auto& [symbol, coordinate] : stated)
+    if (!coordinate.parts.empty()) coordinates.push_back(std::move(coordinate));
+  if (!coordinates.empty())
+    dataset.metadata.emplace_back(kMeasuredByKey, measured_by_text(coordinates));
+}
+
+// An imported file keeps its own metadata: what it says, or does not say.
+void add_metadata(Store& store, std::span<const RunId> runs, Dataset& dataset) {
+  if (!dataset.metadata.empty()) return;
+  add_parts(store, runs, dataset);
+  add_instruments(store, runs, dataset);
+}
+
 }  // namespace
 
 Result<RunsData> measured_data(Store& store, std::span<const RunId> runs) {
   DRIFTWISE_TRY(auto dataset, store.runs().dataset(runs));
-  add_parts(store, runs, dataset);
+  add_metadata(store, runs, dataset);
   RunsData out{std::move(dataset), {}, {}};
   DRIFTWISE_RETURN_IF_ERROR(find_origins(store, runs, out));
   return out;
@@ -123,7 +169,7 @@ Result<Dataset> amended_dataset(Store& store, std::span<const RunId> runs) {
   DRIFTWISE_TRY(const auto records, store.extensions().corrections());
   if (std::ranges::none_of(records, &CorrectionRecord::in_force)) {
     auto dataset = store.runs().dataset(runs);  // nothing to lay over: as ever
-    if (dataset) add_parts(store, runs, *dataset);
+    if (dataset) add_metadata(store, runs, *dataset);
     return dataset;
   }
   DRIFTWISE_TRY(auto amended, amended_data(store, runs));

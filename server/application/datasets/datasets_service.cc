@@ -12,6 +12,7 @@
 #include "server/application/plumbing/run_on.h"
 #include "server/application/ports/run_plan.h"
 #include "server/core/data/dataset_parts.h"
+#include "server/core/data/measured_by.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/formats/csv/dataset_csv.h"
@@ -172,9 +173,11 @@ Result<std::string> exported(Store& store, const std::vector<RunId>& runs, bool 
     set_names = std::move(kept);
     leave_excluded_out(dataset);
   }
-  // An imported file keeps its own; of a measured run only the parts are there.
+  // An imported file keeps its own; of a measured run only parts and instruments are there.
   const auto parts = dataset.metadata;
-  if (std::ranges::all_of(parts, [](const auto& line) { return line.first == kPartsKey; })) {
+  if (std::ranges::all_of(parts, [](const auto& line) {
+        return line.first == kPartsKey || line.first == kMeasuredByKey;
+      })) {
     dataset.metadata = {{"driftwise-dataset", "1"}, {"cell", cell}};
     std::string numbers;
     for (const auto& run : runs)

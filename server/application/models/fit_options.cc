@@ -49,6 +49,7 @@ Result<calibration::FitOptions> fit_options_from(const FitRequest& request, cons
   options.exclude_channels = request.exclude_channels;
   options.weight_symbol = request.weight_symbol;
   options.first_rows = request.first_rows;
+  options.set_names = request.set_names;
   options.blocks = request.blocks;
   options.executor = fit_threads(request.threads);
   options.stopwatch_us = [] {

@@ -27,6 +27,8 @@ struct FitRequest {
   std::vector<std::string> force_terms, without_terms;  // as a formula writes them
   std::optional<ModelId> parent;                        // for the lineage
   std::string weight_symbol;
+  // Datasets::set_names of the data: filled in by the service that loads them.
+  std::vector<std::string> set_names;
   int blocks = 10;
   int threads = 0;  // at most; 0: one, beside the cell's own work. The model is the same
 };

@@ -41,6 +41,7 @@ Awaitable<Result<std::vector<calibration::OfferResult>>> ModelsService::weigh_of
 }
 
 Awaitable<Result<ModelRecord>> ModelsService::fit(Caller caller, FitRequest request) {
+  DRIFTWISE_CO_TRY(request.set_names, co_await datasets_.set_names(request.runs, request.csv));
   DRIFTWISE_CO_TRY(auto dataset, co_await datasets_.load(request.runs, request.csv));
   auto looking = corrections_under(request.runs);
   DRIFTWISE_CO_TRY(auto corrections, co_await std::move(looking));

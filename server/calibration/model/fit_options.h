@@ -41,7 +41,10 @@ struct FitOptions {
   std::int64_t first_rows = 0;  // calibrate on the first n rows of the dataset only; 0: all
   int blocks = 10;              // held out in turn for u90_blocks; below 2: not done
   double block_gap = 0.25;      // of a block's rows, left out of the training on either side of it
-  Lineage lineage;          // runs, source, hash, parent: passed on; the row counts are filled in
+  Lineage lineage;  // runs, source, hash, parent: passed on; the row counts are filled in
+  // Per row of the dataset "calibration", "validation" or the name of its validation set; empty: no
+  // set has a name.
+  std::vector<std::string> set_names;
   bool move_datums = true;  // further datums by where their zeros lie, not only by a constant:
                             // datum_zeros.h
   Solver solver = Solver::automatic;  // how rows become a triangle: row_reduction.h

@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "server/core/channel.h"
+#include "server/core/data/accuracy.h"
+#include "server/core/data/measured_by.h"
 #include "server/core/data/reading.h"
 #include "server/core/description/kinematics_description.h"
 #include "server/core/ids.h"
@@ -50,6 +52,12 @@ struct StartOutcome {  // of one of several starts of a selection: starts.h
   bool won = false;
 };
 
+// Figures of one named validation set (server/formats/csv/set_names.h), column unit.
+struct SetAccuracy {
+  std::string name;  // "inside"; "validation" for validation rows without a name beside named ones
+  ErrorFigures figures;
+};
+
 // Of one output, column unit. mean, U90 and A90 as server/core/data/accuracy.h computes them: each
 // U90 has its mean, each A90 holds it.
 struct Accuracy {
@@ -70,6 +78,8 @@ struct Accuracy {
       0;  // of the terms in, columns at unit length (Belsley); above 30: look-alikes
   std::optional<double> model_f, model_p;  // all terms in against the constant alone
   std::optional<double> aic, bic;          // criterion.h; none where the terms reproduce every row
+  // By name, in the order of their first row; empty: the validation rows have no names.
+  std::vector<SetAccuracy> validation_sets;
 };
 
 // What a systematic error of one measured channel did to the fit: the model as served is f - shift
@@ -126,6 +136,9 @@ struct Lineage {
   std::int64_t rows_excluded = 0;  // kept out on a person's word
   std::string exclusions_hash;     // which rows those are; empty: none
   std::optional<ModelId> parent;
+  // Which instruments gave the coordinates of the pose; one that is not here has one instrument
+  // only, or nothing said which.
+  std::vector<MeasuredBy> measured_by;
 };
 
 // One number of a robot's geometry.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/core/data/dataset_parts.h"
+#include "server/core/data/measured_by.h"
 #include "server/core/text/quantity_text.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
@@ -51,6 +52,35 @@ std::string value_of(const Dataset& data, std::string_view key) {
   for (const auto& [found, value] : data.metadata)
     if (found == key) return value;
   return {};
+}
+
+// Of the joined coordinates; of several sources the mean of all their instruments. Left out where a
+// source does not state its own, or several sources had more than one each.
+std::vector<MeasuredBy> instruments_of(const correction::JoinParts& parts,
+                                       const correction::JoinReport& report) {
+  std::vector<MeasuredBy> out;
+  for (const auto& joined : report.channels) {
+    MeasuredBy coordinate{joined.channel.symbol, {}};
+    for (const auto& source : joined.sources) {
+      const auto part = std::ranges::find(parts, source, &correction::JoinPart::name);
+      if (part == parts.end()) break;
+      const auto stated = measured_by_from(part->data.metadata);
+      const auto* of_part = find_measured_by(stated, joined.channel.symbol);
+      if (of_part == nullptr) break;
+      if (joined.sources.size() == 1) {
+        coordinate.parts = of_part->parts;
+        break;
+      }
+      if (of_part->parts.size() != 1 || of_part->parts.front().devices.size() != 1) break;
+      if (coordinate.parts.empty()) coordinate.parts.emplace_back();
+      coordinate.parts.front().devices.push_back(of_part->parts.front().devices.front());
+    }
+    const bool whole = !coordinate.parts.empty() &&
+                       (joined.sources.size() == 1 ||
+                        coordinate.parts.front().devices.size() == joined.sources.size());
+    if (whole) out.push_back(std::move(coordinate));
+  }
+  return out;
 }
 
 }  // namespace
@@ -102,6 +132,9 @@ std::vector<std::pair<std::string, std::string>> join_metadata(
       if (std::ranges::find(places, place.first, &Parts::value_type::first) == places.end())
         places.push_back(place);
   if (!places.empty()) lines.emplace_back(kPartsKey, parts_text(places));
+  if (const auto instruments = measured_by_text(instruments_of(parts, report));
+      !instruments.empty())
+    lines.emplace_back(kMeasuredByKey, instruments);
   return lines;
 }
 

@@ -81,6 +81,11 @@ ordered_json output_summary(const calibration::OutputModel& output,
   put(json, key("u90_validation"), accuracy.u90_validation, summary.factor);
   put(json, key("mean_validation"), accuracy.mean_validation, summary.factor);
   put(json, key("a90_validation"), accuracy.a90_validation, summary.factor);
+  for (const auto& set : accuracy.validation_sets)
+    json["validation_sets"][set.name] = {{"rows", set.figures.rows},
+                                         {key("a90"), number(set.figures.a90 * summary.factor)},
+                                         {key("mean"), number(set.figures.mean * summary.factor)},
+                                         {key("u90"), number(set.figures.u90 * summary.factor)}};
   put(json, key("u90_blocks"), accuracy.u90_blocks, summary.factor);
   put(json, key("mean_blocks"), accuracy.mean_blocks, summary.factor);
   put(json, key("a90_blocks"), accuracy.a90_blocks, summary.factor);

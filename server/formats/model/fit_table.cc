@@ -85,6 +85,9 @@ std::string accuracy_lines(const calibration::OutputModel& output) {
     text += "  validation rows: " +
             judged(*accuracy.mean_validation, *accuracy.u90_validation, *accuracy.a90_validation) +
             "\n";
+  for (const auto& [name, of_set] : accuracy.validation_sets)
+    text += "    of them " + name + print(", %lld rows: ", static_cast<long long>(of_set.rows)) +
+            judged(of_set.mean, of_set.u90, of_set.a90) + "\n";
   if (accuracy.a90_blocks)
     text += "  held-out blocks of time: " +
             judged(*accuracy.mean_blocks, *accuracy.u90_blocks, *accuracy.a90_blocks) +

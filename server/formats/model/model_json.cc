@@ -29,10 +29,11 @@ constexpr const char* kSchema = "driftwise.model.v1";
       model;
   [[maybe_unused]] const auto& [o1, o2, o3, o4, o5, o6, o7, o8, o9, o10, o11, o12] = output;
   [[maybe_unused]] const auto& [a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11, a12, a13, a14, a15,
-                                a16, a17, a18, a19, a20, a21, a22, a23, a24, a25, a26] = accuracy;
+                                a16, a17, a18, a19, a20, a21, a22, a23, a24, a25, a26, a27] =
+      accuracy;
   [[maybe_unused]] const auto& [r1, r2, r3, r4, r5, r6, r7, r8, r9, r10, r11, r12] = report;
   [[maybe_unused]] const auto& [s1, s2, s3, s4, s5, s6, s7] = step;
-  [[maybe_unused]] const auto& [l1, l2, l3, l4, l5, l6, l7, l8, l9] = lineage;
+  [[maybe_unused]] const auto& [l1, l2, l3, l4, l5, l6, l7, l8, l9, l10] = lineage;
 }
 
 // --- terms ---
@@ -128,6 +129,12 @@ Json accuracy_json(const Accuracy& accuracy) {
   each_optional(accuracy, [&](const char* key, const std::optional<double>& value) {
     if (value) out[key] = json_number(*value);
   });
+  for (const auto& set : accuracy.validation_sets)
+    out["validation_sets"].push_back({{"name", set.name},
+                                      {"rows", set.figures.rows},
+                                      {"mean", json_number(set.figures.mean)},
+                                      {"u90", json_number(set.figures.u90)},
+                                      {"a90", json_number(set.figures.a90)}});
   return out;
 }
 
@@ -142,6 +149,14 @@ Accuracy read_accuracy(const JsonPlace& from) {
   each_optional(accuracy, [&](const char* key, std::optional<double>& value) {
     if (from.has(key)) value = from[key].number();
   });
+  if (!from.has("validation_sets")) return accuracy;
+  const auto sets = from["validation_sets"];
+  for (std::size_t i = 0; i < sets.size(); ++i)
+    accuracy.validation_sets.push_back({sets[i]["name"].text(),
+                                        {.rows = sets[i]["rows"].integer(0),
+                                         .mean = sets[i]["mean"].number(),
+                                         .u90 = sets[i]["u90"].number(),
+                                         .a90 = sets[i]["a90"].number()}});
   return accuracy;
 }
 
@@ -282,6 +297,31 @@ OutputModel read_output(const JsonPlace& from) {
 
 // --- the whole ---
 
+Json measured_by_json(const std::vector<MeasuredBy>& coordinates) {
+  Json out = Json::array();
+  for (const auto& coordinate : coordinates) {
+    Json& one = out.emplace_back(Json{{"symbol", coordinate.symbol}});
+    for (const auto& part : coordinate.parts)
+      one["parts"].push_back({{"devices", part.devices}, {"rows", part.rows}});
+  }
+  return out;
+}
+
+std::vector<MeasuredBy> read_measured_by(const JsonPlace& from) {
+  std::vector<MeasuredBy> out;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    auto& coordinate = out.emplace_back(MeasuredBy{from[i]["symbol"].text(), {}});
+    const auto parts = from[i]["parts"];
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      auto& part = coordinate.parts.emplace_back();
+      const auto devices = parts[p]["devices"];
+      for (std::size_t d = 0; d < devices.size(); ++d) part.devices.push_back(devices[d].text());
+      part.rows = parts[p]["rows"].finite();
+    }
+  }
+  return out;
+}
+
 Json lineage_json(const Lineage& lineage) {
   Json runs = Json::array();
   for (const auto run : lineage.runs) runs.push_back(run.value);
@@ -294,6 +334,7 @@ Json lineage_json(const Lineage& lineage) {
               {"rows_excluded", lineage.rows_excluded},
               {"exclusions_hash", lineage.exclusions_hash}};
   if (lineage.parent) out["parent"] = lineage.parent->value;
+  if (!lineage.measured_by.empty()) out["measured_by"] = measured_by_json(lineage.measured_by);
   return out;
 }
 
@@ -311,6 +352,7 @@ Lineage read_lineage(const JsonPlace& from) {
     lineage.exclusions_hash = from["exclusions_hash"].text();
   }
   if (from.has("parent")) lineage.parent = ModelId{from["parent"].integer()};
+  if (from.has("measured_by")) lineage.measured_by = read_measured_by(from["measured_by"]);
   return lineage;
 }
 

@@ -62,6 +62,10 @@ void read_edges(TomlReader&& reader, bool anchored, plans::Blend& out) {
   reader.number("to", to, {.min = 0, .max = kMostBandValue}, Need::required);
   reader.number("fade_to", fade_to, {.min = 0, .max = kMostBandValue},
                 anchored ? Need::required : Need::optional);
+  double centre = 0;
+  std::string side = "both";
+  reader.number("centre", centre, {.min = -kMostBandValue, .max = kMostBandValue});
+  reader.choice("side", side, {"both", "above", "below"}, Need::optional);
   if (!(from < to))
     reader.refuse("to", reasons::kBadPlan,
                   "found from = " + number_text(from) + " and to = " + number_text(to) +
@@ -80,8 +84,11 @@ void read_edges(TomlReader&& reader, bool anchored, plans::Blend& out) {
     if (std::ranges::find(out.band, *coordinate, &plans::BandEdge::coordinate) != out.band.end())
       reader.refuse("coordinates", reasons::kBadPlan,
                     "found " + shown(name) + " twice in the band, expected it once");
-    out.band.push_back(
-        {*coordinate, from, to, reader.has("fade_to") ? std::optional(fade_to) : std::nullopt});
+    out.band.push_back({*coordinate, from, to,
+                        reader.has("fade_to") ? std::optional(fade_to) : std::nullopt, centre,
+                        side == "above"   ? plans::BandSide::above
+                        : side == "below" ? plans::BandSide::below
+                                          : plans::BandSide::both});
   }
   reader.finish();
 }

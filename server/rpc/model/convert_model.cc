@@ -39,6 +39,14 @@ v1::Accuracy accuracy_from(const calibration::Accuracy& accuracy, double factor)
   out.set_slow_row_count(accuracy.slow_rows);
   if (accuracy.model_f) out.set_model_f(*accuracy.model_f);
   if (accuracy.model_p) out.set_model_p(*accuracy.model_p);
+  for (const auto& set : accuracy.validation_sets) {
+    auto& added = *out.add_validation_sets();
+    added.set_name(utf8_from(set.name));
+    *added.mutable_figures() = figures_from({.rows = set.figures.rows,
+                                             .mean = set.figures.mean * factor,
+                                             .u90 = set.figures.u90 * factor,
+                                             .a90 = set.figures.a90 * factor});
+  }
   return out;
 }
 

@@ -34,7 +34,9 @@ constexpr int kPlants = 10, kPoses = 200;
 // A dataset that grows row by row.
 class Table {
  public:
-  explicit Table(std::vector<Channel> channels) {
+  // measured_by: as a run in its set-up states it (server/core/data/measured_by.h).
+  explicit Table(std::vector<Channel> channels, std::string measured_by = {}) {
+    if (!measured_by.empty()) data_.metadata = {{kMeasuredByKey, std::move(measured_by)}};
     for (auto& channel : channels) data_.columns.push_back({std::move(channel), {}});
   }
   void add(const std::vector<double>& row, bool calibration = true) {
@@ -108,7 +110,8 @@ calibration::Model coarse_model(Machine& plant, joint_plant::Room room, Knowledg
                {"ma.rx", "arcsec"},
                {"ma.ry", "arcsec"},
                {"ma.z", "mm"},
-               {"t08", "degC"}});
+               {"t08", "degC"}},
+              "ma.z=probe ma.rx=inclinometer ma.ry=inclinometer");
   for (const double q1 : {-4.0, -2.0, 0.0, 2.0, 4.0})
     for (const double q2 : {-4.0, -2.0, 0.0, 2.0, 4.0})
       for (const double q3 : {-4.0, -2.0, 0.0, 2.0, 4.0}) {
@@ -129,7 +132,8 @@ calibration::Model fine_model(Machine& plant, joint_plant::Room room, Knowledge 
                {"ma.rx", "arcsec"},
                {"ma.ry", "arcsec"},
                {"ma.z", "mm"},
-               {"t08", "degC"}});
+               {"t08", "degC"}},
+              "ma.z=probe ma.rx=collimators ma.ry=collimators");
   // One height after the other would rise with the room: what warms and what is high would be one.
   const std::array<int, 7> heights = knowledge == Knowledge::study
                                          ? std::array{-3, -2, -1, 0, 1, 2, 3}
@@ -160,7 +164,9 @@ calibration::Model sideways_model(Machine& plant, joint_plant::Room room, Knowle
                {"ma.z", "mm"},
                {"t09", "degC"},
                {"ma.rx", "arcsec"},
-               {"ma.ry", "arcsec"}});
+               {"ma.ry", "arcsec"}},
+              "ma.x=ma.x-laser ma.y=ma.y-laser ma.z=ma.z-laser ma.rx=collimators "
+              "ma.ry=collimators");
   for (int row = 0; row < 664; ++row) {
     room.advance(27);
     const int step = row % 32;
@@ -214,19 +220,20 @@ calibration::Model micro_nano_model(Machine& plant, joint_plant::Room room, bool
 // are where the motors stand, by the plant's own word: nothing is declared of them.
 CellDescription cell_of_both() {
   CellDescription cell;
-  const auto add_length = [&cell](const char* symbol, double u_nm) {
+  const auto add_length = [&cell](const std::string& id, const char* symbol, double u_nm) {
     auto& device = cell.devices.emplace_back();
-    device.id = std::string(symbol) + " " + std::to_string(cell.devices.size());
+    device.id = id;
     auto& length = device.become<LengthSettings>();
     length.channel = {symbol, "mm"};
     length.u_length_nm = u_nm;
   };
   for (const char* symbol : {"mn.x", "mn.y", "mn.z", "ma.x", "ma.y", "ma.z"})
-    add_length(symbol, 10);
-  add_length("ma.z", 50 / std::sqrt(12));  // the probe, in counts of 50 nm
-  const auto add_angles = [&cell](std::vector<std::string> symbols, double u_arcsec) {
+    add_length(std::string(symbol) + "-laser", symbol, 10);
+  add_length("probe", "ma.z", 50 / std::sqrt(12));  // the probe, in counts of 50 nm
+  const auto add_angles = [&cell](const char* id, std::vector<std::string> symbols,
+                                  double u_arcsec) {
     auto& device = cell.devices.emplace_back();
-    device.id = "angles " + std::to_string(cell.devices.size());
+    device.id = id;
     auto& settings = device.become<AngleSettings>();
     for (auto& symbol : symbols) {
       auto& angle = settings.angles.emplace_back();
@@ -234,8 +241,9 @@ CellDescription cell_of_both() {
       angle.u_arcsec = u_arcsec;
     }
   };
-  add_angles({"mn.rx", "mn.ry", "mn.rz", "ma.rx", "ma.ry"}, 0.05);
-  add_angles({"ma.rx", "ma.ry"}, std::hypot(10, 36 / std::sqrt(12)));  // the inclinometer
+  add_angles("collimators", {"mn.rx", "mn.ry", "mn.rz", "ma.rx", "ma.ry"}, 0.05);
+  add_angles("inclinometer", {"ma.rx", "ma.ry"},
+             std::hypot(10, 36 / std::sqrt(12)));  // the inclinometer
   DeviceDescription scanner;
   scanner.id = "scanner";
   for (const char* name : {"t05", "t08", "t09"}) {

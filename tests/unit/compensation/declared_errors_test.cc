@@ -130,7 +130,7 @@ TEST(DeclaredErrors, OfARotationAsACoordinateAreTakenOffTheResidualThroughTheLev
   const auto screw = over_tilts({"q1", "mm"}, 60 * kRadPerArcsec);
   const double nm_per_arcsec = 60e6 * kRadPerArcsec;
   const auto noise_nm = [&](const std::vector<double>& u_arcsec) {
-    return std::sqrt(instrument_noise_nm2(screw, collimated_cell(u_arcsec)));
+    return std::sqrt(instrument_noise_nm2(screw, collimated_cell(u_arcsec), {}));
   };
   constexpr double kScale_nm = 3;  // of q1, axis_cell()
   const double both_nm = std::hypot(kScale_nm, 0.05 * nm_per_arcsec);
@@ -139,13 +139,55 @@ TEST(DeclaredErrors, OfARotationAsACoordinateAreTakenOffTheResidualThroughTheLev
   EXPECT_EQ(noise_nm({12, 0}), kScale_nm) << "one of them declares nothing";
 }
 
+TEST(DeclaredErrors, OfSeveralInstrumentsAreThoseOfTheOnesThatMeasuredTheRows) {
+  const auto screw = over_tilts({"q1", "mm"}, 60 * kRadPerArcsec);
+  const auto cell = collimated_cell({12, 0.05});
+  const std::string level = cell.devices[cell.devices.size() - 2].id,
+                    collimator = cell.devices.back().id;
+  const double nm_per_arcsec = 60e6 * kRadPerArcsec;
+  constexpr double kScale_nm = 3;  // of q1, axis_cell()
+  const auto noise_arcsec = [&](std::vector<MeasuredRows> parts) {
+    const double nm2 = instrument_noise_nm2(screw, cell, {{"ry", std::move(parts)}});
+    return std::sqrt(nm2 - kScale_nm * kScale_nm) / nm_per_arcsec;
+  };
+  EXPECT_NEAR(noise_arcsec({{{level}}}), 12, 1e-3);
+  EXPECT_NEAR(noise_arcsec({{{collimator}}}), 0.05, 1e-3);
+  EXPECT_NEAR(noise_arcsec({{{level, collimator}}}), std::hypot(12, 0.05) / 2, 1e-3)
+      << "the mean of a reading of each";
+  EXPECT_NEAR(noise_arcsec({{{level}, 50}, {{collimator}, 150}}),
+              std::sqrt((50 * 12 * 12 + 150 * 0.05 * 0.05) / 200), 1e-3)
+      << "a quarter of the rows by one";
+  EXPECT_NEAR(noise_arcsec({{{"sold last year"}}}), 0.05, 1e-3)
+      << "an instrument that the cell has no more: the least, as if nothing were stated";
+}
+
+TEST(DeclaredErrors, OfTheZeroAreThoseOfTheInstrumentThatMeasuredTheRows) {
+  auto cell = three_beam_cell();
+  auto& probe = cell.devices.emplace_back();
+  probe.id = "probe";
+  probe.become<LengthSettings>().channel = {"z", "mm"};
+  for (auto& device : cell.devices)
+    if (device.length() && device.length()->channel.symbol == "z")
+      device.become<LengthSettings>().u_length_nm = device.id == "probe" ? 200 : 10;
+  const auto laser_lines = [&](std::vector<MeasuredRows> parts) {
+    double squares = 0;
+    for (const auto& error : declared_errors(cell, {{"z", std::move(parts)}}))
+      if (error.source == UncertaintySource::laser && error.symbol == "z")
+        squares += error.u * error.u;
+    return std::sqrt(squares);
+  };
+  EXPECT_NEAR(laser_lines({{{"probe"}}}), 200, 1e-9);
+  EXPECT_NEAR(laser_lines({{{"laser-z"}}}), 10, 1e-9);
+  EXPECT_NEAR(laser_lines({{{"probe", "laser-z"}}}), std::hypot(100, 5), 1e-9);
+}
+
 TEST(DeclaredErrors, OfTheInstrumentThatSawAPredictedMotionAreTakenOffItsResidual) {
   const auto sideways = over_tilts({"x", "mm"}, 0);
   auto cell = collimated_cell({});
   for (auto& device : cell.devices)
     if (device.length() && device.length()->channel.symbol == "x")
       device.become<LengthSettings>().u_length_nm = 10;
-  EXPECT_NEAR(instrument_noise_nm2(sideways, cell), 100, 1e-6);
+  EXPECT_NEAR(instrument_noise_nm2(sideways, cell, {}), 100, 1e-6);
 }
 
 TEST(DeclaredErrors, OfALeverArmAreTheTiltThatTheModelSawTimesTheOffset) {
@@ -211,7 +253,7 @@ TEST(DeclaredErrors, AddUpToTheExpandedUncertaintyWithTheOtherLines) {
 }
 
 TEST(DeclaredErrors, AreNoneInACellThatDeclaresNothing) {
-  EXPECT_TRUE(declared_errors(CellDescription{}).empty());
+  EXPECT_TRUE(declared_errors(CellDescription{}, {}).empty());
 }
 
 }  // namespace

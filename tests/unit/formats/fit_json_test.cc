@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "server/formats/formula/formula.h"
@@ -39,6 +40,34 @@ TEST(FitJson, HasTheKeysOfTheContract) {
   EXPECT_EQ(q1["history"][1]["term"], "x");
   EXPECT_TRUE(json["warnings"].is_array());
   EXPECT_TRUE(json.contains("fit_us"));
+}
+
+// Every second validation row is "inside", the others have no name.
+TEST(FitJson, HasTheFiguresOfEachNamedValidationSet) {
+  const auto data = calibration::make_campaign({});
+  calibration::FitOptions options;
+  int validating = 0;
+  for (std::size_t row = 0; row < data.rows; ++row)
+    options.set_names.push_back(data.set_of(row) == PointSet::calibration ? "calibration"
+                                : ++validating % 2 == 1                   ? "inside"
+                                                                          : "validation");
+  const auto model = *fit_formula(data, "q1 ~ x + x^2 + T", options);
+  const auto json = fit_json(model);
+  const auto& q1 = json["outputs"]["q1"];
+  const auto &inside = q1["validation_sets"]["inside"],
+             &other = q1["validation_sets"]["validation"];
+  EXPECT_EQ(inside["rows"], 67);
+  EXPECT_EQ(other["rows"], 66);
+  // All rows together: the mean and the mean square of the two, weighted by their rows.
+  EXPECT_NEAR((67 * inside["mean_nm"].get<double>() + 66 * other["mean_nm"].get<double>()) / 133,
+              q1["mean_validation_nm"].get<double>(), 1e-9);
+  EXPECT_NEAR(std::sqrt((67 * std::pow(inside["a90_nm"].get<double>(), 2) +
+                         66 * std::pow(other["a90_nm"].get<double>(), 2)) /
+                        133),
+              q1["a90_validation_nm"].get<double>(), 1e-9);
+  EXPECT_THAT(fit_table(model, {}), HasSubstr("of them inside, 67 rows: A90 "));
+  EXPECT_FALSE(fit_json(a_model())["outputs"]["q1"].contains("validation_sets"))
+      << "no set has a name";
 }
 
 TEST(FitJson, WritesNumbersThatReadBackExactly) {

@@ -25,6 +25,8 @@ calibration::Model full_model() {
   q1.accuracy.lag1_autocorrelation = 0.25;
   q1.accuracy.condition_index = 31;
   q1.accuracy.model_f = 4e9;
+  q1.accuracy.validation_sets = {{"inside", {.rows = 150, .mean = 1e-6, .u90 = 7e-6, .a90 = 8e-6}},
+                                 {"warm", {.rows = 298, .mean = -2e-6, .u90 = 9e-6, .a90 = 1e-5}}};
   calibration::TermReport report;
   report.term = {{effects::Power{"x", 2}, effects::Call{"rate", {"t07"}, {{300.5, "s"}, {2, ""}}}}};
   report.in = true;
@@ -43,7 +45,8 @@ calibration::Model full_model() {
                    .rows_dropped = 1,
                    .rows_excluded = 2,
                    .exclusions_hash = "def",
-                   .parent = ModelId{2}};
+                   .parent = ModelId{2},
+                   .measured_by = {{"z", {{{"probe"}, 500}, {{"laser", "probe"}, 60}}}}};
   model.warnings = {"t05 and t06 are nearly interchangeable"};
   model.fit_us = 48.1;
   return model;
@@ -62,6 +65,11 @@ TEST(ModelJson, ReadsBackTheSameModelToTheLastBit) {
   EXPECT_EQ(back->outputs[0].history[0].action, "enter");
   EXPECT_EQ(back->outputs[0].accuracy.u90_validation, 1.4e-5);
   EXPECT_FALSE(back->outputs[0].accuracy.u90_blocks);
+  ASSERT_EQ(back->outputs[0].accuracy.validation_sets.size(), 2u);
+  EXPECT_EQ(back->outputs[0].accuracy.validation_sets[1].name, "warm");
+  EXPECT_EQ(back->outputs[0].accuracy.validation_sets[1].figures,
+            model.outputs[0].accuracy.validation_sets[1].figures);
+  EXPECT_EQ(back->lineage.measured_by, model.lineage.measured_by);
   EXPECT_EQ(back->outputs[0].accuracy.model_f, 4e9);
   EXPECT_EQ(back->outputs[0].report[0].note, model.outputs[0].report[0].note);
   EXPECT_EQ(back->lineage.parent, ModelId{2});

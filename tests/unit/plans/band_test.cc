@@ -82,18 +82,21 @@ struct PathFigures {
                 rate_share, determinant_share);
   }
 };
-PathFigures along_random_paths(const JointSnapshot::Robot& robot, double box_arcsec,
-                               unsigned seed) {
+PathFigures along_random_paths(const JointSnapshot::Robot& robot, double box_arcsec, unsigned seed,
+                               double lowest_mm = -2.5, double highest_mm = 2.5) {
   std::mt19937_64 random(seed);
   const auto within = [&random](double half) {
     return std::uniform_real_distribution<>(-half, half)(random);
   };
+  const auto height = [&] {
+    return std::uniform_real_distribution<>(lowest_mm, highest_mm)(random);
+  };
   constexpr int kSamples = 200;
   PathFigures out;
   while (out.paths < 1000) {
-    const Values from = pose_at(within(box_arcsec), within(box_arcsec), within(2.5));
-    const Values to = pose_at(within(box_arcsec), within(box_arcsec),
-                              out.paths % 2 == 0 ? from[kZ] : within(2.5));
+    const Values from = pose_at(within(box_arcsec), within(box_arcsec), height());
+    const Values to =
+        pose_at(within(box_arcsec), within(box_arcsec), out.paths % 2 == 0 ? from[kZ] : height());
     const auto at = [&](double s) {
       Values pose{};
       for (const std::size_t v : {kRx, kRy, kZ}) pose[v] = from[v] + s * (to[v] - from[v]);
@@ -156,6 +159,72 @@ TEST(FineWeight, EndsInHeightToo) {
   EXPECT_EQ(fine_weight(robot.band, pose_at(0, 0, 2.9)), 1);
   EXPECT_NEAR(fine_weight(robot.band, pose_at(0, 0, -2.95)), 0.5, 1e-12);
   EXPECT_EQ(fine_weight(robot.band, pose_at(0, 0, 3.0)), 0);
+}
+
+// Fitted to z from 0 to 3 mm: from its middle on both sides, or from zero on one.
+TEST(FineWeight, CountsFromACentreAndOnOneSide) {
+  auto blend = study_band();
+  blend.band.push_back({Variable::z, 1.4, 1.5, {}, 1.5});
+  const auto centred = blended(3, blend);
+  EXPECT_EQ(fine_weight(centred.band, pose_at(0, 0, 0.1)), 1);
+  EXPECT_EQ(fine_weight(centred.band, pose_at(0, 0, 2.9)), 1);
+  EXPECT_NEAR(fine_weight(centred.band, pose_at(0, 0, 0.05)), 0.5, 1e-12);
+  EXPECT_NEAR(fine_weight(centred.band, pose_at(0, 0, 2.95)), 0.5, 1e-12);
+  EXPECT_EQ(fine_weight(centred.band, pose_at(0, 0, -0.001)), 0);
+  EXPECT_EQ(fine_weight(centred.band, pose_at(0, 0, 3.001)), 0);
+  blend.band.back() = {Variable::z, 2.9, 3.0, {}, 0, BandSide::above};
+  const auto above = blended(3, blend);
+  EXPECT_EQ(fine_weight(above.band, pose_at(0, 0, -3.5)), 1)
+      << "the other side is the fine model's";
+  EXPECT_NEAR(fine_weight(above.band, pose_at(0, 0, 2.95)), 0.5, 1e-12);
+  EXPECT_EQ(fine_weight(above.band, pose_at(0, 0, 3.001)), 0);
+  blend.band.back() = {Variable::z, 2.9, 3.0, {}, 0, BandSide::below};
+  const auto below = blended(3, blend);
+  EXPECT_EQ(fine_weight(below.band, pose_at(0, 0, 3.5)), 1);
+  EXPECT_NEAR(fine_weight(below.band, pose_at(0, 0, -2.95)), 0.5, 1e-12);
+}
+
+TEST(HeldAtBorder, StandsHalfwayBeyondOnTheSideThatCounts) {
+  auto blend = band_to(300, 350, true, 1500);
+  blend.band.push_back({Variable::z, 1.4, 1.5, 2, 1.5});
+  const auto centred = blended(3, blend);
+  EXPECT_DOUBLE_EQ(held_at_border(centred.band, pose_at(0, 0, 1))[kZ], 1);
+  EXPECT_DOUBLE_EQ(held_at_border(centred.band, pose_at(0, 0, 3.4))[kZ], 2.95);
+  EXPECT_NEAR(held_at_border(centred.band, pose_at(0, 0, -0.3))[kZ], 0.05, 1e-12);
+  blend.band.back() = {Variable::z, 2.9, 3.0, 3.6, 0, BandSide::above};
+  const auto above = blended(3, blend);
+  EXPECT_DOUBLE_EQ(held_at_border(above.band, pose_at(0, 0, 3.4))[kZ], 2.95);
+  EXPECT_DOUBLE_EQ(held_at_border(above.band, pose_at(0, 0, -3.4))[kZ], -3.4);
+}
+
+// The fine model with z from 0 to 3 mm, the coarse one from coarse_min_z to 4.
+JointSnapshot::Robot blended_above_zero(double turned_arcsec, Blend blend, double coarse_min_z) {
+  ServingPlan plan;
+  plan.robots = {{"ma", kFine, std::move(blend), ""}};
+  ModelsById models = {{kFine, min_angle(300, 3, 0, 1e-4)},
+                       {kCoarse, min_angle(18'000, 4, turned_arcsec, 1e-2)}};
+  models[kFine].domain.back().min = 0;
+  models[kCoarse].domain.back().min = coarse_min_z;
+  const auto builder = JointBuilder::create(plan, PlanId{1}, models, two_robot_cell());
+  if (!builder) throw std::runtime_error(builder.error().message);
+  return builder->build(CellTime{1}).robots.front();
+}
+
+TEST(Blend, OfAHeightFromZeroKeepsRatesAndJacobianOnOneSideAndAboutItsMiddle) {
+  auto one_sided = study_band(), centred = study_band();
+  one_sided.band.push_back({Variable::z, 2.5, 3.0, {}, 0, BandSide::above});
+  centred.band.push_back({Variable::z, 1.2, 1.5, {}, 1.5});
+  for (const auto& [blend, coarse_min] : {std::pair{one_sided, 0.0}, std::pair{centred, -4.0}}) {
+    const auto robot = blended_above_zero(3, blend, coarse_min);
+    const auto report = check_band(robot);
+    EXPECT_TRUE(report.accepted()) << sentence_of(report);
+    const auto seen = along_random_paths(robot, 450, 5, 0, 3.5);
+    seen.print("z from 0 to 3 mm");
+    EXPECT_LT(seen.rate_share, 0.5);
+    EXPECT_GT(seen.determinant_share, 0.5);
+    EXPECT_LT(seen.rate_share, 1.1 * report.rate_share);
+    EXPECT_FALSE(check_band(blended_above_zero(200, blend, coarse_min)).accepted());
+  }
 }
 
 TEST(HeldAtBorder, FollowsThePoseInsideAndStandsHalfwayBeyond) {

@@ -106,6 +106,35 @@ INSTANTIATE_TEST_SUITE_P(
                 "NOT_A_MOTOR_MODEL", "model 14"}),
     [](const auto& row) { return std::string(row.param.name); });
 
+// The fine model's z from 0 to 3 mm.
+Case with_z_above_zero(BandEdge edge, double coarse_min_mm) {
+  Case c;
+  c.models.at(kFine).domain.back().min = 0;
+  c.models.at(kFine).domain.back().max = 3;
+  c.models.at(kCoarse).domain.back().min = coarse_min_mm;
+  c.plan.robots[1].blend->band.push_back(edge);
+  return c;
+}
+
+TEST(PlanCheck, TakesABandOverACoordinateThatWasMeasuredOnOneSideOfZero) {
+  const auto refusal = [](const Case& c) -> std::string {
+    const auto good = check_plan(c.plan, c.models, c.tools, c.cell).refusal();
+    return good ? "" : good.error().reason + ": " + good.error().message;
+  };
+  const BandEdge about_zero{Variable::z, 2.5, 3.0, {}};
+  EXPECT_THAT(refusal(with_z_above_zero(about_zero, -4)),
+              testing::AllOf(HasSubstr("OUTSIDE_DOMAIN"), HasSubstr("side = \"above\""),
+                             HasSubstr("centre = 1.5")));
+  EXPECT_EQ(refusal(with_z_above_zero({Variable::z, 1.2, 1.5, {}, 1.5}, -4)), "");
+  const BandEdge above{Variable::z, 2.5, 3.0, {}, 0, BandSide::above};
+  EXPECT_EQ(refusal(with_z_above_zero(above, 0)), "");
+  EXPECT_THAT(refusal(with_z_above_zero(above, -4)),
+              testing::AllOf(HasSubstr("OUTSIDE_DOMAIN"),
+                             HasSubstr("there the fine model would still answer"),
+                             HasSubstr("centre = 1.5")))
+      << "below zero the coarse model is known and the fine one is not";
+}
+
 TEST(PlanCheck, PassesACircleOfStepsThatSettles) {
   for (const bool turned_round : {false, true}) {
     Case c;

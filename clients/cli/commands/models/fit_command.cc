@@ -13,6 +13,7 @@
 #include "server/calibration/offer.h"
 #include "server/effects/term_order.h"
 #include "server/formats/csv/dataset_csv.h"
+#include "server/formats/csv/set_names.h"
 #include "server/formats/formula/formula.h"
 #include "server/formats/model/fit_json.h"
 #include "server/formats/text/row_ranges.h"
@@ -117,6 +118,26 @@ void add_validation(Dataset& data, const FitOfFile& fit, const std::string& name
   const auto validation =
       value_or_throw(formats::read_dataset_csv(read_input_file(fit.validation), fit.validation));
   data = with_validation_rows(data, name, validation, fit.validation);
+}
+
+// Names of the validation sets of file and --validation, per row of data; empty: there are none.
+std::vector<std::string> set_names_of(const Dataset& data, const FitOfFile& fit,
+                                      std::string_view text, const std::string& name) {
+  auto names = value_or_throw(formats::read_set_names(text, name));
+  if (!fit.validation.empty()) {
+    auto others =
+        value_or_throw(formats::read_set_names(read_input_file(fit.validation), fit.validation));
+    for (auto& word : others)  // every row of that file validates
+      if (word == "calibration") word = "validation";
+    std::size_t validating = 0;
+    for (const auto set : data.set) validating += set == PointSet::validation ? 1 : 0;
+    if (others.empty()) others.assign(validating, "validation");
+    names.assign(data.rows - validating, "calibration");
+    const bool leads = data.set.front() == PointSet::validation;  // its rows stand first
+    names.insert(leads ? names.begin() : names.end(), others.begin(), others.end());
+  }
+  if (formats::named_sets(names).empty() || names.size() != data.rows) names.clear();
+  return names;
 }
 
 }  // namespace
@@ -243,6 +264,7 @@ ExitCode fit_file(const Console& console, const FitOfFile& fit, std::string_view
   options.lineage.source = name;
   const auto formula = value_or_throw(formats::Formula::parse(fit.formula));
   const Dataset data = dataset_of_file(fit, text, name, options.executor);
+  options.set_names = set_names_of(data, fit, text, name);
   options.lineage.exclusions_hash = formats::exclusions_hash(data);
   options.candidates = value_or_throw(formula.expand(data));
   auto fitted = calibration::fit(data, options);

@@ -4,7 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "server/application/datasets/amended_dataset.h"
 #include "server/application/ports/run_plan.h"
+#include "server/core/data/measured_by.h"
 #include "server/core/try.h"
 #include "tests/support/cell_in_memory.h"
 #include "tests/unit/application/sqlite.h"
@@ -80,6 +82,12 @@ class Setups : public testing::Test {
                                   {{"ry", "arcsec"}, "tilts", 1, 0, -30.0, 30.0}}),
                    setup("near", {{{"x", "mm"}, "laser-x", 1, 0, -1.2, 1.2},
                                   {{"ry", "arcsec"}, "tilts", 1, 0, {}, {}}})};
+    for (const auto& one : cell.setups) {  // as a file would have them
+      cell.text += "[[setup]]\nname = \"" + one.name + "\"\n";
+      for (const auto& coordinate : one.coordinates)
+        cell.text += "[[setup.coordinate]]\nchannel = \"" + coordinate.channel.name() +
+                     "\"\ndevice = \"" + coordinate.device + "\"\n";
+    }
     return cell;
   }
   Result<RunRecord> try_in(const std::string& setup, const std::string& trajectory) {
@@ -133,6 +141,24 @@ TEST_F(Setups, ReadTheInstrumentsThatTheyNameAndNoOthers) {
   EXPECT_THAT(channels_of(angles.id), Contains("ry_arcsec"));
   EXPECT_THAT(channels_of(angles.id), Not(Contains("x_mm")));
   EXPECT_THAT(channels_of(angles.id), Not(Contains("x_std_nm")));
+}
+
+TEST_F(Setups, TheDatasetOfARunStatesWhichInstrumentsGaveItsCoordinates) {
+  const auto stated = [this](RunId first, std::optional<RunId> second) {
+    const auto data = cell.await(cell.read([first, second](Store& store) {
+      std::vector<RunId> runs = {first};
+      if (second) runs.push_back(*second);
+      return application::amended_dataset(store, runs);
+    }));
+    if (!data) throw std::runtime_error(data.error().message);
+    return measured_by_from(data->metadata);
+  };
+  const auto length = measure_in("length", plan), both = measure_in("both", plan);
+  EXPECT_THAT(stated(length.id, {}), ElementsAre(MeasuredBy{"x", {{{"laser-x"}}}}));
+  EXPECT_THAT(stated(both.id, {}),
+              ElementsAre(MeasuredBy{"ry", {{{"tilts"}}}}, MeasuredBy{"x", {{{"laser-x"}}}}));
+  EXPECT_THAT(stated(length.id, both.id), ElementsAre(MeasuredBy{"x", {{{"laser-x"}}}}))
+      << "one of the two says nothing of the tilt";
 }
 
 TEST_F(Setups, AnInstrumentThatNobodyUsesAndThatDoesNotAnswerIsANoticeOfItsOwn) {

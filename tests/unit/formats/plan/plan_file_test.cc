@@ -66,6 +66,28 @@ TEST(PlanFile, ReadsTheStudysPlan) {
               HasSubstr("model 13 predicts parasitic motion of ma; it adds ma.x_mm to mn.x_mm"));
 }
 
+TEST(PlanFile, ReadsABandAboutACentreAndOnOneSide) {
+  std::string text = kJointText;
+  const std::string edge = "from = 300\nto = 350\n";
+  text.replace(text.find(edge), edge.size(),
+               edge +
+                   "[[blend.band]]\ncoordinates = [\"z_mm\"]\nfrom = 1.4\nto = 1.5\ncentre = 1.5\n"
+                   "[[blend.band]]\ncoordinates = [\"x_mm\"]\nfrom = 2\nto = 3\n"
+                   "side = \"above\"\n");
+  const auto plan = read_plan_file(text, "plan.toml");
+  ASSERT_TRUE(plan) << plan.error().message;
+  const auto& band = plan->robots[1].blend->band;
+  ASSERT_EQ(band.size(), 4u);
+  EXPECT_EQ(band[0].centre, 0);
+  EXPECT_EQ(band[0].side, plans::BandSide::both);
+  EXPECT_EQ(band[2].centre, 1.5);
+  EXPECT_EQ(band[3].side, plans::BandSide::above);
+  std::string all;
+  for (const auto& step : plans::steps_of(*plan)) all += step;
+  EXPECT_THAT(all, HasSubstr("ma.z_mm from 1.4 to 1.5 mm away from 1.5"));
+  EXPECT_THAT(all, HasSubstr("ma.x_mm from 2 to 3 mm above 0"));
+}
+
 struct TextMistake {
   const char *name, *from, *to, *reason, *sentence;
 };
@@ -89,6 +111,7 @@ INSTANTIATE_TEST_SUITE_P(
         TextMistake{"UnknownKey", "model = 12", "model = 12\nmodle = 3", "UNKNOWN_KEY", "modle"},
         TextMistake{"BandThatNarrows", "to = 350", "to = 250", "BAD_PLAN",
                     "expected from below to"},
+        TextMistake{"BandSide", "to = 350", "to = 350\nside = \"left\"", "OUT_OF_RANGE", "left"},
         TextMistake{"Robot", "robot = \"ma\"", "robot = \"mx\"", "BAD_PLAN", "'mx'"},
         TextMistake{"Itself", "to = \"mn\"", "to = \"ma\"", "BAD_PLAN", "found the robot itself"},
         TextMistake{"Coordinate", "add = [\"x_mm\"", "add = [\"x_nm\"", "BAD_CHANNEL", "'x_nm'"},

@@ -106,6 +106,9 @@ function OutputTile({ output }: { output: ModelOutput }) {
       <p class="label">{outputSymbol(output)}, <A90 /> on {held?.from ?? 'the fit’s own rows'}</p>
       <p class="value">{figure(held?.value ?? accuracy?.a90Calibration)} <span class="unit">{unit}</span></p>
       {accuracy?.a90Validation !== undefined && <p class="note muted">validation {figure(accuracy.a90Validation)} (mean {meanFigure(accuracy.meanValidation)}, U90 {figure(accuracy.u90Validation)}) {unit}</p>}
+      {accuracy?.validationSets.map((set) => (
+        <p class="note muted" key={set.name}>of them {set.name}, {`${set.figures?.rowCount}`} rows {figure(set.figures?.a90)} (mean {meanFigure(set.figures?.mean)}, U90 {figure(set.figures?.u90)}) {unit}</p>
+      ))}
       {accuracy?.a90Blocks !== undefined && (
         <p class="note muted">
           held-out blocks {figure(accuracy.a90Blocks)} (mean {meanFigure(accuracy.meanBlocks)}, U90 {figure(accuracy.u90Blocks)}; 90 %: {figure(accuracy.a90BlocksLow)} to {figure(accuracy.a90BlocksHigh)}) {unit}
