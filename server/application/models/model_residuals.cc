@@ -6,6 +6,7 @@
 #include "server/application/plumbing/run_on.h"
 #include "server/calibration/datum_zeros.h"
 #include "server/calibration/design/predict.h"
+#include "server/core/data/measured_by.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/core/units.h"
@@ -14,6 +15,18 @@
 
 namespace driftwise::application {
 namespace {
+
+// Whether the model was fitted to this. One of before its data stated which instruments measured
+// them knows the same rows by the hash of the text without that line.
+bool fitted_to(const calibration::Lineage& lineage, const Dataset& data,
+               const std::string& dataset_hash) {
+  if (dataset_hash == lineage.dataset_hash) return true;
+  if (!lineage.measured_by.empty()) return false;
+  Dataset unstated = data;
+  std::erase_if(unstated.metadata, [](const auto& line) { return line.first == kMeasuredByKey; });
+  return unstated.metadata.size() < data.metadata.size() &&
+         formats::content_hash(formats::write_dataset_csv(unstated)) == lineage.dataset_hash;
+}
 
 Result<ModelResiduals> residuals_of(const calibration::Model& model, Dataset data) {
   ModelResiduals found;
@@ -32,7 +45,7 @@ Result<ModelResiduals> residuals_of(const calibration::Model& model, Dataset dat
           (measured->values[row] - predicted[static_cast<Eigen::Index>(row)]) * factor;
   }
   found.dataset_hash = formats::content_hash(formats::write_dataset_csv(data));
-  found.same_rows = found.dataset_hash == model.lineage.dataset_hash;
+  found.same_rows = fitted_to(model.lineage, data, found.dataset_hash);
   for (std::size_t o = 0; o < model.outputs.size() && found.same_rows; ++o) {
     const auto& output = model.outputs[o];
     if (output.held_out.size() != data.rows) continue;

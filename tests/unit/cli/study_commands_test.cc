@@ -128,7 +128,8 @@ TEST_F(StudyCommandsTest, ResidualsComeAsADatasetWithWhatTheyComeTo) {
   EXPECT_THAT(rows.out, HasSubstr("t07_degC,q1_residual_nm"));
   EXPECT_THAT(rows.out, HasSubstr("20.6,-2.5"));
   EXPECT_THAT(rows.err, HasSubstr("-2.5"));
-  EXPECT_THAT(rows.err, testing::Not(HasSubstr("not the rows")));
+  EXPECT_THAT(rows.err, testing::Not(HasSubstr("not the very rows")));
+  EXPECT_THAT(rows.err, HasSubstr("the fit held none out"));
   const std::string path = folder.path() + "/left.csv";
   const auto written = run({"model", "residuals", "1", "--run", "4", "-o", path});
   EXPECT_EQ(written.exit, 0);
@@ -136,6 +137,10 @@ TEST_F(StudyCommandsTest, ResidualsComeAsADatasetWithWhatTheyComeTo) {
   std::ifstream kept(path);
   EXPECT_EQ(std::string(std::istreambuf_iterator<char>(kept), {}), rows.out);
   EXPECT_EQ(json({"model", "residuals", "1"})["outputs"][0]["unit"], "nm");
+  cell.on_executor([&] { models.the_residuals.same_rows = false; });
+  EXPECT_THAT(run({"model", "residuals", "1"}).err,
+              testing::AllOf(HasSubstr("not the very rows that the model was fitted to"),
+                             HasSubstr("no errors of held-out rows")));
 }
 
 // The truth is q = x + 2e-5 x^2; each file is a line of its own noise.

@@ -1,5 +1,6 @@
 #include "clients/cli/commands/models/residuals_command.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -102,7 +103,14 @@ void print_summary(const Console& console, const v1::ListResidualsResponse& resi
   if (residuals.row_step() > 1)
     console.err << "every " << residuals.row_step() << "th of " << residuals.row_count()
                 << " rows\n";
-  if (!residuals.same_rows()) console.err << "not the rows that the model was fitted to\n";
+  if (!residuals.same_rows())
+    console.err << "not the very rows that the model was fitted to: rows were excluded or put back "
+                   "since, or these are others. So no errors of held-out rows are shown: they are "
+                   "kept for the rows of the fit\n";
+  else if (std::ranges::all_of(residuals.outputs(),
+                               [](const auto& output) { return output.held_out().empty(); }))
+    console.err << "no errors of held-out rows: the fit held none out, had more than 20 000 rows, "
+                   "or is of before they were kept\n";
 }
 
 ExitCode list_residuals(const Session& session, const ResidualsArguments& a) {

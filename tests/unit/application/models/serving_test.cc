@@ -133,6 +133,34 @@ TEST_F(ServingTest, TheResidualsOfAFitAreThoseOfItsAccuracy) {
             "UNKNOWN_CHANNEL");
 }
 
+TEST_F(ServingTest, AModelOfBeforeInstrumentsWereStatedKnowsItsRowsAgain) {
+  application::FitRequest fit;
+  fit.formula = "q1 ~ x";
+  fit.csv = "q1_mm,x_mm\n";
+  for (int i = 0; i < 40; ++i) fit.csv += fmt::format("{},{}\n", 1.0 * i + 1e-4 * (i % 7), i);
+  const auto model = cell.await(cell->models.fit(cell.ada, fit));
+  ASSERT_TRUE(model) << model.error().message;
+  const auto rows_of = [&](const std::string& csv) {
+    auto residuals = cell.await(cell->models.residuals(model->id, {}, csv));
+    if (!residuals) throw std::runtime_error(residuals.error().message);
+    return std::move(*residuals);
+  };
+  const std::string line = "# measured_by: x=laser-x\n";
+  const auto same = rows_of(line + fit.csv);
+  EXPECT_TRUE(same.same_rows);
+  EXPECT_EQ(same.outputs[0].held_out.size(), 40u);
+  EXPECT_FALSE(rows_of(line + fit.csv + "40,40\n").same_rows) << "a row more";
+  EXPECT_FALSE(rows_of("# cell: another\n" + fit.csv).same_rows) << "another line changed";
+
+  fit.csv = line + fit.csv;
+  const auto stated = cell.await(cell->models.fit(cell.ada, fit));
+  ASSERT_TRUE(stated) << stated.error().message;
+  const auto unsaid =
+      cell.await(cell->models.residuals(stated->id, {}, fit.csv.substr(line.size())));
+  ASSERT_TRUE(unsaid);
+  EXPECT_FALSE(unsaid->same_rows) << "who measured is part of what it was fitted to";
+}
+
 TEST_F(ServingTest, AFormulaIsJudgedOnTheRowsOfARun) {
   fit_after_campaign();
   application::FitRequest fit;
