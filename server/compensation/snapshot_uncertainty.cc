@@ -5,6 +5,7 @@
 #include <map>
 
 #include "server/compensation/declared_errors.h"
+#include "server/compensation/own_variance.h"
 #include "server/compensation/snapshot_builder.h"
 #include "server/effects/term_order.h"
 
@@ -97,9 +98,9 @@ void SnapshotBuilder::add_uncertainty(const calibration::OutputModel& from,
     output.systematics.push_back({UncertaintySource::drift, std::move(shift), true});
   // What the residual holds beyond the noise of the instruments that saw it is the robot's own.
   const double residual_nm = from.accuracy.rmse * nm_per_unit(from.channel);
-  output.unfollowed_nm =
-      std::sqrt(std::max(0.0, residual_nm * residual_nm -
-                                  instrument_noise_nm2(from, cell, model_.lineage.measured_by)));
+  output.unfollowed_nm = std::sqrt(own_variance(
+      residual_nm * residual_nm, instrument_noise_nm2(from, cell, model_.lineage.measured_by),
+      variance_dof(from)));
 }
 
 }  // namespace driftwise::compensation

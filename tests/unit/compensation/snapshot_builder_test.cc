@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "server/compensation/own_variance.h"
 #include "server/compensation/target.h"
 #include "tests/unit/compensation/models.h"
 
@@ -102,8 +103,11 @@ TEST(SnapshotBuilder, GivesAnAnchoredTargetTheUncertaintyOfTheDifference) {
   a << 0, x, x * x, t - 20.5, x * t;
   const double fit_nm = 1e6 * std::sqrt(a.dot(model.outputs[0].covariance * a));
   const double temperature_nm = 1e6 * 2e-4 * x * 0.002;  // the slope 1e-3 is the same then and now
-  EXPECT_NEAR(target_at(builder, x).u_nm[0],
-              std::sqrt(fit_nm * fit_nm + temperature_nm * temperature_nm + 2 * 8.0 * 8.0), 1e-6);
+  const double own_nm2 = own_variance(8.0 * 8.0, 3.0 * 3.0, model.outputs[0].dof);
+  EXPECT_NEAR(
+      target_at(builder, x).u_nm[0],
+      std::sqrt(fit_nm * fit_nm + temperature_nm * temperature_nm + 2 * (own_nm2 + 3.0 * 3.0)),
+      1e-6);
 }
 
 TEST(SnapshotBuilder, FlagsADatumThatIsNotKnown) {
