@@ -543,12 +543,12 @@ TEST(JointUse, GainsByTranslationsInPlaceAndByTiltsInAngleOverTenPlants) {
       whole.mean, whole.half, place.mean, place.half, axes.mean, axes.half);
 }
 
-// Campaigns: DRIFTWISE_JOINT_CAMPAIGNS, else 3; their first seed: DRIFTWISE_JOINT_SEED. The count
+// Campaigns: DRIFTWISE_JOINT_CAMPAIGNS, else 8; their first seed: DRIFTWISE_JOINT_SEED. The count
 // of 100 stands in docs/plans.md. The study's terms are counted, not judged: what they lack no fit
 // of them can state.
 TEST(JointUse, StatesUncertaintiesThatHoldTheErrors) {
   const char* asked = std::getenv("DRIFTWISE_JOINT_CAMPAIGNS");
-  const int campaigns = asked ? std::atoi(asked) : 3;
+  const int campaigns = asked ? std::atoi(asked) : 8;
   const char* seed = std::getenv("DRIFTWISE_JOINT_SEED");
   const auto first = static_cast<std::uint64_t>(seed ? std::atoll(seed) : 90'000);
   for (const auto knowledge : {Knowledge::study, Knowledge::complete}) {
@@ -558,7 +558,10 @@ TEST(JointUse, StatesUncertaintiesThatHoldTheErrors) {
     std::printf("%s terms: ", knowledge == Knowledge::study ? "the study's" : "complete");
     coverage.print();
     if (knowledge == Knowledge::study) continue;
-    for (const auto& one : coverage.count) EXPECT_GT(one.rate(), 0.9);
+    // A campaign's targets share most of their error, so that a few campaigns say little: what they
+    // may not say is that fewer than the wanted are covered.
+    for (const auto& one : coverage.count)
+      EXPECT_GT(one.clustered().high, 0.92) << "of them " << 100 * one.rate() << " %";
   }
 }
 
