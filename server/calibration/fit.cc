@@ -207,7 +207,8 @@ std::set<std::string> general_warnings(const Design& design, const FitOptions& o
   for (const auto& sentence : barred_sentences(design, rule)) warnings.push_back(sentence);
   if (options.select == Select::stepwise)
     warnings.push_back(
-        "p-values after selection are not error probabilities: trust the held-out figures");
+        "p-values after selection are not error probabilities, and the uncertainty of a target "
+        "holds nothing of what the selection adds: trust the held-out figures");
   return hardly_vary;
 }
 

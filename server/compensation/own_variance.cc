@@ -8,7 +8,9 @@ namespace driftwise::compensation {
 
 double own_variance(double scatter2, double noise2, double dof) {
   constexpr double kFewestDof = 5;
-  if (!(noise2 > 0) || !(scatter2 > 0) || dof < kFewestDof) return std::max(0.0, scatter2);
+  constexpr double kNoNoise = 1e-12;  // of the scatter; also keeps the powers below within range
+  if (!(noise2 > kNoNoise * scatter2) || !(scatter2 > 0) || dof < kFewestDof)
+    return std::max(0.0, scatter2);
   // With r = noise sinh(y) the density of y is smooth, and wide where the ratio is large:
   // cosh(y)^(1 - dof) exp(-dof ratio / (2 cosh(y)^2)).
   const double ratio = scatter2 / noise2;

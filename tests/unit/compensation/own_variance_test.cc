@@ -60,6 +60,10 @@ TEST(OwnVariance, TakesNothingOffWithoutNoiseAndWithFewDegreesOfFreedom) {
   EXPECT_EQ(own_variance(400, 0, 300), 400);
   EXPECT_EQ(own_variance(400, 100, 4), 400);
   EXPECT_EQ(own_variance(0, 100, 300), 0);
+  EXPECT_EQ(own_variance(HUGE_VAL, 100, 300), HUGE_VAL) << "of a damaged file";
+  EXPECT_EQ(own_variance(std::nan(""), 100, 300), 0);
+  EXPECT_NEAR(own_variance(1e300, 2e288, 6), 1e300, 1e290);
+  EXPECT_GT(own_variance(1e-300, 1e300, 2e9), 0);
 }
 
 // What cutting off at 0 misses: robots of 3 nm behind 20 nm of instruments. Whoever states the root
