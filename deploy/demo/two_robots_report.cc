@@ -100,6 +100,14 @@ struct ContactPlace {
   double force_n = 0;
   std::array<double, 2> on_substrate_um{}, tip_um{};
 };
+// Whether a touch belongs to the contact before: a graze in the noise, half a step below the
+// contact, may part once more. Another contact is 20 um away at least.
+bool is_same_place(const ContactPlace& before, const ContactPlace& now) {
+  constexpr double kSame_um = 5;
+  return std::hypot(now.on_substrate_um[0] - before.on_substrate_um[0],
+                    now.on_substrate_um[1] - before.on_substrate_um[1]) < kSame_um;
+}
+
 std::vector<ContactPlace> contacts_in_truth(const std::string& path) {
   std::istringstream file(read_file(path));
   std::map<std::string, std::size_t> columns;
@@ -118,13 +126,14 @@ std::vector<ContactPlace> contacts_in_truth(const std::string& path) {
       return std::stod(cells.at(columns.at(name)));
     };
     const double force_n = value("contact_N");
-    if (force_n > 0 && !touching) all.emplace_back();
-    touching = force_n > 0;
-    if (!touching || force_n < all.back().force_n) continue;
-    all.back() = {
+    const ContactPlace now = {
         force_n,
         {1e-3 * (value("x_nm") - value("ma_x_nm")), 1e-3 * (value("y_nm") - value("ma_y_nm"))},
         {1e-3 * value("tip_x_nm"), 1e-3 * value("tip_y_nm")}};
+    if (force_n > 0 && !touching && (all.empty() || !is_same_place(all.back(), now)))
+      all.emplace_back();
+    touching = force_n > 0;
+    if (touching && force_n >= all.back().force_n) all.back() = now;
   }
   return all;
 }
