@@ -7,6 +7,8 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/read_until.hpp>
 #include <boost/asio/write.hpp>
+#include <fstream>
+#include <sstream>
 
 #include "tests/integration/cell/cell_at_work.h"
 
@@ -148,6 +150,80 @@ TEST_F(SeveralRobotsOnTheWire, KeepTheirDistanceBeforeAnythingMoves) {
   EXPECT_EQ(cell.refusal({"move", "mn.q1=0", "mn.q2=1.7"}).at("reason"), "KEEP_OUT");
   EXPECT_NEAR(place_mm("hexapod", "Z"), 0, 1e-3);
   EXPECT_NEAR(place_mm("gantry", "X"), 2, 1e-3);
+}
+
+std::string deployed(const std::string& name) {
+  std::ifstream file(DRIFTWISE_SOURCE_DIR "/deploy/cells/two-robots/" + name);
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+void replace(std::string& text, const std::string& found, const std::string& instead) {
+  const auto at = text.find(found);
+  if (at == std::string::npos) throw std::runtime_error("no " + found);
+  text.replace(at, found.size(), instead);
+}
+
+// The study's indentation shortened to the zero and one indent, without models.
+std::string short_indentation() {
+  auto text = deployed("indentation.toml");
+  replace(text, "by = \"plan\"", "by = \"geometry\"\nreason = \"a test without models\"");
+  replace(text, "closed_loop_y_um = [100]", "closed_loop_y_um = []");
+  replace(text, "\nx_um = [250, 500, 750, 1000]", "\nx_um = []");
+  replace(text, "\ny_um = [250, 500, 750, 1000]", "\ny_um = []");
+  return text;
+}
+
+class RobotsThatTouch : public testing::Test {
+ protected:
+  RobotsThatTouch() {
+    const std::string first_setup = "[[setup]]\nname = \"tool\"\n";
+    cell.edit_cell_file(first_setup, deployed("correction.toml") + "\n" + first_setup);
+  }
+  std::int64_t measure(const std::string& robot, const std::string& setup) const {
+    const auto plan = cell.write(robot + ".csv", robot + ".q1_mm," + robot + ".q2_mm," + robot +
+                                                     ".q3_mm,set,line,zero\n0,0,0,validation,1,1\n"
+                                                     "0.1,0.1,0.1,validation,2,0\n");
+    const std::int64_t run = cell.ask({"run", "start", plan, "--setup", setup}).at("id");
+    EXPECT_EQ(cell.end_of(run).at("state"), "done");
+    return run;
+  }
+  static CellOptions options() {
+    CellOptions options;
+    options.cell = "two-robots";
+    options.speed = 20;
+    return options;
+  }
+  CellAtWork cell{options()};
+};
+
+TEST_F(RobotsThatTouch, AreNotMovedWhileNobodyReadsTheOneAbove) {
+  cell.start_daemon();
+  const auto file = cell.write("indentation.toml", short_indentation());
+  cell.control("fault break-beam laser-x");
+  for (const auto& command : {std::vector<std::string>{"indent", "start", file, "--dry-run"},
+                              {"indent", "start", file}}) {
+    const auto refused = cell.refusal(command);
+    EXPECT_EQ(refused.at("reason"), "CHANNEL_MISSING");
+    EXPECT_THAT(
+        refused.at("message").get<std::string>(),
+        testing::AllOf(HasSubstr("not being read: mn.x_mm, "), HasSubstr("nothing was moved"),
+                       HasSubstr("--setup NAME"), HasSubstr("tool")));
+  }
+  EXPECT_EQ(cell.count("SELECT count(*) FROM move"), 0);
+}
+
+TEST_F(RobotsThatTouch, AreReadByTheirPathsWhereLengthsAreCorrected) {
+  cell.start_daemon();
+  const auto file = cell.write("indentation.toml", short_indentation());
+  measure("mn", "tool");
+  const auto done = cell.cli({"indent", "start", file, "--json"}, std::chrono::seconds(160));
+  ASSERT_EQ(done.code, 0) << done.err;
+  const auto record = nlohmann::json::parse(done.out);
+  EXPECT_EQ(record.at("stage"), "microscope");
+  const auto& made = record.at("indents").at(0);
+  EXPECT_NEAR(made.at("placed_x_um").get<double>(), 100, 0.02) << "closed loop by the paths";
 }
 
 }  // namespace

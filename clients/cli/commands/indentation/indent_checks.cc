@@ -3,6 +3,7 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <chrono>
 #include <map>
 #include <set>
 
@@ -14,6 +15,9 @@
 
 namespace driftwise::cli {
 namespace {
+
+constexpr const char* kCoordinates[] = {".x_mm", ".y_mm", ".z_mm", ".rx_arcsec", ".ry_arcsec"};
+constexpr auto kReadLimit = std::chrono::seconds(20);  // wall: devices may just be connecting
 
 struct CellInventory {
   std::map<std::string, v1::Axis> axes{};  // by channel
@@ -68,7 +72,7 @@ void check_names(const CellInventory& cell, const formats::IndentationFile& file
       throw bad(reasons::kNoChannel, std::string(key) + " = " + shown(robot) +
                                          ": this cell has no such robot, it has " +
                                          listed(cell.robots));
-  for (const char* name : {".x_mm", ".y_mm", ".z_mm", ".rx_arcsec", ".ry_arcsec"})
+  for (const char* name : kCoordinates)
     if (!cell.measured.contains(file.above + name))
       throw bad(reasons::kNoChannel, "above = " + shown(file.above) + ": no instrument gives " +
                                          file.above + name + ", measured are " +
@@ -78,6 +82,43 @@ void check_names(const CellInventory& cell, const formats::IndentationFile& file
       throw bad(reasons::kNoChannel, "temperatures: found " + shown(name) +
                                          ", which no thermometer of this cell gives; it has " +
                                          listed(cell.thermometers));
+}
+
+std::set<std::string> setup_names(const Connection& connection) {
+  const auto names =
+      connection.ask(&v1::CellService::Stub::ListDevices, v1::ListDevicesRequest{}).setup_names();
+  return {names.begin(), names.end()};
+}
+
+// A set-up of the other robot, or a lost device: the contact would be made, and nothing could say
+// where. Asked of the stream that the procedure reads: latest values have what the set-up in use
+// leaves out of it.
+void check_is_read(const Connection& connection, const formats::IndentationFile& file) {
+  std::set<std::string> missing;
+  for (const char* name : kCoordinates) missing.insert(file.above + name);
+  for (const char* name : {".q1_mm", ".q2_mm", ".q3_mm"}) missing.insert(file.above + name);
+  const auto until = std::chrono::steady_clock::now() + kReadLimit;
+  connection.follow(&v1::CellService::Stub::WatchReadings, v1::WatchReadingsRequest{},
+                    [&](const v1::WatchReadingsResponse& response) {
+                      for (const auto& value : response.reading().values())
+                        if (value.has_value())
+                          std::erase_if(missing, [&](const std::string& channel) {
+                            const auto names = live_names(channel);
+                            return std::ranges::find(names, value.channel()) != names.end();
+                          });
+                      return !missing.empty() && std::chrono::steady_clock::now() < until;
+                    });
+  if (missing.empty()) return;
+  const auto setups = setup_names(connection);
+  const std::string devices = "`driftwise status` says which devices do not answer";
+  throw Failure{
+      ExitCode::refused, "failed_precondition", reasons::kChannelMissing,
+      "not being read: " + listed(missing) + ", which the indentation needs; nothing was moved. " +
+          (setups.empty() ? devices
+                          : "The set-up of the last run stays in use: measure two points in one "
+                            "that reads them, driftwise run start TRAJECTORY --setup NAME, set-ups "
+                            "are " +
+                                listed(setups) + "; " + devices)};
 }
 
 void check_inside_limits(const CellInventory& cell, const Motors& motors,
@@ -95,7 +136,21 @@ void check_inside_limits(const CellInventory& cell, const Motors& motors,
   }
 }
 
+// ending: "_mm"; own: what the instrument's own name has before it.
+std::vector<std::string> with_own_name(const std::string& coordinate, std::string_view ending,
+                                       std::string_view own) {
+  std::string name = coordinate;
+  name.insert(name.size() - ending.size(), own);
+  return {std::move(name), coordinate};
+}
+
 }  // namespace
+
+std::vector<std::string> live_names(const std::string& coordinate) {
+  for (const auto& [ending, own] : {std::pair{"_mm", "_path"}, {"_arcsec", "_raw"}})
+    if (coordinate.ends_with(ending)) return with_own_name(coordinate, ending, own);
+  return {coordinate};
+}
 
 void check_against_cell(const Connection& connection, const formats::IndentationFile& file) {
   const auto cell = inventory_of(connection);
@@ -137,6 +192,7 @@ void check_against_cell(const Connection& connection, const formats::Indentation
     pose.height_mm = height_mm;
     check(file.below, std::string("[approach] ") + key);
   }
+  check_is_read(connection, file);
 }
 
 }  // namespace driftwise::cli

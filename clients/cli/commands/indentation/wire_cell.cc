@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "clients/cli/commands/indentation/indent_checks.h"
 #include "driftwise/v1/cell_service.grpc.pb.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
@@ -189,19 +190,20 @@ Result<void> WireCell::wait(double cell_s) {
   return {};
 }
 
-std::string WireCell::rotation_channel(const char* name) {
+std::string WireCell::live_channel(const std::string& coordinate) {
   const std::lock_guard lock(mutex_);
-  const std::string raw = file_.above + name + "_raw_arcsec";
-  return latest_.contains(raw) ? raw : file_.above + name + "_arcsec";
+  for (const auto& name : live_names(coordinate))
+    if (latest_.contains(name)) return name;
+  return coordinate;
 }
 
 Result<WireCell::Here> WireCell::here() {
   DRIFTWISE_RETURN_IF_ERROR(interrupted());
   std::vector<std::string> channels;
-  for (const char* name : {".x_mm", ".y_mm", ".z_mm"}) channels.push_back(file_.above + name);
   // Only differences count: rotations as the device gives them serve as well as those since a
-  // datum.
-  for (const char* name : {".rx", ".ry"}) channels.push_back(rotation_channel(name));
+  // datum. Lengths are paths, with [correction] and without it.
+  for (const char* name : {".x_mm", ".y_mm", ".z_mm", ".rx_arcsec", ".ry_arcsec"})
+    channels.push_back(live_channel(file_.above + name));
   DRIFTWISE_TRY(const auto values, collect(channels, file_.poses));
   const Eigen::RowVectorXd mean = values.colwise().mean();
   Here here{.x_mm = mean[0],

@@ -43,7 +43,7 @@ class WireCell final : public indentation::TouchingCell {
 
   void follow();
   Result<void> interrupted() const;
-  std::string rotation_channel(const char* name);  // ".rx"
+  std::string live_channel(const std::string& coordinate);  // "mn.x_mm"
   Result<Motors> present(const Motors& of);
   Result<void> move(const Motors& motors);
   // readings new values of each channel, all begun after the call: a row per reading.
