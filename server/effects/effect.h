@@ -30,6 +30,8 @@ struct ParameterKind {
   std::string name;  // "tau"
   std::string unit;  // "s": what the canonical notation uses; "" for a plain number
   double min = 0, max = 0;
+  // Of a coordinate that is an angle: arcsec from, to; 0: of a length or a time only.
+  double min_arcsec = 0, max_arcsec = 0;
 };
 
 // Where an effect's finding goes (DESIGN: where an effect applies): the served model, the
@@ -55,7 +57,17 @@ struct EffectKind {
   bool observes_path = false;
   // Reads the data's own clock (an instant, a phase): means nothing to a target asked for later.
   bool in_data_time = false;
+  // Its first channel is a coordinate, in mm as channel_units has it or an angle in arcsec; a
+  // parameter in nm is then one in arcsec, and so is the output.
+  bool of_coordinate = false;
 };
+
+inline constexpr std::string_view kAngleUnit = "arcsec";
+
+// Why a call that observes a first channel in this unit cannot be worked out; "" where it can.
+std::string wrong_coordinate(const EffectKind& kind, const Call& call, const std::string& unit);
+// Unit of the output where the first channel is in `unit`.
+std::string output_unit(const EffectKind& kind, const std::string& unit);
 
 std::span<const EffectKind> effect_kinds();
 const EffectKind* find_effect(std::string_view name);

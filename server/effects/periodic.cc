@@ -28,22 +28,24 @@ class WaveState final : public EffectState {
 
 template <bool sine, bool of_time>
 std::unique_ptr<EffectState> make_wave(std::span<const Quantity> parameters) {
-  const double period = of_time ? parameters[0].value : mm_from_nm(parameters[0].value);
+  const auto& [value, unit] = parameters[0];
+  const double period = of_time || unit == kAngleUnit ? value : mm_from_nm(value);
   return std::make_unique<WaveState<sine, of_time>>(period);
 }
 
 template <bool sine>
-EffectKind in_length(const char* name) {
+EffectKind in_coordinate(const char* name) {
   return {.name = name,
           .catalogue_id = "cyclic_error",
           .symbol_count = 1,
-          .parameters = {{"period", "nm", 0.1, 1e9}},
+          .parameters = {{"period", "nm", 0.1, 1e9, 1e-4, 1296000}},
           .output_unit = "1",
           .sentence = std::string(sine ? "sine" : "cosine") +
-                      " of a length in mm, periodic in this many nanometres",
+                      " of a coordinate, periodic in this many nanometres or arcseconds",
           .make = make_wave<sine, false>,
           .applies_to = AppliesTo::correction,
-          .channel_units = {"mm"}};
+          .channel_units = {"mm"},
+          .of_coordinate = true};
 }
 
 template <bool sine>
@@ -61,8 +63,8 @@ EffectKind in_time(const char* name) {
 
 }  // namespace
 
-EffectKind sine_kind() { return in_length<true>("sin"); }
-EffectKind cosine_wave_kind() { return in_length<false>("cos"); }
+EffectKind sine_kind() { return in_coordinate<true>("sin"); }
+EffectKind cosine_wave_kind() { return in_coordinate<false>("cos"); }
 EffectKind sine_in_time_kind() { return in_time<true>("sin_t"); }
 EffectKind cosine_in_time_kind() { return in_time<false>("cos_t"); }
 

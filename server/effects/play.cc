@@ -10,7 +10,7 @@ namespace {
 
 class PlayState final : public EffectState {
  public:
-  explicit PlayState(double half_width_mm) : half_width_mm_(half_width_mm) {}
+  explicit PlayState(double half_width) : half_width_(half_width) {}
   std::unique_ptr<EffectState> clone() const override { return std::make_unique<PlayState>(*this); }
 
   double step(double, std::span<const double> inputs) override {
@@ -20,12 +20,12 @@ class PlayState final : public EffectState {
       started_ = true;
       driven_ = q;
     }
-    driven_ = std::min(std::max(driven_, q - half_width_mm_), q + half_width_mm_);
+    driven_ = std::min(std::max(driven_, q - half_width_), q + half_width_);
     return driven_ - q;
   }
 
  private:
-  double half_width_mm_;
+  double half_width_;
   bool started_ = false;
   double driven_ = 0;
 };
@@ -33,17 +33,21 @@ class PlayState final : public EffectState {
 }  // namespace
 
 EffectKind play_kind() {
-  return {.name = "play",
-          .catalogue_id = "backlash",
-          .symbol_count = 1,
-          .parameters = {{"width", "nm", 0.1, 1e7}},
-          .output_unit = "mm",
-          .sentence = "what a play of this full width leaves behind on the channel's path (mm)",
-          .make = [](std::span<const Quantity> parameters) -> std::unique_ptr<EffectState> {
-            return std::make_unique<PlayState>(mm_from_nm(parameters[0].value) / 2);
-          },
-          .channel_units = {"mm"},
-          .observes_path = true};
+  return {
+      .name = "play",
+      .catalogue_id = "backlash",
+      .symbol_count = 1,
+      .parameters = {{"width", "nm", 0.1, 1e7, 1e-4, 36000}},
+      .output_unit = "mm",
+      .sentence =
+          "what a play of this full width leaves behind on the channel's path (mm or arcsec)",
+      .make = [](std::span<const Quantity> parameters) -> std::unique_ptr<EffectState> {
+        const auto& [value, unit] = parameters[0];
+        return std::make_unique<PlayState>((unit == kAngleUnit ? value : mm_from_nm(value)) / 2);
+      },
+      .channel_units = {"mm"},
+      .observes_path = true,
+      .of_coordinate = true};
 }
 
 }  // namespace driftwise::effects

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "server/core/reasons.h"
+#include "server/core/units.h"
 #include "server/effects/beam.h"
 #include "server/effects/contact.h"
 #include "server/effects/creep.h"
@@ -40,13 +41,15 @@ double converted(const Quantity& quantity, const std::string& unit) {
     double factor;
     int shift;  // ... and this power of ten
   };
-  static constexpr std::array<Scale, 7> scales = {{{"ms", "s", 1, -3},
+  static constexpr std::array<Scale, 9> scales = {{{"ms", "s", 1, -3},
                                                    {"min", "s", 60, 0},
                                                    {"h", "s", 3600, 0},
                                                    {"d", "s", 86400, 0},
                                                    {"um", "nm", 1, 3},
                                                    {"mm", "nm", 1, 6},
-                                                   {"m", "nm", 1, 9}}};
+                                                   {"m", "nm", 1, 9},
+                                                   {"deg", "arcsec", 3600, 0},
+                                                   {"rad", "arcsec", 1 / kRadPerArcsec, 0}}};
   if (quantity.unit == unit || !std::isfinite(quantity.value)) return quantity.value;
   for (const auto& scale : scales)
     if (quantity.unit == scale.from && unit == scale.to)
@@ -95,6 +98,27 @@ std::string usage(const EffectKind& kind) {
   return text + ")";
 }
 
+std::string wrong_coordinate(const EffectKind& kind, const Call& call, const std::string& unit) {
+  const auto& length = kind.channel_units.front();
+  if (unit != length && unit != kAngleUnit)
+    return "expected a channel in " + length + " or " + std::string(kAngleUnit);
+  for (std::size_t i = 0; i < call.parameters.size() && i < kind.parameters.size(); ++i) {
+    if (kind.parameters[i].max_arcsec == 0) continue;
+    const bool angle = call.parameters[i].unit == kAngleUnit;
+    if (angle != (unit == kAngleUnit))
+      return "its " + kind.parameters[i].name + " is in " + call.parameters[i].unit +
+             ", expected " + (angle ? kind.parameters[i].unit : std::string(kAngleUnit)) +
+             " as the channel is in " + unit;
+  }
+  return "";
+}
+
+std::string output_unit(const EffectKind& kind, const std::string& unit) {
+  if (!kind.of_coordinate || unit != kAngleUnit || !kind.output_unit.starts_with("mm"))
+    return kind.output_unit;
+  return std::string(kAngleUnit) + kind.output_unit.substr(2);
+}
+
 Result<Call> checked(const Call& call) {
   const auto bad = [&call](std::string why) {
     return fail(ErrorCode::invalid_argument, reasons::kBadEffect,
@@ -114,15 +138,22 @@ Result<Call> checked(const Call& call) {
   Call result = call;
   for (std::size_t i = 0; i < kind->parameters.size(); ++i) {
     const auto& parameter = kind->parameters[i];
-    const double value = converted(call.parameters[i], parameter.unit);
+    std::string unit = parameter.unit;
+    double value = converted(call.parameters[i], unit), min = parameter.min, max = parameter.max;
+    const bool or_angle = parameter.max_arcsec > 0;
+    if (std::isnan(value) && or_angle) {
+      unit = kAngleUnit;
+      value = converted(call.parameters[i], unit);
+      min = parameter.min_arcsec;
+      max = parameter.max_arcsec;
+    }
     if (std::isnan(value))
       return bad(parameter.name + " is in '" + call.parameters[i].unit + "', expected " +
-                 parameter.unit);
-    if (!(value >= parameter.min && value <= parameter.max))
-      return bad(parameter.name + " is " + number_text(value) + " " + parameter.unit +
-                 ", expected " + number_text(parameter.min) + " to " + number_text(parameter.max) +
-                 " " + parameter.unit);
-    result.parameters[i] = {value, parameter.unit};
+                 parameter.unit + (or_angle ? " or arcsec" : ""));
+    if (!(value >= min && value <= max))
+      return bad(parameter.name + " is " + number_text(value) + " " + unit + ", expected " +
+                 number_text(min) + " to " + number_text(max) + " " + unit);
+    result.parameters[i] = {value, unit};
   }
   return result;
 }

@@ -8,6 +8,7 @@
 #include <map>
 #include <numbers>
 #include <set>
+#include <span>
 
 #include "server/core/data/reading.h"
 #include "server/core/units.h"
@@ -26,30 +27,36 @@ constexpr std::size_t kFewestPlaces = 8, kMostPlaces = 4000;  // the search's bl
 // wavelengths of a helium-neon laser, pitches of scales and leads of screws.
 constexpr std::array<double, 17> kPeriods_nm = {632.8, 512, 1e3, 2e3, 4e3, 8e3, 10e3, 20e3, 40e3,
                                                 50e3,  1e5, 2e5, 5e5, 1e6, 2e6, 5e6,  10e6};
+// Lines of angle encoders (36000 to 1024 a turn; Heidenhain, Angle Encoders, 2019) and teeth of
+// worm wheels (360 to 60; DIN 3975).
+constexpr std::array<double, 16> kPeriods_arcsec = {36,       72,    129.6, 144,      259.2, 360,
+                                                    632.8125, 648,   720,   1265.625, 3600,  7200,
+                                                    10800,    14400, 18000, 21600};
 constexpr std::array<int, 4> kParts = {1, 2, 4, 8};
 constexpr double kTolerance = 2e-4;    // of a period: wavelength in air, expansion, alignment
 constexpr double kPhysicalMass = 0.7;  // of the prior over periods; the rest is any period's
 constexpr int kMostOfOne = 20;         // cells to either side of a known period
 
+// All in nm, or in arcsec.
 struct Waves {
-  std::vector<double> periods_nm, weights;  // longest first
-  double shortest_free_nm = 0, shortest_nm = 0;
+  std::vector<double> periods, weights;  // longest first
+  double shortest_free = 0, shortest = 0;
 };
 
 // Any period, uniform in 1/period with step 1/(2 range), from two periods over the range to half
 // as many as there are different places, for more of them look alike there; and around each known
 // period that the places resolve.
-Waves waves_of(double range_nm, std::size_t places) {
+Waves waves_of(double range, std::span<const double> periods, std::size_t places) {
   std::map<double, double> by_frequency;  // weight
   std::vector<double> free;
   for (std::size_t k = 4; k <= std::min(places, kMostPlaces); ++k)
-    free.push_back(static_cast<double>(k) / (2 * range_nm));
+    free.push_back(static_cast<double>(k) / (2 * range));
   std::set<double> known;
-  for (const double period : kPeriods_nm)
+  for (const double period : periods)
     for (const int part : kParts)
-      if (period / part < range_nm / 2) known.insert(part / period);
+      if (period / part < range / 2) known.insert(part / period);
   for (const double frequency : known) {
-    const double step = 1 / (2 * range_nm);
+    const double step = 1 / (2 * range);
     const int beside =
         std::min(kMostOfOne, static_cast<int>(std::ceil(kTolerance * frequency / step)));
     const double apart = beside > 0 ? kTolerance * frequency / beside : 0;
@@ -62,11 +69,11 @@ Waves waves_of(double range_nm, std::size_t places) {
     by_frequency[frequency] += rest / static_cast<double>(free.size());
   Waves waves;
   for (const auto& [frequency, weight] : by_frequency) {
-    waves.periods_nm.push_back(1 / frequency);
+    waves.periods.push_back(1 / frequency);
     waves.weights.push_back(weight);
   }
-  if (!free.empty()) waves.shortest_free_nm = 1 / free.back();
-  if (!by_frequency.empty()) waves.shortest_nm = 1 / by_frequency.rbegin()->first;
+  if (!free.empty()) waves.shortest_free = 1 / free.back();
+  if (!by_frequency.empty()) waves.shortest = 1 / by_frequency.rbegin()->first;
   return waves;
 }
 
@@ -94,8 +101,13 @@ std::size_t places_of(const CatalogueBuilder& builder, const std::string& symbol
   return places.size();
 }
 
-std::string short_length(double nm) {
+std::string short_size(double size, bool angle) {
   std::array<char, 32> text{};
+  const double nm = size;
+  if (angle) {
+    std::snprintf(text.data(), text.size(), "%.3g arcsec", size);
+    return text.data();
+  }
   if (nm >= 1e5)
     std::snprintf(text.data(), text.size(), "%.3g mm", nm / 1e6);
   else
@@ -120,33 +132,42 @@ double longest_of_its_own(const CatalogueBuilder& builder) {
   }
   const double aa = sqq - sq * sq / n, ab = sqx - sq * sx / n, bb = sxx - sx * sx / n;
   if (!(aa > 0)) return 0;
-  return 4 * std::numbers::pi * nm_from_mm(std::sqrt(std::max(bb - ab * ab / aa, 0.0) / n));
+  const double slope = std::abs(ab / aa);  // of the axis: a turn may become a way
+  if (!(slope > 0)) return 0;
+  const double apart = std::sqrt(std::max(bb - ab * ab / aa, 0.0) / n) / slope;
+  return 4 * std::numbers::pi *
+         (builder.is_angle(builder.motors().front()) ? apart : nm_from_mm(apart));
 }
 
 void add_cyclic(CatalogueBuilder& builder, const std::string& symbol, Cause cause,
                 std::vector<std::string>& reach,
-                double longest_nm = std::numeric_limits<double>::infinity()) {
+                double longest = std::numeric_limits<double>::infinity()) {
+  const bool angle = builder.is_angle(symbol);
+  if (angle) cause.parameter = "period_arcsec";
+
   const std::size_t places = places_of(builder, symbol);
   if (places < kFewestPlaces) {
     reach.push_back(symbol + " is visited at fewer than " + std::to_string(kFewestPlaces) +
                     " places");
     return;
   }
-  Waves waves = waves_of(nm_from_mm(builder.range(symbol)), places);
-  const auto kept =
-      std::ranges::find_if(waves.periods_nm, [&](double p) { return p < longest_nm; });
+  const double range = builder.range(symbol);
+  Waves waves = angle ? waves_of(range, kPeriods_arcsec, places)
+                      : waves_of(nm_from_mm(range), kPeriods_nm, places);
+  const auto kept = std::ranges::find_if(waves.periods, [&](double p) { return p < longest; });
   waves.weights.erase(waves.weights.begin(),
-                      waves.weights.begin() + (kept - waves.periods_nm.begin()));
-  waves.periods_nm.erase(waves.periods_nm.begin(), kept);
-  if (waves.periods_nm.empty()) return;
-  builder.add_values(cause, waves.periods_nm, [&](double period) {
-    return std::vector<Term>{call_term("sin", {symbol}, {{period, "nm"}}),
-                             call_term("cos", {symbol}, {{period, "nm"}})};
+                      waves.weights.begin() + (kept - waves.periods.begin()));
+  waves.periods.erase(waves.periods.begin(), kept);
+  if (waves.periods.empty()) return;
+  const char* unit = angle ? "arcsec" : "nm";
+  builder.add_values(cause, waves.periods, [&](double period) {
+    return std::vector<Term>{call_term("sin", {symbol}, {{period, unit}}),
+                             call_term("cos", {symbol}, {{period, unit}})};
   });
   for (std::size_t c = 0; c < cause.cells.size(); ++c) cause.cells[c].weight = waves.weights[c];
-  reach.push_back("periods of " + symbol + " below " + short_length(waves.shortest_free_nm) +
+  reach.push_back("periods of " + symbol + " below " + short_size(waves.shortest_free, angle) +
                   " other than those of scales and lasers (down to " +
-                  short_length(waves.shortest_nm) + "): " + std::to_string(places) +
+                  short_size(waves.shortest, angle) + "): " + std::to_string(places) +
                   " places determine no more");
   builder.take_cause(std::move(cause));
 }
@@ -215,8 +236,8 @@ void add_beams(CatalogueBuilder& builder) {
   bool any_tilt = false;
   // The same tilts stand behind several axes where all outputs are asked: one cause, its axis is
   // told from the outputs afterwards.
-  if (builder.axes().size() == 1) {
-    const auto& axis = builder.axes().front();
+  if (builder.lengths().size() == 1) {
+    const auto& axis = builder.lengths().front();
     std::vector<Term> levers;
     for (const auto& tilt : tilts_across(builder, axis)) levers.push_back(power_term(tilt));
     any_tilt = !levers.empty();
@@ -227,13 +248,13 @@ void add_beams(CatalogueBuilder& builder) {
     any_tilt = !levers.empty();
     each_and_all(builder, of_instrument("abbe_offset", "", LinearParameter::offset_mm), levers);
   }
-  for (const auto& axis : builder.axes()) add_turned(builder, axis);
+  for (const auto& axis : builder.lengths()) add_turned(builder, axis);
   if (!any_tilt)
     for (const char* id : {"abbe_offset", "cosine_error"})
       builder.missing(id, "no tilt channel rx, ry, rz that varies");
 
   Cause air{.id = "refractive_index",
-            .subject = builder.axes().size() == 1 ? builder.axes().front() : "",
+            .subject = builder.lengths().size() == 1 ? builder.lengths().front() : "",
             .where = "environment",
             .applies_to = AppliesTo::correction,
             .linear = LinearParameter::dead_path_mm};
@@ -242,7 +263,7 @@ void add_beams(CatalogueBuilder& builder) {
   // both.
   const auto on_the_path = [&](const std::vector<Term>& parts) {
     builder.add_terms(air, parts, kMissing);
-    for (const auto& axis : builder.axes()) {
+    for (const auto& axis : builder.lengths()) {
       std::vector<Term> along, both = parts;
       for (const auto& part : parts) along.push_back(effects::product(power_term(axis), part));
       both.insert(both.end(), along.begin(), along.end());

@@ -44,16 +44,23 @@ effects::Term call_term(const std::string& effect, std::vector<std::string> symb
 CatalogueBuilder::CatalogueBuilder(const Dataset& dataset, const std::vector<effects::Term>& base,
                                    const std::vector<std::string>& excluded)
     : dataset_(dataset), excluded_(excluded.begin(), excluded.end()) {
-  for (const auto& term : base) known_.insert(effects::notation(effects::canonical(term)));
+  std::set<std::string> read;
+  for (const auto& term : base) {
+    known_.insert(effects::notation(effects::canonical(term)));
+    for (const auto& symbol : effects::symbols_of(term)) read.insert(symbol);
+  }
   for (const auto& column : dataset.columns) {
     const auto& channel = column.channel;
     if (!varies(channel.symbol)) continue;
     const bool pose = is_pose_symbol(channel.symbol);
     if (is_activity(channel)) activities_.push_back(channel.symbol);
     if (is_structure_temperature(channel)) temperatures_.push_back(channel.symbol);
-    if (channel.unit == "mm" && pose) axes_.push_back(channel.symbol);
-    if (channel.unit == "arcsec" && pose) tilts_.push_back(channel.symbol);
-    if (channel.unit == "mm" && is_motor_symbol(channel.symbol)) motors_.push_back(channel.symbol);
+    const bool length = channel.unit == "mm", angle = channel.unit == "arcsec";
+    if (length && pose) lengths_.push_back(channel.symbol);
+    if (angle && pose) tilts_.push_back(channel.symbol);
+    if (pose && (length || (angle && read.contains(channel.symbol))))
+      axes_.push_back(channel.symbol);
+    if ((length || angle) && is_motor_symbol(channel.symbol)) motors_.push_back(channel.symbol);
   }
   if (!dataset.time_s.empty()) {
     const auto [low, high] = std::ranges::minmax_element(dataset.time_s);
@@ -67,6 +74,11 @@ CatalogueBuilder::CatalogueBuilder(const Dataset& dataset, const std::vector<eff
       step_s_ = std::max(steps[steps.size() / 2], length_s_ / 1e6);
     }
   }
+}
+
+bool CatalogueBuilder::is_angle(const std::string& symbol) const {
+  const auto* column = dataset_.find(symbol);
+  return column != nullptr && column->channel.unit == "arcsec";
 }
 
 bool CatalogueBuilder::varies(const std::string& symbol) const { return range(symbol) > 0; }

@@ -18,9 +18,13 @@ class CatalogueBuilder {
 
   const Dataset& data() const { return dataset_; }
   const std::vector<std::string>& temperatures() const { return temperatures_; }
-  const std::vector<std::string>& axes() const { return axes_; }    // x y z that vary
-  const std::vector<std::string>& tilts() const { return tilts_; }  // rx ry rz that vary
+  // Coordinates of the pose that vary: x y z, and of rx ry rz those that the simulation reads. A
+  // tilt that it does not read is an instrument's reading.
+  const std::vector<std::string>& axes() const { return axes_; }
+  const std::vector<std::string>& lengths() const { return lengths_; }  // of axes(): x y z
+  const std::vector<std::string>& tilts() const { return tilts_; }      // rx ry rz that vary
   const std::vector<std::string>& motors() const { return motors_; }
+  bool is_angle(const std::string& symbol) const;
   // Conditions that are no temperature, air, force, coordinate or setting: speed, current, duty.
   const std::vector<std::string>& activities() const { return activities_; }
   bool timed() const { return length_s_ > 0; }
@@ -42,7 +46,7 @@ class CatalogueBuilder {
  private:
   const Dataset& dataset_;
   std::set<std::string> known_, excluded_;
-  std::vector<std::string> temperatures_, axes_, tilts_, motors_, activities_;
+  std::vector<std::string> temperatures_, axes_, lengths_, tilts_, motors_, activities_;
   double length_s_ = 0, step_s_ = 0;
   Catalogue catalogue_;
 };

@@ -25,10 +25,10 @@ Cause of_robot(const std::string& id, const std::string& subject, LinearParamete
           .linear = linear};
 }
 
-// Each product of an axis with this variable alone, and all together.
+// Each product of a length with this variable alone, and all together.
 void add_axis_products(CatalogueBuilder& builder, Cause cause, const Term& variable) {
   std::vector<Term> all;
-  for (const auto& axis : builder.axes()) {
+  for (const auto& axis : builder.lengths()) {
     all.push_back(effects::product(power_term(axis), variable));
     builder.add_terms(cause, {all.back()}, kMissing);
   }
@@ -67,7 +67,8 @@ void add_temperatures(CatalogueBuilder& builder) {
       builder.add_terms(rate, {call_term("rate", {t}, {{over_s, "s"}})}, kMissing);
     builder.take_cause(std::move(rate));
   }
-  if (builder.axes().empty()) builder.missing("thermal_expansion", "no pose axis varies");
+  if (builder.lengths().empty())
+    builder.missing("thermal_expansion", "no pose coordinate x, y or z varies");
   if (!builder.timed())
     for (const char* id : {"thermal_lag", "thermal_rate"})
       builder.missing(id, "the data have no time_s");
@@ -92,7 +93,8 @@ void add_force(CatalogueBuilder& builder) {
   add_axis_products(builder,
                     of_robot("force_position_coupling", "F", LinearParameter::nm_per_n_per_mm),
                     power_term("force"));
-  if (builder.axes().empty()) builder.missing("force_position_coupling", "no pose axis varies");
+  if (builder.lengths().empty())
+    builder.missing("force_position_coupling", "no pose coordinate x, y or z varies");
 }
 
 }  // namespace driftwise::diagnosis

@@ -83,7 +83,7 @@ void add_geometry(CatalogueBuilder& builder) {
   for (std::size_t i = 0; i < axes.size(); ++i)
     for (std::size_t j = i + 1; j < axes.size(); ++j) products(builder, {axes[i], axes[j]});
   if (axes.size() == 3) products(builder, axes);
-  if (axes.empty()) builder.missing("geometry_order", "no pose axis x, y or z varies");
+  if (axes.empty()) builder.missing("geometry_order", "no pose coordinate varies");
   builder.missing("geometry_parameter", "no kinematic model is given");
 }
 

@@ -12,6 +12,8 @@ using effects::AppliesTo;
 using effects::Term;
 
 constexpr double kWidestPlayNm = 1e5, kNarrowestPlayNm = 10;
+// 10 nm and 100 um at a radius of 1 m and of 0.2 m.
+constexpr double kWidestPlay_arcsec = 100, kNarrowestPlay_arcsec = 0.002;
 
 Cause of_motor(const std::string& id, const std::string& q, const std::string& parameter) {
   return {.id = id,
@@ -52,19 +54,22 @@ void add_activities(CatalogueBuilder& builder) {
 void add_motion(CatalogueBuilder& builder) {
   if (builder.motors().empty()) {
     for (const char* id : {"backlash", "creep", "self_heating"})
-      builder.missing(id, "no motor coordinate (q1, q2, ... in a length) varies");
+      builder.missing(id, "no motor coordinate (q1, q2, ...) varies");
     return;
   }
   const bool dwells = builder.timed() && builder.varies("dwell");
   for (const auto& q : builder.motors()) {
-    Cause play = of_motor("backlash", q, "width_nm");
-    play.linear = LinearParameter::width_nm;
+    const bool angle = builder.is_angle(q);
+    const char* unit = angle ? "arcsec" : "nm";
+    Cause play = of_motor("backlash", q, angle ? "width_arcsec" : "width_nm");
+    if (!angle) play.linear = LinearParameter::width_nm;
     play.outputs = {q};
-    builder.add_values(play,
-                       log_grid(kNarrowestPlayNm,
-                                std::clamp(nm_from_mm(builder.range(q)) / 4, 20.0, kWidestPlayNm)),
+    const double narrowest = angle ? kNarrowestPlay_arcsec : kNarrowestPlayNm;
+    const double widest = angle ? kWidestPlay_arcsec : kWidestPlayNm;
+    const double quarter = (angle ? builder.range(q) : nm_from_mm(builder.range(q))) / 4;
+    builder.add_values(play, log_grid(narrowest, std::clamp(quarter, 2 * narrowest, widest)),
                        [&](double width) {
-                         return std::vector<Term>{call_term("play", {q}, {{width, "nm"}})};
+                         return std::vector<Term>{call_term("play", {q}, {{width, unit}})};
                        });
     builder.take_cause(std::move(play));
     if (!builder.timed()) continue;

@@ -29,7 +29,7 @@ bool is_response(const Channel& channel, const std::vector<std::string>& outputs
   const auto own = without_robot(symbol);  // another robot's is a condition of this one
   const bool coordinate = is_motor_symbol(own) || is_pose_symbol(own);
   for (const auto& output : outputs)
-    if ((symbol == output && !(coordinate && is_length(channel.unit))) ||
+    if ((symbol == output && !is_motor_symbol(own) && !(coordinate && is_length(channel.unit))) ||
         symbol.starts_with(output + "_"))
       return true;
   return !coordinate && (is_length(channel.unit) || is_angle(channel.unit));

@@ -223,7 +223,8 @@ double Physics::nm_per_unit(const Cause& cause, const effects::Term& term, doubl
   if (id == "self_heating") return kHeating_k * per_k * per_column;
   if (id == "activity_heating") return kActivity_k * per_k * per_column;
   if (id == "backlash")
-    return std::max({kPlay_nm, kPlay * stroke_nm, large}) / parameter * kNmPerMm;
+    return std::max({kPlay_nm, kPlay * stroke_nm, large}) / parameter *
+           (cause.linear == LinearParameter::width_nm ? kNmPerMm : 1);
   if (id == "creep") return std::max(kGeometry * stroke_nm, large) * per_column;
   if (id == "cyclic_error")
     return std::max(

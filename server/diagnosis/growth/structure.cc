@@ -65,7 +65,7 @@ std::vector<Variable> variables_of(const Problem& problem,
     if (is_motor_symbol(symbol) || is_response(column.channel, outputs) ||
         symbol.ends_with("_std") || symbol.ends_with("_cmd") || symbol.ends_with("_target"))
       continue;
-    add(symbol, column.values, is_pose_symbol(symbol) && column.channel.unit == "mm");
+    add(symbol, column.values, is_coordinate(problem, column.channel));
   }
   add("dwell", data.dwell_s, false);
   add("time", problem.data().time_s, false);

@@ -34,17 +34,20 @@ std::string numbered(std::size_t value, const std::string& name) {
 }
 
 // Which axis an instrument's error belongs to: the one whose own column is spread over the outputs
-// as the error is. sizes: of the error, per output, in summary units.
+// as the error is, each output by its noise.
 struct AlongAxis {
-  std::string symbol;   // "" where the baseline has no coordinate
-  double shift_mm = 0;  // of that coordinate, that gives the error
-  double alike = 0;     // cosine between the two, over the outputs
+  std::string symbol;  // "" where the baseline has no coordinate
+  std::string unit;    // mm or arcsec
+  double shift = 0;    // of that coordinate, that gives the error's first column
+  double alike = 0;    // cosine between the two, over the outputs
 };
-AlongAxis axis_of(const Problem& problem, const Eigen::VectorXd& sizes) {
+// sizes: of the error, an output a row, in summary units; an error of two phases has two columns.
+AlongAxis axis_of(const Problem& problem, Eigen::MatrixXd sizes, const Eigen::VectorXd& noise_sd) {
+  sizes = noise_sd.cwiseInverse().asDiagonal() * sizes;
   AlongAxis best;
   for (const auto& column : problem.data().columns) {
     const auto& symbol = column.channel.symbol;
-    if (!is_pose_symbol(symbol) || column.channel.unit != "mm") continue;
+    if (!is_coordinate(problem, column.channel)) continue;
     std::size_t at = problem.base.size();
     for (std::size_t k = 0; k < problem.base.size(); ++k) {
       const auto& factors = problem.base[k].factors;
@@ -53,15 +56,16 @@ AlongAxis axis_of(const Problem& problem, const Eigen::VectorXd& sizes) {
       if (power != nullptr && power->symbol == symbol && power->exponent == 1) at = k;
     }
     if (at == problem.base.size()) continue;
-    Eigen::VectorXd slopes(sizes.size());
+    Eigen::VectorXd slopes(sizes.rows());
     for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
       const WeightedFit fit(problem, problem.learned(problem.base_columns), Eigen::MatrixXd(), o);
-      slopes[static_cast<Eigen::Index>(o)] = fit.coefficient(static_cast<Eigen::Index>(at));
+      const auto row = static_cast<Eigen::Index>(o);
+      slopes[row] = fit.coefficient(static_cast<Eigen::Index>(at)) / noise_sd[row];
     }
-    const double across = std::abs(slopes.dot(sizes));
-    const double alike =
-        across > 0 ? across / std::sqrt(slopes.squaredNorm() * sizes.squaredNorm()) : 0;
-    if (alike > best.alike) best = {symbol, across / slopes.squaredNorm(), alike};
+    const Eigen::RowVectorXd across = slopes.transpose() * sizes;
+    const double alike = across.norm() > 0 ? across.norm() / (slopes.norm() * sizes.norm()) : 0;
+    if (alike > best.alike)
+      best = {symbol, column.channel.unit, std::abs(across[0]) / slopes.squaredNorm(), alike};
   }
   return best;
 }
@@ -157,13 +161,19 @@ Finding finding_of(const Problem& problem, const std::vector<Cause>& causes,
   }
   if (finding.subject.empty() && finding.outputs.size() == problem.outputs.size() &&
       cause.applies_to != effects::AppliesTo::robot) {
-    Eigen::VectorXd sizes =
-        Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.outputs.size()));
-    for (std::size_t o = 0; o < problem.outputs.size(); ++o)
-      if (!finding.outputs[o].coefficients.empty())
-        sizes[static_cast<Eigen::Index>(o)] =
-            finding.outputs[o].coefficients.front() * problem.outputs[o].factor;
-    finding.subject = axis_of(problem, sizes).symbol;
+    const auto outputs = static_cast<Eigen::Index>(problem.outputs.size());
+    Eigen::MatrixXd sizes = Eigen::MatrixXd::Zero(outputs, named.learned.cols());
+    Eigen::VectorXd noise_sd(outputs);
+    for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
+      const auto row = static_cast<Eigen::Index>(o);
+      noise_sd[row] = extension.noise_sd(o);
+      for (std::size_t k = 0; k < finding.outputs[o].coefficients.size(); ++k) {
+        const auto column = static_cast<Eigen::Index>(k);
+        sizes(row, column) = finding.outputs[o].coefficients[k] * problem.outputs[o].factor *
+                             named.learned.col(column).norm();
+      }
+    }
+    finding.subject = axis_of(problem, sizes, noise_sd).symbol;
   }
   if (cause.applies_to == effects::AppliesTo::dataset && cause.scale == ParameterScale::instant)
     for (std::size_t row = 0; row < problem.data().rows; ++row)
@@ -229,13 +239,21 @@ Finding probe_hysteresis(const Problem& problem, const TwoSides& sides) {
                   .applies_to = effects::AppliesTo::dataset,
                   .p_adjusted = std::exp(-sides.gain / 2),
                   .log_likelihood_ratio = sides.gain / 2};
-  const AlongAxis axis = axis_of(problem, sides.half);
+  Eigen::VectorXd noise_sd(sides.half.size());
+  for (std::size_t o = 0; o < problem.outputs.size(); ++o)
+    noise_sd[static_cast<Eigen::Index>(o)] =
+        noise_between_neighbours(problem, o, problem.base_columns);
+  const AlongAxis axis = axis_of(problem, sides.half, noise_sd);
   Eigen::Index largest = 0;
   sides.half.cwiseAbs().maxCoeff(&largest);
   const auto& output = problem.outputs[static_cast<std::size_t>(largest)];
   if (axis.alike > kOneAxis) {
     finding.subject = axis.symbol;
-    finding.parameters.push_back({"width_nm", 2 * axis.shift_mm * kNmPerMm, {}, {}});
+    const bool length = axis.unit == "mm";
+    finding.parameters.push_back({length ? "width_nm" : "width_" + axis.unit,
+                                  2 * axis.shift * (length ? kNmPerMm : 1),
+                                  {},
+                                  {}});
   } else {
     finding.subject = output.channel.symbol;
     finding.parameters.push_back(

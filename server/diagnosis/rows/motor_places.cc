@@ -16,9 +16,7 @@ std::vector<std::vector<double>> places_of_blocks(const Problem& problem) {
   const auto add = [&](bool motors) {
     for (const auto& column : data.columns) {
       const auto& symbol = column.channel.symbol;
-      if (motors ? !is_motor_symbol(symbol)
-                 : !(is_pose_symbol(symbol) && is_length(column.channel.unit)))
-        continue;
+      if (motors ? !is_motor_symbol(symbol) : !is_coordinate(problem, column.channel)) continue;
       auto values = by_places(column.values);
       double low = INFINITY, high = -INFINITY;
       for (const std::size_t row : problem.learn)

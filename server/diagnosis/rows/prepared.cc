@@ -9,7 +9,7 @@
 namespace driftwise::diagnosis {
 namespace {
 
-bool is_wave_in_length(const effects::Term& term) {
+bool is_wave_in_coordinate(const effects::Term& term) {
   return std::ranges::any_of(term.factors, [](const effects::Factor& factor) {
     const auto* call = std::get_if<effects::Call>(&factor);
     return call != nullptr && (call->effect == "sin" || call->effect == "cos");
@@ -42,8 +42,7 @@ Prepared Prepared::of(const Dataset& dataset) {
   prepared.clocked_.time_s = clock;
   prepared.at_places_ = prepared.clocked_;
   for (auto& column : prepared.at_places_.columns)
-    if (column.channel.unit == "mm" &&
-        (is_pose_symbol(column.channel.symbol) || is_motor_symbol(column.channel.symbol)))
+    if (is_pose_symbol(column.channel.symbol) || is_motor_symbol(column.channel.symbol))
       column.values = by_places(column.values);
   prepared.on_path_ = prepared.clocked_;
   return prepared;
@@ -66,7 +65,7 @@ void Prepared::set_coordinate(const std::string& symbol, const std::vector<doubl
 
 Result<Eigen::MatrixXd> Prepared::columns(const std::vector<effects::Term>& terms) const {
   const auto from = [&](const effects::Term& term) {
-    if (is_wave_in_length(term)) return &at_places_;
+    if (is_wave_in_coordinate(term)) return &at_places_;
     return observes_path(term) ? &on_path_ : &clocked_;
   };
   Eigen::MatrixXd columns(static_cast<Eigen::Index>(data_.rows),

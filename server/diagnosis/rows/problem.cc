@@ -194,16 +194,14 @@ bool predict_coordinates(Problem& problem) {
   for (const auto& column : data.columns) {
     if (is_motor_symbol(column.channel.symbol))
       motors_repeat = motors_repeat && repeats_exactly(column.values);
-    if (is_pose_symbol(column.channel.symbol) && column.channel.unit == "mm")
+    if (is_coordinate(problem, column.channel))
       pose_repeats = pose_repeats || repeats_exactly(column.values);
   }
   if (motors_repeat || !pose_repeats) {
     bool any = false;
     for (const auto& column : data.columns) {
       const std::string& symbol = column.channel.symbol;
-      // A tilt that the baseline does not read is an instrument's reading, no coordinate.
-      if (!is_pose_symbol(symbol) || (column.channel.unit != "mm" && !reads(problem.base, symbol)))
-        continue;
+      if (!is_coordinate(problem, column.channel)) continue;
       const auto predicted = predicted_coordinate(data, symbol);
       if (!predicted) continue;
       problem.prepared.set_coordinate(symbol, *predicted);
@@ -250,6 +248,11 @@ Result<void> lay_on_prediction(Problem& problem) {
 }
 
 }  // namespace
+
+bool is_coordinate(const Problem& problem, const Channel& channel) {
+  return is_pose_symbol(channel.symbol) &&
+         (channel.unit == "mm" || reads(problem.base, channel.symbol));
+}
 
 std::vector<std::string> Problem::output_symbols() const {
   std::vector<std::string> symbols;

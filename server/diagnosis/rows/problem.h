@@ -67,6 +67,10 @@ enum class Judging {
   apart     // two of ten blocks of time, which take no part in anything else
 };
 
+// Is it a pose coordinate of the robot: a length, or an angle that the baseline reads? A tilt that
+// it does not read is an instrument's reading.
+bool is_coordinate(const Problem& problem, const Channel& channel);
+
 Eigen::MatrixXd rows_of(const Eigen::MatrixXd& columns, const std::vector<std::size_t>& rows);
 
 // Rows marked validation are held out; where there are none, those that `judging` says.

@@ -42,7 +42,7 @@ std::vector<double> as_beside(const Problem& problem, const std::vector<std::siz
                               const std::vector<double>& left) {
   std::vector<std::vector<double>> axes;
   for (const auto& column : problem.data().columns)
-    if (column.channel.unit == "mm" && is_pose_symbol(column.channel.symbol) &&
+    if (is_coordinate(problem, column.channel) &&
         std::ranges::all_of(rows, [&](std::size_t i) { return std::isfinite(column.values[i]); }))
       axes.push_back(by_places(column.values));
   std::vector<double> result(rows.size(), 0);

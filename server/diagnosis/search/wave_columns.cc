@@ -16,9 +16,10 @@ constexpr double kUniform = 1e-9;          // of the first frequency
 struct Grid {
   std::vector<double> frequencies;  // turns per unit of the value
   std::string symbol;               // "" for time
+  bool length = false;              // periods in nm, values in mm
 };
 
-// "sin(x, 2000 nm)" beside "cos(x, 2000 nm)"; frequencies per mm or per s.
+// "sin(x, 2000 nm)" beside "cos(x, 2000 nm)"; frequencies per mm, arcsec or s.
 std::optional<Grid> grid_of(const Cause& cause) {
   if (cause.scale != ParameterScale::inverse || cause.cells.size() < kFewestCells)
     return std::nullopt;
@@ -32,10 +33,11 @@ std::optional<Grid> grid_of(const Cause& cause) {
     if (call == nullptr || (call->effect != name && call->effect != name + "_t"))
       return std::nullopt;
     grid.symbol = call->symbols.empty() ? "" : call->symbols.front();
+    grid.length = call->parameters.front().unit == "nm";
   }
   const auto frequency = [&](std::size_t c) {
     const double period = cause.cells[c].parameter;
-    return 1 / (grid.symbol.empty() ? period : mm_from_nm(period));
+    return 1 / (grid.length ? mm_from_nm(period) : period);
   };
   for (std::size_t c = 0; c < cause.cells.size(); ++c) grid.frequencies.push_back(frequency(c));
   return grid;

@@ -98,21 +98,25 @@ void keep_open(Hypothesis& hypothesis) {
   cells = std::move(kept);
 }
 
-// The values that a periodic cause is periodic in, in the unit of its period: nm or s.
+// The values that a periodic cause is periodic in, in the unit of its period: nm, arcsec or s.
 std::vector<double> phase_values(const Dataset& dataset, const effects::Term& term) {
   const auto* call = std::get_if<effects::Call>(&term.factors.front());
   if (call == nullptr) return {};
   if (call->symbols.empty()) return dataset.time_s;
-  std::vector<double> nm;
-  for (const double mm : dataset.values_of(call->symbols.front())) nm.push_back(nm_from_mm(mm));
-  return nm;
+  const auto own = dataset.values_of(call->symbols.front());
+  std::vector<double> values(own.begin(), own.end());
+  if (call->parameters.front().unit == "nm")
+    for (double& value : values) value = nm_from_mm(value);
+  return values;
 }
 
 // "2000 nm", "57.1 s"
 std::string period_text(const Cause& cause, double period) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.4g %s", period,
-                cause.parameter == "period_nm" ? "nm" : "s");
+                cause.parameter == "period_nm"       ? "nm"
+                : cause.parameter == "period_arcsec" ? "arcsec"
+                                                     : "s");
   return text.data();
 }
 

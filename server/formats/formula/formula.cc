@@ -73,7 +73,13 @@ std::string wrong_unit(const effects::Term& term, const std::vector<Channel>& ch
     if (kind == nullptr || kind->channel_units.empty()) continue;
     for (std::size_t i = 0; i < call->symbols.size(); ++i) {
       const auto channel = std::ranges::find(channels, call->symbols[i], &Channel::symbol);
-      if (channel != channels.end() && channel->unit != kind->channel_units[i])
+      if (channel == channels.end()) continue;
+      if (kind->of_coordinate && i == 0) {
+        if (const auto why = effects::wrong_coordinate(*kind, *call, channel->unit); !why.empty())
+          return effects::notation(factor) + " observes " + channel->name() + ": " + why;
+        continue;
+      }
+      if (channel->unit != kind->channel_units[i])
         return effects::notation(factor) + " observes " + channel->name() +
                ", expected a channel in " + kind->channel_units[i];
     }

@@ -31,7 +31,8 @@ std::string coefficient_unit(const calibration::OutputModel& output, const effec
       if (kind == nullptr) continue;
       // "^2": a power of the channel's own unit.
       const bool of_channel = kind->output_unit.empty() || kind->output_unit.front() == '^';
-      unit = of_channel ? unit_of(call.symbols.front(), model) : "(" + kind->output_unit + ")";
+      unit = call.symbols.empty() ? "" : unit_of(call.symbols.front(), model);
+      if (!of_channel) unit = "(" + effects::output_unit(*kind, unit) + ")";
       if (unit.empty() || unit == "1" || unit == "(1)") continue;
       if (of_channel) unit += kind->output_unit;
     }

@@ -122,5 +122,30 @@ TEST(Contact, IsTheLoadToTwoThirdsWithItsSign) {
     EXPECT_NEAR(step(*contact, 4, load), std::exp(2 * std::log(load) / 3), 1e-12 * load);
 }
 
+TEST(EffectsOfCoordinates, AnAngleHasItsPeriodAndItsPlayInArcseconds) {
+  const auto wave = checked({"sin", {"rz"}, {{0.02, "deg"}}});
+  ASSERT_TRUE(wave.has_value());
+  EXPECT_EQ(wave->parameters[0].unit, "arcsec");
+  EXPECT_NEAR(wave->parameters[0].value, 72, 1e-12);
+  auto sine = find_effect("sin")->make(wave->parameters);
+  EXPECT_NEAR(step(*sine, 0, 18), 1, 1e-12);        // a quarter of 72 arcsec
+  EXPECT_NEAR(step(*sine, 1, 720 + 6), 0.5, 1e-9);  // ten turns and a twelfth
+  auto play = find_effect("play")->make(std::vector<Quantity>{{4, "arcsec"}});
+  EXPECT_EQ(step(*play, 0, 0), 0);
+  EXPECT_EQ(step(*play, 1, 100), -2);
+  EXPECT_EQ(step(*play, 2, 50), 2);
+}
+
+TEST(EffectsOfCoordinates, APeriodOfTheWrongKindIsToldWithTheUnitThatIsExpected) {
+  const auto& sine = *find_effect("sin");
+  EXPECT_EQ(wrong_coordinate(sine, {"sin", {"rz"}, {{72, "arcsec"}}}, "arcsec"), "");
+  EXPECT_EQ(wrong_coordinate(sine, {"sin", {"rz"}, {{72, "nm"}}}, "arcsec"),
+            "its period is in nm, expected arcsec as the channel is in arcsec");
+  EXPECT_EQ(wrong_coordinate(sine, {"sin", {"t04"}, {{72, "nm"}}}, "degC"),
+            "expected a channel in mm or arcsec");
+  EXPECT_EQ(output_unit(*find_effect("heat"), "arcsec"), "arcsec/s");
+  EXPECT_EQ(output_unit(*find_effect("heat"), "mm"), "mm/s");
+}
+
 }  // namespace
 }  // namespace driftwise::effects
