@@ -166,7 +166,7 @@ watched() {
 }
 
 # state_of KEY FILE: a number or a text of the procedure's record
-state_of() { sed -n 's/^ *"'"$1"'": *"\{0,1\}\([^",]*[^,"]*\)"\{0,1\},*$/\1/p' "$2" | head -n 1; }
+state_of() { sed -n 's/^ *"'"$1"'": *"\{0,1\}\([^"]*[^",]\)"\{0,1\},\{0,1\}$/\1/p' "$2" | head -n 1; }
 
 # aligned_substrates COUNT: a fresh substrate each time, tilted by random up to 0.5 degrees: touched, aligned, common zero, one indent, by
 # the plan. The first finds the height, the others depart 30 um below it.
