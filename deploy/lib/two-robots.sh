@@ -165,6 +165,30 @@ watched() {
   measured watched watched.plan.csv tool
 }
 
+# state_of KEY FILE: a number or a text of the procedure's record
+state_of() { sed -n 's/^ *"'"$1"'": *"\{0,1\}\([^"]*[^",]\)"\{0,1\},\{0,1\}$/\1/p' "$2" | head -n 1; }
+
+# aligned_substrates COUNT: a fresh substrate each time, tilted by random up to 0.5 degrees: touched, aligned, common zero, one indent, by
+# the plan. The first finds the height, the others depart 30 um below it.
+aligned_substrates() {
+  local i tilt state corrections depart=1.555
+  rm -f substrate*
+  for i in $(seq "$1"); do
+    tilt=$(awk -v seed=$((seed * 1000 + i)) 'BEGIN { srand(seed); rand(); printf "%.0f %.0f", 3600 * rand() - 1800, 3600 * rand() - 1800 }')
+    control "substrate $tilt arcsec" >/dev/null
+    sed "s/^closed_loop_\([xy]\)_um = .*/closed_loop_\1_um = []/; s/^x_um = .*/x_um = [250]/; s/^y_um = .*/y_um = []/
+         s/^depart_mm = .*/depart_mm = $depart/" indentation.toml >"substrate.$i.toml"
+    driftwise indent start "substrate.$i.toml" >"substrate.$i.txt" 2>&1 || tail -n 1 "substrate.$i.txt"
+    state=substrate.$i.toml.state.json
+    [ -s "$state" ] || { echo "$i: substrate $tilt arcsec: nothing was begun"; continue; }
+    corrections=$(state_of corrections "$state")
+    depart=$(state_of height_mm "$state" | awk '{ printf "%.4f", $1 - 0.03 }')
+    echo "$i: substrate $tilt arcsec, stage $(state_of stage "$state"), $corrections corrections, contacts agree to $(state_of spread_nm "$state") nm, by $(state_of by "$state")"
+  done | tee substrates.txt
+  awk -v of="$1" '/stage (zero|indents|microscope), [0-3] corrections/ && /ma=(coarse|fine|blend):/ { n++ }
+    END { printf "aligned to 500 nm in at most 3 corrections, the record says which model answered: %d of %d\n", n, of }' substrates.txt
+}
+
 demo() {
   local zero status=0 run=0
   [ $by = plan ] || speed=$contact_speed
@@ -177,6 +201,11 @@ demo() {
     sed -i 's/^by = .*/by = "geometry"\nreason = "asked for: deploy\/demo.sh indentation --by-geometry"/' indentation.toml
   fi
   watched
+  if [ "$substrates" -gt 0 ]; then
+    say "$substrates substrates, each aligned by what the plan serves"
+    aligned_substrates "$substrates"
+    return
+  fi
   say "indentation: touch, align, common zero, 10 indents"
   driftwise indent start indentation.toml 2>&1 | tee indentation.txt
   say "the microscope's table onto the indents"

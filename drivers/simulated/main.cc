@@ -117,6 +117,13 @@ void add_two_robots_hooks(FaultHooks& hooks, TwoRobotsPlant& plant) {
     plant.set_spacers_mm(height_mm, now);
     return true;
   };
+  hooks.substrate = [&plant](double rx_arcsec, double ry_arcsec, TimeNs now) {
+    constexpr double kSteepest_arcsec = 3600;
+    if (!(std::abs(rx_arcsec) <= kSteepest_arcsec && std::abs(ry_arcsec) <= kSteepest_arcsec))
+      return false;
+    plant.set_substrate_arcsec(rx_arcsec, ry_arcsec, now);
+    return true;
+  };
   hooks.microscope_json = [&plant](int origin) { return microscope_json(plant, origin); };
 }
 

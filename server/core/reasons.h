@@ -143,6 +143,7 @@ inline constexpr Reason kClockJumped{"CLOCK_JUMPED", Recovery::by_code};
 inline constexpr Reason kClockSpeed{"CLOCK_SPEED", Recovery::by_code};
 inline constexpr Reason kClosed{"CLOSED", Recovery::by_code};
 inline constexpr Reason kConfigurationChanged{"CONFIGURATION_CHANGED", Recovery::by_code};
+inline constexpr Reason kContactLost{"CONTACT_LOST", Recovery::by_code};
 inline constexpr Reason kControllerInUse{"CONTROLLER_IN_USE", Recovery::by_code};
 inline constexpr Reason kCursorTooOld{"CURSOR_TOO_OLD", Recovery::by_code};
 inline constexpr Reason kDatabaseClosed{"DATABASE_CLOSED", Recovery::by_code};

@@ -114,7 +114,8 @@ struct ProcedureRecord {
 
 // Goes on where the record is, until the microscope's turn. Errors: those of the cell;
 // failed_precondition OTHER_TOOL (the record was begun with another), NO_CONVERGENCE (alignment or
-// closed loop), NOTHING_FOUND (no contact), OUTSIDE_LIMITS (the holding error), NO_REST.
+// closed loop), NOTHING_FOUND (no contact), OUTSIDE_LIMITS (the holding error), CONTACT_LOST
+// (while it was pressed), NO_REST.
 // After an error the robot below has been retracted, or the sentence says that it could not be; one
 // that stands lower has not moved.
 Result<void> carry_out(TouchingCell& cell, const ProcedureRules& rules, ProcedureRecord& record,

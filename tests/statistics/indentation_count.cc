@@ -8,10 +8,11 @@
 
 int main(int argc, char** argv) {
   using namespace driftwise::statistics;
-  int approaches = 1000, cells = 20;
+  int approaches = 1000, cells = 20, contacts = 200;
   std::uint64_t seed = 1;
   CLI::App app{"Counts false contacts, and alignments of random substrates"};
   app.add_option("--approaches", approaches, "without contact, 40 steps each (default 1000)");
+  app.add_option("--contacts", contacts, "approaches that touch (default 200)");
   app.add_option("--cells", cells, "alignments (default 20)");
   app.add_option("--seed", seed, "of the first (default 1)");
   CLI11_PARSE(app, argc, argv);
@@ -31,6 +32,14 @@ int main(int argc, char** argv) {
   }
   if (cells > 0)
     std::printf("aligned to 500 nm in at most 3 corrections: %d of %d\n", accepted, cells);
+  if (contacts > 0) {
+    const auto c = count_contacts(seed, contacts);
+    std::printf(
+        "contacts: %d of %d approaches, told at the first move that touches %d, the second %d, "
+        "third %d, fourth %d, later %d, with nothing touched %d; at most %.1f mN\n",
+        c.contacts, c.approaches, c.moves[0], c.moves[1], c.moves[2], c.moves[3], c.later, c.before,
+        c.largest_force_mn);
+  }
   if (approaches > 0) {
     const auto c = count_false_contacts(seed, approaches);
     std::printf(

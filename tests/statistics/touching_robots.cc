@@ -144,10 +144,12 @@ indentation::Approach::Next TouchingRobots::approach(const indentation::Approach
   using Kind = indentation::Approach::Next::Kind;
   auto approach = indentation::Approach::create(rule).value();
   auto next = approach.begin();
+  moves_in_contact_ = 0;
   for (int windows = 0; next.kind == Kind::move || next.kind == Kind::look; ++windows) {
-    if (next.kind == Kind::move)
+    if (next.kind == Kind::move) {
       (void)move_below(rx_arcsec_, ry_arcsec_, next.height_mm);
-    else if (approach.detector().shift_nm().size() > 0)
+      moves_in_contact_ += moves_in_contact_ > 0 || plant_->contact(now()).gap_nm < 0;
+    } else if (approach.detector().shift_nm().size() > 0)
       pass(1);
     if (windows == knock.before_window) plant_->knock(knock.amplitude_nm, now());
     next = approach.next(look().value()).value();
@@ -181,6 +183,35 @@ Aligned align(TouchingRobots& robots) {
   }
   out.left_nm = high_nm - low_nm;
   return out;
+}
+
+FoundContacts count_contacts(std::uint64_t seed, int approaches) {
+  using Kind = indentation::Approach::Next::Kind;
+  TouchingRobots robots(seed);
+  robots.plant().set_substrate_arcsec(0, 0, std::llround(robots.time_s() * 1e9));
+  simulated::Random chance(seed, "count.chance");
+  FoundContacts count;
+  double surface_mm = 0;
+  for (; count.approaches < approaches; ++count.approaches) {
+    (void)robots.move_below(0, 0, 0.9);
+    (void)robots.move_above(chance.uniform(-1, 1), chance.uniform(-1, 1), kWork_mm);
+    robots.pass(30);  // the servo gives back what it pushed with
+    const double depart_mm = surface_mm == 0 ? 1.555 : surface_mm - chance.uniform(0.010, 0.020);
+    const auto end = robots.approach({.depart_mm = depart_mm, .highest_mm = 1.645}, {});
+    if (end.kind != Kind::contact) continue;
+    ++count.contacts;
+    surface_mm = end.height_mm;
+    const int moves = robots.moves_in_contact();
+    if (moves < 1)
+      ++count.before;
+    else if (static_cast<std::size_t>(moves) > count.moves.size())
+      ++count.later;
+    else
+      ++count.moves[static_cast<std::size_t>(moves) - 1];
+    const auto truth = robots.plant().contact(std::llround(robots.time_s() * 1e9));
+    count.largest_force_mn = std::max(count.largest_force_mn, 1e3 * truth.force_n);
+  }
+  return count;
 }
 
 FalseContacts count_false_contacts(std::uint64_t seed, int approaches) {

@@ -38,6 +38,10 @@ class TouchingRobots final : public indentation::TouchingCell {
   };
   indentation::Approach::Next approach(const indentation::ApproachRule& rule, Knock knock);
 
+  // Moves of the last approach() from the first after which tip and surface would overlap, both at
+  // rest where they were told to be, to the decision; 0: they never did.
+  int moves_in_contact() const { return moves_in_contact_; }
+
   simulated::TwoRobotsPlant& plant() { return *plant_; }
   double time_s() const { return time_s_; }
 
@@ -48,6 +52,7 @@ class TouchingRobots final : public indentation::TouchingCell {
 
   std::unique_ptr<simulated::TwoRobotsPlant> plant_;
   double time_s_ = 0;
+  int moves_in_contact_ = 0;
   double rx_arcsec_ = 0, ry_arcsec_ = 0;
   std::array<double, 3> above_mm_{}, below_mm_{};  // told to the two robots
 };
@@ -75,5 +80,14 @@ struct FalseContacts {
 // approaches of 40 steps far below the tip, from fresh places, in a room that drifts, with one
 // knock of 100 to 800 nm in each.
 FalseContacts count_false_contacts(std::uint64_t seed, int approaches);
+
+struct FoundContacts {
+  int approaches = 0, contacts = 0;
+  std::array<int, 4> moves{};  // how many were found at the first move that touches, the second ...
+  int before = 0, later = 0;   // with nothing touched; beyond the fourth
+  double largest_force_mn = 0;
+};
+// approaches from some 20 um below the surface, at fresh places of an untilted substrate.
+FoundContacts count_contacts(std::uint64_t seed, int approaches);
 
 }  // namespace driftwise::statistics

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <array>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -163,12 +164,22 @@ TEST(FaultDesk, PutsSpacersBetweenTwoRobots) {
   Bench bench;
   double height_mm = -1;
   FaultHooks hooks;
+  std::array<double, 2> tilt_arcsec{};
+  hooks.substrate = [&](double rx, double ry, TimeNs) {
+    tilt_arcsec = {rx, ry};
+    return std::abs(rx) <= 3600;
+  };
   hooks.spacers = [&](double mm, TimeNs) { return height_mm = mm, mm >= 0 && mm <= 100; };
   FaultDesk desk(bench.bench, hooks);
   EXPECT_EQ(desk.answer("spacers 14 mm", kStart), "OK");
   EXPECT_EQ(height_mm, 14);
   EXPECT_THAT(desk.answer("spacers 400 mm", kStart), HasSubstr("0 to 100 mm"));
   EXPECT_THAT(desk.answer("spacers in", kStart), HasSubstr("expected spacers <h> mm"));
+  EXPECT_EQ(desk.answer("substrate 540 -1296 arcsec", kStart), "OK");
+  EXPECT_EQ(tilt_arcsec, (std::array<double, 2>{540, -1296}));
+  EXPECT_THAT(desk.answer("substrate 4000 0 arcsec", kStart), HasSubstr("-3600 to 3600"));
+  for (const char* bad : {"substrate", "substrate 540 arcsec", "substrate 5 x arcsec"})
+    EXPECT_THAT(desk.answer(bad, kStart), HasSubstr("such as substrate 540 1296 arcsec"));
   EXPECT_EQ(FaultDesk(bench.bench, {}).answer("spacers 1 mm", kStart),
             "ERR this cell cannot do that");
 }

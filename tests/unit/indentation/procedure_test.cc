@@ -17,7 +17,8 @@ double tangent(double arcsec) { return std::tan(arcsec / 3600 * std::numbers::pi
 class IdealCell final : public TouchingCell {
  public:
   double tilt_rx_arcsec = 540, tilt_ry_arcsec = 1296;
-  int calls_left = 1'000'000;  // then the client is lost
+  double breaks_at_overlap_mm = 1e9;  // then the work-piece gives way, and nothing pushes back
+  int calls_left = 1'000'000;         // then the client is lost
   std::vector<std::pair<double, double>> touched{};
   bool above_is_there = true;
   double highest_mm = 0;     // of the robot below
@@ -53,7 +54,8 @@ class IdealCell final : public TouchingCell {
   }
   Result<Eigen::MatrixXd> look() override {
     if (auto ok = alive(); !ok) return tl::unexpected(std::move(ok).error());
-    const double push_nm = std::clamp(overlap_mm() * 1e6, 0.0, 220.0);
+    gave_way_ = gave_way_ || overlap_mm() > breaks_at_overlap_mm;
+    const double push_nm = gave_way_ ? 0 : std::clamp(overlap_mm() * 1e6, 0.0, 220.0);
     return Eigen::MatrixXd::Constant(3, 3, 30 - push_nm);
   }
   Result<void> wait(double) override { return {}; }
@@ -69,6 +71,7 @@ class IdealCell final : public TouchingCell {
     return fail(ErrorCode::unavailable, reasons::kLinkLost, "the daemon is away");
   }
   double x_ = 0, y_ = 0, z_ = 0, rx_ = 0, ry_ = 0;
+  bool gave_way_ = false;
 };
 
 ProcedureRules rules() {
@@ -165,6 +168,25 @@ TEST(Procedure, SaysWhatToDoWhenNothingIsTouched) {
   EXPECT_EQ(done.error().reason, "NOTHING_FOUND");
   EXPECT_EQ(record.contacts, 0);
   EXPECT_FALSE(record.in_contact);
+}
+
+// The three contacts of the alignment are not pressed: the common zero is the first that is.
+TEST(Procedure, SaysThatAContactWasLostWhileItWasPressed) {
+  IdealCell cell;
+  cell.breaks_at_overlap_mm = 0.0006;
+  auto pressed = rules();
+  pressed.press_mm = 0.00075;
+  ProcedureRecord record;
+  const auto done = carry_out(cell, pressed, record, kNobody);
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().reason, "CONTACT_LOST");
+  EXPECT_NE(done.error().message.find("goes on, beside this place"), std::string::npos);
+  EXPECT_EQ(record.stage, Stage::zero);
+  EXPECT_FALSE(record.in_contact) << "retracted";
+  EXPECT_GT(record.aside_um, 0) << "that surface is used";
+  IdealCell mended;
+  EXPECT_TRUE(carry_out(mended, pressed, record, kNobody));
+  EXPECT_EQ(record.indents.size(), 3U);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ constexpr std::string_view kHelp =
     "wrong-power|wrong-position|mend-beam <device> | fault jam|mend-load | fault "
     "open-probe|mend-probe <input> | fault lie <device> jump|scale|value <x> | fault lie <device> "
     "constant | fault clear [<device>] | fault knock <a> nm | load <newton> | open <n> s | "
-    "spacers <h> mm | microscope? <indent> | truth? | time? | "
+    "spacers <h> mm | substrate <rx> <ry> arcsec | microscope? <indent> | truth? | time? | "
     "help";
 constexpr const char* kUnable = "ERR this cell cannot do that";
 constexpr double kUsualShock_nm = 60;
@@ -52,6 +52,7 @@ std::string FaultDesk::answer(std::string_view line, TimeNs now) {
     return hooks_.truth_json ? "OK " + hooks_.truth_json(now) : wrong("this cell cannot do that");
   if (words[0] == "load") return hang(words, now);
   if (words[0] == "spacers") return spacers(words, now);
+  if (words[0] == "substrate") return substrate(words, now);
   if (words[0] == "microscope?") return microscope(words);
   if (words[0] == "open") return open_box(words, now);
   if (words[0] == "fault" && words.size() >= 2) return fault(words, now);
@@ -71,6 +72,17 @@ std::string FaultDesk::spacers(const std::vector<std::string_view>& words, TimeN
   if (!height_mm) return wrong("expected spacers <h> mm, such as spacers 14 mm");
   if (!hooks_.spacers) return kUnable;
   return hooks_.spacers(*height_mm, now) ? "OK" : wrong("expected a height of 0 to 100 mm");
+}
+
+std::string FaultDesk::substrate(const std::vector<std::string_view>& words, TimeNs now) {
+  const bool form = words.size() == 4 && words[3] == "arcsec";
+  const auto rx_arcsec = form ? parse_number(words[1]) : std::nullopt;
+  const auto ry_arcsec = form ? parse_number(words[2]) : std::nullopt;
+  if (!rx_arcsec || !ry_arcsec)
+    return wrong("expected substrate <rx> <ry> arcsec, such as substrate 540 1296 arcsec");
+  if (!hooks_.substrate) return kUnable;
+  return hooks_.substrate(*rx_arcsec, *ry_arcsec, now) ? "OK"
+                                                       : wrong("expected tilts of -3600 to 3600");
 }
 
 std::string FaultDesk::microscope(const std::vector<std::string_view>& words) {

@@ -19,7 +19,8 @@
 //   fault clear [<device>]              mute, garble, slow and the lie end
 //   fault knock <a> nm                  somebody knocks at the table: the robot above swings by a
 //   spacers <h> mm                      a person puts parts of this height between two robots; 0:
-//   out microscope? <indent>                the indents as a microscope shows them, from this one
+//   out substrate <rx> <ry> arcsec          a person glues a fresh substrate on, tilted by so much
+//   microscope? <indent>                the indents as a microscope shows them, from this one
 //   load <newton>                       a person changes the weights by hand
 //   open <n> s                          a person opens the box over the robot for so long
 //   truth?                              what really is, as one line of JSON
@@ -52,6 +53,8 @@ struct FaultHooks {  // an empty one answers "ERR this cell cannot do that"
   std::function<bool(const std::string& device, const std::string& form, double amount)> lie;
   std::function<void(double amplitude_nm, TimeNs now)> knock;
   std::function<bool(double height_mm, TimeNs now)> spacers;  // false: no such height
+  std::function<bool(double rx_arcsec, double ry_arcsec, TimeNs now)>
+      substrate;  // false: too steep
   // One line of JSON; empty: there is no such indent.
   std::function<std::string(int origin)> microscope_json;
   std::function<bool(double for_s, TimeNs now)> open_box;  // false: there is none
@@ -77,6 +80,7 @@ class FaultDesk : public Emulator {
   std::string lie(const std::vector<std::string_view>& words);
   std::string knock(const std::vector<std::string_view>& words, TimeNs now);
   std::string spacers(const std::vector<std::string_view>& words, TimeNs now);
+  std::string substrate(const std::vector<std::string_view>& words, TimeNs now);
   std::string microscope(const std::vector<std::string_view>& words);
   std::string open_box(const std::vector<std::string_view>& words, TimeNs now);
   std::string hang(const std::vector<std::string_view>& words, TimeNs now);

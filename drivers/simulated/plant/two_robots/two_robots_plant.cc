@@ -223,6 +223,15 @@ void TwoRobotsPlant::set_spacers_mm(double height_mm, TimeNs now) {
   forget_instants();
 }
 
+void TwoRobotsPlant::set_substrate_arcsec(double rx_arcsec, double ry_arcsec, TimeNs now) {
+  advance_to(now);
+  tilt_rx_rad_ = rx_arcsec * kRadPerArcsec;
+  tilt_ry_rad_ = ry_arcsec * kRadPerArcsec;
+  craters_.clear();
+  gap_nm_ = place(now_s()).gap_nm;
+  forget_instants();
+}
+
 std::vector<MicroscopeRow> TwoRobotsPlant::microscope(int origin) const {
   check(origin >= 1 && static_cast<std::size_t>(origin) <= craters_.size(),
         "microscope: there is no such indent");

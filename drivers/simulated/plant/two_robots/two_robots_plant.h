@@ -66,13 +66,16 @@ class TwoRobotsPlant final : public MicroNanoPlant {
   // one by so much. 0: as for indentation.
   void set_spacers_mm(double height_mm, TimeNs now);
 
+  // A fresh substrate, glued on by hand with these tilts; the one before went with its craters.
+  void set_substrate_arcsec(double rx_arcsec, double ry_arcsec, TimeNs now);
+
   // The craters as the microscope shows them: from the one called origin, with its scale and with
   // the marking's error; the same for the same craters.
   std::vector<MicroscopeRow> microscope(int origin) const;
 
   ContactTruth contact(TimeNs at);
   const std::vector<Crater>& craters() const { return craters_; }
-  double substrate_rx_arcsec() const;  // of the substrate on the lower robot, as drawn
+  double substrate_rx_arcsec() const;  // of the substrate on the lower robot
   double substrate_ry_arcsec() const;
   double lever_mm() const { return lever_mm_; }
   const TwoRobotsParameters& all_parameters() const { return parameters_; }
