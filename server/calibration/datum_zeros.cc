@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <set>
+#include <string_view>
 
 #include "server/calibration/design/design.h"
 #include "server/calibration/design/predict.h"
@@ -111,16 +113,20 @@ class ZeroSearch {
 
   std::string find_axes(const Pass& pass) {
     std::vector<std::string> symbols;
+    std::set<std::string_view> robots;  // whose motor coordinates are fitted
     for (const auto& output : pass.outputs) {
-      if (!is_motor_symbol(output.channel.symbol) || !is_length(output.channel.unit))
+      const std::string& motor = output.channel.symbol;
+      if (!is_motor_symbol(without_robot(motor)) || !is_length(output.channel.unit))
         return output.channel.name() + " is no motor coordinate";
+      robots.insert(robot_of(motor));
       for (const auto& term : output.terms)
         for (const auto& symbol : effects::symbols_of(term))
           if (std::ranges::find(symbols, symbol) == symbols.end()) symbols.push_back(symbol);
     }
     for (std::size_t c = 0; c < measured_.columns.size(); ++c) {
       const auto& [channel, values] = measured_.columns[c];
-      if (!is_pose_symbol(channel.symbol) || !is_length(channel.unit) ||
+      if (!is_pose_symbol(without_robot(channel.symbol)) || !is_length(channel.unit) ||
+          !robots.contains(robot_of(channel.symbol)) ||
           std::ranges::find(symbols, channel.symbol) == symbols.end())
         continue;
       double low = HUGE_VAL, high = -HUGE_VAL;

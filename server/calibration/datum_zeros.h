@@ -14,9 +14,10 @@
 // output. Rows moved by any vector come to the same place.
 //
 // A datum keeps its constant alone, and says why, where there are not as many axes (x, y, z among
-// the terms, lengths) as outputs (motor coordinates, lengths), where the outputs do not follow the
-// axes, where p0 is beyond 2 % of a fitted range (its scales were homed elsewhere), and where its
-// rows fit clearly better with the constant than moved.
+// the terms, lengths, of the outputs' robot where a cell has several) as outputs (motor
+// coordinates, lengths), where the outputs do not follow the axes, where p0 is beyond 2 % of a
+// fitted range (its scales were homed elsewhere), and where its rows fit clearly better with the
+// constant than moved.
 
 #include <vector>
 

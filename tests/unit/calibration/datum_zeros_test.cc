@@ -148,5 +148,49 @@ TEST(DatumZeros, AreLeftAloneWhereOneDatumIsFitted) {
   EXPECT_TRUE(find_datum_zeros(data, {}).empty());
 }
 
+// Every coordinate of these rows with the robot's id.
+Dataset of_robot(Dataset data, const std::string& robot) {
+  for (auto& column : data.columns)
+    if (column.channel.unit == "mm") column.channel.symbol.insert(0, robot + ".");
+  return data;
+}
+
+TEST(DatumZeros, OfARobotWithAnIdAreThoseOfTheSameRowsWithoutIt) {
+  const Dataset data =
+      measure({{}, {.x_mm = 0.01, .y_mm = -0.02, .degc = 23}, {.x_mm = -0.015, .degc = 21}});
+  const auto alone = fitted_over_datums(data);
+  const auto fitted = formats::fit_formula(
+      of_robot(data, "mn"), "mn.q ~ poly(mn.x, mn.y, 2) + t01 + t01:(mn.x + mn.y)", {});
+  ASSERT_TRUE(fitted) << fitted.error().message;
+  ASSERT_EQ(fitted->datum_zeros.size(), 2u);
+  for (std::size_t datum = 0; datum < 2; ++datum) {
+    const auto& zero = fitted->datum_zeros[datum];
+    ASSERT_EQ(zero.pose.size(), 2u) << zero.why_not;
+    EXPECT_EQ(zero.pose[0].channel, "mn.x_mm");
+    for (std::size_t axis = 0; axis < 2; ++axis)
+      EXPECT_NEAR(zero.pose[axis].value, alone.datum_zeros[datum].pose[axis].value, 1e-9);
+  }
+  EXPECT_THAT(fitted->warnings,
+              testing::Contains(HasSubstr("the zero of datum 2 lies at mn.x_mm = 0.0")));
+}
+
+// A length of another robot among the terms is no axis of this one.
+TEST(DatumZeros, OfOneRobotAreNotMovedAlongTheOther) {
+  Dataset data = of_robot(measure({{}, {.x_mm = 0.01, .y_mm = -0.02, .degc = 23}}), "mn");
+  auto& height = data.columns.emplace_back(DatasetColumn{{"ma.z", "mm"}, {}}).values;
+  for (std::size_t row = 0; row < data.rows; ++row) {
+    height.push_back(std::sin(1.3 * static_cast<double>(row)));
+    data.columns[0].values[row] += 1e-3 * height[row];
+  }
+  const auto fitted =
+      formats::fit_formula(data, "mn.q ~ poly(mn.x, mn.y, 2) + t01 + t01:(mn.x + mn.y) + ma.z", {});
+  ASSERT_TRUE(fitted) << fitted.error().message;
+  ASSERT_EQ(fitted->datum_zeros.size(), 1u);
+  const auto& zero = fitted->datum_zeros[0];
+  ASSERT_EQ(zero.pose.size(), 2u) << zero.why_not;
+  EXPECT_NEAR(zero.pose[0].value, 0.01, 2e-4);
+  EXPECT_NEAR(zero.pose[1].value, -0.02, 2e-4);
+}
+
 }  // namespace
 }  // namespace driftwise::calibration
