@@ -503,7 +503,7 @@ Difference paired(const std::vector<double>& before, const std::vector<double>& 
   return {mean, 2.262 * std::sqrt(squares / n)};
 }
 
-// Where a program's seeds begin: DRIFTWISE_JOINT_SEED, else what a test is run with every day.
+// First seed of a count: DRIFTWISE_JOINT_SEED, else the one that the daily test runs with.
 std::uint64_t first_seed(std::uint64_t otherwise) {
   const char* seed = std::getenv("DRIFTWISE_JOINT_SEED");
   return seed ? static_cast<std::uint64_t>(std::atoll(seed)) : otherwise;
