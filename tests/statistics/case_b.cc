@@ -1,5 +1,5 @@
 // case_b: the models of case B beside two oracles that look at the plant, over many machines, and
-// where each model's error comes from. docs/uncertainty.md has its figures.
+// where each model's error comes from. docs/evidence/case-b.md has its figures.
 
 #include <CLI/CLI.hpp>
 #include <cstdio>

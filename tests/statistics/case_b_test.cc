@@ -1,5 +1,6 @@
 // Case B on ten simulated machines: the published four models, the recommended one, and how far
-// that is from an oracle that knows the plant's terms. The whole: `case_b` (docs/uncertainty.md).
+// that is from an oracle that knows the plant's terms. The whole: `case_b`, figures in
+// docs/evidence/case-b.md.
 
 #include <gtest/gtest.h>
 
