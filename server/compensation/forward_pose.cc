@@ -68,25 +68,16 @@ Error not_square(const Snapshot& snapshot, const std::vector<Unknown>& unknowns)
 void model_at(const Snapshot& snapshot, const TargetRequest& pose,
               const std::vector<Unknown>& unknowns, Eigen::VectorXd& q_mm,
               Eigen::MatrixXd& slopes) {
+  const Columns columns = columns_of(snapshot, pose.value);
   Basis basis;
-  fill_basis(snapshot, pose, basis);
+  fill_basis(snapshot, columns, basis);
   const std::size_t size = snapshot.basis_size();
   for (std::size_t i = 0; i < snapshot.outputs.size(); ++i)
     q_mm[static_cast<Eigen::Index>(i)] =
         dot(snapshot.outputs[i].coefficients_mm.data(), basis.b.data(), size);
   Basis derived;
   for (std::size_t j = 0; j < unknowns.size(); ++j) {
-    const auto v = static_cast<std::size_t>(unknowns[j].variable);
-    derived.b[0] = 0;
-    for (std::size_t k = 0; k < snapshot.products.size(); ++k) {
-      const auto& product = snapshot.products[k];
-      const double column =
-          pose.value[product.variable] * snapshot.column_per_unit[product.variable] +
-          snapshot.column_shift[product.variable];
-      derived.b[k + 1] =
-          derived.b[product.base] * column +
-          (product.variable == v ? basis.b[product.base] * snapshot.column_per_unit[v] : 0.0);
-    }
+    fill_slope(snapshot, columns, basis, unknowns[j].variable, derived);
     for (std::size_t i = 0; i < snapshot.outputs.size(); ++i)
       slopes(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
           dot(snapshot.outputs[i].coefficients_mm.data(), derived.b.data(), size);

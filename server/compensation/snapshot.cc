@@ -2,19 +2,21 @@
 
 #include <algorithm>
 
+#include "server/compensation/basis_values.h"
+
 namespace driftwise::compensation {
 namespace {
 
 struct Name {
-  std::string_view symbol, unit;
+  std::string_view symbol, unit, full;
 };
-constexpr std::array<Name, kVariables> kNames = {{{"x", "mm"},
-                                                  {"y", "mm"},
-                                                  {"z", "mm"},
-                                                  {"rx", "arcsec"},
-                                                  {"ry", "arcsec"},
-                                                  {"rz", "arcsec"},
-                                                  {"force", "N"}}};
+constexpr std::array<Name, kVariables> kNames = {{{"x", "mm", "x_mm"},
+                                                  {"y", "mm", "y_mm"},
+                                                  {"z", "mm", "z_mm"},
+                                                  {"rx", "arcsec", "rx_arcsec"},
+                                                  {"ry", "arcsec", "ry_arcsec"},
+                                                  {"rz", "arcsec", "rz_arcsec"},
+                                                  {"force", "N", "force_N"}}};
 
 }  // namespace
 
@@ -27,6 +29,16 @@ std::optional<Variable> variable_from(std::string_view symbol) {
 Channel channel_of(Variable variable) {
   const Name& name = kNames[static_cast<std::size_t>(variable)];
   return {std::string(name.symbol), std::string(name.unit)};
+}
+
+std::string_view name_of(Variable variable) {
+  return kNames[static_cast<std::size_t>(variable)].full;
+}
+
+std::optional<Variable> variable_named(std::string_view name) {
+  const auto found = std::ranges::find(kNames, name, &Name::full);
+  if (found == kNames.end()) return std::nullopt;
+  return static_cast<Variable>(found - kNames.begin());
 }
 
 std::string_view to_string(UncertaintySource source) {
@@ -57,6 +69,11 @@ std::string_view to_string(UncertaintySource source) {
       return "extrapolation";
   }
   return "fit";
+}
+
+bool have_same_terms(const Snapshot& a, const Snapshot& b) {
+  return a.products == b.products && a.column_per_unit == b.column_per_unit &&
+         a.column_shift == b.column_shift;
 }
 
 }  // namespace driftwise::compensation

@@ -38,7 +38,10 @@ constexpr std::size_t kMaxBasis = 128;  // poly(x, y, z, rx, ry, 3) has 56 produ
 constexpr std::size_t kMaxInputs = 64;  // a bit each in Target
 constexpr std::uint32_t bit(Variable variable) { return 1u << static_cast<unsigned>(variable); }
 std::optional<Variable> variable_from(std::string_view symbol);
-Channel channel_of(Variable variable);  // in the request's unit: x_mm, rx_arcsec, force_N
+// In the request's unit: x_mm, rx_arcsec, force_N.
+Channel channel_of(Variable variable);
+std::string_view name_of(Variable variable);
+std::optional<Variable> variable_named(std::string_view name);
 
 // Where a target's uncertainty comes from, line by line; what each means and how it is combined:
 // docs/uncertainty.md.
@@ -77,6 +80,7 @@ struct Snapshot {
   struct Product {
     std::uint16_t base = 0;
     std::uint8_t variable = 0;
+    bool operator==(const Product&) const = default;
   };
   std::vector<Product> products;
   std::size_t basis_size() const { return products.size() + 1; }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <utility>
 
 #include "server/compensation/basis_values.h"
 #include "server/compensation/dot.h"
@@ -31,28 +32,16 @@ double extrapolation_factor(double largest_excess) {
   return (1.0 + largest_excess) * (1.0 + largest_excess);
 }
 
-// b b' packed as the variances are: every quadratic form of a target is then one dot product.
-struct Squares {
-  std::array<double, kMaxBasis*(kMaxBasis + 1) / 2> bb;
-};
-
-void fill_squares(const Basis& basis, std::size_t size, Squares& squares) {
-  double* row = squares.bb.data();
-  for (std::size_t i = 0; i < size; ++i) {
-    for (std::size_t j = 0; j <= i; ++j) row[j] = basis.b[i] * basis.b[j];
-    row += i + 1;
-  }
-}
-
-// b' V b from the packed lower triangle with doubled off-diagonal entries, or a constant.
-double variance(const std::vector<double>& packed, const Squares& squares) {
+// b' V b from the packed lower triangle with doubled off-diagonal entries, or a constant. squares:
+// PoseTerms::squares.
+double variance(const std::vector<double>& packed, const double* squares) {
   if (packed.size() == 1) return packed[0];
-  return dot(packed.data(), squares.bb.data(), packed.size());
+  return dot(packed.data(), squares, packed.size());
 }
 
 // Few roots are cheaper one by one than the form they make.
 double line_variance(const Snapshot::UncertaintyLine& line, std::size_t size, const Basis& basis,
-                     const Squares& squares) {
+                     const double* squares) {
   double sum = line.variance_nm2.empty() ? 0 : variance(line.variance_nm2, squares);
   for (std::size_t row = 0; row + size <= line.roots_nm.size(); row += size) {
     const double error = dot(line.roots_nm.data() + row, basis.b.data(), size);
@@ -66,11 +55,10 @@ double share_nm2(const Eigen::VectorXd& variances, std::size_t i) {
   return variances.size() == 0 ? 0 : variances[static_cast<Eigen::Index>(i)] * kNmPerMm * kNmPerMm;
 }
 
-Target refused(Target target, Refusal refusal) {
+void refuse(Target& target, Refusal refusal) {
   target.refusal = refusal;
   target.q_mm.fill(kNan);
   target.u_nm.fill(kNan);
-  return target;
 }
 
 // The fast inputs stand first. Sets the outside bits, and returns the largest excess of all inputs.
@@ -129,34 +117,41 @@ void set_flags(const Snapshot& snapshot, const TargetRequest& request, Target& t
 }
 
 // Soft limits are compared with the coordinate as computed. It is never clamped.
-Target held_to_limits(const Snapshot& snapshot, const TargetRequest& request, Target target) {
+void hold_to_limits(const Snapshot& snapshot, const TargetRequest& request, Target& target) {
   for (std::size_t i = target.outputs; i-- > 0;) {
     const auto& output = snapshot.outputs[i];
     if (target.q_mm[i] >= output.min_mm && target.q_mm[i] <= output.max_mm) continue;
     target.unreachable |= 1u << i;
     target.unreachable_mm = target.q_mm[i];
   }
-  if (target.unreachable == 0) return target;
+  if (target.unreachable == 0) return;
   target.flags |= kOutsideLimits;
   if (snapshot.refuse_outside_limits && !request.show_unreachable)
-    return refused(target, Refusal::outside_limits);
-  return target;
+    refuse(target, Refusal::outside_limits);
 }
 
 // "q1+q3": one word, so that it can stand in a reason.
+void append_axis_names(std::string& out, const Snapshot& snapshot, std::uint32_t bits) {
+  bool first = true;
+  for (std::size_t i = 0; i < snapshot.outputs.size(); ++i) {
+    if ((bits >> i & 1) == 0) continue;
+    if (!std::exchange(first, false)) out += '+';
+    out += snapshot.outputs[i].channel.symbol;
+  }
+}
 std::string axis_names(const Snapshot& snapshot, std::uint32_t bits) {
   std::string out;
-  for (std::size_t i = 0; i < snapshot.outputs.size(); ++i)
-    if (bits >> i & 1) out += (out.empty() ? "" : "+") + snapshot.outputs[i].channel.symbol;
+  append_axis_names(out, snapshot, bits);
   return out;
 }
 
-std::string variable_names(std::uint32_t bits) {
-  std::string out;
-  for (std::size_t i = 0; i < kVariables; ++i)
-    if (bits >> i & 1)
-      out += (out.empty() ? "" : " ") + channel_of(static_cast<Variable>(i)).name();
-  return out;
+void append_variable_names(std::string& out, std::uint32_t bits, char between) {
+  bool first = true;
+  for (std::size_t i = 0; i < kVariables; ++i) {
+    if ((bits >> i & 1) == 0) continue;
+    if (!std::exchange(first, false)) out += between;
+    out += name_of(static_cast<Variable>(i));
+  }
 }
 
 std::string digits_of(double value) {
@@ -178,10 +173,18 @@ Error beyond_limits(const Snapshot& snapshot, const Target& target) {
               ": the pose cannot be reached; ask for one within the travel"};
 }
 
+void append_names(std::string& out, const Snapshot& snapshot, std::uint64_t bits, char between) {
+  bool first = true;
+  for (std::size_t i = 0; i < snapshot.inputs.size(); ++i) {
+    if ((bits >> i & 1) == 0) continue;
+    if (!std::exchange(first, false)) out += between;
+    const Channel& channel = snapshot.inputs[i].channel;
+    ((out += channel.symbol) += '_') += channel.unit;
+  }
+}
 std::string names(const Snapshot& snapshot, std::uint64_t bits) {
   std::string out;
-  for (std::size_t i = 0; i < snapshot.inputs.size(); ++i)
-    if (bits >> i & 1) out += (out.empty() ? "" : " ") + snapshot.inputs[i].channel.name();
+  append_names(out, snapshot, bits, ' ');
   return out;
 }
 
@@ -204,18 +207,25 @@ double arcsec_of(const Channel& joint, double micro_units) {
 }
 
 Target compute_target(const Snapshot& snapshot, const TargetRequest& request) noexcept {
+  PoseTerms terms;
   Target target;
+  compute_target(snapshot, request, terms, target);
+  return target;
+}
+
+void compute_target(const Snapshot& snapshot, const TargetRequest& request, PoseTerms& terms,
+                    Target& target) noexcept {
   target.outputs = snapshot.outputs.size();
   target.valid_until = snapshot.valid_until;
   if (const Refusal refusal = look_at_request(snapshot, request, target); refusal != Refusal::none)
-    return refused(target, refusal);
+    return refuse(target, refusal);
   const double largest_excess = look_at_domain(snapshot, request, target);
   set_flags(snapshot, request, target);
   if (snapshot.refuse_outside_domain && target.outside)
-    return refused(target, Refusal::outside_domain);
+    return refuse(target, Refusal::outside_domain);
   if (snapshot.refuse_stale &&
       (target.flags & (kStaleTemperature | kMissingTemperature | kExpiredConditions)))
-    return refused(target, Refusal::stale);
+    return refuse(target, Refusal::stale);
 
   LawAnswer law;
   if (snapshot.geometry) {
@@ -223,31 +233,31 @@ Target compute_target(const Snapshot& snapshot, const TargetRequest& request) no
         snapshot.geometry->law->motors_of(request, *snapshot.geometry, request.with_uncertainty);
     if (!answer) {
       target.why = std::make_shared<const Error>(std::move(answer.error()));
-      return refused(target, Refusal::no_pose);
+      return refuse(target, Refusal::no_pose);
     }
     law = std::move(*answer);
   }
   const bool with_uncertainty = request.with_uncertainty && !snapshot.unjudged;
-  Basis basis;
-  fill_basis(snapshot, request, basis);
+  const double* const b = terms.basis(snapshot, request.value).b.data();
+  const double* const squares = with_uncertainty ? terms.squares(snapshot) : nullptr;
   const std::size_t size = snapshot.basis_size();
-  Squares squares;
-  if (with_uncertainty) fill_squares(basis, size, squares);
+  const double factor = extrapolation_factor(largest_excess);
   for (std::size_t i = 0; i < target.outputs; ++i) {
     const auto& output = snapshot.outputs[i];
-    target.q_mm[i] = dot(output.coefficients_mm.data(), basis.b.data(), size);
-    if (snapshot.geometry) target.q_mm[i] += law.motors[static_cast<Eigen::Index>(i)];
-    target.u_nm[i] = with_uncertainty
-                         ? std::sqrt(std::max(0.0, variance(output.variance_nm2, squares)) +
-                                     share_nm2(law.fit, i) + share_nm2(law.residual, i) +
-                                     share_nm2(law.temperatures, i)) *
-                               extrapolation_factor(largest_excess)
-                         : kNan;
-    if (!std::isfinite(target.q_mm[i]) || (with_uncertainty && !std::isfinite(target.u_nm[i])))
-      return refused(target, Refusal::outside_domain);
+    double q_mm = dot(output.coefficients_mm.data(), b, size), u_nm = kNan;
+    if (snapshot.geometry) q_mm += law.motors[static_cast<Eigen::Index>(i)];
+    if (with_uncertainty)
+      u_nm =
+          std::sqrt(std::max(0.0, variance(output.variance_nm2, squares)) + share_nm2(law.fit, i) +
+                    share_nm2(law.residual, i) + share_nm2(law.temperatures, i)) *
+          factor;
+    target.q_mm[i] = q_mm;
+    target.u_nm[i] = u_nm;
+    if (!std::isfinite(q_mm) || (with_uncertainty && !std::isfinite(u_nm)))
+      return refuse(target, Refusal::outside_domain);
   }
   if (snapshot.geometry) judge_motors(snapshot, target);
-  return held_to_limits(snapshot, request, target);
+  hold_to_limits(snapshot, request, target);
 }
 
 Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request,
@@ -260,10 +270,9 @@ Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request,
     return budget;
   }
   const double factor = extrapolation_factor(look_at_domain(snapshot, request, target));
-  Basis basis;
-  fill_basis(snapshot, request, basis);
-  Squares squares;
-  fill_squares(basis, snapshot.basis_size(), squares);
+  PoseTerms terms;
+  const Basis& basis = terms.basis(snapshot, request.value);
+  const double* const squares = terms.squares(snapshot);
   LawAnswer law;
   if (snapshot.geometry) {
     auto answer = snapshot.geometry->law->motors_of(request, *snapshot.geometry, true);
@@ -293,28 +302,41 @@ Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request,
   return budget;
 }
 
-std::string describe_flags(const Snapshot& snapshot, const Target& target) {
-  std::string out;
-  const auto add_named = [&](const std::string& name, const std::string& whom) {
-    out += (out.empty() ? "" : ",") + name;
-    if (!whom.empty()) out += "(" + whom + ")";
+void append_flags(std::string& out, const Snapshot& snapshot, const Target& target, char between) {
+  const std::size_t start = out.size();
+  const auto add_named = [&](std::string_view name, const auto& append_whom) {
+    if (out.size() > start) out += ',';
+    out += name;
+    out += '(';
+    const std::size_t named = out.size();
+    append_whom();
+    if (out.size() == named)
+      out.pop_back();
+    else
+      out += ')';
   };
-  const auto add = [&](const std::string& name, std::uint64_t bits) {
-    add_named(name, names(snapshot, bits));
+  const auto add = [&](std::string_view name, std::uint64_t bits) {
+    add_named(name, [&] { append_names(out, snapshot, bits, between); });
   };
-  if (target.flags & kOutsideDomain) add(reasons::kOutsideDomain, target.outside);
+  const auto add_axes = [&](std::string_view name, std::uint32_t bits) {
+    add_named(name, [&] { append_axis_names(out, snapshot, bits); });
+  };
+  if (target.flags & kOutsideDomain) add(reasons::kOutsideDomain.view(), target.outside);
   if (target.flags & kStaleTemperature) add("STALE_TEMPERATURE", target.stale);
   if (target.flags & kMissingTemperature) add("MISSING_TEMPERATURE", target.missing);
   if (target.flags & kExpiredConditions) add("EXPIRED_CONDITIONS", 0);
   if (target.flags & kUnanchoredDatum) add("UNANCHORED_DATUM", 0);
-  if (target.flags & kOutsideLimits)
-    add_named(reasons::kOutsideLimits, axis_names(snapshot, target.unreachable));
-  if (target.flags & kUnknownLimits)
-    add_named("UNKNOWN_LIMITS", axis_names(snapshot, target.unlimited));
+  if (target.flags & kOutsideLimits) add_axes(reasons::kOutsideLimits.view(), target.unreachable);
+  if (target.flags & kUnknownLimits) add_axes("UNKNOWN_LIMITS", target.unlimited);
   if (target.flags & kIgnoredCoordinate)
-    add_named("IGNORED_COORDINATE", variable_names(target.ignored));
-  if (target.flags & kConfigurationChanged) add(reasons::kConfigurationChanged, 0);
+    add_named("IGNORED_COORDINATE", [&] { append_variable_names(out, target.ignored, between); });
+  if (target.flags & kConfigurationChanged) add(reasons::kConfigurationChanged.view(), 0);
   if (target.flags & kUnjudgedModel) add("UNJUDGED_MODEL", 0);
+}
+
+std::string describe_flags(const Snapshot& snapshot, const Target& target) {
+  std::string out;
+  append_flags(out, snapshot, target, ' ');
   return out;
 }
 

@@ -97,6 +97,11 @@ struct Target {
 };
 
 Target compute_target(const Snapshot& snapshot, const TargetRequest& request) noexcept;
+// The same with the caller's terms (basis_values.h): cleared, or of this pose and a model with the
+// same terms. They stay for slopes, and for the next such model. target: a new one.
+class PoseTerms;
+void compute_target(const Snapshot& snapshot, const TargetRequest& request, PoseTerms& terms,
+                    Target& target) noexcept;
 
 // One line of the uncertainty budget of one output at one pose.
 struct BudgetLine {
@@ -111,8 +116,9 @@ struct Budget {
 Budget compute_budget(const Snapshot& snapshot, const TargetRequest& request,
                       std::size_t output) noexcept;
 
-// "OUTSIDE_DOMAIN(x_mm),STALE_TEMPERATURE(t07_degC)", "" when there is none. For the edges: it
-// allocates.
+// "OUTSIDE_DOMAIN(x_mm),STALE_TEMPERATURE(t07_degC)", "" when there is none. between: parts several
+// names of one flag. append_flags allocates only where out lacks the room.
+void append_flags(std::string& out, const Snapshot& snapshot, const Target& target, char between);
 std::string describe_flags(const Snapshot& snapshot, const Target& target);
 
 // The refusal as the error a client sees: NO_MODEL, MISSING_COORDINATE, NOT_FINITE, OUTSIDE_DOMAIN,

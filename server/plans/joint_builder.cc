@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/compensation/basis_values.h"
 #include "server/core/reasons.h"
 #include "server/core/try.h"
 #include "server/plans/robot_parts.h"
@@ -158,11 +159,14 @@ JointSnapshot JointBuilder::build(CellTime now,
     robot.needed = robot.fine.needed;
     if (robots_[r].coarse) {
       robot.coarse = built(*robots_[r].coarse);
+      robot.same_terms = compensation::have_same_terms(robot.fine, *robot.coarse);
       robot.needed |= robot.coarse->needed;
       robot.band = band_of(*plan_.robots[r].blend);
       for (const auto& edge : plan_.robots[r].blend->band) robot.needed |= bit(edge.coordinate);
     }
     robot.stated = robot.needed;
+    for (const auto& output : robot.fine.outputs)
+      robot.motors.push_back(channel_name(robot.id, output.channel.symbol));
     out.robots.push_back(std::move(robot));
   }
   for (std::size_t s = 0; s < steps_.size(); ++s) {
@@ -174,8 +178,10 @@ JointSnapshot JointBuilder::build(CellTime now,
     for (std::size_t i = 0; i < step.predicts.outputs.size(); ++i) {
       const auto variable = *compensation::variable_from(step.predicts.outputs[i].channel.symbol);
       step.output.push_back(variable);
-      if (std::ranges::find(from.add, variable) != from.add.end())
-        step.added |= std::uint32_t{1} << i;
+      const bool added = std::ranges::find(from.add, variable) != from.add.end();
+      if (added) step.added |= std::uint32_t{1} << i;
+      step.terms.push_back(
+          channel_name(added ? from.to : from.from, step.predicts.outputs[i].channel.symbol));
     }
     out.robots[step.from].stated |= step.predicts.needed;
     out.steps.push_back(std::move(step));

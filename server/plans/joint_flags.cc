@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <concepts>
+#include <utility>
 
 #include "server/core/reasons.h"
 #include "server/core/text/shown_text.h"
@@ -15,31 +17,54 @@ using compensation::Refusal;
 using compensation::Snapshot;
 using compensation::Variable;
 
-std::string inputs_text(const std::string& robot, const Snapshot& model, std::uint64_t bits) {
-  std::string out;
+void append_channel(std::string& out, std::string_view robot, std::string_view channel) {
+  if (!robot.empty()) (out += robot) += '.';
+  out += channel;
+}
+
+void append_inputs(std::string& out, std::string_view robot, const Snapshot& model,
+                   std::uint64_t bits, char between) {
+  bool first = true;
   for (std::size_t i = 0; i < model.inputs.size(); ++i) {
     if ((bits >> i & 1) == 0) continue;
+    if (!std::exchange(first, false)) out += between;
     const auto& input = model.inputs[i];
-    out += (out.empty() ? "" : " ") +
-           (input.variable ? channel_name(robot, input.channel.name()) : input.channel.name());
+    append_channel(out, input.variable ? robot : "", input.channel.symbol);
+    (out += '_') += input.channel.unit;
   }
-  return out;
 }
-
-std::string coordinates_text(const std::string& robot, std::uint32_t bits) {
+std::string inputs_text(std::string_view robot, const Snapshot& model, std::uint64_t bits) {
   std::string out;
-  for (std::size_t v = 0; v < compensation::kVariables; ++v)
-    if ((bits >> v & 1) != 0)
-      out += (out.empty() ? "" : " ") + channel_name(robot, static_cast<Variable>(v));
+  append_inputs(out, robot, model, bits, ' ');
   return out;
 }
 
+void append_coordinates(std::string& out, std::string_view robot, std::uint32_t bits,
+                        char between) {
+  bool first = true;
+  for (std::size_t v = 0; v < compensation::kVariables; ++v) {
+    if ((bits >> v & 1) == 0) continue;
+    if (!std::exchange(first, false)) out += between;
+    append_channel(out, robot, compensation::name_of(static_cast<Variable>(v)));
+  }
+}
+std::string coordinates_text(std::string_view robot, std::uint32_t bits) {
+  std::string out;
+  append_coordinates(out, robot, bits, ' ');
+  return out;
+}
+
+void append_axes(std::string& out, const JointSnapshot::Robot& robot, std::uint32_t bits) {
+  bool first = true;
+  for (std::size_t i = 0; i < robot.fine.outputs.size(); ++i) {
+    if ((bits >> i & 1) == 0) continue;
+    if (!std::exchange(first, false)) out += '+';
+    append_channel(out, robot.id, robot.fine.outputs[i].channel.symbol);
+  }
+}
 std::string axes_text(const JointSnapshot::Robot& robot, std::uint32_t bits) {
   std::string out;
-  for (std::size_t i = 0; i < robot.fine.outputs.size(); ++i)
-    if ((bits >> i & 1) != 0)
-      out +=
-          (out.empty() ? "" : "+") + channel_name(robot.id, robot.fine.outputs[i].channel.symbol);
+  append_axes(out, robot, bits);
   return out;
 }
 
@@ -54,20 +79,59 @@ struct Bits {
   std::uint64_t outside, stale, missing;
 };
 
-void add_model_flags(const std::string& robot, const Snapshot& model, const Bits& bits,
-                     std::vector<std::string>& out) {
-  const auto add = [&](std::uint32_t flag, const std::string& name, std::uint64_t which) {
-    if ((bits.flags & flag) == 0) return;
-    const std::string whom = which != 0 ? inputs_text(robot, model, which) : robot;
-    out.push_back(name + (whom.empty() ? "" : "(" + whom + ")"));
-  };
-  add(compensation::kOutsideDomain, reasons::kOutsideDomain, bits.outside);
-  add(compensation::kStaleTemperature, "STALE_TEMPERATURE", bits.stale);
-  add(compensation::kMissingTemperature, "MISSING_TEMPERATURE", bits.missing);
-  add(compensation::kExpiredConditions, "EXPIRED_CONDITIONS", 0);
-  add(compensation::kUnanchoredDatum, "UNANCHORED_DATUM", 0);
-  add(compensation::kConfigurationChanged, reasons::kConfigurationChanged, 0);
-}
+// Flags one after another, parted by commas, each once. Nothing here but the text itself grows.
+class FlagText {
+ public:
+  FlagText(std::string& out, char between) : out_(out), start_(out.size()), between_(between) {}
+
+  // append_whom: what the flag is about, set in brackets; nothing: no brackets.
+  template <std::invocable AppendWhom>
+  void add(std::string_view name, const AppendWhom& append_whom) {
+    const std::size_t begin = out_.size();
+    if (begin > start_) out_ += ',';
+    const std::size_t flag = out_.size();
+    (out_ += name) += '(';
+    const std::size_t whom = out_.size();
+    append_whom();
+    if (out_.size() == whom)
+      out_.pop_back();
+    else
+      out_ += ')';
+    if (is_there(std::string_view(out_).substr(start_, begin - start_),
+                 std::string_view(out_).substr(flag)))
+      out_.resize(begin);
+  }
+  void add(std::string_view name, std::string_view whom) {
+    add(name, [&] { out_ += whom; });
+  }
+  void add_model(std::string_view robot, const Snapshot& model, const Bits& bits) {
+    const auto add_inputs = [&](std::uint32_t flag, std::string_view name, std::uint64_t which) {
+      if ((bits.flags & flag) == 0) return;
+      if (which == 0) return add(name, robot);
+      add(name, [&] { append_inputs(out_, robot, model, which, between_); });
+    };
+    add_inputs(compensation::kOutsideDomain, reasons::kOutsideDomain.view(), bits.outside);
+    add_inputs(compensation::kStaleTemperature, "STALE_TEMPERATURE", bits.stale);
+    add_inputs(compensation::kMissingTemperature, "MISSING_TEMPERATURE", bits.missing);
+    add_inputs(compensation::kExpiredConditions, "EXPIRED_CONDITIONS", 0);
+    add_inputs(compensation::kUnanchoredDatum, "UNANCHORED_DATUM", 0);
+    add_inputs(compensation::kConfigurationChanged, reasons::kConfigurationChanged.view(), 0);
+  }
+
+ private:
+  static bool is_there(std::string_view flags, std::string_view flag) {
+    while (!flags.empty()) {
+      const auto one = flags.substr(0, flags.find(','));
+      if (one == flag) return true;
+      flags.remove_prefix(std::min(flags.size(), one.size() + 1));
+    }
+    return false;
+  }
+
+  std::string& out_;
+  std::size_t start_;
+  char between_;
+};
 
 Error refused_request(const JointSnapshot& snapshot, const JointTarget& target) {
   const std::string& robot = snapshot.robots[target.refused_robot].id;
@@ -131,19 +195,11 @@ std::string changed_parts_of(const JointSnapshot& snapshot) {
 }  // namespace
 
 Result<JointName> joint_name(const JointSnapshot& snapshot, std::string_view name) {
-  const std::string_view robot = robot_of(name), local = without_robot(name);
-  const auto cut = local.rfind('_');
-  JointName found;
-  const auto variable = cut == std::string_view::npos
-                            ? std::nullopt
-                            : compensation::variable_from(local.substr(0, cut));
-  const bool known = variable && compensation::channel_of(*variable).unit == local.substr(cut + 1);
-  if (known) found.variable = *variable;
-  if (known && robot.empty()) return found;
-  if (const auto index = snapshot.robot_index(robot); known && index) {
-    found.robot = *index;
-    return found;
-  }
+  const std::string_view robot = robot_of(name);
+  const auto variable = compensation::variable_named(without_robot(name));
+  if (variable && robot.empty()) return JointName{.variable = *variable};
+  if (variable)
+    if (const auto index = snapshot.robot_index(robot)) return JointName{*index, *variable};
   std::string ids;
   for (const auto& one : snapshot.robots)
     if (!one.id.empty()) ids += (ids.empty() ? "" : ", ") + one.id;
@@ -165,33 +221,43 @@ std::string joint_channel(const JointSnapshot& snapshot, const JointTarget& targ
   return "";
 }
 
-std::vector<std::string> describe_joint_flags(const JointSnapshot& snapshot,
-                                              const JointTarget& target) {
-  std::vector<std::string> out;
+void append_joint_flags(std::string& out, const JointSnapshot& snapshot, const JointTarget& target,
+                        char between) {
+  FlagText text(out, between);
   for (std::size_t s = 0; s < snapshot.steps.size(); ++s)
-    add_model_flags(snapshot.robots[snapshot.steps[s].from].id, snapshot.steps[s].predicts,
-                    {target.step_flags[s], target.step_outside[s], target.step_stale[s],
-                     target.step_missing[s]},
-                    out);
+    if (target.step_flags[s] != 0)
+      text.add_model(snapshot.robots[snapshot.steps[s].from].id, snapshot.steps[s].predicts,
+                     {target.step_flags[s], target.step_outside[s], target.step_stale[s],
+                      target.step_missing[s]});
   for (std::size_t r = 0; r < target.robots; ++r) {
     const auto& robot = snapshot.robots[r];
     const auto& answer = target.robot[r];
-    const std::string whom = robot.id.empty() ? "" : "(" + robot.id + ")";
-    if (answer.by == AnsweredBy::blend) out.push_back("BLENDED" + whom);
-    if (answer.by == AnsweredBy::coarse) out.push_back("COARSE" + whom);
-    add_model_flags(robot.id, answering(robot, answer),
-                    {answer.flags, answer.outside, answer.stale, answer.missing}, out);
+    if (answer.by == AnsweredBy::blend) text.add("BLENDED", robot.id);
+    if (answer.by == AnsweredBy::coarse) text.add("COARSE", robot.id);
+    if (answer.flags == 0) continue;
+    text.add_model(robot.id, answering(robot, answer),
+                   {answer.flags, answer.outside, answer.stale, answer.missing});
     if ((answer.flags & compensation::kOutsideLimits) != 0)
-      out.push_back("OUTSIDE_LIMITS(" + axes_text(robot, answer.unreachable) + ")");
+      text.add(reasons::kOutsideLimits.view(),
+               [&] { append_axes(out, robot, answer.unreachable); });
     if ((answer.flags & compensation::kUnknownLimits) != 0)
-      out.push_back("UNKNOWN_LIMITS(" + axes_text(robot, answer.unlimited) + ")");
+      text.add("UNKNOWN_LIMITS", [&] { append_axes(out, robot, answer.unlimited); });
   }
   if (target.ignored != 0)
-    out.push_back("IGNORED_COORDINATE(" + coordinates_text("", target.ignored) + ")");
-  std::vector<std::string> once;
-  for (auto& flag : out)
-    if (std::find(once.begin(), once.end(), flag) == once.end()) once.push_back(std::move(flag));
-  return once;
+    text.add("IGNORED_COORDINATE", [&] { append_coordinates(out, "", target.ignored, between); });
+}
+
+std::vector<std::string> describe_joint_flags(const JointSnapshot& snapshot,
+                                              const JointTarget& target) {
+  std::string text;
+  append_joint_flags(text, snapshot, target, ' ');
+  std::vector<std::string> out;
+  for (std::string_view rest = text; !rest.empty();) {
+    const auto one = rest.substr(0, rest.find(','));
+    out.emplace_back(one);
+    rest.remove_prefix(std::min(rest.size(), one.size() + 1));
+  }
+  return out;
 }
 
 Error joint_refusal_error(const JointSnapshot& snapshot, const JointTarget& target) {

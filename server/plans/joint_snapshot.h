@@ -21,16 +21,20 @@ struct JointSnapshot {
     std::string id;
     compensation::Snapshot fine;  // the one model, or the fine one of a blend
     std::optional<compensation::Snapshot> coarse;
+    bool same_terms = false;  // of fine and coarse: have_same_terms
     Band band;
     std::uint32_t needed = 0;  // bit per Variable: inputs of its motor coordinates
     // Inputs that a request states: needed, and what a step from this robot reads besides.
     std::uint32_t stated = 0;
+    std::vector<std::string> motors;  // "ma.q1", by output
   };
   struct Step {
     std::size_t from = 0, to = 0;  // robots
     compensation::Snapshot predicts;
     std::vector<compensation::Variable> output;  // of predicts.outputs, in their order
     std::uint32_t added = 0;                     // bit per output
+    // "mn.x" by output: with the robot that it is added to, else with the one that it is seen of.
+    std::vector<std::string> terms;
   };
 
   PlanId plan;

@@ -21,14 +21,15 @@ constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kForce = static_cast<std::size_t>(Variable::force);
 constexpr std::size_t kZ = static_cast<std::size_t>(Variable::z);
 
-JointTarget refused_with(JointTarget target, Refusal refusal, std::size_t robot,
-                         std::uint32_t coordinates = 0) {
+double squared(double value) { return value * value; }
+
+void refuse(JointTarget& target, Refusal refusal, std::size_t robot,
+            std::uint32_t coordinates = 0) {
   target.refusal = refusal;
   target.refused_robot = robot;
   target.refused = coordinates;
   target.q_mm.fill(kNotANumber);
   target.u_nm.fill(kNotANumber);
-  return target;
 }
 
 std::size_t owners_of(const JointSnapshot& snapshot, std::uint32_t mark) {
@@ -57,7 +58,7 @@ bool resolve(const JointSnapshot& snapshot, const JointRequest& request, JointTa
       } else if ((request.given[kShared] & mark) != 0) {
         value = request.value[kShared][v];
         if (v != kForce && !(v == kZ && snapshot.z_taken_by) && owners_of(snapshot, mark) > 1) {
-          target = refused_with(target, Refusal::missing_coordinate, r, mark);
+          refuse(target, Refusal::missing_coordinate, r, mark);
           target.ambiguous = true;
           return false;
         }
@@ -65,8 +66,7 @@ bool resolve(const JointSnapshot& snapshot, const JointRequest& request, JointTa
         found = false;
       }
       if (!found || !std::isfinite(value)) {
-        target = refused_with(target, found ? Refusal::not_finite : Refusal::missing_coordinate, r,
-                              mark);
+        refuse(target, found ? Refusal::not_finite : Refusal::missing_coordinate, r, mark);
         return false;
       }
       target.robot[r].pose[v] = value;
@@ -76,10 +76,9 @@ bool resolve(const JointSnapshot& snapshot, const JointRequest& request, JointTa
   return true;
 }
 
-TargetRequest asked_of(const Snapshot& model, const Values& pose, const JointRequest& request) {
+TargetRequest asked_at(const Values& pose, const JointRequest& request) {
   TargetRequest asked;
   asked.value = pose;
-  asked.given = model.needed;
   asked.with_uncertainty = request.with_uncertainty;
   asked.show_unreachable = true;  // limits are those of the whole, looked at last
   asked.now = request.now;
@@ -88,20 +87,49 @@ TargetRequest asked_of(const Snapshot& model, const Values& pose, const JointReq
 
 using Variances = std::array<double, compensation::kVariables>;
 
+// Of one model at one pose: its target, and its outputs' slopes by the coordinates that something
+// uncertain was added to.
+struct ModelAnswer {
+  Target target;
+  std::array<std::array<double, compensation::kMaxOutputs>, compensation::kVariables> slope;
+};
+
+void slopes_of(const Snapshot& model, const compensation::PoseTerms& terms, Variable by,
+               double* out) {
+  compensation::Basis slope;
+  terms.slope(model, by, slope);
+  for (std::size_t i = 0; i < model.outputs.size(); ++i)
+    out[i] = compensation::dot(model.outputs[i].coefficients_mm.data(), slope.b.data(),
+                               model.basis_size());
+}
+
+void answer_model(const Snapshot& model, TargetRequest& asked, const Variances& variance,
+                  compensation::PoseTerms& terms, ModelAnswer& answer) {
+  asked.given = model.needed;
+  compensation::compute_target(model, asked, terms, answer.target);
+  if (answer.target.refusal != Refusal::none) return;
+  for (std::size_t v = 0; v < compensation::kVariables; ++v)
+    if (!(variance[v] <= 0))
+      slopes_of(model, terms, static_cast<Variable>(v), answer.slope[v].data());
+}
+
 // Motion as every step predicts it, added to the poses; a further pass replaces what the one before
 // added. variance: of what was added, nm^2, by robot and coordinate.
 bool take_steps(const JointSnapshot& snapshot, const JointRequest& request, JointTarget& target,
-                std::array<Variances, kMostRobots>& variance) {
+                std::array<Variances, kMostRobots>& variance, compensation::PoseTerms& terms) {
   for (std::size_t pass = 0; pass < snapshot.passes; ++pass) {
     const bool first = pass == 0, last = pass + 1 == snapshot.passes;
     std::size_t next = 0;  // term
     for (std::size_t s = 0; s < snapshot.steps.size(); ++s) {
       const auto& step = snapshot.steps[s];
-      TargetRequest asked = asked_of(step.predicts, target.robot[step.from].pose, request);
+      TargetRequest asked = asked_at(target.robot[step.from].pose, request);
+      asked.given = step.predicts.needed;
       asked.with_uncertainty = request.with_uncertainty && last;
-      const Target predicted = compensation::compute_target(step.predicts, asked);
+      terms.clear();
+      Target predicted;
+      compensation::compute_target(step.predicts, asked, terms, predicted);
       if (predicted.refusal != Refusal::none) {
-        target = refused_with(target, predicted.refusal, step.from);
+        refuse(target, predicted.refusal, step.from);
         return false;
       }
       target.step_flags[s] = predicted.flags & ~std::uint32_t{compensation::kUnknownLimits};
@@ -135,7 +163,7 @@ void take_flags(const Target& from, JointTarget::Robot& into) {
 
 // One robot's motor coordinates with their uncertainty.
 bool answer_robot(const JointSnapshot::Robot& robot, std::size_t r, const JointRequest& request,
-                  const Variances& variance, JointTarget& target) {
+                  const Variances& variance, JointTarget& target, compensation::PoseTerms& terms) {
   auto& out = target.robot[r];
   const std::size_t count = robot.fine.outputs.size();
   out.first = target.outputs;
@@ -147,15 +175,16 @@ bool answer_robot(const JointSnapshot::Robot& robot, std::size_t r, const JointR
            : w >= 1      ? AnsweredBy::fine
            : w <= 0      ? AnsweredBy::coarse
                          : AnsweredBy::blend;
-  Target fine, coarse;
-  if (w > 0)
-    fine = compensation::compute_target(robot.fine, asked_of(robot.fine, out.pose, request));
-  if (w < 1)
-    coarse =
-        compensation::compute_target(*robot.coarse, asked_of(*robot.coarse, out.pose, request));
+  ModelAnswer of_fine, of_coarse;
+  Target &fine = of_fine.target, &coarse = of_coarse.target;
+  TargetRequest asked = asked_at(out.pose, request);
+  terms.clear();
+  if (w > 0) answer_model(robot.fine, asked, variance, terms, of_fine);
+  if (w > 0 && !robot.same_terms) terms.clear();
+  if (w < 1) answer_model(*robot.coarse, asked, variance, terms, of_coarse);
   for (const Target* one : {&fine, &coarse})
     if (one->refusal != Refusal::none) {
-      target = refused_with(target, one->refusal, r);
+      refuse(target, one->refusal, r);
       target.why = one->why;
       return false;
     }
@@ -177,13 +206,12 @@ bool answer_robot(const JointSnapshot::Robot& robot, std::size_t r, const JointR
     model_coordinates(*robot.coarse, border, at_border.data());
     for (std::size_t i = 0; i < count; ++i) shift[i] -= at_border[i];
   }
-  std::array<double, compensation::kMaxOutputs> propagated{}, slope{}, coarse_slope{};
+  std::array<double, compensation::kMaxOutputs> propagated{};
   for (std::size_t v = 0; v < compensation::kVariables; ++v) {
     if (variance[v] <= 0) continue;
-    if (w > 0) model_slopes(robot.fine, out.pose, static_cast<Variable>(v), slope.data());
-    if (w < 1) model_slopes(*robot.coarse, out.pose, static_cast<Variable>(v), coarse_slope.data());
     for (std::size_t i = 0; i < count; ++i) {
-      const double mixed = w * slope[i] + (1 - w) * coarse_slope[i];
+      const double mixed =
+          (w > 0 ? w * of_fine.slope[v][i] : 0) + (w < 1 ? (1 - w) * of_coarse.slope[v][i] : 0);
       propagated[i] += mixed * mixed * variance[v];
     }
   }
@@ -194,14 +222,14 @@ bool answer_robot(const JointSnapshot::Robot& robot, std::size_t r, const JointR
     out.difference_nm = std::max(out.difference_nm, apart_nm);
     target.q_mm[target.outputs] = q;
     double u2 = propagated[i];
-    if (w > 0) u2 += std::pow(w * fine.u_nm[i], 2);
-    if (w < 1) u2 += std::pow((1 - w) * coarse.u_nm[i], 2);
-    u2 += std::pow(w * (1 - w) * apart_nm, 2);
-    u2 += std::pow((1 - w) * fade * (1 - fade) * shift[i] * kNmPerMm, 2);
+    if (w > 0) u2 += squared(w * fine.u_nm[i]);
+    if (w < 1) u2 += squared((1 - w) * coarse.u_nm[i]);
+    u2 += squared(w * (1 - w) * apart_nm);
+    u2 += squared((1 - w) * fade * (1 - fade) * shift[i] * kNmPerMm);
     target.u_nm[target.outputs] = request.with_uncertainty ? std::sqrt(u2) : kNotANumber;
     ++target.outputs;
     if (!std::isfinite(q) || (request.with_uncertainty && !std::isfinite(u2))) {
-      target = refused_with(target, Refusal::outside_domain, r);
+      refuse(target, Refusal::outside_domain, r);
       return false;
     }
   }
@@ -254,31 +282,17 @@ Refusal refused_by_rule(const JointSnapshot& snapshot, const JointRequest& reque
 }  // namespace
 
 void model_coordinates(const Snapshot& snapshot, const Values& pose, double* out) noexcept {
-  TargetRequest request;
-  request.value = pose;
   compensation::Basis basis;
-  compensation::fill_basis(snapshot, request, basis);
+  compensation::fill_basis(snapshot, compensation::columns_of(snapshot, pose), basis);
   for (std::size_t i = 0; i < snapshot.outputs.size(); ++i)
     out[i] = compensation::dot(snapshot.outputs[i].coefficients_mm.data(), basis.b.data(),
                                snapshot.basis_size());
 }
 
 void model_slopes(const Snapshot& model, const Values& pose, Variable by, double* out) noexcept {
-  const auto v = static_cast<std::size_t>(by);
-  compensation::Basis value, slope;
-  value.b[0] = 1;
-  slope.b[0] = 0;
-  for (std::size_t k = 0; k < model.products.size(); ++k) {
-    const auto& product = model.products[k];
-    const double column = pose[product.variable] * model.column_per_unit[product.variable] +
-                          model.column_shift[product.variable];
-    value.b[k + 1] = value.b[product.base] * column;
-    slope.b[k + 1] = slope.b[product.base] * column +
-                     (product.variable == v ? value.b[product.base] * model.column_per_unit[v] : 0);
-  }
-  for (std::size_t i = 0; i < model.outputs.size(); ++i)
-    out[i] = compensation::dot(model.outputs[i].coefficients_mm.data(), slope.b.data(),
-                               model.basis_size());
+  compensation::PoseTerms terms;
+  terms.basis(model, pose);
+  slopes_of(model, terms, by, out);
 }
 
 void robot_coordinates(const JointSnapshot::Robot& robot, const Values& pose,
@@ -298,22 +312,31 @@ void robot_coordinates(const JointSnapshot::Robot& robot, const Values& pose,
     out[i] = w * fine[i] + (1 - w) * (out[i] + fade * (shift[i] - at_border[i]));
 }
 
-JointTarget compute_joint_target(const JointSnapshot& snapshot,
-                                 const JointRequest& request) noexcept {
-  JointTarget target;
+namespace {
+
+void answer_all(const JointSnapshot& snapshot, const JointRequest& request, JointTarget& target) {
   target.robots = snapshot.robots.size();
   target.valid_until = snapshot.valid_until;
-  if (snapshot.robots.empty()) return refused_with(target, Refusal::no_model, kMostRobots);
-  if (!resolve(snapshot, request, target)) return target;
+  if (snapshot.robots.empty()) return refuse(target, Refusal::no_model, kMostRobots);
+  if (!resolve(snapshot, request, target)) return;
   std::array<Variances, kMostRobots> variance{};
-  if (!take_steps(snapshot, request, target, variance)) return target;
+  compensation::PoseTerms terms;
+  if (!take_steps(snapshot, request, target, variance, terms)) return;
   for (std::size_t r = 0; r < snapshot.robots.size(); ++r)
-    if (!answer_robot(snapshot.robots[r], r, request, variance[r], target)) return target;
+    if (!answer_robot(snapshot.robots[r], r, request, variance[r], target, terms)) return;
   look_at_limits(snapshot, target);
   std::size_t robot = kMostRobots;
   if (const Refusal refusal = refused_by_rule(snapshot, request, target, robot);
       refusal != Refusal::none)
-    return refused_with(target, refusal, robot);
+    refuse(target, refusal, robot);
+}
+
+}  // namespace
+
+JointTarget compute_joint_target(const JointSnapshot& snapshot,
+                                 const JointRequest& request) noexcept {
+  JointTarget target;
+  answer_all(snapshot, request, target);
   return target;
 }
 

@@ -101,6 +101,11 @@ void model_coordinates(const compensation::Snapshot& snapshot, const Values& pos
 void model_slopes(const compensation::Snapshot& model, const Values& pose,
                   compensation::Variable by, double* out) noexcept;
 
+// "BLENDED(ma),OUTSIDE_DOMAIN(ma.rx_arcsec)", "" when there is none. between: parts several names
+// of one flag. Allocates only where out lacks the room.
+void append_joint_flags(std::string& out, const JointSnapshot& snapshot, const JointTarget& target,
+                        char between);
+
 // For the edges: these allocate. "OUTSIDE_DOMAIN(ma.rx_arcsec)", "BLENDED(ma)", one text each.
 std::vector<std::string> describe_joint_flags(const JointSnapshot& snapshot,
                                               const JointTarget& target);

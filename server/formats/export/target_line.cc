@@ -8,6 +8,7 @@
 #include "server/core/try.h"
 #include "server/core/units.h"
 #include "server/formats/text/text.h"
+#include "server/formats/text/text_writer.h"
 
 namespace driftwise::formats {
 namespace {
@@ -20,25 +21,16 @@ tl::unexpected<Error> bad(Reason reason, const std::string& message) {
   return fail(ErrorCode::invalid_argument, reason, message);
 }
 
-std::string_view take_word(std::string_view& rest) {
-  const auto start = rest.find_first_not_of(" \t");
-  if (start == std::string_view::npos) {
-    rest = {};
-    return {};
-  }
-  rest.remove_prefix(start);
-  const auto word = rest.substr(0, rest.find_first_of(" \t"));
-  rest.remove_prefix(word.size());
-  return word;
-}
+bool is_blank(char c) { return c == ' ' || c == '\t'; }
 
-std::optional<compensation::Variable> variable_named(std::string_view name) {
-  const auto cut = name.rfind('_');
-  if (cut == std::string_view::npos) return std::nullopt;
-  const auto variable = compensation::variable_from(name.substr(0, cut));
-  if (!variable || compensation::channel_of(*variable).unit != name.substr(cut + 1))
-    return std::nullopt;
-  return variable;
+std::string_view take_word(std::string_view& rest) {
+  const char* start = rest.data();
+  const char* const end = start + rest.size();
+  while (start != end && is_blank(*start)) ++start;
+  const char* after = start;
+  while (after != end && !is_blank(*after)) ++after;
+  rest = {after, static_cast<std::size_t>(end - after)};
+  return {start, static_cast<std::size_t>(after - start)};
 }
 
 // Calls take(name, value) for name=value, or reads u.
@@ -74,7 +66,7 @@ Result<void> set_coordinate(TargetRequest& request, std::string_view name, doubl
       return bad(reasons::kDuplicateName, "found " + shown(name) + " twice, expected it once");
     if (taken == compensation::NearName::taken) return {};
   }
-  const auto variable = variable_named(name);
+  const auto variable = compensation::variable_named(name);
   if (!variable)
     return bad(reasons::kUnknownName,
                "found " + shown(name) +
@@ -93,25 +85,23 @@ Result<void> check_length(std::string_view line) {
                                         std::to_string(kMaxTargetLine));
 }
 
-void append_fixed(std::string& out, double value, int decimals) {
-  char digits[64];
-  const auto [end, code] =
-      std::to_chars(digits, digits + sizeof digits, value, std::chars_format::fixed, decimals);
-  if (code == std::errc{})
-    out.append(digits, end);
-  else
-    append_number(out, value);
-}
-
 // The stamp of one snapshot stands in thousands of answers: its text is kept, per thread.
-void append_time(std::string& out, CellTime time) {
+const std::string& time_text(CellTime time) {
   thread_local CellTime last{-1};
   thread_local std::string text;
   if (time != last) {
     text = to_iso8601(time);
     last = time;
   }
-  out += text;
+  return text;
+}
+
+// The flags that were appended, or a dash. Then the end of the line.
+template <class AppendFlags>
+void append_flags_and_end(std::string& out, const AppendFlags& append_flags) {
+  const std::size_t start = out.size();
+  append_flags();
+  out += out.size() == start ? "-\n" : "\n";
 }
 
 }  // namespace
@@ -158,84 +148,57 @@ Result<plans::JointRequest> parse_joint_line(std::string_view line,
 
 namespace {
 
-void append_joint_name(std::string& out, const std::string& robot, std::string_view symbol) {
-  if (!robot.empty()) (out += robot) += '.';
-  out += symbol;
-}
-
-void append_joint_motors(std::string& out, const plans::JointSnapshot& snapshot,
-                         const plans::JointTarget& target, bool with_uncertainty) {
+void write_joint_motors(TextWriter& out, const plans::JointSnapshot& snapshot,
+                        const plans::JointTarget& target, bool with_uncertainty) {
   for (std::size_t r = 0; r < target.robots; ++r) {
-    const auto& robot = snapshot.robots[r];
-    for (std::size_t i = 0; i < target.robot[r].outputs; ++i) {
-      const std::size_t at = target.robot[r].first + i;
-      out += ' ';
-      append_joint_name(out, robot.id, robot.fine.outputs[i].channel.symbol);
-      out += "_mm=";
-      append_number(out, target.q_mm[at]);
-      if (!with_uncertainty) continue;
-      out += " u90_";
-      append_joint_name(out, robot.id, robot.fine.outputs[i].channel.symbol);
-      out += "_nm=";
-      append_fixed(out, target.u90_nm(at), 2);
+    std::size_t at = target.robot[r].first;
+    for (const std::string& motor : snapshot.robots[r].motors) {
+      out << " " << motor << "_mm=" << target.q_mm[at];
+      if (with_uncertainty) (out << " u90_" << motor << "_nm=").fixed(target.u90_nm(at), 2);
+      ++at;
     }
   }
 }
 
-void append_joint_terms(std::string& out, const plans::JointSnapshot& snapshot,
-                        const plans::JointTarget& target, bool with_uncertainty) {
+void write_joint_terms(TextWriter& out, const plans::JointSnapshot& snapshot,
+                       const plans::JointTarget& target, bool with_uncertainty) {
   for (std::size_t k = 0; k < target.terms; ++k) {
     const auto& term = target.term[k];
     const auto& step = snapshot.steps[term.step];
-    const auto& channel = step.predicts.outputs[term.output].channel;
-    const std::string& robot = snapshot.robots[term.added ? step.to : step.from].id;
-    const bool angle = channel.unit == "arcsec";
-    const auto name = [&](std::string_view before) {
-      out += before;
-      out += term.added ? "add_" : "seen_";
-      append_joint_name(out, robot, channel.symbol);
-    };
-    name(" ");
-    (out += '_') += channel.unit;
-    out += '=';
-    append_number(out, term.value);
+    const std::string& name = step.terms[term.output];
+    const bool angle = step.predicts.outputs[term.output].channel.unit == "arcsec";
+    out << (term.added ? std::string_view(" add_") : std::string_view(" seen_")) << name
+        << (angle ? std::string_view("_arcsec=") : std::string_view("_mm=")) << term.value;
     if (!with_uncertainty) continue;
-    name(" u90_");
-    out += angle ? "_arcsec=" : "_nm=";
-    append_fixed(out, kSigmaToU90 * (angle ? mm_from_nm(term.u) : term.u), angle ? 4 : 2);
+    out << (term.added ? std::string_view(" u90_add_") : std::string_view(" u90_seen_")) << name;
+    if (angle)
+      (out << "_arcsec=").fixed(kSigmaToU90 * mm_from_nm(term.u), 4);
+    else
+      (out << "_nm=").fixed(kSigmaToU90 * term.u, 2);
   }
 }
 
-void append_joint_models(std::string& out, const plans::JointSnapshot& snapshot,
-                         const plans::JointTarget& target) {
+void write_joint_models(TextWriter& out, const plans::JointSnapshot& snapshot,
+                        const plans::JointTarget& target) {
   for (std::size_t r = 0; r < target.robots; ++r) {
     const auto& robot = snapshot.robots[r];
     const auto& answer = target.robot[r];
-    out += robot.id.empty() ? " by" : " by_";
-    out += robot.id;
-    out += '=';
+    out << (robot.id.empty() ? std::string_view(" by") : std::string_view(" by_")) << robot.id;
     switch (answer.by) {
       case plans::AnsweredBy::one:
-        out += "one:";
+        out << "=one:" << robot.fine.model.value;
         break;
       case plans::AnsweredBy::fine:
-        out += "fine:";
+        out << "=fine:" << robot.fine.model.value;
         break;
       case plans::AnsweredBy::coarse:
-        out += "coarse:";
+        out << "=coarse:" << robot.coarse->model.value;
         break;
       case plans::AnsweredBy::blend:
-        out += "blend:";
+        (out << "=blend:" << robot.fine.model.value << "*").fixed(answer.weight, 4)
+            << "+" << robot.coarse->model.value;
         break;
     }
-    if (answer.by != plans::AnsweredBy::coarse) append_number(out, robot.fine.model.value);
-    if (answer.by == plans::AnsweredBy::blend) {
-      out += '*';
-      append_fixed(out, answer.weight, 4);
-      out += '+';
-    }
-    if (answer.by == plans::AnsweredBy::coarse || answer.by == plans::AnsweredBy::blend)
-      append_number(out, robot.coarse->model.value);
   }
 }
 
@@ -245,60 +208,45 @@ void append_joint_answer(std::string& out, const plans::JointSnapshot& snapshot,
                          const plans::JointTarget& target, bool with_uncertainty) {
   if (target.refusal != compensation::Refusal::none)
     return append_error_answer(out, plans::joint_refusal_error(snapshot, target));
-  out += "OK";
-  append_joint_motors(out, snapshot, target, with_uncertainty);
-  append_joint_terms(out, snapshot, target, with_uncertainty);
-  append_joint_models(out, snapshot, target);
-  out += " valid_until=";
-  append_time(out, target.valid_until);
-  out += " plan=";
-  append_number(out, snapshot.plan.value);
-  out += " flags=";
-  const auto flags = plans::describe_joint_flags(snapshot, target);
-  if (flags.empty()) out += '-';
-  for (std::size_t i = 0; i < flags.size(); ++i) {
-    if (i > 0) out += ',';
-    for (const char c : flags[i]) out += c == ' ' ? '+' : c;
+  {
+    TextWriter text(out);
+    text << "OK";
+    write_joint_motors(text, snapshot, target, with_uncertainty);
+    write_joint_terms(text, snapshot, target, with_uncertainty);
+    write_joint_models(text, snapshot, target);
+    text << " valid_until=" << time_text(target.valid_until) << " plan=" << snapshot.plan.value
+         << " flags=";
   }
-  out += '\n';
+  // Several channels of a flag in one word: words are parted by blanks.
+  append_flags_and_end(out, [&] { plans::append_joint_flags(out, snapshot, target, '+'); });
 }
 
 void append_target_answer(std::string& out, const Snapshot& snapshot, const Target& target,
                           bool with_uncertainty) {
   if (target.refusal != compensation::Refusal::none)
     return append_error_answer(out, compensation::refusal_error(snapshot, target));
-  out += "OK";
-  for (std::size_t i = 0; i < target.outputs; ++i) {
-    out += ' ';
-    const auto& channel = snapshot.outputs[i].channel;
-    out += channel.symbol;
-    out += '_';
-    out += channel.unit;
-    out += '=';
-    append_number(out, target.q_mm[i]);
-    if (!with_uncertainty || (target.flags & compensation::kUnjudgedModel)) continue;
-    if (is_angle(channel.unit)) {
-      out += " u90_" + channel.symbol + "_arcsec=";
-      append_fixed(out, compensation::arcsec_of(channel, target.u90_nm(i)), 3);
-      continue;
+  {
+    TextWriter text(out);
+    text << "OK";
+    for (std::size_t i = 0; i < target.outputs; ++i) {
+      const auto& channel = snapshot.outputs[i].channel;
+      text << " " << channel.symbol << "_" << channel.unit << "=" << target.q_mm[i];
+      if (!with_uncertainty || (target.flags & compensation::kUnjudgedModel)) continue;
+      const double u90 = target.u90_nm(i);
+      if (is_angle(channel.unit))
+        (text << " u90_" << channel.symbol << "_arcsec=")
+            .fixed(compensation::arcsec_of(channel, u90), 3);
+      else if (target.outputs == 1)
+        (text << " u90_nm=").fixed(u90, 2);
+      else
+        (text << " u90_" << channel.symbol << "_nm=").fixed(u90, 2);
     }
-    out += target.outputs == 1 ? " u90_nm=" : " u90_" + snapshot.outputs[i].channel.symbol + "_nm=";
-    append_fixed(out, target.u90_nm(i), 2);
+    text << " valid_until=" << time_text(target.valid_until) << " model=" << snapshot.model.value
+         << " flags=";
   }
-  out += " valid_until=";
-  append_time(out, target.valid_until);
-  out += " model=";
-  append_number(out, snapshot.model.value);
-  out += " flags=";
-  if (target.flags == 0) {
-    out += '-';
-  } else {
-    std::string flags = compensation::describe_flags(snapshot, target);
-    for (char& c : flags)
-      if (c == ' ') c = '+';  // several channels in one word: words are parted by blanks
-    out += flags;
-  }
-  out += '\n';
+  append_flags_and_end(out, [&] {
+    if (target.flags != 0) compensation::append_flags(out, snapshot, target, '+');
+  });
 }
 
 void append_error_answer(std::string& out, const Error& error) {
