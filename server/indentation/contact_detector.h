@@ -4,13 +4,22 @@
 // other robot's step against it shifts all axes to one side.
 //
 // A window is one look: N readings (rows) of all axes (columns), nm. Its mean is compared with the
-// median of the windows that were seen before the approach: one that was knocked does not shift it.
-// Contact: every axis is off by the threshold or more, all to one side, in two consecutive windows
-// on the same side. Pure; one thread. Source: E. Lubrano, EPFL thesis 5098 (2011), section 8.2:
+// median of the last windows without contact: one that was knocked does not shift it, and a slow
+// drift goes with it. Two ways to a contact:
+// - clear: every axis is off by the threshold or more, all to one side, in two consecutive windows.
+// - faint: the sum over the axes is off by six of its own standard deviations, as the windows
+//   without contact have them, and every axis has at least half of the mean shift on that side, in
+//   four consecutive windows. A knock rings through zero and is gone by then; an axis that latches
+//   elsewhere does not move the others. The sum is the matched statistic of a shift that all axes
+//   share; the four windows are the sequential test's agreement.
+// A step of 250 nm that ends 20 nm beyond the surface shows in the second way only.
+//
+// Pure; one thread. Source of the threshold: E. Lubrano, EPFL thesis 5098 (2011), section 8.2:
 // +-25 to 35 nm at rest, a step of 200 to 250 nm at contact; the threshold is 3 to 5 times the
 // first and half of the second.
 
 #include <Eigen/Core>
+#include <deque>
 
 #include "server/core/result.h"
 
@@ -19,7 +28,7 @@ namespace driftwise::indentation {
 struct ContactRule {
   double threshold_nm = 125;
   double abort_nm = 1000;    // an axis off by more, in two consecutive windows: something is wrong
-  int baseline_windows = 5;  // before the approach
+  int baseline_windows = 5;  // before the approach; and later, of the last windows without contact
 };
 
 class ContactDetector {
@@ -41,14 +50,26 @@ class ContactDetector {
   // Mean of the last window minus the baseline's median, per axis; empty before the baseline is
   // complete.
   const Eigen::VectorXd& shift_nm() const { return shift_nm_; }
+  // Mean shift of the axes from which a window counts as a faint sign.
+  double faint_nm() const { return faint_nm_; }
+  // Side of the sign that the last window gave: 1, -1; 0: none.
+  int side() const { return side_before_; }
 
  private:
+  int clear_side() const;
+  int faint_side() const;
+  void take_as_free(const Eigen::VectorXd& mean_nm, double within_nm);
+
   ContactRule rule_;
-  Eigen::MatrixXd baseline_nm_;  // a column per window
-  Eigen::VectorXd middle_nm_;    // its medians
+  Eigen::Index axes_ = 0;
+  std::deque<Eigen::VectorXd> free_nm_;  // means of the last windows without contact
+  std::deque<double> common_nm_;         // their mean over the axes, further back
+  std::deque<double> within_nm_;         // standard deviation of such a mean by its own readings
+  Eigen::VectorXd middle_nm_;            // median of free_nm_, per axis
   Eigen::VectorXd shift_nm_;
-  int side_before_ = 0;  // of a window over the threshold; 0: it was not
-  bool beyond_before_ = false;
+  double faint_nm_ = 0;
+  int side_before_ = 0, windows_on_side_ = 0;
+  bool clear_before_ = false, beyond_before_ = false;
 };
 
 }  // namespace driftwise::indentation

@@ -122,6 +122,7 @@ class Procedure {
   Result<void> press(const Approach& approach, double press_mm) {
     const double to_mm = approach.height_mm() + press_mm;
     ContactDetector detector = approach.detector();
+    const int side = detector.side();
     for (double z_mm = approach.height_mm(); z_mm < to_mm - 1e-9;) {
       z_mm = std::min(to_mm, z_mm + rules_.approach.step_mm);
       DRIFTWISE_RETURN_IF_ERROR(below(z_mm));
@@ -133,21 +134,20 @@ class Procedure {
                         digits_text(largest_nm) + " nm, the limit is " +
                         digits_text(rules_.approach.contact.abort_nm) +
                         " nm. Press less, or look for what blocks the robot");
-      DRIFTWISE_TRY(auto verdict, detector.add(window));
-      if (verdict == ContactDetector::Verdict::free) {  // once: somebody knocked
+      DRIFTWISE_RETURN_IF_ERROR(detector.add(window));
+      if (detector.side() != side) {  // once: somebody knocked
         DRIFTWISE_RETURN_IF_ERROR(cell_.wait(kLookAgain_s));
         DRIFTWISE_TRY(const Eigen::MatrixXd again, cell_.look());
-        DRIFTWISE_TRY(verdict, detector.add(again));
+        DRIFTWISE_RETURN_IF_ERROR(detector.add(again));
       }
-      if (verdict == ContactDetector::Verdict::free)
+      if (detector.side() != side)
         return fail(
             ErrorCode::failed_precondition, reasons::kContactLost,
             "pressed up to " + number_text(z_mm) + " mm, " +
                 digits_text((z_mm - approach.height_mm()) * 1e6) +
                 " nm beyond the contact: the holding error is " +
                 digits_text(detector.shift_nm().cwiseAbs().maxCoeff()) +
-                " nm off its baseline, in contact it is above " +
-                digits_text(rules_.approach.contact.threshold_nm) +
+                " nm off its baseline, in contact it is above " + digits_text(detector.faint_nm()) +
                 " nm. The contact is lost: see that tool and work-piece are fixed and that the "
                 "robot below moves; the same command goes on, beside this place");
     }

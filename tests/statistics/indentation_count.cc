@@ -39,6 +39,11 @@ int main(int argc, char** argv) {
         "third %d, fourth %d, later %d, with nothing touched %d; at most %.1f mN\n",
         c.contacts, c.approaches, c.moves[0], c.moves[1], c.moves[2], c.moves[3], c.later, c.before,
         c.largest_force_mn);
+    for (const auto& overlaps : c.late_overlap_nm) {
+      std::printf("beyond the second move; overlap after each, nm:");
+      for (const double nm : overlaps) std::printf(" %.0f", nm);
+      std::printf("\n");
+    }
   }
   if (approaches > 0) {
     const auto c = count_false_contacts(seed, approaches);

@@ -144,11 +144,12 @@ indentation::Approach::Next TouchingRobots::approach(const indentation::Approach
   using Kind = indentation::Approach::Next::Kind;
   auto approach = indentation::Approach::create(rule).value();
   auto next = approach.begin();
-  moves_in_contact_ = 0;
+  overlap_nm_.clear();
   for (int windows = 0; next.kind == Kind::move || next.kind == Kind::look; ++windows) {
     if (next.kind == Kind::move) {
       (void)move_below(rx_arcsec_, ry_arcsec_, next.height_mm);
-      moves_in_contact_ += moves_in_contact_ > 0 || plant_->contact(now()).gap_nm < 0;
+      const double overlap_nm = -plant_->contact(now()).gap_nm;
+      if (!overlap_nm_.empty() || overlap_nm > 0) overlap_nm_.push_back(overlap_nm);
     } else if (approach.detector().shift_nm().size() > 0)
       pass(1);
     if (windows == knock.before_window) plant_->knock(knock.amplitude_nm, now());
@@ -201,14 +202,17 @@ FoundContacts count_contacts(std::uint64_t seed, int approaches) {
     if (end.kind != Kind::contact) continue;
     ++count.contacts;
     surface_mm = end.height_mm;
-    const int moves = robots.moves_in_contact();
+    const auto truth = robots.plant().contact(std::llround(robots.time_s() * 1e9));
+    // Without overlap at rest the robot below may still have come up while it was looked at.
+    const bool touched = truth.force_n > 0;
+    const int moves = std::max(robots.moves_in_contact(), touched ? 1 : 0);
+    if (moves > 2) count.late_overlap_nm.push_back(robots.overlap_nm());
     if (moves < 1)
       ++count.before;
     else if (static_cast<std::size_t>(moves) > count.moves.size())
       ++count.later;
     else
       ++count.moves[static_cast<std::size_t>(moves) - 1];
-    const auto truth = robots.plant().contact(std::llround(robots.time_s() * 1e9));
     count.largest_force_mn = std::max(count.largest_force_mn, 1e3 * truth.force_n);
   }
   return count;

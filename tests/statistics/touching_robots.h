@@ -40,7 +40,9 @@ class TouchingRobots final : public indentation::TouchingCell {
 
   // Moves of the last approach() from the first after which tip and surface would overlap, both at
   // rest where they were told to be, to the decision; 0: they never did.
-  int moves_in_contact() const { return moves_in_contact_; }
+  int moves_in_contact() const { return static_cast<int>(overlap_nm_.size()); }
+  // After each of them: how far the surface is above where the tip would be without contact.
+  const std::vector<double>& overlap_nm() const { return overlap_nm_; }
 
   simulated::TwoRobotsPlant& plant() { return *plant_; }
   double time_s() const { return time_s_; }
@@ -52,7 +54,7 @@ class TouchingRobots final : public indentation::TouchingCell {
 
   std::unique_ptr<simulated::TwoRobotsPlant> plant_;
   double time_s_ = 0;
-  int moves_in_contact_ = 0;
+  std::vector<double> overlap_nm_{};
   double rx_arcsec_ = 0, ry_arcsec_ = 0;
   std::array<double, 3> above_mm_{}, below_mm_{};  // told to the two robots
 };
@@ -84,8 +86,9 @@ FalseContacts count_false_contacts(std::uint64_t seed, int approaches);
 struct FoundContacts {
   int approaches = 0, contacts = 0;
   std::array<int, 4> moves{};  // how many were found at the first move that touches, the second ...
-  int before = 0, later = 0;   // with nothing touched; beyond the fourth
+  int before = 0, later = 0;   // with no force between them; beyond the fourth
   double largest_force_mn = 0;
+  std::vector<std::vector<double>> late_overlap_nm{};  // of those beyond the second, per move
 };
 // approaches from some 20 um below the surface, at fresh places of an untilted substrate.
 FoundContacts count_contacts(std::uint64_t seed, int approaches);

@@ -50,6 +50,47 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"below_the_threshold", {124, 124, 124}, {124, 124, 124}}),
     [](const auto& row) { return std::string(row.param.name); });
 
+ContactDetector::Verdict after(ContactDetector& detector, double q1_nm, double q2_nm,
+                               double q3_nm) {
+  return *detector.add(window(30 + q1_nm, -28 + q2_nm, 33 + q3_nm));
+}
+
+TEST(ContactDetector, FindsAFaintShiftThatAllAxesShareInFourConsecutiveWindows) {
+  auto detector = with_baseline();
+  EXPECT_NEAR(detector.faint_nm(), 30, 1e-9) << "two readings 10 nm apart: their mean has 5 nm";
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(after(detector, 36, 32, 39), Verdict::look_again);
+  EXPECT_EQ(after(detector, 36, 32, 39), Verdict::contact);
+  EXPECT_EQ(detector.side(), 1);
+}
+
+TEST(ContactDetector, TakesTheRingingOfAKnockForNoFaintShift) {
+  auto detector = with_baseline();
+  for (const double nm : {90.0, 60.0, -40.0, 25.0, 25.0, 25.0, 2.0, 1.0})
+    EXPECT_NE(after(detector, nm, nm, nm), Verdict::contact);
+  EXPECT_EQ(after(detector, 0, 0, 0), Verdict::free);
+}
+
+TEST(ContactDetector, TakesAnAxisThatLatchesElsewhereForNoFaintShift) {
+  auto detector = with_baseline();
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(after(detector, 60, 5, 0), Verdict::free);
+}
+
+TEST(ContactDetector, AsksMoreOfAFaintShiftWhereTheRobotIsRestless) {
+  auto detector = with_baseline();
+  for (int i = 0; i < 20; ++i) {
+    const double nm = i % 2 == 0 ? 15 : -15;
+    EXPECT_NE(after(detector, nm, nm, nm), Verdict::contact);
+  }
+  EXPECT_GT(detector.faint_nm(), 60);
+  for (int i = 0; i < 8; ++i) EXPECT_NE(after(detector, 50, 50, 50), Verdict::contact);
+}
+
+TEST(ContactDetector, FollowsASlowDriftOfTheHoldingError) {
+  auto detector = with_baseline();
+  for (int i = 0; i < 200; ++i)
+    EXPECT_EQ(after(detector, 0.5 * i, 0.5 * i, 0.5 * i), Verdict::free) << i;
+}
+
 TEST(ContactDetector, KeepsItsBaselineWhenOneOfItsWindowsIsKnocked) {
   ContactDetector detector({});
   for (const double knock_nm : {0.0, 0.0, 700.0, 0.0, 0.0})
