@@ -12,6 +12,7 @@
 #include "server/core/text/quantity_text.h"
 #include "server/core/try.h"
 #include "server/correction/join_agreement.h"
+#include "server/correction/join_angles.h"
 #include "server/correction/join_suspicion.h"
 #include "server/correction/return_subtraction.h"
 #include "server/correction/robust.h"
@@ -232,6 +233,8 @@ class Join {
     DRIFTWISE_RETURN_IF_ERROR(check_rows_shifted(parts_, rows_));
     DRIFTWISE_RETURN_IF_ERROR(check_setups_swapped(parts_, rows_));
     warn_of_corrections();
+    angles_ = angle_errors(parts_, rows_, rules_);
+    warn_of_rolls();
     AngleU u_arcsec{};
     for (std::size_t i = 0; i < 3; ++i) {
       DRIFTWISE_TRY(const auto u, angle_u(kAngles[i]));
@@ -296,6 +299,18 @@ class Join {
           " are not corrected by the angles of the other runs: no [correction] is stated");
   }
 
+  // A roll that is beyond its own uncertainty: its error is in u and can be taken out by a person.
+  void warn_of_rolls() {
+    constexpr double kTimes = 3, kMradPerRad = 1e3;
+    for (const auto& roll : angles_.rolls)
+      if (std::abs(roll.rad) > kTimes * roll.u_rad)
+        out_.report.warnings.push_back(fmt::format(
+            "autocollimator of {} is turned about its beam by {:.1f} +- {:.1f} mrad, by the "
+            "rotation that two runs measured: the error of its other rotation is in u. Align it, "
+            "or correct its two channels by this angle",
+            roll.part, kMradPerRad * roll.rad, kMradPerRad * roll.u_rad));
+  }
+
   std::optional<JoinCheck> worst_check(const Channel& channel,
                                        const std::vector<std::size_t>& sources) const {
     std::optional<JoinCheck> worst;
@@ -318,6 +333,11 @@ class Join {
       const auto& scatter = scatter_[sources.front()];
       if (const auto found = scatter.find(channel.name()); found != scatter.end())
         square = found->second * found->second;
+    }
+    if (const auto& seen = is_angle(channel.unit) ? angles_.square[axis_of_symbol(channel.symbol)]
+                                                  : std::nullopt) {
+      const double of_angles = *seen / std::pow(arcsec_per_unit(channel), 2);
+      square = check ? of_angles : square + of_angles;
     }
     if (is_length(channel.unit)) {
       double off_mm = 0;
@@ -425,6 +445,7 @@ class Join {
   const JoinRules& rules_;
   MatchedRows rows_;
   std::vector<std::map<std::string, double>> scatter_;  // of one return, per part and channel
+  AngleErrors angles_;
   std::array<double, 3> u_of_angles_mm_{};
   JoinedData out_;
 };

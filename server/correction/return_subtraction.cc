@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "server/core/reasons.h"
+#include "server/core/units.h"
 #include "server/correction/robust.h"
 
 namespace driftwise::correction {
@@ -75,19 +76,71 @@ std::map<std::string, double> scatter_of_returns(const JoinPart& part,
   return scatter;
 }
 
+std::vector<double> without_jumps(const std::vector<double>& values) {
+  constexpr double kFarOff = 5;
+  std::vector<double> off;
+  for (std::size_t i = 1; i + 1 < values.size(); ++i)
+    off.push_back(values[i] - 0.5 * (values[i - 1] + values[i + 1]));
+  const double limit = kFarOff * robust_sigma(off);
+  std::vector<double> kept;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const bool inner = i > 0 && i + 1 < values.size();
+    if (!inner || limit <= 0 || std::abs(off[i - 1]) <= limit) kept.push_back(values[i]);
+  }
+  return kept;
+}
+
+namespace {
+
+// Sum of squares about the median, datum by datum, and how many returns it has; in the column's
+// unit.
+struct Squares {
+  double sum = 0, count = 0;
+  double mean() const { return count > 1 ? sum / count : 0; }
+};
+Squares squares_of_returns(const JoinPart& part, const std::vector<std::size_t>& zeros,
+                           const DatasetColumn& column) {
+  Squares squares;
+  for (const auto& [datum, rows] : returns_by_datum(part, zeros, column)) {
+    std::vector<double> values;
+    for (const auto row : rows) values.push_back(column.values[row]);
+    const double median = median_of(values);
+    for (const double value : without_jumps(values)) {
+      squares.sum += (value - median) * (value - median);
+      squares.count += 1;
+    }
+  }
+  return squares;
+}
+
+// Mean square of the motors' own deviations at the returns, mean over the motors, mm^2.
+double holding_square_mm2(const JoinPart& part, const std::vector<std::size_t>& zeros) {
+  double sum = 0, motors = 0;
+  for (const auto& column : part.data.columns) {
+    if (!is_motor_symbol(column.channel.symbol) || !is_length(column.channel.unit)) continue;
+    const double mm = mm_from_nm(summary_unit(column.channel.unit).factor);
+    sum += mm * mm * squares_of_returns(part, zeros, column).mean();
+    motors += 1;
+  }
+  return motors > 0 ? sum / motors : 0;
+}
+
+}  // namespace
+
 std::map<std::string, double> spread_of_returns(const JoinPart& part,
                                                 const std::vector<std::size_t>& zeros) {
   std::map<std::string, double> spread;
+  const double holding_mm2 = holding_square_mm2(part, zeros);
   for (const auto& column : part.data.columns) {
     if (!counts_from_zero(column.channel)) continue;
-    std::vector<double> off;
-    for (const auto& [datum, rows] : returns_by_datum(part, zeros, column)) {
-      std::vector<double> values;
-      for (const auto row : rows) values.push_back(column.values[row]);
-      const double median = median_of(values);
-      for (const double value : values) off.push_back(value - median);
+    const auto squares = squares_of_returns(part, zeros, column);
+    if (squares.count < 2) continue;
+    double square = squares.mean();
+    if (is_length(column.channel.unit)) {
+      const double mm = mm_from_nm(summary_unit(column.channel.unit).factor);
+      square = std::max(0.0, square - holding_mm2 / mm / mm);
     }
-    if (off.size() > 1) spread[column.channel.name()] = robust_sigma(off);
+    spread[column.channel.name()] = std::sqrt(square);
   }
   return spread;
 }

@@ -19,9 +19,16 @@ bool counts_from_zero(const Channel& channel);
 // three returns in a datum: nothing of that datum. Asked before one of the functions below.
 std::map<std::string, double> scatter_of_returns(const JoinPart& part,
                                                  const std::vector<std::size_t>& zeros);
-// Robust sigma of the returns about their median: with the drift of the run.
+// Root mean square of the returns about their median: with the drift of the run, which is smooth,
+// goes one way for most of a session or waits in one place and then leaves it, so that a robust
+// sigma of its values states too little. Of a length less the motors' own deviations there, the
+// holding error, which a join counts row by row. Returns that jump are left out (without_jumps).
 std::map<std::string, double> spread_of_returns(const JoinPart& part,
                                                 const std::vector<std::size_t>& zeros);
+
+// Values in time order without those that are off the line between their two neighbours by more
+// than five robust standard deviations of such distances: a wrong return jumps, a drift does not.
+std::vector<double> without_jumps(const std::vector<double>& values);
 
 // Subtracts the median of the returns, datum by datum; a datum without a return takes that of all.
 void align_zeros(const std::vector<std::size_t>& zeros, JoinPart& part);

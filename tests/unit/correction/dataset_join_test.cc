@@ -207,6 +207,46 @@ TEST(DatasetJoin, SaysWhereEachCoordinateComesFromAndChecksTheOneThatWasSeenTwic
   EXPECT_TRUE(joined->report.warnings.empty()) << joined->report.warnings.front();
 }
 
+// An autocollimator turned about its beam: of two rotations that it reads, each has a share of the
+// other.
+void turn_autocollimator(JoinPart& part, const char* first, const char* second, double rad) {
+  auto& a = column(part, first).values;
+  auto& b = column(part, second).values;
+  for (std::size_t row = 0; row < part.data.rows; ++row) {
+    const double was = a[row];
+    a[row] += rad * b[row];
+    b[row] -= rad * was;
+  }
+}
+
+TEST(DatasetJoin, StatesTheRollOfAutocollimatorsInTheRotationsThatOneRunAloneMeasured) {
+  auto parts = three();
+  turn_autocollimator(parts[0], "ry", "rz", 0.04);
+  turn_autocollimator(parts[1], "ry", "rx", -0.03);
+  const auto joined = join(parts, {});
+  ASSERT_TRUE(joined) << joined.error().message;
+  for (const char* symbol : {"rx", "ry", "rz"}) {
+    const double off = rms_error(joined->data, symbol, grid());
+    const double u = channel(joined->report, symbol).u.value();
+    EXPECT_GT(off, 0.03) << symbol;
+    EXPECT_NEAR(u / off, 1, 0.25) << symbol << ": error " << off << ", u " << u;
+  }
+  EXPECT_THAT(
+      joined->report.warnings,
+      testing::IsSupersetOf({HasSubstr("first is turned about its beam by 39.3 +- 2.3 mrad"),
+                             HasSubstr("second is turned about its beam by -28.5 +- 1.8 mrad")}));
+}
+
+TEST(DatasetJoin, FindsNoRollWhereASingleRowOfTheCommonRotationIsWrong) {
+  auto parts = three();
+  column(parts[0], "ry").values[40] += 30;
+  const auto joined = join(parts, {});
+  ASSERT_TRUE(joined) << joined.error().message;
+  for (const auto& warning : joined->report.warnings)
+    EXPECT_THAT(warning, testing::Not(HasSubstr("turned about its beam")));
+  EXPECT_LT(channel(joined->report, "rz").u.value(), 0.1);
+}
+
 TEST(DatasetJoin, JoinsTheRunsOfOneRobotAmongSeveral) {
   auto parts = three();
   for (auto& part : parts) {
