@@ -7,7 +7,7 @@ say "packages"
 install_missing build test bench
 say "build (preset release)"
 configure_and_build release -DDRIFTWISE_BUILD_TESTS=ON -DDRIFTWISE_BUILD_BENCHMARKS=ON -- \
-  engine_bench store_bench target_bench target_line_bench rpc_bench regression_bench fit_floor_bench csv_bench driftwise \
+  engine_bench store_bench target_bench target_line_bench joint_target_bench rpc_bench regression_bench fit_floor_bench csv_bench driftwise \
   driftwised driftwise-cellsim
 bin=$root/build/release/bin
 scratch=$root/out/bench
@@ -27,6 +27,8 @@ run rpc_bench "$bin/rpc_bench" 3000
 run rpc_bench_tls "$bin/rpc_bench" 3000 tls
 say "text line against a bare echo (goal p99 1.3 x)"
 run target_line_bench "$bin/target_line_bench" 3000
+say "joint target of two robots over the text line against a single one (goal p99 1.3 x: line_p99_ratio)"
+run joint_target_bench "$bin/joint_target_bench" 3000
 say "regression (triangle, selection, solution)"
 run regression_bench "$bin/regression_bench" --benchmark_repetitions=3 --benchmark_report_aggregates_only=true 2>/dev/null
 

@@ -80,10 +80,11 @@ enum class Refusal : std::uint8_t {
 
 struct Target {
   std::size_t outputs = 0;  // how many entries below are meant, in order of Snapshot::outputs
-  std::array<double, kMaxOutputs> q_mm{};
-  std::array<double, kMaxOutputs> u_nm{};  // standard uncertainty; NaN when it was not asked for or
-                                           // is not known (kUnjudgedModel)
-  std::uint32_t flags = 0;                 // TargetFlag
+  // Not set beyond outputs: zeros for sixteen of each cost more than a small model's arithmetic.
+  std::array<double, kMaxOutputs> q_mm;
+  std::array<double, kMaxOutputs> u_nm;  // standard uncertainty; NaN when it was not asked for or
+                                         // is not known (kUnjudgedModel)
+  std::uint32_t flags = 0;               // TargetFlag
   std::uint64_t outside = 0, stale = 0, missing = 0;  // a bit per entry of Snapshot::inputs
   std::uint32_t unreachable = 0, unlimited = 0;  // a bit per output: beyond its limits; none known
   std::uint32_t ignored = 0;                     // a bit per Variable

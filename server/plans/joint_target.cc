@@ -199,14 +199,16 @@ bool answer_robot(const JointSnapshot::Robot& robot, std::size_t r, const JointR
     target.valid_until = std::min(target.valid_until, coarse.valid_until);
   }
 
-  std::array<double, compensation::kMaxOutputs> shift{}, at_border{};
+  std::array<double, compensation::kMaxOutputs> shift, at_border, propagated;
   if (fade > 0) {
     const Values border = held_at_border(robot.band, out.pose);
     model_coordinates(robot.fine, border, shift.data());
     model_coordinates(*robot.coarse, border, at_border.data());
-    for (std::size_t i = 0; i < count; ++i) shift[i] -= at_border[i];
   }
-  std::array<double, compensation::kMaxOutputs> propagated{};
+  for (std::size_t i = 0; i < count; ++i) {
+    shift[i] = fade > 0 ? shift[i] - at_border[i] : 0;
+    propagated[i] = 0;
+  }
   for (std::size_t v = 0; v < compensation::kVariables; ++v) {
     if (variance[v] <= 0) continue;
     for (std::size_t i = 0; i < count; ++i) {
@@ -216,7 +218,7 @@ bool answer_robot(const JointSnapshot::Robot& robot, std::size_t r, const JointR
     }
   }
   for (std::size_t i = 0; i < count; ++i) {
-    const double other = coarse.q_mm[i] + fade * shift[i];
+    const double other = w < 1 ? coarse.q_mm[i] + fade * shift[i] : 0;
     const double q = w >= 1 ? fine.q_mm[i] : w <= 0 ? other : w * fine.q_mm[i] + (1 - w) * other;
     const double apart_nm = w > 0 && w < 1 ? std::abs(fine.q_mm[i] - other) * kNmPerMm : 0;
     out.difference_nm = std::max(out.difference_nm, apart_nm);

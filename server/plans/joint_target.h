@@ -49,9 +49,9 @@ Result<JointName> joint_name(const JointSnapshot& snapshot, std::string_view nam
 enum class AnsweredBy : std::uint8_t { one, fine, coarse, blend };
 
 struct JointTerm {
-  std::uint8_t step = 0, output = 0;
-  bool added = false;
-  double value = 0, u = 0;  // mm and nm; of an angle arcsec and 1e-6 arcsec
+  std::uint8_t step, output;
+  bool added;
+  double value, u;  // mm and nm; of an angle arcsec and 1e-6 arcsec
 };
 
 struct JointTarget {
@@ -68,8 +68,9 @@ struct JointTarget {
   };
   std::size_t robots = 0, outputs = 0, terms = 0;
   std::array<Robot, kMostRobots> robot{};
-  std::array<double, kMostJointOutputs> q_mm{}, u_nm{};
-  std::array<JointTerm, kMostTerms> term{};
+  // Not set beyond outputs and terms.
+  std::array<double, kMostJointOutputs> q_mm, u_nm;
+  std::array<JointTerm, kMostTerms> term;
   // Of the steps, by step: flags and bits of the inputs of its model.
   std::array<std::uint32_t, kMostSteps> step_flags{};
   std::array<std::uint64_t, kMostSteps> step_outside{}, step_stale{}, step_missing{};
