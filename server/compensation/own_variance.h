@@ -12,6 +12,8 @@
 // 6.4.9) states a standard deviation of few readings in the same way. Where the noise is small the
 // result is s^2 - noise^2.
 
+#include <vector>
+
 #include "server/calibration/model/model.h"
 
 namespace driftwise::compensation {
@@ -20,6 +22,17 @@ namespace driftwise::compensation {
 // squared; dof: degrees of freedom of s^2. Without noise, and below 5 degrees of freedom, where the
 // expectation says nothing, s^2 whole.
 double own_variance(double scatter2, double noise2, double dof);
+
+// Several outputs of one model: axes of one machine, built alike, so that what all of them show
+// says something of each. The robot's standard deviations r_j are half-normal about a common scale
+// t, which is itself unknown and uniform (Gelman 2006, sections 3.2 and 5; the hierarchical model
+// of variance parameters). Where no output shows anything beyond the instruments, t is small and
+// each is stated smaller than its own rows alone allow; where one shows much, t is large and the
+// others are as by themselves. Result: E[r_j^2] given the scatter of all. One output: own_variance.
+struct Scatter {
+  double scatter2 = 0, noise2 = 0, dof = 0;  // as above
+};
+std::vector<double> own_variances(const std::vector<Scatter>& outputs);
 
 // Degrees of freedom of a residual's variance where rows hang together: the variance of s^2 of a
 // normal series is 2 sigma^4 / n times the sum of its squared autocorrelations (Bartlett 1946).

@@ -70,6 +70,7 @@ Result<SnapshotBuilder> SnapshotBuilder::create(calibration::Model model, ModelI
       if (fitted.channel.symbol == output.channel.symbol)
         made.add_uncertainty(fitted, cell, output);
   }
+  made.add_own_scatter(cell);
   if (made.outputs_.empty() || made.outputs_.size() > kMaxOutputs ||
       made.basis_.size() > kMaxBasis ||
       made.fast_inputs_.size() + made.slow_inputs_.size() + made.standing_.size() > kMaxInputs)

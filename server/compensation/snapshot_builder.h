@@ -120,6 +120,8 @@ class SnapshotBuilder {
   PresentGeometry present_geometry(const Conditions& conditions) const;
   void add_uncertainty(const calibration::OutputModel& from, const CellDescription& cell,
                        Output& output) const;
+  // Of every output, from the residuals of all.
+  void add_own_scatter(const CellDescription& cell);
   Result<Term> split(const effects::Term& term);
   Result<void> add_fast_input(const Channel& channel, const calibration::ChannelRange& range);
   const calibration::ChannelRange* domain_of(const std::string& symbol) const;

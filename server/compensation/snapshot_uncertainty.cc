@@ -96,11 +96,27 @@ void SnapshotBuilder::add_uncertainty(const calibration::OutputModel& from,
   }
   for (auto& [by, shift] : drifts)
     output.systematics.push_back({UncertaintySource::drift, std::move(shift), true});
-  // What the residual holds beyond the noise of the instruments that saw it is the robot's own.
-  const double residual_nm = from.accuracy.rmse * nm_per_unit(from.channel);
-  output.unfollowed_nm = std::sqrt(own_variance(
-      residual_nm * residual_nm, instrument_noise_nm2(from, cell, model_.lineage.measured_by),
-      variance_dof(from)));
+}
+
+// What a residual holds beyond the noise of the instruments that saw it is the robot's own. Lengths
+// among themselves and rotations among themselves are alike.
+void SnapshotBuilder::add_own_scatter(const CellDescription& cell) {
+  for (const bool angles : {false, true}) {
+    std::vector<Output*> alike;
+    std::vector<Scatter> scatter;
+    for (auto& output : outputs_)
+      for (const auto& from : model_.outputs) {
+        if (from.channel.symbol != output.channel.symbol || is_angle(from.channel.unit) != angles)
+          continue;
+        const double residual_nm = from.accuracy.rmse * nm_per_unit(from.channel);
+        alike.push_back(&output);
+        scatter.push_back({residual_nm * residual_nm,
+                           instrument_noise_nm2(from, cell, model_.lineage.measured_by),
+                           variance_dof(from)});
+      }
+    const auto own_nm2 = own_variances(scatter);
+    for (std::size_t i = 0; i < alike.size(); ++i) alike[i]->unfollowed_nm = std::sqrt(own_nm2[i]);
+  }
 }
 
 }  // namespace driftwise::compensation

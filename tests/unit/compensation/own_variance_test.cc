@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <random>
+#include <vector>
 
 namespace driftwise::compensation {
 namespace {
@@ -86,6 +87,83 @@ TEST(OwnVariance, StatesWhatARobotAddsInNearlyEveryCampaign) {
   EXPECT_GT(cut_far_less, kCampaigns / 4);
   EXPECT_GT(sum, kOwn2);
   EXPECT_LT(sum, kOwn2 + kNoise2 * std::sqrt(2 / kDof)) << "no more than the scatter of s^2";
+}
+
+// By sums over both standard deviations and the common scale.
+double of_two_by_sums(double first2, double second2, double noise2, double dof) {
+  const double noise = std::sqrt(noise2), step = 5e-3 * noise;
+  constexpr int kCount = 500;
+  const auto likelihood = [&](double scatter2) {
+    std::vector<double> out;
+    for (int k = 0; k < kCount; ++k) {
+      const double variance = noise2 + std::pow((k + 0.5) * step, 2);
+      out.push_back(
+          std::exp(-0.5 * dof * (std::log(variance / scatter2) + scatter2 / variance) + 0.5 * dof));
+    }
+    return out;
+  };
+  const auto first = likelihood(first2), second = likelihood(second2);
+  double whole = 0, squares = 0;
+  for (double t = 0.002 * noise; t < 100 * noise; t *= 1.02) {
+    double a = 0, a_squares = 0, b = 0;
+    for (int k = 0; k < kCount; ++k) {
+      const double r = (k + 0.5) * step, prior = std::exp(-0.5 * r * r / t / t) / t;
+      a += prior * first[static_cast<std::size_t>(k)];
+      a_squares += r * r * prior * first[static_cast<std::size_t>(k)];
+      b += prior * second[static_cast<std::size_t>(k)];
+    }
+    whole += t * a * b;
+    squares += t * a_squares * b;
+  }
+  return (dof - 3) / dof * squares / whole;
+}
+
+TEST(OwnVariances, AreTheExpectationUnderAnUnknownCommonScale) {
+  for (const auto& [first, second] :
+       {std::pair{400.0, 400.0}, {400.0, 480.0}, {480.0, 400.0}, {350.0, 390.0}, {600.0, 700.0}}) {
+    const auto own = own_variances({{first, 400, 200}, {second, 400, 200}});
+    const double sums = of_two_by_sums(first, second, 400, 200);
+    EXPECT_NEAR(own[0], sums, 0.02 * sums) << first << ", " << second;
+  }
+}
+
+TEST(OwnVariances, OfOneOutputAreThatOfItAlone) {
+  EXPECT_EQ(own_variances({{420, 400, 300}}).front(), own_variance(420, 400, 300));
+  const auto with_damaged = own_variances({{420, 400, 300}, {HUGE_VAL, 400, 300}, {10, 0, 300}});
+  EXPECT_EQ(with_damaged[0], own_variance(420, 400, 300));
+  EXPECT_EQ(with_damaged[1], HUGE_VAL);
+  EXPECT_EQ(with_damaged[2], 10);
+  EXPECT_TRUE(own_variances({}).empty());
+}
+
+TEST(OwnVariances, OfOutputsFarAboveTheNoiseAreAsByThemselves) {
+  const auto own = own_variances({{1e6, 400, 800}, {400, 400, 800}, {9e5, 400, 800}});
+  EXPECT_NEAR(own[0], 1e6, 1e4);
+  EXPECT_NEAR(own[1], own_variance(400, 400, 800), 0.02 * own_variance(400, 400, 800))
+      << "an axis unlike the others keeps its own figure";
+}
+
+// Three axes that add nothing, 3 nm, or 10 nm each, behind 20 nm of instruments. The common scale
+// draws towards 0: of 10 nm a twentieth is lost on average, a seventh of what one campaign can
+// tell.
+TEST(OwnVariances, StateLessThanEachAloneAndHardlyLessThanTheRobotAdds) {
+  constexpr double kNoise2 = 400, kDof = 330;
+  std::mt19937_64 random(6);
+  std::chi_squared_distribution<double> chi2(kDof);
+  for (const double own2 : {0.0, 9.0, 100.0}) {
+    double jointly = 0, alone = 0;
+    constexpr int kCampaigns = 100;
+    for (int k = 0; k < kCampaigns; ++k) {
+      std::vector<Scatter> scatter;
+      for (int j = 0; j < 3; ++j)
+        scatter.push_back({(kNoise2 + own2) * chi2(random) / kDof, kNoise2, kDof});
+      for (const double one : own_variances(scatter)) jointly += one / 3 / kCampaigns;
+      for (const auto& one : scatter)
+        alone += own_variance(one.scatter2, one.noise2, one.dof) / 3 / kCampaigns;
+    }
+    EXPECT_GT(jointly, 0.85 * own2);
+    EXPECT_LT(jointly - own2, 0.7 * (alone - own2) + 0.03 * own2) << "robot of " << own2 << " nm^2";
+  }
 }
 
 TEST(OwnVariance, CountsRowsThatHangTogetherAsFewer) {
