@@ -34,11 +34,12 @@ def figures_of(name):
                              + FIGURE + " +" + FIGURE, line):
             take(f"proof, {row[1]}: A90 interferometer", row[2])
             take(f"proof, {row[1]}: A90 truth", row[4])
-        elif row := re.match(r"(G|G \+ F|G \+ T|G \+ T \+ F|  and products of force and t04 with the pose|\.\.\. outside|  products)  +(.*) ms$",
-                             line):
-            numbers = re.findall(r"(\d+\.\d) \( ?\d+\)", row[2])
-            for axis, value in zip(("q1", "q2", "q3"), numbers[-3:]):
+        elif row := re.match(r"(G|G \+ F|G \+ T|G \+ T \+ F|  and products of force and t04 with the pose)  +(.*) ms$", line):
+            for axis, value in zip(("q1", "q2", "q3"), re.findall(r"(\d+\.\d) \( ?\d+\)", row[2])[-3:]):
                 take(f"fit, {row[1].strip()}: U90 {axis}", value)
+        elif row := re.match(r"(?:\.\.\. (outside)|  (products))  +.*?(\d+\.\d) +(\d+\.\d) +(\d+\.\d) *$", line):
+            for axis, value in zip(("q1", "q2", "q3"), row.groups()[2:]):
+                take(f"fit, G + T + F outside: U90 {axis}" if row[1] else f"fit, products outside: U90 {axis}", value)
         elif row := re.match(r"(.+): \d+ points under \d", line):
             proof = row[1]
         elif proof and (row := re.match(r"  ([xyz]) +(?:\d+ +)?" + FIGURE + " +" + FIGURE, line)):
